@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+// GnoSphere: a LiDAR simulator that never casts a ray. Everything public, in one include.
+#pragma once
+
+#include "gnosphere/error.hpp"
+#include "gnosphere/output.hpp"
+#include "gnosphere/scan.hpp"
+#include "gnosphere/scene.hpp"
+#include "gnosphere/sensor.hpp"
+#include "gnosphere/simulator.hpp"

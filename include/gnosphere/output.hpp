@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gnosphere/scan.hpp"
+
+namespace gnosphere {
+
+/// A column of a cloud file. Types: x y z range tolerance f32, ring u16, beam triangle instance u32, tie u8.
+enum class Field { x, y, z, range, ring, beam, triangle, instance, tie, tolerance };
+
+/// "x,y,z,range" -> fields. Throws Error(invalidArgument) that lists the names there are.
+std::vector<Field> parseFields(const std::string& names);
+const std::vector<Field>& defaultFields();  ///< x y z range ring beam triangle instance
+
+struct CloudOptions {
+  std::vector<Field> fields = defaultFields();
+  bool compact = false;  ///< hits only; otherwise every beam, a miss being NaN (0xffffffff in ids)
+  bool ascii = false;    ///< PCD and PLY; CSV always is
+};
+
+/// Writes .pcd, .ply, .bin (KITTI: x y z reflectance, hits only), .npy or .csv; the ending decides. The file is
+/// written beside and renamed, so no half-written file is left. Throws Error(invalidArgument) for an ending or a field
+/// the scan does not have, Error(file) if it cannot be written.
+void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
+
+/// Range image over the columns and channels above a bird's-eye view coloured by height, as PNG.
+void writePicture(const Scan& scan, const std::filesystem::path& file);
+
+/// Reads a PCD, PLY, NPY or CSV cloud with the fields that writeCloud() gave it; organised by `beam` where the file
+/// has that field. Throws Error(file) or Error(format).
+Scan readCloud(const std::filesystem::path& file);
+
+/// How two clouds of the same beams differ, beam by beam; `reference` is taken as the truth. Beams that the reference
+/// marks as ties are counted apart.
+struct Comparison {
+  uint64_t beams = 0;
+  uint64_t hits = 0;        ///< of the reference
+  uint64_t missed = 0;      ///< the reference hits, the other does not; outside ties
+  uint64_t falseHits = 0;   ///< the other hits, the reference does not; outside ties
+  uint64_t wrongOwner = 0;  ///< both hit, another triangle; outside ties
+  uint64_t wrongRange = 0;  ///< both hit, further apart than the tolerance; outside ties
+  uint64_t ties = 0;        ///< beams the reference marks
+  uint64_t tieDifferences = 0;  ///< of those, how many differ in owner or hit
+  double rangeErrorMax = 0;     ///< metres, over beams with the same owner, ties left out
+  double rangeError9999 = 0;    ///< 99.99th percentile of |error|
+  double rangeErrorRms = 0;
+  bool same() const { return missed == 0 && falseHits == 0 && wrongOwner == 0 && wrongRange == 0; }
+};
+
+/// `tolerance` in metres is used for beams where the reference states none. Throws Error(invalidArgument) if the
+/// clouds do not have the same beams.
+Comparison compare(const Scan& reference, const Scan& other, double tolerance = 1e-3);
+
+}  // namespace gnosphere

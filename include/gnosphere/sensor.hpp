@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gnosphere/scene.hpp"
+
+namespace gnosphere {
+
+/// One laser of a spinning sensor.
+struct Channel {
+  double elevationDeg = 0;      ///< above the horizon, -90..90
+  double azimuthOffsetDeg = 0;  ///< added to the column's azimuth
+};
+
+/// A grid of beams that all leave the sensor's origin. Column i of channel j points at elevation `elevationDeg[j]` and
+/// azimuth -180 + 360 i / columns + `azimuthOffsetDeg[j]` degrees (counter-clockwise seen from above, 0 = x axis).
+/// Beam index = channel * columns + column: the organised cloud has one row per channel.
+struct Sensor {
+  std::string name;
+  uint32_t columns = 0;
+  std::vector<Channel> channels;
+  double rangeMin = 0;  ///< metres; a hit counts if rangeMin <= range <= rangeMax
+  double rangeMax = 0;  ///< metres
+
+  size_t beamCount() const { return size_t{columns} * channels.size(); }
+  /// Unit vector of a beam in the sensor's frame.
+  Vec3 direction(size_t beam) const;
+};
+
+/// Throws Error(invalidArgument) that names the field: zero columns, angles or ranges that are not finite or out of
+/// bounds, more beams than a 32-bit index holds. Zero channels are allowed: the cloud is empty.
+void validate(const Sensor& sensor);
+
+/// The five models of Table 2 of the GnoSphere360 paper.
+const std::vector<Sensor>& builtinSensors();
+
+/// A built-in model by its name (case does not matter) or a JSON file by its path. Throws Error(invalidArgument) with
+/// the names there are, Error(file) or Error(format).
+Sensor findSensor(const std::string& nameOrFile);
+
+/// JSON of a sensor; sensorFromJson(toJson(s)) has the same bytes in every field.
+std::string toJson(const Sensor& sensor);
+Sensor sensorFromJson(std::string_view json, const std::string& source);
+
+}  // namespace gnosphere

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gnosphere/scan.hpp"
+#include "gnosphere/scene.hpp"
+#include "gnosphere/sensor.hpp"
+
+namespace gnosphere {
+
+/// The accuracy dial.
+enum class Accuracy {
+  paper,     ///< section 3 of the paper to the letter: vertex boxes, first-vertex range cull, plain edge normals
+  standard,  ///< exact bounds, watertight edges, range within the triangle's own depth interval
+};
+
+/// Which faces of a triangle reflect.
+enum class Faces {
+  material,  ///< Material::doubleSided decides
+  front,
+  both,
+};
+
+/// How triangles meet beams. Every way gives the same cloud.
+enum class Binning {
+  automatic,  ///< nearest where only the first return matters
+  nearest,    ///< one 64-bit atomic minimum per hit; falls back to nearest32 where the device has none
+  nearest32,  ///< two passes over 32-bit words
+  lists,      ///< per beam a list of candidates: count, scan, fill
+};
+
+struct SimulatorOptions {
+  std::string device = "auto";  ///< auto, an index or part of a name of listDevices(), or "reference"
+  Accuracy accuracy = Accuracy::standard;
+  Faces faces = Faces::material;
+  Binning binning = Binning::automatic;
+  bool validation = false;      ///< Vulkan validation layer on; its messages are thrown as Error(device)
+  uint64_t maxBufferBytes = 0;  ///< cap on any one device buffer; 0 = what the device allows
+};
+
+struct DeviceInfo {
+  std::string name;
+  std::string type;        ///< discrete, integrated, virtual, cpu, other, reference
+  std::string driver;      ///< name and version
+  std::string apiVersion;  ///< Vulkan version; empty for the reference
+  uint64_t maxBufferBytes = 0;
+  uint32_t subgroupSize = 0;
+  bool usable = false;
+  std::string reason;  ///< why not, where it is not usable
+};
+
+/// Every Vulkan device of this machine, and the reference last. Never throws for lack of Vulkan: the list then holds
+/// the reference alone, and `vulkanProblem` says why.
+std::vector<DeviceInfo> listDevices(std::string* vulkanProblem = nullptr);
+
+/// Bytes on the device, by what they hold.
+struct MemoryUse {
+  uint64_t scene = 0;
+  uint64_t sensor = 0;
+  uint64_t work = 0;  ///< lists and words of the stages
+};
+
+class Backend;
+
+/// A scene and sensors on a device. Not thread-safe; use one per thread.
+class Simulator {
+ public:
+  /// Uploads the scene and compiles the stages. Throws Error(device) if no device fits, with the reason per device.
+  Simulator(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options = {});
+  Simulator(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options = {});
+  ~Simulator();
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
+
+  /// One scan of one sensor from a pose. Throws Error(invalidArgument) for a pose that is not finite, Error(device) or
+  /// Error(outOfMemory) if the device fails.
+  Scan scan(const Pose& pose, size_t sensor = 0);
+
+  const DeviceInfo& device() const;
+  MemoryUse memory() const;
+  size_t clusterCount() const;  ///< of the flattened scene; 0 on the reference
+
+ private:
+  std::vector<Sensor> sensors_;
+  std::unique_ptr<Backend> backend_;
+};
+
+}  // namespace gnosphere

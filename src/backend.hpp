@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The border between what a scan means and the machine that computes it.
+#pragma once
+
+#include "gnosphere/simulator.hpp"
+
+namespace gnosphere {
+
+/// One machine with one scene on it. Implemented by vulkan/ and reference/; never included by either of the other.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  /// Fills every array, the counters and the timings of a Scan; name, grid size and pose are set by the caller.
+  virtual Scan scan(size_t sensor, const Pose& pose) = 0;
+  virtual const DeviceInfo& device() const = 0;
+  virtual MemoryUse memory() const = 0;
+  virtual size_t clusterCount() const = 0;
+};
+
+std::unique_ptr<Backend> makeReferenceBackend(const Scene& scene, const std::vector<Sensor>& sensors,
+                                              const SimulatorOptions& options);
+std::unique_ptr<Backend> makeVulkanBackend(const Scene& scene, const std::vector<Sensor>& sensors,
+                                           const SimulatorOptions& options);
+/// Every Vulkan device seen; empty, with the reason in `problem`, where there is no Vulkan at all.
+std::vector<DeviceInfo> listVulkanDevices(std::string* problem);
+DeviceInfo referenceDevice();
+
+}  // namespace gnosphere

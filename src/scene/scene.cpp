@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gnosphere/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gnosphere/error.hpp"
+
+namespace gnosphere {
+
+Transform operator*(const Transform& a, const Transform& b) {
+  Transform c;
+  for (int row = 0; row < 3; ++row) {
+    const double* m = &a.rows[4 * row];
+    for (int column = 0; column < 4; ++column) {
+      double sum = column == 3 ? m[3] : 0;
+      for (int k = 0; k < 3; ++k) sum += m[k] * b.rows[4 * k + column];
+      c.rows[4 * row + column] = sum;
+    }
+  }
+  return c;
+}
+
+Vec3 operator*(const Transform& a, const Vec3& p) {
+  const auto& m = a.rows;
+  return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
+          m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
+}
+
+size_t Scene::uniqueTriangleCount() const {
+  size_t count = 0;
+  for (const Mesh& mesh : meshes) count += mesh.triangleCount();
+  return count;
+}
+
+size_t Scene::placedTriangleCount() const {
+  size_t count = 0;
+  for (const Instance& instance : instances) count += meshes.at(instance.mesh).triangleCount();
+  return count;
+}
+
+Bounds worldBounds(const Scene& scene) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Bounds bounds = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes.at(instance.mesh);
+    for (size_t v = 0; v < mesh.vertexCount(); ++v) {
+      const Vec3 p = instance.transform * Vec3{mesh.origin.x + mesh.positions[3 * v],
+                                               mesh.origin.y + mesh.positions[3 * v + 1],
+                                               mesh.origin.z + mesh.positions[3 * v + 2]};
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
+      bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y), std::min(bounds.min.z, p.z)};
+      bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y), std::max(bounds.max.z, p.z)};
+    }
+  }
+  return bounds;
+}
+
+void validate(const Scene& scene) {
+  const auto fail = [](const std::string& what) { throw Error(ErrorCode::invalidArgument, what); };
+  for (size_t i = 0; i < scene.meshes.size(); ++i) {
+    const Mesh& mesh = scene.meshes[i];
+    const std::string name = "mesh " + std::to_string(i) + (mesh.name.empty() ? "" : " ('" + mesh.name + "')");
+    if (mesh.positions.size() % 3 != 0) fail(name + ": positions must come in threes");
+    if (mesh.indices.size() % 3 != 0) fail(name + ": indices must come in threes");
+    for (uint32_t index : mesh.indices)
+      if (index >= mesh.vertexCount())
+        fail(name + ": index " + std::to_string(index) + " is out of range, the mesh has " +
+             std::to_string(mesh.vertexCount()) + " vertices");
+    size_t next = 0;
+    for (const MeshPart& part : mesh.parts) {
+      if (part.firstTriangle != next) fail(name + ": its parts must follow each other without a gap");
+      if (part.material >= scene.materials.size())
+        fail(name + ": material " + std::to_string(part.material) + " does not exist, the scene has " +
+             std::to_string(scene.materials.size()));
+      next += part.triangleCount;
+    }
+    if (next != mesh.triangleCount()) fail(name + ": its parts cover " + std::to_string(next) + " of " +
+                                           std::to_string(mesh.triangleCount()) + " triangles");
+  }
+  uint64_t placed = 0;
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    if (instance.mesh >= scene.meshes.size())
+      fail("instance " + std::to_string(i) + ": mesh " + std::to_string(instance.mesh) + " does not exist, the scene has " +
+           std::to_string(scene.meshes.size()));
+    for (double value : instance.transform.rows)
+      if (!std::isfinite(value)) fail("instance " + std::to_string(i) + ": its transform is not finite");
+    placed += scene.meshes[instance.mesh].triangleCount();
+  }
+  if (placed >= (uint64_t{1} << 31))
+    fail("the scene places " + std::to_string(placed) + " triangles; the limit is 2147483647");
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// The implementation macros of header-only libraries, and nothing else.
+#define VOLK_IMPLEMENTATION
+#include <volk.h>
+
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_INCLUDE_JSON
+#include <nlohmann/json.hpp>
+#include <tiny_gltf.h>
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb_image_write.h>
