@@ -69,16 +69,22 @@ std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image, int 
   return nearest;
 }
 
+/// The two ends of a scale as positions in the colours. Turbo's own ends are too dark to be seen on our background.
+struct Shades {
+  float low, high;
+  Colour at(float t) const { return turbo(low + (high - low) * t); }
+};
+constexpr Shades kRangeShades = {0.95f, 0.08f};  // near is warm
+constexpr Shades kHeightShades = {0.1f, 0.88f};
+
 /// A bar of colours with its two ends named, right-aligned at `right`.
-void drawScale(Canvas& canvas, int right, int top, const std::string& low, const std::string& high, bool reversed) {
+void drawScale(Canvas& canvas, int right, int top, const std::string& low, const std::string& high,
+               const Shades& shades) {
   constexpr int kBar = 220, kGap = 10;
   const int bar = right - Canvas::textWidth(high) - kGap - kBar;
   canvas.text(right - Canvas::textWidth(high), top, high, kFaint);
   canvas.text(bar - kGap - Canvas::textWidth(low), top, low, kFaint);
-  for (int i = 0; i < kBar; ++i) {
-    const float t = static_cast<float>(i) / (kBar - 1);
-    canvas.fill(bar + i, top + 1, 1, 13, turbo(reversed ? 1 - t : t));
-  }
+  for (int i = 0; i < kBar; ++i) canvas.fill(bar + i, top + 1, 1, 13, shades.at(static_cast<float>(i) / (kBar - 1)));
 }
 
 /// A panorama as the sensor sees it: forward in the middle, the sensor's left at the left, channel 0 at the bottom.
@@ -103,10 +109,10 @@ void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, i
       // Equal ratios of range look equally far apart: near things keep their shape, far ones their order.
       const float t = std::log(std::max(range, near) / near) / std::log(far / near);
       canvas.fill(left + (columns - 1 - i) * image.pixelsPerColumn, top + (channels - 1 - j) * image.pixelsPerChannel,
-                  image.pixelsPerColumn, image.pixelsPerChannel, turbo(0.97f - 0.92f * std::min(t, 1.0f)));
+                  image.pixelsPerColumn, image.pixelsPerChannel, kRangeShades.at(std::min(t, 1.0f)));
     }
   }
-  drawScale(canvas, left + image.width, top - 26, metres(near), metres(far), true);
+  drawScale(canvas, left + image.width, top - 26, metres(near), metres(far), kRangeShades);
 }
 
 /// The bird's-eye view: x (forward) up, y to the left, `radius` metres from the middle to the edge.
@@ -136,12 +142,12 @@ BirdsEye fitBirdsEye(const Scan& scan, int side) {
 
 void drawRings(Canvas& canvas, const BirdsEye& view, int left, int top) {
   float step = 0.1f;
-  for (const float candidate : {0.25f, 0.5f, 1.0f, 2.0f, 5.0f, 10.0f, 25.0f, 50.0f, 100.0f, 250.0f, 1000.0f}) {
-    if (view.radius / step > 5) step = candidate;
+  for (const float candidate : {0.2f, 0.5f, 1.0f, 2.0f, 5.0f, 10.0f, 20.0f, 50.0f, 100.0f, 200.0f, 1000.0f}) {
+    if (view.radius > 3 * candidate) step = candidate;
   }
   const float middle = static_cast<float>(view.side) / 2;
   const float x = static_cast<float>(left) + middle, y = static_cast<float>(top) + middle;
-  for (int ring = 1; ring <= 12 && static_cast<float>(ring) * step < view.radius; ++ring) {
+  for (int ring = 1; ring <= 8 && static_cast<float>(ring) * step < view.radius; ++ring) {
     const float radius = static_cast<float>(ring) * step;
     const float pixels = radius * view.pixelsPerMetre();
     canvas.circle(x, y, pixels, kFaint, 0.35f);
@@ -150,56 +156,68 @@ void drawRings(Canvas& canvas, const BirdsEye& view, int left, int top) {
   }
 }
 
-/// Weighted colour sums per pixel: each point is a soft dot, and where dots crowd the picture grows brighter.
+/// Per pixel: how many soft dots lie on it, and the highest of them, for that is what a bird sees.
 struct Splats {
-  std::vector<Colour> colour;
   std::vector<float> weight;
+  std::vector<float> height;
 };
 
-Splats splat(const Scan& scan, const BirdsEye& view) {
+/// Dots of few points are larger, so that a sparse cloud is still seen.
+float dotRadius(size_t hits, int side) {
+  const double pixelsPerHit = static_cast<double>(side) * side / static_cast<double>(std::max<size_t>(hits, 1));
+  return static_cast<float>(std::clamp(0.1 * std::sqrt(pixelsPerHit), 0.56, 1.1));
+}
+
+Splats splat(const Scan& scan, const BirdsEye& view, float radius) {
   const auto side = static_cast<size_t>(view.side);
-  Splats sums{std::vector<Colour>(side * side), std::vector<float>(side * side, 0.0f)};
+  Splats dots{std::vector<float>(side * side, 0.0f), std::vector<float>(side * side, view.low)};
   for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
     const float* p = &scan.points[3 * beam];
     if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
     const float x = (view.radius - p[1]) * view.pixelsPerMetre();
     const float y = (view.radius - p[0]) * view.pixelsPerMetre();
-    if (!(x >= 1 && y >= 1 && x < static_cast<float>(side) - 2 && y < static_cast<float>(side) - 2)) continue;
-    const Colour colour = turbo(0.08f + 0.87f * std::clamp((p[2] - view.low) / (view.high - view.low), 0.0f, 1.0f));
+    if (!(x >= 2 && y >= 2 && x < static_cast<float>(side) - 3 && y < static_cast<float>(side) - 3)) continue;
     const int column = static_cast<int>(x), row = static_cast<int>(y);
-    for (int j = row - 1; j <= row + 1; ++j) {
-      for (int i = column - 1; i <= column + 1; ++i) {
+    for (int j = row - 2; j <= row + 2; ++j) {
+      for (int i = column - 2; i <= column + 2; ++i) {
         const float dx = static_cast<float>(i) + 0.5f - x, dy = static_cast<float>(j) + 0.5f - y;
-        const float w = std::exp(-1.6f * (dx * dx + dy * dy));
+        const float weight = std::exp(-(dx * dx + dy * dy) / (2 * radius * radius));
+        if (weight < 0.02f) continue;
         const size_t at = static_cast<size_t>(j) * side + static_cast<size_t>(i);
-        sums.colour[at] = sums.colour[at] + colour * w;
-        sums.weight[at] += w;
+        dots.weight[at] += weight;
+        if (weight > 0.1f) dots.height[at] = std::max(dots.height[at], p[2]);
       }
     }
   }
-  return sums;
+  return dots;
+}
+
+/// The sensor: a dot with a nose that points forward.
+void drawSensor(Canvas& canvas, int x, int y) {
+  for (int radius = 0; radius <= 4; ++radius) {
+    canvas.circle(static_cast<float>(x), static_cast<float>(y), static_cast<float>(radius), {1, 1, 1}, 1);
+  }
+  canvas.fill(x - 1, y - 16, 3, 14, {1, 1, 1});
 }
 
 void drawBirdsEye(Canvas& canvas, const Scan& scan, int left, int top, int side) {
   const BirdsEye view = fitBirdsEye(scan, side);
   drawRings(canvas, view, left, top);
-  const Splats sums = splat(scan, view);
+  size_t hits = 0;
+  for (float range : scan.ranges) hits += std::isfinite(range);
+  const Splats dots = splat(scan, view, dotRadius(hits, side));
   for (int j = 0; j < side; ++j) {
     for (int i = 0; i < side; ++i) {
       const size_t at = static_cast<size_t>(j) * static_cast<size_t>(side) + static_cast<size_t>(i);
-      const float weight = sums.weight[at];
-      if (weight < 0.01f) continue;
+      const float weight = dots.weight[at];
+      if (weight <= 0) continue;
+      const float t = std::clamp((dots.height[at] - view.low) / (view.high - view.low), 0.0f, 1.0f);
       const float crowd = std::min(std::log1p(weight) / std::log(9.0f), 1.0f);
-      canvas.blend(left + i, top + j, sums.colour[at] * (1 / weight) * (0.72f + 0.28f * crowd),
-                   1 - std::exp(-2.2f * weight));
+      canvas.blend(left + i, top + j, kHeightShades.at(t) * (0.72f + 0.28f * crowd), 1 - std::exp(-2.2f * weight));
     }
   }
-  const int middle = side / 2;
-  for (int radius = 3; radius <= 7; radius += 2) {
-    canvas.circle(static_cast<float>(left + middle), static_cast<float>(top + middle), static_cast<float>(radius),
-                  {1, 1, 1}, 0.9f);
-  }
-  drawScale(canvas, left + side, top - 26, metres(view.low), metres(view.high), false);
+  drawSensor(canvas, left + side / 2, top + side / 2);
+  drawScale(canvas, left + side, top - 26, metres(view.low), metres(view.high), kHeightShades);
 }
 
 /// The letters there are to draw with are ASCII.
