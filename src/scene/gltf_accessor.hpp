@@ -63,4 +63,11 @@ struct DracoMesh {
 };
 DracoMesh decodeDraco(Bytes bytes, int positionId, const std::string& user, const Source& source);
 
+/// The meshes that are used, in the order of the file. Adds glTF's default material if a primitive has none.
+std::vector<Mesh> readGltfMeshes(const tinygltf::Model& model, GltfArrays& arrays, const Source& source,
+                                 const std::vector<bool>& isUsed, std::vector<Material>& materials);
+
+/// "mesh 3 'wall'", for messages.
+std::string gltfLabel(const char* what, size_t index, const std::string& name);
+
 }  // namespace gnosphere

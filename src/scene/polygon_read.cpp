@@ -132,6 +132,11 @@ class PlyReader {
     if (!formatKnown) source_.fail("the PLY header names no format");
   }
 
+  /// In text every item has its own line, which may hold more than the header says (VCGLIB's wedge colours).
+  void endItem() {
+    if (isText_) rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size()));
+  }
+
   double value(PlyType type, const char* what) {
     double value = 0;
     if (isText_) {
@@ -190,8 +195,10 @@ class PlyReader {
 
   void skip(const PlyElement& element) {
     if (element.properties.empty()) return;
-    for (size_t i = 0; i < element.count; ++i)
+    for (size_t i = 0; i < element.count; ++i) {
       for (const PlyProperty& property : element.properties) skip(property, "data");
+      endItem();
+    }
   }
 
   void readVertices(const PlyElement& element) {
@@ -211,6 +218,7 @@ class PlyReader {
         else
           skip(property, "vertices");
       }
+      endItem();
       coordinates_.insert(coordinates_.end(), point.begin(), point.end());
     }
   }
@@ -221,21 +229,26 @@ class PlyReader {
     };
     if (element.count > 0 && std::none_of(element.properties.begin(), element.properties.end(), isCorners))
       source_.fail("the faces of the PLY file have no list vertex_indices");
-    for (size_t i = 0; i < element.count; ++i)
+    for (size_t i = 0; i < element.count; ++i) {
       for (const PlyProperty& property : element.properties) {
-        if (!isCorners(property)) {
+        if (isCorners(property))
+          readCorners(property, i);
+        else
           skip(property, "faces");
-          continue;
-        }
-        const size_t count = listCount(property, "faces");
-        faceCorners_.push_back(static_cast<uint32_t>(count));
-        for (size_t c = 0; c < count; ++c) {
-          const double corner = value(property.type, "faces");
-          if (!(corner >= 0) || corner > std::numeric_limits<uint32_t>::max() || corner != std::floor(corner))
-            source_.fail("face " + std::to_string(i) + " of the PLY file has a corner that is not a vertex index");
-          corners_.push_back(static_cast<uint32_t>(corner));
-        }
       }
+      endItem();
+    }
+  }
+
+  void readCorners(const PlyProperty& property, size_t face) {
+    const size_t count = listCount(property, "faces");
+    faceCorners_.push_back(static_cast<uint32_t>(count));
+    for (size_t c = 0; c < count; ++c) {
+      const double corner = value(property.type, "faces");
+      if (!(corner >= 0) || corner > std::numeric_limits<uint32_t>::max() || corner != std::floor(corner))
+        source_.fail("face " + std::to_string(face) + " of the PLY file has a corner that is not a vertex index");
+      corners_.push_back(static_cast<uint32_t>(corner));
+    }
   }
 
   /// Faces may come before the vertices, so they are cut into triangles last.
