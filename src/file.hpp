@@ -81,4 +81,7 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+/// Throws Error(file) if `file` cannot be written, before there is anything to write. Leaves nothing behind.
+inline void checkWritable(const std::filesystem::path& file) { const AtomicFile probe(file); }
+
 }  // namespace gnosphere
