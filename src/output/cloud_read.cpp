@@ -12,8 +12,10 @@ namespace gnosphere {
 namespace {
 
 /// Beams that a file which holds only some of them may spread over: it bounds what a small, unsound file can make us
-/// allocate (7 GiB). A file that holds every beam is bounded by its own size.
-constexpr uint64_t kMaxSparseBeams = uint64_t{1} << 28;
+/// allocate (450 MiB). Twice the largest model we know; more where the file has a point for one beam in 64.
+uint64_t maxSparseBeams(const CloudTable& table) {
+  return std::max(uint64_t{1} << 24, uint64_t{64} * table.rows);
+}
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -48,7 +50,7 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam) {
   if (table.rows > 0xfffffffeu) table.refuse("has more points than a 32-bit index holds");
   if (table.gridColumns > 0) {
     const uint64_t beams = uint64_t{table.gridColumns} * table.gridChannels;
-    if (beams < table.rows || (beams > table.rows && beams > kMaxSparseBeams)) {
+    if (beams < table.rows || (beams > table.rows && beams > maxSparseBeams(table))) {
       table.refuse("its grid of " + std::to_string(table.gridColumns) + " columns x " +
                    std::to_string(table.gridChannels) + " channels does not suit " + std::to_string(table.rows) +
                    " points");
@@ -60,7 +62,7 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam) {
   if (!beam) return {static_cast<uint32_t>(table.rows), 1};
   uint64_t beams = table.rows;
   for (size_t row = 0; row < table.rows; ++row) beams = std::max(beams, uint64_t{whole(table, *beam, row)} + 1);
-  if (beams > table.rows && beams > kMaxSparseBeams) {
+  if (beams > table.rows && beams > maxSparseBeams(table)) {
     table.refuse("has " + std::to_string(table.rows) + " points of at least " + std::to_string(beams) + " beams");
   }
   return gridFromRings(table, *beam, beams);
