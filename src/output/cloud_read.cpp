@@ -6,7 +6,6 @@
 #include "file.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_table.hpp"
-#include "output/fields.hpp"
 
 namespace gnosphere {
 namespace {
@@ -121,18 +120,16 @@ class Placer {
   std::vector<uint32_t> beams_;
 };
 
-CloudTable readTable(const std::filesystem::path& file) {
-  const CloudFormat format = cloudFormat(file);
-  const std::string source = file.string();
+CloudTable readTable(CloudFormat format, std::string bytes, const std::string& source) {
   switch (format) {
     case CloudFormat::pcd:
-      return readPcd(readWholeFile(file), source);
+      return readPcd(std::move(bytes), source);
     case CloudFormat::ply:
-      return readPly(readWholeFile(file), source);
+      return readPly(std::move(bytes), source);
     case CloudFormat::npy:
-      return readNpy(readWholeFile(file), source);
+      return readNpy(std::move(bytes), source);
     case CloudFormat::csv:
-      return readCsv(readWholeFile(file), source);
+      return readCsv(std::move(bytes), source);
     case CloudFormat::kitti:
       break;
   }
@@ -156,8 +153,8 @@ CloudTable readCsv(std::string bytes, const std::string& source) {
   return table;
 }
 
-Scan readCloud(const std::filesystem::path& file) {
-  const CloudTable table = readTable(file);
+Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& source) {
+  const CloudTable table = readTable(format, std::move(bytes), source);
   const bool hasPoints = table.find("x") && table.find("y") && table.find("z");
   if (!hasPoints && !table.find("range")) table.refuse("has neither x, y, z nor range: not a cloud");
   const CloudColumn* beam = table.find("beam");
@@ -191,6 +188,13 @@ Scan readCloud(const std::filesystem::path& file) {
   for (float range : scan.ranges) scan.counters.hits += !std::isnan(range);
   scan.counters.misses = beamCount - scan.counters.hits;
   return scan;
+}
+
+Scan readCloud(const std::filesystem::path& file) {
+  const CloudFormat format = cloudFormat(file);
+  // Not a byte is read of a cloud that cannot be placed.
+  std::string bytes = format == CloudFormat::kitti ? "" : readWholeFile(file);
+  return readCloudBytes(format, std::move(bytes), file.string());
 }
 
 }  // namespace gnosphere

@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "gnosphere/error.hpp"
-#include "output/fields.hpp"
 
 namespace gnosphere {
 namespace {
