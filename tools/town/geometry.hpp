@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vectors, placements and dice whose results are the same bits on every machine: only + - * / sqrt and integers.
+#pragma once
+
+#include <cstdint>
+
+#include "gnosphere/scene.hpp"
+
+namespace gnosphere::town {
+
+inline Vec3 operator+(const Vec3& a, const Vec3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Vec3 operator-(const Vec3& a, const Vec3& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vec3 operator*(double s, const Vec3& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+inline double dot(const Vec3& a, const Vec3& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+Vec3 normalized(const Vec3& a);
+
+/// Sine and cosine of an angle in turns (1 = 360 degrees); exact at quarter turns.
+double sine(double turns);
+double cosine(double turns);
+
+/// Scale, then turn about z, then move.
+Transform place(const Vec3& position, double turns = 0, double scale = 1);
+
+/// A stream of random numbers. Streams with other keys are independent.
+class Dice {
+ public:
+  explicit Dice(uint64_t seed, uint64_t a = 0, uint64_t b = 0, uint64_t c = 0);
+  uint64_t next();
+  double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }  ///< [0, 1)
+  double between(double low, double high) { return low + (high - low) * uniform(); }
+  int below(int count) { return static_cast<int>((next() >> 33) * static_cast<uint64_t>(count) >> 31); }
+  bool chance(int percent) { return below(100) < percent; }
+  Vec3 direction();  ///< a unit vector, all directions alike
+
+ private:
+  uint64_t state_;
+};
+
+}  // namespace gnosphere::town

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "town/building.hpp"
+
+namespace gnosphere::town {
+
+// Each takes the upper edge of the walls (counter-clockwise from above) and closes the building over it.
+
+void addFlatRoof(MeshBuilder& builder, const Building& building, const Loop& eaves);  ///< parapet and plant
+void addGableRoof(MeshBuilder& builder, const Building& building, const Loop& eaves);
+void addHipRoof(MeshBuilder& builder, const Building& building, const Loop& eaves);
+
+}  // namespace gnosphere::town
