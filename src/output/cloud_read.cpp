@@ -122,16 +122,11 @@ class Placer {
 
 CloudTable readTable(CloudFormat format, std::string bytes, const std::string& source) {
   switch (format) {
-    case CloudFormat::pcd:
-      return readPcd(std::move(bytes), source);
-    case CloudFormat::ply:
-      return readPly(std::move(bytes), source);
-    case CloudFormat::npy:
-      return readNpy(std::move(bytes), source);
-    case CloudFormat::csv:
-      return readCsv(std::move(bytes), source);
-    case CloudFormat::kitti:
-      break;
+    case CloudFormat::pcd: return readPcd(std::move(bytes), source);
+    case CloudFormat::ply: return readPly(std::move(bytes), source);
+    case CloudFormat::npy: return readNpy(std::move(bytes), source);
+    case CloudFormat::csv: return readCsv(std::move(bytes), source);
+    case CloudFormat::kitti: break;
   }
   throw Error(ErrorCode::invalidArgument,
               source + ": a KITTI cloud does not say which beams its points are of; read .pcd, .ply, .npy or .csv");
