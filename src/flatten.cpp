@@ -1,1 +1,117 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "flatten.hpp"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace gnosphere {
+namespace {
+
+// Writes the clusters of one mesh after those that are there.
+class MeshFlattener {
+ public:
+  MeshFlattener(const Mesh& mesh, const std::vector<Material>& materials, FlatScene& flat)
+      : mesh_(mesh), materials_(materials), flat_(flat), cluster_(mesh.vertexCount()), number_(mesh.vertexCount()) {}
+
+  FlatMesh run() {
+    result_.firstCluster = static_cast<uint32_t>(flat_.clusters.size());
+    for (const MeshPart& part : mesh_.parts) flattenPart(part);
+    result_.clusterCount = static_cast<uint32_t>(flat_.clusters.size()) - result_.firstCluster;
+    return result_;
+  }
+
+ private:
+  const float* position(uint32_t vertex) const { return &mesh_.positions[3 * size_t{vertex}]; }
+
+  bool usable(uint32_t triangle) {
+    const uint32_t* corner = &mesh_.indices[3 * size_t{triangle}];
+    for (int k = 0; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(position(corner[k])[axis]) <= gpu::kCoordinateLimit)) return ++result_.nonFinite, false;
+    for (int k = 0; k < 3; ++k)
+      if (std::equal(position(corner[k]), position(corner[k]) + 3, position(corner[(k + 1) % 3])))
+        return ++result_.degenerate, false;
+    return true;
+  }
+
+  // Triangles that lie together in space share a cluster: sorted along a space-filling curve, then cut.
+  void flattenPart(const MeshPart& part) {
+    std::vector<uint32_t> triangles;
+    triangles.reserve(part.triangleCount);
+    for (uint32_t k = 0; k < part.triangleCount; ++k)
+      if (usable(part.firstTriangle + k)) triangles.push_back(part.firstTriangle + k);
+    if (triangles.empty()) return;
+    std::vector<float> centres(3 * triangles.size());
+    for (size_t i = 0; i < triangles.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        const uint32_t* corner = &mesh_.indices[3 * size_t{triangles[i]}];
+        centres[3 * i + axis] =
+            position(corner[0])[axis] / 3 + position(corner[1])[axis] / 3 + position(corner[2])[axis] / 3;
+      }
+    std::vector<uint32_t> place(triangles.size());
+    meshopt_spatialSortRemap(place.data(), centres.data(), triangles.size(), 3 * sizeof(float));
+    std::vector<uint32_t> sorted(triangles.size());
+    for (size_t i = 0; i < triangles.size(); ++i) sorted[place[i]] = triangles[i];
+    const bool doubleSided = materials_[part.material].doubleSided;
+    for (size_t first = 0; first < sorted.size(); first += gpu::kClusterTriangles)
+      addCluster(&sorted[first], std::min<size_t>(gpu::kClusterTriangles, sorted.size() - first), doubleSided);
+  }
+
+  void addCluster(const uint32_t* triangles, size_t count, bool doubleSided) {
+    gpu::Cluster cluster = {};
+    cluster.firstVertex = static_cast<uint32_t>(flat_.positions.size() / 3);
+    cluster.firstTriangle = static_cast<uint32_t>(flat_.corners.size());
+    cluster.triangleCount = static_cast<uint32_t>(count);
+    cluster.doubleSided = doubleSided;
+    float low[3], high[3];
+    std::fill(low, low + 3, gpu::kCoordinateLimit);
+    std::fill(high, high + 3, -gpu::kCoordinateLimit);
+    const uint32_t stamp = static_cast<uint32_t>(flat_.clusters.size()) + 1;
+    uint32_t vertexCount = 0;
+    for (size_t i = 0; i < count; ++i) {
+      uint32_t packed = 0;
+      for (int k = 0; k < 3; ++k) {
+        const uint32_t vertex = mesh_.indices[3 * size_t{triangles[i]} + k];
+        if (cluster_[vertex] != stamp) {
+          cluster_[vertex] = stamp;
+          number_[vertex] = static_cast<uint8_t>(vertexCount++);
+          flat_.positions.insert(flat_.positions.end(), position(vertex), position(vertex) + 3);
+          for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], position(vertex)[axis]);
+            high[axis] = std::max(high[axis], position(vertex)[axis]);
+          }
+        }
+        packed |= uint32_t{number_[vertex]} << (8 * k);
+      }
+      flat_.corners.push_back(packed);
+      flat_.triangleIds.push_back(triangles[i]);
+    }
+    cluster.minX = low[0], cluster.minY = low[1], cluster.minZ = low[2];
+    cluster.maxX = high[0], cluster.maxY = high[1], cluster.maxZ = high[2];
+    flat_.clusters.push_back(cluster);
+  }
+
+  const Mesh& mesh_;
+  const std::vector<Material>& materials_;
+  FlatScene& flat_;
+  FlatMesh result_;
+  std::vector<uint32_t> cluster_;  // the last cluster a vertex went to, plus one
+  std::vector<uint8_t> number_;    // and its number there
+};
+
+}  // namespace
+
+FlatScene flatten(const Scene& scene) {
+  FlatScene flat;
+  const size_t triangles = scene.uniqueTriangleCount();
+  flat.corners.reserve(triangles);
+  flat.triangleIds.reserve(triangles);
+  flat.clusters.reserve(triangles / gpu::kClusterTriangles + scene.meshes.size());
+  for (const Mesh& mesh : scene.meshes) flat.meshes.push_back(MeshFlattener(mesh, scene.materials, flat).run());
+  return flat;
+}
+
+}  // namespace gnosphere

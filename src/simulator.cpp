@@ -1,1 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "gnosphere/simulator.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "backend.hpp"
+#include "gnosphere/error.hpp"
+
+namespace gnosphere {
+namespace {
+
+std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
+                                     const SimulatorOptions& options) {
+  validate(scene);
+  if (sensors.empty()) throw Error(ErrorCode::invalidArgument, "a simulator needs at least one sensor");
+  for (const Sensor& sensor : sensors) validate(sensor);
+  return options.device == "reference" ? makeReferenceBackend(scene, sensors, options)
+                                       : makeVulkanBackend(scene, sensors, options);
+}
+
+void validate(const Pose& pose) {
+  const auto& [p, q] = pose;
+  for (double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w})
+    if (!std::isfinite(value)) throw Error(ErrorCode::invalidArgument, "the pose has a value that is not finite");
+  if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 1e-12))
+    throw Error(ErrorCode::invalidArgument, "the pose's quaternion is zero; 0,0,0,1 is no turn");
+}
+
+}  // namespace
+
+std::vector<DeviceInfo> listDevices(std::string* vulkanProblem) {
+  std::vector<DeviceInfo> devices = listVulkanDevices(vulkanProblem);
+  devices.push_back(referenceDevice());
+  return devices;
+}
+
+Simulator::Simulator(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
+    : sensors_(sensors), backend_(makeBackend(scene, sensors, options)) {}
+Simulator::Simulator(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options)
+    : Simulator(scene, std::vector<Sensor>{sensor}, options) {}
+Simulator::~Simulator() = default;
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+
+Scan Simulator::scan(const Pose& pose, size_t sensor) {
+  validate(pose);
+  if (sensor >= sensors_.size())
+    throw Error(ErrorCode::invalidArgument, "sensor " + std::to_string(sensor) + " does not exist, there are " +
+                                                std::to_string(sensors_.size()));
+  Scan scan = backend_->scan(sensor, pose);
+  scan.sensor = sensors_[sensor].name;
+  scan.columns = sensors_[sensor].columns;
+  scan.channels = static_cast<uint32_t>(sensors_[sensor].channels.size());
+  scan.pose = pose;
+  return scan;
+}
+
+const DeviceInfo& Simulator::device() const { return backend_->device(); }
+MemoryUse Simulator::memory() const { return backend_->memory(); }
+size_t Simulator::clusterCount() const { return backend_->clusterCount(); }
+
+}  // namespace gnosphere

@@ -1,1 +1,170 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "reference/bvh.hpp"
+
+#include <future>
+
+namespace gnosphere::reference {
+
+namespace {
+
+constexpr size_t kLeafSize = 4;
+constexpr int kBins = 16;
+/// Subtrees of more triangles than this are built on a thread of their own in the first levels.
+constexpr size_t kTaskSize = 20000;
+constexpr int kTaskDepth = 3;
+
+/// Single precision is enough to choose a split by; the boxes of the nodes are made from the triangles.
+struct RoughBox {
+  float min[3] = {3e38f, 3e38f, 3e38f};
+  float max[3] = {-3e38f, -3e38f, -3e38f};
+
+  void add(const RoughBox& box) {
+    for (int axis = 0; axis < 3; ++axis) {
+      min[axis] = std::min(min[axis], box.min[axis]);
+      max[axis] = std::max(max[axis], box.max[axis]);
+    }
+  }
+  double area() const {
+    const double x = double{max[0]} - min[0], y = double{max[1]} - min[1], z = double{max[2]} - min[2];
+    return x < 0 ? 0 : x * y + y * z + z * x;
+  }
+};
+
+}  // namespace
+
+struct Bvh::Item {
+  RoughBox box;
+  uint32_t triangle = 0;
+  float centre(int axis) const { return 0.5f * box.min[axis] + 0.5f * box.max[axis]; }
+};
+
+namespace {
+
+/// The cheapest of the planes between bins along the longest axis of the centres, as the first item behind it; the
+/// middle where there is no such plane.
+template <typename Iterator>
+Iterator split(Iterator begin, Iterator end, bool halve) {
+  RoughBox centres;
+  for (Iterator item = begin; item != end; ++item) {
+    RoughBox point;
+    for (int axis = 0; axis < 3; ++axis) point.min[axis] = point.max[axis] = item->centre(axis);
+    centres.add(point);
+  }
+  int axis = 0;
+  for (int other = 1; other < 3; ++other)
+    if (centres.max[other] - centres.min[other] > centres.max[axis] - centres.min[axis]) axis = other;
+  const float low = centres.min[axis];
+  const float extent = centres.max[axis] - low;
+  const Iterator middle = begin + (end - begin) / 2;
+  if (!(extent > 0)) return middle;
+  if (halve) {
+    std::nth_element(begin, middle, end, [axis](const auto& a, const auto& b) {
+      return std::pair(a.centre(axis), a.triangle) < std::pair(b.centre(axis), b.triangle);
+    });
+    return middle;
+  }
+
+  const auto binOf = [=](const auto& item) {
+    return std::min(kBins - 1, static_cast<int>((item.centre(axis) - low) / extent * kBins));
+  };
+  std::array<RoughBox, kBins> boxes;
+  std::array<size_t, kBins> counts = {};
+  for (Iterator item = begin; item != end; ++item) {
+    const auto bin = static_cast<size_t>(binOf(*item));
+    boxes[bin].add(item->box);
+    ++counts[bin];
+  }
+  std::array<double, kBins> behind = {};
+  RoughBox box;
+  size_t count = 0;
+  for (size_t bin = kBins - 1; bin > 0; --bin) {
+    box.add(boxes[bin]);
+    count += counts[bin];
+    behind[bin] = static_cast<double>(count) * box.area();
+  }
+  box = {};
+  count = 0;
+  int best = 1;
+  double bestCost = Box::kInfinity;
+  for (size_t bin = 1; bin < kBins; ++bin) {
+    box.add(boxes[bin - 1]);
+    count += counts[bin - 1];
+    const double cost = static_cast<double>(count) * box.area() + behind[bin];
+    if (cost >= bestCost) continue;
+    bestCost = cost;
+    best = static_cast<int>(bin);
+  }
+  const Iterator plane = std::partition(begin, end, [&](const auto& item) { return binOf(item) < best; });
+  return plane == begin || plane == end ? middle : plane;
+}
+
+}  // namespace
+
+Box boxOf(const Triangle& triangle) {
+  Box box;
+  for (const Vec3& corner : triangle.corners) box.add(corner);
+  return box;
+}
+
+Ray::Ray(const Vec3& from, const Vec3& direction, double spread_, double floor_)
+    : origin(from), spread(spread_), floor(floor_) {
+  // A finite inverse keeps 0 * infinity out of the box test.
+  const auto invert = [](double c) { return 1 / (std::abs(c) < 1e-30 ? std::copysign(1e-30, c) : c); };
+  inverse = {invert(direction.x), invert(direction.y), invert(direction.z)};
+}
+
+Bvh::Bvh(std::vector<Triangle> triangles) : triangles_(std::move(triangles)) {
+  if (triangles_.empty()) return;
+  Box all;
+  for (const Triangle& triangle : triangles_) all.add(boxOf(triangle));
+  const Vec3 anchor = 0.5 * all.min + 0.5 * all.max;
+  std::vector<Item> items(triangles_.size());
+  for (size_t i = 0; i < items.size(); ++i) {
+    const Box box = boxOf(triangles_[i]);
+    const Vec3 min = box.min - anchor, max = box.max - anchor;
+    items[i] = {{{static_cast<float>(min.x), static_cast<float>(min.y), static_cast<float>(min.z)},
+                 {static_cast<float>(max.x), static_cast<float>(max.y), static_cast<float>(max.z)}},
+                static_cast<uint32_t>(i)};
+  }
+  build(items, 0, items.size(), 0, nodes_);
+  std::vector<Triangle> sorted(triangles_.size());
+  for (size_t i = 0; i < items.size(); ++i) sorted[i] = triangles_[items[i].triangle];
+  triangles_ = std::move(sorted);
+}
+
+void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, std::vector<Node>& nodes) const {
+  const size_t self = nodes.size();
+  nodes.emplace_back();
+  if (end - begin <= kLeafSize) {
+    Box box;
+    for (size_t i = begin; i < end; ++i) box.add(boxOf(triangles_[items[i].triangle]));
+    nodes[self] = {box, static_cast<uint32_t>(begin), static_cast<uint32_t>(end - begin)};
+    return;
+  }
+  const auto first = items.begin();
+  const auto plane =
+      split(first + static_cast<ptrdiff_t>(begin), first + static_cast<ptrdiff_t>(end), depth >= kHalvingDepth);
+  const auto middle = static_cast<size_t>(plane - first);
+  std::future<std::vector<Node>> task;
+  if (depth < kTaskDepth && end - middle > kTaskSize)
+    task = std::async(std::launch::async, [&, middle, end, depth] {
+      std::vector<Node> branch;
+      build(items, middle, end, depth + 1, branch);
+      return branch;
+    });
+  build(items, begin, middle, depth + 1, nodes);
+  const auto second = static_cast<uint32_t>(nodes.size());
+  if (task.valid()) {
+    for (Node node : task.get()) {
+      if (node.count == 0) node.next += second;
+      nodes.push_back(node);
+    }
+  } else {
+    build(items, middle, end, depth + 1, nodes);
+  }
+  nodes[self].next = second;
+  nodes[self].box = nodes[self + 1].box;
+  nodes[self].box.add(nodes[second].box);
+}
+
+}  // namespace gnosphere::reference

@@ -1,1 +1,115 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+#include "scene/readers.hpp"
+
+namespace gnosphere {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void failFile(const fs::path& file, const std::string& reason) {
+  throw Error(ErrorCode::file, "cannot read '" + file.string() + "': " + reason);
+}
+
+SceneFormat formatOf(const fs::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(c < 128 ? std::tolower(c) : c); });
+  if (ending == ".gltf" || ending == ".glb") return SceneFormat::gltf;
+  if (ending == ".obj") return SceneFormat::obj;
+  if (ending == ".ply") return SceneFormat::ply;
+  if (ending == ".stl") return SceneFormat::stl;
+  throw Error(ErrorCode::invalidArgument, std::string("'").append(file.string()) + "': unknown ending '" + ending +
+                                              "' for a scene; there are .gltf, .glb, .obj, .ply and .stl");
+}
+
+/// A rename to one of `scale` and the turn of y-up files, as one transform.
+Transform rootTransform(SceneFormat format, const LoadOptions& options) {
+  const bool yUp = options.up == UpAxis::y || (options.up == UpAxis::formatDefault && format == SceneFormat::gltf);
+  const double s = options.scale;
+  if (yUp) return {{s, 0, 0, 0, 0, 0, -s, 0, 0, s, 0, 0}};
+  return {{s, 0, 0, 0, 0, s, 0, 0, 0, 0, s, 0}};
+}
+
+}  // namespace
+
+FileBytes readFile(const fs::path& file) {
+  std::error_code problem;
+  const fs::file_status status = fs::status(file, problem);
+  if (!fs::exists(status)) failFile(file, problem ? problem.message() : "there is no such file");
+  if (fs::is_directory(status)) failFile(file, "it is a folder");
+  // A pipe or a device may never end.
+  if (!fs::is_regular_file(status)) failFile(file, "it is not a regular file");
+
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);
+  if (!stream) failFile(file, std::strerror(errno));
+  const uintmax_t size = fs::file_size(file, problem);
+  if (problem) failFile(file, problem.message());
+  FileBytes bytes;
+  bytes.data = std::make_unique_for_overwrite<uint8_t[]>(size);
+  bytes.size = std::fread(bytes.data.get(), 1, size, stream.get());
+  if (bytes.size != size) failFile(file, "it ended after " + std::to_string(bytes.size) + " bytes");
+  return bytes;
+}
+
+std::string inQuotes(std::string_view text) {
+  std::string shown = "'";
+  for (char c : text.substr(0, 60)) shown += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  return shown + (text.size() > 60 ? "…'" : "'");
+}
+
+Scene readScene(SceneFormat format, Bytes bytes, const Source& source) {
+  if (bytes.empty()) source.fail("the file is empty");
+  try {
+    switch (format) {
+      case SceneFormat::gltf:
+        return readGltf(bytes, source);
+      case SceneFormat::obj:
+        return readObj(bytes, source);
+      case SceneFormat::ply:
+        return readPly(bytes, source);
+      case SceneFormat::stl:
+        return readStl(bytes, source);
+    }
+    source.fail("unknown format");
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::outOfMemory, source.name + ": its " + std::to_string(bytes.size()) +
+                                            " bytes need more memory than there is; load a smaller file");
+  } catch (const std::exception& error) {
+    source.fail(error.what());
+  }
+}
+
+Scene loadScene(const fs::path& file, const LoadOptions& options) {
+  if (!(options.scale > 0) || !std::isfinite(options.scale))
+    throw Error(ErrorCode::invalidArgument, "the scale must be a positive number");
+  const SceneFormat format = formatOf(file);
+  const FileBytes bytes = readFile(file);
+  Source source;
+  source.name = std::string("'").append(file.string()).append("'");
+  source.sibling = [folder = file.parent_path()](const std::string& relativePath) {
+    return readFile(folder / fs::path(std::u8string(relativePath.begin(), relativePath.end())));
+  };
+  Scene scene = readScene(format, bytes, source);
+
+  const Transform root = rootTransform(format, options);
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    Transform& transform = scene.instances[i].transform;
+    transform = root * transform;
+    if (!std::all_of(transform.rows.begin(), transform.rows.end(), [](double v) { return std::isfinite(v); }))
+      source.fail("instance " + std::to_string(i) + " is out of bounds at this scale");
+  }
+  if (scene.placedTriangleCount() >= (uint64_t{1} << 31))
+    source.fail("it places " + std::to_string(scene.placedTriangleCount()) + " triangles; the limit is 2147483647");
+  return scene;
+}
+
+}  // namespace gnosphere

@@ -1,1 +1,226 @@
 // SPDX-License-Identifier: Apache-2.0
+#define TINYOBJLOADER_USE_DOUBLE
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <istream>
+#include <limits>
+#include <map>
+#include <streambuf>
+
+#include "scene/number.hpp"
+#include "scene/readers.hpp"
+
+namespace gnosphere {
+namespace {
+
+constexpr uint32_t kNoMaterial = std::numeric_limits<uint32_t>::max();
+
+/// Reads bytes where they are.
+class MemoryBuffer : public std::streambuf {
+ public:
+  explicit MemoryBuffer(std::string_view text) {
+    char* begin = const_cast<char*>(text.data());  // only read from
+    setg(begin, begin, begin + text.size());
+  }
+};
+
+std::string trimmed(std::string_view text) {
+  const size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == text.npos) return {};
+  return std::string(text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin));
+}
+
+/// Every `v` line, by the rules by which tinyobjloader finds them. Its own numbers are not used: they miss the nearest
+/// double by a few units, and make 0 of nan and inf.
+std::vector<double> readVertices(std::string_view text, const Source& source) {
+  std::vector<double> coordinates;
+  while (!text.empty()) {
+    std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    if (line.size() < 2 || line[0] != 'v' || (line[1] != ' ' && line[1] != '\t')) continue;
+    line.remove_prefix(2);
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view word = nextWord(line);
+      double value = 0;
+      if (!parseNumber(word, value))
+        source.fail("vertex " + std::to_string(coordinates.size() / 3 + 1) + " of the OBJ file has " + inQuotes(word) +
+                    " where a coordinate should be");
+      coordinates.push_back(value);
+    }
+  }
+  return coordinates;
+}
+
+Material toMaterial(const tinyobj::material_t& from) {
+  const auto unit = [](double value) { return static_cast<float>(value >= 0 ? std::min(value, 1.0) : 0); };
+  Material material;
+  material.name = trimmed(from.name);
+  material.baseColor = {unit(from.diffuse[0]), unit(from.diffuse[1]), unit(from.diffuse[2]), unit(from.dissolve)};
+  if (from.dissolve < 1) material.alphaMode = AlphaMode::blend;
+  material.metallic = unit(from.metallic);
+  // Without the PBR extension the highlight tells: Blinn-Phong exponent n is about roughness sqrt(2 / (n + 2)).
+  material.roughness = unit(from.roughness > 0 ? from.roughness : std::sqrt(2 / (std::max(from.shininess, 0.0) + 2)));
+  // Exporters write the filter Tf = 1 1 1 for brick as well: it counts only under the models that are glass.
+  const bool isGlass = from.illum == 4 || from.illum == 6 || from.illum == 7 || from.illum == 9;
+  const auto& filter = from.transmittance;
+  if (isGlass) {
+    const double mean = (filter[0] + filter[1] + filter[2]) / 3;
+    material.transmission = unit(mean > 0 ? mean : 1 - from.dissolve);
+  }
+  return material;
+}
+
+/// Material libraries beside the OBJ file. One that is missing is common and leaves materials with a name only.
+class Libraries : public tinyobj::MaterialReader {
+ public:
+  explicit Libraries(const Source& source) : source_(source) {}
+
+  bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
+                  std::map<std::string, int>* indices, std::string* warnings, std::string* problems) override {
+    FileBytes bytes;
+    try {
+      bytes = source_.sibling(name);
+    } catch (const Error&) {
+      return false;
+    }
+    MemoryBuffer buffer({reinterpret_cast<const char*>(bytes.data.get()), bytes.size});
+    std::istream stream(&buffer);
+    const size_t known = materials->size();
+    tinyobj::LoadMtl(indices, materials, &stream, warnings, problems);
+    for (size_t i = known; i < materials->size(); ++i) {
+      Material material = toMaterial((*materials)[i]);
+      if (material.name.empty()) continue;  // tinyobjloader's own default
+      if (index_.emplace(material.name, static_cast<uint32_t>(materials_.size())).second)
+        materials_.push_back(std::move(material));
+    }
+    return true;
+  }
+
+  /// The material of a name; one that no library defines has its defaults.
+  uint32_t find(const std::string& name) {
+    const auto [found, isNew] = index_.emplace(name, static_cast<uint32_t>(materials_.size()));
+    if (isNew) materials_.emplace_back().name = name;
+    return found->second;
+  }
+
+  std::vector<Material> take() { return std::move(materials_); }
+
+ private:
+  const Source& source_;
+  std::vector<Material> materials_;
+  std::map<std::string, uint32_t> index_;
+};
+
+/// What tinyobjloader's callbacks gather. Its other interface cuts polygons itself, with 8-bit corner counts, and drops
+/// those that it cannot cut.
+struct Faces {
+  struct Face {
+    uint32_t cornerCount = 0;
+    uint32_t name = kNoMaterial;  ///< index into `names`
+  };
+
+  const Source& source;
+  size_t vertexCount = 0;
+  std::vector<uint32_t> corners;
+  std::vector<Face> faces;
+  std::vector<std::string> names;  ///< of materials, in the order of their first use
+  std::map<std::string, uint32_t> nameIndex;
+  uint32_t name = kNoMaterial;
+
+  /// OBJ counts from 1, or backwards from the last vertex so far with -1.
+  void addFace(const tinyobj::index_t* indices, int count) {
+    for (int i = 0; i < count; ++i) {
+      const int64_t stated = indices[i].vertex_index;
+      const int64_t index = stated < 0 ? static_cast<int64_t>(vertexCount) + stated : stated - 1;
+      if (index < 0)
+        source.fail("face " + std::to_string(faces.size() + 1) + " of the OBJ file: index " + std::to_string(stated) +
+                    " is out of range");
+      corners.push_back(static_cast<uint32_t>(index));
+    }
+    faces.push_back({static_cast<uint32_t>(count), name});
+  }
+
+  void useMaterial(const std::string& text) {
+    const auto [found, isNew] = nameIndex.emplace(trimmed(text), static_cast<uint32_t>(names.size()));
+    if (isNew) names.push_back(found->first);
+    name = found->second;
+  }
+};
+
+void checkText(std::string_view text, const Source& source) {
+  const auto starts = [&](std::string_view mark) { return text.starts_with(mark); };
+  if (starts("\xFF\xFE") || starts("\xFE\xFF")) source.fail("the OBJ file is UTF-16; save it as UTF-8");
+  if (text.find('\0') != text.npos) source.fail("it is not OBJ: it holds binary data");
+}
+
+/// Triangles sorted by material, in the order of the file where that is the same, so that each part is one run.
+void addParts(Mesh& mesh, const std::vector<uint32_t>& materials, size_t materialCount) {
+  std::vector<uint32_t> next(materialCount + 1, 0);
+  for (uint32_t material : materials) ++next[material + 1];
+  for (size_t i = 0; i < materialCount; ++i) {
+    if (next[i + 1] > 0) mesh.parts.push_back({next[i], next[i + 1], static_cast<uint32_t>(i)});
+    next[i + 1] += next[i];
+  }
+  if (mesh.parts.size() < 2) return;
+  std::vector<uint32_t> sorted(mesh.indices.size());
+  for (size_t t = 0; t < materials.size(); ++t)
+    std::copy_n(&mesh.indices[3 * t], 3, &sorted[3 * size_t{next[materials[t]]++}]);
+  mesh.indices = std::move(sorted);
+}
+
+}  // namespace
+
+Scene readObj(Bytes bytes, const Source& source) {
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  checkText(text, source);
+  const std::vector<double> coordinates = readVertices(text, source);
+
+  Faces gathered{source, 0, {}, {}, {}, {}, kNoMaterial};
+  Libraries libraries(source);
+  tinyobj::callback_t callbacks;
+  callbacks.vertex_cb = [](void* faces, double, double, double, double) { ++static_cast<Faces*>(faces)->vertexCount; };
+  callbacks.index_cb = [](void* faces, tinyobj::index_t* indices, int count) {
+    static_cast<Faces*>(faces)->addFace(indices, count);
+  };
+  callbacks.usemtl_cb = [](void* faces, const char* name, int) { static_cast<Faces*>(faces)->useMaterial(name); };
+  MemoryBuffer buffer(text);
+  std::istream stream(&buffer);
+  std::string warnings, problems;
+  if (!tinyobj::LoadObjWithCallback(stream, callbacks, &gathered, &libraries, &warnings, &problems))
+    source.fail(problems.empty() ? "tinyobjloader refuses it" : trimmed(problems));
+  if (3 * gathered.vertexCount != coordinates.size()) source.fail("the OBJ file has lines that are not sound");
+
+  std::vector<uint32_t> materialOfName;
+  for (const std::string& name : gathered.names) materialOfName.push_back(libraries.find(name));
+  Scene scene;
+  scene.materials = libraries.take();
+  const auto unnamed = static_cast<uint32_t>(scene.materials.size());
+
+  Mesh mesh;
+  std::vector<uint32_t> materials;
+  std::span<const uint32_t> rest(gathered.corners);
+  for (size_t i = 0; i < gathered.faces.size(); ++i) {
+    const Faces::Face& face = gathered.faces[i];
+    const std::span<const uint32_t> corners = rest.first(face.cornerCount);
+    rest = rest.subspan(face.cornerCount);
+    for (uint32_t corner : corners)
+      if (corner >= gathered.vertexCount)
+        source.fail("face " + std::to_string(i + 1) + " of the OBJ file: index " + std::to_string(corner + 1) +
+                    " is out of range, there are " + std::to_string(gathered.vertexCount) + " vertices");
+    appendPolygon(mesh.indices, corners, coordinates);
+    materials.resize(mesh.triangleCount(), face.name == kNoMaterial ? unnamed : materialOfName[face.name]);
+  }
+  if (std::find(materials.begin(), materials.end(), unnamed) != materials.end()) scene.materials.emplace_back();
+  addParts(mesh, materials, scene.materials.size());
+  storePositions(mesh, coordinates);
+  scene.meshes.push_back(std::move(mesh));
+  scene.instances.emplace_back();
+  return scene;
+}
+
+}  // namespace gnosphere

@@ -1,1 +1,129 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "gnosphere/sensor.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "file.hpp"
+#include "gnosphere/error.hpp"
+
+namespace gnosphere {
+namespace {
+
+struct SinCos {
+  double sin, cos;
+};
+
+/// Reduced in degrees, where 90 is a number: the axes and diagonals come out exact and every quadrant has the same
+/// bits.
+SinCos sinCosDegrees(double degrees) {
+  int quadrant = 0;
+  const double rest = std::remquo(degrees, 90.0, &quadrant);
+  const double s = std::sin(rest * std::numbers::pi / 180);
+  const double c = std::cos(rest * std::numbers::pi / 180);
+  switch (quadrant & 3) {
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
+  }
+}
+
+/// Table 2 of the GnoSphere360 paper: elevations evenly spread, both ends included. One rounding per angle, so a model
+/// that is symmetric about the horizon has exactly opposite channels.
+Sensor evenSensor(const char* name, double lowestDeg, double highestDeg, uint32_t columns, uint32_t channels,
+                  double rangeMax) {
+  Sensor sensor;
+  sensor.name = name;
+  sensor.columns = columns;
+  sensor.rangeMax = rangeMax;
+  const double last = channels - 1;
+  for (uint32_t j = 0; j < channels; ++j) {
+    sensor.channels.push_back({(lowestDeg * (last - j) + highestDeg * j) / last, 0.0});
+  }
+  return sensor;
+}
+
+bool sameWord(const std::string& a, const std::string& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
+[[noreturn]] void refuse(const Sensor& sensor, const std::string& why) {
+  throw Error(ErrorCode::invalidArgument,
+              "sensor " + (sensor.name.empty() ? "without a name" : sensor.name) + ": " + why);
+}
+
+/// The angle lists of the largest models take a few megabytes; far more than that is not a sensor file.
+constexpr size_t kMaxFileBytes = size_t{64} << 20;
+
+}  // namespace
+
+Vec3 Sensor::direction(size_t beam) const {
+  const Channel& channel = channels[beam / columns];
+  const auto column = static_cast<double>(beam % columns);
+  // -180 + 360 i / columns with one rounding, then brought back into one turn before it becomes radians.
+  const double columnDeg = (360.0 * column - 180.0 * columns) / columns;
+  const SinCos azimuth = sinCosDegrees(std::remainder(columnDeg + channel.azimuthOffsetDeg, 360.0));
+  const SinCos elevation = sinCosDegrees(channel.elevationDeg);
+  return {elevation.cos * azimuth.cos, elevation.cos * azimuth.sin, elevation.sin};
+}
+
+void validate(const Sensor& sensor) {
+  if (sensor.columns == 0) refuse(sensor, "columns must be at least 1");
+  if (sensor.beamCount() > 0xfffffffeu) {
+    refuse(sensor, std::to_string(sensor.columns) + " columns x " + std::to_string(sensor.channels.size()) +
+                       " channels are more beams than a 32-bit index holds (4294967294)");
+  }
+  for (size_t j = 0; j < sensor.channels.size(); ++j) {
+    const Channel& channel = sensor.channels[j];
+    if (!(std::abs(channel.elevationDeg) <= 90)) {
+      refuse(sensor, "elevation of channel " + std::to_string(j) + " must be within -90..90 degrees, is " +
+                         std::to_string(channel.elevationDeg));
+    }
+    if (!(std::abs(channel.azimuthOffsetDeg) <= 360)) {
+      refuse(sensor, "azimuth offset of channel " + std::to_string(j) + " must be within -360..360 degrees, is " +
+                         std::to_string(channel.azimuthOffsetDeg));
+    }
+  }
+  if (!std::isfinite(sensor.rangeMin) || sensor.rangeMin < 0) refuse(sensor, "range min must be finite and at least 0");
+  if (!std::isfinite(sensor.rangeMax)) refuse(sensor, "range max must be finite");
+  if (sensor.rangeMin > sensor.rangeMax) {
+    refuse(sensor,
+           "range min " + std::to_string(sensor.rangeMin) + " is beyond range max " + std::to_string(sensor.rangeMax));
+  }
+}
+
+const std::vector<Sensor>& builtinSensors() {
+  static const std::vector<Sensor> sensors = {
+      evenSensor("VLP-16", -15, 15, 1800, 16, 100),
+      evenSensor("VLP-32", -25, 15, 3600, 32, 100),
+      evenSensor("HDL-64E", -25, 2, 4500, 64, 120),
+      evenSensor("Hypothetical-256", -45, 45, 18000, 256, 200),
+      evenSensor("Hypothetical-350", -45, 45, 18000, 350, 200),
+  };
+  return sensors;
+}
+
+Sensor findSensor(const std::string& nameOrFile) {
+  std::string names;
+  for (const Sensor& sensor : builtinSensors()) {
+    if (sameWord(sensor.name, nameOrFile)) return sensor;
+    names += (names.empty() ? "" : ", ") + sensor.name;
+  }
+  std::error_code ignored;
+  if (nameOrFile.empty() || !std::filesystem::exists(nameOrFile, ignored)) {
+    throw Error(ErrorCode::invalidArgument,
+                "no sensor or file is called '" + nameOrFile + "'; there are " + names + ", or a JSON file");
+  }
+  return sensorFromJson(readWholeFile(nameOrFile, kMaxFileBytes), nameOrFile);
+}
+
+}  // namespace gnosphere

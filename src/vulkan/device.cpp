@@ -1,1 +1,300 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "vulkan/device.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+
+#include "backend.hpp"
+#include "shared.h"
+
+namespace gnosphere::vulkan {
+namespace {
+
+const char* resultName(VkResult result) {
+  switch (result) {
+    case VK_SUCCESS: return "VK_SUCCESS";
+    case VK_TIMEOUT: return "VK_TIMEOUT";
+    case VK_ERROR_OUT_OF_HOST_MEMORY: return "VK_ERROR_OUT_OF_HOST_MEMORY";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
+    case VK_ERROR_INITIALIZATION_FAILED: return "VK_ERROR_INITIALIZATION_FAILED";
+    case VK_ERROR_DEVICE_LOST: return "VK_ERROR_DEVICE_LOST";
+    case VK_ERROR_LAYER_NOT_PRESENT: return "VK_ERROR_LAYER_NOT_PRESENT";
+    case VK_ERROR_EXTENSION_NOT_PRESENT: return "VK_ERROR_EXTENSION_NOT_PRESENT";
+    case VK_ERROR_FEATURE_NOT_PRESENT: return "VK_ERROR_FEATURE_NOT_PRESENT";
+    case VK_ERROR_INCOMPATIBLE_DRIVER: return "VK_ERROR_INCOMPATIBLE_DRIVER";
+    case VK_ERROR_TOO_MANY_OBJECTS: return "VK_ERROR_TOO_MANY_OBJECTS";
+    case VK_ERROR_OUT_OF_POOL_MEMORY: return "VK_ERROR_OUT_OF_POOL_MEMORY";
+    default: return "VkResult";
+  }
+}
+
+std::string versionText(uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
+         std::to_string(VK_API_VERSION_PATCH(version));
+}
+
+const char* typeName(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
+    default: return "other";
+  }
+}
+
+// The first queue family that computes; -1 if there is none.
+int computeFamily(VkPhysicalDevice physical, uint32_t& timestampBits) {
+  uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+  for (uint32_t i = 0; i < count; ++i)
+    if (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) {
+      timestampBits = families[i].timestampValidBits;
+      return static_cast<int>(i);
+    }
+  return -1;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
+}
+
+int preference(const DeviceInfo& info) {
+  const char* order[] = {"discrete", "integrated", "virtual", "other", "cpu"};
+  return static_cast<int>(std::find(std::begin(order), std::end(order), info.type) - std::begin(order));
+}
+
+}  // namespace
+
+void check(VkResult result, const char* call, const char* file, int line) {
+  if (result == VK_SUCCESS) return;
+  const char* name = std::strrchr(file, '/');
+  const std::string text = std::string(call) + " gave " + resultName(result) + " (" + std::to_string(result) + ") at " +
+                           (name ? name + 1 : file) + ":" + std::to_string(line);
+  const bool memory = result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
+  throw Error(memory ? ErrorCode::outOfMemory : ErrorCode::device, text);
+}
+
+ApiInstance::ApiInstance(bool validation) {
+  static std::mutex loaderMutex;  // volk keeps its function pointers in globals
+  const std::lock_guard lock(loaderMutex);
+  if (volkInitialize() != VK_SUCCESS)
+    throw Error(ErrorCode::device, "no Vulkan loader (libvulkan.so.1) was found; install libvulkan1 and a driver, "
+                                   "for instance mesa-vulkan-drivers");
+  VkApplicationInfo application = {VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  application.pApplicationName = "gnosphere";
+  application.apiVersion = VK_API_VERSION_1_2;
+  const char* layer = "VK_LAYER_KHRONOS_validation";
+  const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  VkValidationFeaturesEXT features = {VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
+  features.enabledValidationFeatureCount = 1;
+  features.pEnabledValidationFeatures = &synchronization;
+  VkDebugUtilsMessengerCreateInfoEXT messenger = {VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  messenger.pNext = &features;
+  messenger.messageSeverity =
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  messenger.messageType =
+      VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  messenger.pfnUserCallback = onMessage;
+  messenger.pUserData = this;
+  VkInstanceCreateInfo create = {VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  create.pApplicationInfo = &application;
+  if (validation) {
+    create.pNext = &messenger;
+    create.enabledLayerCount = 1;
+    create.ppEnabledLayerNames = &layer;
+    create.enabledExtensionCount = 1;
+    create.ppEnabledExtensionNames = &extension;
+  }
+  const VkResult result = vkCreateInstance(&create, nullptr, &instance_);
+  if (result == VK_ERROR_LAYER_NOT_PRESENT)
+    throw Error(ErrorCode::device, "the Vulkan validation layer is not installed; install vulkan-validationlayers");
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+    throw Error(ErrorCode::device, "no Vulkan driver was found; install one, for instance mesa-vulkan-drivers");
+  VK(result);
+  volkLoadInstance(instance_);
+  if (validation) {
+    messenger.pNext = nullptr;
+    VK(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_));
+  }
+}
+
+ApiInstance::~ApiInstance() {
+  if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+  if (instance_) vkDestroyInstance(instance_, nullptr);
+  // A destructor cannot throw, and a validation message must not pass unseen.
+  for (const std::string& message : messages_) std::fprintf(stderr, "gnosphere: %s\n", message.c_str());
+}
+
+VkBool32 ApiInstance::onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  auto* self = static_cast<ApiInstance*>(user);
+  const std::lock_guard lock(self->mutex_);
+  self->messages_.emplace_back(data->pMessage);
+  return VK_FALSE;
+}
+
+std::vector<VkPhysicalDevice> ApiInstance::physicalDevices() const {
+  uint32_t count = 0;
+  VK(vkEnumeratePhysicalDevices(instance_, &count, nullptr));
+  std::vector<VkPhysicalDevice> devices(count);
+  if (count > 0) VK(vkEnumeratePhysicalDevices(instance_, &count, devices.data()));
+  return devices;
+}
+
+void ApiInstance::throwOnMessages() {
+  const std::lock_guard lock(mutex_);
+  if (messages_.empty()) return;
+  std::string text = "Vulkan validation: " + messages_.front();
+  if (messages_.size() > 1) text += " (and " + std::to_string(messages_.size() - 1) + " more)";
+  messages_.clear();
+  throw Error(ErrorCode::device, text);
+}
+
+Capabilities capabilitiesOf(VkPhysicalDevice physical) {
+  Capabilities result;
+  VkPhysicalDeviceDriverProperties driver = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceSubgroupProperties subgroup = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &driver};
+  VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup, {}};
+  VkPhysicalDeviceVulkan12Features features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
+  VkPhysicalDeviceProperties basic;
+  vkGetPhysicalDeviceProperties(physical, &basic);
+  DeviceInfo& info = result.info;
+  info.name = basic.deviceName;
+  info.type = typeName(basic.deviceType);
+  info.apiVersion = versionText(basic.apiVersion);
+  info.maxBufferBytes = basic.limits.maxStorageBufferRange;
+  result.cpu = basic.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  if (basic.apiVersion < VK_API_VERSION_1_2) {
+    info.reason = "it offers Vulkan " + info.apiVersion + ", 1.2 is needed";
+    return result;
+  }
+  vkGetPhysicalDeviceProperties2(physical, &properties);
+  vkGetPhysicalDeviceFeatures2(physical, &features);
+  info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+  info.subgroupSize = subgroup.subgroupSize;
+  uint32_t timestampBits = 0;
+  const int family = computeFamily(physical, timestampBits);
+  result.queueFamily = static_cast<uint32_t>(std::max(family, 0));
+  result.int64Atomics = features.features.shaderInt64 && features12.shaderBufferInt64Atomics;
+  result.timestamps = timestampBits == 64 && basic.limits.timestampPeriod > 0;
+  result.timestampMs = basic.limits.timestampPeriod * 1e-6;
+  constexpr VkSubgroupFeatureFlags kSubgroup =
+      VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+  constexpr uint32_t kBuffers = gpu::kWorkBindingCount + gpu::kSceneBindingCount;
+  if (family < 0)
+    info.reason = "it has no compute queue";
+  else if (!(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
+           (subgroup.supportedOperations & kSubgroup) != kSubgroup)
+    info.reason = "it lacks subgroup ballot or arithmetic in compute shaders";
+  else if (basic.limits.maxPerStageDescriptorStorageBuffers < kBuffers)
+    info.reason = "it binds " + std::to_string(basic.limits.maxPerStageDescriptorStorageBuffers) +
+                  " storage buffers per stage, " + std::to_string(kBuffers) + " are needed";
+  info.usable = info.reason.empty();
+  return result;
+}
+
+VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& name) {
+  const std::vector<VkPhysicalDevice> devices = instance.physicalDevices();
+  std::string seen;
+  std::vector<size_t> matches;
+  std::vector<DeviceInfo> infos;
+  size_t index = devices.size();
+  const bool isIndex = std::from_chars(name.data(), name.data() + name.size(), index).ptr == name.data() + name.size();
+  for (size_t i = 0; i < devices.size(); ++i) {
+    infos.push_back(capabilitiesOf(devices[i]).info);
+    seen += "; " + std::to_string(i) + ": " + infos[i].name + (infos[i].usable ? "" : " (" + infos[i].reason + ")");
+    if (name == "auto" ? infos[i].usable : isIndex ? index == i : contains(infos[i].name, name)) matches.push_back(i);
+  }
+  if (devices.empty())
+    throw Error(ErrorCode::device, "no Vulkan device was found; install a driver (mesa-vulkan-drivers has a software "
+                                   "one) or use the device 'reference'");
+  if (matches.empty() && name == "auto") throw Error(ErrorCode::device, "no Vulkan device can be used" + seen);
+  if (matches.empty())
+    throw Error(ErrorCode::invalidArgument, "there is no device '" + name + "'" + seen + "; reference: the CPU in double");
+  const auto best = std::min_element(matches.begin(), matches.end(), [&](size_t a, size_t b) {
+    return std::pair(!infos[a].usable, preference(infos[a])) < std::pair(!infos[b].usable, preference(infos[b]));
+  });
+  if (!infos[*best].usable)
+    throw Error(ErrorCode::device, "the device '" + infos[*best].name + "' cannot be used: " + infos[*best].reason);
+  return devices[*best];
+}
+
+Device::Device(const std::string& name, bool validation, uint64_t maxBufferBytes) : instance_(validation) {
+  physical_ = chooseDevice(instance_, name);
+  capabilities_ = capabilitiesOf(physical_);
+  if (maxBufferBytes > 0)
+    capabilities_.info.maxBufferBytes = std::min(maxBufferBytes, capabilities_.info.maxBufferBytes);
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+  const float priority = 1;
+  VkDeviceQueueCreateInfo queue = {VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue.queueFamilyIndex = capabilities_.queueFamily;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  VkPhysicalDeviceVulkan12Features features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  features12.shaderBufferInt64Atomics = capabilities_.int64Atomics;
+  VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
+  features.features.shaderInt64 = capabilities_.int64Atomics;
+  VkDeviceCreateInfo create = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
+  create.queueCreateInfoCount = 1;
+  create.pQueueCreateInfos = &queue;
+  VK(vkCreateDevice(physical_, &create, nullptr, &device_));
+  vkGetDeviceQueue(device_, capabilities_.queueFamily, 0, &queue_);
+}
+
+Device::~Device() {
+  if (device_) vkDestroyDevice(device_, nullptr);
+}
+
+int Device::memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const {
+  for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
+    if ((typeBits >> i & 1) && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return static_cast<int>(i);
+  return -1;
+}
+
+bool Device::isHostVisible(int memoryType) const {
+  return memory_.memoryTypes[memoryType].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+}
+
+bool Device::isCoherent(int memoryType) const {
+  return memory_.memoryTypes[memoryType].propertyFlags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+}
+
+uint64_t Device::heapBytes() const {
+  uint64_t bytes = 0;
+  for (uint32_t i = 0; i < memory_.memoryHeapCount; ++i)
+    if (memory_.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+      bytes = std::max(bytes, memory_.memoryHeaps[i].size);
+  return bytes;
+}
+
+bool Device::unifiedMemory() const {
+  return capabilities_.info.type == "cpu" || capabilities_.info.type == "integrated";
+}
+
+}  // namespace gnosphere::vulkan
+
+namespace gnosphere {
+
+std::vector<DeviceInfo> listVulkanDevices(std::string* problem) {
+  std::vector<DeviceInfo> devices;
+  try {
+    const vulkan::ApiInstance instance(false);
+    for (VkPhysicalDevice physical : instance.physicalDevices())
+      devices.push_back(vulkan::capabilitiesOf(physical).info);
+    if (devices.empty() && problem) *problem = "no Vulkan device was found";
+  } catch (const Error& error) {
+    if (problem) *problem = error.what();
+  }
+  return devices;
+}
+
+}  // namespace gnosphere

@@ -1,1 +1,134 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "vulkan/geometry.hpp"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnosphere::vulkan {
+namespace {
+
+// Clusters first..last whose arrays all fit into one buffer each.
+size_t chunkEnd(const FlatScene& flat, size_t first, uint64_t limit) {
+  const size_t vertexFirst = flat.clusters[first].firstVertex, triangleFirst = flat.clusters[first].firstTriangle;
+  size_t end = first;
+  while (end < flat.clusters.size()) {
+    const bool isLast = end + 1 == flat.clusters.size();
+    const size_t vertexEnd = isLast ? flat.positions.size() / 3 : flat.clusters[end + 1].firstVertex;
+    const size_t triangleEnd = isLast ? flat.corners.size() : flat.clusters[end + 1].firstTriangle;
+    const uint64_t largest =
+        std::max({(vertexEnd - vertexFirst) * 3 * sizeof(float), (triangleEnd - triangleFirst) * sizeof(uint32_t),
+                  (end + 1 - first) * sizeof(gpu::Cluster)});
+    if (largest > limit) break;
+    ++end;
+  }
+  if (end == first)
+    throw Error(ErrorCode::outOfMemory,
+                "the device allows buffers of " + std::to_string(limit) + " bytes, less than one cluster of triangles");
+  return end;
+}
+
+glm::dmat3 linear(const Transform& t) {
+  const auto& m = t.rows;
+  return glm::dmat3(m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]);
+}
+
+}  // namespace
+
+Geometry::Geometry(const Device& device, const Scene& scene) {
+  const FlatScene flat = flatten(scene);
+  clusterCount_ = flat.clusters.size();
+  uint32_t firstTriangle = 0;
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const Transform origin = {{1, 0, 0, mesh.origin.x, 0, 1, 0, mesh.origin.y, 0, 0, 1, mesh.origin.z}};
+    instances_.push_back({instance.transform * origin, firstTriangle, glm::determinant(linear(instance.transform)) < 0});
+    firstTriangle += static_cast<uint32_t>(mesh.triangleCount());
+    dropped_.nonFinite += flat.meshes[instance.mesh].nonFinite;
+    dropped_.degenerate += flat.meshes[instance.mesh].degenerate;
+  }
+  dropped_.triangles = firstTriangle;
+
+  Uploader uploader(device);
+  for (size_t first = 0; first < flat.clusters.size();) {
+    const size_t end = chunkEnd(flat, first, device.maxBufferBytes());
+    const gpu::Cluster& base = flat.clusters[first];
+    const bool isLast = end == flat.clusters.size();
+    const size_t vertexEnd = isLast ? flat.positions.size() / 3 : flat.clusters[end].firstVertex;
+    const size_t triangleEnd = isLast ? flat.corners.size() : flat.clusters[end].firstTriangle;
+    std::vector<gpu::Cluster> clusters(flat.clusters.begin() + static_cast<ptrdiff_t>(first),
+                                       flat.clusters.begin() + static_cast<ptrdiff_t>(end));
+    for (gpu::Cluster& cluster : clusters) {
+      cluster.firstVertex -= base.firstVertex;
+      cluster.firstTriangle -= base.firstTriangle;
+    }
+    std::vector<uint32_t> placed;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+      const FlatMesh& mesh = flat.meshes[scene.instances[i].mesh];
+      const size_t from = std::max<size_t>(first, mesh.firstCluster);
+      const size_t to = std::min<size_t>(end, mesh.firstCluster + mesh.clusterCount);
+      for (size_t cluster = from; cluster < to; ++cluster) {
+        placed.push_back(i);
+        placed.push_back(static_cast<uint32_t>(cluster - first));
+      }
+    }
+    GeometryChunk chunk;
+    chunk.placedCount = static_cast<uint32_t>(placed.size() / 2);
+    chunk.placed = uploader.upload<uint32_t>("placed", placed);
+    chunk.clusters = uploader.upload<gpu::Cluster>("clusters", clusters);
+    chunk.positions = uploader.upload<float>(
+        "positions", {&flat.positions[3 * size_t{base.firstVertex}], 3 * (vertexEnd - base.firstVertex)});
+    chunk.corners =
+        uploader.upload<uint32_t>("corners", {&flat.corners[base.firstTriangle], triangleEnd - base.firstTriangle});
+    chunk.triangleIds = uploader.upload<uint32_t>(
+        "triangleIds", {&flat.triangleIds[base.firstTriangle], triangleEnd - base.firstTriangle});
+    chunks_.push_back(std::move(chunk));
+    first = end;
+  }
+}
+
+uint64_t Geometry::bytes() const {
+  uint64_t sum = 0;
+  for (const GeometryChunk& chunk : chunks_)
+    sum += chunk.placed.bytes() + chunk.clusters.bytes() + chunk.positions.bytes() + chunk.corners.bytes() +
+           chunk.triangleIds.bytes();
+  return sum;
+}
+
+void Geometry::placeInstances(const Pose& pose, gpu::Instance* out) const {
+  const Quaternion& q = pose.orientation;
+  const glm::dmat3 toSensor = glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
+  const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
+  for (size_t i = 0; i < instances_.size(); ++i) {
+    const Placement& placement = instances_[i];
+    const auto& m = placement.transform.rows;
+    const glm::dmat3 toWorld = linear(placement.transform);
+    // The world subtraction comes first, in double: what is left is small wherever in the world the scene lies.
+    const glm::dvec3 translation = glm::dvec3(m[3], m[7], m[11]) - sensor;
+    // The pivot is the sensor's place in the mesh frame. A transform that flattens the mesh has none: zero then.
+    glm::dvec3 pivot(0);
+    if (const double volume = glm::determinant(toWorld); std::abs(volume) > 1e-30)
+      pivot = -(glm::inverse(toWorld) * translation);
+    const glm::vec3 rounded(pivot);
+    const bool usable = glm::all(glm::lessThanEqual(glm::abs(rounded), glm::vec3(gpu::kCoordinateLimit)));
+    const glm::vec3 pivot32 = usable ? rounded : glm::vec3(0);
+    const glm::dmat3 rows = glm::transpose(toSensor * toWorld);
+    const glm::vec3 offset(toSensor * (toWorld * glm::dvec3(pivot32) + translation));
+    gpu::Instance& instance = out[i];
+    const auto row = [&](int r) {
+      return gpu::vec4{static_cast<float>(rows[r].x), static_cast<float>(rows[r].y), static_cast<float>(rows[r].z),
+                       pivot32[r]};
+    };
+    instance.row0 = row(0);
+    instance.row1 = row(1);
+    instance.row2 = row(2);
+    instance.offsetX = offset.x;
+    instance.offsetY = offset.y;
+    instance.offsetZ = offset.z;
+    instance.firstTriangle = placement.firstTriangle | (placement.mirrored ? 1u << 31 : 0u);
+  }
+}
+
+}  // namespace gnosphere::vulkan

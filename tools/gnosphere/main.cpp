@@ -1,2 +1,67 @@
 // SPDX-License-Identifier: Apache-2.0
-int main() { return 0; }
+// gnosphere COMMAND ...: exit status 0 done, 1 the work failed, 2 the call was wrong; errors are one line on stderr.
+#include <new>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "gnosphere/error.hpp"
+
+using namespace gnosphere;
+
+namespace {
+
+struct Command {
+  const CLI::App* app;
+  cli::Action action;
+};
+
+Command addCommand(CLI::App& app, const char* name, const char* description, cli::Action (*add)(CLI::App&)) {
+  CLI::App* command = app.add_subcommand(name, description);
+  return {command, add(*command)};
+}
+
+int run(const std::vector<Command>& commands) {
+  for (const Command& command : commands) {
+    if (!command.app->parsed()) continue;
+    try {
+      return command.action();
+    } catch (const Error& error) {
+      cli::complain(error.what());
+      return error.code() == ErrorCode::invalidArgument ? 2 : 1;
+    } catch (const std::bad_alloc&) {
+      cli::complain("out of memory on the host");
+    } catch (const std::exception& error) {
+      cli::complain(error.what());
+    }
+    return 1;
+  }
+  cli::complain("which command? scan, compare, devices, sensors or town; gnosphere --help says more");
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("GnoSphere, a LiDAR simulator that never casts a ray", "gnosphere");
+  app.set_version_flag("--version", std::string("gnosphere ") + GNOSPHERE_VERSION);
+  app.require_subcommand(0, 1);
+  const std::vector<Command> commands = {
+      addCommand(app, "scan", "Scan a scene: triangles in, a cloud out", cli::addScan),
+      addCommand(app, "compare", "Tell two clouds apart, beam by beam", cli::addCompare),
+      addCommand(app, "devices", "List every device, usable or why not", cli::addDevices),
+      addCommand(app, "sensors", "List the built-in sensors, or print one as JSON", cli::addSensors),
+      addCommand(app, "town", "Write a synthetic town", cli::addTown),
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+    const auto chosen = app.get_subcommands();
+    cli::complain(std::string(error.what()) + " (gnosphere " + (chosen.empty() ? "" : chosen[0]->get_name() + " ") +
+                  "--help says more)");
+    return 2;
+  }
+  return run(commands);
+}

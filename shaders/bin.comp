@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage bin. Gives every projected triangle to the beams that meet it. Small boxes are worked off by one invocation
+// each; tiles of large ones by a subgroup each, lanes along the columns. PASS says what is done with a meeting.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#ifdef INT64_ATOMICS
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
+#include "shared.h"
+#include "options.glsl"
+#include "bindings.glsl"
+#include "sphere.glsl"
+#include "bounds.glsl"
+#include "inside.glsl"
+
+layout(local_size_x = 64) in;
+#ifdef INT64_ATOMICS
+layout(std430, set = 0, binding = kBindWords) coherent buffer Words64Block { uint64_t words64[]; };
+#endif
+
+// Ranges are positive, so their bits order like numbers. Reading before the atomic is safe: words only fall.
+void offerNearest(uint beam, uint rangeBits, uint id) {
+#ifdef INT64_ATOMICS
+  if (rangeBits <= words[2 * beam + 1]) atomicMin(words64[beam], packUint2x32(uvec2(id, rangeBits)));
+#endif
+}
+
+void offer(uint beam, float range, uint projected, uint id) {
+  uint rangeBits = floatBitsToUint(range);
+  if (PASS == kPassNearest) {
+    offerNearest(beam, rangeBits, id);
+  } else if (PASS == kPassRange) {
+    if (rangeBits < words[2 * beam + 1]) atomicMin(words[2 * beam + 1], rangeBits);
+  } else if (PASS == kPassOwner) {
+    if (rangeBits == words[2 * beam + 1]) atomicMin(words[2 * beam], id);
+  } else if (PASS == kPassCount) {
+    atomicAdd(listEnds[beam], 1);
+  } else {
+    uint slot = atomicAdd(listEnds[beam], 1);
+    if (slot < frame.candidateCapacity) candidates[slot] = projected;
+  }
+}
+
+uint wrapColumn(int column) {
+  int all = int(frame.columns);
+  if (column < 0) column += all;
+  if (column < 0) column += all;
+  if (column >= all) column -= all;
+  if (column >= all) column -= all;
+  return uint(column);
+}
+
+// Tries the beams of `count` columns of a box, from its `first`-th on, every `stride`-th.
+void tryColumns(uint projected, Box box, uint first, uint count, uint stride) {
+  Triangle triangle = loadProjected(projected);
+  uint rowFirst = box.rows & 0xffff, rowLast = box.rows >> 16;
+  for (uint k = first; k < count; k += stride) {
+    uint column = wrapColumn(int(ceil(box.columnMin)) + int(k));
+    vec2 azimuth = columns[column];
+    Turned turned = turn(triangle, azimuth);
+    for (uint row = rowFirst; row <= rowLast; ++row) {
+      if (AZIMUTH_OFFSETS) {
+        column = wrapColumn(int(ceil(box.columnMin - rows[row].columnShift)) + int(k));
+        azimuth = beamAzimuth(columns[column], row);
+        turned = turn(triangle, azimuth);
+      }
+      float range;
+      if (meet(triangle, turned, azimuth, row, range))
+        offer(rows[row].channel * frame.columns + column, range, projected, triangle.id);
+    }
+  }
+}
+
+bool isSmall(Box box) {
+  return boxColumnCount(box) * ((box.rows >> 16) - (box.rows & 0xffff) + 1) <= kSmallBoxBeams;
+}
+
+void main() {
+  uint projectedCount = min(counters.projected, frame.projectedCapacity);
+  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < projectedCount; i += stride) {
+    Box box = projectedBoxes[i];
+    if (isSmall(box)) tryColumns(i, box, 0, boxColumnCount(box), 1);
+  }
+  uint tileCount = min(counters.tiles, frame.tileCapacity);
+  for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < tileCount;
+       i += gl_NumWorkGroups.x * gl_NumSubgroups) {
+    Tile tile = tiles[i];
+    Box box = projectedBoxes[tile.projected];
+    uint end = min(tile.columnFirst + tile.columnCount, boxColumnCount(box));
+    tryColumns(tile.projected, box, tile.columnFirst + gl_SubgroupInvocationID, end, gl_SubgroupSize);
+  }
+}

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exact angular bounds of a triangle seen from the origin. The highest point of an edge may lie between its ends: a
+// great circle bulges. Interior extrema of elevation exist only at a pole. Source and check: a x b = n, the circle's
+// highest point is z - (z.n)n/|n|^2, which lies on the arc iff both f and g below are positive.
+
+// Widens keyMin..keyMax by the arc from a to b, if its extremum lies inside.
+void widenByArc(vec3 a, vec3 b, inout float keyMin, inout float keyMax) {
+  vec3 e = b - a;
+  vec3 n = cross(a, e);
+  float f = dot(a, a) * e.z - a.z * dot(a, e);
+  float g = b.z * dot(b, e) - dot(b, b) * e.z;
+  float apex = elevationKey(abs(n.z), length(n.xy));
+  if (f > 0.0 && g > 0.0) keyMax = max(keyMax, apex);
+  if (f < 0.0 && g < 0.0) keyMin = min(keyMin, -apex);
+}
+
+// The vertical axis passes through the edge from a to b, or so near that rounding could hide it.
+bool edgeMeetsAxis(vec2 a, vec2 b) {
+  float along = dot(a, b), across = a.x * b.y - a.y * b.x;
+  return along <= 0.0 && abs(across) <= 1e-4 * -along;
+}
+
+bool nearAxis(vec3 v) { return dot(v.xy, v.xy) <= 1e-8 * v.z * v.z; }
+
+// -1, 0 or 1: the lower pole, none, or the upper one lies inside. Both poles (2) where it cannot be told.
+const int kNoPole = 0, kUpperPole = 1, kLowerPole = -1, kAnyPole = 2;
+
+int poleInside(vec3 a, vec3 b, vec3 c) {
+  if (edgeMeetsAxis(a.xy, b.xy) || edgeMeetsAxis(b.xy, c.xy) || edgeMeetsAxis(c.xy, a.xy) || nearAxis(a) ||
+      nearAxis(b) || nearAxis(c))
+    return kAnyPole;
+  vec3 turn = vec3(a.x * b.y - a.y * b.x, b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x);
+  if (!(all(greaterThan(turn, vec3(0.0))) || all(lessThan(turn, vec3(0.0))))) return kNoPole;
+  vec3 n = cross(b - a, c - a);
+  float k = dot(n, a) * n.z;
+  return k > 0.0 ? kUpperPole : k < 0.0 ? kLowerPole : kAnyPole;
+}
+
+// The sensor lies on the edge from a to b: the edge fills half a great circle.
+bool edgeMeetsOrigin(vec3 a, vec3 b) {
+  vec3 n = cross(a, b - a);
+  return dot(a, b) < 0.0 && dot(n, n) <= 1e-12 * dot(a, a) * dot(b, b);
+}
+
+// What the sphere shows of a triangle: its span of elevation keys, and whether it reaches all the way around.
+struct Outline {
+  float keyMin, keyMax;
+  bool around;
+};
+
+Outline outlineOf(vec3 a, vec3 b, vec3 c) {
+  vec3 keys = vec3(elevationKey(length(a.xy), a.z), elevationKey(length(b.xy), b.z), elevationKey(length(c.xy), c.z));
+  Outline outline;
+  outline.keyMin = min(min(keys.x, keys.y), keys.z);
+  outline.keyMax = max(max(keys.x, keys.y), keys.z);
+  widenByArc(a, b, outline.keyMin, outline.keyMax);
+  widenByArc(b, c, outline.keyMin, outline.keyMax);
+  widenByArc(c, a, outline.keyMin, outline.keyMax);
+  int pole = poleInside(a, b, c);
+  bool wide = edgeMeetsOrigin(a, b) || edgeMeetsOrigin(b, c) || edgeMeetsOrigin(c, a);
+  if (wide || pole == kUpperPole || (pole == kAnyPole && max(max(a.z, b.z), c.z) > 0.0)) outline.keyMax = 1.0;
+  if (wide || pole == kLowerPole || (pole == kAnyPole && min(min(a.z, b.z), c.z) < 0.0)) outline.keyMin = -1.0;
+  outline.around = wide || pole != kNoPole;
+  outline.keyMin -= kKeySlack;
+  outline.keyMax += kKeySlack;
+  return outline;
+}
+
+// Rows that the outline may cover; false if it lies between two rows or outside the field of view.
+bool coverRows(Outline outline, inout Box box) {
+  uint first = firstRowFrom(outline.keyMin);
+  if (first >= frame.rows || rows[first].key > outline.keyMax) return false;
+  uint last = firstRowFrom(outline.keyMax);
+  while (last >= frame.rows || rows[last].key > outline.keyMax) --last;
+  box.rows = first | last << 16;
+  return true;
+}
+
+// Columns that the box covers, wrapping: at most all of them.
+uint boxColumnCount(Box box) {
+  float count = floor(box.columnMax) - ceil(box.columnMin) + 1.0;
+  // A row's own azimuth offset may catch one column more than the unshifted grid.
+  if (AZIMUTH_OFFSETS) count += 1.0;
+  return uint(clamp(count, 0.0, float(frame.columns)));
+}
+
+// Columns that the triangle may cover; false if it lies between two columns. A triangle that does not hold the axis
+// spans less than pi, so its azimuths are a sweep from a. Rounding turns into more azimuth towards the poles:
+// 1 - |key| is cos(elevation) within a factor of 1.42.
+bool coverColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) {
+  float turnColumns = float(frame.columns);
+  box.columnMin = 0.0;
+  box.columnMax = turnColumns;
+  float slack = frame.columnSlack / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
+  if (outline.around || slack > 0.25 * turnColumns) return true;
+  float start = azimuthOf(a.y, a.x);
+  float toB = azimuthOf(a.x * b.y - a.y * b.x, dot(a.xy, b.xy));
+  float toC = azimuthOf(a.x * c.y - a.y * c.x, dot(a.xy, c.xy));
+  float low = min(min(toB, toC), 0.0), high = max(max(toB, toC), 0.0);
+  float x = (start + low + kPi) * frame.columnsPerRadian - slack;
+  if (x < 0.0) x += turnColumns;
+  box.columnMin = x;
+  box.columnMax = x + (high - low) * frame.columnsPerRadian + 2.0 * slack;
+  return boxColumnCount(box) > 0;
+}

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage bin, list way: candidate counts per beam -> where each beam's list starts. Reduce, scan the block sums, apply;
+// no workgroup ever waits for another, so no forward progress between workgroups is assumed.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared.h"
+#include "options.glsl"
+#include "bindings.glsl"
+
+layout(local_size_x = 64) in;
+
+const uint kLanes = 64;
+const uint kPerLane = kScanBlock / kLanes;
+shared uint laneSums[kLanes];
+
+uint blockCount() { return (frame.beams + kScanBlock - 1) / kScanBlock; }
+
+// Sum of the lanes before this one; every lane must call.
+uint sumBefore(uint value, out uint total) {
+  uint lane = gl_LocalInvocationID.x;
+  laneSums[lane] = value;
+  barrier();
+  uint before = 0;
+  total = 0;
+  for (uint k = 0; k < kLanes; ++k) {
+    if (k < lane) before += laneSums[k];
+    total += laneSums[k];
+  }
+  barrier();
+  return before;
+}
+
+uint countsOfLane(uint block) {
+  uint sum = 0;
+  for (uint k = 0; k < kPerLane; ++k) {
+    uint beam = block * kScanBlock + gl_LocalInvocationID.x * kPerLane + k;
+    if (beam < frame.beams) sum += listEnds[beam];
+  }
+  return sum;
+}
+
+void reduceBlocks() {
+  for (uint block = gl_WorkGroupID.x; block < blockCount(); block += gl_NumWorkGroups.x) {
+    uint total;
+    sumBefore(countsOfLane(block), total);
+    if (gl_LocalInvocationID.x == 0) blockSums[block] = total;
+  }
+}
+
+// One workgroup: each lane owns a run of blocks.
+void scanBlocks() {
+  uint run = (blockCount() + kLanes - 1) / kLanes;
+  uint first = gl_LocalInvocationID.x * run;
+  uint sum = 0;
+  for (uint k = first; k < min(first + run, blockCount()); ++k) sum += blockSums[k];
+  uint total;
+  uint start = sumBefore(sum, total);
+  for (uint k = first; k < min(first + run, blockCount()); ++k) {
+    uint count = blockSums[k];
+    blockSums[k] = start;
+    start += count;
+  }
+  if (gl_LocalInvocationID.x == 0) counters.candidates = total;
+}
+
+void applyBlocks() {
+  for (uint block = gl_WorkGroupID.x; block < blockCount(); block += gl_NumWorkGroups.x) {
+    uint total;
+    uint start = blockSums[block] + sumBefore(countsOfLane(block), total);
+    for (uint k = 0; k < kPerLane; ++k) {
+      uint beam = block * kScanBlock + gl_LocalInvocationID.x * kPerLane + k;
+      if (beam >= frame.beams) break;
+      uint count = listEnds[beam];
+      listEnds[beam] = start;
+      start += count;
+    }
+  }
+}
+
+void main() {
+  if (PASS == kScanReduce) reduceBlocks();
+  if (PASS == kScanBlocks) scanBlocks();
+  if (PASS == kScanApply) applyBlocks();
+}

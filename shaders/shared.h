@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// What host and device share: structs, constants and binding numbers. Included by GLSL and C++ (and CUDA later).
+// Members are float, uint and vec4 only, 16-byte members first, sizes a multiple of 16: so std430, C++ and CUDA agree.
+#ifndef GNOSPHERE_SHARED_H
+#define GNOSPHERE_SHARED_H
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace gnosphere::gpu {
+using uint = uint32_t;
+struct alignas(16) vec4 {
+  float x, y, z, w;
+};
+#define GNO_CONST inline constexpr
+#else
+#define GNO_CONST const
+#endif
+
+// --- Limits -------------------------------------------------------------------------------------------------------
+
+// Triangles per cluster: one workgroup projects one cluster. More would cull worse, fewer would idle lanes.
+GNO_CONST uint kClusterTriangles = 64;
+// Corners of a cluster are indexed by 8 bits: 64 loose triangles have 192.
+GNO_CONST uint kClusterVertices = 192;
+// A box of at most this many beams is worked off by the invocation that owns the triangle; a larger one is cut into
+// tiles that a subgroup shares. 128..256 measured best on lavapipe.
+GNO_CONST uint kSmallBoxBeams = 128;
+// Beams per tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
+GNO_CONST uint kTileBeams = 4096;
+// Cells of the table from elevation key to row.
+GNO_CONST uint kRowLookupCells = 8192;
+// Vertices farther than this on an axis are dropped and counted: their cubic terms would leave the float range.
+GNO_CONST float kCoordinateLimit = 1e9f;
+// Error of the elevation key (range -1..1) that bounds are widened by: 3 roundings of the key itself (2e-7), the arc's
+// apex from a normal with relative error 3e-7 per unit edge/height ratio, and the shift of a vertex by the inside
+// test's own rounding (3e-7). Measured need is 1e-6; a row is 4e-3 wide, so the slack costs nothing.
+GNO_CONST float kKeySlack = 1e-5f;
+// The same for azimuth, in radians at the horizon; it grows as 1/cos(elevation).
+GNO_CONST float kAzimuthSlack = 2e-6f;
+// A beam index or list link that points nowhere.
+GNO_CONST uint kNone = 0xffffffffu;
+// Blocks of the prefix sum over beams.
+GNO_CONST uint kScanBlock = 1024;
+
+// --- Specialisation constants --------------------------------------------------------------------------------------
+
+GNO_CONST uint kAccuracyPaper = 0;
+GNO_CONST uint kAccuracyStandard = 2;
+
+GNO_CONST uint kFacesMaterial = 0;
+GNO_CONST uint kFacesFront = 1;
+GNO_CONST uint kFacesBoth = 2;
+
+GNO_CONST uint kPassNearest = 0;  // 64-bit minimum of (range, triangle)
+GNO_CONST uint kPassRange = 1;    // 32-bit way, first pass: minimum of range
+GNO_CONST uint kPassOwner = 2;    // 32-bit way, second pass: minimum of triangle where the range is the minimum
+GNO_CONST uint kPassCount = 3;    // list way: candidates per beam
+GNO_CONST uint kPassFill = 4;     // list way: write them
+
+GNO_CONST uint kScanReduce = 0;
+GNO_CONST uint kScanBlocks = 1;
+GNO_CONST uint kScanApply = 2;
+
+GNO_CONST uint kWayNearest = 0;
+GNO_CONST uint kWayNearest32 = 1;
+GNO_CONST uint kWayLists = 2;
+
+// --- Bindings --------------------------------------------------------------------------------------------------------
+
+// Set 0: the sensor and the work arrays of a scan.
+GNO_CONST uint kBindFrame = 0;
+GNO_CONST uint kBindCounters = 1;
+GNO_CONST uint kBindInstances = 2;
+GNO_CONST uint kBindRows = 3;
+GNO_CONST uint kBindRowLookup = 4;
+GNO_CONST uint kBindColumns = 5;
+GNO_CONST uint kBindVisible = 6;
+GNO_CONST uint kBindProjectedA = 7;
+GNO_CONST uint kBindProjectedB = 8;
+GNO_CONST uint kBindProjectedC = 9;
+GNO_CONST uint kBindProjectedBoxes = 10;
+GNO_CONST uint kBindProjectedIds = 11;
+GNO_CONST uint kBindTiles = 12;
+GNO_CONST uint kBindWords = 13;
+GNO_CONST uint kBindListEnds = 14;
+GNO_CONST uint kBindBlockSums = 15;
+GNO_CONST uint kBindCandidates = 16;
+GNO_CONST uint kBindPoints = 17;
+GNO_CONST uint kBindRanges = 18;
+GNO_CONST uint kBindTriangles = 19;
+GNO_CONST uint kBindOwners = 20;
+GNO_CONST uint kWorkBindingCount = 21;
+// Set 1: one chunk of the scene.
+GNO_CONST uint kBindPlaced = 0;
+GNO_CONST uint kBindClusters = 1;
+GNO_CONST uint kBindPositions = 2;
+GNO_CONST uint kBindCorners = 3;
+GNO_CONST uint kBindTriangleIds = 4;
+GNO_CONST uint kSceneBindingCount = 5;
+
+// --- Structs -----------------------------------------------------------------------------------------------------------
+
+// Sensor frame = rows * (mesh position - pivot) + offset. The pivot is the sensor's place in the mesh frame rounded to
+// float; subtracting it first keeps the error relative to the distance (numerics: cancellation happens exactly).
+struct Instance {
+  vec4 row0;  // xyz: linear part, w: pivot
+  vec4 row1;
+  vec4 row2;
+  float offsetX, offsetY, offsetZ;
+  uint firstTriangle;  // index of its first placed triangle; the top bit says that the transform mirrors
+};
+
+// At most kClusterTriangles triangles of one material, in the mesh frame.
+struct Cluster {
+  float minX, minY, minZ;
+  uint firstVertex;
+  float maxX, maxY, maxZ;
+  uint firstTriangle;
+  uint triangleCount;
+  uint doubleSided;
+  uint padding0, padding1;
+};
+
+// Everything about the sensor that is not a table.
+struct Frame {
+  uint columns;
+  uint rows;
+  uint beams;
+  uint instanceCount;
+  float rangeMin, rangeMax;
+  float columnsPerRadian;
+  float columnSlack;  // kAzimuthSlack in columns, plus the rounding of a column position
+  uint projectedCapacity;
+  uint tileCapacity;
+  uint candidateCapacity;
+  float paperFirstElevation;  // paper: radians of row 0, and rows per radian
+  float paperRowsPerRadian;
+  uint padding0, padding1, padding2;
+};
+
+// One channel, in order of elevation.
+struct Row {
+  float cosElevation, sinElevation;
+  float key;           // elevation key, see elevationKey()
+  float columnShift;   // azimuth offset in columns
+  float cosOffset, sinOffset;
+  uint channel;
+  uint padding0;
+};
+
+// Where a projected triangle may be met: columns columnMin..columnMax (real numbers, wrapping), rows first | last << 16.
+struct Box {
+  float columnMin, columnMax;
+  uint rows;
+  float rangeMin;  // no point of the triangle is nearer
+};
+
+// Part of a large box: `columnCount` columns from the `columnFirst`-th of the box on.
+struct Tile {
+  uint projected;
+  uint columnFirst;
+  uint columnCount;
+  uint padding0;
+};
+
+// What was needed and what became of every triangle; read back with the results.
+struct Counters {
+  uint visible, projected, tiles, candidates;
+  uint hits, nonFinite, culledByCluster, culledByRange;
+  uint culledByFace, culledBetweenBeams, padding0, padding1;
+};
+
+// Push constants of `project`.
+struct Chunk {
+  uint placedCount;  // (instance, cluster) pairs of the chunk
+  uint padding0, padding1, padding2;
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Frame) == 64 && sizeof(Row) == 32);
+static_assert(sizeof(Box) == 16 && sizeof(Tile) == 16 && sizeof(Counters) == 48 && sizeof(Chunk) == 16);
+}  // namespace gnosphere::gpu
+#endif
+#endif

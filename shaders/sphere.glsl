@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Angles on the sphere around the sensor, without GLSL's trigonometry: Vulkan lets atan err by 4096 ULP.
+
+const float kPi = 3.14159265358979;
+
+// Monotone in elevation, -1 at the lower pole and 1 at the upper; h is the distance from the vertical axis.
+// Its slope lies between 1/2 and 1 per radian, so an error here is the same error in angle, up to a factor of 2.
+float elevationKey(float h, float z) {
+  float sum = abs(z) + h;
+  return sum > 0.0 ? z / sum : 0.0;
+}
+
+// atan2 with an error of 3.5e-7 rad: Chebyshev fit of atan on [0, 1], folded by octant.
+float azimuthOf(float y, float x) {
+  float ax = abs(x), ay = abs(y);
+  float high = max(ax, ay);
+  float t = high > 0.0 ? min(ax, ay) / high : 0.0;
+  float s = t * t;
+  float p = -0.00455979199;
+  p = p * s + 0.0237805186;
+  p = p * s - 0.0588297531;
+  p = p * s + 0.0986886546;
+  p = p * s - 0.140032902;
+  p = p * s + 0.199669618;
+  p = p * s - 0.333318127;
+  p = p * s + 0.999999882;
+  float angle = t * p;
+  if (ay > ax) angle = 0.5 * kPi - angle;
+  if (x < 0.0) angle = kPi - angle;
+  return y < 0.0 ? -angle : angle;
+}
+
+// First row whose key is at least `key`, up to frame.rows where there is none.
+uint firstRowFrom(float key) {
+  float cell = clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1));
+  uint row = rowLookup[uint(cell)];
+  while (row < frame.rows && rows[row].key < key) ++row;
+  return row;
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "beam_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "gnosphere/error.hpp"
+
+namespace gnosphere {
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180;
+
+// The same key as elevationKey() of sphere.glsl, from an angle.
+double elevationKey(double elevation) {
+  const double c = std::abs(std::cos(elevation)), s = std::sin(elevation);
+  return s / (c + std::abs(s));
+}
+
+std::vector<gpu::Row> makeRows(const Sensor& sensor) {
+  std::vector<uint32_t> order(sensor.channels.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return sensor.channels[a].elevationDeg < sensor.channels[b].elevationDeg;
+  });
+  std::vector<gpu::Row> rows;
+  for (uint32_t channel : order) {
+    const double elevation = sensor.channels[channel].elevationDeg * kRadians;
+    const double offset = sensor.channels[channel].azimuthOffsetDeg * kRadians;
+    gpu::Row row = {};
+    row.cosElevation = static_cast<float>(std::cos(elevation));
+    row.sinElevation = static_cast<float>(std::sin(elevation));
+    row.key = static_cast<float>(elevationKey(elevation));
+    row.columnShift =
+        static_cast<float>(std::remainder(offset / (2 * std::numbers::pi), 1.0) * double(sensor.columns));
+    row.cosOffset = static_cast<float>(std::cos(offset));
+    row.sinOffset = static_cast<float>(std::sin(offset));
+    row.channel = channel;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+// Entry k: the first row whose key is not below the lower end of cell k, one rounding of the cell's place allowed.
+std::vector<uint32_t> makeLookup(const std::vector<gpu::Row>& rows) {
+  std::vector<uint32_t> lookup(gpu::kRowLookupCells);
+  uint32_t row = 0;
+  for (uint32_t cell = 0; cell < lookup.size(); ++cell) {
+    const double low = 2.0 * cell / gpu::kRowLookupCells - 1 - 1e-6;
+    while (row < rows.size() && rows[row].key < low) ++row;
+    lookup[cell] = row;
+  }
+  return lookup;
+}
+
+}  // namespace
+
+BeamTables makeBeamTables(const Sensor& sensor) {
+  if (sensor.channels.size() > 65535)
+    throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " +
+                                                std::to_string(sensor.channels.size()) +
+                                                " channels; the limit is 65535");
+  BeamTables tables;
+  tables.rows = makeRows(sensor);
+  tables.rowLookup = makeLookup(tables.rows);
+  for (uint32_t i = 0; i < sensor.columns; ++i) {
+    const double azimuth = (-1 + 2.0 * i / sensor.columns) * std::numbers::pi;
+    tables.columns.push_back(static_cast<float>(std::cos(azimuth)));
+    tables.columns.push_back(static_cast<float>(std::sin(azimuth)));
+  }
+  for (const Channel& channel : sensor.channels) tables.azimuthOffsets |= channel.azimuthOffsetDeg != 0;
+
+  gpu::Frame& frame = tables.frame;
+  const double columnsPerRadian = sensor.columns / (2 * std::numbers::pi);
+  frame.columns = sensor.columns;
+  frame.rows = static_cast<uint32_t>(sensor.channels.size());
+  frame.beams = static_cast<uint32_t>(sensor.beamCount());
+
+  frame.rangeMin = static_cast<float>(sensor.rangeMin);
+  frame.rangeMax = static_cast<float>(sensor.rangeMax);
+  frame.columnsPerRadian = static_cast<float>(columnsPerRadian);
+  // Angle slack, plus the rounding of a column position: 3 roundings of a number up to twice the columns.
+  frame.columnSlack = static_cast<float>(gpu::kAzimuthSlack * columnsPerRadian + 4e-7 * sensor.columns);
+  if (frame.rows > 1) {
+    const double first = sensor.channels[tables.rows.front().channel].elevationDeg * kRadians;
+    const double last = sensor.channels[tables.rows.back().channel].elevationDeg * kRadians;
+    frame.paperFirstElevation = static_cast<float>(first);
+    frame.paperRowsPerRadian = static_cast<float>(last > first ? (frame.rows - 1) / (last - first) : 0);
+  } else if (frame.rows == 1) {
+    frame.paperFirstElevation = static_cast<float>(sensor.channels[0].elevationDeg * kRadians);
+  }
+  return tables;
+}
+
+}  // namespace gnosphere

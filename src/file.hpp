@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files, whole: read at once, or written beside and renamed when complete.
+#pragma once
+
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "gnosphere/error.hpp"
+
+namespace gnosphere {
+
+/// Throws Error(file) with the system's reason, Error(format) beyond `maxBytes`.
+inline std::string readWholeFile(const std::filesystem::path& file, uint64_t maxBytes = UINT64_MAX) {
+  const auto refuse = [&] {
+    const int reason = errno;
+    throw Error(ErrorCode::file, file.string() + ": cannot be read: " + std::strerror(reason));
+  };
+  std::FILE* stream = std::fopen(file.c_str(), "rb");
+  if (!stream) refuse();
+  std::string bytes;
+  std::error_code unknown;  // a pipe has no size; it is read block by block like the rest
+  const uint64_t size = std::filesystem::file_size(file, unknown);
+  if (!unknown && size <= maxBytes) bytes.reserve(size);
+  std::string block(size_t{1} << 20, '\0');
+  size_t count = 0;
+  while (bytes.size() <= maxBytes && (count = std::fread(block.data(), 1, block.size(), stream)) > 0) {
+    bytes.append(block, 0, count);
+  }
+  const bool failed = std::ferror(stream) != 0;
+  const int reason = errno;
+  std::fclose(stream);
+  errno = reason;
+  if (failed) refuse();
+  if (bytes.size() > maxBytes) {
+    throw Error(ErrorCode::format, file.string() + ": is larger than " + std::to_string(maxBytes >> 20) + " MiB");
+  }
+  return bytes;
+}
+
+/// A file that exists complete or not at all: written as NAME.part, renamed by commit(), removed without it.
+/// Every member throws Error(file) with the system's reason.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path file) : file_(std::move(file)), part_(file_) {
+    part_ += ".part";
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file_, ignored)) refuse(EISDIR);
+    stream_ = std::fopen(part_.c_str(), "wb");
+    if (!stream_) refuse(errno);
+  }
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile() {
+    if (stream_) std::fclose(stream_);
+    if (!committed_) std::remove(part_.c_str());
+  }
+
+  void write(const void* data, size_t bytes) {
+    if (bytes > 0 && std::fwrite(data, 1, bytes, stream_) != bytes) refuse(errno);
+  }
+  void write(const std::string& text) { write(text.data(), text.size()); }
+
+  void commit() {
+    if (std::fclose(std::exchange(stream_, nullptr)) != 0) refuse(errno);
+    if (std::rename(part_.c_str(), file_.c_str()) != 0) refuse(errno);
+    committed_ = true;
+  }
+
+ private:
+  [[noreturn]] void refuse(int reason) const {
+    throw Error(ErrorCode::file, file_.string() + ": cannot be written: " + std::strerror(reason));
+  }
+
+  std::filesystem::path file_, part_;
+  std::FILE* stream_ = nullptr;
+  bool committed_ = false;
+};
+
+/// Throws Error(file) if `file` cannot be written, before there is anything to write. Leaves nothing behind.
+inline void checkWritable(const std::filesystem::path& file) { const AtomicFile probe(file); }
+
+}  // namespace gnosphere

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scene -> clusters of at most 64 triangles, as the arrays that a device reads.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gnosphere/scene.hpp"
+#include "shared.h"
+
+namespace gnosphere {
+
+/// The clusters of one mesh, and what was left out of it.
+struct FlatMesh {
+  uint32_t firstCluster = 0;
+  uint32_t clusterCount = 0;
+  uint32_t nonFinite = 0;   ///< triangles with a corner that is NaN, infinite or beyond 1e9 m
+  uint32_t degenerate = 0;  ///< triangles with two corners at the same place
+};
+
+/// Arrays of every mesh, each once; instances refer to them. A cluster owns a run of `positions` (3 floats a vertex)
+/// and a run of `corners` and `triangleIds` (one a triangle).
+struct FlatScene {
+  std::vector<FlatMesh> meshes;
+  std::vector<gpu::Cluster> clusters;
+  std::vector<float> positions;
+  std::vector<uint32_t> corners;      ///< vertex numbers within the cluster, 8 bits each, in winding order
+  std::vector<uint32_t> triangleIds;  ///< index within the mesh
+};
+
+FlatScene flatten(const Scene& scene);
+
+}  // namespace gnosphere

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/cloud_table.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "gnosphere/error.hpp"
+#include "output/fields.hpp"
+
+namespace gnosphere {
+namespace {
+
+template <class T>
+double load(const char* at) {
+  T value;
+  std::memcpy(&value, at, sizeof(T));
+  return static_cast<double>(value);
+}
+
+bool isSeparator(char c) {
+  return c == ' ' || c == '\t' || c == ',' || c == '\n' || c == '\r';
+}
+
+/// One value of a text file into its packed place. Floats are read as floats, so that no second rounding happens.
+bool storeText(std::string_view word, const CloudColumn& column, char* out) {
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  const char* end = word.data() + word.size();
+  if (column.type == 'F') {
+    float value = 0;
+    const auto result = std::from_chars(word.data(), end, value);
+    // Out of range is what a float calls infinite or zero.
+    if (result.ptr != end || result.ec == std::errc::invalid_argument) return false;
+    std::memcpy(out, &value, sizeof(value));
+    return true;
+  }
+  // Other tools write whole numbers as "12.0" or "1e3".
+  double value = 0;
+  const auto result = std::from_chars(word.data(), end, value);
+  if (result.ec != std::errc() || result.ptr != end || !(value >= 0 && value <= 4294967295.0)) return false;
+  if (value != std::floor(value)) return false;
+  const auto whole = static_cast<uint32_t>(value);
+  if (column.size < 4 && (whole >> (8 * column.size)) != 0) return false;
+  std::memcpy(out, &whole, column.size);  // little endian: the low bytes come first
+  return true;
+}
+
+}  // namespace
+
+void CloudTable::refuse(const std::string& why) const {
+  throw Error(ErrorCode::format, source + ": " + why);
+}
+
+const CloudColumn* CloudTable::find(std::string_view name) const {
+  for (const CloudColumn& column : columns) {
+    const FieldInfo* info = findField(column.name);
+    if (info && name == info->name) return &column;
+  }
+  return nullptr;
+}
+
+double CloudTable::value(const CloudColumn& column, size_t row) const {
+  const char* at = bytes.data() + column.offset + row * column.step;
+  switch (column.type) {
+    case 'F':
+      return column.size == 4 ? load<float>(at) : load<double>(at);
+    case 'U':
+      switch (column.size) {
+        case 1:
+          return load<uint8_t>(at);
+        case 2:
+          return load<uint16_t>(at);
+        case 4:
+          return load<uint32_t>(at);
+        default:
+          return load<uint64_t>(at);
+      }
+    default:
+      switch (column.size) {
+        case 1:
+          return load<int8_t>(at);
+        case 2:
+          return load<int16_t>(at);
+        case 4:
+          return load<int32_t>(at);
+        default:
+          return load<int64_t>(at);
+      }
+  }
+}
+
+void CloudTable::layRows(size_t offset) {
+  size_t stride = 0;
+  for (CloudColumn& column : columns) {
+    column.offset = offset + stride;
+    stride += column.size * column.count;
+  }
+  for (CloudColumn& column : columns) column.step = stride;
+  const size_t room = bytes.size() - std::min(offset, bytes.size());
+  if (stride == 0 || rows > room / stride) {
+    refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(stride) + " bytes are announced, " +
+           std::to_string(room) + " bytes are there");
+  }
+}
+
+void CloudTable::parseTextRows(size_t offset) {
+  struct Word {
+    const CloudColumn* target;  ///< null: not a field of ours, skipped
+    size_t offset;
+  };
+  std::vector<CloudColumn> ours;
+  ours.reserve(columns.size());
+  std::vector<Word> words;
+  size_t stride = 0;
+  for (const CloudColumn& column : columns) {
+    const FieldInfo* info = column.count == 1 ? findField(column.name) : nullptr;
+    words.resize(words.size() + column.count, {nullptr, 0});
+    if (!info) continue;
+    ours.push_back({column.name, info->type, info->size});
+    words.back() = {&ours.back(), stride};
+    stride += info->size;
+  }
+  // Every word takes at least two characters, so an absurd count is caught before memory is asked for.
+  if (words.empty() || rows > (bytes.size() - offset + 1) / (2 * words.size())) {
+    refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(words.size()) +
+           " values are announced");
+  }
+  std::string packed(rows * stride, '\0');
+  const char* at = bytes.data() + offset;
+  const char* end = bytes.data() + bytes.size();
+  for (size_t row = 0; row < rows; ++row) {
+    for (const Word& word : words) {
+      at = std::find_if_not(at, end, isSeparator);
+      const char* stop = std::find_if(at, end, isSeparator);
+      const std::string_view text(at, static_cast<size_t>(stop - at));
+      if (text.empty()) refuse("is cut short in point " + std::to_string(row) + " of " + std::to_string(rows));
+      if (word.target && !storeText(text, *word.target, packed.data() + row * stride + word.offset)) {
+        refuse("point " + std::to_string(row) + ": '" + std::string(text.substr(0, 40)) + "' does not fit the field '" +
+               word.target->name + "'");
+      }
+      at = stop;
+    }
+  }
+  bytes = std::move(packed);
+  columns = std::move(ours);
+  if (rows > 0 && stride > 0) layRows(0);
+}
+
+void CloudTable::readGridComment(std::string_view line) {
+  const size_t start = line.find("gnosphere columns");
+  if (start == line.npos) return;
+  const std::string text(line.substr(start));
+  if (std::sscanf(text.c_str(), kGridComment, &gridColumns, &gridChannels) != 2) gridColumns = gridChannels = 0;
+  const size_t name = text.find(" sensor ");
+  if (name != text.npos) sensor = text.substr(name + 8);
+}
+
+bool nextLine(std::string_view text, size_t& position, std::string_view& line) {
+  if (position >= text.size()) return false;
+  const size_t end = std::min(text.find('\n', position), text.size());
+  line = text.substr(position, end - position);
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  position = end + 1;
+  return true;
+}
+
+std::vector<std::string_view> splitWords(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (auto at = line.begin(); at != line.end();) {
+    at = std::find_if_not(at, line.end(), isSeparator);
+    const auto stop = std::find_if(at, line.end(), isSeparator);
+    if (at != stop) words.emplace_back(&*at, static_cast<size_t>(stop - at));
+    at = stop;
+  }
+  return words;
+}
+
+uint64_t parseCount(const CloudTable& table, std::string_view word, const char* what) {
+  uint64_t value = 0;
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (result.ec != std::errc() || result.ptr != word.data() + word.size()) {
+    table.refuse(std::string(what) + " must be a count, is '" + std::string(word.substr(0, 40)) + "'");
+  }
+  return value;
+}
+
+}  // namespace gnosphere

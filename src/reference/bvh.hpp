@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// Boxes over triangles. Says which triangles a beam may meet, never which it does.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
+#include "reference/hit.hpp"
+
+namespace gnosphere::reference {
+
+struct Box {
+  Vec3 min{kInfinity, kInfinity, kInfinity};
+  Vec3 max{-kInfinity, -kInfinity, -kInfinity};
+
+  void add(const Vec3& p) {
+    min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
+    max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
+  }
+  void add(const Box& box) {
+    add(box.min);
+    add(box.max);
+  }
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+};
+
+Box boxOf(const Triangle& triangle);
+
+/// A beam in the world, fattened: a box counts as met if the beam passes within `spread` times the distance of the
+/// box's farthest corner (in the 1-norm, which is no less than the true distance) plus `floor` metres.
+struct Ray {
+  Ray(const Vec3& from, const Vec3& direction, double spread, double floor);
+  /// Where the ray enters the box, 0 if it starts inside; infinity if it never does.
+  double enter(const Box& box) const {
+    const Vec3 low = box.min - origin;
+    const Vec3 high = box.max - origin;
+    const double far = std::max(-low.x, high.x) + std::max(-low.y, high.y) + std::max(-low.z, high.z);
+    const double pad = spread * far + floor;
+    const double x0 = (low.x - pad) * inverse.x, x1 = (high.x + pad) * inverse.x;
+    const double y0 = (low.y - pad) * inverse.y, y1 = (high.y + pad) * inverse.y;
+    const double z0 = (low.z - pad) * inverse.z, z1 = (high.z + pad) * inverse.z;
+    const double in = std::max({std::min(x0, x1), std::min(y0, y1), std::min(z0, z1), 0.0});
+    const double out = std::min({std::max(x0, x1), std::max(y0, y1), std::max(z0, z1)});
+    return in <= out ? in : Box::kInfinity;
+  }
+
+  Vec3 origin;
+  Vec3 inverse;
+  double spread;
+  double floor;
+};
+
+/// A binary tree, split by the surface area heuristic over 16 bins (Wald 2007, On fast Construction of SAH-based
+/// Bounding Volume Hierarchies). The same triangles in the same order give the same tree on any number of threads.
+class Bvh {
+ public:
+  explicit Bvh(std::vector<Triangle> triangles);
+
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  Box bounds() const { return nodes_.empty() ? Box{} : nodes_.front().box; }
+  size_t bytes() const { return triangles_.size() * sizeof(Triangle) + nodes_.size() * sizeof(Node); }
+
+  /// Calls `limit = visit(index of triangle, limit)` for every triangle in a box that the ray enters at no more than
+  /// `limit`, nearer boxes first. A visitor ends the walk with a negative limit.
+  template <typename Visit>
+  void walk(const Ray& ray, double limit, Visit&& visit) const;
+
+ private:
+  /// An inner node's first child follows it.
+  struct Node {
+    Box box;
+    uint32_t next = 0;   ///< the second child, or a leaf's first triangle
+    uint32_t count = 0;  ///< of triangles; 0 in an inner node
+  };
+  struct Item;
+  void build(std::vector<Item>& items, size_t begin, size_t end, int depth, std::vector<Node>& nodes) const;
+
+  /// Splits are halvings from this depth on, so that 32-bit counts bound the depth to kMaxDepth.
+  static constexpr int kHalvingDepth = 48;
+  static constexpr int kMaxDepth = kHalvingDepth + 32;
+
+  std::vector<Triangle> triangles_;
+  std::vector<Node> nodes_;
+};
+
+template <typename Visit>
+void Bvh::walk(const Ray& ray, double limit, Visit&& visit) const {
+  struct Entry {
+    uint32_t node;
+    double in;
+  };
+  std::array<Entry, kMaxDepth + 1> stack;
+  size_t size = 0;
+  const auto push = [&](uint32_t node, double in) {
+    if (in <= limit && in < Box::kInfinity) stack[size++] = {node, in};
+  };
+  if (!nodes_.empty()) push(0, ray.enter(nodes_[0].box));
+  while (size > 0) {
+    const Entry entry = stack[--size];
+    if (entry.in > limit) continue;
+    const Node& node = nodes_[entry.node];
+    for (uint32_t i = 0; i < node.count; ++i) {
+      limit = visit(node.next + i, limit);
+      if (limit < 0) return;
+    }
+    if (node.count > 0) continue;
+    const double first = ray.enter(nodes_[entry.node + 1].box);
+    const double second = ray.enter(nodes_[node.next].box);
+    if (first <= second) {
+      push(node.next, second);
+      push(entry.node + 1, first);
+    } else {
+      push(entry.node + 1, first);
+      push(node.next, second);
+    }
+  }
+}
+
+}  // namespace gnosphere::reference

@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: Apache-2.0
+// Container and JSON of a glTF file, checked and stripped before tinygltf sees it.
+#include "scene/gltf_file.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+namespace gnosphere {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr uint32_t kGlbMagic = 0x46546C67;  // "glTF"
+constexpr uint32_t kJsonChunk = 0x4E4F534A;
+constexpr uint32_t kBinaryChunk = 0x004E4942;
+// Parsers recurse once per level; a real file nests about ten.
+constexpr int kMaximumDepth = 64;
+
+struct Container {
+  std::string_view json;
+  std::optional<Bytes> binary;
+};
+
+uint32_t word(Bytes bytes, size_t offset) {
+  uint32_t value;
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+std::string_view text(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Container splitGlb(Bytes bytes, const Source& source) {
+  if (bytes.size() < 20) source.fail("the GLB file is cut off in its header");
+  if (word(bytes, 4) != 2)
+    source.fail("it is GLB version " + std::to_string(word(bytes, 4)) + "; convert it to version 2");
+  const size_t length = word(bytes, 8);
+  if (length > bytes.size())
+    source.fail("the GLB file is cut off: its header says " + std::to_string(length) + " bytes, it has " +
+                std::to_string(bytes.size()));
+  Container container;
+  for (size_t offset = 12; offset + 8 <= length;) {
+    const size_t size = word(bytes, offset);
+    const uint32_t type = word(bytes, offset + 4);
+    offset += 8;
+    if (size > length - offset) source.fail("the GLB file is cut off in a chunk of " + std::to_string(size) + " bytes");
+    const Bytes chunk = bytes.subspan(offset, size);
+    if (type == kJsonChunk && container.json.data() == nullptr) container.json = text(chunk);
+    if (type == kBinaryChunk && !container.binary) container.binary = chunk;
+    offset += size;
+  }
+  if (container.json.data() == nullptr) source.fail("the GLB file has no JSON chunk");
+  return container;
+}
+
+void checkDepth(std::string_view json, const Source& source) {
+  int depth = 0;
+  bool inString = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (inString) {
+      if (c == '\\') ++i;
+      if (c == '"') inString = false;
+    } else if (c == '"') {
+      inString = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > kMaximumDepth)
+        source.fail("its JSON nests deeper than " + std::to_string(kMaximumDepth) + " levels");
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+}
+
+enum class Kind { object, array, text, boolean, number, numbers, count, index, indices };
+
+struct Key {
+  const char* name;
+  Kind kind;
+  size_t size = 0;  ///< of an array of numbers, where it matters
+};
+
+/// Some exporters write 3.0 for 3.
+bool makeWhole(Json& value, double maximum) {
+  if (value.is_number_float()) {
+    const double number = value.get<double>();
+    if (!(number >= 0) || number > maximum || number != std::floor(number)) return false;
+    value = static_cast<uint64_t>(number);
+  }
+  return value.is_number_unsigned() && static_cast<double>(value.get<uint64_t>()) <= maximum;
+}
+
+bool fits(Json& value, const Key& key) {
+  constexpr double kMaximumCount = 9007199254740992.0;  // 2^53: a double still counts exactly
+  constexpr double kMaximumIndex = std::numeric_limits<int>::max();
+  const auto all = [&](auto&& test) {
+    if (!value.is_array() || (key.size != 0 && value.size() != key.size)) return false;
+    for (Json& item : value)
+      if (!test(item)) return false;
+    return true;
+  };
+  switch (key.kind) {
+    case Kind::object:
+      return value.is_object();
+    case Kind::array:
+      return value.is_array();
+    case Kind::text:
+      return value.is_string();
+    case Kind::boolean:
+      return value.is_boolean();
+    case Kind::number:
+      return value.is_number();
+    case Kind::numbers:
+      return all([](Json& item) { return item.is_number(); });
+    case Kind::count:
+      return makeWhole(value, kMaximumCount);
+    case Kind::index:
+      return makeWhole(value, kMaximumIndex);
+    case Kind::indices:
+      return all([&](Json& item) { return makeWhole(item, kMaximumIndex); });
+  }
+  return false;
+}
+
+std::string described(const Key& key) {
+  switch (key.kind) {
+    case Kind::object:
+      return "an object";
+    case Kind::array:
+      return "an array";
+    case Kind::text:
+      return "a string";
+    case Kind::boolean:
+      return "true or false";
+    case Kind::number:
+      return "a number";
+    case Kind::numbers:
+      return key.size != 0 ? std::to_string(key.size) + " numbers" : "an array of numbers";
+    case Kind::count:
+      return "a whole number of at least 0";
+    case Kind::index:
+      return "a whole number from 0 to 2147483647";
+    case Kind::indices:
+      return "an array of whole numbers from 0 to 2147483647";
+  }
+  return "something else";
+}
+
+/// Walks the JSON, dropping what the reader does not use and checking the type of what it uses.
+class Tidying {
+ public:
+  explicit Tidying(const Source& source) : source_(source) {}
+
+  void root(Json& json) {
+    keep(json, "the file",
+         {{"asset", Kind::object},
+          {"scene", Kind::index},
+          {"scenes", Kind::array},
+          {"nodes", Kind::array},
+          {"meshes", Kind::array},
+          {"accessors", Kind::array},
+          {"bufferViews", Kind::array},
+          {"buffers", Kind::array},
+          {"materials", Kind::array},
+          {"extensionsRequired", Kind::array}});
+    each(json, "scenes", [&](Json& o, const std::string& where) { keep(o, where, {{"nodes", Kind::indices}}); });
+    each(json, "nodes", [&](Json& o, const std::string& where) { node(o, where); });
+    each(json, "meshes", [&](Json& o, const std::string& where) { mesh(o, where); });
+    each(json, "accessors", [&](Json& o, const std::string& where) { accessor(o, where); });
+    each(json, "bufferViews", [&](Json& o, const std::string& where) { bufferView(o, where); });
+    each(json, "buffers", [&](Json& o, const std::string& where) {
+      keep(o, where, {{"uri", Kind::text}, {"byteLength", Kind::count}}, {"byteLength"});
+    });
+    each(json, "materials", [&](Json& o, const std::string& where) { material(o, where); });
+  }
+
+ private:
+  void keep(Json& object, const std::string& where, std::initializer_list<Key> keys,
+            std::initializer_list<const char*> required = {}) {
+    if (!object.is_object()) source_.fail(where + " must be an object");
+    Json kept = Json::object();
+    for (const Key& key : keys) {
+      const auto found = object.find(key.name);
+      if (found == object.end()) continue;
+      if (!fits(*found, key)) source_.fail(where + ": " + key.name + " must be " + described(key));
+      kept[key.name] = std::move(*found);
+    }
+    for (const char* name : required)
+      if (!kept.contains(name)) source_.fail(where + ": " + name + " is missing");
+    object = std::move(kept);
+  }
+
+  template <typename Visit>
+  void each(Json& object, const char* name, Visit&& visit, const std::string& prefix = "") {
+    const auto found = object.find(name);
+    if (found == object.end()) return;
+    size_t i = 0;
+    for (Json& item : *found) visit(item, prefix + name + "[" + std::to_string(i++) + "]");
+  }
+
+  /// Keeps one of the extensions of an object.
+  template <typename Visit>
+  void extension(Json& object, const std::string& where, const char* name, Visit&& visit) {
+    const auto found = object.find("extensions");
+    if (found == object.end()) return;
+    keep(*found, where + ".extensions", {{name, Kind::object}});
+    if (found->contains(name)) visit((*found)[name], where + "." + name);
+  }
+
+  void node(Json& o, const std::string& where) {
+    keep(o, where,
+         {{"name", Kind::text},
+          {"matrix", Kind::numbers, 16},
+          {"translation", Kind::numbers, 3},
+          {"rotation", Kind::numbers, 4},
+          {"scale", Kind::numbers, 3},
+          {"mesh", Kind::index},
+          {"children", Kind::indices},
+          {"extensions", Kind::object}});
+    extension(o, where, "EXT_mesh_gpu_instancing", [&](Json& e, const std::string& at) {
+      keep(e, at, {{"attributes", Kind::object}}, {"attributes"});
+      keep(e["attributes"], at, {{"TRANSLATION", Kind::index}, {"ROTATION", Kind::index}, {"SCALE", Kind::index}});
+    });
+  }
+
+  void mesh(Json& o, const std::string& where) {
+    keep(o, where, {{"name", Kind::text}, {"primitives", Kind::array}}, {"primitives"});
+    each(
+        o, "primitives", [&](Json& p, const std::string& at) { primitive(p, at); }, where + ".");
+  }
+
+  void primitive(Json& o, const std::string& where) {
+    keep(o, where,
+         {{"attributes", Kind::object},
+          {"indices", Kind::index},
+          {"material", Kind::index},
+          {"mode", Kind::index},
+          {"extensions", Kind::object}},
+         {"attributes"});
+    Json& attributes = o["attributes"];
+    keep(attributes, where + ".attributes", {{"POSITION", Kind::index}});
+    if (o.contains("indices")) attributes[kIndicesAttribute] = std::move(o["indices"]);
+    o.erase("indices");
+    extension(o, where, "KHR_draco_mesh_compression", [&](Json& e, const std::string& at) {
+      keep(e, at, {{"bufferView", Kind::index}, {"attributes", Kind::object}}, {"bufferView", "attributes"});
+      keep(e["attributes"], at, {{"POSITION", Kind::index}});
+    });
+  }
+
+  void accessor(Json& o, const std::string& where) {
+    keep(o, where,
+         {{"bufferView", Kind::index},
+          {"byteOffset", Kind::count},
+          {"componentType", Kind::index},
+          {"normalized", Kind::boolean},
+          {"count", Kind::count},
+          {"type", Kind::text},
+          {"sparse", Kind::object}},
+         {"componentType", "count", "type"});
+    const auto sparse = o.find("sparse");
+    if (sparse == o.end()) return;
+    keep(*sparse, where + ".sparse", {{"count", Kind::index}, {"indices", Kind::object}, {"values", Kind::object}},
+         {"count", "indices", "values"});
+    keep((*sparse)["indices"], where + ".sparse.indices",
+         {{"bufferView", Kind::index}, {"byteOffset", Kind::index}, {"componentType", Kind::index}},
+         {"bufferView", "componentType"});
+    keep((*sparse)["values"], where + ".sparse.values", {{"bufferView", Kind::index}, {"byteOffset", Kind::index}},
+         {"bufferView"});
+  }
+
+  void bufferView(Json& o, const std::string& where) {
+    keep(o, where,
+         {{"buffer", Kind::index},
+          {"byteOffset", Kind::count},
+          {"byteLength", Kind::count},
+          {"byteStride", Kind::count},
+          {"extensions", Kind::object}},
+         {"buffer", "byteLength"});
+    extension(o, where, "EXT_meshopt_compression", [&](Json& e, const std::string& at) {
+      keep(e, at,
+           {{"buffer", Kind::index},
+            {"byteOffset", Kind::index},
+            {"byteLength", Kind::index},
+            {"byteStride", Kind::index},
+            {"count", Kind::index},
+            {"mode", Kind::text},
+            {"filter", Kind::text}},
+           {"buffer", "byteLength", "byteStride", "count", "mode"});
+    });
+  }
+
+  void material(Json& o, const std::string& where) {
+    keep(o, where,
+         {{"name", Kind::text},
+          {"pbrMetallicRoughness", Kind::object},
+          {"alphaMode", Kind::text},
+          {"alphaCutoff", Kind::number},
+          {"doubleSided", Kind::boolean},
+          {"extensions", Kind::object}});
+    if (o.contains("pbrMetallicRoughness"))
+      keep(
+          o["pbrMetallicRoughness"], where + ".pbrMetallicRoughness",
+          {{"baseColorFactor", Kind::numbers, 4}, {"metallicFactor", Kind::number}, {"roughnessFactor", Kind::number}});
+    extension(o, where, "KHR_materials_transmission", [&](Json& e, const std::string& at) {
+      keep(e, at, {{"transmissionFactor", Kind::number}});
+    });
+  }
+
+  const Source& source_;
+};
+
+void checkVersion(const Json& json, const Source& source) {
+  const auto asset = json.find("asset");
+  if (!json.is_object() || asset == json.end() || !asset->is_object() || !asset->contains("version"))
+    source.fail("it is not glTF: its JSON has no asset.version");
+  const Json& version = (*asset)["version"];
+  if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
+    source.fail("it is glTF version " + inQuotes(version.dump()) + "; convert it to version 2.0");
+}
+
+}  // namespace
+
+GltfFile parseGltf(Bytes bytes, const Source& source) {
+  const bool isGlb = bytes.size() >= 4 && word(bytes, 0) == kGlbMagic;
+  const Container container = isGlb ? splitGlb(bytes, source) : Container{text(bytes), {}};
+  checkDepth(container.json, source);
+
+  GltfFile file;
+  std::string stripped;
+  {
+    Json json;
+    try {
+      json = Json::parse(container.json);
+    } catch (const Json::exception& error) {
+      source.fail(std::string(isGlb ? "its JSON is not sound" : "it is neither glTF text nor GLB") + ": " +
+                  error.what());
+    }
+    checkVersion(json, source);
+    Tidying(source).root(json);
+    json["asset"] = {{"version", "2.0"}};
+    if (json.contains("buffers"))
+      for (Json& buffer : json["buffers"]) {
+        GltfBuffer& added = file.buffers.emplace_back();
+        added.byteLength = buffer["byteLength"].get<size_t>();
+        if (buffer.contains("uri")) added.uri = std::move(buffer["uri"].get_ref<std::string&>());
+      }
+    json.erase("buffers");
+    stripped = json.dump();
+  }
+  if (container.binary && !file.buffers.empty() && file.buffers[0].uri.empty()) {
+    file.buffers[0].bytes = *container.binary;
+    file.buffers[0].loaded = true;
+  }
+
+  tinygltf::TinyGLTF loader;
+  std::string problems, warnings;
+  if (stripped.size() > std::numeric_limits<unsigned int>::max()) source.fail("its JSON is larger than 4 GiB");
+  if (!loader.LoadASCIIFromString(&file.model, &problems, &warnings, stripped.data(),
+                                  static_cast<unsigned int>(stripped.size()), ""))
+    source.fail(problems.empty() ? "tinygltf refuses it" : problems.substr(0, problems.find('\n')));
+  return file;
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <limits>
+#include <unordered_map>
+
+#include "scene/gltf_accessor.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// Triangles of one mesh that index the vertices of one accessor (or of one Draco primitive, then negative).
+struct Run {
+  int vertices = 0;
+  size_t firstIndex = 0, indexCount = 0;
+};
+
+class MeshReader {
+ public:
+  MeshReader(const tinygltf::Model& model, GltfArrays& arrays, const Source& source, std::vector<Material>& materials)
+      : model_(model), arrays_(arrays), source_(source), materials_(materials) {}
+
+  std::vector<Mesh> read(const std::vector<bool>& isUsed);
+
+ private:
+  Mesh readMesh(size_t index);
+  void readPrimitive(const tinygltf::Primitive& primitive, const std::string& who, Mesh& mesh);
+  void appendTriangles(int mode, std::vector<uint32_t>&& list, std::vector<uint32_t>& indices) const;
+  void checkRange(const Mesh& mesh, const Run& run, size_t vertexCount, const std::string& who) const;
+  void appendVertices(Mesh& mesh, const std::string& who);
+  void appendUsedVertices(Mesh& mesh, int accessor, const std::string& who);
+  uint32_t materialIndex(int material, const std::string& who);
+
+  const tinygltf::Model& model_;
+  GltfArrays& arrays_;
+  const Source& source_;
+  std::vector<Material>& materials_;
+  uint32_t defaultMaterial_ = std::numeric_limits<uint32_t>::max();
+  std::unordered_map<int, int> meshesOfAccessor_;                ///< how many meshes use a POSITION accessor
+  std::unordered_map<int, std::vector<float>> sharedPositions_;  ///< those of more than one
+  std::vector<Run> runs_;                                        ///< of the mesh being read
+  std::vector<DracoMesh> draco_;                                 ///< of the mesh being read; run -2 - i
+};
+
+/// A primitive without material has the specification's default one, which is added once and last.
+uint32_t MeshReader::materialIndex(int material, const std::string& who) {
+  if (material >= 0) {
+    if (static_cast<size_t>(material) >= model_.materials.size())
+      source_.fail(who + ": material " + std::to_string(material) + " does not exist");
+    return static_cast<uint32_t>(material);
+  }
+  if (defaultMaterial_ == std::numeric_limits<uint32_t>::max()) {
+    defaultMaterial_ = static_cast<uint32_t>(materials_.size());
+    Material& added = materials_.emplace_back();
+    added.metallic = 1;
+    added.doubleSided = false;
+  }
+  return defaultMaterial_;
+}
+
+std::vector<Mesh> MeshReader::read(const std::vector<bool>& isUsed) {
+  for (size_t i = 0; i < model_.meshes.size(); ++i) {
+    if (!isUsed[i]) continue;
+    std::vector<int> accessors;
+    for (const tinygltf::Primitive& primitive : model_.meshes[i].primitives)
+      if (const auto found = primitive.attributes.find("POSITION"); found != primitive.attributes.end())
+        accessors.push_back(found->second);
+    std::sort(accessors.begin(), accessors.end());
+    accessors.erase(std::unique(accessors.begin(), accessors.end()), accessors.end());
+    for (int accessor : accessors) ++meshesOfAccessor_[accessor];
+  }
+  std::vector<Mesh> meshes;
+  for (size_t i = 0; i < model_.meshes.size(); ++i)
+    if (isUsed[i]) meshes.push_back(readMesh(i));
+  return meshes;
+}
+
+Mesh MeshReader::readMesh(size_t index) {
+  const tinygltf::Mesh& from = model_.meshes[index];
+  const std::string who = gltfLabel("mesh", index, from.name);
+  Mesh mesh;
+  mesh.name = from.name;
+  runs_.clear();
+  draco_.clear();
+  for (size_t p = 0; p < from.primitives.size(); ++p)
+    readPrimitive(from.primitives[p], who + ", primitive " + std::to_string(p), mesh);
+  appendVertices(mesh, who);
+  return mesh;
+}
+
+/// Appends the triangles of a primitive, still indexing the vertices of its own accessor.
+void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, const std::string& who, Mesh& mesh) {
+  if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
+    source_.fail(who + ": mode " + std::to_string(primitive.mode) + " does not exist");
+  const auto position = primitive.attributes.find("POSITION");
+  // Points and lines have no area, and without positions there is nothing to see.
+  if (primitive.mode < TINYGLTF_MODE_TRIANGLES || position == primitive.attributes.end()) return;
+
+  Run run;
+  run.firstIndex = mesh.indices.size();
+  size_t vertexCount = 0;
+  const auto compression = primitive.extensions.find("KHR_draco_mesh_compression");
+  if (compression != primitive.extensions.end()) {
+    const tinygltf::Value& attributes = compression->second.Get("attributes");
+    if (!attributes.Has("POSITION")) source_.fail(who + ": its Draco data has no POSITION");
+    const Bytes bytes = arrays_.view(compression->second.Get("bufferView").GetNumberAsInt(), who);
+    DracoMesh& draco =
+        draco_.emplace_back(decodeDraco(bytes, attributes.Get("POSITION").GetNumberAsInt(), who, source_));
+    arrays_.charge(draco.positions.size() + draco.indices.size(), 4, who);
+    run.vertices = -1 - static_cast<int>(draco_.size());
+    vertexCount = draco.positions.size() / 3;
+    mesh.indices.insert(mesh.indices.end(), draco.indices.begin(), draco.indices.end());
+  } else {
+    run.vertices = position->second;
+    vertexCount = arrays_.count(position->second, who);
+    const auto indices = primitive.attributes.find(kIndicesAttribute);
+    if (indices != primitive.attributes.end() && primitive.mode == TINYGLTF_MODE_TRIANGLES) {
+      arrays_.appendIndices(indices->second, who, mesh.indices);
+    } else {
+      std::vector<uint32_t> list;
+      if (indices != primitive.attributes.end()) {
+        arrays_.appendIndices(indices->second, who, list);
+      } else {
+        arrays_.charge(vertexCount, 4, who);
+        list.resize(vertexCount);
+        for (size_t i = 0; i < vertexCount; ++i) list[i] = static_cast<uint32_t>(i);
+      }
+      appendTriangles(primitive.mode, std::move(list), mesh.indices);
+    }
+  }
+  // What is left of an incomplete last triangle is not drawn, as on a GPU.
+  run.indexCount = (mesh.indices.size() - run.firstIndex) / 3 * 3;
+  mesh.indices.resize(run.firstIndex + run.indexCount);
+  checkRange(mesh, run, vertexCount, who);
+  if (run.indexCount == 0) return;
+  runs_.push_back(run);
+  mesh.parts.push_back({static_cast<uint32_t>(run.firstIndex / 3), static_cast<uint32_t>(run.indexCount / 3),
+                        materialIndex(primitive.material, who)});
+}
+
+/// glTF 2.0, 3.7.2.1: every second triangle of a strip is turned round so that all face the same way.
+void MeshReader::appendTriangles(int mode, std::vector<uint32_t>&& list, std::vector<uint32_t>& indices) const {
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    if (indices.empty())
+      indices = std::move(list);
+    else
+      indices.insert(indices.end(), list.begin(), list.end());
+    return;
+  }
+  if (list.size() < 3) return;
+  indices.reserve(indices.size() + (list.size() - 2) * 3);
+  for (size_t i = 0; i + 2 < list.size(); ++i) {
+    const bool fan = mode == TINYGLTF_MODE_TRIANGLE_FAN;
+    const size_t a = fan ? i + 1 : i;
+    const size_t b = fan ? i + 2 : i + 1 + i % 2;
+    const size_t c = fan ? 0 : i + 2 - i % 2;
+    indices.insert(indices.end(), {list[a], list[b], list[c]});
+  }
+}
+
+void MeshReader::checkRange(const Mesh& mesh, const Run& run, size_t vertexCount, const std::string& who) const {
+  for (size_t i = run.firstIndex; i < mesh.indices.size(); ++i)
+    if (mesh.indices[i] >= vertexCount)
+      source_.fail(who + ": index " + std::to_string(mesh.indices[i]) + " is out of range, " +
+                   (run.vertices >= 0 ? "accessor " + std::to_string(run.vertices) : std::string("its Draco data")) +
+                   " has " + std::to_string(vertexCount) + " vertices");
+}
+
+/// Primitives that share an accessor share its vertices, which are in the mesh once.
+void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
+  std::unordered_map<int, uint32_t> firstVertex;
+  for (const Run& run : runs_) {
+    if (run.vertices >= 0 && meshesOfAccessor_[run.vertices] > 1) {
+      if (firstVertex.emplace(run.vertices, 0).second) appendUsedVertices(mesh, run.vertices, who);
+      continue;
+    }
+    const auto [found, isNew] = firstVertex.emplace(run.vertices, static_cast<uint32_t>(mesh.vertexCount()));
+    if (isNew) {
+      std::vector<float> positions = run.vertices >= 0
+                                         ? arrays_.positions(run.vertices, who)
+                                         : std::move(draco_[static_cast<size_t>(-2 - run.vertices)].positions);
+      if ((mesh.positions.size() + positions.size()) / 3 > std::numeric_limits<uint32_t>::max())
+        source_.fail(who + " has more than 4294967295 vertices");
+      if (mesh.positions.empty())
+        mesh.positions = std::move(positions);
+      else
+        mesh.positions.insert(mesh.positions.end(), positions.begin(), positions.end());
+    }
+    if (found->second == 0) continue;
+    for (size_t i = 0; i < run.indexCount; ++i) mesh.indices[run.firstIndex + i] += found->second;
+  }
+}
+
+/// Some exporters put the vertices of every mesh into one accessor. Each mesh then takes those that it uses: a thousand
+/// meshes must not hold a thousand copies of all.
+void MeshReader::appendUsedVertices(Mesh& mesh, int accessor, const std::string& who) {
+  const auto cached = sharedPositions_.find(accessor);
+  const std::vector<float>& all =
+      cached != sharedPositions_.end()
+          ? cached->second
+          : sharedPositions_.emplace(accessor, arrays_.positions(accessor, who)).first->second;
+  std::vector<uint32_t> used;
+  for (const Run& run : runs_)
+    if (run.vertices == accessor)
+      used.insert(used.end(), &mesh.indices[run.firstIndex], &mesh.indices[run.firstIndex] + run.indexCount);
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  arrays_.charge(used.size(), 12, who);
+
+  const auto base = static_cast<uint32_t>(mesh.vertexCount());
+  mesh.positions.reserve(mesh.positions.size() + 3 * used.size());
+  for (uint32_t vertex : used)
+    mesh.positions.insert(mesh.positions.end(), &all[3 * size_t{vertex}], &all[3 * size_t{vertex}] + 3);
+  for (const Run& run : runs_) {
+    if (run.vertices != accessor) continue;
+    for (size_t i = run.firstIndex; i < run.firstIndex + run.indexCount; ++i)
+      mesh.indices[i] =
+          base + static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), mesh.indices[i]) - used.begin());
+  }
+}
+
+}  // namespace
+
+std::string gltfLabel(const char* what, size_t index, const std::string& name) {
+  std::string text = std::string(what) + " " + std::to_string(index);
+  if (!name.empty()) text.append(" ").append(inQuotes(name));
+  return text;
+}
+
+std::vector<Mesh> readGltfMeshes(const tinygltf::Model& model, GltfArrays& arrays, const Source& source,
+                                 const std::vector<bool>& isUsed, std::vector<Material>& materials) {
+  return MeshReader(model, arrays, source, materials).read(isUsed);
+}
+
+}  // namespace gnosphere

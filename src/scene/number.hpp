@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Words and numbers of text formats.
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <string_view>
+
+namespace gnosphere {
+
+/// The next word, cut off `text`; empty at the end.
+inline std::string_view nextWord(std::string_view& text) {
+  constexpr std::string_view kBlank = " \t\r\n\v\f";
+  text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
+  const std::string_view word = text.substr(0, std::min(text.find_first_of(kBlank), text.size()));
+  text.remove_prefix(word.size());
+  return word;
+}
+
+/// The nearest double. Reads nan and inf; what is too large becomes infinite and what is too small 0. False where the
+/// word is not a number.
+inline bool parseNumber(std::string_view word, double& value) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  const char* end = word.data() + word.size();
+  const std::from_chars_result result = std::from_chars(word.data(), end, value);
+  if (word.empty() || result.ptr != end || result.ec == std::errc::invalid_argument) return false;
+  if (result.ec == std::errc::result_out_of_range) {
+    const bool isSmall = word.find("e-") != word.npos || word.find("E-") != word.npos || word.find("0.") < 2;
+    value = isSmall ? 0 : std::numeric_limits<double>::infinity();
+    if (!isSmall && word.starts_with('-')) value = -value;
+  }
+  return true;
+}
+
+}  // namespace gnosphere

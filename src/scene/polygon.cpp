@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the formats of doubles and polygons share: positions relative to an origin, and polygons into triangles.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "scene/readers.hpp"
+
+namespace gnosphere {
+namespace {
+
+using Point = std::array<double, 2>;
+
+/// Twice the signed area of a triangle.
+double area(const Point& a, const Point& b, const Point& c) {
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/// The polygon in the plane that it covers most, counter-clockwise (Newell's normal). All zero if it covers none.
+std::vector<Point> flattened(std::span<const uint32_t> corners, std::span<const double> coordinates) {
+  const auto at = [&](size_t i) { return &coordinates[3 * size_t{corners[i % corners.size()]}]; };
+  std::array<double, 3> normal = {};
+  for (size_t i = 0; i < corners.size(); ++i)
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t u = (k + 1) % 3, v = (k + 2) % 3;
+      const double *o = at(0), *a = at(i), *b = at(i + 1);
+      normal[k] += (a[u] - o[u]) * (b[v] - o[v]) - (a[v] - o[v]) * (b[u] - o[u]);
+    }
+  size_t k = 0;
+  for (size_t i = 1; i < 3; ++i)
+    if (std::abs(normal[i]) > std::abs(normal[k])) k = i;
+  const size_t u = (k + 1) % 3, v = (k + 2) % 3;
+  const double sign = normal[k] < 0 ? -1 : 1;
+  std::vector<Point> points(corners.size());
+  for (size_t i = 0; i < points.size(); ++i) points[i] = {at(i)[u] - at(0)[u], sign * (at(i)[v] - at(0)[v])};
+  return points;
+}
+
+bool isEar(const std::vector<Point>& points, const std::vector<size_t>& left, size_t i) {
+  const size_t n = left.size();
+  const Point &a = points[left[(i + n - 1) % n]], &b = points[left[i]], &c = points[left[(i + 1) % n]];
+  if (!(area(a, b, c) > 0)) return false;
+  for (size_t j = 0; j < n; ++j) {
+    if (j == i || j == (i + 1) % n || j == (i + n - 1) % n) continue;
+    const Point& p = points[left[j]];
+    // Corners may coincide (a slit to a hole): those do not stand in the way.
+    if (p == a || p == b || p == c) continue;
+    if (area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void appendPolygon(std::vector<uint32_t>& indices, std::span<const uint32_t> corners,
+                   std::span<const double> coordinates) {
+  if (corners.size() < 3) return;
+  if (corners.size() == 3) {
+    indices.insert(indices.end(), corners.begin(), corners.end());
+    return;
+  }
+  const auto triangle = [&](size_t a, size_t b, size_t c) {
+    indices.insert(indices.end(), {corners[a], corners[b], corners[c]});
+  };
+  const std::vector<Point> points = flattened(corners, coordinates);
+  std::vector<size_t> left(corners.size());
+  for (size_t i = 0; i < left.size(); ++i) left[i] = i;
+
+  bool convex = true;
+  for (size_t i = 0; i < points.size(); ++i)
+    convex = convex && area(points[i], points[(i + 1) % points.size()], points[(i + 2) % points.size()]) >= 0;
+  // Ears are searched in time that grows with the cube of the corners; beyond a thousand a fan has to do.
+  constexpr size_t kMaximumCorners = 1000;
+  if (!convex && corners.size() <= kMaximumCorners)
+    while (left.size() > 3) {
+      size_t ear = 0;
+      while (ear < left.size() && !isEar(points, left, ear)) ++ear;
+      if (ear == left.size()) break;  // it crosses itself or is not finite: a fan of the rest is as good as any
+      const size_t n = left.size();
+      triangle(left[(ear + n - 1) % n], left[ear], left[(ear + 1) % n]);
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
+    }
+  for (size_t i = 1; i + 1 < left.size(); ++i) triangle(left[0], left[i], left[i + 1]);
+}
+
+void storePositions(Mesh& mesh, std::span<const double> coordinates) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::array<double, 3> low = {kInfinity, kInfinity, kInfinity}, high = {-kInfinity, -kInfinity, -kInfinity};
+  bool exact = true;
+  for (size_t i = 0; i < coordinates.size(); ++i) {
+    const double value = coordinates[i];
+    if (!std::isfinite(value)) continue;
+    exact = exact && static_cast<double>(static_cast<float>(value)) == value;
+    low[i % 3] = std::min(low[i % 3], value);
+    high[i % 3] = std::max(high[i % 3], value);
+  }
+  std::array<double, 3> origin = {};
+  for (size_t c = 0; c < 3 && !exact; ++c)
+    // Beyond a million kilometres it is a broken coordinate and not a place, and an origin there would spoil the rest.
+    if (low[c] <= high[c] && std::max(-low[c], high[c]) < 1e12) origin[c] = std::round(low[c] / 2 + high[c] / 2);
+  mesh.origin = {origin[0], origin[1], origin[2]};
+  mesh.positions.resize(coordinates.size());
+  for (size_t i = 0; i < coordinates.size(); ++i)
+    mesh.positions[i] = static_cast<float>(coordinates[i] - origin[i % 3]);
+}
+
+}  // namespace gnosphere

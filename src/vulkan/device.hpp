@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// One Vulkan device with a compute queue.
+#pragma once
+
+#include <volk.h>
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "gnosphere/error.hpp"
+#include "gnosphere/simulator.hpp"
+
+namespace gnosphere::vulkan {
+
+/// Throws Error with the call's text, the result's name and the place. Use through VK().
+void check(VkResult result, const char* call, const char* file, int line);
+#define VK(call) ::gnosphere::vulkan::check(call, #call, __FILE__, __LINE__)
+
+/// A Vulkan instance, with the validation layer if asked for.
+class ApiInstance {
+ public:
+  explicit ApiInstance(bool validation);
+  ~ApiInstance();
+  ApiInstance(const ApiInstance&) = delete;
+  ApiInstance& operator=(const ApiInstance&) = delete;
+
+  VkInstance handle() const { return instance_; }
+  std::vector<VkPhysicalDevice> physicalDevices() const;
+  /// Throws Error(device) with what the validation layer has said since the last call.
+  void throwOnMessages();
+
+ private:
+  static VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                                  VkDebugUtilsMessageTypeFlagsEXT,
+                                                  const VkDebugUtilsMessengerCallbackDataEXT* data, void* user);
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  std::mutex mutex_;
+  std::vector<std::string> messages_;
+};
+
+/// What a physical device offers, and whether we can use it.
+struct Capabilities {
+  DeviceInfo info;
+  bool int64Atomics = false;
+  bool timestamps = false;
+  double timestampMs = 0;  ///< milliseconds per tick
+  bool cpu = false;        ///< a software device: threads, not lanes
+  uint32_t queueFamily = 0;
+};
+Capabilities capabilitiesOf(VkPhysicalDevice physical);
+
+/// `name`: auto, an index into physicalDevices() or part of a device name. Throws Error(invalidArgument) or
+/// Error(device) with every device seen and why it was refused.
+VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& name);
+
+class Device {
+ public:
+  Device(const std::string& name, bool validation, uint64_t maxBufferBytes);
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  VkDevice handle() const { return device_; }
+  VkQueue queue() const { return queue_; }
+  const Capabilities& capabilities() const { return capabilities_; }
+  uint64_t maxBufferBytes() const { return capabilities_.info.maxBufferBytes; }
+  void throwOnMessages() { instance_.throwOnMessages(); }
+
+  /// Index of a memory type among `typeBits` with all of `wanted`; -1 if there is none.
+  int memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const;
+  bool isHostVisible(int memoryType) const;
+  bool isCoherent(int memoryType) const;
+  /// Bytes of the largest device-local heap.
+  uint64_t heapBytes() const;
+  /// Device memory is host memory: copying it to the host side first would be waste.
+  bool unifiedMemory() const;
+
+ private:
+  ApiInstance instance_;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  Capabilities capabilities_;
+  VkPhysicalDeviceMemoryProperties memory_ = {};
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+};
+
+}  // namespace gnosphere::vulkan

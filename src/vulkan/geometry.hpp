@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scene on the device: clusters in chunks, each within the device's buffer limit, and the placements.
+#pragma once
+
+#include <vector>
+
+#include "flatten.hpp"
+#include "gnosphere/scan.hpp"
+#include "vulkan/buffer.hpp"
+
+namespace gnosphere::vulkan {
+
+/// A run of clusters with everything they refer to, and where they are placed.
+struct GeometryChunk {
+  Buffer placed;  ///< (instance, cluster) pairs
+  Buffer clusters;
+  Buffer positions;
+  Buffer corners;
+  Buffer triangleIds;
+  uint32_t placedCount = 0;
+};
+
+class Geometry {
+ public:
+  Geometry(const Device& device, const Scene& scene);
+
+  const std::vector<GeometryChunk>& chunks() const { return chunks_; }
+  size_t clusterCount() const { return clusterCount_; }
+  uint64_t bytes() const;
+  uint32_t instanceCount() const { return static_cast<uint32_t>(instances_.size()); }
+  /// Triangles placed, and dropped while flattening.
+  const Counters& dropped() const { return dropped_; }
+  /// Writes every instance's transform to the sensor's frame, composed in double.
+  void placeInstances(const Pose& pose, gpu::Instance* out) const;
+
+ private:
+  struct Placement {
+    Transform transform;  ///< of the mesh's positions, its origin included
+    uint32_t firstTriangle;
+    bool mirrored;
+  };
+
+  std::vector<GeometryChunk> chunks_;
+  std::vector<Placement> instances_;
+  size_t clusterCount_ = 0;
+  Counters dropped_;
+};
+
+}  // namespace gnosphere::vulkan

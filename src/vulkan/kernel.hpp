@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPIR-V words -> a compute pipeline, and the layout that all of them share.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "shared.h"
+#include "vulkan/buffer.hpp"
+
+namespace gnosphere::vulkan {
+
+/// Values of shaders/options.glsl.
+struct Options {
+  uint32_t accuracy = gpu::kAccuracyStandard;
+  bool azimuthOffsets = false;
+  uint32_t faces = gpu::kFacesMaterial;
+};
+
+/// Set 0 (a sensor and its work arrays), set 1 (a chunk of the scene) and the push constants: the same for all kernels.
+class Layout {
+ public:
+  explicit Layout(const Device& device, uint32_t maxSets);
+  ~Layout();
+  Layout(const Layout&) = delete;
+  Layout& operator=(const Layout&) = delete;
+
+  VkPipelineLayout handle() const { return pipelineLayout_; }
+  /// A set of layout 0 or 1 whose binding i is buffers[i].
+  VkDescriptorSet makeSet(uint32_t set, std::span<const Buffer* const> buffers);
+  void updateSet(VkDescriptorSet handle, std::span<const Buffer* const> buffers);
+
+ private:
+  const Device& device_;
+  VkDescriptorSetLayout setLayouts_[2] = {};
+  VkPipelineLayout pipelineLayout_ = VK_NULL_HANDLE;
+  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+};
+
+class Kernel {
+ public:
+  Kernel(const Device& device, const Layout& layout, std::span<const uint32_t> spirv, const Options& options,
+         uint32_t pass = 0);
+  ~Kernel();
+  Kernel(Kernel&& other) noexcept : device_(other.device_), pipeline_(std::exchange(other.pipeline_, nullptr)) {}
+  Kernel& operator=(Kernel&&) = delete;
+
+  VkPipeline handle() const { return pipeline_; }
+
+ private:
+  VkDevice device_;
+  VkPipeline pipeline_ = VK_NULL_HANDLE;
+};
+
+}  // namespace gnosphere::vulkan

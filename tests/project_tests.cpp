@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage project: nothing that a beam may meet is culled, whatever its shape and place.
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+namespace {
+
+void requireAsReference(const Scene& scene, const Sensor& sensor, const Pose& pose = {}) {
+  needVulkan();
+  const Scan reference = referenceOf(scene, sensor, pose);
+  requireSame(reference, scanOf(scene, sensor, pose, vulkanOptions()));
+}
+
+const Sensor kAround = gridSensor(360, 91, -90, 90);
+
+}  // namespace
+
+TEST_CASE("a triangle across the azimuth seam is seen on both sides of it") {
+  MeshBuilder builder;
+  builder.triangle({-5, -2, -1}, {-5, 2, -1}, {-5, 0, 2});
+  requireAsReference(sceneOf(builder.take()), kAround);
+}
+
+TEST_CASE("ground under the sensor and a roof above it hold the poles") {
+  MeshBuilder builder;
+  builder.triangle({-10, -10, -1.8}, {10, -10, -1.8}, {0, 15, -1.8});
+  builder.triangle({-10, -10, 3}, {0, 15, 3}, {10, -10, 3});
+  requireAsReference(sceneOf(builder.take()), kAround);
+}
+
+TEST_CASE("an edge above the sensor bulges above both of its ends") {
+  MeshBuilder builder;
+  builder.triangle({5, -40, 8}, {5, 40, 8}, {5, 0, 2});
+  requireAsReference(sceneOf(builder.take()), gridSensor(720, 200, -10, 70));
+}
+
+TEST_CASE("one ground triangle of kilometres is seen wherever the beams go") {
+  MeshBuilder builder;
+  builder.triangle({-20000, -20000, -1.8}, {30000, -20000, -1.8}, {0, 30000, -1.8});
+  Sensor sensor = gridSensor(900, 64, -25, 2, 5000);
+  requireAsReference(sceneOf(builder.take()), sensor);
+}
+
+TEST_CASE("a triangle whose corners are all out of range is seen where its middle is near") {
+  MeshBuilder builder;
+  builder.triangle({-3000, -3000, -2}, {3000, -3000, -2}, {0, 4000, -2});
+  const Scene scene = sceneOf(builder.take());
+  const Sensor sensor = gridSensor(360, 32, -80, 0, 50);
+  requireAsReference(scene, sensor);
+  const Scan scan = scanOf(scene, sensor, {}, vulkanOptions());
+  CHECK(scan.counters.hits > 0);
+}
+
+TEST_CASE("every beam of a sensor in a closed box returns") {
+  needVulkan();
+  MeshBuilder builder;
+  builder.box({-7, -4, -2}, {9, 6, 5}, 5);
+  const Scene scene = sceneOf(builder.take());
+  for (const Sensor& sensor : {builtinSensors()[0], kAround}) {
+    const Scan scan = scanOf(scene, sensor, {{0.3, -0.2, 0.1}, {0.1, 0.2, 0.3, 0.9}}, vulkanOptions());
+    CHECK(scan.counters.misses == 0);
+  }
+}
+
+TEST_CASE("a sensor in the plane of a triangle, on its edge and on its corner sees what is behind") {
+  for (const Vec3& corner : {Vec3{0, 3, 0}, Vec3{3, 0, 0}, Vec3{0, 0, 0}}) {
+    MeshBuilder builder;
+    builder.triangle({-2, -3, 0}, {2, -3, 0}, corner);
+    builder.box({-7, -4, -2}, {9, 6, 5}, 3);
+    requireAsReference(sceneOf(builder.take()), kAround);
+  }
+}
+
+TEST_CASE("a wall in a vertical plane through the axis costs and shows nothing") {
+  needVulkan();
+  MeshBuilder builder;
+  builder.quad({0, 2, -3}, {0, 40, 0}, {0, 0, 6}, 40);
+  builder.box({-60, -60, -5}, {60, 60, 20}, 3);
+  const Scene scene = sceneOf(builder.take());
+  requireAsReference(scene, kAround);
+  const Scan scan = scanOf(scene, kAround, {}, vulkanOptions());
+  // Seen edge-on the wall lies within one column or between two: never a box around the whole sensor.
+  CHECK(scan.counters.culledBetweenBeams + scan.counters.projected >= 3200);
+}
+
+TEST_CASE("front faces alone reflect where one side is asked for, mirrored instances included") {
+  needVulkan();
+  Scene scene = sceneOf(ball(12, 24, 1), false);
+  scene.instances[0].transform = translation(5, 0, 0);
+  scene.instances.push_back({"mirrored", 0, translation(-5, 1, 0) * scaling(-1, 1.5, 0.7)});
+  scene.instances.push_back({"turned", 0, translation(0, 6, 0) * rotationZ(1) * scaling(2, 1, 1)});
+  scene.instances.push_back({"around", 0, scaling(50, 50, 50)});  // seen from inside: its back faces
+  for (const Faces faces : {Faces::material, Faces::front, Faces::both}) {
+    SimulatorOptions options = vulkanOptions();
+    options.faces = faces;
+    const Scan reference = referenceOf(scene, kAround, {}, faces);
+    const Scan scan = scanOf(scene, kAround, {}, options);
+    requireSame(reference, scan);
+    if (faces == Faces::both)
+      CHECK(scan.counters.misses == 0);
+    else
+      CHECK(scan.counters.culledByFace > 0);
+    for (size_t b = 0; b < scan.beamCount(); ++b)
+      if (faces != Faces::both && scan.hit(b)) REQUIRE(scan.instances[b] != 3);
+  }
+}
+
+TEST_CASE("a corner that is not finite or far too far drops its triangle, counts it and changes nothing else") {
+  needVulkan();
+  MeshBuilder builder;
+  builder.box({-7, -4, -2}, {9, 6, 5}, 4);
+  const Scan clean = scanOf(sceneOf(builder.take()), kAround, {}, vulkanOptions());
+  for (float poison : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30f}) {
+    MeshBuilder poisoned;
+    poisoned.box({-7, -4, -2}, {9, 6, 5}, 4);
+    poisoned.triangle({1, 1, 1}, {1, 2, 1}, {poison, 1, 2});
+    poisoned.triangle({1, poison, 1}, {1, 2, 1}, {1, 1, 2});
+    poisoned.triangle({1, 1, 1}, {1, 1, 1}, {1, 1, 2});
+    const Scan scan = scanOf(sceneOf(poisoned.take()), kAround, {}, vulkanOptions());
+    CHECK(scan.counters.nonFinite == 2);
+    CHECK(scan.counters.degenerate == 1);
+    CHECK(sameBytes(scan.triangles, clean.triangles));
+    CHECK(sameBytes(scan.ranges, clean.ranges));
+  }
+}
+
+TEST_CASE("an instance scaled out of the world is dropped and counted on the device") {
+  needVulkan();
+  MeshBuilder builder;
+  builder.box({-1, -1, -1}, {1, 1, 1});
+  Scene scene = sceneOf(builder.take());
+  scene.instances.push_back({"huge", 0, scaling(1e12, 1e12, 1e12)});
+  const Scan scan = scanOf(scene, kAround, {}, vulkanOptions());
+  CHECK(scan.counters.nonFinite == 12);
+  requireSame(referenceOf(scene, kAround, {}), scan);
+}
+
+TEST_CASE("an instance flattened to a plane is scanned like any other") {
+  MeshBuilder builder;
+  builder.box({-1, -1, -1}, {1, 1, 1}, 3);
+  Scene scene = sceneOf(builder.take());
+  scene.instances[0].transform = translation(6, 0.3, 0.2) * scaling(0, 2, 2);
+  requireAsReference(scene, gridSensor(900, 40, -30, 30));
+}
+
+TEST_CASE("an empty scene, one triangle and a sensor without channels are scanned") {
+  needVulkan();
+  const Scene empty;
+  const Scan nothing = scanOf(empty, kAround, {}, vulkanOptions());
+  CHECK(nothing.counters.misses == kAround.beamCount());
+  Sensor blind = kAround;
+  blind.channels.clear();
+  MeshBuilder builder;
+  builder.triangle({2, -1, -1}, {2, 1, -1}, {2, 0, 1});
+  const Scene one = sceneOf(builder.take());
+  CHECK(scanOf(one, blind, {}, vulkanOptions()).beamCount() == 0);
+  requireAsReference(one, kAround);
+}

@@ -1,0 +1,622 @@
+// SPDX-License-Identifier: Apache-2.0
+// The oracle judged in its turn: by closed forms, by brute force in quadruple precision, and by a plain
+// single-precision simulator that must stay within the ties and tolerances it is allowed.
+#include <algorithm>
+#include <array>
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <random>
+
+#include "backend.hpp"
+#include "gnosphere/error.hpp"
+#include "reference/doubt.hpp"
+#include "reference/hit.hpp"
+
+using namespace gnosphere;
+
+namespace {
+
+using reference::operator+;
+using reference::operator-;
+using reference::operator*;
+
+__extension__ typedef __float128 Quad;
+constexpr double kPi = 3.14159265358979323846;
+
+Sensor grid(uint32_t columns, uint32_t channels, double low, double high, double rangeMax = 120) {
+  Sensor sensor{"grid", columns, {}, 0, rangeMax};
+  for (uint32_t i = 0; i < channels; ++i)
+    sensor.channels.push_back({channels == 1 ? low : low + (high - low) * i / (channels - 1), 0});
+  return sensor;
+}
+
+/// One column: every channel has a direction of its own.
+Sensor aimed(const std::vector<Vec3>& targets, double rangeMax = 1e4) {
+  Sensor sensor{"aimed", 1, {}, 0, rangeMax};
+  for (const Vec3& p : targets)
+    sensor.channels.push_back(
+        {std::atan2(p.z, std::hypot(p.x, p.y)) * 180 / kPi, 180 + std::atan2(p.y, p.x) * 180 / kPi});
+  return sensor;
+}
+
+Scene sceneOf(std::vector<float> positions, std::vector<uint32_t> indices, bool doubleSided = true) {
+  Scene scene;
+  scene.materials.emplace_back().doubleSided = doubleSided;
+  Mesh mesh{"mesh", {}, std::move(positions), std::move(indices), {}};
+  mesh.parts.push_back({0, static_cast<uint32_t>(mesh.triangleCount()), 0});
+  scene.meshes.push_back(std::move(mesh));
+  scene.instances.push_back({"instance", 0, {}});
+  return scene;
+}
+
+/// A box with its front outside.
+void addBox(Mesh& mesh, const Vec3& centre, const Vec3& half) {
+  const auto base = static_cast<uint32_t>(mesh.vertexCount());
+  for (int i = 0; i < 8; ++i)
+    for (double c : {centre.x + (i & 1 ? half.x : -half.x), centre.y + (i & 2 ? half.y : -half.y),
+                     centre.z + (i & 4 ? half.z : -half.z)})
+      mesh.positions.push_back(static_cast<float>(c));
+  for (uint32_t i :
+       {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6})
+    mesh.indices.push_back(base + i);
+  mesh.parts = {{0, static_cast<uint32_t>(mesh.triangleCount()), 0}};
+}
+
+Scene cube(double half, bool doubleSided = true) {
+  Scene scene = sceneOf({}, {}, doubleSided);
+  addBox(scene.meshes[0], {}, {half, half, half});
+  return scene;
+}
+
+Scene soup(uint32_t seed, int count, double spread, double size) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::vector<float> positions;
+  std::vector<uint32_t> indices;
+  for (int t = 0; t < count; ++t) {
+    const Vec3 centre = spread * Vec3{unit(random), unit(random), unit(random)};
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 p = centre + size * Vec3{unit(random), unit(random), unit(random)};
+      for (double c : {p.x, p.y, p.z}) positions.push_back(static_cast<float>(c));
+      indices.push_back(static_cast<uint32_t>(indices.size()));
+    }
+  }
+  return sceneOf(std::move(positions), std::move(indices));
+}
+
+/// A 2 m ground grid with boxes that stand on it.
+Scene yard(int cells, double boxEvery) {
+  Scene scene = sceneOf({}, {});
+  Mesh& mesh = scene.meshes[0];
+  for (int y = 0; y <= cells; ++y)
+    for (int x = 0; x <= cells; ++x)
+      for (double c : {2.0 * x - cells, 2.0 * y - cells, 0.0}) mesh.positions.push_back(static_cast<float>(c));
+  for (int y = 0; y < cells; ++y)
+    for (int x = 0; x < cells; ++x) {
+      const auto i = static_cast<uint32_t>(y * (cells + 1) + x), up = i + static_cast<uint32_t>(cells) + 1;
+      for (uint32_t v : {i, i + 1, up + 1, i, up + 1, up}) mesh.indices.push_back(v);
+    }
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (double y = 5 - cells; y < cells; y += boxEvery)
+    for (double x = 5 - cells; x < cells; x += boxEvery) {
+      const double half = 0.3 + 2 * unit(random), height = 0.5 + 4 * unit(random);
+      addBox(mesh, {x + unit(random), y + unit(random), height}, {half, 0.3 + unit(random), height});
+    }
+  return scene;
+}
+
+Pose poseAt(const Vec3& position, double yaw = 0, double pitch = 0) {
+  return {position,
+          {-std::sin(yaw / 2) * std::sin(pitch / 2), std::cos(yaw / 2) * std::sin(pitch / 2),
+           std::sin(yaw / 2) * std::cos(pitch / 2), std::cos(yaw / 2) * std::cos(pitch / 2)}};
+}
+
+Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose = {}, Faces faces = Faces::material) {
+  SimulatorOptions options;
+  options.faces = faces;
+  return makeReferenceBackend(scene, {sensor}, options)->scan(0, pose);
+}
+
+/// Equal bits, NaN included.
+template <typename T>
+bool same(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+size_t tieCount(const Scan& scan) {
+  return static_cast<size_t>(std::count(scan.ties.begin(), scan.ties.end(), 1));
+}
+
+struct QuadVector {
+  Quad x, y, z;
+};
+QuadVector operator-(const QuadVector& a, const QuadVector& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+Quad dot(const QuadVector& a, const QuadVector& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+QuadVector cross(const QuadVector& a, const QuadVector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// The corners of every triangle of the first instance in the sensor frame, in quadruple precision.
+std::vector<QuadVector> cornersOf(const Scene& scene, const Pose& pose) {
+  const Mesh& mesh = scene.meshes[0];
+  const auto& m = scene.instances[0].transform.rows;
+  const Quad x = pose.orientation.x, y = pose.orientation.y, z = pose.orientation.z, w = pose.orientation.w;
+  const Quad s = 2 / (x * x + y * y + z * z + w * w);
+  const QuadVector axes[3] = {{1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
+                              {s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x)},
+                              {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}};
+  std::vector<QuadVector> corners;
+  for (uint32_t index : mesh.indices) {
+    const Quad p[3] = {Quad(mesh.origin.x) + mesh.positions[3 * index],
+                       Quad(mesh.origin.y) + mesh.positions[3 * index + 1],
+                       Quad(mesh.origin.z) + mesh.positions[3 * index + 2]};
+    const QuadVector q = {m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + m[3] - pose.position.x,
+                          m[4] * p[0] + m[5] * p[1] + m[6] * p[2] + m[7] - pose.position.y,
+                          m[8] * p[0] + m[9] * p[1] + m[10] * p[2] + m[11] - pose.position.z};
+    corners.push_back({dot(axes[0], q), dot(axes[1], q), dot(axes[2], q)});
+  }
+  return corners;
+}
+
+struct Answer {
+  uint32_t triangle = kNoTriangle;
+  Quad range = 0;
+};
+
+/// Moller and Trumbore 1997, with a division, in quadruple precision.
+Answer bruteForce(const std::vector<QuadVector>& corners, const Vec3& direction, double rangeMax) {
+  const QuadVector d = {direction.x, direction.y, direction.z};
+  Answer answer;
+  for (size_t t = 0; 3 * t < corners.size(); ++t) {
+    const QuadVector a = corners[3 * t], e1 = corners[3 * t + 1] - a, e2 = corners[3 * t + 2] - a;
+    const QuadVector p = cross(d, e2), s = QuadVector{} - a, q = cross(s, e1);
+    const Quad det = dot(e1, p);
+    if (det == 0) continue;
+    const Quad u = dot(s, p) / det, v = dot(d, q) / det, range = dot(e2, q) / det;
+    if (u < 0 || v < 0 || u + v > 1 || range <= 0 || range > rangeMax) continue;
+    if (answer.triangle == kNoTriangle || range < answer.range) answer = {static_cast<uint32_t>(t), range};
+  }
+  return answer;
+}
+
+}  // namespace
+
+TEST_CASE("the ground is as far as its height over the sine of the depression") {
+  const Scene ground = sceneOf({-400, -400, 0, 400, -400, 0, 400, 400, 0, -400, 400, 0}, {0, 1, 2, 0, 2, 3});
+  const Sensor sensor = grid(360, 24, -25, -2);
+  const Scan scan = scanOf(ground, sensor, poseAt({0.3, -0.2, 1.75}, 0.7));
+  REQUIRE(scan.counters.hits == sensor.beamCount());
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    const double range = 1.75 / std::sin(-sensor.channels[i / 360].elevationDeg * kPi / 180);
+    REQUIRE(std::abs(scan.ranges[i] - range) <= 1e-7 * range);
+    REQUIRE(std::abs(scan.points[3 * i + 2] + 1.75) <= 1e-6);
+  }
+  CHECK(scan.counters.triangles == 2);
+  CHECK(scan.counters.misses == 0);
+}
+
+TEST_CASE("every beam of every sensor returns from inside a closed cube with the exact range") {
+  const Vec3 at = {1.25, -2.5, 0.75};
+  for (const Sensor& sensor : {grid(1800, 16, -15, 15), grid(3600, 32, -25, 15), grid(4500, 64, -25, 2),
+                               grid(1000, 91, -90, 90), grid(18000, 10, -45, 45)}) {
+    const Scan scan = scanOf(cube(8), sensor, poseAt(at));
+    REQUIRE(scan.counters.hits == sensor.beamCount());
+    for (size_t i = 0; i < scan.beamCount(); ++i) {
+      const Vec3 d = sensor.direction(i);
+      double range = 1e9;
+      for (auto [p, c] : {std::pair(at.x, d.x), std::pair(at.y, d.y), std::pair(at.z, d.z)})
+        if (c != 0) range = std::min(range, ((c > 0 ? 8 : -8) - p) / c);
+      REQUIRE(scan.ranges[i] == static_cast<float>(range));
+    }
+  }
+}
+
+TEST_CASE("no beam slips through the corners and edges of a closed mesh") {
+  // A geodesic sphere of 20 * 4^4 triangles around a sensor that stands and looks askew.
+  const double g = (1 + std::sqrt(5.0)) / 2;
+  std::vector<Vec3> corners = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                               {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<uint32_t> faces = {0, 11, 5,  0, 5,  1, 0, 1, 7, 0, 7,  10, 0, 10, 11, 1, 5, 9, 5, 11,
+                                 4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3,  9,  4, 3,  4,  2, 3, 2, 6, 3,
+                                 6, 8,  3,  8, 9,  4, 9, 5, 2, 4, 11, 6,  2, 10, 8,  6, 7, 9, 8, 1};
+  for (int level = 0; level < 4; ++level) {
+    std::vector<uint32_t> finer;
+    for (size_t t = 0; t < faces.size(); t += 3) {
+      uint32_t middle[3];
+      for (size_t k = 0; k < 3; ++k) {  // a copy per side: same bits, as the midpoint does not depend on the order
+        middle[k] = static_cast<uint32_t>(corners.size());
+        corners.push_back(0.5 * (corners[faces[t + k]] + corners[faces[t + (k + 1) % 3]]));
+      }
+      for (uint32_t v : {faces[t], middle[0], middle[2], middle[0], faces[t + 1], middle[1], middle[2], middle[1],
+                         faces[t + 2], middle[0], middle[1], middle[2]})
+        finer.push_back(v);
+    }
+    faces = finer;
+  }
+  std::vector<float> positions;
+  for (const Vec3& p : corners)
+    for (double c : {p.x, p.y, p.z}) positions.push_back(static_cast<float>(10 / reference::norm(p) * c));
+  const Scene sphere = sceneOf(positions, faces);
+  const Pose pose = poseAt({1.1, -0.7, 2.3}, 0.4, 0.3);
+  const reference::SensorFrame frame(pose);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Vec3> targets;
+  const auto corner = [&](size_t i) {
+    return frame.toSensor({positions[3 * faces[i]], positions[3 * faces[i] + 1], positions[3 * faces[i] + 2]});
+  };
+  for (size_t i = 0; i < faces.size(); ++i) {
+    const Vec3 a = corner(i), b = corner(i / 3 * 3 + (i + 1) % 3);
+    for (const Vec3& p : {a, 0.5 * (a + b), a + unit(random) * (b - a)}) targets.push_back(p);
+  }
+  const Scan scan = scanOf(sphere, aimed(targets), pose);
+  CHECK(scan.counters.misses == 0);
+  for (size_t i = 0; i < targets.size(); ++i) REQUIRE(std::abs(scan.ranges[i] - reference::norm(targets[i])) < 1e-5);
+  CHECK(tieCount(scan) == targets.size());
+}
+
+TEST_CASE("the inside test has the exact sign where double arithmetic loses it") {
+  // Small steps about points on one line through the origin: products differ from the 106th bit on.
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> step(-3, 3);
+  size_t filtered = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const auto nudged = [&](double c) { return c + step(random) * 0x1p-50 * std::abs(c); };
+    const Vec3 d = {nudged(0.3), nudged(0.7), nudged(0.9)};
+    const Vec3 a = 7 * Vec3{nudged(0.3), nudged(0.7), nudged(0.9)},
+               b = 90 * Vec3{nudged(0.3), nudged(0.7), nudged(0.9)};
+    // Scaled to integers of 54 bits the products need 162: summed here as integers of 128 in two halves would be
+    // another program; quadruple precision decides all but the last few, which are skipped.
+    const QuadVector qa = {a.x, a.y, a.z}, qb = {b.x, b.y, b.z}, qd = {d.x, d.y, d.z};
+    const Quad truth = dot(qd, cross(qa, qb));
+    if ((truth < 0 ? -truth : truth) < Quad(1e-30)) continue;
+    const double value = reference::edge(d, a, b);
+    REQUIRE((value > 0) == (truth > 0));
+    REQUIRE(std::abs(static_cast<double>((value - truth) / truth)) < 0.01);
+    REQUIRE(reference::edgeExact(d, b, a) == -reference::edgeExact(d, a, b));
+    ++filtered;
+  }
+  CHECK(filtered > 10000);
+  CHECK(reference::edge({1, 2, 3}, {2, 4, 6}, {7, 1, 5}) == 0);
+}
+
+TEST_CASE("owners and ranges are those of brute force in quadruple precision") {
+  for (uint32_t seed = 1; seed <= 6; ++seed) {
+    INFO("seed " << seed);
+    Scene scene = soup(seed, 300, seed % 2 ? 20 : 3, seed % 3 ? 4 : 0.8);
+    if (seed == 6) scene.instances[0].transform.rows = {2, 0.3, 0, 1, -0.1, 0.5, 0.2, 0, 0, 0.4, -1.5, 2};
+    const Sensor sensor = grid(128, 16, -60, 75, 30);
+    const Pose pose = poseAt({0.5, 0.25 * seed, -1}, 0.1 * seed, 0.2);
+    const Scan scan = scanOf(scene, sensor, pose);
+    const std::vector<QuadVector> corners = cornersOf(scene, pose);
+    const reference::SensorFrame frame(pose);
+    for (size_t i = 0; i < scan.beamCount(); ++i) {
+      const Answer answer = bruteForce(corners, sensor.direction(i), sensor.rangeMax);
+      if (scan.ties[i]) continue;
+      REQUIRE(scan.triangles[i] == answer.triangle);
+      if (answer.triangle == kNoTriangle) {
+        REQUIRE(std::isnan(scan.ranges[i]));
+        continue;
+      }
+      const auto range = static_cast<double>(answer.range);
+      REQUIRE(scan.ranges[i] == static_cast<float>(range));
+      // A beam that grazes makes any formula in double lose as many digits as the tolerance shows for single.
+      const double allowed = std::max(1e-12, 1e-8 * double{scan.tolerances[i]});
+      Vec3 c[3];
+      for (size_t k = 0; k < 3; ++k) {
+        const float* p = &scene.meshes[0].positions[9 * answer.triangle + 3 * k];
+        c[k] = frame.toSensor(scene.instances[0].transform * Vec3{p[0], p[1], p[2]});
+      }
+      std::sort(c, c + 3, reference::before);
+      REQUIRE(std::abs(reference::pierce(sensor.direction(i), c[0], c[1], c[2]).range - range) <= allowed);
+    }
+    CHECK(tieCount(scan) < scan.beamCount() / 100);
+  }
+}
+
+namespace {
+
+/// A single-precision simulator as plain as can be: corners by x - pivot and a rounded matrix, turned into the beam's
+/// column and then its row, edge products, weighted depths. First instance only, a translation at most.
+Scan singlePrecision(const Scene& scene, const Sensor& sensor, const Pose& pose) {
+  const Mesh& mesh = scene.meshes[0];
+  const auto& m = scene.instances[0].transform.rows;
+  const reference::SensorFrame frame(pose);
+  const Vec3 pivot = pose.position - mesh.origin - Vec3{m[3], m[7], m[11]};
+  const auto asFloats = [](const Vec3& p) {
+    return std::array{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  };
+  const auto near = asFloats(pivot);
+  const Vec3 left = Vec3{near[0], near[1], near[2]} - pivot;
+  std::array<std::array<float, 3>, 3> matrix;
+  std::array<float, 3> rest;
+  for (size_t row = 0; row < 3; ++row) {
+    matrix[row] = asFloats(frame.axes[row]);
+    rest[row] = static_cast<float>(reference::dot(frame.axes[row], left));
+  }
+  std::vector<std::array<float, 3>> corners;
+  for (uint32_t index : mesh.indices) {
+    const float* p = &mesh.positions[3 * size_t{index}];
+    const float x = p[0] - near[0], y = p[1] - near[1], z = p[2] - near[2];
+    auto& v = corners.emplace_back();
+    for (size_t row = 0; row < 3; ++row)
+      v[row] = matrix[row][0] * x + matrix[row][1] * y + matrix[row][2] * z + rest[row];
+  }
+  Scan scan;
+  for (size_t beam = 0; beam < sensor.beamCount(); ++beam) {
+    const Vec3 d = sensor.direction(beam);
+    const double level = std::hypot(d.x, d.y);
+    const auto ca = static_cast<float>(d.x / level), sa = static_cast<float>(d.y / level);
+    const auto ce = static_cast<float>(level), se = static_cast<float>(d.z);
+    float best = std::numeric_limits<float>::infinity();
+    uint32_t owner = kNoTriangle;
+    for (size_t t = 0; 3 * t < corners.size(); ++t) {
+      float q[3], w[3], depth[3];
+      for (size_t k = 0; k < 3; ++k) {
+        const auto& v = corners[3 * t + k];
+        const float across = v[0] * ca + v[1] * sa;
+        q[k] = v[1] * ca - v[0] * sa;
+        w[k] = v[2] * ce - across * se;
+        depth[k] = across * ce + v[2] * se;
+      }
+      const float a = q[1] * w[2] - w[1] * q[2], b = q[2] * w[0] - w[2] * q[0], c = q[0] * w[1] - w[0] * q[1];
+      const float sum = a + b + c;
+      if (!((a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0)) || sum == 0) continue;
+      const float range = (a * depth[0] + b * depth[1] + c * depth[2]) / sum;
+      if (!(range > 0) || range < sensor.rangeMin || range > sensor.rangeMax || range >= best) continue;
+      best = range;
+      owner = static_cast<uint32_t>(t);
+    }
+    scan.ranges.push_back(best);
+    scan.triangles.push_back(owner);
+  }
+  return scan;
+}
+
+/// Every beam outside ties has the same owner, and its range within the tolerance.
+void requireAllowed(const Scan& truth, const Scan& other) {
+  for (size_t i = 0; i < truth.beamCount(); ++i) {
+    if (truth.ties[i]) continue;
+    INFO("beam " << i);
+    REQUIRE(truth.triangles[i] == other.triangles[i]);
+    if (truth.hit(i)) REQUIRE(std::abs(double{truth.ranges[i]} - other.ranges[i]) <= truth.tolerances[i]);
+  }
+}
+
+/// Scenes that are hard on single precision: grazing ground, boxes, slivers, corners close to the sensor.
+std::vector<std::pair<Scene, Pose>> hardScenes() {
+  std::vector<std::pair<Scene, Pose>> scenes;
+  scenes.emplace_back(yard(20, 9), poseAt({0.31, 0.17, 1.73}, 0.3));
+  scenes.emplace_back(soup(11, 400, 50, 3), poseAt({0.1, 0.2, 0.3}, 1, 0.4));
+  scenes.emplace_back(soup(12, 400, 1, 0.5), poseAt({0.1, 0.2, 0.3}));
+  scenes.emplace_back(sceneOf({-400, -400, 0, 400, -400, 0, 400, 400, 0, -400, 400, 0}, {0, 1, 2, 0, 2, 3}),
+                      poseAt({3, 5, 0.02}, 0.2));
+  Scene slivers = soup(13, 500, 30, 5);
+  auto& p = slivers.meshes[0].positions;
+  for (size_t t = 0; t < p.size(); t += 9)
+    for (size_t k = 0; k < 3; ++k) p[t + 6 + k] = p[t + k] + 1e-3f * (p[t + 6 + k] - p[t + k]);
+  scenes.emplace_back(std::move(slivers), poseAt({0, 0, 0}, 0.5));
+  return scenes;
+}
+
+}  // namespace
+
+TEST_CASE("a plain single-precision simulator stays within ties and tolerances") {
+  for (const auto& [scene, pose] : hardScenes()) {
+    const Sensor sensor = grid(400, 16, -25, 15);
+    requireAllowed(scanOf(scene, sensor, pose), singlePrecision(scene, sensor, pose));
+  }
+}
+
+TEST_CASE("corners moved as far as single precision may move them change no beam outside ties") {
+  std::mt19937 random(17);
+  std::normal_distribution<double> normal;
+  for (const auto& [scene, pose] : hardScenes()) {
+    const Sensor sensor = grid(400, 16, -25, 15);
+    const Scan truth = scanOf(scene, sensor, pose);
+    for (int round = 0; round < 3; ++round) {
+      // Every triangle gets corners of its own, so cracks open too: in the tested beams that must not show.
+      std::vector<QuadVector> corners = cornersOf(scene, pose);
+      for (QuadVector& c : corners) {
+        const Vec3 to = {normal(random), normal(random), normal(random)};
+        const double far = std::sqrt(static_cast<double>(dot(c, c)));
+        const double step = 0.99 * reference::kCornerError * far / reference::norm(to);
+        c = {c.x + step * to.x, c.y + step * to.y, c.z + step * to.z};
+      }
+      Scan moved;
+      for (size_t i = 0; i < truth.beamCount(); ++i) {
+        Answer answer;
+        if (!truth.ties[i] && i % 5 == static_cast<size_t>(round))
+          answer = bruteForce(corners, sensor.direction(i), sensor.rangeMax);
+        else if (truth.hit(i))
+          answer = {truth.triangles[i], truth.ranges[i]};
+        moved.triangles.push_back(answer.triangle);
+        moved.ranges.push_back(static_cast<float>(answer.range));
+      }
+      requireAllowed(truth, moved);
+    }
+  }
+}
+
+TEST_CASE("ties are few and tolerances small on an ordinary scene") {
+  const Sensor sensor = grid(1800, 16, -15, 15, 100);
+  const Scan scan = scanOf(yard(100, 17), sensor, poseAt({0.31, 0.17, 1.73}, 0.3));
+  CHECK(scan.counters.hits > sensor.beamCount() / 2);
+  CHECK(tieCount(scan) < sensor.beamCount() / 200);
+  const Scan wall =
+      scanOf(sceneOf({100, -50, -50, 100, 50, -50, 100, 0, 80}, {0, 1, 2}), aimed({{100, 1, 2}, {100, -20, 9}}));
+  REQUIRE(wall.counters.hits == 2);
+  for (float tolerance : wall.tolerances) {
+    CHECK(tolerance > 1e-6f);
+    CHECK(tolerance < 3e-4f);
+  }
+}
+
+TEST_CASE("a beam is a tie within single precision of an edge and not beyond") {
+  const Scene wall = sceneOf({10, -5, -5, 10, 5, -5, 10, 5, 5, 10, -5, 5}, {0, 1, 2, 0, 2, 3});
+  const double e = 1e-5;  // metres at 10 m: about 1e-6 rad; nine tenths is doubtful, twice is not
+  const Scan scan = scanOf(wall, aimed({{10, 2, 5 + 0.9 * e},
+                                        {10, 2, 5 - 0.9 * e},
+                                        {10, 2, 5 + 2 * e},
+                                        {10, 2, 5 - 2 * e},
+                                        {10, 2 + 0.9 * e, 2},
+                                        {10, 2 + 4 * e, 2},
+                                        {10, 2, -3}}));
+  CHECK(scan.ties == std::vector<uint8_t>{1, 1, 0, 0, 1, 0, 0});
+  CHECK(scan.triangles == std::vector<uint32_t>{kNoTriangle, 1, kNoTriangle, 1, 0, 0, 0});
+  CHECK(std::isnan(scan.tolerances[0]));
+  CHECK(scan.tolerances[1] > 0);
+}
+
+TEST_CASE("the range window is inclusive and nearer hits are passed through") {
+  const Scene walls = sceneOf({5, -9, -9, 5, 9, -9, 5, 0, 9, 8, -9, -9, 8, 9, -9, 8, 0, 9}, {0, 1, 2, 3, 4, 5});
+  struct Window {
+    double min, max;
+    uint32_t owner;
+    uint8_t tie;
+  };
+  for (const Window& w : {Window{0, 100, 0, 0},
+                          {5, 100, 0, 1},
+                          {5.0000001, 100, 1, 1},
+                          {6, 100, 1, 0},
+                          {6, 7, kNoTriangle, 0},
+                          {0, 5, 0, 1},
+                          {0, 4.9999999, kNoTriangle, 1},
+                          {0, 4.9, kNoTriangle, 0},
+                          {6, 8, 1, 1},
+                          {8, 8, 1, 1},
+                          {0, 8, 0, 0}}) {
+    INFO(w.min << " to " << w.max);
+    Sensor sensor = {"one", 1, {{0, 180}}, w.min, w.max};
+    const Scan scan = scanOf(walls, sensor);
+    CHECK(scan.triangles[0] == w.owner);
+    CHECK(scan.ties[0] == w.tie);
+    CHECK(scan.counters.misses == (w.owner == kNoTriangle));
+  }
+}
+
+TEST_CASE("one-sided triangles reflect from their front, also where the instance is mirrored") {
+  const Sensor sensor = grid(36, 5, -40, 40);
+  for (bool mirrored : {false, true})
+    for (bool byMaterial : {false, true}) {
+      Scene scene = cube(3, !byMaterial);
+      if (mirrored) scene.instances[0].transform.rows = {-1, 0.2, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0};
+      const Faces faces = byMaterial ? Faces::material : Faces::front;
+      CHECK(scanOf(scene, sensor, {}, faces).counters.hits == 0);
+      CHECK(tieCount(scanOf(scene, sensor, {}, faces)) == 0);
+      CHECK(scanOf(scene, sensor, {}, Faces::both).counters.misses == 0);
+      const Pose outside = poseAt({-30, 4, 1});
+      const Scan front = scanOf(scene, sensor, outside, faces), both = scanOf(scene, sensor, outside, Faces::both);
+      CHECK(front.counters.hits > 0);
+      CHECK(same(front.triangles, both.triangles));
+      std::vector<uint32_t>& indices = scene.meshes[0].indices;
+      for (size_t t = 0; t < indices.size(); t += 3) std::swap(indices[t], indices[t + 1]);
+      CHECK(scanOf(scene, sensor, {}, faces).counters.misses == 0);
+    }
+}
+
+TEST_CASE("a world 5,000 km from the origin has the same ranges") {
+  const Vec3 far = {4.0e6, -3.0e6, 1.5e5};
+  const Sensor sensor = grid(500, 16, -25, 15);
+  const Pose pose = poseAt({0.3, 0.7, 1.6}, 0.6, 0.1);
+  Scene scene = yard(12, 7);
+  const Scan here = scanOf(scene, sensor, pose);
+  const Pose farPose = {pose.position + far, pose.orientation};
+  Scene byOrigin = scene;
+  byOrigin.meshes[0].origin = far;
+  Scene byInstance = scene;
+  byInstance.instances[0].transform.rows = {1, 0, 0, far.x, 0, 1, 0, far.y, 0, 0, 1, far.z};
+  for (const Scene& moved : {byOrigin, byInstance}) {
+    const Scan there = scanOf(moved, sensor, farPose);
+    for (size_t i = 0; i < here.beamCount(); ++i) {
+      if (here.ties[i] || there.ties[i]) continue;
+      REQUIRE(here.triangles[i] == there.triangles[i]);
+      if (here.hit(i)) REQUIRE(std::abs(here.ranges[i] - there.ranges[i]) <= 1e-6 + 2e-3 * here.tolerances[i]);
+    }
+    CHECK(tieCount(there) < 2 * tieCount(here) + 10);
+  }
+}
+
+TEST_CASE("broken triangles are dropped and counted and change nothing else") {
+  const Sensor sensor = grid(200, 16, -60, 60);
+  Scene scene = soup(21, 200, 20, 4);
+  const Scan clean = scanOf(scene, sensor);
+  Mesh& mesh = scene.meshes[0];
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  for (float bad : {nan, infinity, -infinity, 1e30f, 1.1e9f}) {
+    const auto v = static_cast<uint32_t>(mesh.vertexCount());
+    mesh.positions.insert(mesh.positions.end(), {3, -9, -9, 3, 9, bad, 3, 0, 9});
+    mesh.indices.insert(mesh.indices.end(), {v, v + 1, v + 2});
+  }
+  const auto v = static_cast<uint32_t>(mesh.vertexCount());
+  mesh.positions.insert(mesh.positions.end(), {2, -9, 0.f, 2, 9, 9, 2, -9, -0.f});
+  mesh.indices.insert(mesh.indices.end(), {v, v + 1, v + 2, v, v, v + 1});
+  mesh.parts[0].triangleCount += 7;
+  const Scan scan = scanOf(scene, sensor);
+  CHECK(scan.counters.triangles == clean.counters.triangles + 7);
+  CHECK(scan.counters.nonFinite == 5);
+  CHECK(scan.counters.degenerate == 2);
+  CHECK(same(scan.ranges, clean.ranges));
+  CHECK(same(scan.triangles, clean.triangles));
+  CHECK(same(scan.ties, clean.ties));
+
+  Scene away = cube(1);
+  away.instances.push_back({"too far", 0, {{1, 0, 0, 1.5e9, 0, 1, 0, 0, 0, 0, 1, 0}}});
+  const Scan counted = scanOf(away, sensor);
+  CHECK(counted.counters.nonFinite == 12);
+  CHECK(counted.counters.misses == 0);
+  CHECK(scanOf(away, sensor, poseAt({1.5e9, 0, 0})).counters.misses == 0);
+}
+
+TEST_CASE("equal ranges go to the lower instance, then to the lower triangle, and are ties") {
+  Scene scene = sceneOf({7, -3, -3, 7, 4, -3, 7, 0.5f, 5}, {1, 2, 0, 0, 1, 2, 2, 0, 1, 0, 2, 1});
+  scene.instances.push_back(scene.instances[0]);
+  const Scan scan = scanOf(scene, aimed({{7, 0.1, 0.3}, {7, 1, -1}, {7, 0.4, 2}}));
+  CHECK(scan.triangles == std::vector<uint32_t>{0, 0, 0});
+  CHECK(scan.instances == std::vector<uint32_t>{0, 0, 0});
+  CHECK(tieCount(scan) == 3);
+}
+
+TEST_CASE("the order of the triangles changes nothing but their numbers") {
+  const Sensor sensor = grid(300, 16, -60, 60);
+  for (Scene scene : {soup(31, 500, 15, 3), yard(14, 6)}) {
+    const Pose pose = poseAt({0.2, 0.1, 1.4}, 0.8);
+    const Scan scan = scanOf(scene, sensor, pose);
+    Mesh& mesh = scene.meshes[0];
+    std::vector<uint32_t> order(mesh.triangleCount());
+    std::iota(order.begin(), order.end(), 0u);
+    std::shuffle(order.begin(), order.end(), std::mt19937(1));
+    const std::vector<uint32_t> before = mesh.indices;
+    for (size_t t = 0; t < order.size(); ++t)  // turned as well: the first corner is another one
+      for (size_t k = 0; k < 3; ++k) mesh.indices[3 * t + k] = before[3 * order[t] + (k + t) % 3];
+    const Scan shuffled = scanOf(scene, sensor, pose);
+    CHECK(same(scan.ranges, shuffled.ranges));
+    CHECK(same(scan.ties, shuffled.ties));
+    for (size_t i = 0; i < scan.beamCount(); ++i) {
+      REQUIRE(scan.hit(i) == shuffled.hit(i));
+      if (scan.hit(i) && !scan.ties[i]) REQUIRE(scan.triangles[i] == order[shuffled.triangles[i]]);
+    }
+  }
+}
+
+TEST_CASE("nothing to see is a cloud of misses") {
+  const Sensor sensor = grid(10, 2, -10, 10);
+  const Scan empty = scanOf({}, sensor);
+  CHECK(empty.counters.misses == 20);
+  CHECK(tieCount(empty) == 0);
+  CHECK(std::isnan(empty.points[59]));
+  CHECK(scanOf(cube(1), Sensor{"blind", 10, {}, 0, 1}).beamCount() == 0);
+  CHECK_THROWS_AS(scanOf(cube(1), sensor, {{}, {0, 0, 0, 0}}), Error);
+  const Scan on = scanOf(sceneOf({0, -1, -1, 0, 1, -1, 0, 0, 1}, {0, 1, 2}), sensor);
+  // On the triangle itself: the range is 0 but for rounding, so whether it is a hit is in doubt on every beam.
+  for (float range : on.ranges) CHECK_FALSE(range > 1e-12f);
+  CHECK(tieCount(on) == 20);
+  CHECK(referenceDevice().usable);
+}

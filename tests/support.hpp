@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small scenes and the comparison that most tests end with.
+#pragma once
+
+#include <catch2/catch_test_macros.hpp>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "gnosphere/gnosphere.hpp"
+
+namespace gnosphere::test {
+
+/// Skips the test where no Vulkan device is usable; fails it where GNOSPHERE_REQUIRE names vulkan.
+inline void needVulkan() {
+  std::string problem;
+  for (const DeviceInfo& device : listDevices(&problem))
+    if (device.usable && device.type != "reference") return;
+  const char* required = std::getenv("GNOSPHERE_REQUIRE");
+  if (required && std::strstr(required, "vulkan")) FAIL("no usable Vulkan device: " << problem);
+  SKIP("no usable Vulkan device: " << problem);
+}
+
+/// Options of every GPU test: the validation layer on, any message of it throws.
+inline SimulatorOptions vulkanOptions() {
+  SimulatorOptions options;
+  options.validation = true;
+  return options;
+}
+
+inline Material material(bool doubleSided) {
+  Material result;
+  result.doubleSided = doubleSided;
+  return result;
+}
+
+class MeshBuilder {
+ public:
+  uint32_t vertex(const Vec3& p) {
+    for (double value : {p.x, p.y, p.z}) mesh_.positions.push_back(static_cast<float>(value));
+    return static_cast<uint32_t>(mesh_.vertexCount() - 1);
+  }
+  void triangle(uint32_t a, uint32_t b, uint32_t c) { mesh_.indices.insert(mesh_.indices.end(), {a, b, c}); }
+  void triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const uint32_t first = vertex(a);
+    vertex(b);
+    vertex(c);
+    triangle(first, first + 1, first + 2);
+  }
+  /// A grid of n x n quads from `origin` along `u` and `v`; its front is where u x v points.
+  void quad(const Vec3& origin, const Vec3& u, const Vec3& v, uint32_t n = 1) {
+    const uint32_t first = static_cast<uint32_t>(mesh_.vertexCount());
+    for (uint32_t i = 0; i <= n; ++i)
+      for (uint32_t j = 0; j <= n; ++j) {
+        const double a = double(i) / n, b = double(j) / n;
+        vertex({origin.x + a * u.x + b * v.x, origin.y + a * u.y + b * v.y, origin.z + a * u.z + b * v.z});
+      }
+    for (uint32_t i = 0; i < n; ++i)
+      for (uint32_t j = 0; j < n; ++j) {
+        const uint32_t p = first + i * (n + 1) + j, q = p + n + 1;
+        triangle(p, q, p + 1);
+        triangle(p + 1, q, q + 1);
+      }
+  }
+  /// A closed box, front faces outward.
+  void box(const Vec3& low, const Vec3& high, uint32_t n = 1) {
+    const double x = high.x - low.x, y = high.y - low.y, z = high.z - low.z;
+    quad(low, {0, y, 0}, {x, 0, 0}, n);
+    quad({low.x, low.y, high.z}, {x, 0, 0}, {0, y, 0}, n);
+    quad(low, {x, 0, 0}, {0, 0, z}, n);
+    quad({low.x, high.y, low.z}, {0, 0, z}, {x, 0, 0}, n);
+    quad(low, {0, 0, z}, {0, y, 0}, n);
+    quad({high.x, low.y, low.z}, {0, y, 0}, {0, 0, z}, n);
+  }
+  Mesh take(uint32_t materialIndex = 0) {
+    mesh_.parts = {{0, static_cast<uint32_t>(mesh_.triangleCount()), materialIndex}};
+    return std::move(mesh_);
+  }
+  Mesh& mesh() { return mesh_; }
+
+ private:
+  Mesh mesh_;
+};
+
+/// One mesh, placed once.
+inline Scene sceneOf(Mesh mesh, bool doubleSided = true) {
+  Scene scene;
+  scene.materials.push_back(material(doubleSided));
+  scene.meshes.push_back(std::move(mesh));
+  scene.instances.push_back({"", 0, {}});
+  return scene;
+}
+
+inline Transform translation(double x, double y, double z) { return {{1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z}}; }
+inline Transform scaling(double x, double y, double z) { return {{x, 0, 0, 0, 0, y, 0, 0, 0, 0, z, 0}}; }
+inline Transform rotationZ(double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {{c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0}};
+}
+
+inline Sensor gridSensor(uint32_t columns, uint32_t channels, double lowDeg, double highDeg, double rangeMax = 200) {
+  Sensor sensor{"grid", columns, {}, 0, rangeMax};
+  for (uint32_t j = 0; j < channels; ++j)
+    sensor.channels.push_back({channels == 1 ? lowDeg : lowDeg + (highDeg - lowDeg) * j / (channels - 1), 0});
+  return sensor;
+}
+
+inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose, const SimulatorOptions& options) {
+  return Simulator(scene, sensor, options).scan(pose);
+}
+
+inline Scan referenceOf(const Scene& scene, const Sensor& sensor, const Pose& pose, Faces faces = Faces::material) {
+  SimulatorOptions options;
+  options.device = "reference";
+  options.faces = faces;
+  return scanOf(scene, sensor, pose, options);
+}
+
+inline std::string firstDifference(const Scan& reference, const Scan& other) {
+  for (size_t b = 0; b < reference.beamCount(); ++b) {
+    if (reference.ties[b]) continue;
+    if (reference.hit(b) == other.hit(b) &&
+        (!reference.hit(b) || (reference.triangles[b] == other.triangles[b] &&
+                               std::abs(reference.ranges[b] - other.ranges[b]) <= reference.tolerances[b])))
+      continue;
+    return "beam " + std::to_string(b) + ": triangle " + std::to_string(int64_t(int32_t(reference.triangles[b]))) +
+           " at " + std::to_string(reference.ranges[b]) + " m, got " +
+           std::to_string(int64_t(int32_t(other.triangles[b]))) + " at " + std::to_string(other.ranges[b]) +
+           " m, tolerance " + std::to_string(reference.tolerances[b]);
+  }
+  return "none";
+}
+
+/// 0 missed, 0 false, 0 wrong owner, 0 wrong range outside ties.
+inline void requireSame(const Scan& reference, const Scan& other) {
+  const Comparison difference = compare(reference, other);
+  INFO("missed " << difference.missed << ", false " << difference.falseHits << ", wrong owner "
+                 << difference.wrongOwner << ", wrong range " << difference.wrongRange << ", ties " << difference.ties
+                 << " of " << difference.beams << "; first: " << firstDifference(reference, other));
+  REQUIRE(difference.same());
+}
+
+template <typename T>
+bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+inline bool sameBytes(const Scan& a, const Scan& b) {
+  return sameBytes(a.points, b.points) && sameBytes(a.ranges, b.ranges) && sameBytes(a.triangles, b.triangles) &&
+         sameBytes(a.instances, b.instances);
+}
+
+/// Seeded numbers in -1..1, the same with every standard library.
+class Random {
+ public:
+  explicit Random(uint32_t seed) : engine_(seed) {}
+  uint32_t bits() { return static_cast<uint32_t>(engine_()); }
+  double operator()() { return 2.0 * bits() / 4294967295.0 - 1; }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// Loose triangles of all sizes around the sensor.
+inline Mesh soup(uint32_t seed, uint32_t count, double spread, double size) {
+  Random uniform(seed);
+  MeshBuilder builder;
+  for (uint32_t i = 0; i < count; ++i) {
+    const Vec3 centre = {spread * uniform(), spread * uniform(), spread * uniform()};
+    Vec3 corner[3];
+    for (Vec3& p : corner) p = {centre.x + size * uniform(), centre.y + size * uniform(), centre.z + size * uniform()};
+    builder.triangle(corner[0], corner[1], corner[2]);
+  }
+  return builder.take();
+}
+
+/// A closed ball of triangles that share every corner, front faces outward.
+inline Mesh ball(uint32_t rings, uint32_t segments, double radius, const Vec3& centre = {}) {
+  MeshBuilder builder;
+  const auto point = [&](uint32_t ring, uint32_t segment) {
+    const double polar = std::numbers::pi * ring / rings, azimuth = 2 * std::numbers::pi * segment / segments;
+    return Vec3{centre.x + radius * std::sin(polar) * std::cos(azimuth),
+                centre.y + radius * std::sin(polar) * std::sin(azimuth), centre.z + radius * std::cos(polar)};
+  };
+  const uint32_t top = builder.vertex({centre.x, centre.y, centre.z + radius});
+  for (uint32_t ring = 1; ring < rings; ++ring)
+    for (uint32_t segment = 0; segment < segments; ++segment) builder.vertex(point(ring, segment));
+  const uint32_t bottom = builder.vertex({centre.x, centre.y, centre.z - radius});
+  const auto at = [&](uint32_t ring, uint32_t segment) { return 1 + (ring - 1) * segments + segment % segments; };
+  for (uint32_t s = 0; s < segments; ++s) {
+    builder.triangle(top, at(1, s), at(1, s + 1));
+    builder.triangle(bottom, at(rings - 1, s + 1), at(rings - 1, s));
+  }
+  for (uint32_t ring = 1; ring + 1 < rings; ++ring)
+    for (uint32_t s = 0; s < segments; ++s) {
+      builder.triangle(at(ring, s), at(ring + 1, s), at(ring + 1, s + 1));
+      builder.triangle(at(ring, s), at(ring + 1, s + 1), at(ring, s + 1));
+    }
+  return builder.take();
+}
+
+}  // namespace gnosphere::test

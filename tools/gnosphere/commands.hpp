@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// The subcommands. Each adds its options to `app` and returns what runs it: the result is the exit status.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace gnosphere::cli {
+
+using Action = std::function<int()>;
+
+Action addScan(CLI::App& app);
+Action addCompare(CLI::App& app);
+Action addDevices(CLI::App& app);
+Action addSensors(CLI::App& app);
+Action addTown(CLI::App& app);
+
+}  // namespace gnosphere::cli

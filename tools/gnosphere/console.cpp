@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "console.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdarg>
+#include <cstdio>
+
+namespace gnosphere::cli {
+
+void complain(const std::string& message) {
+  std::string line = message;
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  std::fflush(stdout);  // so that the two streams keep their order on a terminal
+  std::fprintf(stderr, "gnosphere: %s\n", line.c_str());
+}
+
+std::string grouped(uint64_t number) {
+  std::string text = std::to_string(number);
+  for (size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ',');
+  return text;
+}
+
+std::string formatted(const char* format, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof(text), format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+std::string milliseconds(double ms) {
+  if (ms >= 10000) return formatted("%.1f s", ms / 1000);
+  return formatted(ms < 10 ? "%.2f ms" : ms < 100 ? "%.1f ms" : "%.0f ms", ms);
+}
+
+std::string fileSize(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const auto bytes = static_cast<double>(std::filesystem::file_size(file, unknown));
+  if (unknown) return "";
+  if (bytes < 1e3) return formatted("%.0f bytes", bytes);
+  return bytes < 1e6 ? formatted("%.1f kB", bytes / 1e3) : formatted("%.1f MB", bytes / 1e6);
+}
+
+void say(const char* label, const std::string& text) {
+  std::printf("%-10s %s\n", label, text.c_str());
+}
+
+double nowMs() {
+  using namespace std::chrono;
+  return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
+}
+
+Progress::Progress(const char* what, uint64_t total)
+    : what_(what), total_(total), terminal_(isatty(STDERR_FILENO) == 1), startMs_(nowMs()), lastMs_(startMs_) {}
+
+Progress::~Progress() {
+  if (shown_) std::fprintf(stderr, "\r\x1b[K");
+}
+
+void Progress::step(uint64_t done) {
+  const double now = nowMs();
+  if (!terminal_ || now - startMs_ < 1000 || now - lastMs_ < 100) return;
+  lastMs_ = now;
+  shown_ = true;
+  std::fprintf(stderr, "\r\x1b[K%s %s of %s", what_, grouped(done).c_str(), grouped(total_).c_str());
+}
+
+}  // namespace gnosphere::cli

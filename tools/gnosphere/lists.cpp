@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere devices, gnosphere sensors: what there is to choose from.
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "gnosphere/simulator.hpp"
+
+namespace gnosphere::cli {
+namespace {
+
+void printDevicesJson(const std::vector<DeviceInfo>& devices, const std::string& problem) {
+  nlohmann::ordered_json json;
+  json["devices"] = nlohmann::ordered_json::array();
+  for (const DeviceInfo& device : devices) {
+    json["devices"].push_back({{"name", device.name},
+                               {"type", device.type},
+                               {"driver", device.driver},
+                               {"api_version", device.apiVersion},
+                               {"max_buffer_bytes", device.maxBufferBytes},
+                               {"subgroup_size", device.subgroupSize},
+                               {"usable", device.usable},
+                               {"reason", device.reason}});
+  }
+  json["vulkan_problem"] = problem.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(problem);
+  std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+int runDevices(bool json) {
+  std::string problem;
+  const std::vector<DeviceInfo> devices = listDevices(&problem);
+  if (json) {
+    printDevicesJson(devices, problem);
+    return 0;
+  }
+  size_t nameWidth = 4;
+  for (const DeviceInfo& device : devices) nameWidth = std::max(nameWidth, device.name.size());
+  for (size_t i = 0; i < devices.size(); ++i) {
+    const DeviceInfo& device = devices[i];
+    std::string about = device.apiVersion.empty() ? "" : "Vulkan " + device.apiVersion + ", ";
+    about += device.driver.empty() ? "" : device.driver + ", ";
+    about += device.usable ? "usable" : "not usable: " + device.reason;
+    std::printf("%2zu  %-*s  %-10s  %s\n", i, static_cast<int>(nameWidth), device.name.c_str(), device.type.c_str(),
+                about.c_str());
+  }
+  if (!problem.empty()) complain("no Vulkan here: " + problem);
+  return 0;
+}
+
+int runSensors(const std::string& name) {
+  if (!name.empty()) {
+    std::printf("%s", toJson(findSensor(name)).c_str());
+    return 0;
+  }
+  std::printf("%-18s %8s %8s %10s  %-16s %s\n", "name", "channels", "columns", "beams", "elevation", "range");
+  for (const Sensor& sensor : builtinSensors()) {
+    const auto elevation =
+        formatted("%+g..%+g deg", sensor.channels.front().elevationDeg, sensor.channels.back().elevationDeg);
+    std::printf("%-18s %8zu %8u %10s  %-16s %g..%g m\n", sensor.name.c_str(), sensor.channels.size(), sensor.columns,
+                grouped(sensor.beamCount()).c_str(), elevation.c_str(), sensor.rangeMin, sensor.rangeMax);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Action addDevices(CLI::App& app) {
+  const auto json = std::make_shared<bool>(false);
+  app.add_flag("--json", *json, "Print JSON");
+  app.footer("`gnosphere scan --device` takes the number, a part of the name, or `reference`.");
+  return [json] { return runDevices(*json); };
+}
+
+Action addSensors(CLI::App& app) {
+  const auto name = std::make_shared<std::string>();
+  app.add_option("NAME", *name, "Print this sensor (or JSON file) as JSON that `gnosphere scan --sensor FILE` reads");
+  return [name] { return runSensors(*name); };
+}
+
+}  // namespace gnosphere::cli

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a scan tells about itself: a summary for people, --stats for programs.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gnosphere/gnosphere.hpp"
+
+namespace gnosphere::cli {
+
+/// Everything there is to tell after the last run.
+struct ScanReport {
+  std::string sceneFile;
+  const Scene& scene;
+  const Sensor& sensor;
+  const Simulator& simulator;
+  const Scan& scan;
+  std::string accuracy, binning;  ///< as asked for
+  std::vector<Timings> runs;
+  double loadMs = 0, setUpMs = 0;
+};
+
+void printSummary(const ScanReport& report);
+std::string statsJson(const ScanReport& report);
+
+}  // namespace gnosphere::cli
