@@ -2,6 +2,7 @@
 #include "reference/bvh.hpp"
 
 #include <future>
+#include <utility>
 
 namespace gnosphere::reference {
 
