@@ -75,6 +75,12 @@ TEST_CASE("polygons are cut so that they keep their area, concave ones too") {
   const Scene turned = loadText("a.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\nv 0 4 0\nf 5 4 3 2 1\n");
   CHECK(area(turned.meshes.at(0)) == Approx(10));
   CHECK(area(turned.meshes.at(0), true) == Approx(-10));  // clockwise stays clockwise
+  const Scene comb = loadText("a.obj",
+                              "v 0 0 0\nv 7 0 0\nv 7 5 0\nv 6 1 0\nv 5 5 0\nv 4 1 0\nv 3 5 0\nv 2 1 0\nv 1 5 0\n"
+                              "f 1 2 3 4 5 6 7 8 9\n");
+  CHECK(comb.uniqueTriangleCount() == 7);
+  CHECK(area(comb.meshes.at(0)) == Approx(area(comb.meshes.at(0), true)));
+  CHECK(area(comb.meshes.at(0)) == Approx(20.5));
   std::ostringstream vertices, face;
   for (int i = 0; i < 400; ++i) {  // more corners than a byte counts
     vertices << "v " << std::cos(i * 0.015707963) << " " << std::sin(i * 0.015707963) << " 0\n";
