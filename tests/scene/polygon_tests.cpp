@@ -249,8 +249,8 @@ TEST_CASE("a corner of an STL that is nan is welded to nothing else") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const Scene scene =
       loadText("a.stl", std::string(80, ' ') + bytesOf(Indices{2}) + stlTriangle({0, 0, 0, 1, 0, 0, 0, 1, 0}) +
-                            stlTriangle({nan, 0, 0, 0, 0, 0, 1, 0, 0}));
-  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2, 3, 0, 1});
+                            stlTriangle({nan, 0, 0, 0, 0, 0, nan, 0, 0}));
+  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2, 3, 0, 3});
   CHECK(std::isnan(scene.meshes.at(0).positions[9]));
 }
 
