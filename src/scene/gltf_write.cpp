@@ -2,6 +2,7 @@
 // Written by hand: tinygltf would hold every byte twice more before the first reaches the disk.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
