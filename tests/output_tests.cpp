@@ -58,7 +58,7 @@ Scan tiny() {
   for (uint32_t beam = 0; beam < 6; ++beam) {
     const auto f = static_cast<float>(beam);
     const bool hit = beam != 4;
-    const float nan = std::nanf("");
+    const float nan = -std::nanf("");  // with a sign, as some machines make them
     for (float value : {f + 0.1f, -f, f * 1e-20f}) scan.points.push_back(hit ? value : nan);
     scan.ranges.push_back(hit ? f + 1 : nan);
     scan.triangles.push_back(hit ? 100 + beam : kNoTriangle);
