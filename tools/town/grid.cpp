@@ -52,15 +52,15 @@ int centimetres(double metres) {
 }
 
 constexpr double kCorner = kCornerRadius / 100.0;
-constexpr double kSettled = 20;  ///< metres that a street comes before its middle
+constexpr double kSettled = 55;  ///< metres: the four blocks around the origin, and the streets between, come first
 
-double roadReach(double x, double y) {
+double reachOf(double x, double y) {
   return std::max(0.0, std::max(std::abs(x), std::abs(y)) - kSettled);
 }
 
 void addCrossing(Plan& plan, const Line& x, const Line& y) {
   const double reachX = x.half + kCorner, reachY = y.half + kCorner;
-  plan.blockReach = roadReach(x.at, y.at);
+  plan.blockReach = reachOf(x.at, y.at);
   plan.addGround(Crossing{centimetres(x.half), centimetres(y.half)}, {x.at, y.at, 0}, 0,
                  {x.at - reachX, y.at - reachY, 0}, {x.at + reachX, y.at + reachY, 0});
 }
@@ -73,7 +73,7 @@ void addRoad(Plan& plan, Dice dice, const Line& from, const Line& to, const Line
   const Vec3 at = alongY ? Vec3{line.at, start, 0} : Vec3{start, line.at, 0};
   const Vec3 low = alongY ? Vec3{line.at - line.half, start, 0} : Vec3{start, line.at - line.half, 0};
   const Vec3 high = alongY ? Vec3{line.at + line.half, end, 0} : Vec3{end, line.at + line.half, 0};
-  plan.blockReach = roadReach((low.x + high.x) / 2, (low.y + high.y) / 2);
+  plan.blockReach = reachOf((low.x + high.x) / 2, (low.y + high.y) / 2);
   plan.addGround(road, at, alongY ? 0.25 : 0, low, high);
   planTraffic(plan, dice, at, alongY, end - start, line.half, line.avenue, detail);
 }
@@ -104,7 +104,7 @@ Plan planGrid(uint32_t seed, double extent, const Detail& detail) {
       if (j + 1 < ys.end()) addRoad(plan, Dice(seed, 3, column, row), ys[j], ys[j + 1], xs[i], true, detail);
       if (i + 1 < xs.end() && j + 1 < ys.end()) {
         const Site site = siteBetween(seed, xs, ys, i, j);
-        plan.blockReach = std::max(std::abs(site.x0 + site.x1), std::abs(site.y0 + site.y1)) / 2;
+        plan.blockReach = reachOf((site.x0 + site.x1) / 2, (site.y0 + site.y1) / 2);
         planBlock(plan, site, detail);
         planSidewalks(plan, site, detail);
       }

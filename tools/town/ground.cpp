@@ -97,7 +97,7 @@ void addCorner(MeshBuilder& builder, const std::vector<double>& xCuts, const std
   add(outer[i], outer[i + 1], arc[j]);
 }
 
-/// The block's outline moved inwards: four rounded corners, straight sides cut every six metres or so.
+/// The block's outline moved inwards: four rounded corners, straight sides cut every ten metres or so.
 Loop outline(const Block& block, double inset, double z) {
   const double width = block.width / 100.0, depth = block.depth / 100.0;
   const double radius = std::max(kCornerRadius / 100.0 - inset, 0.3), r = radius + inset;
@@ -110,7 +110,7 @@ Loop outline(const Block& block, double inset, double z) {
     };
     for (int step = 0; step <= kArcSteps; ++step) loop.push_back(corner(side, step));
     const Vec3 from = loop.back(), to = corner((side + 1) % 4, 0);
-    const int cuts = std::max(1, (side % 2 == 0 ? block.depth : block.width) / 600);
+    const int cuts = std::max(1, (side % 2 == 0 ? block.depth : block.width) / 1000);
     for (int i = 1; i < cuts; ++i) loop.push_back(from + static_cast<double>(i) / cuts * (to - from));
   }
   return loop;
@@ -163,12 +163,11 @@ Mesh blockMesh(const Block& block) {
   MeshBuilder builder;
   const double sidewalk = block.sidewalk / 100.0;
   const Loop edge = outline(block, 0, kKerbHeight);
-  const Loop stone = outline(block, 0.18, kKerbHeight), middle = outline(block, sidewalk / 2, kKerbHeight);
+  const Loop stone = outline(block, 0.18, kKerbHeight);
   const Loop inner = outline(block, sidewalk, kKerbHeight), deep = outline(block, sidewalk + 7, kKerbHeight);
   addBand(builder, Surface::kerb, outline(block, 0, -0.05), edge);
   addBand(builder, Surface::kerb, edge, stone);
-  addBand(builder, Surface::paving, stone, middle);
-  addBand(builder, Surface::paving, middle, inner);
+  addBand(builder, Surface::paving, stone, inner);
   addBand(builder, block.inside, inner, deep);
   builder.fan(block.inside, deep, {block.width / 200.0, block.depth / 200.0, kKerbHeight});
   return builder.finish("block");

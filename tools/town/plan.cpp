@@ -28,7 +28,9 @@ Mesh meshOf(const Thing& thing) {
 }
 
 void Plan::add(const Thing& thing, const Vec3& at, double turns, double scale) {
-  placements.push_back({thing, place(at, turns, scale), blend(std::max(std::abs(at.x), std::abs(at.y)), blockReach)});
+  const double ahead = std::holds_alternative<Building>(thing) ? 10 : 0;  // houses before what stands about them
+  placements.push_back(
+      {thing, place(at, turns, scale), blend(std::max(std::abs(at.x), std::abs(at.y)) - ahead, blockReach)});
 }
 
 void Plan::addGround(const Thing& thing, const Vec3& at, double turns, const Vec3& min, const Vec3& max) {

@@ -58,12 +58,12 @@ void addBroadleaf(MeshBuilder& builder, const Tree& tree, Dice& dice) {
 }
 
 void addPoplar(MeshBuilder& builder, const Tree& tree, Dice& dice) {
-  const double height = dice.between(9, 12);
+  const double height = dice.between(6.5, 9);
   addTrunk(builder, dice, height - 1.5, 0.17);
   const double size = leafSize(tree.leaves, 1000);
   for (int i = 0; i < tree.leaves; ++i) {
     const double up = dice.uniform(), bulge = 4 * up * (1 - up);
-    const double turn = dice.uniform(), far = (0.25 + 0.85 * bulge) * std::sqrt(dice.uniform());
+    const double turn = dice.uniform(), far = (0.2 + 0.75 * bulge) * std::sqrt(dice.uniform());
     addLeaf(builder, dice, Surface::leafDark, {far * cosine(turn), far * sine(turn), 1.6 + up * (height - 1.6)}, size);
   }
 }

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=bash
+# What tools/quickstart and tools/check share: steps, failures, and the packages of this machine. To be sourced.
+
+# Everything the build, the tests and a scan without a GPU need.
+packages=(
+  g++ cmake ninja-build pkg-config
+  libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools mesa-vulkan-drivers vulkan-validationlayers
+  libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libcgal-dev
+  libcli11-dev nlohmann-json3-dev libstb-dev catch2
+)
+# Debian 12 has these too old; its backports have them.
+backported=("catch2 3" "mesa-vulkan-drivers 25")
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+log=$root/build/setup.log
+SECONDS=0
+
+step() { printf '[%3d s] %s\n' "$SECONDS" "$*"; }
+note() { printf '        %s\n' "$*"; }
+
+fail() {
+  printf '%s: %s\n' "${0##*/}" "$*" >&2
+  exit 1
+}
+
+# quietly WHAT COMMAND...: runs it with its output in the log, of which the end is shown if it fails.
+quietly() {
+  local what=$1
+  shift
+  printf '\n$ %s\n' "$*" >>"$log"
+  "$@" >>"$log" 2>&1 </dev/null && return
+  tail -n 40 "$log" >&2
+  fail "$what; the whole story is in ${log#"$root"/}"
+}
+
+asRoot() {
+  if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
+}
+
+aptGet() {
+  printf '\n$ apt-get %s\n' "$*" >>"$log"
+  asRoot env DEBIAN_FRONTEND=noninteractive apt-get -y -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 "$@" \
+    >>"$log" 2>&1 </dev/null
+}
+
+# The installed version of a package; nothing if it is not installed.
+installed() {
+  local status
+  status=$(dpkg-query -W -f '${db:Status-Status} ${Version}' "$1" 2>/dev/null) || true
+  case $status in installed\ *) printf '%s' "${status#installed }" ;; esac
+}
+
+candidate() { LC_ALL=C apt-cache policy "$1" | sed -n 's/^  Candidate: //p' | grep -vx '(none)' || true; }
+
+# atLeast VERSION MINIMUM
+atLeast() { [ -n "$1" ] && dpkg --compare-versions "$1" ge "$2"; }
+
+checkDistribution() {
+  local id version name minimum
+  [ -r /etc/os-release ] || return 0
+  # shellcheck source=/dev/null
+  read -r id version name < <(. /etc/os-release && echo "${ID-} ${VERSION_ID:-0} ${PRETTY_NAME-}")
+  case $id in
+    debian) minimum=12 ;;
+    ubuntu) minimum=24.04 ;;
+    *) return 0 ;;
+  esac
+  [ "$version" = 0 ] || atLeast "$version" "$minimum" ||
+    fail "$name is too old; Debian 12, Debian 13 or Ubuntu 24.04 is needed, a container of one will do"
+}
+
+mayInstall() {
+  [ "$(id -u)" = 0 ] && return
+  local ask="ask someone who may to run: apt-get install ${missing[*]}"
+  command -v sudo >/dev/null || fail "${#missing[@]} packages are missing and there is no sudo; run this as root, or $ask"
+  if [ -t 0 ]; then sudo -v; else sudo -n true 2>/dev/null; fi ||
+    fail "${#missing[@]} packages are missing and sudo was refused; $ask"
+}
+
+# Every release that apt reads: "URI release" per line.
+repositories() {
+  # shellcheck disable=SC2016
+  apt-get indextargets --format '$(REPO_URI) $(RELEASE)' 'Created-By: Packages' 2>/dev/null | sort -u
+}
+
+# Adds bookworm-backports from the mirror that bookworm itself comes from, unless it is there.
+addBackports() {
+  local uri list=/etc/apt/sources.list.d/gnosphere-backports.sources
+  repositories | grep ' bookworm-backports$' >/dev/null && return
+  uri=$(repositories | sed -n '0,/ bookworm$/s///p')
+  note "adding $list: Mesa 25 and Catch2 3 for Debian 12"
+  printf '%s\n' 'Types: deb' "URIs: $uri" 'Suites: bookworm-backports' 'Components: main' \
+    'Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg' | asRoot tee "$list" >/dev/null
+  aptGet update || true
+}
+
+# Of the missing ones, on Debian 12, those that are too old there: from backports, as far as these are to be had.
+installBackported() {
+  local entry name minimum
+  repositories | grep ' bookworm$' >/dev/null || return 0
+  for entry in "${backported[@]}"; do
+    read -r name minimum <<<"$entry"
+    case " ${missing[*]} " in *" $name "*) ;; *) continue ;; esac
+    addBackports
+    aptGet install --no-install-recommends -t bookworm-backports "$name" ||
+      note "$name $minimum is not to be had from backports"
+  done
+}
+
+# An old Mesa that is installed stays as it is: the library works on 22.3, and drivers are their owner's business.
+isMissing() {
+  case $1 in
+    catch2) ! atLeast "$(installed catch2)" 3 ;;
+    *) [ -z "$(installed "$1")" ] ;;
+  esac
+}
+
+# Installs what is missing, and nothing else; touches nothing if all is there.
+setUp() {
+  local name minimum entry missing=()
+  mkdir -p "$root/build"
+  : >"$log"
+  if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+    step "Not a Debian or Ubuntu system: installing nothing. Needed: ${packages[*]}"
+    return
+  fi
+  checkDistribution
+  for name in "${packages[@]}"; do
+    if isMissing "$name"; then missing+=("$name"); fi
+  done
+  if [ ${#missing[@]} -eq 0 ]; then
+    step "All ${#packages[@]} packages are here, nothing to install"
+    return
+  fi
+  mayInstall
+  step "Installing ${#missing[@]} of ${#packages[@]} packages: ${missing[*]}"
+  aptGet update || note "apt-get update had trouble, see ${log#"$root"/}"
+  for name in "${missing[@]}"; do
+    [ -n "$(candidate "$name")" ] ||
+      fail "apt does not know the package $name; is the network up, and on Ubuntu the component 'universe' enabled?"
+  done
+  installBackported
+  aptGet install --no-install-recommends --no-upgrade "${missing[@]}" || {
+    tail -n 20 "$log" >&2
+    fail "the packages could not be installed; is the network up? The whole story is in ${log#"$root"/}"
+  }
+  for entry in "${backported[@]}"; do
+    read -r name minimum <<<"$entry"
+    atLeast "$(installed "$name")" "$minimum" || note "$name is $(installed "$name"), older than $minimum: going on with it"
+  done
+}
+
+# configure PRESET, build PRESET TARGET...
+configure() {
+  local options=()
+  step "Configuring ($1)"
+  if command -v dpkg-query >/dev/null && ! atLeast "$(installed catch2)" 3; then
+    note 'without Catch2 3 there are no tests'
+    options=(-D BUILD_TESTING=OFF)
+  fi
+  quietly "CMake could not configure the build" cmake -S "$root" --preset "$1" "${options[@]}"
+}
+
+build() {
+  local preset=$1
+  shift
+  step "Building ($preset)"
+  quietly "the build failed" cmake --build "$root/build/$preset" "$@"
+}
