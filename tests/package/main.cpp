@@ -9,7 +9,8 @@ int main(int argc, char** argv) {
     gnosphere::Simulator simulator(scene, sensor);
     const gnosphere::Scan scan = simulator.scan({.position = {0, 0, 1.8}});
 
-    std::cout << scan.counters.hits << " of " << scan.beamCount() << " beams hit on " << simulator.device().name << '\n';
+    std::cout << scan.counters.hits << " of " << scan.beamCount() << " beams hit on " << simulator.device().name
+              << '\n';
     for (size_t beam = 0; beam < scan.beamCount(); beam += 36'000)
       if (scan.hit(beam))
         std::cout << "beam " << beam << " meets " << scene.instances[scan.instances[beam]].name << " after "
