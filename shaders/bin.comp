@@ -43,6 +43,12 @@ void offer(uint beam, float range, uint projected, uint id) {
   }
 }
 
+// What lies behind this cannot change the beam's word; only `exact`, whose ranges are dear, asks before computing one.
+float farthestOf(uint beam) {
+  bool known = INSIDE == kInsideExact && (PASS == kPassNearest || PASS == kPassRange || PASS == kPassOwner);
+  return known ? min(uintBitsToFloat(min(words[2 * beam + 1], 0x7f800000u)), frame.rangeMax) : frame.rangeMax;
+}
+
 uint wrapColumn(int column) {
   int all = int(frame.columns);
   if (column < 0) column += all;
@@ -56,19 +62,18 @@ uint wrapColumn(int column) {
 void tryColumns(uint projected, Box box, uint first, uint count, uint stride) {
   Triangle triangle = loadProjected(projected);
   uint rowFirst = box.rows & 0xffff, rowLast = box.rows >> 16;
+  Prepared prepared = prepare(triangle);
   for (uint k = first; k < count; k += stride) {
     uint column = wrapColumn(int(ceil(box.columnMin)) + int(k));
-    vec2 azimuth = columns[column];
-    Turned turned = turn(triangle, azimuth);
+    Turned turned = turn(triangle, columns[column]);
     for (uint row = rowFirst; row <= rowLast; ++row) {
-      if (AZIMUTH_OFFSETS) {
-        column = wrapColumn(int(ceil(box.columnMin - rows[row].columnShift)) + int(k));
-        azimuth = beamAzimuth(columns[column], row);
-        turned = turn(triangle, azimuth);
-      }
+      if (AZIMUTH_OFFSETS) column = wrapColumn(int(ceil(box.columnMin - rows[row].columnShift)) + int(k));
+      Beam beam = beamOf(columns[column], row);
+      if (AZIMUTH_OFFSETS) turned = turn(triangle, beam.azimuth);
+      uint index = rows[row].channel * frame.columns + column;
       float range;
-      if (meet(triangle, turned, azimuth, row, range))
-        offer(rows[row].channel * frame.columns + column, range, projected, triangle.id);
+      if (meet(triangle, prepared, turned, beam, farthestOf(index), range))
+        offer(index, range, projected, triangle.id);
     }
   }
 }

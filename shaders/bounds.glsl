@@ -53,11 +53,15 @@ Outline outlineOf(vec3 a, vec3 b, vec3 c) {
   Outline outline;
   outline.keyMin = min(min(keys.x, keys.y), keys.z);
   outline.keyMax = max(max(keys.x, keys.y), keys.z);
-  widenByArc(a, b, outline.keyMin, outline.keyMax);
-  widenByArc(b, c, outline.keyMin, outline.keyMax);
-  widenByArc(c, a, outline.keyMin, outline.keyMax);
-  int pole = poleInside(a, b, c);
-  bool wide = edgeMeetsOrigin(a, b) || edgeMeetsOrigin(b, c) || edgeMeetsOrigin(c, a);
+  int pole = kNoPole;
+  bool wide = false;
+  if (BOUNDS == kBoundsExact) {
+    widenByArc(a, b, outline.keyMin, outline.keyMax);
+    widenByArc(b, c, outline.keyMin, outline.keyMax);
+    widenByArc(c, a, outline.keyMin, outline.keyMax);
+    pole = poleInside(a, b, c);
+    wide = edgeMeetsOrigin(a, b) || edgeMeetsOrigin(b, c) || edgeMeetsOrigin(c, a);
+  }
   if (wide || pole == kUpperPole || (pole == kAnyPole && max(max(a.z, b.z), c.z) > 0.0)) outline.keyMax = 1.0;
   if (wide || pole == kLowerPole || (pole == kAnyPole && min(min(a.z, b.z), c.z) < 0.0)) outline.keyMin = -1.0;
   outline.around = wide || pole != kNoPole;

@@ -63,7 +63,7 @@ void main() {
       vec3 low, high;
       sensorBox(instances[pair.x], clusters[pair.y], low, high);
       // The paper culls triangle by triangle. Comparisons with NaN are false: such a cluster is kept.
-      keep = ACCURACY == kAccuracyPaper || !(outOfRange(low, high) || betweenRows(low, high));
+      keep = (BOUNDS == kBoundsPaper || CULL == kCullFirstCorner) || !(outOfRange(low, high) || betweenRows(low, high));
       if (!keep) culled += clusters[pair.y].triangleCount;
     }
     uvec4 ballot = subgroupBallot(keep);

@@ -10,6 +10,7 @@
 #include "bindings.glsl"
 #include "sphere.glsl"
 #include "bounds.glsl"
+#include "lattice.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -45,18 +46,22 @@ bool facesAway(vec3 a, vec3 b, vec3 c) {
   return side > bound;
 }
 
-uint standardBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box) {
+bool outOfRange(vec3 a, Box box) {
+  return CULL == kCullFirstCorner ? !(length(a) <= frame.rangeMax) : box.rangeMin > frame.rangeMax;
+}
+
+uint boundedBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box) {
   box.rangeMin = nearestDistance(a, b, c);
-  if (box.rangeMin > frame.rangeMax) return kRange;
+  if (outOfRange(a, box)) return kRange;
   if (oneSided && facesAway(a, b, c)) return kFace;
   Outline outline = outlineOf(a, b, c);
   return coverRows(outline, box) && coverColumns(a, b, c, outline, box) ? kKeep : kBetween;
 }
 
-// Section 3 of the paper: first vertex in range, n . v0 < 0 for faces of one side, box of the vertices' angles.
+// Section 3 of the paper: n . v0 < 0 for faces of one side, the floor of the corners' angles.
 uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box) {
   box.rangeMin = abs(dot(normalize(cross(b - a, c - a)), a));
-  if (!(length(a) <= frame.rangeMax)) return kRange;
+  if (outOfRange(a, box)) return kRange;
   if (oneSided && dot(cross(b - a, c - a), a) >= 0.0) return kFace;
   vec3 elevation = vec3(asin(a.z / length(a)), asin(b.z / length(b)), asin(c.z / length(c)));
   vec3 azimuth = vec3(atan(a.y, a.x), atan(b.y, b.x), atan(c.y, c.x));
@@ -79,10 +84,15 @@ uint projectOne(uvec2 pair, uint k, out vec3 a, out vec3 b, out vec3 c, out uint
   a = toSensor(instance, cluster.firstVertex + (packed & 0xff));
   b = toSensor(instance, cluster.firstVertex + (packed >> (mirrored ? 16 : 8) & 0xff));
   c = toSensor(instance, cluster.firstVertex + (packed >> (mirrored ? 8 : 16) & 0xff));
+  if (INSIDE == kInsideExact) {
+    a = snapToLattice(a);
+    b = snapToLattice(b);
+    c = snapToLattice(c);
+  }
   bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && cluster.doubleSided == 0);
   id = (instance.firstTriangle & 0x7fffffffu) + triangleIds[cluster.firstTriangle + k] | (oneSided ? 1u << 31 : 0u);
   if (!(inLimits(a) && inLimits(b) && inLimits(c))) return kNonFinite;
-  return ACCURACY == kAccuracyPaper ? paperBox(a, b, c, oneSided, box) : standardBox(a, b, c, oneSided, box);
+  return BOUNDS == kBoundsPaper ? paperBox(a, b, c, oneSided, box) : boundedBox(a, b, c, oneSided, box);
 }
 
 void store(uint slot, vec3 a, vec3 b, vec3 c, uint id, Box box) {

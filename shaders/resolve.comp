@@ -12,10 +12,10 @@
 layout(local_size_x = 64) in;
 
 // Range bits above, placed triangle below: the smaller pair wins.
-void consider(uint candidate, vec2 azimuth, uint row, inout uint rangeBits, inout uint id) {
+void consider(uint candidate, Beam beam, inout uint rangeBits, inout uint id) {
   Triangle triangle = loadProjected(candidate);
-  float range;
-  if (!meet(triangle, turn(triangle, azimuth), azimuth, row, range)) return;
+  float range, farthest = min(uintBitsToFloat(min(rangeBits, 0x7f800000u)), frame.rangeMax);
+  if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, farthest, range)) return;
   uint bits = floatBitsToUint(range);
   if (bits < rangeBits || (bits == rangeBits && triangle.id < id)) {
     rangeBits = bits;
@@ -25,11 +25,11 @@ void consider(uint candidate, vec2 azimuth, uint row, inout uint rangeBits, inou
 
 // Best first: the candidate whose triangle comes nearest to the sensor is most likely the hit, and every candidate
 // that stays behind it is skipped. `rangeMin` is a true lower bound of a hit's range, so no hit is lost.
-void nearestOfList(uint beam, vec2 azimuth, uint row, out uint rangeBits, out uint id) {
+void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
   rangeBits = kNone;
   id = kNone;
-  uint start = beam == 0 ? 0 : listEnds[beam - 1];
-  uint end = min(listEnds[beam], frame.candidateCapacity);
+  uint start = index == 0 ? 0 : listEnds[index - 1];
+  uint end = min(listEnds[index], frame.candidateCapacity);
   uint best = kNone;
   float bestRangeMin = 0.0;
   for (uint k = start; k < end; ++k) {
@@ -39,10 +39,10 @@ void nearestOfList(uint beam, vec2 azimuth, uint row, out uint rangeBits, out ui
       bestRangeMin = rangeMin;
     }
   }
-  if (best != kNone) consider(candidates[best], azimuth, row, rangeBits, id);
+  if (best != kNone) consider(candidates[best], beam, rangeBits, id);
   for (uint k = start; k < end; ++k)
     if (k != best && floatBitsToUint(projectedBoxes[candidates[k]].rangeMin) <= rangeBits)
-      consider(candidates[k], azimuth, row, rangeBits, id);
+      consider(candidates[k], beam, rangeBits, id);
 }
 
 // The last instance whose first triangle is not above `id`.
@@ -75,17 +75,16 @@ void main() {
   uint hits = 0;
   for (uint column = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; column < frame.columns;
        column += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
-    uint beam = rows[row].channel * frame.columns + column;
-    vec2 azimuth = beamAzimuth(columns[column], row);
+    uint index = rows[row].channel * frame.columns + column;
+    Beam beam = beamOf(columns[column], row);
     uint rangeBits, id;
     if (PASS == kWayLists) {
-      nearestOfList(beam, azimuth, row, rangeBits, id);
+      nearestOfList(index, beam, rangeBits, id);
     } else {
-      rangeBits = words[2 * beam + 1];
-      id = words[2 * beam];
+      rangeBits = words[2 * index + 1];
+      id = words[2 * index];
     }
-    float cosElevation = rows[row].cosElevation;
-    store(beam, vec3(cosElevation * azimuth.x, cosElevation * azimuth.y, rows[row].sinElevation), rangeBits, id);
+    store(index, beam.direction, rangeBits, id);
     hits += rangeBits != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);

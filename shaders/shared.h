@@ -44,8 +44,20 @@ GNO_CONST uint kScanBlock = 1024;
 
 // --- Specialisation constants --------------------------------------------------------------------------------------
 
-GNO_CONST uint kAccuracyPaper = 0;
-GNO_CONST uint kAccuracyStandard = 2;
+GNO_CONST uint kBoundsPaper = 0;    // floor of the corners' angles
+GNO_CONST uint kBoundsCorners = 1;  // the corners' angles, without bulge and poles
+GNO_CONST uint kBoundsExact = 2;
+
+GNO_CONST uint kCullFirstCorner = 0;
+GNO_CONST uint kCullNearestPoint = 1;
+
+GNO_CONST uint kInsidePlain = 0;
+GNO_CONST uint kInsideWatertight = 1;
+GNO_CONST uint kInsideExact = 2;
+
+GNO_CONST uint kRangePlane = 0;
+GNO_CONST uint kRangeEdgeWeights = 1;
+GNO_CONST uint kRangeExact = 2;
 
 GNO_CONST uint kFacesMaterial = 0;
 GNO_CONST uint kFacesFront = 1;

@@ -13,6 +13,12 @@ namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
 
+// Directions are multiples of 2^-30: exact arithmetic on them then never underflows, and 5e-10 rad is nothing.
+float onLattice(double value) {
+  constexpr double kSteps = 1 << 30;
+  return static_cast<float>(std::round(value * kSteps) / kSteps);
+}
+
 // The same key as elevationKey() of sphere.glsl, from an angle.
 double elevationKey(double elevation) {
   const double c = std::abs(std::cos(elevation)), s = std::sin(elevation);
@@ -30,13 +36,13 @@ std::vector<gpu::Row> makeRows(const Sensor& sensor) {
     const double elevation = sensor.channels[channel].elevationDeg * kRadians;
     const double offset = sensor.channels[channel].azimuthOffsetDeg * kRadians;
     gpu::Row row = {};
-    row.cosElevation = static_cast<float>(std::cos(elevation));
-    row.sinElevation = static_cast<float>(std::sin(elevation));
+    row.cosElevation = onLattice(std::cos(elevation));
+    row.sinElevation = onLattice(std::sin(elevation));
     row.key = static_cast<float>(elevationKey(elevation));
     row.columnShift =
         static_cast<float>(std::remainder(offset / (2 * std::numbers::pi), 1.0) * double(sensor.columns));
-    row.cosOffset = static_cast<float>(std::cos(offset));
-    row.sinOffset = static_cast<float>(std::sin(offset));
+    row.cosOffset = onLattice(std::cos(offset));
+    row.sinOffset = onLattice(std::sin(offset));
     row.channel = channel;
     rows.push_back(row);
   }
@@ -67,8 +73,8 @@ BeamTables makeBeamTables(const Sensor& sensor) {
   tables.rowLookup = makeLookup(tables.rows);
   for (uint32_t i = 0; i < sensor.columns; ++i) {
     const double azimuth = (-1 + 2.0 * i / sensor.columns) * std::numbers::pi;
-    tables.columns.push_back(static_cast<float>(std::cos(azimuth)));
-    tables.columns.push_back(static_cast<float>(std::sin(azimuth)));
+    tables.columns.push_back(onLattice(std::cos(azimuth)));
+    tables.columns.push_back(onLattice(std::sin(azimuth)));
   }
   for (const Channel& channel : sensor.channels) tables.azimuthOffsets |= channel.azimuthOffsetDeg != 0;
 

@@ -10,13 +10,9 @@
 namespace gnosphere {
 namespace {
 
-std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
-                                     const SimulatorOptions& options) {
-  validate(scene);
-  if (sensors.empty()) throw Error(ErrorCode::invalidArgument, "a simulator needs at least one sensor");
-  for (const Sensor& sensor : sensors) validate(sensor);
-  return options.device == "reference" ? makeReferenceBackend(scene, sensors, options)
-                                       : makeVulkanBackend(scene, sensors, options);
+void validate(const Exactness& parts) {
+  if ((parts.range == Exactness::Range::exact) != (parts.inside == Exactness::Inside::exact))
+    throw Error(ErrorCode::invalidArgument, "an exact range needs the exact inside test, and the other way round");
 }
 
 void validate(const Pose& pose) {
@@ -27,7 +23,29 @@ void validate(const Pose& pose) {
     throw Error(ErrorCode::invalidArgument, "the pose's quaternion is zero; 0,0,0,1 is no turn");
 }
 
+std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
+                                     const SimulatorOptions& options) {
+  validate(scene);
+  if (sensors.empty()) throw Error(ErrorCode::invalidArgument, "a simulator needs at least one sensor");
+  for (const Sensor& sensor : sensors) validate(sensor);
+  if (options.exactness) validate(*options.exactness);
+  return options.device == "reference" ? makeReferenceBackend(scene, sensors, options)
+                                       : makeVulkanBackend(scene, sensors, options);
+}
+
 }  // namespace
+
+Exactness exactnessOf(Accuracy accuracy) {
+  using E = Exactness;
+  switch (accuracy) {
+    case Accuracy::paper: return {E::Bounds::paper, E::Cull::firstCorner, E::Inside::plain, E::Range::plane};
+    case Accuracy::draft: return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::plain, E::Range::plane};
+    case Accuracy::standard:
+      return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::watertight, E::Range::edgeWeights};
+    case Accuracy::exact: break;
+  }
+  return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::exact, E::Range::exact};
+}
 
 std::vector<DeviceInfo> listDevices(std::string* vulkanProblem) {
   std::vector<DeviceInfo> devices = listVulkanDevices(vulkanProblem);

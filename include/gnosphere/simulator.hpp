@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,41 @@ namespace gnosphere {
 /// The accuracy dial.
 enum class Accuracy {
   paper,     ///< section 3 of the paper to the letter: vertex boxes, first-vertex range cull, plain edge normals
+  draft,     ///< exact bounds, but the paper's inside test and range: single precision, gaps at corners
   standard,  ///< exact bounds, watertight edges, range within the triangle's own depth interval
+  exact,     ///< decided by exact predicates, one owner per layer, range correctly rounded: equal bytes everywhere
 };
+
+/// What a setting of the dial is made of. Turn one part at a time to see what it costs and what it saves.
+struct Exactness {
+  /// Which beams a triangle is tried on.
+  enum class Bounds {
+    paper,    ///< floor of the corners' angles, by GLSL's own asin and atan
+    corners,  ///< the corners' angles, widened for rounding: loses what an edge's bulge and the poles add
+    exact,    ///< every beam that can meet the triangle
+  };
+  /// How a triangle is culled by range.
+  enum class Cull { firstCorner, nearestPoint };
+  /// How a beam is told to be inside a triangle.
+  enum class Inside {
+    plain,       ///< edge normals a x b, equation 2 of the paper
+    watertight,  ///< no beam slips between triangles that share an edge or a corner
+    exact,       ///< exact signs; a beam on an edge has one owner
+  };
+  /// How the range of a hit is computed.
+  enum class Range {
+    plane,        ///< equation 4 of the paper
+    edgeWeights,  ///< a convex combination of the corners' depths
+    exact,        ///< the real quotient, correctly rounded; only with Inside::exact
+  };
+  Bounds bounds = Bounds::exact;
+  Cull cull = Cull::nearestPoint;
+  Inside inside = Inside::watertight;
+  Range range = Range::edgeWeights;
+};
+
+/// The parts of a named setting.
+Exactness exactnessOf(Accuracy accuracy);
 
 /// Which faces of a triangle reflect.
 enum class Faces {
@@ -36,10 +70,12 @@ enum class Binning {
 struct SimulatorOptions {
   std::string device = "auto";  ///< auto, an index or part of a name of listDevices(), or "reference"
   Accuracy accuracy = Accuracy::standard;
+  std::optional<Exactness> exactness;  ///< the parts one by one, instead of `accuracy`
   Faces faces = Faces::material;
   Binning binning = Binning::automatic;
   bool validation = false;      ///< Vulkan validation layer on; its messages are thrown as Error(device)
   uint64_t maxBufferBytes = 0;  ///< cap on any one device buffer; 0 = what the device allows
+  bool float64 = true;          ///< off: as on a device without double precision; the answer is the same
 };
 
 struct DeviceInfo {

@@ -6,14 +6,15 @@
 #include "file.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_table.hpp"
-#include "output/fields.hpp"
 
 namespace gnosphere {
 namespace {
 
 /// Beams that a file which holds only some of them may spread over: it bounds what a small, unsound file can make us
-/// allocate (7 GiB). A file that holds every beam is bounded by its own size.
-constexpr uint64_t kMaxSparseBeams = uint64_t{1} << 28;
+/// allocate (450 MiB). Twice the largest model we know; more where the file has a point for one beam in 64.
+uint64_t maxSparseBeams(const CloudTable& table) {
+  return std::max(uint64_t{1} << 24, uint64_t{64} * table.rows);
+}
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -48,7 +49,7 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam) {
   if (table.rows > 0xfffffffeu) table.refuse("has more points than a 32-bit index holds");
   if (table.gridColumns > 0) {
     const uint64_t beams = uint64_t{table.gridColumns} * table.gridChannels;
-    if (beams < table.rows || (beams > table.rows && beams > kMaxSparseBeams)) {
+    if (beams < table.rows || (beams > table.rows && beams > maxSparseBeams(table))) {
       table.refuse("its grid of " + std::to_string(table.gridColumns) + " columns x " +
                    std::to_string(table.gridChannels) + " channels does not suit " + std::to_string(table.rows) +
                    " points");
@@ -60,7 +61,7 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam) {
   if (!beam) return {static_cast<uint32_t>(table.rows), 1};
   uint64_t beams = table.rows;
   for (size_t row = 0; row < table.rows; ++row) beams = std::max(beams, uint64_t{whole(table, *beam, row)} + 1);
-  if (beams > table.rows && beams > kMaxSparseBeams) {
+  if (beams > table.rows && beams > maxSparseBeams(table)) {
     table.refuse("has " + std::to_string(table.rows) + " points of at least " + std::to_string(beams) + " beams");
   }
   return gridFromRings(table, *beam, beams);
@@ -119,20 +120,13 @@ class Placer {
   std::vector<uint32_t> beams_;
 };
 
-CloudTable readTable(const std::filesystem::path& file) {
-  const CloudFormat format = cloudFormat(file);
-  const std::string source = file.string();
+CloudTable readTable(CloudFormat format, std::string bytes, const std::string& source) {
   switch (format) {
-    case CloudFormat::pcd:
-      return readPcd(readWholeFile(file), source);
-    case CloudFormat::ply:
-      return readPly(readWholeFile(file), source);
-    case CloudFormat::npy:
-      return readNpy(readWholeFile(file), source);
-    case CloudFormat::csv:
-      return readCsv(readWholeFile(file), source);
-    case CloudFormat::kitti:
-      break;
+    case CloudFormat::pcd: return readPcd(std::move(bytes), source);
+    case CloudFormat::ply: return readPly(std::move(bytes), source);
+    case CloudFormat::npy: return readNpy(std::move(bytes), source);
+    case CloudFormat::csv: return readCsv(std::move(bytes), source);
+    case CloudFormat::kitti: break;
   }
   throw Error(ErrorCode::invalidArgument,
               source + ": a KITTI cloud does not say which beams its points are of; read .pcd, .ply, .npy or .csv");
@@ -154,8 +148,8 @@ CloudTable readCsv(std::string bytes, const std::string& source) {
   return table;
 }
 
-Scan readCloud(const std::filesystem::path& file) {
-  const CloudTable table = readTable(file);
+Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& source) {
+  const CloudTable table = readTable(format, std::move(bytes), source);
   const bool hasPoints = table.find("x") && table.find("y") && table.find("z");
   if (!hasPoints && !table.find("range")) table.refuse("has neither x, y, z nor range: not a cloud");
   const CloudColumn* beam = table.find("beam");
@@ -189,6 +183,13 @@ Scan readCloud(const std::filesystem::path& file) {
   for (float range : scan.ranges) scan.counters.hits += !std::isnan(range);
   scan.counters.misses = beamCount - scan.counters.hits;
   return scan;
+}
+
+Scan readCloud(const std::filesystem::path& file) {
+  const CloudFormat format = cloudFormat(file);
+  // Not a byte is read of a cloud that cannot be placed.
+  std::string bytes = format == CloudFormat::kitti ? "" : readWholeFile(file);
+  return readCloudBytes(format, std::move(bytes), file.string());
 }
 
 }  // namespace gnosphere

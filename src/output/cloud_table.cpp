@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "gnosphere/error.hpp"
-#include "output/fields.hpp"
 
 namespace gnosphere {
 namespace {
@@ -63,29 +62,20 @@ const CloudColumn* CloudTable::find(std::string_view name) const {
 double CloudTable::value(const CloudColumn& column, size_t row) const {
   const char* at = bytes.data() + column.offset + row * column.step;
   switch (column.type) {
-    case 'F':
-      return column.size == 4 ? load<float>(at) : load<double>(at);
+    case 'F': return column.size == 4 ? load<float>(at) : load<double>(at);
     case 'U':
       switch (column.size) {
-        case 1:
-          return load<uint8_t>(at);
-        case 2:
-          return load<uint16_t>(at);
-        case 4:
-          return load<uint32_t>(at);
-        default:
-          return load<uint64_t>(at);
+        case 1: return load<uint8_t>(at);
+        case 2: return load<uint16_t>(at);
+        case 4: return load<uint32_t>(at);
+        default: return load<uint64_t>(at);
       }
     default:
       switch (column.size) {
-        case 1:
-          return load<int8_t>(at);
-        case 2:
-          return load<int16_t>(at);
-        case 4:
-          return load<int32_t>(at);
-        default:
-          return load<int64_t>(at);
+        case 1: return load<int8_t>(at);
+        case 2: return load<int16_t>(at);
+        case 4: return load<int32_t>(at);
+        default: return load<int64_t>(at);
       }
   }
 }

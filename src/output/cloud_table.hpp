@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "output/fields.hpp"
+
 namespace gnosphere {
 
 struct CloudColumn {
@@ -47,6 +49,9 @@ CloudTable readPcd(std::string bytes, const std::string& source);
 CloudTable readPly(std::string bytes, const std::string& source);
 CloudTable readNpy(std::string bytes, const std::string& source);
 CloudTable readCsv(std::string bytes, const std::string& source);
+
+/// readCloud() of a file's content; `source` names it in messages. Throws Error(format).
+Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& source);
 
 /// The next line from `position` on without its end, which may be \n or \r\n. False at the end of the text.
 bool nextLine(std::string_view text, size_t& position, std::string_view& line);

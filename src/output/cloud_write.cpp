@@ -39,21 +39,14 @@ size_t entries(const Scan& scan, Field field) {
   switch (field) {
     case Field::x:
     case Field::y:
-    case Field::z:
-      return scan.points.size() / 3;
-    case Field::range:
-      return scan.ranges.size();
-    case Field::triangle:
-      return scan.triangles.size();
-    case Field::instance:
-      return scan.instances.size();
-    case Field::tie:
-      return scan.ties.size();
-    case Field::tolerance:
-      return scan.tolerances.size();
+    case Field::z: return scan.points.size() / 3;
+    case Field::range: return scan.ranges.size();
+    case Field::triangle: return scan.triangles.size();
+    case Field::instance: return scan.instances.size();
+    case Field::tie: return scan.ties.size();
+    case Field::tolerance: return scan.tolerances.size();
     case Field::ring:
-    case Field::beam:
-      break;
+    case Field::beam: break;
   }
   return scan.beamCount();
 }
@@ -93,26 +86,16 @@ Rows makeRows(const Scan& scan, const std::vector<Field>& fields, bool compact) 
 template <class Use>
 void withField(const Scan& scan, Field field, Use use) {
   switch (field) {
-    case Field::x:
-      return use([&](size_t b) { return scan.points[3 * b]; });
-    case Field::y:
-      return use([&](size_t b) { return scan.points[3 * b + 1]; });
-    case Field::z:
-      return use([&](size_t b) { return scan.points[3 * b + 2]; });
-    case Field::range:
-      return use([&](size_t b) { return scan.ranges[b]; });
-    case Field::ring:
-      return use([&](size_t b) { return static_cast<uint16_t>(b / scan.columns); });
-    case Field::beam:
-      return use([&](size_t b) { return static_cast<uint32_t>(b); });
-    case Field::triangle:
-      return use([&](size_t b) { return scan.triangles[b]; });
-    case Field::instance:
-      return use([&](size_t b) { return scan.instances[b]; });
-    case Field::tie:
-      return use([&](size_t b) { return scan.ties[b]; });
-    case Field::tolerance:
-      return use([&](size_t b) { return scan.tolerances[b]; });
+    case Field::x: return use([&](size_t b) { return scan.points[3 * b]; });
+    case Field::y: return use([&](size_t b) { return scan.points[3 * b + 1]; });
+    case Field::z: return use([&](size_t b) { return scan.points[3 * b + 2]; });
+    case Field::range: return use([&](size_t b) { return scan.ranges[b]; });
+    case Field::ring: return use([&](size_t b) { return static_cast<uint16_t>(b / scan.columns); });
+    case Field::beam: return use([&](size_t b) { return static_cast<uint32_t>(b); });
+    case Field::triangle: return use([&](size_t b) { return scan.triangles[b]; });
+    case Field::instance: return use([&](size_t b) { return scan.instances[b]; });
+    case Field::tie: return use([&](size_t b) { return scan.ties[b]; });
+    case Field::tolerance: return use([&](size_t b) { return scan.tolerances[b]; });
   }
 }
 
@@ -245,20 +228,11 @@ void writeCloud(const Scan& scan, const std::filesystem::path& file, const Cloud
 
   AtomicFile out(file);
   switch (format) {
-    case CloudFormat::pcd:
-      out.write(pcdHeader(rows, options.ascii));
-      break;
-    case CloudFormat::ply:
-      out.write(plyHeader(rows, options.ascii));
-      break;
-    case CloudFormat::npy:
-      out.write(npyHeader(rows));
-      break;
-    case CloudFormat::csv:
-      out.write(csvHeader(rows));
-      break;
-    case CloudFormat::kitti:
-      break;
+    case CloudFormat::pcd: out.write(pcdHeader(rows, options.ascii)); break;
+    case CloudFormat::ply: out.write(plyHeader(rows, options.ascii)); break;
+    case CloudFormat::npy: out.write(npyHeader(rows)); break;
+    case CloudFormat::csv: out.write(csvHeader(rows)); break;
+    case CloudFormat::kitti: break;
   }
   if (format == CloudFormat::csv) {
     writeText(out, rows, ',');

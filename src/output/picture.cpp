@@ -87,6 +87,34 @@ void drawScale(Canvas& canvas, int right, int top, const std::string& low, const
   for (int i = 0; i < kBar; ++i) canvas.fill(bar + i, top + 1, 1, 13, shades.at(static_cast<float>(i) / (kBar - 1)));
 }
 
+/// Pixels of the range image; infinite where nothing was hit.
+struct Ranges {
+  int columns, channels;
+  std::vector<float> nearest;
+  /// The columns close a circle, the channels do not.
+  float at(int column, int channel) const {
+    const size_t wrapped = static_cast<size_t>((column + columns) % columns);
+    return nearest[static_cast<size_t>(channel) * static_cast<size_t>(columns) + wrapped];
+  }
+};
+
+/// Light of a pixel, 0..1: dark where a neighbour is much nearer, so that things stand out from what is behind them
+/// (after eye-dome lighting, Boucheny 2009). Ground recedes from channel to channel without an edge, so upwards only
+/// what exceeds the recession below counts.
+float edgeLight(const Ranges& ranges, int column, int channel) {
+  const float own = std::log(ranges.at(column, channel));
+  const auto behind = [&](int i, int j) {
+    const float other = ranges.at(i, j);
+    return std::isfinite(other) ? std::max(own - std::log(other), 0.0f) : 0.0f;
+  };
+  float depth = std::max(behind(column - 1, channel), behind(column + 1, channel));
+  if (channel >= 2 && std::isfinite(ranges.at(column, channel - 1)) && std::isfinite(ranges.at(column, channel - 2))) {
+    const float recession = std::log(ranges.at(column, channel - 1) / ranges.at(column, channel - 2));
+    depth = std::max(depth, behind(column, channel - 1) - 2 * std::max(recession, 0.02f));
+  }
+  return 0.35f + 0.65f * std::exp(-8 * std::max(depth - 0.02f, 0.0f));
+}
+
 /// A panorama as the sensor sees it: forward in the middle, the sensor's left at the left, channel 0 at the bottom.
 /// Columns run counter-clockwise seen from above, so they are drawn from right to left.
 void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, int left, int top) {
@@ -101,15 +129,16 @@ void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, i
 
   const int columns = static_cast<int>((scan.columns + image.columnsPerPixel - 1) / image.columnsPerPixel);
   const int channels = static_cast<int>((scan.channels + image.channelsPerPixel - 1) / image.channelsPerPixel);
-  const std::vector<float> nearest = nearestRanges(scan, image, columns, channels);
+  const Ranges ranges = {columns, channels, nearestRanges(scan, image, columns, channels)};
   for (int j = 0; j < channels; ++j) {
     for (int i = 0; i < columns; ++i) {
-      const float range = nearest[static_cast<size_t>(j) * static_cast<size_t>(columns) + static_cast<size_t>(i)];
-      if (!std::isfinite(range)) continue;
+      const float range = ranges.at(i, j);
+      if (!std::isfinite(range) || range <= 0) continue;
       // Equal ratios of range look equally far apart: near things keep their shape, far ones their order.
       const float t = std::log(std::max(range, near) / near) / std::log(far / near);
       canvas.fill(left + (columns - 1 - i) * image.pixelsPerColumn, top + (channels - 1 - j) * image.pixelsPerChannel,
-                  image.pixelsPerColumn, image.pixelsPerChannel, kRangeShades.at(std::min(t, 1.0f)));
+                  image.pixelsPerColumn, image.pixelsPerChannel,
+                  kRangeShades.at(std::min(t, 1.0f)) * edgeLight(ranges, i, j));
     }
   }
   drawScale(canvas, left + image.width, top - 26, metres(near), metres(far), kRangeShades);
@@ -165,7 +194,7 @@ struct Splats {
 /// Dots of few points are larger, so that a sparse cloud is still seen.
 float dotRadius(size_t hits, int side) {
   const double pixelsPerHit = static_cast<double>(side) * side / static_cast<double>(std::max<size_t>(hits, 1));
-  return static_cast<float>(std::clamp(0.1 * std::sqrt(pixelsPerHit), 0.56, 1.1));
+  return static_cast<float>(std::clamp(0.15 * std::sqrt(pixelsPerHit), 0.62, 1.1));
 }
 
 Splats splat(const Scan& scan, const BirdsEye& view, float radius) {

@@ -67,7 +67,9 @@ CloudTable readPly(std::string bytes, const std::string& source) {
   Header header;
   size_t position = 0;
   std::string_view line;
-  if (!nextLine(table.bytes, position, line) || line != "ply") table.refuse("is not a PLY file");
+  if (!nextLine(table.bytes, position, line) || splitWords(line) != std::vector<std::string_view>{"ply"}) {
+    table.refuse("is not a PLY file");
+  }
   while (nextLine(table.bytes, position, line)) {
     const auto words = splitWords(line);
     if (words.empty() || words[0] == "obj_info") continue;

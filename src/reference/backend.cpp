@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "gnosphere/error.hpp"
 #include "reference/bvh.hpp"

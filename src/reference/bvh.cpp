@@ -2,6 +2,7 @@
 #include "reference/bvh.hpp"
 
 #include <future>
+#include <utility>
 
 namespace gnosphere::reference {
 
@@ -10,7 +11,7 @@ namespace {
 constexpr size_t kLeafSize = 4;
 constexpr int kBins = 16;
 /// Subtrees of more triangles than this are built on a thread of their own in the first levels.
-constexpr size_t kTaskSize = 20000;
+constexpr size_t kTaskSize = 5000;
 constexpr int kTaskDepth = 3;
 
 /// Single precision is enough to choose a split by; the boxes of the nodes are made from the triangles.

@@ -67,17 +67,14 @@ std::string inQuotes(std::string_view text) {
 Scene readScene(SceneFormat format, Bytes bytes, const Source& source) {
   if (bytes.empty()) source.fail("the file is empty");
   try {
-    switch (format) {
-      case SceneFormat::gltf:
-        return readGltf(bytes, source);
-      case SceneFormat::obj:
-        return readObj(bytes, source);
-      case SceneFormat::ply:
-        return readPly(bytes, source);
-      case SceneFormat::stl:
-        return readStl(bytes, source);
-    }
-    source.fail("unknown format");
+    Scene scene = format == SceneFormat::gltf  ? readGltf(bytes, source)
+                  : format == SceneFormat::obj ? readObj(bytes, source)
+                  : format == SceneFormat::ply ? readPly(bytes, source)
+                                               : readStl(bytes, source);
+    const size_t placed = scene.placedTriangleCount();
+    if (placed >= (size_t{1} << 31))
+      source.fail("it places " + std::to_string(placed) + " triangles; the limit is 2147483647");
+    return scene;
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
@@ -107,8 +104,6 @@ Scene loadScene(const fs::path& file, const LoadOptions& options) {
     if (!std::all_of(transform.rows.begin(), transform.rows.end(), [](double v) { return std::isfinite(v); }))
       source.fail("instance " + std::to_string(i) + " is out of bounds at this scale");
   }
-  if (scene.placedTriangleCount() >= (uint64_t{1} << 31))
-    source.fail("it places " + std::to_string(scene.placedTriangleCount()) + " triangles; the limit is 2147483647");
   return scene;
 }
 

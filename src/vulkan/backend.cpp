@@ -7,13 +7,18 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <memory>
+#include <span>
 
 #include "beam_tables.hpp"
 #include "bin.spv.h"
+#include "bin_float64.spv.h"
 #include "bin_int64.spv.h"
+#include "bin_int64_float64.spv.h"
 #include "project_clusters.spv.h"
 #include "project_triangles.spv.h"
 #include "resolve.spv.h"
+#include "resolve_float64.spv.h"
 #include "scan.spv.h"
 #include "vulkan/geometry.hpp"
 #include "vulkan/kernel.hpp"
@@ -22,12 +27,12 @@ namespace gnosphere {
 namespace vulkan {
 namespace {
 
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics) {
+uint32_t chooseWay(const SimulatorOptions& options, const Exactness& parts, bool int64Atomics) {
   switch (options.binning) {
     case Binning::lists: return gpu::kWayLists;
     case Binning::nearest32: return gpu::kWayNearest32;
     case Binning::automatic:
-      if (options.accuracy == Accuracy::paper) return gpu::kWayLists;  // candidates per beam, as the paper has it
+      if (parts.bounds == Exactness::Bounds::paper) return gpu::kWayLists;  // candidates per beam, as the paper has it
       [[fallthrough]];
     case Binning::nearest: break;
   }
@@ -35,8 +40,13 @@ uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics) {
 }
 
 Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets) {
+  const Exactness parts = options.exactness.value_or(exactnessOf(options.accuracy));
   Options result;
-  result.accuracy = options.accuracy == Accuracy::paper ? gpu::kAccuracyPaper : gpu::kAccuracyStandard;
+  // The enumerations of the public API and of shared.h count alike.
+  result.bounds = static_cast<uint32_t>(parts.bounds);
+  result.cull = static_cast<uint32_t>(parts.cull);
+  result.inside = static_cast<uint32_t>(parts.inside);
+  result.range = static_cast<uint32_t>(parts.range);
   result.azimuthOffsets = azimuthOffsets;
   result.faces = options.faces == Faces::front  ? gpu::kFacesFront
                  : options.faces == Faces::both ? gpu::kFacesBoth
@@ -46,18 +56,22 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets) {
 
 // The pipelines of one sensor; only those that its way of binning dispatches.
 struct Kernels {
-  Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way)
+  using Words = std::span<const uint32_t>;
+  // `float64` chooses the modules whose exact tests filter in double precision.
+  Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64)
       : projectClusters(device, layout, project_clusters, options),
         projectTriangles(device, layout, project_triangles, options),
-        resolve(device, layout, ::resolve, options, way) {
+        resolve(device, layout, float64 ? Words(resolve_float64) : Words(::resolve), options, way) {
+    const Words plain = float64 ? Words(bin_float64) : Words(::bin);
     if (way == gpu::kWayNearest) {
-      bin.emplace_back(device, layout, bin_int64, options, gpu::kPassNearest);
+      bin.emplace_back(device, layout, float64 ? Words(bin_int64_float64) : Words(bin_int64), options,
+                       gpu::kPassNearest);
     } else if (way == gpu::kWayNearest32) {
-      bin.emplace_back(device, layout, ::bin, options, gpu::kPassRange);
-      bin.emplace_back(device, layout, ::bin, options, gpu::kPassOwner);
+      bin.emplace_back(device, layout, plain, options, gpu::kPassRange);
+      bin.emplace_back(device, layout, plain, options, gpu::kPassOwner);
     } else {
-      bin.emplace_back(device, layout, ::bin, options, gpu::kPassCount);
-      bin.emplace_back(device, layout, ::bin, options, gpu::kPassFill);
+      bin.emplace_back(device, layout, plain, options, gpu::kPassCount);
+      bin.emplace_back(device, layout, plain, options, gpu::kPassFill);
       for (uint32_t pass : {gpu::kScanReduce, gpu::kScanBlocks, gpu::kScanApply})
         scan.emplace_back(device, layout, ::scan, options, pass);
     }
@@ -107,7 +121,7 @@ class VulkanBackend final : public Backend {
       : device_(options.device, options.validation, options.maxBufferBytes),
         geometry_(device_, scene),
         layout_(device_, static_cast<uint32_t>(sensors.size() + geometry_.chunks().size() + 1)),
-        way_(chooseWay(options, device_.capabilities().int64Atomics)) {
+        way_(chooseWay(options, options.exactness.value_or(exactnessOf(options.accuracy)), device_.capabilities().int64Atomics)) {
     for (const GeometryChunk& chunk : geometry_.chunks()) {
       const Buffer* buffers[] = {&chunk.placed, &chunk.clusters, &chunk.positions, &chunk.corners, &chunk.triangleIds};
       chunkSets_.push_back(layout_.makeSet(1, buffers));
@@ -163,7 +177,9 @@ class VulkanBackend final : public Backend {
   SensorState makeSensor(const Sensor& sensor, const SimulatorOptions& options) {
     SensorState state;
     state.tables = makeBeamTables(sensor);
-    state.kernels = std::make_unique<Kernels>(device_, layout_, kernelOptions(options, state.tables.azimuthOffsets), way_);
+    const Options kernel = kernelOptions(options, state.tables.azimuthOffsets);
+    const bool float64 = kernel.inside == gpu::kInsideExact && options.float64 && device_.capabilities().float64;
+    state.kernels = std::make_unique<Kernels>(device_, layout_, kernel, way_, float64);
     auto& buffers = state.work.buffers;
     const auto make = [&](uint32_t binding, const char* name, uint64_t bytes, Memory memory = Memory::device) {
       buffers[binding] = Buffer(device_, name, bytes, memory);

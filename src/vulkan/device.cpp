@@ -185,6 +185,7 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   const int family = computeFamily(physical, timestampBits);
   result.queueFamily = static_cast<uint32_t>(std::max(family, 0));
   result.int64Atomics = features.features.shaderInt64 && features12.shaderBufferInt64Atomics;
+  result.float64 = features.features.shaderFloat64;
   result.timestamps = timestampBits == 64 && basic.limits.timestampPeriod > 0;
   result.timestampMs = basic.limits.timestampPeriod * 1e-6;
   constexpr VkSubgroupFeatureFlags kSubgroup =
@@ -243,6 +244,7 @@ Device::Device(const std::string& name, bool validation, uint64_t maxBufferBytes
   features12.shaderBufferInt64Atomics = capabilities_.int64Atomics;
   VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
   features.features.shaderInt64 = capabilities_.int64Atomics;
+  features.features.shaderFloat64 = capabilities_.float64;
   VkDeviceCreateInfo create = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;

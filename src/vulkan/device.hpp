@@ -44,6 +44,7 @@ class ApiInstance {
 struct Capabilities {
   DeviceInfo info;
   bool int64Atomics = false;
+  bool float64 = false;
   bool timestamps = false;
   double timestampMs = 0;  ///< milliseconds per tick
   bool cpu = false;        ///< a software device: threads, not lanes

@@ -11,9 +11,12 @@
 
 namespace gnosphere::vulkan {
 
-/// Values of shaders/options.glsl.
+/// Values of shaders/options.glsl, in its order; `pass` comes with each kernel.
 struct Options {
-  uint32_t accuracy = gpu::kAccuracyStandard;
+  uint32_t bounds = gpu::kBoundsExact;
+  uint32_t cull = gpu::kCullNearestPoint;
+  uint32_t inside = gpu::kInsideWatertight;
+  uint32_t range = gpu::kRangeEdgeWeights;
   bool azimuthOffsets = false;
   uint32_t faces = gpu::kFacesMaterial;
 };

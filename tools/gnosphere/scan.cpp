@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -27,7 +28,7 @@ struct ScanOptions {
   std::string accuracy = "standard", faces = "material", binning = "auto";
   std::vector<std::string> outputs;
   double scale = 1;
-  uint64_t repeat = 1;
+  uint64_t repeat = 0;  ///< 0: one scan, and no warm-up before it
   bool compact = false, ascii = false, validation = false;
 };
 
@@ -90,9 +91,19 @@ CloudOptions checkOutputs(const ScanOptions& options) {
     throw Error(ErrorCode::invalidArgument, "--image: " + options.image + " must end in .png");
   }
   for (const std::string& output : options.outputs) cloudFormat(output);
-  for (const std::string& output : options.outputs) checkWritable(output);
-  if (!options.image.empty()) checkWritable(options.image);
-  if (!options.stats.empty() && options.stats != "-") checkWritable(options.stats);
+  std::vector<std::string> files = options.outputs;
+  if (!options.image.empty()) files.push_back(options.image);
+  if (!options.stats.empty() && options.stats != "-") files.push_back(options.stats);
+  for (auto file = files.begin(); file != files.end(); ++file) {
+    std::error_code absent;
+    if (std::filesystem::equivalent(*file, options.scene, absent)) {
+      throw Error(ErrorCode::invalidArgument, *file + " is the scene itself; write to another file");
+    }
+    if (std::find(files.begin(), file, *file) != file) {
+      throw Error(ErrorCode::invalidArgument, *file + " is to be written twice");
+    }
+    checkWritable(*file);
+  }
   return cloud;
 }
 
@@ -108,7 +119,7 @@ void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& c
 Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vector<Timings>& runs) {
   Progress progress("scan", repeat);
   Scan scan = simulator.scan(pose);
-  if (repeat == 1) {
+  if (repeat == 0) {
     runs.push_back(scan.timings);
     return scan;
   }
@@ -196,8 +207,7 @@ void addScanningOptions(CLI::App& app, ScanOptions& options) {
   app.add_option("--device", options.device, "auto, a number or part of a name of gnosphere devices, or reference")
       ->capture_default_str();
   app.add_option("--repeat", options.repeat, "Scan this often after a warm-up, and report the median time")
-      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}))
-      ->capture_default_str();
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}));
   app.add_flag("--validation", options.validation, "Vulkan validation layer on; its messages are errors");
 }
 

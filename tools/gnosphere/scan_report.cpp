@@ -71,10 +71,11 @@ std::string percent(uint64_t part, uint64_t whole) {
 }
 
 void printTriangles(const Counters& c) {
-  std::string text = grouped(c.projected) + " of " + grouped(c.triangles) + " projected";
+  std::string text = grouped(c.triangles) + " placed";
   const auto add = [&](uint64_t count, const char* why) {
     if (count > 0) text += ", " + grouped(count) + " " + why;
   };
+  add(c.projected, "projected");
   add(c.culledByCluster, "culled in clusters");
   add(c.culledByRange, "out of range");
   add(c.culledByFace, "facing away");
@@ -109,8 +110,10 @@ void printSummary(const ScanReport& report) {
   say("scene", report.sceneFile + ": " + grouped(scene.placedTriangleCount()) + " triangles (" +
                    grouped(scene.uniqueTriangleCount()) + " unique) in " + grouped(scene.instances.size()) +
                    " instances, loaded in " + milliseconds(report.loadMs));
-  say("device", device.name + " (" + device.type + (device.driver.empty() ? "" : ", " + device.driver) +
-                    "), ready in " + milliseconds(report.setUpMs));
+  std::string about = device.name;
+  if (device.type != device.name) about += ", " + device.type;
+  if (!device.driver.empty()) about += ", " + device.driver;
+  say("device", about + ", ready in " + milliseconds(report.setUpMs));
   say("sensor", report.sensor.name + formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z) +
                     grouped(report.scan.channels) + " channels x " + grouped(report.scan.columns) + " columns, " +
                     formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// Decided exactly: the side of an edge is the sign of det(a, b, beam), first in floating point with a proven bound,
+// then in integers. A beam that meets an edge is moved, in thought, a little up, then left, then forward: so every
+// layer of a closed surface has one owner, whatever the winding (simulation of simplicity, Edelsbrunner and Muecke,
+// ACM TOG 9(1), 1990, with the beam perturbed). The range is the real quotient det(a, b, c) / (sides' sum), correctly
+// rounded. Nothing of it depends on a device's own rounding.
+
+#include "bigint.glsl"
+#include "lattice.glsl"
+
+int exactSign(vec3 a, vec3 b, vec3 c, int scale) {
+  Big sum = zeroBig();
+  addDeterminant(sum, a, b, c, scale);
+  return signOf(sum);
+}
+
+int exactSide(vec3 a, vec3 b, vec3 beam) {
+  int side = exactSign(a, b, beam, kDirectionScale);
+  if (side == 0) side = exactSign(a, b, vec3(0.0, 0.0, 1.0), kCoordinateScale);
+  if (side == 0) side = exactSign(a, b, vec3(0.0, 1.0, 0.0), kCoordinateScale);
+  if (side == 0) side = exactSign(a, b, vec3(1.0, 0.0, 0.0), kCoordinateScale);
+  return side;
+}
+
+// Ranges that the bisection below looks among; nearer than 2^-60 m nothing is a hit.
+const uint kSmallestRange = 0x21800000u;  // 2^-60
+const uint kLargestRange = 0x4e800000u;   // 2^30
+const int kQuotientScale = 84;
+
+// True if volume / spread lies above the midpoint of the float with these bits and the next, or on it and the next is
+// the even one. Both are positive; volume is scaled by 2^90, spread by 2^120.
+bool roundsAbove(Big volume, Big spread, uint bits) {
+  uint midpoint = ((bits & 0x7fffffu) | 0x800000u) * 2 + 1;
+  int exponent = int(bits >> 23) - 151;
+  int sign = signOf(difference(scaled(volume, 1, 30 + kQuotientScale), scaled(spread, midpoint, exponent + kQuotientScale)));
+  return sign > 0 || (sign == 0 && (bits & 1) != 0);
+}
+
+// The correctly rounded range, found by bisection over floats; the guess only saves steps.
+bool exactRange(vec3 a, vec3 b, vec3 c, vec3 beam, float guess, out float range) {
+  range = 0.0;
+  Big volume = zeroBig(), spread = zeroBig();
+  addDeterminant(volume, a, b, c, kCoordinateScale);
+  addDeterminant(spread, a, b, beam, kDirectionScale);
+  addDeterminant(spread, b, c, beam, kDirectionScale);
+  addDeterminant(spread, c, a, beam, kDirectionScale);
+  int sign = signOf(spread);
+  if (sign == 0 || signOf(volume) != sign) return false;
+  if (sign < 0) {
+    volume = negated(volume);
+    spread = negated(spread);
+  }
+  uint low = kSmallestRange, high = kLargestRange;
+  if (guess > 1e-15 && guess < 1e9) {
+    uint near = floatBitsToUint(guess);
+    if (roundsAbove(volume, spread, near - 8)) low = near - 7;
+    if (!roundsAbove(volume, spread, near + 8)) high = near + 8;
+  }
+  while (low < high) {
+    uint middle = (low + high) / 2;
+    if (roundsAbove(volume, spread, middle))
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  range = uintBitsToFloat(low);
+  return low > kSmallestRange && low < kLargestRange;
+}
+
+#ifdef FLOAT64
+
+// Double precision as a filter: products of two floats are exact in it. kUnit is half its unit in the last place.
+const double kUnit = 1.1102230246251565e-16lf;
+
+struct ExactTriangle {
+  dvec3 ab, bc, ca;     // cross products: every component rounded once
+  dvec3 sideBound;      // of the side opposite to a, b, c, for any beam
+  dvec3 normal;         // (b - a) x (c - a)
+  dvec3 normalBound;
+  double volume, volumeBound;
+};
+
+double sumOf(dvec3 v) { return v.x + v.y + v.z; }
+
+ExactTriangle exactTriangle(Triangle triangle) {
+  dvec3 a = dvec3(triangle.a), b = dvec3(triangle.b), c = dvec3(triangle.c);
+  ExactTriangle exact;
+  exact.ab = cross(a, b);
+  exact.bc = cross(b, c);
+  exact.ca = cross(c, a);
+  // A side is a sum of three products with |beam| <= 1: five roundings at most on any path.
+  exact.sideBound = 5.0lf * kUnit * dvec3(sumOf(abs(exact.bc)), sumOf(abs(exact.ca)), sumOf(abs(exact.ab)));
+  dvec3 u = b - a, v = c - a;
+  exact.normal = cross(u, v);
+  exact.normalBound = 8.0lf * kUnit * (abs(u.yzx) * abs(v.zxy) + abs(u.zxy) * abs(v.yzx));
+  exact.volume = dot(exact.normal, a);
+  exact.volumeBound = dot(exact.normalBound, abs(a));
+  return exact;
+}
+
+// A positive double -> float, to nearest even, by bits.
+float roundToFloat(double value) {
+  uvec2 word = unpackDouble2x32(value);
+  uint bits = ((word.y >> 20) - (1023 - 127)) << 23 | (word.y & 0xfffffu) << 3 | word.x >> 29;
+  uint rest = word.x & 0x1fffffffu;
+  if (rest > 0x10000000u || (rest == 0x10000000u && (bits & 1) != 0)) ++bits;
+  return uintBitsToFloat(bits);
+}
+
+bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest, out float range) {
+  range = 0.0;
+  dvec3 r = dvec3(beam);
+  dvec3 side = dvec3(dot(exact.bc, r), dot(exact.ca, r), dot(exact.ab, r));
+  // Decided by floating point alone, almost always; and almost always outside.
+  bool someUp = any(greaterThan(side, exact.sideBound)), someDown = any(lessThan(side, -exact.sideBound));
+  if (someUp && someDown) return false;
+  if (any(lessThanEqual(abs(side), exact.sideBound))) {
+    ivec3 decided = ivec3(exactSide(triangle.b, triangle.c, beam), exactSide(triangle.c, triangle.a, beam),
+                          exactSide(triangle.a, triangle.b, beam));
+    if (!(all(equal(decided, ivec3(1))) || all(equal(decided, ivec3(-1))))) return false;
+    someUp = decided.x > 0;
+  }
+  if (triangle.oneSided && someUp) return false;
+  double spread = dot(exact.normal, r), spreadBound = dot(exact.normalBound, abs(r));
+  if (abs(spread) > 4.0lf * spreadBound) {
+    double quotient = exact.volume / spread;
+    double error = 1.5lf * (exact.volumeBound + abs(quotient) * spreadBound) / abs(spread) + 16.0lf * kUnit * abs(quotient);
+    if (quotient + error < 1e-15lf) return false;
+    range = roundToFloat(max(quotient - error, 1e-18lf));
+    if (range > farthest) return false;
+    if (range == roundToFloat(quotient + error)) return true;
+  }
+  return exactRange(triangle.a, triangle.b, triangle.c, beam, range, range);
+}
+
+#else
+
+// Single precision as a filter, for devices without double precision.
+struct ExactTriangle {
+  vec3 ab, bc, ca;  // a x (b - a) and so on
+  vec3 sideBound;
+};
+
+vec3 edgeCross(vec3 a, vec3 b, out float bound) {
+  precise vec3 e = b - a;
+  precise vec3 n = a.yzx * e.zxy - a.zxy * e.yzx;
+  vec3 terms = abs(a.yzx) * abs(e.zxy) + abs(a.zxy) * abs(e.yzx);
+  bound = 6e-7 * (terms.x + terms.y + terms.z);  // 8 roundings of 2^-24, and that of the bound
+  return n;
+}
+
+ExactTriangle exactTriangle(Triangle triangle) {
+  ExactTriangle exact;
+  exact.bc = edgeCross(triangle.b, triangle.c, exact.sideBound.x);
+  exact.ca = edgeCross(triangle.c, triangle.a, exact.sideBound.y);
+  exact.ab = edgeCross(triangle.a, triangle.b, exact.sideBound.z);
+  return exact;
+}
+
+bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest, out float range) {
+  range = 0.0;
+  if (triangle.rangeMin > farthest) return false;
+  precise vec3 side = vec3(dot(exact.bc, beam), dot(exact.ca, beam), dot(exact.ab, beam));
+  bool someUp = any(greaterThan(side, exact.sideBound)), someDown = any(lessThan(side, -exact.sideBound));
+  if (someUp && someDown) return false;
+  if (any(lessThanEqual(abs(side), exact.sideBound))) {
+    ivec3 decided = ivec3(exactSide(triangle.b, triangle.c, beam), exactSide(triangle.c, triangle.a, beam),
+                          exactSide(triangle.a, triangle.b, beam));
+    if (!(all(equal(decided, ivec3(1))) || all(equal(decided, ivec3(-1))))) return false;
+    someUp = decided.x > 0;
+  }
+  if (triangle.oneSided && someUp) return false;
+  vec3 normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);
+  float guess = dot(normal, triangle.a) / dot(normal, beam);
+  return exactRange(triangle.a, triangle.b, triangle.c, beam, guess, range);
+}
+
+#endif

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program as a person or a script meets it: exit status, one-line errors, nothing half-written.
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "gnosphere/output.hpp"
+#include "gnosphere/sensor.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Result {
+  int status;
+  std::string out, err;
+};
+
+/// A folder to run the program in, with a scene: a floor of 20 m, two triangles.
+class Workplace {
+ public:
+  Workplace() {
+    std::string name = (fs::temp_directory_path() / "gnosphere-cli-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path_ = name;
+    put("floor.obj", "v -10 -10 0\nv 10 -10 0\nv 10 10 0\nv -10 10 0\nf 1 2 3\nf 1 3 4\n");
+  }
+  ~Workplace() { fs::remove_all(path_); }
+
+  fs::path operator/(const std::string& name) const { return path_ / name; }
+  void put(const std::string& name, const std::string& bytes) const {
+    std::ofstream(path_ / name, std::ios::binary) << bytes;
+  }
+  std::string get(const std::string& name) const {
+    std::ifstream stream(path_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  /// Names of the files, without those that run() itself makes.
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(path_)) {
+      const std::string name = entry.path().filename().string();
+      if (name != "out" && name != "err") names.push_back(name);
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+  Result run(const std::string& arguments, const std::string& before = "") const {
+    const std::string command =
+        "cd '" + path_.string() + "' && " + before + " '" GNOSPHERE_BINARY "' " + arguments + " >out 2>err </dev/null";
+    const int status = std::system(command.c_str());
+    REQUIRE(WIFEXITED(status));
+    return {WEXITSTATUS(status), get("out"), get("err")};
+  }
+
+ private:
+  fs::path path_;
+};
+
+const std::string kQuick = " --device reference --sensor VLP-16 ";
+
+/// The call fails with this status and one line that holds these words, and leaves the folder as it was.
+void checkRefused(const std::string& arguments, int status, const std::string& words) {
+  INFO("gnosphere " << arguments);
+  const Workplace place;
+  const Result result = place.run(arguments);
+  CHECK(result.status == status);
+  CHECK_THAT(result.err, StartsWith("gnosphere: ") && ContainsSubstring(words));
+  CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
+  CHECK(result.out.empty());
+  CHECK(place.files() == std::vector<std::string>{"floor.obj"});
+}
+
+}  // namespace
+
+TEST_CASE("a call that is wrong ends with status 2 and says what there is") {
+  checkRefused("", 2, "scan, compare, devices, sensors or town");
+  checkRefused("look", 2, "look");
+  checkRefused("scan", 2, "SCENE");
+  checkRefused("scan floor.obj --frob", 2, "--frob");
+  checkRefused("scan floor.obj --sensor VLP-17", 2, "VLP-16, VLP-32, HDL-64E");
+  checkRefused("scan floor.obj -o a.las", 2, ".pcd, .ply, .bin (KITTI), .npy and .csv");
+  checkRefused("scan floor.obj -o a.pcd -o a.las", 2, "a.las");
+  checkRefused("scan floor.obj --fields x,y,intensity", 2, "x, y, z, range, ring");
+  checkRefused("scan floor.obj --fields x,tie", 2, "--device reference");
+  checkRefused("scan floor.obj --image a.jpg", 2, ".png");
+  checkRefused("scan floor.obj --pose 1,2", 2, "X,Y,Z");
+  checkRefused("scan floor.obj --pose 1,2,nan", 2, "finite");
+  checkRefused("scan floor.obj --pose 1,2,3,0,0,0,0", 2, "no length");
+  checkRefused("scan floor.obj --pose 1,2,3,", 2, "X,Y,Z");
+  checkRefused("scan floor.obj --accuracy rough", 2, "paper");
+  checkRefused("scan floor.obj --scale 0", 2, "--scale");
+  checkRefused("scan floor.obj --repeat 0", 2, "--repeat");
+  checkRefused("scan floor.obj -o a.pcd -o a.pcd", 2, "twice");
+  checkRefused("scan floor.obj --stats floor.obj", 2, "the scene itself");
+  checkRefused("sensors VLP-17", 2, "VLP-16");
+  checkRefused("compare a.pcd", 2, "B");
+  checkRefused("compare a.las b.las", 2, "a.las");
+  checkRefused("town -o town.obj", 2, ".glb");
+  checkRefused("town", 2, "--output");
+}
+
+TEST_CASE("work that fails ends with status 1 and leaves nothing half-written") {
+  checkRefused("scan none.glb -o a.pcd --image a.png --stats a.json", 1, "none.glb");
+  checkRefused("scan floor.obj -o no/such/folder/a.pcd", 1, "No such file or directory");
+  checkRefused("scan floor.obj -o /a.pcd/a.pcd", 1, "/a.pcd/a.pcd");
+  checkRefused("scan floor.obj --sensor floor.obj -o a.pcd", 1, "floor.obj: is not JSON");
+  checkRefused("compare a.pcd b.pcd", 1, "a.pcd: cannot be read: No such file or directory");
+  checkRefused("town -o no/town.glb", 1, "No such file or directory");
+}
+
+TEST_CASE("a scan writes what it is asked for and says so") {
+  const Workplace place;
+  const Result result = place.run("scan -o a.pcd -o b.npy floor.obj --image a.png --stats a.json" + kQuick);
+  CHECK(result.err == "");
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring("2 triangles") && ContainsSubstring("of 28,800 beams") &&
+                             ContainsSubstring("at 0, 0, 1.8"));
+  CHECK(place.files() == std::vector<std::string>{"a.json", "a.pcd", "a.png", "b.npy", "floor.obj"});
+  const gnosphere::Scan scan = gnosphere::readCloud(place / "a.pcd");
+  CHECK(scan.columns == 1800);
+  CHECK(scan.channels == 16);
+  CHECK(scan.sensor == "VLP-16");
+}
+
+TEST_CASE("the pose may begin with a minus and need not be normalised") {
+  const Workplace place;
+  REQUIRE(place.run("scan floor.obj --pose -1,2.5,3e0,0,0,2,0 --stats -" + kQuick).status == 0);
+  const auto pose = nlohmann::json::parse(place.get("out")).at("pose");
+  CHECK(pose.at("position") == nlohmann::json({-1.0, 2.5, 3.0}));
+  CHECK(pose.at("orientation_xyzw") == nlohmann::json({0.0, 0.0, 1.0, 0.0}));
+}
+
+TEST_CASE("a scene that is elsewhere is scanned from its middle") {
+  const Workplace place;
+  place.put("far.obj", "v 100 200 50\nv 140 200 50\nv 100 260 50\nf 1 2 3\n");
+  const Result result = place.run("scan far.obj" + kQuick);
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring("at 120, 230, 51.8"));
+}
+
+TEST_CASE("statistics are JSON with the names of the design, on stdout alone if asked") {
+  const Workplace place;
+  const Result result = place.run("scan floor.obj --repeat 3 --stats -" + kQuick);
+  REQUIRE(result.status == 0);
+  const auto stats = nlohmann::json::parse(result.out);
+  CHECK(stats.at("device").at("type") == "reference");
+  for (const char* key : {"triangles", "unique_triangles", "instances", "meshes", "clusters", "bytes"}) {
+    CHECK(stats.at("scene").contains(key));
+  }
+  CHECK(stats.at("sensor").at("beams") == 28800);
+  for (const char* key : {"stages", "accuracy", "binning", "bytes"}) CHECK(stats.at("plan").contains(key));
+  CHECK(stats.at("frame").at("runs") == 3);
+  CHECK(stats.at("frame").at("wall_ms").at("min") <= stats.at("frame").at("wall_ms").at("median"));
+  CHECK(stats.at("frame").contains("gpu_ms"));
+  CHECK(stats.at("frame").at("stages_ms").is_object());
+  const auto& counters = stats.at("counters");
+  CHECK(counters.at("hits").get<uint64_t>() + counters.at("misses").get<uint64_t>() == 28800);
+  for (const char* key : {"beams", "triangles", "non_finite", "degenerate", "culled_by_cluster", "culled_by_range",
+                          "culled_by_face", "culled_between_beams", "projected", "candidates", "retries"}) {
+    CHECK(counters.contains(key));
+  }
+}
+
+TEST_CASE("a scene with no triangle gives a cloud of misses and a warning") {
+  const Workplace place;
+  place.put("empty.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})");
+  const Result result = place.run("scan empty.gltf -o a.pcd" + kQuick);
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.err, StartsWith("gnosphere: warning: empty.gltf has no triangle"));
+  CHECK(gnosphere::readCloud(place / "a.pcd").counters.hits == 0);
+  CHECK(gnosphere::readCloud(place / "a.pcd").beamCount() == 28800);
+}
+
+TEST_CASE("compare ends with 0 for the same cloud and 1 for another") {
+  const Workplace place;
+  REQUIRE(place.run("scan floor.obj -o a.pcd -o b.csv --fields beam,range,triangle,instance,tie,tolerance" + kQuick)
+              .status == 0);
+  const Result same = place.run("compare a.pcd b.csv");
+  CHECK(same.status == 0);
+  CHECK_THAT(same.out, ContainsSubstring("the same"));
+
+  gnosphere::Scan scan = gnosphere::readCloud(place / "a.pcd");
+  for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
+    if (!scan.hit(beam) || scan.ties[beam]) continue;
+    scan.ranges[beam] += 1;
+    break;
+  }
+  gnosphere::CloudOptions options;
+  options.fields = gnosphere::parseFields("beam,range,triangle,instance");
+  gnosphere::writeCloud(scan, place / "c.ply", options);
+  const Result other = place.run("compare a.pcd c.ply --json");
+  CHECK(other.status == 1);
+  const auto json = nlohmann::json::parse(other.out);
+  CHECK(json.at("wrong_range") == 1);
+  CHECK(json.at("same") == false);
+
+  options.fields = gnosphere::parseFields("beam,range");
+  gnosphere::writeCloud(scan, place / "d.ply", options);
+  const Result poor = place.run("compare a.pcd d.ply");
+  CHECK(poor.status == 2);
+  CHECK_THAT(poor.err, ContainsSubstring("triangle, instance"));
+}
+
+TEST_CASE("a printed sensor is a file that --sensor reads") {
+  const Workplace place;
+  const Result printed = place.run("sensors hdl-64e");
+  REQUIRE(printed.status == 0);
+  place.put("s.json", printed.out);
+  CHECK(place.run("sensors s.json").out == printed.out);
+  CHECK(place.run("scan floor.obj --device reference --sensor s.json").status == 0);
+  CHECK_THAT(place.run("sensors").out, ContainsSubstring("Hypothetical-350") && ContainsSubstring("6,300,000"));
+}
+
+TEST_CASE("devices end with the reference, which needs no Vulkan") {
+  const Workplace place;
+  const Result result = place.run("devices --json", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
+  REQUIRE(result.status == 0);
+  const auto devices = nlohmann::json::parse(result.out).at("devices");
+  REQUIRE_FALSE(devices.empty());
+  CHECK(devices.back().at("type") == "reference");
+  CHECK(devices.back().at("usable") == true);
+  CHECK(place.run("devices").status == 0);
+}
+
+TEST_CASE("a disk that fills up leaves the old file and no part") {
+  const Workplace place;
+  place.put("a.pcd", "before");
+  // A limit on the size of files stands for the full disk; the signal it sends is ignored, so that writing fails.
+  const Result result = place.run("scan floor.obj -o a.pcd" + kQuick, "trap '' XFSZ; ulimit -f 64;");
+  CHECK(result.status == 1);
+  CHECK_THAT(result.err, ContainsSubstring("a.pcd: cannot be written: File too large"));
+  CHECK(place.get("a.pcd") == "before");
+  CHECK(place.files() == std::vector<std::string>{"a.pcd", "floor.obj"});
+}
+
+TEST_CASE("a town is written and can be scanned") {
+  const Workplace place;
+  REQUIRE(place.run("town -o town.glb --triangles 20000 --seed 3").status == 0);
+  const Result result = place.run("scan town.glb" + kQuick);
+  CHECK(result.status == 0);
+  CHECK(result.err == "");
+}
+
+TEST_CASE("help and version are answers, not errors") {
+  const Workplace place;
+  CHECK_THAT(place.run("--help").out, ContainsSubstring("scan") && ContainsSubstring("town"));
+  CHECK_THAT(place.run("scan --help").out, ContainsSubstring("--pose") && ContainsSubstring("1.8 m"));
+  const Result version = place.run("--version");
+  CHECK(version.status == 0);
+  CHECK_THAT(version.out, StartsWith("gnosphere "));
+}

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+
+#include "synthetic_scan.hpp"
+
+using namespace gnosphere;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+Scan street() {
+  return syntheticScan(findSensor("VLP-16"));
+}
+
+size_t nthHit(const Scan& scan, size_t n) {
+  for (size_t beam = 0;; ++beam) {
+    if (scan.hit(beam) && n-- == 0) return beam;
+  }
+}
+
+size_t nthMiss(const Scan& scan, size_t n) {
+  for (size_t beam = 0;; ++beam) {
+    if (!scan.hit(beam) && n-- == 0) return beam;
+  }
+}
+
+void makeMiss(Scan& scan, size_t beam) {
+  scan.triangles[beam] = scan.instances[beam] = kNoTriangle;
+  scan.ranges[beam] = std::nanf("");
+}
+
+void makeHit(Scan& scan, size_t beam, float range, uint32_t triangle) {
+  scan.triangles[beam] = triangle;
+  scan.instances[beam] = 0;
+  scan.ranges[beam] = range;
+}
+
+}  // namespace
+
+TEST_CASE("a cloud is the same as itself") {
+  const Scan scan = street();
+  const Comparison result = compare(scan, scan);
+  CHECK(result.same());
+  CHECK(result.beams == 28800);
+  CHECK(result.hits == scan.counters.hits);
+  CHECK(result.rangeErrorMax == 0);
+}
+
+TEST_CASE("every kind of difference is counted where it belongs") {
+  const Scan reference = street();
+  Scan other = reference;
+  makeMiss(other, nthHit(reference, 0));
+  makeMiss(other, nthHit(reference, 1));
+  makeHit(other, nthMiss(reference, 0), 5, 1);
+  other.triangles[nthHit(reference, 10)] += 1;
+  other.instances[nthHit(reference, 11)] += 1;
+  other.ranges[nthHit(reference, 20)] += 0.25f;
+  const Comparison result = compare(reference, other);
+  CHECK(result.missed == 2);
+  CHECK(result.falseHits == 1);
+  CHECK(result.wrongOwner == 2);
+  CHECK(result.wrongRange == 1);
+  CHECK(result.ties == 0);
+  CHECK_FALSE(result.same());
+  CHECK(std::abs(result.rangeErrorMax - 0.25) < 1e-6);
+}
+
+TEST_CASE("beams that the reference marks as ties are counted apart") {
+  Scan reference = street();
+  reference.ties.assign(reference.beamCount(), 0);
+  Scan other = reference;
+  const size_t missed = nthHit(reference, 0), invented = nthMiss(reference, 0), owner = nthHit(reference, 10),
+               untouched = nthHit(reference, 11);
+  makeMiss(other, missed);
+  makeHit(other, invented, 5, 1);
+  other.triangles[owner] += 1;
+  other.ranges[owner] += 3;
+  for (size_t beam : {missed, invented, owner, untouched}) reference.ties[beam] = 1;
+  const Comparison result = compare(reference, other);
+  CHECK(result.same());
+  CHECK(result.ties == 4);
+  CHECK(result.tieDifferences == 3);
+  CHECK(result.rangeErrorMax == 0);
+
+  // The other's own ties excuse nothing.
+  const Comparison swapped = compare(other, reference);
+  CHECK(swapped.ties == 0);
+  CHECK_FALSE(swapped.same());
+}
+
+TEST_CASE("the reference's tolerance of a beam goes before the constant one") {
+  Scan reference = street();
+  Scan other = reference;
+  const size_t beam = nthHit(reference, 5);
+  other.ranges[beam] += 0.01f;
+  CHECK(compare(reference, other, 0.02).wrongRange == 0);
+  CHECK(compare(reference, other, 0.005).wrongRange == 1);
+  reference.tolerances.assign(reference.beamCount(), 0.02f);
+  CHECK(compare(reference, other, 0.005).wrongRange == 0);
+  reference.tolerances.assign(reference.beamCount(), 0.005f);
+  CHECK(compare(reference, other, 0.02).wrongRange == 1);
+  reference.tolerances.assign(reference.beamCount(), std::nanf(""));  // states none
+  CHECK(compare(reference, other, 0.02).wrongRange == 0);
+}
+
+TEST_CASE("range errors have their maximum, 99.99th percentile and root mean square") {
+  Scan reference;
+  reference.columns = 20000;
+  reference.channels = 1;
+  for (size_t i = 0; i < 20000; ++i) {
+    reference.ranges.push_back(64);
+    reference.triangles.push_back(0);
+    reference.instances.push_back(0);
+  }
+  Scan other = reference;
+  other.ranges[7] = 68;   // error 4
+  other.ranges[9] = 62;   // error 2
+  other.ranges[11] = 65;  // error 1: rank 19998 of 20000 is the 99.99th percentile
+  const Comparison result = compare(reference, other);
+  CHECK(result.rangeErrorMax == 4);
+  CHECK(result.rangeError9999 == 1);
+  CHECK(std::abs(result.rangeErrorRms - std::sqrt(21.0 / 20000)) < 1e-15);
+}
+
+TEST_CASE("a hit without a range is not a right answer") {
+  const Scan reference = street();
+  Scan other = reference;
+  other.ranges[nthHit(reference, 3)] = std::nanf("");
+  CHECK_FALSE(compare(reference, other).same());
+}
+
+TEST_CASE("clouds of other beams, or without what a comparison needs, are refused") {
+  const Scan reference = street();
+  CHECK_THROWS_WITH(compare(reference, syntheticScan(findSensor("VLP-32"))),
+                    ContainsSubstring("28800") && ContainsSubstring("115200"));
+  Scan poor = reference;
+  poor.triangles.clear();
+  CHECK_THROWS_WITH(compare(reference, poor), ContainsSubstring("the other cloud") && ContainsSubstring("triangle"));
+  CHECK_THROWS_WITH(compare(poor, reference), ContainsSubstring("the reference cloud"));
+  CHECK_THROWS_WITH(compare(reference, reference, std::nan("")), ContainsSubstring("tolerance"));
+}
+
+TEST_CASE("clouds of no beam are the same") {
+  CHECK(compare(Scan{}, Scan{}).same());
+}

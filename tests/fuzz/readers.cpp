@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "readers.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+#include "gnosphere/sensor.hpp"
+#include "scene/readers.hpp"
+
+namespace gnosphere {
+namespace {
+
+[[noreturn]] void complain(const char* what, const char* why) {
+  std::fprintf(stderr, "%s: %s\n", what, why);
+  std::abort();
+}
+
+void fuzzScene(SceneFormat format, Bytes bytes) {
+  Source source;
+  source.name = "'fuzz'";
+  // Every file beside this one is this one, so that buffers and material libraries are read too.
+  source.sibling = [bytes](const std::string&) {
+    FileBytes copy;
+    copy.data = std::make_unique_for_overwrite<uint8_t[]>(bytes.size());
+    copy.size = bytes.size();
+    std::copy(bytes.begin(), bytes.end(), copy.data.get());
+    return copy;
+  };
+  Scene scene;
+  try {
+    scene = readScene(format, bytes, source);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::invalidArgument) complain("a reader blames the caller", error.what());
+    return;
+  }
+  try {
+    validate(scene);
+  } catch (const Error& error) {
+    complain("a reader returns what is not valid", error.what());
+  }
+}
+
+void fuzzSensor(std::string_view json) {
+  Sensor sensor;
+  try {
+    sensor = sensorFromJson(json, "'fuzz'");
+  } catch (const Error&) {
+    return;
+  }
+  try {
+    validate(sensor);
+  } catch (const Error& error) {
+    complain("the sensor reader returns what is not valid", error.what());
+  }
+}
+
+}  // namespace
+
+void fuzzReaders(std::span<const uint8_t> input) {
+  if (input.empty()) return;
+  constexpr std::string_view kChoices = "gbopsj";
+  const size_t named = kChoices.find(static_cast<char>(input[0]));
+  const Bytes bytes = input.subspan(1);
+  switch (named != kChoices.npos ? named : input[0] % kChoices.size()) {
+    case 0:
+    case 1:
+      return fuzzScene(SceneFormat::gltf, bytes);
+    case 2:
+      return fuzzScene(SceneFormat::obj, bytes);
+    case 3:
+      return fuzzScene(SceneFormat::ply, bytes);
+    case 4:
+      return fuzzScene(SceneFormat::stl, bytes);
+    default:
+      return fuzzSensor({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  }
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace gnosphere {
+
+/// Gives everything after the first byte to the reader that the first byte chooses: g glTF text, b GLB, o OBJ, p PLY,
+/// s STL, j sensor JSON, anything else modulo 6. Ends the process if a reader throws anything but an Error, or returns
+/// what is not valid. The fuzzer calls it with what it invents, the tests with the corpus.
+void fuzzReaders(std::span<const uint8_t> input);
+
+}  // namespace gnosphere

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// What bad glTF gets: an Error that names the culprit.
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+TEST_CASE("glTF that is empty, something else or cut off is an error") {
+  CHECK_THAT(loadFailure("a.gltf", ""), ContainsSubstring("a.gltf': the file is empty"));
+  CHECK_THAT(loadFailure("a.gltf", "hello"), ContainsSubstring("it is neither glTF text nor GLB"));
+  CHECK_THAT(loadFailure("a.gltf", "[]"), ContainsSubstring("has no asset.version"));
+  CHECK_THAT(loadFailure("a.gltf", "{}"), ContainsSubstring("has no asset.version"));
+  CHECK_THAT(loadFailure("a.gltf", R"({"asset": {"version": "1.0"}})"), ContainsSubstring("glTF version '\"1.0\"'"));
+  std::string text = triangleFile().text();
+  CHECK_THAT(loadFailure("a.gltf", text.substr(0, text.size() / 2)), ContainsSubstring("neither glTF text nor GLB"));
+  GltfFileMaker file = triangleFile();
+  const std::string glb = file.glb();
+  CHECK_THAT(loadFailure("a.glb", glb.substr(0, 10)), ContainsSubstring("cut off in its header"));
+  CHECK_THAT(loadFailure("a.glb", glb.substr(0, glb.size() - 8)),
+             ContainsSubstring("cut off: its header says " + std::to_string(glb.size())));
+  CHECK_THAT(loadFailure("a.gltf", std::string(100'000, '[')), ContainsSubstring("nests deeper than 64 levels"));
+}
+
+TEST_CASE("every prefix of a GLB ends in an Error") {
+  GltfFileMaker file = triangleFile();
+  const std::string glb = file.glb();
+  for (size_t size = 0; size < glb.size(); size += 7) loadFailure("a.glb", glb.substr(0, size));
+}
+
+TEST_CASE("an index out of range names mesh, index and accessor") {
+  GltfFileMaker file = triangleFile();
+  const int indices = file.accessor(std::vector<uint16_t>{0, 1, 9}, "SCALAR");
+  file.json["meshes"][0]["primitives"][0]["indices"] = indices;
+  CHECK_THAT(file.failure(),
+             ContainsSubstring("mesh 0 'tri', primitive 0: index 9 is out of range, accessor 0 has 3 vertices"));
+}
+
+TEST_CASE("an accessor past its bufferView names both") {
+  GltfFileMaker file = triangleFile();
+  file.json["accessors"][0]["count"] = 4;
+  CHECK_THAT(file.failure(),
+             ContainsSubstring("mesh 0 'tri', primitive 0: accessor 0: 4 elements of 12 bytes from byte "
+                               "0 end past bufferView 0 of 36 bytes"));
+  file.json["accessors"][0]["count"] = 3;
+  file.json["accessors"][0]["byteOffset"] = 4'000'000'000u;
+  CHECK_THAT(file.failure(), ContainsSubstring("end past bufferView 0"));
+}
+
+TEST_CASE("a bufferView past its buffer and a buffer shorter than it says are errors") {
+  GltfFileMaker file = triangleFile();
+  file.json["bufferViews"][0]["byteLength"] = 4000;
+  CHECK_THAT(file.failure(), ContainsSubstring("bufferView 0: a bufferView ends past the 42 bytes of buffer 0"));
+  file.json["bufferViews"][0]["byteLength"] = 36;
+  file.text();
+  file.json["buffers"][0]["byteLength"] = 5000;
+  CHECK_THAT(loadFailure("a.gltf", file.json.dump()), ContainsSubstring("buffer 0 is cut off: it should have 5000"));
+}
+
+TEST_CASE("references to what does not exist are errors") {
+  const auto failure = [](const char* pointer, const Json& value) {
+    GltfFileMaker file = triangleFile();
+    file.json[Json::json_pointer(pointer)] = value;
+    return file.failure();
+  };
+  CHECK_THAT(failure("/nodes/0/mesh", 5), ContainsSubstring("node 0: mesh 5 does not exist"));
+  CHECK_THAT(failure("/nodes/0/children", {7}), ContainsSubstring("node 0: child 7 does not exist"));
+  CHECK_THAT(failure("/scenes", {{{"nodes", {3}}}}), ContainsSubstring("scene 0: node 3 does not exist"));
+  CHECK_THAT(failure("/accessors/0/bufferView", 8), ContainsSubstring("accessor 0: bufferView 8 does not exist"));
+  CHECK_THAT(failure("/bufferViews/1/buffer", 2), ContainsSubstring("bufferView 1: buffer 2 does not exist"));
+  const std::string primitive = "/meshes/0/primitives/0";
+  CHECK_THAT(failure((primitive + "/indices").c_str(), 6),
+             ContainsSubstring("mesh 0 'tri', primitive 0: accessor 6 does"));
+  CHECK_THAT(failure((primitive + "/attributes/POSITION").c_str(), 6), ContainsSubstring("accessor 6 does not exist"));
+  CHECK_THAT(failure((primitive + "/material").c_str(), 1), ContainsSubstring("material 1 does not exist"));
+  CHECK_THAT(failure((primitive + "/mode").c_str(), 7), ContainsSubstring("mode 7 does not exist"));
+}
+
+TEST_CASE("properties of the wrong type or size are errors that name them") {
+  const auto failure = [](const char* pointer, const Json& value) {
+    GltfFileMaker file = triangleFile();
+    file.json[Json::json_pointer(pointer)] = value;
+    return file.failure();
+  };
+  CHECK_THAT(failure("/accessors/0/count", -3), ContainsSubstring("accessors[0]: count must be a whole number"));
+  CHECK_THAT(failure("/accessors/0/count", 1e300), ContainsSubstring("accessors[0]: count must be a whole number"));
+  CHECK_THAT(failure("/accessors/0/byteOffset", -4), ContainsSubstring("accessors[0]: byteOffset must be"));
+  CHECK_THAT(failure("/accessors/0/type", "VEC9"), ContainsSubstring("VEC9"));
+  CHECK_THAT(failure("/accessors/0/type", "VEC2"), ContainsSubstring("accessor 0 of positions is not VEC3"));
+  CHECK_THAT(failure("/accessors/1/componentType", 5122),
+             ContainsSubstring("accessor 1 of indices is not SCALAR of unsi"));
+  CHECK_THAT(failure("/accessors/0/componentType", 5130),
+             ContainsSubstring("accessor 0 has a type that geometry cannot"));
+  CHECK_THAT(failure("/bufferViews/0/byteStride", 8),
+             ContainsSubstring("byteStride of 8 is less than its elements of 12"));
+  CHECK_THAT(failure("/bufferViews/0/byteLength", "x"), ContainsSubstring("bufferViews[0]: byteLength must be"));
+  CHECK_THAT(failure("/nodes/0/mesh", "tri"), ContainsSubstring("nodes[0]: mesh must be a whole number"));
+  CHECK_THAT(failure("/nodes/0/matrix", {1, 2}), ContainsSubstring("nodes[0]: matrix must be 16 numbers"));
+  CHECK_THAT(failure("/nodes/0", 3), ContainsSubstring("nodes[0] must be an object"));
+  CHECK_THAT(failure("/meshes", 3), ContainsSubstring("the file: meshes must be an array"));
+  CHECK_THAT(failure("/accessors/0", Json::object()), ContainsSubstring("accessors[0]: componentType is missing"));
+}
+
+TEST_CASE("whole numbers may be written with a decimal point") {
+  GltfFileMaker file = triangleFile();
+  file.json["accessors"][0]["count"] = 3.0;
+  CHECK(file.load().uniqueTriangleCount() == 1);
+}
+
+TEST_CASE("a node cycle, a node with two parents and a listed child are errors") {
+  GltfFileMaker file = triangleFile();
+  file.json["nodes"] = {{{"children", {1}}, {"name", "loop"}}, {{"children", {0}}}};
+  CHECK_THAT(file.failure(), ContainsSubstring("node 0 'loop' is its own ancestor"));
+  file.json["nodes"] = {{{"children", {0}}}};
+  CHECK_THAT(file.failure(), ContainsSubstring("is its own ancestor"));
+  file.json["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, {{"mesh", 0}}};
+  CHECK_THAT(file.failure(), ContainsSubstring("node 2 is listed as a child twice, by nodes 0 and 1"));
+  file.json["nodes"] = {{{"children", {1}}}, {{"mesh", 0}}};
+  file.json["scenes"] = {{{"nodes", {0, 1}}}};
+  CHECK_THAT(file.failure(), ContainsSubstring("node 1 is not a root, it is a child of node 0"));
+}
+
+TEST_CASE("a transform that leaves the numbers is an error") {
+  GltfFileMaker file = triangleFile();
+  file.json["nodes"] = {{{"children", {1}}, {"scale", {1e200, 1, 1}}}, {{"mesh", 0}, {"scale", {1e200, 1, 1}}}};
+  CHECK_THAT(file.failure(), ContainsSubstring("node 1: its transform is not finite"));
+}
+
+TEST_CASE("a required extension that is not read is named, and one that only changes looks is not in the way") {
+  GltfFileMaker file = triangleFile();
+  file.json["extensionsRequired"] = {"KHR_materials_unlit", "KHR_texture_basisu", "EXT_made_up"};
+  CHECK_THAT(file.failure(), ContainsSubstring("it requires the extension 'EXT_made_up'"));
+  file.json["extensionsRequired"] = {"KHR_materials_unlit", "KHR_texture_basisu"};
+  CHECK(file.load().uniqueTriangleCount() == 1);
+}
+
+TEST_CASE("missing pictures and unused buffers are no errors, a missing buffer in use is") {
+  GltfFileMaker file = triangleFile();
+  file.json["images"] = {{{"uri", "nowhere.png"}}, 3, {{"bufferView", 99}}};
+  file.json["textures"] = {{{"source", 0}}};
+  file.text();
+  file.json["buffers"].push_back({{"byteLength", 10}, {"uri", "nowhere.bin"}});
+  CHECK(loadText("a.gltf", file.json.dump()).uniqueTriangleCount() == 1);
+  file.json["buffers"][0]["uri"] = "no%20where.bin";
+  const std::string message = loadFailure("a.gltf", file.json.dump(), ErrorCode::file);
+  CHECK_THAT(message, ContainsSubstring("needs buffer 0"));
+  CHECK_THAT(message, ContainsSubstring("no where.bin"));
+  file.json["buffers"][0].erase("uri");
+  CHECK_THAT(loadFailure("a.gltf", file.json.dump()), ContainsSubstring("buffer 0 has no uri"));
+  file.json["buffers"][0]["uri"] = "data:application/octet-stream;base64,a*b";
+  CHECK_THAT(loadFailure("a.gltf", file.json.dump()), ContainsSubstring("whose base64 is not sound"));
+}
+
+TEST_CASE("sparse indices out of range are errors") {
+  GltfFileMaker file = triangleFile();
+  const int which = file.view(bytesOf(std::vector<uint8_t>{3})), values = file.view(bytesOf(Floats{5, 6, 7}));
+  file.json["accessors"][0]["sparse"] = {{"count", 1},
+                                         {"indices", {{"bufferView", which}, {"componentType", 5121}}},
+                                         {"values", {{"bufferView", values}}}};
+  CHECK_THAT(file.failure(), ContainsSubstring("accessor 0 (sparse): index 3 is out of range, there are 3"));
+  file.json["accessors"][0]["sparse"]["count"] = 2;
+  CHECK_THAT(file.failure(), ContainsSubstring("(sparse), indices: 2 elements of 1 bytes"));
+}
+
+TEST_CASE("a small file cannot ask for more memory than it could fill") {
+  GltfFileMaker file = triangleFile();
+  file.json["accessors"][0] = {{"componentType", 5126}, {"type", "VEC3"}, {"count", 4'000'000'000u}};
+  CHECK_THAT(file.failure(), ContainsSubstring("4000000000 elements are more than a file of"));
+  file.json["accessors"][0]["count"] = 5'000'000'000u;
+  CHECK_THAT(file.failure(), ContainsSubstring("accessor 0 has 5000000000 elements; the limit is 4294967295"));
+}

@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+#include <meshoptimizer.h>
+
+#include <catch2/catch_approx.hpp>
+#include <catch2/generators/catch_generators.hpp>
+#include <cmath>
+#include <limits>
+
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Approx;
+
+TEST_CASE("an indexed triangle is read as it is stored") {
+  const Scene scene = triangleFile().load();
+  REQUIRE(scene.meshes.size() == 1);
+  CHECK(scene.meshes[0].name == "tri");
+  CHECK(scene.meshes[0].positions == Floats{0, 0, 0, 1, 0, 0, 0, 1, 0});
+  CHECK(scene.meshes[0].indices == Indices{0, 1, 2});
+  CHECK(scene.meshes[0].origin.x == 0);
+  REQUIRE(scene.instances.size() == 1);
+  CHECK(scene.instances[0].transform.rows == Transform{}.rows);
+  validate(scene);
+}
+
+TEST_CASE("a GLB holds the same as its text") {
+  GltfFileMaker file = triangleFile();
+  const Scene scene = loadText("made.glb", file.glb());
+  CHECK(scene.meshes.at(0).positions == Floats{0, 0, 0, 1, 0, 0, 0, 1, 0});
+  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2});
+  // The content decides, not the ending.
+  CHECK(loadText("made.gltf", file.glb()).meshes.size() == 1);
+}
+
+TEST_CASE("glTF is turned from y-up to z-up unless told otherwise") {
+  GltfFileMaker file = triangleFile();
+  const Transform turned = file.load({}).instances.at(0).transform;
+  CHECK(at(turned, 1, 2, 3) == std::array<double, 3>{1, -3, 2});
+  CHECK(at(file.load({UpAxis::y, 1}).instances.at(0).transform, 1, 2, 3) == std::array<double, 3>{1, -3, 2});
+  CHECK(at(file.load({UpAxis::z, 1}).instances.at(0).transform, 1, 2, 3) == std::array<double, 3>{1, 2, 3});
+  CHECK(at(file.load({UpAxis::formatDefault, 0.01}).instances.at(0).transform, 100, 200, 300) ==
+        std::array<double, 3>{1, -3, 2});
+}
+
+TEST_CASE("node transforms are composed in double from matrix and from TRS") {
+  GltfFileMaker file = triangleFile();
+  // Turn by 90 degrees about z, twice the size along x, then moved; below it a matrix that moves far away.
+  const double half = std::sqrt(0.5);
+  file.json["nodes"] = {
+      {{"children", {1}}, {"translation", {1, 2, 3}}, {"rotation", {0, 0, half, half}}, {"scale", {2, 1, 1}}},
+      {{"mesh", 0}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5206123.456, 0, 7, 1}}}};
+  const Transform transform = file.load().instances.at(0).transform;
+  const auto p = at(transform, 0, 0, 0);
+  CHECK(p[0] == Approx(1).margin(1e-8));
+  CHECK(p[1] == Approx(2 + 2 * 5206123.456).epsilon(1e-15));
+  CHECK(p[2] == 10);
+  const auto x = at(transform, 1, 0, 0);
+  CHECK(x[1] - p[1] == Approx(2).margin(1e-8));
+}
+
+TEST_CASE("a mirrored node keeps its negative determinant") {
+  GltfFileMaker file = triangleFile();
+  file.json["nodes"][0]["scale"] = {-1, 1, 1};
+  const Scene scene = file.load();
+  CHECK(at(scene.instances.at(0).transform, 1, 2, 3) == std::array<double, 3>{-1, 2, 3});
+  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2});
+}
+
+TEST_CASE("nodes that share a mesh become instances of one mesh, in tree order") {
+  GltfFileMaker file = triangleFile();
+  file.json["nodes"] = {
+      {{"name", "a"}, {"mesh", 0}, {"children", {2}}}, {{"name", "b"}, {"mesh", 0}}, {{"name", "c"}, {"mesh", 0}}};
+  file.json["scenes"] = {{{"nodes", {1, 0}}}};
+  const Scene scene = file.load();
+  CHECK(scene.meshes.size() == 1);
+  REQUIRE(scene.instances.size() == 3);
+  CHECK(scene.instances[0].name == "b");
+  CHECK(scene.instances[1].name == "a");
+  CHECK(scene.instances[2].name == "c");
+}
+
+TEST_CASE("the chosen scene is read, else the first, else every root") {
+  GltfFileMaker file = triangleFile();
+  file.json["nodes"] = {{{"name", "a"}, {"mesh", 0}}, {{"name", "b"}, {"mesh", 0}}};
+  CHECK(file.load().instances.size() == 2);
+  file.json["scenes"] = {{{"nodes", {0}}}, {{"nodes", {1}}}};
+  CHECK(file.load().instances.at(0).name == "a");
+  file.json["scene"] = 1;
+  CHECK(file.load().instances.at(0).name == "b");
+  file.json["scene"] = 2;
+  CHECK_THAT(file.failure(), ContainsSubstring("scene 2 does not exist"));
+}
+
+TEST_CASE("a chain of a hundred thousand nodes is read") {
+  GltfFileMaker file = triangleFile();
+  file.json["nodes"] = Json::array();
+  for (int i = 1; i < 100'000; ++i) file.json["nodes"].push_back({{"children", {i}}, {"translation", {1, 0, 0}}});
+  file.json["nodes"].push_back({{"mesh", 0}});
+  CHECK(at(file.load().instances.at(0).transform, 0, 0, 0) == std::array<double, 3>{99'999, 0, 0});
+}
+
+TEST_CASE("strips and fans become triangles with glTF's winding") {
+  GltfFileMaker file;
+  const int positions = file.accessor(Floats{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0}, "VEC3");
+  file.mesh({{"attributes", {{"POSITION", positions}}}, {"mode", 5}});
+  file.node({{"mesh", 0}});
+  CHECK(file.load().meshes.at(0).indices == Indices{0, 1, 2, 1, 3, 2, 2, 3, 4});
+  file.json["meshes"][0]["primitives"][0]["mode"] = 6;
+  CHECK(file.load().meshes.at(0).indices == Indices{1, 2, 0, 2, 3, 0, 3, 4, 0});
+  // Indexed, and with too few corners for a triangle.
+  file.json["meshes"][0]["primitives"][0]["indices"] = file.accessor(std::vector<uint8_t>{4, 3, 2, 1}, "SCALAR");
+  CHECK(file.load().meshes.at(0).indices == Indices{3, 2, 4, 2, 1, 4});
+  file.json["meshes"][0]["primitives"][0]["indices"] = file.accessor(std::vector<uint8_t>{4, 3}, "SCALAR");
+  CHECK(file.load().meshes.at(0).indices.empty());
+}
+
+TEST_CASE("triangles without indices take their vertices in order, and points and lines are skipped") {
+  GltfFileMaker file;
+  const int positions = file.accessor(kSquare, "VEC3");
+  file.mesh({{"attributes", {{"POSITION", positions}}}});
+  file.node({{"mesh", 0}});
+  CHECK(file.load().meshes.at(0).indices == Indices{0, 1, 2});  // the fourth vertex begins a triangle that never ends
+  for (int mode : {0, 1, 2, 3}) {
+    file.json["meshes"][0]["primitives"][0]["mode"] = mode;
+    CHECK(file.load().uniqueTriangleCount() == 0);
+  }
+}
+
+TEST_CASE("indices of every width are read") {
+  GltfFileMaker file = triangleFile();
+  const auto set = [&](int accessor) { file.json["meshes"][0]["primitives"][0]["indices"] = accessor; };
+  set(file.accessor(std::vector<uint8_t>{2, 1, 0}, "SCALAR"));
+  CHECK(file.load().meshes.at(0).indices == Indices{2, 1, 0});
+  set(file.accessor(Indices{1, 2, 0}, "SCALAR"));
+  CHECK(file.load().meshes.at(0).indices == Indices{1, 2, 0});
+}
+
+TEST_CASE("quantised positions of every type are decoded as the specification says") {
+  GltfFileMaker file = triangleFile();
+  file.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+  const auto positions = [&](int accessor) {
+    file.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = accessor;
+    return file.load().meshes.at(0).positions;
+  };
+  const Json normalized = {{"normalized", true}};
+  CHECK(positions(file.accessor(std::vector<int8_t>{127, -128, -127, 0, 0, 0, 0, 0, 0}, "VEC3", normalized)) ==
+        Floats{1, -1, -1, 0, 0, 0, 0, 0, 0});
+  CHECK(positions(file.accessor(std::vector<uint8_t>{255, 51, 0, 0, 0, 0, 0, 0, 0}, "VEC3", normalized)) ==
+        Floats{1, 0.2f, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(positions(file.accessor(std::vector<int16_t>{32767, -32768, 0, 0, 0, 0, 0, 0, 0}, "VEC3", normalized)) ==
+        Floats{1, -1, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(positions(file.accessor(std::vector<uint16_t>{65535, 13107, 0, 0, 0, 0, 0, 0, 0}, "VEC3", normalized)) ==
+        Floats{1, 0.2f, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(positions(file.accessor(std::vector<int16_t>{-300, 20, 7, 0, 0, 0, 0, 0, 0}, "VEC3")) ==
+        Floats{-300, 20, 7, 0, 0, 0, 0, 0, 0});
+  CHECK(positions(file.accessor(Indices{70000, 0, 7, 0, 0, 0, 0, 0, 0}, "VEC3")) ==
+        Floats{70000, 0, 7, 0, 0, 0, 0, 0, 0});
+}
+
+TEST_CASE("interleaved vertices are read with their byteStride and byteOffset") {
+  GltfFileMaker file = triangleFile();
+  const int position = file.accessor(Floats{9, 9, 9, 9, 1, 2, 3, 9, 4, 5, 6, 9, 7, 8, 9, 9}, "VEC3");
+  file.json["accessors"][static_cast<size_t>(position)]["byteOffset"] = 16;
+  file.json["accessors"][static_cast<size_t>(position)]["count"] = 3;
+  file.json["bufferViews"].back()["byteStride"] = 16;
+  file.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = position;
+  CHECK(file.load().meshes.at(0).positions == Floats{1, 2, 3, 4, 5, 6, 7, 8, 9});
+}
+
+TEST_CASE("sparse accessors change what is below them, or zeros") {
+  GltfFileMaker file = triangleFile();
+  const int which = file.view(bytesOf(std::vector<uint8_t>{1, 2})),
+            values = file.view(bytesOf(Floats{5, 6, 7, 8, 9, 10}));
+  const Json sparse = {{"count", 2},
+                       {"indices", {{"bufferView", which}, {"componentType", 5121}}},
+                       {"values", {{"bufferView", values}}}};
+  file.json["accessors"][0]["sparse"] = sparse;
+  CHECK(file.load().meshes.at(0).positions == Floats{0, 0, 0, 5, 6, 7, 8, 9, 10});
+  file.json["accessors"][0] = {{"componentType", 5126}, {"type", "VEC3"}, {"count", 4}, {"sparse", sparse}};
+  CHECK(file.load().meshes.at(0).positions == Floats{0, 0, 0, 5, 6, 7, 8, 9, 10, 0, 0, 0});
+}
+
+TEST_CASE("primitives become parts, and share the vertices of an accessor that they share") {
+  GltfFileMaker file = triangleFile();
+  const int more = file.accessor(Floats{7, 7, 7, 8, 8, 8, 9, 9, 9}, "VEC3");
+  const Json first = file.json["meshes"][0]["primitives"][0];
+  file.json["materials"] = {{{"name", "red"}}, {{"name", "blue"}}};
+  Json& primitives = file.json["meshes"][0]["primitives"];
+  primitives[0]["material"] = 1;
+  primitives.push_back({{"attributes", {{"POSITION", more}}}, {"material", 0}});
+  primitives.push_back(first);
+  const Scene scene = file.load();
+  const Mesh& mesh = scene.meshes.at(0);
+  CHECK(mesh.positions == Floats{0, 0, 0, 1, 0, 0, 0, 1, 0, 7, 7, 7, 8, 8, 8, 9, 9, 9});
+  CHECK(mesh.indices == Indices{0, 1, 2, 3, 4, 5, 0, 1, 2});
+  REQUIRE(mesh.parts.size() == 3);
+  CHECK(mesh.parts[0].material == 1);
+  CHECK(mesh.parts[1].material == 0);
+  CHECK(mesh.parts[1].firstTriangle == 1);
+  // The third has none, so it has glTF's default, which is single-sided.
+  REQUIRE(scene.materials.size() == 3);
+  CHECK(mesh.parts[2].material == 2);
+  CHECK_FALSE(scene.materials[2].doubleSided);
+  CHECK(scene.materials[2].metallic == 1);
+}
+
+TEST_CASE("meshes that share one accessor take the vertices that they use") {
+  GltfFileMaker file;
+  const int positions = file.accessor(kSquare, "VEC3");
+  const int a = file.accessor(std::vector<uint16_t>{3, 1, 2}, "SCALAR"),
+            b = file.accessor(std::vector<uint16_t>{0, 1, 2}, "SCALAR");
+  file.mesh({{"attributes", {{"POSITION", positions}}}, {"indices", a}});
+  file.mesh({{"attributes", {{"POSITION", positions}}}, {"indices", b}});
+  file.node({{"mesh", 0}});
+  file.node({{"mesh", 1}});
+  const Scene scene = file.load();
+  CHECK(scene.meshes.at(0).positions == Floats{1, 0, 0, 0, 1, 0, 1, 1, 0});
+  CHECK(scene.meshes.at(0).indices == Indices{2, 0, 1});
+  CHECK(scene.meshes.at(1).positions == Floats{0, 0, 0, 1, 0, 0, 0, 1, 0});
+}
+
+TEST_CASE("materials are read with their transmission, alpha and sides") {
+  GltfFileMaker file = triangleFile();
+  file.json["materials"] = Json::parse(R"([
+    {"name": "glass", "doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.25,
+     "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 0.75], "metallicFactor": 0.5, "roughnessFactor": 0.125,
+                              "baseColorTexture": {"index": 99}},
+     "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.875}}},
+    {"alphaMode": "BLEND"}])");
+  const Scene scene = file.load();
+  const Material& glass = scene.materials.at(0);
+  CHECK(glass.name == "glass");
+  CHECK(glass.baseColor == std::array<float, 4>{0.5f, 0.25f, 1, 0.75f});
+  CHECK(glass.metallic == 0.5f);
+  CHECK(glass.roughness == 0.125f);
+  CHECK(glass.transmission == 0.875f);
+  CHECK(glass.alphaMode == AlphaMode::mask);
+  CHECK(glass.alphaCutoff == 0.25f);
+  CHECK(glass.doubleSided);
+  const Material& plain = scene.materials.at(1);
+  CHECK(plain.alphaMode == AlphaMode::blend);
+  CHECK(plain.metallic == 1);
+  CHECK(plain.roughness == 1);
+  CHECK_FALSE(plain.doubleSided);
+}
+
+TEST_CASE("EXT_mesh_gpu_instancing places the mesh once per element") {
+  GltfFileMaker file = triangleFile();
+  const int translations = file.accessor(Floats{1, 0, 0, 0, 2, 0}, "VEC3");
+  const int rotations = file.accessor(std::vector<int8_t>{0, 0, 0, 127, 0, 0, 90, 90}, "VEC4", {{"normalized", true}});
+  const int scales = file.accessor(Floats{1, 1, 1, 3, 1, 1}, "VEC3");
+  file.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+  file.json["nodes"][0]["translation"] = {0, 0, 10};
+  file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", translations}, {"ROTATION", rotations}, {"SCALE", scales}};
+  const Scene scene = file.load();
+  CHECK(scene.meshes.size() == 1);
+  REQUIRE(scene.instances.size() == 2);
+  CHECK(at(scene.instances[0].transform, 1, 0, 0) == std::array<double, 3>{2, 0, 10});
+  const auto turned = at(scene.instances[1].transform, 1, 0, 0);  // stretched to 3, turned to y, moved by 2
+  CHECK(turned[0] == Approx(0).margin(1e-12));
+  CHECK(turned[1] == Approx(5));
+  CHECK(turned[2] == 10);
+  file.json["accessors"][static_cast<size_t>(scales)]["count"] = 1;
+  CHECK_THAT(file.failure(), ContainsSubstring("node 0: SCALE has 1 instances, another attribute has 2"));
+}
+
+TEST_CASE("nan, infinity and huge positions pass through") {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  GltfFileMaker file = triangleFile();
+  file.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] =
+      file.accessor(Floats{nan, 0, 0, infinity, 0, 0, 1e30f, 0, 0}, "VEC3");
+  const Scene scene = file.load();
+  CHECK(std::isnan(scene.meshes.at(0).positions[0]));
+  CHECK(scene.meshes.at(0).positions[3] == infinity);
+  CHECK(scene.meshes.at(0).positions[6] == 1e30f);
+  CHECK(scene.uniqueTriangleCount() == 1);
+}
+
+namespace {
+
+/// A wavy grid, so that the codecs have something to do.
+void makeGrid(Floats& positions, Indices& indices) {
+  constexpr uint32_t kSide = 5;
+  for (uint32_t y = 0; y < kSide; ++y)
+    for (uint32_t x = 0; x < kSide; ++x)
+      for (uint32_t value : {x, y, x * y % 3}) positions.push_back(static_cast<float>(value));
+  for (uint32_t y = 0; y + 1 < kSide; ++y)
+    for (uint32_t x = 0; x + 1 < kSide; ++x) {
+      const uint32_t a = y * kSide + x;
+      for (uint32_t i : {a, a + 1, a + kSide, a + 1, a + kSide + 1, a + kSide}) indices.push_back(i);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("EXT_meshopt_compression is decoded in every mode, past a fallback buffer without bytes") {
+  Floats positions;
+  Indices indices;
+  makeGrid(positions, indices);
+  const size_t vertices = positions.size() / 3;
+  std::string packed(meshopt_encodeVertexBufferBound(vertices, 12), '\0');
+  const auto data = [](std::string& text) { return reinterpret_cast<unsigned char*>(text.data()); };
+  const bool exponential = GENERATE(false, true);
+  if (exponential) {
+    Indices filtered(positions.size());
+    meshopt_encodeFilterExp(filtered.data(), vertices, 12, 16, positions.data());
+    packed.resize(meshopt_encodeVertexBuffer(data(packed), packed.size(), filtered.data(), vertices, 12));
+  } else {
+    packed.resize(meshopt_encodeVertexBuffer(data(packed), packed.size(), positions.data(), vertices, 12));
+  }
+  const bool sequence = GENERATE(false, true);
+  std::string order(meshopt_encodeIndexBufferBound(indices.size(), vertices) +
+                        meshopt_encodeIndexSequenceBound(indices.size(), vertices),
+                    '\0');
+  order.resize(sequence ? meshopt_encodeIndexSequence(data(order), order.size(), indices.data(), indices.size())
+                        : meshopt_encodeIndexBuffer(data(order), order.size(), indices.data(), indices.size()));
+
+  GltfFileMaker file;
+  const size_t start = file.bytes.size();
+  file.bytes = packed;
+  file.bytes.resize((packed.size() + 3) / 4 * 4);
+  const size_t second = file.bytes.size();
+  file.bytes += order;
+  const auto addView = [&](size_t offset, size_t size, size_t stride, size_t count, const char* mode) {
+    return file.push("bufferViews", {{"buffer", 1},
+                                     {"byteLength", stride * count},
+                                     {"extensions",
+                                      {{"EXT_meshopt_compression",
+                                        {{"buffer", 0},
+                                         {"byteOffset", offset},
+                                         {"byteLength", size},
+                                         {"byteStride", stride},
+                                         {"count", count},
+                                         {"mode", mode}}}}}});
+  };
+  addView(start, packed.size(), 12, vertices, "ATTRIBUTES");
+  addView(second, order.size(), 4, indices.size(), sequence ? "INDICES" : "TRIANGLES");
+  if (exponential) file.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["filter"] = "EXPONENTIAL";
+  file.push("accessors", {{"bufferView", 0}, {"componentType", 5126}, {"type", "VEC3"}, {"count", vertices}});
+  file.push("accessors", {{"bufferView", 1}, {"componentType", 5125}, {"type", "SCALAR"}, {"count", indices.size()}});
+  file.mesh({{"attributes", {{"POSITION", 0}}}, {"indices", 1}});
+  file.node({{"mesh", 0}});
+  file.json["extensionsRequired"] = {"EXT_meshopt_compression"};
+  file.text();
+  file.json["buffers"].push_back(
+      {{"byteLength", 4096}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
+  const std::string text = file.json.dump();
+
+  const Scene scene = loadText("made.gltf", text);
+  CHECK(scene.meshes.at(0).positions == positions);
+  // The triangle codec may turn a triangle's corners round.
+  const Indices& read = scene.meshes.at(0).indices;
+  REQUIRE(read.size() == indices.size());
+  for (size_t t = 0; t < read.size(); t += 3) {
+    bool same = false;
+    for (size_t turn = 0; turn < 3; ++turn)
+      same = same || (read[t] == indices[t + turn] && read[t + 1] == indices[t + (turn + 1) % 3] &&
+                      read[t + 2] == indices[t + (turn + 2) % 3]);
+    CHECK(same);
+  }
+  file.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["byteLength"] = packed.size() / 2;
+  CHECK_THAT(loadFailure("made.gltf", file.json.dump()), ContainsSubstring("bufferView 0 (meshopt)"));
+}
+
+TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors than its own") {
+  Floats positions;
+  Indices indices;
+  makeGrid(positions, indices);
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(static_cast<int>(indices.size() / 3));
+  const int attribute = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  for (size_t t = 0; t < indices.size() / 3; ++t)
+    builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(static_cast<uint32_t>(t)),
+                                      &positions[3 * indices[3 * t]], &positions[3 * indices[3 * t + 1]],
+                                      &positions[3 * indices[3 * t + 2]]);
+  const auto mesh = builder.Finalize();
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);  // keeps order and bits
+  draco::EncoderBuffer buffer;
+  REQUIRE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
+
+  GltfFileMaker file;
+  const int view = file.view({buffer.data(), buffer.size()});
+  file.push("accessors", {{"componentType", 5126}, {"type", "VEC3"}, {"count", 25}});
+  file.push("accessors", {{"componentType", 5125}, {"type", "SCALAR"}, {"count", indices.size()}});
+  file.mesh({{"attributes", {{"POSITION", 0}}}, {"indices", 1}});
+  file.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {
+      {"bufferView", view}, {"attributes", {{"POSITION", mesh->attribute(attribute)->unique_id()}}}};
+  file.node({{"mesh", 0}});
+  file.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  const Scene scene = file.load();
+  const Mesh& read = scene.meshes.at(0);
+  REQUIRE(read.indices.size() == indices.size());
+  for (size_t i = 0; i < indices.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) CHECK(read.positions[3 * read.indices[i] + c] == positions[3 * indices[i] + c]);
+
+  file.json["bufferViews"][0]["byteLength"] = buffer.size() / 2;
+  CHECK_THAT(file.failure(), ContainsSubstring("mesh 0, primitive 0: its Draco data is not sound"));
+}

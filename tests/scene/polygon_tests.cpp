@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+// OBJ, PLY and STL.
+#include <algorithm>
+#include <catch2/catch_approx.hpp>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Approx;
+
+namespace {
+
+const char* const kSquareObj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+/// Area in the x y plane; without a sign, so that triangles beyond the outline show.
+double area(const Mesh& mesh) {
+  double sum = 0;
+  for (size_t t = 0; t < mesh.indices.size(); t += 3) {
+    const auto x = [&](size_t k) { return mesh.positions[3 * mesh.indices[t + k]]; };
+    const auto y = [&](size_t k) { return mesh.positions[3 * mesh.indices[t + k] + 1]; };
+    sum += 0.5 * std::abs((x(1) - x(0)) * (y(2) - y(0)) - (y(1) - y(0)) * (x(2) - x(0)));
+  }
+  return sum;
+}
+
+std::string plyHeader(const std::string& format, const std::string& type, const std::string& index, size_t vertices = 4,
+                      size_t faces = 1) {
+  return "ply\nformat " + format + " 1.0\ncomment made by hand\nelement vertex " + std::to_string(vertices) +
+         "\nproperty " + type + " x\nproperty " + type + " y\nproperty " + type + " z\nelement face " +
+         std::to_string(faces) + "\nproperty list uchar " + index + " vertex_indices\nend_header\n";
+}
+
+template <typename T>
+std::string swapped(T value) {
+  std::string bytes = bytesOf(std::vector<T>{value});
+  std::reverse(bytes.begin(), bytes.end());
+  return bytes;
+}
+
+std::string stlTriangle(const Floats& corners) {
+  return bytesOf(Floats{0, 0, 1}) + bytesOf(corners) + std::string(2, '\0');
+}
+
+}  // namespace
+
+TEST_CASE("OBJ faces are read with normals, texture coordinates and negative indices, double-sided and z-up") {
+  const Scene scene =
+      loadText("a.obj", std::string(kSquareObj) + "vn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3/1\nf -4 -2 -1\n", {});
+  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2, 0, 2, 3});
+  CHECK(scene.meshes.at(0).positions == Floats{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+  CHECK(scene.materials.at(0).doubleSided);
+  CHECK(at(scene.instances.at(0).transform, 1, 2, 3) == std::array<double, 3>{1, 2, 3});
+  validate(scene);
+}
+
+TEST_CASE("OBJ can be y-up and in millimetres") {
+  const Scene scene = loadText("a.OBJ", std::string(kSquareObj) + "f 1 2 3\n", {UpAxis::y, 0.001});
+  const auto p = at(scene.instances.at(0).transform, 1000, 2000, 3000);
+  CHECK(p[0] == Approx(1));
+  CHECK(p[1] == Approx(-3));
+  CHECK(p[2] == Approx(2));
+}
+
+TEST_CASE("polygons are cut so that they keep their area, concave ones too") {
+  const Scene quad = loadText("a.obj", std::string(kSquareObj) + "f 1 2 3 4\n");
+  CHECK(quad.meshes.at(0).indices == Indices{0, 1, 2, 0, 2, 3});
+  const Scene dart = loadText("a.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\nv 0 4 0\nf 1 2 3 4 5\n");
+  CHECK(dart.uniqueTriangleCount() == 3);
+  CHECK(area(dart.meshes.at(0)) == Approx(10));
+  const Scene turned = loadText("a.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\nv 0 4 0\nf 5 4 3 2 1\n");
+  CHECK(area(turned.meshes.at(0)) == Approx(10));
+  CHECK(turned.meshes.at(0).indices[0] > turned.meshes.at(0).indices[1]);  // clockwise stays clockwise
+  std::ostringstream vertices, face;
+  for (int i = 0; i < 400; ++i) {  // more corners than a byte counts
+    vertices << "v " << std::cos(i * 0.015707963) << " " << std::sin(i * 0.015707963) << " 0\n";
+    face << " " << i + 1;
+  }
+  CHECK(loadText("a.obj", vertices.str() + "f" + face.str() + "\n").uniqueTriangleCount() == 398);
+}
+
+TEST_CASE("OBJ materials come from the library beside it, and parts are runs of one material") {
+  const TemporaryFolder folder;
+  folder.write(
+      "m.mtl",
+      "newmtl red\nKd 1 0.5 0\nPr 0.25\nPm 0.75\nTf 1 1 1\nillum 2\n\nnewmtl glass\nd 0.25\nTf 0.5 0.5 0.5\nillum 4\n");
+  const Scene scene = loadScene(folder.write(
+      "a.obj",
+      std::string("mtllib m.mtl\n") + kSquareObj +
+          "f 1 2 3\nusemtl glass \nf 2 3 4\nusemtl red\nf 1 2 4\nusemtl glass\nf 1 3 4\nusemtl lost\nf 1 2 3\n"));
+  REQUIRE(scene.materials.size() == 4);
+  CHECK(scene.materials[0].name == "red");
+  CHECK(scene.materials[0].baseColor == std::array<float, 4>{1, 0.5f, 0, 1});
+  CHECK(scene.materials[0].roughness == 0.25f);
+  CHECK(scene.materials[0].metallic == 0.75f);
+  CHECK(scene.materials[0].transmission == 0);  // Tf does not count for what is not glass
+  CHECK(scene.materials[0].alphaMode == AlphaMode::opaque);
+  CHECK(scene.materials[1].name == "glass");
+  CHECK(scene.materials[1].alphaMode == AlphaMode::blend);
+  CHECK(scene.materials[1].baseColor[3] == 0.25f);
+  CHECK(scene.materials[1].transmission == 0.5f);
+  CHECK(scene.materials[2].name == "lost");
+  CHECK(scene.materials[3].name.empty());
+  const Mesh& mesh = scene.meshes.at(0);
+  CHECK(mesh.indices == Indices{0, 1, 3, 1, 2, 3, 0, 2, 3, 0, 1, 2, 0, 1, 2});
+  REQUIRE(mesh.parts.size() == 4);
+  CHECK(mesh.parts[1].firstTriangle == 1);
+  CHECK(mesh.parts[1].triangleCount == 2);
+  CHECK(mesh.parts[1].material == 1);
+  validate(scene);
+}
+
+TEST_CASE("a missing material library leaves the names") {
+  const Scene scene = loadText("a.obj", std::string("mtllib gone.mtl\nusemtl brick\n") + kSquareObj + "f 1 2 3\n");
+  REQUIRE(scene.materials.size() == 1);
+  CHECK(scene.materials[0].name == "brick");
+}
+
+TEST_CASE("georeferenced coordinates keep their millimetres through an origin") {
+  const Scene scene = loadText("a.obj",
+                               "v 843216.123 5206123.456 170.25\nv 843218.123 5206123.456 170.25\n"
+                               "v 843216.123 5206125.456 170.25\nf 1 2 3\n");
+  const Mesh& mesh = scene.meshes.at(0);
+  CHECK(mesh.origin.x == 843217);
+  CHECK(mesh.origin.y == 5206124);
+  CHECK(mesh.origin.z == 170);
+  CHECK(std::abs(mesh.origin.y + mesh.positions[1] - 5206123.456) < 1e-7);
+  // Where floats hold every coordinate there is none.
+  CHECK(loadText("a.obj", "v 1000000 0.5 0\nv 1000001 0 0\nv 0 0 1\nf 1 2 3\n").meshes.at(0).origin.x == 0);
+}
+
+TEST_CASE("OBJ passes nan and infinity through") {
+  const Mesh mesh = loadText("a.obj", "v nan 0 0\nv -inf 0 0\nv 1e30 0 0\nv 1e999 0.1 0\nf 1 2 3\n").meshes.at(0);
+  CHECK(std::isnan(mesh.positions[0]));
+  CHECK(mesh.positions[3] == -std::numeric_limits<float>::infinity());
+  CHECK(mesh.positions[6] == 1e30f);
+  CHECK(mesh.positions[9] == std::numeric_limits<float>::infinity());
+}
+
+TEST_CASE("bad OBJ is an error, and one without faces is a scene without triangles") {
+  CHECK_THAT(loadFailure("a.obj", ""), ContainsSubstring("a.obj': the file is empty"));
+  CHECK_THAT(loadFailure("a.obj", std::string("\xFF\xFEv\0 \0", 6)), ContainsSubstring("is UTF-16; save it as UTF-8"));
+  CHECK_THAT(loadFailure("a.obj", std::string("v 0 0 0\0\n", 9)), ContainsSubstring("it holds binary data"));
+  CHECK_THAT(loadFailure("a.obj", "v 0 0\n"), ContainsSubstring("vertex 1 of the OBJ file has ''"));
+  CHECK_THAT(loadFailure("a.obj", "v 0 0 x\n"), ContainsSubstring("vertex 1 of the OBJ file has 'x'"));
+  CHECK_THAT(loadFailure("a.obj", "v 0 0 0\nf 1 1 2\n"),
+             ContainsSubstring("face 1 of the OBJ file: index 2 is out of range, there are 1 vertices"));
+  CHECK_THAT(loadFailure("a.obj", "v 0 0 0\nf 0 1 1\n"), ContainsSubstring("index 0 is out of range"));
+  CHECK_THAT(loadFailure("a.obj", "v 0 0 0\nf -2 1 1\n"), ContainsSubstring("index -2 is out of range"));
+  CHECK(loadText("a.obj", "v 0 0 0\nl 1 1\n# nothing\n").uniqueTriangleCount() == 0);
+}
+
+TEST_CASE("PLY is read as text and as binary of either byte order, with any types") {
+  const Floats square = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+  const Indices cut = {0, 1, 2, 0, 2, 3};
+  const Scene text =
+      loadText("a.ply", plyHeader("ascii", "float", "int") + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n", {});
+  CHECK(text.meshes.at(0).positions == square);
+  CHECK(text.meshes.at(0).indices == cut);
+  CHECK(text.materials.at(0).doubleSided);
+  CHECK(at(text.instances.at(0).transform, 1, 2, 3) == std::array<double, 3>{1, 2, 3});
+
+  const std::string corners16 = bytesOf(std::vector<uint16_t>{0, 1, 2, 3});
+  const Scene little =
+      loadText("a.ply", plyHeader("binary_little_endian", "float", "ushort") + bytesOf(square) + "\4" + corners16);
+  CHECK(little.meshes.at(0).positions == square);
+  CHECK(little.meshes.at(0).indices == cut);
+
+  std::string body;
+  for (float value : square) body += swapped(static_cast<double>(value));
+  body += "\4";
+  for (uint32_t corner : {0u, 1u, 2u, 3u}) body += swapped(corner);
+  const Scene big = loadText("a.ply", plyHeader("binary_big_endian", "double", "uint") + body);
+  CHECK(big.meshes.at(0).positions == square);
+  CHECK(big.meshes.at(0).indices == cut);
+
+  const Scene integers = loadText("a.ply", plyHeader("ascii", "int", "uchar", 3) + "0 0 0\n5 0 0\n0 7 0\n3 0 1 2\n");
+  CHECK(integers.meshes.at(0).positions == Floats{0, 0, 0, 5, 0, 0, 0, 7, 0});
+}
+
+TEST_CASE("PLY skips what it does not need, in any order") {
+  const Scene scene = loadText("a.ply",
+                               "ply\r\nformat ascii 1.0\r\nobj_info x\r\nelement face 1\r\nproperty uchar "
+                               "red\r\nproperty list uchar int vertex_index\r\n"
+                               "element extra 2\r\nproperty list uchar float junk\r\nelement vertex 3\r\nproperty "
+                               "float nx\r\nproperty float x\r\n"
+                               "property float y\r\nproperty float z\r\nend_header\r\n7 3 0 1 2\r\n2 5 6\r\n0\r\n9 0 0 "
+                               "0\r\n9 1 0 0\r\n9 0 nan 0 8 8\r\n");
+  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2});
+  CHECK(scene.meshes.at(0).positions[3] == 1);
+  CHECK(std::isnan(scene.meshes.at(0).positions[7]));
+}
+
+TEST_CASE("PLY of points is a scene without triangles") {
+  const Scene scene = loadText("a.ply",
+                               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
+                               "float z\nend_header\n1 2 3\n");
+  CHECK(scene.uniqueTriangleCount() == 0);
+  validate(scene);
+}
+
+TEST_CASE("bad PLY is an error") {
+  const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+  CHECK_THAT(loadFailure("a.ply", "plx\n"), ContainsSubstring("its first line is not 'ply'"));
+  CHECK_THAT(loadFailure("a.ply", "ply\nformat ascii 1.0\n"), ContainsSubstring("cut off in its header"));
+  CHECK_THAT(loadFailure("a.ply", "ply\nend_header\n"), ContainsSubstring("names no format"));
+  CHECK_THAT(loadFailure("a.ply", plyHeader("ascii", "real", "int")), ContainsSubstring("unknown type 'real'"));
+  CHECK_THAT(loadFailure("a.ply", plyHeader("ascii", "float", "int", 4'000'000'000u) + body),
+             ContainsSubstring("claims more items of 'vertex' than the file has bytes"));
+  CHECK_THAT(loadFailure("a.ply", plyHeader("ascii", "float", "int") + body),
+             ContainsSubstring("cut off in its faces"));
+  CHECK_THAT(loadFailure("a.ply", plyHeader("ascii", "float", "int") + body + "4 0 1 2 4\n"),
+             ContainsSubstring("face 0 of the PLY file: index 4 is out of range, there are 4 vertices"));
+  CHECK_THAT(loadFailure("a.ply", plyHeader("ascii", "float", "int") + body + "4 0 1 2 -1\n"),
+             ContainsSubstring("face 0 of the PLY file has a corner that is not a vertex index"));
+  CHECK_THAT(loadFailure("a.ply", plyHeader("ascii", "float", "int") + body + "200 0 1 2\n"),
+             ContainsSubstring("a list longer than the file"));
+  CHECK_THAT(loadFailure("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"),
+             ContainsSubstring("have no y"));
+}
+
+TEST_CASE("STL corners with the same bits are one vertex, in text and in binary") {
+  const std::string text =
+      "solid facet of vertex\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1.5e0 "
+      "0\n  endloop\n endfacet\n"
+      "facet normal 0 0 1\nouter loop\nvertex 0 1.5 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\nendsolid facet\n";
+  const Floats positions = {0, 0, 0, 1, 0, 0, 0, 1.5f, 0, 1, 1, 0};
+  const Scene scene = loadText("a.stl", text);
+  CHECK(scene.meshes.at(0).positions == positions);
+  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2, 2, 1, 3});
+  // The name of a binary file may begin like a text file.
+  std::string binary = "solid" + std::string(75, ' ') + bytesOf(Indices{2}) +
+                       stlTriangle({0, 0, 0, 1, 0, 0, 0, 1.5f, 0}) + stlTriangle({0, 1.5f, 0, 1, 0, 0, 1, 1, 0});
+  CHECK(loadText("a.stl", binary).meshes.at(0).positions == positions);
+  CHECK(loadText("a.stl", binary).meshes.at(0).indices == Indices{0, 1, 2, 2, 1, 3});
+}
+
+TEST_CASE("a corner of an STL that is nan is welded to nothing else") {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const Scene scene =
+      loadText("a.stl", std::string(80, ' ') + bytesOf(Indices{2}) + stlTriangle({0, 0, 0, 1, 0, 0, 0, 1, 0}) +
+                            stlTriangle({nan, 0, 0, 0, 0, 0, 1, 0, 0}));
+  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2, 3, 0, 1});
+  CHECK(std::isnan(scene.meshes.at(0).positions[9]));
+}
+
+TEST_CASE("bad STL is an error") {
+  const std::string binary = std::string(80, 'x') + bytesOf(Indices{2}) + stlTriangle({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  CHECK_THAT(loadFailure("a.stl", binary), ContainsSubstring("its header claims 2 triangles, it has room for 1"));
+  CHECK_THAT(loadFailure("a.stl", "hello"), ContainsSubstring("it is not STL"));
+  CHECK_THAT(loadFailure("a.stl", "solid\nfacet\nvertex 1 2 3\n"), ContainsSubstring("it has no endsolid"));
+  CHECK_THAT(loadFailure("a.stl", "solid\nvertex 1 2 z\n"), ContainsSubstring("triangle 0 of the STL file has 'z'"));
+  CHECK_THAT(loadFailure("a.stl", "solid\nvertex 1 2 3\nendfacet\nendsolid\n"),
+             ContainsSubstring("has not 3 vertices"));
+}

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loading and writing as a whole; the formats have their own files in scene/.
+#include <cstdlib>
+#include <iterator>
+
+#include "fuzz/readers.hpp"
+#include "scene/support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Two meshes, three placements, four parts, an origin, and numbers that do not come out even.
+Scene sampleScene() {
+  Scene scene;
+  scene.materials = {{"red", {1, 0.1f, 0.2f, 1}, 0.3f, 0.7f, 0, AlphaMode::opaque, 0.5f, true},
+                     {"glass", {1, 1, 1, 0.25f}, 0, 0.1f, 0.9f, AlphaMode::blend, 0.5f, false},
+                     {"leaf", {0, 1, 0, 1}, 0, 1, 0, AlphaMode::mask, 0.3f, true}};
+  Mesh square;
+  square.name = "square \"1\"";
+  square.positions = {0, 0, 0, 1.1f, 0, 0, 0, 1.3f, 1e-20f, 1, 1, 1e30f};
+  square.indices = {0, 1, 2, 2, 1, 3, 3, 1, 0};
+  square.parts = {{0, 1, 2}, {1, 1, 0}, {2, 1, 1}};
+  Mesh far = square;
+  far.name = "far";
+  far.origin = {843217, 5206124, 170};
+  far.parts = {{0, 3, 1}};
+  scene.meshes = {square, far};
+  scene.instances = {{"b", 1, {}},
+                     {"a", 0, {{0.1, 0.2, 0.3, 1e6 + 0.1, 0.4, 0.5, 0.6, -7.7, 0.7, 0.8, -0.9, 1.0 / 3}}},
+                     {"c", 0, {{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}}};
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("what writeGlb writes, loadScene reads back bit for bit") {
+  const Scene scene = sampleScene();
+  const TemporaryFolder folder;
+  writeGlb(scene, folder.path() / "a.glb");
+  CHECK_FALSE(fs::exists(folder.path() / "a.glb.part"));
+  const Scene read = loadScene(folder.path() / "a.glb");
+  REQUIRE(read.meshes.size() == 2);
+  for (size_t m = 0; m < 2; ++m) {
+    CHECK(read.meshes[m].name == scene.meshes[m].name);
+    CHECK(read.meshes[m].positions == scene.meshes[m].positions);
+    CHECK(read.meshes[m].indices == scene.meshes[m].indices);
+    REQUIRE(read.meshes[m].parts.size() == scene.meshes[m].parts.size());
+    for (size_t p = 0; p < read.meshes[m].parts.size(); ++p) {
+      CHECK(read.meshes[m].parts[p].firstTriangle == scene.meshes[m].parts[p].firstTriangle);
+      CHECK(read.meshes[m].parts[p].triangleCount == scene.meshes[m].parts[p].triangleCount);
+      CHECK(read.meshes[m].parts[p].material == scene.meshes[m].parts[p].material);
+    }
+  }
+  REQUIRE(read.instances.size() == 3);
+  for (size_t i = 0; i < 3; ++i) {
+    CHECK(read.instances[i].name == scene.instances[i].name);
+    CHECK(read.instances[i].mesh == scene.instances[i].mesh);
+  }
+  CHECK(read.instances[1].transform.rows == scene.instances[1].transform.rows);
+  CHECK(read.instances[2].transform.rows == scene.instances[2].transform.rows);
+  // The origin has moved into the transform, which is a double as well.
+  CHECK(at(read.instances[0].transform, 0, 0, 0) == std::array<double, 3>{843217, 5206124, 170});
+  REQUIRE(read.materials.size() == 3);
+  for (size_t m = 0; m < 3; ++m) {
+    const Material &a = read.materials[m], &b = scene.materials[m];
+    CHECK(a.name == b.name);
+    CHECK(a.baseColor == b.baseColor);
+    CHECK(a.metallic == b.metallic);
+    CHECK(a.roughness == b.roughness);
+    CHECK(a.transmission == b.transmission);
+    CHECK(a.alphaMode == b.alphaMode);
+    CHECK(a.alphaCutoff == b.alphaCutoff);
+    CHECK(a.doubleSided == b.doubleSided);
+  }
+}
+
+TEST_CASE("empty scenes and empty meshes survive a round trip") {
+  const TemporaryFolder folder;
+  writeGlb({}, folder.path() / "a.glb");
+  CHECK(loadScene(folder.path() / "a.glb").instances.empty());
+  Scene scene = sampleScene();
+  scene.meshes.insert(scene.meshes.begin(), Mesh{});
+  for (Instance& instance : scene.instances) ++instance.mesh;
+  scene.instances.insert(scene.instances.begin(), Instance{});
+  writeGlb(scene, folder.path() / "a.glb");
+  const Scene read = loadScene(folder.path() / "a.glb");
+  CHECK(read.meshes.size() == 3);
+  CHECK(read.instances.size() == 4);
+  CHECK(read.placedTriangleCount() == scene.placedTriangleCount());
+}
+
+TEST_CASE("writeGlb says why it cannot write and leaves nothing behind") {
+  const TemporaryFolder folder;
+  CHECK_THROWS_AS(writeGlb(sampleScene(), folder.path() / "missing" / "a.glb"), Error);
+  fs::create_directory(folder.path() / "taken.glb");
+  try {
+    writeGlb(sampleScene(), folder.path() / "taken.glb");
+    FAIL("it writes over a folder");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::file);
+    CHECK_THAT(error.what(), ContainsSubstring("taken.glb"));
+  }
+  CHECK_FALSE(fs::exists(folder.path() / "taken.glb.part"));
+  Scene bad = sampleScene();
+  bad.meshes[0].indices[0] = 99;
+  CHECK_THROWS_AS(writeGlb(bad, folder.path() / "bad.glb"), Error);
+  CHECK_FALSE(fs::exists(folder.path() / "bad.glb.part"));
+}
+
+TEST_CASE("files that are not there, folders and unknown endings are named") {
+  const TemporaryFolder folder;
+  const auto failure = [&](const std::string& name, ErrorCode code) -> std::string {
+    try {
+      loadScene(folder.path() / name);
+    } catch (const Error& error) {
+      CHECK(error.code() == code);
+      return error.what();
+    }
+    return "it loads";
+  };
+  CHECK_THAT(failure("gone.glb", ErrorCode::file), ContainsSubstring("gone.glb': No such file or directory"));
+  fs::create_directory(folder.path() / "folder.glb");
+  CHECK_THAT(failure("folder.glb", ErrorCode::file), ContainsSubstring("it is a folder"));
+  CHECK_THAT(failure("a.fbx", ErrorCode::invalidArgument),
+             ContainsSubstring("unknown ending '.fbx' for a scene; there are .gltf, .glb, .obj, .ply and .stl"));
+  folder.write("a.obj", "v 0 0 0\n");
+  CHECK_THROWS_AS(loadScene(folder.path() / "a.obj", {UpAxis::z, 0}), Error);
+}
+
+TEST_CASE("buffers and libraries are found beside the file, whatever it is called") {
+  const TemporaryFolder folder;
+  GltfFileMaker file = triangleFile();
+  file.text();
+  file.json["buffers"][0]["uri"] = "B%C3%BC ffer%201.bin";
+  folder.write("Bü ffer 1.bin", file.bytes);
+  CHECK(loadScene(folder.write("❤.gltf", file.json.dump())).uniqueTriangleCount() == 1);
+}
+
+TEST_CASE("every scene of the folder GNOSPHERE_SCENES loads or ends in an Error") {
+  const char* folder = std::getenv("GNOSPHERE_SCENES");
+  if (folder == nullptr) SKIP("GNOSPHERE_SCENES names no folder of scenes");
+  size_t loaded = 0, refused = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    std::string ending = entry.path().extension().string();
+    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (ending != ".gltf" && ending != ".glb" && ending != ".obj" && ending != ".ply" && ending != ".stl") continue;
+    try {
+      const Scene scene = loadScene(entry.path());
+      CHECK_NOTHROW(validate(scene));
+      ++loaded;
+    } catch (const Error& error) {
+      CHECK_THAT(error.what(), ContainsSubstring(entry.path().filename().string()));
+      WARN(error.what());
+      ++refused;
+    }
+  }
+  WARN(loaded << " loaded, " << refused << " refused");
+  CHECK(loaded + refused > 0);
+}
+
+TEST_CASE("the corpus of the fuzzer leaves the readers standing") {
+  size_t count = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(GNOSPHERE_FUZZ_CORPUS)) {
+    std::ifstream stream(entry.path(), std::ios::binary);
+    const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), {}};
+    INFO(entry.path());
+    fuzzReaders({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+    ++count;
+  }
+  CHECK(count > 20);
+}

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <bit>
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "gnosphere/error.hpp"
+#include "gnosphere/sensor.hpp"
+
+using namespace gnosphere;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+uint64_t bits(double value) {
+  return std::bit_cast<uint64_t>(value);
+}
+
+ErrorCode codeOf(const auto& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.code();
+  }
+  FAIL("no Error was thrown");
+  return {};
+}
+
+std::string problemOf(const std::string& json) {
+  try {
+    sensorFromJson(json, "test.json");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::format);
+    return error.what();
+  }
+  return "nothing was wrong";
+}
+
+Sensor small() {
+  Sensor sensor;
+  sensor.name = "small";
+  sensor.columns = 4;
+  sensor.rangeMax = 10;
+  sensor.channels = {{-10, 0}, {10, 0}};
+  return sensor;
+}
+
+}  // namespace
+
+TEST_CASE("the built-in sensors are those of Table 2 of the paper") {
+  struct Row {
+    const char* name;
+    double low, high;
+    uint32_t columns;
+    size_t channels;
+    double range;
+  };
+  const Row rows[] = {{"VLP-16", -15, 15, 1800, 16, 100},
+                      {"VLP-32", -25, 15, 3600, 32, 100},
+                      {"HDL-64E", -25, 2, 4500, 64, 120},
+                      {"Hypothetical-256", -45, 45, 18000, 256, 200},
+                      {"Hypothetical-350", -45, 45, 18000, 350, 200}};
+  REQUIRE(builtinSensors().size() == std::size(rows));
+  for (size_t i = 0; i < std::size(rows); ++i) {
+    const Sensor& sensor = builtinSensors()[i];
+    INFO(sensor.name);
+    CHECK(sensor.name == rows[i].name);
+    CHECK(sensor.columns == rows[i].columns);
+    REQUIRE(sensor.channels.size() == rows[i].channels);
+    CHECK(sensor.rangeMin == 0);
+    CHECK(sensor.rangeMax == rows[i].range);
+    CHECK(sensor.channels.front().elevationDeg == rows[i].low);
+    CHECK(sensor.channels.back().elevationDeg == rows[i].high);
+    const double step = (rows[i].high - rows[i].low) / static_cast<double>(rows[i].channels - 1);
+    for (size_t j = 0; j < sensor.channels.size(); ++j) {
+      CHECK(std::abs(sensor.channels[j].elevationDeg - (rows[i].low + step * static_cast<double>(j))) < 1e-12);
+      CHECK(sensor.channels[j].azimuthOffsetDeg == 0);
+    }
+    CHECK_NOTHROW(validate(sensor));
+  }
+}
+
+TEST_CASE("a model that is symmetric about the horizon has exactly opposite channels") {
+  for (const char* name : {"VLP-16", "Hypothetical-256", "Hypothetical-350"}) {
+    const Sensor sensor = findSensor(name);
+    const size_t count = sensor.channels.size();
+    for (size_t j = 0; j < count; ++j) {
+      CHECK(sensor.channels[j].elevationDeg == -sensor.channels[count - 1 - j].elevationDeg);
+    }
+  }
+}
+
+TEST_CASE("directions follow the convention: column 0 looks back, columns turn counter-clockwise") {
+  Sensor sensor = small();
+  sensor.channels = {{0, 0}};
+  const Vec3 expected[] = {{-1, 0, 0}, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}};
+  for (size_t i = 0; i < 4; ++i) {
+    const Vec3 d = sensor.direction(i);
+    CHECK(d.x == expected[i].x);  // exactly, not to within a rounding
+    CHECK(d.y == expected[i].y);
+    CHECK(d.z == 0);
+  }
+}
+
+TEST_CASE("directions agree with the textbook formula and have unit length") {
+  Sensor sensor = findSensor("HDL-64E");
+  for (size_t j = 0; j < sensor.channels.size(); ++j) {
+    sensor.channels[j].azimuthOffsetDeg = 7.5 - static_cast<double>(j) * 4.25;  // beyond one turn at the seam
+  }
+  // Column and offset are each rounded once at up to 360 degrees (5e-16 rad), sine and cosine at 1e-16.
+  const double bound = 1e-15;
+  for (size_t beam = 0; beam < sensor.beamCount(); beam += 37) {
+    const long double toRadians = std::numbers::pi_v<long double> / 180;
+    const Channel& channel = sensor.channels[beam / sensor.columns];
+    const long double e = channel.elevationDeg * toRadians;
+    const long double a =
+        (-180 + 360.0L * static_cast<long double>(beam % sensor.columns) / sensor.columns + channel.azimuthOffsetDeg) *
+        toRadians;
+    const Vec3 d = sensor.direction(beam);
+    CHECK(std::abs(d.x - static_cast<double>(std::cos(e) * std::cos(a))) < bound);
+    CHECK(std::abs(d.y - static_cast<double>(std::cos(e) * std::sin(a))) < bound);
+    CHECK(std::abs(d.z - static_cast<double>(std::sin(e))) < bound);
+    CHECK(std::abs(d.x * d.x + d.y * d.y + d.z * d.z - 1) < 1e-15);
+  }
+}
+
+TEST_CASE("directions of opposite columns and of straight up and down are exactly opposite") {
+  Sensor sensor = small();
+  sensor.columns = 360;
+  sensor.channels = {{-90, 0}, {33, 0}, {90, 0}};
+  for (size_t i = 1; i < 180; ++i) {
+    const Vec3 left = sensor.direction(360 + 180 + i), right = sensor.direction(360 + 180 - i);
+    CHECK(left.x == right.x);
+    CHECK(left.y == -right.y);
+  }
+  CHECK(sensor.direction(17).z == -1);
+  CHECK(sensor.direction(17).x == 0);
+  CHECK(sensor.direction(720 + 17).z == 1);
+}
+
+TEST_CASE("a sensor survives JSON with the same bits in every field") {
+  Sensor sensor = small();
+  sensor.name = "odd \"name\" \\ with Ünïcode\n";
+  sensor.rangeMin = 0.1;
+  sensor.rangeMax = std::nextafter(100.0, 200.0);
+  sensor.channels = {{-0.0, -0.0},
+                     {1.0 / 3, 5e-324},
+                     {-24.999999999999996, std::numeric_limits<double>::min()},
+                     {90, -360},
+                     {1e-7, 0}};
+  const Sensor back = sensorFromJson(toJson(sensor), "test");
+  CHECK(back.name == sensor.name);
+  CHECK(back.columns == sensor.columns);
+  CHECK(bits(back.rangeMin) == bits(sensor.rangeMin));
+  CHECK(bits(back.rangeMax) == bits(sensor.rangeMax));
+  REQUIRE(back.channels.size() == sensor.channels.size());
+  for (size_t j = 0; j < sensor.channels.size(); ++j) {
+    CHECK(bits(back.channels[j].elevationDeg) == bits(sensor.channels[j].elevationDeg));
+    CHECK(bits(back.channels[j].azimuthOffsetDeg) == bits(sensor.channels[j].azimuthOffsetDeg));
+  }
+}
+
+TEST_CASE("every built-in sensor survives JSON with the same bits") {
+  for (const Sensor& sensor : builtinSensors()) {
+    const Sensor back = sensorFromJson(toJson(sensor), sensor.name);
+    REQUIRE(back.channels.size() == sensor.channels.size());
+    for (size_t j = 0; j < sensor.channels.size(); ++j) {
+      CHECK(bits(back.channels[j].elevationDeg) == bits(sensor.channels[j].elevationDeg));
+    }
+    CHECK(toJson(back) == toJson(sensor));
+  }
+}
+
+TEST_CASE("channels may be written as objects instead of lists") {
+  const Sensor sensor = sensorFromJson(
+      R"({"name": "a", "columns": 8, "range": {"max": 5},
+          "channels": [{"elevation_deg": -1, "azimuth_offset_deg": 2.5}, {"elevation_deg": 3}]})",
+      "test");
+  REQUIRE(sensor.channels.size() == 2);
+  CHECK(sensor.channels[0].azimuthOffsetDeg == 2.5);
+  CHECK(sensor.channels[1].elevationDeg == 3);
+  CHECK(sensor.channels[1].azimuthOffsetDeg == 0);
+  CHECK(sensor.rangeMin == 0);
+}
+
+TEST_CASE("a sensor of no channel is a sensor of no beam") {
+  const Sensor sensor =
+      sensorFromJson(R"({"name": "none", "columns": 8, "range": {"max": 5}, "elevation_deg": []})", "test");
+  CHECK(sensor.beamCount() == 0);
+  CHECK(sensorFromJson(toJson(sensor), "test").channels.empty());
+}
+
+TEST_CASE("an unsound sensor file is refused with the culprit named") {
+  const auto file = [](const std::string& rest) { return R"({"name": "a", "range": {"min": 0, "max": 5}, )" + rest; };
+  CHECK_THAT(problemOf(file(R"("columns": 8, "elevation_deg": [1, 2, 3], "azimuth_offset_deg": [1, 2]})")),
+             ContainsSubstring("has 3 entries") && ContainsSubstring("has 2;"));
+  CHECK_THAT(problemOf(file(R"("columns": 0, "elevation_deg": [1]})")),
+             ContainsSubstring("columns must be at least 1"));
+  CHECK_THAT(problemOf(file(R"("columns": -8, "elevation_deg": [1]})")), ContainsSubstring("'columns'"));
+  CHECK_THAT(problemOf(file(R"("columns": 8.5, "elevation_deg": [1]})")), ContainsSubstring("'columns'"));
+  CHECK_THAT(problemOf(file(R"("columns": 8, "elevation_deg": [1e999]})")), ContainsSubstring("1e999"));
+  CHECK_THAT(problemOf(file(R"("columns": 8, "elevation_deg": [NaN]})")), ContainsSubstring("not JSON"));
+  CHECK_THAT(problemOf(file(R"("columns": 8, "elevation_deg": [1, 90.5]})")), ContainsSubstring("channel 1"));
+  CHECK_THAT(problemOf(file(R"("columns": 8, "elevation_deg": [1, "2"]})")), ContainsSubstring("elevation_deg[1]"));
+  CHECK_THAT(problemOf(file(R"("columns": 8, "elevation": [1]})")),
+             ContainsSubstring("unknown key 'elevation'") && ContainsSubstring("known are name, columns, range"));
+  CHECK_THAT(problemOf(file(R"("columns": 8})")), ContainsSubstring("'elevation_deg' is missing"));
+  CHECK_THAT(problemOf(file(R"("columns": 8, "channels": [], "elevation_deg": []})")), ContainsSubstring("keep one"));
+  CHECK_THAT(problemOf(file(R"("columns": 8, "elevation_deg": [1])")), ContainsSubstring("not JSON"));
+  CHECK_THAT(problemOf(""), ContainsSubstring("test.json") && ContainsSubstring("not JSON"));
+  CHECK_THAT(problemOf("[]"), ContainsSubstring("a JSON object"));
+  CHECK_THAT(problemOf(R"({"name": "a", "columns": 8, "range": {"min": 6, "max": 5}, "elevation_deg": [1]})"),
+             ContainsSubstring("beyond range max"));
+  CHECK_THAT(problemOf(R"({"name": "a", "columns": 8, "range": {"min": -1, "max": 5}, "elevation_deg": [1]})"),
+             ContainsSubstring("range min"));
+  CHECK_THAT(problemOf(R"({"name": "a", "columns": 4294967295, "range": {"max": 5}, "elevation_deg": [1, 2]})"),
+             ContainsSubstring("more beams than"));
+  CHECK_THAT(problemOf(std::string(100000, '[')), ContainsSubstring("not JSON"));
+}
+
+TEST_CASE("validate refuses what no beam can be") {
+  const double bad = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
+  Sensor sensor = small();
+  CHECK_NOTHROW(validate(sensor));
+  sensor.channels[1].elevationDeg = bad;
+  CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
+  sensor = small();
+  sensor.channels[1].azimuthOffsetDeg = bad;
+  CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
+  sensor = small();
+  sensor.rangeMax = bad;
+  CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
+  sensor = small();
+  sensor.rangeMin = bad;
+  CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
+}
+
+TEST_CASE("a sensor is found by its name in any case, and an unknown name lists those there are") {
+  CHECK(findSensor("hdl-64e").name == "HDL-64E");
+  CHECK(codeOf([] { findSensor("HDL-65"); }) == ErrorCode::invalidArgument);
+  CHECK_THROWS_WITH(findSensor("HDL-65"), ContainsSubstring("HDL-65") && ContainsSubstring("VLP-16, VLP-32"));
+  CHECK(codeOf([] { findSensor("/"); }) == ErrorCode::file);
+  CHECK(codeOf([] { findSensor(""); }) == ErrorCode::invalidArgument);
+}
