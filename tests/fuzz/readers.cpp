@@ -74,18 +74,12 @@ void fuzzReaders(std::span<const uint8_t> input) {
   const Bytes bytes = input.subspan(1);
   switch (named != kChoices.npos ? named : input[0] % kChoices.size()) {
     case 0:
-    case 1:
-      return fuzzScene(SceneFormat::gltf, bytes);
-    case 2:
-      return fuzzScene(SceneFormat::obj, bytes);
-    case 3:
-      return fuzzScene(SceneFormat::ply, bytes);
-    case 4:
-      return fuzzScene(SceneFormat::stl, bytes);
-    case 6:
-      return fuzzDraco(bytes);
-    default:
-      return fuzzSensor({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    case 1: return fuzzScene(SceneFormat::gltf, bytes);
+    case 2: return fuzzScene(SceneFormat::obj, bytes);
+    case 3: return fuzzScene(SceneFormat::ply, bytes);
+    case 4: return fuzzScene(SceneFormat::stl, bytes);
+    case 6: return fuzzDraco(bytes);
+    default: return fuzzSensor({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
 }
 
