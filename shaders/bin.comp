@@ -50,9 +50,10 @@ float farthestOf(uint beam) {
   return known ? min(uintBitsToFloat(min(words[2 * beam + 1], 0x7f800000u)), frame.rangeMax) : frame.rangeMax;
 }
 
-// A box starts between -1/2 and 1 turns, an azimuth offset adds up to 1/2 either way, and it spans up to 1.
+// A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and it spans up to 1.
 uint wrapColumn(int column) {
   int turnColumns = int(frame.columns);
+  if (column < 0) column += turnColumns;
   if (column < 0) column += turnColumns;
   if (column >= turnColumns) column -= turnColumns;
   if (column >= turnColumns) column -= turnColumns;
