@@ -3,6 +3,7 @@
 // each; tiles of large ones by a subgroup each, lanes along the columns. PASS says what is done with a meeting.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
 #ifdef INT64_ATOMICS
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

@@ -31,19 +31,19 @@ void writeCloud(const Scan& scan, const std::filesystem::path& file, const Cloud
 void writePicture(const Scan& scan, const std::filesystem::path& file);
 
 /// Reads a PCD, PLY, NPY or CSV cloud with the fields that writeCloud() gave it; organised by `beam` where the file
-/// has that field. Throws Error(file) or Error(format).
+/// has that field. Throws Error(file) or Error(format), Error(invalidArgument) for an ending it does not read.
 Scan readCloud(const std::filesystem::path& file);
 
 /// How two clouds of the same beams differ, beam by beam; `reference` is taken as the truth. Beams that the reference
 /// marks as ties are counted apart.
 struct Comparison {
   uint64_t beams = 0;
-  uint64_t hits = 0;        ///< of the reference
-  uint64_t missed = 0;      ///< the reference hits, the other does not; outside ties
-  uint64_t falseHits = 0;   ///< the other hits, the reference does not; outside ties
-  uint64_t wrongOwner = 0;  ///< both hit, another triangle; outside ties
-  uint64_t wrongRange = 0;  ///< both hit, further apart than the tolerance; outside ties
-  uint64_t ties = 0;        ///< beams the reference marks
+  uint64_t hits = 0;            ///< of the reference
+  uint64_t missed = 0;          ///< the reference hits, the other does not; outside ties
+  uint64_t falseHits = 0;       ///< the other hits, the reference does not; outside ties
+  uint64_t wrongOwner = 0;      ///< both hit, another triangle; outside ties
+  uint64_t wrongRange = 0;      ///< both hit, further apart than the tolerance; outside ties
+  uint64_t ties = 0;            ///< beams the reference marks
   uint64_t tieDifferences = 0;  ///< of those, how many differ in owner or hit
   double rangeErrorMax = 0;     ///< metres, over beams with the same owner, ties left out
   double rangeError9999 = 0;    ///< 99.99th percentile of |error|

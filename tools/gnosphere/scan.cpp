@@ -14,7 +14,10 @@
 namespace gnosphere::cli {
 namespace {
 
-const std::map<std::string, Accuracy> kAccuracies = {{"paper", Accuracy::paper}, {"standard", Accuracy::standard}};
+const std::map<std::string, Accuracy> kAccuracies = {{"paper", Accuracy::paper},
+                                                     {"draft", Accuracy::draft},
+                                                     {"standard", Accuracy::standard},
+                                                     {"exact", Accuracy::exact}};
 const std::map<std::string, Faces> kFaces = {
     {"material", Faces::material}, {"front", Faces::front}, {"both", Faces::both}};
 const std::map<std::string, Binning> kBinnings = {{"auto", Binning::automatic},
@@ -194,7 +197,9 @@ void addScanningOptions(CLI::App& app, ScanOptions& options) {
   app.add_option("--pose", options.pose,
                  "X,Y,Z[,QX,QY,QZ,QW]: where the sensor stands and how it is turned, in metres (default: 1.8 m above "
                  "the origin, or above the middle of a scene that is elsewhere)");
-  app.add_option("--accuracy", options.accuracy, "paper: the published method to the letter; standard: watertight")
+  app.add_option("--accuracy", options.accuracy,
+                 "paper: the published method to the letter; draft: quick; standard: watertight; exact: the same "
+                 "bytes everywhere")
       ->check(CLI::IsMember(kAccuracies))
       ->capture_default_str();
   app.add_option("--faces", options.faces, "Which faces reflect")->check(CLI::IsMember(kFaces))->capture_default_str();
