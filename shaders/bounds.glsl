@@ -31,8 +31,12 @@ int poleInside(vec3 a, vec3 b, vec3 c) {
     return kAnyPole;
   vec3 turn = vec3(a.x * b.y - a.y * b.x, b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x);
   if (!(all(greaterThan(turn, vec3(0.0))) || all(lessThan(turn, vec3(0.0))))) return kNoPole;
-  vec3 n = cross(b - a, c - a);
-  float k = dot(n, a) * n.z;
+  vec3 u = b - a, v = c - a;
+  vec3 n = cross(u, v);
+  float height = dot(n, a);
+  // So near its plane that rounding could hide on which side the sensor is.
+  if (!(abs(height) > 2e-6 * length(a) * length(u) * length(v))) return kAnyPole;
+  float k = height * n.z;
   return k > 0.0 ? kUpperPole : k < 0.0 ? kLowerPole : kAnyPole;
 }
 
