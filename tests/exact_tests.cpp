@@ -195,3 +195,19 @@ TEST_CASE("exact: ranges down to the last bit of the lattice") {
   }
   requireExactEveryWay(family);
 }
+
+TEST_CASE("exact: edges that all but pass through the sensor") {
+  // Half a great circle in sight: a rounding of a corner turns its highest point all the way around.
+  Family family("edges through almost the sensor", {axisSensor(), gridSensor(77, 48, -80, 80)});
+  Random random(36);
+  for (int i = 0; i < 300; ++i) {
+    MeshBuilder builder;
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 a = coarse(anywhere(random, 5)), c = coarse(anywhere(random, 5));
+      const double s = coarse(-logUniform(random, 0.1, 10)), off = logUniform(random, 1e-8, 0.1);
+      builder.triangle(a, {s * a.x + off * random(), s * a.y + off * random(), s * a.z + off * random()}, c);
+    }
+    family.add(sceneOf(builder.take()), {}, random.bits() % 2);
+  }
+  requireExactEveryWay(family);
+}

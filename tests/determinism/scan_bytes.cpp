@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans a town with `standard` and `exact`, by every way of binning, and writes one cloud each into a folder. The
-// script beside it runs this under other thread counts and subgroup sizes and compares the bytes.
+// Scans a town with `standard` and `exact`, by each of the given ways of binning, and writes one cloud each into a
+// folder. The script beside it runs this under other thread counts and subgroup sizes and compares the bytes.
 #include <cstdio>
 
 #include "gnosphere/gnosphere.hpp"
@@ -9,20 +9,21 @@
 using namespace gnosphere;
 
 int main(int argc, char** argv) {
-  if (argc != 2) return std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]), 2;
+  if (argc < 3) return std::fprintf(stderr, "usage: %s FOLDER nearest|nearest32|lists...\n", argv[0]), 2;
   const Scene town = makeTown({.triangles = 60'000});
   const Pose pose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
   for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact})
-    for (const Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists}) {
+    for (int i = 2; i < argc; ++i) {
+      const std::string way = argv[i];
       SimulatorOptions options;
       options.accuracy = accuracy;
-      options.binning = binning;
+      options.binning = way == "lists" ? Binning::lists : way == "nearest32" ? Binning::nearest32 : Binning::nearest;
       Simulator simulator(town, builtinSensors()[0], options);
-      const bool first = accuracy == Accuracy::standard && binning == Binning::nearest;
-      if (first) std::printf("%s, subgroups of %u\n", simulator.device().name.c_str(), simulator.device().subgroupSize);
-      const char* way = binning == Binning::nearest ? "nearest" : binning == Binning::nearest32 ? "nearest32" : "lists";
-      writeCloud(simulator.scan(pose),
-                 std::string(argv[1]) + (accuracy == Accuracy::exact ? "/exact-" : "/standard-") + way + ".npy");
+      const DeviceInfo& device = simulator.device();
+      if (accuracy == Accuracy::standard && i == 2)
+        std::printf("%s, subgroups of %u\n", device.name.c_str(), device.subgroupSize);
+      const char* setting = accuracy == Accuracy::exact ? "/exact-" : "/standard-";
+      writeCloud(simulator.scan(pose), argv[1] + (setting + way) + ".npy");
     }
   return 0;
 }
