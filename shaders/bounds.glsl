@@ -3,15 +3,24 @@
 // great circle bulges. Interior extrema of elevation exist only at a pole. Source and check: a x b = n, the circle's
 // highest point is z - (z.n)n/|n|^2, which lies on the arc iff both f and g below are positive.
 
-// Widens keyMin..keyMax by the arc from a to b, if its extremum lies inside.
+// a x b, from the shorter of the two: its error is then relative to the longer side's distance.
+vec3 arcNormal(vec3 a, vec3 b) { return cross(dot(a, a) < dot(b, b) ? a : b, b - a); }
+
+// Widens keyMin..keyMax by the arc from a to b, if its extremum lies inside: (n x a).z and (b x n).z then have one sign.
 void widenByArc(vec3 a, vec3 b, inout float keyMin, inout float keyMax) {
-  vec3 e = b - a;
-  vec3 n = cross(a, e);
-  float f = dot(a, a) * e.z - a.z * dot(a, e);
-  float g = b.z * dot(b, e) - dot(b, b) * e.z;
+  vec3 n = arcNormal(a, b);
+  float f = n.x * a.y - n.y * a.x;
+  float g = n.y * b.x - n.x * b.y;
   float apex = elevationKey(abs(n.z), length(n.xy));
   if (f > 0.0 && g > 0.0) keyMax = max(keyMax, apex);
   if (f < 0.0 && g < 0.0) keyMin = min(keyMin, -apex);
+  // Of almost half a turn, a rounding of n tilts the whole circle: by 1e-6 / sin(arc).
+  float along = dot(a, b), squares = dot(a, a) * dot(b, b);
+  if (along < 0.0 && dot(n, n) < 0.04 * squares) {
+    float tilt = min(2e-6 * sqrt(squares / max(dot(n, n), 1e-12 * squares)), 2.0);
+    keyMin -= tilt;
+    keyMax += tilt;
+  }
 }
 
 // The vertical axis passes through the edge from a to b, or so near that rounding could hide it.
@@ -31,14 +40,18 @@ int poleInside(vec3 a, vec3 b, vec3 c) {
     return kAnyPole;
   vec3 turn = vec3(a.x * b.y - a.y * b.x, b.x * c.y - b.y * c.x, c.x * a.y - c.y * a.x);
   if (!(all(greaterThan(turn, vec3(0.0))) || all(lessThan(turn, vec3(0.0))))) return kNoPole;
-  vec3 n = cross(b - a, c - a);
-  float k = dot(n, a) * n.z;
+  vec3 u = b - a, v = c - a;
+  vec3 n = cross(u, v);
+  float height = dot(n, a);
+  // So near its plane that rounding could hide on which side the sensor is.
+  if (!(abs(height) > 2e-6 * length(a) * length(u) * length(v))) return kAnyPole;
+  float k = height * n.z;
   return k > 0.0 ? kUpperPole : k < 0.0 ? kLowerPole : kAnyPole;
 }
 
 // The sensor lies on the edge from a to b: the edge fills half a great circle.
 bool edgeMeetsOrigin(vec3 a, vec3 b) {
-  vec3 n = cross(a, b - a);
+  vec3 n = arcNormal(a, b);
   return dot(a, b) < 0.0 && dot(n, n) <= 1e-12 * dot(a, a) * dot(b, b);
 }
 

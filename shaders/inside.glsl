@@ -74,8 +74,9 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
     precise float weighted = side.x * depth.x + side.y * depth.y + side.z * depth.z;
     range = weighted / sum;
   }
-  // Never nearer than the triangle itself: so skipping what is farther than the best hit loses nothing.
-  if (BOUNDS != kBoundsPaper) range = max(range, triangle.rangeMin);
+  // Never nearer than the triangle itself: so skipping what is farther than the best hit loses nothing. What lies
+  // behind the sensor stays there.
+  if (BOUNDS != kBoundsPaper && range > 0.0) range = max(range, triangle.rangeMin);
   bool facing = all(lessThanEqual(side, vec3(0.0)));
   bool averted = all(greaterThanEqual(side, vec3(0.0)));
   return (facing || (averted && !triangle.oneSided)) && sum != 0.0;

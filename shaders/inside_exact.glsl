@@ -139,10 +139,10 @@ bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest
   if (abs(spread) > 4.0lf * spreadBound) {
     double quotient = exact.volume / spread;
     double error = 1.5lf * (exact.volumeBound + abs(quotient) * spreadBound) / abs(spread) + 16.0lf * kUnit * abs(quotient);
-    if (quotient + error < 1e-15lf) return false;
-    range = roundToFloat(max(quotient - error, 1e-18lf));
+    if (quotient + error < 8e-19lf) return false;  // below kSmallestRange, or behind
+    range = roundToFloat(max(quotient - error, 1e-19lf));
     if (range > farthest) return false;
-    if (range == roundToFloat(quotient + error)) return true;
+    if (range > 1e-18 && range == roundToFloat(quotient + error)) return true;
   }
   return exactRange(triangle.a, triangle.b, triangle.c, beam, range, range);
 }

@@ -53,6 +53,17 @@ TEST_CASE("a triangle whose corners are all out of range is seen where its middl
   CHECK(scan.counters.hits > 0);
 }
 
+TEST_CASE("a triangle is not met by the beams that point away from it") {
+  // A corner so near the axis that all columns are tried, above and below the horizon.
+  MeshBuilder builder;
+  builder.triangle({1e-5, 0, 3}, {5, 1, -3}, {5, -1, -3});
+  requireAsReference(sceneOf(builder.take()), kAround);
+  // And a sensor of one column, whose neighbours all round the turn are itself.
+  Sensor sensor = gridSensor(1, 31, -60, 60);
+  for (Channel& channel : sensor.channels) channel.azimuthOffsetDeg = 5 * channel.elevationDeg;
+  requireAsReference(sceneOf(soup(5, 150, 20, 8)), sensor);
+}
+
 TEST_CASE("every beam of a sensor in a closed box returns") {
   needVulkan();
   MeshBuilder builder;

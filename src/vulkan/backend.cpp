@@ -26,7 +26,9 @@ class VulkanBackend final : public Backend {
       chunkSets_.push_back(layout_.makeSet(1, buffers));
     }
     way_ = chooseWay(options, device_.capabilities().int64Atomics);
-    for (const Sensor& sensor : sensors) sensors_.emplace_back(device_, layout_, geometry_, sensor, options, way_);
+    sensors_.reserve(sensors.size());
+    for (const Sensor& sensor : sensors)
+      sensors_.emplace_back(device_, layout_, geometry_, sensor, options, way_, sensors_);
     makeCommands();
     device_.throwOnMessages();
   }

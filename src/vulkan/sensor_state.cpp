@@ -78,11 +78,16 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
 }
 
 SensorState::SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
-                         const SimulatorOptions& options, uint32_t way)
+                         const SimulatorOptions& options, uint32_t way, std::span<const SensorState> others)
     : device_(device), layout_(layout), way_(way), tables_(makeBeamTables(sensor)) {
-  const Options kernel = kernelOptions(options, tables_.azimuthOffsets);
-  const bool float64 = kernel.inside == gpu::kInsideExact && options.float64 && device.capabilities().float64;
-  kernels_ = std::make_unique<Kernels>(device, layout, kernel, way, float64);
+  for (const SensorState& other : others)
+    if (other.tables_.azimuthOffsets == tables_.azimuthOffsets) kernels_ = other.kernels_;
+  if (!kernels_) {
+    const Options kernel = kernelOptions(options, tables_.azimuthOffsets);
+    const bool float64 = kernel.inside == gpu::kInsideExact && options.float64 && device.capabilities().float64;
+    ownKernels_ = std::make_unique<Kernels>(device, layout, kernel, way, float64);
+    kernels_ = ownKernels_.get();
+  }
   makeBuffers(geometry);
   set_ = layout_.makeSet(0, pointers());
 }

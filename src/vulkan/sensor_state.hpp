@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "beam_tables.hpp"
@@ -37,8 +38,9 @@ inline constexpr Output kOutputs[] = {
 
 class SensorState {
  public:
+  /// Shares the pipelines of one of `others` that needs the same; they must live as long.
   SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
-              const SimulatorOptions& options, uint32_t way);
+              const SimulatorOptions& options, uint32_t way, std::span<const SensorState> others);
 
   const gpu::Frame& frame() const { return tables_.frame; }
   const Kernels& kernels() const { return *kernels_; }
@@ -68,7 +70,8 @@ class SensorState {
   Layout& layout_;
   uint32_t way_;
   BeamTables tables_;
-  std::unique_ptr<Kernels> kernels_;
+  std::unique_ptr<Kernels> ownKernels_;  // empty where another sensor has them
+  const Kernels* kernels_ = nullptr;
   std::array<Buffer, gpu::kWorkBindingCount> buffers_;  // set 0, in binding order
   uint32_t projectedCapacity_ = 0, tileCapacity_ = 0, candidateCapacity_ = 0;
   VkDescriptorSet set_ = VK_NULL_HANDLE;

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Thousands of small worlds, seeded, and the one question asked of each: is every beam right?
+//
+// The worlds of a family stand in one scene, so far apart that none sees another, and each is scanned from its own
+// pose. So a family costs a few pipelines, not thousands.
+#pragma once
+
+#include <cstdio>
+#include <utility>
+
+#include "oracle/oracle.hpp"
+#include "support.hpp"
+
+namespace gnosphere::test {
+
+class Family {
+ public:
+  /// `spacing` between worlds: a power of two, above twice the reach of a world.
+  Family(std::string title, std::vector<Sensor> familySensors, double spacing = 4096)
+      : name(std::move(title)), sensors(std::move(familySensors)), spacing_(spacing) {}
+
+  /// A world near the origin and a pose in it.
+  void add(const Scene& world, const Pose& pose = {}, size_t sensor = 0) {
+    const double x = spacing_ * static_cast<double>(visits.size() % 32);
+    const double y = spacing_ * static_cast<double>(visits.size() / 32);
+    const auto firstMaterial = static_cast<uint32_t>(scene.materials.size());
+    const auto firstMesh = static_cast<uint32_t>(scene.meshes.size());
+    scene.materials.insert(scene.materials.end(), world.materials.begin(), world.materials.end());
+    for (Mesh mesh : world.meshes) {
+      for (MeshPart& part : mesh.parts) part.material += firstMaterial;
+      scene.meshes.push_back(std::move(mesh));
+    }
+    for (const Instance& instance : world.instances)
+      scene.instances.push_back({"", instance.mesh + firstMesh, translation(x, y, 0) * instance.transform});
+    visits.push_back({{{x + pose.position.x, y + pose.position.y, pose.position.z}, pose.orientation}, sensor});
+  }
+
+  struct Visit {
+    Pose pose;
+    size_t sensor;
+  };
+  std::string name;
+  std::vector<Sensor> sensors;
+  Scene scene;
+  std::vector<Visit> visits;
+  bool everyHitTies = false;  ///< `paper` is then judged by its ties too
+
+ private:
+  double spacing_;
+};
+
+/// What was seen of a family.
+struct Verdict {
+  uint64_t beams = 0, hits = 0, ties = 0;
+  uint64_t misses = 0;      ///< of `standard`, ties or not
+  uint64_t paperWrong = 0;  ///< worlds of which `paper` gets a beam wrong
+  double errorOfBound = 0;  ///< of `standard`: the largest |range error| / tolerance outside ties
+  double error = 0;         ///< of `standard`, metres
+  double errorOfRange = 0;  ///< of `standard`, per metre
+};
+
+inline void addErrors(const Scan& reference, const Scan& standard, Verdict& verdict) {
+  for (size_t b = 0; b < reference.beamCount(); ++b) {
+    verdict.hits += reference.hit(b);
+    verdict.ties += reference.ties[b];
+    if (reference.ties[b] || !reference.hit(b)) continue;
+    const double error = std::abs(double(reference.ranges[b]) - standard.ranges[b]);
+    verdict.errorOfBound = std::max(verdict.errorOfBound, error / reference.tolerances[b]);
+    verdict.error = std::max(verdict.error, error);
+    verdict.errorOfRange = std::max(verdict.errorOfRange, error / reference.ranges[b]);
+  }
+  verdict.beams += reference.beamCount();
+  verdict.misses += standard.counters.misses;
+}
+
+/// The cloud of `exact` has the owners and the very bits of the exact answer.
+inline void requireExact(const Scan& oracle, const Scan& exact) {
+  for (size_t b = 0; b < oracle.beamCount(); ++b) {
+    if (oracle.triangles[b] == exact.triangles[b] && oracle.instances[b] == exact.instances[b] &&
+        (!oracle.hit(b) || oracle.ranges[b] == exact.ranges[b]))
+      continue;
+    char line[200];
+    std::snprintf(line, sizeof line, "beam %zu: oracle %d of %d at %a, exact %d of %d at %a", b,
+                  static_cast<int>(oracle.triangles[b]), static_cast<int>(oracle.instances[b]), oracle.ranges[b],
+                  static_cast<int>(exact.triangles[b]), static_cast<int>(exact.instances[b]), exact.ranges[b]);
+    FAIL(line);
+  }
+}
+
+/// One line per family into the file that GNOSPHERE_TEST_REPORT names: what docs/accuracy.md quotes.
+inline void report(const Family& family, const Verdict& verdict) {
+  const char* file = std::getenv("GNOSPHERE_TEST_REPORT");
+  std::FILE* out = file ? std::fopen(file, "a") : nullptr;
+  if (!out) return;
+  std::fprintf(out,
+               "%-34s worlds %5zu beams %9llu hits %9llu ties %8llu paper wrong %5llu standard: of bound %.3f, %.3g m, "
+               "%.3g of range\n",
+               family.name.c_str(), family.visits.size(), static_cast<unsigned long long>(verdict.beams),
+               static_cast<unsigned long long>(verdict.hits), static_cast<unsigned long long>(verdict.ties),
+               static_cast<unsigned long long>(verdict.paperWrong), verdict.errorOfBound, verdict.error,
+               verdict.errorOfRange);
+  std::fclose(out);
+}
+
+/// `standard` against the reference, `exact` against the reference and the oracle, world by world: 0 missed, 0 false,
+/// 0 wrong owners, 0 wrong ranges. And how many worlds `paper` gets wrong.
+inline Verdict requireRight(const Family& family, Faces faces = Faces::material) {
+  needVulkan();
+  const auto simulator = [&](const char* device, Accuracy accuracy) {
+    SimulatorOptions options = vulkanOptions();
+    options.device = device;
+    options.accuracy = accuracy;
+    options.faces = faces;
+    return Simulator(family.scene, family.sensors, options);
+  };
+  Simulator reference = simulator("reference", Accuracy::standard), standard = simulator("auto", Accuracy::standard);
+  Simulator exact = simulator("auto", Accuracy::exact), paper = simulator("auto", Accuracy::paper);
+  Verdict verdict;
+  for (size_t i = 0; i < family.visits.size(); ++i) {
+    const Family::Visit& visit = family.visits[i];
+    INFO(family.name << ", world " << i);
+    const Scan truth = reference.scan(visit.pose, visit.sensor);
+    const Scan rounded = standard.scan(visit.pose, visit.sensor);
+    requireSame(truth, rounded);
+    const Scan decided = exact.scan(visit.pose, visit.sensor);
+    requireSame(truth, decided);
+    requireExact(exactScan(family.scene, family.sensors[visit.sensor], visit.pose, faces), decided);
+    addErrors(truth, rounded, verdict);
+    Scan judge = truth;
+    if (family.everyHitTies) judge.ties.assign(judge.ties.size(), 0);
+    verdict.paperWrong += !compare(judge, paper.scan(visit.pose, visit.sensor)).same();
+  }
+  report(family, verdict);
+  return verdict;
+}
+
+// --- What worlds are made of ----------------------------------------------------------------------------------------
+
+/// Rounded to a multiple of 2^-20 m: such corners reach the sensor's frame of an unturned pose without rounding.
+inline double coarse(double value) {
+  return std::round(value * 0x1p20) * 0x1p-20;
+}
+inline Vec3 coarse(const Vec3& p) {
+  return {coarse(p.x), coarse(p.y), coarse(p.z)};
+}
+
+inline Vec3 along(const Vec3& direction, double range) {
+  return {direction.x * range, direction.y * range, direction.z * range};
+}
+inline Vec3 directionOf(double azimuth, double elevation) {
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+}
+
+/// A rotation that takes no axis to another.
+inline Quaternion anyTurn(Random& random) {
+  return {random(), random(), random(), random()};
+}
+
+/// A corner at a random place within `reach`, far enough from the middle not to be on it.
+inline Vec3 anywhere(Random& random, double reach) {
+  return {reach * random(), reach * random(), reach * random()};
+}
+
+inline double logUniform(Random& random, double low, double high) {
+  return low * std::pow(high / low, 0.5 * (random() + 1));
+}
+
+/// A closed mesh around the origin whose corners lie on the beams of every `step`-th column and channel of `sensor`,
+/// at the ranges that `rangeOf(direction)` gives. The lowest and the highest channel must point down and up.
+template <typename RangeOf>
+Mesh aimedMesh(const Sensor& sensor, uint32_t step, const RangeOf& rangeOf) {
+  const std::vector<Float3> beams = seenBeams(sensor);
+  const auto rings = static_cast<uint32_t>((sensor.channels.size() - 1) / step), segments = sensor.columns / step;
+  MeshBuilder builder;
+  const auto corner = [&](uint32_t ring, uint32_t segment) {
+    const Float3& d = beams[size_t{ring} * step * sensor.columns + size_t{segment} * step];
+    const Vec3 direction = {d[0], d[1], d[2]};
+    return builder.vertex(along(direction, rangeOf(direction)));
+  };
+  const uint32_t bottom = corner(0, 0);
+  for (uint32_t ring = 1; ring < rings; ++ring)
+    for (uint32_t segment = 0; segment < segments; ++segment) corner(ring, segment);
+  const uint32_t top = corner(rings, 0);
+  const auto at = [&](uint32_t ring, uint32_t segment) { return 1 + (ring - 1) * segments + segment % segments; };
+  for (uint32_t s = 0; s < segments; ++s) {
+    builder.triangle(bottom, at(1, s + 1), at(1, s));
+    for (uint32_t ring = 1; ring + 1 < rings; ++ring) {
+      builder.triangle(at(ring, s), at(ring, s + 1), at(ring + 1, s));
+      builder.triangle(at(ring, s + 1), at(ring + 1, s + 1), at(ring + 1, s));
+    }
+    builder.triangle(at(rings - 1, s), at(rings - 1, s + 1), top);
+  }
+  return builder.take();
+}
+
+/// From -90 to 90 degrees, both included.
+inline Sensor allAround(uint32_t columns, uint32_t channels, double rangeMax = 200) {
+  return gridSensor(columns, channels, -90, 90, rangeMax);
+}
+
+}  // namespace gnosphere::test
