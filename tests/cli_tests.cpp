@@ -84,7 +84,7 @@ void checkRefused(const std::string& arguments, int status, const std::string& w
 }  // namespace
 
 TEST_CASE("a call that is wrong ends with status 2 and says what there is") {
-  checkRefused("", 2, "scan, compare, devices, sensors or town");
+  checkRefused("", 2, "scan, accuracy, compare, devices, sensors or town");
   checkRefused("look", 2, "look");
   checkRefused("scan", 2, "SCENE");
   checkRefused("scan floor.obj --frob", 2, "--frob");

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdarg>
 #include <cstdio>
+#include <memory>
 
 namespace gnosphere::cli {
 
@@ -49,6 +50,19 @@ void say(const char* label, const std::string& text) {
   std::printf("%-10s %s\n", label, text.c_str());
 }
 
+namespace {
+std::string typed;
+}
+
+void rememberCommand(int argc, char** argv) {
+  typed = std::filesystem::path(argv[0]).filename().string();
+  for (int i = 1; i < argc; ++i) typed.append(" ").append(argv[i]);
+}
+
+const std::string& commandLine() {
+  return typed;
+}
+
 double nowMs() {
   using namespace std::chrono;
   return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
@@ -67,6 +81,45 @@ void Progress::step(uint64_t done) {
   lastMs_ = now;
   shown_ = true;
   std::fprintf(stderr, "\r\x1b[K%s %s of %s", what_, grouped(done).c_str(), grouped(total_).c_str());
+}
+
+std::function<void(const char*, uint64_t, uint64_t)> stepProgress() {
+  struct State {
+    std::string name;
+    std::unique_ptr<Progress> progress;
+  };
+  return [state = std::make_shared<State>()](const char* step, uint64_t done, uint64_t total) {
+    if (state->name != step) {
+      state->name = step;
+      state->progress = nullptr;  // clears its line before the next begins
+      state->progress = std::make_unique<Progress>(state->name.c_str(), total);
+    }
+    state->progress->step(done);
+  };
+}
+
+void printTable(const std::vector<TableRow>& rows, bool markdown) {
+  std::vector<size_t> widths;
+  for (const TableRow& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  const auto print = [&](const TableRow& row) {
+    std::string line = markdown ? "|" : "";
+    for (size_t i = 0; i < row.size(); ++i) {
+      const std::string gap(widths[i] - row[i].size(), ' ');
+      const std::string cell = i == 0 ? row[i] + gap : gap + row[i];
+      line += markdown ? " " + cell + " |" : (i ? "  " : "") + cell;
+    }
+    std::printf("%s\n", line.c_str());
+  };
+  for (size_t r = 0; r < rows.size(); ++r) {
+    print(rows[r]);
+    if (!markdown || r > 0) continue;
+    std::string rule = "|";
+    for (size_t i = 0; i < widths.size(); ++i) rule += std::string(widths[i] + 1, '-') + (i ? ":|" : "-|");
+    std::printf("%s\n", rule.c_str());
+  }
 }
 
 }  // namespace gnosphere::cli

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <vector>
 
 namespace gnosphere::cli {
 
@@ -32,6 +34,17 @@ class Progress {
   bool terminal_, shown_ = false;
   double startMs_, lastMs_;
 };
+
+/// For work of several steps: called with the step's name, how much of it is done and how much there is.
+std::function<void(const char*, uint64_t, uint64_t)> stepProgress();
+
+using TableRow = std::vector<std::string>;
+/// Columns aligned, the first to the left and the others to the right; as Markdown if asked.
+void printTable(const std::vector<TableRow>& rows, bool markdown = false);
+
+/// The call as it was typed, the program by its name alone: results say how they were made.
+void rememberCommand(int argc, char** argv);
+const std::string& commandLine();
 
 double nowMs();
 
