@@ -13,10 +13,10 @@ namespace {
 /// What `standard` has in the place of each of the parts.
 const char* insteadOf(const AccuracyRow& row) {
   const Exactness standard = exactnessOf(Accuracy::standard);
-  if (row.exactness.bounds != standard.bounds) return "exact bounds: the bulge of edges, the poles";
-  if (row.exactness.cull != standard.cull) return "cull by the nearest point";
+  if (row.exactness.bounds != standard.bounds) return "edge bulge, poles";
+  if (row.exactness.cull != standard.cull) return "nearest point";
   if (row.exactness.inside != standard.inside) return "watertight edges";
-  if (row.exactness.range != standard.range) return "range by edge weights";
+  if (row.exactness.range != standard.range) return "edge weights";
   return "";
 }
 
@@ -32,8 +32,8 @@ bool stamped(const AccuracyReport& report) {
   return report.settings[0].gpuMs.median > 0;
 }
 
-const TableRow kErrorColumns = {"time",  "ratio", "missed",    "false",   "owner",
-                                "range", "wrong", "max error", "99.99 %", "RMS"};
+const TableRow kErrorColumns = {"time",  "ratio", "missed", "false",     "owner",
+                                "range", "wrong", "max m",  "99.99 % m", "RMS m"};
 
 TableRow errorRow(const AccuracyRow& row) {
   const Comparison& e = row.error;
@@ -63,16 +63,12 @@ void printErrors(const AccuracyReport& report) {
   if (report.parts.empty()) return;
   std::printf("\nwhat each exactness buys: standard, with one of its parts taken away\n");
   rows = {headed("with only", kErrorColumns)};
-  rows[0].push_back("  instead of");
-  size_t width = 0;
-  for (const AccuracyRow& row : report.parts) width = std::max(width, std::string(insteadOf(row)).size());
-  rows[0].back().resize(width + 2, ' ');
+  rows[0].insert(rows[0].begin() + 1, "instead of");
   for (const AccuracyRow& row : report.parts) {
     rows.push_back(errorRow(row));
-    rows.back().push_back("  " + std::string(insteadOf(row)));
-    rows.back().back().resize(width + 2, ' ');
+    rows.back().insert(rows.back().begin() + 1, insteadOf(row));
   }
-  printTable(rows);
+  printTable(rows, 2);
 }
 
 void printTimes(const AccuracyReport& report) {
@@ -166,6 +162,10 @@ void printTables(const AccuracyStory& story) {
                    " runs of each, in turn; ratio to standard, run by run");
   std::printf("\n");
   printErrors(report);
+  std::printf(
+      "\nmissed, false: only the reference hits, only the setting does; owner, range: both hit, but another triangle,\n"
+      "or further apart than single precision explains; wrong: share of beams missed, false or at a wrong range\n"
+      "max: whoever the owner; 99.99 %% and RMS: of beams with the right owner; all without ties\n");
   printTimes(report);
   printTies(report);
   printNearest(report);

@@ -98,27 +98,42 @@ std::function<void(const char*, uint64_t, uint64_t)> stepProgress() {
   };
 }
 
-void printTable(const std::vector<TableRow>& rows, bool markdown) {
+namespace {
+
+std::vector<size_t> widthsOf(const std::vector<TableRow>& rows) {
   std::vector<size_t> widths;
   for (const TableRow& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
     for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
-  const auto print = [&](const TableRow& row) {
-    std::string line = markdown ? "|" : "";
+  return widths;
+}
+
+}  // namespace
+
+void printTable(const std::vector<TableRow>& rows, size_t leftColumns) {
+  const std::vector<size_t> widths = widthsOf(rows);
+  for (const TableRow& row : rows) {
+    std::string line;
     for (size_t i = 0; i < row.size(); ++i) {
       const std::string gap(widths[i] - row[i].size(), ' ');
-      const std::string cell = i == 0 ? row[i] + gap : gap + row[i];
-      line += markdown ? " " + cell + " |" : (i ? "  " : "") + cell;
+      line.append(i ? "  " : "").append(i < leftColumns ? row[i] + gap : gap + row[i]);
     }
     std::printf("%s\n", line.c_str());
-  };
+  }
+}
+
+void printMarkdown(const std::vector<TableRow>& rows) {
+  const std::vector<size_t> widths = widthsOf(rows);
   for (size_t r = 0; r < rows.size(); ++r) {
-    print(rows[r]);
-    if (!markdown || r > 0) continue;
-    std::string rule = "|";
-    for (size_t i = 0; i < widths.size(); ++i) rule += std::string(widths[i] + 1, '-') + (i ? ":|" : "-|");
-    std::printf("%s\n", rule.c_str());
+    std::string line = "|", rule = "|";
+    for (size_t i = 0; i < rows[r].size(); ++i) {
+      const std::string gap(widths[i] - rows[r][i].size(), ' ');
+      line.append(" ").append(i ? gap + rows[r][i] : rows[r][i] + gap).append(" |");
+      rule.append(widths[i] + 1, '-').append(i ? ":|" : "-|");
+    }
+    std::printf("%s\n", line.c_str());
+    if (r == 0) std::printf("%s\n", rule.c_str());
   }
 }
 

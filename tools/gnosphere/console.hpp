@@ -39,8 +39,10 @@ class Progress {
 std::function<void(const char*, uint64_t, uint64_t)> stepProgress();
 
 using TableRow = std::vector<std::string>;
-/// Columns aligned, the first to the left and the others to the right; as Markdown if asked.
-void printTable(const std::vector<TableRow>& rows, bool markdown = false);
+/// Columns aligned, the first `leftColumns` to the left and the others to the right.
+void printTable(const std::vector<TableRow>& rows, size_t leftColumns = 1);
+/// The same as Markdown.
+void printMarkdown(const std::vector<TableRow>& rows);
 
 /// The call as it was typed, the program by its name alone: results say how they were made.
 void rememberCommand(int argc, char** argv);

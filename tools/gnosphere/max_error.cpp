@@ -29,7 +29,7 @@ bool better(const AccuracyRow& a, const AccuracyRow& b) {
 }
 
 std::string sampleOf(const AccuracyReport& report) {
-  return report.sampled ? "measured on a sample of " + grouped(report.beams) + " beams"
+  return report.sampled ? "measured on a sample of " + grouped(report.beams) + " beams, others may be further off"
                         : "measured on all " + grouped(report.beams) + " beams";
 }
 

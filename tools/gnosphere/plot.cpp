@@ -47,13 +47,15 @@ std::string markerAt(const PlotSeries& s, double x, double y) {
 struct Axis {
   double low = 1, high = 10, from = 0, to = 1;
 
-  /// Around the positive values of `values`, with some air; decades where there are several.
-  Axis(std::vector<double> values, double begin, double end) : from(begin), to(end) {
+  /// Around the positive values of `values`, with some air, and over `span` at least: what hardly changes shall look
+  /// so.
+  Axis(std::vector<double> values, double span, double begin, double end) : from(begin), to(end) {
     values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !(v > 0) || !std::isfinite(v); }),
                  values.end());
     if (values.empty()) return;
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    const double air = std::max(std::pow(*most / *least, 0.08), 1.03);
+    const double ratio = *most / *least;
+    const double air = std::max({std::pow(ratio, 0.08), 1.03, std::sqrt(span / ratio)});
     low = *least / air;
     high = *most * air;
   }
@@ -97,23 +99,27 @@ class Labels {
  public:
   Labels(double left, double top, double right, double bottom) : frame_{left, top, right, bottom} {}
 
-  void keepFree(double x, double y, double reach) { taken_.push_back({x - reach, y - reach, x + reach, y + reach}); }
+  void keepFree(double left, double right, double y, double reach) {
+    taken_.push_back({left - reach, y - reach, right + reach, y + reach});
+  }
 
-  /// Beside the marker if there is room, else farther off with a thin line to it.
-  std::string put(double x, double y, double reach, const std::string& text, bool bold) {
+  /// Beside the marker and its bar if there is room, else farther off with a thin line to it.
+  std::string put(double x, double y, double low, double high, double reach, const std::string& text) {
+    const bool bold = reach > 5;
     const double width = kLetter * static_cast<double>(text.size()) * (bold ? 1.06 : 1) + 2;
+    const double right = std::max(high, x + reach) + 4, left = std::min(low, x - reach) - 4 - width;
     for (double rise : {0.0, -15.0, 15.0, -30.0, 30.0, -45.0, 45.0, -60.0, 60.0, -75.0, 75.0}) {
-      for (double shift : {reach + 4, -reach - 4 - width, -width / 2}) {
-        if (rise == 0 && shift == -width / 2) continue;
-        const Box box = {x + shift, y + rise - kLine / 2, x + shift + width, y + rise + kLine / 2};
+      for (double at : {rise == 0 ? right : x - width / 2, rise == 0 ? left : x, x - width}) {
+        if (rise == 0 && at == x - width) continue;
+        const Box box = {at, y + rise - kLine / 2, at + width, y + rise + kLine / 2};
         if (!isFree(box)) continue;
         taken_.push_back(box);
-        const double nearest = std::clamp(x, box.left, box.right);
-        const std::string leader =
-            rise == 0 ? ""
-                      : lineFrom(x, y + (rise > 0 ? reach : -reach), nearest, rise > 0 ? box.top + 1 : box.bottom,
-                                 "stroke='#999999' stroke-width='0.7'");
-        return leader + textAt(box.left + 1, y + rise + 4, "start", escaped(text), bold ? " font-weight='bold'" : "");
+        const double end = rise > 0 ? box.top + 1 : box.bottom - 1;
+        const std::string leader = std::abs(rise) < 20
+                                       ? ""
+                                       : lineFrom(x, y + (rise > 0 ? reach : -reach), std::clamp(x, at, at + width),
+                                                  end, "stroke='#999999' stroke-width='0.7'");
+        return leader + textAt(at + 1, y + rise + 4, "start", escaped(text), bold ? " font-weight='bold'" : "");
       }
     }
     return textAt(x, y - reach - 3, "middle", escaped(text));
@@ -147,9 +153,9 @@ class PanelDrawing {
         xAxis_(all([](const PlotPoint& p) {
                  return std::vector{p.x, p.xLow, p.xHigh};
                }),
-               left_ + 8, right_ - 8),
-        yAxis_(all([](const PlotPoint& p) { return std::vector{p.y}; }), bottom_ - (zeros_ ? kBand : 0) - 4, top_ + 4) {
-  }
+               1, left_ + 8, right_ - 8),
+        yAxis_(all([](const PlotPoint& p) { return std::vector{p.y}; }), 100, bottom_ - (zeros_ ? kBand : 0) - 4,
+               top_ + 4) {}
 
   std::string svg() const { return frame() + data(); }
 
@@ -204,26 +210,30 @@ class PanelDrawing {
     for (const PlotSeries& series : panel_.series) {
       std::string path;
       for (const PlotPoint& p : series.points) {
-        if (!std::isfinite(p.y)) {
-          continue;
-        }
+        if (!std::isfinite(p.y)) continue;
         const double x = xAxis_.at(p.x), y = yOf(p.y);
         path += formatted("%s%.1f %.1f", path.empty() ? "M" : "L", x, y);
         if (p.xLow < p.xHigh) {
           lines += lineFrom(xAxis_.at(p.xLow), y, xAxis_.at(p.xHigh), y,
                             ("stroke-width='1' stroke='" + series.colour + "'").c_str());
+          places.keepFree(xAxis_.at(p.xLow), xAxis_.at(p.xHigh), y, 1);
         }
         markers += markerAt(series, x, y);
-        places.keepFree(x, y, series.size);
+        places.keepFree(x, x, y, series.size);
       }
       if (path.empty() || series.dash == "none") continue;
       lines += "<path d='" + path + "' fill='none' stroke='" + series.colour + "' stroke-width='1.6'" +
                (series.dash.empty() ? "" : " stroke-dasharray='" + series.dash + "'") + "/>\n";
     }
-    for (const PlotSeries& series : panel_.series)
-      for (const PlotPoint& p : series.points)
-        if (!p.label.empty() && std::isfinite(p.y))
-          labels += places.put(xAxis_.at(p.x), yOf(p.y), series.size, p.label, series.size > 5);
+    for (const PlotSeries& series : panel_.series) {
+      for (const PlotPoint& p : series.points) {
+        if (p.label.empty() || !std::isfinite(p.y)) continue;
+        const double x = xAxis_.at(p.x);
+        const bool bar = p.xLow < p.xHigh;
+        labels +=
+            places.put(x, yOf(p.y), bar ? xAxis_.at(p.xLow) : x, bar ? xAxis_.at(p.xHigh) : x, series.size, p.label);
+      }
+    }
     return lines + markers + labels;
   }
 
