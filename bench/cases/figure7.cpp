@@ -15,7 +15,7 @@ using cli::Json;
 constexpr Accuracy kAccuracies[] = {Accuracy::paper, Accuracy::draft, Accuracy::standard, Accuracy::exact};
 
 struct Options {
-  std::string device = "auto", accuracy = "standard", json;
+  std::string device = "auto", accuracy = "standard", json, sensor;
   uint64_t triangles = 1'000'000;
   uint32_t runs = 20;
 };
@@ -53,8 +53,8 @@ SimulatorOptions simulatorOptions(const Options& options) {
   return settings;
 }
 
-std::vector<Row> measure(const Scene& town, Simulator& simulator, const Options& options) {
-  const std::vector<Sensor>& sensors = builtinSensors();
+std::vector<Row> measure(const Scene& town, const std::vector<Sensor>& sensors, Simulator& simulator,
+                         const Options& options) {
   const auto progress = cli::stepProgress();
   SimulatorOptions settings;
   settings.device = "reference";
@@ -127,9 +127,11 @@ std::string toJson(const std::vector<Row>& rows, const Scene& town, const Simula
 
 int run(const Options& options) {
   checkResult(options.json);
+  const std::vector<Sensor> sensors =
+      options.sensor.empty() ? builtinSensors() : std::vector<Sensor>{findSensor(options.sensor)};
   const Scene town = makeTown({options.triangles, 1});
-  Simulator simulator(town, builtinSensors(), simulatorOptions(options));
-  const std::vector<Row> rows = measure(town, simulator, options);
+  Simulator simulator(town, sensors, simulatorOptions(options));
+  const std::vector<Row> rows = measure(town, sensors, simulator, options);
   if (options.json != "-") {
     printHead(simulator.device());
     cli::say("scene",
@@ -156,6 +158,7 @@ Action addFigure7(CLI::App& app) {
   app.add_option("--accuracy", options->accuracy, "As gnosphere scan --accuracy")
       ->check(CLI::IsMember(names))
       ->capture_default_str();
+  app.add_option("--sensor", options->sensor, "Only this one, a built-in name or a JSON file");
   app.add_option("--triangles", options->triangles, "Of the town")->capture_default_str();
   app.add_option("--runs", options->runs, "Timed scans of every sensor")
       ->check(CLI::Range(uint32_t{1}, uint32_t{1'000'000}))

@@ -18,6 +18,7 @@ constexpr Accuracy kAccuracies[] = {Accuracy::paper, Accuracy::draft, Accuracy::
 
 struct Options {
   std::string device = "auto", plot, json, family;
+  bool ends = false;
 };
 
 /// One accuracy on one case. Ties count like any beam: see hardness.hpp.
@@ -58,13 +59,14 @@ Row measure(const HardCase& test, const std::string& device, DeviceInfo& info) {
 
 std::vector<FamilyResult> measureAll(const Options& options, DeviceInfo& info) {
   uint64_t total = 0, done = 0;
-  for (const Family& family : families()) total += family.hardness.size();
+  for (const Family& family : families()) total += family.hardness.size();  // a bound: some may be left out
   const auto progress = cli::stepProgress();
   std::vector<FamilyResult> results;
   for (const Family& family : families()) {
     if (!options.family.empty() && options.family != family.name) continue;
     results.push_back({family, {}});
     for (double hardness : family.hardness) {
+      if (options.ends && hardness != family.hardness.front() && hardness != family.hardness.back()) continue;
       progress("case", ++done, total);
       results.back().rows.push_back(measure(family.make(hardness), options.device, info));
     }
@@ -178,7 +180,8 @@ Action addStability(CLI::App& app) {
   for (const Family& family : families()) names.push_back(family.name);
   app.add_option("--device", options->device, "As gnosphere scan --device")->capture_default_str();
   app.add_option("--family", options->family, "Only one of the families")->check(CLI::IsMember(names));
-  app.add_option("--plot", options->plot, "An .svg: a panel per family");
+  app.add_flag("--ends", options->ends, "Only the easiest and the hardest case of each family");
+  app.add_option("--plot", options->plot, "An .svg: two panels per family");
   app.add_option("--json", options->json, "A JSON file of everything measured, or - for stdout");
   return [options] { return run(*options); };
 }
