@@ -56,6 +56,8 @@ TEST_CASE("a trajectory that is not sound is refused with the line") {
   refused("0,0,0,1,0,0,0,1\n", "line 1");
   refused("0 0 0 1 0 0 0 1\n\n0 0 0 1 0 0 0 1x\n", "line 3");
   refused("0 0 0 1 0 0 0 1e999\n", "line 1");
+  refused("0 0 0 1 0 0 0 2\n", "length is not 1");
+  refused("1 0 0 0 0 1 0 0 0 0 1 0\n", "KITTI");
   refused("# nothing\n", "no pose");
 }
 
@@ -63,7 +65,7 @@ TEST_CASE("accuracy prints a table, JSON with the names of --stats, and a plot o
   needVulkan();
   const Workplace place;
   putSmall(place);
-  place.put("t.tum", "# t x y z qx qy qz qw\r\n0 0 0 0 0 0 0 1\r\n\n 1.5\t1 2 0.1 0 0 2 0 7 7 7\n2 3 0 0 0 0 0 1\n");
+  place.put("t.tum", "# t x y z qx qy qz qw\r\n0 0 0 0 0 0 0 1\r\n\n 1.5\t1 2 0.1 0 0 1 0 7 7 7\n2 3 0 0 0 0 0 1\n");
   const Result result =
       place.run("accuracy wide.obj --trajectory t.tum --poses 2 --runs 2 --json a.json --plot a.svg" + kSmall);
   CHECK(result.err == "");

@@ -12,9 +12,13 @@ namespace {
 
 constexpr double kLeft = 66, kRight = 16, kTop = 30, kBottom = 46, kBand = 24, kLetter = 6.1, kLine = 14;
 
+/// As XML wants it; control characters, which it has no place for, are left out.
 std::string escaped(const std::string& text) {
   std::string out;
-  for (char c : text) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+  for (char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) continue;
+    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+  }
   return out;
 }
 

@@ -48,13 +48,8 @@ std::vector<double> parseNumbers(std::string_view text, char separator) {
   return numbers;
 }
 
-Quaternion unitQuaternion(const double* xyzw, const std::string& where) {
-  const double norm = std::hypot(std::hypot(xyzw[0], xyzw[1]), std::hypot(xyzw[2], xyzw[3]));
-  if (!(norm > 1e-6) || !std::isfinite(norm)) {
-    throw Error(ErrorCode::invalidArgument, where + " has a quaternion of no length");
-  }
-  return {xyzw[0] / norm, xyzw[1] / norm, xyzw[2] / norm, xyzw[3] / norm};
-}
+/// Files are written with few digits; what is further from a unit quaternion is something else.
+constexpr double kUnitTolerance = 0.01;
 
 Pose parsePose(const std::string& text) {
   const std::vector<double> numbers = parseNumbers(text, ',');
@@ -64,7 +59,12 @@ Pose parsePose(const std::string& text) {
   }
   Pose pose;
   pose.position = {numbers[0], numbers[1], numbers[2]};
-  if (numbers.size() == 7) pose.orientation = unitQuaternion(&numbers[3], "--pose: '" + text + "'");
+  if (numbers.size() == 3) return pose;
+  const double norm = std::hypot(std::hypot(numbers[3], numbers[4]), std::hypot(numbers[5], numbers[6]));
+  if (!(norm > 1e-6) || !std::isfinite(norm)) {
+    throw Error(ErrorCode::invalidArgument, "--pose: the quaternion '" + text + "' has no length");
+  }
+  pose.orientation = {numbers[3] / norm, numbers[4] / norm, numbers[5] / norm, numbers[6] / norm};
   return pose;
 }
 
@@ -153,16 +153,15 @@ std::vector<Pose> loadTrajectory(const std::filesystem::path& file) {
     ++number;
     const size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string_view::npos || line[first] == '#') continue;
-    const std::string where = file.string() + ": line " + std::to_string(number);
+    const auto refuse = [&](const char* why) {
+      throw Error(ErrorCode::format, file.string() + ": line " + std::to_string(number) + " " + why);
+    };
     const std::vector<double> v = parseNumbers(line, ' ');
-    if (v.size() < 8) {
-      throw Error(ErrorCode::format, where + " is not t x y z qx qy qz qw, eight finite numbers with spaces between");
-    }
-    try {
-      poses.push_back({{v[1], v[2], v[3]}, unitQuaternion(&v[4], where)});
-    } catch (const Error& error) {
-      throw Error(ErrorCode::format, error.what());
-    }
+    if (v.size() < 8) refuse("is not t x y z qx qy qz qw, eight finite numbers with spaces between");
+    if (v.size() == 12) refuse("has 12 numbers, as KITTI's matrices do; t x y z qx qy qz qw is wanted");
+    const double norm = std::hypot(std::hypot(v[4], v[5]), std::hypot(v[6], v[7]));
+    if (!(std::abs(norm - 1) < kUnitTolerance)) refuse("has a quaternion whose length is not 1");
+    poses.push_back({{v[1], v[2], v[3]}, {v[4] / norm, v[5] / norm, v[6] / norm, v[7] / norm}});
   }
   if (poses.empty()) throw Error(ErrorCode::format, file.string() + ": has no pose");
   return poses;
