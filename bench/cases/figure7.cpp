@@ -9,7 +9,6 @@
 namespace gnosphere::bench {
 namespace {
 
-using cli::formatted;
 using cli::Json;
 
 constexpr Accuracy kAccuracies[] = {Accuracy::paper, Accuracy::draft, Accuracy::standard, Accuracy::exact};
@@ -74,7 +73,7 @@ std::vector<Row> measure(const Scene& town, const std::vector<Sensor>& sensors, 
 /// A time that is all over the place is marked.
 std::string medianCell(const Spread& spread) {
   const bool unsteady = spread.p90 - spread.p10 > 0.05 * spread.median;
-  return formatted("%.2f", spread.median) + (unsteady ? " *" : "");
+  return cli::bareMs(spread.median) + (unsteady ? " *" : "");
 }
 
 void print(const std::vector<Row>& rows) {
@@ -89,11 +88,11 @@ void print(const std::vector<Row>& rows) {
                      cli::grouped(c.missed + c.falseHits + c.wrongRange), cli::grouped(c.ties)});
     const auto add = [&](const Spread& spread) {
       table.back().push_back(medianCell(spread));
-      table.back().push_back(formatted("%.2f", spread.min));
-      table.back().push_back(formatted("%.2f-%.2f", spread.p10, spread.p90));
+      table.back().push_back(cli::bareMs(spread.min));
+      table.back().push_back(cli::bareMs(spread.p10) + "-" + cli::bareMs(spread.p90));
     };
     if (!stages.empty()) add(row.gpu());
-    for (size_t s = 0; s < stages.size(); ++s) table.back().push_back(formatted("%.2f", row.stage(s).median));
+    for (size_t s = 0; s < stages.size(); ++s) table.back().push_back(cli::bareMs(row.stage(s).median));
     add(row.wall());
   }
   std::printf("\n");

@@ -79,9 +79,9 @@ void printTimes(const AccuracyReport& report) {
   const auto add = [&](const AccuracyRow& row) {
     const Spread& time = row.time();
     TableRow cells = {row.name};
-    for (double ms : {time.median, time.min, time.p10, time.p90}) cells.push_back(formatted("%.2f", ms));
-    for (const StageTime& stage : row.stages) cells.push_back(formatted("%.2f", stage.ms));
-    cells.push_back(formatted("%.2f", row.wallMs.median));
+    for (double ms : {time.median, time.min, time.p10, time.p90}) cells.push_back(bareMs(ms));
+    for (const StageTime& stage : row.stages) cells.push_back(bareMs(stage.ms));
+    cells.push_back(bareMs(row.wallMs.median));
     rows.push_back(cells);
   };
   for (const AccuracyRow& row : report.settings) add(row);

@@ -35,7 +35,11 @@ std::string formatted(const char* format, ...) {
 
 std::string milliseconds(double ms) {
   if (ms >= 10000) return formatted("%.1f s", ms / 1000);
-  return formatted(ms < 10 ? "%.2f ms" : ms < 100 ? "%.1f ms" : "%.0f ms", ms);
+  return formatted(ms < 1 ? "%.3f ms" : ms < 10 ? "%.2f ms" : ms < 100 ? "%.1f ms" : "%.0f ms", ms);
+}
+
+std::string bareMs(double ms) {
+  return formatted(ms < 1 ? "%.3f" : "%.2f", ms);
 }
 
 std::string fileSize(const std::filesystem::path& file) {

@@ -15,7 +15,8 @@ void complain(const std::string& message);
 
 std::string grouped(uint64_t number);  ///< 1234567 -> 1,234,567
 std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string milliseconds(double ms);  ///< three digits that mean something
+std::string milliseconds(double ms);  ///< three digits that mean something, with the unit
+std::string bareMs(double ms);        ///< the same for the columns of a table in ms
 std::string fileSize(const std::filesystem::path& file);
 
 /// A line of a summary: the label in a column of its own.
