@@ -64,12 +64,15 @@ void addProduct(inout Big sum, float x, float y, float z, int scale, bool negate
   addWords(sum, uvec3(lowLow, middle, highHigh + carry), shift.x + shift.y + shift.z, negative != negate);
 }
 
-// det(a, b, c); c of the given scale.
+// det(a, b, c); c of the given scale. The loop stays a loop: this is the rare path, and drivers inline every call.
 void addDeterminant(inout Big sum, vec3 a, vec3 b, vec3 c, int scale) {
-  for (int i = 0; i < 3; ++i) {
-    int j = i == 2 ? 0 : i + 1, k = j == 2 ? 0 : j + 1;
-    addProduct(sum, a[j], b[k], c[i], scale, false);
-    addProduct(sum, a[k], b[j], c[i], scale, true);
+  [[dont_unroll]] for (int i = 0; i < 6; ++i) {
+    bool swapped = i >= 3;
+    addProduct(sum, swapped ? a.z : a.y, swapped ? b.y : b.z, c.x, scale, swapped);
+    if (i == 2 || i == 5) continue;
+    a = a.yzx;
+    b = b.yzx;
+    c = c.yzx;
   }
 }
 

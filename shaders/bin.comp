@@ -3,6 +3,7 @@
 // each; tiles of large ones by a subgroup each, lanes along the columns. PASS says what is done with a meeting.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
 #ifdef INT64_ATOMICS
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
@@ -49,12 +50,13 @@ float farthestOf(uint beam) {
   return known ? min(uintBitsToFloat(min(words[2 * beam + 1], 0x7f800000u)), frame.rangeMax) : frame.rangeMax;
 }
 
+// A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and it spans up to 1.
 uint wrapColumn(int column) {
-  int all = int(frame.columns);
-  if (column < 0) column += all;
-  if (column < 0) column += all;
-  if (column >= all) column -= all;
-  if (column >= all) column -= all;
+  int turnColumns = int(frame.columns);
+  if (column < 0) column += turnColumns;
+  if (column < 0) column += turnColumns;
+  if (column >= turnColumns) column -= turnColumns;
+  if (column >= turnColumns) column -= turnColumns;
   return uint(column);
 }
 
@@ -63,18 +65,29 @@ void tryColumns(uint projected, Box box, uint first, uint count, uint stride) {
   Triangle triangle = loadProjected(projected);
   uint rowFirst = box.rows & 0xffff, rowLast = box.rows >> 16;
   Prepared prepared = prepare(triangle);
-  for (uint k = first; k < count; k += stride) {
-    uint column = wrapColumn(int(ceil(box.columnMin)) + int(k));
-    Turned turned = turn(triangle, columns[column]);
-    for (uint row = rowFirst; row <= rowLast; ++row) {
-      if (AZIMUTH_OFFSETS) column = wrapColumn(int(ceil(box.columnMin - rows[row].columnShift)) + int(k));
-      Beam beam = beamOf(columns[column], row);
-      if (AZIMUTH_OFFSETS) turned = turn(triangle, beam.azimuth);
-      uint index = rows[row].channel * frame.columns + column;
-      float range;
-      if (meet(triangle, prepared, turned, beam, farthestOf(index), range))
-        offer(index, range, projected, triangle.id);
+  if (first >= count) return;
+  // One loop over the box's beams, not two nested ones: lanes with boxes of other shapes then wait for the largest box
+  // only, not for the most columns times the most rows.
+  uint row = rowLast, column = 0;
+  uint k = first - stride;
+  Turned turned;
+  while (true) {
+    if (row == rowLast) {
+      k += stride;
+      if (k >= count) break;
+      row = rowFirst;
+      column = wrapColumn(int(ceil(box.columnMin)) + int(k));
+      turned = turn(triangle, columns[column]);
+    } else {
+      ++row;
     }
+    if (AZIMUTH_OFFSETS) column = wrapColumn(int(ceil(box.columnMin - rows[row].columnShift)) + int(k));
+    Beam beam = beamOf(columns[column], row);
+    if (AZIMUTH_OFFSETS) turned = turn(triangle, beam.azimuth);
+    uint index = rows[row].channel * frame.columns + column;
+    float range;
+    if (meet(triangle, prepared, turned, beam, farthestOf(index), range))
+      offer(index, range, projected, triangle.id);
   }
 }
 

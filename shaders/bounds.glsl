@@ -42,10 +42,9 @@ bool edgeMeetsOrigin(vec3 a, vec3 b) {
   return dot(a, b) < 0.0 && dot(n, n) <= 1e-12 * dot(a, a) * dot(b, b);
 }
 
-// What the sphere shows of a triangle: its span of elevation keys, and whether it reaches all the way around.
+// What the sphere shows of a triangle: its span of elevation keys, 1 or -1 where it holds a pole.
 struct Outline {
   float keyMin, keyMax;
-  bool around;
 };
 
 Outline outlineOf(vec3 a, vec3 b, vec3 c) {
@@ -64,7 +63,6 @@ Outline outlineOf(vec3 a, vec3 b, vec3 c) {
   }
   if (wide || pole == kUpperPole || (pole == kAnyPole && max(max(a.z, b.z), c.z) > 0.0)) outline.keyMax = 1.0;
   if (wide || pole == kLowerPole || (pole == kAnyPole && min(min(a.z, b.z), c.z) < 0.0)) outline.keyMin = -1.0;
-  outline.around = wide || pole != kNoPole;
   outline.keyMin -= kKeySlack;
   outline.keyMax += kKeySlack;
   return outline;
@@ -88,22 +86,21 @@ uint boxColumnCount(Box box) {
   return uint(clamp(count, 0.0, float(frame.columns)));
 }
 
-// Columns that the triangle may cover; false if it lies between two columns. A triangle that does not hold the axis
-// spans less than pi, so its azimuths are a sweep from a. Rounding turns into more azimuth towards the poles:
-// 1 - |key| is cos(elevation) within a factor of 1.42.
+// Columns that the triangle may cover; false if it lies between two columns. Rounding turns into more azimuth towards
+// the poles: 1 - |key| is cos(elevation) within a factor of 1.42. So at a pole every column is covered; and a triangle
+// that holds none spans less than pi: its azimuths are a sweep from a.
 bool coverColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) {
   float turnColumns = float(frame.columns);
   box.columnMin = 0.0;
   box.columnMax = turnColumns;
   float slack = frame.columnSlack / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
-  if (outline.around || slack > 0.25 * turnColumns) return true;
+  if (slack > 0.25 * turnColumns) return true;
   float start = azimuthOf(a.y, a.x);
   float toB = azimuthOf(a.x * b.y - a.y * b.x, dot(a.xy, b.xy));
   float toC = azimuthOf(a.x * c.y - a.y * c.x, dot(a.xy, c.xy));
   float low = min(min(toB, toC), 0.0), high = max(max(toB, toC), 0.0);
-  float x = (start + low + kPi) * frame.columnsPerRadian - slack;
-  if (x < 0.0) x += turnColumns;
-  box.columnMin = x;
-  box.columnMax = x + (high - low) * frame.columnsPerRadian + 2.0 * slack;
+  // May be negative or beyond the last column: who walks the columns wraps them.
+  box.columnMin = (start + low + kPi) * frame.columnsPerRadian - slack;
+  box.columnMax = box.columnMin + (high - low) * frame.columnsPerRadian + 2.0 * slack;
   return boxColumnCount(box) > 0;
 }

@@ -8,18 +8,31 @@
 #include "bigint.glsl"
 #include "lattice.glsl"
 
-int exactSign(vec3 a, vec3 b, vec3 c, int scale) {
-  Big sum = zeroBig();
-  addDeterminant(sum, a, b, c, scale);
-  return signOf(sum);
+// The side of the edge from a to b on which the moved beam lies; 0 only if a and b are in line with the sensor.
+int exactSide(vec3 a, vec3 b, vec3 beam) {
+  int side = 0;
+  [[dont_unroll]] for (int move = 0; move < 4 && side == 0; ++move) {
+    vec3 direction = move == 0 ? beam : vec3(equal(ivec3(3, 2, 1), ivec3(move)));
+    Big sum = zeroBig();
+    addDeterminant(sum, a, b, direction, kDirectionScale);
+    side = signOf(sum);
+  }
+  return side;
 }
 
-int exactSide(vec3 a, vec3 b, vec3 beam) {
-  int side = exactSign(a, b, beam, kDirectionScale);
-  if (side == 0) side = exactSign(a, b, vec3(0.0, 0.0, 1.0), kCoordinateScale);
-  if (side == 0) side = exactSign(a, b, vec3(0.0, 1.0, 0.0), kCoordinateScale);
-  if (side == 0) side = exactSign(a, b, vec3(1.0, 0.0, 0.0), kCoordinateScale);
-  return side;
+// True if the moved beam is on the same side of all three edges; `averted` tells which.
+bool exactInside(Triangle triangle, vec3 beam, out bool averted) {
+  vec3 a = triangle.a, b = triangle.b, c = triangle.c;
+  int sum = 0;
+  [[dont_unroll]] for (int edge = 0; edge < 3; ++edge) {
+    sum += exactSide(a, b, beam);
+    vec3 first = a;
+    a = b;
+    b = c;
+    c = first;
+  }
+  averted = sum > 0;
+  return abs(sum) == 3;
 }
 
 // Ranges that the bisection below looks among; nearer than 2^-60 m nothing is a hit.
@@ -41,9 +54,14 @@ bool exactRange(vec3 a, vec3 b, vec3 c, vec3 beam, float guess, out float range)
   range = 0.0;
   Big volume = zeroBig(), spread = zeroBig();
   addDeterminant(volume, a, b, c, kCoordinateScale);
-  addDeterminant(spread, a, b, beam, kDirectionScale);
-  addDeterminant(spread, b, c, beam, kDirectionScale);
-  addDeterminant(spread, c, a, beam, kDirectionScale);
+  vec3 from = a, to = b, next = c;
+  [[dont_unroll]] for (int edge = 0; edge < 3; ++edge) {
+    addDeterminant(spread, from, to, beam, kDirectionScale);
+    vec3 first = from;
+    from = to;
+    to = next;
+    next = first;
+  }
   int sign = signOf(spread);
   if (sign == 0 || signOf(volume) != sign) return false;
   if (sign < 0) {
@@ -51,13 +69,12 @@ bool exactRange(vec3 a, vec3 b, vec3 c, vec3 beam, float guess, out float range)
     spread = negated(spread);
   }
   uint low = kSmallestRange, high = kLargestRange;
-  if (guess > 1e-15 && guess < 1e9) {
-    uint near = floatBitsToUint(guess);
-    if (roundsAbove(volume, spread, near - 8)) low = near - 7;
-    if (!roundsAbove(volume, spread, near + 8)) high = near + 8;
-  }
-  while (low < high) {
-    uint middle = (low + high) / 2;
+  bool guessed = guess > 1e-15 && guess < 1e9;
+  // The first two questions are asked around the guess, so that a good one leaves four more.
+  [[dont_unroll]] for (int step = 0; low < high; ++step) {
+    uint near = floatBitsToUint(guess), middle = (low + high) / 2;
+    if (guessed && step == 0) middle = near - 8;
+    if (guessed && step == 1) middle = clamp(near + 8, low, high - 1);
     if (roundsAbove(volume, spread, middle))
       low = middle + 1;
     else
@@ -115,10 +132,7 @@ bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest
   bool someUp = any(greaterThan(side, exact.sideBound)), someDown = any(lessThan(side, -exact.sideBound));
   if (someUp && someDown) return false;
   if (any(lessThanEqual(abs(side), exact.sideBound))) {
-    ivec3 decided = ivec3(exactSide(triangle.b, triangle.c, beam), exactSide(triangle.c, triangle.a, beam),
-                          exactSide(triangle.a, triangle.b, beam));
-    if (!(all(equal(decided, ivec3(1))) || all(equal(decided, ivec3(-1))))) return false;
-    someUp = decided.x > 0;
+    if (!exactInside(triangle, beam, someUp)) return false;
   }
   if (triangle.oneSided && someUp) return false;
   double spread = dot(exact.normal, r), spreadBound = dot(exact.normalBound, abs(r));
@@ -164,10 +178,7 @@ bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest
   bool someUp = any(greaterThan(side, exact.sideBound)), someDown = any(lessThan(side, -exact.sideBound));
   if (someUp && someDown) return false;
   if (any(lessThanEqual(abs(side), exact.sideBound))) {
-    ivec3 decided = ivec3(exactSide(triangle.b, triangle.c, beam), exactSide(triangle.c, triangle.a, beam),
-                          exactSide(triangle.a, triangle.b, beam));
-    if (!(all(equal(decided, ivec3(1))) || all(equal(decided, ivec3(-1))))) return false;
-    someUp = decided.x > 0;
+    if (!exactInside(triangle, beam, someUp)) return false;
   }
   if (triangle.oneSided && someUp) return false;
   vec3 normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);

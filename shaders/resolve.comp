@@ -3,6 +3,7 @@
 // nearest way only unpacks its words; the list way visits the beam's candidates, best first, skipping by depth.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shared.h"
 #include "options.glsl"

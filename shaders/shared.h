@@ -110,7 +110,7 @@ GNO_CONST uint kBindCorners = 3;
 GNO_CONST uint kBindTriangleIds = 4;
 GNO_CONST uint kSceneBindingCount = 5;
 
-// --- Structs -----------------------------------------------------------------------------------------------------------
+// --- Structs ---------------------------------------------------------------------------------------------------------
 
 // Sensor frame = rows * (mesh position - pivot) + offset. The pivot is the sensor's place in the mesh frame rounded to
 // float; subtracting it first keeps the error relative to the distance (numerics: cancellation happens exactly).
@@ -153,14 +153,15 @@ struct Frame {
 // One channel, in order of elevation.
 struct Row {
   float cosElevation, sinElevation;
-  float key;           // elevation key, see elevationKey()
-  float columnShift;   // azimuth offset in columns
+  float key;          // elevation key, see elevationKey()
+  float columnShift;  // azimuth offset in columns
   float cosOffset, sinOffset;
   uint channel;
   uint padding0;
 };
 
-// Where a projected triangle may be met: columns columnMin..columnMax (real numbers, wrapping), rows first | last << 16.
+// Where a projected triangle may be met: columns columnMin..columnMax (real numbers, wrapping) and the rows, first in
+// the low 16 bits, last in the high ones.
 struct Box {
   float columnMin, columnMax;
   uint rows;

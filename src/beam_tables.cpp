@@ -39,8 +39,7 @@ std::vector<gpu::Row> makeRows(const Sensor& sensor) {
     row.cosElevation = onLattice(std::cos(elevation));
     row.sinElevation = onLattice(std::sin(elevation));
     row.key = static_cast<float>(elevationKey(elevation));
-    row.columnShift =
-        static_cast<float>(std::remainder(offset / (2 * std::numbers::pi), 1.0) * double(sensor.columns));
+    row.columnShift = static_cast<float>(std::remainder(offset / (2 * std::numbers::pi), 1.0) * double(sensor.columns));
     row.cosOffset = onLattice(std::cos(offset));
     row.sinOffset = onLattice(std::sin(offset));
     row.channel = channel;
@@ -65,9 +64,9 @@ std::vector<uint32_t> makeLookup(const std::vector<gpu::Row>& rows) {
 
 BeamTables makeBeamTables(const Sensor& sensor) {
   if (sensor.channels.size() > 65535)
-    throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " +
-                                                std::to_string(sensor.channels.size()) +
-                                                " channels; the limit is 65535");
+    throw Error(
+        ErrorCode::invalidArgument,
+        "sensor '" + sensor.name + "' has " + std::to_string(sensor.channels.size()) + " channels; the limit is 65535");
   BeamTables tables;
   tables.rows = makeRows(sensor);
   tables.rowLookup = makeLookup(tables.rows);

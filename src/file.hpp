@@ -82,6 +82,8 @@ class AtomicFile {
 };
 
 /// Throws Error(file) if `file` cannot be written, before there is anything to write. Leaves nothing behind.
-inline void checkWritable(const std::filesystem::path& file) { const AtomicFile probe(file); }
+inline void checkWritable(const std::filesystem::path& file) {
+  const AtomicFile probe(file);
+}
 
 }  // namespace gnosphere

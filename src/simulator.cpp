@@ -64,8 +64,8 @@ Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 Scan Simulator::scan(const Pose& pose, size_t sensor) {
   validate(pose);
   if (sensor >= sensors_.size())
-    throw Error(ErrorCode::invalidArgument, "sensor " + std::to_string(sensor) + " does not exist, there are " +
-                                                std::to_string(sensors_.size()));
+    throw Error(ErrorCode::invalidArgument,
+                "sensor " + std::to_string(sensor) + " does not exist, there are " + std::to_string(sensors_.size()));
   Scan scan = backend_->scan(sensor, pose);
   scan.sensor = sensors_[sensor].name;
   scan.columns = sensors_[sensor].columns;
@@ -74,8 +74,14 @@ Scan Simulator::scan(const Pose& pose, size_t sensor) {
   return scan;
 }
 
-const DeviceInfo& Simulator::device() const { return backend_->device(); }
-MemoryUse Simulator::memory() const { return backend_->memory(); }
-size_t Simulator::clusterCount() const { return backend_->clusterCount(); }
+const DeviceInfo& Simulator::device() const {
+  return backend_->device();
+}
+MemoryUse Simulator::memory() const {
+  return backend_->memory();
+}
+size_t Simulator::clusterCount() const {
+  return backend_->clusterCount();
+}
 
 }  // namespace gnosphere

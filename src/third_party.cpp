@@ -3,11 +3,13 @@
 #define VOLK_IMPLEMENTATION
 #include <volk.h>
 
+// Before tinygltf, which uses it.
+#include <nlohmann/json.hpp>
+
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_INCLUDE_JSON
-#include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION

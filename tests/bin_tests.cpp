@@ -26,8 +26,7 @@ void requireWaysAgree(const Scene& scene, const Sensor& sensor, const Pose& pose
 
 TEST_CASE("lists, 64-bit and 32-bit minima give the same bytes on a soup of triangles") {
   needVulkan();
-  for (uint32_t seed : {1u, 2u, 3u})
-    requireWaysAgree(sceneOf(soup(seed, 4000, 30, 4)), gridSensor(700, 40, -40, 40));
+  for (uint32_t seed : {1u, 2u, 3u}) requireWaysAgree(sceneOf(soup(seed, 4000, 30, 4)), gridSensor(700, 40, -40, 40));
 }
 
 TEST_CASE("lists, 64-bit and 32-bit minima give the same bytes in a town") {
@@ -50,7 +49,8 @@ TEST_CASE("of triangles at equal range the lowest index owns the beam, whatever 
 TEST_CASE("a candidate list that is too small grows, the scan runs again and nothing is lost") {
   needVulkan();
   MeshBuilder builder;
-  for (int layer = 0; layer < 12; ++layer) builder.box({-9.0 - layer, -9.0 - layer, -9.0 - layer}, {9.0 + layer, 9.0 + layer, 9.0 + layer}, 4);
+  for (int layer = 0; layer < 12; ++layer)
+    builder.box({-9.0 - layer, -9.0 - layer, -9.0 - layer}, {9.0 + layer, 9.0 + layer, 9.0 + layer}, 4);
   const Scene scene = sceneOf(builder.take());
   const Sensor sensor = gridSensor(360, 45, -88, 88);
   const Scan lists = scanBy(Binning::lists, scene, sensor);

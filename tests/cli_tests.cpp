@@ -41,6 +41,7 @@ TEST_CASE("a call that is wrong ends with status 2 and says what there is") {
 TEST_CASE("work that fails ends with status 1 and leaves nothing half-written") {
   checkRefused("scan none.glb -o a.pcd --image a.png --stats a.json", 1, "none.glb");
   checkRefused("scan floor.obj -o no/such/folder/a.pcd", 1, "No such file or directory");
+  checkRefused("scan none.glb -o no/a.pcd", 1, "no/a.pcd");  // told before anything is loaded
   checkRefused("scan floor.obj -o /a.pcd/a.pcd", 1, "/a.pcd/a.pcd");
   checkRefused("scan floor.obj --sensor floor.obj -o a.pcd", 1, "floor.obj: is not JSON");
   checkRefused("compare a.pcd b.pcd", 1, "a.pcd: cannot be read: No such file or directory");

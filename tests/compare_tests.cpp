@@ -103,6 +103,7 @@ TEST_CASE("the reference's tolerance of a beam goes before the constant one") {
   CHECK(compare(reference, other, 0.02).wrongRange == 1);
   reference.tolerances.assign(reference.beamCount(), std::nanf(""));  // states none
   CHECK(compare(reference, other, 0.02).wrongRange == 0);
+  CHECK(compare(reference, other, 0.005).wrongRange == 1);
 }
 
 TEST_CASE("range errors have their maximum, 99.99th percentile and root mean square") {

@@ -74,8 +74,9 @@ TEST_CASE("seeded soups with odd sensors and poses match the reference") {
     Random uniform(seed);
     Scene scene = sceneOf(soup(seed, 3000, 20, seed % 2 ? 1 : 8), seed % 3 != 0);
     for (int k = 0; k < 3; ++k)
-      scene.instances.push_back({"", 0, translation(10 * uniform(), 10 * uniform(), 10 * uniform()) *
-                                            rotationZ(3 * uniform()) * scaling(1 + 0.5 * uniform(), k == 0 ? -1 : 1, 1)});
+      scene.instances.push_back({"", 0,
+                                 translation(10 * uniform(), 10 * uniform(), 10 * uniform()) *
+                                     rotationZ(3 * uniform()) * scaling(1 + 0.5 * uniform(), k == 0 ? -1 : 1, 1)});
     Sensor sensor{"odd", 613 + seed, {}, 0.5, 45};
     for (int j = 0; j < 33; ++j) sensor.channels.push_back({88 * uniform(), seed % 2 ? 9 * uniform() : 0});
     const Pose pose = {{5 * uniform(), 5 * uniform(), 5 * uniform()}, {uniform(), uniform(), uniform(), uniform()}};

@@ -59,8 +59,7 @@ Row compareScene(const Scene& scene) {
       const Scan expected = truth.scan(pose, s), got = device.scan(pose, s);
       const Comparison difference = compare(expected, got);
       if (!difference.same())
-        std::printf("  pose %d, %s: %s\n", k, sensors[s].name.c_str(),
-                    test::firstDifference(expected, got).c_str());
+        std::printf("  pose %d, %s: %s\n", k, sensors[s].name.c_str(), test::firstDifference(expected, got).c_str());
       row.add(difference);
     }
   return row;
@@ -81,8 +80,8 @@ std::set<std::filesystem::path> scenesBelow(const char* folder) {
 
 int main(int argc, char** argv) {
   if (argc < 2) return std::fprintf(stderr, "usage: scene_folder FOLDER...\n"), 2;
-  std::printf("%-60s %10s %10s %10s %6s %6s %6s %6s %8s %10s\n", "scene", "triangles", "beams", "hits", "missed", "false",
-              "owner", "range", "ties", "worst m");
+  std::printf("%-60s %10s %10s %10s %6s %6s %6s %6s %8s %10s\n", "scene", "triangles", "beams", "hits", "missed",
+              "false", "owner", "range", "ties", "worst m");
   Row total;
   int scenes = 0, refused = 0;
   uint64_t triangles = 0;

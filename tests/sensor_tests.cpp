@@ -129,16 +129,16 @@ TEST_CASE("directions agree with the textbook formula and have unit length") {
 
 TEST_CASE("directions of opposite columns and of straight up and down are exactly opposite") {
   Sensor sensor = small();
-  sensor.columns = 360;
+  sensor.columns = 3600;  // a tenth of a degree is not a double
   sensor.channels = {{-90, 0}, {33, 0}, {90, 0}};
-  for (size_t i = 1; i < 180; ++i) {
-    const Vec3 left = sensor.direction(360 + 180 + i), right = sensor.direction(360 + 180 - i);
+  for (size_t i = 1; i < 1800; ++i) {
+    const Vec3 left = sensor.direction(3600 + 1800 + i), right = sensor.direction(3600 + 1800 - i);
     CHECK(left.x == right.x);
     CHECK(left.y == -right.y);
   }
   CHECK(sensor.direction(17).z == -1);
   CHECK(sensor.direction(17).x == 0);
-  CHECK(sensor.direction(720 + 17).z == 1);
+  CHECK(sensor.direction(7200 + 17).z == 1);
 }
 
 TEST_CASE("a sensor survives JSON with the same bits in every field") {

@@ -84,7 +84,7 @@ repositories() {
   apt-get indextargets --format '$(REPO_URI) $(RELEASE)' 'Created-By: Packages' 2>/dev/null | sort -u
 }
 
-# Adds bookworm-backports from the mirror that bookworm itself comes from, unless it is there.
+# Adds bookworm-backports from the mirror that bookworm itself comes from, unless it is there. Fails if it is not to be had.
 addBackports() {
   local uri list=/etc/apt/sources.list.d/gnosphere-backports.sources
   repositories | grep ' bookworm-backports$' >/dev/null && return
@@ -93,6 +93,10 @@ addBackports() {
   printf '%s\n' 'Types: deb' "URIs: $uri" 'Suites: bookworm-backports' 'Components: main' \
     'Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg' | asRoot tee "$list" >/dev/null
   aptGet update || true
+  repositories | grep ' bookworm-backports$' >/dev/null && return
+  note 'there are no backports on this mirror, or there is no network: taking that away again'
+  asRoot rm -f "$list"
+  return 1
 }
 
 # Of the missing ones, on Debian 12, those that are too old there: from backports, as far as these are to be had.
@@ -102,9 +106,8 @@ installBackported() {
   for entry in "${backported[@]}"; do
     read -r name minimum <<<"$entry"
     case " ${missing[*]} " in *" $name "*) ;; *) continue ;; esac
-    addBackports
-    aptGet install --no-install-recommends -t bookworm-backports "$name" ||
-      note "$name $minimum is not to be had from backports"
+    addBackports || return 0
+    aptGet install --no-install-recommends -t bookworm-backports "$name" || note "no $name $minimum in the backports"
   done
 }
 
@@ -142,7 +145,7 @@ setUp() {
   done
   installBackported
   aptGet install --no-install-recommends --no-upgrade "${missing[@]}" || {
-    tail -n 20 "$log" >&2
+    tail -n 5 "$log" >&2
     fail "the packages could not be installed; is the network up? The whole story is in ${log#"$root"/}"
   }
   for entry in "${backported[@]}"; do
@@ -151,13 +154,15 @@ setUp() {
   done
 }
 
-# configure PRESET, build PRESET TARGET...
+# Warnings are errors with the compiler that the sources are kept clean for, and news with any other.
 configure() {
-  local options=()
+  local options=() compiler
   step "Configuring ($1)"
+  compiler=$("${CXX:-c++}" -dumpversion 2>/dev/null) || compiler=
+  case $compiler in 12 | 12.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac
   if command -v dpkg-query >/dev/null && ! atLeast "$(installed catch2)" 3; then
     note 'without Catch2 3 there are no tests'
-    options=(-D BUILD_TESTING=OFF)
+    options+=(-D BUILD_TESTING=OFF)
   fi
   quietly "CMake could not configure the build" cmake -S "$root" --preset "$1" "${options[@]}"
 }

@@ -31,7 +31,7 @@ void writeCloud(const Scan& scan, const std::filesystem::path& file, const Cloud
 void writePicture(const Scan& scan, const std::filesystem::path& file);
 
 /// Reads a PCD, PLY, NPY or CSV cloud with the fields that writeCloud() gave it; organised by `beam` where the file
-/// has that field. Throws Error(file) or Error(format).
+/// has that field. Throws Error(file) or Error(format), Error(invalidArgument) for an ending it does not read.
 Scan readCloud(const std::filesystem::path& file);
 
 /// How two clouds of the same beams differ, beam by beam; `reference` is taken as the truth. Beams that the reference

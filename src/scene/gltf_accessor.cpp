@@ -13,14 +13,11 @@ namespace {
 size_t componentSize(int componentType) {
   switch (componentType) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return 1;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return 1;
     case TINYGLTF_COMPONENT_TYPE_SHORT:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return 2;
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
-      return 4;
+    case TINYGLTF_COMPONENT_TYPE_FLOAT: return 4;
   }
   return 0;
 }
@@ -47,18 +44,12 @@ double decoded(const uint8_t* bytes, bool normalized) {
 
 double component(const uint8_t* bytes, int componentType, bool normalized) {
   switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return decoded<int8_t>(bytes, normalized);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return decoded<uint8_t>(bytes, normalized);
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return decoded<int16_t>(bytes, normalized);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return decoded<uint16_t>(bytes, normalized);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return decoded<uint32_t>(bytes, normalized);
-    default:
-      return loadAs<float>(bytes);
+    case TINYGLTF_COMPONENT_TYPE_BYTE: return decoded<int8_t>(bytes, normalized);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return decoded<uint8_t>(bytes, normalized);
+    case TINYGLTF_COMPONENT_TYPE_SHORT: return decoded<int16_t>(bytes, normalized);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return decoded<uint16_t>(bytes, normalized);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return decoded<uint32_t>(bytes, normalized);
+    default: return loadAs<float>(bytes);
   }
 }
 

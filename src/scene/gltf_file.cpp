@@ -103,48 +103,30 @@ bool fits(Json& value, const Key& key) {
     return true;
   };
   switch (key.kind) {
-    case Kind::object:
-      return value.is_object();
-    case Kind::array:
-      return value.is_array();
-    case Kind::text:
-      return value.is_string();
-    case Kind::boolean:
-      return value.is_boolean();
-    case Kind::number:
-      return value.is_number();
-    case Kind::numbers:
-      return all([](Json& item) { return item.is_number(); });
-    case Kind::count:
-      return makeWhole(value, kMaximumCount);
-    case Kind::index:
-      return makeWhole(value, kMaximumIndex);
-    case Kind::indices:
-      return all([&](Json& item) { return makeWhole(item, kMaximumIndex); });
+    case Kind::object: return value.is_object();
+    case Kind::array: return value.is_array();
+    case Kind::text: return value.is_string();
+    case Kind::boolean: return value.is_boolean();
+    case Kind::number: return value.is_number();
+    case Kind::numbers: return all([](Json& item) { return item.is_number(); });
+    case Kind::count: return makeWhole(value, kMaximumCount);
+    case Kind::index: return makeWhole(value, kMaximumIndex);
+    case Kind::indices: return all([&](Json& item) { return makeWhole(item, kMaximumIndex); });
   }
   return false;
 }
 
 std::string described(const Key& key) {
   switch (key.kind) {
-    case Kind::object:
-      return "an object";
-    case Kind::array:
-      return "an array";
-    case Kind::text:
-      return "a string";
-    case Kind::boolean:
-      return "true or false";
-    case Kind::number:
-      return "a number";
-    case Kind::numbers:
-      return key.size != 0 ? std::to_string(key.size) + " numbers" : "an array of numbers";
-    case Kind::count:
-      return "a whole number of at least 0";
-    case Kind::index:
-      return "a whole number from 0 to 2147483647";
-    case Kind::indices:
-      return "an array of whole numbers from 0 to 2147483647";
+    case Kind::object: return "an object";
+    case Kind::array: return "an array";
+    case Kind::text: return "a string";
+    case Kind::boolean: return "true or false";
+    case Kind::number: return "a number";
+    case Kind::numbers: return key.size != 0 ? std::to_string(key.size) + " numbers" : "an array of numbers";
+    case Kind::count: return "a whole number of at least 0";
+    case Kind::index: return "a whole number from 0 to 2147483647";
+    case Kind::indices: return "an array of whole numbers from 0 to 2147483647";
   }
   return "something else";
 }

@@ -140,10 +140,12 @@ void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, const std::
 /// glTF 2.0, 3.7.2.1: every second triangle of a strip is turned round so that all face the same way.
 void MeshReader::appendTriangles(int mode, std::vector<uint32_t>&& list, std::vector<uint32_t>& indices) const {
   if (mode == TINYGLTF_MODE_TRIANGLES) {
-    if (indices.empty())
+    if (indices.empty()) {
       indices = std::move(list);
-    else
-      indices.insert(indices.end(), list.begin(), list.end());
+    } else {
+      indices.resize(indices.size() + list.size());
+      std::copy(list.begin(), list.end(), indices.end() - static_cast<ptrdiff_t>(list.size()));
+    }
     return;
   }
   if (list.size() < 3) return;

@@ -2,6 +2,7 @@
 // Written by hand: tinygltf would hold every byte twice more before the first reaches the disk.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -131,6 +132,10 @@ class Document {
     const Transform toYUp = {{1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0}};
     const Transform matrix =
         toYUp * instance.transform * Transform{{1, 0, 0, origin.x, 0, 1, 0, origin.y, 0, 0, 1, origin.z}};
+    for (double value : matrix.rows)
+      if (!std::isfinite(value))
+        throw Error(ErrorCode::invalidArgument, "the origin of mesh " + std::to_string(instance.mesh) +
+                                                    " takes an instance of it out of the numbers");
     Json columns = Json::array();
     for (size_t column = 0; column < 4; ++column)
       for (size_t row = 0; row < 4; ++row)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -29,7 +30,7 @@ SceneFormat formatOf(const fs::path& file) {
                                               "' for a scene; there are .gltf, .glb, .obj, .ply and .stl");
 }
 
-/// A rename to one of `scale` and the turn of y-up files, as one transform.
+/// `scale` and the turn of y-up files, as the one transform above every instance. Vertices stay as the file has them.
 Transform rootTransform(SceneFormat format, const LoadOptions& options) {
   const bool yUp = options.up == UpAxis::y || (options.up == UpAxis::formatDefault && format == SceneFormat::gltf);
   const double s = options.scale;

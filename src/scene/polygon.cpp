@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "scene/readers.hpp"
 
@@ -37,13 +38,14 @@ std::vector<Point> flattened(std::span<const uint32_t> corners, std::span<const 
   return points;
 }
 
-bool isEar(const std::vector<Point>& points, const std::vector<size_t>& left, size_t i) {
+bool isEar(const std::vector<Point>& points, const std::vector<size_t>& left, size_t i, size_t& work) {
   const size_t n = left.size();
   const Point &a = points[left[(i + n - 1) % n]], &b = points[left[i]], &c = points[left[(i + 1) % n]];
   if (!(area(a, b, c) > 0)) return false;
   for (size_t j = 0; j < n; ++j) {
     if (j == i || j == (i + 1) % n || j == (i + n - 1) % n) continue;
     const Point& p = points[left[j]];
+    ++work;
     // Corners may coincide (a slit to a hole): those do not stand in the way.
     if (p == a || p == b || p == c) continue;
     if (area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0) return false;
@@ -65,23 +67,29 @@ void appendPolygon(std::vector<uint32_t>& indices, std::span<const uint32_t> cor
   };
   const std::vector<Point> points = flattened(corners, coordinates);
   std::vector<size_t> left(corners.size());
-  for (size_t i = 0; i < left.size(); ++i) left[i] = i;
+  std::iota(left.begin(), left.end(), size_t{0});
 
   bool convex = true;
-  for (size_t i = 0; i < points.size(); ++i)
-    convex = convex && area(points[i], points[(i + 1) % points.size()], points[(i + 2) % points.size()]) >= 0;
-  // Ears are searched in time that grows with the cube of the corners; beyond a thousand a fan has to do.
-  constexpr size_t kMaximumCorners = 1000;
-  if (!convex && corners.size() <= kMaximumCorners)
-    while (left.size() > 3) {
-      size_t ear = 0;
-      while (ear < left.size() && !isEar(points, left, ear)) ++ear;
-      if (ear == left.size()) break;  // it crosses itself or is not finite: a fan of the rest is as good as any
-      const size_t n = left.size();
-      triangle(left[(ear + n - 1) % n], left[ear], left[(ear + 1) % n]);
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
+  for (size_t k = 0; k < points.size(); ++k)
+    convex = convex && area(points[k], points[(k + 1) % points.size()], points[(k + 2) % points.size()]) >= 0;
+  // Ears are mostly near each other, which makes the search about as long as the square of the corners. A polygon that
+  // is made to take longer, crosses itself or is not finite gets a fan of what is left: as good as anything else.
+  constexpr size_t kMaximumCorners = 2000;
+  const size_t limit = 20 * corners.size() * corners.size();
+  size_t work = 0, i = 0, tried = 0;
+  while (!convex && corners.size() <= kMaximumCorners && left.size() > 3 && tried < left.size() && work < limit) {
+    const size_t n = left.size();
+    if (!isEar(points, left, i, work)) {
+      i = (i + 1) % n;
+      ++tried;
+      continue;
     }
-  for (size_t i = 1; i + 1 < left.size(); ++i) triangle(left[0], left[i], left[i + 1]);
+    triangle(left[(i + n - 1) % n], left[i], left[(i + 1) % n]);
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(i));
+    i = i == 0 ? n - 2 : i - 1;
+    tried = 0;
+  }
+  for (size_t k = 1; k + 1 < left.size(); ++k) triangle(left[0], left[k], left[k + 1]);
 }
 
 void storePositions(Mesh& mesh, std::span<const double> coordinates) {

@@ -154,22 +154,14 @@ class PlyReader {
     rest_.remove_prefix(size);
     if (swapped_) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(size));
     switch (type) {
-      case PlyType::int8:
-        return as<int8_t>(raw);
-      case PlyType::uint8:
-        return as<uint8_t>(raw);
-      case PlyType::int16:
-        return as<int16_t>(raw);
-      case PlyType::uint16:
-        return as<uint16_t>(raw);
-      case PlyType::int32:
-        return as<int32_t>(raw);
-      case PlyType::uint32:
-        return as<uint32_t>(raw);
-      case PlyType::float32:
-        return as<float>(raw);
-      case PlyType::float64:
-        return as<double>(raw);
+      case PlyType::int8: return as<int8_t>(raw);
+      case PlyType::uint8: return as<uint8_t>(raw);
+      case PlyType::int16: return as<int16_t>(raw);
+      case PlyType::uint16: return as<uint16_t>(raw);
+      case PlyType::int32: return as<int32_t>(raw);
+      case PlyType::uint32: return as<uint32_t>(raw);
+      case PlyType::float32: return as<float>(raw);
+      case PlyType::float64: return as<double>(raw);
     }
     return 0;
   }

@@ -46,9 +46,9 @@ Bounds worldBounds(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes.at(instance.mesh);
     for (size_t v = 0; v < mesh.vertexCount(); ++v) {
-      const Vec3 p = instance.transform * Vec3{mesh.origin.x + mesh.positions[3 * v],
-                                               mesh.origin.y + mesh.positions[3 * v + 1],
-                                               mesh.origin.z + mesh.positions[3 * v + 2]};
+      const Vec3 p =
+          instance.transform * Vec3{mesh.origin.x + mesh.positions[3 * v], mesh.origin.y + mesh.positions[3 * v + 1],
+                                    mesh.origin.z + mesh.positions[3 * v + 2]};
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
       bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y), std::min(bounds.min.z, p.z)};
       bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y), std::max(bounds.max.z, p.z)};
@@ -76,15 +76,16 @@ void validate(const Scene& scene) {
              std::to_string(scene.materials.size()));
       next += part.triangleCount;
     }
-    if (next != mesh.triangleCount()) fail(name + ": its parts cover " + std::to_string(next) + " of " +
-                                           std::to_string(mesh.triangleCount()) + " triangles");
+    if (next != mesh.triangleCount())
+      fail(name + ": its parts cover " + std::to_string(next) + " of " + std::to_string(mesh.triangleCount()) +
+           " triangles");
   }
   uint64_t placed = 0;
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     if (instance.mesh >= scene.meshes.size())
-      fail("instance " + std::to_string(i) + ": mesh " + std::to_string(instance.mesh) + " does not exist, the scene has " +
-           std::to_string(scene.meshes.size()));
+      fail("instance " + std::to_string(i) + ": mesh " + std::to_string(instance.mesh) +
+           " does not exist, the scene has " + std::to_string(scene.meshes.size()));
     for (double value : instance.transform.rows)
       if (!std::isfinite(value)) fail("instance " + std::to_string(i) + ": its transform is not finite");
     placed += scene.meshes[instance.mesh].triangleCount();

@@ -25,14 +25,10 @@ SinCos sinCosDegrees(double degrees) {
   const double s = std::sin(rest * std::numbers::pi / 180);
   const double c = std::cos(rest * std::numbers::pi / 180);
   switch (quadrant & 3) {
-    case 0:
-      return {s, c};
-    case 1:
-      return {c, -s};
-    case 2:
-      return {-s, -c};
-    default:
-      return {-c, s};
+    case 0: return {s, c};
+    case 1: return {c, -s};
+    case 2: return {-s, -c};
+    default: return {-c, s};
   }
 }
 

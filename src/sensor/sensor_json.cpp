@@ -24,18 +24,18 @@ struct Source {
 };
 
 void checkKeys(const Source& source, const json& object, const std::string& where,
-               std::initializer_list<const char*> known) {
+               std::initializer_list<std::string_view> known) {
   for (const auto& [key, value] : object.items()) {
-    if (std::any_of(known.begin(), known.end(), [&](const char* k) { return key == k; })) continue;
+    if (std::find(known.begin(), known.end(), std::string_view(key)) != known.end()) continue;
     std::string list;
-    for (const char* k : known) list += (list.empty() ? "" : ", ") + std::string(k);
+    for (std::string_view k : known) list.append(list.empty() ? "" : ", ").append(k);
     source.refuse("unknown key '" + key + "' in " + where + "; known are " + list);
   }
 }
 
-const json& member(const Source& source, const json& object, const std::string& where, const char* key) {
+const json& member(const Source& source, const json& object, std::string_view where, const char* key) {
   const auto found = object.find(key);
-  if (found == object.end()) source.refuse("'" + std::string(key) + "' is missing in " + where);
+  if (found == object.end()) source.refuse(std::string("'").append(key).append("' is missing in ").append(where));
   return *found;
 }
 

@@ -54,9 +54,9 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Memory me
   const VkResult result = vkAllocateMemory(device_, &allocate, nullptr, &memory_);
   if (result != VK_SUCCESS) {
     destroy();
-    throw Error(ErrorCode::outOfMemory, "cannot allocate " + mebibytes(bytes_) + " for '" + name +
-                                            "'; the device '" + device.capabilities().info.name + "' has " +
-                                            mebibytes(device.heapBytes()) + " in all");
+    throw Error(ErrorCode::outOfMemory, "cannot allocate " + mebibytes(bytes_) + " for '" + name + "'; the device '" +
+                                            device.capabilities().info.name + "' has " + mebibytes(device.heapBytes()) +
+                                            " in all");
   }
   VK(vkBindBufferMemory(device_, buffer_, memory_, 0));
   coherent_ = device.isCoherent(type);
@@ -102,7 +102,9 @@ Uploader::Uploader(const Device& device) : device_(device) {
   VK(vkCreateCommandPool(device.handle(), &create, nullptr, &pool_));
 }
 
-Uploader::~Uploader() { vkDestroyCommandPool(device_.handle(), pool_, nullptr); }
+Uploader::~Uploader() {
+  vkDestroyCommandPool(device_.handle(), pool_, nullptr);
+}
 
 Buffer Uploader::uploadBytes(const char* name, const void* data, uint64_t bytes) {
   Buffer buffer(device_, name, bytes, Memory::device);

@@ -85,8 +85,9 @@ ApiInstance::ApiInstance(bool validation) {
   static std::mutex loaderMutex;  // volk keeps its function pointers in globals
   const std::lock_guard lock(loaderMutex);
   if (volkInitialize() != VK_SUCCESS)
-    throw Error(ErrorCode::device, "no Vulkan loader (libvulkan.so.1) was found; install libvulkan1 and a driver, "
-                                   "for instance mesa-vulkan-drivers");
+    throw Error(ErrorCode::device,
+                "no Vulkan loader (libvulkan.so.1) was found; install libvulkan1 and a driver, "
+                "for instance mesa-vulkan-drivers");
   VkApplicationInfo application = {VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "gnosphere";
   application.apiVersion = VK_API_VERSION_1_2;
@@ -134,7 +135,7 @@ ApiInstance::~ApiInstance() {
 }
 
 VkBool32 ApiInstance::onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
-                             const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+                                const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   auto* self = static_cast<ApiInstance*>(user);
   const std::lock_guard lock(self->mutex_);
   self->messages_.emplace_back(data->pMessage);
@@ -216,11 +217,13 @@ VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& na
     if (name == "auto" ? infos[i].usable : isIndex ? index == i : contains(infos[i].name, name)) matches.push_back(i);
   }
   if (devices.empty())
-    throw Error(ErrorCode::device, "no Vulkan device was found; install a driver (mesa-vulkan-drivers has a software "
-                                   "one) or use the device 'reference'");
+    throw Error(ErrorCode::device,
+                "no Vulkan device was found; install a driver (mesa-vulkan-drivers has a software "
+                "one) or use the device 'reference'");
   if (matches.empty() && name == "auto") throw Error(ErrorCode::device, "no Vulkan device can be used" + seen);
   if (matches.empty())
-    throw Error(ErrorCode::invalidArgument, "there is no device '" + name + "'" + seen + "; reference: the CPU in double");
+    throw Error(ErrorCode::invalidArgument,
+                "there is no device '" + name + "'" + seen + "; reference: the CPU in double");
   const auto best = std::min_element(matches.begin(), matches.end(), [&](size_t a, size_t b) {
     return std::pair(!infos[a].usable, preference(infos[a])) < std::pair(!infos[b].usable, preference(infos[b]));
   });

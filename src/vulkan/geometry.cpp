@@ -1,26 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/geometry.hpp"
 
-#include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
-
 #include <algorithm>
 #include <cmath>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 namespace gnosphere::vulkan {
 namespace {
 
-// Clusters first..last whose arrays all fit into one buffer each.
+// Runs of vertices and triangles that belong to clusters first..end.
+struct Run {
+  size_t vertexFirst, vertexEnd, triangleFirst, triangleEnd;
+};
+
+Run runOf(const FlatScene& flat, size_t first, size_t end) {
+  const bool isLast = end == flat.clusters.size();
+  return {flat.clusters[first].firstVertex, isLast ? flat.positions.size() / 3 : flat.clusters[end].firstVertex,
+          flat.clusters[first].firstTriangle, isLast ? flat.corners.size() : flat.clusters[end].firstTriangle};
+}
+
+// The end of the longest run of clusters from `first` on whose arrays all fit into one buffer each.
 size_t chunkEnd(const FlatScene& flat, size_t first, uint64_t limit) {
-  const size_t vertexFirst = flat.clusters[first].firstVertex, triangleFirst = flat.clusters[first].firstTriangle;
   size_t end = first;
   while (end < flat.clusters.size()) {
-    const bool isLast = end + 1 == flat.clusters.size();
-    const size_t vertexEnd = isLast ? flat.positions.size() / 3 : flat.clusters[end + 1].firstVertex;
-    const size_t triangleEnd = isLast ? flat.corners.size() : flat.clusters[end + 1].firstTriangle;
+    const Run run = runOf(flat, first, end + 1);
     const uint64_t largest =
-        std::max({(vertexEnd - vertexFirst) * 3 * sizeof(float), (triangleEnd - triangleFirst) * sizeof(uint32_t),
-                  (end + 1 - first) * sizeof(gpu::Cluster)});
+        std::max({(run.vertexEnd - run.vertexFirst) * 3 * sizeof(float),
+                  (run.triangleEnd - run.triangleFirst) * sizeof(uint32_t), (end + 1 - first) * sizeof(gpu::Cluster)});
     if (largest > limit) break;
     ++end;
   }
@@ -40,53 +47,63 @@ glm::dmat3 linear(const Transform& t) {
 Geometry::Geometry(const Device& device, const Scene& scene) {
   const FlatScene flat = flatten(scene);
   clusterCount_ = flat.clusters.size();
+  addPlacements(scene, flat);
+  Uploader uploader(device);
+  for (size_t first = 0; first < flat.clusters.size();) {
+    const size_t end = chunkEnd(flat, first, device.maxBufferBytes());
+    addChunk(uploader, scene, flat, first, end);
+    first = end;
+  }
+}
+
+void Geometry::addPlacements(const Scene& scene, const FlatScene& flat) {
   uint32_t firstTriangle = 0;
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     const Transform origin = {{1, 0, 0, mesh.origin.x, 0, 1, 0, mesh.origin.y, 0, 0, 1, mesh.origin.z}};
-    instances_.push_back({instance.transform * origin, firstTriangle, glm::determinant(linear(instance.transform)) < 0});
+    instances_.push_back(
+        {instance.transform * origin, firstTriangle, glm::determinant(linear(instance.transform)) < 0});
     firstTriangle += static_cast<uint32_t>(mesh.triangleCount());
     dropped_.nonFinite += flat.meshes[instance.mesh].nonFinite;
     dropped_.degenerate += flat.meshes[instance.mesh].degenerate;
   }
   dropped_.triangles = firstTriangle;
+}
 
-  Uploader uploader(device);
-  for (size_t first = 0; first < flat.clusters.size();) {
-    const size_t end = chunkEnd(flat, first, device.maxBufferBytes());
-    const gpu::Cluster& base = flat.clusters[first];
-    const bool isLast = end == flat.clusters.size();
-    const size_t vertexEnd = isLast ? flat.positions.size() / 3 : flat.clusters[end].firstVertex;
-    const size_t triangleEnd = isLast ? flat.corners.size() : flat.clusters[end].firstTriangle;
-    std::vector<gpu::Cluster> clusters(flat.clusters.begin() + static_cast<ptrdiff_t>(first),
-                                       flat.clusters.begin() + static_cast<ptrdiff_t>(end));
-    for (gpu::Cluster& cluster : clusters) {
-      cluster.firstVertex -= base.firstVertex;
-      cluster.firstTriangle -= base.firstTriangle;
-    }
-    std::vector<uint32_t> placed;
-    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
-      const FlatMesh& mesh = flat.meshes[scene.instances[i].mesh];
-      const size_t from = std::max<size_t>(first, mesh.firstCluster);
-      const size_t to = std::min<size_t>(end, mesh.firstCluster + mesh.clusterCount);
-      for (size_t cluster = from; cluster < to; ++cluster) {
-        placed.push_back(i);
-        placed.push_back(static_cast<uint32_t>(cluster - first));
-      }
-    }
-    GeometryChunk chunk;
-    chunk.placedCount = static_cast<uint32_t>(placed.size() / 2);
-    chunk.placed = uploader.upload<uint32_t>("placed", placed);
-    chunk.clusters = uploader.upload<gpu::Cluster>("clusters", clusters);
-    chunk.positions = uploader.upload<float>(
-        "positions", {&flat.positions[3 * size_t{base.firstVertex}], 3 * (vertexEnd - base.firstVertex)});
-    chunk.corners =
-        uploader.upload<uint32_t>("corners", {&flat.corners[base.firstTriangle], triangleEnd - base.firstTriangle});
-    chunk.triangleIds = uploader.upload<uint32_t>(
-        "triangleIds", {&flat.triangleIds[base.firstTriangle], triangleEnd - base.firstTriangle});
-    chunks_.push_back(std::move(chunk));
-    first = end;
+void Geometry::addChunk(Uploader& uploader, const Scene& scene, const FlatScene& flat, size_t first, size_t end) {
+  const Run run = runOf(flat, first, end);
+  const std::span<const uint32_t> corners(flat.corners), ids(flat.triangleIds);
+  const std::span<const float> positions(flat.positions);
+  std::vector<gpu::Cluster> clusters(flat.clusters.begin() + static_cast<ptrdiff_t>(first),
+                                     flat.clusters.begin() + static_cast<ptrdiff_t>(end));
+  for (gpu::Cluster& cluster : clusters) {
+    cluster.firstVertex -= static_cast<uint32_t>(run.vertexFirst);
+    cluster.firstTriangle -= static_cast<uint32_t>(run.triangleFirst);
   }
+  std::vector<uint32_t> placed;
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const FlatMesh& mesh = flat.meshes[scene.instances[i].mesh];
+    const size_t from = std::max<size_t>(first, mesh.firstCluster);
+    const size_t to = std::min<size_t>(end, mesh.firstCluster + mesh.clusterCount);
+    for (size_t cluster = from; cluster < to; ++cluster)
+      placed.insert(placed.end(), {i, static_cast<uint32_t>(cluster - first)});
+  }
+  const size_t triangleCount = run.triangleEnd - run.triangleFirst;
+  GeometryChunk chunk;
+  chunk.placedCount = static_cast<uint32_t>(placed.size() / 2);
+  chunk.placed = uploader.upload<uint32_t>("placed", placed);
+  chunk.clusters = uploader.upload<gpu::Cluster>("clusters", clusters);
+  chunk.positions =
+      uploader.upload("positions", positions.subspan(3 * run.vertexFirst, 3 * (run.vertexEnd - run.vertexFirst)));
+  chunk.corners = uploader.upload("corners", corners.subspan(run.triangleFirst, triangleCount));
+  chunk.triangleIds = uploader.upload("triangleIds", ids.subspan(run.triangleFirst, triangleCount));
+  chunks_.push_back(std::move(chunk));
+}
+
+uint32_t Geometry::maxPlacedCount() const {
+  uint32_t most = 0;
+  for (const GeometryChunk& chunk : chunks_) most = std::max(most, chunk.placedCount);
+  return most;
 }
 
 uint64_t Geometry::bytes() const {

@@ -26,6 +26,8 @@ class Geometry {
 
   const std::vector<GeometryChunk>& chunks() const { return chunks_; }
   size_t clusterCount() const { return clusterCount_; }
+  /// Most (instance, cluster) pairs of any chunk.
+  uint32_t maxPlacedCount() const;
   uint64_t bytes() const;
   uint32_t instanceCount() const { return static_cast<uint32_t>(instances_.size()); }
   /// Triangles placed, and dropped while flattening.
@@ -34,6 +36,9 @@ class Geometry {
   void placeInstances(const Pose& pose, gpu::Instance* out) const;
 
  private:
+  void addPlacements(const Scene& scene, const FlatScene& flat);
+  void addChunk(Uploader& uploader, const Scene& scene, const FlatScene& flat, size_t first, size_t end);
+
   struct Placement {
     Transform transform;  ///< of the mesh's positions, its origin included
     uint32_t firstTriangle;

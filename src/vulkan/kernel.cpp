@@ -71,11 +71,13 @@ Kernel::Kernel(const Device& device, const Layout& layout, std::span<const uint3
   module.pCode = spirv.data();
   VkShaderModule shader;
   VK(vkCreateShaderModule(device_, &module, nullptr, &shader));
-  const std::array<uint32_t, 7> values = {
-      /* BOUNDS= */ options.bounds, /* CULL= */ options.cull,
-      /* INSIDE= */ options.inside, /* RANGE= */ options.range,
-      /* AZIMUTH_OFFSETS= */ options.azimuthOffsets ? VK_TRUE : VK_FALSE,
-      /* FACES= */ options.faces,   /* PASS= */ pass};
+  const std::array<uint32_t, 7> values = {/* BOUNDS= */ options.bounds,
+                                          /* CULL= */ options.cull,
+                                          /* INSIDE= */ options.inside,
+                                          /* RANGE= */ options.range,
+                                          /* AZIMUTH_OFFSETS= */ options.azimuthOffsets ? VK_TRUE : VK_FALSE,
+                                          /* FACES= */ options.faces,
+                                          /* PASS= */ pass};
   std::array<VkSpecializationMapEntry, values.size()> entries;
   for (uint32_t i = 0; i < entries.size(); ++i) entries[i] = {i + 1, i * 4, 4};
   const VkSpecializationInfo specialization = {static_cast<uint32_t>(entries.size()), entries.data(), sizeof values,

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "gnosphere/sensor.hpp"
+#include "scene/gltf_accessor.hpp"
 #include "scene/readers.hpp"
 
 namespace gnosphere {
@@ -42,6 +43,14 @@ void fuzzScene(SceneFormat format, Bytes bytes) {
   }
 }
 
+/// The Draco decoder without the GLB around it, which mutations break first.
+void fuzzDraco(Bytes bytes) {
+  try {
+    decodeDraco(bytes, 0, "primitive", {"'fuzz'", nullptr});
+  } catch (const std::exception&) {  // readScene turns all of them into Errors
+  }
+}
+
 void fuzzSensor(std::string_view json) {
   Sensor sensor;
   try {
@@ -60,21 +69,17 @@ void fuzzSensor(std::string_view json) {
 
 void fuzzReaders(std::span<const uint8_t> input) {
   if (input.empty()) return;
-  constexpr std::string_view kChoices = "gbopsj";
+  constexpr std::string_view kChoices = "gbopsjd";
   const size_t named = kChoices.find(static_cast<char>(input[0]));
   const Bytes bytes = input.subspan(1);
   switch (named != kChoices.npos ? named : input[0] % kChoices.size()) {
     case 0:
-    case 1:
-      return fuzzScene(SceneFormat::gltf, bytes);
-    case 2:
-      return fuzzScene(SceneFormat::obj, bytes);
-    case 3:
-      return fuzzScene(SceneFormat::ply, bytes);
-    case 4:
-      return fuzzScene(SceneFormat::stl, bytes);
-    default:
-      return fuzzSensor({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    case 1: return fuzzScene(SceneFormat::gltf, bytes);
+    case 2: return fuzzScene(SceneFormat::obj, bytes);
+    case 3: return fuzzScene(SceneFormat::ply, bytes);
+    case 4: return fuzzScene(SceneFormat::stl, bytes);
+    case 6: return fuzzDraco(bytes);
+    default: return fuzzSensor({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
 }
 

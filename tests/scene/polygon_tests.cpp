@@ -16,13 +16,14 @@ namespace {
 
 const char* const kSquareObj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-/// Area in the x y plane; without a sign, so that triangles beyond the outline show.
-double area(const Mesh& mesh) {
+/// Area in the x y plane. Without signs, triangles beyond the outline show.
+double area(const Mesh& mesh, bool withSign = false) {
   double sum = 0;
   for (size_t t = 0; t < mesh.indices.size(); t += 3) {
     const auto x = [&](size_t k) { return mesh.positions[3 * mesh.indices[t + k]]; };
     const auto y = [&](size_t k) { return mesh.positions[3 * mesh.indices[t + k] + 1]; };
-    sum += 0.5 * std::abs((x(1) - x(0)) * (y(2) - y(0)) - (y(1) - y(0)) * (x(2) - x(0)));
+    const double twice = (x(1) - x(0)) * (y(2) - y(0)) - (y(1) - y(0)) * (x(2) - x(0));
+    sum += 0.5 * (withSign ? twice : std::abs(twice));
   }
   return sum;
 }
@@ -73,7 +74,13 @@ TEST_CASE("polygons are cut so that they keep their area, concave ones too") {
   CHECK(area(dart.meshes.at(0)) == Approx(10));
   const Scene turned = loadText("a.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\nv 0 4 0\nf 5 4 3 2 1\n");
   CHECK(area(turned.meshes.at(0)) == Approx(10));
-  CHECK(turned.meshes.at(0).indices[0] > turned.meshes.at(0).indices[1]);  // clockwise stays clockwise
+  CHECK(area(turned.meshes.at(0), true) == Approx(-10));  // clockwise stays clockwise
+  const Scene comb = loadText("a.obj",
+                              "v 0 0 0\nv 7 0 0\nv 7 5 0\nv 6 1 0\nv 5 5 0\nv 4 1 0\nv 3 5 0\nv 2 1 0\nv 1 5 0\n"
+                              "f 1 2 3 4 5 6 7 8 9\n");
+  CHECK(comb.uniqueTriangleCount() == 7);
+  CHECK(area(comb.meshes.at(0)) == Approx(area(comb.meshes.at(0), true)));
+  CHECK(area(comb.meshes.at(0)) == Approx(20.5));
   std::ostringstream vertices, face;
   for (int i = 0; i < 400; ++i) {  // more corners than a byte counts
     vertices << "v " << std::cos(i * 0.015707963) << " " << std::sin(i * 0.015707963) << " 0\n";
@@ -242,8 +249,8 @@ TEST_CASE("a corner of an STL that is nan is welded to nothing else") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const Scene scene =
       loadText("a.stl", std::string(80, ' ') + bytesOf(Indices{2}) + stlTriangle({0, 0, 0, 1, 0, 0, 0, 1, 0}) +
-                            stlTriangle({nan, 0, 0, 0, 0, 0, 1, 0, 0}));
-  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2, 3, 0, 1});
+                            stlTriangle({nan, 0, 0, 0, 0, 0, nan, 0, 0}));
+  CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2, 3, 0, 3});
   CHECK(std::isnan(scene.meshes.at(0).positions[9]));
 }
 

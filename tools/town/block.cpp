@@ -86,14 +86,10 @@ Building anyRowBuilding(Dice& dice, int width, int depth, bool corner) {
 
 Vec3 Land::onSide(int side, double along, double inward) const {
   switch (side) {
-    case 0:
-      return {x0 + along, y0 + inward, 0};
-    case 1:
-      return {x1 - inward, y0 + along, 0};
-    case 2:
-      return {x1 - along, y1 - inward, 0};
-    default:
-      return {x0 + inward, y1 - along, 0};
+    case 0: return {x0 + along, y0 + inward, 0};
+    case 1: return {x1 - inward, y0 + along, 0};
+    case 2: return {x1 - along, y1 - inward, 0};
+    default: return {x0 + inward, y1 - along, 0};
   }
 }
 
@@ -299,24 +295,12 @@ void planBlock(Plan& plan, const Site& site, const Detail& detail) {
   plan.addGround(block, {site.x0, site.y0, 0}, 0, {site.x0, site.y0, 0}, {site.x1, site.y1, 0});
   Land land(plan, site, detail, dice);
   switch (use) {
-    case Use::terrace:
-      land.terrace();
-      break;
-    case Use::gardens:
-      land.gardens();
-      break;
-    case Use::offices:
-      land.offices();
-      break;
-    case Use::market:
-      land.market();
-      break;
-    case Use::park:
-      land.park(false);
-      break;
-    case Use::church:
-      land.park(true);
-      break;
+    case Use::terrace: land.terrace(); break;
+    case Use::gardens: land.gardens(); break;
+    case Use::offices: land.offices(); break;
+    case Use::market: land.market(); break;
+    case Use::park: land.park(false); break;
+    case Use::church: land.park(true); break;
   }
 }
 

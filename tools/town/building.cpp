@@ -18,20 +18,13 @@ struct Measures {
 
 Measures measuresOf(const Building& building) {
   switch (building.kind) {
-    case BuildingKind::rowHouse:
-      return {3.1, 2.9, 0.9, 1.5, 1.1, 2.6};
-    case BuildingKind::apartments:
-      return {3.2, 2.9, 0.8, 1.6, 1.5, 3.2};
-    case BuildingKind::office:
-      return {4.0, 3.5, 0.7, 2.1, 2.3, 2.9};
-    case BuildingKind::shopHouse:
-      return {3.9, 3.0, 0.9, 1.6, 1.2, 2.6};
-    case BuildingKind::house:
-      return {2.9, 2.7, 0.9, 1.3, 1.2, 3.3};
-    case BuildingKind::hall:
-      return {5.5, 4.5, 3.0, 1.4, 3.0, 5.0};
-    case BuildingKind::church:
-      return {9.0, 4.0, 2.0, 5.0, 1.2, 3.6};
+    case BuildingKind::rowHouse: return {3.1, 2.9, 0.9, 1.5, 1.1, 2.6};
+    case BuildingKind::apartments: return {3.2, 2.9, 0.8, 1.6, 1.5, 3.2};
+    case BuildingKind::office: return {4.0, 3.5, 0.7, 2.1, 2.3, 2.9};
+    case BuildingKind::shopHouse: return {3.9, 3.0, 0.9, 1.6, 1.2, 2.6};
+    case BuildingKind::house: return {2.9, 2.7, 0.9, 1.3, 1.2, 3.3};
+    case BuildingKind::hall: return {5.5, 4.5, 3.0, 1.4, 3.0, 5.0};
+    case BuildingKind::church: return {9.0, 4.0, 2.0, 5.0, 1.2, 3.6};
   }
   return {};
 }
@@ -156,20 +149,13 @@ void addTower(MeshBuilder& builder, const Building& building, double eaves) {
 
 std::string nameOf(BuildingKind kind) {
   switch (kind) {
-    case BuildingKind::rowHouse:
-      return "row house";
-    case BuildingKind::apartments:
-      return "apartments";
-    case BuildingKind::office:
-      return "office";
-    case BuildingKind::shopHouse:
-      return "shop house";
-    case BuildingKind::house:
-      return "house";
-    case BuildingKind::hall:
-      return "hall";
-    case BuildingKind::church:
-      return "church";
+    case BuildingKind::rowHouse: return "row house";
+    case BuildingKind::apartments: return "apartments";
+    case BuildingKind::office: return "office";
+    case BuildingKind::shopHouse: return "shop house";
+    case BuildingKind::house: return "house";
+    case BuildingKind::hall: return "hall";
+    case BuildingKind::church: return "church";
   }
   return {};
 }
@@ -181,15 +167,9 @@ Mesh buildingMesh(const Building& building) {
   const Measures m = measuresOf(building);
   const Loop eaves = addWalls(builder, building, m);
   switch (building.roof) {
-    case RoofKind::flat:
-      addFlatRoof(builder, building, eaves);
-      break;
-    case RoofKind::gable:
-      addGableRoof(builder, building, eaves);
-      break;
-    case RoofKind::hip:
-      addHipRoof(builder, building, eaves);
-      break;
+    case RoofKind::flat: addFlatRoof(builder, building, eaves); break;
+    case RoofKind::gable: addGableRoof(builder, building, eaves); break;
+    case RoofKind::hip: addHipRoof(builder, building, eaves); break;
   }
   if (building.kind == BuildingKind::apartments) addBalconies(builder, building, m);
   if (building.kind == BuildingKind::shopHouse) addShopFront(builder, building, m);

@@ -11,16 +11,11 @@ struct Filling {
 
 Filling fillingOf(Opening opening, Surface wall) {
   switch (opening) {
-    case Opening::window:
-      return {Surface::windowGlass, 0.22};
-    case Opening::shuttered:
-      return {Surface::shutter, 0.08};
-    case Opening::door:
-      return {Surface::wood, 0.30};
-    case Opening::display:
-      return {Surface::windowGlass, 0.35};
-    case Opening::none:
-      break;
+    case Opening::window: return {Surface::windowGlass, 0.22};
+    case Opening::shuttered: return {Surface::shutter, 0.08};
+    case Opening::door: return {Surface::wood, 0.30};
+    case Opening::display: return {Surface::windowGlass, 0.35};
+    case Opening::none: break;
   }
   return {wall, 0};
 }

@@ -144,46 +144,21 @@ void addBicycle(MeshBuilder& builder) {
 Mesh propMesh(const Prop& prop) {
   MeshBuilder builder;
   switch (prop.kind) {
-    case PropKind::lamp:
-      addLamp(builder);
-      return builder.finish("street lamp");
-    case PropKind::trafficLight:
-      addTrafficLight(builder);
-      return builder.finish("traffic light");
+    case PropKind::lamp: addLamp(builder); return builder.finish("street lamp");
+    case PropKind::trafficLight: addTrafficLight(builder); return builder.finish("traffic light");
     case PropKind::signStop:
     case PropKind::signDisc:
-    case PropKind::signBlue:
-      addSign(builder, prop.kind);
-      return builder.finish("sign");
-    case PropKind::bench:
-      addBench(builder);
-      return builder.finish("bench");
-    case PropKind::bin:
-      addSmall(builder, prop.kind);
-      return builder.finish("litter bin");
-    case PropKind::bollard:
-      addSmall(builder, prop.kind);
-      return builder.finish("bollard");
-    case PropKind::hydrant:
-      addSmall(builder, prop.kind);
-      return builder.finish("hydrant");
-    case PropKind::busStop:
-      addBusStop(builder);
-      return builder.finish("bus stop");
-    case PropKind::kiosk:
-      addKiosk(builder);
-      return builder.finish("kiosk");
-    case PropKind::fence:
-      addFence(builder, prop.length);
-      return builder.finish("fence");
-    case PropKind::hedge:
-      addHedge(builder, prop.length);
-      return builder.finish("hedge");
-    case PropKind::bicycle:
-      addBicycle(builder);
-      return builder.finish("bicycle");
-    case PropKind::person:
-      return personMesh(prop.variant, prop.fine);
+    case PropKind::signBlue: addSign(builder, prop.kind); return builder.finish("sign");
+    case PropKind::bench: addBench(builder); return builder.finish("bench");
+    case PropKind::bin: addSmall(builder, prop.kind); return builder.finish("litter bin");
+    case PropKind::bollard: addSmall(builder, prop.kind); return builder.finish("bollard");
+    case PropKind::hydrant: addSmall(builder, prop.kind); return builder.finish("hydrant");
+    case PropKind::busStop: addBusStop(builder); return builder.finish("bus stop");
+    case PropKind::kiosk: addKiosk(builder); return builder.finish("kiosk");
+    case PropKind::fence: addFence(builder, prop.length); return builder.finish("fence");
+    case PropKind::hedge: addHedge(builder, prop.length); return builder.finish("hedge");
+    case PropKind::bicycle: addBicycle(builder); return builder.finish("bicycle");
+    case PropKind::person: return personMesh(prop.variant, prop.fine);
   }
   return {};
 }

@@ -34,14 +34,10 @@ struct Side {
 Side sideOf(const Site& site, int side) {
   const double width = site.x1 - site.x0, depth = site.y1 - site.y0;
   switch (side) {
-    case 0:
-      return {{site.x0, site.y0, 0}, {1, 0, 0}, {0, 1, 0}, width, 0.75};
-    case 1:
-      return {{site.x1, site.y0, 0}, {0, 1, 0}, {-1, 0, 0}, depth, 0};
-    case 2:
-      return {{site.x1, site.y1, 0}, {-1, 0, 0}, {0, -1, 0}, width, 0.25};
-    default:
-      return {{site.x0, site.y1, 0}, {0, -1, 0}, {1, 0, 0}, depth, 0.5};
+    case 0: return {{site.x0, site.y0, 0}, {1, 0, 0}, {0, 1, 0}, width, 0.75};
+    case 1: return {{site.x1, site.y0, 0}, {0, 1, 0}, {-1, 0, 0}, depth, 0};
+    case 2: return {{site.x1, site.y1, 0}, {-1, 0, 0}, {0, -1, 0}, width, 0.25};
+    default: return {{site.x0, site.y1, 0}, {0, -1, 0}, {1, 0, 0}, depth, 0.5};
   }
 }
 
@@ -58,27 +54,16 @@ void planCorner(Plan& plan, Dice& dice, const Side& side, bool lights) {
 
 void planSmallThings(Plan& plan, Dice& dice, const Side& side, double spot) {
   switch (dice.below(9)) {
-    case 0:
-      plan.add(Prop{PropKind::bench}, side.at(spot, 0.9), side.turns + 0.5);
-      break;
-    case 1:
-      plan.add(Prop{PropKind::bin}, side.at(spot, 0.6));
-      break;
-    case 2:
-      plan.add(Prop{PropKind::hydrant}, side.at(spot, 0.5), side.turns);
-      break;
-    case 3:
-      plan.add(Prop{PropKind::signBlue}, side.at(spot, 0.5), side.turns - 0.25);
-      break;
-    case 4:
-      plan.add(Prop{PropKind::signDisc}, side.at(spot, 0.5), side.turns - 0.25);
-      break;
+    case 0: plan.add(Prop{PropKind::bench}, side.at(spot, 0.9), side.turns + 0.5); break;
+    case 1: plan.add(Prop{PropKind::bin}, side.at(spot, 0.6)); break;
+    case 2: plan.add(Prop{PropKind::hydrant}, side.at(spot, 0.5), side.turns); break;
+    case 3: plan.add(Prop{PropKind::signBlue}, side.at(spot, 0.5), side.turns - 0.25); break;
+    case 4: plan.add(Prop{PropKind::signDisc}, side.at(spot, 0.5), side.turns - 0.25); break;
     case 5:
       for (int i = 0; i < 2; ++i)
         plan.add(Prop{PropKind::bicycle}, side.at(spot + 0.7 * i, 0.9), side.turns + dice.between(-0.02, 0.02));
       break;
-    default:
-      break;
+    default: break;
   }
 }
 

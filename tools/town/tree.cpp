@@ -106,18 +106,10 @@ Mesh treeMesh(const Tree& tree) {
   MeshBuilder builder;
   Dice dice(7919, static_cast<uint64_t>(tree.kind), static_cast<uint64_t>(tree.variant));
   switch (tree.kind) {
-    case TreeKind::broadleaf:
-      addBroadleaf(builder, tree, dice);
-      return builder.finish("broadleaf tree");
-    case TreeKind::poplar:
-      addPoplar(builder, tree, dice);
-      return builder.finish("poplar");
-    case TreeKind::conifer:
-      addConifer(builder, tree, dice);
-      return builder.finish("conifer");
-    case TreeKind::bush:
-      addBush(builder, tree, dice);
-      return builder.finish("bush");
+    case TreeKind::broadleaf: addBroadleaf(builder, tree, dice); return builder.finish("broadleaf tree");
+    case TreeKind::poplar: addPoplar(builder, tree, dice); return builder.finish("poplar");
+    case TreeKind::conifer: addConifer(builder, tree, dice); return builder.finish("conifer");
+    case TreeKind::bush: addBush(builder, tree, dice); return builder.finish("bush");
   }
   return {};
 }

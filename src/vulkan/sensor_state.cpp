@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/sensor_state.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+
+#include "bin.spv.h"
+#include "bin_float64.spv.h"
+#include "bin_int64.spv.h"
+#include "bin_int64_float64.spv.h"
+#include "project_clusters.spv.h"
+#include "project_triangles.spv.h"
+#include "resolve.spv.h"
+#include "resolve_float64.spv.h"
+#include "scan.spv.h"
+
+namespace gnosphere::vulkan {
+namespace {
+
+using Words = std::span<const uint32_t>;
+
+Exactness partsOf(const SimulatorOptions& options) {
+  return options.exactness.value_or(exactnessOf(options.accuracy));
+}
+
+Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets) {
+  // The enumerations of the public API and the constants of shared.h count alike.
+  const Exactness parts = partsOf(options);
+  Options result;
+  result.bounds = static_cast<uint32_t>(parts.bounds);
+  result.cull = static_cast<uint32_t>(parts.cull);
+  result.inside = static_cast<uint32_t>(parts.inside);
+  result.range = static_cast<uint32_t>(parts.range);
+  result.azimuthOffsets = azimuthOffsets;
+  result.faces = static_cast<uint32_t>(options.faces);
+  return result;
+}
+
+static_assert(static_cast<uint32_t>(Exactness::Bounds::exact) == gpu::kBoundsExact);
+static_assert(static_cast<uint32_t>(Exactness::Cull::nearestPoint) == gpu::kCullNearestPoint);
+static_assert(static_cast<uint32_t>(Exactness::Inside::exact) == gpu::kInsideExact);
+static_assert(static_cast<uint32_t>(Exactness::Range::exact) == gpu::kRangeExact);
+static_assert(static_cast<uint32_t>(Faces::both) == gpu::kFacesBoth);
+
+}  // namespace
+
+uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics) {
+  switch (options.binning) {
+    case Binning::lists: return gpu::kWayLists;
+    case Binning::nearest32: return gpu::kWayNearest32;
+    case Binning::automatic:
+      // Candidates per beam, as the paper has it.
+      if (partsOf(options).bounds == Exactness::Bounds::paper) return gpu::kWayLists;
+      break;
+    case Binning::nearest: break;
+  }
+  return int64Atomics ? gpu::kWayNearest : gpu::kWayNearest32;
+}
+
+Kernels::Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64)
+    : projectClusters(device, layout, project_clusters, options),
+      projectTriangles(device, layout, project_triangles, options),
+      resolve(device, layout, float64 ? Words(resolve_float64) : Words(::resolve), options, way) {
+  const Words plain = float64 ? Words(bin_float64) : Words(::bin);
+  const Words atomic = float64 ? Words(bin_int64_float64) : Words(bin_int64);
+  if (way == gpu::kWayNearest) {
+    bin.emplace_back(device, layout, atomic, options, gpu::kPassNearest);
+  } else if (way == gpu::kWayNearest32) {
+    bin.emplace_back(device, layout, plain, options, gpu::kPassRange);
+    bin.emplace_back(device, layout, plain, options, gpu::kPassOwner);
+  } else {
+    bin.emplace_back(device, layout, plain, options, gpu::kPassCount);
+    bin.emplace_back(device, layout, plain, options, gpu::kPassFill);
+    for (uint32_t pass : {gpu::kScanReduce, gpu::kScanBlocks, gpu::kScanApply})
+      scan.emplace_back(device, layout, ::scan, options, pass);
+  }
+}
+
+SensorState::SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
+                         const SimulatorOptions& options, uint32_t way)
+    : device_(device), layout_(layout), way_(way), tables_(makeBeamTables(sensor)) {
+  const Options kernel = kernelOptions(options, tables_.azimuthOffsets);
+  const bool float64 = kernel.inside == gpu::kInsideExact && options.float64 && device.capabilities().float64;
+  kernels_ = std::make_unique<Kernels>(device, layout, kernel, way, float64);
+  makeBuffers(geometry);
+  set_ = layout_.makeSet(0, pointers());
+}
+
+void SensorState::makeBuffers(const Geometry& geometry) {
+  const auto make = [&](uint32_t binding, const char* name, uint64_t bytes, Memory memory = Memory::device) {
+    buffers_[binding] = Buffer(device_, name, bytes, memory);
+  };
+  Uploader uploader(device_);
+  buffers_[gpu::kBindRows] = uploader.upload<gpu::Row>("rows", tables_.rows);
+  buffers_[gpu::kBindRowLookup] = uploader.upload<uint32_t>("rowLookup", tables_.rowLookup);
+  buffers_[gpu::kBindColumns] = uploader.upload<float>("columns", tables_.columns);
+  const uint64_t beams = tables_.frame.beams;
+  const bool lists = way_ == gpu::kWayLists;
+  make(gpu::kBindFrame, "frame", sizeof(gpu::Frame), Memory::upload);
+  make(gpu::kBindInstances, "instances", geometry.instanceCount() * sizeof(gpu::Instance), Memory::upload);
+  make(gpu::kBindCounters, "counters", sizeof(gpu::Counters));
+  make(gpu::kBindVisible, "visible", uint64_t{geometry.maxPlacedCount()} * 8);
+  make(gpu::kBindWords, "words", lists ? 0 : beams * 8);
+  make(gpu::kBindListEnds, "listEnds", lists ? beams * 4 : 0);
+  make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
+  for (const Output& output : kOutputs) make(output.binding, "results", beams * output.bytesPerBeam);
+  // First guesses; growLists() makes room for what a scan turns out to need.
+  growProjected(std::min<uint64_t>(geometry.dropped().triangles, 1 << 18));
+  growTiles(1 << 12);
+  growCandidates(lists ? beams * 2 : 0);
+  if (device_.unifiedMemory()) return;
+  for (const Output& output : kOutputs)
+    readback_.emplace_back(device_, "read-back", beams * output.bytesPerBeam, Memory::readback);
+  readback_.emplace_back(device_, "read-back", sizeof(gpu::Counters), Memory::readback);
+}
+
+void SensorState::growProjected(uint64_t count) {
+  projectedCapacity_ = static_cast<uint32_t>(count);
+  buffers_[gpu::kBindProjectedA] = Buffer(device_, "projectedA", count * 12, Memory::device);
+  buffers_[gpu::kBindProjectedB] = Buffer(device_, "projectedB", count * 12, Memory::device);
+  buffers_[gpu::kBindProjectedC] = Buffer(device_, "projectedC", count * 12, Memory::device);
+  buffers_[gpu::kBindProjectedBoxes] = Buffer(device_, "projectedBoxes", count * sizeof(gpu::Box), Memory::device);
+  buffers_[gpu::kBindProjectedIds] = Buffer(device_, "projectedIds", count * 4, Memory::device);
+}
+
+void SensorState::growTiles(uint64_t count) {
+  tileCapacity_ = static_cast<uint32_t>(count);
+  buffers_[gpu::kBindTiles] = Buffer(device_, "tiles", count * sizeof(gpu::Tile), Memory::device);
+}
+
+void SensorState::growCandidates(uint64_t count) {
+  candidateCapacity_ = static_cast<uint32_t>(count);
+  buffers_[gpu::kBindCandidates] = Buffer(device_, "candidates", count * 4, Memory::device);
+}
+
+bool SensorState::growLists() {
+  const gpu::Counters needed = counters();
+  const auto room = [](uint32_t count) { return count + uint64_t{count} / 4; };
+  const bool projected = needed.projected > projectedCapacity_;
+  const bool tiles = needed.tiles > tileCapacity_;
+  const bool candidates = way_ == gpu::kWayLists && needed.candidates > candidateCapacity_;
+  // A scan cut short has counted too few of what follows; the next run will tell.
+  if (projected) growProjected(room(needed.projected));
+  if (tiles) growTiles(room(needed.tiles));
+  if (candidates) growCandidates(room(needed.candidates));
+  if (projected || tiles || candidates) layout_.updateSet(set_, pointers());
+  return projected || tiles || candidates;
+}
+
+void SensorState::writeFrame(const Geometry& geometry, const Pose& pose) {
+  gpu::Frame frame = tables_.frame;
+  frame.instanceCount = geometry.instanceCount();
+  frame.projectedCapacity = projectedCapacity_;
+  frame.tileCapacity = tileCapacity_;
+  frame.candidateCapacity = candidateCapacity_;
+  std::memcpy(buffers_[gpu::kBindFrame].mapped(), &frame, sizeof frame);
+  geometry.placeInstances(pose, static_cast<gpu::Instance*>(buffers_[gpu::kBindInstances].mapped()));
+  buffers_[gpu::kBindFrame].flush();
+  buffers_[gpu::kBindInstances].flush();
+}
+
+std::array<const Buffer*, gpu::kWorkBindingCount> SensorState::pointers() const {
+  std::array<const Buffer*, gpu::kWorkBindingCount> result;
+  for (size_t i = 0; i < result.size(); ++i) result[i] = &buffers_[i];
+  return result;
+}
+
+const Buffer& SensorState::hostSide(size_t output) const {
+  if (!readback_.empty()) return readback_[output];
+  return buffers_[output < std::size(kOutputs) ? kOutputs[output].binding : gpu::kBindCounters];
+}
+
+const gpu::Counters& SensorState::counters() const {
+  const Buffer& buffer = hostSide(std::size(kOutputs));
+  buffer.invalidate();
+  return *static_cast<const gpu::Counters*>(buffer.mapped());
+}
+
+void SensorState::addTo(MemoryUse& use) const {
+  for (uint32_t i = 0; i < buffers_.size(); ++i) {
+    const bool table = i >= gpu::kBindRows && i <= gpu::kBindColumns;
+    (i == gpu::kBindInstances ? use.scene : table ? use.sensor : use.work) += buffers_[i].bytes();
+  }
+}
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// shared.h is compiled as C++ and as GLSL: the offsets that the SPIR-V carries must be those of the C++ structs.
+#include <catch2/catch_test_macros.hpp>
+#include <cstddef>
+#include <map>
+#include <span>
+#include <string>
+
+#include "bin.spv.h"
+#include "project_clusters.spv.h"
+#include "project_triangles.spv.h"
+#include "resolve.spv.h"
+#include "shared.h"
+
+namespace {
+
+using Offsets = std::map<std::string, uint32_t>;  // "Struct.member" -> bytes
+
+// SPIR-V: five header words, then instructions; the first word of each is its length above its opcode.
+Offsets offsetsIn(std::span<const uint32_t> words) {
+  std::map<uint32_t, std::string> types;
+  std::map<std::pair<uint32_t, uint32_t>, std::string> members;
+  Offsets offsets;
+  for (size_t at = 5; at < words.size(); at += words[at] >> 16) {
+    const uint32_t* word = &words[at];
+    const auto text = [&](size_t first) { return std::string(reinterpret_cast<const char*>(word + first)); };
+    switch (word[0] & 0xffff) {
+      case 5: types[word[1]] = text(2); break;               // OpName
+      case 6: members[{word[1], word[2]}] = text(3); break;  // OpMemberName
+      case 72:                                               // OpMemberDecorate ... Offset
+        if (word[3] == 35) offsets[types[word[1]] + "." + members[{word[1], word[2]}]] = word[4];
+        break;
+      default: break;
+    }
+  }
+  return offsets;
+}
+
+}  // namespace
+
+TEST_CASE("the structs of shared.h have the same layout on the host and in every shader") {
+  using namespace gnosphere::gpu;
+  const Offsets expected = {
+      {"Instance.row0", offsetof(Instance, row0)},
+      {"Instance.row2", offsetof(Instance, row2)},
+      {"Instance.offsetX", offsetof(Instance, offsetX)},
+      {"Instance.firstTriangle", offsetof(Instance, firstTriangle)},
+      {"Cluster.minX", offsetof(Cluster, minX)},
+      {"Cluster.firstVertex", offsetof(Cluster, firstVertex)},
+      {"Cluster.maxX", offsetof(Cluster, maxX)},
+      {"Cluster.firstTriangle", offsetof(Cluster, firstTriangle)},
+      {"Cluster.triangleCount", offsetof(Cluster, triangleCount)},
+      {"Cluster.doubleSided", offsetof(Cluster, doubleSided)},
+      {"Frame.beams", offsetof(Frame, beams)},
+      {"Frame.rangeMin", offsetof(Frame, rangeMin)},
+      {"Frame.columnSlack", offsetof(Frame, columnSlack)},
+      {"Frame.projectedCapacity", offsetof(Frame, projectedCapacity)},
+      {"Frame.candidateCapacity", offsetof(Frame, candidateCapacity)},
+      {"Frame.paperRowsPerRadian", offsetof(Frame, paperRowsPerRadian)},
+      {"Row.sinElevation", offsetof(Row, sinElevation)},
+      {"Row.key", offsetof(Row, key)},
+      {"Row.columnShift", offsetof(Row, columnShift)},
+      {"Row.channel", offsetof(Row, channel)},
+      {"Box.columnMax", offsetof(Box, columnMax)},
+      {"Box.rows", offsetof(Box, rows)},
+      {"Box.rangeMin", offsetof(Box, rangeMin)},
+      {"Tile.columnFirst", offsetof(Tile, columnFirst)},
+      {"Tile.columnCount", offsetof(Tile, columnCount)},
+      {"Counters.projected", offsetof(Counters, projected)},
+      {"Counters.candidates", offsetof(Counters, candidates)},
+      {"Counters.hits", offsetof(Counters, hits)},
+      {"Counters.culledBetweenBeams", offsetof(Counters, culledBetweenBeams)},
+      {"Chunk.placedCount", offsetof(Chunk, placedCount)},
+  };
+  std::map<std::string, int> seen;
+  for (const Offsets& offsets :
+       {offsetsIn(project_clusters), offsetsIn(project_triangles), offsetsIn(bin), offsetsIn(resolve)})
+    for (const auto& [member, offset] : offsets)
+      if (const auto found = expected.find(member); found != expected.end()) {
+        INFO(member);
+        CHECK(offset == found->second);
+        ++seen[member];
+      }
+  for (const auto& [member, offset] : expected) {
+    INFO(member << " is in no shader");
+    CHECK(seen[member] > 0);
+  }
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compressed glTF: packed here with the codecs' own encoders.
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+#include <meshoptimizer.h>
+
+#include <catch2/generators/catch_generators.hpp>
+
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+namespace {
+
+/// A wavy grid, so that the codecs have something to do.
+void makeGrid(Floats& positions, Indices& indices) {
+  constexpr uint32_t kSide = 5;
+  for (uint32_t y = 0; y < kSide; ++y)
+    for (uint32_t x = 0; x < kSide; ++x)
+      for (uint32_t value : {x, y, x * y % 3}) positions.push_back(static_cast<float>(value));
+  for (uint32_t y = 0; y + 1 < kSide; ++y)
+    for (uint32_t x = 0; x + 1 < kSide; ++x) {
+      const uint32_t a = y * kSide + x;
+      for (uint32_t i : {a, a + 1, a + kSide, a + 1, a + kSide + 1, a + kSide}) indices.push_back(i);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("EXT_meshopt_compression is decoded in every mode, past a fallback buffer without bytes") {
+  Floats positions;
+  Indices indices;
+  makeGrid(positions, indices);
+  const size_t vertices = positions.size() / 3;
+  std::string packed(meshopt_encodeVertexBufferBound(vertices, 12), '\0');
+  const auto data = [](std::string& text) { return reinterpret_cast<unsigned char*>(text.data()); };
+  const bool exponential = GENERATE(false, true);
+  if (exponential) {
+    Indices filtered(positions.size());
+    meshopt_encodeFilterExp(filtered.data(), vertices, 12, 16, positions.data());
+    packed.resize(meshopt_encodeVertexBuffer(data(packed), packed.size(), filtered.data(), vertices, 12));
+  } else {
+    packed.resize(meshopt_encodeVertexBuffer(data(packed), packed.size(), positions.data(), vertices, 12));
+  }
+  const bool sequence = GENERATE(false, true);
+  std::string order(meshopt_encodeIndexBufferBound(indices.size(), vertices) +
+                        meshopt_encodeIndexSequenceBound(indices.size(), vertices),
+                    '\0');
+  order.resize(sequence ? meshopt_encodeIndexSequence(data(order), order.size(), indices.data(), indices.size())
+                        : meshopt_encodeIndexBuffer(data(order), order.size(), indices.data(), indices.size()));
+
+  GltfFileMaker file;
+  const size_t start = file.bytes.size();
+  file.bytes = packed;
+  file.bytes.resize((packed.size() + 3) / 4 * 4);
+  const size_t second = file.bytes.size();
+  file.bytes += order;
+  const auto addView = [&](size_t offset, size_t size, size_t stride, size_t count, const char* mode) {
+    return file.push("bufferViews", {{"buffer", 1},
+                                     {"byteLength", stride * count},
+                                     {"extensions",
+                                      {{"EXT_meshopt_compression",
+                                        {{"buffer", 0},
+                                         {"byteOffset", offset},
+                                         {"byteLength", size},
+                                         {"byteStride", stride},
+                                         {"count", count},
+                                         {"mode", mode}}}}}});
+  };
+  addView(start, packed.size(), 12, vertices, "ATTRIBUTES");
+  addView(second, order.size(), 4, indices.size(), sequence ? "INDICES" : "TRIANGLES");
+  if (exponential) file.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["filter"] = "EXPONENTIAL";
+  file.push("accessors", {{"bufferView", 0}, {"componentType", 5126}, {"type", "VEC3"}, {"count", vertices}});
+  file.push("accessors", {{"bufferView", 1}, {"componentType", 5125}, {"type", "SCALAR"}, {"count", indices.size()}});
+  file.mesh({{"attributes", {{"POSITION", 0}}}, {"indices", 1}});
+  file.node({{"mesh", 0}});
+  file.json["extensionsRequired"] = {"EXT_meshopt_compression"};
+  file.text();
+  file.json["buffers"].push_back(
+      {{"byteLength", 4096}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
+  const std::string text = file.json.dump();
+
+  const Scene scene = loadText("made.gltf", text);
+  CHECK(scene.meshes.at(0).positions == positions);
+  // The triangle codec may turn a triangle's corners round.
+  const Indices& read = scene.meshes.at(0).indices;
+  REQUIRE(read.size() == indices.size());
+  for (size_t t = 0; t < read.size(); t += 3) {
+    bool same = false;
+    for (size_t turn = 0; turn < 3; ++turn)
+      same = same || (read[t] == indices[t + turn] && read[t + 1] == indices[t + (turn + 1) % 3] &&
+                      read[t + 2] == indices[t + (turn + 2) % 3]);
+    CHECK(same);
+  }
+  file.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]["byteLength"] = packed.size() / 2;
+  CHECK_THAT(loadFailure("made.gltf", file.json.dump()), ContainsSubstring("bufferView 0 (meshopt)"));
+}
+
+TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors than its own") {
+  Floats positions;
+  Indices indices;
+  makeGrid(positions, indices);
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(static_cast<int>(indices.size() / 3));
+  const int attribute = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  for (size_t t = 0; t < indices.size() / 3; ++t)
+    builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(static_cast<uint32_t>(t)),
+                                      &positions[3 * indices[3 * t]], &positions[3 * indices[3 * t + 1]],
+                                      &positions[3 * indices[3 * t + 2]]);
+  const auto mesh = builder.Finalize();
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);  // keeps order and bits
+  draco::EncoderBuffer buffer;
+  REQUIRE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
+
+  GltfFileMaker file;
+  const int view = file.view({buffer.data(), buffer.size()});
+  file.push("accessors", {{"componentType", 5126}, {"type", "VEC3"}, {"count", 25}});
+  file.push("accessors", {{"componentType", 5125}, {"type", "SCALAR"}, {"count", indices.size()}});
+  file.mesh({{"attributes", {{"POSITION", 0}}}, {"indices", 1}});
+  file.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {
+      {"bufferView", view}, {"attributes", {{"POSITION", mesh->attribute(attribute)->unique_id()}}}};
+  file.node({{"mesh", 0}});
+  file.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  const Scene scene = file.load();
+  const Mesh& read = scene.meshes.at(0);
+  REQUIRE(read.indices.size() == indices.size());
+  for (size_t i = 0; i < indices.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) CHECK(read.positions[3 * read.indices[i] + c] == positions[3 * indices[i] + c]);
+
+  file.json["bufferViews"][0]["byteLength"] = buffer.size() / 2;
+  CHECK_THAT(file.failure(), ContainsSubstring("mesh 0, primitive 0: its Draco data is not sound"));
+}
