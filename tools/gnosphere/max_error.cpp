@@ -39,7 +39,7 @@ std::string explain(const AccuracyChoice& choice, const std::vector<AccuracyRow>
     const AccuracyRow& best = *std::min_element(byTime.begin(), byTime.end(), better);
     return formatted("no setting is within %g m from here; the best is %s: ", choice.limit, best.name.c_str()) +
            errorOf(best) +
-           formatted(", at %s a scan, %.2f of standard; ", milliseconds(best.time().median).c_str(), best.ratio) +
+           formatted(", at %s a scan, %.2f times standard; ", milliseconds(best.time().median).c_str(), best.ratio) +
            sampleOf(choice.report);
   }
   text = choice.chosen->name + formatted(", the cheapest within %g m: off by at most ", choice.limit) +
