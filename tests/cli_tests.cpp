@@ -1,90 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program as a person or a script meets it: exit status, one-line errors, nothing half-written.
-#include <sys/wait.h>
-
-#include <algorithm>
-#include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
-#include <catch2/matchers/catch_matchers_string.hpp>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "cli_support.hpp"
 #include "gnosphere/output.hpp"
 #include "gnosphere/sensor.hpp"
 
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
-namespace fs = std::filesystem;
-
-namespace {
-
-struct Result {
-  int status;
-  std::string out, err;
-};
-
-/// A folder to run the program in, with a scene: a floor of 20 m, two triangles.
-class Workplace {
- public:
-  Workplace() {
-    std::string name = (fs::temp_directory_path() / "gnosphere-cli-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-    put("floor.obj", "v -10 -10 0\nv 10 -10 0\nv 10 10 0\nv -10 10 0\nf 1 2 3\nf 1 3 4\n");
-  }
-  ~Workplace() { fs::remove_all(path_); }
-
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  void put(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-  }
-  std::string get(const std::string& name) const {
-    std::ifstream stream(path_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  /// Names of the files, without those that run() itself makes.
-  std::vector<std::string> files() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(path_)) {
-      const std::string name = entry.path().filename().string();
-      if (name != "out" && name != "err") names.push_back(name);
-    }
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-  Result run(const std::string& arguments, const std::string& before = "") const {
-    const std::string command =
-        "cd '" + path_.string() + "' && " + before + " '" GNOSPHERE_BINARY "' " + arguments + " >out 2>err </dev/null";
-    const int status = std::system(command.c_str());
-    REQUIRE(WIFEXITED(status));
-    return {WEXITSTATUS(status), get("out"), get("err")};
-  }
-
- private:
-  fs::path path_;
-};
-
-const std::string kQuick = " --device reference --sensor VLP-16 ";
-
-/// The call fails with this status and one line that holds these words, and leaves the folder as it was.
-void checkRefused(const std::string& arguments, int status, const std::string& words) {
-  INFO("gnosphere " << arguments);
-  const Workplace place;
-  const Result result = place.run(arguments);
-  CHECK(result.status == status);
-  CHECK_THAT(result.err, StartsWith("gnosphere: ") && ContainsSubstring(words));
-  CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
-  CHECK(result.out.empty());
-  CHECK(place.files() == std::vector<std::string>{"floor.obj"});
-}
-
-}  // namespace
+using namespace gnosphere::test;
 
 TEST_CASE("a call that is wrong ends with status 2 and says what there is") {
-  checkRefused("", 2, "scan, compare, devices, sensors or town");
+  checkRefused("", 2, "scan, accuracy, compare, devices, sensors or town");
   checkRefused("look", 2, "look");
   checkRefused("scan", 2, "SCENE");
   checkRefused("scan floor.obj --frob", 2, "--frob");

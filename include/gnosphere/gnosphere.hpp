@@ -2,6 +2,7 @@
 // GnoSphere: a LiDAR simulator that never casts a ray. Everything public, in one include.
 #pragma once
 
+#include "gnosphere/accuracy.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"
 #include "gnosphere/scan.hpp"

@@ -45,9 +45,12 @@ struct Comparison {
   uint64_t wrongRange = 0;      ///< both hit, further apart than the tolerance; outside ties
   uint64_t ties = 0;            ///< beams the reference marks
   uint64_t tieDifferences = 0;  ///< of those, how many differ in owner or hit
-  double rangeErrorMax = 0;     ///< metres, over beams with the same owner, ties left out
-  double rangeError9999 = 0;    ///< 99.99th percentile of |error|
+  uint64_t tieMissed = 0, tieFalseHits = 0, tieWrongOwner = 0;
+  double tieErrorMax = 0;     ///< metres, over ties that both hit, whoever the owner
+  double rangeErrorMax = 0;   ///< metres, over beams with the same owner, ties left out
+  double rangeError9999 = 0;  ///< 99.99th percentile of |error|
   double rangeErrorRms = 0;
+  double hitErrorMax = 0;  ///< metres, over beams that both hit, whoever the owner, ties left out
   bool same() const { return missed == 0 && falseHits == 0 && wrongOwner == 0 && wrongRange == 0; }
 };
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "gnosphere/error.hpp"
-#include "gnosphere/output.hpp"
+#include "output/comparison_sum.hpp"
 
 namespace gnosphere {
 namespace {
@@ -27,18 +27,16 @@ bool tieAt(const Scan& scan, size_t beam) {
   return beam < scan.ties.size() && scan.ties[beam] != 0;
 }
 
-/// Nearest rank: the smallest error that at least this share of the errors does not exceed.
-double percentile(std::vector<double>& errors, double share) {
-  const double rank = std::ceil(share * static_cast<double>(errors.size()));
-  const auto nth = errors.begin() + static_cast<std::ptrdiff_t>(std::max(rank, 1.0)) - 1;
-  std::nth_element(errors.begin(), nth, errors.end());
-  return *nth;
-}
+/// The percentile among the errors: 99.99 %, in ten thousandths.
+constexpr uint64_t kTenThousandths = 9999;
 
 }  // namespace
 
-Comparison compare(const Scan& reference, const Scan& other, double tolerance) {
+ComparisonSum::ComparisonSum(uint64_t beams, double tolerance) : tolerance_(tolerance), kept_(beams / 10000 + 1) {
   if (!(tolerance >= 0)) throw Error(ErrorCode::invalidArgument, "the tolerance must be at least 0 m");
+}
+
+void ComparisonSum::add(const Scan& reference, const Scan& other) {
   if (reference.beamCount() != other.beamCount()) {
     throw Error(ErrorCode::invalidArgument, "the clouds are not of the same beams: the reference has " +
                                                 std::to_string(reference.beamCount()) + ", the other " +
@@ -46,38 +44,66 @@ Comparison compare(const Scan& reference, const Scan& other, double tolerance) {
   }
   checkFields(reference, "the reference cloud");
   checkFields(other, "the other cloud");
+  sum_.beams += reference.beamCount();
+  for (size_t beam = 0; beam < reference.beamCount(); ++beam) addBeam(reference, other, beam);
+}
 
-  Comparison result;
-  result.beams = reference.beamCount();
-  std::vector<double> errors;
-  for (size_t b = 0; b < reference.beamCount(); ++b) {
-    const bool expected = reference.hit(b);
-    const bool found = other.hit(b);
-    const bool sameOwner = reference.triangles[b] == other.triangles[b] && reference.instances[b] == other.instances[b];
-    result.hits += expected;
-    if (tieAt(reference, b)) {
-      ++result.ties;
-      result.tieDifferences += expected != found || (expected && !sameOwner);
-      continue;
-    }
-    result.missed += expected && !found;
-    result.falseHits += found && !expected;
-    if (!expected || !found) continue;
-    double error = std::abs(double{reference.ranges[b]} - double{other.ranges[b]});
-    if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // a hit without a range is no answer
-    double allowed = b < reference.tolerances.size() ? double{reference.tolerances[b]} : tolerance;
-    if (!(allowed >= 0)) allowed = tolerance;
-    result.wrongOwner += !sameOwner;
-    result.wrongRange += error > allowed;
-    if (sameOwner) errors.push_back(error);
+void ComparisonSum::addBeam(const Scan& reference, const Scan& other, size_t b) {
+  const bool expected = reference.hit(b);
+  const bool found = other.hit(b);
+  const bool both = expected && found;
+  const bool sameOwner = reference.triangles[b] == other.triangles[b] && reference.instances[b] == other.instances[b];
+  double error = both ? std::abs(double{reference.ranges[b]} - double{other.ranges[b]}) : 0;
+  if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // a hit without a range is no answer
+  sum_.hits += expected;
+  if (tieAt(reference, b)) {
+    ++sum_.ties;
+    sum_.tieDifferences += expected != found || (expected && !sameOwner);
+    sum_.tieMissed += expected && !found;
+    sum_.tieFalseHits += found && !expected;
+    sum_.tieWrongOwner += both && !sameOwner;
+    sum_.tieErrorMax = std::max(sum_.tieErrorMax, error);
+    return;
   }
-  if (errors.empty()) return result;
-  double squares = 0;
-  for (double error : errors) squares += error * error;
-  result.rangeErrorRms = std::sqrt(squares / static_cast<double>(errors.size()));
-  result.rangeErrorMax = *std::max_element(errors.begin(), errors.end());
-  result.rangeError9999 = percentile(errors, 0.9999);
+  sum_.missed += expected && !found;
+  sum_.falseHits += found && !expected;
+  if (!both) return;
+  double allowed = b < reference.tolerances.size() ? double{reference.tolerances[b]} : tolerance_;
+  if (!(allowed >= 0)) allowed = tolerance_;
+  sum_.wrongOwner += !sameOwner;
+  sum_.wrongRange += error > allowed;
+  sum_.hitErrorMax = std::max(sum_.hitErrorMax, error);
+  if (sameOwner) keep(error);
+}
+
+void ComparisonSum::keep(double error) {
+  ++errors_;
+  squares_ += error * error;
+  if (largest_.size() == kept_) {
+    if (error <= largest_.top()) return;
+    largest_.pop();
+  }
+  largest_.push(error);
+}
+
+Comparison ComparisonSum::result() const {
+  Comparison result = sum_;
+  if (errors_ == 0) return result;
+  result.rangeErrorRms = std::sqrt(squares_ / static_cast<double>(errors_));
+  // Nearest rank: the smallest error that at least this share of the errors does not exceed.
+  const uint64_t rank = (errors_ * kTenThousandths + 9999) / 10000;
+  auto largest = largest_;
+  while (largest.size() > errors_ - rank + 1) largest.pop();
+  result.rangeError9999 = largest.top();
+  while (largest.size() > 1) largest.pop();
+  result.rangeErrorMax = largest.top();
   return result;
+}
+
+Comparison compare(const Scan& reference, const Scan& other, double tolerance) {
+  ComparisonSum sum(reference.beamCount(), tolerance);
+  sum.add(reference, other);
+  return sum.result();
 }
 
 }  // namespace gnosphere

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "console.hpp"
 #include "gnosphere/output.hpp"
+#include "json.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -14,22 +14,6 @@ struct CompareOptions {
   double tolerance = 1e-3;
   bool json = false;
 };
-
-void printJson(const Comparison& c) {
-  const nlohmann::ordered_json json = {
-      {"beams", c.beams},
-      {"hits", c.hits},
-      {"missed", c.missed},
-      {"false_hits", c.falseHits},
-      {"wrong_owner", c.wrongOwner},
-      {"wrong_range", c.wrongRange},
-      {"ties", c.ties},
-      {"tie_differences", c.tieDifferences},
-      {"range_error_m", {{"max", c.rangeErrorMax}, {"p99_99", c.rangeError9999}, {"rms", c.rangeErrorRms}}},
-      {"same", c.same()},
-  };
-  std::printf("%s\n", json.dump(2).c_str());
-}
 
 void printTable(const Comparison& c, double tolerance) {
   const auto row = [](const char* name, uint64_t count, const std::string& meaning) {
@@ -51,7 +35,7 @@ void printTable(const Comparison& c, double tolerance) {
 int runCompare(const CompareOptions& options) {
   const Scan reference = readCloud(options.reference);
   const Comparison comparison = compare(reference, readCloud(options.other), options.tolerance);
-  options.json ? printJson(comparison) : printTable(comparison, options.tolerance);
+  options.json ? void(std::printf("%s", dump(toJson(comparison)).c_str())) : printTable(comparison, options.tolerance);
   return comparison.same() ? 0 : 1;
 }
 

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdarg>
 #include <cstdio>
+#include <memory>
 
 namespace gnosphere::cli {
 
@@ -34,7 +35,11 @@ std::string formatted(const char* format, ...) {
 
 std::string milliseconds(double ms) {
   if (ms >= 10000) return formatted("%.1f s", ms / 1000);
-  return formatted(ms < 10 ? "%.2f ms" : ms < 100 ? "%.1f ms" : "%.0f ms", ms);
+  return formatted(ms < 1 ? "%.3f ms" : ms < 10 ? "%.2f ms" : ms < 100 ? "%.1f ms" : "%.0f ms", ms);
+}
+
+std::string bareMs(double ms) {
+  return formatted(ms < 1 ? "%.3f" : "%.2f", ms);
 }
 
 std::string fileSize(const std::filesystem::path& file) {
@@ -47,6 +52,19 @@ std::string fileSize(const std::filesystem::path& file) {
 
 void say(const char* label, const std::string& text) {
   std::printf("%-10s %s\n", label, text.c_str());
+}
+
+namespace {
+std::string typed;
+}
+
+void rememberCommand(int argc, char** argv) {
+  typed = std::filesystem::path(argv[0]).filename().string();
+  for (int i = 1; i < argc; ++i) typed.append(" ").append(argv[i]);
+}
+
+const std::string& commandLine() {
+  return typed;
 }
 
 double nowMs() {
@@ -67,6 +85,60 @@ void Progress::step(uint64_t done) {
   lastMs_ = now;
   shown_ = true;
   std::fprintf(stderr, "\r\x1b[K%s %s of %s", what_, grouped(done).c_str(), grouped(total_).c_str());
+}
+
+std::function<void(const char*, uint64_t, uint64_t)> stepProgress() {
+  struct State {
+    std::string name;
+    std::unique_ptr<Progress> progress;
+  };
+  return [state = std::make_shared<State>()](const char* step, uint64_t done, uint64_t total) {
+    if (state->name != step) {
+      state->name = step;
+      state->progress = nullptr;  // clears its line before the next begins
+      state->progress = std::make_unique<Progress>(state->name.c_str(), total);
+    }
+    state->progress->step(done);
+  };
+}
+
+namespace {
+
+std::vector<size_t> widthsOf(const std::vector<TableRow>& rows) {
+  std::vector<size_t> widths;
+  for (const TableRow& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  return widths;
+}
+
+}  // namespace
+
+void printTable(const std::vector<TableRow>& rows, size_t leftColumns) {
+  const std::vector<size_t> widths = widthsOf(rows);
+  for (const TableRow& row : rows) {
+    std::string line;
+    for (size_t i = 0; i < row.size(); ++i) {
+      const std::string gap(widths[i] - row[i].size(), ' ');
+      line.append(i ? "  " : "").append(i < leftColumns ? row[i] + gap : gap + row[i]);
+    }
+    std::printf("%s\n", line.c_str());
+  }
+}
+
+void printMarkdown(const std::vector<TableRow>& rows) {
+  const std::vector<size_t> widths = widthsOf(rows);
+  for (size_t r = 0; r < rows.size(); ++r) {
+    std::string line = "|", rule = "|";
+    for (size_t i = 0; i < rows[r].size(); ++i) {
+      const std::string gap(widths[i] - rows[r][i].size(), ' ');
+      line.append(" ").append(i ? gap + rows[r][i] : rows[r][i] + gap).append(" |");
+      rule.append(widths[i] + 1, '-').append(i ? ":|" : "-|");
+    }
+    std::printf("%s\n", line.c_str());
+    if (r == 0) std::printf("%s\n", rule.c_str());
+  }
 }
 
 }  // namespace gnosphere::cli

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <vector>
 
 namespace gnosphere::cli {
 
@@ -13,7 +15,8 @@ void complain(const std::string& message);
 
 std::string grouped(uint64_t number);  ///< 1234567 -> 1,234,567
 std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
-std::string milliseconds(double ms);  ///< three digits that mean something
+std::string milliseconds(double ms);  ///< three digits that mean something, with the unit
+std::string bareMs(double ms);        ///< the same for the columns of a table in ms
 std::string fileSize(const std::filesystem::path& file);
 
 /// A line of a summary: the label in a column of its own.
@@ -32,6 +35,19 @@ class Progress {
   bool terminal_, shown_ = false;
   double startMs_, lastMs_;
 };
+
+/// For work of several steps: called with the step's name, how much of it is done and how much there is.
+std::function<void(const char*, uint64_t, uint64_t)> stepProgress();
+
+using TableRow = std::vector<std::string>;
+/// Columns aligned, the first `leftColumns` to the left and the others to the right.
+void printTable(const std::vector<TableRow>& rows, size_t leftColumns = 1);
+/// The same as Markdown.
+void printMarkdown(const std::vector<TableRow>& rows);
+
+/// The call as it was typed, the program by its name alone: results say how they were made.
+void rememberCommand(int argc, char** argv);
+const std::string& commandLine();
 
 double nowMs();
 

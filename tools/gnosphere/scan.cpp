@@ -1,81 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <map>
 #include <memory>
+#include <optional>
 
 #include "commands.hpp"
 #include "console.hpp"
 #include "file.hpp"
+#include "max_error.hpp"
 #include "output/fields.hpp"
 #include "scan_report.hpp"
+#include "scanning.hpp"
 
 namespace gnosphere::cli {
 namespace {
 
-const std::map<std::string, Accuracy> kAccuracies = {{"paper", Accuracy::paper},
-                                                     {"draft", Accuracy::draft},
-                                                     {"standard", Accuracy::standard},
-                                                     {"exact", Accuracy::exact}};
-const std::map<std::string, Faces> kFaces = {
-    {"material", Faces::material}, {"front", Faces::front}, {"both", Faces::both}};
-const std::map<std::string, Binning> kBinnings = {{"auto", Binning::automatic},
-                                                  {"nearest", Binning::nearest},
-                                                  {"nearest32", Binning::nearest32},
-                                                  {"lists", Binning::lists}};
-const std::map<std::string, UpAxis> kUpAxes = {{"", UpAxis::formatDefault}, {"y", UpAxis::y}, {"z", UpAxis::z}};
-
-struct ScanOptions {
-  std::string scene, sensor = "HDL-64E", pose, up, fields, image, stats, device = "auto";
-  std::string accuracy = "standard", faces = "material", binning = "auto";
+struct ScanOptions : ScanningOptions {
+  std::string fields, image, stats, accuracy = "standard";
   std::vector<std::string> outputs;
-  double scale = 1;
+  std::optional<double> maxError;
   uint64_t repeat = 0;  ///< 0: one scan, and no warm-up before it
-  bool compact = false, ascii = false, validation = false;
+  bool compact = false, ascii = false;
 };
-
-Pose parsePose(const std::string& text) {
-  std::vector<double> numbers;
-  const char* at = text.data();
-  const char* end = at + text.size();
-  while (at <= end) {
-    while (at < end && (*at == ' ' || *at == '+')) ++at;
-    double value = 0;
-    const auto result = std::from_chars(at, end, value);
-    const bool sound = result.ec == std::errc() && std::isfinite(value) && (result.ptr == end || *result.ptr == ',');
-    if (!sound) {
-      numbers.clear();
-      break;
-    }
-    numbers.push_back(value);
-    at = result.ptr + 1;
-  }
-  if (numbers.size() != 3 && numbers.size() != 7) {
-    throw Error(ErrorCode::invalidArgument,
-                "--pose: '" + text + "' is not X,Y,Z or X,Y,Z,QX,QY,QZ,QW with finite numbers");
-  }
-  Pose pose;
-  pose.position = {numbers[0], numbers[1], numbers[2]};
-  if (numbers.size() == 3) return pose;
-  const double norm = std::hypot(std::hypot(numbers[3], numbers[4]), std::hypot(numbers[5], numbers[6]));
-  if (!(norm > 1e-6) || !std::isfinite(norm)) {
-    throw Error(ErrorCode::invalidArgument, "--pose: the quaternion '" + text + "' has no length");
-  }
-  pose.orientation = {numbers[3] / norm, numbers[4] / norm, numbers[5] / norm, numbers[6] / norm};
-  return pose;
-}
-
-/// Standing at the world's origin if the scene is there, else in the middle of the scene; 1.8 m up, as on a car's roof.
-Pose defaultPose(const Scene& scene) {
-  Pose pose;
-  pose.position = {0, 0, 1.8};
-  const Bounds bounds = worldBounds(scene);
-  const bool aroundOrigin = bounds.min.x <= 0 && bounds.max.x >= 0 && bounds.min.y <= 0 && bounds.max.y >= 0;
-  if (bounds.empty() || aroundOrigin) return pose;
-  pose.position = {(bounds.min.x + bounds.max.x) / 2, (bounds.min.y + bounds.max.y) / 2, bounds.min.z + 1.8};
-  return pose;
-}
 
 /// Whatever can be known to fail is told before the scene is loaded, not after the scan.
 CloudOptions checkOutputs(const ScanOptions& options) {
@@ -97,16 +41,7 @@ CloudOptions checkOutputs(const ScanOptions& options) {
   std::vector<std::string> files = options.outputs;
   if (!options.image.empty()) files.push_back(options.image);
   if (!options.stats.empty() && options.stats != "-") files.push_back(options.stats);
-  for (auto file = files.begin(); file != files.end(); ++file) {
-    std::error_code absent;
-    if (std::filesystem::equivalent(*file, options.scene, absent)) {
-      throw Error(ErrorCode::invalidArgument, *file + " is the scene itself; write to another file");
-    }
-    if (std::find(files.begin(), file, *file) != file) {
-      throw Error(ErrorCode::invalidArgument, *file + " is to be written twice");
-    }
-    checkWritable(*file);
-  }
+  checkOutputFiles(files, options.scene);
   return cloud;
 }
 
@@ -158,69 +93,75 @@ void writeOutputs(const ScanOptions& options, const CloudOptions& cloud, const S
   for (const std::string& file : written) say("wrote", file + ", " + fileSize(file));
 }
 
-int runScan(const ScanOptions& options) {
-  if (!std::isfinite(options.scale) || options.scale <= 0) {
-    throw Error(ErrorCode::invalidArgument, "--scale must be finite and above 0");
+/// With --max-error, the setting that it takes; none if no setting does.
+std::optional<AccuracyChoice> choose(const ScanOptions& options, const Scene& scene, const Sensor& sensor,
+                                     const Pose& pose) {
+  if (!options.maxError) return {};
+  AccuracyChoice choice = chooseAccuracy(scene, sensor, pose, simulatorOptions(options), *options.maxError);
+  if (choice.chosen && options.stats != "-") say("accuracy", choice.why);
+  return choice;
+}
+
+void check(const ScanOptions& options) {
+  checkScanning(options);
+  if (!options.maxError) return;
+  checkMaxError(*options.maxError);
+  if (options.device == "reference") {
+    throw Error(ErrorCode::invalidArgument,
+                "--max-error is measured against the reference; choose another --device than that");
   }
+}
+
+int runScan(const ScanOptions& options) {
+  check(options);
   const CloudOptions cloud = checkOutputs(options);
   const Sensor sensor = findSensor(options.sensor);
-  Pose pose;
-  if (!options.pose.empty()) pose = parsePose(options.pose);
-
   double start = nowMs();
-  const Scene scene = loadScene(options.scene, {kUpAxes.at(options.up), options.scale});
+  const Scene scene = loadScene(options);
   const double loadMs = nowMs() - start;
-  if (options.pose.empty()) pose = defaultPose(scene);
+  const Pose pose = poseOf(options, scene);
+
+  const std::optional<AccuracyChoice> choice = choose(options, scene, sensor, pose);
+  if (choice && !choice->chosen) {
+    complain(choice->why);
+    return 1;
+  }
+  const std::string accuracy = choice ? choice->chosen->name : options.accuracy;
 
   start = nowMs();
-  SimulatorOptions settings;
-  settings.device = options.device;
-  settings.accuracy = kAccuracies.at(options.accuracy);
-  settings.faces = kFaces.at(options.faces);
-  settings.binning = kBinnings.at(options.binning);
-  settings.validation = options.validation;
+  SimulatorOptions settings = simulatorOptions(options);
+  settings.accuracy = kAccuracies.at(accuracy);
   Simulator simulator(scene, sensor, settings);
   const double setUpMs = nowMs() - start;
 
   std::vector<Timings> runs;
   const Scan scan = runScans(simulator, pose, options.repeat, runs);
   warnAbout(options, scene, scan.counters);
-  writeOutputs(
-      options, cloud,
-      {options.scene, scene, sensor, simulator, scan, options.accuracy, options.binning, runs, loadMs, setUpMs});
+  writeOutputs(options, cloud,
+               {options.scene, scene, sensor, simulator, scan, accuracy, options.binning, runs, loadMs, setUpMs,
+                choice ? &*choice : nullptr});
   return 0;
 }
 
-void addScanningOptions(CLI::App& app, ScanOptions& options) {
-  app.add_option("--sensor", options.sensor, "A built-in name (gnosphere sensors) or a JSON file")
-      ->capture_default_str();
-  app.add_option("--pose", options.pose,
-                 "X,Y,Z[,QX,QY,QZ,QW]: where the sensor stands and how it is turned, in metres (default: 1.8 m above "
-                 "the origin, or above the middle of a scene that is elsewhere)");
-  app.add_option("--accuracy", options.accuracy,
-                 "paper: the published method to the letter; draft: quick; standard: watertight; exact: the same "
-                 "bytes everywhere")
-      ->check(CLI::IsMember(kAccuracies))
-      ->capture_default_str();
-  app.add_option("--faces", options.faces, "Which faces reflect")->check(CLI::IsMember(kFaces))->capture_default_str();
-  app.add_option("--binning", options.binning, "How triangles meet beams; every way gives the same cloud")
-      ->check(CLI::IsMember(kBinnings))
-      ->capture_default_str();
-  app.add_option("--up", options.up, "The scene's upward axis (default: what its format says)")
-      ->check(CLI::IsMember({"y", "z"}));
-  app.add_option("--scale", options.scale, "Scene units in metres")->capture_default_str();
-  app.add_option("--device", options.device, "auto, a number or part of a name of gnosphere devices, or reference")
-      ->capture_default_str();
-  app.add_option("--repeat", options.repeat, "Scan this often after a warm-up, and report the median time")
-      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}));
-  app.add_flag("--validation", options.validation, "Vulkan validation layer on; its messages are errors");
+void addAccuracyOptions(CLI::App& app, ScanOptions& options) {
+  CLI::Option* accuracy =
+      app.add_option("--accuracy", options.accuracy,
+                     "paper: the published method to the letter; draft: without its gaps between boxes; standard: "
+                     "watertight; exact: the same bytes everywhere")
+          ->check(CLI::IsMember(kAccuracies))
+          ->capture_default_str();
+  app.add_option("--max-error", options.maxError,
+                 "Metres: the cheapest accuracy on this device that loses no beam and is nowhere further off, measured "
+                 "from this pose on a sample of the beams")
+      ->excludes(accuracy);
 }
 
 }  // namespace
 
 Action addScan(CLI::App& app) {
   const auto options = std::make_shared<ScanOptions>();
-  app.add_option("SCENE", options->scene, "A .gltf, .glb, .obj, .ply or .stl file")->required();
+  addScanningOptions(app, *options);
+  addAccuracyOptions(app, *options);
   app.add_option("-o,--output", options->outputs,
                  "A cloud to write: .pcd, .ply, .bin (KITTI), .npy or .csv; may be given more than once")
       ->allow_extra_args(false);
@@ -230,7 +171,8 @@ Action addScan(CLI::App& app) {
   app.add_flag("--ascii", options->ascii, "Write PCD and PLY as text");
   app.add_option("--image", options->image, "A .png of the scan: as the sensor sees it, and from above");
   app.add_option("--stats", options->stats, "A JSON file of times and counters, or - for stdout");
-  addScanningOptions(app, *options);
+  app.add_option("--repeat", options->repeat, "Scan this often after a warm-up, and report the median time")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}));
   return [options] { return runScan(*options); };
 }
 

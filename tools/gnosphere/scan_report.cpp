@@ -2,21 +2,12 @@
 #include "scan_report.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "console.hpp"
+#include "json.hpp"
 
 namespace gnosphere::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const size_t half = values.size() / 2;
-  return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
 
 template <class Get>
 std::vector<double> collect(const std::vector<Timings>& runs, Get get) {
@@ -34,15 +25,27 @@ struct Stage {
 std::vector<Stage> stages(const ScanReport& report) {
   std::vector<Stage> list;
   for (size_t s = 0; s < report.scan.timings.stages.size(); ++s) {
-    list.push_back({report.scan.timings.stages[s].name, median(collect(report.runs, [&](const Timings& run) {
-                      return s < run.stages.size() ? run.stages[s].ms : 0.0;
-                    }))});
+    list.push_back({report.scan.timings.stages[s].name, spreadOf(collect(report.runs, [&](const Timings& run) {
+                                                          return s < run.stages.size() ? run.stages[s].ms : 0.0;
+                                                        })).median});
   }
   return list;
 }
 
 Json medianAndMin(const std::vector<double>& values) {
-  return {{"median", median(values)}, {"min", *std::min_element(values.begin(), values.end())}};
+  const Spread spread = spreadOf(values);
+  return {{"median", spread.median}, {"min", spread.min}};
+}
+
+Json choiceJson(const AccuracyChoice& choice) {
+  Json rows = Json::array();
+  for (const AccuracyRow& row : choice.report.settings) rows.push_back(toJson(row, choice.report.runs, false));
+  return {{"limit_m", choice.limit},
+          {"error_m", choice.chosen->errorBound()},
+          {"beams", choice.report.beams},
+          {"sampled", choice.report.sampled},
+          {"why", choice.why},
+          {"settings", rows}};
 }
 
 struct NamedCount {
@@ -87,7 +90,7 @@ void printTriangles(const Counters& c) {
 
 void printTimes(const ScanReport& report) {
   const auto wall = collect(report.runs, [](const Timings& run) { return run.wallMs; });
-  std::string text = milliseconds(median(wall));
+  std::string text = milliseconds(spreadOf(wall).median);
   if (wall.size() > 1) {
     text += " median of " + grouped(wall.size()) + " scans, " +
             milliseconds(*std::min_element(wall.begin(), wall.end())) + " at best";
@@ -124,34 +127,18 @@ void printSummary(const ScanReport& report) {
 }
 
 std::string statsJson(const ScanReport& report) {
-  const DeviceInfo& device = report.simulator.device();
   const MemoryUse memory = report.simulator.memory();
   Json stats;
-  stats["device"] = {{"name", device.name},
-                     {"type", device.type},
-                     {"driver", device.driver},
-                     {"api_version", device.apiVersion},
-                     {"max_buffer_bytes", device.maxBufferBytes},
-                     {"subgroup_size", device.subgroupSize}};
-  stats["scene"] = {{"file", report.sceneFile},
-                    {"triangles", report.scene.placedTriangleCount()},
-                    {"unique_triangles", report.scene.uniqueTriangleCount()},
-                    {"instances", report.scene.instances.size()},
-                    {"meshes", report.scene.meshes.size()},
-                    {"clusters", report.simulator.clusterCount()},
-                    {"bytes", memory.scene},
-                    {"load_ms", report.loadMs},
-                    {"set_up_ms", report.setUpMs}};
-  stats["sensor"] = {{"name", report.sensor.name},
-                     {"beams", report.sensor.beamCount()},
-                     {"columns", report.sensor.columns},
-                     {"channels", report.sensor.channels.size()},
-                     {"range", {{"min", report.sensor.rangeMin}, {"max", report.sensor.rangeMax}}},
-                     {"bytes", memory.sensor}};
-  const Pose& pose = report.scan.pose;
-  stats["pose"] = {
-      {"position", {pose.position.x, pose.position.y, pose.position.z}},
-      {"orientation_xyzw", {pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w}}};
+  stats["device"] = toJson(report.simulator.device());
+  stats["scene"] = {{"file", report.sceneFile}};
+  stats["scene"].update(sceneJson(report.scene));
+  stats["scene"].update({{"clusters", report.simulator.clusterCount()},
+                         {"bytes", memory.scene},
+                         {"load_ms", report.loadMs},
+                         {"set_up_ms", report.setUpMs}});
+  stats["sensor"] = sensorJson(report.sensor);
+  stats["sensor"]["bytes"] = memory.sensor;
+  stats["pose"] = toJson(report.scan.pose);
   Json names = Json::array();
   Json times = Json::object();
   for (const Stage& stage : stages(report)) {
@@ -160,6 +147,7 @@ std::string statsJson(const ScanReport& report) {
   }
   stats["plan"] = {
       {"stages", names}, {"accuracy", report.accuracy}, {"binning", report.binning}, {"bytes", memory.work}};
+  if (report.choice) stats["plan"]["max_error"] = choiceJson(*report.choice);
   const auto wall = collect(report.runs, [](const Timings& run) { return run.wallMs; });
   const auto gpu = collect(report.runs, [](const Timings& run) { return run.gpuMs; });
   stats["frame"] = {{"runs", report.runs.size()},
@@ -167,7 +155,7 @@ std::string statsJson(const ScanReport& report) {
                     {"gpu_ms", times.empty() ? Json() : medianAndMin(gpu)},  // null: the device has no timestamps
                     {"stages_ms", times}};
   for (const NamedCount& counter : kCounters) stats["counters"][counter.name] = report.scan.counters.*counter.count;
-  return stats.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return dump(stats);
 }
 
 }  // namespace gnosphere::cli

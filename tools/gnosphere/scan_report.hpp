@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gnosphere/gnosphere.hpp"
+#include "max_error.hpp"
 
 namespace gnosphere::cli {
 
@@ -20,6 +21,7 @@ struct ScanReport {
   std::string accuracy, binning;  ///< as asked for
   std::vector<Timings> runs;
   double loadMs = 0, setUpMs = 0;
+  const AccuracyChoice* choice = nullptr;  ///< of --max-error, where it was given
 };
 
 void printSummary(const ScanReport& report);

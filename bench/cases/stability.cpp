@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere-bench stability: how the error of each accuracy grows as a case grows harder.
+#include <algorithm>
+#include <memory>
+
+#include "cases.hpp"
+#include "cases/hardness.hpp"
+#include "cases/results.hpp"
+#include "plot.hpp"
+
+namespace gnosphere::bench {
+namespace {
+
+using cli::formatted;
+using cli::Json;
+
+constexpr Accuracy kAccuracies[] = {Accuracy::paper, Accuracy::draft, Accuracy::standard, Accuracy::exact};
+
+struct Options {
+  std::string device = "auto", plot, json, family;
+  bool ends = false;
+};
+
+/// One accuracy on one case. Ties count like any beam: see hardness.hpp.
+struct Outcome {
+  Comparison comparison;
+  uint64_t lost() const { return comparison.missed + comparison.tieMissed; }
+  double lostShare() const { return static_cast<double>(lost()) / static_cast<double>(comparison.hits); }
+  double error() const { return std::max(comparison.hitErrorMax, comparison.tieErrorMax); }
+  /// There may be nothing left to measure.
+  bool anyHit() const { return lost() < comparison.hits; }
+};
+
+struct Row {
+  double hardness;
+  std::vector<Outcome> outcomes;  ///< of kAccuracies
+};
+
+struct FamilyResult {
+  const Family& family;
+  std::vector<Row> rows;
+};
+
+Row measure(const HardCase& test, const std::string& device, DeviceInfo& info) {
+  SimulatorOptions options;
+  options.device = "reference";
+  const Scan truth = Simulator(test.scene, test.sensor, options).scan(test.pose);
+  if (truth.counters.misses > 0) throw std::logic_error("a hard case must be hit by every beam");
+  Row row = {test.hardness, {}};
+  options.device = device;
+  for (Accuracy accuracy : kAccuracies) {
+    options.accuracy = accuracy;
+    Simulator simulator(test.scene, test.sensor, options);
+    info = simulator.device();
+    row.outcomes.push_back({compare(truth, simulator.scan(test.pose))});
+  }
+  return row;
+}
+
+std::vector<FamilyResult> measureAll(const Options& options, DeviceInfo& info) {
+  uint64_t total = 0, done = 0;
+  for (const Family& family : families()) total += family.hardness.size();  // a bound: some may be left out
+  const auto progress = cli::stepProgress();
+  std::vector<FamilyResult> results;
+  for (const Family& family : families()) {
+    if (!options.family.empty() && options.family != family.name) continue;
+    results.push_back({family, {}});
+    for (double hardness : family.hardness) {
+      if (options.ends && hardness != family.hardness.front() && hardness != family.hardness.back()) continue;
+      progress("case", ++done, total);
+      results.back().rows.push_back(measure(family.make(hardness), options.device, info));
+    }
+  }
+  return results;
+}
+
+void print(const FamilyResult& result) {
+  std::printf("\n%s: largest range error in m, and share of beams lost\n\n", result.family.title);
+  std::vector<cli::TableRow> rows = {{result.family.unit}};
+  for (Accuracy accuracy : kAccuracies) {
+    rows[0].push_back(nameOf(accuracy));
+    rows[0].push_back("lost");
+  }
+  for (const Row& row : result.rows) {
+    rows.push_back({formatted("%g", row.hardness)});
+    for (const Outcome& outcome : row.outcomes) {
+      rows.back().push_back(outcome.anyHit() ? formatted("%.2g", outcome.error()) : "-");
+      rows.back().push_back(outcome.lost() ? formatted("%.3g %%", 100 * outcome.lostShare()) : "0");
+    }
+  }
+  cli::printMarkdown(rows);
+}
+
+std::string toJson(const std::vector<FamilyResult>& results, const DeviceInfo& info) {
+  Json json = resultsHead(info);
+  for (const FamilyResult& result : results) {
+    Json family = {{"name", result.family.name}, {"unit", result.family.unit}, {"cases", Json::array()}};
+    for (const Row& row : result.rows) {
+      Json settings = Json::array();
+      for (size_t i = 0; i < row.outcomes.size(); ++i) {
+        const Outcome& outcome = row.outcomes[i];
+        settings.push_back({{"name", nameOf(kAccuracies[i])},
+                            {"error_max_m", outcome.anyHit() ? Json(outcome.error()) : Json()},
+                            {"lost", outcome.lost()},
+                            {"lost_share", outcome.lostShare()},
+                            {"error", cli::toJson(outcome.comparison)}});
+      }
+      family["cases"].push_back({{"hardness", row.hardness}, {"settings", settings}});
+    }
+    json["families"].push_back(family);
+  }
+  return cli::dump(json);
+}
+
+/// The looks of the four lines: they often lie on each other, so the markers nest.
+cli::PlotSeries look(size_t setting) {
+  static const cli::PlotSeries kLooks[] = {
+      {"paper", cli::Marker::cross, "#d55e00", "2 3", 4, {}},
+      {"draft", cli::Marker::triangle, "#0072b2", "7 4", 5, {}},
+      {"standard", cli::Marker::circle, "#009e73", "", 2.5, {}},
+      {"exact", cli::Marker::square, "#222222", "12 3 2 3", 6, {}},
+  };
+  return kLooks[setting];
+}
+
+cli::PlotPanel panelOf(const FamilyResult& result, bool lost) {
+  cli::PlotPanel panel = {lost ? "" : result.family.title,
+                          std::string(result.family.title) + ", " + result.family.unit,
+                          lost ? "% of beams lost" : "largest range error, m",
+                          {}};
+  const bool harderLeft = result.family.hardness.front() > result.family.hardness.back();
+  if (harderLeft) panel.xLabel += " (harder to the left)";
+  for (size_t i = 0; i < std::size(kAccuracies); ++i) {
+    cli::PlotSeries series = look(i);
+    for (const Row& row : result.rows) {
+      const Outcome& outcome = row.outcomes[i];
+      if (lost || outcome.anyHit())
+        series.points.push_back({row.hardness, lost ? 100 * outcome.lostShare() : outcome.error(), 0, 0, ""});
+    }
+    panel.series.push_back(series);
+  }
+  return panel;
+}
+
+std::string toSvg(const std::vector<FamilyResult>& results, const DeviceInfo& info) {
+  cli::Plot plot;
+  plot.title = "How stable each accuracy is";
+  plot.notes = {
+      "Every beam meets one continuous surface; ranges against the double-precision reference, ties counted "
+      "like any beam. " +
+      info.name};
+  plot.legend = true;
+  plot.columns = results.size();
+  plot.panelWidth = 330;
+  plot.panelHeight = 270;
+  for (bool lost : {false, true})
+    for (const FamilyResult& result : results) plot.panels.push_back(panelOf(result, lost));
+  return cli::toSvg(plot);
+}
+
+int run(const Options& options) {
+  checkResult(options.plot);
+  checkResult(options.json);
+  DeviceInfo info;
+  const std::vector<FamilyResult> results = measureAll(options, info);
+  if (options.json != "-") {
+    printHead(info);
+    for (const FamilyResult& result : results) print(result);
+  }
+  writeResult(options.json, toJson(results, info));
+  writeResult(options.plot, toSvg(results, info));
+  return 0;
+}
+
+}  // namespace
+
+Action addStability(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  std::vector<std::string> names;
+  for (const Family& family : families()) names.push_back(family.name);
+  app.add_option("--device", options->device, "As gnosphere scan --device")->capture_default_str();
+  app.add_option("--family", options->family, "Only one of the families")->check(CLI::IsMember(names));
+  app.add_flag("--ends", options->ends, "Only the easiest and the hardest case of each family");
+  app.add_option("--plot", options->plot, "An .svg: two panels per family");
+  app.add_option("--json", options->json, "A JSON file of everything measured, or - for stdout");
+  return [options] { return run(*options); };
+}
+
+}  // namespace gnosphere::bench

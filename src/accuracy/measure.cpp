@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "accuracy/sample.hpp"
+#include "gnosphere/accuracy.hpp"
+#include "gnosphere/error.hpp"
+#include "output/comparison_sum.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// Nearest rank in sorted values.
+double rankOf(const std::vector<double>& sorted, double share) {
+  const double rank = std::ceil(share * static_cast<double>(sorted.size()));
+  return sorted[static_cast<size_t>(std::max(rank, 1.0)) - 1];
+}
+
+struct NamedExactness {
+  const char* name;
+  Exactness exactness;
+};
+
+std::vector<NamedExactness> settings() {
+  std::vector<NamedExactness> list;
+  for (Accuracy accuracy : {Accuracy::paper, Accuracy::draft, Accuracy::standard, Accuracy::exact})
+    list.push_back({nameOf(accuracy), exactnessOf(accuracy)});
+  return list;
+}
+
+constexpr size_t kStandard = 2;  ///< among the settings
+
+/// Each from `standard`, one thing changed.
+std::vector<NamedExactness> parts() {
+  std::vector<NamedExactness> list(4, {"", exactnessOf(Accuracy::standard)});
+  list[0].name = "corner bounds";
+  list[0].exactness.bounds = Exactness::Bounds::corners;
+  list[1].name = "first-corner cull";
+  list[1].exactness.cull = Exactness::Cull::firstCorner;
+  list[2].name = "plain edges";
+  list[2].exactness.inside = Exactness::Inside::plain;
+  list[3].name = "range by plane";
+  list[3].exactness.range = Exactness::Range::plane;
+  return list;
+}
+
+/// One row while it is measured.
+struct Subject {
+  AccuracyRow row;
+  Simulator simulator;
+  ComparisonSum sum;
+  std::vector<Timings> runs;
+};
+
+class Measurement {
+ public:
+  Measurement(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses, const AccuracyOptions& options)
+      : poses_(poses), options_(options), sample_(sampleOf(sensor, options.sample, options.seed)) {
+    std::vector<NamedExactness> rows = settings();
+    if (options.parts)
+      for (const NamedExactness& part : parts()) rows.push_back(part);
+    subjects_.reserve(rows.size());
+    for (const NamedExactness& row : rows) {
+      tell("set up", subjects_.size(), rows.size());
+      SimulatorOptions settings = options.simulator;
+      settings.exactness = row.exactness;
+      subjects_.push_back({{row.name, row.exactness},
+                           Simulator(scene, sensor, settings),
+                           ComparisonSum(sample_.sensor.beamCount() * poses.size(), 1e-3),
+                           {}});
+    }
+    compareAll(scene);
+    timeAll();
+  }
+
+  AccuracyReport report() {
+    AccuracyReport report;
+    report.device = subjects_[0].simulator.device();
+    report.beams = sample_.sensor.beamCount() * poses_.size();
+    report.sampled = !sample_.beams.empty();
+    report.runs = options_.runs;
+    for (size_t i = 0; i < subjects_.size(); ++i) {
+      finish(subjects_[i]);
+      (i < settings().size() ? report.settings : report.parts).push_back(subjects_[i].row);
+    }
+    return report;
+  }
+
+ private:
+  void tell(const char* step, uint64_t done, uint64_t total) const {
+    if (options_.progress) options_.progress(step, done, total);
+  }
+
+  /// Also the warm-up: afterwards every list on the device has the room that these poses need.
+  void compareAll(const Scene& scene) {
+    SimulatorOptions settings = options_.simulator;
+    settings.device = "reference";
+    settings.exactness.reset();
+    Simulator reference(scene, sample_.sensor, settings);
+    for (size_t p = 0; p < poses_.size(); ++p) {
+      tell("compare pose", p + 1, poses_.size());
+      const Scan truth = reference.scan(poses_[p]);
+      for (Subject& subject : subjects_) {
+        const Scan scan = sample_.of(subject.simulator.scan(poses_[p]));
+        subject.sum.add(truth, scan);
+        if (!options_.nearest || !sample_.beams.empty()) continue;
+        const NearestHistogram nearest = nearestHistogram(truth, scan);
+        for (size_t bin = 0; bin < nearest.size(); ++bin) subject.row.nearest[bin] += nearest[bin];
+      }
+    }
+  }
+
+  /// One scan of each in turn, so that whatever else the machine does falls on all alike. The poses are spread over
+  /// the runs.
+  void timeAll() {
+    for (uint32_t run = 0; run < options_.runs; ++run) {
+      tell("time run", run + 1, options_.runs);
+      const size_t pose = poses_.size() <= options_.runs ? run % poses_.size() : run * poses_.size() / options_.runs;
+      for (Subject& subject : subjects_) subject.runs.push_back(subject.simulator.scan(poses_[pose]).timings);
+    }
+  }
+
+  void finish(Subject& subject) const {
+    AccuracyRow& row = subject.row;
+    row.error = subject.sum.result();
+    const std::vector<Timings>& standard = subjects_[kStandard].runs;
+    std::vector<double> wall, gpu, ratios;
+    for (size_t run = 0; run < subject.runs.size(); ++run) {
+      const Timings& timings = subject.runs[run];
+      wall.push_back(timings.wallMs);
+      gpu.push_back(timings.gpuMs);
+      const bool stamped = standard[run].gpuMs > 0;
+      ratios.push_back(stamped ? timings.gpuMs / standard[run].gpuMs : timings.wallMs / standard[run].wallMs);
+    }
+    row.wallMs = spreadOf(wall);
+    row.gpuMs = spreadOf(gpu);
+    row.ratio = spreadOf(ratios).median;
+    if (subject.runs.empty()) return;
+    for (size_t stage = 0; stage < subject.runs[0].stages.size(); ++stage) {
+      std::vector<double> times;
+      for (const Timings& timings : subject.runs) times.push_back(timings.stages[stage].ms);
+      row.stages.push_back({subject.runs[0].stages[stage].name, spreadOf(times).median});
+    }
+  }
+
+  const std::vector<Pose>& poses_;
+  const AccuracyOptions& options_;
+  BeamSample sample_;
+  std::vector<Subject> subjects_;
+};
+
+}  // namespace
+
+const char* nameOf(Accuracy accuracy) {
+  switch (accuracy) {
+    case Accuracy::paper: return "paper";
+    case Accuracy::draft: return "draft";
+    case Accuracy::standard: return "standard";
+    case Accuracy::exact: break;
+  }
+  return "exact";
+}
+
+Spread spreadOf(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const size_t half = values.size() / 2;
+  const double median = values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+  return {median, values.front(), rankOf(values, 0.1), rankOf(values, 0.9)};
+}
+
+double AccuracyRow::wrongShare() const {
+  const uint64_t wrong = error.missed + error.falseHits + error.wrongRange;
+  return error.beams ? static_cast<double>(wrong) / static_cast<double>(error.beams) : 0;
+}
+
+double AccuracyRow::errorBound() const {
+  return error.missed + error.falseHits > 0 ? std::numeric_limits<double>::infinity() : error.hitErrorMax;
+}
+
+AccuracyReport measureAccuracy(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses,
+                               const AccuracyOptions& options) {
+  if (poses.empty()) throw Error(ErrorCode::invalidArgument, "accuracy is measured from at least one pose");
+  if (options.runs == 0) throw Error(ErrorCode::invalidArgument, "times need at least one run");
+  if (options.simulator.device == "reference") {
+    throw Error(ErrorCode::invalidArgument,
+                "the reference is what accuracy is measured against; choose another device");
+  }
+  validate(sensor);
+  return Measurement(scene, sensor, poses, options).report();
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <nanoflann.hpp>
+
+#include "gnosphere/accuracy.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// The hits of a scan, as the k-d tree wants to see them.
+struct Points {
+  explicit Points(const Scan& scan) : scan_(scan) {
+    for (uint32_t beam = 0; beam < scan.beamCount(); ++beam)
+      if (scan.hit(beam)) beams_.push_back(beam);
+  }
+  size_t kdtree_get_point_count() const { return beams_.size(); }
+  double kdtree_get_pt(size_t point, size_t axis) const { return scan_.points[3 * size_t{beams_[point]} + axis]; }
+  template <typename Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+
+ private:
+  const Scan& scan_;
+  std::vector<uint32_t> beams_;
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3, uint32_t>;
+
+size_t binOf(double distance) {
+  size_t bin = 0;
+  while (bin < kNearestBins.size() && !(distance < kNearestBins[bin])) ++bin;
+  return bin;
+}
+
+}  // namespace
+
+NearestHistogram nearestHistogram(const Scan& reference, const Scan& other) {
+  const Points points(reference);
+  std::unique_ptr<Tree> tree;  // made when first needed: it seldom is
+  NearestHistogram histogram{};
+  for (size_t beam = 0; beam < other.beamCount(); ++beam) {
+    if (!other.hit(beam)) continue;
+    const float* p = &other.points[3 * beam];
+    const double query[3] = {p[0], p[1], p[2]};
+    // The beam's own point is the nearest or there is a nearer one: in the first bin either way.
+    if (beam < reference.beamCount() && reference.hit(beam)) {
+      const float* own = &reference.points[3 * beam];
+      if (binOf(std::hypot(query[0] - own[0], query[1] - own[1], query[2] - own[2])) == 0) {
+        ++histogram[0];
+        continue;
+      }
+    }
+    if (points.kdtree_get_point_count() == 0) {
+      ++histogram.back();
+      continue;
+    }
+    if (!tree) {
+      tree = std::make_unique<Tree>(3, points, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+      tree->buildIndex();
+    }
+    uint32_t index = 0;
+    double squared = 0;
+    tree->knnSearch(query, 1, &index, &squared);
+    ++histogram[binOf(std::sqrt(squared))];
+  }
+  return histogram;
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <queue>
+#include <vector>
+
+#include "gnosphere/output.hpp"
+
+namespace gnosphere {
+
+/// A Comparison over many scans, in memory that hardly grows with them.
+class ComparisonSum {
+ public:
+  /// `beams`: how many there will be in all; decides how many of the largest errors the percentile needs kept.
+  ComparisonSum(uint64_t beams, double tolerance);
+  /// Throws as compare() does.
+  void add(const Scan& reference, const Scan& other);
+  Comparison result() const;
+
+ private:
+  void addBeam(const Scan& reference, const Scan& other, size_t beam);
+  void keep(double error);
+
+  Comparison sum_;
+  double tolerance_;
+  uint64_t errors_ = 0;
+  double squares_ = 0;
+  size_t kept_;
+  std::priority_queue<double, std::vector<double>, std::greater<>> largest_;
+};
+
+}  // namespace gnosphere

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// The report on the accuracy dial: its errors, its histogram, its sample.
+#include <catch2/catch_approx.hpp>
+#include <catch2/matchers/catch_matchers_exception.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "accuracy/sample.hpp"
+#include "gnosphere/accuracy.hpp"
+#include "output/comparison_sum.hpp"
+#include "support.hpp"
+#include "town/town.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::MessageMatches;
+
+namespace {
+
+const Pose kStreet = {{0, 0, 1.8}, {}};
+
+AccuracyOptions quick() {
+  AccuracyOptions options;
+  options.simulator = vulkanOptions();
+  options.runs = 3;
+  return options;
+}
+
+const AccuracyRow& rowOf(const std::vector<AccuracyRow>& rows, const std::string& name) {
+  for (const AccuracyRow& row : rows)
+    if (row.name == name) return row;
+  FAIL("no row is called " << name);
+  return rows.front();
+}
+
+Scan cloudOf(const std::vector<Vec3>& points, const std::vector<bool>& hits = {}) {
+  Scan scan;
+  scan.columns = static_cast<uint32_t>(points.size());
+  scan.channels = 1;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vec3& p = points[i];
+    for (double value : {p.x, p.y, p.z}) scan.points.push_back(static_cast<float>(value));
+    scan.ranges.push_back(static_cast<float>(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z)));
+    const bool hit = hits.empty() || hits[i];
+    scan.triangles.push_back(hit ? 0 : kNoTriangle);
+    scan.instances.push_back(hit ? 0 : kNoTriangle);
+  }
+  return scan;
+}
+
+double distance(const Scan& a, size_t i, const Scan& b, size_t j) {
+  double squared = 0;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const double d = double{a.points[3 * i + axis]} - double{b.points[3 * j + axis]};
+    squared += d * d;
+  }
+  return std::sqrt(squared);
+}
+
+}  // namespace
+
+TEST_CASE("standard and exact lose no beam of a town, each part alone says what it costs") {
+  needVulkan();
+  const Scene town = makeTown({20'000, 1});
+  const Sensor sensor = gridSensor(720, 16, -25, 2, 120);
+  const AccuracyReport report = measureAccuracy(town, sensor, {kStreet, {{3, -2, 1.6}, {0, 0, 1, 0}}}, quick());
+  CHECK(report.beams == 2 * sensor.beamCount());
+  CHECK_FALSE(report.sampled);
+  REQUIRE(report.settings.size() == 4);
+  for (const char* name : {"standard", "exact"}) {
+    const AccuracyRow& row = rowOf(report.settings, name);
+    CHECK(row.error.missed == 0);
+    CHECK(row.error.falseHits == 0);
+    CHECK(row.errorBound() < 0.01);
+    CHECK(row.error.beams == report.beams);
+    CHECK(row.nearest[0] == row.error.hits + row.error.tieFalseHits - row.error.tieMissed);
+  }
+  CHECK(rowOf(report.settings, "standard").ratio == 1);
+  CHECK(rowOf(report.settings, "paper").error.missed > 0);
+  REQUIRE(report.parts.size() == 4);
+  CHECK(rowOf(report.parts, "corner bounds").error.missed > 0);
+  for (const auto* rows : {&report.settings, &report.parts}) {
+    for (const AccuracyRow& row : *rows) {
+      CHECK(row.wallMs.min > 0);
+      CHECK(row.wallMs.min <= row.wallMs.p10);
+      CHECK(row.wallMs.p10 <= row.wallMs.median);
+      CHECK(row.wallMs.median <= row.wallMs.p90);
+      CHECK(row.ratio > 0);
+    }
+  }
+}
+
+TEST_CASE("paper loses returns on a ground of large quads") {
+  needVulkan();
+  MeshBuilder builder;
+  builder.quad({-400, -370, -1.8}, {800, 0, 0}, {0, 800, 0}, 40);
+  AccuracyOptions options = quick();
+  options.runs = 1;
+  options.parts = false;
+  const AccuracyReport report =
+      measureAccuracy(sceneOf(builder.take()), gridSensor(900, 32, -25, -2, 120), {Pose{}}, options);
+  CHECK(rowOf(report.settings, "paper").error.missed > report.beams / 100);
+  CHECK(rowOf(report.settings, "standard").error.missed == 0);
+  CHECK(std::isinf(rowOf(report.settings, "paper").errorBound()));
+}
+
+TEST_CASE("a sample of the beams is a part of the whole comparison") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(3, 400, 20, 6));
+  const Sensor sensor = gridSensor(333, 16, -40, 30, 100);  // 333 has no divisor near any wanted step
+  AccuracyOptions options = quick();
+  options.runs = 1;
+  options.parts = false;
+  options.sample = 1000;
+  const AccuracyReport report = measureAccuracy(scene, sensor, {Pose{}}, options);
+  CHECK(report.sampled);
+  CHECK(report.beams == 1000);
+  CHECK(rowOf(report.settings, "standard").error.hits > 100);
+  CHECK(rowOf(report.settings, "standard").error.missed == 0);
+  CHECK(rowOf(report.settings, "standard").error.wrongRange == 0);
+  CHECK(rowOf(report.settings, "standard").nearest == NearestHistogram{});
+}
+
+TEST_CASE("the sensor of a sample points where the whole sensor does") {
+  Sensor sensor = gridSensor(77, 5, -30, 30);
+  for (size_t j = 0; j < 5; ++j) sensor.channels[j].azimuthOffsetDeg = 90.0 * static_cast<double>(j) - 170;
+  const BeamSample sample = sampleOf(sensor, 60, 9);
+  REQUIRE(sample.beams.size() == 60);
+  validate(sample.sensor);
+  for (size_t i = 0; i < 60; ++i) {
+    const Vec3 a = sensor.direction(sample.beams[i]), b = sample.sensor.direction(i);
+    CHECK(std::abs(a.x - b.x) + std::abs(a.y - b.y) + std::abs(a.z - b.z) < 1e-14);
+  }
+  CHECK(sampleOf(sensor, 60, 9).beams == sample.beams);
+  CHECK(sampleOf(sensor, 60, 10).beams != sample.beams);
+  CHECK(sampleOf(sensor, 385, 9).beams.empty());
+}
+
+TEST_CASE("the histogram of nearest neighbours is the one of brute force") {
+  Random uniform(5);
+  std::vector<Vec3> ours, theirs;
+  std::vector<bool> hits, theirHits;
+  for (int i = 0; i < 700; ++i) {
+    const Vec3 p = {8 * uniform(), 8 * uniform(), 8 * uniform()};
+    const double off = uniform() > 0 ? 0.05 : 3;
+    ours.push_back(p);
+    theirs.push_back({p.x + off * uniform(), p.y + off * uniform(), p.z + off * uniform()});
+    hits.push_back(uniform() > -0.9);
+    theirHits.push_back(uniform() > 0.4);
+  }
+  const Scan reference = cloudOf(theirs, theirHits), other = cloudOf(ours, hits);
+  NearestHistogram expected{};
+  for (size_t i = 0; i < ours.size(); ++i) {
+    if (!hits[i]) continue;
+    double nearest = 1e9;
+    for (size_t j = 0; j < theirs.size(); ++j)
+      if (theirHits[j]) nearest = std::min(nearest, distance(other, i, reference, j));
+    size_t bin = 0;
+    while (bin < kNearestBins.size() && nearest >= kNearestBins[bin]) ++bin;
+    ++expected[bin];
+  }
+  CHECK(nearestHistogram(reference, other) == expected);
+  CHECK(expected[3] > 0);
+  CHECK(expected.back() > 0);
+}
+
+TEST_CASE("a histogram against no points at all holds all in its last bin") {
+  const Scan nothing = cloudOf({{1, 0, 0}}, {false});
+  CHECK(nearestHistogram(nothing, cloudOf({{1, 0, 0}})).back() == 1);
+  CHECK(nearestHistogram(nothing, nothing) == NearestHistogram{});
+}
+
+TEST_CASE("a comparison summed over scans is the comparison of all beams at once") {
+  Random uniform(11);
+  Scan all[2];
+  ComparisonSum sum(3 * 20'000, 1e-3);
+  for (int part = 0; part < 3; ++part) {
+    Scan pair[2];
+    for (Scan& scan : pair) scan.columns = 20'000, scan.channels = 1;
+    for (int i = 0; i < 20'000; ++i) {
+      const auto range = static_cast<float>(50 + 20 * uniform());
+      const float error = static_cast<float>(1e-4 * uniform() * uniform());
+      pair[0].ranges.push_back(range);
+      pair[1].ranges.push_back(range + error);
+      for (Scan& scan : pair) {
+        scan.triangles.push_back(uniform() > 0.99 ? kNoTriangle : uniform() > 0.99 ? 1 : 0);
+        scan.instances.push_back(0);
+      }
+      pair[0].ties.push_back(uniform() > 0.95);
+    }
+    sum.add(pair[0], pair[1]);
+    for (int k = 0; k < 2; ++k) {
+      all[k].columns += 20'000;
+      all[k].channels = 1;
+      all[k].ranges.insert(all[k].ranges.end(), pair[k].ranges.begin(), pair[k].ranges.end());
+      all[k].triangles.insert(all[k].triangles.end(), pair[k].triangles.begin(), pair[k].triangles.end());
+      all[k].instances.insert(all[k].instances.end(), pair[k].instances.begin(), pair[k].instances.end());
+      all[k].ties.insert(all[k].ties.end(), pair[k].ties.begin(), pair[k].ties.end());
+    }
+  }
+  const Comparison a = sum.result(), b = compare(all[0], all[1]);
+  CHECK(a.beams == 60'000);
+  CHECK(a.missed == b.missed);
+  CHECK(a.ties == b.ties);
+  CHECK(a.tieMissed + a.tieFalseHits + a.tieWrongOwner == a.tieDifferences);
+  CHECK(a.rangeError9999 == b.rangeError9999);
+  CHECK(a.rangeErrorMax == b.rangeErrorMax);
+  CHECK(a.rangeErrorRms == Catch::Approx(b.rangeErrorRms));
+  CHECK(a.hitErrorMax >= a.rangeErrorMax);
+  std::vector<double> errors;
+  for (size_t i = 0; i < all[0].ranges.size(); ++i)
+    if (!all[0].ties[i] && all[0].hit(i) && all[0].triangles[i] == all[1].triangles[i])
+      errors.push_back(std::abs(double{all[0].ranges[i]} - double{all[1].ranges[i]}));
+  std::sort(errors.begin(), errors.end());
+  const double rank = std::ceil(0.9999 * static_cast<double>(errors.size()));
+  CHECK(a.rangeError9999 == errors[static_cast<size_t>(rank) - 1]);
+}
+
+TEST_CASE("spreads are medians, minima and percentiles") {
+  const Spread spread = spreadOf({9, 1, 8, 2, 7, 3, 6, 4, 5, 10});
+  CHECK(spread.median == 5.5);
+  CHECK(spread.min == 1);
+  CHECK(spread.p10 == 1);
+  CHECK(spread.p90 == 9);
+  CHECK(spreadOf({}).median == 0);
+  CHECK(spreadOf({3}).p90 == 3);
+}
+
+TEST_CASE("accuracy cannot be measured from nowhere, never, or against itself") {
+  const Scene scene = sceneOf(soup(1, 10, 5, 2));
+  const Sensor sensor = gridSensor(36, 2, -10, 10);
+  AccuracyOptions options = quick();
+  CHECK_THROWS_MATCHES(measureAccuracy(scene, sensor, {}, options), Error, MessageMatches(ContainsSubstring("pose")));
+  options.simulator.device = "reference";
+  CHECK_THROWS_MATCHES(measureAccuracy(scene, sensor, {Pose{}}, options), Error,
+                       MessageMatches(ContainsSubstring("another device")));
+  options.runs = 0;
+  CHECK_THROWS_MATCHES(measureAccuracy(scene, sensor, {Pose{}}, options), Error,
+                       MessageMatches(ContainsSubstring("run")));
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+#include <optional>
+
+#include "accuracy_report.hpp"
+#include "commands.hpp"
+#include "console.hpp"
+#include "file.hpp"
+#include "scanning.hpp"
+
+namespace gnosphere::cli {
+namespace {
+
+struct Options : ScanningOptions {
+  std::optional<uint64_t> poses;
+  std::string trajectory, json, plot;
+  uint32_t runs = 20;
+  uint64_t sample = 0;
+};
+
+constexpr uint64_t kPoses = 4;
+
+/// Evenly along a trajectory, its first pose among them.
+std::vector<Pose> thinned(const std::vector<Pose>& all, uint64_t count) {
+  if (count >= all.size()) return all;
+  std::vector<Pose> some;
+  for (uint64_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
+  return some;
+}
+
+void check(const Options& options) {
+  checkScanning(options);
+  if (options.device == "reference") {
+    throw Error(ErrorCode::invalidArgument,
+                "--device: the reference is what accuracy is measured against; choose another device");
+  }
+  std::vector<std::string> files;
+  for (const std::string& file : {options.json, options.plot})
+    if (!file.empty() && file != "-") files.push_back(file);
+  if (!options.plot.empty() && std::filesystem::path(options.plot).extension() != ".svg") {
+    throw Error(ErrorCode::invalidArgument, "--plot: " + options.plot + " must end in .svg");
+  }
+  checkOutputFiles(files, options.scene);
+}
+
+void write(const std::string& file, const std::string& bytes) {
+  AtomicFile output(file);
+  output.write(bytes);
+  output.commit();
+}
+
+int runAccuracy(const Options& options) {
+  check(options);
+  const Sensor sensor = findSensor(options.sensor);
+  std::vector<Pose> poses;
+  if (!options.trajectory.empty()) poses = loadTrajectory(options.trajectory);
+  if (options.poses) poses = thinned(poses, *options.poses);
+  const Scene scene = loadScene(options);
+  if (poses.empty()) poses = posesAround(poseOf(options, scene), options.poses.value_or(kPoses));
+
+  AccuracyOptions measure;
+  measure.simulator = simulatorOptions(options);
+  measure.runs = options.runs;
+  measure.sample = options.sample;
+  measure.progress = stepProgress();
+  const AccuracyReport report = measureAccuracy(scene, sensor, poses, measure);
+  measure.progress = nullptr;  // clears its line
+
+  const AccuracyStory story = {options.scene, scene, sensor, poses, report};
+  if (options.json == "-")
+    std::printf("%s", accuracyJson(story).c_str());
+  else
+    printTables(story);
+  if (!options.json.empty() && options.json != "-") write(options.json, accuracyJson(story));
+  if (!options.plot.empty()) write(options.plot, accuracySvg(story));
+  if (options.json == "-") return 0;
+  for (const std::string& file : {options.json, options.plot})
+    if (!file.empty()) say("wrote", file + ", " + fileSize(file));
+  return 0;
+}
+
+}  // namespace
+
+Action addAccuracy(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  addScanningOptions(app, *options);
+  app.add_option("--poses", options->poses,
+                 "So many poses: around the default pose or --pose, from a seed (default: 4), or evenly along the "
+                 "trajectory (default: all of it)")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}));
+  CLI::Option* trajectory =
+      app.add_option("--trajectory", options->trajectory, "Poses from a TUM file: lines of t x y z qx qy qz qw");
+  trajectory->excludes(app.get_option("--pose"));
+  app.add_option("--runs", options->runs, "Timed scans of every row")
+      ->check(CLI::Range(uint32_t{1}, uint32_t{1'000'000}))
+      ->capture_default_str();
+  app.add_option("--sample", options->sample, "Compare about so many beams of each pose with the reference, not all")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{0xffffffff}));
+  app.add_option("--json", options->json, "A JSON file of everything measured, or - for stdout");
+  app.add_option("--plot", options->plot, "An .svg of error over time");
+  return [options] { return runAccuracy(*options); };
+}
+
+}  // namespace gnosphere::cli

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "json.hpp"
+
+#include <cmath>
+
+namespace gnosphere::cli {
+namespace {
+
+const char* nameOf(Exactness::Bounds bounds) {
+  switch (bounds) {
+    case Exactness::Bounds::paper: return "paper";
+    case Exactness::Bounds::corners: return "corners";
+    case Exactness::Bounds::exact: break;
+  }
+  return "exact";
+}
+
+const char* nameOf(Exactness::Inside inside) {
+  switch (inside) {
+    case Exactness::Inside::plain: return "plain";
+    case Exactness::Inside::watertight: return "watertight";
+    case Exactness::Inside::exact: break;
+  }
+  return "exact";
+}
+
+const char* nameOf(Exactness::Range range) {
+  switch (range) {
+    case Exactness::Range::plane: return "plane";
+    case Exactness::Range::edgeWeights: return "edge_weights";
+    case Exactness::Range::exact: break;
+  }
+  return "exact";
+}
+
+/// JSON has no infinity; null stands for it.
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json histogramJson(const NearestHistogram& nearest) {
+  Json bins = Json::array();
+  for (size_t bin = 0; bin < nearest.size(); ++bin) {
+    bins.push_back({{"from_m", bin ? kNearestBins[bin - 1] : 0.0},
+                    {"to_m", bin < kNearestBins.size() ? Json(kNearestBins[bin]) : Json()},
+                    {"points", nearest[bin]}});
+  }
+  return bins;
+}
+
+}  // namespace
+
+Json toJson(const DeviceInfo& device) {
+  return {{"name", device.name},
+          {"type", device.type},
+          {"driver", device.driver},
+          {"api_version", device.apiVersion},
+          {"max_buffer_bytes", device.maxBufferBytes},
+          {"subgroup_size", device.subgroupSize}};
+}
+
+Json toJson(const Pose& pose) {
+  return {{"position", {pose.position.x, pose.position.y, pose.position.z}},
+          {"orientation_xyzw", {pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w}}};
+}
+
+Json toJson(const Comparison& c) {
+  return {
+      {"beams", c.beams},
+      {"hits", c.hits},
+      {"missed", c.missed},
+      {"false_hits", c.falseHits},
+      {"wrong_owner", c.wrongOwner},
+      {"wrong_range", c.wrongRange},
+      {"ties", c.ties},
+      {"tie_differences", c.tieDifferences},
+      {"in_ties",
+       {{"missed", c.tieMissed},
+        {"false_hits", c.tieFalseHits},
+        {"wrong_owner", c.tieWrongOwner},
+        {"error_max_m", number(c.tieErrorMax)}}},
+      {"range_error_m",
+       {{"max", number(c.rangeErrorMax)}, {"p99_99", number(c.rangeError9999)}, {"rms", number(c.rangeErrorRms)}}},
+      {"any_owner_error_max_m", number(c.hitErrorMax)},
+      {"same", c.same()},
+  };
+}
+
+Json toJson(const Spread& spread) {
+  return {{"median", spread.median}, {"min", spread.min}, {"p10", spread.p10}, {"p90", spread.p90}};
+}
+
+Json sensorJson(const Sensor& sensor) {
+  return {{"name", sensor.name},
+          {"beams", sensor.beamCount()},
+          {"columns", sensor.columns},
+          {"channels", sensor.channels.size()},
+          {"range", {{"min", sensor.rangeMin}, {"max", sensor.rangeMax}}}};
+}
+
+Json sceneJson(const Scene& scene) {
+  return {{"triangles", scene.placedTriangleCount()},
+          {"unique_triangles", scene.uniqueTriangleCount()},
+          {"instances", scene.instances.size()},
+          {"meshes", scene.meshes.size()}};
+}
+
+Json toJson(const AccuracyRow& row, uint32_t runs, bool nearest) {
+  Json stages = Json::array(), times = Json::object();
+  for (const StageTime& stage : row.stages) {
+    stages.push_back(stage.name);
+    times[stage.name] = stage.ms;
+  }
+  const bool firstCorner = row.exactness.cull == Exactness::Cull::firstCorner;
+  Json json;
+  json["name"] = row.name;
+  json["plan"] = {{"stages", stages},
+                  {"bounds", nameOf(row.exactness.bounds)},
+                  {"cull", firstCorner ? "first_corner" : "nearest_point"},
+                  {"inside", nameOf(row.exactness.inside)},
+                  {"range", nameOf(row.exactness.range)}};
+  json["frame"] = {{"runs", runs},
+                   {"wall_ms", toJson(row.wallMs)},
+                   {"gpu_ms", times.empty() ? Json() : toJson(row.gpuMs)},
+                   {"stages_ms", times},
+                   {"ratio_to_standard", row.ratio}};
+  json["error"] = toJson(row.error);
+  json["wrong_share"] = row.wrongShare();
+  if (nearest) json["nearest_neighbours"] = histogramJson(row.nearest);
+  return json;
+}
+
+std::string dump(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace gnosphere::cli

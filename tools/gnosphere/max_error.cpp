@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "max_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "console.hpp"
+
+namespace gnosphere::cli {
+namespace {
+
+/// Enough to see one wrong beam in some thousands; the reference answers for so many in a fraction of a second.
+constexpr uint64_t kSample = 20'000;
+/// Settings that differ by less than noise may then change places, but each is within the limit.
+constexpr uint32_t kRuns = 5;
+
+std::string errorOf(const AccuracyRow& row) {
+  const Comparison& error = row.error;
+  if (error.missed + error.falseHits == 0) return formatted("%.3g m", error.hitErrorMax);
+  return grouped(error.missed) + " beams missed and " + grouped(error.falseHits) + " false";
+}
+
+/// No beam lost is better than any, and then the smaller error is.
+bool better(const AccuracyRow& a, const AccuracyRow& b) {
+  const auto key = [](const AccuracyRow& row) {
+    return std::pair(row.error.missed + row.error.falseHits, row.error.hitErrorMax);
+  };
+  return key(a) < key(b);
+}
+
+std::string sampleOf(const AccuracyReport& report) {
+  return report.sampled ? "measured on a sample of " + grouped(report.beams) + " beams, others may be further off"
+                        : "measured on all " + grouped(report.beams) + " beams";
+}
+
+std::string explain(const AccuracyChoice& choice, const std::vector<AccuracyRow>& byTime) {
+  std::string text;
+  if (!choice.chosen) {
+    const AccuracyRow& best = *std::min_element(byTime.begin(), byTime.end(), better);
+    return formatted("no setting is within %g m from here; the best is %s: ", choice.limit, best.name.c_str()) +
+           errorOf(best) +
+           formatted(", at %s a scan, %.2f of standard; ", milliseconds(best.time().median).c_str(), best.ratio) +
+           sampleOf(choice.report);
+  }
+  text = choice.chosen->name + formatted(", the cheapest within %g m: off by at most ", choice.limit) +
+         errorOf(*choice.chosen) + ", " + milliseconds(choice.chosen->time().median) + " a scan; ";
+  for (const AccuracyRow& row : byTime) {
+    if (row.name == choice.chosen->name) break;
+    text += row.name + " takes " + milliseconds(row.time().median) + " but has " + errorOf(row) + "; ";
+  }
+  return text + sampleOf(choice.report);
+}
+
+}  // namespace
+
+void checkMaxError(double limit) {
+  if (!std::isfinite(limit) || limit < 0) {
+    throw Error(ErrorCode::invalidArgument, "--max-error must be a finite number of metres, at least 0");
+  }
+}
+
+AccuracyChoice chooseAccuracy(const Scene& scene, const Sensor& sensor, const Pose& pose,
+                              const SimulatorOptions& options, double limit) {
+  AccuracyOptions measure;
+  measure.simulator = options;
+  measure.runs = kRuns;
+  measure.parts = measure.nearest = false;
+  measure.sample = kSample;
+  measure.progress = stepProgress();
+  AccuracyChoice choice;
+  choice.limit = limit;
+  choice.report = measureAccuracy(scene, sensor, {pose}, measure);
+  std::vector<AccuracyRow> byTime = choice.report.settings;
+  std::stable_sort(byTime.begin(), byTime.end(),
+                   [](const AccuracyRow& a, const AccuracyRow& b) { return a.time().median < b.time().median; });
+  const auto first =
+      std::find_if(byTime.begin(), byTime.end(), [&](const AccuracyRow& row) { return row.errorBound() <= limit; });
+  if (first != byTime.end()) choice.chosen = *first;
+  choice.why = explain(choice, byTime);
+  return choice;
+}
+
+}  // namespace gnosphere::cli
