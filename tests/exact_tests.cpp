@@ -248,3 +248,20 @@ TEST_CASE("exact: a plane that passes the sensor by less than a femtometre is me
   for (const Scan& scan : requireExactEveryWay(family)) hits += scan.counters.hits;
   CHECK(hits > 0);
 }
+
+TEST_CASE("exact: a range halfway between two floats goes to the even one") {
+  // Walls a rounding out of square, so that the beam along the x axis meets them in the middle of two floats.
+  Family family("halfway", {axisSensor()});
+  std::vector<float> evens;
+  for (int i = 0; i < 40; ++i) {
+    const float near = std::ldexp(1 + static_cast<float>(i) * 0x1p-23f, i % 7 - 3);
+    const float far = std::nextafter(near, 1000.0f);
+    evens.push_back(i % 2 ? far : near);
+    MeshBuilder builder;
+    builder.triangle({near, -1, -1}, {far, 1, -1}, {near, -1, 3});
+    family.add(sceneOf(builder.take()));
+  }
+  const std::vector<Scan> scans = requireExactEveryWay(family);
+  constexpr size_t kForward = 6 * 24 + 12;  // elevation 0, azimuth 0
+  for (size_t i = 0; i < scans.size(); ++i) REQUIRE(scans[i].ranges[kForward] == evens[i]);
+}
