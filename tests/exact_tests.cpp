@@ -213,19 +213,26 @@ TEST_CASE("exact: edges that all but pass through the sensor") {
 }
 
 TEST_CASE("exact: the highest point of an edge of almost half a turn") {
-  // Found by search among 500 million beams: one beam in the crescent that a rounding of the edge's plane adds or
-  // hides.
-  Family family("almost half a turn", {gridSensor(48, 1500, -89, 89)});
-  Random random(1);
-  Vec3 a, b, c;
-  for (int i = 0; i <= 238; ++i) {
-    a = coarse(anywhere(random, 5)), c = coarse(anywhere(random, 5));
-    const double s = coarse(-logUniform(random, 0.1, 10)), off = logUniform(random, 1e-6, 1e-2);
-    b = {s * a.x + off * random(), s * a.y + off * random(), s * a.z + off * random()};
+  // Found by search among a billion beams: one beam each in the crescent that a rounding of the edge's plane hides.
+  struct Found {
+    uint32_t seed;
+    int world;
+    double offMin, offMax;
+    size_t sensor;
+  };
+  Family family("almost half a turn", {gridSensor(48, 1500, -89, 89), gridSensor(180, 2000, -89, 89)});
+  for (const Found& found : {Found{1, 238, 1e-6, 1e-2, 0}, Found{4, 43, 3e-4, 5e-3, 1}, Found{6, 135, 3e-4, 5e-3, 1}}) {
+    Random random(found.seed);
+    Vec3 a, b, c;
+    for (int i = 0; i <= found.world; ++i) {
+      a = coarse(anywhere(random, 5)), c = coarse(anywhere(random, 5));
+      const double s = coarse(-logUniform(random, 0.1, 10)), off = logUniform(random, found.offMin, found.offMax);
+      b = {s * a.x + off * random(), s * a.y + off * random(), s * a.z + off * random()};
+    }
+    MeshBuilder builder;
+    builder.triangle(a, b, c);
+    family.add(sceneOf(builder.take()), {}, found.sensor);
   }
-  MeshBuilder builder;
-  builder.triangle(a, b, c);
-  family.add(sceneOf(builder.take()));
   requireExactEveryWay(family);
 }
 
@@ -240,4 +247,21 @@ TEST_CASE("exact: a plane that passes the sensor by less than a femtometre is me
   uint64_t hits = 0;
   for (const Scan& scan : requireExactEveryWay(family)) hits += scan.counters.hits;
   CHECK(hits > 0);
+}
+
+TEST_CASE("exact: a range halfway between two floats goes to the even one") {
+  // Walls a rounding out of square, so that the beam along the x axis meets them in the middle of two floats.
+  Family family("halfway", {axisSensor()});
+  std::vector<float> evens;
+  for (int i = 0; i < 40; ++i) {
+    const float near = std::ldexp(1 + static_cast<float>(i) * 0x1p-23f, i % 7 - 3);
+    const float far = std::nextafter(near, 1000.0f);
+    evens.push_back(i % 2 ? far : near);
+    MeshBuilder builder;
+    builder.triangle({near, -1, -1}, {far, 1, -1}, {near, -1, 3});
+    family.add(sceneOf(builder.take()));
+  }
+  const std::vector<Scan> scans = requireExactEveryWay(family);
+  constexpr size_t kForward = 6 * 24 + 12;  // elevation 0, azimuth 0
+  for (size_t i = 0; i < scans.size(); ++i) REQUIRE(scans[i].ranges[kForward] == evens[i]);
 }

@@ -34,6 +34,7 @@ TEST_CASE("hard: NaN, infinite and 1e30 corners") {
     Scene world = sceneOf(soup(random.bits(), 60, 12, 5));
     Mesh& mesh = world.meshes[0];
     for (int k = 0; k < 12; ++k) mesh.positions[random.bits() % mesh.positions.size()] = poisons[random.bits() % 6];
+    if (i % 3 == 0) world.instances.push_back({"", 0, scaling(1e12, 1e12, 1e12)});
     family.add(world, {{}, anyTurn(random)});
   }
   CHECK(requireRight(family).paperWrong > 0);
@@ -45,10 +46,14 @@ TEST_CASE("hard: worlds 1e5 to 1e7 m from the origin") {
   for (int i = 0; i < kWorlds; ++i) {
     const Vec3 far = {logUniform(random, 1e5, 1e7), -logUniform(random, 1e5, 1e7), logUniform(random, 1e2, 1e5)};
     Scene world = sceneOf(soup(random.bits(), 120, 20, 6));
-    // Far by its instance, by the origin of its mesh, or half by each.
+    // Far by its instance, by the origin of its mesh, or half by each; and by its corners, as far as floats carry.
     const double share = 0.5 * (i % 3);
+    const Vec3 corners = i % 2 ? Vec3{-9000, 5000, 300} : Vec3{};
     world.meshes[0].origin = along(far, share);
-    world.instances[0].transform = translation((1 - share) * far.x, (1 - share) * far.y, (1 - share) * far.z);
+    for (size_t k = 0; k < world.meshes[0].positions.size(); ++k)
+      world.meshes[0].positions[k] += static_cast<float>(k % 3 == 0 ? corners.x : k % 3 == 1 ? corners.y : corners.z);
+    world.instances[0].transform =
+        translation((1 - share) * far.x - corners.x, (1 - share) * far.y - corners.y, (1 - share) * far.z - corners.z);
     family.add(world, {far, anyTurn(random)});
   }
   CHECK(requireRight(family).paperWrong > 0);
@@ -111,21 +116,21 @@ TEST_CASE("hard: an empty scene, one triangle, zero beams") {
   const Sensor sensor = allAround(90, 19);
   Sensor blind = sensor;
   blind.channels.clear();
-  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact})
-    for (const Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists}) {
-      const Scan nothing = scanBy(binning, accuracy, Scene{}, sensor);
-      CHECK(nothing.counters.misses == sensor.beamCount());
-      MeshBuilder builder;
-      builder.triangle({2, -1, -1}, {2, 1, -1}, {2, 0, 1});
-      const Scene one = sceneOf(builder.take());
+  MeshBuilder builder;
+  builder.triangle({2, -1, -1}, {2, 1, -1}, {2, 0, 1});
+  const Scene one = sceneOf(builder.take());
+  Scene unplaced = one;
+  unplaced.instances.clear();
+  const Scan reference = referenceOf(one, sensor, {});
+  CHECK(reference.counters.hits > 0);
+  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+    for (const Binning binning : {Binning::nearest, Binning::lists}) {
+      CHECK(scanBy(binning, accuracy, Scene{}, sensor).counters.misses == sensor.beamCount());
       CHECK(scanBy(binning, accuracy, one, blind).beamCount() == 0);
-      requireSame(referenceOf(one, sensor, {}), scanBy(binning, accuracy, one, sensor));
-      Mesh unused = one.meshes[0];
-      Scene bare;
-      bare.materials = one.materials;
-      bare.meshes.push_back(unused);
-      CHECK(scanBy(binning, accuracy, bare, sensor).counters.hits == 0);
+      requireSame(reference, scanBy(binning, accuracy, one, sensor));
     }
+    CHECK(scanBy(Binning::nearest, accuracy, unplaced, sensor).counters.misses == sensor.beamCount());
+  }
 }
 
 TEST_CASE("hard: more candidates than the buffer holds") {
