@@ -8,7 +8,7 @@
 namespace gnosphere::vulkan {
 namespace {
 
-constexpr uint64_t kStagingBytes = 16 << 20;
+constexpr uint64_t kMostStagingBytes = 16 << 20;
 
 std::string mebibytes(uint64_t bytes) {
   char text[32];
@@ -114,9 +114,10 @@ Buffer Uploader::uploadBytes(const char* name, const void* data, uint64_t bytes)
     buffer.flush();
     return buffer;
   }
-  if (!staging_.handle()) staging_ = Buffer(device_, "staging", kStagingBytes, Memory::upload);
-  for (uint64_t done = 0; done < bytes; done += kStagingBytes) {
-    const uint64_t size = std::min(bytes - done, kStagingBytes);
+  const uint64_t stagingBytes = std::min(kMostStagingBytes, device_.maxBufferBytes());
+  if (!staging_.handle()) staging_ = Buffer(device_, "staging", stagingBytes, Memory::upload);
+  for (uint64_t done = 0; done < bytes; done += stagingBytes) {
+    const uint64_t size = std::min(bytes - done, stagingBytes);
     std::memcpy(staging_.mapped(), static_cast<const char*>(data) + done, size);
     VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocate.commandPool = pool_;

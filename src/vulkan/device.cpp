@@ -70,6 +70,13 @@ int preference(const DeviceInfo& info) {
   return static_cast<int>(std::find(std::begin(order), std::end(order), info.type) - std::begin(order));
 }
 
+// Some drivers (NVIDIA's) can be loaded into a process only about ten times: their thread-local storage is never given
+// back. So one instance stays until the process ends, and the drivers with it.
+VkResult keepDriversLoaded(const VkInstanceCreateInfo& create) {
+  static VkInstance anchor = VK_NULL_HANDLE;
+  return anchor ? VK_SUCCESS : vkCreateInstance(&create, nullptr, &anchor);
+}
+
 }  // namespace
 
 void check(VkResult result, const char* call, const char* file, int line) {
@@ -107,6 +114,7 @@ ApiInstance::ApiInstance(bool validation) {
   messenger.pUserData = this;
   VkInstanceCreateInfo create = {VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   create.pApplicationInfo = &application;
+  VkResult result = keepDriversLoaded(create);
   if (validation) {
     create.pNext = &messenger;
     create.enabledLayerCount = 1;
@@ -114,7 +122,7 @@ ApiInstance::ApiInstance(bool validation) {
     create.enabledExtensionCount = 1;
     create.ppEnabledExtensionNames = &extension;
   }
-  const VkResult result = vkCreateInstance(&create, nullptr, &instance_);
+  if (result == VK_SUCCESS) result = vkCreateInstance(&create, nullptr, &instance_);
   if (result == VK_ERROR_LAYER_NOT_PRESENT)
     throw Error(ErrorCode::device, "the Vulkan validation layer is not installed; install vulkan-validationlayers");
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
