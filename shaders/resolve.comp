@@ -46,12 +46,16 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
       consider(candidates[k], beam, rangeBits, id);
 }
 
-// The last instance whose first triangle is not above `id`.
-uint instanceOf(uint id) {
+uint firstTriangleOf(uint instance) { return instances[instance].firstTriangle & 0x7fffffffu; }
+
+// The last instance whose first triangle is not above `id`. The beam before often met the guessed one.
+uint instanceOf(uint id, uint guess) {
+  if (firstTriangleOf(guess) <= id && (guess + 1 == frame.instanceCount || id < firstTriangleOf(guess + 1)))
+    return guess;
   uint low = 0, high = frame.instanceCount;
   while (high - low > 1) {
     uint middle = (low + high) / 2;
-    if ((instances[middle].firstTriangle & 0x7fffffffu) <= id)
+    if (firstTriangleOf(middle) <= id)
       low = middle;
     else
       high = middle;
@@ -59,23 +63,24 @@ uint instanceOf(uint id) {
   return low;
 }
 
-void store(uint beam, vec3 direction, uint rangeBits, uint id) {
+void store(uint beam, vec3 direction, uint rangeBits, uint id, inout uint guess) {
   bool hit = rangeBits != kNone;
   float range = hit ? uintBitsToFloat(rangeBits) : uintBitsToFloat(0x7fc00000u);
-  uint owner = hit ? instanceOf(id) : kNone;
+  uint owner = kNone;
+  if (hit) owner = guess = instanceOf(id, guess);
   points[3 * beam] = hit ? direction.x * range : range;
   points[3 * beam + 1] = hit ? direction.y * range : range;
   points[3 * beam + 2] = hit ? direction.z * range : range;
   ranges[beam] = range;
-  triangles[beam] = hit ? id - (instances[owner].firstTriangle & 0x7fffffffu) : kNone;
+  triangles[beam] = hit ? id - firstTriangleOf(owner) : kNone;
   owners[beam] = owner;
 }
 
 void main() {
   uint row = gl_WorkGroupID.y;
-  uint hits = 0;
-  for (uint column = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; column < frame.columns;
-       column += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+  uint hits = 0, guess = 0;
+  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
+  for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
     uint index = rows[row].channel * frame.columns + column;
     Beam beam = beamOf(columns[column], row);
     uint rangeBits, id;
@@ -85,7 +90,7 @@ void main() {
       rangeBits = words[2 * index + 1];
       id = words[2 * index];
     }
-    store(index, beam.direction, rangeBits, id);
+    store(index, beam.direction, rangeBits, id, guess);
     hits += rangeBits != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);

@@ -39,6 +39,8 @@ GNO_CONST float kKeySlack = 1e-5f;
 GNO_CONST float kAzimuthSlack = 2e-6f;
 // A beam index or list link that points nowhere.
 GNO_CONST uint kNone = 0xffffffffu;
+// Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
+GNO_CONST uint kResolveColumns = 1024;
 // Blocks of the prefix sum over beams.
 GNO_CONST uint kScanBlock = 1024;
 

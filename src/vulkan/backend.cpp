@@ -145,8 +145,8 @@ class VulkanBackend final : public Backend {
   }
 
   void resolve(const SensorState& state) {
-    // Sixteen beams per invocation keep the number of atomics on the hit counter small.
-    dispatch(state.kernels().resolve, (state.frame().columns + 1023) / 1024, state.frame().rows);
+    const uint32_t groups = (state.frame().columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns;
+    dispatch(state.kernels().resolve, groups, state.frame().rows);
   }
 
   void readBack(const SensorState& state) {
