@@ -132,6 +132,7 @@ bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest
   bool someUp = any(greaterThan(side, exact.sideBound)), someDown = any(lessThan(side, -exact.sideBound));
   if (someUp && someDown) return false;
   if (any(lessThanEqual(abs(side), exact.sideBound))) {
+    atomicAdd(counters.integerSides, 1);
     if (!exactInside(triangle, beam, someUp)) return false;
   }
   if (triangle.oneSided && someUp) return false;
@@ -144,6 +145,7 @@ bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest
     if (range > farthest) return false;
     if (range > 1e-18 && range == roundToFloat(quotient + error)) return true;
   }
+  atomicAdd(counters.integerRanges, 1);
   return exactRange(triangle.a, triangle.b, triangle.c, beam, range, range);
 }
 
@@ -178,11 +180,13 @@ bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest
   bool someUp = any(greaterThan(side, exact.sideBound)), someDown = any(lessThan(side, -exact.sideBound));
   if (someUp && someDown) return false;
   if (any(lessThanEqual(abs(side), exact.sideBound))) {
+    atomicAdd(counters.integerSides, 1);
     if (!exactInside(triangle, beam, someUp)) return false;
   }
   if (triangle.oneSided && someUp) return false;
   vec3 normal = cross(triangle.b - triangle.a, triangle.c - triangle.a);
   float guess = dot(normal, triangle.a) / dot(normal, beam);
+  atomicAdd(counters.integerRanges, 1);
   return exactRange(triangle.a, triangle.b, triangle.c, beam, guess, range);
 }
 

@@ -182,7 +182,8 @@ struct Tile {
 struct Counters {
   uint visible, projected, tiles, candidates;
   uint hits, nonFinite, culledByCluster, culledByRange;
-  uint culledByFace, culledBetweenBeams, padding0, padding1;
+  uint culledByFace, culledBetweenBeams;
+  uint integerSides, integerRanges;  // of `exact`: tests that floating point could not decide
 };
 
 // Push constants of `project`.

@@ -128,3 +128,20 @@ TEST_CASE("the paper's way loses returns on large triangles and says so by its m
   const Scan standard = scanOf(scene, builtinSensors()[2], pose, vulkanOptions());
   CHECK(paper.counters.hits * 2 < standard.counters.hits);
 }
+
+TEST_CASE("exact counts how often integers had to decide") {
+  needVulkan();
+  MeshBuilder builder;
+  builder.box({-4, -4, -4}, {4, 4, 4}, 4);  // corners and edges exactly on beams at 0, 45 and 90 degrees
+  const Scene scene = sceneOf(builder.take());
+  SimulatorOptions options = vulkanOptions();
+  CHECK(scanOf(scene, builtinSensors()[0], {}, options).counters.integerSides == 0);
+  options.accuracy = Accuracy::exact;
+  const Scan aligned = scanOf(scene, gridSensor(360, 37, -90, 90), {}, options);
+  CHECK(aligned.counters.integerSides > 0);
+  CHECK(aligned.counters.misses == 0);
+  options.float64 = false;
+  const Scan single = scanOf(scene, gridSensor(360, 37, -90, 90), {}, options);
+  CHECK(single.counters.integerRanges >= single.counters.hits);
+  CHECK(sameBytes(aligned, single));
+}

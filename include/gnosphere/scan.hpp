@@ -32,6 +32,8 @@ struct Counters {
   uint64_t culledBetweenBeams = 0;  ///< no beam within the triangle's angular bounds
   uint64_t projected = 0;           ///< went on to binning
   uint64_t candidates = 0;          ///< (beam, triangle) pairs whose inside test passed; only counted by the list way
+  uint64_t integerSides = 0;        ///< of `exact`: inside tests that floating point could not decide
+  uint64_t integerRanges = 0;       ///< of `exact`: ranges that it could not round
   uint64_t retries = 0;             ///< runs repeated because a list had to grow
 };
 

@@ -231,6 +231,8 @@ class VulkanBackend final : public Backend {
     result.culledBetweenBeams = device.culledBetweenBeams;
     result.projected = device.projected;
     result.candidates = device.candidates;
+    result.integerSides = device.integerSides;
+    result.integerRanges = device.integerRanges;
   }
 
   Device device_;

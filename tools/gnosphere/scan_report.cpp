@@ -66,6 +66,8 @@ constexpr NamedCount kCounters[] = {
     {"culled_between_beams", &Counters::culledBetweenBeams},
     {"projected", &Counters::projected},
     {"candidates", &Counters::candidates},
+    {"integer_sides", &Counters::integerSides},
+    {"integer_ranges", &Counters::integerRanges},
     {"retries", &Counters::retries},
 };
 
