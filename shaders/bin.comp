@@ -44,10 +44,9 @@ void offer(uint beam, float range, uint projected, uint id) {
   }
 }
 
-// What lies behind this cannot change the beam's word; only `exact`, whose ranges are dear, asks before computing one.
-float farthestOf(uint beam) {
-  bool known = INSIDE == kInsideExact && (PASS == kPassNearest || PASS == kPassRange || PASS == kPassOwner);
-  return known ? min(uintBitsToFloat(min(words[2 * beam + 1], 0x7f800000u)), frame.rangeMax) : frame.rangeMax;
+float farthestOf(uint index) {
+  bool lists = PASS == kPassCount || PASS == kPassFill;
+  return lists ? frame.rangeMax : min(uintBitsToFloat(min(words[2 * index + 1], 0x7f800000u)), frame.rangeMax);
 }
 
 // A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and it spans up to 1.
@@ -86,7 +85,7 @@ void tryColumns(uint projected, Box box, uint first, uint count, uint stride) {
     if (AZIMUTH_OFFSETS) turned = turn(triangle, beam.azimuth);
     uint index = rows[row].channel * frame.columns + column;
     float range;
-    if (meet(triangle, prepared, turned, beam, farthestOf(index), range))
+    if (meet(triangle, prepared, turned, beam, index, range))
       offer(index, range, projected, triangle.id);
   }
 }

@@ -8,6 +8,10 @@ struct Triangle {
   float rangeMin;  // no point of it is nearer
 };
 
+// What lies behind this cannot change the answer of the beam; each stage says what it knows. Only `exact` asks, whose
+// ranges are dear.
+float farthestOf(uint index);
+
 #include "inside_plain.glsl"
 #include "inside_watertight.glsl"
 #include "inside_exact.glsl"
@@ -82,9 +86,9 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
   return (facing || (averted && !triangle.oneSided)) && sum != 0.0;
 }
 
-// True if the beam meets the triangle within the range window, and not behind `farthest`. NaN is a miss.
-bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, float farthest, out float range) {
-  bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, farthest, range)
+// True if the beam with this index meets the triangle within the range window. NaN is a miss.
+bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, out float range) {
+  bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, index, range)
                                        : meetRounded(triangle, prepared, turned, beam, range);
-  return inside && range > 0.0 && range >= frame.rangeMin && range <= min(frame.rangeMax, farthest);
+  return inside && range > 0.0 && range >= frame.rangeMin && range <= frame.rangeMax;
 }

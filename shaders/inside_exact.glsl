@@ -91,7 +91,7 @@ const double kUnit = 1.1102230246251565e-16lf;
 
 struct ExactTriangle {
   dvec3 ab, bc, ca;     // cross products: every component rounded once
-  dvec3 sideBound;      // of the side opposite to a, b, c, for any beam
+  double sideBound;     // of every side, for any beam
   dvec3 normal;         // (b - a) x (c - a)
   dvec3 normalBound;
   double volume, volumeBound;
@@ -106,7 +106,7 @@ ExactTriangle exactTriangle(Triangle triangle) {
   exact.bc = cross(b, c);
   exact.ca = cross(c, a);
   // A side is a sum of three products with |beam| <= 1: five roundings at most on any path.
-  exact.sideBound = 5.0lf * kUnit * dvec3(sumOf(abs(exact.bc)), sumOf(abs(exact.ca)), sumOf(abs(exact.ab)));
+  exact.sideBound = 5.0lf * kUnit * max(max(sumOf(abs(exact.bc)), sumOf(abs(exact.ca))), sumOf(abs(exact.ab)));
   dvec3 u = b - a, v = c - a;
   exact.normal = cross(u, v);
   exact.normalBound = 8.0lf * kUnit * (abs(u.yzx) * abs(v.zxy) + abs(u.zxy) * abs(v.yzx));
@@ -124,14 +124,15 @@ float roundToFloat(double value) {
   return uintBitsToFloat(bits);
 }
 
-bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest, out float range) {
+bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, uint index, out float range) {
   range = 0.0;
   dvec3 r = dvec3(beam);
   dvec3 side = dvec3(dot(exact.bc, r), dot(exact.ca, r), dot(exact.ab, r));
   // Decided by floating point alone, almost always; and almost always outside.
-  bool someUp = any(greaterThan(side, exact.sideBound)), someDown = any(lessThan(side, -exact.sideBound));
-  if (someUp && someDown) return false;
-  if (any(lessThanEqual(abs(side), exact.sideBound))) {
+  double low = min(min(side.x, side.y), side.z), high = max(max(side.x, side.y), side.z);
+  if (low < -exact.sideBound && high > exact.sideBound) return false;
+  bool someUp = low > exact.sideBound;
+  if (!someUp && high >= -exact.sideBound) {
     atomicAdd(counters.integerSides, 1);
     if (!exactInside(triangle, beam, someUp)) return false;
   }
@@ -142,7 +143,7 @@ bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest
     double error = 1.5lf * (exact.volumeBound + abs(quotient) * spreadBound) / abs(spread) + 16.0lf * kUnit * abs(quotient);
     if (quotient + error < 8e-19lf) return false;  // below kSmallestRange, or behind
     range = roundToFloat(max(quotient - error, 1e-19lf));
-    if (range > farthest) return false;
+    if (range > farthestOf(index)) return false;
     if (range > 1e-18 && range == roundToFloat(quotient + error)) return true;
   }
   atomicAdd(counters.integerRanges, 1);
@@ -173,9 +174,9 @@ ExactTriangle exactTriangle(Triangle triangle) {
   return exact;
 }
 
-bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, float farthest, out float range) {
+bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, uint index, out float range) {
   range = 0.0;
-  if (triangle.rangeMin > farthest) return false;
+  if (triangle.rangeMin > farthestOf(index)) return false;
   precise vec3 side = vec3(dot(exact.bc, beam), dot(exact.ca, beam), dot(exact.ab, beam));
   bool someUp = any(greaterThan(side, exact.sideBound)), someDown = any(lessThan(side, -exact.sideBound));
   if (someUp && someDown) return false;

@@ -12,11 +12,15 @@
 
 layout(local_size_x = 64) in;
 
+float nearestSoFar;  // of the beam whose list is being visited
+float farthestOf(uint index) { return nearestSoFar; }
+
 // Range bits above, placed triangle below: the smaller pair wins.
-void consider(uint candidate, Beam beam, inout uint rangeBits, inout uint id) {
+void consider(uint candidate, uint index, Beam beam, inout uint rangeBits, inout uint id) {
   Triangle triangle = loadProjected(candidate);
-  float range, farthest = min(uintBitsToFloat(min(rangeBits, 0x7f800000u)), frame.rangeMax);
-  if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, farthest, range)) return;
+  nearestSoFar = min(uintBitsToFloat(min(rangeBits, 0x7f800000u)), frame.rangeMax);
+  float range;
+  if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, index, range)) return;
   uint bits = floatBitsToUint(range);
   if (bits < rangeBits || (bits == rangeBits && triangle.id < id)) {
     rangeBits = bits;
@@ -40,10 +44,10 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
       bestRangeMin = rangeMin;
     }
   }
-  if (best != kNone) consider(candidates[best], beam, rangeBits, id);
+  if (best != kNone) consider(candidates[best], index, beam, rangeBits, id);
   for (uint k = start; k < end; ++k)
     if (k != best && floatBitsToUint(projectedBoxes[candidates[k]].rangeMin) <= rangeBits)
-      consider(candidates[k], beam, rangeBits, id);
+      consider(candidates[k], index, beam, rangeBits, id);
 }
 
 uint firstTriangleOf(uint instance) { return instances[instance].firstTriangle & 0x7fffffffu; }
