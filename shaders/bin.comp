@@ -61,10 +61,10 @@ uint wrapColumn(int column) {
 
 // Tries the beams of `count` columns of a box, from its `first`-th on, every `stride`-th.
 void tryColumns(uint projected, Box box, uint first, uint count, uint stride) {
+  if (first >= count) return;
   Triangle triangle = loadProjected(projected);
   uint rowFirst = box.rows & 0xffff, rowLast = box.rows >> 16;
   Prepared prepared = prepare(triangle);
-  if (first >= count) return;
   // One loop over the box's beams, not two nested ones: lanes with boxes of other shapes then wait for the largest box
   // only, not for the most columns times the most rows.
   uint row = rowLast, column = 0;
