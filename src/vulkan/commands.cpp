@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/commands.hpp"
+
+#include <algorithm>
+
+namespace gnosphere::vulkan {
+
+Commands::Commands(const Device& device, const Layout& layout, uint32_t stamps)
+    : device_(device), layout_(layout), stamps_(stamps) {
+  VkCommandPoolCreateInfo pool = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  pool.queueFamilyIndex = device_.capabilities().queueFamily;
+  VK(vkCreateCommandPool(device_.handle(), &pool, nullptr, &pool_));
+  VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = pool_;
+  allocate.commandBufferCount = 1;
+  VK(vkAllocateCommandBuffers(device_.handle(), &allocate, &commands_));
+  VkQueryPoolCreateInfo queries = {VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+  queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  queries.queryCount = stamps_;
+  VK(vkCreateQueryPool(device_.handle(), &queries, nullptr, &queries_));
+  const VkFenceCreateInfo fence = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  VK(vkCreateFence(device_.handle(), &fence, nullptr, &fence_));
+}
+
+Commands::~Commands() {
+  vkDestroyFence(device_.handle(), fence_, nullptr);
+  vkDestroyQueryPool(device_.handle(), queries_, nullptr);
+  vkDestroyCommandPool(device_.handle(), pool_, nullptr);
+}
+
+void Commands::begin() {
+  VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  VK(vkBeginCommandBuffer(commands_, &begin));
+  vkCmdResetQueryPool(commands_, queries_, 0, stamps_);
+}
+
+void Commands::bindSet(uint32_t index, VkDescriptorSet set) {
+  vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.handle(), index, 1, &set, 0, nullptr);
+}
+
+void Commands::push(const gpu::Chunk& chunk) {
+  vkCmdPushConstants(commands_, layout_.handle(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof chunk, &chunk);
+}
+
+void Commands::dispatch(const Kernel& kernel, uint32_t groupsX, uint32_t groupsY) {
+  if (groupsX == 0 || groupsY == 0) return;
+  vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.handle());
+  vkCmdDispatch(commands_, groupsX, groupsY, 1);
+  barrier();
+}
+
+void Commands::fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value) {
+  vkCmdFillBuffer(commands_, buffer.handle(), offset, size, value);
+}
+
+void Commands::copy(const Buffer& from, const Buffer& to) {
+  const VkBufferCopy region = {0, 0, std::min(from.bytes(), to.bytes())};
+  vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
+}
+
+void Commands::barrier() {
+  constexpr VkPipelineStageFlags kDevice = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+  VkMemoryBarrier memory = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+  memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                         VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_HOST_READ_BIT;
+  vkCmdPipelineBarrier(commands_, kDevice, kDevice | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0, nullptr);
+}
+
+void Commands::stamp(uint32_t index) {
+  if (device_.capabilities().timestamps)
+    vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, index);
+}
+
+void Commands::submit() {
+  VK(vkEndCommandBuffer(commands_));
+  VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  submit.commandBufferCount = 1;
+  submit.pCommandBuffers = &commands_;
+  VK(vkQueueSubmit(device_.queue(), 1, &submit, fence_));
+}
+
+void Commands::wait() {
+  VK(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX));
+  VK(vkResetFences(device_.handle(), 1, &fence_));
+}
+
+void Commands::readTimings(std::span<const char* const> stages, Timings& timings) const {
+  if (!device_.capabilities().timestamps) return;
+  std::vector<uint64_t> ticks(stamps_);
+  VK(vkGetQueryPoolResults(device_.handle(), queries_, 0, stamps_, stamps_ * sizeof ticks[0], ticks.data(),
+                           sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
+  const auto ms = [&](uint64_t from, uint64_t to) {
+    return static_cast<double>(to - from) * device_.capabilities().timestampMs;
+  };
+  for (size_t i = 0; i < stages.size(); ++i) timings.stages.push_back({stages[i], ms(ticks[i], ticks[i + 1])});
+  timings.gpuMs = ms(ticks.front(), ticks.back());
+}
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// One frame in flight: a command buffer with its timestamps, and the fence that says when it is done.
+#pragma once
+
+#include "gnosphere/scan.hpp"
+#include "vulkan/kernel.hpp"
+
+namespace gnosphere::vulkan {
+
+class Commands {
+ public:
+  /// Room for `stamps` timestamps.
+  Commands(const Device& device, const Layout& layout, uint32_t stamps);
+  ~Commands();
+  Commands(const Commands&) = delete;
+  Commands& operator=(const Commands&) = delete;
+
+  void begin();
+  void bindSet(uint32_t index, VkDescriptorSet set);
+  void push(const gpu::Chunk& chunk);
+  /// Followed by a barrier.
+  void dispatch(const Kernel& kernel, uint32_t groupsX, uint32_t groupsY = 1);
+  void fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value);
+  void copy(const Buffer& from, const Buffer& to);
+  /// One global barrier stands between any two steps: about ten per scan, and no step overlaps the next anyway.
+  void barrier();
+  void stamp(uint32_t index);
+  /// Ends the recording and hands it to the queue.
+  void submit();
+  /// Until the device has done what was submitted.
+  void wait();
+  /// Times between the stamps of what was waited for; stage i lies between stamps i and i + 1. Nothing where the
+  /// device has no timestamps.
+  void readTimings(std::span<const char* const> stages, Timings& timings) const;
+
+ private:
+  const Device& device_;
+  const Layout& layout_;
+  uint32_t stamps_;
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  VkQueryPool queries_ = VK_NULL_HANDLE;
+  VkFence fence_ = VK_NULL_HANDLE;
+};
+
+}  // namespace gnosphere::vulkan
