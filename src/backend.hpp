@@ -10,8 +10,9 @@ namespace gnosphere {
 class Backend {
  public:
   virtual ~Backend() = default;
-  /// Fills every array, the counters and the timings of a Scan; name, grid size and pose are set by the caller.
-  virtual Scan scan(size_t sensor, const Pose& pose) = 0;
+  /// Scans in order, all into `result`, calling `receive` after each: every array, the counters and the timings. Name,
+  /// grid size and pose are the caller's to fill.
+  virtual void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) = 0;
   virtual const DeviceInfo& device() const = 0;
   virtual MemoryUse memory() const = 0;
   virtual size_t clusterCount() const = 0;

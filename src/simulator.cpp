@@ -15,12 +15,14 @@ void validate(const Exactness& parts) {
     throw Error(ErrorCode::invalidArgument, "an exact range needs the exact inside test, and the other way round");
 }
 
-void validate(const Pose& pose) {
+// `which` begins the message.
+void validate(const Pose& pose, const std::string& which) {
   const auto& [p, q] = pose;
   for (double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w})
-    if (!std::isfinite(value)) throw Error(ErrorCode::invalidArgument, "the pose has a value that is not finite");
+    if (!std::isfinite(value))
+      throw Error(ErrorCode::invalidArgument, which + "the pose has a value that is not finite");
   if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 1e-12))
-    throw Error(ErrorCode::invalidArgument, "the pose's quaternion is zero; 0,0,0,1 is no turn");
+    throw Error(ErrorCode::invalidArgument, which + "the pose's quaternion is zero; 0,0,0,1 is no turn");
 }
 
 std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
@@ -62,16 +64,37 @@ Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 Scan Simulator::scan(const Pose& pose, size_t sensor) {
-  validate(pose);
-  if (sensor >= sensors_.size())
-    throw Error(ErrorCode::invalidArgument,
-                "sensor " + std::to_string(sensor) + " does not exist, there are " + std::to_string(sensors_.size()));
-  Scan scan = backend_->scan(sensor, pose);
-  scan.sensor = sensors_[sensor].name;
-  scan.columns = sensors_[sensor].columns;
-  scan.channels = static_cast<uint32_t>(sensors_[sensor].channels.size());
-  scan.pose = pose;
-  return scan;
+  Scan result;
+  scan(pose, sensor, result);
+  return result;
+}
+
+void Simulator::scan(const Pose& pose, size_t sensor, Scan& result) {
+  const Shot shot = {pose, sensor};
+  run({&shot, 1}, result, [](size_t) {});
+}
+
+void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(size_t, const Scan&)>& receive) {
+  Scan result;
+  run(shots, result, [&](size_t i) { receive(i, result); });
+}
+
+void Simulator::run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
+  for (size_t i = 0; i < shots.size(); ++i) {
+    const std::string which = shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "";
+    validate(shots[i].pose, which);
+    if (shots[i].sensor >= sensors_.size())
+      throw Error(ErrorCode::invalidArgument, which + "sensor " + std::to_string(shots[i].sensor) +
+                                                  " does not exist, there are " + std::to_string(sensors_.size()));
+  }
+  backend_->scanAll(shots, result, [&](size_t i) {
+    const Sensor& sensor = sensors_[shots[i].sensor];
+    result.sensor = sensor.name;
+    result.columns = sensor.columns;
+    result.channels = static_cast<uint32_t>(sensor.channels.size());
+    result.pose = shots[i].pose;
+    receive(i);
+  });
 }
 
 const DeviceInfo& Simulator::device() const {

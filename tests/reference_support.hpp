@@ -116,7 +116,10 @@ inline Pose poseAt(const Vec3& position, double yaw = 0, double pitch = 0) {
 inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose = {}, Faces faces = Faces::material) {
   SimulatorOptions options;
   options.faces = faces;
-  return makeReferenceBackend(scene, {sensor}, options)->scan(0, pose);
+  const Shot shot = {pose, 0};
+  Scan result;
+  makeReferenceBackend(scene, {sensor}, options)->scanAll({&shot, 1}, result, [](size_t) {});
+  return result;
 }
 
 /// Equal bits, NaN included.

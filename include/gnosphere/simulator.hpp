@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -100,6 +102,12 @@ struct MemoryUse {
   uint64_t work = 0;  ///< lists and words of the stages
 };
 
+/// One scan of a run.
+struct Shot {
+  Pose pose;
+  size_t sensor = 0;
+};
+
 class Backend;
 
 /// A scene and sensors on a device. Not thread-safe; use one per thread.
@@ -115,12 +123,21 @@ class Simulator {
   /// One scan of one sensor from a pose. Throws Error(invalidArgument) for a pose that is not finite, Error(device) or
   /// Error(outOfMemory) if the device fails.
   Scan scan(const Pose& pose, size_t sensor = 0);
+  /// The same into a Scan that is there: its arrays are used again, so nothing is allocated once they have their size.
+  void scan(const Pose& pose, size_t sensor, Scan& result);
+  /// Many scans, each the same as scan() gives, pipelined: while the host receives one, the device works on the next.
+  /// `receive` gets the index into `shots` and the scan, in order and on this thread; the scan is overwritten after it
+  /// returns, and wallMs includes the wait behind the scan before. Throws as scan() does, for a bad shot before the
+  /// first scan; what `receive` throws ends the run. `receive` must not call this simulator.
+  void scanAll(std::span<const Shot> shots, const std::function<void(size_t shot, const Scan& scan)>& receive);
 
   const DeviceInfo& device() const;
   MemoryUse memory() const;
   size_t clusterCount() const;  ///< of the flattened scene; 0 on the reference
 
  private:
+  void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive);
+
   std::vector<Sensor> sensors_;
   std::unique_ptr<Backend> backend_;
 };

@@ -152,7 +152,7 @@ void onAllThreads(size_t count, const Work& work) {
 }
 
 /// What all beams of one scan share.
-struct Shot {
+struct View {
   const Sensor& sensor;
   SensorFrame frame;
   std::vector<CornerError> errors;  ///< per instance
@@ -176,16 +176,17 @@ class ReferenceBackend : public Backend {
       places_.push_back({condition(instance.transform), instance.transform * scene.meshes[instance.mesh].origin});
   }
 
-  Scan scan(size_t sensor, const Pose& pose) override;
+  void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override;
   const DeviceInfo& device() const override { return device_; }
   MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(Place), 0, 0}; }
   size_t clusterCount() const override { return 0; }
 
  private:
-  Shot prepare(const Sensor& sensor, const Pose& pose, Counters& counters) const;
-  Nearest nearest(const Shot& shot, const Vec3& direction) const;
-  bool inDoubt(const Shot& shot, const Vec3& direction, const Nearest& hit, double& tolerance) const;
-  void beam(const Shot& shot, size_t index, Scan& scan) const;
+  void scan(const Shot& shot, Scan& result) const;
+  View prepare(const Sensor& sensor, const Pose& pose, Counters& counters) const;
+  Nearest nearest(const View& view, const Vec3& direction) const;
+  bool inDoubt(const View& view, const Vec3& direction, const Nearest& hit, double& tolerance) const;
+  void beam(const View& view, size_t index, Scan& scan) const;
 
   std::vector<Sensor> sensors_;
   Counters counters_;
@@ -194,42 +195,42 @@ class ReferenceBackend : public Backend {
   DeviceInfo device_;
 };
 
-Shot ReferenceBackend::prepare(const Sensor& sensor, const Pose& pose, Counters& counters) const {
-  Shot shot = {sensor, SensorFrame(pose), {}, {}, 0, 0};
+View ReferenceBackend::prepare(const Sensor& sensor, const Pose& pose, Counters& counters) const {
+  View view = {sensor, SensorFrame(pose), {}, {}, 0, 0};
   for (const Place& place : places_) {
     const CornerError error = {kCornerError * place.condition, absoluteError(place, pose.position)};
-    shot.errors.push_back(error);
-    shot.spread = std::max(shot.spread, error.relative);
-    shot.floor = std::max(shot.floor, error.absolute);
+    view.errors.push_back(error);
+    view.spread = std::max(view.spread, error.relative);
+    view.floor = std::max(view.floor, error.absolute);
   }
   const Box bounds = bvh_.bounds();
-  if (bvh_.triangles().empty()) return shot;
+  if (bvh_.triangles().empty()) return view;
   const Vec3 low = bounds.min - pose.position, high = bounds.max - pose.position;
   // The distance bounds every coordinate in any orientation; half as far is safe without a look at each triangle.
   if (norm({std::max(-low.x, high.x), std::max(-low.y, high.y), std::max(-low.z, high.z)}) < 0.5 * kFarthest)
-    return shot;
-  shot.dropped.resize(bvh_.triangles().size());
-  for (size_t i = 0; i < shot.dropped.size(); ++i)
+    return view;
+  view.dropped.resize(bvh_.triangles().size());
+  for (size_t i = 0; i < view.dropped.size(); ++i)
     for (const Vec3& corner : bvh_.triangles()[i].corners)
-      if (!within(shot.frame.toSensor(corner), kFarthest)) shot.dropped[i] = 1;
-  for (uint8_t dropped : shot.dropped) counters.nonFinite += dropped;
-  return shot;
+      if (!within(view.frame.toSensor(corner), kFarthest)) view.dropped[i] = 1;
+  for (uint8_t dropped : view.dropped) counters.nonFinite += dropped;
+  return view;
 }
 
-Nearest ReferenceBackend::nearest(const Shot& shot, const Vec3& direction) const {
+Nearest ReferenceBackend::nearest(const View& view, const Vec3& direction) const {
   // The double rounding of the ray, of the corners' way into the sensor frame and of the range.
   constexpr double kRounding = 0x1p-46;
-  const Ray ray(shot.frame.position, shot.frame.directionToWorld(direction), kRounding, 0);
+  const Ray ray(view.frame.position, view.frame.directionToWorld(direction), kRounding, 0);
   Nearest best;
-  bvh_.walk(ray, shot.sensor.rangeMax, [&](uint32_t i, double limit) {
-    if (!shot.dropped.empty() && shot.dropped[i]) return limit;
+  bvh_.walk(ray, view.sensor.rangeMax, [&](uint32_t i, double limit) {
+    if (!view.dropped.empty() && view.dropped[i]) return limit;
     const Triangle& triangle = bvh_.triangles()[i];
-    const Vec3 a = shot.frame.toSensor(triangle.corners[0]);
-    const Vec3 b = shot.frame.toSensor(triangle.corners[1]);
-    const Vec3 c = shot.frame.toSensor(triangle.corners[2]);
+    const Vec3 a = view.frame.toSensor(triangle.corners[0]);
+    const Vec3 b = view.frame.toSensor(triangle.corners[1]);
+    const Vec3 c = view.frame.toSensor(triangle.corners[2]);
     const Pierce hit = pierce(direction, a, b, c);
     if (!hit.inside || (triangle.front != 0 && (hit.facing > 0) != (triangle.front > 0))) return limit;
-    if (!(hit.range > 0) || hit.range < shot.sensor.rangeMin || hit.range > shot.sensor.rangeMax) return limit;
+    if (!(hit.range > 0) || hit.range < view.sensor.rangeMin || hit.range > view.sensor.rangeMax) return limit;
     if (best.triangle != kNobody) {
       const Triangle& other = bvh_.triangles()[best.triangle];
       if (hit.range > best.range) return limit;
@@ -245,14 +246,14 @@ Nearest ReferenceBackend::nearest(const Shot& shot, const Vec3& direction) const
 
 /// A beam is a tie unless exactly one triangle may be its owner and must be hit, or no triangle may be hit: that is,
 /// its owner's hit is not certain, or a second triangle may report a range no farther than the owner may.
-bool ReferenceBackend::inDoubt(const Shot& shot, const Vec3& direction, const Nearest& hit, double& tolerance) const {
+bool ReferenceBackend::inDoubt(const View& view, const Vec3& direction, const Nearest& hit, double& tolerance) const {
   const Across across(direction);
   const auto look = [&](const Triangle& triangle) {
-    const Vec3 corners[3] = {shot.frame.toSensor(triangle.corners[0]), shot.frame.toSensor(triangle.corners[1]),
-                             shot.frame.toSensor(triangle.corners[2])};
-    return doubtOf(across, corners, triangle.front, shot.errors[triangle.instance], shot.sensor);
+    const Vec3 corners[3] = {view.frame.toSensor(triangle.corners[0]), view.frame.toSensor(triangle.corners[1]),
+                             view.frame.toSensor(triangle.corners[2])};
+    return doubtOf(across, corners, triangle.front, view.errors[triangle.instance], view.sensor);
   };
-  double farthest = shot.sensor.rangeMax;
+  double farthest = view.sensor.rangeMax;
   if (hit.triangle != kNobody) {
     const Doubt owner = look(bvh_.triangles()[hit.triangle]);
     tolerance = std::max({hit.range - owner.nearest, owner.farthest - hit.range, kUnitRoundoff * hit.range});
@@ -261,15 +262,15 @@ bool ReferenceBackend::inDoubt(const Shot& shot, const Vec3& direction, const Ne
   }
   // Twice the reach and the place error: across the beam and along it.
   const auto fat = [&](const CornerError& error) {
-    return Ray(shot.frame.position, shot.frame.directionToWorld(direction), 2 * (error.relative + kDirectionError),
+    return Ray(view.frame.position, view.frame.directionToWorld(direction), 2 * (error.relative + kDirectionError),
                2 * error.absolute);
   };
   bool doubt = false;
-  bvh_.walk(fat({shot.spread, shot.floor}), farthest, [&](uint32_t i, double limit) {
-    if (i == hit.triangle || (!shot.dropped.empty() && shot.dropped[i])) return limit;
+  bvh_.walk(fat({view.spread, view.floor}), farthest, [&](uint32_t i, double limit) {
+    if (i == hit.triangle || (!view.dropped.empty() && view.dropped[i])) return limit;
     const Triangle& triangle = bvh_.triangles()[i];
     // Its own box as well, so that the answer does not depend on what else shares the leaf.
-    if (fat(shot.errors[triangle.instance]).enter(boxOf(triangle)) > limit) return limit;
+    if (fat(view.errors[triangle.instance]).enter(boxOf(triangle)) > limit) return limit;
     const Doubt other = look(triangle);
     doubt = other.possible && other.nearest <= farthest;
     return doubt ? -1.0 : limit;
@@ -277,11 +278,11 @@ bool ReferenceBackend::inDoubt(const Shot& shot, const Vec3& direction, const Ne
   return doubt;
 }
 
-void ReferenceBackend::beam(const Shot& shot, size_t index, Scan& scan) const {
-  const Vec3 direction = shot.sensor.direction(index);
-  const Nearest hit = nearest(shot, direction);
+void ReferenceBackend::beam(const View& view, size_t index, Scan& scan) const {
+  const Vec3 direction = view.sensor.direction(index);
+  const Nearest hit = nearest(view, direction);
   double tolerance = std::numeric_limits<double>::quiet_NaN();
-  scan.ties[index] = inDoubt(shot, direction, hit, tolerance);
+  scan.ties[index] = inDoubt(view, direction, hit, tolerance);
   scan.tolerances[index] = static_cast<float>(tolerance);
   if (hit.triangle == kNobody) return;
   const Triangle& triangle = bvh_.triangles()[hit.triangle];
@@ -294,15 +295,22 @@ void ReferenceBackend::beam(const Shot& shot, size_t index, Scan& scan) const {
   scan.instances[index] = triangle.instance;
 }
 
-Scan ReferenceBackend::scan(size_t sensorIndex, const Pose& pose) {
+void ReferenceBackend::scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
+  for (size_t i = 0; i < shots.size(); ++i) {
+    scan(shots[i], result);
+    receive(i);
+  }
+}
+
+void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   const auto start = std::chrono::steady_clock::now();
-  const Sensor& sensor = sensors_.at(sensorIndex);
+  const Sensor& sensor = sensors_.at(shot.sensor);
+  const Pose& pose = shot.pose;
   const Quaternion& q = pose.orientation;
   if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 0))
     throw Error(ErrorCode::invalidArgument, "the pose's orientation has no length; use 0 0 0 1 for no rotation");
   const size_t beams = sensor.beamCount();
   constexpr float kMiss = std::numeric_limits<float>::quiet_NaN();
-  Scan scan;
   scan.points.assign(3 * beams, kMiss);
   scan.ranges.assign(beams, kMiss);
   scan.triangles.assign(beams, kNoTriangle);
@@ -310,15 +318,15 @@ Scan ReferenceBackend::scan(size_t sensorIndex, const Pose& pose) {
   scan.ties.assign(beams, 0);
   scan.tolerances.assign(beams, kMiss);
   scan.counters = counters_;
-  const Shot shot = prepare(sensor, pose, scan.counters);
+  scan.timings = {};
+  const View view = prepare(sensor, pose, scan.counters);
   onAllThreads(beams, [&](size_t first, size_t last) {
-    for (size_t i = first; i < last; ++i) beam(shot, i, scan);
+    for (size_t i = first; i < last; ++i) beam(view, i, scan);
   });
   scan.counters.beams = beams;
   for (uint32_t triangle : scan.triangles) scan.counters.hits += triangle != kNoTriangle;
   scan.counters.misses = beams - scan.counters.hits;
   scan.timings.wallMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  return scan;
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// One scan on a Vulkan device: project, bin, resolve, in one submission.
+// Scans on a Vulkan device: project, bin, resolve, in one submission each.
 #include "backend.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <deque>
 
 #include "vulkan/commands.hpp"
 #include "vulkan/sensor_state.hpp"
@@ -14,6 +15,7 @@ namespace vulkan {
 namespace {
 
 constexpr const char* kStages[] = {"project", "bin", "resolve"};
+using Clock = std::chrono::steady_clock;
 constexpr uint32_t kStamps = std::size(kStages) + 1;
 
 class VulkanBackend final : public Backend {
@@ -21,35 +23,29 @@ class VulkanBackend final : public Backend {
   VulkanBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
       : device_(options.device, options.validation, options.maxBufferBytes),
         geometry_(device_, scene),
-        layout_(device_, static_cast<uint32_t>(sensors.size() + geometry_.chunks().size() + 1)),
-        commands_(device_, layout_, kStamps) {
+        layout_(device_, static_cast<uint32_t>(kFramesInFlight * sensors.size() + geometry_.chunks().size())) {
     for (const GeometryChunk& chunk : geometry_.chunks()) {
       const Buffer* buffers[] = {&chunk.placed, &chunk.clusters, &chunk.positions, &chunk.corners, &chunk.triangleIds};
-      chunkSets_.push_back(layout_.makeSet(1, buffers));
+      chunkSets_.push_back(layout_.makeSet(1));
+      layout_.updateSet(chunkSets_.back(), buffers);
     }
     way_ = chooseWay(options, device_.capabilities().int64Atomics);
     sensors_.reserve(sensors.size());
     for (const Sensor& sensor : sensors)
       sensors_.emplace_back(device_, layout_, geometry_, sensor, options, way_, sensors_);
+    slotOf(0);
     device_.throwOnMessages();
   }
 
-  Scan scan(size_t sensor, const Pose& pose) override {
-    const auto start = std::chrono::steady_clock::now();
-    SensorState& state = sensors_[sensor];
-    Scan scan;
-    if (state.frame().beams > 0) {
-      run(state, pose);
-      while (state.growLists()) {
-        ++scan.counters.retries;
-        run(state, pose);
-      }
-      commands_.readTimings(kStages, scan.timings);
+  // The next scan is handed to the device before the host waits for this one.
+  void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override {
+    if (!shots.empty()) submit(shots, 0);
+    for (size_t i = 0; i < shots.size(); ++i) {
+      if (i + 1 < shots.size()) submit(shots, i + 1);
+      finish(shots, i, result);
+      device_.throwOnMessages();
+      receive(i);
     }
-    readResults(state, scan);
-    scan.timings.wallMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    device_.throwOnMessages();
-    return scan;
   }
 
   const DeviceInfo& device() const override { return device_.capabilities().info; }
@@ -57,27 +53,75 @@ class VulkanBackend final : public Backend {
   MemoryUse memory() const override {
     MemoryUse use;
     use.scene = geometry_.bytes();
+    for (const Slot& slot : slots_) use.scene += slot.instances.bytes();
     for (const SensorState& state : sensors_) state.addTo(use);
     return use;
   }
 
  private:
-  // Records the stages in order, submits them once and waits.
-  void run(SensorState& state, const Pose& pose) {
-    state.writeFrame(geometry_, pose);
-    commands_.begin();
-    commands_.bindSet(0, state.set());
-    clear(commands_, state);
-    commands_.stamp(0);
-    project(commands_, state);
-    commands_.stamp(1);
-    bin(commands_, state);
-    commands_.stamp(2);
-    resolve(commands_, state);
-    commands_.stamp(3);
-    readBack(commands_, state);
-    commands_.submit();
-    commands_.wait();
+  // What the frames in flight have of their own whatever the sensor.
+  struct Slot {
+    Slot(const Device& device, const Layout& layout, const Geometry& geometry)
+        : commands(device, layout, kStamps),
+          instances(device, "instances", geometry.instanceCount() * sizeof(gpu::Instance), Memory::upload) {}
+    Commands commands;
+    Buffer instances;
+    Clock::time_point start;
+  };
+
+  // Of scan i of a run; those beyond the first are made when first used.
+  Slot& slotOf(size_t i) {
+    while (slots_.size() <= i % kFramesInFlight) slots_.emplace_back(device_, layout_, geometry_);
+    return slots_[i % kFramesInFlight];
+  }
+
+  void submit(std::span<const Shot> shots, size_t i) {
+    Slot& slot = slotOf(i);
+    slot.start = Clock::now();
+    run(slot, sensors_[shots[i].sensor], shots[i].pose, i % kFramesInFlight);
+  }
+
+  // Records the stages in order and submits them once.
+  void run(Slot& slot, SensorState& state, const Pose& pose, size_t index) {
+    if (state.frame().beams == 0) return;
+    Commands& commands = slot.commands;
+    commands.wait();
+    geometry_.placeInstances(pose, static_cast<gpu::Instance*>(slot.instances.mapped()));
+    slot.instances.flush();
+    const FrameInFlight& frame = state.prepare(index, geometry_, slot.instances);
+    commands.begin();
+    commands.bindSet(0, frame.set);
+    clear(commands, state);
+    commands.stamp(0);
+    project(commands, state);
+    commands.stamp(1);
+    bin(commands, state);
+    commands.stamp(2);
+    resolve(commands, state);
+    commands.stamp(3);
+    readBack(commands, state, frame);
+    commands.submit();
+  }
+
+  // Waits for scan i, runs it again for as long as its lists were too small, and reads it. The scan after it may have
+  // been cut short as well: that is seen when its turn comes, by the room it had when it was submitted.
+  void finish(std::span<const Shot> shots, size_t i, Scan& result) {
+    Slot& slot = slotOf(i);
+    SensorState& state = sensors_[shots[i].sensor];
+    clearResult(state, result);
+    if (const size_t index = i % kFramesInFlight; state.frame().beams > 0) {
+      slot.commands.wait();
+      while (state.cutShort(state.inFlight(index))) {
+        for (Slot& other : slots_) other.commands.wait();
+        state.growLists(state.inFlight(index));
+        run(slot, state, shots[i].pose, index);
+        slot.commands.wait();
+        ++result.counters.retries;
+      }
+      slot.commands.readTimings(kStages, result.timings);
+      readResults(state, state.inFlight(index), result);
+    }
+    result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - slot.start).count();
   }
 
   void clear(Commands& commands, const SensorState& state) const {
@@ -117,12 +161,11 @@ class VulkanBackend final : public Backend {
     commands.dispatch(state.kernels().resolve, groups, state.frame().rows);
   }
 
-  void readBack(Commands& commands, const SensorState& state) const {
-    if (state.readback().empty()) return;
-    for (size_t i = 0; i <= std::size(kOutputs); ++i) {
-      const Buffer& from = state.buffer(i < std::size(kOutputs) ? kOutputs[i].binding : gpu::kBindCounters);
-      commands.copy(from, state.readback()[i]);
-    }
+  void readBack(Commands& commands, const SensorState& state, const FrameInFlight& frame) const {
+    if (!state.readsInPlace())
+      for (size_t i = 0; i < std::size(kOutputs); ++i)
+        commands.copy(state.buffer(kOutputs[i].binding), frame.results[i]);
+    commands.copy(state.buffer(gpu::kBindCounters), frame.results.back());
     commands.barrier();
   }
 
@@ -131,10 +174,24 @@ class VulkanBackend final : public Backend {
   // the loop's stride also spreads uneven work over the threads.
   uint32_t groupCount() const { return device_.capabilities().cpu ? 256 : 4096; }
 
-  void readResults(const SensorState& state, Scan& scan) const {
+  // What does not come from the device. Arrays keep their room.
+  void clearResult(const SensorState& state, Scan& scan) const {
+    for (std::vector<float>* array : {&scan.points, &scan.ranges, &scan.tolerances}) array->clear();
+    for (std::vector<uint32_t>* array : {&scan.triangles, &scan.instances}) array->clear();
+    scan.ties.clear();
+    scan.timings.stages.clear();
+    scan.timings.gpuMs = 0;
+    scan.counters = {};
+    scan.counters.beams = state.frame().beams;
+    scan.counters.triangles = geometry_.dropped().triangles;
+    scan.counters.nonFinite = geometry_.dropped().nonFinite;
+    scan.counters.degenerate = geometry_.dropped().degenerate;
+  }
+
+  void readResults(const SensorState& state, const FrameInFlight& frame, Scan& scan) const {
     const uint64_t beams = state.frame().beams;
     const auto read = [&]<typename T>(size_t output, std::vector<T>& to, uint64_t count) {
-      const Buffer& buffer = state.hostSide(output);
+      const Buffer& buffer = frame.results[output];
       buffer.invalidate();
       const T* data = static_cast<const T*>(buffer.mapped());
       to.assign(data, data + count);
@@ -143,13 +200,8 @@ class VulkanBackend final : public Backend {
     read(1, scan.ranges, beams);
     read(2, scan.triangles, beams);
     read(3, scan.instances, beams);
+    const gpu::Counters& device = frame.counters();
     Counters& result = scan.counters;
-    result.beams = beams;
-    result.triangles = geometry_.dropped().triangles;
-    result.nonFinite = geometry_.dropped().nonFinite;
-    result.degenerate = geometry_.dropped().degenerate;
-    if (beams == 0) return;
-    const gpu::Counters& device = state.counters();
     result.hits = device.hits;
     result.misses = beams - device.hits;
     result.nonFinite += device.nonFinite;
@@ -169,7 +221,7 @@ class VulkanBackend final : public Backend {
   uint32_t way_ = gpu::kWayNearest;
   std::vector<VkDescriptorSet> chunkSets_;
   std::vector<SensorState> sensors_;
-  Commands commands_;
+  std::deque<Slot> slots_;  // last: they wait for the device before what it uses goes
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace gnosphere::vulkan {
 
 Commands::Commands(const Device& device, const Layout& layout, uint32_t stamps)
-    : device_(device), layout_(layout), stamps_(stamps) {
+    : device_(device), layout_(layout), ticks_(stamps) {
   VkCommandPoolCreateInfo pool = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = device_.capabilities().queueFamily;
@@ -17,13 +17,14 @@ Commands::Commands(const Device& device, const Layout& layout, uint32_t stamps)
   VK(vkAllocateCommandBuffers(device_.handle(), &allocate, &commands_));
   VkQueryPoolCreateInfo queries = {VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-  queries.queryCount = stamps_;
+  queries.queryCount = stamps;
   VK(vkCreateQueryPool(device_.handle(), &queries, nullptr, &queries_));
   const VkFenceCreateInfo fence = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   VK(vkCreateFence(device_.handle(), &fence, nullptr, &fence_));
 }
 
 Commands::~Commands() {
+  if (pending_) vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX);
   vkDestroyFence(device_.handle(), fence_, nullptr);
   vkDestroyQueryPool(device_.handle(), queries_, nullptr);
   vkDestroyCommandPool(device_.handle(), pool_, nullptr);
@@ -33,7 +34,7 @@ void Commands::begin() {
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   VK(vkBeginCommandBuffer(commands_, &begin));
-  vkCmdResetQueryPool(commands_, queries_, 0, stamps_);
+  vkCmdResetQueryPool(commands_, queries_, 0, static_cast<uint32_t>(ticks_.size()));
 }
 
 void Commands::bindSet(uint32_t index, VkDescriptorSet set) {
@@ -80,23 +81,26 @@ void Commands::submit() {
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &commands_;
   VK(vkQueueSubmit(device_.queue(), 1, &submit, fence_));
+  pending_ = true;
 }
 
 void Commands::wait() {
+  if (!pending_) return;
   VK(vkWaitForFences(device_.handle(), 1, &fence_, VK_TRUE, UINT64_MAX));
   VK(vkResetFences(device_.handle(), 1, &fence_));
+  pending_ = false;
 }
 
-void Commands::readTimings(std::span<const char* const> stages, Timings& timings) const {
+void Commands::readTimings(std::span<const char* const> stages, Timings& timings) {
   if (!device_.capabilities().timestamps) return;
-  std::vector<uint64_t> ticks(stamps_);
-  VK(vkGetQueryPoolResults(device_.handle(), queries_, 0, stamps_, stamps_ * sizeof ticks[0], ticks.data(),
-                           sizeof ticks[0], VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
+  VK(vkGetQueryPoolResults(device_.handle(), queries_, 0, static_cast<uint32_t>(ticks_.size()),
+                           ticks_.size() * sizeof ticks_[0], ticks_.data(), sizeof ticks_[0],
+                           VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
   const auto ms = [&](uint64_t from, uint64_t to) {
     return static_cast<double>(to - from) * device_.capabilities().timestampMs;
   };
-  for (size_t i = 0; i < stages.size(); ++i) timings.stages.push_back({stages[i], ms(ticks[i], ticks[i + 1])});
-  timings.gpuMs = ms(ticks.front(), ticks.back());
+  for (size_t i = 0; i < stages.size(); ++i) timings.stages.push_back({stages[i], ms(ticks_[i], ticks_[i + 1])});
+  timings.gpuMs = ms(ticks_.front(), ticks_.back());
 }
 
 }  // namespace gnosphere::vulkan

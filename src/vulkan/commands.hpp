@@ -15,6 +15,7 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
+  /// What was submitted before must have been waited for.
   void begin();
   void bindSet(uint32_t index, VkDescriptorSet set);
   void push(const gpu::Chunk& chunk);
@@ -27,16 +28,17 @@ class Commands {
   void stamp(uint32_t index);
   /// Ends the recording and hands it to the queue.
   void submit();
-  /// Until the device has done what was submitted.
+  /// Until the device has done what was submitted; nothing where it has been waited for.
   void wait();
   /// Times between the stamps of what was waited for; stage i lies between stamps i and i + 1. Nothing where the
   /// device has no timestamps.
-  void readTimings(std::span<const char* const> stages, Timings& timings) const;
+  void readTimings(std::span<const char* const> stages, Timings& timings);
 
  private:
   const Device& device_;
   const Layout& layout_;
-  uint32_t stamps_;
+  std::vector<uint64_t> ticks_;  // one per stamp
+  bool pending_ = false;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;

@@ -37,14 +37,13 @@ Layout::~Layout() {
   for (VkDescriptorSetLayout layout : setLayouts_) vkDestroyDescriptorSetLayout(device_.handle(), layout, nullptr);
 }
 
-VkDescriptorSet Layout::makeSet(uint32_t set, std::span<const Buffer* const> buffers) {
+VkDescriptorSet Layout::makeSet(uint32_t set) {
   VkDescriptorSetAllocateInfo allocate = {VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
   allocate.descriptorPool = pool_;
   allocate.descriptorSetCount = 1;
   allocate.pSetLayouts = &setLayouts_[set];
   VkDescriptorSet handle;
   VK(vkAllocateDescriptorSets(device_.handle(), &allocate, &handle));
-  updateSet(handle, buffers);
   return handle;
 }
 

@@ -30,8 +30,9 @@ class Layout {
   Layout& operator=(const Layout&) = delete;
 
   VkPipelineLayout handle() const { return pipelineLayout_; }
-  /// A set of layout 0 or 1 whose binding i is buffers[i].
-  VkDescriptorSet makeSet(uint32_t set, std::span<const Buffer* const> buffers);
+  /// A set of layout 0 or 1, its bindings to come.
+  VkDescriptorSet makeSet(uint32_t set);
+  /// Binding i is buffers[i].
   void updateSet(VkDescriptorSet handle, std::span<const Buffer* const> buffers);
 
  private:

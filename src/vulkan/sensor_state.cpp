@@ -89,7 +89,7 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     kernels_ = ownKernels_.get();
   }
   makeBuffers(geometry);
-  set_ = layout_.makeSet(0, pointers());
+  inFlight_.push_back(makeFrame());
 }
 
 void SensorState::makeBuffers(const Geometry& geometry) {
@@ -102,90 +102,99 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   buffers_[gpu::kBindColumns] = uploader.upload<float>("columns", tables_.columns);
   const uint64_t beams = tables_.frame.beams;
   const bool lists = way_ == gpu::kWayLists;
-  make(gpu::kBindFrame, "frame", sizeof(gpu::Frame), Memory::upload);
-  make(gpu::kBindInstances, "instances", geometry.instanceCount() * sizeof(gpu::Instance), Memory::upload);
   make(gpu::kBindCounters, "counters", sizeof(gpu::Counters));
   make(gpu::kBindVisible, "visible", uint64_t{geometry.maxPlacedCount()} * 8);
   make(gpu::kBindWords, "words", lists ? 0 : beams * 8);
   make(gpu::kBindListEnds, "listEnds", lists ? beams * 4 : 0);
   make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
-  for (const Output& output : kOutputs) make(output.binding, "results", beams * output.bytesPerBeam);
+  if (!readsInPlace())
+    for (const Output& output : kOutputs) make(output.binding, "results", beams * output.bytesPerBeam);
   // First guesses; growLists() makes room for what a scan turns out to need.
   growProjected(std::min<uint64_t>(geometry.dropped().triangles, 1 << 18));
   growTiles(1 << 12);
   growCandidates(lists ? beams * 2 : 0);
-  if (device_.unifiedMemory()) return;
-  for (const Output& output : kOutputs)
-    readback_.emplace_back(device_, "read-back", beams * output.bytesPerBeam, Memory::readback);
-  readback_.emplace_back(device_, "read-back", sizeof(gpu::Counters), Memory::readback);
 }
 
 void SensorState::growProjected(uint64_t count) {
-  projectedCapacity_ = static_cast<uint32_t>(count);
   buffers_[gpu::kBindProjectedA] = Buffer(device_, "projectedA", count * 12, Memory::device);
   buffers_[gpu::kBindProjectedB] = Buffer(device_, "projectedB", count * 12, Memory::device);
   buffers_[gpu::kBindProjectedC] = Buffer(device_, "projectedC", count * 12, Memory::device);
   buffers_[gpu::kBindProjectedBoxes] = Buffer(device_, "projectedBoxes", count * sizeof(gpu::Box), Memory::device);
   buffers_[gpu::kBindProjectedIds] = Buffer(device_, "projectedIds", count * 4, Memory::device);
+  capacities_.projected = static_cast<uint32_t>(count);
 }
 
 void SensorState::growTiles(uint64_t count) {
-  tileCapacity_ = static_cast<uint32_t>(count);
   buffers_[gpu::kBindTiles] = Buffer(device_, "tiles", count * sizeof(gpu::Tile), Memory::device);
+  capacities_.tiles = static_cast<uint32_t>(count);
 }
 
 void SensorState::growCandidates(uint64_t count) {
-  candidateCapacity_ = static_cast<uint32_t>(count);
   buffers_[gpu::kBindCandidates] = Buffer(device_, "candidates", count * 4, Memory::device);
+  capacities_.candidates = static_cast<uint32_t>(count);
 }
 
-bool SensorState::growLists() {
-  const gpu::Counters needed = counters();
-  const auto room = [](uint32_t count) { return count + uint64_t{count} / 4; };
-  const bool projected = needed.projected > projectedCapacity_;
-  const bool tiles = needed.tiles > tileCapacity_;
-  const bool candidates = way_ == gpu::kWayLists && needed.candidates > candidateCapacity_;
-  // A scan cut short has counted too few of what follows; the next run will tell.
-  if (projected) growProjected(room(needed.projected));
-  if (tiles) growTiles(room(needed.tiles));
-  if (candidates) growCandidates(room(needed.candidates));
-  if (projected || tiles || candidates) layout_.updateSet(set_, pointers());
-  return projected || tiles || candidates;
-}
-
-void SensorState::writeFrame(const Geometry& geometry, const Pose& pose) {
-  gpu::Frame frame = tables_.frame;
-  frame.instanceCount = geometry.instanceCount();
-  frame.projectedCapacity = projectedCapacity_;
-  frame.tileCapacity = tileCapacity_;
-  frame.candidateCapacity = candidateCapacity_;
-  std::memcpy(buffers_[gpu::kBindFrame].mapped(), &frame, sizeof frame);
-  geometry.placeInstances(pose, static_cast<gpu::Instance*>(buffers_[gpu::kBindInstances].mapped()));
-  buffers_[gpu::kBindFrame].flush();
-  buffers_[gpu::kBindInstances].flush();
-}
-
-std::array<const Buffer*, gpu::kWorkBindingCount> SensorState::pointers() const {
-  std::array<const Buffer*, gpu::kWorkBindingCount> result;
-  for (size_t i = 0; i < result.size(); ++i) result[i] = &buffers_[i];
+FrameInFlight SensorState::makeFrame() const {
+  FrameInFlight result;
+  result.frame = Buffer(device_, "frame", sizeof(gpu::Frame), Memory::upload);
+  const uint64_t beams = tables_.frame.beams;
+  for (const Output& output : kOutputs)
+    result.results.emplace_back(device_, "results", beams * output.bytesPerBeam, Memory::readback);
+  result.results.emplace_back(device_, "counters", sizeof(gpu::Counters), Memory::readback);
+  result.set = layout_.makeSet(0);
   return result;
 }
 
-const Buffer& SensorState::hostSide(size_t output) const {
-  if (!readback_.empty()) return readback_[output];
-  return buffers_[output < std::size(kOutputs) ? kOutputs[output].binding : gpu::kBindCounters];
+const FrameInFlight& SensorState::prepare(size_t index, const Geometry& geometry, const Buffer& instances) {
+  while (inFlight_.size() <= index) inFlight_.push_back(makeFrame());
+  FrameInFlight& frame = inFlight_[index];
+  frame.capacities = capacities_;
+  gpu::Frame content = tables_.frame;
+  content.instanceCount = geometry.instanceCount();
+  content.projectedCapacity = capacities_.projected;
+  content.tileCapacity = capacities_.tiles;
+  content.candidateCapacity = capacities_.candidates;
+  std::memcpy(frame.frame.mapped(), &content, sizeof content);
+  frame.frame.flush();
+  std::array<const Buffer*, gpu::kWorkBindingCount> buffers;
+  for (size_t i = 0; i < buffers.size(); ++i) buffers[i] = &buffers_[i];
+  buffers[gpu::kBindFrame] = &frame.frame;
+  buffers[gpu::kBindInstances] = &instances;
+  if (readsInPlace())
+    for (size_t i = 0; i < std::size(kOutputs); ++i) buffers[kOutputs[i].binding] = &frame.results[i];
+  layout_.updateSet(frame.set, buffers);
+  return frame;
 }
 
-const gpu::Counters& SensorState::counters() const {
-  const Buffer& buffer = hostSide(std::size(kOutputs));
-  buffer.invalidate();
-  return *static_cast<const gpu::Counters*>(buffer.mapped());
+bool SensorState::cutShort(const FrameInFlight& frame) const {
+  const gpu::Counters& needed = frame.counters();
+  return needed.projected > frame.capacities.projected || needed.tiles > frame.capacities.tiles ||
+         (way_ == gpu::kWayLists && needed.candidates > frame.capacities.candidates);
+}
+
+void SensorState::growLists(const FrameInFlight& frame) {
+  const gpu::Counters needed = frame.counters();
+  const auto room = [](uint32_t count) { return count + uint64_t{count} / 4; };
+  // A scan cut short has counted too few of what follows; the next run will tell.
+  if (needed.projected > capacities_.projected) growProjected(room(needed.projected));
+  if (needed.tiles > capacities_.tiles) growTiles(room(needed.tiles));
+  if (way_ == gpu::kWayLists && needed.candidates > capacities_.candidates) growCandidates(room(needed.candidates));
+}
+
+const gpu::Counters& FrameInFlight::counters() const {
+  results.back().invalidate();
+  return *static_cast<const gpu::Counters*>(results.back().mapped());
 }
 
 void SensorState::addTo(MemoryUse& use) const {
   for (uint32_t i = 0; i < buffers_.size(); ++i) {
     const bool table = i >= gpu::kBindRows && i <= gpu::kBindColumns;
-    (i == gpu::kBindInstances ? use.scene : table ? use.sensor : use.work) += buffers_[i].bytes();
+    (table ? use.sensor : use.work) += buffers_[i].bytes();
+  }
+  for (const FrameInFlight& frame : inFlight_) {
+    use.work += frame.frame.bytes();
+    if (!readsInPlace()) continue;
+    for (const Buffer& results : frame.results) use.work += results.bytes();
   }
 }
 

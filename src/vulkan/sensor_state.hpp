@@ -36,6 +36,25 @@ struct Output {
 inline constexpr Output kOutputs[] = {
     {gpu::kBindPoints, 12}, {gpu::kBindRanges, 4}, {gpu::kBindTriangles, 4}, {gpu::kBindOwners, 4}};
 
+/// Scans that are handed to the device at a time: it works on one while the host receives the one before.
+inline constexpr size_t kFramesInFlight = 2;
+
+/// How many entries the lists of a scan have room for.
+struct Capacities {
+  uint32_t projected = 0, tiles = 0, candidates = 0;
+};
+
+/// What a frame in flight has of its own; the work arrays of the stages are shared.
+struct FrameInFlight {
+  Buffer frame;
+  std::vector<Buffer> results;  ///< where the host reads kOutputs, then the counters
+  Capacities capacities;        ///< of the lists when it was prepared
+  VkDescriptorSet set = VK_NULL_HANDLE;
+
+  /// Of the scan it was last used for.
+  const gpu::Counters& counters() const;
+};
+
 class SensorState {
  public:
   /// Shares the pipelines of one of `others` that needs the same; they must live as long.
@@ -44,19 +63,17 @@ class SensorState {
 
   const gpu::Frame& frame() const { return tables_.frame; }
   const Kernels& kernels() const { return *kernels_; }
-  VkDescriptorSet set() const { return set_; }
   const Buffer& buffer(uint32_t binding) const { return buffers_[binding]; }
-  /// Host copies of kOutputs, then of the counters; empty where device memory is the host's.
-  const std::vector<Buffer>& readback() const { return readback_; }
-  /// Where the host reads output i of kOutputs, or the counters for i = size of kOutputs.
-  const Buffer& hostSide(size_t output) const;
-  /// Of the last scan.
-  const gpu::Counters& counters() const;
 
-  /// Writes what a scan from this pose needs.
-  void writeFrame(const Geometry& geometry, const Pose& pose);
-  /// True if a list was too small for the scan just run: it now has room, and the scan must run again.
-  bool growLists();
+  /// Frame in flight `index` with what a scan needs, the instances placed for it apart. The frame must not be in use.
+  const FrameInFlight& prepare(size_t index, const Geometry& geometry, const Buffer& instances);
+  const FrameInFlight& inFlight(size_t index) const { return inFlight_[index]; }
+  /// True where the host reads the outputs in place; false where they must be copied to results.
+  bool readsInPlace() const { return device_.unifiedMemory(); }
+  /// A list was too small for the scan that the frame was used for: it must run again, after growLists().
+  bool cutShort(const FrameInFlight& frame) const;
+  /// Makes room for what the scan has counted. No frame may be in use.
+  void growLists(const FrameInFlight& frame);
   void addTo(MemoryUse& use) const;
 
  private:
@@ -64,7 +81,7 @@ class SensorState {
   void growProjected(uint64_t count);
   void growTiles(uint64_t count);
   void growCandidates(uint64_t count);
-  std::array<const Buffer*, gpu::kWorkBindingCount> pointers() const;
+  FrameInFlight makeFrame() const;
 
   const Device& device_;
   Layout& layout_;
@@ -72,10 +89,9 @@ class SensorState {
   BeamTables tables_;
   std::unique_ptr<Kernels> ownKernels_;  // empty where another sensor has them
   const Kernels* kernels_ = nullptr;
-  std::array<Buffer, gpu::kWorkBindingCount> buffers_;  // set 0, in binding order
-  uint32_t projectedCapacity_ = 0, tileCapacity_ = 0, candidateCapacity_ = 0;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
-  std::vector<Buffer> readback_;
+  std::array<Buffer, gpu::kWorkBindingCount> buffers_;  // set 0, in binding order; empty where frames have their own
+  Capacities capacities_;
+  std::vector<FrameInFlight> inFlight_;  // those beyond the first are made when first used
 };
 
 }  // namespace gnosphere::vulkan

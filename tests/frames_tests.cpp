@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many scans in flight give what one scan at a time gives.
+#include <catch2/matchers/catch_matchers.hpp>
+
+#include "support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+Pose poseAt(double x, double y, double yaw) {
+  return {{x, y, 0}, {0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}};
+}
+
+// One with offsets (other pipelines), one that sees nothing far, one without a beam.
+std::vector<Sensor> mixedSensors() {
+  std::vector<Sensor> sensors = {gridSensor(400, 33, -60, 60), gridSensor(300, 20, -30, 10),
+                                 gridSensor(100, 7, -20, 20, 10), gridSensor(10, 0, 0, 0)};
+  for (size_t j = 0; j < sensors[1].channels.size(); ++j) sensors[1].channels[j].azimuthOffsetDeg = 0.3 * double(j % 5);
+  return sensors;
+}
+
+// From out of range into the middle of the scene and out of it: the lists have to grow on the way.
+std::vector<Shot> driveThrough(size_t sensorCount, size_t count) {
+  std::vector<Shot> shots;
+  for (size_t i = 0; i < count; ++i) {
+    const double x = i < 4 ? -1000 : 30 * std::cos(double(i));
+    shots.push_back({poseAt(x, double(i), 0.7 * double(i)), (i * 5 + i / 3) % sensorCount});
+  }
+  return shots;
+}
+
+}  // namespace
+
+TEST_CASE("scanAll gives byte for byte what scan gives, whatever the sensor, while lists grow") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(11, 1500, 40, 20));
+  const std::vector<Sensor> sensors = mixedSensors();
+  const std::vector<Shot> shots = driveThrough(sensors.size(), 13);
+  for (Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+    SimulatorOptions options = vulkanOptions();
+    options.accuracy = accuracy;
+    Simulator one(scene, sensors, options);
+    for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists}) {
+      if (accuracy == Accuracy::exact && binning == Binning::nearest32) continue;  // bin_tests has it
+      options.binning = binning;
+      Simulator all(scene, sensors, options);
+      size_t expected = 0;
+      uint64_t retries = 0;
+      all.scanAll(shots, [&](size_t i, const Scan& scan) {
+        REQUIRE(i == expected++);
+        const Scan alone = one.scan(shots[i].pose, shots[i].sensor);
+        INFO("shot " << i << ", binning " << int(binning));
+        CHECK(sameBytes(scan, alone));
+        CHECK(scan.counters.hits == alone.counters.hits);
+        CHECK(scan.counters.projected == alone.counters.projected);
+        CHECK(scan.sensor == alone.sensor);
+        CHECK(scan.columns == alone.columns);
+        CHECK(scan.channels == alone.channels);
+        CHECK(scan.pose.position.x == shots[i].pose.position.x);
+        if (i < 4) CHECK(scan.counters.retries == 0);
+        retries += scan.counters.retries;
+      });
+      CHECK(expected == shots.size());
+      if (binning == Binning::lists) CHECK(retries > 0);
+    }
+  }
+}
+
+TEST_CASE("a scan that the one before it outgrew is run again as well") {
+  needVulkan();
+  SimulatorOptions options = vulkanOptions();
+  options.binning = Binning::lists;
+  const Scene scene = sceneOf(soup(11, 1500, 40, 20));
+  const std::vector<Shot> shots(2, {poseAt(0, 0, 0), 0});
+  Simulator simulator(scene, gridSensor(400, 33, -60, 60), options);
+  std::vector<Scan> scans;
+  simulator.scanAll(shots, [&](size_t, const Scan& scan) { scans.push_back(scan); });
+  REQUIRE(scans.size() == 2);
+  CHECK(scans[0].counters.retries > 0);
+  CHECK(scans[1].counters.retries > 0);  // it was on its way with too little room
+  CHECK(scans[0].counters.hits > 0);
+  CHECK(sameBytes(scans[0], scans[1]));
+}
+
+TEST_CASE("an exception of the receiver ends the run, and the simulator goes on") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(3, 500, 20, 5));
+  Simulator simulator(scene, gridSensor(200, 16, -30, 30), vulkanOptions());
+  const std::vector<Shot> shots = driveThrough(1, 9);
+  size_t received = 0;
+  const auto stopAtThird = [&](size_t, const Scan&) {
+    if (++received == 3) throw std::runtime_error("enough");
+  };
+  CHECK_THROWS_WITH(simulator.scanAll(shots, stopAtThird), "enough");
+  CHECK(received == 3);
+  const Pose pose = poseAt(1, 2, 0.5);
+  CHECK(sameBytes(simulator.scan(pose), scanOf(scene, gridSensor(200, 16, -30, 30), pose, vulkanOptions())));
+}
+
+TEST_CASE("a scan into arrays that are there moves none of them") {
+  needVulkan();
+  for (const char* device : {"auto", "reference"}) {
+    SimulatorOptions options = vulkanOptions();
+    options.device = device;
+    Simulator simulator(sceneOf(soup(3, 500, 20, 5)), gridSensor(200, 16, -30, 30), options);
+    Scan scan = simulator.scan(poseAt(0, 0, 0));
+    const float* points = scan.points.data();
+    const float* ranges = scan.ranges.data();
+    const uint32_t* triangles = scan.triangles.data();
+    const uint32_t* instances = scan.instances.data();
+    simulator.scan(poseAt(5, 1, 2), 0, scan);
+    CHECK(scan.points.data() == points);
+    CHECK(scan.ranges.data() == ranges);
+    CHECK(scan.triangles.data() == triangles);
+    CHECK(scan.instances.data() == instances);
+    const Scan fresh = simulator.scan(poseAt(5, 1, 2));
+    CHECK(sameBytes(scan, fresh));
+    CHECK(scan.counters.hits == fresh.counters.hits);
+    CHECK(scan.timings.stages.size() == fresh.timings.stages.size());
+  }
+}
+
+TEST_CASE("a second set of results is only there once scanAll has run") {
+  needVulkan();
+  const Sensor sensor = gridSensor(200, 16, -30, 30);
+  Simulator simulator(sceneOf(soup(3, 500, 20, 5)), sensor, vulkanOptions());
+  const uint64_t before = simulator.memory().work;
+  simulator.scan({});
+  simulator.scan({});
+  CHECK(simulator.memory().work == before);
+  simulator.scanAll(driveThrough(1, 3), [](size_t, const Scan&) {});
+  const DeviceInfo& device = simulator.device();
+  const bool unified = device.type == "cpu" || device.type == "integrated";
+  CHECK(simulator.memory().work - before >= (unified ? 24 * sensor.beamCount() : 0));
+  CHECK(simulator.memory().work - before < 25 * sensor.beamCount());
+}
+
+TEST_CASE("a bad shot is told before the first scan") {
+  SimulatorOptions options;
+  options.device = "reference";
+  Simulator simulator(sceneOf(soup(3, 5, 20, 5)), gridSensor(20, 4, -30, 30), options);
+  std::vector<Shot> shots(3);
+  const auto never = [](size_t, const Scan&) { FAIL("a scan was received"); };
+  shots[2].sensor = 1;
+  CHECK_THROWS_WITH(simulator.scanAll(shots, never), "shot 2: sensor 1 does not exist, there are 1");
+  shots[2] = {};
+  shots[1].pose.position.x = NAN;
+  CHECK_THROWS_WITH(simulator.scanAll(shots, never), "shot 1: the pose has a value that is not finite");
+  simulator.scanAll({}, never);
+}
+
+}  // namespace gnosphere::test
