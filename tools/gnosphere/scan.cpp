@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -8,21 +9,27 @@
 #include "max_error.hpp"
 #include "output/fields.hpp"
 #include "scan_report.hpp"
+#include "scan_trajectory.hpp"
 #include "scanning.hpp"
 
 namespace gnosphere::cli {
 namespace {
 
 struct ScanOptions : ScanningOptions {
-  std::string fields, image, stats, accuracy = "standard";
+  std::string trajectory, fields, image, stats, accuracy = "standard";
   std::vector<std::string> outputs;
   std::optional<double> maxError;
   uint64_t repeat = 0;  ///< 0: one scan, and no warm-up before it
   bool compact = false, ascii = false;
 };
 
+/// Where the scan goes, or scan `number` of a trajectory.
+std::string fileOf(const ScanOptions& options, const std::string& file, size_t number) {
+  return options.trajectory.empty() ? file : numbered(file, number);
+}
+
 /// Whatever can be known to fail is told before the scene is loaded, not after the scan.
-CloudOptions checkOutputs(const ScanOptions& options) {
+CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
   CloudOptions cloud;
   cloud.compact = options.compact;
   cloud.ascii = options.ascii;
@@ -38,8 +45,11 @@ CloudOptions checkOutputs(const ScanOptions& options) {
     throw Error(ErrorCode::invalidArgument, "--image: " + options.image + " must end in .png");
   }
   for (const std::string& output : options.outputs) cloudFormat(output);
-  std::vector<std::string> files = options.outputs;
-  if (!options.image.empty()) files.push_back(options.image);
+  std::vector<std::string> files;
+  for (size_t i = 0; i < scans; ++i) {
+    for (const std::string& output : options.outputs) files.push_back(fileOf(options, output, i));
+    if (!options.image.empty()) files.push_back(fileOf(options, options.image, i));
+  }
   if (!options.stats.empty() && options.stats != "-") files.push_back(options.stats);
   checkOutputFiles(files, options.scene);
   return cloud;
@@ -69,28 +79,31 @@ Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vect
   return scan;
 }
 
-void writeOutputs(const ScanOptions& options, const CloudOptions& cloud, const ScanReport& report) {
-  std::vector<std::string> written;
-  for (const std::string& output : options.outputs) {
-    writeCloud(report.scan, output, cloud);
-    written.push_back(output);
-  }
-  if (!options.image.empty()) {
-    writePicture(report.scan, options.image);
-    written.push_back(options.image);
-  }
+void writeScan(const ScanOptions& options, const CloudOptions& cloud, const Scan& scan, size_t number) {
+  for (const std::string& output : options.outputs) writeCloud(scan, fileOf(options, output, number), cloud);
+  if (!options.image.empty()) writePicture(scan, fileOf(options, options.image, number));
+}
+
+void tell(const ScanOptions& options, const ScanReport& report) {
   if (options.stats == "-") {
     std::printf("%s", statsJson(report).c_str());
     return;
   }
+  std::vector<std::string> written = options.outputs;
+  if (!options.image.empty()) written.push_back(options.image);
   if (!options.stats.empty()) {
     AtomicFile stats(options.stats);
     stats.write(statsJson(report));
     stats.commit();
-    written.push_back(options.stats);
   }
   printSummary(report);
-  for (const std::string& file : written) say("wrote", file + ", " + fileSize(file));
+  for (const std::string& file : written) {
+    const std::string first = fileOf(options, file, 0);
+    const bool many = report.trajectory.size() > 1;
+    say("wrote", first + ", " + fileSize(first) +
+                     (many ? ", to " + fileOf(options, file, report.trajectory.size() - 1) : std::string()));
+  }
+  if (!options.stats.empty()) say("wrote", options.stats + ", " + fileSize(options.stats));
 }
 
 /// With --max-error, the setting that it takes; none if no setting does.
@@ -114,7 +127,8 @@ void check(const ScanOptions& options) {
 
 int runScan(const ScanOptions& options) {
   check(options);
-  const CloudOptions cloud = checkOutputs(options);
+  const std::vector<Pose> poses = options.trajectory.empty() ? std::vector<Pose>() : loadTrajectory(options.trajectory);
+  const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, poses.size()));
   const Sensor sensor = findSensor(options.sensor);
   double start = nowMs();
   const Scene scene = loadScene(options);
@@ -134,12 +148,21 @@ int runScan(const ScanOptions& options) {
   Simulator simulator(scene, sensor, settings);
   const double setUpMs = nowMs() - start;
 
-  std::vector<Timings> runs;
-  const Scan scan = runScans(simulator, pose, options.repeat, runs);
-  warnAbout(options, scene, scan.counters);
-  writeOutputs(options, cloud,
-               {options.scene, scene, sensor, simulator, scan, accuracy, options.binning, runs, loadMs, setUpMs,
-                choice ? &*choice : nullptr});
+  ScanReport result = {options.scene,   scene, sensor, simulator, {},      accuracy,
+                       options.binning, {},    {},     loadMs,    setUpMs, choice ? &*choice : nullptr};
+  start = nowMs();
+  if (poses.empty()) {
+    result.scan = runScans(simulator, pose, options.repeat, result.runs);
+    writeScan(options, cloud, result.scan, 0);
+  } else {
+    result.trajectory =
+        scanTrajectory(simulator, poses, [&](size_t i, const Scan& scan) { writeScan(options, cloud, scan, i); });
+    for (const TrajectoryScan& scan : result.trajectory) result.runs.push_back(scan.timings);
+    result.scan = summaryOf(result.trajectory, sensor);
+  }
+  result.totalMs = nowMs() - start;
+  warnAbout(options, scene, result.scan.counters);
+  tell(options, result);
   return 0;
 }
 
@@ -162,6 +185,11 @@ Action addScan(CLI::App& app) {
   const auto options = std::make_shared<ScanOptions>();
   addScanningOptions(app, *options);
   addAccuracyOptions(app, *options);
+  CLI::Option* trajectory =
+      app.add_option("--trajectory", options->trajectory,
+                     "A scan from every pose of a TUM file, lines of t x y z qx qy qz qw; files are numbered, a.pcd "
+                     "becomes a-000000.pcd and so on");
+  trajectory->excludes(app.get_option("--pose"))->excludes(app.get_option("--max-error"));
   app.add_option("-o,--output", options->outputs,
                  "A cloud to write: .pcd, .ply, .bin (KITTI), .npy or .csv; may be given more than once")
       ->allow_extra_args(false);
@@ -172,7 +200,8 @@ Action addScan(CLI::App& app) {
   app.add_option("--image", options->image, "A .png of the scan: as the sensor sees it, and from above");
   app.add_option("--stats", options->stats, "A JSON file of times and counters, or - for stdout");
   app.add_option("--repeat", options->repeat, "Scan this often after a warm-up, and report the median time")
-      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}));
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}))
+      ->excludes(trajectory);
   return [options] { return runScan(*options); };
 }
 

@@ -71,6 +71,22 @@ constexpr NamedCount kCounters[] = {
     {"retries", &Counters::retries},
 };
 
+Json countersJson(const Counters& counters) {
+  Json json;
+  for (const NamedCount& counter : kCounters) json[counter.name] = counters.*counter.count;
+  return json;
+}
+
+Json frameJson(const TrajectoryScan& scan) {
+  Json times = Json::object();
+  for (const StageTime& stage : scan.timings.stages) times[stage.name] = stage.ms;
+  return {{"pose", toJson(scan.pose)},
+          {"wall_ms", scan.timings.wallMs},
+          {"gpu_ms", times.empty() ? Json() : Json(scan.timings.gpuMs)},
+          {"stages_ms", times},
+          {"counters", countersJson(scan.counters)}};
+}
+
 std::string percent(uint64_t part, uint64_t whole) {
   return whole ? formatted("%.1f %%", 100.0 * static_cast<double>(part) / static_cast<double>(whole)) : "-";
 }
@@ -119,13 +135,19 @@ void printSummary(const ScanReport& report) {
   if (device.type != device.name) about += ", " + device.type;
   if (!device.driver.empty()) about += ", " + device.driver;
   say("device", about + ", ready in " + milliseconds(report.setUpMs));
-  say("sensor", report.sensor.name + formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z) +
+  const bool moves = !report.trajectory.empty();
+  say("sensor", report.sensor.name +
+                    (moves ? " at " + grouped(report.trajectory.size()) + " poses: "
+                           : formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z)) +
                     grouped(report.scan.channels) + " channels x " + grouped(report.scan.columns) + " columns, " +
                     formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
   say("hits", grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" +
                   percent(counters.hits, counters.beams) + ")");
-  printTriangles(counters);
+  if (!moves) printTriangles(counters);
   printTimes(report);
+  if (moves)
+    say("rate", formatted("%.1f scans a second", 1000 * static_cast<double>(report.runs.size()) / report.totalMs) +
+                    ", files written, in " + milliseconds(report.totalMs));
 }
 
 std::string statsJson(const ScanReport& report) {
@@ -140,7 +162,7 @@ std::string statsJson(const ScanReport& report) {
                          {"set_up_ms", report.setUpMs}});
   stats["sensor"] = sensorJson(report.sensor);
   stats["sensor"]["bytes"] = memory.sensor;
-  stats["pose"] = toJson(report.scan.pose);
+  if (report.trajectory.empty()) stats["pose"] = toJson(report.scan.pose);
   Json names = Json::array();
   Json times = Json::object();
   for (const Stage& stage : stages(report)) {
@@ -156,7 +178,12 @@ std::string statsJson(const ScanReport& report) {
                     {"wall_ms", medianAndMin(wall)},
                     {"gpu_ms", times.empty() ? Json() : medianAndMin(gpu)},  // null: the device has no timestamps
                     {"stages_ms", times}};
-  for (const NamedCount& counter : kCounters) stats["counters"][counter.name] = report.scan.counters.*counter.count;
+  if (report.trajectory.empty()) {
+    stats["counters"] = countersJson(report.scan.counters);
+  } else {
+    stats["frame"]["total_ms"] = report.totalMs;  // of all scans, files written
+    for (const TrajectoryScan& scan : report.trajectory) stats["frames"].push_back(frameJson(scan));
+  }
   return dump(stats);
 }
 

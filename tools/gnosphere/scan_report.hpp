@@ -8,6 +8,7 @@
 
 #include "gnosphere/gnosphere.hpp"
 #include "max_error.hpp"
+#include "scan_trajectory.hpp"
 
 namespace gnosphere::cli {
 
@@ -17,11 +18,13 @@ struct ScanReport {
   const Scene& scene;
   const Sensor& sensor;
   const Simulator& simulator;
-  const Scan& scan;
+  Scan scan;                      ///< the last, or summaryOf() a trajectory
   std::string accuracy, binning;  ///< as asked for
   std::vector<Timings> runs;
+  std::vector<TrajectoryScan> trajectory;  ///< of --trajectory, where it was given
   double loadMs = 0, setUpMs = 0;
   const AccuracyChoice* choice = nullptr;  ///< of --max-error, where it was given
+  double totalMs = 0;                      ///< all scans, files written
 };
 
 void printSummary(const ScanReport& report);

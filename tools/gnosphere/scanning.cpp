@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "file.hpp"
 
@@ -168,15 +169,16 @@ std::vector<Pose> loadTrajectory(const std::filesystem::path& file) {
 }
 
 void checkOutputFiles(const std::vector<std::string>& files, const std::string& scene) {
-  for (auto file = files.begin(); file != files.end(); ++file) {
+  std::set<std::string> seen;
+  for (const std::string& file : files) {
     std::error_code absent;
-    if (std::filesystem::equivalent(*file, scene, absent)) {
-      throw Error(ErrorCode::invalidArgument, *file + " is the scene itself; write to another file");
+    if (std::filesystem::equivalent(file, scene, absent)) {
+      throw Error(ErrorCode::invalidArgument, file + " is the scene itself; write to another file");
     }
-    if (std::find(files.begin(), file, *file) != file) {
-      throw Error(ErrorCode::invalidArgument, *file + " is to be written twice");
+    if (!seen.insert(file).second) {
+      throw Error(ErrorCode::invalidArgument, file + " is to be written twice");
     }
-    checkWritable(*file);
+    checkWritable(file);
   }
 }
 

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere scan --trajectory.
+#include <nlohmann/json.hpp>
+
+#include "cli_support.hpp"
+#include "gnosphere/output.hpp"
+
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+const std::string kThree = "# t x y z qx qy qz qw\n0 0 0 1.8 0 0 0 1\n1 2 0 1.8 0 0 1 0\n2 -1 3 2 0 0 0 1\n";
+
+}  // namespace
+
+TEST_CASE("a trajectory gives the files that its poses give one by one") {
+  const Workplace place;
+  place.put("t.tum", kThree);
+  const Result result = place.run("scan floor.obj --trajectory t.tum -o a.csv --image i.png --stats s.json" + kQuick);
+  CHECK(result.err == "");
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring("at 3 poses") && ContainsSubstring("a-000000.csv") &&
+                             ContainsSubstring("a-000002.csv") && ContainsSubstring("scans a second"));
+  CHECK(place.files() == std::vector<std::string>{"a-000000.csv", "a-000001.csv", "a-000002.csv", "floor.obj",
+                                                  "i-000000.png", "i-000001.png", "i-000002.png", "s.json", "t.tum"});
+  const char* poses[] = {"0,0,1.8", "2,0,1.8,0,0,1,0", "-1,3,2"};
+  const auto stats = nlohmann::json::parse(place.get("s.json"));
+  CHECK(stats.at("frame").at("runs") == 3);
+  CHECK(stats.at("frame").at("total_ms") > 0);
+  REQUIRE(stats.at("frames").size() == 3);
+  for (int i = 0; i < 3; ++i) {
+    INFO("pose " << i);
+    REQUIRE(place.run("scan floor.obj -o b.csv --stats b.json --pose " + std::string(poses[i]) + kQuick).status == 0);
+    CHECK(place.get("a-00000" + std::to_string(i) + ".csv") == place.get("b.csv"));
+    const auto alone = nlohmann::json::parse(place.get("b.json"));
+    const auto& frame = stats.at("frames").at(i);
+    CHECK(frame.at("pose") == alone.at("pose"));
+    CHECK(frame.at("counters") == alone.at("counters"));
+    CHECK(frame.at("wall_ms") > 0);
+  }
+}
+
+TEST_CASE("statistics of a trajectory are alone on stdout if asked for") {
+  const Workplace place;
+  place.put("t.tum", kThree);
+  const Result result = place.run("scan floor.obj --trajectory t.tum --stats -" + kQuick);
+  REQUIRE(result.status == 0);
+  CHECK(result.err == "");
+  CHECK(nlohmann::json::parse(result.out).at("frames").size() == 3);
+}
+
+TEST_CASE("a call with a trajectory that cannot work is refused before it writes") {
+  checkRefused("scan floor.obj --pose 1,2,3 --trajectory t.tum", 2, "--trajectory");
+  checkRefused("scan floor.obj --repeat 3 --trajectory t.tum", 2, "--trajectory");
+  checkRefused("scan floor.obj --max-error 0.1 --trajectory t.tum", 2, "--trajectory");
+  checkRefused("scan floor.obj --trajectory t.tum -o a.pcd", 1, "t.tum");
+  const Workplace place;
+  place.put("t.tum", kThree);
+  const auto refused = [&](const std::string& arguments, int status, const std::string& words) {
+    INFO(arguments);
+    const auto before = place.files();
+    const Result result = place.run("scan " + arguments + kQuick);
+    CHECK(result.status == status);
+    CHECK_THAT(result.err, StartsWith("gnosphere: ") && ContainsSubstring(words));
+    CHECK(place.files() == before);
+  };
+  refused("floor.obj --trajectory t.tum -o none/a.pcd", 1, "none/a-000000.pcd");
+  refused("floor.obj --trajectory t.tum -o a.pcd -o a.pcd", 2, "twice");
+  place.put("a-000002.ply",
+            "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+            "property float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n");
+  refused("a-000002.ply --trajectory t.tum -o a.ply", 2, "the scene itself");
+}
