@@ -77,7 +77,10 @@ struct SimulatorOptions {
   Binning binning = Binning::automatic;
   bool validation = false;      ///< Vulkan validation layer on; its messages are thrown as Error(device)
   uint64_t maxBufferBytes = 0;  ///< cap on any one device buffer; 0 = what the device allows
-  bool float64 = true;          ///< off: as on a device without double precision; the answer is the same
+  /// Folder where compiled pipelines are kept; empty: gnosphere in $XDG_CACHE_HOME or ~/.cache; "off": nowhere. Where
+  /// it cannot be read or written they are compiled each time.
+  std::string cache;
+  bool float64 = true;  ///< off: as on a device without double precision; the answer is the same
 };
 
 struct DeviceInfo {

@@ -8,6 +8,7 @@
 #include <deque>
 
 #include "vulkan/commands.hpp"
+#include "vulkan/pipeline_cache.hpp"
 #include "vulkan/sensor_state.hpp"
 
 namespace gnosphere {
@@ -22,8 +23,10 @@ class VulkanBackend final : public Backend {
  public:
   VulkanBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
       : device_(options.device, options.validation, options.maxBufferBytes),
+        cache_(device_, options.cache),
         geometry_(device_, scene),
-        layout_(device_, static_cast<uint32_t>(kFramesInFlight * sensors.size() + geometry_.chunks().size())) {
+        layout_(device_, cache_.handle(),
+                static_cast<uint32_t>(kFramesInFlight * sensors.size() + geometry_.chunks().size())) {
     for (const GeometryChunk& chunk : geometry_.chunks()) {
       const Buffer* buffers[] = {&chunk.placed, &chunk.clusters, &chunk.positions, &chunk.corners, &chunk.triangleIds};
       chunkSets_.push_back(layout_.makeSet(1));
@@ -33,6 +36,7 @@ class VulkanBackend final : public Backend {
     sensors_.reserve(sensors.size());
     for (const Sensor& sensor : sensors)
       sensors_.emplace_back(device_, layout_, geometry_, sensor, options, way_, sensors_);
+    cache_.save();
     slotOf(0);
     device_.throwOnMessages();
   }
@@ -216,6 +220,7 @@ class VulkanBackend final : public Backend {
   }
 
   Device device_;
+  PipelineCache cache_;
   Geometry geometry_;
   Layout layout_;
   uint32_t way_ = gpu::kWayNearest;

@@ -64,6 +64,7 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   VkDevice handle() const { return device_; }
+  VkPhysicalDevice physical() const { return physical_; }
   VkQueue queue() const { return queue_; }
   const Capabilities& capabilities() const { return capabilities_; }
   uint64_t maxBufferBytes() const { return capabilities_.info.maxBufferBytes; }

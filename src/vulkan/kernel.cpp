@@ -5,7 +5,7 @@
 
 namespace gnosphere::vulkan {
 
-Layout::Layout(const Device& device, uint32_t maxSets) : device_(device) {
+Layout::Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets) : device_(device), cache_(cache) {
   const uint32_t counts[2] = {gpu::kWorkBindingCount, gpu::kSceneBindingCount};
   for (int set = 0; set < 2; ++set) {
     std::vector<VkDescriptorSetLayoutBinding> bindings(counts[set]);
@@ -88,7 +88,7 @@ Kernel::Kernel(const Device& device, const Layout& layout, std::span<const uint3
   create.stage.pName = "main";
   create.stage.pSpecializationInfo = &specialization;
   create.layout = layout.handle();
-  const VkResult result = vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &create, nullptr, &pipeline_);
+  const VkResult result = vkCreateComputePipelines(device_, layout.cache(), 1, &create, nullptr, &pipeline_);
   vkDestroyShaderModule(device_, shader, nullptr);
   VK(result);
 }

@@ -21,15 +21,17 @@ struct Options {
   uint32_t faces = gpu::kFacesMaterial;
 };
 
-/// Set 0 (a sensor and its work arrays), set 1 (a chunk of the scene) and the push constants: the same for all kernels.
+/// What all kernels share: set 0 (a sensor and its work arrays), set 1 (a chunk of the scene), the push constants, and
+/// the cache that they are compiled into.
 class Layout {
  public:
-  explicit Layout(const Device& device, uint32_t maxSets);
+  Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets);
   ~Layout();
   Layout(const Layout&) = delete;
   Layout& operator=(const Layout&) = delete;
 
   VkPipelineLayout handle() const { return pipelineLayout_; }
+  VkPipelineCache cache() const { return cache_; }
   /// A set of layout 0 or 1, its bindings to come.
   VkDescriptorSet makeSet(uint32_t set);
   /// Binding i is buffers[i].
@@ -37,6 +39,7 @@ class Layout {
 
  private:
   const Device& device_;
+  VkPipelineCache cache_;
   VkDescriptorSetLayout setLayouts_[2] = {};
   VkPipelineLayout pipelineLayout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/pipeline_cache.hpp"
+
+#include <cstdlib>
+
+#include "file.hpp"
+
+namespace gnosphere::vulkan {
+namespace {
+
+// More than any driver has been seen to keep; a larger file is something else.
+constexpr uint64_t kMostBytes = 256 << 20;
+
+// The XDG base directory specification: relative paths count as unset.
+std::filesystem::path cacheFolder(const std::string& setting) {
+  if (setting == "off") return {};
+  if (!setting.empty()) return setting;
+  const auto absolute = [](const char* variable) {
+    const char* value = std::getenv(variable);
+    const std::filesystem::path path(value ? value : "");
+    return path.is_absolute() ? path : std::filesystem::path();
+  };
+  if (const auto folder = absolute("XDG_CACHE_HOME"); !folder.empty()) return folder / "gnosphere";
+  if (const auto home = absolute("HOME"); !home.empty()) return home / ".cache" / "gnosphere";
+  return {};
+}
+
+// FNV-1a, 64 bits: drivers trust what follows the header, so a flipped bit must be found here.
+std::string checksum(const std::string& bytes) {
+  uint64_t hash = 14695981039346656037u;
+  for (unsigned char byte : bytes) hash = (hash ^ byte) * 1099511628211u;
+  return {reinterpret_cast<const char*>(&hash), sizeof hash};
+}
+
+}  // namespace
+
+std::string pipelinesIn(const std::string& file, const VkPhysicalDeviceProperties& properties) {
+  VkPipelineCacheHeaderVersionOne header;
+  constexpr size_t kSum = sizeof(uint64_t);
+  if (file.size() < kSum + sizeof header) return {};
+  const std::string bytes = file.substr(kSum);
+  std::memcpy(&header, bytes.data(), sizeof header);
+  const bool ours = header.headerSize == sizeof header &&
+                    header.headerVersion == VK_PIPELINE_CACHE_HEADER_VERSION_ONE &&
+                    header.vendorID == properties.vendorID && header.deviceID == properties.deviceID &&
+                    std::memcmp(header.pipelineCacheUUID, properties.pipelineCacheUUID, VK_UUID_SIZE) == 0;
+  return ours && file.compare(0, kSum, checksum(bytes)) == 0 ? bytes : std::string();
+}
+
+namespace {
+
+std::string hex(const uint8_t* bytes, size_t count) {
+  std::string text;
+  for (size_t i = 0; i < count; ++i) {
+    text += "0123456789abcdef"[bytes[i] >> 4];
+    text += "0123456789abcdef"[bytes[i] & 15];
+  }
+  return text;
+}
+
+}  // namespace
+
+PipelineCache::PipelineCache(const Device& device, const std::string& setting) : device_(device) {
+  VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &id, {}};
+  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
+  if (const std::filesystem::path folder = cacheFolder(setting); !folder.empty()) {
+    file_ = folder / (hex(id.deviceUUID, VK_UUID_SIZE) + "-" + std::to_string(properties.properties.driverVersion));
+    try {
+      stored_ = pipelinesIn(readWholeFile(file_, kMostBytes), properties.properties);
+    } catch (const Error&) {  // there is none yet
+    }
+  }
+  VkPipelineCacheCreateInfo create = {VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  create.initialDataSize = stored_.size();
+  create.pInitialData = stored_.data();
+  if (vkCreatePipelineCache(device.handle(), &create, nullptr, &cache_) == VK_SUCCESS) return;
+  stored_.clear();
+  create.initialDataSize = 0;
+  VK(vkCreatePipelineCache(device.handle(), &create, nullptr, &cache_));
+}
+
+PipelineCache::~PipelineCache() {
+  vkDestroyPipelineCache(device_.handle(), cache_, nullptr);
+}
+
+void PipelineCache::save() const {
+  if (file_.empty()) return;
+  size_t size = 0;
+  VK(vkGetPipelineCacheData(device_.handle(), cache_, &size, nullptr));
+  std::string bytes(size, '\0');
+  VK(vkGetPipelineCacheData(device_.handle(), cache_, &size, bytes.data()));
+  bytes.resize(size);
+  if (bytes == stored_) return;
+  std::error_code ignored;
+  std::filesystem::create_directories(file_.parent_path(), ignored);
+  try {
+    AtomicFile file(file_);
+    file.write(checksum(bytes));
+    file.write(bytes);
+    file.commit();
+  } catch (const Error&) {  // compiled again next time
+  }
+}
+
+}  // namespace gnosphere::vulkan

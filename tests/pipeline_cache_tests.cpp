@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compiled pipelines on disk: used if they are sound, never trusted, never a reason to fail.
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+#include "support.hpp"
+#include "vulkan/pipeline_cache.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "gnosphere-cache-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path = name;
+  }
+  ~Folder() { fs::remove_all(path); }
+  std::vector<fs::path> files() const {
+    std::vector<fs::path> result;
+    if (fs::exists(path / "deep"))
+      for (const auto& entry : fs::directory_iterator(path / "deep")) result.push_back(entry.path());
+    return result;
+  }
+  fs::path path;
+};
+
+std::string get(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void put(const fs::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+
+Scan scanWith(const std::string& cache) {
+  SimulatorOptions options = vulkanOptions();
+  options.cache = cache;
+  return scanOf(sceneOf(soup(5, 200, 20, 8)), gridSensor(90, 8, -30, 30), {}, options);
+}
+
+// The file's own checksum, made right again after a change: FNV-1a over what follows it.
+std::string sealed(std::string bytes) {
+  uint64_t hash = 0xcbf29ce484222325u;
+  for (size_t i = 8; i < bytes.size(); ++i) hash = (hash ^ static_cast<unsigned char>(bytes[i])) * 0x100000001b3u;
+  std::memcpy(bytes.data(), &hash, sizeof hash);
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("pipelines are kept in the folder that is asked for, and a sound file is left alone") {
+  needVulkan();
+  const Folder folder;
+  const Scan first = scanWith(folder.path / "deep");
+  REQUIRE(folder.files().size() == 1);
+  const fs::path file = folder.files()[0];
+  const std::string bytes = get(file);
+  CHECK(bytes == sealed(bytes));
+  const auto old = fs::last_write_time(file) - std::chrono::hours(1);
+  fs::last_write_time(file, old);
+  CHECK(sameBytes(scanWith(folder.path / "deep"), first));
+  if (get(file) == bytes) CHECK(fs::last_write_time(file) == old);
+}
+
+TEST_CASE("only a whole file of the same driver and device counts") {
+  VkPhysicalDeviceProperties properties = {};
+  properties.vendorID = 0x10de;
+  properties.deviceID = 0x2335;
+  for (size_t i = 0; i < VK_UUID_SIZE; ++i) properties.pipelineCacheUUID[i] = static_cast<uint8_t>(3 * i + 1);
+  VkPipelineCacheHeaderVersionOne header = {32, VK_PIPELINE_CACHE_HEADER_VERSION_ONE, 0x10de, 0x2335, {}};
+  std::copy_n(properties.pipelineCacheUUID, VK_UUID_SIZE, header.pipelineCacheUUID);
+  std::string good(8 + sizeof header, '\0');
+  std::memcpy(good.data() + 8, &header, sizeof header);
+  good = sealed(good + "compiled");
+  CHECK(vulkan::pipelinesIn(good, properties) == good.substr(8));
+  for (size_t at = 0; at < good.size(); ++at) {
+    INFO("byte " << at);
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 1);
+    CHECK(vulkan::pipelinesIn(bad, properties).empty());
+    if (at >= 8 && at < 8 + sizeof header) CHECK(vulkan::pipelinesIn(sealed(bad), properties).empty());
+    CHECK(vulkan::pipelinesIn(good.substr(0, at), properties).empty());
+  }
+}
+
+TEST_CASE("a damaged file of pipelines is replaced without a word") {
+  needVulkan();
+  const Folder folder;
+  const Scan first = scanWith(folder.path / "deep");
+  const fs::path file = folder.files().at(0);
+  std::string bad = get(file);
+  REQUIRE(bad.size() >= 40);
+  bad.back() = static_cast<char>(bad.back() ^ 1);
+  put(file, bad);
+  CHECK(sameBytes(scanWith(folder.path / "deep"), first));
+  const std::string now = get(file);
+  CHECK(now == sealed(now));
+  CHECK(now != bad);
+}
+
+TEST_CASE("a folder for pipelines that cannot be written, or none, is no error") {
+  needVulkan();
+  const Folder folder;
+  const Scan first = scanWith("off");
+  CHECK(sameBytes(scanWith("/proc/none/deep"), first));
+  put(folder.path / "deep", "a file where the folder should be");
+  CHECK(sameBytes(scanWith(folder.path / "deep"), first));
+  CHECK(get(folder.path / "deep") == "a file where the folder should be");
+}
+
+TEST_CASE("the default folder follows the XDG specification") {
+  needVulkan();
+  const Folder folder;
+  const auto with = [&](const char* cache, const char* home, const std::function<void()>& work) {
+    const std::string oldCache = std::getenv("XDG_CACHE_HOME") ? std::getenv("XDG_CACHE_HOME") : "";
+    const std::string oldHome = std::getenv("HOME") ? std::getenv("HOME") : "";
+    setenv("MESA_SHADER_CACHE_DIR", (oldCache.empty() ? oldHome + "/.cache" : oldCache).c_str(),
+           0);  // stays, it is slow
+    cache ? setenv("XDG_CACHE_HOME", cache, 1) : unsetenv("XDG_CACHE_HOME");
+    home ? setenv("HOME", home, 1) : unsetenv("HOME");
+    work();
+    oldCache.empty() ? unsetenv("XDG_CACHE_HOME") : setenv("XDG_CACHE_HOME", oldCache.c_str(), 1);
+    setenv("HOME", oldHome.c_str(), 1);
+  };
+  const std::string home = folder.path / "home", cache = folder.path / "cache";
+  with(cache.c_str(), home.c_str(), [] { scanWith(""); });
+  CHECK(fs::exists(folder.path / "cache" / "gnosphere"));
+  CHECK(!fs::exists(folder.path / "home" / ".cache" / "gnosphere"));
+  with("relative", home.c_str(), [] { scanWith(""); });
+  CHECK(fs::exists(folder.path / "home" / ".cache" / "gnosphere"));
+  CHECK(!fs::exists("relative/gnosphere"));
+  with(nullptr, nullptr, [] { scanWith(""); });
+}
+
+}  // namespace gnosphere::test
