@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage bin. Gives every projected triangle to the beams that meet it. Small boxes are worked off by one invocation
-// each; tiles of large ones by a subgroup each, lanes along the columns. PASS says what is done with a meeting.
+// each; tiles of large ones by a subgroup each, its lanes side by side. PASS says what is done with a meeting.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #ifdef INT64_ATOMICS
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
@@ -24,7 +26,7 @@ layout(std430, set = 0, binding = kBindWords) coherent buffer Words64Block { uin
 // Ranges are positive, so their bits order like numbers. Reading before the atomic is safe: words only fall.
 void offerNearest(uint beam, uint rangeBits, uint id) {
 #ifdef INT64_ATOMICS
-  if (rangeBits <= words[2 * beam + 1]) atomicMin(words64[beam], packUint2x32(uvec2(id, rangeBits)));
+  if (rangeBits <= words[beam].y) atomicMin(words64[beam], packUint2x32(uvec2(id, rangeBits)));
 #endif
 }
 
@@ -33,9 +35,9 @@ void offer(uint beam, float range, uint projected, uint id) {
   if (PASS == kPassNearest) {
     offerNearest(beam, rangeBits, id);
   } else if (PASS == kPassRange) {
-    if (rangeBits < words[2 * beam + 1]) atomicMin(words[2 * beam + 1], rangeBits);
+    if (rangeBits < words[beam].y) atomicMin(words[beam].y, rangeBits);
   } else if (PASS == kPassOwner) {
-    if (rangeBits == words[2 * beam + 1]) atomicMin(words[2 * beam], id);
+    if (rangeBits == words[beam].y) atomicMin(words[beam].x, id);
   } else if (PASS == kPassCount) {
     atomicAdd(listEnds[beam], 1);
   } else {
@@ -46,7 +48,7 @@ void offer(uint beam, float range, uint projected, uint id) {
 
 float farthestOf(uint index) {
   bool lists = PASS == kPassCount || PASS == kPassFill;
-  return lists ? frame.rangeMax : min(uintBitsToFloat(min(words[2 * index + 1], 0x7f800000u)), frame.rangeMax);
+  return lists ? frame.rangeMax : min(uintBitsToFloat(min(words[index].y, 0x7f800000u)), frame.rangeMax);
 }
 
 // A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and it spans up to 1.
@@ -59,54 +61,110 @@ uint wrapColumn(int column) {
   return uint(column);
 }
 
-// Tries the beams of `count` columns of a box, from its `first`-th on, every `stride`-th.
-void tryColumns(uint projected, Box box, uint first, uint count, uint stride) {
-  if (first >= count) return;
-  Triangle triangle = loadProjected(projected);
-  uint rowFirst = box.rows & 0xffff, rowLast = box.rows >> 16;
+void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
+  float range;
+  if (meet(triangle, prepared, turned, beam, index, range)) offer(index, range, projected, triangle.id);
+}
+
+uint columnAt(Box box, uint k, float shift) { return wrapColumn(int(ceil(box.columnMin - shift)) + int(k)); }
+
+// The beam in the k-th column of a box and in a row, and its index.
+Beam beamAt(Box box, uint k, uint row, out uint index) {
+  vec4 angles = rows[row].angles;
+  vec4 offset = AZIMUTH_OFFSETS ? rows[row].offset : vec4(0.0);
+  uint column = columnAt(box, k, offset.z);
+  index = uint(angles.w) * frame.columns + column;
+  return beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
+}
+
+Box boxOf(uint i, float packedRows) {
+  uint word = floatBitsToUint(packedRows);
+  vec2 span = projectedColumns[i];
+  return Box(span.x, span.y, word & 0xffff, word >> 16);
+}
+
+// One invocation, all beams of a box. One loop, not two nested ones: lanes with boxes of other shapes then wait for the
+// largest box only, not for the most columns times the most rows.
+void trySmall(uint i) {
+  vec4 c = projectedC[i];
+  Triangle triangle = triangleOf(projectedA[i], projectedB[i], c);
+  Box box = boxOf(i, c.w);
   Prepared prepared = prepare(triangle);
-  // One loop over the box's beams, not two nested ones: lanes with boxes of other shapes then wait for the largest box
-  // only, not for the most columns times the most rows.
-  uint row = rowLast, column = 0;
-  uint k = first - stride;
-  Turned turned;
-  while (true) {
-    if (row == rowLast) {
-      k += stride;
-      if (k >= count) break;
-      row = rowFirst;
-      column = wrapColumn(int(ceil(box.columnMin)) + int(k));
-      turned = turn(triangle, columns[column]);
-    } else {
+  uint columnCount = boxColumnCount(box);
+  uint k = 0;
+  for (uint row = box.rowFirst; row <= box.rowLast;) {
+    uint index;
+    Beam beam = beamAt(box, k, row, index);
+    tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, i);
+    if (++k == columnCount) {
+      k = 0;
       ++row;
     }
-    if (AZIMUTH_OFFSETS) column = wrapColumn(int(ceil(box.columnMin - rows[row].columnShift)) + int(k));
-    Beam beam = beamOf(columns[column], row);
-    if (AZIMUTH_OFFSETS) turned = turn(triangle, beam.azimuth);
-    uint index = rows[row].channel * frame.columns + column;
-    float range;
-    if (meet(triangle, prepared, turned, beam, index, range))
-      offer(index, range, projected, triangle.id);
   }
 }
 
-bool isSmall(Box box) {
-  return boxColumnCount(box) * ((box.rows >> 16) - (box.rows & 0xffff) + 1) <= kSmallBoxBeams;
+// One subgroup, one tile; one lane loads for all. Lanes stand side by side in `width` columns and, where the tile has
+// fewer columns than the subgroup lanes, in several rows.
+void tryTile(uint t) {
+  uvec4 tile;
+  vec4 a, b, c;
+  Box box;
+  if (subgroupElect()) {
+    tile = tiles[t];
+    a = projectedA[tile.x];
+    b = projectedB[tile.x];
+    c = projectedC[tile.x];
+    box = boxOf(tile.x, c.w);
+  }
+  tile = subgroupBroadcastFirst(tile);
+  Triangle triangle = triangleOf(subgroupBroadcastFirst(a), subgroupBroadcastFirst(b), subgroupBroadcastFirst(c));
+  box.columnMin = subgroupBroadcastFirst(box.columnMin);
+  box.columnMax = subgroupBroadcastFirst(box.columnMax);
+  box.rowFirst = subgroupBroadcastFirst(box.rowFirst);
+  box.rowLast = subgroupBroadcastFirst(box.rowLast);
+  Prepared prepared = prepare(triangle);
+  uint end = min(tile.y + tile.z, boxColumnCount(box));
+  uint width = 1, shift = 0;
+  while (width < end - tile.y && width < gl_SubgroupSize) {
+    width *= 2;
+    ++shift;
+  }
+  uint height = gl_SubgroupSize >> shift;
+  uint lane = gl_SubgroupInvocationID;
+  for (uint first = tile.y; first < end; first += width) {
+    uint k = first + (lane & (width - 1));
+    uint column = columnAt(box, k, 0.0);
+    vec2 azimuth = columns[column];
+    Turned turned = turn(triangle, azimuth);
+    for (uint rowBase = box.rowFirst; rowBase <= box.rowLast; rowBase += gl_SubgroupSize) {
+      vec4 angles = rows[min(rowBase + lane, box.rowLast)].angles;
+      uint rowCount = min(box.rowLast - rowBase + 1, gl_SubgroupSize);
+      for (uint r = 0; r < rowCount; r += height) {
+        uint row = r + (lane >> shift);
+        vec4 mine = subgroupShuffle(angles, row & (gl_SubgroupSize - 1));
+        if (k >= end || row >= rowCount) continue;
+        if (AZIMUTH_OFFSETS) {
+          uint index;
+          Beam beam = beamAt(box, k, rowBase + row, index);
+          tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, tile.x);
+        } else {
+          tryBeam(triangle, prepared, turned, beamOf(azimuth, mine.x, mine.y),
+                  uint(mine.w) * frame.columns + column, tile.x);
+        }
+      }
+    }
+  }
 }
 
 void main() {
-  uint projectedCount = min(counters.projected, frame.projectedCapacity);
+  // Lists that were too small: the host makes room and runs the scan again.
+  if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
+      counters.tiles > frame.tileCapacity)
+    return;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < projectedCount; i += stride) {
-    Box box = projectedBoxes[i];
-    if (isSmall(box)) tryColumns(i, box, 0, boxColumnCount(box), 1);
-  }
-  uint tileCount = min(counters.tiles, frame.tileCapacity);
-  for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < tileCount;
-       i += gl_NumWorkGroups.x * gl_NumSubgroups) {
-    Tile tile = tiles[i];
-    Box box = projectedBoxes[tile.projected];
-    uint end = min(tile.columnFirst + tile.columnCount, boxColumnCount(box));
-    tryColumns(tile.projected, box, tile.columnFirst + gl_SubgroupInvocationID, end, gl_SubgroupSize);
-  }
+  for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;
+       i += stride)
+    trySmall(i);
+  stride = gl_NumWorkGroups.x * gl_NumSubgroups;
+  for (uint t = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride) tryTile(t);
 }

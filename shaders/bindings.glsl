@@ -10,25 +10,24 @@ layout(std430, set = 0, binding = kBindFrame) readonly buffer FrameBlock { Frame
 layout(std430, set = 0, binding = kBindCounters) coherent buffer CountersBlock { Counters counters; };
 WORK(kBindInstances, readonly, Instance, instances);
 WORK(kBindRows, readonly, Row, rows);
-WORK(kBindRowLookup, readonly, uint, rowLookup);
+WORK(kBindRowLookup, readonly, uint, rowLookup);   // per cell of keys: first row in or above it | first above it << 16
 WORK(kBindColumns, readonly, vec2, columns);       // cos, sin of the azimuth
 WORK(kBindVisible, , uvec2, visible);              // instance, cluster
-WORK(kBindProjectedA, , float, projectedA);        // first corner of each projected triangle, x y z, sensor frame
-WORK(kBindProjectedB, , float, projectedB);
-WORK(kBindProjectedC, , float, projectedC);
-WORK(kBindProjectedBoxes, , Box, projectedBoxes);
-WORK(kBindProjectedIds, , uint, projectedIds);     // placed triangle; the top bit says one-sided
-WORK(kBindTiles, , Tile, tiles);
-WORK(kBindWords, coherent, uint, words);           // per beam: triangle, range bits (a little-endian 64-bit word)
+// Each projected triangle: its corners in the sensor's frame, in w: placed triangle (the top bit says one-sided); no
+// point is nearer; first row in the low 16 bits, last row in the high ones. Small boxes from the front, large ones from
+// the back.
+WORK(kBindProjectedA, , vec4, projectedA);
+WORK(kBindProjectedB, , vec4, projectedB);
+WORK(kBindProjectedC, , vec4, projectedC);
+WORK(kBindProjectedColumns, , vec2, projectedColumns);  // first and last column of the box
+WORK(kBindTiles, , uvec4, tiles);                  // part of a large box: its triangle, first column in it, columns
+WORK(kBindWords, coherent, uvec2, words);          // per beam: triangle, range bits (a little-endian 64-bit word)
 WORK(kBindListEnds, coherent, uint, listEnds);     // counts, then starts, then ends of each beam's candidates
 WORK(kBindBlockSums, , uint, blockSums);
 WORK(kBindCandidates, , uint, candidates);         // indices of projected triangles
-WORK(kBindPoints, writeonly, float, points);
-WORK(kBindRanges, writeonly, float, ranges);
-WORK(kBindTriangles, writeonly, uint, triangles);
-WORK(kBindOwners, writeonly, uint, owners);        // instance of each beam's triangle
+WORK(kBindPoints, writeonly, vec4, points);        // x, y, z, range
+WORK(kBindOwners, writeonly, uvec2, owners);       // triangle within its mesh, instance
 CHUNK(kBindPlaced, uvec2, placed);                 // instance, cluster
 CHUNK(kBindClusters, Cluster, clusters);
-CHUNK(kBindPositions, float, positions);
-CHUNK(kBindCorners, uint, corners);                // three 8-bit vertex numbers
-CHUNK(kBindTriangleIds, uint, triangleIds);        // index within the mesh
+layout(scalar, set = 1, binding = kBindPositions) readonly buffer positionsBlock { vec3 positions[]; };
+CHUNK(kBindTriangleCorners, uvec2, triangleCorners);  // three 8-bit vertex numbers of the cluster, index in the mesh

@@ -81,15 +81,21 @@ Outline outlineOf(vec3 a, vec3 b, vec3 c) {
   return outline;
 }
 
+// Where a triangle may be met: columns columnMin..columnMax (real numbers, wrapping) and rows, both ends included.
+struct Box {
+  float columnMin, columnMax;
+  uint rowFirst, rowLast;
+};
+
 // Rows that the outline may cover; false if it lies between two rows or outside the field of view.
 bool coverRows(Outline outline, inout Box box) {
-  uint first = firstRowFrom(outline.keyMin);
-  if (first >= frame.rows || rows[first].key > outline.keyMax) return false;
-  uint last = firstRowFrom(outline.keyMax);
-  while (last >= frame.rows || rows[last].key > outline.keyMax) --last;
-  box.rows = first | last << 16;
-  return true;
+  uint end;
+  rowsBetween(outline.keyMin, outline.keyMax, box.rowFirst, end);
+  box.rowLast = end - 1;
+  return box.rowFirst < end;
 }
+
+uint boxRowCount(Box box) { return box.rowLast - box.rowFirst + 1; }
 
 // Columns that the box covers, wrapping: at most all of them.
 uint boxColumnCount(Box box) {

@@ -16,17 +16,12 @@ float farthestOf(uint index);
 #include "inside_watertight.glsl"
 #include "inside_exact.glsl"
 
-Triangle loadProjected(uint i) {
-  uint id = projectedIds[i];
-  Triangle triangle;
-  triangle.a = vec3(projectedA[3 * i], projectedA[3 * i + 1], projectedA[3 * i + 2]);
-  triangle.b = vec3(projectedB[3 * i], projectedB[3 * i + 1], projectedB[3 * i + 2]);
-  triangle.c = vec3(projectedC[3 * i], projectedC[3 * i + 1], projectedC[3 * i + 2]);
-  triangle.id = id & 0x7fffffffu;
-  triangle.oneSided = (id >> 31) != 0;
-  triangle.rangeMin = projectedBoxes[i].rangeMin;
-  return triangle;
+Triangle triangleOf(vec4 a, vec4 b, vec4 c) {
+  uint id = floatBitsToUint(a.w);
+  return Triangle(a.xyz, b.xyz, c.xyz, id & 0x7fffffffu, (id >> 31) != 0, b.w);
 }
+
+Triangle loadProjected(uint i) { return triangleOf(projectedA[i], projectedB[i], projectedC[i]); }
 
 // A beam: cos and sin of azimuth and elevation, and the direction they make.
 struct Beam {
@@ -35,20 +30,17 @@ struct Beam {
   vec3 direction;
 };
 
+// The azimuth of a column as a channel with its own offset has it.
+vec2 shiftedAzimuth(vec2 column, vec4 offset) {
+  precise float c = column.x * offset.x - column.y * offset.y;
+  precise float s = column.y * offset.x + column.x * offset.y;
+  return INSIDE == kInsideExact ? snapToLattice(vec3(c, s, 0.0)).xy : vec2(c, s);
+}
+
 // The same operations wherever a beam is asked for, so every triangle sees the same beam.
-Beam beamOf(vec2 column, uint row) {
-  Beam beam;
-  beam.azimuth = column;
-  if (AZIMUTH_OFFSETS) {
-    precise float c = column.x * rows[row].cosOffset - column.y * rows[row].sinOffset;
-    precise float s = column.y * rows[row].cosOffset + column.x * rows[row].sinOffset;
-    beam.azimuth = INSIDE == kInsideExact ? snapToLattice(vec3(c, s, 0.0)).xy : vec2(c, s);
-  }
-  beam.cosElevation = rows[row].cosElevation;
-  beam.sinElevation = rows[row].sinElevation;
-  precise vec2 horizontal = beam.cosElevation * beam.azimuth;
-  beam.direction = vec3(horizontal, beam.sinElevation);
-  return beam;
+Beam beamOf(vec2 azimuth, float cosElevation, float sinElevation) {
+  precise vec2 horizontal = cosElevation * azimuth;
+  return Beam(azimuth, cosElevation, sinElevation, vec3(horizontal, sinElevation));
 }
 
 // What the tests need of a triangle whatever the beam; what a pipeline does not use, it does not compute.

@@ -3,6 +3,7 @@
 // unless its whole box is out of range, above or below the sensor's field of view, or between two rows of beams.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shared.h"
@@ -15,10 +16,9 @@ layout(push_constant) uniform ChunkBlock { Chunk chunk; };
 
 // The cluster's box in the sensor's frame: centre and half extents of the turned box, a little widened for rounding.
 void sensorBox(Instance instance, Cluster cluster, out vec3 low, out vec3 high) {
-  vec3 minimum = vec3(cluster.minX, cluster.minY, cluster.minZ);
-  vec3 maximum = vec3(cluster.maxX, cluster.maxY, cluster.maxZ);
+  vec3 minimum = cluster.low.xyz, maximum = cluster.high.xyz;
   vec3 pivot = vec3(instance.row0.w, instance.row1.w, instance.row2.w);
-  vec3 offset = vec3(instance.offsetX, instance.offsetY, instance.offsetZ);
+  vec3 offset = instance.offset.xyz;
   vec3 middle = 0.5 * (minimum - pivot) + 0.5 * (maximum - pivot);
   vec3 extent = 0.5 * (maximum - minimum);
   vec3 centre = vec3(dot(instance.row0.xyz, middle), dot(instance.row1.xyz, middle), dot(instance.row2.xyz, middle)) +
@@ -46,8 +46,9 @@ bool betweenRows(vec3 low, vec3 high) {
   float near = length(nearest), far = length(farthest);
   float keyMax = elevationKey(high.z > 0.0 ? near : far, high.z) + kKeySlack;
   float keyMin = elevationKey(low.z < 0.0 ? near : far, low.z) - kKeySlack;
-  uint row = firstRowFrom(keyMin);
-  return row >= frame.rows || rows[row].key > keyMax;
+  uint first, end;
+  rowsBetween(keyMin, keyMax, first, end);
+  return first >= end;
 }
 
 void main() {
@@ -60,11 +61,12 @@ void main() {
     uvec2 pair = uvec2(0);
     if (i < chunk.placedCount) {
       pair = placed[i];
+      Cluster cluster = clusters[pair.y];
       vec3 low, high;
-      sensorBox(instances[pair.x], clusters[pair.y], low, high);
+      sensorBox(instances[pair.x], cluster, low, high);
       // The paper culls triangle by triangle. Comparisons with NaN are false: such a cluster is kept.
       keep = (BOUNDS == kBoundsPaper || CULL == kCullFirstCorner) || !(outOfRange(low, high) || betweenRows(low, high));
-      if (!keep) culled += clusters[pair.y].triangleCount;
+      if (!keep) culled += (floatBitsToUint(cluster.high.w) >> 25 & 63) + 1;
     }
     uvec4 ballot = subgroupBallot(keep);
     uint slot = 0;

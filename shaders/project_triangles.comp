@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, second pass. One workgroup per visible cluster, one invocation per triangle: to the sensor's frame,
+// Stage project, second pass. One subgroup per visible cluster, one invocation per triangle: to the sensor's frame,
 // cull, exact angular bounds. Writes every triangle that a beam may meet, with a box that contains all such beams.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_EXT_scalar_block_layout : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -14,15 +16,54 @@
 
 layout(local_size_x = 64) in;
 
-const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4;
+const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4, kNoTriangle = 5;
 
-vec3 toSensor(Instance instance, uint vertex) {
-  precise vec3 d = vec3(positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2]) -
-                   vec3(instance.row0.w, instance.row1.w, instance.row2.w);
-  precise vec3 p =
-      vec3(instance.row0.x * d.x + instance.row0.y * d.y + instance.row0.z * d.z + instance.offsetX,
-           instance.row1.x * d.x + instance.row1.y * d.y + instance.row1.z * d.z + instance.offsetY,
-           instance.row2.x * d.x + instance.row2.y * d.y + instance.row2.z * d.z + instance.offsetZ);
+// As stored, see bindings.glsl.
+struct Projected {
+  vec4 a, b, c;
+};
+
+// Where a cluster is: its instance and itself, loaded by one lane for all of them.
+struct Place {
+  mat3x4 rows;  // xyz: linear part, w: pivot
+  vec3 offset;
+  uint placedFirst;  // of the instance
+  bool mirrored;
+  uint vertexFirst, triangleFirst, triangleCount;
+  bool doubleSided;
+};
+
+Place placeOf(uint i) {
+  vec4 row0, row1, row2, offset;
+  float vertexFirst, packed;
+  if (subgroupElect()) {
+    uvec2 pair = visible[i];
+    row0 = instances[pair.x].row0;
+    row1 = instances[pair.x].row1;
+    row2 = instances[pair.x].row2;
+    offset = instances[pair.x].offset;
+    vertexFirst = clusters[pair.y].low.w;
+    packed = clusters[pair.y].high.w;
+  }
+  Place place;
+  place.rows = mat3x4(subgroupBroadcastFirst(row0), subgroupBroadcastFirst(row1), subgroupBroadcastFirst(row2));
+  offset = subgroupBroadcastFirst(offset);
+  place.offset = offset.xyz;
+  place.placedFirst = floatBitsToUint(offset.w) & 0x7fffffffu;
+  place.mirrored = (floatBitsToUint(offset.w) >> 31) != 0;
+  place.vertexFirst = floatBitsToUint(subgroupBroadcastFirst(vertexFirst));
+  uint word = floatBitsToUint(subgroupBroadcastFirst(packed));
+  place.triangleFirst = word & (kChunkTriangles - 1);
+  place.triangleCount = (word >> 25 & 63) + 1;
+  place.doubleSided = (word >> 31) != 0;
+  return place;
+}
+
+vec3 toSensor(Place place, uint vertex) {
+  precise vec3 d = positions[place.vertexFirst + vertex] - vec3(place.rows[0].w, place.rows[1].w, place.rows[2].w);
+  precise vec3 p = vec3(place.rows[0].x * d.x + place.rows[0].y * d.y + place.rows[0].z * d.z + place.offset.x,
+                        place.rows[1].x * d.x + place.rows[1].y * d.y + place.rows[1].z * d.z + place.offset.y,
+                        place.rows[2].x * d.x + place.rows[2].y * d.y + place.rows[2].z * d.z + place.offset.z);
   return p;
 }
 
@@ -46,22 +87,22 @@ bool facesAway(vec3 a, vec3 b, vec3 c) {
   return side > bound;
 }
 
-bool outOfRange(vec3 a, Box box) {
-  return CULL == kCullFirstCorner ? !(length(a) <= frame.rangeMax) : box.rangeMin > frame.rangeMax;
+bool outOfRange(vec3 a, float rangeMin) {
+  return CULL == kCullFirstCorner ? !(length(a) <= frame.rangeMax) : rangeMin > frame.rangeMax;
 }
 
-uint boundedBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box) {
-  box.rangeMin = nearestDistance(a, b, c);
-  if (outOfRange(a, box)) return kRange;
+uint boundedBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {
+  rangeMin = nearestDistance(a, b, c);
+  if (outOfRange(a, rangeMin)) return kRange;
   if (oneSided && facesAway(a, b, c)) return kFace;
   Outline outline = outlineOf(a, b, c);
   return coverRows(outline, box) && coverColumns(a, b, c, outline, box) ? kKeep : kBetween;
 }
 
 // Section 3 of the paper: n . v0 < 0 for faces of one side, the floor of the corners' angles.
-uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box) {
-  box.rangeMin = abs(dot(normalize(cross(b - a, c - a)), a));
-  if (outOfRange(a, box)) return kRange;
+uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {
+  rangeMin = abs(dot(normalize(cross(b - a, c - a)), a));
+  if (outOfRange(a, rangeMin)) return kRange;
   if (oneSided && dot(cross(b - a, c - a), a) >= 0.0) return kFace;
   vec3 elevation = vec3(asin(a.z / length(a)), asin(b.z / length(b)), asin(c.z / length(c)));
   vec3 azimuth = vec3(atan(a.y, a.x), atan(b.y, b.x), atan(c.y, c.x));
@@ -69,76 +110,86 @@ uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box) {
   float first = floor((low - frame.paperFirstElevation) * frame.paperRowsPerRadian);
   float last = floor((high - frame.paperFirstElevation) * frame.paperRowsPerRadian);
   if (!(last >= 0.0 && first < float(frame.rows))) return kBetween;
-  box.rows = uint(max(first, 0.0)) | uint(min(last, float(frame.rows - 1))) << 16;
+  box.rowFirst = uint(max(first, 0.0));
+  box.rowLast = uint(min(last, float(frame.rows - 1)));
   box.columnMin = floor((min(min(azimuth.x, azimuth.y), azimuth.z) + kPi) * frame.columnsPerRadian);
   box.columnMax = floor((max(max(azimuth.x, azimuth.y), azimuth.z) + kPi) * frame.columnsPerRadian);
   return kKeep;
 }
 
-// Loads one triangle of a visible cluster, with the corners of a mirroring instance swapped back to their winding.
-uint projectOne(uvec2 pair, uint k, out vec3 a, out vec3 b, out vec3 c, out uint id, out Box box) {
-  Instance instance = instances[pair.x];
-  Cluster cluster = clusters[pair.y];
-  uint packed = corners[cluster.firstTriangle + k];
-  bool mirrored = (instance.firstTriangle >> 31) != 0;
-  a = toSensor(instance, cluster.firstVertex + (packed & 0xff));
-  b = toSensor(instance, cluster.firstVertex + (packed >> (mirrored ? 16 : 8) & 0xff));
-  c = toSensor(instance, cluster.firstVertex + (packed >> (mirrored ? 8 : 16) & 0xff));
+// The k-th triangle of a cluster, with the corners of a mirroring instance swapped back to their winding.
+uint projectOne(Place place, uint k, out Projected projected, out Box box) {
+  uvec2 triangle = triangleCorners[place.triangleFirst + k];
+  vec3 a = toSensor(place, triangle.x & 0xff);
+  vec3 b = toSensor(place, triangle.x >> (place.mirrored ? 16 : 8) & 0xff);
+  vec3 c = toSensor(place, triangle.x >> (place.mirrored ? 8 : 16) & 0xff);
   if (INSIDE == kInsideExact) {
     a = snapToLattice(a);
     b = snapToLattice(b);
     c = snapToLattice(c);
   }
-  bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && cluster.doubleSided == 0);
-  id = (instance.firstTriangle & 0x7fffffffu) + triangleIds[cluster.firstTriangle + k] | (oneSided ? 1u << 31 : 0u);
+  bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && !place.doubleSided);
+  uint id = place.placedFirst + triangle.y | (oneSided ? 1u << 31 : 0u);
   if (!(inLimits(a) && inLimits(b) && inLimits(c))) return kNonFinite;
-  return BOUNDS == kBoundsPaper ? paperBox(a, b, c, oneSided, box) : boundedBox(a, b, c, oneSided, box);
+  float rangeMin;
+  uint fate = BOUNDS == kBoundsPaper ? paperBox(a, b, c, oneSided, box, rangeMin)
+                                     : boundedBox(a, b, c, oneSided, box, rangeMin);
+  projected.a = vec4(a, uintBitsToFloat(id));
+  projected.b = vec4(b, rangeMin);
+  projected.c = vec4(c, uintBitsToFloat(box.rowFirst | box.rowLast << 16));
+  return fate;
 }
 
-void store(uint slot, vec3 a, vec3 b, vec3 c, uint id, Box box) {
-  for (uint k = 0; k < 3; ++k) {
-    projectedA[3 * slot + k] = a[k];
-    projectedB[3 * slot + k] = b[k];
-    projectedC[3 * slot + k] = c[k];
-  }
-  projectedBoxes[slot] = box;
-  projectedIds[slot] = id;
+void store(uint slot, Projected projected, Box box) {
+  projectedA[slot] = projected.a;
+  projectedB[slot] = projected.b;
+  projectedC[slot] = projected.c;
+  projectedColumns[slot] = vec2(box.columnMin, box.columnMax);
 }
 
-// A box too large for one invocation is cut into tiles that subgroups share.
+// A large box is cut into tiles.
 void storeTiles(uint slot, Box box) {
-  uint rowCount = (box.rows >> 16) - (box.rows & 0xffff) + 1;
+  uint columnsPerTile = max(kTileBeams / boxRowCount(box), 1);
   uint columnCount = boxColumnCount(box);
-  if (rowCount * columnCount <= kSmallBoxBeams) return;
-  uint columnsPerTile = max(kTileBeams / rowCount, 1);
   uint count = (columnCount + columnsPerTile - 1) / columnsPerTile;
   uint first = atomicAdd(counters.tiles, count);
   for (uint k = 0; k < count && first + k < frame.tileCapacity; ++k)
-    tiles[first + k] = Tile(slot, k * columnsPerTile, columnsPerTile, 0);
+    tiles[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
+}
+
+// The slot of a lane whose bit is set, from `base` on.
+uint slotsAfter(uint base, uvec4 ballot) { return subgroupBroadcastFirst(base) + subgroupBallotExclusiveBitCount(ballot); }
+
+void storeKept(bool keep, Projected projected, Box box) {
+  bool small = boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
+  uvec4 smallOnes = subgroupBallot(keep && small), largeOnes = subgroupBallot(keep && !small);
+  uint base = 0;
+  if (subgroupElect()) base = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));
+  uint slot = slotsAfter(base, smallOnes);
+  if (subgroupElect()) base = atomicAdd(counters.projectedLarge, subgroupBallotBitCount(largeOnes));
+  uint largeSlot = frame.projectedCapacity - 1 - slotsAfter(base, largeOnes);
+  if (!small) slot = largeSlot;
+  if (keep && slot < frame.projectedCapacity) {
+    store(slot, projected, box);
+    if (!small) storeTiles(slot, box);
+  }
 }
 
 void main() {
   uvec4 culled = uvec4(0);  // non-finite, range, face, between beams
   uint clusterCount = counters.visible;
-  for (uint i = gl_WorkGroupID.x; i < clusterCount; i += gl_NumWorkGroups.x) {
-    uvec2 pair = visible[i];
-    uint fate = kNonFinite;
-    vec3 a, b, c;
-    uint id;
-    Box box;
-    bool exists = gl_LocalInvocationID.x < clusters[pair.y].triangleCount;
-    if (exists) {
-      fate = projectOne(pair, gl_LocalInvocationID.x, a, b, c, id, box);
-      culled += uvec4(equal(uvec4(fate), uvec4(kNonFinite, kRange, kFace, kBetween)));
-    }
-    bool keep = exists && fate == kKeep;
-    uvec4 ballot = subgroupBallot(keep);
-    uint slot = 0;
-    if (subgroupElect()) slot = atomicAdd(counters.projected, subgroupBallotBitCount(ballot));
-    slot = subgroupBroadcastFirst(slot) + subgroupBallotExclusiveBitCount(ballot);
-    if (keep && slot < frame.projectedCapacity) {
-      store(slot, a, b, c, id, box);
-      storeTiles(slot, box);
+  uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
+  for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < clusterCount; i += stride) {
+    Place place = placeOf(i);
+    for (uint first = 0; first < place.triangleCount; first += gl_SubgroupSize) {
+      uint fate = kNoTriangle;
+      Projected projected;
+      Box box;
+      if (first + gl_SubgroupInvocationID < place.triangleCount) {
+        fate = projectOne(place, first + gl_SubgroupInvocationID, projected, box);
+        culled += uvec4(equal(uvec4(fate), uvec4(kNonFinite, kRange, kFace, kBetween)));
+      }
+      if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box);
     }
   }
   culled = subgroupAdd(culled);

@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_EXT_scalar_block_layout : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -38,7 +39,7 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
   uint best = kNone;
   float bestRangeMin = 0.0;
   for (uint k = start; k < end; ++k) {
-    float rangeMin = projectedBoxes[candidates[k]].rangeMin;
+    float rangeMin = projectedB[candidates[k]].w;
     if (best == kNone || rangeMin < bestRangeMin) {
       best = k;
       bestRangeMin = rangeMin;
@@ -46,11 +47,11 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
   }
   if (best != kNone) consider(candidates[best], index, beam, rangeBits, id);
   for (uint k = start; k < end; ++k)
-    if (k != best && floatBitsToUint(projectedBoxes[candidates[k]].rangeMin) <= rangeBits)
+    if (k != best && floatBitsToUint(projectedB[candidates[k]].w) <= rangeBits)
       consider(candidates[k], index, beam, rangeBits, id);
 }
 
-uint firstTriangleOf(uint instance) { return instances[instance].firstTriangle & 0x7fffffffu; }
+uint firstTriangleOf(uint instance) { return floatBitsToUint(instances[instance].offset.w) & 0x7fffffffu; }
 
 // The last instance whose first triangle is not above `id`. The beam before often met the guessed one.
 uint instanceOf(uint id, uint guess) {
@@ -72,27 +73,25 @@ void store(uint beam, vec3 direction, uint rangeBits, uint id, inout uint guess)
   float range = hit ? uintBitsToFloat(rangeBits) : uintBitsToFloat(0x7fc00000u);
   uint owner = kNone;
   if (hit) owner = guess = instanceOf(id, guess);
-  points[3 * beam] = hit ? direction.x * range : range;
-  points[3 * beam + 1] = hit ? direction.y * range : range;
-  points[3 * beam + 2] = hit ? direction.z * range : range;
-  ranges[beam] = range;
-  triangles[beam] = hit ? id - firstTriangleOf(owner) : kNone;
-  owners[beam] = owner;
+  points[beam] = hit ? vec4(direction * range, range) : vec4(range);
+  owners[beam] = uvec2(hit ? id - firstTriangleOf(owner) : kNone, owner);
 }
 
 void main() {
-  uint row = gl_WorkGroupID.y;
+  vec4 angles = rows[gl_WorkGroupID.y].angles, offset = rows[gl_WorkGroupID.y].offset;
+  uint channel = uint(angles.w);
   uint hits = 0, guess = 0;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
-    uint index = rows[row].channel * frame.columns + column;
-    Beam beam = beamOf(columns[column], row);
+    uint index = channel * frame.columns + column;
+    Beam beam = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
     uint rangeBits, id;
     if (PASS == kWayLists) {
       nearestOfList(index, beam, rangeBits, id);
     } else {
-      rangeBits = words[2 * index + 1];
-      id = words[2 * index];
+      uvec2 word = words[index];
+      rangeBits = word.y;
+      id = word.x;
     }
     store(index, beam.direction, rangeBits, id, guess);
     hits += rangeBits != kNone ? 1 : 0;

@@ -3,6 +3,7 @@
 // no workgroup ever waits for another, so no forward progress between workgroups is assumed.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What host and device share: structs, constants and binding numbers. Included by GLSL and C++ (and CUDA later).
 // Members are float, uint and vec4 only, 16-byte members first, sizes a multiple of 16: so std430, C++ and CUDA agree.
+// What a shader reads together is one vec4: a software device pays per load, not per component. An integer in its last
+// component is stored as its bits.
 #ifndef GNOSPHERE_SHARED_H
 #define GNOSPHERE_SHARED_H
 
@@ -11,6 +13,9 @@ using uint = uint32_t;
 struct alignas(16) vec4 {
   float x, y, z, w;
 };
+struct vec2 {
+  float x, y;
+};
 #define GNO_CONST inline constexpr
 #else
 #define GNO_CONST const
@@ -20,15 +25,16 @@ struct alignas(16) vec4 {
 
 // Triangles per cluster: one workgroup projects one cluster. More would cull worse, fewer would idle lanes.
 GNO_CONST uint kClusterTriangles = 64;
+// Triangles per chunk: a cluster packs its first one into 25 bits.
+GNO_CONST uint kChunkTriangles = 1u << 25;
 // Corners of a cluster are indexed by 8 bits: 64 loose triangles have 192.
 GNO_CONST uint kClusterVertices = 192;
-// A box of at most this many beams is worked off by the invocation that owns the triangle; a larger one is cut into
-// tiles that a subgroup shares. 128..256 was best on lavapipe in a prototype of this stage; not measured again here.
-GNO_CONST uint kSmallBoxBeams = 128;
+// A box of at most this many beams is worked off by one invocation; a larger one is cut into tiles, a subgroup each.
+GNO_CONST uint kSmallBoxBeams = 16;
 // Beams per tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
 GNO_CONST uint kTileBeams = 4096;
 // Cells of the table from elevation key to row.
-GNO_CONST uint kRowLookupCells = 8192;
+GNO_CONST uint kRowLookupCells = 16384;
 // Vertices farther than this on an axis are dropped and counted: their cubic terms would leave the float range.
 GNO_CONST float kCoordinateLimit = 1e9f;
 // Error of the elevation key (range -1..1) that bounds are widened by: 3 roundings of the key itself (2e-7), the arc's
@@ -92,25 +98,21 @@ GNO_CONST uint kBindVisible = 6;
 GNO_CONST uint kBindProjectedA = 7;
 GNO_CONST uint kBindProjectedB = 8;
 GNO_CONST uint kBindProjectedC = 9;
-GNO_CONST uint kBindProjectedBoxes = 10;
-GNO_CONST uint kBindProjectedIds = 11;
-GNO_CONST uint kBindTiles = 12;
-GNO_CONST uint kBindWords = 13;
-GNO_CONST uint kBindListEnds = 14;
-GNO_CONST uint kBindBlockSums = 15;
-GNO_CONST uint kBindCandidates = 16;
-GNO_CONST uint kBindPoints = 17;
-GNO_CONST uint kBindRanges = 18;
-GNO_CONST uint kBindTriangles = 19;
-GNO_CONST uint kBindOwners = 20;
-GNO_CONST uint kWorkBindingCount = 21;
+GNO_CONST uint kBindProjectedColumns = 10;
+GNO_CONST uint kBindTiles = 11;
+GNO_CONST uint kBindWords = 12;
+GNO_CONST uint kBindListEnds = 13;
+GNO_CONST uint kBindBlockSums = 14;
+GNO_CONST uint kBindCandidates = 15;
+GNO_CONST uint kBindPoints = 16;
+GNO_CONST uint kBindOwners = 17;
+GNO_CONST uint kWorkBindingCount = 18;
 // Set 1: one chunk of the scene.
 GNO_CONST uint kBindPlaced = 0;
 GNO_CONST uint kBindClusters = 1;
 GNO_CONST uint kBindPositions = 2;
-GNO_CONST uint kBindCorners = 3;
-GNO_CONST uint kBindTriangleIds = 4;
-GNO_CONST uint kSceneBindingCount = 5;
+GNO_CONST uint kBindTriangleCorners = 3;
+GNO_CONST uint kSceneBindingCount = 4;
 
 // --- Structs ---------------------------------------------------------------------------------------------------------
 
@@ -120,19 +122,13 @@ struct Instance {
   vec4 row0;  // xyz: linear part, w: pivot
   vec4 row1;
   vec4 row2;
-  float offsetX, offsetY, offsetZ;
-  uint firstTriangle;  // index of its first placed triangle; the top bit says that the transform mirrors
+  vec4 offset;  // xyz: offset, w: index of its first placed triangle; the top bit says that the transform mirrors
 };
 
 // At most kClusterTriangles triangles of one material, in the mesh frame.
 struct Cluster {
-  float minX, minY, minZ;
-  uint firstVertex;
-  float maxX, maxY, maxZ;
-  uint firstTriangle;
-  uint triangleCount;
-  uint doubleSided;
-  uint padding0, padding1;
+  vec4 low;   // xyz: lower corner of its box, w: first vertex
+  vec4 high;  // xyz: upper corner, w: first triangle | triangles - 1 << 25 | double-sided << 31
 };
 
 // Everything about the sensor that is not a table.
@@ -154,36 +150,17 @@ struct Frame {
 
 // One channel, in order of elevation.
 struct Row {
-  float cosElevation, sinElevation;
-  float key;          // elevation key, see elevationKey()
-  float columnShift;  // azimuth offset in columns
-  float cosOffset, sinOffset;
-  uint channel;
-  uint padding0;
-};
-
-// Where a projected triangle may be met: columns columnMin..columnMax (real numbers, wrapping) and the rows, first in
-// the low 16 bits, last in the high ones.
-struct Box {
-  float columnMin, columnMax;
-  uint rows;
-  float rangeMin;  // no point of the triangle is nearer
-};
-
-// Part of a large box: `columnCount` columns from the `columnFirst`-th of the box on.
-struct Tile {
-  uint projected;
-  uint columnFirst;
-  uint columnCount;
-  uint padding0;
+  vec4 angles;  // cos and sin of the elevation, elevation key (see elevationKey()), channel
+  vec4 offset;  // cos and sin of the azimuth offset, the offset in columns, 0
 };
 
 // What was needed and what became of every triangle; read back with the results.
 struct Counters {
-  uint visible, projected, tiles, candidates;
+  uint visible, projectedSmall, projectedLarge, tiles;
   uint hits, nonFinite, culledByCluster, culledByRange;
-  uint culledByFace, culledBetweenBeams;
+  uint culledByFace, culledBetweenBeams, candidates, padding0;
   uint integerSides, integerRanges;  // of `exact`: tests that floating point could not decide
+  uint padding1, padding2;
 };
 
 // Push constants of `project`.
@@ -193,8 +170,8 @@ struct Chunk {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Frame) == 64 && sizeof(Row) == 32);
-static_assert(sizeof(Box) == 16 && sizeof(Tile) == 16 && sizeof(Counters) == 48 && sizeof(Chunk) == 16);
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 32 && sizeof(Frame) == 64 && sizeof(Row) == 32);
+static_assert(sizeof(Counters) == 64 && sizeof(Chunk) == 16);
 }  // namespace gnosphere::gpu
 #endif
 #endif

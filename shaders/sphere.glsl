@@ -30,10 +30,12 @@ float azimuthOf(float y, float x) {
   return y < 0.0 ? -angle : angle;
 }
 
-// First row whose key is at least `key`, up to frame.rows where there is none.
-uint firstRowFrom(float key) {
-  float cell = clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1));
-  uint row = rowLookup[uint(cell)];
-  while (row < frame.rows && rows[row].key < key) ++row;
-  return row;
+uint lookupCell(float key) {
+  return uint(clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1)));
+}
+
+// The rows first..end - 1 contain all with keys in keyMin..keyMax, and few others: those of the cells at both ends.
+void rowsBetween(float keyMin, float keyMax, out uint first, out uint end) {
+  first = rowLookup[lookupCell(keyMin)] & 0xffff;
+  end = rowLookup[lookupCell(keyMax)] >> 16;
 }

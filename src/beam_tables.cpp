@@ -36,26 +36,26 @@ std::vector<gpu::Row> makeRows(const Sensor& sensor) {
     const double elevation = sensor.channels[channel].elevationDeg * kRadians;
     const double offset = sensor.channels[channel].azimuthOffsetDeg * kRadians;
     gpu::Row row = {};
-    row.cosElevation = onLattice(std::cos(elevation));
-    row.sinElevation = onLattice(std::sin(elevation));
-    row.key = static_cast<float>(elevationKey(elevation));
-    row.columnShift = static_cast<float>(std::remainder(offset / (2 * std::numbers::pi), 1.0) * double(sensor.columns));
-    row.cosOffset = onLattice(std::cos(offset));
-    row.sinOffset = onLattice(std::sin(offset));
-    row.channel = channel;
+    const double shift = std::remainder(offset / (2 * std::numbers::pi), 1.0) * double(sensor.columns);
+    row.angles = {onLattice(std::cos(elevation)), onLattice(std::sin(elevation)),
+                  static_cast<float>(elevationKey(elevation)), static_cast<float>(channel)};
+    row.offset = {onLattice(std::cos(offset)), onLattice(std::sin(offset)), static_cast<float>(shift), 0};
     rows.push_back(row);
   }
   return rows;
 }
 
-// Entry k: the first row whose key is not below the lower end of cell k, one rounding of the cell's place allowed.
+// Entry k: the first row that is not below cell k | the first above it << 16; one rounding of the place allowed.
 std::vector<uint32_t> makeLookup(const std::vector<gpu::Row>& rows) {
-  std::vector<uint32_t> lookup(gpu::kRowLookupCells);
-  uint32_t row = 0;
-  for (uint32_t cell = 0; cell < lookup.size(); ++cell) {
-    const double low = 2.0 * cell / gpu::kRowLookupCells - 1 - 1e-6;
-    while (row < rows.size() && rows[row].key < low) ++row;
-    lookup[cell] = row;
+  std::vector<uint32_t> lookup;
+  const auto countBelow = [&, row = uint32_t{0}](double key) mutable {
+    while (row < rows.size() && rows[row].angles.z < key) ++row;
+    return row;
+  };
+  auto first = countBelow, end = countBelow;
+  for (uint32_t cell = 0; cell < gpu::kRowLookupCells; ++cell) {
+    const double low = 2.0 * cell / gpu::kRowLookupCells - 1;
+    lookup.push_back(first(low - 1e-6) | end(low + 2.0 / gpu::kRowLookupCells + 1e-6) << 16);
   }
   return lookup;
 }
@@ -88,9 +88,11 @@ BeamTables makeBeamTables(const Sensor& sensor) {
   frame.columnsPerRadian = static_cast<float>(columnsPerRadian);
   // Angle slack, plus the rounding of a column position: 3 roundings of a number up to twice the columns.
   frame.columnSlack = static_cast<float>(gpu::kAzimuthSlack * columnsPerRadian + 4e-7 * sensor.columns);
+  const auto elevationOf = [&](const gpu::Row& row) {
+    return sensor.channels[static_cast<size_t>(row.angles.w)].elevationDeg * kRadians;
+  };
   if (frame.rows > 1) {
-    const double first = sensor.channels[tables.rows.front().channel].elevationDeg * kRadians;
-    const double last = sensor.channels[tables.rows.back().channel].elevationDeg * kRadians;
+    const double first = elevationOf(tables.rows.front()), last = elevationOf(tables.rows.back());
     frame.paperFirstElevation = static_cast<float>(first);
     frame.paperRowsPerRadian = static_cast<float>(last > first ? (frame.rows - 1) / (last - first) : 0);
   } else if (frame.rows == 1) {

@@ -10,10 +10,11 @@
 namespace gnosphere {
 
 struct BeamTables {
-  std::vector<gpu::Row> rows;       ///< one per channel, in order of elevation
-  std::vector<uint32_t> rowLookup;  ///< cell of the elevation key -> first row that may lie at or above it
-  std::vector<float> columns;       ///< cos, sin of each column's azimuth
-  gpu::Frame frame = {};            ///< capacities and instance count are the backend's to fill
+  std::vector<gpu::Row> rows;  ///< one per channel, in order of elevation
+  std::vector<uint32_t>
+      rowLookup;               ///< per cell of elevation keys: first row that may lie in or above it, first above it
+  std::vector<float> columns;  ///< cos, sin of each column's azimuth
+  gpu::Frame frame = {};       ///< capacities and instance count are the backend's to fill
   bool azimuthOffsets = false;
 };
 

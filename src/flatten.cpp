@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "shared.h"
+
 namespace gnosphere {
 namespace {
 
@@ -61,14 +63,13 @@ class MeshFlattener {
   }
 
   void addCluster(const uint32_t* triangles, size_t count, bool doubleSided) {
-    gpu::Cluster cluster = {};
-    cluster.firstVertex = static_cast<uint32_t>(flat_.positions.size() / 3);
-    cluster.firstTriangle = static_cast<uint32_t>(flat_.corners.size());
+    FlatCluster cluster;
+    cluster.firstVertex = flat_.positions.size() / 3;
+    cluster.firstTriangle = flat_.triangles.size();
     cluster.triangleCount = static_cast<uint32_t>(count);
     cluster.doubleSided = doubleSided;
-    float low[3], high[3];
-    std::fill(low, low + 3, gpu::kCoordinateLimit);
-    std::fill(high, high + 3, -gpu::kCoordinateLimit);
+    std::fill(cluster.low, cluster.low + 3, gpu::kCoordinateLimit);
+    std::fill(cluster.high, cluster.high + 3, -gpu::kCoordinateLimit);
     const uint32_t stamp = static_cast<uint32_t>(flat_.clusters.size()) + 1;
     uint32_t vertexCount = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -80,17 +81,14 @@ class MeshFlattener {
           number_[vertex] = static_cast<uint8_t>(vertexCount++);
           flat_.positions.insert(flat_.positions.end(), position(vertex), position(vertex) + 3);
           for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], position(vertex)[axis]);
-            high[axis] = std::max(high[axis], position(vertex)[axis]);
+            cluster.low[axis] = std::min(cluster.low[axis], position(vertex)[axis]);
+            cluster.high[axis] = std::max(cluster.high[axis], position(vertex)[axis]);
           }
         }
         packed |= uint32_t{number_[vertex]} << (8 * k);
       }
-      flat_.corners.push_back(packed);
-      flat_.triangleIds.push_back(triangles[i]);
+      flat_.triangles.push_back({packed, triangles[i]});
     }
-    cluster.minX = low[0], cluster.minY = low[1], cluster.minZ = low[2];
-    cluster.maxX = high[0], cluster.maxY = high[1], cluster.maxZ = high[2];
     flat_.clusters.push_back(cluster);
   }
 
@@ -107,8 +105,7 @@ class MeshFlattener {
 FlatScene flatten(const Scene& scene) {
   FlatScene flat;
   const size_t triangles = scene.uniqueTriangleCount();
-  flat.corners.reserve(triangles);
-  flat.triangleIds.reserve(triangles);
+  flat.triangles.reserve(triangles);
   flat.clusters.reserve(triangles / gpu::kClusterTriangles + scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) flat.meshes.push_back(MeshFlattener(mesh, scene.materials, flat).run());
   return flat;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "gnosphere/scene.hpp"
-#include "shared.h"
 
 namespace gnosphere {
 
@@ -18,14 +17,27 @@ struct FlatMesh {
   uint32_t degenerate = 0;  ///< triangles with two corners at the same place
 };
 
+/// A triangle of a cluster.
+struct FlatTriangle {
+  uint32_t corners;  ///< vertex numbers within the cluster, 8 bits each, in winding order
+  uint32_t index;    ///< within the mesh
+};
+
+/// A cluster as it is built; chunks pack it into a gpu::Cluster.
+struct FlatCluster {
+  float low[3], high[3];  ///< its box
+  size_t firstVertex = 0, firstTriangle = 0;
+  uint32_t triangleCount = 0;
+  bool doubleSided = true;
+};
+
 /// Arrays of every mesh, each once; instances refer to them. A cluster owns a run of `positions` (3 floats a vertex)
-/// and a run of `corners` and `triangleIds` (one a triangle).
+/// and a run of `triangles`.
 struct FlatScene {
   std::vector<FlatMesh> meshes;
-  std::vector<gpu::Cluster> clusters;
+  std::vector<FlatCluster> clusters;
   std::vector<float> positions;
-  std::vector<uint32_t> corners;      ///< vertex numbers within the cluster, 8 bits each, in winding order
-  std::vector<uint32_t> triangleIds;  ///< index within the mesh
+  std::vector<FlatTriangle> triangles;
 };
 
 FlatScene flatten(const Scene& scene);

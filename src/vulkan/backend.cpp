@@ -28,7 +28,7 @@ class VulkanBackend final : public Backend {
         layout_(device_, cache_.handle(),
                 static_cast<uint32_t>(kFramesInFlight * sensors.size() + geometry_.chunks().size())) {
     for (const GeometryChunk& chunk : geometry_.chunks()) {
-      const Buffer* buffers[] = {&chunk.placed, &chunk.clusters, &chunk.positions, &chunk.corners, &chunk.triangleIds};
+      const Buffer* buffers[] = {&chunk.placed, &chunk.clusters, &chunk.positions, &chunk.triangleCorners};
       chunkSets_.push_back(layout_.makeSet(1));
       layout_.updateSet(chunkSets_.back(), buffers);
     }
@@ -178,10 +178,9 @@ class VulkanBackend final : public Backend {
   // the loop's stride also spreads uneven work over the threads.
   uint32_t groupCount() const { return device_.capabilities().cpu ? 256 : 4096; }
 
-  // What does not come from the device. Arrays keep their room.
+  // What does not come from the device. readResults() overwrites the other arrays.
   void clearResult(const SensorState& state, Scan& scan) const {
-    for (std::vector<float>* array : {&scan.points, &scan.ranges, &scan.tolerances}) array->clear();
-    for (std::vector<uint32_t>* array : {&scan.triangles, &scan.instances}) array->clear();
+    scan.tolerances.clear();
     scan.ties.clear();
     scan.timings.stages.clear();
     scan.timings.gpuMs = 0;
@@ -192,18 +191,28 @@ class VulkanBackend final : public Backend {
     scan.counters.degenerate = geometry_.dropped().degenerate;
   }
 
+  template <typename T>
+  static const T* mapped(const Buffer& buffer) {
+    buffer.invalidate();
+    return static_cast<const T*>(buffer.mapped());
+  }
+
   void readResults(const SensorState& state, const FrameInFlight& frame, Scan& scan) const {
     const uint64_t beams = state.frame().beams;
-    const auto read = [&]<typename T>(size_t output, std::vector<T>& to, uint64_t count) {
-      const Buffer& buffer = frame.results[output];
-      buffer.invalidate();
-      const T* data = static_cast<const T*>(buffer.mapped());
-      to.assign(data, data + count);
-    };
-    read(0, scan.points, 3 * beams);
-    read(1, scan.ranges, beams);
-    read(2, scan.triangles, beams);
-    read(3, scan.instances, beams);
+    const auto* points = mapped<gpu::vec4>(frame.results[0]);
+    const auto* owners = mapped<std::array<uint32_t, 2>>(frame.results[1]);
+    scan.points.resize(3 * beams);
+    scan.ranges.resize(beams);
+    scan.triangles.resize(beams);
+    scan.instances.resize(beams);
+    for (uint64_t i = 0; i < beams; ++i) {
+      scan.points[3 * i] = points[i].x;
+      scan.points[3 * i + 1] = points[i].y;
+      scan.points[3 * i + 2] = points[i].z;
+      scan.ranges[i] = points[i].w;
+      scan.triangles[i] = owners[i][0];
+      scan.instances[i] = owners[i][1];
+    }
     const gpu::Counters& device = frame.counters();
     Counters& result = scan.counters;
     result.hits = device.hits;
@@ -213,7 +222,7 @@ class VulkanBackend final : public Backend {
     result.culledByRange = device.culledByRange;
     result.culledByFace = device.culledByFace;
     result.culledBetweenBeams = device.culledBetweenBeams;
-    result.projected = device.projected;
+    result.projected = uint64_t{device.projectedSmall} + device.projectedLarge;
     result.candidates = device.candidates;
     result.integerSides = device.integerSides;
     result.integerRanges = device.integerRanges;

@@ -197,14 +197,17 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   result.float64 = features.features.shaderFloat64;
   result.timestamps = timestampBits == 64 && basic.limits.timestampPeriod > 0;
   result.timestampMs = basic.limits.timestampPeriod * 1e-6;
-  constexpr VkSubgroupFeatureFlags kSubgroup =
-      VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+  constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
+                                               VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
+                                               VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
   constexpr uint32_t kBuffers = gpu::kWorkBindingCount + gpu::kSceneBindingCount;
   if (family < 0)
     info.reason = "it has no compute queue";
   else if (!(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
            (subgroup.supportedOperations & kSubgroup) != kSubgroup)
-    info.reason = "it lacks subgroup ballot or arithmetic in compute shaders";
+    info.reason = "it lacks subgroup ballot, vote, shuffle or arithmetic in compute shaders";
+  else if (!features12.scalarBlockLayout)
+    info.reason = "it lacks the scalar block layout";
   else if (basic.limits.maxPerStageDescriptorStorageBuffers < kBuffers)
     info.reason = "it binds " + std::to_string(basic.limits.maxPerStageDescriptorStorageBuffers) +
                   " storage buffers per stage, " + std::to_string(kBuffers) + " are needed";
@@ -253,6 +256,7 @@ Device::Device(const std::string& name, bool validation, uint64_t maxBufferBytes
   queue.pQueuePriorities = &priority;
   VkPhysicalDeviceVulkan12Features features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   features12.shaderBufferInt64Atomics = capabilities_.int64Atomics;
+  features12.scalarBlockLayout = VK_TRUE;
   VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
   features.features.shaderInt64 = capabilities_.int64Atomics;
   features.features.shaderFloat64 = capabilities_.float64;

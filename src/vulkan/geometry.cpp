@@ -2,6 +2,7 @@
 #include "vulkan/geometry.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -17,7 +18,7 @@ struct Run {
 Run runOf(const FlatScene& flat, size_t first, size_t end) {
   const bool isLast = end == flat.clusters.size();
   return {flat.clusters[first].firstVertex, isLast ? flat.positions.size() / 3 : flat.clusters[end].firstVertex,
-          flat.clusters[first].firstTriangle, isLast ? flat.corners.size() : flat.clusters[end].firstTriangle};
+          flat.clusters[first].firstTriangle, isLast ? flat.triangles.size() : flat.clusters[end].firstTriangle};
 }
 
 // The end of the longest run of clusters from `first` on whose arrays all fit into one buffer each.
@@ -25,16 +26,25 @@ size_t chunkEnd(const FlatScene& flat, size_t first, uint64_t limit) {
   size_t end = first;
   while (end < flat.clusters.size()) {
     const Run run = runOf(flat, first, end + 1);
-    const uint64_t largest =
-        std::max({(run.vertexEnd - run.vertexFirst) * 3 * sizeof(float),
-                  (run.triangleEnd - run.triangleFirst) * sizeof(uint32_t), (end + 1 - first) * sizeof(gpu::Cluster)});
-    if (largest > limit) break;
+    const uint64_t largest = std::max({(run.vertexEnd - run.vertexFirst) * 3 * sizeof(float),
+                                       (run.triangleEnd - run.triangleFirst) * sizeof(FlatTriangle),
+                                       (end + 1 - first) * sizeof(gpu::Cluster)});
+    if (largest > limit || run.triangleEnd - run.triangleFirst > gpu::kChunkTriangles) break;
     ++end;
   }
   if (end == first)
     throw Error(ErrorCode::outOfMemory,
                 "the device allows buffers of " + std::to_string(limit) + " bytes, less than one cluster of triangles");
   return end;
+}
+
+// A cluster of the run, its places counted from the run's start.
+gpu::Cluster packed(const FlatCluster& cluster, const Run& run) {
+  const auto bits = [](size_t value) { return std::bit_cast<float>(static_cast<uint32_t>(value)); };
+  const size_t word = (cluster.firstTriangle - run.triangleFirst) | size_t{cluster.triangleCount - 1} << 25 |
+                      size_t{cluster.doubleSided} << 31;
+  return {{cluster.low[0], cluster.low[1], cluster.low[2], bits(cluster.firstVertex - run.vertexFirst)},
+          {cluster.high[0], cluster.high[1], cluster.high[2], bits(word)}};
 }
 
 glm::dmat3 linear(const Transform& t) {
@@ -72,14 +82,8 @@ void Geometry::addPlacements(const Scene& scene, const FlatScene& flat) {
 
 void Geometry::addChunk(Uploader& uploader, const Scene& scene, const FlatScene& flat, size_t first, size_t end) {
   const Run run = runOf(flat, first, end);
-  const std::span<const uint32_t> corners(flat.corners), ids(flat.triangleIds);
-  const std::span<const float> positions(flat.positions);
-  std::vector<gpu::Cluster> clusters(flat.clusters.begin() + static_cast<ptrdiff_t>(first),
-                                     flat.clusters.begin() + static_cast<ptrdiff_t>(end));
-  for (gpu::Cluster& cluster : clusters) {
-    cluster.firstVertex -= static_cast<uint32_t>(run.vertexFirst);
-    cluster.firstTriangle -= static_cast<uint32_t>(run.triangleFirst);
-  }
+  std::vector<gpu::Cluster> clusters;
+  for (size_t i = first; i < end; ++i) clusters.push_back(packed(flat.clusters[i], run));
   std::vector<uint32_t> placed;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const FlatMesh& mesh = flat.meshes[scene.instances[i].mesh];
@@ -88,15 +92,14 @@ void Geometry::addChunk(Uploader& uploader, const Scene& scene, const FlatScene&
     for (size_t cluster = from; cluster < to; ++cluster)
       placed.insert(placed.end(), {i, static_cast<uint32_t>(cluster - first)});
   }
-  const size_t triangleCount = run.triangleEnd - run.triangleFirst;
   GeometryChunk chunk;
   chunk.placedCount = static_cast<uint32_t>(placed.size() / 2);
   chunk.placed = uploader.upload<uint32_t>("placed", placed);
   chunk.clusters = uploader.upload<gpu::Cluster>("clusters", clusters);
-  chunk.positions =
-      uploader.upload("positions", positions.subspan(3 * run.vertexFirst, 3 * (run.vertexEnd - run.vertexFirst)));
-  chunk.corners = uploader.upload("corners", corners.subspan(run.triangleFirst, triangleCount));
-  chunk.triangleIds = uploader.upload("triangleIds", ids.subspan(run.triangleFirst, triangleCount));
+  chunk.positions = uploader.upload(
+      "positions", std::span(flat.positions).subspan(3 * run.vertexFirst, 3 * (run.vertexEnd - run.vertexFirst)));
+  chunk.triangleCorners = uploader.upload(
+      "triangleCorners", std::span(flat.triangles).subspan(run.triangleFirst, run.triangleEnd - run.triangleFirst));
   chunks_.push_back(std::move(chunk));
 }
 
@@ -109,8 +112,7 @@ uint32_t Geometry::maxPlacedCount() const {
 uint64_t Geometry::bytes() const {
   uint64_t sum = 0;
   for (const GeometryChunk& chunk : chunks_)
-    sum += chunk.placed.bytes() + chunk.clusters.bytes() + chunk.positions.bytes() + chunk.corners.bytes() +
-           chunk.triangleIds.bytes();
+    sum += chunk.placed.bytes() + chunk.clusters.bytes() + chunk.positions.bytes() + chunk.triangleCorners.bytes();
   return sum;
 }
 
@@ -141,10 +143,8 @@ void Geometry::placeInstances(const Pose& pose, gpu::Instance* out) const {
     instance.row0 = row(0);
     instance.row1 = row(1);
     instance.row2 = row(2);
-    instance.offsetX = offset.x;
-    instance.offsetY = offset.y;
-    instance.offsetZ = offset.z;
-    instance.firstTriangle = placement.firstTriangle | (placement.mirrored ? 1u << 31 : 0u);
+    const uint32_t first = placement.firstTriangle | (placement.mirrored ? 1u << 31 : 0u);
+    instance.offset = {offset.x, offset.y, offset.z, std::bit_cast<float>(first)};
   }
 }
 

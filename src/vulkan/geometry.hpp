@@ -6,6 +6,7 @@
 
 #include "flatten.hpp"
 #include "gnosphere/scan.hpp"
+#include "shared.h"
 #include "vulkan/buffer.hpp"
 
 namespace gnosphere::vulkan {
@@ -15,8 +16,7 @@ struct GeometryChunk {
   Buffer placed;  ///< (instance, cluster) pairs
   Buffer clusters;
   Buffer positions;
-  Buffer corners;
-  Buffer triangleIds;
+  Buffer triangleCorners;
   uint32_t placedCount = 0;
 };
 

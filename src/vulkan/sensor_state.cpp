@@ -37,6 +37,10 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets) {
   return result;
 }
 
+uint64_t projectedCount(const gpu::Counters& counters) {
+  return uint64_t{counters.projectedSmall} + counters.projectedLarge;
+}
+
 static_assert(static_cast<uint32_t>(Exactness::Bounds::exact) == gpu::kBoundsExact);
 static_assert(static_cast<uint32_t>(Exactness::Cull::nearestPoint) == gpu::kCullNearestPoint);
 static_assert(static_cast<uint32_t>(Exactness::Inside::exact) == gpu::kInsideExact);
@@ -116,17 +120,19 @@ void SensorState::makeBuffers(const Geometry& geometry) {
 }
 
 void SensorState::growProjected(uint64_t count) {
-  buffers_[gpu::kBindProjectedA] = Buffer(device_, "projectedA", count * 12, Memory::device);
-  buffers_[gpu::kBindProjectedB] = Buffer(device_, "projectedB", count * 12, Memory::device);
-  buffers_[gpu::kBindProjectedC] = Buffer(device_, "projectedC", count * 12, Memory::device);
-  buffers_[gpu::kBindProjectedBoxes] = Buffer(device_, "projectedBoxes", count * sizeof(gpu::Box), Memory::device);
-  buffers_[gpu::kBindProjectedIds] = Buffer(device_, "projectedIds", count * 4, Memory::device);
   capacities_.projected = static_cast<uint32_t>(count);
+  const auto make = [&](uint32_t binding, const char* name, uint64_t bytes) {
+    buffers_[binding] = Buffer(device_, name, count * bytes, Memory::device);
+  };
+  make(gpu::kBindProjectedA, "projectedA", sizeof(gpu::vec4));
+  make(gpu::kBindProjectedB, "projectedB", sizeof(gpu::vec4));
+  make(gpu::kBindProjectedC, "projectedC", sizeof(gpu::vec4));
+  make(gpu::kBindProjectedColumns, "projectedColumns", sizeof(gpu::vec2));
 }
 
 void SensorState::growTiles(uint64_t count) {
-  buffers_[gpu::kBindTiles] = Buffer(device_, "tiles", count * sizeof(gpu::Tile), Memory::device);
   capacities_.tiles = static_cast<uint32_t>(count);
+  buffers_[gpu::kBindTiles] = Buffer(device_, "tiles", count * 4 * sizeof(uint32_t), Memory::device);
 }
 
 void SensorState::growCandidates(uint64_t count) {
@@ -168,15 +174,15 @@ const FrameInFlight& SensorState::prepare(size_t index, const Geometry& geometry
 
 bool SensorState::cutShort(const FrameInFlight& frame) const {
   const gpu::Counters& needed = frame.counters();
-  return needed.projected > frame.capacities.projected || needed.tiles > frame.capacities.tiles ||
+  return projectedCount(needed) > frame.capacities.projected || needed.tiles > frame.capacities.tiles ||
          (way_ == gpu::kWayLists && needed.candidates > frame.capacities.candidates);
 }
 
 void SensorState::growLists(const FrameInFlight& frame) {
   const gpu::Counters needed = frame.counters();
-  const auto room = [](uint32_t count) { return count + uint64_t{count} / 4; };
+  const auto room = [](uint64_t count) { return count + count / 4; };
   // A scan cut short has counted too few of what follows; the next run will tell.
-  if (needed.projected > capacities_.projected) growProjected(room(needed.projected));
+  if (projectedCount(needed) > capacities_.projected) growProjected(room(projectedCount(needed)));
   if (needed.tiles > capacities_.tiles) growTiles(room(needed.tiles));
   if (way_ == gpu::kWayLists && needed.candidates > capacities_.candidates) growCandidates(room(needed.candidates));
 }

@@ -33,8 +33,7 @@ struct Output {
   uint32_t binding;
   uint32_t bytesPerBeam;
 };
-inline constexpr Output kOutputs[] = {
-    {gpu::kBindPoints, 12}, {gpu::kBindRanges, 4}, {gpu::kBindTriangles, 4}, {gpu::kBindOwners, 4}};
+inline constexpr Output kOutputs[] = {{gpu::kBindPoints, sizeof(gpu::vec4)}, {gpu::kBindOwners, 2 * sizeof(uint32_t)}};
 
 /// Scans that are handed to the device at a time: it works on one while the host receives the one before.
 inline constexpr size_t kFramesInFlight = 2;

@@ -196,12 +196,12 @@ std::vector<Float3> seenBeams(const Sensor& sensor) {
     for (size_t column = 0; column < sensor.columns; ++column) {
       float c = tables.columns[2 * column], s = tables.columns[2 * column + 1];
       if (tables.azimuthOffsets) {
-        const float turned = c * row.cosOffset - s * row.sinOffset;
-        s = onLattice(s * row.cosOffset + c * row.sinOffset);
+        const float turned = c * row.offset.x - s * row.offset.y;
+        s = onLattice(s * row.offset.x + c * row.offset.y);
         c = onLattice(turned);
       }
-      beams[row.channel * size_t{sensor.columns} + column] = {row.cosElevation * c, row.cosElevation * s,
-                                                              row.sinElevation};
+      beams[static_cast<size_t>(row.angles.w) * sensor.columns + column] = {row.angles.x * c, row.angles.x * s,
+                                                                            row.angles.y};
     }
   return beams;
 }
