@@ -161,10 +161,14 @@ void main() {
   if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
       counters.tiles > frame.tileCapacity)
     return;
+  // Shell by shell, or everything at once.
+  bool byShell = PASS == kPassNearest || PASS == kPassRange;
+  uint first = byShell ? counters.binnedSmall : 0;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;
+  for (uint i = first + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;
        i += stride)
     trySmall(i);
+  first = byShell ? counters.binnedTiles : 0;
   stride = gl_NumWorkGroups.x * gl_NumSubgroups;
-  for (uint t = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride) tryTile(t);
+  for (uint t = first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride) tryTile(t);
 }

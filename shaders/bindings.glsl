@@ -12,7 +12,9 @@ WORK(kBindInstances, readonly, Instance, instances);
 WORK(kBindRows, readonly, Row, rows);
 WORK(kBindRowLookup, readonly, uint, rowLookup);   // per cell of keys: first row in or above it | first above it << 16
 WORK(kBindColumns, readonly, vec2, columns);       // cos, sin of the azimuth
+WORK(kBindVisibleGroups, , uvec2, visibleGroups);  // instance, group
 WORK(kBindVisible, , uvec2, visible);              // instance, cluster
+WORK(kBindFarthest, , uint, farthest);             // bits of the largest range met so far; fine entries, then coarse ones
 // Each projected triangle: its corners in the sensor's frame, in w: placed triangle (the top bit says one-sided); no
 // point is nearer; first row in the low 16 bits, last row in the high ones. Small boxes from the front, large ones from
 // the back.
@@ -27,7 +29,8 @@ WORK(kBindBlockSums, , uint, blockSums);
 WORK(kBindCandidates, , uint, candidates);         // indices of projected triangles
 WORK(kBindPoints, writeonly, vec4, points);        // x, y, z, range
 WORK(kBindOwners, writeonly, uvec2, owners);       // triangle within its mesh, instance
-CHUNK(kBindPlaced, uvec2, placed);                 // instance, cluster
+CHUNK(kBindPlaced, uvec2, placed);                 // instance, group
+CHUNK(kBindGroups, Group, groups);
 CHUNK(kBindClusters, Cluster, clusters);
 layout(scalar, set = 1, binding = kBindPositions) readonly buffer positionsBlock { vec3 positions[]; };
 CHUNK(kBindTriangleCorners, uvec2, triangleCorners);  // three 8-bit vertex numbers of the cluster, index in the mesh

@@ -7,3 +7,4 @@ layout(constant_id = 4) const uint RANGE = kRangeEdgeWeights;
 layout(constant_id = 5) const bool AZIMUTH_OFFSETS = false;  // channels have azimuth offsets of their own
 layout(constant_id = 6) const uint FACES = kFacesMaterial;
 layout(constant_id = 7) const uint PASS = 0;  // which pass of a shader that has several
+layout(constant_id = 8) const uint CULLING = 0;  // bits kCull...

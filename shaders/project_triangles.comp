@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, second pass. One subgroup per visible cluster, one invocation per triangle: to the sensor's frame,
+// Stage project, last pass. One subgroup per visible cluster, one invocation per triangle: to the sensor's frame,
 // cull, exact angular bounds. Writes every triangle that a beam may meet, with a box that contains all such beams.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -177,10 +177,11 @@ void storeKept(bool keep, Projected projected, Box box) {
 
 void main() {
   uvec4 culled = uvec4(0);  // non-finite, range, face, between beams
-  uint clusterCount = counters.visible;
+  uint clusterCount = counters.visible, triangleCount = 0;
   uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < clusterCount; i += stride) {
     Place place = placeOf(i);
+    triangleCount += place.triangleCount;
     for (uint first = 0; first < place.triangleCount; first += gl_SubgroupSize) {
       uint fate = kNoTriangle;
       Projected projected;
@@ -194,6 +195,7 @@ void main() {
   }
   culled = subgroupAdd(culled);
   if (subgroupElect()) {
+    if (triangleCount > 0) atomicAdd(counters.triangles, triangleCount);
     if (culled.x > 0) atomicAdd(counters.nonFinite, culled.x);
     if (culled.y > 0) atomicAdd(counters.culledByRange, culled.y);
     if (culled.z > 0) atomicAdd(counters.culledByFace, culled.z);

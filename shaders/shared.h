@@ -25,6 +25,8 @@ struct vec2 {
 
 // Triangles per cluster: one workgroup projects one cluster. More would cull worse, fewer would idle lanes.
 GNO_CONST uint kClusterTriangles = 64;
+// Clusters per group: one subgroup goes through the clusters of a group.
+GNO_CONST uint kGroupClusters = 64;
 // Triangles per chunk: a cluster packs its first one into 25 bits.
 GNO_CONST uint kChunkTriangles = 1u << 25;
 // Corners of a cluster are indexed by 8 bits: 64 loose triangles have 192.
@@ -45,6 +47,13 @@ GNO_CONST float kKeySlack = 1e-5f;
 GNO_CONST float kAzimuthSlack = 2e-6f;
 // A beam index or list link that points nowhere.
 GNO_CONST uint kNone = 0xffffffffu;
+// Beams that one entry of the farthest-range table covers: columns by rows, on its fine and on its coarse level.
+GNO_CONST uint kFineColumns = 8;
+GNO_CONST uint kFineRows = 4;
+GNO_CONST uint kCoarseColumns = 64;
+GNO_CONST uint kCoarseRows = 32;
+// Entries looked up for one box, at most; a box over more of them counts as seen.
+GNO_CONST uint kMaxLookups = 16;
 // Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
 GNO_CONST uint kResolveColumns = 1024;
 // Blocks of the prefix sum over beams.
@@ -77,6 +86,12 @@ GNO_CONST uint kPassOwner = 2;    // 32-bit way, second pass: minimum of triangl
 GNO_CONST uint kPassCount = 3;    // list way: candidates per beam
 GNO_CONST uint kPassFill = 4;     // list way: write them
 
+// What is skipped before any triangle is read; bits of CULLING.
+GNO_CONST uint kCullRange = 1;     // out of range
+GNO_CONST uint kCullRows = 2;      // between two rows of beams, above or below the field of view
+GNO_CONST uint kCullColumns = 4;   // between two columns of beams
+GNO_CONST uint kCullOccluded = 8;  // behind what every beam has met already
+
 GNO_CONST uint kScanReduce = 0;
 GNO_CONST uint kScanBlocks = 1;
 GNO_CONST uint kScanApply = 2;
@@ -94,25 +109,28 @@ GNO_CONST uint kBindInstances = 2;
 GNO_CONST uint kBindRows = 3;
 GNO_CONST uint kBindRowLookup = 4;
 GNO_CONST uint kBindColumns = 5;
-GNO_CONST uint kBindVisible = 6;
-GNO_CONST uint kBindProjectedA = 7;
-GNO_CONST uint kBindProjectedB = 8;
-GNO_CONST uint kBindProjectedC = 9;
-GNO_CONST uint kBindProjectedColumns = 10;
-GNO_CONST uint kBindTiles = 11;
-GNO_CONST uint kBindWords = 12;
-GNO_CONST uint kBindListEnds = 13;
-GNO_CONST uint kBindBlockSums = 14;
-GNO_CONST uint kBindCandidates = 15;
-GNO_CONST uint kBindPoints = 16;
-GNO_CONST uint kBindOwners = 17;
-GNO_CONST uint kWorkBindingCount = 18;
+GNO_CONST uint kBindVisibleGroups = 6;
+GNO_CONST uint kBindVisible = 7;
+GNO_CONST uint kBindFarthest = 8;
+GNO_CONST uint kBindProjectedA = 9;
+GNO_CONST uint kBindProjectedB = 10;
+GNO_CONST uint kBindProjectedC = 11;
+GNO_CONST uint kBindProjectedColumns = 12;
+GNO_CONST uint kBindTiles = 13;
+GNO_CONST uint kBindWords = 14;
+GNO_CONST uint kBindListEnds = 15;
+GNO_CONST uint kBindBlockSums = 16;
+GNO_CONST uint kBindCandidates = 17;
+GNO_CONST uint kBindPoints = 18;
+GNO_CONST uint kBindOwners = 19;
+GNO_CONST uint kWorkBindingCount = 20;
 // Set 1: one chunk of the scene.
 GNO_CONST uint kBindPlaced = 0;
-GNO_CONST uint kBindClusters = 1;
-GNO_CONST uint kBindPositions = 2;
-GNO_CONST uint kBindTriangleCorners = 3;
-GNO_CONST uint kSceneBindingCount = 4;
+GNO_CONST uint kBindGroups = 1;
+GNO_CONST uint kBindClusters = 2;
+GNO_CONST uint kBindPositions = 3;
+GNO_CONST uint kBindTriangleCorners = 4;
+GNO_CONST uint kSceneBindingCount = 5;
 
 // --- Structs ---------------------------------------------------------------------------------------------------------
 
@@ -131,6 +149,12 @@ struct Cluster {
   vec4 high;  // xyz: upper corner, w: first triangle | triangles - 1 << 25 | double-sided << 31
 };
 
+// At most kGroupClusters clusters of one mesh that lie together.
+struct Group {
+  vec4 low;   // xyz: lower corner of its box, w: first cluster
+  vec4 high;  // xyz: upper corner, w: clusters
+};
+
 // Everything about the sensor that is not a table.
 struct Frame {
   uint columns;
@@ -145,7 +169,8 @@ struct Frame {
   uint candidateCapacity;
   float paperFirstElevation;  // paper: radians of row 0, and rows per radian
   float paperRowsPerRadian;
-  uint padding0, padding1, padding2;
+  float shiftMin, shiftMax;  // least and largest azimuth offset of a row, in columns
+  uint padding0;
 };
 
 // One channel, in order of elevation.
@@ -156,22 +181,25 @@ struct Row {
 
 // What was needed and what became of every triangle; read back with the results.
 struct Counters {
-  uint visible, projectedSmall, projectedLarge, tiles;
-  uint hits, nonFinite, culledByCluster, culledByRange;
-  uint culledByFace, culledBetweenBeams, candidates, padding0;
+  uint projectedSmall, projectedLarge, tiles, candidates;
+  uint binnedSmall, binnedTiles;  // of those, what went through bin in an earlier shell
+  uint hits;
+  uint triangles;  // read, of visible clusters
+  uint nonFinite, culledByRange, culledByFace, culledBetweenBeams;
   uint integerSides, integerRanges;  // of `exact`: tests that floating point could not decide
-  uint padding1, padding2;
+  uint visibleGroups, visible;       // of a chunk in a shell; set back for the next
 };
 
-// Push constants of `project`.
-struct Chunk {
-  uint placedCount;  // (instance, cluster) pairs of the chunk
-  uint padding0, padding1, padding2;
+// Push constants of `project`: a chunk of the scene and a shell, which is what lies at distances shellMin..shellMax.
+struct Pass {
+  uint placedCount;  // (instance, group) pairs of the chunk
+  float shellMin, shellMax;
+  uint occluders;  // 1 if the farthest-range table holds something
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 32 && sizeof(Frame) == 64 && sizeof(Row) == 32);
-static_assert(sizeof(Counters) == 64 && sizeof(Chunk) == 16);
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 32 && sizeof(Group) == 32 && sizeof(Frame) == 64 && sizeof(Row) == 32);
+static_assert(sizeof(Counters) == 64 && sizeof(Pass) == 16);
 }  // namespace gnosphere::gpu
 #endif
 #endif

@@ -91,6 +91,10 @@ BeamTables makeBeamTables(const Sensor& sensor) {
   const auto elevationOf = [&](const gpu::Row& row) {
     return sensor.channels[static_cast<size_t>(row.angles.w)].elevationDeg * kRadians;
   };
+  for (const gpu::Row& row : tables.rows) {
+    frame.shiftMin = std::min(frame.shiftMin, row.offset.z);
+    frame.shiftMax = std::max(frame.shiftMax, row.offset.z);
+  }
   if (frame.rows > 1) {
     const double first = elevationOf(tables.rows.front()), last = elevationOf(tables.rows.back());
     frame.paperFirstElevation = static_cast<float>(first);

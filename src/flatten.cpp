@@ -19,9 +19,11 @@ class MeshFlattener {
       : mesh_(mesh), materials_(materials), flat_(flat), cluster_(mesh.vertexCount()), number_(mesh.vertexCount()) {}
 
   FlatMesh run() {
-    result_.firstCluster = static_cast<uint32_t>(flat_.clusters.size());
+    result_.firstGroup = static_cast<uint32_t>(flat_.groups.size());
+    const size_t first = flat_.clusters.size();
     for (const MeshPart& part : mesh_.parts) flattenPart(part);
-    result_.clusterCount = static_cast<uint32_t>(flat_.clusters.size()) - result_.firstCluster;
+    for (size_t from = first; from < flat_.clusters.size(); from += gpu::kGroupClusters) addGroup(from);
+    result_.groupCount = static_cast<uint32_t>(flat_.groups.size()) - result_.firstGroup;
     return result_;
   }
 
@@ -90,6 +92,20 @@ class MeshFlattener {
       flat_.triangles.push_back({packed, triangles[i]});
     }
     flat_.clusters.push_back(cluster);
+  }
+
+  void addGroup(size_t first) {
+    FlatGroup group;
+    group.firstCluster = static_cast<uint32_t>(first);
+    group.clusterCount = static_cast<uint32_t>(std::min<size_t>(gpu::kGroupClusters, flat_.clusters.size() - first));
+    std::copy_n(flat_.clusters[first].low, 3, group.low);
+    std::copy_n(flat_.clusters[first].high, 3, group.high);
+    for (size_t i = first; i < first + group.clusterCount; ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        group.low[axis] = std::min(group.low[axis], flat_.clusters[i].low[axis]);
+        group.high[axis] = std::max(group.high[axis], flat_.clusters[i].high[axis]);
+      }
+    flat_.groups.push_back(group);
   }
 
   const Mesh& mesh_;

@@ -8,6 +8,7 @@
 
 #include "bin.spv.h"
 #include "project_clusters.spv.h"
+#include "project_groups.spv.h"
 #include "project_triangles.spv.h"
 #include "resolve.spv.h"
 #include "shared.h"
@@ -59,11 +60,15 @@ TEST_CASE("the structs of shared.h have the same layout on the host and in every
       {"Counters.candidates", offsetof(Counters, candidates)},
       {"Counters.hits", offsetof(Counters, hits)},
       {"Counters.culledBetweenBeams", offsetof(Counters, culledBetweenBeams)},
-      {"Chunk.placedCount", offsetof(Chunk, placedCount)},
+      {"Group.high", offsetof(Group, high)},
+      {"Frame.shiftMax", offsetof(Frame, shiftMax)},
+      {"Counters.visibleGroups", offsetof(Counters, visibleGroups)},
+      {"Pass.placedCount", offsetof(Pass, placedCount)},
+      {"Pass.occluders", offsetof(Pass, occluders)},
   };
   std::map<std::string, int> seen;
-  for (const Offsets& offsets :
-       {offsetsIn(project_clusters), offsetsIn(project_triangles), offsetsIn(bin), offsetsIn(resolve)})
+  for (const Offsets& offsets : {offsetsIn(project_groups), offsetsIn(project_clusters), offsetsIn(project_triangles),
+                                 offsetsIn(bin), offsetsIn(resolve)})
     for (const auto& [member, offset] : offsets)
       if (const auto found = expected.find(member); found != expected.end()) {
         INFO(member);

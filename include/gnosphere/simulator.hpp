@@ -69,12 +69,23 @@ enum class Binning {
   lists,      ///< per beam a list of candidates: count, scan, fill
 };
 
+/// What is skipped before a triangle is read. Every switch costs or saves time only: the cloud is the same.
+struct Culling {
+  bool range = true;    ///< out of range
+  bool rows = true;     ///< between two rows of beams, above or below the field of view
+  bool columns = true;  ///< between two columns of beams
+  /// Behind what was met nearer to the sensor. It costs a look at every beam; automatic asks whether that pays.
+  enum class Occlusion { automatic, always, never };
+  Occlusion occlusion = Occlusion::automatic;
+};
+
 struct SimulatorOptions {
   std::string device = "auto";  ///< auto, an index or part of a name of listDevices(), or "reference"
   Accuracy accuracy = Accuracy::standard;
   std::optional<Exactness> exactness;  ///< the parts one by one, instead of `accuracy`
   Faces faces = Faces::material;
   Binning binning = Binning::automatic;
+  Culling culling;
   bool validation = false;      ///< Vulkan validation layer on; its messages are thrown as Error(device)
   uint64_t maxBufferBytes = 0;  ///< cap on any one device buffer; 0 = what the device allows
   /// Folder where compiled pipelines are kept; empty: gnosphere in $XDG_CACHE_HOME or ~/.cache; "off": nowhere. Where

@@ -9,15 +9,13 @@
 
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
-#include "vulkan/sensor_state.hpp"
+#include "vulkan/stages.hpp"
 
 namespace gnosphere {
 namespace vulkan {
 namespace {
 
-constexpr const char* kStages[] = {"project", "bin", "resolve"};
 using Clock = std::chrono::steady_clock;
-constexpr uint32_t kStamps = std::size(kStages) + 1;
 
 class VulkanBackend final : public Backend {
  public:
@@ -26,13 +24,9 @@ class VulkanBackend final : public Backend {
         cache_(device_, options.cache),
         geometry_(device_, scene),
         layout_(device_, cache_.handle(),
-                static_cast<uint32_t>(kFramesInFlight * sensors.size() + geometry_.chunks().size())) {
-    for (const GeometryChunk& chunk : geometry_.chunks()) {
-      const Buffer* buffers[] = {&chunk.placed, &chunk.clusters, &chunk.positions, &chunk.triangleCorners};
-      chunkSets_.push_back(layout_.makeSet(1));
-      layout_.updateSet(chunkSets_.back(), buffers);
-    }
-    way_ = chooseWay(options, device_.capabilities().int64Atomics);
+                static_cast<uint32_t>(kFramesInFlight * sensors.size() + geometry_.chunks().size())),
+        way_(chooseWay(options, device_.capabilities().int64Atomics)),
+        stages_(device_, geometry_, layout_, way_) {
     sensors_.reserve(sensors.size());
     for (const Sensor& sensor : sensors)
       sensors_.emplace_back(device_, layout_, geometry_, sensor, options, way_, sensors_);
@@ -66,7 +60,7 @@ class VulkanBackend final : public Backend {
   // What the frames in flight have of their own whatever the sensor.
   struct Slot {
     Slot(const Device& device, const Layout& layout, const Geometry& geometry)
-        : commands(device, layout, kStamps),
+        : commands(device, layout, Stages::kStamps),
           instances(device, "instances", geometry.instanceCount() * sizeof(gpu::Instance), Memory::upload) {}
     Commands commands;
     Buffer instances;
@@ -95,14 +89,7 @@ class VulkanBackend final : public Backend {
     const FrameInFlight& frame = state.prepare(index, geometry_, slot.instances);
     commands.begin();
     commands.bindSet(0, frame.set);
-    clear(commands, state);
-    commands.stamp(0);
-    project(commands, state);
-    commands.stamp(1);
-    bin(commands, state);
-    commands.stamp(2);
-    resolve(commands, state);
-    commands.stamp(3);
+    stages_.record(commands, state);
     readBack(commands, state, frame);
     commands.submit();
   }
@@ -122,47 +109,10 @@ class VulkanBackend final : public Backend {
         slot.commands.wait();
         ++result.counters.retries;
       }
-      slot.commands.readTimings(kStages, result.timings);
+      slot.commands.readTimings(result.timings);
       readResults(state, state.inFlight(index), result);
     }
     result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - slot.start).count();
-  }
-
-  void clear(Commands& commands, const SensorState& state) const {
-    commands.fill(state.buffer(gpu::kBindCounters), 0, VK_WHOLE_SIZE, 0);
-    if (way_ == gpu::kWayLists)
-      commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, 0);
-    else
-      commands.fill(state.buffer(gpu::kBindWords), 0, VK_WHOLE_SIZE, gpu::kNone);
-    commands.barrier();
-  }
-
-  void project(Commands& commands, const SensorState& state) const {
-    for (size_t i = 0; i < chunkSets_.size(); ++i) {
-      if (i > 0) {
-        commands.fill(state.buffer(gpu::kBindCounters), offsetof(gpu::Counters, visible), 4, 0);
-        commands.barrier();
-      }
-      commands.bindSet(1, chunkSets_[i]);
-      const gpu::Chunk chunk = {geometry_.chunks()[i].placedCount, 0, 0, 0};
-      commands.push(chunk);
-      commands.dispatch(state.kernels().projectClusters, std::min(groupCount(), (chunk.placedCount + 63) / 64));
-      commands.dispatch(state.kernels().projectTriangles, std::min(groupCount(), chunk.placedCount));
-    }
-  }
-
-  void bin(Commands& commands, const SensorState& state) const {
-    const Kernels& kernels = state.kernels();
-    const uint32_t blocks = state.frame().beams / gpu::kScanBlock + 1;
-    commands.dispatch(kernels.bin[0], groupCount());
-    for (size_t pass = 0; pass < kernels.scan.size(); ++pass)
-      commands.dispatch(kernels.scan[pass], pass == gpu::kScanBlocks ? 1 : std::min(groupCount(), blocks));
-    if (kernels.bin.size() > 1) commands.dispatch(kernels.bin[1], groupCount());
-  }
-
-  void resolve(Commands& commands, const SensorState& state) const {
-    const uint32_t groups = (state.frame().columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns;
-    commands.dispatch(state.kernels().resolve, groups, state.frame().rows);
   }
 
   void readBack(Commands& commands, const SensorState& state, const FrameInFlight& frame) const {
@@ -172,11 +122,6 @@ class VulkanBackend final : public Backend {
     commands.copy(state.buffer(gpu::kBindCounters), frame.results.back());
     commands.barrier();
   }
-
-  // A fixed number of workgroups loops over however many items there are: legal on every device, and no dispatch
-  // needs to know a count that only the device has. On a software device neighbouring workgroups share a thread, so
-  // the loop's stride also spreads uneven work over the threads.
-  uint32_t groupCount() const { return device_.capabilities().cpu ? 256 : 4096; }
 
   // What does not come from the device. readResults() overwrites the other arrays.
   void clearResult(const SensorState& state, Scan& scan) const {
@@ -218,7 +163,8 @@ class VulkanBackend final : public Backend {
     result.hits = device.hits;
     result.misses = beams - device.hits;
     result.nonFinite += device.nonFinite;
-    result.culledByCluster = device.culledByCluster;
+    result.culledByCluster =
+        result.triangles - geometry_.dropped().nonFinite - geometry_.dropped().degenerate - device.triangles;
     result.culledByRange = device.culledByRange;
     result.culledByFace = device.culledByFace;
     result.culledBetweenBeams = device.culledBetweenBeams;
@@ -232,8 +178,8 @@ class VulkanBackend final : public Backend {
   PipelineCache cache_;
   Geometry geometry_;
   Layout layout_;
-  uint32_t way_ = gpu::kWayNearest;
-  std::vector<VkDescriptorSet> chunkSets_;
+  uint32_t way_;
+  Stages stages_;
   std::vector<SensorState> sensors_;
   std::deque<Slot> slots_;  // last: they wait for the device before what it uses goes
 };

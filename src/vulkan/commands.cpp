@@ -6,7 +6,7 @@
 namespace gnosphere::vulkan {
 
 Commands::Commands(const Device& device, const Layout& layout, uint32_t stamps)
-    : device_(device), layout_(layout), ticks_(stamps) {
+    : device_(device), layout_(layout), stampLimit_(stamps) {
   VkCommandPoolCreateInfo pool = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = device_.capabilities().queueFamily;
@@ -34,15 +34,16 @@ void Commands::begin() {
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   VK(vkBeginCommandBuffer(commands_, &begin));
-  vkCmdResetQueryPool(commands_, queries_, 0, static_cast<uint32_t>(ticks_.size()));
+  vkCmdResetQueryPool(commands_, queries_, 0, stampLimit_);
+  stages_.clear();
 }
 
 void Commands::bindSet(uint32_t index, VkDescriptorSet set) {
   vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.handle(), index, 1, &set, 0, nullptr);
 }
 
-void Commands::push(const gpu::Chunk& chunk) {
-  vkCmdPushConstants(commands_, layout_.handle(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof chunk, &chunk);
+void Commands::push(const gpu::Pass& pass) {
+  vkCmdPushConstants(commands_, layout_.handle(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof pass, &pass);
 }
 
 void Commands::dispatch(const Kernel& kernel, uint32_t groupsX, uint32_t groupsY) {
@@ -70,9 +71,10 @@ void Commands::barrier() {
   vkCmdPipelineBarrier(commands_, kDevice, kDevice | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0, nullptr);
 }
 
-void Commands::stamp(uint32_t index) {
-  if (device_.capabilities().timestamps)
-    vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, index);
+void Commands::stamp(const char* stage) {
+  if (!device_.capabilities().timestamps) return;
+  vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, static_cast<uint32_t>(stages_.size()));
+  stages_.push_back(stage);
 }
 
 void Commands::submit() {
@@ -91,16 +93,24 @@ void Commands::wait() {
   pending_ = false;
 }
 
-void Commands::readTimings(std::span<const char* const> stages, Timings& timings) {
-  if (!device_.capabilities().timestamps) return;
-  VK(vkGetQueryPoolResults(device_.handle(), queries_, 0, static_cast<uint32_t>(ticks_.size()),
-                           ticks_.size() * sizeof ticks_[0], ticks_.data(), sizeof ticks_[0],
+void Commands::readTimings(Timings& timings) {
+  if (stages_.empty()) return;
+  std::vector<uint64_t> ticks(stages_.size());
+  VK(vkGetQueryPoolResults(device_.handle(), queries_, 0, static_cast<uint32_t>(ticks.size()),
+                           ticks.size() * sizeof ticks[0], ticks.data(), sizeof ticks[0],
                            VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
   const auto ms = [&](uint64_t from, uint64_t to) {
     return static_cast<double>(to - from) * device_.capabilities().timestampMs;
   };
-  for (size_t i = 0; i < stages.size(); ++i) timings.stages.push_back({stages[i], ms(ticks_[i], ticks_[i + 1])});
-  timings.gpuMs = ms(ticks_.front(), ticks_.back());
+  for (size_t i = 1; i < ticks.size(); ++i) {
+    const auto found = std::find_if(timings.stages.begin(), timings.stages.end(),
+                                    [&](const StageTime& stage) { return stage.name == stages_[i]; });
+    if (found == timings.stages.end())
+      timings.stages.push_back({stages_[i], ms(ticks[i - 1], ticks[i])});
+    else
+      found->ms += ms(ticks[i - 1], ticks[i]);
+  }
+  timings.gpuMs = ms(ticks.front(), ticks.back());
 }
 
 }  // namespace gnosphere::vulkan

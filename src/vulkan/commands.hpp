@@ -18,26 +18,30 @@ class Commands {
   /// What was submitted before must have been waited for.
   void begin();
   void bindSet(uint32_t index, VkDescriptorSet set);
-  void push(const gpu::Chunk& chunk);
+  void push(const gpu::Pass& pass);
   /// Followed by a barrier.
   void dispatch(const Kernel& kernel, uint32_t groupsX, uint32_t groupsY = 1);
   void fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value);
   void copy(const Buffer& from, const Buffer& to);
   /// One global barrier stands between any two steps: about ten per scan, and no step overlaps the next anyway.
   void barrier();
-  void stamp(uint32_t index);
+  /// Timestamps: the first stage starts here, and a part of `stage` ends here.
+  void start() { stamp(nullptr); }
+  void finished(const char* stage) { stamp(stage); }
   /// Ends the recording and hands it to the queue.
   void submit();
   /// Until the device has done what was submitted; nothing where it has been waited for.
   void wait();
-  /// Times between the stamps of what was waited for; stage i lies between stamps i and i + 1. Nothing where the
-  /// device has no timestamps.
-  void readTimings(std::span<const char* const> stages, Timings& timings);
+  /// Times of the stages of what was waited for, their parts added up. Nothing where the device has no timestamps.
+  void readTimings(Timings& timings);
 
  private:
+  void stamp(const char* stage);
+
   const Device& device_;
   const Layout& layout_;
-  std::vector<uint64_t> ticks_;  // one per stamp
+  uint32_t stampLimit_;
+  std::vector<const char*> stages_;  // that ended at each stamp
   bool pending_ = false;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;

@@ -10,37 +10,52 @@
 namespace gnosphere::vulkan {
 namespace {
 
-// Runs of vertices and triangles that belong to clusters first..end.
+// Runs of clusters, vertices and triangles that belong to groups first..end.
 struct Run {
-  size_t vertexFirst, vertexEnd, triangleFirst, triangleEnd;
+  size_t clusterFirst, clusterEnd, vertexFirst, vertexEnd, triangleFirst, triangleEnd;
 };
 
 Run runOf(const FlatScene& flat, size_t first, size_t end) {
-  const bool isLast = end == flat.clusters.size();
-  return {flat.clusters[first].firstVertex, isLast ? flat.positions.size() / 3 : flat.clusters[end].firstVertex,
-          flat.clusters[first].firstTriangle, isLast ? flat.triangles.size() : flat.clusters[end].firstTriangle};
+  Run run = {
+      flat.groups[first].firstCluster, flat.clusters.size(), 0, flat.positions.size() / 3, 0, flat.triangles.size()};
+  run.vertexFirst = flat.clusters[run.clusterFirst].firstVertex;
+  run.triangleFirst = flat.clusters[run.clusterFirst].firstTriangle;
+  if (end == flat.groups.size()) return run;
+  run.clusterEnd = flat.groups[end].firstCluster;
+  run.vertexEnd = flat.clusters[run.clusterEnd].firstVertex;
+  run.triangleEnd = flat.clusters[run.clusterEnd].firstTriangle;
+  return run;
 }
 
-// The end of the longest run of clusters from `first` on whose arrays all fit into one buffer each.
+// The end of the longest run of groups from `first` on whose arrays all fit into one buffer each.
 size_t chunkEnd(const FlatScene& flat, size_t first, uint64_t limit) {
   size_t end = first;
-  while (end < flat.clusters.size()) {
+  while (end < flat.groups.size()) {
     const Run run = runOf(flat, first, end + 1);
-    const uint64_t largest = std::max({(run.vertexEnd - run.vertexFirst) * 3 * sizeof(float),
-                                       (run.triangleEnd - run.triangleFirst) * sizeof(FlatTriangle),
-                                       (end + 1 - first) * sizeof(gpu::Cluster)});
-    if (largest > limit || run.triangleEnd - run.triangleFirst > gpu::kChunkTriangles) break;
+    const size_t triangles = run.triangleEnd - run.triangleFirst;
+    const uint64_t largest =
+        std::max({(run.vertexEnd - run.vertexFirst) * 3 * sizeof(float), triangles * sizeof(FlatTriangle),
+                  (run.clusterEnd - run.clusterFirst) * sizeof(gpu::Cluster)});
+    if (largest > limit || triangles > gpu::kChunkTriangles) break;
     ++end;
   }
   if (end == first)
     throw Error(ErrorCode::outOfMemory,
-                "the device allows buffers of " + std::to_string(limit) + " bytes, less than one cluster of triangles");
+                "the device allows buffers of " + std::to_string(limit) + " bytes, less than one group of triangles");
   return end;
 }
 
-// A cluster of the run, its places counted from the run's start.
+float bits(size_t value) {
+  return std::bit_cast<float>(static_cast<uint32_t>(value));
+}
+
+// A group and a cluster of the run, their places counted from the run's start.
+gpu::Group packed(const FlatGroup& group, const Run& run) {
+  return {{group.low[0], group.low[1], group.low[2], bits(group.firstCluster - run.clusterFirst)},
+          {group.high[0], group.high[1], group.high[2], bits(group.clusterCount)}};
+}
+
 gpu::Cluster packed(const FlatCluster& cluster, const Run& run) {
-  const auto bits = [](size_t value) { return std::bit_cast<float>(static_cast<uint32_t>(value)); };
   const size_t word = (cluster.firstTriangle - run.triangleFirst) | size_t{cluster.triangleCount - 1} << 25 |
                       size_t{cluster.doubleSided} << 31;
   return {{cluster.low[0], cluster.low[1], cluster.low[2], bits(cluster.firstVertex - run.vertexFirst)},
@@ -59,7 +74,7 @@ Geometry::Geometry(const Device& device, const Scene& scene) {
   clusterCount_ = flat.clusters.size();
   addPlacements(scene, flat);
   Uploader uploader(device);
-  for (size_t first = 0; first < flat.clusters.size();) {
+  for (size_t first = 0; first < flat.groups.size();) {
     const size_t end = chunkEnd(flat, first, device.maxBufferBytes());
     addChunk(uploader, scene, flat, first, end);
     first = end;
@@ -82,19 +97,24 @@ void Geometry::addPlacements(const Scene& scene, const FlatScene& flat) {
 
 void Geometry::addChunk(Uploader& uploader, const Scene& scene, const FlatScene& flat, size_t first, size_t end) {
   const Run run = runOf(flat, first, end);
+  std::vector<gpu::Group> groups;
+  for (size_t i = first; i < end; ++i) groups.push_back(packed(flat.groups[i], run));
   std::vector<gpu::Cluster> clusters;
-  for (size_t i = first; i < end; ++i) clusters.push_back(packed(flat.clusters[i], run));
+  for (size_t i = run.clusterFirst; i < run.clusterEnd; ++i) clusters.push_back(packed(flat.clusters[i], run));
+  GeometryChunk chunk;
   std::vector<uint32_t> placed;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const FlatMesh& mesh = flat.meshes[scene.instances[i].mesh];
-    const size_t from = std::max<size_t>(first, mesh.firstCluster);
-    const size_t to = std::min<size_t>(end, mesh.firstCluster + mesh.clusterCount);
-    for (size_t cluster = from; cluster < to; ++cluster)
-      placed.insert(placed.end(), {i, static_cast<uint32_t>(cluster - first)});
+    const size_t from = std::max<size_t>(first, mesh.firstGroup);
+    const size_t to = std::min<size_t>(end, mesh.firstGroup + mesh.groupCount);
+    for (size_t group = from; group < to; ++group) {
+      placed.insert(placed.end(), {i, static_cast<uint32_t>(group - first)});
+      chunk.placedClusters += flat.groups[group].clusterCount;
+    }
   }
-  GeometryChunk chunk;
-  chunk.placedCount = static_cast<uint32_t>(placed.size() / 2);
+  chunk.placedGroups = static_cast<uint32_t>(placed.size() / 2);
   chunk.placed = uploader.upload<uint32_t>("placed", placed);
+  chunk.groups = uploader.upload<gpu::Group>("groups", groups);
   chunk.clusters = uploader.upload<gpu::Cluster>("clusters", clusters);
   chunk.positions = uploader.upload(
       "positions", std::span(flat.positions).subspan(3 * run.vertexFirst, 3 * (run.vertexEnd - run.vertexFirst)));
@@ -103,16 +123,23 @@ void Geometry::addChunk(Uploader& uploader, const Scene& scene, const FlatScene&
   chunks_.push_back(std::move(chunk));
 }
 
-uint32_t Geometry::maxPlacedCount() const {
+uint32_t Geometry::maxPlacedGroups() const {
   uint32_t most = 0;
-  for (const GeometryChunk& chunk : chunks_) most = std::max(most, chunk.placedCount);
+  for (const GeometryChunk& chunk : chunks_) most = std::max(most, chunk.placedGroups);
+  return most;
+}
+
+uint32_t Geometry::maxPlacedClusters() const {
+  uint32_t most = 0;
+  for (const GeometryChunk& chunk : chunks_) most = std::max(most, chunk.placedClusters);
   return most;
 }
 
 uint64_t Geometry::bytes() const {
   uint64_t sum = 0;
   for (const GeometryChunk& chunk : chunks_)
-    sum += chunk.placed.bytes() + chunk.clusters.bytes() + chunk.positions.bytes() + chunk.triangleCorners.bytes();
+    sum += chunk.placed.bytes() + chunk.groups.bytes() + chunk.clusters.bytes() + chunk.positions.bytes() +
+           chunk.triangleCorners.bytes();
   return sum;
 }
 

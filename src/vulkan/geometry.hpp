@@ -13,11 +13,13 @@ namespace gnosphere::vulkan {
 
 /// A run of clusters with everything they refer to, and where they are placed.
 struct GeometryChunk {
-  Buffer placed;  ///< (instance, cluster) pairs
+  Buffer placed;  ///< (instance, group) pairs
+  Buffer groups;
   Buffer clusters;
   Buffer positions;
   Buffer triangleCorners;
-  uint32_t placedCount = 0;
+  uint32_t placedGroups = 0;
+  uint32_t placedClusters = 0;
 };
 
 class Geometry {
@@ -26,8 +28,9 @@ class Geometry {
 
   const std::vector<GeometryChunk>& chunks() const { return chunks_; }
   size_t clusterCount() const { return clusterCount_; }
-  /// Most (instance, cluster) pairs of any chunk.
-  uint32_t maxPlacedCount() const;
+  /// Most (instance, group) pairs, and most placed clusters, of any chunk.
+  uint32_t maxPlacedGroups() const;
+  uint32_t maxPlacedClusters() const;
   uint64_t bytes() const;
   uint32_t instanceCount() const { return static_cast<uint32_t>(instances_.size()); }
   /// Triangles placed, and dropped while flattening.

@@ -16,7 +16,7 @@ Layout::Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets) : 
     create.pBindings = bindings.data();
     VK(vkCreateDescriptorSetLayout(device_.handle(), &create, nullptr, &setLayouts_[set]));
   }
-  const VkPushConstantRange constants = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(gpu::Chunk)};
+  const VkPushConstantRange constants = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(gpu::Pass)};
   VkPipelineLayoutCreateInfo layout = {VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   layout.setLayoutCount = 2;
   layout.pSetLayouts = setLayouts_;
@@ -70,13 +70,14 @@ Kernel::Kernel(const Device& device, const Layout& layout, std::span<const uint3
   module.pCode = spirv.data();
   VkShaderModule shader;
   VK(vkCreateShaderModule(device_, &module, nullptr, &shader));
-  const std::array<uint32_t, 7> values = {/* BOUNDS= */ options.bounds,
+  const std::array<uint32_t, 8> values = {/* BOUNDS= */ options.bounds,
                                           /* CULL= */ options.cull,
                                           /* INSIDE= */ options.inside,
                                           /* RANGE= */ options.range,
                                           /* AZIMUTH_OFFSETS= */ options.azimuthOffsets ? VK_TRUE : VK_FALSE,
                                           /* FACES= */ options.faces,
-                                          /* PASS= */ pass};
+                                          /* PASS= */ pass,
+                                          /* CULLING= */ options.culling};
   std::array<VkSpecializationMapEntry, values.size()> entries;
   for (uint32_t i = 0; i < entries.size(); ++i) entries[i] = {i + 1, i * 4, 4};
   const VkSpecializationInfo specialization = {static_cast<uint32_t>(entries.size()), entries.data(), sizeof values,

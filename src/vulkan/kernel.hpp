@@ -19,6 +19,7 @@ struct Options {
   uint32_t range = gpu::kRangeEdgeWeights;
   bool azimuthOffsets = false;
   uint32_t faces = gpu::kFacesMaterial;
+  uint32_t culling = 0;
 };
 
 /// What all kernels share: set 0 (a sensor and its work arrays), set 1 (a chunk of the scene), the push constants, and

@@ -21,7 +21,9 @@ uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics);
 struct Kernels {
   /// `float64` chooses the modules whose exact tests filter in double precision.
   Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64);
+  Kernel projectGroups;
   Kernel projectClusters;
+  Kernel projectOccluders;
   Kernel projectTriangles;
   std::vector<Kernel> bin;
   std::vector<Kernel> scan;
@@ -62,6 +64,8 @@ class SensorState {
 
   const gpu::Frame& frame() const { return tables_.frame; }
   const Kernels& kernels() const { return *kernels_; }
+  /// Metres: what is nearer is binned first, and hides what lies behind it. 0 if everything is binned at once.
+  float shellBorder() const { return shellBorder_; }
   const Buffer& buffer(uint32_t binding) const { return buffers_[binding]; }
 
   /// Frame in flight `index` with what a scan needs, the instances placed for it apart. The frame must not be in use.
@@ -76,6 +80,7 @@ class SensorState {
   void addTo(MemoryUse& use) const;
 
  private:
+  float shellBorder(const Geometry& geometry, const SimulatorOptions& options) const;
   void makeBuffers(const Geometry& geometry);
   void growProjected(uint64_t count);
   void growTiles(uint64_t count);
@@ -85,6 +90,7 @@ class SensorState {
   const Device& device_;
   Layout& layout_;
   uint32_t way_;
+  float shellBorder_ = 0;
   BeamTables tables_;
   std::unique_ptr<Kernels> ownKernels_;  // empty where another sensor has them
   const Kernels* kernels_ = nullptr;

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage project, first pass. One invocation per placed group of clusters; lists those of which a beam may see something
+// in the shell.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#include "shared.h"
+#include "options.glsl"
+#include "bindings.glsl"
+#include "sphere.glsl"
+#include "cull.glsl"
+
+layout(local_size_x = 64) in;
+
+bool seen(uvec2 pair) {
+  vec3 low, high;
+  sensorBox(instances[pair.x], groups[pair.y].low.xyz, groups[pair.y].high.xyz, low, high);
+  return !(nearestPoint(low, high) >= pass.shellMax || farthestPoint(low, high) < pass.shellMin || outOfSight(low, high));
+}
+
+void main() {
+  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  uint rounds = (pass.placedCount + stride - 1) / stride;
+  for (uint k = 0; k < rounds; ++k) {
+    uint i = k * stride + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+    uvec2 pair = uvec2(0);
+    bool keep = false;
+    if (i < pass.placedCount) {
+      pair = placed[i];
+      keep = seen(pair);
+    }
+    uvec4 ballot = subgroupBallot(keep);
+    uint slot = 0;
+    if (subgroupElect()) slot = atomicAdd(counters.visibleGroups, subgroupBallotBitCount(ballot));
+    slot = subgroupBroadcastFirst(slot) + subgroupBallotExclusiveBitCount(ballot);
+    if (keep) visibleGroups[slot] = pair;
+  }
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Between two shells. One invocation per fine entry of the farthest-range table, one workgroup per coarse entry: the
+// largest range among the words of its beams, so that the next shell can skip what lies behind.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#include "shared.h"
+#include "options.glsl"
+#include "bindings.glsl"
+
+layout(local_size_x = 64) in;
+shared uint largest;
+
+uint farthestIn(uvec2 entry) {
+  uint result = 0;
+  uint rowEnd = min((entry.y + 1) * kFineRows, frame.rows), columnEnd = min((entry.x + 1) * kFineColumns, frame.columns);
+  for (uint row = entry.y * kFineRows; row < rowEnd; ++row) {
+    uint first = uint(rows[row].angles.w) * frame.columns;
+    for (uint column = entry.x * kFineColumns; column < columnEnd; ++column)
+      result = max(result, words[first + column].y);
+  }
+  return result;
+}
+
+void main() {
+  if (gl_LocalInvocationID.x == 0) largest = 0;
+  barrier();
+  uint perRow = (frame.columns + kFineColumns - 1) / kFineColumns, fineRows = (frame.rows + kFineRows - 1) / kFineRows;
+  uvec2 across = uvec2(kCoarseColumns / kFineColumns, kCoarseRows / kFineRows);
+  uvec2 entry = gl_WorkGroupID.xy * across + uvec2(gl_LocalInvocationID.x % across.x, gl_LocalInvocationID.x / across.x);
+  uint mine = 0;
+  if (entry.x < perRow && entry.y < fineRows) {
+    mine = farthestIn(entry);
+    farthest[entry.y * perRow + entry.x] = mine;
+  }
+  mine = subgroupMax(mine);
+  if (subgroupElect()) atomicMax(largest, mine);
+  barrier();
+  if (gl_LocalInvocationID.x == 0) {
+    farthest[perRow * fineRows + gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = largest;
+    if (gl_WorkGroupID == uvec3(0)) {
+      counters.binnedSmall = counters.projectedSmall;
+      counters.binnedTiles = counters.tiles;
+    }
+  }
+}

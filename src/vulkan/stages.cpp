@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/stages.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+namespace gnosphere::vulkan {
+
+Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout, uint32_t way)
+    : device_(device), geometry_(geometry), way_(way) {
+  for (const GeometryChunk& chunk : geometry.chunks()) {
+    const Buffer* buffers[] = {&chunk.placed, &chunk.groups, &chunk.clusters, &chunk.positions, &chunk.triangleCorners};
+    chunkSets_.push_back(layout.makeSet(1));
+    layout.updateSet(chunkSets_.back(), buffers);
+  }
+}
+
+// A scan in two shells: what is near first, since it hides much of what is far. Where every hit of a beam counts,
+// nothing hides anything.
+void Stages::record(Commands& commands, const SensorState& state) const {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const float border = state.shellBorder();
+  clear(commands, state);
+  commands.start();
+  if (border > 0) {
+    project(commands, state, {0, 0, border, 0});
+    commands.finished("project");
+    bin(commands, state, false);
+    commands.finished("bin");
+    findOccluders(commands, state);
+  }
+  project(commands, state, {0, border, kInfinity, border > 0});
+  commands.finished("project");
+  bin(commands, state, true);
+  commands.finished("bin");
+  resolve(commands, state);
+  commands.finished("resolve");
+}
+
+void Stages::clear(Commands& commands, const SensorState& state) const {
+  commands.fill(state.buffer(gpu::kBindCounters), 0, VK_WHOLE_SIZE, 0);
+  if (way_ == gpu::kWayLists)
+    commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, 0);
+  else
+    commands.fill(state.buffer(gpu::kBindWords), 0, VK_WHOLE_SIZE, gpu::kNone);
+  commands.barrier();
+}
+
+void Stages::project(Commands& commands, const SensorState& state, gpu::Pass pass) const {
+  for (size_t i = 0; i < chunkSets_.size(); ++i) {
+    if (i > 0 || pass.occluders) {
+      commands.fill(state.buffer(gpu::kBindCounters), offsetof(gpu::Counters, visibleGroups), 8, 0);
+      commands.barrier();
+    }
+    const GeometryChunk& chunk = geometry_.chunks()[i];
+    commands.bindSet(1, chunkSets_[i]);
+    pass.placedCount = chunk.placedGroups;
+    commands.push(pass);
+    commands.dispatch(state.kernels().projectGroups, std::min(groupCount(), (chunk.placedGroups + 63) / 64));
+    commands.dispatch(state.kernels().projectClusters, std::min(groupCount(), chunk.placedGroups));
+    commands.dispatch(state.kernels().projectTriangles, std::min(groupCount(), chunk.placedClusters));
+  }
+}
+
+void Stages::bin(Commands& commands, const SensorState& state, bool lastShell) const {
+  const Kernels& kernels = state.kernels();
+  const uint32_t blocks = state.frame().beams / gpu::kScanBlock + 1;
+  commands.dispatch(kernels.bin[0], groupCount());
+  if (!lastShell) return;
+  for (size_t pass = 0; pass < kernels.scan.size(); ++pass)
+    commands.dispatch(kernels.scan[pass], pass == gpu::kScanBlocks ? 1 : std::min(groupCount(), blocks));
+  if (kernels.bin.size() > 1) commands.dispatch(kernels.bin[1], groupCount());
+}
+
+void Stages::findOccluders(Commands& commands, const SensorState& state) const {
+  const gpu::Frame& frame = state.frame();
+  commands.dispatch(state.kernels().projectOccluders, (frame.columns + gpu::kCoarseColumns - 1) / gpu::kCoarseColumns,
+                    (frame.rows + gpu::kCoarseRows - 1) / gpu::kCoarseRows);
+}
+
+void Stages::resolve(Commands& commands, const SensorState& state) const {
+  const uint32_t groups = (state.frame().columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns;
+  commands.dispatch(state.kernels().resolve, groups, state.frame().rows);
+}
+
+// A fixed number of workgroups loops over however many items there are: legal on every device, and no dispatch needs to
+// know a count that only the device has. On a software device neighbouring workgroups share a thread, so the loop's
+// stride also spreads uneven work over the threads.
+uint32_t Stages::groupCount() const {
+  return device_.capabilities().cpu ? 256 : 4096;
+}
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Records the stages of one scan: project and bin, shell by shell, then resolve.
+#pragma once
+
+#include <vector>
+
+#include "vulkan/commands.hpp"
+#include "vulkan/sensor_state.hpp"
+
+namespace gnosphere::vulkan {
+
+class Stages {
+ public:
+  /// Timestamps that record() takes, at most.
+  static constexpr uint32_t kStamps = 8;
+
+  Stages(const Device& device, const Geometry& geometry, Layout& layout, uint32_t way);
+
+  /// Everything between the frame's own arrays and the results, set 0 being bound.
+  void record(Commands& commands, const SensorState& state) const;
+
+ private:
+  void clear(Commands& commands, const SensorState& state) const;
+  void project(Commands& commands, const SensorState& state, gpu::Pass pass) const;
+  void bin(Commands& commands, const SensorState& state, bool lastShell) const;
+  void findOccluders(Commands& commands, const SensorState& state) const;
+  void resolve(Commands& commands, const SensorState& state) const;
+  uint32_t groupCount() const;
+
+  const Device& device_;
+  const Geometry& geometry_;
+  uint32_t way_;
+  std::vector<VkDescriptorSet> chunkSets_;
+};
+
+}  // namespace gnosphere::vulkan

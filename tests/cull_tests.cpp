@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever is skipped, the cloud has the same bytes.
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
+
+#include "support.hpp"
+#include "town/town.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+namespace {
+
+Culling nothing() {
+  return {false, false, false, Culling::Occlusion::never};
+}
+
+struct Switch {
+  const char* name;
+  Culling culling;
+};
+
+std::vector<Switch> switches() {
+  using O = Culling::Occlusion;
+  return {{"range", {true, false, false, O::never}},
+          {"rows", {false, true, false, O::never}},
+          {"columns", {false, false, true, O::never}},
+          {"occlusion", {false, false, false, O::always}},
+          {"all", {true, true, true, O::always}},
+          {"all but range", {false, true, true, O::always}},
+          {"automatic", {}}};
+}
+
+Scan scanWith(const Scene& scene, const Sensor& sensor, const Pose& pose, Accuracy accuracy, Culling culling) {
+  SimulatorOptions options = vulkanOptions();
+  options.accuracy = accuracy;
+  options.culling = culling;
+  return scanOf(scene, sensor, pose, options);
+}
+
+}  // namespace
+
+TEST_CASE("culling: every switch leaves the cloud of a town as it is") {
+  needVulkan();
+  const Scene town = makeTown({60'000, 3});
+  const Accuracy accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
+  const Pose pose = {{-7.5, 1.25, 1.8}, {0.02, -0.03, 0.6, 0.8}};
+  // Channels with azimuth offsets, and columns that do not fill the last entry of the farthest-range table.
+  Sensor shifted = findSensor("VLP-16");
+  shifted.columns = 1237;
+  for (size_t j = 0; j < shifted.channels.size(); ++j) shifted.channels[j].azimuthOffsetDeg = 37.0 * double(j % 5) - 60;
+  for (const Sensor& sensor : {findSensor("VLP-32"), shifted}) {
+    const Scan full = scanWith(town, sensor, pose, accuracy, nothing());
+    CHECK(full.counters.culledByCluster == 0);
+    for (const auto& [name, culling] : switches()) {
+      INFO(sensor.name << ", " << name);
+      CHECK(sameBytes(full, scanWith(town, sensor, pose, accuracy, culling)));
+    }
+  }
+}
+
+TEST_CASE("culling: what is hidden, out of range or between the beams is skipped") {
+  needVulkan();
+  const Scene town = makeTown({200'000, 1});
+  const Sensor sensor = findSensor("HDL-64E");
+  const Pose pose = {{0, 0, 1.8}, {}};
+  const auto culled = [&](Culling culling) {
+    return scanWith(town, sensor, pose, Accuracy::standard, culling).counters.culledByCluster;
+  };
+  using O = Culling::Occlusion;
+  CHECK(culled({true, false, false, O::never}) > 0);
+  CHECK(culled({false, true, false, O::never}) > 0);
+  CHECK(culled({false, false, false, O::always}) > town.placedTriangleCount() / 10);
+  CHECK(culled({true, true, true, O::always}) > culled({true, true, true, O::never}));
+}
