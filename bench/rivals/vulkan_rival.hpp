@@ -2,8 +2,8 @@
 // What both ways of tracing rays with Vulkan share: all but the pipeline.
 #pragma once
 
-#include "rivals/ray_structure.hpp"
 #include "rivals/vulkan.hpp"
+#include "rivals/vulkan_structure.hpp"
 
 namespace gnosphere::bench {
 

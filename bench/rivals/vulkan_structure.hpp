@@ -5,19 +5,23 @@
 #include <span>
 #include <vector>
 
-#include "rivals/ray_device.hpp"
 #include "rivals/rival.hpp"
+#include "rivals/vulkan_device.hpp"
 
 namespace gnosphere::bench {
+
+/// Destroys what it holds.
+struct StructureHandles {
+  ~StructureHandles();
+  VkDevice device;
+  std::vector<VkAccelerationStructureKHR> all;
+};
 
 class RayStructure {
  public:
   /// Uploads the geometry and makes room for the structures and their scratch; nothing is built yet. Instances are
   /// placed relative to `origin`, in single precision. Throws Error(outOfMemory).
   RayStructure(RayDevice& device, const Scene& scene, const Vec3& origin, Motion motion);
-  ~RayStructure();
-  RayStructure(const RayStructure&) = delete;
-  RayStructure& operator=(const RayStructure&) = delete;
 
   void move(std::span<const Moved> moved);
   void recordMeshes(VkCommandBuffer commands) const {
@@ -27,7 +31,7 @@ class RayStructure {
   void recordRefit(VkCommandBuffer commands) const {
     recordMeshes(commands, VK_BUILD_ACCELERATION_STRUCTURE_MODE_UPDATE_KHR);
   }
-  /// What is above the meshes. It is always built anew: it has few leaves, and a refitted one traces worse.
+  /// What is above the meshes. It has few leaves: always built anew, never refitted.
   void recordTop(VkCommandBuffer commands) const;
 
   VkAccelerationStructureKHR top() const { return top_; }
@@ -75,6 +79,7 @@ class RayStructure {
   Motion motion_;
   Vec3 origin_;
   Arena inputs_, structures_;
+  StructureHandles handles_;
   std::vector<Part> parts_;
   std::vector<Batch> batches_;
   std::vector<MeshParts> meshes_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rivals/ray_structure.hpp"
+#include "rivals/vulkan_structure.hpp"
 
 #include <algorithm>
 
@@ -36,7 +36,8 @@ RayStructure::RayStructure(RayDevice& device, const Scene& scene, const Vec3& or
       motion_(motion),
       origin_(origin),
       inputs_(device, "triangles"),
-      structures_(device, "acceleration structures") {
+      structures_(device, "acceleration structures"),
+      handles_{device.handle(), {}} {
   for (const Mesh& mesh : scene.meshes) addMesh(mesh);
   createParts();
   createTop(scene);
@@ -45,9 +46,8 @@ RayStructure::RayStructure(RayDevice& device, const Scene& scene, const Vec3& or
   device_.throwOnMessages();
 }
 
-RayStructure::~RayStructure() {
-  for (const Part& part : parts_) vkDestroyAccelerationStructureKHR(device_.handle(), part.structure, nullptr);
-  vkDestroyAccelerationStructureKHR(device_.handle(), top_, nullptr);
+StructureHandles::~StructureHandles() {
+  for (VkAccelerationStructureKHR structure : all) vkDestroyAccelerationStructureKHR(device, structure, nullptr);
 }
 
 void RayStructure::addMesh(const Mesh& mesh) {
@@ -85,11 +85,13 @@ bool RayStructure::fits(Part& part) const {
   const VkAccelerationStructureBuildSizesInfoKHR sizes = sizesOf(kBottom, part.geometry, part.triangleCount);
   part.structureBytes = sizes.accelerationStructureSize;
   part.scratchBytes = std::max(sizes.buildScratchSize, sizes.updateScratchSize);
+  // Half, so that neither alignment nor the neighbours in a batch take it beyond the limit.
   return std::max(part.structureBytes, part.scratchBytes) <= device_.maxAllocationBytes() / 2 ||
          part.triangleCount == 1;
 }
 
 void RayStructure::createParts() {
+  const uint64_t most = std::min(kScratchBytes, device_.maxAllocationBytes() / 2);
   uint64_t offset = 0;
   for (size_t i = 0; i < parts_.size(); ++i) {
     Part& part = parts_[i];
@@ -99,7 +101,7 @@ void RayStructure::createParts() {
     info.accelerationStructure = part.structure;
     part.address = vkGetAccelerationStructureDeviceAddressKHR(device_.handle(), &info);
     const uint64_t bytes = alignUp(part.scratchBytes, device_.scratchAlignment());
-    if (i == 0 || offset + bytes > kScratchBytes) {
+    if (i == 0 || offset + bytes > most) {
       batches_.push_back({i, 0});
       offset = 0;
     }
@@ -198,6 +200,7 @@ VkAccelerationStructureKHR RayStructure::create(VkAccelerationStructureTypeKHR t
   info.type = type;
   VkAccelerationStructureKHR structure;
   VK(vkCreateAccelerationStructureKHR(device_.handle(), &info, nullptr, &structure));
+  handles_.all.push_back(structure);
   return structure;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "rivals/ray_device.hpp"
+#include "rivals/vulkan_device.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -222,6 +222,7 @@ double RayDevice::run(const Record& timed, const Record& rest) {
 }
 
 void RayDevice::write(const Slice& to, const void* data, uint64_t bytes) {
+  if (bytes == 0) return;
   const char* from = static_cast<const char*>(data);
   if (to.buffer->mapped()) {
     std::memcpy(static_cast<char*>(to.buffer->mapped()) + to.offset, from, bytes);
