@@ -3,6 +3,7 @@
 // would say nothing.
 #include <algorithm>
 #include <catch2/generators/catch_generators.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 
 #include "rivals/vulkan.hpp"
 #include "support.hpp"
@@ -10,6 +11,7 @@
 
 using namespace gnosphere;
 using namespace gnosphere::bench;
+using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -118,4 +120,11 @@ TEST_CASE("ray tracing of nothing meets nothing") {
   REQUIRE(scan.beamCount() == streetSensor().beamCount());
   CHECK(std::none_of(scan.triangles.begin(), scan.triangles.end(), [](uint32_t t) { return t != kNoTriangle; }));
   CHECK(std::all_of(scan.ranges.begin(), scan.ranges.end(), [](float range) { return std::isnan(range); }));
+}
+
+TEST_CASE("ray tracing says what there is no room for") {
+  const auto way = GENERATE(VulkanWay::rayQuery, VulkanWay::rayTracingPipeline);
+  const Scene scene = test::sceneOf(test::ball(50, 100, 8));
+  REQUIRE_THROWS_WITH(makeOrSkip(scene, {}, way, Motion::none, 1 << 16),
+                      ContainsSubstring("cannot allocate") && ContainsSubstring("'triangles'"));
 }
