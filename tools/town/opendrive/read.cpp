@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <pugixml.hpp>
 
@@ -15,7 +16,8 @@ namespace {
 using Node = pugi::xml_node;
 
 // Beyond these a number is a mistake: what is sampled every metre or two must end.
-constexpr double kLongestRoad = 1e5, kLongestNetwork = 1e6, kFarthest = 1e8, kSharpest = 10, kLargestFactor = 1e8;
+constexpr double kLongestRoad = 2e4, kLongestNetwork = 1e6, kWidestNetwork = 2e4, kFarthest = 1e8, kSharpest = 10,
+                 kLargestFactor = 1e8;
 
 /// Who is being read, for messages: the file, and the road or junction in it.
 struct Reader {
@@ -109,11 +111,32 @@ void readShape(const Reader& reader, const Node& node, Geometry& geometry) {
   }
 }
 
-std::vector<Geometry> readPlanView(const Reader& reader, const Node& road) {
+std::string metres(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g m", value);
+  return text;
+}
+
+/// Each must begin where the one before it ends, and the last end with the road.
+void checkOrder(const Reader& reader, const std::vector<Geometry>& geometries, double length) {
+  constexpr double kTolerance = 1;  // metres
+  double end = 0;
+  const auto check = [&](double next, const std::string& what) {
+    if (std::abs(next - end) > kTolerance)
+      reader.fail("its reference line is known up to " + metres(end) + ", and " + what + " " + metres(next));
+  };
+  for (const Geometry& geometry : geometries) {
+    check(geometry.s, "the next <geometry> begins at");
+    end = geometry.s + geometry.length;
+  }
+  check(length, "it ends at");
+}
+
+std::vector<Geometry> readPlanView(const Reader& reader, const Node& road, double roadLength) {
   std::vector<Geometry> geometries;
   for (const Node& node : road.child("planView").children("geometry")) {
     Geometry geometry;
-    geometry.s = reader.number(node, "s");
+    geometry.s = reader.within(node, "s", 0, kLongestRoad);
     geometry.length = reader.within(node, "length", 0, kLongestRoad);
     geometry.start = {reader.within(node, "x", -kFarthest, kFarthest), reader.within(node, "y", -kFarthest, kFarthest),
                       0};
@@ -122,8 +145,6 @@ std::vector<Geometry> readPlanView(const Reader& reader, const Node& road) {
       return child.type() == pugi::node_element && std::strcmp(child.name(), "userData") != 0;
     });
     if (!shape) reader.fail("a <geometry> without a shape");
-    if (!geometries.empty() && geometry.s < geometries.back().s)
-      reader.fail("<geometry> elements are not in the order of their s");
     readShape(reader, shape, geometry);
     geometry.length = std::max(geometry.length, 1e-9);  // exporters leave such crumbs, and link roads by them
     for (double ds : {geometry.length / 2, geometry.length}) {
@@ -134,6 +155,7 @@ std::vector<Geometry> readPlanView(const Reader& reader, const Node& road) {
     geometries.push_back(geometry);
   }
   if (geometries.empty()) reader.fail("its <planView> has no geometry");
+  checkOrder(reader, geometries, roadLength);
   return geometries;
 }
 
@@ -183,7 +205,7 @@ Lane readLane(const Reader& reader, const Node& node) {
 
 LaneSection readSection(const Reader& reader, const Node& node) {
   LaneSection section;
-  section.s = reader.number(node, "s");
+  section.s = reader.within(node, "s", 0, kLongestRoad);
   for (const char* side : {"left", "center", "right"})
     for (const Node& lane : node.child(side).children("lane")) section.lanes.push_back(readLane(reader, lane));
   std::sort(section.lanes.begin(), section.lanes.end(), [](const Lane& a, const Lane& b) { return a.id > b.id; });
@@ -212,7 +234,7 @@ Road readRoad(Reader& reader, const Node& node) {
   const std::string junction = node.attribute("junction").as_string("-1");
   if (junction != "-1") road.junction = junction;
   road.leftHand = std::strcmp(node.attribute("rule").as_string("RHT"), "LHT") == 0;
-  road.geometries = readPlanView(reader, node);
+  road.geometries = readPlanView(reader, node, road.length);
   road.elevation = readProfile(reader, node.child("elevationProfile"), "elevation", "s");
   road.superelevation = readProfile(reader, node.child("lateralProfile"), "superelevation", "s");
   road.laneOffset = readProfile(reader, node.child("lanes"), "laneOffset", "s");
@@ -254,20 +276,24 @@ size_t lineOf(const std::string& text, ptrdiff_t offset) {
 }
 
 /// Whole metres, half way between the ends of the roads' geometries.
-Vec3 middleOf(const std::vector<Road>& roads) {
+Vec3 middleOf(Reader& reader, const std::vector<Road>& roads) {
   Vec3 low = roads[0].frame(0).at, high = low;
-  for (const Road& road : roads)
+  for (const Road& road : roads) {
+    reader.who = "road " + road.id;
     for (const Geometry& geometry : road.geometries) {
       const Vec3 p = road.frame(geometry.s).at;
       low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
       high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
+    if (std::max({high.x - low.x, high.y - low.y, high.z - low.z}) > kWidestNetwork)
+      reader.fail("with it the roads are more than 20 km apart; cut the map into parts");
+  }
   return {std::round((low.x + high.x) / 2), std::round((low.y + high.y) / 2), std::round((low.z + high.z) / 2)};
 }
 
 /// Moves the network's middle to the origin of its frame.
-void centre(Network& network) {
-  const Vec3 middle = middleOf(network.roads);
+void centre(Reader& reader, Network& network) {
+  const Vec3 middle = middleOf(reader, network.roads);
   for (Road& road : network.roads) {
     for (Geometry& geometry : road.geometries) geometry.start = geometry.start - middle;
     if (road.elevation.empty() && middle.z != 0) road.elevation.push_back({0});
@@ -306,7 +332,7 @@ Network readNetwork(const std::filesystem::path& file) {
         place({}, reader.number(offset, "hdg", 0) / 6.283185307179586) *
         place({reader.number(offset, "x", 0), reader.number(offset, "y", 0), reader.number(offset, "z", 0)});
   }
-  centre(network);
+  centre(reader, network);
   return network;
 }
 

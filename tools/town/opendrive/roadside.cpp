@@ -231,9 +231,10 @@ void Roadside::addTraffic(const Road& road, Dice& dice) {
 }
 
 void Roadside::plant(Dice& dice) {
-  constexpr double kStep = 7.5;
-  for (double y = land_.y0 + kStep; y < land_.y1 - kStep / 2; y += kStep)
-    for (double x = land_.x0 + kStep; x < land_.x1 - kStep / 2; x += kStep) {
+  constexpr double kStep = 7.5, kMost = 1e6;  // metres between trees, more if there would be more than so many
+  const double step = std::max(kStep, std::sqrt((land_.x1 - land_.x0) * (land_.y1 - land_.y0) / kMost));
+  for (double y = land_.y0 + step; y < land_.y1 - step / 2; y += step)
+    for (double x = land_.x0 + step; x < land_.x1 - step / 2; x += step) {
       Vec3 at = {x + dice.between(-2.5, 2.5), y + dice.between(-2.5, 2.5), 0};
       const Vec3 direction = turned({1, 0, 0}, dice.uniform());
       const double size = dice.between(0.75, 1.3);
