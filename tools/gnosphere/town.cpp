@@ -34,6 +34,9 @@ int runTown(const TownCall& call) {
   if (file.extension() != ".glb") {
     throw Error(ErrorCode::invalidArgument, file.string() + ": a town is written as .glb");
   }
+  if (call.drive == call.file) {
+    throw Error(ErrorCode::invalidArgument, "--trajectory: " + call.drive + " is the town's own file");
+  }
   checkWritable(file);  // told before the work, not after it
   if (!call.drive.empty()) checkWritable(call.drive);
   const std::vector<Pose> drive = makeDrive(call.options);
