@@ -49,8 +49,12 @@ int runTown(const TownCall& call) {
                   " meshes, seed " + std::to_string(call.options.seed));
   say("wrote", file.string() + ", " + fileSize(file));
   const Vec3& start = drive.front().position;
-  say("drive", (call.drive.empty() ? "" : call.drive + ", " + std::to_string(drive.size()) + " poses ") +
-                   formatted("from %.6g,%.6g,%.6g on", start.x, start.y, start.z));
+  const std::string pose = formatted("%.2f,%.2f,%.2f", start.x, start.y, start.z);
+  if (!call.drive.empty()) {
+    say("drive", call.drive + ", " + std::to_string(drive.size()) + " poses from " + pose + " on");
+  } else if (!call.options.xodr.empty()) {
+    say("start", pose + ", on a lane in the middle of the town");
+  }
   return 0;
 }
 
