@@ -14,7 +14,7 @@
 #include "town/opendrive/road_mesh.hpp"
 
 using namespace gnosphere;
-using town::operator-;
+using town::operator-, town::Surface;
 using namespace gnosphere::town::opendrive;
 namespace fs = std::filesystem;
 
@@ -201,6 +201,42 @@ TEST_CASE("a lane offset that jumps between two sections counts for the one it b
   // A lane is added on the left: what was lane -1 is lane -2, and stays where it is.
   CHECK(laneEdges(road, road.sections[0], 50) == std::vector<double>{0, 0, -3.5});
   CHECK(laneEdges(road, road.sections[1], 50) == std::vector<double>{3.5, 3.5, 0, -3.5});
+}
+
+TEST_CASE("markings have the area of their kind: solid, broken, double") {
+  // 90 m, straight; a shoulder outside, so that both halves of the edge line have room. Dashes are 3 m in every 9.
+  Road road;
+  road.length = 90;
+  road.geometries = {curve(Shape::line, 90)};
+  Lane centre, inner, outer;
+  inner.id = -1;
+  outer.id = -2;
+  inner.width = outer.width = {{0, 3.5}};
+  inner.use = outer.use = LaneUse::carriageway;
+  struct Case {
+    MarkKind kind, second;
+    double metres;
+  };
+  for (const Case& expected : {Case{MarkKind::solid, MarkKind::none, 90},
+                               {MarkKind::broken, MarkKind::none, 30},
+                               {MarkKind::solid, MarkKind::solid, 180},
+                               {MarkKind::solid, MarkKind::broken, 120}}) {
+    inner.marks = {{0, expected.kind, expected.second, 0.15}};
+    road.sections = {{0, 90, {centre, inner, outer}}};
+    double painted = 0, asphalt = 0;
+    for (const GroundPiece& piece : roadPieces(road))
+      for (const MeshPart& part : piece.mesh.parts)
+        for (size_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+          const float* p[3];
+          for (size_t k = 0; k < 3; ++k) p[k] = &piece.mesh.positions[3 * piece.mesh.indices[3 * t + k]];
+          const double area =
+              ((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1])) / 2;
+          CHECK(area > -1e-6);  // it faces upwards, or is upright
+          (static_cast<Surface>(part.material) == Surface::roadPaint ? painted : asphalt) += area;
+        }
+    CHECK(std::abs(painted - 0.15 * expected.metres) < 1e-3);
+    CHECK(std::abs(painted + asphalt - 630) < 1e-2);
+  }
 }
 
 TEST_CASE("a network is centred, and an offset of the header leads back to the world") {

@@ -108,44 +108,39 @@ class Panel {
     addPatch(builder_, surface, corners[0][1], corners[1][1], corners[1][0], corners[0][0]);
   }
 
-  void addLane(const VisibleLane& visible) {
-    struct Cutting {
-      double distance;
-      bool fromLeft;
-      Surface surface;  ///< of what ends there
-    };
+  /// A part of a lane that ends `distance` from its left or right edge.
+  struct Band {
+    double distance;
+    bool fromLeft;
+    Surface surface;
+  };
+
+  /// From left to right: the surface between the lines along its edges, or behind the kerb.
+  std::vector<Band> bandsOf(const VisibleLane& visible) const {
     const Surface surface = surfaceOf(visible.use);
-    std::vector<Cutting> cuttings;
-    if (visible.use == LaneUse::sidewalk) {
-      const bool kerbAtLeft = lane(visible).id < 0;
-      if (kerbAtLeft) cuttings.push_back({kKerbStone, true, Surface::kerb});
-      if (!kerbAtLeft) cuttings.push_back({kKerbStone, false, surface});
-    } else {
-      const Line left = line(visible, true), right = line(visible, false);
-      if (left.from > 0) cuttings.push_back({left.from, true, surface});
-      if (left.to > 0) cuttings.push_back({left.to, true, left.painted ? Surface::roadPaint : surface});
-      if (right.to > 0) cuttings.push_back({right.to, false, surface});
-      if (right.from > 0) cuttings.push_back({right.from, false, right.painted ? Surface::roadPaint : surface});
-      if (right.to > 0 && right.from == 0) cuttings.push_back({0, false, right.painted ? Surface::roadPaint : surface});
-    }
-    const bool kerbAtRight = visible.use == LaneUse::sidewalk && lane(visible).id > 0;
+    if (visible.use == LaneUse::sidewalk && lane(visible).id < 0)
+      return {{kKerbStone, true, Surface::kerb}, {0, false, surface}};
+    if (visible.use == LaneUse::sidewalk) return {{kKerbStone, false, surface}, {0, false, Surface::kerb}};
+    const Line left = line(visible, true), right = line(visible, false);
+    return {{left.from, true, surface},
+            {left.to, true, left.painted ? Surface::roadPaint : surface},
+            {right.to, false, surface},
+            {right.from, false, right.painted ? Surface::roadPaint : surface},
+            {0, false, surface}};
+  }
+
+  void addLane(const VisibleLane& visible) {
     double before[2] = {0, 0};
-    const auto addUpTo = [&](const double(&here)[2], Surface what) {
-      addBand(visible, what, before, here);
-      std::copy(here, here + 2, before);
-    };
-    for (const Cutting& cutting : cuttings) {
+    for (const Band& band : bandsOf(visible)) {
       double here[2];
       for (int end = 0; end < 2; ++end) {
         const double width = edge(end, visible.index) - edge(end, visible.index + 1);
-        const double distance = std::min(cutting.distance, width / 2);
-        here[end] = cutting.fromLeft ? distance : width - distance;
+        const double distance = std::min(band.distance, width / 2);
+        here[end] = band.fromLeft ? distance : width - distance;
       }
-      addUpTo(here, cutting.surface);
+      addBand(visible, band.surface, before, here);  // nothing where it has no width
+      std::copy(here, here + 2, before);
     }
-    const double widths[2] = {edge(0, visible.index) - edge(0, visible.index + 1),
-                              edge(1, visible.index) - edge(1, visible.index + 1)};
-    addUpTo(widths, kerbAtRight ? Surface::kerb : surface);
   }
 
   /// The upright face between two neighbours of different heights.
