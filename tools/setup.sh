@@ -7,7 +7,7 @@ packages=(
   g++ cmake ninja-build pkg-config
   libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools mesa-vulkan-drivers vulkan-validationlayers
   libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libboost-dev libnanoflann-dev
-  libcli11-dev nlohmann-json3-dev libstb-dev catch2
+  libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libpolyclipping-dev catch2
 )
 # Debian 12 has these too old; its backports have them.
 backported=("catch2 3" "mesa-vulkan-drivers 25")

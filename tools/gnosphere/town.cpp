@@ -10,29 +10,68 @@
 namespace gnosphere::cli {
 namespace {
 
-int runTown(const TownOptions& options, const std::filesystem::path& file) {
+struct TownCall {
+  TownOptions options;
+  bool baked = false;
+  std::string file, xodr, drive;
+};
+
+/// Lines of time, position and orientation, as the TUM benchmarks have them.
+void writeTum(const std::vector<Pose>& poses, const std::filesystem::path& file) {
+  AtomicFile output(file);
+  output.write("# t x y z qx qy qz qw\n");
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const Vec3& p = poses[i].position;
+    const Quaternion& q = poses[i].orientation;
+    output.write(formatted("%.1f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n", kDriveInterval * static_cast<double>(i), p.x,
+                           p.y, p.z, q.x, q.y, q.z, q.w));
+  }
+  output.commit();
+}
+
+int runTown(const TownCall& call) {
+  const std::filesystem::path file = call.file;
   if (file.extension() != ".glb") {
     throw Error(ErrorCode::invalidArgument, file.string() + ": a town is written as .glb");
   }
+  if (call.drive == call.file) {
+    throw Error(ErrorCode::invalidArgument, "--trajectory: " + call.drive + " is the town's own file");
+  }
   checkWritable(file);  // told before the work, not after it
-  const Scene town = makeTown(options);
+  if (!call.drive.empty()) checkWritable(call.drive);
+  const std::vector<Pose> drive = makeDrive(call.options);
+  Scene town = makeTown(call.options);
+  if (call.baked) town = bake(town);
   writeGlb(town, file);
+  if (!call.drive.empty()) writeTum(drive, call.drive);
   say("town", grouped(town.placedTriangleCount()) + " triangles (" + grouped(town.uniqueTriangleCount()) +
                   " unique) in " + grouped(town.instances.size()) + " instances of " + grouped(town.meshes.size()) +
-                  " meshes, seed " + std::to_string(options.seed));
+                  " meshes, seed " + std::to_string(call.options.seed));
   say("wrote", file.string() + ", " + fileSize(file));
+  const Vec3& start = drive.front().position;
+  const std::string pose = formatted("%.2f,%.2f,%.2f", start.x, start.y, start.z);
+  if (!call.drive.empty()) {
+    say("drive", call.drive + ", " + std::to_string(drive.size()) + " poses from " + pose + " on");
+  } else if (!call.options.xodr.empty()) {
+    say("start", pose + ", on a lane in the middle of the town");
+  }
   return 0;
 }
 
 }  // namespace
 
 Action addTown(CLI::App& app) {
-  const auto options = std::make_shared<TownOptions>();
-  const auto file = std::make_shared<std::string>();
-  app.add_option("-o,--output", *file, "The .glb file to write")->required();
-  app.add_option("--triangles", options->triangles, "Placed triangles to aim for")->capture_default_str();
-  app.add_option("--seed", options->seed, "Another number, another town")->capture_default_str();
-  return [options, file] { return runTown(*options, *file); };
+  const auto call = std::make_shared<TownCall>();
+  app.add_option("-o,--output", call->file, "The .glb file to write")->required();
+  app.add_option("--xodr", call->xodr, "An OpenDRIVE file whose roads it stands along; else a grid of streets");
+  app.add_option("--triangles", call->options.triangles, "Placed triangles to aim for")->capture_default_str();
+  app.add_option("--seed", call->options.seed, "Another number, another town")->capture_default_str();
+  app.add_flag("--bake", call->baked, "Unique geometry in tiles of 64 m, nothing instanced");
+  app.add_option("--trajectory", call->drive, "Write a drive of 400 poses through it as TUM: t x y z qx qy qz qw");
+  return [call] {
+    call->options.xodr = call->xodr;
+    return runTown(*call);
+  };
 }
 
 }  // namespace gnosphere::cli

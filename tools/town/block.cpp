@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "town/plan.hpp"
+#include "town/choice.hpp"
 
 namespace gnosphere::town {
 namespace {
@@ -61,29 +61,6 @@ class Land {
   double x0, y0, x1, y1;
 };
 
-Surface anyWall(Dice& dice) {
-  constexpr Surface kWalls[] = {Surface::brick, Surface::brickDark, Surface::plasterWhite, Surface::plasterSand,
-                                Surface::plasterRose};
-  return kWalls[dice.below(5)];
-}
-
-Building anyRowBuilding(Dice& dice, int width, int depth, bool corner) {
-  Building building;
-  constexpr BuildingKind kKinds[] = {BuildingKind::rowHouse, BuildingKind::rowHouse, BuildingKind::apartments,
-                                     BuildingKind::shopHouse};
-  building.kind = kKinds[dice.below(4)];
-  building.width = width;
-  building.depth = depth;
-  const bool low = building.kind == BuildingKind::rowHouse;
-  building.floors = low ? 2 + dice.below(3) : 3 + dice.below(3);
-  building.roof = building.kind == BuildingKind::apartments || dice.chance(25) ? RoofKind::flat : RoofKind::gable;
-  building.wall = anyWall(dice);
-  building.cover = dice.chance(70) ? Surface::roofTile : Surface::roofSlate;
-  building.openSides = corner;
-  building.style = dice.below(6);
-  return building;
-}
-
 Vec3 Land::onSide(int side, double along, double inward) const {
   switch (side) {
     case 0: return {x0 + along, y0 + inward, 0};
@@ -94,12 +71,9 @@ Vec3 Land::onSide(int side, double along, double inward) const {
 }
 
 void Land::tree(double x, double y) {
-  constexpr TreeKind kKinds[] = {TreeKind::broadleaf, TreeKind::broadleaf, TreeKind::conifer, TreeKind::broadleaf,
-                                 TreeKind::poplar};
-  const TreeKind kind = kKinds[dice_.below(5)];
-  const int variant = dice_.below(6);
+  const Tree tree = anyTree(dice_, detail_);
   const double turns = dice_.uniform(), size = dice_.between(0.75, 1.3);
-  put(Tree{kind, detail_.treeLeaves, variant}, x, y, turns, size);
+  put(tree, x, y, turns, size);
 }
 
 void Land::bush(double x, double y) {
@@ -151,15 +125,7 @@ void Land::terrace() {
 
 /// One garden with its house, from the street `depth` metres inwards.
 void Land::garden(double from, double to, int side, double depth) {
-  Building house;
-  house.kind = BuildingKind::house;
-  house.width = 9 + dice_.below(3);
-  house.depth = 8 + dice_.below(2);
-  house.floors = 1 + dice_.below(2);
-  house.roof = dice_.chance(50) ? RoofKind::gable : RoofKind::hip;
-  house.wall = anyWall(dice_);
-  house.cover = dice_.chance(65) ? Surface::roofTile : Surface::roofSlate;
-  house.style = dice_.below(6);
+  const Building house = anyHouse(dice_);
   const double turns = 0.25 * side, middle = from + 0.7 + house.width / 2.0;
   const double setback = dice_.between(4.5, 6.5);
   const Vec3 at = onSide(side, middle, setback);

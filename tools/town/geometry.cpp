@@ -45,8 +45,12 @@ double cosine(double turns) {
 }
 
 Transform place(const Vec3& position, double turns, double scale) {
-  const double c = scale * cosine(turns);
-  const double s = scale * sine(turns);
+  return placeAlong(position, {cosine(turns), sine(turns), 0}, scale);
+}
+
+Transform placeAlong(const Vec3& position, const Vec3& x, double scale) {
+  const double c = scale * x.x;
+  const double s = scale * x.y;
   return {{c, -s, 0, position.x, s, c, 0, position.y, 0, 0, scale, position.z}};
 }
 

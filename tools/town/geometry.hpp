@@ -32,6 +32,9 @@ double cosine(double turns);
 /// Scale, then turn about z, then move.
 Transform place(const Vec3& position, double turns = 0, double scale = 1);
 
+/// The same with the direction of the x axis, a level unit vector, instead of an angle.
+Transform placeAlong(const Vec3& position, const Vec3& x, double scale = 1);
+
 /// A stream of random numbers. Streams with other keys are independent.
 class Dice {
  public:

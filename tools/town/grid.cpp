@@ -91,18 +91,89 @@ Site siteBetween(uint32_t seed, const Lines& xs, const Lines& ys, int i, int j) 
   return site;
 }
 
+Lines linesAcrossX(uint32_t seed, double extent) {
+  return {seed, 0, 2, extent};
+}
+Lines linesAcrossY(uint32_t seed, double extent) {
+  return {seed, 1, 0, extent};
+}
+
+/// The lines around a clearing; none where i0 = i1.
+struct Hole {
+  int i0 = 0, j0 = 0, i1 = 0, j1 = 0;
+};
+
+Hole holeAround(const Area& clearing, const Lines& xs, const Lines& ys) {
+  const auto last = [](const Lines& lines, double at) {  // the last line before it
+    int i = lines.begin();
+    while (i + 1 < lines.end() && lines[i + 1].at + lines[i + 1].half <= at) ++i;
+    return i;
+  };
+  const auto first = [](const Lines& lines, double at) {
+    int i = lines.end() - 1;
+    while (i > lines.begin() && lines[i - 1].at - lines[i - 1].half >= at) --i;
+    return i;
+  };
+  return {last(xs, clearing.x0), last(ys, clearing.y0), first(xs, clearing.x1), first(ys, clearing.y1)};
+}
+
+/// The way through corners, rounded, by points half a metre apart.
+std::vector<Vec3> roundedWay(const std::vector<Vec3>& corners) {
+  constexpr double kRadius = 6, kStep = 0.5;
+  std::vector<Vec3> points;
+  const auto addLine = [&](const Vec3& from, const Vec3& to) {
+    const Vec3 way = to - from;
+    const int count = static_cast<int>(std::sqrt(dot(way, way)) / kStep);
+    for (int i = 0; i < count; ++i) points.push_back(from + static_cast<double>(i) / count * way);
+  };
+  Vec3 from = corners.front();
+  for (size_t k = 1; k + 1 < corners.size(); ++k) {
+    const Vec3 in = normalized(corners[k] - corners[k - 1]), out = normalized(corners[k + 1] - corners[k]);
+    const Vec3 start = corners[k] - kRadius * in, centre = start + kRadius * out;
+    addLine(from, start);
+    constexpr int kCount = 19;
+    for (int i = 0; i < kCount; ++i) {
+      const double turns = 0.25 * i / kCount;
+      points.push_back(centre + kRadius * (sine(turns) * in - cosine(turns) * out));
+    }
+    from = corners[k] + kRadius * out;
+  }
+  addLine(from, corners.back());
+  return points;
+}
+
 }  // namespace
 
-Plan planGrid(uint32_t seed, double extent, const Detail& detail) {
-  const Lines xs(seed, 0, 2, extent), ys(seed, 1, 0, extent);
+Area enclosedLand(uint32_t seed, const Area& clearing) {
+  const double extent = 100 + std::max(std::max(-clearing.x0, clearing.x1), std::max(-clearing.y0, clearing.y1));
+  const Lines xs = linesAcrossX(seed, extent), ys = linesAcrossY(seed, extent);
+  const Hole hole = holeAround(clearing, xs, ys);
+  return {xs[hole.i0].at + xs[hole.i0].half, ys[hole.j0].at + ys[hole.j0].half, xs[hole.i1].at - xs[hole.i1].half,
+          ys[hole.j1].at - ys[hole.j1].half};
+}
+
+std::vector<Vec3> gridDrive(uint32_t seed) {
+  const Lines xs = linesAcrossX(seed, 1), ys = linesAcrossY(seed, 1);
+  const double right = xs[1].at, up = ys[1].at, down = ys[-1].at;
+  return roundedWay(
+      {{0, 0, 0}, {right, 0, 0}, {right, up, 0}, {0, up, 0}, {0, down, 0}, {right, down, 0}, {right, 0, 0}, {0, 0, 0}});
+}
+
+Plan planGrid(uint32_t seed, double extent, const Detail& detail, const std::optional<Area>& clearing) {
+  const Lines xs = linesAcrossX(seed, extent), ys = linesAcrossY(seed, extent);
+  const Hole hole = clearing ? holeAround(*clearing, xs, ys) : Hole{};
   Plan plan;
   for (int i = xs.begin(); i < xs.end(); ++i)
     for (int j = ys.begin(); j < ys.end(); ++j) {
       const uint64_t column = static_cast<uint64_t>(i + 4096), row = static_cast<uint64_t>(j + 4096);
-      addCrossing(plan, xs[i], ys[j]);
-      if (i + 1 < xs.end()) addRoad(plan, Dice(seed, 2, column, row), xs[i], xs[i + 1], ys[j], false, detail);
-      if (j + 1 < ys.end()) addRoad(plan, Dice(seed, 3, column, row), ys[j], ys[j + 1], xs[i], true, detail);
-      if (i + 1 < xs.end() && j + 1 < ys.end()) {
+      const bool inX = i >= hole.i0 && i < hole.i1, inY = j >= hole.j0 && j < hole.j1;  // what begins at this line
+      const bool crossingX = inX && i > hole.i0, crossingY = inY && j > hole.j0;
+      if (!(crossingX && crossingY)) addCrossing(plan, xs[i], ys[j]);
+      if (i + 1 < xs.end() && !(inX && crossingY))
+        addRoad(plan, Dice(seed, 2, column, row), xs[i], xs[i + 1], ys[j], false, detail);
+      if (j + 1 < ys.end() && !(crossingX && inY))
+        addRoad(plan, Dice(seed, 3, column, row), ys[j], ys[j + 1], xs[i], true, detail);
+      if (i + 1 < xs.end() && j + 1 < ys.end() && !(inX && inY)) {
         const Site site = siteBetween(seed, xs, ys, i, j);
         plan.blockReach = reachOf((site.x0 + site.x1) / 2, (site.y0 + site.y1) / 2);
         planBlock(plan, site, detail);

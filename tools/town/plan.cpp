@@ -15,6 +15,7 @@ struct MeshOf {
   Mesh operator()(const Tree& tree) const { return treeMesh(tree); }
   Mesh operator()(const Vehicle& vehicle) const { return vehicleMesh(vehicle); }
   Mesh operator()(const Prop& prop) const { return propMesh(prop); }
+  Mesh operator()(const Piece&) const { throw std::bad_variant_access(); }
 };
 
 double blend(double own, double block) {
@@ -25,6 +26,11 @@ double blend(double own, double block) {
 
 Mesh meshOf(const Thing& thing) {
   return std::visit(MeshOf{}, thing);
+}
+
+Mesh Plan::meshOf(const Thing& thing) const {
+  const Piece* piece = std::get_if<Piece>(&thing);
+  return piece ? pieces[piece->index] : town::meshOf(thing);
 }
 
 void Plan::add(const Thing& thing, const Vec3& at, double turns, double scale) {

@@ -3,23 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "town/plan.hpp"
+#include "town/choice.hpp"
 
 namespace gnosphere::town {
 namespace {
-
-Surface anyPaint(Dice& dice) {
-  constexpr Surface kPaints[] = {Surface::paintWhite, Surface::paintSilver, Surface::paintSilver, Surface::paintBlack,
-                                 Surface::paintBlack, Surface::paintRed,    Surface::paintBlue,   Surface::paintWhite};
-  return kPaints[dice.below(8)];
-}
-
-Vehicle anyCar(Dice& dice, bool fine) {
-  constexpr VehicleKind kKinds[] = {VehicleKind::hatchback, VehicleKind::saloon, VehicleKind::estate,
-                                    VehicleKind::hatchback, VehicleKind::saloon, VehicleKind::van};
-  const VehicleKind kind = kKinds[dice.below(6)];
-  return {kind, kind == VehicleKind::van && dice.chance(70) ? Surface::paintWhite : anyPaint(dice), fine};
-}
 
 /// One side of a block: points by distance along it and distance from the kerb, z on the sidewalk.
 struct Side {

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <numeric>
+#include <optional>
 
+#include "town/opendrive/plan.hpp"
 #include "town/plan.hpp"
 
 namespace gnosphere {
@@ -24,9 +26,9 @@ class Builder {
   explicit Builder(Scene& scene) : scene_(scene) {}
 
   /// Places it unless the town would then hold more than `limit` triangles.
-  bool add(const Placement& placement, uint64_t limit) {
+  bool add(const Plan& plan, const Placement& placement, uint64_t limit) {
     const auto [entry, isNew] = meshes_.try_emplace(placement.thing, static_cast<uint32_t>(scene_.meshes.size()));
-    if (isNew) scene_.meshes.push_back(meshOf(placement.thing));
+    if (isNew) scene_.meshes.push_back(plan.meshOf(placement.thing));
     const Mesh& mesh = scene_.meshes[entry->second];
     if (placed_ + mesh.triangleCount() > limit) {
       if (isNew) {
@@ -49,33 +51,67 @@ class Builder {
   uint64_t placed_ = 0;
 };
 
-/// The plan from the middle outwards.
-Plan sortedPlan(const TownOptions& options, double extent) {
+Detail detailOf(uint64_t triangles) {
   Detail detail;
-  if (options.triangles < kCoarseBelow) detail.treeLeaves = 160;
-  if (options.triangles >= kFineFrom) detail = {900, true};
-  Plan plan = planGrid(options.seed, extent + kMargin, detail);
+  if (triangles < kCoarseBelow) detail.treeLeaves = 160;
+  if (triangles >= kFineFrom) detail = {900, true};
+  return detail;
+}
+
+/// Adds a plan from the middle outwards, up to a reach. True if the town is full then.
+bool fill(Builder& builder, Plan& plan, double reach, uint64_t triangles) {
+  constexpr int kPatience = 400;  // things in a row that are too large for what is left
   std::stable_sort(plan.placements.begin(), plan.placements.end(),
                    [](const Placement& a, const Placement& b) { return a.reach < b.reach; });
-  return plan;
+  int refused = 0;
+  for (const Placement& placement : plan.placements) {
+    if (placement.reach > reach) break;
+    refused = builder.add(plan, placement, triangles) ? 0 : refused + 1;
+    if (refused > kPatience) return true;
+  }
+  return builder.placed() >= triangles;
 }
+
+/// A network with what stands along it, and the land it takes.
+struct NetworkTown {
+  NetworkTown(const TownOptions& options, const Detail& detail) {
+    const opendrive::Network network = opendrive::readNetwork(options.xodr);
+    toFile = network.toFile;
+    land = enclosedLand(options.seed, opendrive::landOf(network));
+    plan = planNetwork(network, land, opendrive::planDrive(network, options.seed, kDriveMetres), options.seed, detail);
+  }
+  Transform toFile;
+  Area land;
+  Plan plan;
+};
 
 }  // namespace
 
 Scene makeTown(const TownOptions& options) {
-  constexpr int kPatience = 400;  // things in a row that are too large for what is left
+  const Detail detail = detailOf(options.triangles);
+  std::optional<NetworkTown> network;
+  if (!options.xodr.empty()) network.emplace(options, detail);
   // Streets and blocks stay where they are when the extent grows: a larger town contains the smaller one.
-  for (double extent = 60 + std::sqrt(static_cast<double>(options.triangles) / kDensity);; extent *= 1.4) {
-    const Plan plan = sortedPlan(options, extent);
+  constexpr double kEverything = std::numeric_limits<double>::infinity();
+  double extent = 60 + std::sqrt(static_cast<double>(options.triangles) / kDensity) / 2;
+  std::optional<Area> clearing;
+  if (network) {
+    clearing = network->land;
+    extent = std::max(extent, 150 + std::max({-clearing->x0, -clearing->y0, clearing->x1, clearing->y1}));
+  }
+  for (;; extent *= 1.25) {
     Scene scene;
     scene.materials = townMaterials();
     Builder builder(scene);
-    int refused = 0;
-    for (const Placement& placement : plan.placements) {
-      if (placement.reach > extent || refused > kPatience) break;
-      refused = builder.add(placement, options.triangles) ? 0 : refused + 1;
+    bool full = network && fill(builder, network->plan, kEverything, options.triangles);
+    if (!full) {
+      Plan grid = planGrid(options.seed, extent + kMargin, detail, clearing);
+      full = fill(builder, grid, extent, options.triangles);
     }
-    if (refused > 0 || builder.placed() >= options.triangles) return scene;
+    if (!full) continue;
+    if (network)
+      for (Instance& instance : scene.instances) instance.transform = network->toFile * instance.transform;
+    return scene;
   }
 }
 

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <random>
+#include <sstream>
+
+#include "gnosphere/error.hpp"
+#include "town/opendrive/drive.hpp"
+#include "town/opendrive/plan.hpp"
+#include "town/opendrive/road_mesh.hpp"
+
+using namespace gnosphere;
+using town::operator-, town::Surface;
+using namespace gnosphere::town::opendrive;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kJunction = fs::path(GNOSPHERE_TEST_DATA) / "junction.xodr";
+
+double distance(const Vec3& a, const Vec3& b) {
+  return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+std::string textOf(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// A file that is removed again.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& text) : path(fs::temp_directory_path() / name()) {
+    std::ofstream(path) << text;
+  }
+  ~TemporaryFile() { fs::remove(path); }
+  fs::path path;
+
+ private:
+  static std::string name() { return "gnosphere-" + std::to_string(std::random_device{}()) + ".xodr"; }
+};
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+/// The end of a curve with this heading, by Simpson's rule and the platform's sines.
+Vec3 integrated(const std::function<double(double)>& heading, double length) {
+  constexpr int kSteps = 20'000;
+  const double step = length / kSteps;
+  double x = 0, y = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double weight = i == 0 || i == kSteps ? 1 : i % 2 == 1 ? 4 : 2;
+    x += weight * std::cos(heading(i * step));
+    y += weight * std::sin(heading(i * step));
+  }
+  return {x * step / 3, y * step / 3, 0};
+}
+
+Geometry curve(Shape shape, double length, double from = 0, double to = 0) {
+  Geometry geometry;
+  geometry.shape = shape;
+  geometry.length = length;
+  geometry.curvature = from;
+  geometry.curvatureAtEnd = to;
+  return geometry;
+}
+
+/// Every road's own .xodr under the folder of the environment, or nothing.
+std::vector<fs::path> sharedNetworks() {
+  std::vector<fs::path> files;
+  if (const char* folder = std::getenv("GNOSPHERE_SCENES"))
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      if (entry.path().extension() == ".xodr") files.push_back(entry.path());
+  return files;
+}
+
+/// The largest jump in a road: of its reference line where two geometries meet, and of driving lanes' edges where two
+/// sections do.
+double largestJump(const Road& road) {
+  double largest = 0;
+  for (size_t i = 0; i + 1 < road.geometries.size(); ++i) {
+    const Geometry& geometry = road.geometries[i];
+    largest = std::max(largest, distance(geometry.at(geometry.length).at, road.geometries[i + 1].start));
+  }
+  for (size_t i = 0; i + 1 < road.sections.size(); ++i) {
+    const LaneSection &section = road.sections[i], &next = road.sections[i + 1];
+    const std::vector<double> before = laneEdges(road, section, section.end), after = laneEdges(road, next, next.s);
+    for (size_t k = 0; k < section.lanes.size(); ++k) {
+      const Lane& lane = section.lanes[k];
+      const Lane* successor = lane.driving && lane.successor ? next.find(*lane.successor) : nullptr;
+      if (!successor || !successor->driving) continue;
+      const size_t n = static_cast<size_t>(successor - next.lanes.data());
+      largest = std::max({largest, std::abs(before[k] - after[n]), std::abs(before[k + 1] - after[n + 1])});
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("an arc ends where its closed form says") {
+  const double k = -0.037, length = 61;
+  const CurvePoint end = curve(Shape::arc, length, k, k).at(length);
+  CHECK(distance(end.at, {std::sin(k * length) / k, (1 - std::cos(k * length)) / k, 0}) < 1e-9);
+  CHECK(distance(end.along, {std::cos(k * length), std::sin(k * length), 0}) < 1e-10);
+}
+
+TEST_CASE("a clothoid ends where Fresnel's integrals and an integration of its heading say") {
+  // Curvature pi s over a length of 1: C(1) and S(1), Abramowitz and Stegun, table 7.7.
+  const CurvePoint fresnel = curve(Shape::spiral, 1, 0, M_PI).at(1);
+  CHECK(distance(fresnel.at, {0.7798934003768228, 0.4382591473903548, 0}) < 1e-10);
+
+  for (const auto& [from, to, length] : {std::tuple{0.0, 0.02, 30.0}, {0.08, -0.15, 120.0}, {-0.01, -0.3, 45.0}}) {
+    const CurvePoint end = curve(Shape::spiral, length, from, to).at(length);
+    const auto heading = [&](double s) { return from * s + (to - from) / length * s * s / 2; };
+    CAPTURE(from, to, length);
+    CHECK(distance(end.at, integrated(heading, length)) < 1e-7);
+    CHECK(distance(end.along, {std::cos(heading(length)), std::sin(heading(length)), 0}) < 1e-9);
+  }
+}
+
+TEST_CASE("a cubic is followed by its length, a parametric one by its parameter") {
+  Geometry cubic = curve(Shape::poly3, 40);
+  cubic.v = {0, 0, 0.003, -0.00003};
+  cubic.start = {5, -2, 0};
+  cubic.heading = 0.7;
+  const auto local = [&](double ds) {
+    const Vec3 p = cubic.at(ds).at - cubic.start;
+    return Vec3{p.x * std::cos(0.7) + p.y * std::sin(0.7), p.y * std::cos(0.7) - p.x * std::sin(0.7), 0};
+  };
+  double walked = 0;
+  for (int i = 0; i < 4000; ++i) walked += distance(cubic.at(0.01 * i).at, cubic.at(0.01 * (i + 1)).at);
+  CHECK(std::abs(walked - 40) < 1e-5);
+  const Vec3 end = local(40);
+  CHECK(std::abs(end.y - (0.003 * end.x * end.x - 0.00003 * end.x * end.x * end.x)) < 1e-10);
+
+  Geometry parametric = curve(Shape::paramPoly3, 10);
+  parametric.u = {1, 2, 3, 4};
+  parametric.v = {0.5, -1, 0.25, 2};
+  parametric.parameterRange = 1;
+  const double p = 0.3;
+  CHECK(distance(parametric.at(3).at, {1 + p * (2 + p * (3 + p * 4)), 0.5 + p * (-1 + p * (0.25 + p * 2)), 0}) < 1e-12);
+  const double du = 2 + 2 * 3 * p + 3 * 4 * p * p, dv = -1 + 2 * 0.25 * p + 3 * 2 * p * p;
+  CHECK(distance(parametric.at(3).along, {du / std::hypot(du, dv), dv / std::hypot(du, dv), 0}) < 1e-12);
+}
+
+TEST_CASE("roads have no jumps: their geometries meet, and so do the edges of their sections") {
+  for (const Road& road : readNetwork(kJunction).roads) {
+    INFO("road " << road.id);
+    CHECK(largestJump(road) < 1e-6);
+  }
+}
+
+TEST_CASE("lanes that are linked share their edges") {
+  const Network network = readNetwork(kJunction);
+  // Lane -1 of connecting road 14 comes from lane 1 of road 2 and leads to lane -1 of road 3.
+  const auto edges = [&](const char* id, double s, size_t lane) {
+    const Road& road = *network.road(id);
+    const std::vector<double> t = laneEdges(road, road.sectionAt(s), s);
+    return std::pair(road.frame(s).point(t[lane]), road.frame(s).point(t[lane + 1]));
+  };
+  const double length = network.road("14")->length;
+  CHECK(distance(edges("14", 0, 1).first, edges("2", 0, 1).second) < 1e-6);
+  CHECK(distance(edges("14", 0, 1).second, edges("2", 0, 1).first) < 1e-6);
+  CHECK(distance(edges("14", length, 1).first, edges("3", 0, 3).first) < 1e-6);
+  CHECK(distance(edges("14", length, 1).second, edges("3", 0, 3).second) < 1e-6);
+  // Roads 2 and 4 meet end to end: left is right.
+  const double end2 = network.road("2")->length, end4 = network.road("4")->length;
+  CHECK(distance(edges("2", end2, 0).first, edges("4", end4, 4).second) < 1e-6);
+}
+
+TEST_CASE("superelevation turns a road about its reference line, lane offsets move it sideways") {
+  const Network network = readNetwork(kJunction);
+  const Road& road = *network.road("3");
+  const RoadFrame frame = road.frame(70);  // it goes to the south: left is east
+  const double ds = 10, offset = 0.0075 * ds * ds - 0.00025 * ds * ds * ds;
+  const std::vector<double> edges = laneEdges(road, road.sectionAt(70), 70);
+  CHECK(std::abs(edges[2] - offset) < 1e-12);
+  CHECK(std::abs(edges[0] - (offset + 5.5)) < 1e-12);
+  const Vec3 left = frame.point(3.5) - frame.at;
+  CHECK(distance(left, {3.5 * std::cos(0.08), 0, 3.5 * std::sin(0.08)}) < 1e-9);
+}
+
+TEST_CASE("a lane offset that jumps between two sections counts for the one it belongs to") {
+  Road road;
+  road.length = 100;
+  road.laneOffset = {{0, 0}, {50, 3.5}};
+  Lane centre, inner, outer;
+  inner.id = -1;
+  outer.id = -2;
+  inner.width = outer.width = {{0, 3.5}};
+  road.sections = {{0, 50, {centre, inner}}, {50, 100, {centre, inner, outer}}};
+  // A lane is added on the left: what was lane -1 is lane -2, and stays where it is.
+  CHECK(laneEdges(road, road.sections[0], 50) == std::vector<double>{0, 0, -3.5});
+  CHECK(laneEdges(road, road.sections[1], 50) == std::vector<double>{3.5, 3.5, 0, -3.5});
+}
+
+TEST_CASE("markings have the area of their kind: solid, broken, double") {
+  // 90 m, straight; a shoulder outside, so that both halves of the edge line have room. Dashes are 3 m in every 9.
+  Road road;
+  road.length = 90;
+  road.geometries = {curve(Shape::line, 90)};
+  Lane centre, inner, outer;
+  inner.id = -1;
+  outer.id = -2;
+  inner.width = outer.width = {{0, 3.5}};
+  inner.use = outer.use = LaneUse::carriageway;
+  struct Case {
+    MarkKind kind, second;
+    double metres;
+  };
+  for (const Case& expected : {Case{MarkKind::solid, MarkKind::none, 90},
+                               {MarkKind::broken, MarkKind::none, 30},
+                               {MarkKind::solid, MarkKind::solid, 180},
+                               {MarkKind::solid, MarkKind::broken, 120}}) {
+    inner.marks = {{0, expected.kind, expected.second, 0.15}};
+    road.sections = {{0, 90, {centre, inner, outer}}};
+    double painted = 0, asphalt = 0;
+    for (const GroundPiece& piece : roadPieces(road))
+      for (const MeshPart& part : piece.mesh.parts)
+        for (size_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
+          const float* p[3];
+          for (size_t k = 0; k < 3; ++k) p[k] = &piece.mesh.positions[3 * piece.mesh.indices[3 * t + k]];
+          const double area =
+              ((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1])) / 2;
+          CHECK(area > -1e-6);  // it faces upwards, or is upright
+          (static_cast<Surface>(part.material) == Surface::roadPaint ? painted : asphalt) += area;
+        }
+    CHECK(std::abs(painted - 0.15 * expected.metres) < 1e-3);
+    CHECK(std::abs(painted + asphalt - 630) < 1e-2);
+  }
+}
+
+TEST_CASE("a network is centred, and an offset of the header leads back to the world") {
+  const Network plain = readNetwork(kJunction);
+  const TemporaryFile moved(
+      replaced(textOf(kJunction), "version=\"1\"/>",
+               "version=\"1\"><offset x=\"500000.25\" y=\"5400000\" z=\"100\" hdg=\"0.5\"/></header>"));
+  const Network network = readNetwork(moved.path);
+  const Vec3 inFile = plain.toFile * plain.road("2")->frame(33).at;
+  const Vec3 there = network.toFile * network.road("2")->frame(33).at;
+  const double x = inFile.x + 500000.25, y = inFile.y + 5400000;
+  CHECK(distance(there, {x * std::cos(0.5) - y * std::sin(0.5), x * std::sin(0.5) + y * std::cos(0.5),
+                         inFile.z + 100}) < 1e-5);
+  CHECK(distance(plain.toFile * plain.road("1")->frame(0).at, {0, 0, 0}) < 1e-9);
+}
+
+TEST_CASE("what is wrong with a file is one line that names the file, the road and the fault") {
+  const std::string sound = textOf(kJunction);
+  struct Fault {
+    const char *from, *to;
+    const char* says;
+  };
+  const Fault faults[] = {
+      {"<line/>", "<bezier/>", "road 1: a geometry of the shape <bezier>"},
+      {"<line/>", "", "road 1: a <geometry> without a shape"},
+      {"length=\"80\" id", "length=\"x80\" id", "road 1: <road> has length=\"x80\", which is not a number"},
+      {"length=\"80\" id", "length=\"1e99\" id", "road 1: <road> has length=\"1e99\", which is out of range"},
+      {"length=\"80\" id", "length=\"nan\" id", "which is not a number"},
+      {"length=\"80\" id", "length=\"-1\" id", "out of range"},
+      {"id=\"1\" junction", "junction", "<road> has no attribute 'id'"},
+      {" hdg=\"0\"", "", "road 1: <geometry> has no attribute 'hdg'"},
+      {"curvature=\"0.02\"", "curvature=\"1e9\"", "road 2: <arc> has curvature=\"1e9\", which is out of range"},
+      {"bU=\"40\"", "bU=\"1e80\"", "road 2: its <paramPoly3> leads out of the map"},
+      {"x=\"149.7", "x=\"91149.7", "road 2: with it the roads are more than 20 km apart"},
+      {"pRange=\"normalized\"", "pRange=\"metres\"", "road 2: <paramPoly3> has pRange=\"metres\""},
+      {"<lane id=\"0\"", "<lane id=\"7\"", "road 1: a <laneSection> has no lane 0"},
+      {"<lane id=\"2\"", "<lane id=\"1\"", "road 1: a <laneSection> has lane 1 twice"},
+      {"<lane id=\"2\"", "<lane id=\"two\"", "road 1: <lane> has id=\"two\", which is not a number"},
+      {"<laneSection s=\"25\">", "<laneSection s=\"75\">", "road 1: <laneSection> elements are not in the order"},
+      {"s=\"50\" x", "s=\"5\" x",
+       "road 2: its reference line is known up to 50 m, and the next <geometry> begins at 5 m"},
+      {"length=\"80\" id", "length=\"90\" id", "road 1: its reference line is known up to 80 m, and it ends at 90 m"},
+      {"elementType=\"road\"", "elementType=\"rail\"", "road 2: it is linked to a \"rail\""},
+      {"</OpenDRIVE>", "", "not sound XML"},
+      {"<laneLink from=\"-1\"", "<laneLink from=\"\"", "junction 100: <laneLink> has from=\"\""},
+  };
+  for (const Fault& fault : faults) {
+    INFO(fault.from << " -> " << fault.to);
+    const TemporaryFile file(replaced(sound, fault.from, fault.to));
+    try {
+      (void)readNetwork(file.path);
+      FAIL("it was read");
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      CHECK(error.code() == ErrorCode::format);
+      CHECK_THAT(message, Catch::Matchers::StartsWith(file.path.string() + ": "));
+      CHECK_THAT(message, Catch::Matchers::ContainsSubstring(fault.says));
+      CHECK(message.find('\n') == std::string::npos);
+    }
+  }
+  CHECK_THROWS_AS(readNetwork(TemporaryFile("").path), Error);
+  CHECK_THROWS_AS(readNetwork(TemporaryFile("<OpenDRIVE/>").path), Error);
+  CHECK_THROWS_AS(readNetwork(TemporaryFile("<osm/>").path), Error);
+  CHECK_THROWS_AS(readNetwork("nowhere.xodr"), Error);
+}
+
+TEST_CASE("damaged files end in an Error or in a town, never in a crash") {
+  const std::string sound = textOf(kJunction);
+  size_t read = 0;
+  for (uint32_t seed = 0; seed < 60; ++seed) {
+    std::mt19937 random(seed);
+    std::string text = sound;
+    const size_t count = 1 + random() % 3;
+    for (size_t i = 0; i < count; ++i) {
+      // Digits become other digits, signs or exponents: what the XML parser does not stop.
+      constexpr char kOthers[] = "0123456789-.e";
+      size_t at = random() % text.size();
+      while (at < text.size() && !std::isdigit(static_cast<unsigned char>(text[at]))) ++at;
+      if (at < text.size()) text[at] = kOthers[random() % (sizeof kOthers - 1)];
+    }
+    const TemporaryFile file(text);
+    INFO("seed " << seed);
+    try {
+      const Network network = readNetwork(file.path);
+      const Drive drive = planDrive(network, 1, 300);
+      for (const Road& road : network.roads) (void)roadPieces(road);
+      (void)junctionPieces(network, "100");
+      CHECK(drive.points.size() > 1);
+      ++read;
+    } catch (const Error&) {
+    }
+  }
+  CHECK(read > 10);
+}
+
+TEST_CASE("every road of the networks under GNOSPHERE_SCENES is read and covered") {
+  const std::vector<fs::path> files = sharedNetworks();
+  if (files.empty()) SKIP("GNOSPHERE_SCENES names no folder with .xodr files");
+  for (const fs::path& file : files) {
+    const Network network = readNetwork(file);
+    INFO(file);
+    CHECK(network.roads.size() > 0);
+    for (const Road& road : network.roads) {
+      INFO("road " << road.id);
+      CHECK(largestJump(road) < 0.05);
+      if (road.junction.empty() && road.length > 0.5) CHECK(roadPieces(road).size() > 0);
+    }
+    CHECK(planDrive(network, 1, 300).points.size() > 100);
+  }
+}

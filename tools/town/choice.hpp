@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "town/plan.hpp"
+
+namespace gnosphere::town {
+
+// What the dice choose, the same for streets of the grid and for roads of a network.
+
+Building anyRowBuilding(Dice& dice, int width, int depth, bool corner);
+Building anyHouse(Dice& dice);
+Surface anyWall(Dice& dice);
+Tree anyTree(Dice& dice, const Detail& detail);
+Vehicle anyCar(Dice& dice, bool fine);
+
+}  // namespace gnosphere::town

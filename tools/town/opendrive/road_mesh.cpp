@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "town/opendrive/road_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnosphere::town::opendrive {
+namespace {
+
+constexpr double kPanel = 3;       ///< metres: a dash is one panel long, the gap after it two
+constexpr double kPiece = 48;      ///< metres
+constexpr double kSagitta = 0.02;  ///< metres that a chord may be off its bend
+constexpr double kKerbStone = 0.18;
+constexpr double kNarrow = 1e-3;  ///< metres: a lane that is not wider is not there
+
+/// One cut across the road.
+struct Cut {
+  double s;
+  RoadFrame frame;
+  std::vector<double> edges;
+};
+
+/// A line along an edge: from..to metres away from it, on one side.
+struct Line {
+  double from = 0, to = 0;
+  bool painted = false;
+};
+
+/// The mark of a lane at `s`; nothing before the first.
+const RoadMark* markAt(const Lane& lane, double ds) {
+  const RoadMark* mark = nullptr;
+  for (const RoadMark& candidate : lane.marks)
+    if (candidate.start <= ds + 1e-9) mark = &candidate;
+  return mark && (mark->kind != MarkKind::none || mark->second != MarkKind::none) ? mark : nullptr;
+}
+
+/// The part of a lane's mark on one side of its edge: towards the reference line, or away from it (lane 0: to its left,
+/// or to its right).
+Line lineOf(const Lane& lane, double s, double ds, bool outwards) {
+  const RoadMark* mark = markAt(lane, ds);
+  if (!mark) return {};
+  const bool dash = static_cast<long long>(std::floor(s / kPanel)) % 3 == 1;
+  const bool isDouble = mark->second != MarkKind::none;
+  const MarkKind kind = isDouble && outwards ? mark->second : mark->kind;
+  const bool painted = kind == MarkKind::solid || (kind == MarkKind::broken && dash);
+  if (isDouble) return {0.5 * mark->width, 1.5 * mark->width, painted};
+  return {0, 0.5 * mark->width, painted};
+}
+
+double heightOf(const Lane& lane, LaneUse use, double ds, bool atLeft) {
+  const bool outer = (lane.id > 0) == atLeft;
+  if (lane.hasHeight) return valueAt(outer ? lane.outer : lane.inner, ds);
+  return use == LaneUse::sidewalk ? kCurbHeight : 0;
+}
+
+Surface surfaceOf(LaneUse use) {
+  return use == LaneUse::sidewalk ? Surface::paving : use == LaneUse::verge ? Surface::grass : Surface::asphalt;
+}
+
+/// The surface between two cuts of one lane section.
+class Panel {
+ public:
+  Panel(MeshBuilder& builder, const Vec3& origin, const LaneSection& section, const Cut& from, const Cut& to)
+      : builder_(builder), origin_(origin), section_(section), cuts_{&from, &to} {}
+
+  void add() {
+    std::vector<double> wider(cuts_[0]->edges.size());
+    for (size_t i = 0; i < wider.size(); ++i) wider[i] = (cuts_[0]->edges[i] + cuts_[1]->edges[i]) / 2;
+    const std::vector<VisibleLane> lanes = visibleLanes(section_, wider);
+    for (size_t i = 0; i < lanes.size(); ++i) {
+      addLane(lanes[i]);
+      if (i > 0) addStep(lanes[i - 1], lanes[i]);
+    }
+    if (lanes.empty()) return;
+    addSkirt(lanes.front(), true);
+    addSkirt(lanes.back(), false);
+  }
+
+ private:
+  const Lane& lane(const VisibleLane& visible) const { return section_.lanes[visible.index]; }
+  double middle() const { return (cuts_[0]->s + cuts_[1]->s) / 2; }
+  double edge(int end, size_t index) const { return cuts_[end]->edges[index]; }
+  double height(int end, const VisibleLane& visible, bool atLeft) const {
+    return heightOf(lane(visible), visible.use, cuts_[end]->s - section_.s, atLeft);
+  }
+  Vec3 point(int end, double t, double height) const { return cuts_[end]->frame.point(t, height) - origin_; }
+
+  /// The marks along the left or right edge of a lane, as far as they are in it.
+  Line line(const VisibleLane& visible, bool atLeft) const {
+    const int id = lane(visible).id, inner = id > 0 ? id - 1 : id + 1;
+    const bool isOuter = (id > 0) == atLeft;
+    const Lane* owner = section_.find(isOuter ? id : inner);
+    if (!owner) return {};
+    return lineOf(*owner, middle(), middle() - section_.s, owner->id == 0 ? id < 0 : !isOuter);
+  }
+
+  /// Between two distances from the lane's left edge at each end, height in proportion.
+  void addBand(const VisibleLane& visible, Surface surface, const double (&left)[2], const double (&right)[2]) {
+    Vec3 corners[2][2];
+    for (int end = 0; end < 2; ++end) {
+      const double start = edge(end, visible.index), width = start - edge(end, visible.index + 1);
+      const double heightLeft = height(end, visible, true), heightRight = height(end, visible, false);
+      for (int k = 0; k < 2; ++k) {
+        const double away = k == 0 ? left[end] : right[end], share = width > 0 ? away / width : 0;
+        corners[end][k] = point(end, start - away, heightLeft + share * (heightRight - heightLeft));
+      }
+    }
+    addPatch(builder_, surface, corners[0][1], corners[1][1], corners[1][0], corners[0][0]);
+  }
+
+  /// A part of a lane that ends `distance` from its left or right edge.
+  struct Band {
+    double distance;
+    bool fromLeft;
+    Surface surface;
+  };
+
+  /// From left to right: the surface between the lines along its edges, or behind the kerb.
+  std::vector<Band> bandsOf(const VisibleLane& visible) const {
+    const Surface surface = surfaceOf(visible.use);
+    if (visible.use == LaneUse::sidewalk && lane(visible).id < 0)
+      return {{kKerbStone, true, Surface::kerb}, {0, false, surface}};
+    if (visible.use == LaneUse::sidewalk) return {{kKerbStone, false, surface}, {0, false, Surface::kerb}};
+    const Line left = line(visible, true), right = line(visible, false);
+    return {{left.from, true, surface},
+            {left.to, true, left.painted ? Surface::roadPaint : surface},
+            {right.to, false, surface},
+            {right.from, false, right.painted ? Surface::roadPaint : surface},
+            {0, false, surface}};
+  }
+
+  void addLane(const VisibleLane& visible) {
+    double before[2] = {0, 0};
+    for (const Band& band : bandsOf(visible)) {
+      double here[2];
+      for (int end = 0; end < 2; ++end) {
+        const double width = edge(end, visible.index) - edge(end, visible.index + 1);
+        const double distance = std::min(band.distance, width / 2);
+        here[end] = band.fromLeft ? distance : width - distance;
+      }
+      addBand(visible, band.surface, before, here);  // nothing where it has no width
+      std::copy(here, here + 2, before);
+    }
+  }
+
+  /// The upright face between two neighbours of different heights.
+  void addStep(const VisibleLane& left, const VisibleLane& right) {
+    Vec3 high[2], low[2];
+    for (int end = 0; end < 2; ++end) {
+      const double t = edge(end, right.index);
+      high[end] = point(end, t, height(end, left, false));
+      low[end] = point(end, t, height(end, right, true));
+    }
+    if (high[0].z + high[1].z >= low[0].z + low[1].z)
+      addPatch(builder_, Surface::kerb, low[0], low[1], high[1], high[0]);
+    else
+      addPatch(builder_, Surface::kerb, high[1], high[0], low[0], low[1]);
+  }
+
+  void addSkirt(const VisibleLane& visible, bool atLeft) {
+    const Surface surface = visible.use == LaneUse::sidewalk ? Surface::kerb : surfaceOf(visible.use);
+    Vec3 high[2], low[2];
+    for (int end = 0; end < 2; ++end) {
+      const double t = edge(end, visible.index + (atLeft ? 0 : 1));
+      high[end] = point(end, t, height(end, visible, atLeft));
+      low[end] = high[end] - Vec3{0, 0, kSkirt};
+    }
+    if (atLeft)
+      addPatch(builder_, surface, low[1], low[0], high[0], high[1]);
+    else
+      addPatch(builder_, surface, low[0], low[1], high[1], high[0]);
+  }
+
+  MeshBuilder& builder_;
+  Vec3 origin_;
+  const LaneSection& section_;
+  const Cut* cuts_[2];
+};
+
+/// Closes the end of a road that leads nowhere, so that nobody sees its surface from below.
+void addCap(MeshBuilder& builder, const Vec3& origin, const Cut& cut, bool atStart) {
+  const double left = cut.edges.front(), right = cut.edges.back();
+  const Vec3 a = cut.frame.point(left) - origin, b = cut.frame.point(right) - origin, down = {0, 0, -kSkirt};
+  if (atStart)
+    addPatch(builder, Surface::asphalt, a + down, b + down, b, a);
+  else
+    addPatch(builder, Surface::asphalt, b + down, a + down, a, b);
+}
+
+}  // namespace
+
+std::vector<VisibleLane> visibleLanes(const LaneSection& section, const std::vector<double>& edges) {
+  std::vector<VisibleLane> lanes;
+  size_t sound = 0;  // lanes up to the last that is more than a gap
+  for (size_t i = 0; i < section.lanes.size(); ++i) {
+    const LaneUse use = section.lanes[i].use;
+    if (edges[i] - edges[i + 1] <= kNarrow || (use == LaneUse::none && lanes.empty())) continue;
+    lanes.push_back({i, use == LaneUse::none ? LaneUse::carriageway : use});
+    if (use != LaneUse::none) sound = lanes.size();
+  }
+  lanes.resize(sound);
+  return lanes;
+}
+
+std::vector<double> stations(const Road& road, double from, double to) {
+  std::vector<double> list = {from};
+  for (double panel = std::floor(from / kPanel) * kPanel; panel < to; panel += kPanel) {
+    const double curvature = road.largestCurvature(panel, panel + kPanel);
+    const double step = curvature > 0 ? std::sqrt(8 * kSagitta / curvature) : kPanel;
+    const int parts = std::clamp(static_cast<int>(std::ceil(kPanel / step)), 1, 10);
+    for (int i = 0; i < parts; ++i) {
+      const double s = panel + kPanel * i / parts;
+      if (s > from + 0.05 && s < to - 0.05) list.push_back(s);
+    }
+  }
+  list.push_back(to);
+  return list;
+}
+
+void addPatch(MeshBuilder& builder, Surface surface, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  constexpr double kThin = 1e-5;  // square metres
+  const auto add = [&](const Vec3& p, const Vec3& q, const Vec3& r) {
+    const Vec3 n = cross(q - p, r - p);
+    if (dot(n, n) > kThin * kThin) builder.triangle(surface, p, q, r);
+  };
+  add(a, b, c);
+  add(a, c, d);
+}
+
+std::vector<GroundPiece> roadPieces(const Road& road) {
+  std::vector<GroundPiece> pieces;
+  for (const LaneSection& section : road.sections) {
+    const double end = std::min(section.end, road.length);
+    const int count = std::max(1, static_cast<int>(std::ceil((end - section.s) / kPiece)));
+    for (int i = 0; i < count; ++i) {
+      const double from = section.s + (end - section.s) * i / count;
+      const double to = section.s + (end - section.s) * (i + 1) / count;
+      if (to - from < 0.01) continue;
+      const Vec3 at = road.frame(from).at;
+      const Vec3 origin = {std::round(at.x), std::round(at.y), std::round(at.z)};
+      MeshBuilder builder;
+      Cut before = {from, road.frame(from), laneEdges(road, section, from)};
+      if (from == 0 && road.predecessor.kind == RoadLink::nothing) addCap(builder, origin, before, true);
+      const std::vector<double> cuts = stations(road, from, to);
+      for (size_t k = 1; k < cuts.size(); ++k) {
+        Cut cut = {cuts[k], road.frame(cuts[k]), laneEdges(road, section, cuts[k])};
+        Panel(builder, origin, section, before, cut).add();
+        before = std::move(cut);
+      }
+      if (to == road.length && road.successor.kind == RoadLink::nothing) addCap(builder, origin, before, false);
+      if (builder.triangleCount() > 0) pieces.push_back({builder.finish("road " + road.id), origin});
+    }
+  }
+  return pieces;
+}
+
+}  // namespace gnosphere::town::opendrive
