@@ -68,12 +68,12 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
 
 uint columnAt(Box box, uint k, float shift) { return wrapColumn(int(ceil(box.columnMin - shift)) + int(k)); }
 
-// The beam in the k-th column of a box and in a row, and its index.
+// The beam in the k-th column of a box and in a row, and its index among the words.
 Beam beamAt(Box box, uint k, uint row, out uint index) {
   vec4 angles = rows[row].angles;
   vec4 offset = AZIMUTH_OFFSETS ? rows[row].offset : vec4(0.0);
   uint column = columnAt(box, k, offset.z);
-  index = uint(angles.w) * frame.columns + column;
+  index = row * frame.columns + column;
   return beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
 }
 
@@ -137,11 +137,11 @@ void tryTile(uint t) {
     vec2 azimuth = columns[column];
     Turned turned = turn(triangle, azimuth);
     for (uint rowBase = box.rowFirst; rowBase <= box.rowLast; rowBase += gl_SubgroupSize) {
-      vec4 angles = rows[min(rowBase + lane, box.rowLast)].angles;
+      vec2 angles = rows[min(rowBase + lane, box.rowLast)].angles.xy;
       uint rowCount = min(box.rowLast - rowBase + 1, gl_SubgroupSize);
       for (uint r = 0; r < rowCount; r += height) {
         uint row = r + (lane >> shift);
-        vec4 mine = subgroupShuffle(angles, row & (gl_SubgroupSize - 1));
+        vec2 mine = subgroupShuffle(angles, row & (gl_SubgroupSize - 1));
         if (k >= end || row >= rowCount) continue;
         if (AZIMUTH_OFFSETS) {
           uint index;
@@ -149,7 +149,7 @@ void tryTile(uint t) {
           tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, tile.x);
         } else {
           tryBeam(triangle, prepared, turned, beamOf(azimuth, mine.x, mine.y),
-                  uint(mine.w) * frame.columns + column, tile.x);
+                  (rowBase + row) * frame.columns + column, tile.x);
         }
       }
     }

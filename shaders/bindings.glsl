@@ -23,8 +23,9 @@ WORK(kBindProjectedB, , vec4, projectedB);
 WORK(kBindProjectedC, , vec4, projectedC);
 WORK(kBindProjectedColumns, , vec2, projectedColumns);  // first and last column of the box
 WORK(kBindTiles, , uvec4, tiles);                  // part of a large box: its triangle, first column in it, columns
-WORK(kBindWords, coherent, uvec2, words);          // per beam: triangle, range bits (a little-endian 64-bit word)
-WORK(kBindListEnds, coherent, uint, listEnds);     // counts, then starts, then ends of each beam's candidates
+// Per beam, row by row (a channel's beams lie elsewhere in the results, which are in the sensor's own order):
+WORK(kBindWords, coherent, uvec2, words);          // triangle, range bits (a little-endian 64-bit word)
+WORK(kBindListEnds, coherent, uint, listEnds);     // counts, then starts, then ends of the beam's candidates
 WORK(kBindBlockSums, , uint, blockSums);
 WORK(kBindCandidates, , uint, candidates);         // indices of projected triangles
 WORK(kBindPoints, writeonly, vec4, points);        // x, y, z, range

@@ -15,11 +15,10 @@ shared uint largest;
 uint farthestIn(uvec2 entry) {
   uint result = 0;
   uint rowEnd = min((entry.y + 1) * kFineRows, frame.rows), columnEnd = min((entry.x + 1) * kFineColumns, frame.columns);
-  for (uint row = entry.y * kFineRows; row < rowEnd; ++row) {
-    uint first = uint(rows[row].angles.w) * frame.columns;
-    for (uint column = entry.x * kFineColumns; column < columnEnd; ++column)
-      result = max(result, words[first + column].y);
-  }
+  // A beam that met nothing hides nothing: no need to look further.
+  for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row)
+    for (uint column = entry.x * kFineColumns; column < columnEnd && result != kNone; ++column)
+      result = max(result, words[row * frame.columns + column].y);
   return result;
 }
 

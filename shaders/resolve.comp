@@ -83,7 +83,7 @@ void main() {
   uint hits = 0, guess = 0;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
-    uint index = channel * frame.columns + column;
+    uint index = gl_WorkGroupID.y * frame.columns + column;
     Beam beam = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
     uint rangeBits, id;
     if (PASS == kWayLists) {
@@ -93,7 +93,7 @@ void main() {
       rangeBits = word.y;
       id = word.x;
     }
-    store(index, beam.direction, rangeBits, id, guess);
+    store(channel * frame.columns + column, beam.direction, rangeBits, id, guess);
     hits += rangeBits != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);

@@ -62,7 +62,7 @@ double distance(const Scan& a, size_t i, const Scan& b, size_t j) {
 TEST_CASE("standard and exact lose no beam of a town, each part alone says what it costs") {
   needVulkan();
   const Scene town = makeTown({20'000, 1});
-  const Sensor sensor = gridSensor(720, 16, -25, 2, 120);
+  const Sensor sensor = gridSensor(720, 64, -25, 2, 120);
   const AccuracyReport report = measureAccuracy(town, sensor, {kStreet, {{3, -2, 1.6}, {0, 0, 1, 0}}}, quick());
   CHECK(report.beams == 2 * sensor.beamCount());
   CHECK_FALSE(report.sampled);
