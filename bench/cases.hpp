@@ -11,6 +11,7 @@ using Action = std::function<int()>;
 
 Action addStability(CLI::App& app);
 Action addFigure7(CLI::App& app);
+Action addDynamic(CLI::App& app);
 
 /// A row of the table of cases.
 struct Case {
@@ -22,6 +23,7 @@ struct Case {
 inline constexpr Case kCases[] = {
     {"stability", "Error of every accuracy over the hardness of a case", addStability},
     {"figure7", "Times of the paper's five sensors over a town (its Figure 7)", addFigure7},
+    {"dynamic", "Everything may move: rivals renew their structure for every scan", addDynamic},
 };
 
 }  // namespace gnosphere::bench
