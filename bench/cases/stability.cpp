@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // gnosphere-bench stability: how the error of each accuracy grows as a case grows harder.
+#include "cases/stability.hpp"
+
 #include <algorithm>
 #include <memory>
 
-#include "cases.hpp"
 #include "cases/hardness.hpp"
 #include "cases/results.hpp"
 #include "plot.hpp"
@@ -174,7 +175,7 @@ int run(const Options& options) {
 
 }  // namespace
 
-Action addStability(CLI::App& app) {
+std::function<int()> addStability(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   std::vector<std::string> names;
   for (const Family& family : families()) names.push_back(family.name);

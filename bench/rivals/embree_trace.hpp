@@ -37,7 +37,7 @@ inline void tracePacket(RTCScene scene, const Packet& packet, const float (&orig
   alignas(64) int valid[kPacketBeams];
   RTCRayHit16 rays;
   for (uint32_t lane = 0; lane < kPacketBeams; ++lane) {
-    valid[lane] = packet.beam[lane] == kNoBeam ? 0 : -1;
+    valid[lane] = lane < packet.count ? -1 : 0;
     rays.ray.org_x[lane] = origin[0];
     rays.ray.org_y[lane] = origin[1];
     rays.ray.org_z[lane] = origin[2];
@@ -53,9 +53,8 @@ inline void tracePacket(RTCScene scene, const Packet& packet, const float (&orig
     rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
   }
   intersect(scene, valid, rays);
-  for (uint32_t lane = 0; lane < kPacketBeams; ++lane) {
-    if (!valid[lane]) continue;
-    const uint32_t beam = packet.beam[lane];
+  for (uint32_t lane = 0; lane < packet.count; ++lane) {
+    const uint32_t beam = packet.first + lane;
     const bool hit = rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
     hits.ranges[beam] = hit ? rays.ray.tfar[lane] : std::numeric_limits<float>::quiet_NaN();
     hits.triangles[beam] = hit ? rays.hit.primID[lane] : kNoTriangle;

@@ -2,25 +2,9 @@
 #include "rivals/packets.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace gnosphere::bench {
 namespace {
-
-/// The shape of a packet: of those that hold 16 beams the one whose solid angle is nearest to a square.
-uint32_t packetChannels(const Sensor& sensor) {
-  const auto [low, high] =
-      std::minmax_element(sensor.channels.begin(), sensor.channels.end(),
-                          [](const Channel& a, const Channel& b) { return a.elevationDeg < b.elevationDeg; });
-  const double gaps = std::max(1.0, static_cast<double>(sensor.channels.size()) - 1);
-  const double spacing = (high->elevationDeg - low->elevationDeg) / gaps;
-  const double step = 360.0 / sensor.columns;
-  uint32_t best = 1;
-  const auto skew = [&](uint32_t n) { return std::abs(std::log2(n * spacing / (kPacketBeams / n * step))); };
-  for (uint32_t n : {2U, 4U, 8U})
-    if (spacing > 0 && skew(n) < skew(best)) best = n;
-  return best;
-}
 
 /// v turned by q: v + 2 w (u x v) + 2 u x (u x v), u being q's vector part.
 Vec3 turn(const Quaternion& q, const Vec3& v) {
@@ -39,16 +23,11 @@ void PacketTable::layOut(const Sensor& sensor) {
   directions_.resize(sensor.beamCount());
   for (size_t beam = 0; beam < directions_.size(); ++beam) directions_[beam] = sensor.direction(beam);
   packets_.clear();
-  if (directions_.empty()) return;
-  const uint32_t high = packetChannels(sensor), wide = kPacketBeams / high;
-  const uint32_t channels = static_cast<uint32_t>(sensor.channels.size());
-  for (uint32_t row = 0; row < channels; row += high) {
-    for (uint32_t column = 0; column < sensor.columns; column += wide) {
+  for (uint32_t channel = 0; channel < sensor.channels.size(); ++channel) {
+    for (uint32_t column = 0; column < sensor.columns; column += kPacketBeams) {
       Packet& packet = packets_.emplace_back();
-      for (uint32_t lane = 0; lane < kPacketBeams; ++lane) {
-        const uint32_t r = row + lane / wide, c = column + lane % wide;
-        packet.beam[lane] = r < channels && c < sensor.columns ? r * sensor.columns + c : kNoBeam;
-      }
+      packet.first = channel * sensor.columns + column;
+      packet.count = std::min(kPacketBeams, sensor.columns - column);
     }
   }
 }
@@ -59,8 +38,8 @@ void PacketTable::prepare(const Sensor& sensor, const Quaternion& q) {
   if (o.x == q.x && o.y == q.y && o.z == q.z && o.w == q.w) return;
   orientation_ = q;
   for (Packet& packet : packets_) {
-    for (uint32_t lane = 0; lane < kPacketBeams; ++lane) {
-      const Vec3 d = packet.beam[lane] == kNoBeam ? Vec3{1, 0, 0} : turn(q, directions_[packet.beam[lane]]);
+    for (uint32_t lane = 0; lane < packet.count; ++lane) {
+      const Vec3 d = turn(q, directions_[packet.first + lane]);
       packet.x[lane] = static_cast<float>(d.x);
       packet.y[lane] = static_cast<float>(d.y);
       packet.z[lane] = static_cast<float>(d.z);

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report.hpp"
+
+#include <algorithm>
+
+namespace gnosphere::bench {
+namespace {
+
+using cli::bareMs;
+using cli::formatted;
+using cli::Json;
+
+std::string orDash(double ms) {
+  return ms > 0 ? bareMs(ms) : "-";
+}
+
+std::string times(double ratio) {
+  return ratio > 0 ? formatted("%.2f", ratio) : "-";
+}
+
+/// A time that is all over the place is marked.
+std::string medianCell(const Spread& spread) {
+  const bool unsteady = spread.p90 - spread.p10 > 0.1 * spread.median;
+  return bareMs(spread.median) + (unsteady ? " *" : "");
+}
+
+double perBeam(const Outcome& outcome) {
+  return static_cast<double>(outcome.memory.sensor + outcome.memory.work) /
+         static_cast<double>(std::max<size_t>(1, outcome.sensor.beamCount()));
+}
+
+double perTriangle(const Outcome& outcome) {
+  return static_cast<double>(outcome.memory.scene) / static_cast<double>(std::max<size_t>(1, outcome.uniqueTriangles));
+}
+
+Json standingJson(const Standing& standing) {
+  Json stages = Json::object();
+  for (const StageTime& stage : standing.stages) stages[stage.name] = stage.ms;
+  const Agreement& a = standing.agreement;
+  Json json = {{"name", standing.name},
+               {"build_ms", standing.buildMs},
+               {"renew_ms", cli::toJson(standing.renewMs)},
+               {"scan_ms", cli::toJson(standing.scanMs)},
+               {"total_ms", cli::toJson(standing.totalMs)},
+               {"device_ms", standing.deviceMs.median > 0 ? cli::toJson(standing.deviceMs) : Json()},
+               {"mean_ms", standing.meanMs},
+               {"frame_variance_ms2", standing.frameVariance},
+               {"run_variance_ms2", standing.runVariance},
+               {"stages_ms", stages},
+               {"ratio_to_ours", standing.ratio},
+               {"device_ratio_to_ours", standing.deviceRatio > 0 ? Json(standing.deviceRatio) : Json()},
+               {"memory_bytes", standing.memoryBytes},
+               {"differ_from_ours", {{"beams", a.beams}, {"hits", a.hits}, {"ranges", a.ranges}}}};
+  if (standing.error) json["error"] = cli::toJson(*standing.error);
+  return json;
+}
+
+Json outcomeJson(const Outcome& outcome) {
+  Json contenders = Json::array();
+  for (const Standing& standing : outcome.standings) contenders.push_back(standingJson(standing));
+  const Json floor = {{"bytes", outcome.floor.bytes},
+                      {"operations", outcome.floor.operations},
+                      {"ms", outcome.floor.ms > 0 ? Json(outcome.floor.ms) : Json()},
+                      {"share", outcome.floor.ms > 0 ? Json(outcome.floorShare()) : Json()}};
+  return {{"label", outcome.label},
+          {"x", outcome.x},
+          {"scene",
+           {{"triangles", outcome.placedTriangles},
+            {"unique_triangles", outcome.uniqueTriangles},
+            {"instances", outcome.instances},
+            {"meshes", outcome.meshes}}},
+          {"sensor", cli::sensorJson(outcome.sensor)},
+          {"frames", outcome.frames},
+          {"runs", outcome.runs},
+          {"moving_instances", outcome.moving},
+          {"hits", outcome.hits},
+          {"floor", floor},
+          {"memory",
+           {{"scene_bytes", outcome.memory.scene},
+            {"sensor_bytes", outcome.memory.sensor},
+            {"work_bytes", outcome.memory.work},
+            {"scene_bytes_per_unique_triangle", perTriangle(outcome)},
+            {"bytes_per_beam", perBeam(outcome)}}},
+          {"contenders", contenders}};
+}
+
+}  // namespace
+
+Table timesTable(const std::vector<Outcome>& outcomes) {
+  Table table;
+  table.rows = {{"case", "who", "build ms", "renew ms", "scan ms", "device ms", "total ms", "mean ms",
+                 "ours is times as fast", "by device", "differ"}};
+  for (const Outcome& outcome : outcomes) {
+    for (const Standing& s : outcome.standings) {
+      const bool ours = &s == &outcome.standings[0];
+      table.rows.push_back({outcome.label, s.name, orDash(s.buildMs), orDash(s.renewMs.median), bareMs(s.scanMs.median),
+                            orDash(s.deviceMs.median), medianCell(s.totalMs), bareMs(s.meanMs),
+                            ours ? "1" : times(s.ratio), ours ? "1" : times(s.deviceRatio),
+                            ours ? "" : cli::grouped(s.agreement.hits + s.agreement.ranges)});
+    }
+  }
+  table.note =
+      "Medians of all frames and runs, ours and the others in turn; total: renew + scan, results on the host; differ: "
+      "beams whose answer is not ours; *: more than 10 % between the 10th and the 90th percentile";
+  return table;
+}
+
+Table varianceTable(const std::vector<Outcome>& outcomes) {
+  Table table;
+  table.rows = {
+      {"case", "renderer", "mean ms", "variance across frames ms2", "across runs ms2", "ours is times as fast"}};
+  for (const Outcome& outcome : outcomes)
+    for (const Standing& s : outcome.standings)
+      table.rows.push_back({outcome.label, s.name, formatted("%.4g", s.meanMs), formatted("%.3g", s.frameVariance),
+                            formatted("%.3g", s.runVariance), times(s.ratio)});
+  if (!outcomes.empty())
+    table.note = formatted("%zu frames, %u runs after a warm-up", outcomes[0].frames, outcomes[0].runs);
+  return table;
+}
+
+Table stagesTable(const std::vector<Outcome>& outcomes) {
+  Table table;
+  table.rows = {{"case", "who", "stage", "ms", "share of total"}};
+  for (const Outcome& outcome : outcomes)
+    for (const Standing& s : outcome.standings)
+      for (const StageTime& stage : s.stages)
+        table.rows.push_back({outcome.label, s.name, stage.name, bareMs(stage.ms),
+                              formatted("%.0f %%", 100 * stage.ms / s.totalMs.median)});
+  return table;
+}
+
+Table floorTable(const std::vector<Outcome>& outcomes) {
+  Table table;
+  table.rows = {{"case", "floor MB", "floor Mop", "floor ms", "mean ms", "share", "scene MB", "B per unique triangle",
+                 "of 32 B a triangle + 64 B an instance", "B per beam"}};
+  for (const Outcome& outcome : outcomes) {
+    const double limit =
+        32 * static_cast<double>(outcome.uniqueTriangles) + 64 * static_cast<double>(outcome.instances);
+    const double scene = static_cast<double>(outcome.memory.scene);
+    table.rows.push_back(
+        {outcome.label, formatted("%.2f", outcome.floor.bytes / 1e6), formatted("%.1f", outcome.floor.operations / 1e6),
+         orDash(outcome.floor.ms), bareMs(outcome.standings[0].meanMs),
+         outcome.floor.ms > 0 ? formatted("%.1f %%", 100 * outcome.floorShare()) : "-", formatted("%.1f", scene / 1e6),
+         formatted("%.1f", perTriangle(outcome)), formatted("%.0f %%", 100 * scene / std::max(1.0, limit)),
+         formatted("%.1f", perBeam(outcome))});
+  }
+  table.note = "Ours. The floor is what must move or be computed at the least, at this machine's measured rates";
+  return table;
+}
+
+Json toJson(const Report& report) {
+  Json json = report.more;
+  for (const Outcome& outcome : report.outcomes) json["outcomes"].push_back(outcomeJson(outcome));
+  return json;
+}
+
+cli::Plot plotOf(const Report& report, const std::string& title, const DeviceInfo& device) {
+  static const std::pair<cli::Marker, const char*> kLooks[] = {{cli::Marker::circle, "#009e73"},
+                                                               {cli::Marker::cross, "#d55e00"},
+                                                               {cli::Marker::triangle, "#0072b2"},
+                                                               {cli::Marker::square, "#222222"},
+                                                               {cli::Marker::diamond, "#cc79a7"}};
+  cli::PlotPanel panel = {"", report.xLabel, "ms per frame, median", {}};
+  for (const Outcome& outcome : report.outcomes) {
+    for (const Standing& s : outcome.standings) {
+      auto series = std::find_if(panel.series.begin(), panel.series.end(),
+                                 [&](const cli::PlotSeries& other) { return other.name == s.name; });
+      if (series == panel.series.end()) {
+        const auto& [marker, colour] = kLooks[panel.series.size() % std::size(kLooks)];
+        const char* dash = panel.series.size() < std::size(kLooks) ? "" : "4 2";
+        panel.series.push_back({s.name, marker, colour, dash, 4, {}});
+        series = panel.series.end() - 1;
+      }
+      series->points.push_back({outcome.x, s.totalMs.median, 0, 0, ""});
+    }
+  }
+  cli::Plot plot;
+  plot.title = title;
+  plot.notes = {device.name};
+  plot.panels = {panel};
+  plot.legend = true;
+  return plot;
+}
+
+}  // namespace gnosphere::bench

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session.hpp"
+
+#include <algorithm>
+
+#include "rivals/rivals.hpp"
+#include "scanning.hpp"
+#include "town/town.hpp"
+
+namespace gnosphere::bench {
+
+void addOptions(CLI::App& app, Options& options) {
+  const auto count = CLI::Range(uint32_t{1}, uint32_t{1'000'000});
+  app.add_option("--device", options.device, "As gnosphere scan --device")->capture_default_str();
+  app.add_option("--accuracy", options.accuracy, "Ours, as gnosphere scan --accuracy")
+      ->check(CLI::IsMember(cli::kAccuracies))
+      ->capture_default_str();
+  app.add_option("--sensor", options.sensor, "A built-in name or a JSON file, instead of the case's own");
+  app.add_option("--scene", options.scenes, "A scene file, instead of the built-in town; several for figure6-towns");
+  app.add_option("--triangles", options.triangles, "Of the built-in town; the most of them in scaling-triangles")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000'000}));
+  app.add_option("--trajectory", options.trajectory,
+                 "Poses as lines t x y z qx qy qz qw (default: along the town's street)");
+  app.add_option("--frames", options.frames, "Poses of the drive")->check(count);
+  app.add_option("--runs", options.runs, "Timed drives")->check(count);
+  app.add_option("--rivals", options.rivals, "all, none, or names with commas between")->capture_default_str();
+  app.add_option("--json", options.json, "A JSON file of the results, or - for stdout");
+  app.add_option("--plot", options.plot, "An .svg of the times");
+}
+
+Session::Session(const Options& options, const Defaults& defaults)
+    : options_(options), rivals_(parseRivals(options.rivals)) {
+  if (options_.triangles == 0) options_.triangles = defaults.triangles;
+  if (options_.runs == 0) options_.runs = defaults.runs;
+  if (options_.frames == 0) options_.frames = defaults.frames;
+  if (!options_.trajectory.empty()) trajectory_ = cli::loadTrajectory(options_.trajectory);
+}
+
+Scene Session::scene(uint64_t triangles) const {
+  return options_.scenes.empty() ? makeTown({triangles, 1}) : loadScene(options_.scenes[0]);
+}
+
+std::vector<Sensor> Session::sensors(const std::vector<std::string>& names) const {
+  if (!options_.sensor.empty()) return {findSensor(options_.sensor)};
+  std::vector<Sensor> sensors;
+  for (const std::string& name : names) sensors.push_back(findSensor(name));
+  return sensors;
+}
+
+std::vector<Pose> Session::poses(const Scene& scene) const {
+  const size_t count = options_.frames;
+  std::vector<Pose> poses;
+  if (!trajectory_.empty()) {
+    const size_t all = trajectory_.size();
+    for (size_t i = 0; i < std::min(count, all); ++i) poses.push_back(trajectory_[i * all / std::min(count, all)]);
+    return poses;
+  }
+  if (!options_.scenes.empty()) return cli::posesAround(cli::poseOf({}, scene), count);
+  for (size_t i = 0; i < count; ++i) {
+    const double along = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0.5;
+    poses.push_back({{-60 + 120 * along, 0, 1.8}, {}});
+  }
+  return poses;
+}
+
+SimulatorOptions Session::simulatorOptions() const {
+  SimulatorOptions settings;
+  settings.device = options_.device;
+  settings.accuracy = cli::kAccuracies.at(options_.accuracy);
+  settings.faces = Faces::both;  // the question that every rival answers
+  return settings;
+}
+
+std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) {
+  std::vector<std::unique_ptr<Contender>> contenders;
+  SimulatorOptions settings = simulatorOptions();
+  contenders.push_back(makeOurs(round.scene, round.sensor, settings));
+  device_ = simulatorOf(*contenders[0]).device();
+  if (round.motion == Motion::none && settings.accuracy != Accuracy::paper) {
+    settings.accuracy = Accuracy::paper;
+    contenders.push_back(makeOurs(round.scene, round.sensor, settings));
+  }
+  std::vector<std::string> notes;
+  const Vec3 origin = poses(round.scene)[options_.frames > 1 ? poses(round.scene).size() / 2 : 0].position;
+  for (auto& rival : makeRivals(rivals_, {round.scene, origin, round.motion, options_.device}, notes))
+    contenders.push_back(makeGuest(std::move(rival), round.sensor));
+  for (const std::string& note : notes)
+    if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
+  return contenders;
+}
+
+Outcome Session::hold(const Round& round) {
+  Setting setting = {round.label, round.x, round.scene, round.sensor, poses(round.scene), {}, options_.runs};
+  const size_t all = round.scene.instances.size(), moving = std::min(round.moving, all);
+  for (size_t i = 0; i < moving; ++i) setting.moving.push_back(i * all / moving);
+  std::vector<std::unique_ptr<Contender>> everyone = contenders(round);
+  if (!rates_.known()) rates_ = ratesOf(device_);
+  return bench::hold(setting, everyone, rates_);
+}
+
+}  // namespace gnosphere::bench
