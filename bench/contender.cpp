@@ -6,10 +6,9 @@
 namespace gnosphere::bench {
 namespace {
 
-/// Until the simulator can move instances, they are "moved" to where they are: nothing to do for it.
 template <class Any>
 void setTransforms(Any& simulator, std::span<const Moved> moved) {
-  if constexpr (requires { simulator.setTransform(size_t{}, Transform{}); })
+  if constexpr (CanMove<Any>)
     for (const Moved& move : moved) simulator.setTransform(move.instance, move.transform);
 }
 

@@ -16,7 +16,7 @@ constexpr uint64_t kReferenceTriangles = 2'000'000, kReferenceBeams = 1'000'000;
 /// Forth and back along x by up to 0.1 m, every frame elsewhere than the one before.
 Transform movedBy(const Transform& transform, size_t frame) {
   Transform moved = transform;
-  moved.rows[3] += 0.02 * (static_cast<double>(frame % 10) - 5);
+  if (CanMove<Simulator>) moved.rows[3] += 0.02 * (static_cast<double>(frame % 10) - 5);
   return moved;
 }
 
