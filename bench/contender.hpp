@@ -20,7 +20,9 @@ struct Task {
 
 /// Until the simulator can move instances, all are "moved" to where they are: rivals have their work all the same.
 template <class Any>
-concept CanMove = requires(Any& simulator) { simulator.setTransform(size_t{}, Transform{}); };
+concept CanMove = requires(Any& simulator) {
+  simulator.setTransform(size_t{}, Transform{});
+};
 
 /// What a task took, in milliseconds. `deviceMs` is 0 where the device has no clock.
 struct Sample {
@@ -50,6 +52,7 @@ std::unique_ptr<Contender> makeOurs(const Scene& scene, const Sensor& sensor, co
 /// The device it runs on.
 const Simulator& simulatorOf(const Contender& ours);
 
-std::unique_ptr<Contender> makeGuest(std::unique_ptr<Rival> rival, const Sensor& sensor);
+/// `anew`: for every task that moves anything it is built from scratch, instead of updated.
+std::unique_ptr<Contender> makeGuest(std::unique_ptr<Rival> rival, const Sensor& sensor, bool anew = false);
 
 }  // namespace gnosphere::bench

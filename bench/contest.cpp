@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "console.hpp"
@@ -20,46 +21,67 @@ Transform movedBy(const Transform& transform, size_t frame) {
   return moved;
 }
 
-/// Ours, the rivals, ours, ...: [contender][run][frame].
-using Samples = std::vector<std::vector<std::vector<Sample>>>;
+/// A contender that takes longer than this in all takes part no more, but in kLeastSamples at the least.
+constexpr double kPatienceMs = 5000;
+constexpr size_t kLeastSamples = 3;
+
+/// What a contender took, and ours in the same frame of the same run.
+struct Pair {
+  uint32_t run = 0;
+  size_t frame = 0;
+  Sample sample, ours;
+};
+using Pairs = std::vector<Pair>;
 
 class Contest {
  public:
   Contest(const Setting& setting, std::vector<std::unique_ptr<Contender>>& contenders)
       : setting_(setting), contenders_(contenders) {}
 
-  std::vector<Standing> check() {
+  /// Builds them all and compares what they answer. One that is out of memory is left out, with a note.
+  std::vector<Standing> check(std::vector<std::string>& notes) {
     std::vector<Standing> standings;
-    for (const auto& contender : contenders_) {
-      Standing& standing = standings.emplace_back();
-      standing.name = contender->name();
-      standing.judged = contender->judged();
-      standing.buildMs = contender->build();
-      contender->run(taskOf(0));
-      standing.agreement = agreementOf(contenders_[0]->answer(), contender->answer());
-      if (standing.judged && !standing.agreement.good())
-        refuse(standing.name, cli::grouped(standing.agreement.hits + standing.agreement.ranges) + " of " +
-                                  cli::grouped(standing.agreement.beams) + " beams differ from " + standings[0].name);
-      standing.memoryBytes = contender->memoryBytes();
+    for (auto contender = contenders_.begin(); contender != contenders_.end();) {
+      Standing standing;
+      standing.name = (*contender)->name();
+      try {
+        standing.buildMs = (*contender)->build();
+        (*contender)->run(taskOf(0));
+      } catch (const Error& error) {
+        if (error.code() != ErrorCode::outOfMemory || contender == contenders_.begin()) throw;
+        notes.push_back(setting_.label + ", " + standing.name + ": " + error.what());
+        contender = contenders_.erase(contender);
+        continue;
+      }
+      judge(**contender, standing);
+      standings.push_back(standing);
+      ++contender;
     }
     standings[0].error = againstReference();
     return standings;
   }
 
-  /// `counters`: ours, of every frame.
-  Samples time(std::vector<Counters>& counters) {
-    Samples samples(contenders_.size());
-    for (auto& runs : samples) runs.resize(setting_.runs);
+  /// Ours, the others, ours, the others, ... `counters`: ours, of every frame.
+  std::vector<Pairs> time(std::vector<Counters>& counters) {
+    std::vector<Pairs> pairs(contenders_.size());
+    std::vector<double> spentMs(contenders_.size());
     const auto progress = cli::stepProgress();
     for (uint32_t run = 0; run < setting_.runs; ++run) {
       progress(setting_.label.c_str(), run + 1, setting_.runs);
       for (size_t frame = 0; frame < setting_.poses.size(); ++frame) {
         const Task task = taskOf(frame);
-        for (size_t c = 0; c < contenders_.size(); ++c) samples[c][run].push_back(contenders_[c]->run(task));
+        const Sample ours = contenders_[0]->run(task);
+        pairs[0].push_back({run, frame, ours, ours});
         if (run == 0) counters.push_back(contenders_[0]->answer().counters);
+        for (size_t c = 1; c < contenders_.size(); ++c) {
+          if (spentMs[c] > kPatienceMs && pairs[c].size() >= kLeastSamples) continue;
+          const double start = cli::nowMs();
+          pairs[c].push_back({run, frame, contenders_[c]->run(task), ours});
+          spentMs[c] += cli::nowMs() - start;
+        }
       }
     }
-    return samples;
+    return pairs;
   }
 
  private:
@@ -68,6 +90,15 @@ class Contest {
     for (size_t instance : setting_.moving)
       moved_.push_back({instance, movedBy(setting_.scene.instances[instance].transform, frame)});
     return {setting_.poses[frame], moved_};
+  }
+
+  void judge(const Contender& contender, Standing& standing) const {
+    const Contender& ours = *contenders_[0];
+    standing.agreement = agreementOf(ours.answer(), contender.answer());
+    standing.memoryBytes = contender.memoryBytes();
+    if (contender.judged() && !standing.agreement.good())
+      refuse(standing.name, cli::grouped(standing.agreement.hits + standing.agreement.ranges) + " of " +
+                                cli::grouped(standing.agreement.beams) + " beams differ from " + ours.name());
   }
 
   [[noreturn]] void refuse(const std::string& who, const std::string& why) const {
@@ -107,13 +138,10 @@ double varianceOf(const std::vector<double>& values) {
   return values.size() > 1 ? sum / static_cast<double>(values.size() - 1) : 0;
 }
 
-using Runs = std::vector<std::vector<Sample>>;
-
 template <class Get>
-std::vector<double> flat(const Runs& runs, Get get) {
+std::vector<double> valuesOf(const Pairs& pairs, Get get) {
   std::vector<double> values;
-  for (const auto& frames : runs)
-    for (const Sample& sample : frames) values.push_back(get(sample));
+  for (const Pair& pair : pairs) values.push_back(get(pair.sample));
   return values;
 }
 
@@ -124,41 +152,44 @@ double device(const Sample& s) {
   return s.deviceMs;
 }
 
+/// Of the contender's to ours; 0 if one of them has no such time.
 template <class Get>
-double medianRatio(const Runs& runs, const Runs& ours, Get get) {
-  std::vector<double> above = flat(runs, get);
-  const std::vector<double> below = flat(ours, get);
-  for (size_t i = 0; i < above.size(); ++i) {
-    if (!(above[i] > 0 && below[i] > 0)) return 0;
-    above[i] /= below[i];
+double medianRatio(const Pairs& pairs, Get get) {
+  std::vector<double> ratios;
+  for (const Pair& pair : pairs) {
+    if (!(get(pair.sample) > 0 && get(pair.ours) > 0)) return 0;
+    ratios.push_back(get(pair.sample) / get(pair.ours));
   }
-  return spreadOf(above).median;
+  return spreadOf(ratios).median;
 }
 
-void summarise(const Runs& runs, const Runs& ours, Standing& standing) {
-  const std::vector<double> totals = flat(runs, total);
+/// The variance of the means of those that have the same key.
+template <class Key>
+double varianceOfMeans(const Pairs& pairs, Key key) {
+  std::map<size_t, std::vector<double>> groups;
+  for (const Pair& pair : pairs) groups[key(pair)].push_back(pair.sample.totalMs());
+  std::vector<double> means;
+  for (const auto& [_, values] : groups) means.push_back(meanOf(values));
+  return varianceOf(means);
+}
+
+void summarise(const Pairs& pairs, Standing& standing) {
+  const std::vector<double> totals = valuesOf(pairs, total);
+  standing.samples = pairs.size();
   standing.totalMs = spreadOf(totals);
   standing.meanMs = meanOf(totals);
-  standing.renewMs = spreadOf(flat(runs, [](const Sample& s) { return s.renewMs; }));
-  standing.scanMs = spreadOf(flat(runs, [](const Sample& s) { return s.scanMs; }));
-  standing.deviceMs = spreadOf(flat(runs, device));
-  standing.ratio = medianRatio(runs, ours, total);
-  standing.deviceRatio = medianRatio(runs, ours, device);
-  for (size_t stage = 0; stage < runs[0][0].stages.size(); ++stage) {
+  standing.renewMs = spreadOf(valuesOf(pairs, [](const Sample& s) { return s.renewMs; }));
+  standing.scanMs = spreadOf(valuesOf(pairs, [](const Sample& s) { return s.scanMs; }));
+  standing.deviceMs = spreadOf(valuesOf(pairs, device));
+  standing.ratio = medianRatio(pairs, total);
+  standing.deviceRatio = medianRatio(pairs, device);
+  standing.frameVariance = varianceOfMeans(pairs, [](const Pair& pair) { return pair.frame; });
+  standing.runVariance = varianceOfMeans(pairs, [](const Pair& pair) { return size_t{pair.run}; });
+  const std::vector<StageTime>& stages = pairs[0].sample.stages;
+  for (size_t stage = 0; stage < stages.size(); ++stage) {
     const auto time = [stage](const Sample& s) { return s.stages[stage].ms; };
-    standing.stages.push_back({runs[0][0].stages[stage].name, spreadOf(flat(runs, time)).median});
+    standing.stages.push_back({stages[stage].name, spreadOf(valuesOf(pairs, time)).median});
   }
-  std::vector<double> frameMeans(runs[0].size()), runMeans;
-  for (const auto& frames : runs) {
-    double sum = 0;
-    for (size_t frame = 0; frame < frames.size(); ++frame) {
-      frameMeans[frame] += frames[frame].totalMs() / static_cast<double>(runs.size());
-      sum += frames[frame].totalMs();
-    }
-    runMeans.push_back(sum / static_cast<double>(frames.size()));
-  }
-  standing.frameVariance = varianceOf(frameMeans);
-  standing.runVariance = varianceOf(runMeans);
 }
 
 Floor meanFloor(const std::vector<Counters>& frames, const Outcome& outcome, const Rates& rates) {
@@ -209,10 +240,10 @@ Outcome hold(const Setting& setting, std::vector<std::unique_ptr<Contender>>& co
   outcome.instances = setting.scene.instances.size();
   outcome.meshes = setting.scene.meshes.size();
   outcome.runs = setting.runs;
-  outcome.standings = contest.check();
+  outcome.standings = contest.check(outcome.notes);
   std::vector<Counters> counters;
-  const Samples samples = contest.time(counters);
-  for (size_t c = 0; c < samples.size(); ++c) summarise(samples[c], samples[0], outcome.standings[c]);
+  const std::vector<Pairs> pairs = contest.time(counters);
+  for (size_t c = 0; c < pairs.size(); ++c) summarise(pairs[c], outcome.standings[c]);
   outcome.memory = simulatorOf(*contenders[0]).memory();
   outcome.hits = counters.back().hits;
   outcome.floor = meanFloor(counters, outcome, rates);

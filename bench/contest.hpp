@@ -36,6 +36,7 @@ Agreement agreementOf(const Scan& ours, const Scan& other);
 /// A contender's figures.
 struct Standing {
   std::string name;
+  size_t samples = 0;  ///< a contender that takes too long does not take part in every frame and run
   double buildMs = 0;
   Spread renewMs, scanMs, deviceMs, totalMs;  ///< over all frames and runs; the device's is 0 if it has no clock
   double meanMs = 0;
@@ -47,7 +48,6 @@ struct Standing {
   uint64_t memoryBytes = 0;
   Agreement agreement;
   std::optional<Comparison> error;  ///< ours from the first pose, against the reference, if that was affordable
-  bool judged = true;
 };
 
 struct Outcome {
@@ -57,6 +57,7 @@ struct Outcome {
   size_t frames = 0, moving = 0, uniqueTriangles = 0, placedTriangles = 0, instances = 0, meshes = 0;
   uint32_t runs = 0;
   std::vector<Standing> standings;  ///< ours first
+  std::vector<std::string> notes;   ///< who was left out, and why
   uint64_t hits = 0;                ///< of the last frame
   MemoryUse memory;
   Floor floor;  ///< mean over the frames

@@ -38,6 +38,7 @@ Json standingJson(const Standing& standing) {
   for (const StageTime& stage : standing.stages) stages[stage.name] = stage.ms;
   const Agreement& a = standing.agreement;
   Json json = {{"name", standing.name},
+               {"samples", standing.samples},
                {"build_ms", standing.buildMs},
                {"renew_ms", cli::toJson(standing.renewMs)},
                {"scan_ms", cli::toJson(standing.scanMs)},

@@ -80,22 +80,34 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
     settings.accuracy = Accuracy::paper;
     contenders.push_back(makeOurs(round.scene, round.sensor, settings));
   }
+  const std::vector<Pose> drive = poses(round.scene);
+  RivalSetting setting = {round.scene, drive[drive.size() / 2].position, round.motion, options_.device};
+  setting.software = device_.type == "cpu";
+  setting.beams = round.sensor.beamCount();
   std::vector<std::string> notes;
-  const Vec3 origin = poses(round.scene)[options_.frames > 1 ? poses(round.scene).size() / 2 : 0].position;
-  for (auto& rival : makeRivals(rivals_, {round.scene, origin, round.motion, options_.device}, notes))
-    contenders.push_back(makeGuest(std::move(rival), round.sensor));
-  for (const std::string& note : notes)
-    if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
+  for (Entrant& entrant : makeRivals(rivals_, setting, notes))
+    contenders.push_back(makeGuest(std::move(entrant.rival), round.sensor, entrant.anew));
+  for (const std::string& note : notes) addNote(note);
   return contenders;
 }
 
-Outcome Session::hold(const Round& round) {
+void Session::addNote(const std::string& note) {
+  if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
+}
+
+void Session::hold(const Round& round, std::vector<Outcome>& outcomes) {
   Setting setting = {round.label, round.x, round.scene, round.sensor, poses(round.scene), {}, options_.runs};
   const size_t all = round.scene.instances.size(), moving = std::min(round.moving, all);
   for (size_t i = 0; i < moving; ++i) setting.moving.push_back(i * all / moving);
-  std::vector<std::unique_ptr<Contender>> everyone = contenders(round);
-  if (!rates_.known()) rates_ = ratesOf(device_);
-  return bench::hold(setting, everyone, rates_);
+  try {
+    std::vector<std::unique_ptr<Contender>> everyone = contenders(round);
+    if (!rates_.known()) rates_ = ratesOf(device_);
+    outcomes.push_back(bench::hold(setting, everyone, rates_));
+    for (const std::string& note : outcomes.back().notes) addNote(note);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::outOfMemory) throw;
+    addNote(round.label + ": " + error.what());
+  }
 }
 
 }  // namespace gnosphere::bench

@@ -53,13 +53,16 @@ class Session {
 
   SimulatorOptions simulatorOptions() const;
   std::vector<std::unique_ptr<Contender>> contenders(const Round& round);
-  Outcome hold(const Round& round);
+  /// Adds what a contest comes to; a round that our own device cannot hold is left out, with a note.
+  void hold(const Round& round, std::vector<Outcome>& outcomes);
 
   const DeviceInfo& device() const { return device_; }  ///< known after the first contest
   const Rates& rates() const { return rates_; }
   const std::vector<std::string>& notes() const { return notes_; }  ///< what was left out, and why
 
  private:
+  void addNote(const std::string& note);
+
   Options options_;
   std::vector<std::string> rivals_;
   std::vector<Pose> trajectory_;

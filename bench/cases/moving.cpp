@@ -12,14 +12,13 @@ Report dynamic(Session& session) {
   for (const Sensor& sensor : session.sensors({"HDL-64E"})) {
     for (size_t moving = 10; moving < all && moving <= 1000; moving *= 10) {
       const std::string label = sensor.name + ", " + cli::grouped(moving) + " instances move";
-      report.outcomes.push_back(
-          session.hold({label, static_cast<double>(moving), scene, sensor, Motion::transforms, moving}));
+      session.hold({label, static_cast<double>(moving), scene, sensor, Motion::transforms, moving}, report.outcomes);
     }
     const double x = static_cast<double>(all);
     const std::string label = sensor.name + ", all " + cli::grouped(all) + " instances move";
-    report.outcomes.push_back(session.hold({label, x, scene, sensor, Motion::transforms, all}));
+    session.hold({label, x, scene, sensor, Motion::transforms, all}, report.outcomes);
     const std::string any = sensor.name + ", everything may move";
-    report.outcomes.push_back(session.hold({any, x, scene, sensor, Motion::everything, all}));
+    session.hold({any, x, scene, sensor, Motion::everything, all}, report.outcomes);
   }
   report.tables = {timesTable(report.outcomes), floorTable(report.outcomes)};
   return report;

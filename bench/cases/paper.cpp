@@ -15,7 +15,7 @@ std::vector<Outcome> overSensors(Session& session, const std::vector<std::string
   for (const Sensor& sensor : session.sensors(names)) {
     const size_t moving = motion == Motion::none ? 0 : scene.instances.size();
     const double beams = static_cast<double>(sensor.beamCount());
-    outcomes.push_back(session.hold({sensor.name, beams, scene, sensor, motion, moving}));
+    session.hold({sensor.name, beams, scene, sensor, motion, moving}, outcomes);
   }
   return outcomes;
 }
@@ -53,7 +53,7 @@ Report figure6Range(Session& session) {
   for (Sensor sensor : session.sensors(kPhysical)) {
     for (double range : {20.0, 40.0, 60.0, 80.0, 100.0, 120.0}) {
       sensor.rangeMax = range;
-      report.outcomes.push_back(session.hold({cli::formatted("%.0f m", range), range, scene, sensor}));
+      session.hold({cli::formatted("%.0f m", range), range, scene, sensor}, report.outcomes);
     }
   }
   report.tables = {timesTable(report.outcomes)};
@@ -67,7 +67,7 @@ Report figure6Towns(Session& session) {
   const auto measure = [&](const std::string& name, const Scene& scene) {
     densities.rows.push_back({name, cli::grouped(scene.placedTriangleCount()), perSquareKilometre(scene)});
     const double triangles = static_cast<double>(scene.placedTriangleCount());
-    report.outcomes.push_back(session.hold({name, triangles, scene, session.sensors(kPhysical)[0]}));
+    session.hold({name, triangles, scene, session.sensors(kPhysical)[0]}, report.outcomes);
   };
   for (const std::string& file : session.options().scenes) measure(file, loadScene(file));
   if (session.options().scenes.empty()) {

@@ -29,7 +29,7 @@ Report scalingTriangles(Session& session) {
     const Scene scene = session.scene(size);
     const std::string label = cli::grouped(scene.placedTriangleCount()) + " triangles";
     const double triangles = static_cast<double>(scene.placedTriangleCount());
-    report.outcomes.push_back(session.hold({label, triangles, scene, session.sensors({"HDL-64E"})[0]}));
+    session.hold({label, triangles, scene, session.sensors({"HDL-64E"})[0]}, report.outcomes);
   }
   Table growth = {"Mean time over that of the smallest town", {{"triangles", "ours ms", "growth"}}};
   for (const Outcome& outcome : report.outcomes) {
@@ -50,7 +50,7 @@ Report scalingRays(Session& session) {
   for (const auto& [channels, columns] : kGrids) {
     const Sensor sensor = grid(channels, columns);
     const double beams = static_cast<double>(sensor.beamCount());
-    report.outcomes.push_back(session.hold({cli::grouped(sensor.beamCount()) + " beams", beams, scene, sensor}));
+    session.hold({cli::grouped(sensor.beamCount()) + " beams", beams, scene, sensor}, report.outcomes);
   }
   Table costs = {"Mean time per beam", {{"beams", "who", "mean ms", "ns per beam"}}};
   for (const Outcome& outcome : report.outcomes)
