@@ -2,6 +2,7 @@
 #include "report.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace gnosphere::bench {
 namespace {
@@ -33,36 +34,57 @@ double perTriangle(const Outcome& outcome) {
   return static_cast<double>(outcome.memory.scene) / static_cast<double>(std::max<size_t>(1, outcome.uniqueTriangles));
 }
 
-Json standingJson(const Standing& standing) {
+/// Five digits are more than a clock is good for.
+double rounded(double value) {
+  return std::strtod(formatted("%.5g", value).c_str(), nullptr);
+}
+Json orNull(double value) {
+  return value > 0 ? Json(rounded(value)) : Json();
+}
+
+Json errorJson(const Comparison& c) {
+  return {{"missed", c.missed},
+          {"false_hits", c.falseHits},
+          {"wrong_owner", c.wrongOwner},
+          {"wrong_range", c.wrongRange},
+          {"ties", c.ties},
+          {"range_error_max_m", rounded(c.rangeErrorMax)}};
+}
+
+/// Medians, but for the total, which is the one to be judged.
+Json standingJson(const Standing& s) {
   Json stages = Json::object();
-  for (const StageTime& stage : standing.stages) stages[stage.name] = stage.ms;
-  const Agreement& a = standing.agreement;
-  Json json = {{"name", standing.name},
-               {"samples", standing.samples},
-               {"build_ms", standing.buildMs},
-               {"renew_ms", cli::toJson(standing.renewMs)},
-               {"scan_ms", cli::toJson(standing.scanMs)},
-               {"total_ms", cli::toJson(standing.totalMs)},
-               {"device_ms", standing.deviceMs.median > 0 ? cli::toJson(standing.deviceMs) : Json()},
-               {"mean_ms", standing.meanMs},
-               {"frame_variance_ms2", standing.frameVariance},
-               {"run_variance_ms2", standing.runVariance},
+  for (const StageTime& stage : s.stages) stages[stage.name] = rounded(stage.ms);
+  Json json = {{"name", s.name},
+               {"samples", s.samples},
+               {"build_ms", orNull(s.buildMs)},
+               {"renew_ms", orNull(s.renewMs.median)},
+               {"scan_ms", orNull(s.scanMs.median)},
+               {"device_ms", orNull(s.deviceMs.median)},
                {"stages_ms", stages},
-               {"ratio_to_ours", standing.ratio},
-               {"device_ratio_to_ours", standing.deviceRatio > 0 ? Json(standing.deviceRatio) : Json()},
-               {"memory_bytes", standing.memoryBytes},
-               {"differ_from_ours", {{"beams", a.beams}, {"hits", a.hits}, {"ranges", a.ranges}}}};
-  if (standing.error) json["error"] = cli::toJson(*standing.error);
+               {"total_ms",
+                {{"median", rounded(s.totalMs.median)},
+                 {"min", rounded(s.totalMs.min)},
+                 {"p10", rounded(s.totalMs.p10)},
+                 {"p90", rounded(s.totalMs.p90)},
+                 {"mean", rounded(s.meanMs)},
+                 {"variance_across_frames", rounded(s.frameVariance)},
+                 {"variance_across_runs", rounded(s.runVariance)}}},
+               {"ratio_to_ours", orNull(s.ratio)},
+               {"device_ratio_to_ours", orNull(s.deviceRatio)},
+               {"memory_bytes", s.memoryBytes},
+               {"beams_unlike_ours", s.agreement.hits + s.agreement.ranges}};
+  if (s.error) json["error"] = errorJson(*s.error);
   return json;
 }
 
 Json outcomeJson(const Outcome& outcome) {
   Json contenders = Json::array();
   for (const Standing& standing : outcome.standings) contenders.push_back(standingJson(standing));
-  const Json floor = {{"bytes", outcome.floor.bytes},
-                      {"operations", outcome.floor.operations},
-                      {"ms", outcome.floor.ms > 0 ? Json(outcome.floor.ms) : Json()},
-                      {"share", outcome.floor.ms > 0 ? Json(outcome.floorShare()) : Json()}};
+  const Json floor = {{"bytes", rounded(outcome.floor.bytes)},
+                      {"operations", rounded(outcome.floor.operations)},
+                      {"ms", orNull(outcome.floor.ms)},
+                      {"share", orNull(outcome.floorShare())}};
   return {{"label", outcome.label},
           {"x", outcome.x},
           {"scene",
@@ -80,8 +102,8 @@ Json outcomeJson(const Outcome& outcome) {
            {{"scene_bytes", outcome.memory.scene},
             {"sensor_bytes", outcome.memory.sensor},
             {"work_bytes", outcome.memory.work},
-            {"scene_bytes_per_unique_triangle", perTriangle(outcome)},
-            {"bytes_per_beam", perBeam(outcome)}}},
+            {"scene_bytes_per_unique_triangle", rounded(perTriangle(outcome))},
+            {"bytes_per_beam", rounded(perBeam(outcome))}}},
           {"contenders", contenders}};
 }
 

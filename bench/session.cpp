@@ -76,6 +76,7 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
   SimulatorOptions settings = simulatorOptions();
   contenders.push_back(makeOurs(round.scene, round.sensor, settings));
   device_ = simulatorOf(*contenders[0]).device();
+  if (!rates_.known()) rates_ = ratesOf(device_);
   if (round.motion == Motion::none && settings.accuracy != Accuracy::paper) {
     settings.accuracy = Accuracy::paper;
     contenders.push_back(makeOurs(round.scene, round.sensor, settings));
@@ -101,7 +102,6 @@ void Session::hold(const Round& round, std::vector<Outcome>& outcomes) {
   for (size_t i = 0; i < moving; ++i) setting.moving.push_back(i * all / moving);
   try {
     std::vector<std::unique_ptr<Contender>> everyone = contenders(round);
-    if (!rates_.known()) rates_ = ratesOf(device_);
     outcomes.push_back(bench::hold(setting, everyone, rates_));
     for (const std::string& note : outcomes.back().notes) addNote(note);
   } catch (const Error& error) {

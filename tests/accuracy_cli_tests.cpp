@@ -130,7 +130,7 @@ TEST_CASE("max-error that nothing reaches ends with 1, the best there is, and no
   CHECK(place.files() == std::vector<std::string>{"floor.obj", "s.json", "wide.obj"});
 }
 
-TEST_CASE("the bench checks its calls, plots stability and checks the sensors' answers") {
+TEST_CASE("the bench checks its calls and plots stability") {
   const Workplace place;
   CHECK(place.run("", "", GNOSPHERE_BENCH_BINARY).status == 2);
   CHECK(place.run("stability --family none", "", GNOSPHERE_BENCH_BINARY).status == 2);
@@ -148,10 +148,4 @@ TEST_CASE("the bench checks its calls, plots stability and checks the sensors' a
   CHECK(xmlProblem(place.get("a.svg")) == "");
   for (const char* name : {"paper", "draft", "standard", "exact", "Quad size"})
     CHECK_THAT(place.get("a.svg"), ContainsSubstring(label(name)));
-
-  const Result figure =
-      place.run("figure7 --triangles 5000 --sensor VLP-16 --runs 2 --json f.json", "", GNOSPHERE_BENCH_BINARY);
-  CHECK(figure.status == 0);
-  CHECK_THAT(figure.out, ContainsSubstring("| VLP-16 | 28,800 |"));
-  CHECK(nlohmann::json::parse(place.get("f.json")).at("sensors").at(0).at("error").at("missed") == 0);
 }
