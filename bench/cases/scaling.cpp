@@ -31,11 +31,11 @@ Report scalingTriangles(Session& session) {
     const double triangles = static_cast<double>(scene.placedTriangleCount());
     session.hold({label, triangles, scene, session.sensors({"HDL-64E"})[0]}, report.outcomes);
   }
-  Table growth = {"Mean time over that of the smallest town", {{"triangles", "ours ms", "growth"}}};
+  Table growth = {"Median time over that of the smallest town", {{"triangles", "ours ms", "growth"}}};
   for (const Outcome& outcome : report.outcomes) {
-    const double mean = outcome.standings[0].meanMs;
-    growth.rows.push_back({cli::grouped(outcome.placedTriangles), cli::bareMs(mean),
-                           cli::formatted("%.2f", mean / report.outcomes[0].standings[0].meanMs)});
+    const double ms = outcome.standings[0].totalMs.median;
+    growth.rows.push_back({cli::grouped(outcome.placedTriangles), cli::bareMs(ms),
+                           cli::formatted("%.2f", ms / report.outcomes[0].standings[0].totalMs.median)});
   }
   report.tables = {growth, timesTable(report.outcomes), floorTable(report.outcomes)};
   return report;
@@ -52,11 +52,11 @@ Report scalingRays(Session& session) {
     const double beams = static_cast<double>(sensor.beamCount());
     session.hold({cli::grouped(sensor.beamCount()) + " beams", beams, scene, sensor}, report.outcomes);
   }
-  Table costs = {"Mean time per beam", {{"beams", "who", "mean ms", "ns per beam"}}};
+  Table costs = {"Median time per beam", {{"beams", "who", "ms", "ns per beam"}}};
   for (const Outcome& outcome : report.outcomes)
     for (const Standing& s : outcome.standings)
-      costs.rows.push_back({cli::grouped(outcome.sensor.beamCount()), s.name, cli::bareMs(s.meanMs),
-                            cli::formatted("%.1f", 1e6 * s.meanMs / outcome.x)});
+      costs.rows.push_back({cli::grouped(outcome.sensor.beamCount()), s.name, cli::bareMs(s.totalMs.median),
+                            cli::formatted("%.1f", 1e6 * s.totalMs.median / outcome.x)});
   report.tables = {costs, timesTable(report.outcomes), floorTable(report.outcomes)};
   return report;
 }
