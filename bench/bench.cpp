@@ -40,8 +40,9 @@ int run(const std::vector<Case>& cases, const Options& options) {
     if (json.empty()) {
       json = resultsHead(session.device());
       if (const Rates& rates = session.rates(); rates.known())
-        json["rates"] = {{"gigabytes_per_s", rates.bytesPerMs / 1e6},
-                         {"gigaoperations_per_s", rates.operationsPerMs / 1e6}};
+        json["rates"] = {
+            {"gigabytes_per_s", rates.bytesPerMs / 1e6},
+            {"gigaoperations_per_s", rates.operationsPerMs > 0 ? cli::Json(rates.operationsPerMs / 1e6) : cli::Json()}};
     }
     results[entry.name] = toJson(report);
     if (!session.notes().empty()) results[entry.name]["left_out"] = session.notes();

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "console.hpp"
+#include "rivals/vulkan_copy.hpp"
 #include "rivals/workers.hpp"
 
 namespace gnosphere::bench {
@@ -66,8 +67,8 @@ double operationRate(Workers& workers) {
 
 }  // namespace
 
-Rates ratesOf(const DeviceInfo& device) {
-  if (device.type != "cpu") return {};
+Rates ratesOf(const DeviceInfo& device, const std::string& name) {
+  if (device.type != "cpu") return {vulkanCopyRate(name), 0};
   Workers workers;
   return {copyRate(workers), operationRate(workers)};
 }
@@ -79,7 +80,8 @@ Floor floorOf(const Counters& counters, const MemoryUse& memory, uint64_t unique
   const double triangleBytes = unique > 0 ? static_cast<double>(memory.scene) / unique : 0;
   floor.bytes = std::min(visible, unique) * triangleBytes + kBeamBytes * static_cast<double>(counters.beams);
   floor.operations = visible * kTriangleOperations + static_cast<double>(counters.hits) * kHitOperations;
-  if (rates.known()) floor.ms = std::max(floor.bytes / rates.bytesPerMs, floor.operations / rates.operationsPerMs);
+  if (rates.bytesPerMs > 0) floor.ms = floor.bytes / rates.bytesPerMs;
+  if (rates.operationsPerMs > 0) floor.ms = std::max(floor.ms, floor.operations / rates.operationsPerMs);
   return floor;
 }
 

@@ -13,16 +13,17 @@ namespace gnosphere::bench {
 /// Measured on this machine.
 struct Rates {
   double bytesPerMs = 0;       ///< read and written by copies of arrays too large for any cache
-  double operationsPerMs = 0;  ///< additions and multiplications in single precision
+  double operationsPerMs = 0;  ///< additions and multiplications in single precision; 0: not known
   bool known() const { return bytesPerMs > 0; }
 };
 
-/// Of the host's memory and cores, which are the device's where its type is cpu; unknown for any other type.
-Rates ratesOf(const DeviceInfo& device);
+/// Of the host's memory and cores where the device is a CPU, else of the device's own memory. `name`: as
+/// SimulatorOptions::device.
+Rates ratesOf(const DeviceInfo& device, const std::string& name);
 
 struct Floor {
   double bytes = 0, operations = 0;
-  double ms = 0;  ///< the longer of the two; 0 if the rates are unknown
+  double ms = 0;  ///< the longer of the two, as far as the rates are known; 0 if they are not
 };
 
 /// `uniqueTriangles`: of the scene.

@@ -76,7 +76,7 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
   SimulatorOptions settings = simulatorOptions();
   contenders.push_back(makeOurs(round.scene, round.sensor, settings));
   device_ = simulatorOf(*contenders[0]).device();
-  if (!rates_.known()) rates_ = ratesOf(device_);
+  if (!rates_.known()) rates_ = ratesOf(device_, options_.device);
   if (round.motion == Motion::none && settings.accuracy != Accuracy::paper) {
     settings.accuracy = Accuracy::paper;
     contenders.push_back(makeOurs(round.scene, round.sensor, settings));

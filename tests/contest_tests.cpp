@@ -130,6 +130,7 @@ TEST_CASE("the floor counts visible geometry once, and beams") {
   CHECK_THAT(floor.operations, WithinRel(60 * 71.0 + 5 * 24, 1e-12));
   CHECK_THAT(floor.ms, WithinRel(28.0, 1e-12));
   CHECK_THAT(floorOf(counters, {2400, 0, 0}, 50, {1e9, 1000}).ms, WithinRel(4.38, 1e-12));
+  CHECK_THAT(floorOf(counters, {2400, 0, 0}, 50, {100, 0}).ms, WithinRel(28.0, 1e-12));
   CHECK(floorOf(counters, {2400, 0, 0}, 50, {}).ms == 0);
 }
 
@@ -178,4 +179,16 @@ TEST_CASE("Embree meets what the reference meets, however it is kept") {
     CHECK(rival->update(moves) > 0);
     compareNow(moved);
   }
+}
+
+TEST_CASE("rates are those of memory and cores") {
+  const Rates host = ratesOf({.type = "cpu"}, "auto");
+  CHECK(host.bytesPerMs > 1e5);  // 100 MB/s
+  CHECK(host.bytesPerMs < 1e10);
+  CHECK(host.operationsPerMs > 1e5);
+  CHECK(host.operationsPerMs < 1e11);
+  test::needVulkan();
+  const double copies = ratesOf({.type = "discrete"}, "auto").bytesPerMs;  // none without ray tracing
+  CHECK((copies == 0 || (copies > 1e5 && copies < 1e11)));
+  CHECK(ratesOf({.type = "discrete"}, "no such device").known() == false);
 }
