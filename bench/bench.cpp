@@ -49,7 +49,7 @@ int run(const std::vector<Case>& cases, const Options& options) {
     writeResult(options.plot, cli::toSvg(plotOf(report, entry.description, session.device())));
   }
   json["cases"] = results;
-  writeResult(options.json, cli::dump(json));
+  writeResult(options.json, compact(json));
   return 0;
 }
 

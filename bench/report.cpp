@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 
 namespace gnosphere::bench {
 namespace {
@@ -42,6 +43,10 @@ Json orNull(double value) {
   return value > 0 ? Json(rounded(value)) : Json();
 }
 
+Json medianJson(const Spread& spread) {
+  return {{"median", rounded(spread.median)}, {"min", rounded(spread.min)}};
+}
+
 Json errorJson(const Comparison& c) {
   return {{"missed", c.missed},
           {"false_hits", c.falseHits},
@@ -60,7 +65,7 @@ Json standingJson(const Standing& s) {
                {"build_ms", orNull(s.buildMs)},
                {"renew_ms", orNull(s.renewMs.median)},
                {"scan_ms", orNull(s.scanMs.median)},
-               {"device_ms", orNull(s.deviceMs.median)},
+               {"device_ms", s.deviceMs.median > 0 ? medianJson(s.deviceMs) : Json()},
                {"stages_ms", stages},
                {"total_ms",
                 {{"median", rounded(s.totalMs.median)},
@@ -175,6 +180,22 @@ Json toJson(const Report& report) {
   Json json = report.more;
   for (const Outcome& outcome : report.outcomes) json["outcomes"].push_back(outcomeJson(outcome));
   return json;
+}
+
+std::string compact(const Json& json) {
+  constexpr size_t kWidth = 120;
+  const std::function<std::string(const Json&, size_t)> lines = [&](const Json& value, size_t depth) {
+    const std::string line = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (value.empty() || !value.is_structured() || 2 * depth + line.size() <= kWidth) return line;
+    const std::string indent(2 * depth + 2, ' ');
+    std::string text;
+    for (const auto& [key, item] : value.items())
+      text += (text.empty() ? "\n" : ",\n") + indent + (value.is_object() ? Json(key).dump() + ": " : "") +
+              lines(item, depth + 1);
+    const std::string end = "\n" + indent.substr(2);
+    return (value.is_object() ? "{" : "[") + text + end + (value.is_object() ? "}" : "]");
+  };
+  return lines(json, 0) + "\n";
 }
 
 cli::Plot plotOf(const Report& report, const std::string& title, const DeviceInfo& device) {
