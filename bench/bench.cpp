@@ -48,6 +48,7 @@ int run(const std::vector<Case>& cases, const Options& options) {
     if (!session.notes().empty()) results[entry.name]["left_out"] = session.notes();
     writeResult(options.plot, cli::toSvg(plotOf(report, entry.description, session.device())));
   }
+  if (cases.size() > 1) results["stability"] = stabilityOf(options.device);
   json["cases"] = results;
   writeResult(options.json, compact(json));
   return 0;

@@ -7,6 +7,7 @@
 
 namespace gnosphere::bench {
 
+Report accuracy(Session& session);
 Report table3(Session& session);
 Report table4(Session& session);
 Report table5(Session& session);
@@ -26,6 +27,7 @@ struct Case {
 };
 
 inline constexpr Case kCases[] = {
+    {"accuracy", "What each accuracy costs and gets wrong", {1'000'000, 20, 4}, accuracy},
     {"table3", "A drive with the HDL-64E: mean and variances (the paper's Table 3)", {1'000'000, 5, 60}, table3},
     {"table4", "The two hypothetical sensors (its Table 4)", {1'000'000, 3, 6}, table4},
     {"table5", "How far points are from the reference's (its Table 5)", {1'000'000, 1, 4}, table5},

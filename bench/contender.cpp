@@ -12,14 +12,6 @@ void setTransforms(Any& simulator, std::span<const Moved> moved) {
     for (const Moved& move : moved) simulator.setTransform(move.instance, move.transform);
 }
 
-template <class Any>
-void scanInto(Any& simulator, const Pose& pose, Scan& scan) {
-  if constexpr (requires { simulator.scan(pose, size_t{}, scan); })
-    simulator.scan(pose, 0, scan);
-  else
-    scan = simulator.scan(pose, 0);
-}
-
 class Ours : public Contender {
  public:
   Ours(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options)
@@ -34,7 +26,7 @@ class Ours : public Contender {
     const double start = cli::nowMs();
     setTransforms(simulator_, task.moved);
     const double moved = cli::nowMs();
-    scanInto(simulator_, task.pose, scan_);
+    simulator_.scan(task.pose, 0, scan_);
     sample.renewMs = task.moved.empty() ? 0 : moved - start;
     sample.scanMs = cli::nowMs() - moved;
     sample.deviceMs = scan_.timings.gpuMs;

@@ -6,6 +6,11 @@
 #include <functional>
 
 namespace gnosphere::bench {
+
+double rounded(double value) {
+  return std::strtod(cli::formatted("%.5g", value).c_str(), nullptr);
+}
+
 namespace {
 
 using cli::bareMs;
@@ -35,10 +40,6 @@ double perTriangle(const Outcome& outcome) {
   return static_cast<double>(outcome.memory.scene) / static_cast<double>(std::max<size_t>(1, outcome.uniqueTriangles));
 }
 
-/// Five digits are more than a clock is good for.
-double rounded(double value) {
-  return std::strtod(formatted("%.5g", value).c_str(), nullptr);
-}
 Json orNull(double value) {
   return value > 0 ? Json(rounded(value)) : Json();
 }

@@ -35,6 +35,8 @@ Table stagesTable(const std::vector<Outcome>& outcomes);
 Table floorTable(const std::vector<Outcome>& outcomes);
 
 cli::Json toJson(const Report& report);
+/// To five digits, which is more than a clock is good for.
+double rounded(double value);
 /// JSON for people, too: what fits a line stands on one.
 std::string compact(const cli::Json& json);
 /// Times of all contenders over the outcomes' x.

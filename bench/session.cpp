@@ -75,8 +75,7 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
   std::vector<std::unique_ptr<Contender>> contenders;
   SimulatorOptions settings = simulatorOptions();
   contenders.push_back(makeOurs(round.scene, round.sensor, settings));
-  device_ = simulatorOf(*contenders[0]).device();
-  if (!rates_.known()) rates_ = ratesOf(device_, options_.device);
+  setDevice(simulatorOf(*contenders[0]).device());
   if (round.motion == Motion::none && settings.accuracy != Accuracy::paper) {
     settings.accuracy = Accuracy::paper;
     contenders.push_back(makeOurs(round.scene, round.sensor, settings));
@@ -90,6 +89,11 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
     contenders.push_back(makeGuest(std::move(entrant.rival), round.sensor, entrant.anew));
   for (const std::string& note : notes) addNote(note);
   return contenders;
+}
+
+void Session::setDevice(const DeviceInfo& device) {
+  if (device_.name != device.name) rates_ = ratesOf(device, options_.device);
+  device_ = device;
 }
 
 void Session::addNote(const std::string& note) {

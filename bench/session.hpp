@@ -57,6 +57,7 @@ class Session {
   void hold(const Round& round, std::vector<Outcome>& outcomes);
 
   const DeviceInfo& device() const { return device_; }  ///< known after the first contest
+  void setDevice(const DeviceInfo& device);             ///< where there is no contest
   const Rates& rates() const { return rates_; }
   const std::vector<std::string>& notes() const { return notes_; }  ///< what was left out, and why
 

@@ -141,10 +141,11 @@ TEST_CASE("the bench checks its calls and plots stability") {
       place.run("stability --family quad_size --ends --plot a.svg --json -", "", GNOSPHERE_BENCH_BINARY);
   REQUIRE(stability.status == 0);
   const auto families = nlohmann::json::parse(stability.out).at("families");
-  REQUIRE(families.at(0).at("cases").size() == 2);
-  const auto& hard = families.at(0).at("cases").at(1).at("settings");
-  CHECK(hard.at(0).at("lost_share") == 1);
-  CHECK(hard.at(2).at("lost") == 0);
+  REQUIRE(families.at(0).at("hardness").size() == 2);
+  const auto& settings = families.at(0).at("settings");
+  CHECK(settings.at(0).at("lost_share").at(1) == 1);
+  CHECK(settings.at(0).at("error_max_m").at(1).is_null());
+  CHECK(settings.at(2).at("lost_share").at(1) == 0);
   CHECK(xmlProblem(place.get("a.svg")) == "");
   for (const char* name : {"paper", "draft", "standard", "exact", "Quad size"})
     CHECK_THAT(place.get("a.svg"), ContainsSubstring(label(name)));
