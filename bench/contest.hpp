@@ -61,7 +61,7 @@ struct Outcome {
   uint64_t hits = 0;                ///< of the last frame
   MemoryUse memory;
   Floor floor;  ///< mean over the frames
-  double floorShare() const { return floor.ms / standings[0].meanMs; }
+  double floorShare() const { return floor.ms / standings[0].totalMs.median; }
 };
 
 /// `contenders`: ours first. Throws Error(device) that names the one whose answer is not right, before anything is

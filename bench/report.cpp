@@ -168,7 +168,7 @@ Table floorTable(const std::vector<Outcome>& outcomes) {
     const double scene = static_cast<double>(outcome.memory.scene);
     table.rows.push_back(
         {outcome.label, formatted("%.2f", outcome.floor.bytes / 1e6), formatted("%.1f", outcome.floor.operations / 1e6),
-         orDash(outcome.floor.ms), bareMs(outcome.standings[0].meanMs),
+         orDash(outcome.floor.ms), bareMs(outcome.standings[0].totalMs.median),
          outcome.floor.ms > 0 ? formatted("%.1f %%", 100 * outcome.floorShare()) : "-", formatted("%.1f", scene / 1e6),
          formatted("%.1f", perTriangle(outcome)), formatted("%.0f %%", 100 * scene / std::max(1.0, limit)),
          formatted("%.1f", perBeam(outcome))});

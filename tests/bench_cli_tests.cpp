@@ -29,8 +29,8 @@ json casesOf(const Workplace& place, const std::string& call) {
 
 TEST_CASE("each case of the bench gives a table, results and a plot") {
   needVulkan();
-  const std::string name =
-      GENERATE("table3", "table4", "figure5", "figure6-range", "figure6-towns", "figure7", "dynamic", "scaling-triangles");
+  const std::string name = GENERATE("table3", "table4", "figure5", "figure6-range", "figure6-towns", "figure7",
+                                    "dynamic", "scaling-triangles");
   const Workplace place;
   const json cases = casesOf(place, name + kTiny + " --json r.json --plot p.svg");
   CHECK_THAT(place.get("out"), ContainsSubstring("## " + name) && ContainsSubstring(" standard |"));
