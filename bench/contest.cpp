@@ -14,10 +14,10 @@ namespace {
 /// Up to this many triangles and beams the reference is asked, too: it takes some seconds and gigabytes then.
 constexpr uint64_t kReferenceTriangles = 2'000'000, kReferenceBeams = 1'000'000;
 
-/// Forth and back along x by up to 0.1 m, every frame elsewhere than the one before.
-Transform movedBy(const Transform& transform, size_t frame) {
+/// Forth and back along x by up to 0.1 m, with every task elsewhere than with the one before.
+Transform movedBy(const Transform& transform, size_t task) {
   Transform moved = transform;
-  if (CanMove<Simulator>) moved.rows[3] += 0.02 * (static_cast<double>(frame % 10) - 5);
+  if (CanMove<Simulator>) moved.rows[3] += 0.02 * (static_cast<double>(task % 10) - 5);
   return moved;
 }
 
@@ -46,7 +46,7 @@ class Contest {
       standing.name = (*contender)->name();
       try {
         standing.buildMs = (*contender)->build();
-        (*contender)->run(taskOf(0));
+        (*contender)->run(taskOf(0, 0));
       } catch (const Error& error) {
         if (error.code() != ErrorCode::outOfMemory || contender == contenders_.begin()) throw;
         notes.push_back(setting_.label + ", " + standing.name + ": " + error.what());
@@ -69,7 +69,7 @@ class Contest {
     for (uint32_t run = 0; run < setting_.runs; ++run) {
       progress(setting_.label.c_str(), run + 1, setting_.runs);
       for (size_t frame = 0; frame < setting_.poses.size(); ++frame) {
-        const Task task = taskOf(frame);
+        const Task task = taskOf(frame, 1 + run * setting_.poses.size() + frame);
         const Sample ours = contenders_[0]->run(task);
         pairs[0].push_back({run, frame, ours, ours});
         if (run == 0) counters.push_back(contenders_[0]->answer().counters);
@@ -85,10 +85,10 @@ class Contest {
   }
 
  private:
-  Task taskOf(size_t frame) {
+  Task taskOf(size_t frame, size_t number) {
     moved_.clear();
     for (size_t instance : setting_.moving)
-      moved_.push_back({instance, movedBy(setting_.scene.instances[instance].transform, frame)});
+      moved_.push_back({instance, movedBy(setting_.scene.instances[instance].transform, number)});
     return {setting_.poses[frame], moved_};
   }
 
