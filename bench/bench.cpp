@@ -4,20 +4,81 @@
 #include <vector>
 
 #include "cases.hpp"
+#include "cases/results.hpp"
+#include "cases/stability.hpp"
 #include "console.hpp"
 #include "gnosphere/error.hpp"
 
 using namespace gnosphere;
+using namespace gnosphere::bench;
+
+namespace {
+
+using Action = std::function<int()>;
+
+void print(const Case& entry, const Session& session, const Report& report) {
+  printHead(session.device());
+  std::printf("\n## %s: %s\n", entry.name, entry.description);
+  for (const Table& table : report.tables) {
+    std::printf("\n");
+    cli::printMarkdown(table.rows);
+    if (!table.note.empty()) std::printf("\n%s\n", table.note.c_str());
+  }
+  for (const std::string& note : session.notes()) std::printf("\nleft out: %s\n", note.c_str());
+  std::printf("\n");
+}
+
+/// These cases, one after the other, into one result.
+int run(const std::vector<Case>& cases, const Options& options) {
+  checkResult(options.json);
+  checkResult(options.plot);
+  cli::Json json, results = cli::Json::object();
+  for (const Case& entry : cases) {
+    Session session(options, entry.defaults);
+    const Report report = entry.run(session);
+    if (options.json != "-") print(entry, session, report);
+    if (json.empty()) {
+      json = resultsHead(session.device());
+      if (const Rates& rates = session.rates(); rates.known())
+        json["rates"] = {
+            {"gigabytes_per_s", rates.bytesPerMs / 1e6},
+            {"gigaoperations_per_s", rates.operationsPerMs > 0 ? cli::Json(rates.operationsPerMs / 1e6) : cli::Json()}};
+    }
+    results[entry.name] = toJson(report);
+    if (!session.notes().empty()) results[entry.name]["left_out"] = session.notes();
+    writeResult(options.plot, cli::toSvg(plotOf(report, entry.description, session.device())));
+  }
+  if (cases.size() > 1) results["stability"] = stabilityOf(options.device);
+  json["cases"] = results;
+  writeResult(options.json, compact(json));
+  return 0;
+}
+
+/// The cases of the table and all of them at once.
+std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
+  std::vector<std::pair<const CLI::App*, Action>> actions;
+  const auto add = [&](const char* name, const char* description, const std::vector<Case>& cases) {
+    CLI::App* command = app.add_subcommand(name, description);
+    const auto options = std::make_shared<Options>();
+    addOptions(*command, *options);
+    actions.emplace_back(command, [cases, options] { return run(cases, *options); });
+    return command;
+  };
+  for (const Case& entry : kCases) add(entry.name, entry.description, {entry});
+  CLI::App* all = add("all", "All of these", {std::begin(kCases), std::end(kCases)});
+  all->remove_option(all->get_option("--plot"));
+  CLI::App* stability = app.add_subcommand("stability", "Error of every accuracy over the hardness of a case");
+  actions.emplace_back(stability, addStability(*stability));
+  return actions;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("The benches of GnoSphere: answers are compared before a time is printed", "gnosphere-bench");
   app.set_version_flag("--version", std::string("gnosphere-bench ") + GNOSPHERE_VERSION);
   app.require_subcommand(1);
-  std::vector<std::pair<const CLI::App*, bench::Action>> cases;
-  for (const bench::Case& entry : bench::kCases) {
-    CLI::App* command = app.add_subcommand(entry.name, entry.description);
-    cases.emplace_back(command, entry.add(*command));
-  }
+  const auto cases = addCases(app);
   cli::rememberCommand(argc, argv);
   try {
     app.parse(argc, argv);

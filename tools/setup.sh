@@ -9,6 +9,8 @@ packages=(
   libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libboost-dev libnanoflann-dev
   libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libpolyclipping-dev catch2
 )
+# A rival of the bench, which does without it where there is none for this architecture.
+optional=(libembree-dev)
 # Debian 12 has these too old; its backports have them.
 backported=("catch2 3" "mesa-vulkan-drivers 25")
 
@@ -119,6 +121,15 @@ isMissing() {
   esac
 }
 
+# Adds to the missing ones what is optional and to be had.
+addOptional() {
+  local name
+  for name in "${optional[@]}"; do
+    case " ${missing[*]} " in *" $name "*) continue ;; esac
+    if isMissing "$name" && [ -n "$(candidate "$name")" ]; then missing+=("$name"); fi
+  done
+}
+
 # Installs what is missing, and nothing else; touches nothing if all is there.
 setUp() {
   local name minimum entry missing=()
@@ -132,13 +143,15 @@ setUp() {
   for name in "${packages[@]}"; do
     if isMissing "$name"; then missing+=("$name"); fi
   done
+  addOptional
   if [ ${#missing[@]} -eq 0 ]; then
     step "All ${#packages[@]} packages are here, nothing to install"
     return
   fi
   mayInstall
-  step "Installing ${#missing[@]} of ${#packages[@]} packages: ${missing[*]}"
+  step "Installing ${#missing[@]} packages: ${missing[*]}"
   aptGet update || note "apt-get update had trouble, see ${log#"$root"/}"
+  addOptional
   for name in "${missing[@]}"; do
     [ -n "$(candidate "$name")" ] ||
       fail "apt does not know the package $name; is the network up, and on Ubuntu the component 'universe' enabled?"

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // gnosphere-bench stability: how the error of each accuracy grows as a case grows harder.
+#include "cases/stability.hpp"
+
 #include <algorithm>
 #include <memory>
 
-#include "cases.hpp"
 #include "cases/hardness.hpp"
 #include "cases/results.hpp"
 #include "plot.hpp"
+#include "report.hpp"
 
 namespace gnosphere::bench {
 namespace {
@@ -22,7 +24,7 @@ struct Options {
 };
 
 /// One accuracy on one case. Ties count like any beam: see hardness.hpp.
-struct Outcome {
+struct Verdict {
   Comparison comparison;
   uint64_t lost() const { return comparison.missed + comparison.tieMissed; }
   double lostShare() const { return static_cast<double>(lost()) / static_cast<double>(comparison.hits); }
@@ -33,7 +35,7 @@ struct Outcome {
 
 struct Row {
   double hardness;
-  std::vector<Outcome> outcomes;  ///< of kAccuracies
+  std::vector<Verdict> outcomes;  ///< of kAccuracies
 };
 
 struct FamilyResult {
@@ -83,7 +85,7 @@ void print(const FamilyResult& result) {
   }
   for (const Row& row : result.rows) {
     rows.push_back({formatted("%g", row.hardness)});
-    for (const Outcome& outcome : row.outcomes) {
+    for (const Verdict& outcome : row.outcomes) {
       rows.back().push_back(outcome.anyHit() ? formatted("%.2g", outcome.error()) : "-");
       rows.back().push_back(outcome.lost() ? formatted("%.3g %%", 100 * outcome.lostShare()) : "0");
     }
@@ -91,25 +93,23 @@ void print(const FamilyResult& result) {
   cli::printMarkdown(rows);
 }
 
-std::string toJson(const std::vector<FamilyResult>& results, const DeviceInfo& info) {
-  Json json = resultsHead(info);
+cli::Json familiesJson(const std::vector<FamilyResult>& results) {
+  Json families = Json::array();
   for (const FamilyResult& result : results) {
-    Json family = {{"name", result.family.name}, {"unit", result.family.unit}, {"cases", Json::array()}};
-    for (const Row& row : result.rows) {
-      Json settings = Json::array();
-      for (size_t i = 0; i < row.outcomes.size(); ++i) {
-        const Outcome& outcome = row.outcomes[i];
-        settings.push_back({{"name", nameOf(kAccuracies[i])},
-                            {"error_max_m", outcome.anyHit() ? Json(outcome.error()) : Json()},
-                            {"lost", outcome.lost()},
-                            {"lost_share", outcome.lostShare()},
-                            {"error", cli::toJson(outcome.comparison)}});
+    Json family = {{"name", result.family.name}, {"unit", result.family.unit}};
+    for (const Row& row : result.rows) family["hardness"].push_back(row.hardness);
+    for (size_t i = 0; i < std::size(kAccuracies); ++i) {
+      Json setting = {{"name", nameOf(kAccuracies[i])}};
+      for (const Row& row : result.rows) {
+        const Verdict& outcome = row.outcomes[i];
+        setting["error_max_m"].push_back(outcome.anyHit() ? Json(rounded(outcome.error())) : Json());
+        setting["lost_share"].push_back(rounded(outcome.lostShare()));
       }
-      family["cases"].push_back({{"hardness", row.hardness}, {"settings", settings}});
+      family["settings"].push_back(setting);
     }
-    json["families"].push_back(family);
+    families.push_back(family);
   }
-  return cli::dump(json);
+  return {{"families", families}};
 }
 
 /// The looks of the four lines: they often lie on each other, so the markers nest.
@@ -133,7 +133,7 @@ cli::PlotPanel panelOf(const FamilyResult& result, bool lost) {
   for (size_t i = 0; i < std::size(kAccuracies); ++i) {
     cli::PlotSeries series = look(i);
     for (const Row& row : result.rows) {
-      const Outcome& outcome = row.outcomes[i];
+      const Verdict& outcome = row.outcomes[i];
       if (lost || outcome.anyHit())
         series.points.push_back({row.hardness, lost ? 100 * outcome.lostShare() : outcome.error(), 0, 0, ""});
     }
@@ -167,14 +167,23 @@ int run(const Options& options) {
     printHead(info);
     for (const FamilyResult& result : results) print(result);
   }
-  writeResult(options.json, toJson(results, info));
+  Json json = resultsHead(info);
+  json.update(familiesJson(results));
+  writeResult(options.json, compact(json));
   writeResult(options.plot, toSvg(results, info));
   return 0;
 }
 
 }  // namespace
 
-Action addStability(CLI::App& app) {
+cli::Json stabilityOf(const std::string& device) {
+  Options options;
+  options.device = device;
+  DeviceInfo info;
+  return familiesJson(measureAll(options, info));
+}
+
+std::function<int()> addStability(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   std::vector<std::string> names;
   for (const Family& family : families()) names.push_back(family.name);

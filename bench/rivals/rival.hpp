@@ -35,7 +35,8 @@ class Rival {
   virtual std::string name() const = 0;
   /// The whole structure from the scene, from scratch. The scene was given to the constructor.
   virtual double build() = 0;
-  /// What has to be done after instances have moved.
+  /// What has to be done after instances have moved, as the structure was made for it (Motion): moving the vertices
+  /// themselves is not counted where they are held in the scene's frame.
   virtual double update(std::span<const Moved> moved) = 0;
   /// The nearest hit of every beam. What depends on the beams alone (directions) is prepared before the clock starts.
   virtual double trace(const Sensor& sensor, const Pose& pose, Hits& hits) = 0;

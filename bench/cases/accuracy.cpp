@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// What accuracy costs, as `gnosphere accuracy` has it: here so that one file holds all results.
+#include "cases.hpp"
+
+namespace gnosphere::bench {
+namespace {
+
+cli::Json rowJson(const AccuracyRow& row) {
+  const Comparison& c = row.error;
+  return {{"name", row.name},
+          {"time_ms", {{"median", rounded(row.time().median)}, {"min", rounded(row.time().min)}}},
+          {"ratio_to_standard", rounded(row.ratio)},
+          {"error",
+           {{"missed", c.missed},
+            {"false_hits", c.falseHits},
+            {"wrong_owner", c.wrongOwner},
+            {"wrong_range", c.wrongRange},
+            {"ties", c.ties},
+            {"range_error_max_m", rounded(c.rangeErrorMax)},
+            {"range_error_rms_m", rounded(c.rangeErrorRms)},
+            {"any_owner_error_max_m", rounded(c.hitErrorMax)}}}};
+}
+
+}  // namespace
+
+Report accuracy(Session& session) {
+  const Scene scene = session.scene();
+  const Sensor sensor = session.sensors({"HDL-64E"})[0];
+  AccuracyOptions options;
+  options.simulator = session.simulatorOptions();
+  options.simulator.faces = Faces::material;
+  options.runs = session.options().runs;
+  options.nearest = false;
+  options.progress = cli::stepProgress();
+  const std::vector<Pose> poses = session.poses(scene);
+  const AccuracyReport found = measureAccuracy(scene, sensor, poses, options);
+  session.setDevice(found.device);
+  Report report;
+  report.more = {{"scene", cli::sceneJson(scene)},
+                 {"sensor", cli::sensorJson(sensor)},
+                 {"poses", poses.size()},
+                 {"beams", found.beams},
+                 {"runs", found.runs}};
+  Table table = {"`standard` with one of its parts taken away stands below the settings", {}};
+  table.rows = {{"setting", "ms", "ratio", "missed", "false", "wrong range", "largest range error, m"}};
+  for (const auto& [name, rows] : {std::pair("settings", &found.settings), std::pair("parts", &found.parts)}) {
+    for (const AccuracyRow& row : *rows) {
+      report.more[name].push_back(rowJson(row));
+      table.rows.push_back({row.name, cli::bareMs(row.time().median), cli::formatted("%.2f", row.ratio),
+                            cli::grouped(row.error.missed), cli::grouped(row.error.falseHits),
+                            cli::grouped(row.error.wrongRange), cli::formatted("%.2g", row.error.hitErrorMax)});
+    }
+  }
+  report.tables = {table};
+  return report;
+}
+
+}  // namespace gnosphere::bench

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "floor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+
+#include "console.hpp"
+#include "rivals/vulkan_copy.hpp"
+#include "rivals/workers.hpp"
+
+namespace gnosphere::bench {
+namespace {
+
+/// Per beam: a word of 8 bytes written and read, 24 bytes of results written.
+constexpr double kBeamBytes = 8 + 8 + 24;
+/// Per triangle: three corners turned and moved (9 multiplications, 9 additions, 3 subtractions each) and told from
+/// which side it is seen (8, Table 1 of the paper).
+constexpr double kTriangleOperations = 3 * 21 + 8;
+/// Per hit: one inside test (15) and one range (9), of Table 1.
+constexpr double kHitOperations = 15 + 9;
+
+constexpr int kRounds = 5;
+
+double copyRate(Workers& workers) {
+  constexpr size_t kBlock = size_t{4} << 20, kBlocks = 64;
+  const auto from = std::make_unique<char[]>(kBlock * kBlocks), to = std::make_unique<char[]>(kBlock * kBlocks);
+  double best = 0;
+  for (int round = 0; round <= kRounds; ++round) {  // the first one meets memory that is not there yet
+    const double start = cli::nowMs();
+    workers.run(kBlocks,
+                [&](size_t block) { std::memcpy(to.get() + block * kBlock, from.get() + block * kBlock, kBlock); });
+    best = std::max(best, 2.0 * kBlock * kBlocks / (cli::nowMs() - start));
+  }
+  return best;
+}
+
+/// As wide as vector units come; narrower ones take it in parts.
+using Wide = float __attribute__((vector_size(64)));
+constexpr size_t kChains = 8;  ///< independent, so that no unit waits for a result
+
+float multiplyAndAdd(size_t steps, float seed) {
+  const Wide factor = Wide{} + 0.999f, term = Wide{} + seed;
+  Wide chains[kChains] = {};
+  for (size_t step = 0; step < steps; ++step)
+    for (Wide& chain : chains) chain = chain * factor + term;
+  Wide sum = {};
+  for (const Wide& chain : chains) sum += chain;
+  return sum[0];
+}
+
+double operationRate(Workers& workers) {
+  constexpr size_t kTasks = 64, kSteps = 50'000;
+  std::array<float, kTasks> sums;
+  double best = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const double start = cli::nowMs();
+    workers.run(kTasks, [&](size_t task) { sums[task] = multiplyAndAdd(kSteps, static_cast<float>(task)); });
+    constexpr double kOperations = 2.0 * sizeof(Wide) / sizeof(float) * kChains * kSteps * kTasks;
+    best = std::max(best, kOperations / (cli::nowMs() - start));
+  }
+  volatile float seen = sums[0];  // or there would be nothing to compute
+  static_cast<void>(seen);
+  return best;
+}
+
+}  // namespace
+
+Rates ratesOf(const DeviceInfo& device, const std::string& name) {
+  if (device.type != "cpu") return {vulkanCopyRate(name), 0};
+  Workers workers;
+  return {copyRate(workers), operationRate(workers)};
+}
+
+Floor floorOf(const Counters& counters, const MemoryUse& memory, uint64_t uniqueTriangles, const Rates& rates) {
+  Floor floor;
+  const double visible = static_cast<double>(counters.triangles - counters.culledByCluster);
+  const double unique = static_cast<double>(uniqueTriangles);
+  const double triangleBytes = unique > 0 ? static_cast<double>(memory.scene) / unique : 0;
+  floor.bytes = std::min(visible, unique) * triangleBytes + kBeamBytes * static_cast<double>(counters.beams);
+  floor.operations = visible * kTriangleOperations + static_cast<double>(counters.hits) * kHitOperations;
+  if (rates.bytesPerMs > 0) floor.ms = floor.bytes / rates.bytesPerMs;
+  if (rates.operationsPerMs > 0) floor.ms = std::max(floor.ms, floor.operations / rates.operationsPerMs);
+  return floor;
+}
+
+}  // namespace gnosphere::bench

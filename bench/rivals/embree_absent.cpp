@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// In the place of embree.cpp where there is no Embree.
+#include "gnosphere/error.hpp"
+#include "rivals/embree.hpp"
+
+namespace gnosphere::bench {
+
+bool haveEmbree() {
+  return false;
+}
+
+std::unique_ptr<Rival> makeEmbree(const Scene&, const Vec3&, EmbreeWay) {
+  throw Error(ErrorCode::device, "embree: not built in; install libembree-dev and configure again");
+}
+
+}  // namespace gnosphere::bench

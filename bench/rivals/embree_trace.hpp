@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// One packet through Embree, the same for versions 3 and 4.
+#pragma once
+
+#if GNOSPHERE_EMBREE >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <algorithm>
+#include <limits>
+
+#include "rivals/packets.hpp"
+#include "rivals/rival.hpp"
+
+namespace gnosphere::bench {
+
+inline void intersect(RTCScene scene, const int* valid, RTCRayHit16& packet) {
+#if GNOSPHERE_EMBREE >= 4
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  arguments.feature_mask = static_cast<RTCFeatureFlags>(RTC_FEATURE_FLAG_TRIANGLE | RTC_FEATURE_FLAG_INSTANCE);
+  rtcIntersect16(valid, scene, &packet, &arguments);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect16(valid, scene, &context, &packet);
+#endif
+}
+
+/// `origin`: of the rays, in the scene's frame.
+inline void tracePacket(RTCScene scene, const Packet& packet, const float (&origin)[3], float rangeMin, float rangeMax,
+                        bool instanced, Hits& hits) {
+  alignas(64) int valid[kPacketBeams];
+  RTCRayHit16 rays;
+  for (uint32_t lane = 0; lane < kPacketBeams; ++lane) {
+    valid[lane] = lane < packet.count ? -1 : 0;
+    rays.ray.org_x[lane] = origin[0];
+    rays.ray.org_y[lane] = origin[1];
+    rays.ray.org_z[lane] = origin[2];
+    rays.ray.dir_x[lane] = packet.x[lane];
+    rays.ray.dir_y[lane] = packet.y[lane];
+    rays.ray.dir_z[lane] = packet.z[lane];
+    rays.ray.tnear[lane] = rangeMin;
+    rays.ray.tfar[lane] = rangeMax;
+    rays.ray.time[lane] = 0;
+    rays.ray.mask[lane] = 0xffffffffU;
+    rays.ray.flags[lane] = 0;
+    rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+    rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+  }
+  intersect(scene, valid, rays);
+  for (uint32_t lane = 0; lane < packet.count; ++lane) {
+    const uint32_t beam = packet.first + lane;
+    const bool hit = rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
+    hits.ranges[beam] = hit ? rays.ray.tfar[lane] : std::numeric_limits<float>::quiet_NaN();
+    hits.triangles[beam] = hit ? rays.hit.primID[lane] : kNoTriangle;
+    hits.instances[beam] = !hit ? kNoTriangle : instanced ? rays.hit.instID[0][lane] : rays.hit.geomID[lane];
+  }
+}
+
+}  // namespace gnosphere::bench

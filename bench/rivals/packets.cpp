@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rivals/packets.hpp"
+
+#include <algorithm>
+
+namespace gnosphere::bench {
+namespace {
+
+/// v turned by q: v + 2 w (u x v) + 2 u x (u x v), u being q's vector part.
+Vec3 turn(const Quaternion& q, const Vec3& v) {
+  const Vec3 t = {2 * (q.y * v.z - q.z * v.y), 2 * (q.z * v.x - q.x * v.z), 2 * (q.x * v.y - q.y * v.x)};
+  return {v.x + q.w * t.x + q.y * t.z - q.z * t.y, v.y + q.w * t.y + q.z * t.x - q.x * t.z,
+          v.z + q.w * t.z + q.x * t.y - q.y * t.x};
+}
+
+}  // namespace
+
+void PacketTable::layOut(const Sensor& sensor) {
+  const std::string json = toJson(sensor);
+  if (json == sensor_) return;
+  sensor_ = json;
+  orientation_ = {0, 0, 0, 0};
+  directions_.resize(sensor.beamCount());
+  for (size_t beam = 0; beam < directions_.size(); ++beam) directions_[beam] = sensor.direction(beam);
+  packets_.clear();
+  for (uint32_t channel = 0; channel < sensor.channels.size(); ++channel) {
+    for (uint32_t column = 0; column < sensor.columns; column += kPacketBeams) {
+      Packet& packet = packets_.emplace_back();
+      packet.first = channel * sensor.columns + column;
+      packet.count = std::min(kPacketBeams, sensor.columns - column);
+    }
+  }
+}
+
+void PacketTable::prepare(const Sensor& sensor, const Quaternion& q) {
+  layOut(sensor);
+  const Quaternion& o = orientation_;
+  if (o.x == q.x && o.y == q.y && o.z == q.z && o.w == q.w) return;
+  orientation_ = q;
+  for (Packet& packet : packets_) {
+    for (uint32_t lane = 0; lane < packet.count; ++lane) {
+      const Vec3 d = turn(q, directions_[packet.first + lane]);
+      packet.x[lane] = static_cast<float>(d.x);
+      packet.y[lane] = static_cast<float>(d.y);
+      packet.z[lane] = static_cast<float>(d.z);
+    }
+  }
+}
+
+}  // namespace gnosphere::bench

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session.hpp"
+
+#include <algorithm>
+
+#include "rivals/rivals.hpp"
+#include "scanning.hpp"
+#include "town/town.hpp"
+
+namespace gnosphere::bench {
+
+void addOptions(CLI::App& app, Options& options) {
+  const auto count = CLI::Range(uint32_t{1}, uint32_t{1'000'000});
+  app.add_option("--device", options.device, "As gnosphere scan --device")->capture_default_str();
+  app.add_option("--accuracy", options.accuracy, "Ours, as gnosphere scan --accuracy")
+      ->check(CLI::IsMember(cli::kAccuracies))
+      ->capture_default_str();
+  app.add_option("--sensor", options.sensor, "A built-in name or a JSON file, instead of the case's own");
+  app.add_option("--scene", options.scenes, "A scene file, instead of the built-in town; several for figure6-towns");
+  app.add_option("--triangles", options.triangles, "Of the built-in town; the most of them in scaling-triangles")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000'000}));
+  app.add_option("--trajectory", options.trajectory,
+                 "Poses as lines t x y z qx qy qz qw (default: along the town's street)");
+  app.add_option("--frames", options.frames, "Poses of the drive")->check(count);
+  app.add_option("--runs", options.runs, "Timed drives")->check(count);
+  app.add_option("--rivals", options.rivals, "all, none, or names with commas between")->capture_default_str();
+  app.add_option("--json", options.json, "A JSON file of the results, or - for stdout");
+  app.add_option("--plot", options.plot, "An .svg of the times");
+}
+
+Session::Session(const Options& options, const Defaults& defaults)
+    : options_(options), rivals_(parseRivals(options.rivals)) {
+  if (options_.triangles == 0) options_.triangles = defaults.triangles;
+  if (options_.runs == 0) options_.runs = defaults.runs;
+  if (options_.frames == 0) options_.frames = defaults.frames;
+  if (!options_.trajectory.empty()) trajectory_ = cli::loadTrajectory(options_.trajectory);
+}
+
+Scene Session::scene(uint64_t triangles) const {
+  return options_.scenes.empty() ? makeTown({triangles, 1}) : loadScene(options_.scenes[0]);
+}
+
+std::vector<Sensor> Session::sensors(const std::vector<std::string>& names) const {
+  if (!options_.sensor.empty()) return {findSensor(options_.sensor)};
+  std::vector<Sensor> sensors;
+  for (const std::string& name : names) sensors.push_back(findSensor(name));
+  return sensors;
+}
+
+std::vector<Pose> Session::poses(const Scene& scene) const {
+  const size_t count = options_.frames;
+  std::vector<Pose> poses;
+  if (!trajectory_.empty()) {
+    const size_t all = trajectory_.size();
+    for (size_t i = 0; i < std::min(count, all); ++i) poses.push_back(trajectory_[i * all / std::min(count, all)]);
+    return poses;
+  }
+  if (!options_.scenes.empty()) return cli::posesAround(cli::poseOf({}, scene), count);
+  for (size_t i = 0; i < count; ++i) {
+    const double along = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0.5;
+    poses.push_back({{-60 + 120 * along, 0, 1.8}, {}});
+  }
+  return poses;
+}
+
+SimulatorOptions Session::simulatorOptions() const {
+  SimulatorOptions settings;
+  settings.device = options_.device;
+  settings.accuracy = cli::kAccuracies.at(options_.accuracy);
+  settings.faces = Faces::both;  // the question that every rival answers
+  return settings;
+}
+
+std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) {
+  std::vector<std::unique_ptr<Contender>> contenders;
+  SimulatorOptions settings = simulatorOptions();
+  contenders.push_back(makeOurs(round.scene, round.sensor, settings));
+  setDevice(simulatorOf(*contenders[0]).device());
+  if (round.motion == Motion::none && settings.accuracy != Accuracy::paper) {
+    settings.accuracy = Accuracy::paper;
+    contenders.push_back(makeOurs(round.scene, round.sensor, settings));
+  }
+  const std::vector<Pose> drive = poses(round.scene);
+  RivalSetting setting = {round.scene, drive[drive.size() / 2].position, round.motion, options_.device};
+  setting.software = device_.type == "cpu";
+  setting.beams = round.sensor.beamCount();
+  std::vector<std::string> notes;
+  for (Entrant& entrant : makeRivals(rivals_, setting, notes))
+    contenders.push_back(makeGuest(std::move(entrant.rival), round.sensor, entrant.anew));
+  for (const std::string& note : notes) addNote(note);
+  return contenders;
+}
+
+void Session::setDevice(const DeviceInfo& device) {
+  if (device_.name != device.name) rates_ = ratesOf(device, options_.device);
+  device_ = device;
+}
+
+void Session::addNote(const std::string& note) {
+  if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
+}
+
+void Session::hold(const Round& round, std::vector<Outcome>& outcomes) {
+  Setting setting = {round.label, round.x, round.scene, round.sensor, poses(round.scene), {}, options_.runs};
+  const size_t all = round.scene.instances.size(), moving = std::min(round.moving, all);
+  for (size_t i = 0; i < moving; ++i) setting.moving.push_back(i * all / moving);
+  try {
+    std::vector<std::unique_ptr<Contender>> everyone = contenders(round);
+    outcomes.push_back(bench::hold(setting, everyone, rates_));
+    for (const std::string& note : outcomes.back().notes) addNote(note);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::outOfMemory) throw;
+    addNote(round.label + ": " + error.what());
+  }
+}
+
+}  // namespace gnosphere::bench

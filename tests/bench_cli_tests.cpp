@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every case of gnosphere-bench, tiny.
+#include <catch2/generators/catch_generators.hpp>
+#include <nlohmann/json.hpp>
+
+#include "cli_support.hpp"
+#include "support.hpp"
+#include "xml.hpp"
+
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+using nlohmann::json;
+
+namespace {
+
+const std::string kBench = GNOSPHERE_BENCH_BINARY;
+const std::string kTiny = " --triangles 20000 --runs 1 --frames 2 --sensor VLP-16 --rivals embree";
+
+json casesOf(const Workplace& place, const std::string& call) {
+  const Result result = place.run(call, "", kBench);
+  INFO(call << ": " << result.err);
+  REQUIRE(result.status == 0);
+  const json results = json::parse(place.get("r.json"));
+  for (const char* key : {"command", "version", "device", "rates", "cases"}) CHECK(results.contains(key));
+  return results.at("cases");
+}
+
+}  // namespace
+
+TEST_CASE("each case of the bench gives a table, results and a plot") {
+  needVulkan();
+  const std::string name = GENERATE("table3", "table4", "figure5", "figure6-range", "figure6-towns", "figure7",
+                                    "dynamic", "scaling-triangles");
+  const Workplace place;
+  const json cases = casesOf(place, name + kTiny + " --json r.json --plot p.svg");
+  CHECK_THAT(place.get("out"), ContainsSubstring("## " + name) && ContainsSubstring(" standard |"));
+  CHECK(xmlProblem(place.get("p.svg")) == "");
+  REQUIRE(cases.size() == 1);
+  for (const json& outcome : cases.at(name).at("outcomes")) {
+    CHECK(outcome.at("memory").at("scene_bytes_per_unique_triangle") > 0);
+    CHECK(outcome.at("floor").at("share") > 0);
+    const json& ours = outcome.at("contenders").at(0);
+    CHECK(ours.at("total_ms").at("median") > 0);
+    CHECK(ours.at("error").at("missed") == 0);
+    for (const json& contender : outcome.at("contenders"))
+      CHECK((contender.at("name") == "paper" || contender.at("beams_unlike_ours") <= 2));
+  }
+}
+
+TEST_CASE("the bench compares nearest neighbours as the paper does") {
+  needVulkan();
+  const Workplace place;
+  const json contenders = casesOf(place, "table5" + kTiny + " --json r.json").at("table5").at("contenders");
+  CHECK(contenders.at(0).at("missed") == 0);
+  CHECK(contenders.at(0).at("nearest").at(0) > 1000);
+  CHECK(contenders.at(1).at("name") == "paper");
+}
+
+TEST_CASE("the bench takes a scene and a drive of one's own, and refuses what makes no sense") {
+  const Workplace place;
+  CHECK(place.run("table3 --rivals optix", "", kBench).status == 2);
+  CHECK(place.run("table3 --runs 0", "", kBench).status == 2);
+  CHECK(place.run("table3 --trajectory none.txt", "", kBench).status == 1);
+  CHECK(place.run("table3 --json no/r.json", "", kBench).status == 1);
+  CHECK(place.files() == std::vector<std::string>{"floor.obj"});
+  needVulkan();
+  place.put("drive.txt", "0 0 0 1 0 0 0 1\n1 1 0 1 0 0 0 1\n2 2 0 1 0 0 0 1\n");
+  const json outcome = casesOf(place,
+                               "table3 --scene floor.obj --trajectory drive.txt --sensor VLP-16 --runs 1 "
+                               "--frames 3 --rivals none --json r.json")
+                           .at("table3")
+                           .at("outcomes")
+                           .at(0);
+  CHECK(outcome.at("frames") == 3);
+  CHECK(outcome.at("scene").at("triangles") == 2);
+  CHECK(outcome.at("contenders").size() == 2);
+}

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the benches are made of: who answers wrongly is caught before any time is taken, and figures add up.
+#include <catch2/matchers/catch_matchers_exception.hpp>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "contest.hpp"
+#include "rivals/embree.hpp"
+#include "rivals/rivals.hpp"
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::bench;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::MessageMatches;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+Sensor sensorOf() {
+  return test::gridSensor(450, 16, -20, 20, 60);
+}
+
+Scene balls() {
+  Scene scene = test::sceneOf(test::ball(20, 40, 1.5));
+  scene.meshes[0].origin = {0.5, 0.25, -0.125};
+  for (int i = 1; i < 12; ++i) scene.instances.push_back({"", 0, test::translation(4.0 * i - 20, 6, 0.5)});
+  return scene;
+}
+
+/// Knows the answer, and spoils so many beams of it.
+class Spoiler : public Rival {
+ public:
+  Spoiler(const Scene& scene, size_t spoilt) : scene_(scene), spoilt_(spoilt) {}
+  std::string name() const override { return "spoiler"; }
+  double build() override { return 1; }
+  double update(std::span<const Moved> moved) override {
+    for (const Moved& move : moved) scene_.instances[move.instance].transform = move.transform;
+    return 2;
+  }
+  double trace(const Sensor& sensor, const Pose& pose, Hits& hits) override {
+    const Scan scan = test::referenceOf(scene_, sensor, pose, Faces::both);
+    hits = {scan.ranges, scan.triangles, scan.instances};
+    for (size_t beam = 0, left = spoilt_; left > 0; ++beam) {
+      if (!scan.hit(beam)) continue;
+      hits.ranges[beam] *= 1.01f;
+      --left;
+    }
+    return 3;
+  }
+
+ private:
+  Scene scene_;
+  size_t spoilt_;
+};
+
+Outcome holdAgainst(const Scene& scene, size_t spoilt, const std::vector<size_t>& moving) {
+  SimulatorOptions options = test::vulkanOptions();
+  options.faces = Faces::both;
+  std::vector<std::unique_ptr<Contender>> contenders;
+  contenders.push_back(makeOurs(scene, sensorOf(), options));
+  contenders.push_back(makeGuest(std::make_unique<Spoiler>(scene, spoilt), sensorOf()));
+  const std::vector<Pose> poses = {{{0, 0, 0}, {}}, {{1, 0, 0.5}, {}}};
+  return hold({"balls", 7, scene, sensorOf(), poses, moving, 3}, contenders, {100, 1000});
+}
+
+Scan scanWith(std::vector<float> ranges) {
+  Scan scan;
+  scan.ranges = std::move(ranges);
+  return scan;
+}
+
+}  // namespace
+
+TEST_CASE("a contest takes the times of those whose answers are right") {
+  test::needVulkan();
+  const Outcome outcome = holdAgainst(balls(), 0, {0, 3});
+  REQUIRE(outcome.standings.size() == 2);
+  const Standing &ours = outcome.standings[0], &rival = outcome.standings[1];
+  CHECK(ours.ratio == 1);
+  REQUIRE(ours.error);
+  CHECK(ours.error->hits > 100);
+  CHECK(rival.samples == 6);
+  CHECK(rival.buildMs == 1);
+  CHECK(rival.totalMs.median == 5);
+  CHECK(rival.meanMs == 5);
+  CHECK(rival.frameVariance == 0);
+  CHECK(rival.runVariance == 0);
+  // The ratio is a median of ratios, so it lies between those of the extremes.
+  CHECK(rival.ratio <= 5 / ours.totalMs.min);
+  CHECK(rival.ratio >= 5 / (2 * ours.totalMs.p90 + 1000));
+  CHECK(rival.agreement.hits + rival.agreement.ranges == 0);
+  CHECK(outcome.floor.ms > 0);
+}
+
+TEST_CASE("a contest refuses a rival whose answer is wrong") {
+  test::needVulkan();
+  // 7,200 beams: not one may differ by more than rounding does.
+  CHECK_THROWS_MATCHES(
+      holdAgainst(balls(), 1, {}), Error,
+      MessageMatches(ContainsSubstring("balls: the answer of spoiler is not right: 1 of 7,200 beams")));
+}
+
+TEST_CASE("answers agree within 1 mm and a ten-thousandth of the range, hits and misses each by each") {
+  const Scan ours = scanWith({10, 10, kNaN, kNaN, 100, 100});
+  const Agreement agreement = agreementOf(ours, scanWith({10.0019f, kNaN, kNaN, 1, 100.0109f, 100.0111f}));
+  CHECK(agreement.beams == 6);
+  CHECK(agreement.hits == 2);
+  CHECK(agreement.ranges == 1);
+  CHECK_FALSE(agreement.good());
+  CHECK(agreementOf(ours, ours).good());
+  CHECK_FALSE(agreementOf(ours, scanWith({})).good());
+  std::vector<float> many(20'000, 5.0f), other = many;
+  other[1] = other[2] = kNaN;
+  CHECK(agreementOf(scanWith(many), scanWith(other)).good());
+  other[3] = kNaN;
+  CHECK_FALSE(agreementOf(scanWith(many), scanWith(other)).good());
+}
+
+TEST_CASE("the floor counts visible geometry once, and beams") {
+  Counters counters;
+  counters.beams = 10;
+  counters.hits = 5;
+  counters.triangles = 100;
+  counters.culledByCluster = 40;
+  const Floor floor = floorOf(counters, {2400, 0, 0}, 50, {100, 1000});
+  CHECK_THAT(floor.bytes, WithinRel(50 * 48.0 + 10 * 40, 1e-12));
+  CHECK_THAT(floor.operations, WithinRel(60 * 71.0 + 5 * 24, 1e-12));
+  CHECK_THAT(floor.ms, WithinRel(28.0, 1e-12));
+  CHECK_THAT(floorOf(counters, {2400, 0, 0}, 50, {1e9, 1000}).ms, WithinRel(4.38, 1e-12));
+  CHECK_THAT(floorOf(counters, {2400, 0, 0}, 50, {100, 0}).ms, WithinRel(28.0, 1e-12));
+  CHECK(floorOf(counters, {2400, 0, 0}, 50, {}).ms == 0);
+}
+
+TEST_CASE("rivals are asked for by name") {
+  CHECK(parseRivals("none").empty());
+  CHECK(parseRivals("all").size() == 3);
+  CHECK(parseRivals("embree,raytracing") == std::vector<std::string>{"embree", "raytracing"});
+  CHECK_THROWS_MATCHES(parseRivals("embree,optix"), Error, MessageMatches(ContainsSubstring("no 'optix'")));
+}
+
+TEST_CASE("Embree meets what the reference meets, however it is kept") {
+  if (!haveEmbree()) SKIP("Embree is not built in");
+  const Vec3 far = {5e5, -3e5, 100};
+  Scene scene = balls();
+  for (Instance& instance : scene.instances)
+    instance.transform = test::translation(far.x, far.y, far.z) * instance.transform * test::scaling(1, 1.5, 0.5);
+  Sensor sensor = sensorOf();
+  sensor.rangeMin = 3;
+  sensor.columns = 441;  // the last packet of a row is not full
+  const Pose pose = {{far.x + 1.5, far.y - 0.5, far.z + 0.2}, {0, 0, std::sin(0.2), std::cos(0.2)}};
+  for (EmbreeWay way :
+       {EmbreeWay::flat, EmbreeWay::instanced, EmbreeWay::rebuilt, EmbreeWay::placed, EmbreeWay::refitted}) {
+    const auto rival = makeEmbree(scene, far, way);
+    CAPTURE(rival->name());
+    CHECK(rival->build() > 0);
+    const auto compareNow = [&](const Scene& truth) {
+      Hits hits;
+      CHECK(rival->trace(sensor, pose, hits) > 0);
+      Scan scan;
+      scan.ranges = hits.ranges;
+      scan.triangles = hits.triangles;
+      scan.instances = hits.instances;
+      const Scan reference = test::referenceOf(truth, sensor, pose, Faces::both);
+      CHECK(reference.counters.hits > 300);
+      const Comparison c = compare(reference, scan, 1e-4);
+      CHECK(c.missed + c.falseHits + c.wrongOwner == 0);
+      CHECK(c.rangeErrorMax < 1e-4);
+    };
+    compareNow(scene);
+    Scene moved = scene;
+    std::vector<Moved> moves;
+    for (size_t i = 0; i < scene.instances.size(); i += 2) {
+      moved.instances[i].transform = test::translation(0, -3, 0.1) * scene.instances[i].transform;
+      moves.push_back({i, moved.instances[i].transform});
+    }
+    CHECK(rival->update(moves) > 0);
+    compareNow(moved);
+  }
+}
+
+TEST_CASE("rates are those of memory and cores") {
+  const Rates host = ratesOf({.type = "cpu"}, "auto");
+  CHECK(host.bytesPerMs > 1e5);  // 100 MB/s
+  CHECK(host.bytesPerMs < 1e10);
+  CHECK(host.operationsPerMs > 1e5);
+  CHECK(host.operationsPerMs < 1e11);
+  test::needVulkan();
+  const double copies = ratesOf({.type = "discrete"}, "auto").bytesPerMs;  // none without ray tracing
+  CHECK((copies == 0 || (copies > 1e5 && copies < 1e11)));
+  CHECK(ratesOf({.type = "discrete"}, "no such device").known() == false);
+}
