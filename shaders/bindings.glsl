@@ -30,7 +30,7 @@ WORK(kBindBlockSums, , uint, blockSums);
 WORK(kBindCandidates, , uint, candidates);         // indices of projected triangles
 WORK(kBindPoints, writeonly, vec4, points);        // x, y, z, range
 WORK(kBindOwners, writeonly, uvec2, owners);       // triangle within its mesh, instance
-CHUNK(kBindPlaced, uvec2, placed);                 // instance, group
+WORK(kBindPlaced, readonly, uvec2, placed);        // instance, group; chunk by chunk
 CHUNK(kBindGroups, Group, groups);
 CHUNK(kBindClusters, Cluster, clusters);
 layout(scalar, set = 1, binding = kBindPositions) readonly buffer positionsBlock { vec3 positions[]; };

@@ -27,7 +27,7 @@ void main() {
     uvec2 pair = uvec2(0);
     bool keep = false;
     if (i < pass.placedCount) {
-      pair = placed[i];
+      pair = placed[pass.placedFirst + i];
       keep = seen(pair);
     }
     uvec4 ballot = subgroupBallot(keep);

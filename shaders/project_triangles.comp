@@ -54,7 +54,7 @@ Place placeOf(uint i) {
   place.vertexFirst = floatBitsToUint(subgroupBroadcastFirst(vertexFirst));
   uint word = floatBitsToUint(subgroupBroadcastFirst(packed));
   place.triangleFirst = word & (kChunkTriangles - 1);
-  place.triangleCount = (word >> 25 & 63) + 1;
+  place.triangleCount = word >> 24 & 127;
   place.doubleSided = (word >> 31) != 0;
   return place;
 }

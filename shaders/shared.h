@@ -27,8 +27,8 @@ struct vec2 {
 GNO_CONST uint kClusterTriangles = 64;
 // Clusters per group: one subgroup goes through the clusters of a group.
 GNO_CONST uint kGroupClusters = 64;
-// Triangles per chunk: a cluster packs its first one into 25 bits.
-GNO_CONST uint kChunkTriangles = 1u << 25;
+// Triangles per chunk: a cluster packs its first one into 24 bits.
+GNO_CONST uint kChunkTriangles = 1u << 24;
 // Corners of a cluster are indexed by 8 bits: 64 loose triangles have 192.
 GNO_CONST uint kClusterVertices = 192;
 // A box of at most this many beams is worked off by one invocation; a larger one is cut into tiles, a subgroup each.
@@ -123,14 +123,14 @@ GNO_CONST uint kBindBlockSums = 16;
 GNO_CONST uint kBindCandidates = 17;
 GNO_CONST uint kBindPoints = 18;
 GNO_CONST uint kBindOwners = 19;
-GNO_CONST uint kWorkBindingCount = 20;
+GNO_CONST uint kBindPlaced = 20;
+GNO_CONST uint kWorkBindingCount = 21;
 // Set 1: one chunk of the scene.
-GNO_CONST uint kBindPlaced = 0;
-GNO_CONST uint kBindGroups = 1;
-GNO_CONST uint kBindClusters = 2;
-GNO_CONST uint kBindPositions = 3;
-GNO_CONST uint kBindTriangleCorners = 4;
-GNO_CONST uint kSceneBindingCount = 5;
+GNO_CONST uint kBindGroups = 0;
+GNO_CONST uint kBindClusters = 1;
+GNO_CONST uint kBindPositions = 2;
+GNO_CONST uint kBindTriangleCorners = 3;
+GNO_CONST uint kSceneBindingCount = 4;
 
 // --- Structs ---------------------------------------------------------------------------------------------------------
 
@@ -146,7 +146,7 @@ struct Instance {
 // At most kClusterTriangles triangles of one material, in the mesh frame.
 struct Cluster {
   vec4 low;   // xyz: lower corner of its box, w: first vertex
-  vec4 high;  // xyz: upper corner, w: first triangle | triangles - 1 << 25 | double-sided << 31
+  vec4 high;  // xyz: upper corner, w: first triangle | triangles << 24 | double-sided << 31
 };
 
 // At most kGroupClusters clusters of one mesh that lie together.
@@ -192,14 +192,16 @@ struct Counters {
 
 // Push constants of `project`: a chunk of the scene and a shell, which is what lies at distances shellMin..shellMax.
 struct Pass {
-  uint placedCount;  // (instance, group) pairs of the chunk
+  uint placedFirst;  // its (instance, group) pairs among all
+  uint placedCount;
   float shellMin, shellMax;
   uint occluders;  // 1 if the farthest-range table holds something
+  uint padding0, padding1, padding2;
 };
 
 #ifdef __cplusplus
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 32 && sizeof(Group) == 32 && sizeof(Frame) == 64 && sizeof(Row) == 32);
-static_assert(sizeof(Counters) == 64 && sizeof(Pass) == 16);
+static_assert(sizeof(Counters) == 64 && sizeof(Pass) == 32);
 }  // namespace gnosphere::gpu
 #endif
 #endif

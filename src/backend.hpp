@@ -6,6 +6,9 @@
 
 namespace gnosphere {
 
+/// The mesh of an instance that was removed.
+inline constexpr uint32_t kNoMesh = 0xffffffffu;
+
 /// One machine with one scene on it. Implemented by vulkan/ and reference/; never included by either of the other.
 class Backend {
  public:
@@ -13,6 +16,10 @@ class Backend {
   /// Scans in order, all into `result`, calling `receive` after each: every array, the counters and the timings. Name,
   /// grid size and pose are the caller's to fill.
   virtual void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) = 0;
+  /// Adds the next instance, or moves or replaces one that is there; kNoMesh removes it.
+  virtual void setInstance(size_t index, uint32_t mesh, const Transform& transform) = 0;
+  /// As many as the mesh has.
+  virtual void setPositions(size_t mesh, std::span<const float> positions) = 0;
   virtual const DeviceInfo& device() const = 0;
   virtual MemoryUse memory() const = 0;
   virtual size_t clusterCount() const = 0;

@@ -30,24 +30,17 @@ class MeshFlattener {
  private:
   const float* position(uint32_t vertex) const { return &mesh_.positions[3 * size_t{vertex}]; }
 
-  bool usable(uint32_t triangle) {
+  bool usable(uint32_t triangle) const {
     const uint32_t* corner = &mesh_.indices[3 * size_t{triangle}];
-    for (int k = 0; k < 3; ++k)
-      for (int axis = 0; axis < 3; ++axis)
-        if (!(std::abs(position(corner[k])[axis]) <= gpu::kCoordinateLimit)) return ++result_.nonFinite, false;
-    for (int k = 0; k < 3; ++k)
-      if (std::equal(position(corner[k]), position(corner[k]) + 3, position(corner[(k + 1) % 3])))
-        return ++result_.degenerate, false;
-    return true;
+    return fateOf(position(corner[0]), position(corner[1]), position(corner[2])) == Fate::usable;
   }
 
   // Triangles that lie together in space share a cluster: sorted along a space-filling curve, then cut.
   void flattenPart(const MeshPart& part) {
-    std::vector<uint32_t> triangles;
+    std::vector<uint32_t> triangles, others;
     triangles.reserve(part.triangleCount);
-    for (uint32_t k = 0; k < part.triangleCount; ++k)
-      if (usable(part.firstTriangle + k)) triangles.push_back(part.firstTriangle + k);
-    if (triangles.empty()) return;
+    for (uint32_t k = part.firstTriangle; k < part.firstTriangle + part.triangleCount; ++k)
+      (usable(k) ? triangles : others).push_back(k);
     std::vector<float> centres(3 * triangles.size());
     for (size_t i = 0; i < triangles.size(); ++i)
       for (int axis = 0; axis < 3; ++axis) {
@@ -59,6 +52,7 @@ class MeshFlattener {
     meshopt_spatialSortRemap(place.data(), centres.data(), triangles.size(), 3 * sizeof(float));
     std::vector<uint32_t> sorted(triangles.size());
     for (size_t i = 0; i < triangles.size(); ++i) sorted[place[i]] = triangles[i];
+    sorted.insert(sorted.end(), others.begin(), others.end());
     const bool doubleSided = materials_[part.material].doubleSided;
     for (size_t first = 0; first < sorted.size(); first += gpu::kClusterTriangles)
       addCluster(&sorted[first], std::min<size_t>(gpu::kClusterTriangles, sorted.size() - first), doubleSided);
@@ -68,10 +62,7 @@ class MeshFlattener {
     FlatCluster cluster;
     cluster.firstVertex = flat_.positions.size() / 3;
     cluster.firstTriangle = flat_.triangles.size();
-    cluster.triangleCount = static_cast<uint32_t>(count);
     cluster.doubleSided = doubleSided;
-    std::fill(cluster.low, cluster.low + 3, gpu::kCoordinateLimit);
-    std::fill(cluster.high, cluster.high + 3, -gpu::kCoordinateLimit);
     const uint32_t stamp = static_cast<uint32_t>(flat_.clusters.size()) + 1;
     uint32_t vertexCount = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -82,15 +73,13 @@ class MeshFlattener {
           cluster_[vertex] = stamp;
           number_[vertex] = static_cast<uint8_t>(vertexCount++);
           flat_.positions.insert(flat_.positions.end(), position(vertex), position(vertex) + 3);
-          for (int axis = 0; axis < 3; ++axis) {
-            cluster.low[axis] = std::min(cluster.low[axis], position(vertex)[axis]);
-            cluster.high[axis] = std::max(cluster.high[axis], position(vertex)[axis]);
-          }
+          flat_.vertices.push_back(vertex);
         }
         packed |= uint32_t{number_[vertex]} << (8 * k);
       }
       flat_.triangles.push_back({packed, triangles[i]});
     }
+    fit(cluster, &flat_.positions[3 * cluster.firstVertex], std::span(flat_.triangles).last(count), result_);
     flat_.clusters.push_back(cluster);
   }
 
@@ -98,13 +87,7 @@ class MeshFlattener {
     FlatGroup group;
     group.firstCluster = static_cast<uint32_t>(first);
     group.clusterCount = static_cast<uint32_t>(std::min<size_t>(gpu::kGroupClusters, flat_.clusters.size() - first));
-    std::copy_n(flat_.clusters[first].low, 3, group.low);
-    std::copy_n(flat_.clusters[first].high, 3, group.high);
-    for (size_t i = first; i < first + group.clusterCount; ++i)
-      for (int axis = 0; axis < 3; ++axis) {
-        group.low[axis] = std::min(group.low[axis], flat_.clusters[i].low[axis]);
-        group.high[axis] = std::max(group.high[axis], flat_.clusters[i].high[axis]);
-      }
+    fit(group, std::span(flat_.clusters).subspan(first, group.clusterCount));
     flat_.groups.push_back(group);
   }
 
@@ -117,6 +100,44 @@ class MeshFlattener {
 };
 
 }  // namespace
+
+Fate fateOf(const float* a, const float* b, const float* c) {
+  for (const float* corner : {a, b, c})
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(std::abs(corner[axis]) <= gpu::kCoordinateLimit)) return Fate::nonFinite;
+  const bool same = std::equal(a, a + 3, b) || std::equal(b, b + 3, c) || std::equal(c, c + 3, a);
+  return same ? Fate::degenerate : Fate::usable;
+}
+
+void fit(FlatCluster& cluster, const float* positions, std::span<FlatTriangle> triangles, FlatMesh& dropped) {
+  std::fill(cluster.low, cluster.low + 3, gpu::kCoordinateLimit);
+  std::fill(cluster.high, cluster.high + 3, -gpu::kCoordinateLimit);
+  const auto usable = [&](const FlatTriangle& triangle) {
+    const auto corner = [&](int k) { return positions + 3 * (triangle.corners >> (8 * k) & 0xff); };
+    const Fate fate = fateOf(corner(0), corner(1), corner(2));
+    dropped.nonFinite += fate == Fate::nonFinite;
+    dropped.degenerate += fate == Fate::degenerate;
+    if (fate != Fate::usable) return false;
+    for (int k = 0; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        cluster.low[axis] = std::min(cluster.low[axis], corner(k)[axis]);
+        cluster.high[axis] = std::max(cluster.high[axis], corner(k)[axis]);
+      }
+    return true;
+  };
+  cluster.triangleCount =
+      static_cast<uint32_t>(std::partition(triangles.begin(), triangles.end(), usable) - triangles.begin());
+}
+
+void fit(FlatGroup& group, std::span<const FlatCluster> clusters) {
+  std::copy_n(clusters.front().low, 3, group.low);
+  std::copy_n(clusters.front().high, 3, group.high);
+  for (const FlatCluster& cluster : clusters)
+    for (int axis = 0; axis < 3; ++axis) {
+      group.low[axis] = std::min(group.low[axis], cluster.low[axis]);
+      group.high[axis] = std::max(group.high[axis], cluster.high[axis]);
+    }
+}
 
 FlatScene flatten(const Scene& scene) {
   FlatScene flat;

@@ -10,6 +10,9 @@
 namespace gnosphere {
 namespace {
 
+// As validate(scene) has it: the top bit of a triangle's number is taken.
+constexpr uint64_t kMostPlacedTriangles = (uint64_t{1} << 31) - 1;
+
 void validate(const Exactness& parts) {
   if ((parts.range == Exactness::Range::exact) != (parts.inside == Exactness::Inside::exact))
     throw Error(ErrorCode::invalidArgument, "an exact range needs the exact inside test, and the other way round");
@@ -23,6 +26,12 @@ void validate(const Pose& pose, const std::string& which) {
       throw Error(ErrorCode::invalidArgument, which + "the pose has a value that is not finite");
   if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 1e-12))
     throw Error(ErrorCode::invalidArgument, which + "the pose's quaternion is zero; 0,0,0,1 is no turn");
+}
+
+void validate(const Transform& transform, size_t instance) {
+  for (double value : transform.rows)
+    if (!std::isfinite(value))
+      throw Error(ErrorCode::invalidArgument, "instance " + std::to_string(instance) + ": its transform is not finite");
 }
 
 std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
@@ -56,7 +65,11 @@ std::vector<DeviceInfo> listDevices(std::string* vulkanProblem) {
 }
 
 Simulator::Simulator(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-    : sensors_(sensors), backend_(makeBackend(scene, sensors, options)) {}
+    : sensors_(sensors), backend_(makeBackend(scene, sensors, options)) {
+  for (const Mesh& mesh : scene.meshes) meshes_.push_back({mesh.vertexCount(), mesh.triangleCount()});
+  for (const Instance& instance : scene.instances) instanceMeshes_.push_back(instance.mesh);
+  placedTriangles_ = scene.placedTriangleCount();
+}
 Simulator::Simulator(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options)
     : Simulator(scene, std::vector<Sensor>{sensor}, options) {}
 Simulator::~Simulator() = default;
@@ -95,6 +108,60 @@ void Simulator::run(std::span<const Shot> shots, Scan& result, const std::functi
     result.pose = shots[i].pose;
     receive(i);
   });
+}
+
+void Simulator::checkInstance(size_t instance) const {
+  if (instance >= instanceMeshes_.size() || instanceMeshes_[instance] == kNoMesh)
+    throw Error(ErrorCode::invalidArgument,
+                "instance " + std::to_string(instance) +
+                    (instance < instanceMeshes_.size()
+                         ? " has been removed"
+                         : " does not exist, there are " + std::to_string(instanceMeshes_.size())));
+}
+
+void Simulator::setTransform(size_t instance, const Transform& transform) {
+  checkInstance(instance);
+  validate(transform, instance);
+  backend_->setInstance(instance, instanceMeshes_[instance], transform);
+}
+
+size_t Simulator::addInstance(uint32_t mesh, const Transform& transform) {
+  if (mesh >= meshes_.size())
+    throw Error(ErrorCode::invalidArgument,
+                "mesh " + std::to_string(mesh) + " does not exist, the scene has " + std::to_string(meshes_.size()));
+  const size_t index = removed_.empty() ? instanceMeshes_.size() : removed_.back();
+  validate(transform, index);
+  const uint64_t placed = placedTriangles_ + meshes_[mesh].triangles;
+  if (placed > kMostPlacedTriangles)
+    throw Error(ErrorCode::invalidArgument, "the scene would place " + std::to_string(placed) +
+                                                " triangles; the limit is " + std::to_string(kMostPlacedTriangles));
+  backend_->setInstance(index, mesh, transform);
+  if (removed_.empty())
+    instanceMeshes_.push_back(mesh);
+  else
+    removed_.pop_back();
+  instanceMeshes_[index] = mesh;
+  placedTriangles_ = placed;
+  return index;
+}
+
+void Simulator::removeInstance(size_t instance) {
+  checkInstance(instance);
+  backend_->setInstance(instance, kNoMesh, {});
+  placedTriangles_ -= meshes_[instanceMeshes_[instance]].triangles;
+  instanceMeshes_[instance] = kNoMesh;
+  removed_.push_back(instance);
+}
+
+void Simulator::setPositions(size_t mesh, std::span<const float> positions) {
+  if (mesh >= meshes_.size())
+    throw Error(ErrorCode::invalidArgument,
+                "mesh " + std::to_string(mesh) + " does not exist, the scene has " + std::to_string(meshes_.size()));
+  if (positions.size() != 3 * meshes_[mesh].vertices)
+    throw Error(ErrorCode::invalidArgument,
+                "mesh " + std::to_string(mesh) + " has " + std::to_string(meshes_[mesh].vertices) +
+                    " vertices of three numbers each; " + std::to_string(positions.size()) + " numbers were given");
+  backend_->setPositions(mesh, positions);
 }
 
 const DeviceInfo& Simulator::device() const {

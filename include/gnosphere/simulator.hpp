@@ -145,6 +145,15 @@ class Simulator {
   /// first scan; what `receive` throws ends the run. `receive` must not call this simulator.
   void scanAll(std::span<const Shot> shots, const std::function<void(size_t shot, const Scan& scan)>& receive);
 
+  /// Moving scenes: from the next scan on, and nothing is built anew. Each throws Error(invalidArgument) for an
+  /// instance or mesh that does not exist, a transform that is not finite, or more triangles than a scene may place.
+  void setTransform(size_t instance, const Transform& transform);
+  /// The instance's index, in Scan::instances too: that of one removed before, or the next.
+  size_t addInstance(uint32_t mesh, const Transform& transform);
+  void removeInstance(size_t instance);
+  /// New places for the vertices of a mesh, as many as it has: metres, relative to its origin. The triangles stay.
+  void setPositions(size_t mesh, std::span<const float> positions);
+
   const DeviceInfo& device() const;
   MemoryUse memory() const;
   size_t clusterCount() const;  ///< of the flattened scene; 0 on the reference
@@ -152,7 +161,16 @@ class Simulator {
  private:
   void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive);
 
+  void checkInstance(size_t instance) const;
+
+  struct MeshSize {
+    size_t vertices, triangles;
+  };
   std::vector<Sensor> sensors_;
+  std::vector<MeshSize> meshes_;
+  std::vector<uint32_t> instanceMeshes_;  // kNoMesh where it was removed
+  std::vector<size_t> removed_;
+  uint64_t placedTriangles_ = 0;
   std::unique_ptr<Backend> backend_;
 };
 

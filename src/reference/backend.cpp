@@ -171,17 +171,20 @@ struct Nearest {
 class ReferenceBackend : public Backend {
  public:
   ReferenceBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-      : sensors_(sensors), bvh_(placeAll(scene, options.faces, counters_)), device_(referenceDevice()) {
-    for (const Instance& instance : scene.instances)
-      places_.push_back({condition(instance.transform), instance.transform * scene.meshes[instance.mesh].origin});
+      : sensors_(sensors), faces_(options.faces), scene_(scene), device_(referenceDevice()) {
+    scene_.meshes.emplace_back();
+    build();
   }
 
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override;
   const DeviceInfo& device() const override { return device_; }
   MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(Place), 0, 0}; }
   size_t clusterCount() const override { return 0; }
+  void setInstance(size_t index, uint32_t mesh, const Transform& transform) override;
+  void setPositions(size_t mesh, std::span<const float> positions) override;
 
  private:
+  void build();
   void scan(const Shot& shot, Scan& result) const;
   View prepare(const Sensor& sensor, const Pose& pose, Counters& counters) const;
   Nearest nearest(const View& view, const Vec3& direction) const;
@@ -189,11 +192,35 @@ class ReferenceBackend : public Backend {
   void beam(const View& view, size_t index, Scan& scan) const;
 
   std::vector<Sensor> sensors_;
+  Faces faces_;
+  Scene scene_;  // its last mesh is empty: that of instances that were removed
+  bool changed_ = false;
   Counters counters_;
-  Bvh bvh_;
+  Bvh bvh_ = Bvh({});
   std::vector<Place> places_;
   DeviceInfo device_;
 };
+
+void ReferenceBackend::build() {
+  counters_ = {};
+  bvh_ = Bvh(placeAll(scene_, faces_, counters_));
+  places_.clear();
+  for (const Instance& instance : scene_.instances)
+    places_.push_back({condition(instance.transform), instance.transform * scene_.meshes[instance.mesh].origin});
+  changed_ = false;
+}
+
+void ReferenceBackend::setInstance(size_t index, uint32_t mesh, const Transform& transform) {
+  if (index == scene_.instances.size()) scene_.instances.emplace_back();
+  const auto none = static_cast<uint32_t>(scene_.meshes.size() - 1);
+  scene_.instances[index] = {"", mesh == kNoMesh ? none : mesh, transform};
+  changed_ = true;
+}
+
+void ReferenceBackend::setPositions(size_t mesh, std::span<const float> positions) {
+  scene_.meshes[mesh].positions.assign(positions.begin(), positions.end());
+  changed_ = true;
+}
 
 View ReferenceBackend::prepare(const Sensor& sensor, const Pose& pose, Counters& counters) const {
   View view = {sensor, SensorFrame(pose), {}, {}, 0, 0};
@@ -296,6 +323,7 @@ void ReferenceBackend::beam(const View& view, size_t index, Scan& scan) const {
 }
 
 void ReferenceBackend::scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
+  if (changed_) build();
   for (size_t i = 0; i < shots.size(); ++i) {
     scan(shots[i], result);
     receive(i);

@@ -37,6 +37,7 @@ class VulkanBackend final : public Backend {
 
   // The next scan is handed to the device before the host waits for this one.
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override {
+    waitForAll();
     if (!shots.empty()) submit(shots, 0);
     for (size_t i = 0; i < shots.size(); ++i) {
       if (i + 1 < shots.size()) submit(shots, i + 1);
@@ -46,12 +47,21 @@ class VulkanBackend final : public Backend {
     }
   }
 
+  void setInstance(size_t index, uint32_t mesh, const Transform& transform) override {
+    geometry_.instances().set(index, mesh, transform);
+  }
+
+  void setPositions(size_t mesh, std::span<const float> positions) override {
+    waitForAll();
+    geometry_.setPositions(mesh, positions);
+  }
+
   const DeviceInfo& device() const override { return device_.capabilities().info; }
   size_t clusterCount() const override { return geometry_.clusterCount(); }
   MemoryUse memory() const override {
     MemoryUse use;
     use.scene = geometry_.bytes();
-    for (const Slot& slot : slots_) use.scene += slot.instances.bytes();
+    for (const Slot& slot : slots_) use.scene += slot.placed.instances.bytes() + slot.placed.placed.bytes();
     for (const SensorState& state : sensors_) state.addTo(use);
     return use;
   }
@@ -59,18 +69,21 @@ class VulkanBackend final : public Backend {
  private:
   // What the frames in flight have of their own whatever the sensor.
   struct Slot {
-    Slot(const Device& device, const Layout& layout, const Geometry& geometry)
-        : commands(device, layout, Stages::kStamps),
-          instances(device, "instances", geometry.instanceCount() * sizeof(gpu::Instance), Memory::upload) {}
+    Slot(const Device& device, const Layout& layout) : commands(device, layout, Stages::kStamps) {}
     Commands commands;
-    Buffer instances;
+    PlacedInstances placed;
     Clock::time_point start;
   };
 
   // Of scan i of a run; those beyond the first are made when first used.
   Slot& slotOf(size_t i) {
-    while (slots_.size() <= i % kFramesInFlight) slots_.emplace_back(device_, layout_, geometry_);
+    while (slots_.size() <= i % kFramesInFlight) slots_.emplace_back(device_, layout_);
     return slots_[i % kFramesInFlight];
+  }
+
+  // A run that its receiver ended may have left a scan on its way.
+  void waitForAll() {
+    for (Slot& slot : slots_) slot.commands.wait();
   }
 
   void submit(std::span<const Shot> shots, size_t i) {
@@ -83,13 +96,11 @@ class VulkanBackend final : public Backend {
   void run(Slot& slot, SensorState& state, const Pose& pose, size_t index) {
     if (state.frame().beams == 0) return;
     Commands& commands = slot.commands;
-    commands.wait();
-    geometry_.placeInstances(pose, static_cast<gpu::Instance*>(slot.instances.mapped()));
-    slot.instances.flush();
-    const FrameInFlight& frame = state.prepare(index, geometry_, slot.instances);
+    geometry_.instances().place(pose, state.reach(), slot.placed);
+    const FrameInFlight& frame = state.prepare(index, geometry_.instances(), slot.placed);
     commands.begin();
     commands.bindSet(0, frame.set);
-    stages_.record(commands, state);
+    stages_.record(commands, state, slot.placed);
     readBack(commands, state, frame);
     commands.submit();
   }
@@ -103,7 +114,7 @@ class VulkanBackend final : public Backend {
     if (const size_t index = i % kFramesInFlight; state.frame().beams > 0) {
       slot.commands.wait();
       while (state.cutShort(state.inFlight(index))) {
-        for (Slot& other : slots_) other.commands.wait();
+        waitForAll();
         state.growLists(state.inFlight(index));
         run(slot, state, shots[i].pose, index);
         slot.commands.wait();
@@ -123,17 +134,23 @@ class VulkanBackend final : public Backend {
     commands.barrier();
   }
 
-  // What does not come from the device. readResults() overwrites the other arrays.
+  // What does not come from the device. Arrays keep their room.
   void clearResult(const SensorState& state, Scan& scan) const {
+    const size_t beams = state.frame().beams;
+    scan.points.resize(3 * beams);
+    scan.ranges.resize(beams);
+    scan.triangles.resize(beams);
+    scan.instances.resize(beams);
     scan.tolerances.clear();
     scan.ties.clear();
     scan.timings.stages.clear();
     scan.timings.gpuMs = 0;
     scan.counters = {};
-    scan.counters.beams = state.frame().beams;
-    scan.counters.triangles = geometry_.dropped().triangles;
-    scan.counters.nonFinite = geometry_.dropped().nonFinite;
-    scan.counters.degenerate = geometry_.dropped().degenerate;
+    scan.counters.beams = beams;
+    const Counters& placed = geometry_.instances().counters();
+    scan.counters.triangles = placed.triangles;
+    scan.counters.nonFinite = placed.nonFinite;
+    scan.counters.degenerate = placed.degenerate;
   }
 
   template <typename T>
@@ -146,10 +163,6 @@ class VulkanBackend final : public Backend {
     const uint64_t beams = state.frame().beams;
     const auto* points = mapped<gpu::vec4>(frame.results[0]);
     const auto* owners = mapped<std::array<uint32_t, 2>>(frame.results[1]);
-    scan.points.resize(3 * beams);
-    scan.ranges.resize(beams);
-    scan.triangles.resize(beams);
-    scan.instances.resize(beams);
     for (uint64_t i = 0; i < beams; ++i) {
       scan.points[3 * i] = points[i].x;
       scan.points[3 * i + 1] = points[i].y;
@@ -159,12 +172,12 @@ class VulkanBackend final : public Backend {
       scan.instances[i] = owners[i][1];
     }
     const gpu::Counters& device = frame.counters();
+    const Counters& placed = geometry_.instances().counters();
     Counters& result = scan.counters;
     result.hits = device.hits;
     result.misses = beams - device.hits;
     result.nonFinite += device.nonFinite;
-    result.culledByCluster =
-        result.triangles - geometry_.dropped().nonFinite - geometry_.dropped().degenerate - device.triangles;
+    result.culledByCluster = placed.triangles - placed.nonFinite - placed.degenerate - device.triangles;
     result.culledByRange = device.culledByRange;
     result.culledByFace = device.culledByFace;
     result.culledBetweenBeams = device.culledBetweenBeams;

@@ -106,38 +106,63 @@ Uploader::~Uploader() {
   vkDestroyCommandPool(device_.handle(), pool_, nullptr);
 }
 
-Buffer Uploader::uploadBytes(const char* name, const void* data, uint64_t bytes) {
-  Buffer buffer(device_, name, bytes, Memory::device);
-  if (bytes == 0) return buffer;
+void Uploader::writeBytes(const void* data, Buffer& buffer, uint64_t offset, uint64_t bytes) {
+  if (bytes == 0) return;
   if (buffer.mapped()) {
-    std::memcpy(buffer.mapped(), data, bytes);
+    std::memcpy(static_cast<char*>(buffer.mapped()) + offset, data, bytes);
     buffer.flush();
-    return buffer;
+    return;
   }
-  const uint64_t stagingBytes = std::min(kMostStagingBytes, device_.maxBufferBytes());
-  if (!staging_.handle()) staging_ = Buffer(device_, "staging", stagingBytes, Memory::upload);
-  for (uint64_t done = 0; done < bytes; done += stagingBytes) {
-    const uint64_t size = std::min(bytes - done, stagingBytes);
+  const uint64_t most = stage(Memory::upload);
+  for (uint64_t done = 0; done < bytes; done += most) {
+    const uint64_t size = std::min(bytes - done, most);
     std::memcpy(staging_.mapped(), static_cast<const char*>(data) + done, size);
-    VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    allocate.commandPool = pool_;
-    allocate.commandBufferCount = 1;
-    VkCommandBuffer commands;
-    VK(vkAllocateCommandBuffers(device_.handle(), &allocate, &commands));
-    VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    VK(vkBeginCommandBuffer(commands, &begin));
-    const VkBufferCopy copy = {0, done, size};
-    vkCmdCopyBuffer(commands, staging_.handle(), buffer.handle(), 1, &copy);
-    VK(vkEndCommandBuffer(commands));
-    VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
-    submit.commandBufferCount = 1;
-    submit.pCommandBuffers = &commands;
-    VK(vkQueueSubmit(device_.queue(), 1, &submit, VK_NULL_HANDLE));
-    VK(vkQueueWaitIdle(device_.queue()));
-    vkFreeCommandBuffers(device_.handle(), pool_, 1, &commands);
+    staging_.flush();
+    copy(staging_.handle(), buffer.handle(), {0, offset + done, size});
   }
-  return buffer;
+}
+
+void Uploader::readBytes(const Buffer& buffer, uint64_t offset, uint64_t bytes, void* data) {
+  if (bytes == 0) return;
+  if (buffer.mapped()) {
+    buffer.invalidate();
+    std::memcpy(data, static_cast<const char*>(buffer.mapped()) + offset, bytes);
+    return;
+  }
+  const uint64_t most = stage(Memory::readback);
+  for (uint64_t done = 0; done < bytes; done += most) {
+    const uint64_t size = std::min(bytes - done, most);
+    copy(buffer.handle(), staging_.handle(), {offset + done, 0, size});
+    staging_.invalidate();
+    std::memcpy(static_cast<char*>(data) + done, staging_.mapped(), size);
+  }
+}
+
+// Makes the staging buffer of that kind; its size.
+uint64_t Uploader::stage(Memory memory) {
+  const uint64_t bytes = std::min(kMostStagingBytes, device_.maxBufferBytes());
+  if (!staging_.handle() || stagingKind_ != memory) staging_ = Buffer(device_, "staging", bytes, memory);
+  stagingKind_ = memory;
+  return bytes;
+}
+
+void Uploader::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
+  VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = pool_;
+  allocate.commandBufferCount = 1;
+  VkCommandBuffer commands;
+  VK(vkAllocateCommandBuffers(device_.handle(), &allocate, &commands));
+  VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  VK(vkBeginCommandBuffer(commands, &begin));
+  vkCmdCopyBuffer(commands, from, to, 1, &region);
+  VK(vkEndCommandBuffer(commands));
+  VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  submit.commandBufferCount = 1;
+  submit.pCommandBuffers = &commands;
+  VK(vkQueueSubmit(device_.queue(), 1, &submit, VK_NULL_HANDLE));
+  VK(vkQueueWaitIdle(device_.queue()));
+  vkFreeCommandBuffers(device_.handle(), pool_, 1, &commands);
 }
 
 }  // namespace gnosphere::vulkan

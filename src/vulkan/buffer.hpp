@@ -5,6 +5,7 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "vulkan/device.hpp"
 
@@ -49,7 +50,8 @@ class Buffer {
   uint64_t bytes_ = 0;
 };
 
-/// Copies host data into new device buffers: one staging buffer, one submission per upload.
+/// Copies between host and device buffers that the device does not use meanwhile: one staging buffer, one submission
+/// per 16 MiB.
 class Uploader {
  public:
   explicit Uploader(const Device& device);
@@ -57,17 +59,36 @@ class Uploader {
   Uploader(const Uploader&) = delete;
   Uploader& operator=(const Uploader&) = delete;
 
+  /// A new buffer with the data.
   template <typename T>
   Buffer upload(const char* name, std::span<const T> data) {
-    return uploadBytes(name, data.data(), data.size_bytes());
+    Buffer buffer(device_, name, data.size_bytes(), Memory::device);
+    write(data, buffer, 0);
+    return buffer;
+  }
+  /// Data to a part of a buffer, from its `first`-th element on.
+  template <typename T>
+  void write(std::span<const T> data, Buffer& buffer, size_t first) {
+    writeBytes(data.data(), buffer, first * sizeof(T), data.size_bytes());
+  }
+  /// A part of a buffer.
+  template <typename T>
+  std::vector<T> read(const Buffer& buffer, size_t first, size_t count) {
+    std::vector<T> data(count);
+    readBytes(buffer, first * sizeof(T), count * sizeof(T), data.data());
+    return data;
   }
 
  private:
-  Buffer uploadBytes(const char* name, const void* data, uint64_t bytes);
+  void writeBytes(const void* data, Buffer& buffer, uint64_t offset, uint64_t bytes);
+  void readBytes(const Buffer& buffer, uint64_t offset, uint64_t bytes, void* data);
+  uint64_t stage(Memory memory);
+  void copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region);
 
   const Device& device_;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   Buffer staging_;
+  Memory stagingKind_ = Memory::upload;
 };
 
 }  // namespace gnosphere::vulkan

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <span>
 
 #include "bin.spv.h"
@@ -114,13 +115,14 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     kernels_ = ownKernels_.get();
   }
   shellBorder_ = shellBorder(geometry, options);
+  reach_ = cullingBits(options) & gpu::kCullRange ? tables_.frame.rangeMax : std::numeric_limits<double>::infinity();
   makeBuffers(geometry);
   inFlight_.push_back(makeFrame());
 }
 
 // Where every hit of a beam counts, nothing hides anything.
 float SensorState::shellBorder(const Geometry& geometry, const SimulatorOptions& options) const {
-  const uint64_t triangles = geometry.dropped().triangles;
+  const uint64_t triangles = geometry.instances().counters().triangles;
   const bool pays = triangles >= kShellTriangles &&
                     static_cast<double>(triangles) >= kTrianglesPerBeam * static_cast<double>(tables_.frame.beams);
   const bool possible = way_ != gpu::kWayLists && (cullingBits(options) & gpu::kCullOccluded) != 0;
@@ -140,8 +142,6 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   const uint64_t beams = tables_.frame.beams;
   const bool lists = way_ == gpu::kWayLists;
   make(gpu::kBindCounters, "counters", sizeof(gpu::Counters));
-  make(gpu::kBindVisibleGroups, "visibleGroups", uint64_t{geometry.maxPlacedGroups()} * 8);
-  make(gpu::kBindVisible, "visible", uint64_t{geometry.maxPlacedClusters()} * 8);
   const auto entries = [&](uint64_t columns, uint64_t rows) {
     return (tables_.frame.columns + columns - 1) / columns * ((tables_.frame.rows + rows - 1) / rows);
   };
@@ -152,14 +152,23 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
   if (!readsInPlace())
     for (const Output& output : kOutputs) make(output.binding, "results", beams * output.bytesPerBeam);
+  makeRoomFor(geometry.instances());
   // First guesses; growLists() makes room for what a scan turns out to need.
-  growProjected(std::min<uint64_t>(geometry.dropped().triangles, 1 << 18));
+  growProjected(std::min<uint64_t>(geometry.instances().counters().triangles, 1 << 18));
   growTiles(1 << 12);
   growCandidates(lists ? beams * 2 : 0);
 }
 
+void SensorState::makeRoomFor(const Instances& instances) {
+  const auto make = [&](uint32_t binding, const char* name, uint64_t bytes) {
+    Buffer& buffer = buffers_[binding];
+    if (buffer.bytes() < bytes || !buffer.handle()) buffer = Buffer(device_, name, bytes, Memory::device);
+  };
+  make(gpu::kBindVisibleGroups, "visibleGroups", uint64_t{instances.maxPlacedGroups()} * 8);
+  make(gpu::kBindVisible, "visible", uint64_t{instances.maxPlacedClusters()} * 8);
+}
+
 void SensorState::growProjected(uint64_t count) {
-  capacities_.projected = static_cast<uint32_t>(count);
   const auto make = [&](uint32_t binding, const char* name, uint64_t bytes) {
     buffers_[binding] = Buffer(device_, name, count * bytes, Memory::device);
   };
@@ -167,11 +176,12 @@ void SensorState::growProjected(uint64_t count) {
   make(gpu::kBindProjectedB, "projectedB", sizeof(gpu::vec4));
   make(gpu::kBindProjectedC, "projectedC", sizeof(gpu::vec4));
   make(gpu::kBindProjectedColumns, "projectedColumns", sizeof(gpu::vec2));
+  capacities_.projected = static_cast<uint32_t>(count);
 }
 
 void SensorState::growTiles(uint64_t count) {
-  capacities_.tiles = static_cast<uint32_t>(count);
   buffers_[gpu::kBindTiles] = Buffer(device_, "tiles", count * 4 * sizeof(uint32_t), Memory::device);
+  capacities_.tiles = static_cast<uint32_t>(count);
 }
 
 void SensorState::growCandidates(uint64_t count) {
@@ -190,12 +200,13 @@ FrameInFlight SensorState::makeFrame() const {
   return result;
 }
 
-const FrameInFlight& SensorState::prepare(size_t index, const Geometry& geometry, const Buffer& instances) {
+const FrameInFlight& SensorState::prepare(size_t index, const Instances& instances, const PlacedInstances& placed) {
+  makeRoomFor(instances);
   while (inFlight_.size() <= index) inFlight_.push_back(makeFrame());
   FrameInFlight& frame = inFlight_[index];
   frame.capacities = capacities_;
   gpu::Frame content = tables_.frame;
-  content.instanceCount = geometry.instanceCount();
+  content.instanceCount = instances.count();
   content.projectedCapacity = capacities_.projected;
   content.tileCapacity = capacities_.tiles;
   content.candidateCapacity = capacities_.candidates;
@@ -204,7 +215,8 @@ const FrameInFlight& SensorState::prepare(size_t index, const Geometry& geometry
   std::array<const Buffer*, gpu::kWorkBindingCount> buffers;
   for (size_t i = 0; i < buffers.size(); ++i) buffers[i] = &buffers_[i];
   buffers[gpu::kBindFrame] = &frame.frame;
-  buffers[gpu::kBindInstances] = &instances;
+  buffers[gpu::kBindInstances] = &placed.instances;
+  buffers[gpu::kBindPlaced] = &placed.placed;
   if (readsInPlace())
     for (size_t i = 0; i < std::size(kOutputs); ++i) buffers[kOutputs[i].binding] = &frame.results[i];
   layout_.updateSet(frame.set, buffers);

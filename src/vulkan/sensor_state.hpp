@@ -63,13 +63,15 @@ class SensorState {
               const SimulatorOptions& options, uint32_t way, std::span<const SensorState> others);
 
   const gpu::Frame& frame() const { return tables_.frame; }
+  /// Metres: instances farther away need not be looked at.
+  double reach() const { return reach_; }
   const Kernels& kernels() const { return *kernels_; }
   /// Metres: what is nearer is binned first, and hides what lies behind it. 0 if everything is binned at once.
   float shellBorder() const { return shellBorder_; }
   const Buffer& buffer(uint32_t binding) const { return buffers_[binding]; }
 
-  /// Frame in flight `index` with what a scan needs, the instances placed for it apart. The frame must not be in use.
-  const FrameInFlight& prepare(size_t index, const Geometry& geometry, const Buffer& instances);
+  /// Frame in flight `index` with what a scan of the placed instances needs. The frame must not be in use.
+  const FrameInFlight& prepare(size_t index, const Instances& instances, const PlacedInstances& placed);
   const FrameInFlight& inFlight(size_t index) const { return inFlight_[index]; }
   /// True where the host reads the outputs in place; false where they must be copied to results.
   bool readsInPlace() const { return device_.unifiedMemory(); }
@@ -82,6 +84,7 @@ class SensorState {
  private:
   float shellBorder(const Geometry& geometry, const SimulatorOptions& options) const;
   void makeBuffers(const Geometry& geometry);
+  void makeRoomFor(const Instances& instances);
   void growProjected(uint64_t count);
   void growTiles(uint64_t count);
   void growCandidates(uint64_t count);
@@ -91,6 +94,7 @@ class SensorState {
   Layout& layout_;
   uint32_t way_;
   float shellBorder_ = 0;
+  double reach_ = 0;
   BeamTables tables_;
   std::unique_ptr<Kernels> ownKernels_;  // empty where another sensor has them
   const Kernels* kernels_ = nullptr;

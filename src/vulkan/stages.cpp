@@ -8,9 +8,9 @@
 namespace gnosphere::vulkan {
 
 Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout, uint32_t way)
-    : device_(device), geometry_(geometry), way_(way) {
+    : device_(device), way_(way) {
   for (const GeometryChunk& chunk : geometry.chunks()) {
-    const Buffer* buffers[] = {&chunk.placed, &chunk.groups, &chunk.clusters, &chunk.positions, &chunk.triangleCorners};
+    const Buffer* buffers[] = {&chunk.groups, &chunk.clusters, &chunk.positions, &chunk.triangleCorners};
     chunkSets_.push_back(layout.makeSet(1));
     layout.updateSet(chunkSets_.back(), buffers);
   }
@@ -18,19 +18,19 @@ Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout, u
 
 // A scan in two shells: what is near first, since it hides much of what is far. Where every hit of a beam counts,
 // nothing hides anything.
-void Stages::record(Commands& commands, const SensorState& state) const {
+void Stages::record(Commands& commands, const SensorState& state, const PlacedInstances& placed) const {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const float border = state.shellBorder();
   clear(commands, state);
   commands.start();
   if (border > 0) {
-    project(commands, state, {0, 0, border, 0});
+    project(commands, state, placed, {0, 0, 0, border, 0});
     commands.finished("project");
     bin(commands, state, false);
     commands.finished("bin");
     findOccluders(commands, state);
   }
-  project(commands, state, {0, border, kInfinity, border > 0});
+  project(commands, state, placed, {0, 0, border, kInfinity, border > 0});
   commands.finished("project");
   bin(commands, state, true);
   commands.finished("bin");
@@ -47,19 +47,21 @@ void Stages::clear(Commands& commands, const SensorState& state) const {
   commands.barrier();
 }
 
-void Stages::project(Commands& commands, const SensorState& state, gpu::Pass pass) const {
+void Stages::project(Commands& commands, const SensorState& state, const PlacedInstances& placed,
+                     gpu::Pass pass) const {
   for (size_t i = 0; i < chunkSets_.size(); ++i) {
     if (i > 0 || pass.occluders) {
       commands.fill(state.buffer(gpu::kBindCounters), offsetof(gpu::Counters, visibleGroups), 8, 0);
       commands.barrier();
     }
-    const GeometryChunk& chunk = geometry_.chunks()[i];
+    const PlacedInstances::Chunk& chunk = placed.chunks[i];
     commands.bindSet(1, chunkSets_[i]);
-    pass.placedCount = chunk.placedGroups;
+    pass.placedFirst = chunk.first;
+    pass.placedCount = chunk.groups;
     commands.push(pass);
-    commands.dispatch(state.kernels().projectGroups, std::min(groupCount(), (chunk.placedGroups + 63) / 64));
-    commands.dispatch(state.kernels().projectClusters, std::min(groupCount(), chunk.placedGroups));
-    commands.dispatch(state.kernels().projectTriangles, std::min(groupCount(), chunk.placedClusters));
+    commands.dispatch(state.kernels().projectGroups, std::min(groupCount(), (chunk.groups + 63) / 64));
+    commands.dispatch(state.kernels().projectClusters, std::min(groupCount(), chunk.groups));
+    commands.dispatch(state.kernels().projectTriangles, std::min(groupCount(), chunk.clusters));
   }
 }
 

@@ -17,18 +17,17 @@ class Stages {
   Stages(const Device& device, const Geometry& geometry, Layout& layout, uint32_t way);
 
   /// Everything between the frame's own arrays and the results, set 0 being bound.
-  void record(Commands& commands, const SensorState& state) const;
+  void record(Commands& commands, const SensorState& state, const PlacedInstances& placed) const;
 
  private:
   void clear(Commands& commands, const SensorState& state) const;
-  void project(Commands& commands, const SensorState& state, gpu::Pass pass) const;
+  void project(Commands& commands, const SensorState& state, const PlacedInstances& placed, gpu::Pass pass) const;
   void bin(Commands& commands, const SensorState& state, bool lastShell) const;
   void findOccluders(Commands& commands, const SensorState& state) const;
   void resolve(Commands& commands, const SensorState& state) const;
   uint32_t groupCount() const;
 
   const Device& device_;
-  const Geometry& geometry_;
   uint32_t way_;
   std::vector<VkDescriptorSet> chunkSets_;
 };

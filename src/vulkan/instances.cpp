@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/instances.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
+#include "backend.hpp"
+
+namespace gnosphere::vulkan {
+namespace {
+
+const MeshSummary kEmpty;
+
+glm::dmat3 linear(const Transform& t) {
+  const auto& m = t.rows;
+  return glm::dmat3(m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]);
+}
+
+void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dmat3& toWorld,
+             const glm::dmat3& fromWorld, const glm::dvec3& position, uint32_t number, gpu::Instance& out) {
+  // The world subtraction comes first, in double: what is left is small wherever in the world the scene lies.
+  const glm::dvec3 translation = position - sensor;
+  // The pivot is the sensor's place in the mesh frame. A transform that flattens the mesh has none: zero then.
+  const glm::vec3 rounded(-(fromWorld * translation));
+  const bool usable = glm::all(glm::lessThanEqual(glm::abs(rounded), glm::vec3(gpu::kCoordinateLimit)));
+  const glm::vec3 pivot = usable ? rounded : glm::vec3(0);
+  const glm::dmat3 rows = glm::transpose(toSensor * toWorld);
+  const glm::vec3 offset(toSensor * (toWorld * glm::dvec3(pivot) + translation));
+  const auto row = [&](int r) {
+    return gpu::vec4{static_cast<float>(rows[r].x), static_cast<float>(rows[r].y), static_cast<float>(rows[r].z),
+                     pivot[r]};
+  };
+  out.row0 = row(0);
+  out.row1 = row(1);
+  out.row2 = row(2);
+  out.offset = {offset.x, offset.y, offset.z, std::bit_cast<float>(number)};
+}
+
+// Room for `count` and some more, so that a scene that grows does not allocate with every scan.
+void makeRoom(const Device& device, const char* name, uint64_t bytes, Buffer& buffer) {
+  if (buffer.bytes() >= bytes && buffer.handle()) return;
+  const uint64_t more = std::min(bytes + bytes / 4, std::max(bytes, device.maxBufferBytes()));
+  buffer = Buffer(device, name, buffer.handle() ? more : bytes, Memory::upload);
+}
+
+}  // namespace
+
+const MeshSummary& Instances::meshOf(const Placement& placement) const {
+  return placement.mesh == kNoMesh ? kEmpty : meshes_[placement.mesh];
+}
+
+void Instances::addMesh(MeshSummary mesh) {
+  for (const MeshSummary::Run& run : mesh.runs) {
+    if (run.chunk < placedGroups_.size()) continue;
+    placedGroups_.resize(run.chunk + 1);
+    placedClusters_.resize(run.chunk + 1);
+  }
+  meshes_.push_back(std::move(mesh));
+  instanceCounts_.push_back(0);
+  reshaped_.push_back(0);
+}
+
+void Instances::set(size_t index, uint32_t mesh, const Transform& transform) {
+  if (index == placements_.size()) {
+    placements_.emplace_back();
+    placements_.back().mesh = kNoMesh;
+    spheres_.emplace_back();
+    numbered_ = false;
+  }
+  Placement& placement = placements_[index];
+  if (placement.mesh != mesh) {
+    count(placement.mesh, -1);
+    placement.mesh = mesh;
+    count(placement.mesh, 1);
+    numbered_ = false;
+  }
+  const Vec3& origin = meshOf(placement).origin;
+  placement.toWorld = linear(transform);
+  const Transform placed = transform * Transform{{1, 0, 0, origin.x, 0, 1, 0, origin.y, 0, 0, 1, origin.z}};
+  placement.position = {placed.rows[3], placed.rows[7], placed.rows[11]};
+  const double volume = glm::determinant(placement.toWorld);
+  placement.mirrored = volume < 0;
+  placement.fromWorld = std::abs(volume) > 1e-30 ? glm::inverse(placement.toWorld) : glm::dmat3(0);
+  spheres_[index] = sphereOf(placement);
+}
+
+void Instances::setMesh(size_t mesh, MeshSummary summary) {
+  const auto index = static_cast<uint32_t>(mesh);
+  const int64_t instances = instanceCounts_[mesh];
+  count(index, -instances);
+  meshes_[mesh] = std::move(summary);
+  count(index, instances);
+  reshaped_[mesh] = 1;
+  anyReshaped_ = true;
+}
+
+void Instances::moveSpheres() {
+  if (!anyReshaped_) return;
+  for (size_t i = 0; i < placements_.size(); ++i)
+    if (placements_[i].mesh != kNoMesh && reshaped_[placements_[i].mesh]) spheres_[i] = sphereOf(placements_[i]);
+  std::fill(reshaped_.begin(), reshaped_.end(), 0);
+  anyReshaped_ = false;
+}
+
+// Around the box of the mesh, turned with it.
+Instances::Sphere Instances::sphereOf(const Placement& placement) const {
+  const MeshSummary& mesh = meshOf(placement);
+  const glm::dvec3 centre = 0.5 * (mesh.low + mesh.high), half = 0.5 * (mesh.high - mesh.low);
+  const glm::dmat3& m = placement.toWorld;
+  const glm::dvec3 reach = glm::abs(m[0]) * half.x + glm::abs(m[1]) * half.y + glm::abs(m[2]) * half.z;
+  return {placement.position + m * centre, glm::length(reach)};
+}
+
+// So many more instances of a mesh.
+void Instances::count(uint32_t mesh, int64_t instances) {
+  if (mesh == kNoMesh) return;
+  const MeshSummary& summary = meshes_[mesh];
+  const auto add = [&](uint64_t& sum, uint64_t count) { sum += static_cast<uint64_t>(instances) * count; };
+  add(counters_.triangles, summary.triangles);
+  add(counters_.nonFinite, summary.nonFinite);
+  add(counters_.degenerate, summary.degenerate);
+  for (const MeshSummary::Run& run : summary.runs) {
+    add(placedGroups_[run.chunk], run.count);
+    add(placedClusters_[run.chunk], run.clusters);
+  }
+  instanceCounts_[mesh] += static_cast<uint32_t>(instances);
+}
+
+uint32_t Instances::maxPlacedGroups() const {
+  return placedGroups_.empty() ? 0
+                               : static_cast<uint32_t>(*std::max_element(placedGroups_.begin(), placedGroups_.end()));
+}
+
+uint32_t Instances::maxPlacedClusters() const {
+  return placedClusters_.empty()
+             ? 0
+             : static_cast<uint32_t>(*std::max_element(placedClusters_.begin(), placedClusters_.end()));
+}
+
+void Instances::number() {
+  if (numbered_) return;
+  uint32_t first = 0;
+  for (Placement& placement : placements_) {
+    placement.firstTriangle = first;
+    first += meshOf(placement).triangles;
+  }
+  numbered_ = true;
+  ++numbering_;
+}
+
+void Instances::findVisible(const glm::dvec3& sensor, double reach) {
+  visible_.clear();
+  for (uint32_t i = 0; i < placements_.size(); ++i) {
+    const Sphere& sphere = spheres_[i];
+    const glm::dvec3 away = sphere.centre - sensor;
+    // Wider than single precision errs on the device. What is not finite stays: comparisons with NaN are false.
+    const double limit = (reach + sphere.radius) * 1.00001;
+    if (glm::dot(away, away) > limit * limit) continue;
+    const MeshSummary& mesh = meshOf(placements_[i]);
+    if (mesh.triangles > mesh.nonFinite + mesh.degenerate) visible_.push_back(i);
+  }
+}
+
+void Instances::reserve(PlacedInstances& to) const {
+  to.chunks.assign(placedGroups_.size(), {});
+  for (uint32_t i : visible_)
+    for (const MeshSummary::Run& run : meshOf(placements_[i]).runs) {
+      to.chunks[run.chunk].groups += run.count;
+      to.chunks[run.chunk].clusters += run.clusters;
+    }
+  uint32_t pairs = 0;
+  for (PlacedInstances::Chunk& chunk : to.chunks) {
+    chunk.first = pairs;
+    pairs += chunk.groups;
+  }
+  makeRoom(device_, "placed", uint64_t{pairs} * 8, to.placed);
+  const VkBuffer handle = to.instances.handle();
+  makeRoom(device_, "instances", count() * sizeof(gpu::Instance), to.instances);
+  if (to.instances.handle() != handle) to.numbering = 0;
+}
+
+void Instances::writePairs(PlacedInstances& to) const {
+  auto* pairs = static_cast<uint32_t*>(to.placed.mapped());
+  std::vector<uint32_t> next;
+  for (const PlacedInstances::Chunk& chunk : to.chunks) next.push_back(chunk.first);
+  for (uint32_t i : visible_)
+    for (const MeshSummary::Run& run : meshOf(placements_[i]).runs) {
+      uint32_t* pair = pairs + 2 * size_t{next[run.chunk]};
+      next[run.chunk] += run.count;
+      for (uint32_t k = 0; k < run.count; ++k) {
+        *pair++ = i;
+        *pair++ = run.first + k;
+      }
+    }
+}
+
+void Instances::place(const Pose& pose, double reach, PlacedInstances& to) {
+  const Quaternion& q = pose.orientation;
+  const glm::dmat3 toSensor = glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
+  const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
+  number();
+  moveSpheres();
+  findVisible(sensor, reach);
+  reserve(to);
+  auto* out = static_cast<gpu::Instance*>(to.instances.mapped());
+  const auto numberOf = [](const Placement& p) { return p.firstTriangle | (p.mirrored ? 1u << 31 : 0u); };
+  if (to.numbering != numbering_)
+    for (size_t i = 0; i < placements_.size(); ++i) out[i].offset.w = std::bit_cast<float>(numberOf(placements_[i]));
+  to.numbering = numbering_;
+  for (uint32_t i : visible_) {
+    const Placement& placement = placements_[i];
+    compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, numberOf(placement), out[i]);
+  }
+  writePairs(to);
+  to.instances.flush();
+  to.placed.flush();
+}
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene that has moved scans like one that was built that way.
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <limits>
+
+#include "support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+constexpr uint32_t kRemoved = 0xffffffffu;
+
+/// What a simulator has been told, and a scene that says the same.
+class Model {
+ public:
+  explicit Model(Scene scene) : scene_(std::move(scene)) {}
+
+  Scene& scene() { return scene_; }
+  bool isThere(size_t instance) const { return scene_.instances[instance].mesh != kRemoved; }
+  size_t count() const { return scene_.instances.size(); }
+
+  /// Without the removed instances; `index[i]` is what instance i of it is called here.
+  Scene compact(std::vector<uint32_t>& index) const {
+    Scene result = {scene_.materials, scene_.meshes, {}};
+    index.clear();
+    for (uint32_t i = 0; i < count(); ++i) {
+      if (!isThere(i)) continue;
+      result.instances.push_back(scene_.instances[i]);
+      index.push_back(i);
+    }
+    return result;
+  }
+
+ private:
+  Scene scene_;
+};
+
+Transform somewhere(Random& random) {
+  const double far = random() > 0.8 ? 3000 : 30;
+  Transform turned = translation(far * random(), far * random(), 5 * random()) * rotationZ(3 * random());
+  if (random() > 0.6) turned = turned * scaling(random() > 0 ? 0.5 : -1.5, 1 + random() / 2, 1);
+  if (random() > 0.95) turned = turned * scaling(1, 0, 1);
+  return turned;
+}
+
+std::vector<float> bent(const Mesh& mesh, Random& random) {
+  std::vector<float> positions = mesh.positions;
+  for (float& value : positions) value += static_cast<float>(0.3 * random());
+  const auto vertex = [&] { return 3 * (random.bits() % mesh.vertexCount()); };
+  if (random() > 0) positions[vertex()] = std::numeric_limits<float>::quiet_NaN();
+  if (random() > 0) positions[vertex() + 1] = -std::numeric_limits<float>::infinity();
+  if (random() > 0) positions[vertex() + 2] = 2e9f;
+  for (int k = 0; k < 5; ++k) std::copy_n(&positions[vertex()], 3, &positions[vertex()]);
+  return positions;
+}
+
+Scene startingScene(Random& random) {
+  Scene scene;
+  scene.materials = {material(true), material(false)};
+  scene.meshes = {ball(12, 20, 2), soup(4, 700, 6, 1.5), soup(5, 3, 1, 1)};
+  scene.meshes[1].parts = {{0, 300, 0}, {300, 400, 1}};
+  scene.meshes[0].origin = {1, -2, 0.5};
+  // Not usable from the start, and so in a cluster of its own.
+  scene.meshes[2].positions[4] = std::numeric_limits<float>::quiet_NaN();
+  std::fill_n(scene.meshes[2].positions.begin() + 9, 6, 1.0f);
+  for (uint32_t i = 0; i < 12; ++i) scene.instances.push_back({"", i % 3, somewhere(random)});
+  return scene;
+}
+
+/// One change, told to both.
+void change(Model& model, Simulator& simulator, Random& random) {
+  const size_t instance = random.bits() % model.count();
+  const double kind = random();
+  Scene& scene = model.scene();
+  if (kind < 0 && model.isThere(instance)) {
+    scene.instances[instance].transform = somewhere(random);
+    simulator.setTransform(instance, scene.instances[instance].transform);
+  } else if (kind < 0.4) {
+    const Instance added = {"", random.bits() % 3, somewhere(random)};
+    const size_t index = simulator.addInstance(added.mesh, added.transform);
+    REQUIRE(index <= model.count());
+    if (index == model.count()) scene.instances.emplace_back();
+    scene.instances[index] = added;
+  } else if (kind < 0.8 && model.isThere(instance)) {
+    simulator.removeInstance(instance);
+    scene.instances[instance].mesh = kRemoved;
+  } else {
+    const size_t mesh = random.bits() % scene.meshes.size();
+    scene.meshes[mesh].positions = bent(scene.meshes[mesh], random);
+    // What is broken stays so in the next change, or not.
+    for (float& value : scene.meshes[mesh].positions)
+      if (!(std::abs(value) < 1e9f) && random() > 0.5) value = static_cast<float>(random());
+    simulator.setPositions(mesh, scene.meshes[mesh].positions);
+  }
+}
+
+void requireSameAsBuilt(const Scan& moved, const Model& model, const Sensor& sensor, const SimulatorOptions& options) {
+  std::vector<uint32_t> index;
+  const Scene built = model.compact(index);
+  Scan fresh = scanOf(built, sensor, moved.pose, options);
+  for (uint32_t& instance : fresh.instances)
+    if (instance != kNoTriangle) instance = index.at(instance);
+  REQUIRE(sameBytes(moved, fresh));
+  CHECK(moved.counters.hits > 0);
+  CHECK(moved.counters.hits == fresh.counters.hits);
+  CHECK(moved.counters.triangles == fresh.counters.triangles);
+  CHECK(moved.counters.nonFinite == fresh.counters.nonFinite);
+  CHECK(moved.counters.degenerate == fresh.counters.degenerate);
+  CHECK(moved.counters.projected == fresh.counters.projected);
+}
+
+void moveAbout(const SimulatorOptions& options, uint32_t seed, int rounds, uint32_t largeMesh = 0) {
+  Random random(seed);
+  Scene start = startingScene(random);
+  if (largeMesh > 0) {
+    start.meshes.push_back(soup(6, largeMesh, 30, 0.5));
+    start.instances.push_back({"", 3, translation(2, 0, 0)});
+  }
+  Model model(std::move(start));
+  const Sensor sensor = gridSensor(360, 24, -40, 40, 60);
+  Simulator simulator(model.scene(), sensor, options);
+  for (int round = 0; round < rounds; ++round) {
+    INFO("seed " << seed << ", round " << round);
+    const int changes = round == 0 ? 0 : 1 << (2 * round);
+    for (int i = 0; i < changes; ++i) change(model, simulator, random);
+    const std::vector<Shot> shots = {{{{1, 2, 0}, {}}, 0}, {{{-3, 1, 1}, {}}, 0}, {{{0, 0, 0}, {}}, 0}};
+    std::vector<Scan> scans;
+    simulator.scanAll(shots, [&](size_t, const Scan& scan) { scans.push_back(scan); });
+    requireSameAsBuilt(scans[static_cast<size_t>(round) % 3], model, sensor, options);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("after any changes a scan equals that of a simulator built from the changed scene: standard") {
+  needVulkan();
+  SimulatorOptions options = vulkanOptions();
+  options.culling.occlusion = Culling::Occlusion::always;
+  moveAbout(options, 1, 5);
+}
+
+TEST_CASE("after any changes a scan equals that of a simulator built from the changed scene: exact, many chunks") {
+  needVulkan();
+  SimulatorOptions options = vulkanOptions();
+  options.accuracy = Accuracy::exact;
+  options.binning = Binning::lists;
+  options.maxBufferBytes = 1 << 19;  // its positions take more
+  moveAbout(options, 2, 4, 18'000);
+}
+
+TEST_CASE("after any changes a scan equals that of a simulator built from the changed scene: reference") {
+  SimulatorOptions options;
+  options.device = "reference";
+  for (uint32_t seed : {3u, 4u}) moveAbout(options, seed, 4);
+}
+
+TEST_CASE("instances out of range change nothing but what they are counted as") {
+  needVulkan();
+  Random random(9);
+  Scene near = startingScene(random);
+  for (Instance& instance : near.instances)
+    instance.transform = translation(20 * random(), 20 * random(), 0) * rotationZ(random());
+  Scene both = near;
+  for (int i = 0; i < 30; ++i) both.instances.push_back({"", 1, translation(500 + 30 * i, 100 * random(), 0)});
+  const Sensor sensor = gridSensor(360, 24, -40, 40, 60);
+  const Scan alone = scanOf(near, sensor, {}, vulkanOptions()), crowd = scanOf(both, sensor, {}, vulkanOptions());
+  CHECK(sameBytes(alone, crowd));
+  CHECK(alone.counters.hits > 0);
+  CHECK(crowd.counters.triangles == alone.counters.triangles + 30 * 700);
+  CHECK(crowd.counters.culledByCluster == alone.counters.culledByCluster + 30 * 700);
+}
+
+TEST_CASE("an instance that reaches into range from beyond it is met") {
+  needVulkan();
+  Scene scene = sceneOf(ball(12, 20, 2));
+  scene.instances.clear();
+  for (int i = 0; i < 24; ++i)
+    scene.instances.push_back({"", 0,
+                               rotationZ(0.26 * i) * translation(25 + 0.2 * i, 0, 0) * rotationZ(i) *
+                                   scaling(1 + i / 6.0, i % 2 ? -1 : 0.3, 1)});
+  const Sensor sensor = gridSensor(720, 30, -10, 10, 25);
+  const Scan reference = referenceOf(scene, sensor, {});
+  CHECK(reference.counters.hits > 500);
+  requireSame(reference, scanOf(scene, sensor, {}, vulkanOptions()));
+  Simulator simulator(scene, sensor, vulkanOptions());
+  for (size_t i = 0; i < 24; ++i) simulator.setTransform(i, scene.instances[(i + 7) % 24].transform);
+  CHECK(sameBytes(simulator.scan({}).ranges, scanOf(scene, sensor, {}, vulkanOptions()).ranges));
+}
+
+TEST_CASE("a run that was ended and a scene that has grown since do not meet") {
+  needVulkan();
+  const Sensor sensor = gridSensor(360, 24, -40, 40, 25);
+  Scene scene = sceneOf(ball(12, 20, 1));
+  Simulator simulator(scene, sensor, vulkanOptions());
+  const std::vector<Shot> shots(3);
+  CHECK_THROWS_WITH(simulator.scanAll(shots, [](size_t, const Scan&) { throw std::runtime_error("enough"); }),
+                    "enough");
+  for (int i = 0; i < 40; ++i) {
+    scene.instances.push_back({"", 0, translation(8, i, 0)});
+    simulator.addInstance(0, scene.instances.back().transform);
+  }
+  scene.meshes[0] = ball(12, 20, 1.5);
+  simulator.setPositions(0, scene.meshes[0].positions);
+  CHECK(sameBytes(simulator.scan({}), scanOf(scene, sensor, {}, vulkanOptions())));
+}
+
+TEST_CASE("vertices that move into range are met") {
+  needVulkan();
+  const Sensor sensor = gridSensor(360, 24, -40, 40, 25);
+  const Mesh near = ball(12, 20, 1, {10, 0, 0});
+  Simulator simulator(sceneOf(ball(12, 20, 1, {100, 0, 0})), sensor, vulkanOptions());
+  CHECK(simulator.scan({}).counters.hits == 0);
+  simulator.setPositions(0, near.positions);
+  CHECK(simulator.scan({}).counters.hits > 0);
+  CHECK(sameBytes(simulator.scan({}), scanOf(sceneOf(near), sensor, {}, vulkanOptions())));
+}
+
+TEST_CASE("a change that cannot be made is refused and changes nothing") {
+  using Catch::Matchers::ContainsSubstring;
+  needVulkan();
+  for (const char* device : {"auto", "reference"}) {
+    SimulatorOptions options = vulkanOptions();
+    options.device = device;
+    Scene scene = sceneOf(soup(3, 50, 10, 5));
+    scene.instances.push_back({"", 0, translation(1, 0, 0)});
+    Simulator simulator(scene, gridSensor(100, 8, -30, 30), options);
+    const Scan before = simulator.scan({});
+    Transform bad;
+    bad.rows[5] = NAN;
+    CHECK_THROWS_WITH(simulator.setTransform(2, {}), "instance 2 does not exist, there are 2");
+    CHECK_THROWS_WITH(simulator.setTransform(1, bad), "instance 1: its transform is not finite");
+    CHECK_THROWS_WITH(simulator.addInstance(1, {}), "mesh 1 does not exist, the scene has 1");
+    CHECK_THROWS_WITH(simulator.addInstance(0, bad), "instance 2: its transform is not finite");
+    CHECK_THROWS_WITH(simulator.removeInstance(7), "instance 7 does not exist, there are 2");
+    CHECK_THROWS_WITH(simulator.setPositions(1, {}), "mesh 1 does not exist, the scene has 1");
+    const std::vector<float> few(3);
+    CHECK_THROWS_WITH(simulator.setPositions(0, few), ContainsSubstring("150 vertices") && ContainsSubstring("; 3 "));
+    CHECK(sameBytes(simulator.scan({}), before));
+    simulator.removeInstance(0);
+    CHECK_THROWS_WITH(simulator.setTransform(0, {}), "instance 0 has been removed");
+    CHECK_THROWS_WITH(simulator.removeInstance(0), "instance 0 has been removed");
+    CHECK(simulator.scan({}).counters.triangles == 50);
+    CHECK(simulator.addInstance(0, {}) == 0);
+    CHECK(sameBytes(simulator.scan({}), before));
+    CHECK(simulator.addInstance(0, translation(0, 0, 1)) == 2);
+  }
+}
+
+}  // namespace gnosphere::test
