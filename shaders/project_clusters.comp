@@ -31,7 +31,31 @@ void loadGroup(uint i, out uvec2 pair, out Instance instance, out uint first, ou
   count = floatBitsToUint(run.y);
 }
 
+// A turn, with or without one scale for all axes, and a pivot that is the sensor's place: the cone then holds.
+bool keepsShape(Instance instance, vec3 distance) {
+  vec3 a = instance.row0.xyz, b = instance.row1.xyz, c = instance.row2.xyz;
+  float scale = dot(a, a);
+  float skew = max(max(abs(dot(a, b)), abs(dot(b, c))), abs(dot(c, a)));
+  float stretch = max(abs(dot(b, b) - scale), abs(dot(c, c) - scale));
+  return max(skew, stretch) <= 1e-3 * scale && dot(instance.offset.xyz, instance.offset.xyz) <=
+                                                    1e-8 * scale * dot(distance, distance);
+}
+
+// Every triangle shows its back by so much that rounding cannot turn any round: the cone by 1e-3, and a corner rounded
+// to 1e-7 of its distance tilts a triangle by that over its height, 40 times over for what follows.
+bool showsItsBack(Instance instance, Cluster cluster) {
+  bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && (floatBitsToUint(cluster.high.w) >> 31) == 0);
+  if ((CULLING & kCullCones) == 0 || !oneSided) return false;
+  vec3 eye = vec3(instance.row0.w, instance.row1.w, instance.row2.w);
+  vec3 towards = 0.5 * (cluster.low.xyz - eye) + 0.5 * (cluster.high.xyz - eye);
+  float radius = 0.5 * length(cluster.high.xyz - cluster.low.xyz), distance = length(towards);
+  vec2 cone = unpackHalf2x16(floatBitsToUint(cluster.cone.w));
+  float sine = cone.x + 1e-3 + 4e-6 * (distance + radius) * cone.y;
+  return dot(towards, cluster.cone.xyz) >= sine * distance + radius * 1.00001 && keepsShape(instance, towards);
+}
+
 bool seen(Instance instance, Cluster cluster) {
+  if (showsItsBack(instance, cluster)) return false;
   vec3 low, high;
   sensorBox(instance, cluster.low.xyz, cluster.high.xyz, low, high);
   float nearest = nearestPoint(low, high);

@@ -91,6 +91,7 @@ GNO_CONST uint kCullRange = 1;     // out of range
 GNO_CONST uint kCullRows = 2;      // between two rows of beams, above or below the field of view
 GNO_CONST uint kCullColumns = 4;   // between two columns of beams
 GNO_CONST uint kCullOccluded = 8;  // behind what every beam has met already
+GNO_CONST uint kCullCones = 16;    // whole clusters that show their back
 
 GNO_CONST uint kScanReduce = 0;
 GNO_CONST uint kScanBlocks = 1;
@@ -147,6 +148,7 @@ struct Instance {
 struct Cluster {
   vec4 low;   // xyz: lower corner of its box, w: first vertex
   vec4 high;  // xyz: upper corner, w: first triangle | triangles << 24 | double-sided << 31
+  vec4 cone;  // see cone.hpp: xyz axis, w: sine in the low 16 bits, thinness in the high ones, both half floats
 };
 
 // At most kGroupClusters clusters of one mesh that lie together.
@@ -200,7 +202,7 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 32 && sizeof(Group) == 32 && sizeof(Frame) == 64 && sizeof(Row) == 32);
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 64 && sizeof(Row) == 32);
 static_assert(sizeof(Counters) == 64 && sizeof(Pass) == 32);
 }  // namespace gnosphere::gpu
 #endif

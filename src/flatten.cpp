@@ -127,6 +127,7 @@ void fit(FlatCluster& cluster, const float* positions, std::span<FlatTriangle> t
   };
   cluster.triangleCount =
       static_cast<uint32_t>(std::partition(triangles.begin(), triangles.end(), usable) - triangles.begin());
+  cluster.cone = coneOf(positions, triangles.first(cluster.triangleCount));
 }
 
 void fit(FlatGroup& group, std::span<const FlatCluster> clusters) {

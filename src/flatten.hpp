@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "cone.hpp"
 #include "gnosphere/scene.hpp"
 
 namespace gnosphere {
@@ -18,18 +19,13 @@ struct FlatMesh {
   uint32_t degenerate = 0;  ///< triangles with two corners at the same place
 };
 
-/// A triangle of a cluster.
-struct FlatTriangle {
-  uint32_t corners;  ///< vertex numbers within the cluster, 8 bits each, in winding order
-  uint32_t index;    ///< within the mesh
-};
-
 /// A cluster as it is built; chunks pack it into a gpu::Cluster.
 struct FlatCluster {
   float low[3], high[3];  ///< box of its usable triangles
   size_t firstVertex = 0, firstTriangle = 0;
   uint32_t triangleCount = 0;  ///< usable ones; others may follow them
   bool doubleSided = true;
+  Cone cone;
 };
 
 /// A run of clusters that lie together.

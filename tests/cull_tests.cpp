@@ -12,7 +12,7 @@ using namespace gnosphere::test;
 namespace {
 
 Culling nothing() {
-  return {false, false, false, Culling::Occlusion::never};
+  return {false, false, false, false, Culling::Occlusion::never};
 }
 
 struct Switch {
@@ -22,12 +22,13 @@ struct Switch {
 
 std::vector<Switch> switches() {
   using O = Culling::Occlusion;
-  return {{"range", {true, false, false, O::never}},
-          {"rows", {false, true, false, O::never}},
-          {"columns", {false, false, true, O::never}},
-          {"occlusion", {false, false, false, O::always}},
-          {"all", {true, true, true, O::always}},
-          {"all but range", {false, true, true, O::always}},
+  return {{"range", {true, false, false, false, O::never}},
+          {"rows", {false, true, false, false, O::never}},
+          {"columns", {false, false, true, false, O::never}},
+          {"cones", {false, false, false, true, O::never}},
+          {"occlusion", {false, false, false, false, O::always}},
+          {"all", {true, true, true, true, O::always}},
+          {"all but range", {false, true, true, true, O::always}},
           {"automatic", {}}};
 }
 
@@ -68,8 +69,30 @@ TEST_CASE("culling: what is hidden, out of range or between the beams is skipped
     return scanWith(town, sensor, pose, Accuracy::standard, culling).counters.culledByCluster;
   };
   using O = Culling::Occlusion;
-  CHECK(culled({true, false, false, O::never}) > 0);
-  CHECK(culled({false, true, false, O::never}) > 0);
-  CHECK(culled({false, false, false, O::always}) > town.placedTriangleCount() / 10);
-  CHECK(culled({true, true, true, O::always}) > culled({true, true, true, O::never}));
+  CHECK(culled({true, false, false, false, O::never}) > 0);
+  CHECK(culled({false, true, false, false, O::never}) > 0);
+  CHECK(culled({false, false, false, false, O::always}) > town.placedTriangleCount() / 10);
+  CHECK(culled({true, true, true, true, O::always}) > culled({true, true, true, true, O::never}));
+}
+
+TEST_CASE("culling: the far side of a one-sided ball is skipped, wherever it is seen from and however it is placed") {
+  needVulkan();
+  const Sensor sensor = gridSensor(720, 90, -89, 89, 60);
+  const Culling cones = {false, false, false, true, Culling::Occlusion::never};
+  for (const Transform& placed : {translation(9, 1, 0.5), translation(6, -4, 2) * rotationZ(2) * scaling(2, 2, 2),
+                                  translation(0, 8, 1) * scaling(-1, 1, 1), translation(0, 0, 0)}) {
+    Scene scene = sceneOf(ball(60, 90, 3), false);
+    scene.instances[0].transform = placed;
+    const Scan full = scanWith(scene, sensor, {}, Accuracy::standard, nothing());
+    const Scan scan = scanWith(scene, sensor, {}, Accuracy::standard, cones);
+    CHECK(sameBytes(full, scan));
+    // From inside, every triangle shows its back, and from its centre a cluster's whole cone does.
+    CHECK(scan.counters.culledByCluster > scene.placedTriangleCount() / 4);
+  }
+  // Stretched, it would show another face than its cone says: no cone is trusted.
+  Scene stretched = sceneOf(ball(60, 90, 3), false);
+  stretched.instances[0].transform = translation(9, 1, 0.5) * scaling(1, 2, 1);
+  const Scan scan = scanWith(stretched, sensor, {}, Accuracy::standard, cones);
+  CHECK(scan.counters.culledByCluster == 0);
+  requireSame(referenceOf(stretched, sensor, {}), scan);
 }

@@ -74,6 +74,7 @@ struct Culling {
   bool range = true;    ///< out of range
   bool rows = true;     ///< between two rows of beams, above or below the field of view
   bool columns = true;  ///< between two columns of beams
+  bool cones = true;    ///< clusters of one-sided triangles that all show their back
   /// Behind what was met nearer to the sensor. It costs a look at every beam; automatic asks whether that pays.
   enum class Occlusion { automatic, always, never };
   Occlusion occlusion = Occlusion::automatic;

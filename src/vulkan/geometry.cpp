@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <glm/gtc/packing.hpp>
 
 namespace gnosphere::vulkan {
 namespace {
@@ -50,7 +51,9 @@ gpu::Cluster packed(const FlatCluster& cluster, const Run& run) {
   const size_t word = (cluster.firstTriangle - run.triangleFirst) | size_t{cluster.triangleCount} << 24 |
                       size_t{cluster.doubleSided} << 31;
   return {{cluster.low[0], cluster.low[1], cluster.low[2], bits(cluster.firstVertex - run.vertexFirst)},
-          {cluster.high[0], cluster.high[1], cluster.high[2], bits(word)}};
+          {cluster.high[0], cluster.high[1], cluster.high[2], bits(word)},
+          {cluster.cone.axis[0], cluster.cone.axis[1], cluster.cone.axis[2],
+           bits(glm::packHalf2x16({cluster.cone.sine, cluster.cone.thinness}))}};
 }
 
 }  // namespace

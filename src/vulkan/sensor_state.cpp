@@ -39,7 +39,7 @@ uint32_t cullingBits(const SimulatorOptions& options) {
   if (parts.bounds == Exactness::Bounds::paper || parts.cull == Exactness::Cull::firstCorner) return 0;
   const Culling& culling = options.culling;
   return (culling.range ? gpu::kCullRange : 0) | (culling.rows ? gpu::kCullRows : 0) |
-         (culling.columns ? gpu::kCullColumns : 0) |
+         (culling.columns ? gpu::kCullColumns : 0) | (culling.cones ? gpu::kCullCones : 0) |
          (culling.occlusion != Culling::Occlusion::never ? gpu::kCullOccluded : 0);
 }
 
