@@ -31,6 +31,7 @@ WORK(kBindCandidates, , uint, candidates);         // indices of projected trian
 WORK(kBindPoints, writeonly, vec4, points);        // x, y, z, range
 WORK(kBindOwners, writeonly, uvec2, owners);       // triangle within its mesh, instance
 WORK(kBindPlaced, readonly, uvec2, placed);        // instance, group; chunk by chunk
+WORK(kBindOwnerRanges, readonly, uvec2, ownerRanges);  // per block of placed triangles: first and last instance in it
 CHUNK(kBindGroups, Group, groups);
 CHUNK(kBindClusters, Cluster, clusters);
 layout(scalar, set = 1, binding = kBindPositions) readonly buffer positionsBlock { vec3 positions[]; };

@@ -53,26 +53,24 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
 
 uint firstTriangleOf(uint instance) { return floatBitsToUint(instances[instance].offset.w) & 0x7fffffffu; }
 
-// The last instance whose first triangle is not above `id`. The beam before often met the guessed one.
-uint instanceOf(uint id, uint guess) {
-  if (firstTriangleOf(guess) <= id && (guess + 1 == frame.instanceCount || id < firstTriangleOf(guess + 1)))
-    return guess;
-  uint low = 0, high = frame.instanceCount;
-  while (high - low > 1) {
-    uint middle = (low + high) / 2;
+// The last instance whose first triangle is not above `id`.
+uint instanceOf(uint id) {
+  uvec2 range = ownerRanges[id / kOwnerBlock];
+  while (range.x < range.y) {
+    uint middle = (range.x + range.y + 1) / 2;
     if (firstTriangleOf(middle) <= id)
-      low = middle;
+      range.x = middle;
     else
-      high = middle;
+      range.y = middle - 1;
   }
-  return low;
+  return range.x;
 }
 
-void store(uint beam, vec3 direction, uint rangeBits, uint id, inout uint guess) {
+void store(uint beam, vec3 direction, uint rangeBits, uint id) {
   bool hit = rangeBits != kNone;
   float range = hit ? uintBitsToFloat(rangeBits) : uintBitsToFloat(0x7fc00000u);
   uint owner = kNone;
-  if (hit) owner = guess = instanceOf(id, guess);
+  if (hit) owner = instanceOf(id);
   points[beam] = hit ? vec4(direction * range, range) : vec4(range);
   owners[beam] = uvec2(hit ? id - firstTriangleOf(owner) : kNone, owner);
 }
@@ -80,7 +78,7 @@ void store(uint beam, vec3 direction, uint rangeBits, uint id, inout uint guess)
 void main() {
   vec4 angles = rows[gl_WorkGroupID.y].angles, offset = rows[gl_WorkGroupID.y].offset;
   uint channel = uint(angles.w);
-  uint hits = 0, guess = 0;
+  uint hits = 0;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
     uint index = gl_WorkGroupID.y * frame.columns + column;
@@ -93,7 +91,7 @@ void main() {
       rangeBits = word.y;
       id = word.x;
     }
-    store(channel * frame.columns + column, beam.direction, rangeBits, id, guess);
+    store(channel * frame.columns + column, beam.direction, rangeBits, id);
     hits += rangeBits != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);

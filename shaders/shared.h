@@ -56,6 +56,8 @@ GNO_CONST uint kCoarseRows = 32;
 GNO_CONST uint kMaxLookups = 16;
 // Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
 GNO_CONST uint kResolveColumns = 1024;
+// Placed triangles that share an entry of the table of owners.
+GNO_CONST uint kOwnerBlock = 256;
 // Blocks of the prefix sum over beams.
 GNO_CONST uint kScanBlock = 1024;
 
@@ -125,7 +127,8 @@ GNO_CONST uint kBindCandidates = 17;
 GNO_CONST uint kBindPoints = 18;
 GNO_CONST uint kBindOwners = 19;
 GNO_CONST uint kBindPlaced = 20;
-GNO_CONST uint kWorkBindingCount = 21;
+GNO_CONST uint kBindOwnerRanges = 21;
+GNO_CONST uint kWorkBindingCount = 22;
 // Set 1: one chunk of the scene.
 GNO_CONST uint kBindGroups = 0;
 GNO_CONST uint kBindClusters = 1;

@@ -22,14 +22,10 @@ struct Switch {
 
 std::vector<Switch> switches() {
   using O = Culling::Occlusion;
-  return {{"range", {true, false, false, false, O::never}},
-          {"rows", {false, true, false, false, O::never}},
-          {"columns", {false, false, true, false, O::never}},
-          {"cones", {false, false, false, true, O::never}},
-          {"occlusion", {false, false, false, false, O::always}},
-          {"all", {true, true, true, true, O::always}},
-          {"all but range", {false, true, true, true, O::always}},
-          {"automatic", {}}};
+  return {{"range", {true, false, false, false, O::never}},        {"rows", {false, true, false, false, O::never}},
+          {"columns", {false, false, true, false, O::never}},      {"cones", {false, false, false, true, O::never}},
+          {"occlusion", {false, false, false, false, O::always}},  {"all", {true, true, true, true, O::always}},
+          {"all but range", {false, true, true, true, O::always}}, {"automatic", {}}};
 }
 
 Scan scanWith(const Scene& scene, const Sensor& sensor, const Pose& pose, Accuracy accuracy, Culling culling) {

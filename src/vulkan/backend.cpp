@@ -61,7 +61,7 @@ class VulkanBackend final : public Backend {
   MemoryUse memory() const override {
     MemoryUse use;
     use.scene = geometry_.bytes();
-    for (const Slot& slot : slots_) use.scene += slot.placed.instances.bytes() + slot.placed.placed.bytes();
+    for (const Slot& slot : slots_) use.scene += slot.placed.bytes();
     for (const SensorState& state : sensors_) state.addTo(use);
     return use;
   }

@@ -146,6 +146,7 @@ void Instances::number() {
     placement.firstTriangle = first;
     first += meshOf(placement).triangles;
   }
+  numberCount_ = first;
   numbered_ = true;
   ++numbering_;
 }
@@ -181,6 +182,24 @@ void Instances::reserve(PlacedInstances& to) const {
   if (to.instances.handle() != handle) to.numbering = 0;
 }
 
+void Instances::writeNumbers(PlacedInstances& to) const {
+  auto* instances = static_cast<gpu::Instance*>(to.instances.mapped());
+  for (size_t i = 0; i < placements_.size(); ++i) instances[i].offset.w = std::bit_cast<float>(placements_[i].number());
+  makeRoom(device_, "ownerRanges", (uint64_t{numberCount_} / gpu::kOwnerBlock + 1) * 8, to.ownerRanges);
+  auto* ranges = static_cast<uint32_t*>(to.ownerRanges.mapped());
+  uint32_t owner = 0;
+  const auto ownerOf = [&](uint32_t triangle) {
+    while (owner + 1 < placements_.size() && placements_[owner + 1].firstTriangle <= triangle) ++owner;
+    return owner;
+  };
+  for (uint32_t first = 0; first < numberCount_; first += gpu::kOwnerBlock) {
+    *ranges++ = ownerOf(first);
+    *ranges++ = ownerOf(std::min(first + gpu::kOwnerBlock, numberCount_) - 1);
+  }
+  to.ownerRanges.flush();
+  to.numbering = numbering_;
+}
+
 void Instances::writePairs(PlacedInstances& to) const {
   auto* pairs = static_cast<uint32_t*>(to.placed.mapped());
   std::vector<uint32_t> next;
@@ -205,13 +224,10 @@ void Instances::place(const Pose& pose, double reach, PlacedInstances& to) {
   findVisible(sensor, reach);
   reserve(to);
   auto* out = static_cast<gpu::Instance*>(to.instances.mapped());
-  const auto numberOf = [](const Placement& p) { return p.firstTriangle | (p.mirrored ? 1u << 31 : 0u); };
-  if (to.numbering != numbering_)
-    for (size_t i = 0; i < placements_.size(); ++i) out[i].offset.w = std::bit_cast<float>(numberOf(placements_[i]));
-  to.numbering = numbering_;
+  if (to.numbering != numbering_) writeNumbers(to);
   for (uint32_t i : visible_) {
     const Placement& placement = placements_[i];
-    compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, numberOf(placement), out[i]);
+    compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, placement.number(), out[i]);
   }
   writePairs(to);
   to.instances.flush();

@@ -29,10 +29,13 @@ struct PlacedInstances {
   struct Chunk {
     uint32_t first, groups, clusters;
   };
-  Buffer instances;  ///< gpu::Instance each; of those out of range only the number of the first triangle counts
-  Buffer placed;     ///< (instance, group) pairs of the instances in range, chunk by chunk
+  Buffer instances;    ///< gpu::Instance each; of those out of range only the number of the first triangle counts
+  Buffer placed;       ///< (instance, group) pairs of the instances in range, chunk by chunk
+  Buffer ownerRanges;  ///< per kOwnerBlock placed triangles: the first and the last instance among them
   std::vector<Chunk> chunks;
   uint64_t numbering = 0;  ///< of the placed triangles, see Instances
+
+  uint64_t bytes() const { return instances.bytes() + placed.bytes() + ownerRanges.bytes(); }
 };
 
 /// Triangles are numbered instance by instance, so that a number tells its instance. A removed instance stays as one of
@@ -65,6 +68,8 @@ class Instances {
     glm::dvec3 position = {};                 ///< of the mesh's origin
     uint32_t mesh = 0, firstTriangle = 0;
     bool mirrored = false;
+    /// As gpu::Instance has it.
+    uint32_t number() const { return firstTriangle | (mirrored ? 1u << 31 : 0u); }
   };
   struct Sphere {
     glm::dvec3 centre;
@@ -78,6 +83,7 @@ class Instances {
   void number();
   void findVisible(const glm::dvec3& sensor, double reach);
   void reserve(PlacedInstances& to) const;
+  void writeNumbers(PlacedInstances& to) const;
   void writePairs(PlacedInstances& to) const;
 
   const Device& device_;
@@ -89,6 +95,7 @@ class Instances {
   std::vector<uint64_t> placedGroups_, placedClusters_;  // per chunk
   std::vector<uint32_t> visible_;                        // of the last scan
   Counters counters_;
+  uint32_t numberCount_ = 0;
   uint64_t numbering_ = 0;  // goes up when numbers change
   bool numbered_ = false, anyReshaped_ = false;
 };

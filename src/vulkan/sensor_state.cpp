@@ -217,6 +217,7 @@ const FrameInFlight& SensorState::prepare(size_t index, const Instances& instanc
   buffers[gpu::kBindFrame] = &frame.frame;
   buffers[gpu::kBindInstances] = &placed.instances;
   buffers[gpu::kBindPlaced] = &placed.placed;
+  buffers[gpu::kBindOwnerRanges] = &placed.ownerRanges;
   if (readsInPlace())
     for (size_t i = 0; i < std::size(kOutputs); ++i) buffers[kOutputs[i].binding] = &frame.results[i];
   layout_.updateSet(frame.set, buffers);
