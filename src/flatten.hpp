@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene -> clusters of at most 64 triangles, in groups of at most 64, as the arrays that a device reads.
+// Scene -> clusters of a few triangles, in groups, as the arrays that a device reads.
 #pragma once
 
 #include <cstdint>
