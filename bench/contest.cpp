@@ -112,7 +112,7 @@ class Contest {
     for (const Moved& move : moved_) scene.instances[move.instance].transform = move.transform;
     SimulatorOptions options;
     options.device = "reference";
-    options.faces = Faces::both;
+    options.faces = Faces::material;
     const Comparison c =
         compare(Simulator(scene, setting_.sensor, options).scan(setting_.poses[0]), contenders_[0]->answer());
     if (contenders_[0]->judged() && c.missed + c.falseHits + c.wrongRange > 0)

@@ -67,7 +67,7 @@ SimulatorOptions Session::simulatorOptions() const {
   SimulatorOptions settings;
   settings.device = options_.device;
   settings.accuracy = cli::kAccuracies.at(options_.accuracy);
-  settings.faces = Faces::both;  // the question that every rival answers
+  settings.faces = Faces::material;  // the rivals see both faces; that the answers agree is checked
   return settings;
 }
 
