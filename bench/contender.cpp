@@ -6,12 +6,6 @@
 namespace gnosphere::bench {
 namespace {
 
-template <class Any>
-void setTransforms(Any& simulator, std::span<const Moved> moved) {
-  if constexpr (CanMove<Any>)
-    for (const Moved& move : moved) simulator.setTransform(move.instance, move.transform);
-}
-
 class Ours : public Contender {
  public:
   Ours(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options)
@@ -24,7 +18,7 @@ class Ours : public Contender {
   Sample run(const Task& task) override {
     Sample sample;
     const double start = cli::nowMs();
-    setTransforms(simulator_, task.moved);
+    for (const Moved& move : task.moved) simulator_.setTransform(move.instance, move.transform);
     const double moved = cli::nowMs();
     simulator_.scan(task.pose, 0, scan_);
     sample.renewMs = task.moved.empty() ? 0 : moved - start;

@@ -18,12 +18,6 @@ struct Task {
   std::span<const Moved> moved;
 };
 
-/// Until the simulator can move instances, all are "moved" to where they are: rivals have their work all the same.
-template <class Any>
-concept CanMove = requires(Any& simulator) {
-  simulator.setTransform(size_t{}, Transform{});
-};
-
 /// What a task took, in milliseconds. `deviceMs` is 0 where the device has no clock.
 struct Sample {
   double renewMs = 0;  ///< to take in what has moved

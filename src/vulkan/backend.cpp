@@ -9,6 +9,7 @@
 
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
+#include "vulkan/sensor_parts.hpp"
 #include "vulkan/stages.hpp"
 
 namespace gnosphere {
@@ -23,13 +24,13 @@ class VulkanBackend final : public Backend {
       : device_(options.device, options.validation, options.maxBufferBytes),
         cache_(device_, options.cache),
         geometry_(device_, scene),
+        cut_(cutToFit(sensors, device_)),
         layout_(device_, cache_.handle(),
-                static_cast<uint32_t>(kFramesInFlight * sensors.size() + geometry_.chunks().size())),
+                static_cast<uint32_t>(kFramesInFlight * cut_.parts.size() + geometry_.chunks().size())),
         way_(chooseWay(options, device_.capabilities().int64Atomics)),
         stages_(device_, geometry_, layout_, way_) {
-    sensors_.reserve(sensors.size());
-    for (const Sensor& sensor : sensors)
-      sensors_.emplace_back(device_, layout_, geometry_, sensor, options, way_, sensors_);
+    parts_.reserve(cut_.parts.size());
+    for (const Sensor& part : cut_.parts) parts_.emplace_back(device_, layout_, geometry_, part, options, way_, parts_);
     cache_.save();
     slotOf(0);
     device_.throwOnMessages();
@@ -60,16 +61,17 @@ class VulkanBackend final : public Backend {
   size_t clusterCount() const override { return geometry_.clusterCount(); }
   MemoryUse memory() const override {
     MemoryUse use;
-    use.scene = geometry_.bytes();
+    use.scene = geometry_.bytes() + visible_.bytes();
     for (const Slot& slot : slots_) use.scene += slot.placed.bytes();
-    for (const SensorState& state : sensors_) state.addTo(use);
+    for (const SensorState& part : parts_) part.addTo(use);
     return use;
   }
 
  private:
   // What the frames in flight have of their own whatever the sensor.
   struct Slot {
-    Slot(const Device& device, const Layout& layout) : commands(device, layout, Stages::kStamps) {}
+    Slot(const Device& device, const Layout& layout, size_t parts)
+        : commands(device, layout, static_cast<uint32_t>(parts) * Stages::kStamps) {}
     Commands commands;
     PlacedInstances placed;
     Clock::time_point start;
@@ -77,8 +79,12 @@ class VulkanBackend final : public Backend {
 
   // Of scan i of a run; those beyond the first are made when first used.
   Slot& slotOf(size_t i) {
-    while (slots_.size() <= i % kFramesInFlight) slots_.emplace_back(device_, layout_);
+    while (slots_.size() <= i % kFramesInFlight) slots_.emplace_back(device_, layout_, cut_.maxCount());
     return slots_[i % kFramesInFlight];
+  }
+
+  std::span<SensorState> partsOf(size_t sensor) {
+    return std::span(parts_).subspan(cut_.firsts[sensor], cut_.count(sensor));
   }
 
   // A run that its receiver ended may have left a scan on its way.
@@ -89,19 +95,25 @@ class VulkanBackend final : public Backend {
   void submit(std::span<const Shot> shots, size_t i) {
     Slot& slot = slotOf(i);
     slot.start = Clock::now();
-    run(slot, sensors_[shots[i].sensor], shots[i].pose, i % kFramesInFlight);
+    run(slot, partsOf(shots[i].sensor), shots[i].pose, i % kFramesInFlight);
   }
 
-  // Records the stages in order and submits them once.
-  void run(Slot& slot, SensorState& state, const Pose& pose, size_t index) {
-    if (state.frame().beams == 0) return;
+  // Records the stages in order, part by part, and submits them once.
+  void run(Slot& slot, std::span<SensorState> parts, const Pose& pose, size_t index) {
+    if (parts[0].frame().beams == 0) return;
     Commands& commands = slot.commands;
-    geometry_.instances().place(pose, state.reach(), slot.placed);
-    const FrameInFlight& frame = state.prepare(index, geometry_.instances(), slot.placed);
+    geometry_.instances().place(pose, parts[0].reach(), slot.placed);
+    if (!visible_.hold(slot.placed)) {
+      waitForAll();
+      visible_.makeRoomFor(slot.placed, device_);
+    }
     commands.begin();
-    commands.bindSet(0, frame.set);
-    stages_.record(commands, state, slot.placed);
-    readBack(commands, state, frame);
+    for (SensorState& part : parts) {
+      const FrameInFlight& frame = part.prepare(index, geometry_.instances().count(), slot.placed, visible_);
+      commands.bindSet(0, frame.set);
+      stages_.record(commands, part, slot.placed);
+      readBack(commands, part, frame);
+    }
     commands.submit();
   }
 
@@ -109,19 +121,24 @@ class VulkanBackend final : public Backend {
   // been cut short as well: that is seen when its turn comes, by the room it had when it was submitted.
   void finish(std::span<const Shot> shots, size_t i, Scan& result) {
     Slot& slot = slotOf(i);
-    SensorState& state = sensors_[shots[i].sensor];
-    clearResult(state, result);
-    if (const size_t index = i % kFramesInFlight; state.frame().beams > 0) {
+    const std::span<SensorState> parts = partsOf(shots[i].sensor);
+    clearResult(parts, result);
+    if (const size_t index = i % kFramesInFlight; parts[0].frame().beams > 0) {
+      const auto cutShort = [&](const SensorState& part) { return part.cutShort(part.inFlight(index)); };
       slot.commands.wait();
-      while (state.cutShort(state.inFlight(index))) {
+      while (std::any_of(parts.begin(), parts.end(), cutShort)) {
         waitForAll();
-        state.growLists(state.inFlight(index));
-        run(slot, state, shots[i].pose, index);
+        for (SensorState& part : parts) part.growLists(part.inFlight(index));
+        run(slot, parts, shots[i].pose, index);
         slot.commands.wait();
         ++result.counters.retries;
       }
       slot.commands.readTimings(result.timings);
-      readResults(state, state.inFlight(index), result);
+      uint64_t firstBeam = 0;
+      for (const SensorState& part : parts) {
+        readResults(part, part.inFlight(index), firstBeam, result);
+        firstBeam += part.frame().beams;
+      }
     }
     result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - slot.start).count();
   }
@@ -135,8 +152,9 @@ class VulkanBackend final : public Backend {
   }
 
   // What does not come from the device. Arrays keep their room.
-  void clearResult(const SensorState& state, Scan& scan) const {
-    const size_t beams = state.frame().beams;
+  void clearResult(std::span<const SensorState> parts, Scan& scan) const {
+    size_t beams = 0;
+    for (const SensorState& part : parts) beams += part.frame().beams;
     scan.points.resize(3 * beams);
     scan.ranges.resize(beams);
     scan.triangles.resize(beams);
@@ -148,9 +166,9 @@ class VulkanBackend final : public Backend {
     scan.counters = {};
     scan.counters.beams = beams;
     const Counters& placed = geometry_.instances().counters();
-    scan.counters.triangles = placed.triangles;
-    scan.counters.nonFinite = placed.nonFinite;
-    scan.counters.degenerate = placed.degenerate;
+    scan.counters.triangles = parts.size() * placed.triangles;
+    scan.counters.nonFinite = parts.size() * placed.nonFinite;
+    scan.counters.degenerate = parts.size() * placed.degenerate;
   }
 
   template <typename T>
@@ -159,41 +177,44 @@ class VulkanBackend final : public Backend {
     return static_cast<const T*>(buffer.mapped());
   }
 
-  void readResults(const SensorState& state, const FrameInFlight& frame, Scan& scan) const {
-    const uint64_t beams = state.frame().beams;
+  void readResults(const SensorState& part, const FrameInFlight& frame, uint64_t firstBeam, Scan& scan) const {
+    const uint64_t beams = part.frame().beams;
     const auto* points = mapped<gpu::vec4>(frame.results[0]);
     const auto* owners = mapped<std::array<uint32_t, 2>>(frame.results[1]);
+    float* point = &scan.points[3 * firstBeam];
     for (uint64_t i = 0; i < beams; ++i) {
-      scan.points[3 * i] = points[i].x;
-      scan.points[3 * i + 1] = points[i].y;
-      scan.points[3 * i + 2] = points[i].z;
-      scan.ranges[i] = points[i].w;
-      scan.triangles[i] = owners[i][0];
-      scan.instances[i] = owners[i][1];
+      *point++ = points[i].x;
+      *point++ = points[i].y;
+      *point++ = points[i].z;
+      scan.ranges[firstBeam + i] = points[i].w;
+      scan.triangles[firstBeam + i] = owners[i][0];
+      scan.instances[firstBeam + i] = owners[i][1];
     }
     const gpu::Counters& device = frame.counters();
     const Counters& placed = geometry_.instances().counters();
     Counters& result = scan.counters;
-    result.hits = device.hits;
-    result.misses = beams - device.hits;
+    result.hits += device.hits;
+    result.misses += beams - device.hits;
     result.nonFinite += device.nonFinite;
-    result.culledByCluster = placed.triangles - placed.nonFinite - placed.degenerate - device.triangles;
-    result.culledByRange = device.culledByRange;
-    result.culledByFace = device.culledByFace;
-    result.culledBetweenBeams = device.culledBetweenBeams;
-    result.projected = uint64_t{device.projectedSmall} + device.projectedLarge;
-    result.candidates = device.candidates;
-    result.integerSides = device.integerSides;
-    result.integerRanges = device.integerRanges;
+    result.culledByCluster += placed.triangles - placed.nonFinite - placed.degenerate - device.triangles;
+    result.culledByRange += device.culledByRange;
+    result.culledByFace += device.culledByFace;
+    result.culledBetweenBeams += device.culledBetweenBeams;
+    result.projected += uint64_t{device.projectedSmall} + device.projectedLarge;
+    result.candidates += device.candidates;
+    result.integerSides += device.integerSides;
+    result.integerRanges += device.integerRanges;
   }
 
   Device device_;
   PipelineCache cache_;
   Geometry geometry_;
+  SensorParts cut_;
   Layout layout_;
   uint32_t way_;
   Stages stages_;
-  std::vector<SensorState> sensors_;
+  std::vector<SensorState> parts_;  // of every sensor, as cut_ has them
+  VisibleLists visible_;
   std::deque<Slot> slots_;  // last: they wait for the device before what it uses goes
 };
 

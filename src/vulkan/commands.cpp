@@ -103,6 +103,8 @@ void Commands::readTimings(Timings& timings) {
     return static_cast<double>(to - from) * device_.capabilities().timestampMs;
   };
   for (size_t i = 1; i < ticks.size(); ++i) {
+    if (!stages_[i]) continue;
+    timings.gpuMs += ms(ticks[i - 1], ticks[i]);
     const auto found = std::find_if(timings.stages.begin(), timings.stages.end(),
                                     [&](const StageTime& stage) { return stage.name == stages_[i]; });
     if (found == timings.stages.end())
@@ -110,7 +112,6 @@ void Commands::readTimings(Timings& timings) {
     else
       found->ms += ms(ticks[i - 1], ticks[i]);
   }
-  timings.gpuMs = ms(ticks.front(), ticks.back());
 }
 
 }  // namespace gnosphere::vulkan

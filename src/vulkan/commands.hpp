@@ -25,14 +25,15 @@ class Commands {
   void copy(const Buffer& from, const Buffer& to);
   /// One global barrier stands between any two steps: about ten per scan, and no step overlaps the next anyway.
   void barrier();
-  /// Timestamps: the first stage starts here, and a part of `stage` ends here.
+  /// Timestamps: a first stage starts here, and a part of `stage` ends here. What lies before a start is not counted.
   void start() { stamp(nullptr); }
   void finished(const char* stage) { stamp(stage); }
   /// Ends the recording and hands it to the queue.
   void submit();
   /// Until the device has done what was submitted; nothing where it has been waited for.
   void wait();
-  /// Times of the stages of what was waited for, their parts added up. Nothing where the device has no timestamps.
+  /// Adds the times of the stages of what was waited for, their parts added up. Nothing where the device has no
+  /// timestamps.
   void readTimings(Timings& timings);
 
  private:

@@ -39,24 +39,37 @@ void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dm
 }
 
 // Room for `count` and some more, so that a scene that grows does not allocate with every scan.
-void makeRoom(const Device& device, const char* name, uint64_t bytes, Buffer& buffer) {
+void makeRoom(const Device& device, const char* name, uint64_t bytes, Buffer& buffer, Memory memory = Memory::upload) {
   if (buffer.bytes() >= bytes && buffer.handle()) return;
   const uint64_t more = std::min(bytes + bytes / 4, std::max(bytes, device.maxBufferBytes()));
-  buffer = Buffer(device, name, buffer.handle() ? more : bytes, Memory::upload);
+  buffer = Buffer(device, name, buffer.handle() ? more : bytes, memory);
+}
+
+// Of a list with an entry per group or cluster of the chunk that has the most.
+uint64_t listBytes(const PlacedInstances& placed, uint32_t PlacedInstances::Chunk::*count) {
+  uint64_t most = 0;
+  for (const PlacedInstances::Chunk& chunk : placed.chunks) most = std::max<uint64_t>(most, chunk.*count);
+  return most * 2 * sizeof(uint32_t);
 }
 
 }  // namespace
+
+bool VisibleLists::hold(const PlacedInstances& placed) const {
+  return groups.handle() && groups.bytes() >= listBytes(placed, &PlacedInstances::Chunk::groups) &&
+         clusters.bytes() >= listBytes(placed, &PlacedInstances::Chunk::clusters);
+}
+
+void VisibleLists::makeRoomFor(const PlacedInstances& placed, const Device& device) {
+  makeRoom(device, "visibleGroups", listBytes(placed, &PlacedInstances::Chunk::groups), groups, Memory::device);
+  makeRoom(device, "visible", listBytes(placed, &PlacedInstances::Chunk::clusters), clusters, Memory::device);
+}
 
 const MeshSummary& Instances::meshOf(const Placement& placement) const {
   return placement.mesh == kNoMesh ? kEmpty : meshes_[placement.mesh];
 }
 
 void Instances::addMesh(MeshSummary mesh) {
-  for (const MeshSummary::Run& run : mesh.runs) {
-    if (run.chunk < placedGroups_.size()) continue;
-    placedGroups_.resize(run.chunk + 1);
-    placedClusters_.resize(run.chunk + 1);
-  }
+  for (const MeshSummary::Run& run : mesh.runs) chunkCount_ = std::max<size_t>(chunkCount_, run.chunk + 1);
   meshes_.push_back(std::move(mesh));
   instanceCounts_.push_back(0);
   reshaped_.push_back(0);
@@ -121,22 +134,7 @@ void Instances::count(uint32_t mesh, int64_t instances) {
   add(counters_.triangles, summary.triangles);
   add(counters_.nonFinite, summary.nonFinite);
   add(counters_.degenerate, summary.degenerate);
-  for (const MeshSummary::Run& run : summary.runs) {
-    add(placedGroups_[run.chunk], run.count);
-    add(placedClusters_[run.chunk], run.clusters);
-  }
   instanceCounts_[mesh] += static_cast<uint32_t>(instances);
-}
-
-uint32_t Instances::maxPlacedGroups() const {
-  return placedGroups_.empty() ? 0
-                               : static_cast<uint32_t>(*std::max_element(placedGroups_.begin(), placedGroups_.end()));
-}
-
-uint32_t Instances::maxPlacedClusters() const {
-  return placedClusters_.empty()
-             ? 0
-             : static_cast<uint32_t>(*std::max_element(placedClusters_.begin(), placedClusters_.end()));
 }
 
 void Instances::number() {
@@ -165,7 +163,7 @@ void Instances::findVisible(const glm::dvec3& sensor, double reach) {
 }
 
 void Instances::reserve(PlacedInstances& to) const {
-  to.chunks.assign(placedGroups_.size(), {});
+  to.chunks.assign(chunkCount_, {});
   for (uint32_t i : visible_)
     for (const MeshSummary::Run& run : meshOf(placements_[i]).runs) {
       to.chunks[run.chunk].groups += run.count;

@@ -38,6 +38,17 @@ struct PlacedInstances {
   uint64_t bytes() const { return instances.bytes() + placed.bytes() + ownerRanges.bytes(); }
 };
 
+/// Where the device lists what it sees of one chunk; all scans use them in turn. They have room for everything in range
+/// of the scans so far.
+struct VisibleLists {
+  Buffer groups, clusters;
+
+  bool hold(const PlacedInstances& placed) const;
+  /// The device must not be using them.
+  void makeRoomFor(const PlacedInstances& placed, const Device& device);
+  uint64_t bytes() const { return groups.bytes() + clusters.bytes(); }
+};
+
 /// Triangles are numbered instance by instance, so that a number tells its instance. A removed instance stays as one of
 /// an empty mesh.
 class Instances {
@@ -55,9 +66,6 @@ class Instances {
   uint32_t count() const { return static_cast<uint32_t>(placements_.size()); }
   /// Triangles placed, and dropped while flattening.
   const Counters& counters() const { return counters_; }
-  /// Most (instance, group) pairs, and most placed clusters, of any chunk.
-  uint32_t maxPlacedGroups() const;
-  uint32_t maxPlacedClusters() const;
 
   /// Writes the transforms of all instances within reach (metres) to the sensor's frame, composed in double.
   void place(const Pose& pose, double reach, PlacedInstances& to);
@@ -91,10 +99,10 @@ class Instances {
   std::vector<uint32_t> instanceCounts_;  // of each mesh
   std::vector<uint8_t> reshaped_;         // meshes whose instances' spheres are to be made anew
   std::vector<Placement> placements_;
-  std::vector<Sphere> spheres_;                          // around each of them, in the world
-  std::vector<uint64_t> placedGroups_, placedClusters_;  // per chunk
-  std::vector<uint32_t> visible_;                        // of the last scan
+  std::vector<Sphere> spheres_;    // around each of them, in the world
+  std::vector<uint32_t> visible_;  // of the last scan
   Counters counters_;
+  size_t chunkCount_ = 0;
   uint32_t numberCount_ = 0;
   uint64_t numbering_ = 0;  // goes up when numbers change
   bool numbered_ = false, anyReshaped_ = false;

@@ -28,6 +28,8 @@ constexpr float kNearShell = 0.35f;
 // What hides costs a look at every beam; that pays from so many triangles per beam on, and so many in all.
 constexpr double kTrianglesPerBeam = 0.125;
 constexpr uint64_t kShellTriangles = 100'000;
+// Room for projected triangles to begin with. Measured on towns: one for 8 beams of an HDL-64E, and fewer for more.
+constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
 
 Exactness partsOf(const SimulatorOptions& options) {
   return options.exactness.value_or(exactnessOf(options.accuracy));
@@ -152,20 +154,11 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
   if (!readsInPlace())
     for (const Output& output : kOutputs) make(output.binding, "results", beams * output.bytesPerBeam);
-  makeRoomFor(geometry.instances());
   // First guesses; growLists() makes room for what a scan turns out to need.
-  growProjected(std::min<uint64_t>(geometry.instances().counters().triangles, 1 << 18));
+  growProjected(std::min(geometry.instances().counters().triangles,
+                         std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));
   growTiles(1 << 12);
   growCandidates(lists ? beams * 2 : 0);
-}
-
-void SensorState::makeRoomFor(const Instances& instances) {
-  const auto make = [&](uint32_t binding, const char* name, uint64_t bytes) {
-    Buffer& buffer = buffers_[binding];
-    if (buffer.bytes() < bytes || !buffer.handle()) buffer = Buffer(device_, name, bytes, Memory::device);
-  };
-  make(gpu::kBindVisibleGroups, "visibleGroups", uint64_t{instances.maxPlacedGroups()} * 8);
-  make(gpu::kBindVisible, "visible", uint64_t{instances.maxPlacedClusters()} * 8);
 }
 
 void SensorState::growProjected(uint64_t count) {
@@ -200,13 +193,13 @@ FrameInFlight SensorState::makeFrame() const {
   return result;
 }
 
-const FrameInFlight& SensorState::prepare(size_t index, const Instances& instances, const PlacedInstances& placed) {
-  makeRoomFor(instances);
+const FrameInFlight& SensorState::prepare(size_t index, uint32_t instanceCount, const PlacedInstances& placed,
+                                          const VisibleLists& visible) {
   while (inFlight_.size() <= index) inFlight_.push_back(makeFrame());
   FrameInFlight& frame = inFlight_[index];
   frame.capacities = capacities_;
   gpu::Frame content = tables_.frame;
-  content.instanceCount = instances.count();
+  content.instanceCount = instanceCount;
   content.projectedCapacity = capacities_.projected;
   content.tileCapacity = capacities_.tiles;
   content.candidateCapacity = capacities_.candidates;
@@ -218,6 +211,8 @@ const FrameInFlight& SensorState::prepare(size_t index, const Instances& instanc
   buffers[gpu::kBindInstances] = &placed.instances;
   buffers[gpu::kBindPlaced] = &placed.placed;
   buffers[gpu::kBindOwnerRanges] = &placed.ownerRanges;
+  buffers[gpu::kBindVisibleGroups] = &visible.groups;
+  buffers[gpu::kBindVisible] = &visible.clusters;
   if (readsInPlace())
     for (size_t i = 0; i < std::size(kOutputs); ++i) buffers[kOutputs[i].binding] = &frame.results[i];
   layout_.updateSet(frame.set, buffers);
@@ -232,11 +227,13 @@ bool SensorState::cutShort(const FrameInFlight& frame) const {
 
 void SensorState::growLists(const FrameInFlight& frame) {
   const gpu::Counters needed = frame.counters();
-  const auto room = [](uint64_t count) { return count + count / 4; };
+  const auto room = [&](uint64_t count, uint64_t entryBytes) {
+    return std::min(count + count / 4, std::max(count, device_.maxBufferBytes() / entryBytes));
+  };
   // A scan cut short has counted too few of what follows; the next run will tell.
-  if (projectedCount(needed) > capacities_.projected) growProjected(room(projectedCount(needed)));
-  if (needed.tiles > capacities_.tiles) growTiles(room(needed.tiles));
-  if (way_ == gpu::kWayLists && needed.candidates > capacities_.candidates) growCandidates(room(needed.candidates));
+  if (projectedCount(needed) > capacities_.projected) growProjected(room(projectedCount(needed), sizeof(gpu::vec4)));
+  if (needed.tiles > capacities_.tiles) growTiles(room(needed.tiles, 4 * sizeof(uint32_t)));
+  if (way_ == gpu::kWayLists && needed.candidates > capacities_.candidates) growCandidates(room(needed.candidates, 4));
 }
 
 const gpu::Counters& FrameInFlight::counters() const {

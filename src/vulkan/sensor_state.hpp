@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one sensor has on the device: its tables, its pipelines and the work arrays of a scan.
+// What one sensor, or a part of it, has on the device: its tables, its pipelines and the work arrays of a scan.
 #pragma once
 
 #include <array>
@@ -71,20 +71,20 @@ class SensorState {
   const Buffer& buffer(uint32_t binding) const { return buffers_[binding]; }
 
   /// Frame in flight `index` with what a scan of the placed instances needs. The frame must not be in use.
-  const FrameInFlight& prepare(size_t index, const Instances& instances, const PlacedInstances& placed);
+  const FrameInFlight& prepare(size_t index, uint32_t instanceCount, const PlacedInstances& placed,
+                               const VisibleLists& visible);
   const FrameInFlight& inFlight(size_t index) const { return inFlight_[index]; }
   /// True where the host reads the outputs in place; false where they must be copied to results.
   bool readsInPlace() const { return device_.unifiedMemory(); }
   /// A list was too small for the scan that the frame was used for: it must run again, after growLists().
   bool cutShort(const FrameInFlight& frame) const;
-  /// Makes room for what the scan has counted. No frame may be in use.
+  /// Makes room for what the scan has counted, where it was too small. No frame may be in use.
   void growLists(const FrameInFlight& frame);
   void addTo(MemoryUse& use) const;
 
  private:
   float shellBorder(const Geometry& geometry, const SimulatorOptions& options) const;
   void makeBuffers(const Geometry& geometry);
-  void makeRoomFor(const Instances& instances);
   void growProjected(uint64_t count);
   void growTiles(uint64_t count);
   void growCandidates(uint64_t count);
@@ -98,7 +98,7 @@ class SensorState {
   BeamTables tables_;
   std::unique_ptr<Kernels> ownKernels_;  // empty where another sensor has them
   const Kernels* kernels_ = nullptr;
-  std::array<Buffer, gpu::kWorkBindingCount> buffers_;  // set 0, in binding order; empty where frames have their own
+  std::array<Buffer, gpu::kWorkBindingCount> buffers_;  // set 0, in binding order; empty where they lie elsewhere
   Capacities capacities_;
   std::vector<FrameInFlight> inFlight_;  // those beyond the first are made when first used
 };
