@@ -75,7 +75,7 @@ Rates ratesOf(const DeviceInfo& device, const std::string& name) {
 
 Floor floorOf(const Counters& counters, const MemoryUse& memory, uint64_t uniqueTriangles, const Rates& rates) {
   Floor floor;
-  const double visible = static_cast<double>(counters.triangles - counters.culledByCluster);
+  const double visible = static_cast<double>(counters.triangles - counters.culledByCluster - counters.reused);
   const double unique = static_cast<double>(uniqueTriangles);
   const double triangleBytes = unique > 0 ? static_cast<double>(memory.scene) / unique : 0;
   floor.bytes = std::min(visible, unique) * triangleBytes + kBeamBytes * static_cast<double>(counters.beams);

@@ -68,6 +68,7 @@ SimulatorOptions Session::simulatorOptions() const {
   settings.device = options_.device;
   settings.accuracy = cli::kAccuracies.at(options_.accuracy);
   settings.faces = Faces::material;  // the rivals see both faces; that the answers agree is checked
+  settings.culling.still = false;    // scans are timed whole, even where a run has one pose only
   return settings;
 }
 

@@ -35,7 +35,9 @@ void offer(uint beam, float range, uint projected, uint id) {
   if (PASS == kPassNearest) {
     offerNearest(beam, rangeBits, id);
   } else if (PASS == kPassRange) {
-    if (rangeBits < words[beam].y) atomicMin(words[beam].y, rangeBits);
+    if (rangeBits >= words[beam].y) return;
+    atomicMin(words[beam].y, rangeBits);
+    words[beam].x = kNone;  // what a still image had there is not the nearest any more
   } else if (PASS == kPassOwner) {
     if (rangeBits == words[beam].y) atomicMin(words[beam].x, id);
   } else if (PASS == kPassCount) {

@@ -12,7 +12,7 @@ using namespace gnosphere::test;
 namespace {
 
 Culling nothing() {
-  return {false, false, false, false, Culling::Occlusion::never};
+  return {false, false, false, false, Culling::Occlusion::never, false};
 }
 
 struct Switch {

@@ -125,8 +125,8 @@ TEST_CASE("a second set of results is only there once scanAll has run") {
   const Sensor sensor = gridSensor(200, 16, -30, 30);
   Simulator simulator(sceneOf(soup(3, 500, 20, 5)), sensor, vulkanOptions());
   const uint64_t before = simulator.memory().work;
-  simulator.scan({});
-  simulator.scan({});
+  simulator.scan(poseAt(0, 0, 0));
+  simulator.scan(poseAt(1, 0, 0));
   CHECK(simulator.memory().work == before);
   simulator.scanAll(driveThrough(1, 3), [](size_t, const Scan&) {});
   const DeviceInfo& device = simulator.device();

@@ -18,9 +18,9 @@ struct Pose {
 
 inline constexpr uint32_t kNoTriangle = 0xffffffffu;
 
-/// What happened to the scene's triangles and the sensor's beams. Nothing is dropped without a count here. A sensor with
-/// more beams than one device buffer holds is scanned in parts, and each part goes through all triangles: their counts
-/// are of all parts together.
+/// What happened to the scene's triangles and the sensor's beams. Nothing is dropped without a count here. A sensor
+/// with more beams than one device buffer holds is scanned in parts, and each part goes through all triangles: their
+/// counts are of all parts together.
 struct Counters {
   uint64_t beams = 0;
   uint64_t hits = 0;
@@ -29,6 +29,7 @@ struct Counters {
   uint64_t nonFinite = 0;           ///< dropped: a vertex is NaN, infinite or beyond 1e9 m
   uint64_t degenerate = 0;          ///< dropped: two corners are the same point
   uint64_t culledByCluster = 0;     ///< in a cluster out of range or between the beams
+  uint64_t reused = 0;              ///< of instances that have not moved since a scan from the same pose
   uint64_t culledByRange = 0;       ///< nearest point beyond rangeMax
   uint64_t culledByFace = 0;        ///< back faces of one-sided materials
   uint64_t culledBetweenBeams = 0;  ///< no beam within the triangle's angular bounds

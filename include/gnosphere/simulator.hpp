@@ -78,6 +78,9 @@ struct Culling {
   /// Behind what was met nearer to the sensor. It costs a look at every beam; automatic asks whether that pays.
   enum class Occlusion { automatic, always, never };
   Occlusion occlusion = Occlusion::automatic;
+  /// A sensor that scans again from the same pose keeps what the instances gave that have not moved since: 8 bytes per
+  /// beam, from its second scan from there on. Neither with Binning::lists nor with the paper's bounds.
+  bool still = true;
 };
 
 struct SimulatorOptions {

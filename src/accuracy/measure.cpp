@@ -65,6 +65,7 @@ class Measurement {
       tell("set up", subjects_.size(), rows.size());
       SimulatorOptions settings = options.simulator;
       settings.exactness = row.exactness;
+      settings.culling.still = false;  // the times are those of whole scans
       subjects_.push_back({{row.name, row.exactness},
                            Simulator(scene, sensor, settings),
                            ComparisonSum(sample_.sensor.beamCount() * poses.size(), 1e-3),

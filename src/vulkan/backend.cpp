@@ -28,7 +28,8 @@ class VulkanBackend final : public Backend {
         layout_(device_, cache_.handle(),
                 static_cast<uint32_t>(kFramesInFlight * cut_.parts.size() + geometry_.chunks().size())),
         way_(chooseWay(options, device_.capabilities().int64Atomics)),
-        stages_(device_, geometry_, layout_, way_) {
+        stages_(device_, geometry_, layout_, way_),
+        stills_(sensors.size(), StillImage(keepsStill(options, way_))) {
     parts_.reserve(cut_.parts.size());
     for (const Sensor& part : cut_.parts) parts_.emplace_back(device_, layout_, geometry_, part, options, way_, parts_);
     cache_.save();
@@ -74,6 +75,7 @@ class VulkanBackend final : public Backend {
         : commands(device, layout, static_cast<uint32_t>(parts) * Stages::kStamps) {}
     Commands commands;
     PlacedInstances placed;
+    uint64_t reused = 0;  // triangles that the sensor's still image stands for
     Clock::time_point start;
   };
 
@@ -95,14 +97,35 @@ class VulkanBackend final : public Backend {
   void submit(std::span<const Shot> shots, size_t i) {
     Slot& slot = slotOf(i);
     slot.start = Clock::now();
-    run(slot, partsOf(shots[i].sensor), shots[i].pose, i % kFramesInFlight);
+    run(slot, shots[i], i % kFramesInFlight);
+  }
+
+  static bool cutShort(std::span<const SensorState> parts, size_t index) {
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](const SensorState& part) { return part.cutShort(part.inFlight(index)); });
+  }
+
+  // A still image that another frame makes must be known to have succeeded before it is used.
+  StillImage::Use useStill(StillImage& still, std::span<SensorState> parts, const Pose& pose) {
+    if (still.inMaking()) {
+      slots_[still.frame()].commands.wait();
+      still.end(!cutShort(parts, still.frame()));
+    }
+    const StillImage::Use use = still.next(pose, geometry_.instances());
+    if (use == StillImage::Use::make)
+      for (SensorState& part : parts) part.makeStillWords();
+    return use;
   }
 
   // Records the stages in order, part by part, and submits them once.
-  void run(Slot& slot, std::span<SensorState> parts, const Pose& pose, size_t index) {
+  void run(Slot& slot, const Shot& shot, size_t index) {
+    const std::span<SensorState> parts = partsOf(shot.sensor);
     if (parts[0].frame().beams == 0) return;
     Commands& commands = slot.commands;
-    geometry_.instances().place(pose, parts[0].reach(), slot.placed);
+    StillImage& still = stills_[shot.sensor];
+    const StillImage::Use use = useStill(still, parts, shot.pose);
+    slot.reused = use == StillImage::Use::use ? parts.size() * still.triangles() : 0;
+    geometry_.instances().place(shot.pose, parts[0].reach(), still.selection(use), slot.placed);
     if (!visible_.hold(slot.placed)) {
       waitForAll();
       visible_.makeRoomFor(slot.placed, device_);
@@ -111,10 +134,11 @@ class VulkanBackend final : public Backend {
     for (SensorState& part : parts) {
       const FrameInFlight& frame = part.prepare(index, geometry_.instances().count(), slot.placed, visible_);
       commands.bindSet(0, frame.set);
-      stages_.record(commands, part, slot.placed);
+      stages_.record(commands, part, slot.placed, use);
       readBack(commands, part, frame);
     }
     commands.submit();
+    if (use == StillImage::Use::make) still.begin(index);
   }
 
   // Waits for scan i, runs it again for as long as its lists were too small, and reads it. The scan after it may have
@@ -124,12 +148,11 @@ class VulkanBackend final : public Backend {
     const std::span<SensorState> parts = partsOf(shots[i].sensor);
     clearResult(parts, result);
     if (const size_t index = i % kFramesInFlight; parts[0].frame().beams > 0) {
-      const auto cutShort = [&](const SensorState& part) { return part.cutShort(part.inFlight(index)); };
       slot.commands.wait();
-      while (std::any_of(parts.begin(), parts.end(), cutShort)) {
+      while (cutShort(parts, index)) {
         waitForAll();
         for (SensorState& part : parts) part.growLists(part.inFlight(index));
-        run(slot, parts, shots[i].pose, index);
+        run(slot, shots[i], index);
         slot.commands.wait();
         ++result.counters.retries;
       }
@@ -139,6 +162,8 @@ class VulkanBackend final : public Backend {
         readResults(part, part.inFlight(index), firstBeam, result);
         firstBeam += part.frame().beams;
       }
+      result.counters.reused = slot.reused;
+      result.counters.culledByCluster -= slot.reused;
     }
     result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - slot.start).count();
   }
@@ -214,6 +239,7 @@ class VulkanBackend final : public Backend {
   uint32_t way_;
   Stages stages_;
   std::vector<SensorState> parts_;  // of every sensor, as cut_ has them
+  std::vector<StillImage> stills_;  // of every sensor
   VisibleLists visible_;
   std::deque<Slot> slots_;  // last: they wait for the device before what it uses goes
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <glm/gtc/quaternion.hpp>
 
 #include "backend.hpp"
@@ -38,6 +39,12 @@ void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dm
   out.offset = {offset.x, offset.y, offset.z, std::bit_cast<float>(number)};
 }
 
+// By bits: zeros of either sign make different clouds.
+template <typename T>
+bool same(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
 // Room for `count` and some more, so that a scene that grows does not allocate with every scan.
 void makeRoom(const Device& device, const char* name, uint64_t bytes, Buffer& buffer, Memory memory = Memory::upload) {
   if (buffer.bytes() >= bytes && buffer.handle()) return;
@@ -48,7 +55,8 @@ void makeRoom(const Device& device, const char* name, uint64_t bytes, Buffer& bu
 // Of a list with an entry per group or cluster of the chunk that has the most.
 uint64_t listBytes(const PlacedInstances& placed, uint32_t PlacedInstances::Chunk::*count) {
   uint64_t most = 0;
-  for (const PlacedInstances::Chunk& chunk : placed.chunks) most = std::max<uint64_t>(most, chunk.*count);
+  for (const auto* chunks : {&placed.still, &placed.moving})
+    for (const PlacedInstances::Chunk& chunk : *chunks) most = std::max<uint64_t>(most, chunk.*count);
   return most * 2 * sizeof(uint32_t);
 }
 
@@ -73,6 +81,7 @@ void Instances::addMesh(MeshSummary mesh) {
   meshes_.push_back(std::move(mesh));
   instanceCounts_.push_back(0);
   reshaped_.push_back(0);
+  reshapedAt_.push_back(0);
 }
 
 void Instances::set(size_t index, uint32_t mesh, const Transform& transform) {
@@ -83,7 +92,9 @@ void Instances::set(size_t index, uint32_t mesh, const Transform& transform) {
     numbered_ = false;
   }
   Placement& placement = placements_[index];
+  const Placement before = placement;
   if (placement.mesh != mesh) {
+    renumberedAt_ = changes_ + 1;
     count(placement.mesh, -1);
     placement.mesh = mesh;
     count(placement.mesh, 1);
@@ -93,6 +104,9 @@ void Instances::set(size_t index, uint32_t mesh, const Transform& transform) {
   placement.toWorld = linear(transform);
   const Transform placed = transform * Transform{{1, 0, 0, origin.x, 0, 1, 0, origin.y, 0, 0, 1, origin.z}};
   placement.position = {placed.rows[3], placed.rows[7], placed.rows[11]};
+  if (before.mesh == mesh && same(before.toWorld, placement.toWorld) && same(before.position, placement.position))
+    return;
+  placement.changedAt = ++changes_;
   const double volume = glm::determinant(placement.toWorld);
   placement.mirrored = volume < 0;
   placement.fromWorld = std::abs(volume) > 1e-30 ? glm::inverse(placement.toWorld) : glm::dmat3(0);
@@ -106,7 +120,18 @@ void Instances::setMesh(size_t mesh, MeshSummary summary) {
   meshes_[mesh] = std::move(summary);
   count(index, instances);
   reshaped_[mesh] = 1;
+  reshapedAt_[mesh] = ++changes_;
   anyReshaped_ = true;
+}
+
+uint64_t Instances::changedAt(size_t instance) const {
+  const Placement& placement = placements_[instance];
+  return placement.mesh == kNoMesh ? placement.changedAt : std::max(placement.changedAt, reshapedAt_[placement.mesh]);
+}
+
+uint64_t Instances::usableTriangles(size_t instance) const {
+  const MeshSummary& mesh = meshOf(placements_[instance]);
+  return mesh.triangles - mesh.nonFinite - mesh.degenerate;
 }
 
 void Instances::moveSpheres() {
@@ -149,31 +174,39 @@ void Instances::number() {
   ++numbering_;
 }
 
-void Instances::findVisible(const glm::dvec3& sensor, double reach) {
-  visible_.clear();
+void Instances::findVisible(const glm::dvec3& sensor, double reach, const Selection& selection) {
+  visibleStill_.clear();
+  visibleMoving_.clear();
   for (uint32_t i = 0; i < placements_.size(); ++i) {
+    const bool moving = !selection.moving.empty() && selection.moving[i];
+    if (!moving && !selection.still) continue;
     const Sphere& sphere = spheres_[i];
     const glm::dvec3 away = sphere.centre - sensor;
     // Wider than single precision errs on the device. What is not finite stays: comparisons with NaN are false.
     const double limit = (reach + sphere.radius) * 1.00001;
     if (glm::dot(away, away) > limit * limit) continue;
-    const MeshSummary& mesh = meshOf(placements_[i]);
-    if (mesh.triangles > mesh.nonFinite + mesh.degenerate) visible_.push_back(i);
+    if (usableTriangles(i) > 0) (moving ? visibleMoving_ : visibleStill_).push_back(i);
   }
 }
 
-void Instances::reserve(PlacedInstances& to) const {
-  to.chunks.assign(chunkCount_, {});
-  for (uint32_t i : visible_)
+// Pairs from `first` on; returns their end.
+uint32_t Instances::reserve(const std::vector<uint32_t>& visible, uint32_t first,
+                            std::vector<PlacedInstances::Chunk>& to) const {
+  to.assign(chunkCount_, {});
+  for (uint32_t i : visible)
     for (const MeshSummary::Run& run : meshOf(placements_[i]).runs) {
-      to.chunks[run.chunk].groups += run.count;
-      to.chunks[run.chunk].clusters += run.clusters;
+      to[run.chunk].groups += run.count;
+      to[run.chunk].clusters += run.clusters;
     }
-  uint32_t pairs = 0;
-  for (PlacedInstances::Chunk& chunk : to.chunks) {
-    chunk.first = pairs;
-    pairs += chunk.groups;
+  for (PlacedInstances::Chunk& chunk : to) {
+    chunk.first = first;
+    first += chunk.groups;
   }
+  return first;
+}
+
+void Instances::reserve(PlacedInstances& to) const {
+  const uint32_t pairs = reserve(visibleMoving_, reserve(visibleStill_, 0, to.still), to.moving);
   makeRoom(device_, "placed", uint64_t{pairs} * 8, to.placed);
   const VkBuffer handle = to.instances.handle();
   makeRoom(device_, "instances", count() * sizeof(gpu::Instance), to.instances);
@@ -198,11 +231,11 @@ void Instances::writeNumbers(PlacedInstances& to) const {
   to.numbering = numbering_;
 }
 
-void Instances::writePairs(PlacedInstances& to) const {
-  auto* pairs = static_cast<uint32_t*>(to.placed.mapped());
+void Instances::writePairs(const std::vector<uint32_t>& visible, const std::vector<PlacedInstances::Chunk>& chunks,
+                           uint32_t* pairs) const {
   std::vector<uint32_t> next;
-  for (const PlacedInstances::Chunk& chunk : to.chunks) next.push_back(chunk.first);
-  for (uint32_t i : visible_)
+  for (const PlacedInstances::Chunk& chunk : chunks) next.push_back(chunk.first);
+  for (uint32_t i : visible)
     for (const MeshSummary::Run& run : meshOf(placements_[i]).runs) {
       uint32_t* pair = pairs + 2 * size_t{next[run.chunk]};
       next[run.chunk] += run.count;
@@ -213,21 +246,24 @@ void Instances::writePairs(PlacedInstances& to) const {
     }
 }
 
-void Instances::place(const Pose& pose, double reach, PlacedInstances& to) {
+void Instances::place(const Pose& pose, double reach, const Selection& selection, PlacedInstances& to) {
   const Quaternion& q = pose.orientation;
   const glm::dmat3 toSensor = glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
   const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
   number();
   moveSpheres();
-  findVisible(sensor, reach);
+  findVisible(sensor, reach, selection);
   reserve(to);
   auto* out = static_cast<gpu::Instance*>(to.instances.mapped());
   if (to.numbering != numbering_) writeNumbers(to);
-  for (uint32_t i : visible_) {
-    const Placement& placement = placements_[i];
-    compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, placement.number(), out[i]);
-  }
-  writePairs(to);
+  for (const std::vector<uint32_t>* visible : {&visibleStill_, &visibleMoving_})
+    for (uint32_t i : *visible) {
+      const Placement& placement = placements_[i];
+      compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, placement.number(), out[i]);
+    }
+  auto* pairs = static_cast<uint32_t*>(to.placed.mapped());
+  writePairs(visibleStill_, to.still, pairs);
+  writePairs(visibleMoving_, to.moving, pairs);
   to.instances.flush();
   to.placed.flush();
 }

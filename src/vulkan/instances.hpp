@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "gnosphere/scan.hpp"
@@ -23,6 +24,12 @@ struct MeshSummary {
   uint32_t triangles = 0, nonFinite = 0, degenerate = 0;
 };
 
+/// Which instances a scan places: the moving ones, and the others if `still` says so.
+struct Selection {
+  std::span<const uint8_t> moving;  ///< by instance: 1 if it moves; empty: none
+  bool still = true;
+};
+
 /// The instances as one scan sees them, in memory that the host writes.
 struct PlacedInstances {
   /// What of `placed` belongs to a chunk: its first pair, how many, and the clusters in them.
@@ -30,9 +37,9 @@ struct PlacedInstances {
     uint32_t first, groups, clusters;
   };
   Buffer instances;    ///< gpu::Instance each; of those out of range only the number of the first triangle counts
-  Buffer placed;       ///< (instance, group) pairs of the instances in range, chunk by chunk
+  Buffer placed;       ///< (instance, group) pairs of the instances in range, chunk by chunk, the still ones first
   Buffer ownerRanges;  ///< per kOwnerBlock placed triangles: the first and the last instance among them
-  std::vector<Chunk> chunks;
+  std::vector<Chunk> still, moving;
   uint64_t numbering = 0;  ///< of the placed triangles, see Instances
 
   uint64_t bytes() const { return instances.bytes() + placed.bytes() + ownerRanges.bytes(); }
@@ -67,13 +74,22 @@ class Instances {
   /// Triangles placed, and dropped while flattening.
   const Counters& counters() const { return counters_; }
 
-  /// Writes the transforms of all instances within reach (metres) to the sensor's frame, composed in double.
-  void place(const Pose& pose, double reach, PlacedInstances& to);
+  /// Goes up with every change of an instance or of a mesh's positions.
+  uint64_t changes() const { return changes_; }
+  /// changes() after the last change of the instance or its mesh, and of any triangle's number.
+  uint64_t changedAt(size_t instance) const;
+  uint64_t renumberedAt() const { return renumberedAt_; }
+  /// Of an instance: neither degenerate nor with a vertex that is not finite.
+  uint64_t usableTriangles(size_t instance) const;
+
+  /// Writes the transforms of the selected instances within reach (metres) to the sensor's frame, composed in double.
+  void place(const Pose& pose, double reach, const Selection& selection, PlacedInstances& to);
 
  private:
   struct Placement {
     glm::dmat3 toWorld = {}, fromWorld = {};  ///< fromWorld is zero where the transform flattens the mesh
     glm::dvec3 position = {};                 ///< of the mesh's origin
+    uint64_t changedAt = 0;
     uint32_t mesh = 0, firstTriangle = 0;
     bool mirrored = false;
     /// As gpu::Instance has it.
@@ -89,20 +105,24 @@ class Instances {
   Sphere sphereOf(const Placement& placement) const;
   void count(uint32_t mesh, int64_t instances);
   void number();
-  void findVisible(const glm::dvec3& sensor, double reach);
+  void findVisible(const glm::dvec3& sensor, double reach, const Selection& selection);
   void reserve(PlacedInstances& to) const;
+  uint32_t reserve(const std::vector<uint32_t>& visible, uint32_t first, std::vector<PlacedInstances::Chunk>& to) const;
   void writeNumbers(PlacedInstances& to) const;
-  void writePairs(PlacedInstances& to) const;
+  void writePairs(const std::vector<uint32_t>& visible, const std::vector<PlacedInstances::Chunk>& chunks,
+                  uint32_t* pairs) const;
 
   const Device& device_;
   std::vector<MeshSummary> meshes_;
   std::vector<uint32_t> instanceCounts_;  // of each mesh
   std::vector<uint8_t> reshaped_;         // meshes whose instances' spheres are to be made anew
+  std::vector<uint64_t> reshapedAt_;      // changes() after the last change of each mesh's positions
   std::vector<Placement> placements_;
-  std::vector<Sphere> spheres_;    // around each of them, in the world
-  std::vector<uint32_t> visible_;  // of the last scan
+  std::vector<Sphere> spheres_;                         // around each of them, in the world
+  std::vector<uint32_t> visibleStill_, visibleMoving_;  // of the last scan
   Counters counters_;
   size_t chunkCount_ = 0;
+  uint64_t changes_ = 0, renumberedAt_ = 0;
   uint32_t numberCount_ = 0;
   uint64_t numbering_ = 0;  // goes up when numbers change
   bool numbered_ = false, anyReshaped_ = false;

@@ -84,6 +84,10 @@ uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics) {
   return int64Atomics ? gpu::kWayNearest : gpu::kWayNearest32;
 }
 
+bool keepsStill(const SimulatorOptions& options, uint32_t way) {
+  return options.culling.still && way != gpu::kWayLists && partsOf(options).bounds != Exactness::Bounds::paper;
+}
+
 Kernels::Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64)
     : projectGroups(device, layout, project_groups, options),
       projectClusters(device, layout, project_clusters, options),
@@ -182,6 +186,11 @@ void SensorState::growCandidates(uint64_t count) {
   capacities_.candidates = static_cast<uint32_t>(count);
 }
 
+void SensorState::makeStillWords() {
+  const uint64_t bytes = buffers_[gpu::kBindWords].bytes();
+  if (!stillWords_.handle()) stillWords_ = Buffer(device_, "stillWords", bytes, Memory::device);
+}
+
 FrameInFlight SensorState::makeFrame() const {
   FrameInFlight result;
   result.frame = Buffer(device_, "frame", sizeof(gpu::Frame), Memory::upload);
@@ -246,6 +255,7 @@ void SensorState::addTo(MemoryUse& use) const {
     const bool table = i >= gpu::kBindRows && i <= gpu::kBindColumns;
     (table ? use.sensor : use.work) += buffers_[i].bytes();
   }
+  use.work += stillWords_.bytes();
   for (const FrameInFlight& frame : inFlight_) {
     use.work += frame.frame.bytes();
     if (!readsInPlace()) continue;

@@ -16,6 +16,8 @@ namespace gnosphere::vulkan {
 
 /// gpu::kWay...: how the options and the device bin.
 uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics);
+/// Whether a StillImage may be kept.
+bool keepsStill(const SimulatorOptions& options, uint32_t way);
 
 /// The pipelines that a way of binning dispatches, and no others.
 struct Kernels {
@@ -69,6 +71,9 @@ class SensorState {
   /// Metres: what is nearer is binned first, and hides what lies behind it. 0 if everything is binned at once.
   float shellBorder() const { return shellBorder_; }
   const Buffer& buffer(uint32_t binding) const { return buffers_[binding]; }
+  /// The words as the still instances leave them: empty until there is room.
+  const Buffer& stillWords() const { return stillWords_; }
+  void makeStillWords();
 
   /// Frame in flight `index` with what a scan of the placed instances needs. The frame must not be in use.
   const FrameInFlight& prepare(size_t index, uint32_t instanceCount, const PlacedInstances& placed,
@@ -100,6 +105,7 @@ class SensorState {
   const Kernels* kernels_ = nullptr;
   std::array<Buffer, gpu::kWorkBindingCount> buffers_;  // set 0, in binding order; empty where they lie elsewhere
   Capacities capacities_;
+  Buffer stillWords_;
   std::vector<FrameInFlight> inFlight_;  // those beyond the first are made when first used
 };
 

@@ -6,6 +6,11 @@
 #include <limits>
 
 namespace gnosphere::vulkan {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+}  // namespace
 
 Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout, uint32_t way)
     : device_(device), way_(way) {
@@ -16,45 +21,64 @@ Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout, u
   }
 }
 
-// A scan in two shells: what is near first, since it hides much of what is far. Where every hit of a beam counts,
-// nothing hides anything.
-void Stages::record(Commands& commands, const SensorState& state, const PlacedInstances& placed) const {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  const float border = state.shellBorder();
-  clear(commands, state);
+void Stages::record(Commands& commands, const SensorState& state, const PlacedInstances& placed,
+                    StillImage::Use use) const {
+  clear(commands, state, use);
   commands.start();
+  if (use != StillImage::Use::use) scanStill(commands, state, placed);
+  if (use == StillImage::Use::make) {
+    commands.copy(state.buffer(gpu::kBindWords), state.stillWords());
+    findOccluders(commands, state);  // as long as the image is used, the table is kept as well
+  }
+  if (use != StillImage::Use::none) scanMoving(commands, state, placed);
+  resolve(commands, state);
+  commands.finished("resolve");
+}
+
+// In two shells: what is near first, since it hides much of what is far. Where every hit of a beam counts, nothing
+// hides anything.
+void Stages::scanStill(Commands& commands, const SensorState& state, const PlacedInstances& placed) const {
+  const float border = state.shellBorder();
   if (border > 0) {
-    project(commands, state, placed, {0, 0, 0, border, 0});
+    project(commands, state, placed.still, {0, 0, 0, border, 0});
     commands.finished("project");
     bin(commands, state, false);
     commands.finished("bin");
     findOccluders(commands, state);
   }
-  project(commands, state, placed, {0, 0, border, kInfinity, border > 0});
+  project(commands, state, placed.still, {0, 0, border, kInfinity, border > 0});
   commands.finished("project");
   bin(commands, state, true);
   commands.finished("bin");
-  resolve(commands, state);
-  commands.finished("resolve");
 }
 
-void Stages::clear(Commands& commands, const SensorState& state) const {
+void Stages::scanMoving(Commands& commands, const SensorState& state, const PlacedInstances& placed) const {
+  const bool any = std::any_of(placed.moving.begin(), placed.moving.end(), [](const auto& c) { return c.groups > 0; });
+  if (any) project(commands, state, placed.moving, {0, 0, 0, kInfinity, 1});
+  commands.finished("project");
+  if (any) bin(commands, state, true);
+  commands.finished("bin");
+}
+
+void Stages::clear(Commands& commands, const SensorState& state, StillImage::Use use) const {
   commands.fill(state.buffer(gpu::kBindCounters), 0, VK_WHOLE_SIZE, 0);
-  if (way_ == gpu::kWayLists)
+  if (use == StillImage::Use::use)
+    commands.copy(state.stillWords(), state.buffer(gpu::kBindWords));
+  else if (way_ == gpu::kWayLists)
     commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, 0);
   else
     commands.fill(state.buffer(gpu::kBindWords), 0, VK_WHOLE_SIZE, gpu::kNone);
   commands.barrier();
 }
 
-void Stages::project(Commands& commands, const SensorState& state, const PlacedInstances& placed,
+void Stages::project(Commands& commands, const SensorState& state, std::span<const PlacedInstances::Chunk> chunks,
                      gpu::Pass pass) const {
   for (size_t i = 0; i < chunkSets_.size(); ++i) {
     if (i > 0 || pass.occluders) {
       commands.fill(state.buffer(gpu::kBindCounters), offsetof(gpu::Counters, visibleGroups), 8, 0);
       commands.barrier();
     }
-    const PlacedInstances::Chunk& chunk = placed.chunks[i];
+    const PlacedInstances::Chunk& chunk = chunks[i];
     commands.bindSet(1, chunkSets_[i]);
     pass.placedFirst = chunk.first;
     pass.placedCount = chunk.groups;

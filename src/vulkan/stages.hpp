@@ -6,6 +6,7 @@
 
 #include "vulkan/commands.hpp"
 #include "vulkan/sensor_state.hpp"
+#include "vulkan/still_image.hpp"
 
 namespace gnosphere::vulkan {
 
@@ -17,11 +18,14 @@ class Stages {
   Stages(const Device& device, const Geometry& geometry, Layout& layout, uint32_t way);
 
   /// Everything between the frame's own arrays and the results, set 0 being bound.
-  void record(Commands& commands, const SensorState& state, const PlacedInstances& placed) const;
+  void record(Commands& commands, const SensorState& state, const PlacedInstances& placed, StillImage::Use use) const;
 
  private:
-  void clear(Commands& commands, const SensorState& state) const;
-  void project(Commands& commands, const SensorState& state, const PlacedInstances& placed, gpu::Pass pass) const;
+  void clear(Commands& commands, const SensorState& state, StillImage::Use use) const;
+  void scanStill(Commands& commands, const SensorState& state, const PlacedInstances& placed) const;
+  void scanMoving(Commands& commands, const SensorState& state, const PlacedInstances& placed) const;
+  void project(Commands& commands, const SensorState& state, std::span<const PlacedInstances::Chunk> chunks,
+               gpu::Pass pass) const;
   void bin(Commands& commands, const SensorState& state, bool lastShell) const;
   void findOccluders(Commands& commands, const SensorState& state) const;
   void resolve(Commands& commands, const SensorState& state) const;

@@ -145,6 +145,7 @@ int runScan(const ScanOptions& options) {
   start = nowMs();
   SimulatorOptions settings = simulatorOptions(options);
   settings.accuracy = kAccuracies.at(accuracy);
+  settings.culling.still = options.repeat == 0;  // repeated scans are timed, each of them whole
   Simulator simulator(scene, sensor, settings);
   const double setUpMs = nowMs() - start;
 

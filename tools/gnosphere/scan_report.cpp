@@ -61,6 +61,7 @@ constexpr NamedCount kCounters[] = {
     {"non_finite", &Counters::nonFinite},
     {"degenerate", &Counters::degenerate},
     {"culled_by_cluster", &Counters::culledByCluster},
+    {"reused", &Counters::reused},
     {"culled_by_range", &Counters::culledByRange},
     {"culled_by_face", &Counters::culledByFace},
     {"culled_between_beams", &Counters::culledBetweenBeams},
@@ -98,6 +99,7 @@ void printTriangles(const Counters& c) {
   };
   add(c.projected, "projected");
   add(c.culledByCluster, "culled in clusters");
+  add(c.reused, "as in the scan before");
   add(c.culledByRange, "out of range");
   add(c.culledByFace, "facing away");
   add(c.culledBetweenBeams, "between the beams");

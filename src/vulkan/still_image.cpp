@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/still_image.hpp"
+
+#include <cstring>
+
+namespace gnosphere::vulkan {
+
+StillImage::Use StillImage::next(const Pose& pose, const Instances& instances) {
+  if (!on_) return Use::none;
+  if (!pose_ || std::memcmp(&pose, &*pose_, sizeof pose) != 0) {
+    pose_ = pose;
+    moving_.clear();
+    seen_ = instances.changes();
+    state_ = State::missing;
+    return Use::none;
+  }
+  const bool renumbered = instances.renumberedAt() > seen_;
+  const bool newlyMoving = findMoving(instances);
+  // Where most moves, one scan of everything can hide more than two of its parts.
+  const Counters& all = instances.counters();
+  const bool pays = triangles_ > 0 && 2 * triangles_ >= all.triangles - all.nonFinite - all.degenerate;
+  if (renumbered || newlyMoving || !pays) {
+    state_ = State::missing;
+    return Use::none;
+  }
+  return state_ == State::made ? Use::use : Use::make;
+}
+
+// Whether there are more of them than before.
+bool StillImage::findMoving(const Instances& instances) {
+  if (moving_.size() == instances.count() && seen_ == instances.changes()) return false;
+  moving_.resize(instances.count());
+  bool found = false;
+  triangles_ = 0;
+  for (size_t i = 0; i < moving_.size(); ++i) {
+    if (moving_[i]) continue;
+    moving_[i] = instances.changedAt(i) > seen_;
+    found |= moving_[i] != 0;
+    if (!moving_[i]) triangles_ += instances.usableTriangles(i);
+  }
+  seen_ = instances.changes();
+  return found;
+}
+
+Selection StillImage::selection(Use use) const {
+  return use == Use::none ? Selection{} : Selection{moving_, use == Use::make};
+}
+
+void StillImage::begin(size_t frame) {
+  frame_ = frame;
+  state_ = State::inMaking;
+}
+
+void StillImage::end(bool succeeded) {
+  state_ = succeeded ? State::made : State::missing;
+}
+
+}  // namespace gnosphere::vulkan
