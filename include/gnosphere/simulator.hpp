@@ -115,9 +115,9 @@ std::vector<DeviceInfo> listDevices(std::string* vulkanProblem = nullptr);
 
 /// Bytes on the device, by what they hold.
 struct MemoryUse {
-  uint64_t scene = 0;
-  uint64_t sensor = 0;
-  uint64_t work = 0;  ///< lists and words of the stages
+  uint64_t scene = 0;   ///< meshes, instances, and lists whose size follows theirs
+  uint64_t sensor = 0;  ///< tables of the beams
+  uint64_t work = 0;    ///< words, results and lists of the stages
 };
 
 /// One scan of a run.

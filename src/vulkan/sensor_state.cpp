@@ -237,7 +237,7 @@ bool SensorState::cutShort(const FrameInFlight& frame) const {
 void SensorState::growLists(const FrameInFlight& frame) {
   const gpu::Counters needed = frame.counters();
   const auto room = [&](uint64_t count, uint64_t entryBytes) {
-    return std::min(count + count / 4, std::max(count, device_.maxBufferBytes() / entryBytes));
+    return std::min(count + count / 8, std::max(count, device_.maxBufferBytes() / entryBytes));
   };
   // A scan cut short has counted too few of what follows; the next run will tell.
   if (projectedCount(needed) > capacities_.projected) growProjected(room(projectedCount(needed), sizeof(gpu::vec4)));
