@@ -204,7 +204,8 @@ struct Pass {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 64 && sizeof(Row) == 32);
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 64 &&
+              sizeof(Row) == 32);
 static_assert(sizeof(Counters) == 64 && sizeof(Pass) == 32);
 }  // namespace gnosphere::gpu
 #endif

@@ -24,8 +24,8 @@ inline void needVulkan() {
   SKIP("no usable Vulkan device: " << problem);
 }
 
-/// Options of every GPU test: nothing kept on disk, the validation layer on, any message of it throws. GNOSPHERE_NO_VALIDATION is for
-/// machines that have a GPU and not the layer.
+/// Options of every GPU test: nothing kept on disk, the validation layer on, any message of it throws.
+/// GNOSPHERE_NO_VALIDATION is for machines that have a GPU and not the layer.
 inline SimulatorOptions vulkanOptions() {
   SimulatorOptions options;
   options.cache = "off";
