@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <deque>
+#include <thread>
 
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
@@ -17,6 +18,19 @@ namespace vulkan {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// A copy of fewer beams is not worth a thread.
+constexpr uint64_t kBeamsPerThread = 500'000;
+
+// work(first, end) for slices of 0..count, all at once.
+template <typename Work>
+void inSlices(uint64_t count, const Work& work) {
+  const uint64_t threads =
+      std::clamp<uint64_t>(count / kBeamsPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<std::jthread> others;
+  for (uint64_t k = 1; k < threads; ++k) others.emplace_back(work, k * count / threads, (k + 1) * count / threads);
+  work(0, count / threads);
+}
 
 class VulkanBackend final : public Backend {
  public:
@@ -206,15 +220,17 @@ class VulkanBackend final : public Backend {
     const uint64_t beams = part.frame().beams;
     const auto* points = mapped<gpu::vec4>(frame.results[0]);
     const auto* owners = mapped<std::array<uint32_t, 2>>(frame.results[1]);
-    float* point = &scan.points[3 * firstBeam];
-    for (uint64_t i = 0; i < beams; ++i) {
-      *point++ = points[i].x;
-      *point++ = points[i].y;
-      *point++ = points[i].z;
-      scan.ranges[firstBeam + i] = points[i].w;
-      scan.triangles[firstBeam + i] = owners[i][0];
-      scan.instances[firstBeam + i] = owners[i][1];
-    }
+    inSlices(beams, [&](uint64_t first, uint64_t end) {
+      float* point = &scan.points[3 * (firstBeam + first)];
+      for (uint64_t i = first; i < end; ++i) {
+        *point++ = points[i].x;
+        *point++ = points[i].y;
+        *point++ = points[i].z;
+        scan.ranges[firstBeam + i] = points[i].w;
+        scan.triangles[firstBeam + i] = owners[i][0];
+        scan.instances[firstBeam + i] = owners[i][1];
+      }
+    });
     const gpu::Counters& device = frame.counters();
     const Counters& placed = geometry_.instances().counters();
     Counters& result = scan.counters;
