@@ -38,3 +38,19 @@ TEST_CASE("what is 0 stands in a band of its own") {
   CHECK_THAT(toSvg(plotOf({{1, 0, 0, 0, "zero"}, {2, 1, 0, 0, "one"}})), ContainsSubstring("#f0f0ea"));
   CHECK_THAT(toSvg(plotOf({{2, 1, 0, 0, "one"}})), !ContainsSubstring("#f0f0ea"));
 }
+
+TEST_CASE("a legend that is too wide goes on in the next line") {
+  Plot plot = plotOf({{1, 1, 0, 0, ""}});
+  const auto heightOf = [](const std::string& svg) {
+    const size_t at = svg.find("height='") + 8;
+    return std::stoi(svg.substr(at, svg.find('\'', at) - at));
+  };
+  const int oneLine = heightOf(toSvg(plot));
+  for (int i = 0; i < 5; ++i) plot.panels[0].series.push_back({"a name of thirty characters, " + std::to_string(i)});
+  const std::string svg = toSvg(plot);
+  CHECK(heightOf(svg) > oneLine);
+  for (size_t at = svg.find(">a name"); at != std::string::npos; at = svg.find(">a name", at + 1)) {
+    const size_t x = svg.rfind("x='", at) + 3;
+    CHECK(std::stod(svg.substr(x)) + 30 * 6 < plot.panelWidth);
+  }
+}

@@ -247,14 +247,36 @@ class PanelDrawing {
   Axis xAxis_, yAxis_;
 };
 
-std::string legendAt(const PlotPanel& panel, double x, double y) {
-  std::string out;
+constexpr double kLegendLine = 20;
+
+double legendWidth(const PlotSeries& series) {
+  return 76 + kLetter * static_cast<double>(series.name.size());
+}
+
+// Where each entry of the legend stands, line by line within the width.
+std::vector<std::array<double, 2>> legendPlaces(const PlotPanel& panel, double width) {
+  std::vector<std::array<double, 2>> places;
+  double x = 18, y = 0;
   for (const PlotSeries& series : panel.series) {
+    if (x > 18 && x + legendWidth(series) > width) {
+      x = 18;
+      y += kLegendLine;
+    }
+    places.push_back({x, y});
+    x += legendWidth(series);
+  }
+  return places;
+}
+
+std::string legendAt(const PlotPanel& panel, const std::vector<std::array<double, 2>>& places, double top) {
+  std::string out;
+  for (size_t i = 0; i < places.size(); ++i) {
+    const PlotSeries& series = panel.series[i];
+    const double x = places[i][0], y = top + places[i][1];
     const std::string dash = series.dash.empty() ? "" : " stroke-dasharray='" + series.dash + "'";
     if (series.dash != "none")
       out += lineFrom(x, y - 4, x + 44, y - 4, ("stroke-width='1.6' stroke='" + series.colour + "'" + dash).c_str());
     out += markerAt(series, x + 22, y - 4) + textAt(x + 52, y, "start", escaped(series.name));
-    x += 76 + kLetter * static_cast<double>(series.name.size());
   }
   return out;
 }
@@ -263,8 +285,11 @@ std::string legendAt(const PlotPanel& panel, double x, double y) {
 
 std::string toSvg(const Plot& plot) {
   const double rows = std::ceil(static_cast<double>(plot.panels.size()) / static_cast<double>(plot.columns));
-  const double head = 30 + kLine * static_cast<double>(plot.notes.size()) + (plot.legend ? 24 : 0) + 8;
-  const double width = plot.panelWidth * static_cast<double>(plot.columns), height = head + rows * plot.panelHeight;
+  const double width = plot.panelWidth * static_cast<double>(plot.columns);
+  const auto places =
+      plot.legend && !plot.panels.empty() ? legendPlaces(plot.panels[0], width) : std::vector<std::array<double, 2>>();
+  const double notes = 30 + kLine * static_cast<double>(plot.notes.size());
+  const double head = notes + (places.empty() ? 0 : 24 + places.back()[1]) + 8, height = head + rows * plot.panelHeight;
   std::string out = formatted(
       "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f' viewBox='0 0 %.0f %.0f' "
       "font-family='sans-serif' font-size='11' fill='#222222'>\n<rect width='%.0f' height='%.0f' fill='white'/>\n",
@@ -272,7 +297,7 @@ std::string toSvg(const Plot& plot) {
   out += textAt(18, 24, "start", escaped(plot.title), " font-size='15' font-weight='bold'");
   for (size_t i = 0; i < plot.notes.size(); ++i)
     out += textAt(18, 42 + kLine * static_cast<double>(i), "start", escaped(plot.notes[i]), " fill='#555555'");
-  if (plot.legend && !plot.panels.empty()) out += legendAt(plot.panels[0], 18, head - 10);
+  if (!places.empty()) out += legendAt(plot.panels[0], places, notes + 22);
   for (size_t i = 0; i < plot.panels.size(); ++i) {
     const double column = static_cast<double>(i % plot.columns), row = static_cast<double>(i / plot.columns);
     out += PanelDrawing(plot.panels[i], column * plot.panelWidth, head + row * plot.panelHeight, plot.panelWidth,
