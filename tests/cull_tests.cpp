@@ -2,6 +2,8 @@
 // Whatever is skipped, the cloud has the same bytes.
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
+#include <cmath>
+#include <numbers>
 
 #include "support.hpp"
 #include "town/town.hpp"
@@ -33,6 +35,26 @@ Scan scanWith(const Scene& scene, const Sensor& sensor, const Pose& pose, Accura
   options.accuracy = accuracy;
   options.culling = culling;
   return scanOf(scene, sensor, pose, options);
+}
+
+// A round wall of `segments` quads across, `rings` of them above each other, with one segment left out.
+Mesh wallAround(double radius, uint32_t segments, uint32_t rings, uint32_t leftOut) {
+  Mesh mesh;
+  for (uint32_t i = 0; i < segments; ++i)
+    for (uint32_t j = 0; j <= rings; ++j) {
+      // Segment i is centred on the azimuth of column i of as many.
+      const double azimuth = -std::numbers::pi + 2 * std::numbers::pi * (i - 0.5) / segments;
+      mesh.positions.push_back(static_cast<float>(radius * std::cos(azimuth)));
+      mesh.positions.push_back(static_cast<float>(radius * std::sin(azimuth)));
+      mesh.positions.push_back(static_cast<float>(radius * (double(j) / rings - 0.5)));
+    }
+  for (uint32_t i = 0; i < segments; ++i)
+    for (uint32_t j = 0; j < rings && i != leftOut; ++j) {
+      const uint32_t a = i * (rings + 1) + j, b = (i + 1) % segments * (rings + 1) + j;
+      for (uint32_t corner : {a, b, a + 1, b, b + 1, a + 1}) mesh.indices.push_back(corner);
+    }
+  mesh.parts = {{0, static_cast<uint32_t>(mesh.triangleCount()), 0}};
+  return mesh;
 }
 
 }  // namespace
@@ -91,4 +113,26 @@ TEST_CASE("culling: the far side of a one-sided ball is skipped, wherever it is 
   const Scan scan = scanWith(stretched, sensor, {}, Accuracy::standard, cones);
   CHECK(scan.counters.culledByCluster == 0);
   requireSame(referenceOf(stretched, sensor, {}), scan);
+}
+
+TEST_CASE("culling: what one column shows behind a wall is seen, at the seam as elsewhere") {
+  needVulkan();
+  // Columns that do not fill the table's last entry: what wraps lies across a narrower one.
+  const uint32_t columns = 101;
+  const Sensor sensor = gridSensor(columns, 5, -8, 8, 40);
+  // The clusters of the far wall are narrower or wider than the last entry.
+  const uint32_t segments = GENERATE(404u, 120u);
+  for (uint32_t gap : {0u, 3u, 4u, 7u, 50u, 95u, 96u, 100u}) {
+    INFO("column " << gap);
+    Scene scene = sceneOf(wallAround(3, columns, 1, gap));
+    const Mesh far = wallAround(20, segments, 4, segments);
+    scene.meshes.push_back(far);
+    scene.instances.push_back({"far", 1, {}});
+    const Scan full = scanWith(scene, sensor, {}, Accuracy::standard, nothing());
+    CHECK(full.ranges[2 * columns + gap] > 19);
+    const Culling occlusion = {false, false, false, false, Culling::Occlusion::always};
+    const Scan scan = scanWith(scene, sensor, {}, Accuracy::standard, occlusion);
+    CHECK(sameBytes(full, scan));
+    if (segments == 404) CHECK(scan.counters.culledByCluster > far.triangleCount() / 4);
+  }
 }
