@@ -83,7 +83,9 @@ Scan Simulator::scan(const Pose& pose, size_t sensor) {
 }
 
 void Simulator::scan(const Pose& pose, size_t sensor, Scan& result) {
-  const Shot shot = {pose, sensor};
+  Shot shot;
+  shot.pose = pose;
+  shot.sensor = sensor;
   run({&shot, 1}, result, [](size_t) {});
 }
 

@@ -21,7 +21,7 @@ class Model {
 
   /// Without the removed instances; `index[i]` is what instance i of it is called here.
   Scene compact(std::vector<uint32_t>& index) const {
-    Scene result = {scene_.materials, scene_.meshes, {}};
+    Scene result = {scene_.materials, {}, scene_.meshes, {}};
     index.clear();
     for (uint32_t i = 0; i < count(); ++i) {
       if (!isThere(i)) continue;

@@ -3,8 +3,10 @@
 #pragma once
 
 #include "gnosphere/accuracy.hpp"
+#include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"
+#include "gnosphere/plan.hpp"
 #include "gnosphere/scan.hpp"
 #include "gnosphere/scene.hpp"
 #include "gnosphere/sensor.hpp"

@@ -9,9 +9,6 @@
 
 namespace gnosphere {
 
-/// A column of a cloud file. Types: x y z range tolerance f32, ring u16, beam triangle instance u32, tie u8.
-enum class Field { x, y, z, range, ring, beam, triangle, instance, tie, tolerance };
-
 /// "x,y,z,range" -> fields. Throws Error(invalidArgument) that lists the names there are.
 std::vector<Field> parseFields(const std::string& names);
 const std::vector<Field>& defaultFields();  ///< x y z range ring beam triangle instance

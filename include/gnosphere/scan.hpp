@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -17,6 +18,56 @@ struct Pose {
 };
 
 inline constexpr uint32_t kNoTriangle = 0xffffffffu;
+
+/// What a scan or a cloud file holds per return. The first line is always there; tie and tolerance come from the
+/// reference alone; of the others a scan computes and stores those that SimulatorOptions::fields names.
+enum class Field {
+  x,
+  y,
+  z,
+  range,
+  ring,
+  beam,
+  triangle,
+  instance,
+  tie,
+  tolerance,
+  intensity,     ///< f32, on the scale of Effects::Intensity
+  trueRange,     ///< f32 m: where the surface is, whatever noise and medium made of it
+  cause,         ///< u8, see Cause
+  label,         ///< u8, see Label
+  returnNumber,  ///< u8, 1 for the first of its beam
+  returnCount,   ///< u8, of its beam
+  width,         ///< f32 m: how deep the echo is, full width at half maximum times c / 2
+  normal,        ///< 3 f32 normal_x normal_y normal_z: unit, sensor frame, towards the sensor
+  incidence,     ///< f32 rad, 0 for square to the beam
+  material,      ///< u32, index into Scene::materials
+  barycentrics,  ///< 2 f32 u v: of the triangle's second and third corner
+  classId,       ///< u16, of Instance::classId
+  velocity,      ///< 3 f32 velocity_x velocity_y velocity_z: m/s of the surface in the world, in the sensor's axes
+  radialSpeed,   ///< f32 m/s, positive going away from the sensor
+  time,          ///< f32 s after the start of the scan
+  azimuth,       ///< f32 rad of the beam, counter-clockwise from x
+  elevation,     ///< f32 rad of the beam above the horizon
+};
+
+/// What became of a beam. Every beam has one, so the counts add up to the number of beams.
+enum class Cause : uint8_t {
+  returned,    ///< it has at least one return
+  noSurface,   ///< nothing in range
+  weak,        ///< below the detection threshold
+  attenuated,  ///< above it, had there been no fog, rain, snow or dust
+  droppedOut,  ///< lost at random
+  dead,        ///< of Effects::DropOut::deadBeams
+};
+inline constexpr size_t kCauseCount = 6;
+
+/// What a return comes from.
+enum class Label : uint8_t {
+  none,     ///< no return
+  solid,    ///< a surface
+  scatter,  ///< the medium
+};
 
 /// What happened to the scene's triangles and the sensor's beams. Nothing is dropped without a count here. A sensor
 /// with more beams than one device buffer holds is scanned in parts, and each part goes through all triangles: their
@@ -38,10 +89,11 @@ struct Counters {
   uint64_t integerSides = 0;        ///< of `exact`: inside tests that floating point could not decide
   uint64_t integerRanges = 0;       ///< of `exact`: ranges that it could not round
   uint64_t retries = 0;             ///< runs repeated because a list had to grow
+  std::array<uint64_t, kCauseCount> causes = {};  ///< beams by Cause; all zero where no effect can lose a beam
 };
 
 struct StageTime {
-  std::string name;  ///< project, bin, resolve
+  std::string name;  ///< project, bin, resolve, effects
   double ms = 0;
 };
 
@@ -52,7 +104,7 @@ struct Timings {
   std::vector<StageTime> stages;
 };
 
-/// What came back, one entry per beam in every array (beam = channel * columns + column). A miss is NaN in `points`
+/// What came back, one entry per return in every array (beam = channel * columns + column). A miss is NaN in `points`
 /// and `ranges` and kNoTriangle in `triangles` and `instances`.
 struct Scan {
   std::string sensor;
@@ -70,11 +122,20 @@ struct Scan {
   /// Only from the reference: the range error that single precision may show on this beam, in metres.
   std::vector<float> tolerances;
 
+  /// Returns per beam: entry beam * returns + k of every array is the beam's k-th, in order of range.
+  uint32_t returns = 1;
+
+  /// Only if their fields were asked for, one entry (or three: x, y, z; or two: u, v) per return; NaN or 0 for none.
+  std::vector<float> intensities, trueRanges, widths, normals, incidences, barycentrics, velocities, radialSpeeds;
+  std::vector<uint32_t> materials;  ///< index into Scene::materials, kNoTriangle for none
+  std::vector<uint8_t> labels;      ///< Label
+  std::vector<uint8_t> causes;      ///< Cause, per beam
+
   Counters counters;
   Timings timings;
 
-  size_t beamCount() const { return ranges.size(); }
-  bool hit(size_t beam) const { return triangles[beam] != kNoTriangle; }
+  size_t beamCount() const { return ranges.size() / returns; }
+  bool hit(size_t entry) const { return triangles[entry] != kNoTriangle; }
 };
 
 }  // namespace gnosphere

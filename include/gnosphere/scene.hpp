@@ -30,6 +30,16 @@ Vec3 operator*(const Transform& a, const Vec3& p);
 
 enum class AlphaMode { opaque, mask, blend };
 
+inline constexpr uint32_t kNoImage = 0xffffffffu;
+
+/// One channel of a texture; row 0 is at v = 0. Outside 0..1 it repeats, is mirrored or keeps its border.
+struct AlphaImage {
+  enum class Wrap : uint8_t { repeat, mirror, clamp };
+  uint32_t width = 0, height = 0;
+  std::vector<uint8_t> alpha;  ///< width * height
+  Wrap wrapU = Wrap::repeat, wrapV = Wrap::repeat;
+};
+
 /// Surface properties, glTF metallic-roughness vocabulary. Linear colour; factors in 0..1.
 struct Material {
   std::string name;
@@ -39,6 +49,9 @@ struct Material {
   float transmission = 0;
   AlphaMode alphaMode = AlphaMode::opaque;
   float alphaCutoff = 0.5f;
+  uint32_t alphaImage = kNoImage;  ///< index into Scene::alphaImages: alpha of the base colour's texture
+  /// Retro-reflection: gain over a Lambertian of reflectance 1; 0: none. No file format of ours states it.
+  float retro = 0;
   /// Both faces reflect. glTF states it per material; formats that do not are read as double-sided.
   bool doubleSided = true;
 };
@@ -57,6 +70,7 @@ struct Mesh {
   Vec3 origin;
   std::vector<float> positions;   ///< 3 per vertex, metres
   std::vector<uint32_t> indices;  ///< 3 per triangle, counter-clockwise seen from the front
+  std::vector<float> uvs;         ///< 2 per vertex; empty where no material of the mesh has a texture that matters
   std::vector<MeshPart> parts;    ///< in order, covering every triangle
 
   size_t vertexCount() const { return positions.size() / 3; }
@@ -68,11 +82,13 @@ struct Instance {
   std::string name;
   uint32_t mesh = 0;  ///< index into Scene::meshes
   Transform transform;
+  uint16_t classId = 0;  ///< semantic class, of the user's own numbering; goes out as a field
 };
 
 /// What is there to be seen. Plain data: build it by hand or with loadScene().
 struct Scene {
   std::vector<Material> materials;
+  std::vector<AlphaImage> alphaImages;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
 

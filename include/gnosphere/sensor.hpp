@@ -14,6 +14,9 @@ namespace gnosphere {
 struct Channel {
   double elevationDeg = 0;      ///< above the horizon, -90..90
   double azimuthOffsetDeg = 0;  ///< added to the column's azimuth
+  /// Where the laser leaves the head, metres: x forward along the beam's azimuth, y left, z up.
+  Vec3 origin;
+  double timeOffset = 0;  ///< seconds after its column's time
 };
 
 /// A grid of beams that all leave the sensor's origin. Column i of channel j points at elevation `elevationDeg[j]` and
@@ -25,6 +28,10 @@ struct Sensor {
   std::vector<Channel> channels;
   double rangeMin = 0;  ///< metres; a hit counts if rangeMin <= range <= rangeMax
   double rangeMax = 0;  ///< metres
+  /// Full angles of a beam's elliptical footprint, radians (1/e^2 where its profile is gaussian); 0: a line.
+  double divergenceHorizontal = 0, divergenceVertical = 0;
+  uint32_t maxReturns = 1;    ///< echoes that the sensor reports per beam, 1..5
+  double rotationPeriod = 0;  ///< seconds: column i fires at i / columns of it; 0: all beams fire at once
 
   size_t beamCount() const { return size_t{columns} * channels.size(); }
   /// Unit vector of a beam in the sensor's frame.

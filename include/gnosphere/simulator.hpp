@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "gnosphere/effects.hpp"
+#include "gnosphere/plan.hpp"
 #include "gnosphere/scan.hpp"
 #include "gnosphere/scene.hpp"
 #include "gnosphere/sensor.hpp"
@@ -95,6 +97,12 @@ struct SimulatorOptions {
   /// Folder where compiled pipelines are kept; empty: gnosphere in $XDG_CACHE_HOME or ~/.cache; "off": nowhere. Where
   /// it cannot be read or written they are compiled each time.
   std::string cache;
+  /// What is simulated beside geometry.
+  Effects effects;
+  MaterialTable materials;  ///< reflectances by name, over what the scene says
+  /// What a scan holds beyond points, ranges and owners. Of no effect: x y z range ring beam triangle instance tie
+  /// tolerance time azimuth elevation return numbers and classId, which need nothing from the device.
+  std::vector<Field> fields;
   bool float64 = true;  ///< off: as on a device without double precision; the answer is the same
 };
 
@@ -120,10 +128,30 @@ struct MemoryUse {
   uint64_t work = 0;    ///< words, results and lists of the stages
 };
 
+/// How the sensor moves during a scan: poses at times after its start, interpolated (linear and slerp) and held before
+/// the first and after the last.
+struct SensorMotion {
+  struct Stamp {
+    double time = 0;  ///< seconds after the start of the scan, ascending
+    Pose pose;
+  };
+  std::vector<Stamp> stamps;  ///< none: it stands still
+};
+
+/// Where an instance is when the scan ends, rotationPeriod after it starts from its own transform; corners move in
+/// straight lines between.
+struct InstanceMotion {
+  size_t instance = 0;
+  Transform end;
+};
+
 /// One scan of a run.
 struct Shot {
-  Pose pose;
+  Pose pose;  ///< of the whole scan, or what points are reported from where the sensor moves and `deskew` is set
   size_t sensor = 0;
+  uint64_t frame = 0;  ///< keys the random numbers
+  SensorMotion motion;
+  std::vector<InstanceMotion> instanceMotions;
 };
 
 class Backend;
@@ -158,6 +186,8 @@ class Simulator {
   /// New places for the vertices of a mesh, as many as it has: metres, relative to its origin. The triangles stay.
   void setPositions(size_t mesh, std::span<const float> positions);
 
+  /// What a scan of the sensor is made of.
+  Plan plan(size_t sensor = 0) const;
   const DeviceInfo& device() const;
   MemoryUse memory() const;
   size_t clusterCount() const;  ///< of the flattened scene; 0 on the reference

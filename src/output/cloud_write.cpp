@@ -45,8 +45,7 @@ size_t entries(const Scan& scan, Field field) {
     case Field::instance: return scan.instances.size();
     case Field::tie: return scan.ties.size();
     case Field::tolerance: return scan.tolerances.size();
-    case Field::ring:
-    case Field::beam: break;
+    default: break;
   }
   return scan.beamCount();
 }
@@ -96,6 +95,7 @@ void withField(const Scan& scan, Field field, Use use) {
     case Field::instance: return use([&](size_t b) { return scan.instances[b]; });
     case Field::tie: return use([&](size_t b) { return scan.ties[b]; });
     case Field::tolerance: return use([&](size_t b) { return scan.tolerances[b]; });
+    default: break;
   }
 }
 
