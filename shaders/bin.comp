@@ -144,12 +144,13 @@ void tryTile(uint t) {
       for (uint r = 0; r < rowCount; r += height) {
         uint row = r + (lane >> shift);
         vec2 mine = subgroupShuffle(angles, row & (gl_SubgroupSize - 1));
-        if (k >= end || row >= rowCount) continue;
-        if (AZIMUTH_OFFSETS) {
+        // Not a continue: every lane must come to the next shuffle.
+        bool here = k < end && row < rowCount;
+        if (here && AZIMUTH_OFFSETS) {
           uint index;
           Beam beam = beamAt(box, k, rowBase + row, index);
           tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, tile.x);
-        } else {
+        } else if (here) {
           tryBeam(triangle, prepared, turned, beamOf(azimuth, mine.x, mine.y),
                   (rowBase + row) * frame.columns + column, tile.x);
         }

@@ -5,7 +5,7 @@ layout(push_constant) uniform PassBlock { Pass pass; };
 
 // The box of a group or cluster in the sensor's frame: centre and half extents of the turned box, a little widened.
 void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out vec3 high) {
-  vec3 pivot = vec3(instance.row0.w, instance.row1.w, instance.row2.w);
+  vec3 pivot = pivotOf(instance);
   vec3 offset = instance.offset.xyz;
   vec3 middle = 0.5 * (minimum - pivot) + 0.5 * (maximum - pivot);
   vec3 extent = 0.5 * (maximum - minimum);
@@ -23,7 +23,6 @@ void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out 
   high = centre + size + slack;
 }
 
-float nearestPoint(vec3 low, vec3 high) { return length(max(max(low, -high), vec3(0.0))) * 0.999999; }
 float farthestPoint(vec3 low, vec3 high) { return length(max(abs(low), abs(high))) * 1.000001; }
 
 // Rows first..end - 1 of which a beam may meet the box, and columns from..to, which wrap.

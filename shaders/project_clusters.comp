@@ -10,6 +10,7 @@
 #include "bindings.glsl"
 #include "sphere.glsl"
 #include "cull.glsl"
+#include "lanes.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -22,10 +23,7 @@ void loadGroup(uint i, out uvec2 pair, out Instance instance, out uint first, ou
     run = vec2(groups[pair.y].low.w, groups[pair.y].high.w);
   }
   pair = subgroupBroadcastFirst(pair);
-  instance.row0 = subgroupBroadcastFirst(instance.row0);
-  instance.row1 = subgroupBroadcastFirst(instance.row1);
-  instance.row2 = subgroupBroadcastFirst(instance.row2);
-  instance.offset = subgroupBroadcastFirst(instance.offset);
+  instance = fromFirstLane(instance);
   run = subgroupBroadcastFirst(run);
   first = floatBitsToUint(run.x);
   count = floatBitsToUint(run.y);
@@ -46,7 +44,7 @@ bool keepsShape(Instance instance, vec3 distance) {
 bool showsItsBack(Instance instance, Cluster cluster) {
   bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && (floatBitsToUint(cluster.high.w) >> 31) == 0);
   if ((CULLING & kCullCones) == 0 || !oneSided) return false;
-  vec3 eye = vec3(instance.row0.w, instance.row1.w, instance.row2.w);
+  vec3 eye = pivotOf(instance);
   vec3 towards = 0.5 * (cluster.low.xyz - eye) + 0.5 * (cluster.high.xyz - eye);
   float radius = 0.5 * length(cluster.high.xyz - cluster.low.xyz), distance = length(towards);
   vec2 cone = unpackHalf2x16(floatBitsToUint(cluster.cone.w));
@@ -77,7 +75,7 @@ void main() {
       uvec4 ballot = subgroupBallot(keep);
       uint slot = 0;
       if (subgroupElect()) slot = atomicAdd(counters.visible, subgroupBallotBitCount(ballot));
-      slot = subgroupBroadcastFirst(slot) + subgroupBallotExclusiveBitCount(ballot);
+      slot = slotAfter(slot, ballot);
       if (keep) visible[slot] = uvec2(pair.x, cluster);
     }
   }

@@ -10,6 +10,7 @@
 #include "bindings.glsl"
 #include "sphere.glsl"
 #include "cull.glsl"
+#include "lanes.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -33,7 +34,7 @@ void main() {
     uvec4 ballot = subgroupBallot(keep);
     uint slot = 0;
     if (subgroupElect()) slot = atomicAdd(counters.visibleGroups, subgroupBallotBitCount(ballot));
-    slot = subgroupBroadcastFirst(slot) + subgroupBallotExclusiveBitCount(ballot);
+    slot = slotAfter(slot, ballot);
     if (keep) visibleGroups[slot] = pair;
   }
 }

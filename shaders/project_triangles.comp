@@ -13,6 +13,7 @@
 #include "sphere.glsl"
 #include "bounds.glsl"
 #include "lattice.glsl"
+#include "lanes.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -25,32 +26,21 @@ struct Projected {
 
 // Where a cluster is: its instance and itself, loaded by one lane for all of them.
 struct Place {
-  mat3x4 rows;  // xyz: linear part, w: pivot
-  vec3 offset;
-  uint placedFirst;  // of the instance
-  bool mirrored;
+  Instance instance;
   uint vertexFirst, triangleFirst, triangleCount;
   bool doubleSided;
 };
 
 Place placeOf(uint i) {
-  vec4 row0, row1, row2, offset;
+  Place place;
   float vertexFirst, packed;
   if (subgroupElect()) {
     uvec2 pair = visible[i];
-    row0 = instances[pair.x].row0;
-    row1 = instances[pair.x].row1;
-    row2 = instances[pair.x].row2;
-    offset = instances[pair.x].offset;
+    place.instance = instances[pair.x];
     vertexFirst = clusters[pair.y].low.w;
     packed = clusters[pair.y].high.w;
   }
-  Place place;
-  place.rows = mat3x4(subgroupBroadcastFirst(row0), subgroupBroadcastFirst(row1), subgroupBroadcastFirst(row2));
-  offset = subgroupBroadcastFirst(offset);
-  place.offset = offset.xyz;
-  place.placedFirst = floatBitsToUint(offset.w) & 0x7fffffffu;
-  place.mirrored = (floatBitsToUint(offset.w) >> 31) != 0;
+  place.instance = fromFirstLane(place.instance);
   place.vertexFirst = floatBitsToUint(subgroupBroadcastFirst(vertexFirst));
   uint word = floatBitsToUint(subgroupBroadcastFirst(packed));
   place.triangleFirst = word & (kChunkTriangles - 1);
@@ -59,11 +49,15 @@ Place placeOf(uint i) {
   return place;
 }
 
+uint placedFirstOf(Instance instance) { return floatBitsToUint(instance.offset.w) & 0x7fffffffu; }
+bool mirrors(Instance instance) { return (floatBitsToUint(instance.offset.w) >> 31) != 0; }
+
 vec3 toSensor(Place place, uint vertex) {
-  precise vec3 d = positions[place.vertexFirst + vertex] - vec3(place.rows[0].w, place.rows[1].w, place.rows[2].w);
-  precise vec3 p = vec3(place.rows[0].x * d.x + place.rows[0].y * d.y + place.rows[0].z * d.z + place.offset.x,
-                        place.rows[1].x * d.x + place.rows[1].y * d.y + place.rows[1].z * d.z + place.offset.y,
-                        place.rows[2].x * d.x + place.rows[2].y * d.y + place.rows[2].z * d.z + place.offset.z);
+  Instance to = place.instance;
+  precise vec3 d = positions[place.vertexFirst + vertex] - pivotOf(to);
+  precise vec3 p = vec3(to.row0.x * d.x + to.row0.y * d.y + to.row0.z * d.z + to.offset.x,
+                        to.row1.x * d.x + to.row1.y * d.y + to.row1.z * d.z + to.offset.y,
+                        to.row2.x * d.x + to.row2.y * d.y + to.row2.z * d.z + to.offset.z);
   return p;
 }
 
@@ -71,12 +65,6 @@ vec3 toSensor(Place place, uint vertex) {
 bool inLimits(vec3 p) {
   uvec3 magnitude = floatBitsToUint(p) & 0x7fffffffu;
   return all(lessThanEqual(magnitude, uvec3(floatBitsToUint(kCoordinateLimit))));
-}
-
-// A lower bound of the distance to the triangle: the distance to its box.
-float nearestDistance(vec3 a, vec3 b, vec3 c) {
-  vec3 nearest = max(max(min(min(a, b), c), -max(max(a, b), c)), vec3(0.0));
-  return length(nearest) * 0.999999;
 }
 
 // Only where rounding cannot have changed the side; the inside test decides the rest beam by beam.
@@ -92,7 +80,7 @@ bool outOfRange(vec3 a, float rangeMin) {
 }
 
 uint boundedBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {
-  rangeMin = nearestDistance(a, b, c);
+  rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
   if (outOfRange(a, rangeMin)) return kRange;
   if (oneSided && facesAway(a, b, c)) return kFace;
   Outline outline = outlineOf(a, b, c);
@@ -120,16 +108,17 @@ uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rang
 // The k-th triangle of a cluster, with the corners of a mirroring instance swapped back to their winding.
 uint projectOne(Place place, uint k, out Projected projected, out Box box) {
   uvec2 triangle = triangleCorners[place.triangleFirst + k];
+  bool mirrored = mirrors(place.instance);
   vec3 a = toSensor(place, triangle.x & 0xff);
-  vec3 b = toSensor(place, triangle.x >> (place.mirrored ? 16 : 8) & 0xff);
-  vec3 c = toSensor(place, triangle.x >> (place.mirrored ? 8 : 16) & 0xff);
+  vec3 b = toSensor(place, triangle.x >> (mirrored ? 16 : 8) & 0xff);
+  vec3 c = toSensor(place, triangle.x >> (mirrored ? 8 : 16) & 0xff);
   if (INSIDE == kInsideExact) {
     a = snapToLattice(a);
     b = snapToLattice(b);
     c = snapToLattice(c);
   }
   bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && !place.doubleSided);
-  uint id = place.placedFirst + triangle.y | (oneSided ? 1u << 31 : 0u);
+  uint id = placedFirstOf(place.instance) + triangle.y | (oneSided ? 1u << 31 : 0u);
   if (!(inLimits(a) && inLimits(b) && inLimits(c))) return kNonFinite;
   float rangeMin;
   uint fate = BOUNDS == kBoundsPaper ? paperBox(a, b, c, oneSided, box, rangeMin)
@@ -157,17 +146,14 @@ void storeTiles(uint slot, Box box) {
     tiles[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
 }
 
-// The slot of a lane whose bit is set, from `base` on.
-uint slotsAfter(uint base, uvec4 ballot) { return subgroupBroadcastFirst(base) + subgroupBallotExclusiveBitCount(ballot); }
-
 void storeKept(bool keep, Projected projected, Box box) {
   bool small = boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
   uvec4 smallOnes = subgroupBallot(keep && small), largeOnes = subgroupBallot(keep && !small);
   uint base = 0;
   if (subgroupElect()) base = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));
-  uint slot = slotsAfter(base, smallOnes);
+  uint slot = slotAfter(base, smallOnes);
   if (subgroupElect()) base = atomicAdd(counters.projectedLarge, subgroupBallotBitCount(largeOnes));
-  uint largeSlot = frame.projectedCapacity - 1 - slotsAfter(base, largeOnes);
+  uint largeSlot = frame.projectedCapacity - 1 - slotAfter(base, largeOnes);
   if (!small) slot = largeSlot;
   if (keep && slot < frame.projectedCapacity) {
     store(slot, projected, box);
