@@ -6,6 +6,12 @@
 #define CHUNK(binding_, type_, name_) \
   layout(std430, set = 1, binding = binding_) readonly buffer name_##Block { type_ name_[]; }
 
+#ifdef RESULTS_ARE_READ
+#define RESULTS
+#else
+#define RESULTS writeonly
+#endif
+
 layout(std430, set = 0, binding = kBindFrame) readonly buffer FrameBlock { Frame frame; };
 layout(std430, set = 0, binding = kBindCounters) coherent buffer CountersBlock { Counters counters; };
 WORK(kBindInstances, readonly, Instance, instances);
@@ -28,8 +34,8 @@ WORK(kBindWords, coherent, uvec2, words);          // triangle, range bits (a li
 WORK(kBindListEnds, coherent, uint, listEnds);     // counts, then starts, then ends of the beam's candidates
 WORK(kBindBlockSums, , uint, blockSums);
 WORK(kBindCandidates, , uint, candidates);         // indices of projected triangles
-WORK(kBindPoints, writeonly, vec4, points);        // x, y, z, range
-WORK(kBindOwners, writeonly, uvec2, owners);       // triangle within its mesh, instance
+WORK(kBindPoints, RESULTS, vec4, points);        // x, y, z, range
+WORK(kBindOwners, RESULTS, uvec2, owners);       // triangle within its mesh, instance
 WORK(kBindPlaced, readonly, uvec2, placed);        // instance, group; chunk by chunk
 WORK(kBindOwnerRanges, readonly, uvec2, ownerRanges);  // per block of placed triangles: first and last instance in it
 CHUNK(kBindGroups, Group, groups);

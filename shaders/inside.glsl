@@ -15,6 +15,7 @@ float farthestOf(uint index);
 #include "inside_plain.glsl"
 #include "inside_watertight.glsl"
 #include "inside_exact.glsl"
+#include "beam.glsl"
 
 Triangle triangleOf(vec4 a, vec4 b, vec4 c) {
   uint id = floatBitsToUint(a.w);
@@ -22,26 +23,6 @@ Triangle triangleOf(vec4 a, vec4 b, vec4 c) {
 }
 
 Triangle loadProjected(uint i) { return triangleOf(projectedA[i], projectedB[i], projectedC[i]); }
-
-// A beam: cos and sin of azimuth and elevation, and the direction they make.
-struct Beam {
-  vec2 azimuth;
-  float cosElevation, sinElevation;
-  vec3 direction;
-};
-
-// The azimuth of a column as a channel with its own offset has it.
-vec2 shiftedAzimuth(vec2 column, vec4 offset) {
-  precise float c = column.x * offset.x - column.y * offset.y;
-  precise float s = column.y * offset.x + column.x * offset.y;
-  return INSIDE == kInsideExact ? snapToLattice(vec3(c, s, 0.0)).xy : vec2(c, s);
-}
-
-// The same operations wherever a beam is asked for, so every triangle sees the same beam.
-Beam beamOf(vec2 azimuth, float cosElevation, float sinElevation) {
-  precise vec2 horizontal = cosElevation * azimuth;
-  return Beam(azimuth, cosElevation, sinElevation, vec3(horizontal, sinElevation));
-}
 
 // What the tests need of a triangle whatever the beam; what a pipeline does not use, it does not compute.
 struct Prepared {

@@ -9,6 +9,7 @@
 #include "options.glsl"
 #include "bindings.glsl"
 #include "sphere.glsl"
+#include "place.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
 

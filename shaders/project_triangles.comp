@@ -14,6 +14,7 @@
 #include "bounds.glsl"
 #include "lattice.glsl"
 #include "lanes.glsl"
+#include "place.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -49,17 +50,7 @@ Place placeOf(uint i) {
   return place;
 }
 
-uint placedFirstOf(Instance instance) { return floatBitsToUint(instance.offset.w) & 0x7fffffffu; }
-bool mirrors(Instance instance) { return (floatBitsToUint(instance.offset.w) >> 31) != 0; }
-
-vec3 toSensor(Place place, uint vertex) {
-  Instance to = place.instance;
-  precise vec3 d = positions[place.vertexFirst + vertex] - pivotOf(to);
-  precise vec3 p = vec3(to.row0.x * d.x + to.row0.y * d.y + to.row0.z * d.z + to.offset.x,
-                        to.row1.x * d.x + to.row1.y * d.y + to.row1.z * d.z + to.offset.y,
-                        to.row2.x * d.x + to.row2.y * d.y + to.row2.z * d.z + to.offset.z);
-  return p;
-}
+vec3 toSensor(Place place, uint vertex) { return toSensor(place.instance, positions[place.vertexFirst + vertex]); }
 
 // By bits: the compiler may assume that NaN does not occur.
 bool inLimits(vec3 p) {

@@ -57,6 +57,8 @@ GNO_CONST uint kMaxLookups = 16;
 GNO_CONST uint kResolveColumns = 1024;
 // Placed triangles that share an entry of the table of owners.
 GNO_CONST uint kOwnerBlock = 256;
+// What may become of a beam, see Cause.
+GNO_CONST uint kCauses = 6;
 // Blocks of the prefix sum over beams.
 GNO_CONST uint kScanBlock = 1024;
 
@@ -128,12 +130,40 @@ GNO_CONST uint kBindOwners = 19;
 GNO_CONST uint kBindPlaced = 20;
 GNO_CONST uint kBindOwnerRanges = 21;
 GNO_CONST uint kWorkBindingCount = 22;
+// Set 0 goes on where effects are planned:
+GNO_CONST uint kBindParameters = 22;
+GNO_CONST uint kBindOptics = 23;
+GNO_CONST uint kBindDeadBeams = 24;
+GNO_CONST uint kBindVolumes = 25;
+GNO_CONST uint kBindSurfaces = 26;
+GNO_CONST uint kBindSignals = 27;
+GNO_CONST uint kBindMotions = 28;
+GNO_CONST uint kBindBarycentrics = 29;
+GNO_CONST uint kBindInstanceMeshes = 30;
+GNO_CONST uint kBindInstanceMotions = 31;
+GNO_CONST uint kBindColumnMotions = 32;
+GNO_CONST uint kBindSubRays = 33;
+GNO_CONST uint kBindEchoes = 34;
+GNO_CONST uint kBindEchoOwners = 35;
+GNO_CONST uint kBindProjectedMaterials = 36;
+GNO_CONST uint kBindProjectedMotions = 37;
+GNO_CONST uint kBindAlphaImages = 38;
+GNO_CONST uint kBindTexels = 39;
+GNO_CONST uint kBindEchoCounts = 40;
+GNO_CONST uint kBindEchoSurfaces = 41;
+GNO_CONST uint kWorkBindingCountEffects = 42;
 // Set 1: one chunk of the scene.
 GNO_CONST uint kBindGroups = 0;
 GNO_CONST uint kBindClusters = 1;
 GNO_CONST uint kBindPositions = 2;
 GNO_CONST uint kBindTriangleCorners = 3;
 GNO_CONST uint kSceneBindingCount = 4;
+// Set 1 goes on where effects look at surfaces:
+GNO_CONST uint kBindClusterMaterials = 4;
+GNO_CONST uint kBindMeshPlaces = 5;
+GNO_CONST uint kBindTrianglePlaces = 6;
+GNO_CONST uint kBindTextureCoordinates = 7;
+GNO_CONST uint kSceneBindingCountEffects = 8;
 
 // --- Structs ---------------------------------------------------------------------------------------------------------
 
@@ -192,21 +222,37 @@ struct Counters {
   uint nonFinite, culledByRange, culledByFace, culledBetweenBeams;
   uint integerSides, integerRanges;  // of `exact`: tests that floating point could not decide
   uint visibleGroups, visible;       // of a chunk in a shell; set back for the next
+  uint causes[8];                    // beams by Cause, where effects judge them; two spare
 };
 
-// Push constants of `project`: a chunk of the scene and a shell, which is what lies at distances shellMin..shellMax.
+// Push constants of `project` and `effects`: a chunk of the scene and a shell, which is what lies at distances shellMin..shellMax.
 struct Pass {
   uint placedFirst;  // its (instance, group) pairs among all
   uint placedCount;
   float shellMin, shellMax;
-  uint occluders;  // 1 if the farthest-range table holds something
-  uint padding0, padding1, padding2;
+  uint occluders;        // 1 if the farthest-range table holds something
+  uint instanceMotions;  // 1 if that array holds something
+  uint columnMotions;    // 1 if that array holds something
+  uint padding0;
+};
+
+// The velocity of an instance's points, m/s in the sensor's axes: rows * (point, 1).
+struct InstanceMotion {
+  vec4 row0, row1, row2;
+};
+
+// The sensor when a column fires: the column's frame = rows * (sensor frame, 1); its velocity, m/s in those axes, in w
+// the seconds since the scan's pose.
+struct ColumnMotion {
+  vec4 row0, row1, row2;
+  vec4 velocity;
 };
 
 #ifdef __cplusplus
+static_assert(sizeof(InstanceMotion) == 48 && sizeof(ColumnMotion) == 64);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 64 &&
               sizeof(Row) == 32);
-static_assert(sizeof(Counters) == 64 && sizeof(Pass) == 32);
+static_assert(sizeof(Counters) == 96 && sizeof(Pass) == 32);
 }  // namespace gnosphere::gpu
 #endif
 #endif

@@ -33,9 +33,6 @@ float azimuthOf(float y, float x) {
 // Of a box: a lower bound of its distance.
 float nearestPoint(vec3 low, vec3 high) { return length(max(max(low, -high), vec3(0.0))) * 0.999999; }
 
-// Where the sensor is in the mesh frame, as a float.
-vec3 pivotOf(Instance instance) { return vec3(instance.row0.w, instance.row1.w, instance.row2.w); }
-
 uint lookupCell(float key) {
   return uint(clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1)));
 }

@@ -20,6 +20,7 @@ class Backend {
   virtual void setInstance(size_t index, uint32_t mesh, const Transform& transform) = 0;
   /// As many as the mesh has.
   virtual void setPositions(size_t mesh, std::span<const float> positions) = 0;
+  virtual Plan plan(size_t sensor) const = 0;
   virtual const DeviceInfo& device() const = 0;
   virtual MemoryUse memory() const = 0;
   virtual size_t clusterCount() const = 0;

@@ -53,16 +53,16 @@ class MeshFlattener {
     std::vector<uint32_t> sorted(triangles.size());
     for (size_t i = 0; i < triangles.size(); ++i) sorted[place[i]] = triangles[i];
     sorted.insert(sorted.end(), others.begin(), others.end());
-    const bool doubleSided = materials_[part.material].doubleSided;
     for (size_t first = 0; first < sorted.size(); first += gpu::kClusterTriangles)
-      addCluster(&sorted[first], std::min<size_t>(gpu::kClusterTriangles, sorted.size() - first), doubleSided);
+      addCluster(&sorted[first], std::min<size_t>(gpu::kClusterTriangles, sorted.size() - first), part.material);
   }
 
-  void addCluster(const uint32_t* triangles, size_t count, bool doubleSided) {
+  void addCluster(const uint32_t* triangles, size_t count, uint32_t material) {
     FlatCluster cluster;
     cluster.firstVertex = flat_.positions.size() / 3;
     cluster.firstTriangle = flat_.triangles.size();
-    cluster.doubleSided = doubleSided;
+    cluster.doubleSided = materials_[material].doubleSided;
+    cluster.material = material;
     const uint32_t stamp = static_cast<uint32_t>(flat_.clusters.size()) + 1;
     uint32_t vertexCount = 0;
     for (size_t i = 0; i < count; ++i) {

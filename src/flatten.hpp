@@ -25,6 +25,7 @@ struct FlatCluster {
   size_t firstVertex = 0, firstTriangle = 0;
   uint32_t triangleCount = 0;  ///< usable ones; others may follow them
   bool doubleSided = true;
+  uint32_t material = 0;  ///< index into Scene::materials
   Cone cone;
 };
 

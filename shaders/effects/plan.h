@@ -30,8 +30,20 @@ GNO_CONST uint kEffectCount = 17;
 
 // A beam may meet more than one surface that counts: its hits are gathered as lists, sub-ray by sub-ray.
 GNO_CONST uint kFootprintEffects = kDivergence | kReturns | kTransmission | kCutOuts;
+// What makes or breaks a return: judged beam by beam.
+GNO_CONST uint kSignalEffects = kIntensity | kDetection | kDropOut | kRangeNoise | kAngleNoise | kIntensityNoise |
+                                kFootprintEffects | kFog | kRain | kSnow | kVolumes;
 // What fills the air.
 GNO_CONST uint kMediumEffects = kFog | kRain | kSnow | kVolumes;
+
+// What a scan holds beyond points, ranges and owners: bits of the specialisation constant FIELDS.
+GNO_CONST uint kFieldSignal = 1;        // intensity, true range, width, label, cause
+GNO_CONST uint kFieldSurface = 2;       // normal, incidence, material
+GNO_CONST uint kFieldMotion = 4;        // velocity, radial speed
+GNO_CONST uint kFieldBarycentrics = 8;  // of the hit within its triangle
+
+// What the pass over surfaces is for: fields, and intensity, which looks at the angle and the material.
+GNO_CONST uint kSurfaceFields = kFieldSurface | kFieldBarycentrics;
 
 #ifdef __cplusplus
 }  // namespace gnosphere::gpu

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans on a Vulkan device: project, bin, resolve, in one submission each.
+// Scans on a Vulkan device: project, bin, resolve and effects, in one submission each.
 #include "backend.hpp"
 
 #include <algorithm>
 #include <chrono>
-#include <cstddef>
 #include <deque>
-#include <thread>
 
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
+#include "vulkan/results.hpp"
 #include "vulkan/sensor_parts.hpp"
 #include "vulkan/stages.hpp"
 
@@ -19,33 +18,37 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A copy of fewer beams is not worth a thread.
-constexpr uint64_t kBeamsPerThread = 500'000;
-
-// work(first, end) for slices of 0..count, all at once.
-template <typename Work>
-void inSlices(uint64_t count, const Work& work) {
-  const uint64_t threads =
-      std::clamp<uint64_t>(count / kBeamsPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
-  std::vector<std::jthread> others;
-  for (uint64_t k = 1; k < threads; ++k) others.emplace_back(work, k * count / threads, (k + 1) * count / threads);
-  work(0, count / threads);
+std::vector<EffectsSetup> setUp(const Scene& scene, const std::vector<Sensor>& sensors,
+                                const SimulatorOptions& options) {
+  const std::vector<Optics> optics = opticsOf(scene, options.materials, options.effects.intensity.wavelength);
+  std::vector<EffectsSetup> result;
+  for (const Sensor& sensor : sensors)
+    result.push_back({planEffects(options, sensor, scene), options.effects, optics, sensor,
+                      static_cast<uint32_t>(result.size())});
+  return result;
 }
 
 class VulkanBackend final : public Backend {
  public:
   VulkanBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-      : device_(options.device, options.validation, options.maxBufferBytes),
+      : setups_(setUp(scene, sensors, options)),
+        device_(options.device, options.validation, options.maxBufferBytes),
         cache_(device_, options.cache),
-        geometry_(device_, scene),
-        cut_(cutToFit(sensors, device_)),
+        geometry_(device_, scene, any(&PlannedEffects::surfaces)),
+        cut_(cutToFit(setups_, device_)),
         layout_(device_, cache_.handle(),
-                static_cast<uint32_t>(kFramesInFlight * cut_.parts.size() + geometry_.chunks().size())),
-        way_(chooseWay(options, device_.capabilities().int64Atomics)),
-        stages_(device_, geometry_, layout_, way_),
-        stills_(sensors.size(), StillImage(keepsStill(options, way_))) {
+                static_cast<uint32_t>(kFramesInFlight * cut_.parts.size() + geometry_.chunks().size()),
+                !std::all_of(setups_.begin(), setups_.end(), [](const auto& setup) { return setup.planned.bare(); })),
+        stages_(device_, geometry_, layout_) {
     parts_.reserve(cut_.parts.size());
-    for (const Sensor& part : cut_.parts) parts_.emplace_back(device_, layout_, geometry_, part, options, way_, parts_);
+    for (size_t sensor = 0; sensor < setups_.size(); ++sensor) {
+      const PlannedEffects& planned = setups_[sensor].planned;
+      const uint32_t way = chooseWay(options, device_.capabilities().int64Atomics, planned);
+      stills_.emplace_back(keepsStill(options, way, planned));
+      for (size_t part = cut_.firsts[sensor]; part < cut_.firsts[sensor + 1]; ++part)
+        parts_.emplace_back(device_, layout_, geometry_, cut_.parts[part], options, way, setups_[sensor],
+                            cut_.firstBeams[part], parts_);
+    }
     cache_.save();
     slotOf(0);
     device_.throwOnMessages();
@@ -70,6 +73,18 @@ class VulkanBackend final : public Backend {
   void setPositions(size_t mesh, std::span<const float> positions) override {
     waitForAll();
     geometry_.setPositions(mesh, positions);
+  }
+
+  Plan plan(size_t sensor) const override {
+    const PlannedEffects& planned = setups_[sensor].planned;
+    Plan plan;
+    plan.effects = planned.decisions;
+    plan.returns = planned.returns;
+    const SensorState& part = parts_[cut_.firsts[sensor]];
+    plan.binning = part.way() == gpu::kWayLists ? "lists" : part.way() == gpu::kWayNearest ? "nearest" : "nearest32";
+    part.describe(plan);
+    stages_.count(plan, part);
+    return plan;
   }
 
   const DeviceInfo& device() const override { return device_.capabilities().info; }
@@ -97,6 +112,10 @@ class VulkanBackend final : public Backend {
   Slot& slotOf(size_t i) {
     while (slots_.size() <= i % kFramesInFlight) slots_.emplace_back(device_, layout_, cut_.maxCount());
     return slots_[i % kFramesInFlight];
+  }
+
+  bool any(bool (PlannedEffects::*asks)() const) const {
+    return std::any_of(setups_.begin(), setups_.end(), [&](const auto& setup) { return (setup.planned.*asks)(); });
   }
 
   std::span<SensorState> partsOf(size_t sensor) {
@@ -146,7 +165,7 @@ class VulkanBackend final : public Backend {
     }
     commands.begin();
     for (SensorState& part : parts) {
-      const FrameInFlight& frame = part.prepare(index, geometry_.instances().count(), slot.placed, visible_);
+      const FrameInFlight& frame = part.prepare(index, shot, geometry_.instances().count(), slot.placed, visible_);
       commands.bindSet(0, frame.set);
       stages_.record(commands, part, slot.placed, use);
       readBack(commands, part, frame);
@@ -160,7 +179,7 @@ class VulkanBackend final : public Backend {
   void finish(std::span<const Shot> shots, size_t i, Scan& result) {
     Slot& slot = slotOf(i);
     const std::span<SensorState> parts = partsOf(shots[i].sensor);
-    clearResult(parts, result);
+    clearResult(parts, geometry_.instances(), result);
     if (const size_t index = i % kFramesInFlight; parts[0].frame().beams > 0) {
       slot.commands.wait();
       while (cutShort(parts, index)) {
@@ -173,7 +192,7 @@ class VulkanBackend final : public Backend {
       slot.commands.readTimings(result.timings);
       uint64_t firstBeam = 0;
       for (const SensorState& part : parts) {
-        readResults(part, part.inFlight(index), firstBeam, result);
+        readResults(part, part.inFlight(index), geometry_.instances(), firstBeam, result);
         firstBeam += part.frame().beams;
       }
       result.counters.reused = slot.reused;
@@ -184,75 +203,18 @@ class VulkanBackend final : public Backend {
 
   void readBack(Commands& commands, const SensorState& state, const FrameInFlight& frame) const {
     if (!state.readsInPlace())
-      for (size_t i = 0; i < std::size(kOutputs); ++i)
-        commands.copy(state.buffer(kOutputs[i].binding), frame.results[i]);
+      for (size_t i = 0; i < state.outputs().size(); ++i)
+        commands.copy(state.buffer(state.outputs()[i].binding), frame.results[i]);
     commands.copy(state.buffer(gpu::kBindCounters), frame.results.back());
     commands.barrier();
   }
 
-  // What does not come from the device. Arrays keep their room.
-  void clearResult(std::span<const SensorState> parts, Scan& scan) const {
-    size_t beams = 0;
-    for (const SensorState& part : parts) beams += part.frame().beams;
-    scan.points.resize(3 * beams);
-    scan.ranges.resize(beams);
-    scan.triangles.resize(beams);
-    scan.instances.resize(beams);
-    scan.tolerances.clear();
-    scan.ties.clear();
-    scan.timings.stages.clear();
-    scan.timings.gpuMs = 0;
-    scan.counters = {};
-    scan.counters.beams = beams;
-    const Counters& placed = geometry_.instances().counters();
-    scan.counters.triangles = parts.size() * placed.triangles;
-    scan.counters.nonFinite = parts.size() * placed.nonFinite;
-    scan.counters.degenerate = parts.size() * placed.degenerate;
-  }
-
-  template <typename T>
-  static const T* mapped(const Buffer& buffer) {
-    buffer.invalidate();
-    return static_cast<const T*>(buffer.mapped());
-  }
-
-  void readResults(const SensorState& part, const FrameInFlight& frame, uint64_t firstBeam, Scan& scan) const {
-    const uint64_t beams = part.frame().beams;
-    const auto* points = mapped<gpu::vec4>(frame.results[0]);
-    const auto* owners = mapped<std::array<uint32_t, 2>>(frame.results[1]);
-    inSlices(beams, [&](uint64_t first, uint64_t end) {
-      float* point = &scan.points[3 * (firstBeam + first)];
-      for (uint64_t i = first; i < end; ++i) {
-        *point++ = points[i].x;
-        *point++ = points[i].y;
-        *point++ = points[i].z;
-        scan.ranges[firstBeam + i] = points[i].w;
-        scan.triangles[firstBeam + i] = owners[i][0];
-        scan.instances[firstBeam + i] = owners[i][1];
-      }
-    });
-    const gpu::Counters& device = frame.counters();
-    const Counters& placed = geometry_.instances().counters();
-    Counters& result = scan.counters;
-    result.hits += device.hits;
-    result.misses += beams - device.hits;
-    result.nonFinite += device.nonFinite;
-    result.culledByCluster += placed.triangles - placed.nonFinite - placed.degenerate - device.triangles;
-    result.culledByRange += device.culledByRange;
-    result.culledByFace += device.culledByFace;
-    result.culledBetweenBeams += device.culledBetweenBeams;
-    result.projected += uint64_t{device.projectedSmall} + device.projectedLarge;
-    result.candidates += device.candidates;
-    result.integerSides += device.integerSides;
-    result.integerRanges += device.integerRanges;
-  }
-
+  std::vector<EffectsSetup> setups_;  // of every sensor
   Device device_;
   PipelineCache cache_;
   Geometry geometry_;
   SensorParts cut_;
   Layout layout_;
-  uint32_t way_;
   Stages stages_;
   std::vector<SensorState> parts_;  // of every sensor, as cut_ has them
   std::vector<StillImage> stills_;  // of every sensor

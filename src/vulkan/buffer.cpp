@@ -33,7 +33,7 @@ int chooseMemory(const Device& device, uint32_t bits, Memory memory) {
 }  // namespace
 
 Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Memory memory)
-    : device_(device.handle()), bytes_(std::max<uint64_t>(bytes, 16)) {
+    : device_(device.handle()), bytes_(std::max<uint64_t>(bytes, 16)), name_(name) {
   if (bytes_ > device.maxBufferBytes())
     throw Error(ErrorCode::outOfMemory, "'" + std::string(name) + "' needs one buffer of " + mebibytes(bytes_) +
                                             "; the device '" + device.capabilities().info.name + "' allows " +
@@ -70,6 +70,7 @@ void Buffer::swap(Buffer& other) noexcept {
   std::swap(mapped_, other.mapped_);
   std::swap(coherent_, other.coherent_);
   std::swap(bytes_, other.bytes_);
+  std::swap(name_, other.name_);
 }
 
 void Buffer::destroy() {

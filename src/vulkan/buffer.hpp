@@ -20,7 +20,7 @@ enum class Memory {
 class Buffer {
  public:
   Buffer() = default;
-  /// `name` is for messages: "cannot allocate 96.0 MiB for 'points'".
+  /// `name` must outlive it; it is for plans and messages: "cannot allocate 96.0 MiB for 'points'".
   Buffer(const Device& device, const char* name, uint64_t bytes, Memory memory);
   ~Buffer() { destroy(); }
   Buffer(Buffer&& other) noexcept { swap(other); }
@@ -31,6 +31,7 @@ class Buffer {
 
   VkBuffer handle() const { return buffer_; }
   uint64_t bytes() const { return bytes_; }
+  const char* name() const { return name_; }
   /// Host address; null for device memory that the host cannot see.
   void* mapped() const { return mapped_; }
   /// Makes device writes visible to the host, where memory is not coherent.
@@ -48,6 +49,7 @@ class Buffer {
   void* mapped_ = nullptr;
   bool coherent_ = true;
   uint64_t bytes_ = 0;
+  const char* name_ = "";
 };
 
 /// Copies between host and device buffers that the device does not use meanwhile: one staging buffer, one submission

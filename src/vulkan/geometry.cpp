@@ -56,10 +56,22 @@ gpu::Cluster packed(const FlatCluster& cluster, const Run& run) {
            bits(glm::packHalf2x16({cluster.cone.sine, cluster.cone.thinness}))}};
 }
 
+// Where each of a run's triangles is among the clusters of its chunk, which begins at cluster `chunkFirst`.
+void placeTriangles(const FlatScene& flat, size_t clusterFirst, size_t clusterEnd, size_t chunkFirst,
+                    std::span<const FlatTriangle> triangles, std::span<uint32_t> places) {
+  const size_t firstTriangle = flat.clusters[clusterFirst].firstTriangle;
+  for (size_t cluster = clusterFirst; cluster < clusterEnd; ++cluster) {
+    const size_t first = flat.clusters[cluster].firstTriangle;
+    for (size_t i = first; i < flat.clusters[cluster + 1].firstTriangle; ++i)
+      places[triangles[i - firstTriangle].index] =
+          static_cast<uint32_t>((cluster - chunkFirst) * gpu::kClusterTriangles + (i - first));
+  }
+}
+
 }  // namespace
 
-Geometry::Geometry(const Device& device, const Scene& scene)
-    : device_(device), flat_(flatten(scene)), instances_(device) {
+Geometry::Geometry(const Device& device, const Scene& scene, bool surfaces)
+    : device_(device), flat_(flatten(scene)), instances_(device, surfaces) {
   FlatCluster end;
   end.firstVertex = flat_.vertices.size();
   end.firstTriangle = flat_.triangles.size();
@@ -73,6 +85,7 @@ Geometry::Geometry(const Device& device, const Scene& scene)
     const size_t first = chunkFirsts_.back();
     chunkFirsts_.push_back(chunkEnd(flat_, first, device.maxBufferBytes()));
     addChunk(uploader, first, chunkFirsts_.back());
+    if (surfaces) addSurfaces(uploader, scene, chunks_.size() - 1);
   }
   flat_.positions = {};
   flat_.triangles = {};
@@ -149,6 +162,12 @@ void Geometry::setPositions(size_t index, std::span<const float> positions) {
     uploader.write<gpu::Cluster>(clusters, chunk.clusters, run.clusterFirst - all.clusterFirst);
     uploader.write<float>(moved, chunk.positions, 3 * (run.vertexFirst - all.vertexFirst));
     uploader.write<FlatTriangle>(triangles, chunk.triangleCorners, triangleFirst);
+    if (!meshPlaces_.empty()) {
+      const uint32_t firstPlace = meshPlaces_[piece.chunk][index];
+      auto places = uploader.read<uint32_t>(chunk.trianglePlaces, firstPlace, instances_.mesh(index).triangles);
+      placeTriangles(flat_, run.clusterFirst, run.clusterEnd, all.clusterFirst, triangles, places);
+      uploader.write<uint32_t>(places, chunk.trianglePlaces, firstPlace);
+    }
   }
   summarize(index, summary);
   instances_.setMesh(index, std::move(summary));
@@ -172,10 +191,41 @@ void Geometry::addChunk(Uploader& uploader, size_t first, size_t end) {
   chunks_.push_back(std::move(chunk));
 }
 
+void Geometry::addSurfaces(Uploader& uploader, const Scene& scene, size_t index) {
+  const size_t first = chunkFirsts_[index], end = chunkFirsts_[index + 1];
+  const Run run = runOf(flat_, first, end);
+  std::vector<uint32_t> materials;
+  for (size_t i = run.clusterFirst; i < run.clusterEnd; ++i) materials.push_back(flat_.clusters[i].material);
+  std::vector<uint32_t> meshPlaces(scene.meshes.size() + 1, gpu::kNone), places;  // the last: of a removed instance
+  for (size_t i = 0; i < scene.meshes.size(); ++i) {
+    const FlatMesh& mesh = flat_.meshes[i];
+    const size_t from = std::max<size_t>(first, mesh.firstGroup);
+    const size_t to = std::min<size_t>(end, size_t{mesh.firstGroup} + mesh.groupCount);
+    if (from >= to) continue;
+    meshPlaces[i] = static_cast<uint32_t>(places.size());
+    places.resize(places.size() + scene.meshes[i].triangleCount(), gpu::kNone);
+    const Run piece = runOf(flat_, from, to);
+    placeTriangles(flat_, piece.clusterFirst, piece.clusterEnd, run.clusterFirst,
+                   std::span(flat_.triangles).subspan(piece.triangleFirst, piece.triangleEnd - piece.triangleFirst),
+                   std::span(places).subspan(meshPlaces[i]));
+  }
+  if (places.size() * sizeof(uint32_t) > device_.maxBufferBytes())
+    throw Error(ErrorCode::outOfMemory, "effects that look at surfaces need a table of " +
+                                            std::to_string(places.size() * sizeof(uint32_t)) +
+                                            " bytes, the device allows " + std::to_string(device_.maxBufferBytes()) +
+                                            "; split the scene's largest mesh");
+  GeometryChunk& chunk = chunks_[index];
+  chunk.clusterMaterials = uploader.upload<uint32_t>("clusterMaterials", materials);
+  chunk.meshPlaces = uploader.upload<uint32_t>("meshPlaces", meshPlaces);
+  chunk.trianglePlaces = uploader.upload<uint32_t>("trianglePlaces", places);
+  meshPlaces_.push_back(std::move(meshPlaces));
+}
+
 uint64_t Geometry::bytes() const {
   uint64_t sum = 0;
   for (const GeometryChunk& chunk : chunks_)
-    sum += chunk.groups.bytes() + chunk.clusters.bytes() + chunk.positions.bytes() + chunk.triangleCorners.bytes();
+    sum += chunk.groups.bytes() + chunk.clusters.bytes() + chunk.positions.bytes() + chunk.triangleCorners.bytes() +
+           chunk.clusterMaterials.bytes() + chunk.meshPlaces.bytes() + chunk.trianglePlaces.bytes();
   return sum;
 }
 

@@ -15,11 +15,16 @@ struct GeometryChunk {
   Buffer clusters;
   Buffer positions;
   Buffer triangleCorners;
+  // Only where surfaces are looked at:
+  Buffer clusterMaterials;
+  Buffer meshPlaces;      ///< per mesh of the scene: its first entry in trianglePlaces, kNone if it is in another chunk
+  Buffer trianglePlaces;  ///< per triangle of a mesh: cluster * kClusterTriangles + its place there; kNone: elsewhere
 };
 
 class Geometry {
  public:
-  Geometry(const Device& device, const Scene& scene);
+  /// `surfaces`: with the tables that lead from a triangle's owner to the triangle.
+  Geometry(const Device& device, const Scene& scene, bool surfaces);
 
   const std::vector<GeometryChunk>& chunks() const { return chunks_; }
   size_t clusterCount() const { return flat_.clusters.size() - 1; }
@@ -31,12 +36,14 @@ class Geometry {
 
  private:
   void addChunk(Uploader& uploader, size_t first, size_t end);
+  void addSurfaces(Uploader& uploader, const Scene& scene, size_t chunk);
   void addInstances(const Scene& scene);
   void summarize(size_t mesh, MeshSummary& summary) const;
 
   const Device& device_;
   std::vector<GeometryChunk> chunks_;
   std::vector<size_t> chunkFirsts_;  // the first group of each, and the end of the last
+  std::vector<std::vector<uint32_t>> meshPlaces_;  // as each chunk has them
   // Without positions and triangles, which the device alone has, and with an empty cluster and group at the end.
   FlatScene flat_;
   Instances instances_;

@@ -228,7 +228,17 @@ void Instances::writeNumbers(PlacedInstances& to) const {
     *ranges++ = ownerOf(std::min(first + gpu::kOwnerBlock, numberCount_) - 1);
   }
   to.ownerRanges.flush();
+  if (surfaces_) writeMeshes(to);
   to.numbering = numbering_;
+}
+
+// That of a removed instance is the one after the last.
+void Instances::writeMeshes(PlacedInstances& to) const {
+  makeRoom(device_, "instanceMeshes", count() * sizeof(uint32_t), to.meshes);
+  auto* meshes = static_cast<uint32_t*>(to.meshes.mapped());
+  for (const Placement& placement : placements_)
+    *meshes++ = std::min(placement.mesh, static_cast<uint32_t>(meshes_.size()));
+  to.meshes.flush();
 }
 
 void Instances::writePairs(const std::vector<uint32_t>& visible, const std::vector<PlacedInstances::Chunk>& chunks,

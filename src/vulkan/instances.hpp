@@ -38,11 +38,12 @@ struct PlacedInstances {
   };
   Buffer instances;    ///< gpu::Instance each; of those out of range only the number of the first triangle counts
   Buffer placed;       ///< (instance, group) pairs of the instances in range, chunk by chunk, the still ones first
+  Buffer meshes;       ///< of each instance, where surfaces are looked at
   Buffer ownerRanges;  ///< per kOwnerBlock placed triangles: the first and the last instance among them
   std::vector<Chunk> still, moving;
   uint64_t numbering = 0;  ///< of the placed triangles, see Instances
 
-  uint64_t bytes() const { return instances.bytes() + placed.bytes() + ownerRanges.bytes(); }
+  uint64_t bytes() const { return instances.bytes() + placed.bytes() + meshes.bytes() + ownerRanges.bytes(); }
 };
 
 /// Where the device lists what it sees of one chunk; all scans use them in turn. They have room for everything in range
@@ -60,7 +61,8 @@ struct VisibleLists {
 /// an empty mesh.
 class Instances {
  public:
-  explicit Instances(const Device& device) : device_(device) {}
+  /// `surfaces`: PlacedInstances::meshes is wanted.
+  Instances(const Device& device, bool surfaces) : device_(device), surfaces_(surfaces) {}
 
   /// Meshes come before what places them.
   void addMesh(MeshSummary mesh);
@@ -109,10 +111,12 @@ class Instances {
   void reserve(PlacedInstances& to) const;
   uint32_t reserve(const std::vector<uint32_t>& visible, uint32_t first, std::vector<PlacedInstances::Chunk>& to) const;
   void writeNumbers(PlacedInstances& to) const;
+  void writeMeshes(PlacedInstances& to) const;
   void writePairs(const std::vector<uint32_t>& visible, const std::vector<PlacedInstances::Chunk>& chunks,
                   uint32_t* pairs) const;
 
   const Device& device_;
+  bool surfaces_;
   std::vector<MeshSummary> meshes_;
   std::vector<uint32_t> instanceCounts_;  // of each mesh
   std::vector<uint8_t> reshaped_;         // meshes whose instances' spheres are to be made anew

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/kernel.hpp"
 
-#include <array>
-
 namespace gnosphere::vulkan {
 
-Layout::Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets) : device_(device), cache_(cache) {
-  const uint32_t counts[2] = {gpu::kWorkBindingCount, gpu::kSceneBindingCount};
+Layout::Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets, bool effects)
+    : device_(device),
+      cache_(cache),
+      bindingCounts_{effects ? gpu::kWorkBindingCountEffects : gpu::kWorkBindingCount,
+                     effects ? gpu::kSceneBindingCountEffects : gpu::kSceneBindingCount} {
   for (int set = 0; set < 2; ++set) {
-    std::vector<VkDescriptorSetLayoutBinding> bindings(counts[set]);
-    for (uint32_t i = 0; i < counts[set]; ++i)
+    std::vector<VkDescriptorSetLayoutBinding> bindings(bindingCounts_[set]);
+    for (uint32_t i = 0; i < bindingCounts_[set]; ++i)
       bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
     VkDescriptorSetLayoutCreateInfo create = {VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-    create.bindingCount = counts[set];
+    create.bindingCount = bindingCounts_[set];
     create.pBindings = bindings.data();
     VK(vkCreateDescriptorSetLayout(device_.handle(), &create, nullptr, &setLayouts_[set]));
   }
@@ -23,7 +24,7 @@ Layout::Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets) : 
   layout.pushConstantRangeCount = 1;
   layout.pPushConstantRanges = &constants;
   VK(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &pipelineLayout_));
-  const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, maxSets * (counts[0] + counts[1])};
+  const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, maxSets * (bindingCounts_[0] + bindingCounts_[1])};
   VkDescriptorPoolCreateInfo pool = {VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = maxSets;
   pool.poolSizeCount = 1;
@@ -62,26 +63,31 @@ void Layout::updateSet(VkDescriptorSet handle, std::span<const Buffer* const> bu
   vkUpdateDescriptorSets(device_.handle(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
 }
 
-Kernel::Kernel(const Device& device, const Layout& layout, std::span<const uint32_t> spirv, const Options& options,
-               uint32_t pass)
-    : device_(device.handle()) {
+std::array<uint32_t, 10> constantsOf(const Options& options, uint32_t pass) {
+  return {/* BOUNDS= */ options.bounds,
+          /* CULL= */ options.cull,
+          /* INSIDE= */ options.inside,
+          /* RANGE= */ options.range,
+          /* AZIMUTH_OFFSETS= */ options.azimuthOffsets ? VK_TRUE : VK_FALSE,
+          /* FACES= */ options.faces,
+          /* PASS= */ pass,
+          /* CULLING= */ options.culling,
+          /* EFFECTS= */ options.effects,
+          /* FIELDS= */ options.fields};
+}
+
+Kernel::Kernel(const Device& device, const Layout& layout, const char* name, std::span<const uint32_t> spirv,
+               const Options& options, uint32_t pass)
+    : device_(device.handle()), name_(name), constants_(constantsOf(options, pass)) {
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module.codeSize = spirv.size_bytes();
   module.pCode = spirv.data();
   VkShaderModule shader;
   VK(vkCreateShaderModule(device_, &module, nullptr, &shader));
-  const std::array<uint32_t, 8> values = {/* BOUNDS= */ options.bounds,
-                                          /* CULL= */ options.cull,
-                                          /* INSIDE= */ options.inside,
-                                          /* RANGE= */ options.range,
-                                          /* AZIMUTH_OFFSETS= */ options.azimuthOffsets ? VK_TRUE : VK_FALSE,
-                                          /* FACES= */ options.faces,
-                                          /* PASS= */ pass,
-                                          /* CULLING= */ options.culling};
-  std::array<VkSpecializationMapEntry, values.size()> entries;
+  std::array<VkSpecializationMapEntry, std::tuple_size_v<decltype(constants_)>> entries;
   for (uint32_t i = 0; i < entries.size(); ++i) entries[i] = {i + 1, i * 4, 4};
-  const VkSpecializationInfo specialization = {static_cast<uint32_t>(entries.size()), entries.data(), sizeof values,
-                                               values.data()};
+  const VkSpecializationInfo specialization = {static_cast<uint32_t>(entries.size()), entries.data(),
+                                               sizeof constants_, constants_.data()};
   VkComputePipelineCreateInfo create = {VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;

@@ -2,6 +2,7 @@
 // SPIR-V words -> a compute pipeline, and the layout that all of them share.
 #pragma once
 
+#include <array>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,19 +21,25 @@ struct Options {
   bool azimuthOffsets = false;
   uint32_t faces = gpu::kFacesMaterial;
   uint32_t culling = 0;
+  uint32_t effects = 0;  ///< bits of effects/plan.h
+  uint32_t fields = 0;   ///< gpu::kField...
 };
+/// The specialisation of a kernel, in the order of shaders/options.glsl.
+std::array<uint32_t, 10> constantsOf(const Options& options, uint32_t pass);
 
 /// What all kernels share: set 0 (a sensor and its work arrays), set 1 (a chunk of the scene), the push constants, and
 /// the cache that they are compiled into.
 class Layout {
  public:
-  Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets);
+  /// `effects`: with the bindings that only stage effects has.
+  Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets, bool effects);
   ~Layout();
   Layout(const Layout&) = delete;
   Layout& operator=(const Layout&) = delete;
 
   VkPipelineLayout handle() const { return pipelineLayout_; }
   VkPipelineCache cache() const { return cache_; }
+  uint32_t bindingCount(uint32_t set) const { return bindingCounts_[set]; }
   /// A set of layout 0 or 1, its bindings to come.
   VkDescriptorSet makeSet(uint32_t set);
   /// Binding i is buffers[i].
@@ -41,6 +48,7 @@ class Layout {
  private:
   const Device& device_;
   VkPipelineCache cache_;
+  uint32_t bindingCounts_[2];
   VkDescriptorSetLayout setLayouts_[2] = {};
   VkPipelineLayout pipelineLayout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
@@ -48,17 +56,26 @@ class Layout {
 
 class Kernel {
  public:
-  Kernel(const Device& device, const Layout& layout, std::span<const uint32_t> spirv, const Options& options,
-         uint32_t pass = 0);
+  /// `name` is the shader's, for the plan.
+  Kernel(const Device& device, const Layout& layout, const char* name, std::span<const uint32_t> spirv,
+         const Options& options, uint32_t pass = 0);
   ~Kernel();
-  Kernel(Kernel&& other) noexcept : device_(other.device_), pipeline_(std::exchange(other.pipeline_, nullptr)) {}
+  Kernel(Kernel&& other) noexcept
+      : device_(other.device_),
+        pipeline_(std::exchange(other.pipeline_, nullptr)),
+        name_(other.name_),
+        constants_(other.constants_) {}
   Kernel& operator=(Kernel&&) = delete;
 
   VkPipeline handle() const { return pipeline_; }
+  const char* name() const { return name_; }
+  const std::array<uint32_t, 10>& constants() const { return constants_; }
 
  private:
   VkDevice device_;
   VkPipeline pipeline_ = VK_NULL_HANDLE;
+  const char* name_;
+  std::array<uint32_t, 10> constants_;
 };
 
 }  // namespace gnosphere::vulkan

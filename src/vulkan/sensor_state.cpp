@@ -10,6 +10,8 @@
 #include "bin_float64.spv.h"
 #include "bin_int64.spv.h"
 #include "bin_int64_float64.spv.h"
+#include "effects.spv.h"
+#include "effects_surfaces.spv.h"
 #include "project_clusters.spv.h"
 #include "project_groups.spv.h"
 #include "project_occluders.spv.h"
@@ -45,7 +47,7 @@ uint32_t cullingBits(const SimulatorOptions& options) {
          (culling.occlusion != Culling::Occlusion::never ? gpu::kCullOccluded : 0);
 }
 
-Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets) {
+Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, const PlannedEffects& planned) {
   // The enumerations of the public API and the constants of shared.h count alike.
   const Exactness parts = partsOf(options);
   Options result;
@@ -56,6 +58,8 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets) {
   result.azimuthOffsets = azimuthOffsets;
   result.faces = static_cast<uint32_t>(options.faces);
   result.culling = cullingBits(options);
+  result.effects = planned.bits;
+  result.fields = planned.fields;
   return result;
 }
 
@@ -71,7 +75,8 @@ static_assert(static_cast<uint32_t>(Faces::both) == gpu::kFacesBoth);
 
 }  // namespace
 
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics) {
+uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned) {
+  if (planned.footprint()) return gpu::kWayLists;
   switch (options.binning) {
     case Binning::lists: return gpu::kWayLists;
     case Binning::nearest32: return gpu::kWayNearest32;
@@ -84,42 +89,56 @@ uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics) {
   return int64Atomics ? gpu::kWayNearest : gpu::kWayNearest32;
 }
 
-bool keepsStill(const SimulatorOptions& options, uint32_t way) {
-  return options.culling.still && way != gpu::kWayLists && partsOf(options).bounds != Exactness::Bounds::paper;
+// Who looks at surfaces needs the transforms of what stands still, too.
+bool keepsStill(const SimulatorOptions& options, uint32_t way, const PlannedEffects& planned) {
+  return options.culling.still && way != gpu::kWayLists && partsOf(options).bounds != Exactness::Bounds::paper &&
+         !planned.surfaces() && !planned.motion();
 }
 
-Kernels::Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64)
-    : projectGroups(device, layout, project_groups, options),
-      projectClusters(device, layout, project_clusters, options),
-      projectOccluders(device, layout, project_occluders, options),
-      projectTriangles(device, layout, project_triangles, options),
-      resolve(device, layout, float64 ? Words(resolve_float64) : Words(::resolve), options, way) {
+Kernels::Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64,
+                 const PlannedEffects& planned)
+    : projectGroups(device, layout, "project_groups", project_groups, options),
+      projectClusters(device, layout, "project_clusters", project_clusters, options),
+      projectOccluders(device, layout, "project_occluders", project_occluders, options),
+      projectTriangles(device, layout, "project_triangles", project_triangles, options),
+      resolve(device, layout, "resolve", float64 ? Words(resolve_float64) : Words(::resolve), options, way) {
   const Words plain = float64 ? Words(bin_float64) : Words(::bin);
   const Words atomic = float64 ? Words(bin_int64_float64) : Words(bin_int64);
   if (way == gpu::kWayNearest) {
-    bin.emplace_back(device, layout, atomic, options, gpu::kPassNearest);
+    bin.emplace_back(device, layout, "bin", atomic, options, gpu::kPassNearest);
   } else if (way == gpu::kWayNearest32) {
-    bin.emplace_back(device, layout, plain, options, gpu::kPassRange);
-    bin.emplace_back(device, layout, plain, options, gpu::kPassOwner);
+    bin.emplace_back(device, layout, "bin", plain, options, gpu::kPassRange);
+    bin.emplace_back(device, layout, "bin", plain, options, gpu::kPassOwner);
   } else {
-    bin.emplace_back(device, layout, plain, options, gpu::kPassCount);
-    bin.emplace_back(device, layout, plain, options, gpu::kPassFill);
+    bin.emplace_back(device, layout, "bin", plain, options, gpu::kPassCount);
+    bin.emplace_back(device, layout, "bin", plain, options, gpu::kPassFill);
     for (uint32_t pass : {gpu::kScanReduce, gpu::kScanBlocks, gpu::kScanApply})
-      scan.emplace_back(device, layout, ::scan, options, pass);
+      scan.emplace_back(device, layout, "scan", ::scan, options, pass);
   }
+  if (planned.surfaces()) surfaces.emplace(device, layout, "effects_surfaces", effects_surfaces, options);
+  if (planned.signals() || planned.speeds()) effects.emplace(device, layout, "effects", ::effects, options);
 }
 
 SensorState::SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
-                         const SimulatorOptions& options, uint32_t way, std::span<const SensorState> others)
-    : device_(device), layout_(layout), way_(way), tables_(makeBeamTables(sensor)) {
+                         const SimulatorOptions& options, uint32_t way, const EffectsSetup& setup, uint64_t firstBeam,
+                         std::span<const SensorState> others)
+    : device_(device),
+      layout_(layout),
+      way_(way),
+      planned_(setup.planned),
+      outputs_(outputsOf(setup.planned)),
+      tables_(makeBeamTables(sensor)) {
   for (const SensorState& other : others)
-    if (other.tables_.azimuthOffsets == tables_.azimuthOffsets) kernels_ = other.kernels_;
+    if (other.tables_.azimuthOffsets == tables_.azimuthOffsets && other.planned_.sameStages(planned_))
+      kernels_ = other.kernels_;
   if (!kernels_) {
-    const Options kernel = kernelOptions(options, tables_.azimuthOffsets);
+    const Options kernel = kernelOptions(options, tables_.azimuthOffsets, planned_);
     const bool float64 = kernel.inside == gpu::kInsideExact && options.float64 && device.capabilities().float64;
-    ownKernels_ = std::make_unique<Kernels>(device, layout, kernel, way, float64);
+    ownKernels_ = std::make_unique<Kernels>(device, layout, kernel, way, float64, planned_);
     kernels_ = ownKernels_.get();
   }
+  if (!planned_.bare())
+    effects_ = std::make_unique<EffectsState>(device, setup, firstBeam, tables_.frame.beams, !readsInPlace());
   shellBorder_ = shellBorder(geometry, options);
   reach_ = cullingBits(options) & gpu::kCullRange ? tables_.frame.rangeMax : std::numeric_limits<double>::infinity();
   makeBuffers(geometry);
@@ -157,7 +176,8 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   make(gpu::kBindListEnds, "listEnds", lists ? beams * 4 : 0);
   make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
   if (!readsInPlace())
-    for (const Output& output : kOutputs) make(output.binding, "results", beams * output.bytesPerBeam);
+    for (const Output& output : outputs_)
+      if (output.binding < buffers_.size()) make(output.binding, "results", beams * output.bytesPerBeam);
   // First guesses; growLists() makes room for what a scan turns out to need.
   growProjected(std::min(geometry.instances().counters().triangles,
                          std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));
@@ -195,15 +215,16 @@ FrameInFlight SensorState::makeFrame() const {
   FrameInFlight result;
   result.frame = Buffer(device_, "frame", sizeof(gpu::Frame), Memory::upload);
   const uint64_t beams = tables_.frame.beams;
-  for (const Output& output : kOutputs)
+  for (const Output& output : outputs_)
     result.results.emplace_back(device_, "results", beams * output.bytesPerBeam, Memory::readback);
   result.results.emplace_back(device_, "counters", sizeof(gpu::Counters), Memory::readback);
+  if (effects_) result.effects = effects_->makeFrame();
   result.set = layout_.makeSet(0);
   return result;
 }
 
-const FrameInFlight& SensorState::prepare(size_t index, uint32_t instanceCount, const PlacedInstances& placed,
-                                          const VisibleLists& visible) {
+const FrameInFlight& SensorState::prepare(size_t index, const Shot& shot, uint32_t instanceCount,
+                                          const PlacedInstances& placed, const VisibleLists& visible) {
   while (inFlight_.size() <= index) inFlight_.push_back(makeFrame());
   FrameInFlight& frame = inFlight_[index];
   frame.capacities = capacities_;
@@ -214,17 +235,23 @@ const FrameInFlight& SensorState::prepare(size_t index, uint32_t instanceCount, 
   content.candidateCapacity = capacities_.candidates;
   std::memcpy(frame.frame.mapped(), &content, sizeof content);
   frame.frame.flush();
-  std::array<const Buffer*, gpu::kWorkBindingCount> buffers;
-  for (size_t i = 0; i < buffers.size(); ++i) buffers[i] = &buffers_[i];
+  EffectsState::Bindings buffers = {};
+  buffers.fill(&buffers_[gpu::kBindCounters]);  // what nothing is planned for: no pipeline reads it
+  for (size_t i = 0; i < buffers_.size(); ++i) buffers[i] = &buffers_[i];
   buffers[gpu::kBindFrame] = &frame.frame;
   buffers[gpu::kBindInstances] = &placed.instances;
   buffers[gpu::kBindPlaced] = &placed.placed;
   buffers[gpu::kBindOwnerRanges] = &placed.ownerRanges;
   buffers[gpu::kBindVisibleGroups] = &visible.groups;
   buffers[gpu::kBindVisible] = &visible.clusters;
+  if (effects_) {
+    effects_->prepare(frame.effects, shot);
+    effects_->bind(frame.effects, buffers);
+    if (planned_.surfaces()) buffers[gpu::kBindInstanceMeshes] = &placed.meshes;
+  }
   if (readsInPlace())
-    for (size_t i = 0; i < std::size(kOutputs); ++i) buffers[kOutputs[i].binding] = &frame.results[i];
-  layout_.updateSet(frame.set, buffers);
+    for (size_t i = 0; i < outputs_.size(); ++i) buffers[outputs_[i].binding] = &frame.results[i];
+  layout_.updateSet(frame.set, std::span(buffers).first(layout_.bindingCount(0)));
   return frame;
 }
 
@@ -256,11 +283,39 @@ void SensorState::addTo(MemoryUse& use) const {
     (table ? use.sensor : use.work) += buffers_[i].bytes();
   }
   use.work += stillWords_.bytes();
+  if (effects_) use.work += effects_->bytes();
   for (const FrameInFlight& frame : inFlight_) {
     use.work += frame.frame.bytes();
     if (!readsInPlace()) continue;
     for (const Buffer& results : frame.results) use.work += results.bytes();
   }
+}
+
+void SensorState::describe(Plan& plan) const {
+  const auto pipelines = [](const char* stage, std::initializer_list<const Kernel*> kernels) {
+    Plan::Stage result = {stage, 0, {}};
+    for (const Kernel* kernel : kernels)
+      result.pipelines.push_back({kernel->name(), {kernel->constants().begin(), kernel->constants().end()}});
+    return result;
+  };
+  const Kernels& k = *kernels_;
+  plan.stages.push_back(
+      pipelines("project", {&k.projectGroups, &k.projectClusters, &k.projectOccluders, &k.projectTriangles}));
+  plan.stages.push_back(pipelines("bin", {}));
+  for (const std::vector<Kernel>* kernels : {&k.bin, &k.scan})
+    for (const Kernel& kernel : *kernels)
+      plan.stages.back().pipelines.push_back({kernel.name(), {kernel.constants().begin(), kernel.constants().end()}});
+  plan.stages.push_back(pipelines("resolve", {&k.resolve}));
+  if (k.surfaces || k.effects) plan.stages.push_back(pipelines("effects", {}));
+  for (const std::optional<Kernel>* kernel : {&k.surfaces, &k.effects})
+    if (*kernel)
+      plan.stages.back().pipelines.push_back(
+          {(*kernel)->name(), {(*kernel)->constants().begin(), (*kernel)->constants().end()}});
+  for (size_t i = 0; i < buffers_.size(); ++i)
+    if (buffers_[i].bytes() > 0) plan.buffers.push_back({buffers_[i].name(), buffers_[i].bytes()});
+  for (size_t i = 0; i < inFlight_[0].results.size(); ++i)
+    plan.buffers.push_back({inFlight_[0].results[i].name(), inFlight_[0].results[i].bytes()});
+  if (effects_) effects_->list(plan.buffers);
 }
 
 }  // namespace gnosphere::vulkan

@@ -4,25 +4,28 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "beam_tables.hpp"
 #include "gnosphere/scan.hpp"
+#include "vulkan/effects_state.hpp"
 #include "vulkan/geometry.hpp"
 #include "vulkan/kernel.hpp"
 
 namespace gnosphere::vulkan {
 
 /// gpu::kWay...: how the options and the device bin.
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics);
+uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned);
 /// Whether a StillImage may be kept.
-bool keepsStill(const SimulatorOptions& options, uint32_t way);
+bool keepsStill(const SimulatorOptions& options, uint32_t way, const PlannedEffects& planned);
 
 /// The pipelines that a way of binning dispatches, and no others.
 struct Kernels {
   /// `float64` chooses the modules whose exact tests filter in double precision.
-  Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64);
+  Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64,
+          const PlannedEffects& planned);
   Kernel projectGroups;
   Kernel projectClusters;
   Kernel projectOccluders;
@@ -30,14 +33,9 @@ struct Kernels {
   std::vector<Kernel> bin;
   std::vector<Kernel> scan;
   Kernel resolve;
+  std::optional<Kernel> surfaces;
+  std::optional<Kernel> effects;
 };
-
-/// What is read back beside the counters, with its size per beam.
-struct Output {
-  uint32_t binding;
-  uint32_t bytesPerBeam;
-};
-inline constexpr Output kOutputs[] = {{gpu::kBindPoints, sizeof(gpu::vec4)}, {gpu::kBindOwners, 2 * sizeof(uint32_t)}};
 
 /// Scans that are handed to the device at a time: it works on one while the host receives the one before.
 inline constexpr size_t kFramesInFlight = 2;
@@ -50,7 +48,8 @@ struct Capacities {
 /// What a frame in flight has of its own; the work arrays of the stages are shared.
 struct FrameInFlight {
   Buffer frame;
-  std::vector<Buffer> results;  ///< where the host reads kOutputs, then the counters
+  EffectsFrame effects;
+  std::vector<Buffer> results;  ///< where the host reads the outputs, then the counters
   Capacities capacities;        ///< of the lists when it was prepared
   VkDescriptorSet set = VK_NULL_HANDLE;
 
@@ -62,21 +61,27 @@ class SensorState {
  public:
   /// Shares the pipelines of one of `others` that needs the same; they must live as long.
   SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
-              const SimulatorOptions& options, uint32_t way, std::span<const SensorState> others);
+              const SimulatorOptions& options, uint32_t way, const EffectsSetup& setup, uint64_t firstBeam,
+              std::span<const SensorState> others);
 
   const gpu::Frame& frame() const { return tables_.frame; }
   /// Metres: instances farther away need not be looked at.
   double reach() const { return reach_; }
+  uint32_t way() const { return way_; }
   const Kernels& kernels() const { return *kernels_; }
   /// Metres: what is nearer is binned first, and hides what lies behind it. 0 if everything is binned at once.
   float shellBorder() const { return shellBorder_; }
-  const Buffer& buffer(uint32_t binding) const { return buffers_[binding]; }
+  const Buffer& buffer(uint32_t binding) const {
+    return binding < buffers_.size() ? buffers_[binding] : effects_->buffer(binding);
+  }
+  std::span<const Output> outputs() const { return outputs_; }
+  const PlannedEffects& planned() const { return planned_; }
   /// The words as the still instances leave them: empty until there is room.
   const Buffer& stillWords() const { return stillWords_; }
   void makeStillWords();
 
   /// Frame in flight `index` with what a scan of the placed instances needs. The frame must not be in use.
-  const FrameInFlight& prepare(size_t index, uint32_t instanceCount, const PlacedInstances& placed,
+  const FrameInFlight& prepare(size_t index, const Shot& shot, uint32_t instanceCount, const PlacedInstances& placed,
                                const VisibleLists& visible);
   const FrameInFlight& inFlight(size_t index) const { return inFlight_[index]; }
   /// True where the host reads the outputs in place; false where they must be copied to results.
@@ -86,6 +91,8 @@ class SensorState {
   /// Makes room for what the scan has counted, where it was too small. No frame may be in use.
   void growLists(const FrameInFlight& frame);
   void addTo(MemoryUse& use) const;
+  /// Pipelines and buffers; dispatches are the stages' to add.
+  void describe(Plan& plan) const;
 
  private:
   float shellBorder(const Geometry& geometry, const SimulatorOptions& options) const;
@@ -98,6 +105,9 @@ class SensorState {
   const Device& device_;
   Layout& layout_;
   uint32_t way_;
+  PlannedEffects planned_;
+  std::vector<Output> outputs_;
+  std::unique_ptr<EffectsState> effects_;  // empty where nothing but geometry is planned
   float shellBorder_ = 0;
   double reach_ = 0;
   BeamTables tables_;

@@ -13,12 +13,17 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout, uint32_t way)
-    : device_(device), way_(way) {
+Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout)
+    : device_(device) {
   for (const GeometryChunk& chunk : geometry.chunks()) {
-    const Buffer* buffers[] = {&chunk.groups, &chunk.clusters, &chunk.positions, &chunk.triangleCorners};
+    const Buffer* buffers[] = {&chunk.groups,           &chunk.clusters,   &chunk.positions,
+                               &chunk.triangleCorners,  &chunk.clusterMaterials, &chunk.meshPlaces,
+                               &chunk.trianglePlaces,   &chunk.positions};
+    // What nothing is planned for is bound to something: no pipeline reads it.
+    for (const Buffer*& buffer : buffers)
+      if (!buffer->handle()) buffer = &chunk.groups;
     chunkSets_.push_back(layout.makeSet(1));
-    layout.updateSet(chunkSets_.back(), buffers);
+    layout.updateSet(chunkSets_.back(), std::span(buffers).first(layout.bindingCount(1)));
   }
 }
 
@@ -34,6 +39,10 @@ void Stages::record(Commands& commands, const SensorState& state, const PlacedIn
   if (use != StillImage::Use::none) scanMoving(commands, state, placed);
   resolve(commands, state);
   commands.finished("resolve");
+  if (state.kernels().surfaces || state.kernels().effects) {
+    effects(commands, state);
+    commands.finished("effects");
+  }
 }
 
 // In two shells: what is near first, since it hides much of what is far. Where every hit of a beam counts, nothing
@@ -65,7 +74,7 @@ void Stages::clear(Commands& commands, const SensorState& state, StillImage::Use
   commands.fill(state.buffer(gpu::kBindCounters), 0, VK_WHOLE_SIZE, 0);
   if (use == StillImage::Use::use)
     commands.copy(state.stillWords(), state.buffer(gpu::kBindWords));
-  else if (way_ == gpu::kWayLists)
+  else if (state.way() == gpu::kWayLists)
     commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, 0);
   else
     commands.fill(state.buffer(gpu::kBindWords), 0, VK_WHOLE_SIZE, gpu::kNone);
@@ -109,6 +118,31 @@ void Stages::findOccluders(Commands& commands, const SensorState& state) const {
 void Stages::resolve(Commands& commands, const SensorState& state) const {
   const uint32_t groups = (state.frame().columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns;
   commands.dispatch(state.kernels().resolve, groups, state.frame().rows);
+}
+
+void Stages::effects(Commands& commands, const SensorState& state) const {
+  const uint32_t groups = (state.frame().columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns;
+  if (state.kernels().surfaces)
+    for (VkDescriptorSet chunk : chunkSets_) {
+      commands.bindSet(1, chunk);
+      commands.dispatch(*state.kernels().surfaces, groups, state.frame().rows);
+    }
+  if (!state.kernels().effects) return;
+  commands.push({});
+  commands.dispatch(*state.kernels().effects, groups, state.frame().rows);
+}
+
+void Stages::count(Plan& plan, const SensorState& state) const {
+  const auto chunks = static_cast<uint32_t>(chunkSets_.size());
+  const uint32_t shells = state.shellBorder() > 0 ? 2 : 1;
+  const Kernels& kernels = state.kernels();
+  for (Plan::Stage& stage : plan.stages) {
+    if (stage.name == "project") stage.dispatches = shells * 3 * chunks + (shells - 1);
+    if (stage.name == "bin")
+      stage.dispatches = shells - 1 + static_cast<uint32_t>(kernels.bin.size() + kernels.scan.size());
+    if (stage.name == "resolve") stage.dispatches = 1;
+    if (stage.name == "effects") stage.dispatches = (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);
+  }
 }
 
 // A fixed number of workgroups loops over however many items there are: legal on every device, and no dispatch needs to

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records the stages of one scan: project and bin, shell by shell, then resolve.
+// Records the stages of one scan: project and bin, shell by shell, then resolve, then the effects that are planned.
 #pragma once
 
 #include <vector>
@@ -13,12 +13,14 @@ namespace gnosphere::vulkan {
 class Stages {
  public:
   /// Timestamps that record() takes, at most.
-  static constexpr uint32_t kStamps = 8;
+  static constexpr uint32_t kStamps = 9;
 
-  Stages(const Device& device, const Geometry& geometry, Layout& layout, uint32_t way);
+  Stages(const Device& device, const Geometry& geometry, Layout& layout);
 
   /// Everything between the frame's own arrays and the results, set 0 being bound.
   void record(Commands& commands, const SensorState& state, const PlacedInstances& placed, StillImage::Use use) const;
+  /// Dispatches of a scan of everything, by stage.
+  void count(Plan& plan, const SensorState& state) const;
 
  private:
   void clear(Commands& commands, const SensorState& state, StillImage::Use use) const;
@@ -29,10 +31,10 @@ class Stages {
   void bin(Commands& commands, const SensorState& state, bool lastShell) const;
   void findOccluders(Commands& commands, const SensorState& state) const;
   void resolve(Commands& commands, const SensorState& state) const;
+  void effects(Commands& commands, const SensorState& state) const;
   uint32_t groupCount() const;
 
   const Device& device_;
-  uint32_t way_;
   std::vector<VkDescriptorSet> chunkSets_;
 };
 

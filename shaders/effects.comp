@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage effects, last pass. One row of workgroups per channel, one invocation per beam: what the sensor makes of the
+// echoes. Without a footprint there is one, the nearest hit.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#define RESULTS_ARE_READ
+#include "shared.h"
+#include "options.glsl"
+#include "bindings.glsl"
+#include "effects/parameters.h"
+#include "effects/vector.h"
+#include "effects_bindings.glsl"
+#include "lattice.glsl"
+#include "beam.glsl"
+#include "effects/motion.h"
+
+layout(local_size_x = 64) in;
+layout(push_constant) uniform PassBlock { Pass pass; };
+
+const bool kSignals = (EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0;
+const bool kSpeeds = (EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0;
+const bool kManyEchoes = (EFFECTS & kFootprintEffects) != 0;
+
+// The beam that is judged.
+uint beamIndex, columnIndex;
+vec3 beamDirection, pointDirection;
+vec4 hitPoint;
+uvec2 hitOwner;
+
+Echo loadEcho(uint k);
+void storeReturn(uint j, Return value);
+VolumeBox loadVolume(uint i) { return volumes[i]; }
+bool isDead(uint beam) {
+  uint number = parameters.firstBeam + beam;
+  return (deadBeams[number / 32] >> (number % 32) & 1) != 0;
+}
+
+#include "effects/signal.h"
+
+Echo loadEcho(uint k) {
+  if (kManyEchoes) {
+    vec4 echo = echoes[beamIndex * kMaxEchoes + k];
+    return Echo(echo.x, echo.y, echo.z, echo.w, k);
+  }
+  float energy = 1.0, cosIncidence = 1.0;
+  if ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical) {
+    vec4 surface = surfaces[beamIndex];
+    cosIncidence = min(abs(dotOf(surface.xyz, beamDirection)), 1.0);
+    energy = reflected(optics[floatBitsToUint(surface.w)], cosIncidence);
+  }
+  return Echo(hitPoint.w, energy, 0.0, cosIncidence, 0);
+}
+
+
+// How fast the surface moves, and how fast it goes away.
+void storeMotion(uint at, uvec2 owner, vec3 point) {
+  vec3 velocity = vec3(0.0), sensor = vec3(0.0);
+  if (owner.x != kNone && pass.instanceMotions != 0) {
+    InstanceMotion motion = instanceMotions[owner.y];
+    velocity = vec3(dotOf(motion.row0.xyz, point) + motion.row0.w, dotOf(motion.row1.xyz, point) + motion.row1.w,
+                    dotOf(motion.row2.xyz, point) + motion.row2.w);
+  }
+  if (pass.columnMotions != 0) sensor = columnMotions[columnIndex].velocity.xyz;
+  float radial = owner.x != kNone ? radialSpeed(beamDirection, velocity, sensor) : notANumber();
+  motions[at] = vec4(velocity, radial);
+}
+
+void storeReturn(uint j, Return value) {
+  uint at = beamIndex * parameters.returnsPerBeam + j;
+  bool here = value.label != kLabelNone;
+  uvec2 owner = uvec2(kNone);
+  vec4 surface = vec4(vec3(0.0), uintBitsToFloat(kNone));
+  if (value.label == kLabelSolid) {
+    uint echo = beamIndex * kMaxEchoes + value.echo;
+    owner = kManyEchoes ? echoOwners[echo] : hitOwner;
+    if (kManyEchoes && (FIELDS & kFieldSurface) != 0) surface = echoSurfaces[echo];
+  }
+  vec4 point = here ? vec4(pointDirection * value.range, value.range) : vec4(notANumber());
+  points[at] = point;
+  owners[at] = owner;
+  if ((FIELDS & kFieldSignal) != 0)
+    signals[at] = vec4(value.intensity, value.trueRange, value.width,
+                       uintBitsToFloat(value.label | value.number << 16 | value.count << 24));
+  if (kManyEchoes && (FIELDS & kFieldSurface) != 0) surfaces[at] = surface;
+  if (kSpeeds) storeMotion(at, owner, beamDirection * value.trueRange);
+}
+
+// The cause stands with the beam's first return.
+void judge(bool hit) {
+  uint count = hit ? 1 : 0, returned;
+  if (kManyEchoes) count = echoCounts[beamIndex];
+  uint cause = signalsOf(parameters, beamIndex, beamDirection, count, returned);
+  if ((FIELDS & kFieldSignal) != 0) {
+    uint at = beamIndex * parameters.returnsPerBeam;
+    signals[at].w = uintBitsToFloat(floatBitsToUint(signals[at].w) | cause << 8);
+  }
+  for (uint k = 0; k < kCauses; ++k) {
+    uint sum = subgroupAdd(cause == k ? 1 : 0);
+    if (subgroupElect() && sum > 0) atomicAdd(counters.causes[k], sum);
+  }
+}
+
+void main() {
+  vec4 angles = rows[gl_WorkGroupID.y].angles, offset = rows[gl_WorkGroupID.y].offset;
+  uint channel = uint(angles.w);
+  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
+  for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x) {
+    beamIndex = channel * frame.columns + columnIndex;
+    vec2 azimuth = AZIMUTH_OFFSETS ? shiftedAzimuth(columns[columnIndex], offset) : columns[columnIndex];
+    beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
+    if (!kManyEchoes) {
+      hitPoint = points[beamIndex];
+      hitOwner = owners[beamIndex];
+    }
+    pointDirection = beamDirection;
+    if ((EFFECTS & kAngleNoise) != 0 && parameters.angleNoiseAt == kAngleAtPoint)
+      pointDirection = astray(beamDirection, angleError(parameters, parameters.firstBeam + beamIndex));
+    if (kSignals)
+      judge(hitOwner.x != kNone);
+    else if (kSpeeds)
+      storeMotion(beamIndex, hitOwner, hitPoint.xyz);
+  }
+}

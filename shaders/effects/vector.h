@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Products of vectors whose bytes are equal everywhere: the language's own may be fused.
+#ifndef GNOSPHERE_EFFECTS_VECTOR_H
+#define GNOSPHERE_EFFECTS_VECTOR_H
+
+#include "arithmetic.h"
+
+#ifdef __cplusplus
+namespace gnosphere::gpu {
+#endif
+
+GNO_INLINE float dotOf(vec3 a, vec3 b) {
+  GNO_PRECISE float result = a.x * b.x + a.y * b.y + a.z * b.z;
+  return result;
+}
+
+GNO_INLINE vec3 crossOf(vec3 a, vec3 b) {
+  GNO_PRECISE vec3 result = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  return result;
+}
+
+// A normal made a unit vector on the side of its plane where the origin is; `on` is a point of the plane. Zero stays
+// zero: a triangle without area.
+GNO_INLINE vec3 unitTowardsOrigin(vec3 normal, vec3 on) {
+  // Scaled by its largest component, so that its square neither overflows nor vanishes.
+  float largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
+  if (!(largest > 1e-30f && largest < 1e30f)) return vec3(0.0f);
+  GNO_PRECISE float scale = quotient(1.0f, largest);
+  GNO_PRECISE vec3 scaled = normal * scale;
+  GNO_PRECISE float inverse = quotient(1.0f, squareRoot(dotOf(scaled, scaled)));
+  GNO_PRECISE vec3 unit = scaled * (dotOf(scaled, on) > 0.0f ? -inverse : inverse);
+  return unit;
+}
+
+#ifdef __cplusplus
+}  // namespace gnosphere::gpu
+#endif
+#endif

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The arrays of stage effects, on top of those in bindings.glsl.
+layout(std430, set = 0, binding = kBindParameters) readonly buffer ParametersBlock { EffectParameters parameters; };
+WORK(kBindOptics, readonly, Optics4, optics);             // per material
+WORK(kBindDeadBeams, readonly, uint, deadBeams);          // a bit per beam of the whole sensor
+WORK(kBindVolumes, readonly, VolumeBox, volumes);
+// Per return of every beam, in the sensor's own order:
+WORK(kBindSurfaces, , vec4, surfaces);                    // normal towards the sensor, material (kNone: no surface)
+WORK(kBindSignals, , vec4, signals);                      // intensity, true range, width, label | cause << 8 | number << 16 | count << 24
+WORK(kBindMotions, writeonly, vec4, motions);             // velocity in the sensor's axes, radial speed
+WORK(kBindBarycentrics, writeonly, vec2, barycentrics);
+WORK(kBindInstanceMeshes, readonly, uint, instanceMeshes);
+WORK(kBindInstanceMotions, readonly, InstanceMotion, instanceMotions);
+WORK(kBindColumnMotions, readonly, ColumnMotion, columnMotions);
+// Per beam up to kMaxEchoes of what its footprint met, in order of range:
+WORK(kBindEchoCounts, , uint, echoCounts);
+WORK(kBindEchoes, , vec4, echoes);                        // range, energy, width, cosine of the incidence
+WORK(kBindEchoOwners, , uvec2, echoOwners);               // as owners
+WORK(kBindEchoSurfaces, , vec4, echoSurfaces);            // as surfaces
+CHUNK(kBindClusterMaterials, uint, clusterMaterials);
+CHUNK(kBindMeshPlaces, uint, meshPlaces);                 // per mesh: its first entry in trianglePlaces; kNone: elsewhere
+CHUNK(kBindTrianglePlaces, uint, trianglePlaces);         // per triangle of a mesh: cluster * kClusterTriangles + its place there

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/effects_state.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "effects/device_parameters.hpp"
+
+namespace gnosphere::vulkan {
+namespace {
+
+gpu::Optics4 packed(const Optics& optics) {
+  gpu::Optics4 result = {};
+  result.reflection = {optics.reflectance, optics.gloss, optics.roughness, optics.retro};
+  result.passage = {optics.transmission, 0, 1, std::bit_cast<float>(gpu::kNone)};
+  return result;
+}
+
+std::vector<uint32_t> bitsOfBeams(const std::vector<uint32_t>& beams, uint64_t count) {
+  std::vector<uint32_t> bits(count / 32 + 1);
+  for (uint32_t beam : beams)
+    if (beam < count) bits[beam / 32] |= 1u << beam % 32;
+  return bits;
+}
+
+template <typename T>
+void write(Buffer& buffer, std::span<const T> data) {
+  std::memcpy(buffer.mapped(), data.data(), data.size_bytes());
+  buffer.flush();
+}
+
+}  // namespace
+
+std::vector<Output> outputsOf(const PlannedEffects& planned) {
+  const uint32_t four = planned.returns * sizeof(gpu::vec4), two = planned.returns * 2 * sizeof(uint32_t);
+  std::vector<Output> outputs = {{gpu::kBindPoints, four}, {gpu::kBindOwners, two}};
+  if (planned.asks(gpu::kFieldSignal)) outputs.push_back({gpu::kBindSignals, four});
+  if (planned.asks(gpu::kFieldSurface)) outputs.push_back({gpu::kBindSurfaces, four});
+  if (planned.speeds()) outputs.push_back({gpu::kBindMotions, four});
+  if (planned.asks(gpu::kFieldBarycentrics)) outputs.push_back({gpu::kBindBarycentrics, two});
+  return outputs;
+}
+
+uint64_t bytesPerBeam(const PlannedEffects& planned) {
+  uint64_t most = sizeof(uint64_t);  // a word
+  for (const Output& output : outputsOf(planned)) most = std::max<uint64_t>(most, output.bytesPerBeam);
+  if (planned.footprint()) most = std::max<uint64_t>(most, gpu::kMaxEchoes * sizeof(gpu::vec4));
+  return most;
+}
+
+EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, uint64_t firstBeam, uint64_t beams,
+                           bool copied)
+    : device_(device), setup_(setup), firstBeam_(firstBeam) {
+  const PlannedEffects& planned = setup_.planned;
+  Uploader uploader(device);
+  if (planned.has(gpu::kIntensity | gpu::kTransmission | gpu::kCutOuts)) {
+    std::vector<gpu::Optics4> optics;
+    for (const Optics& of : setup_.optics) optics.push_back(packed(of));
+    buffers_[gpu::kBindOptics] = uploader.upload<gpu::Optics4>("optics", optics);
+  }
+  if (const auto& dead = setup_.effects.dropOut.deadBeams; planned.has(gpu::kDropOut) && !dead.empty())
+    buffers_[gpu::kBindDeadBeams] =
+        uploader.upload<uint32_t>("deadBeams", bitsOfBeams(dead, setup_.sensor.beamCount()));
+  for (const Output& output : outputsOf(planned))
+    if (copied && output.binding >= gpu::kWorkBindingCount) make(output.binding, "results", beams * output.bytesPerBeam);
+  // What is looked at but not asked for stays on the device.
+  if (planned.surfaces() && !planned.asks(gpu::kFieldSurface))
+    make(gpu::kBindSurfaces, "surfaces", beams * planned.returns * sizeof(gpu::vec4));
+}
+
+void EffectsState::make(uint32_t binding, const char* name, uint64_t bytes) {
+  buffers_[binding] = Buffer(device_, name, bytes, Memory::device);
+}
+
+EffectsFrame EffectsState::makeFrame() const {
+  EffectsFrame frame;
+  const auto make = [&](Buffer& buffer, const char* name, uint64_t bytes) {
+    buffer = Buffer(device_, name, bytes, Memory::upload);
+  };
+  if (setup_.planned.signals()) make(frame.parameters, "parameters", sizeof(gpu::EffectParameters));
+  if (setup_.planned.has(gpu::kVolumes))
+    make(frame.volumes, "volumes", setup_.effects.volumes.boxes.size() * sizeof(gpu::VolumeBox));
+  return frame;
+}
+
+void EffectsState::prepare(EffectsFrame& frame, const Shot& shot) const {
+  if (frame.parameters.handle()) {
+    gpu::EffectParameters parameters = parametersOf(setup_.effects, setup_.sensor, setup_.planned.bits);
+    parameters.sensor = setup_.sensorIndex;
+    parameters.frame = static_cast<uint32_t>(shot.frame);
+    parameters.firstBeam = static_cast<uint32_t>(firstBeam_);
+    parameters.returnsPerBeam = setup_.planned.returns;
+    write<gpu::EffectParameters>(frame.parameters, {&parameters, 1});
+  }
+  if (frame.volumes.handle()) {
+    std::vector<gpu::VolumeBox> boxes;
+    for (const Effects::Volume& volume : setup_.effects.volumes.boxes) boxes.push_back(boxOf(volume, shot.pose));
+    write<gpu::VolumeBox>(frame.volumes, boxes);
+  }
+}
+
+void EffectsState::bind(const EffectsFrame& frame, Bindings& bindings) const {
+  for (size_t i = gpu::kWorkBindingCount; i < bindings.size(); ++i)
+    if (buffers_[i].handle()) bindings[i] = &buffers_[i];
+  const auto put = [&](uint32_t binding, const Buffer& buffer) {
+    if (buffer.handle()) bindings[binding] = &buffer;
+  };
+  put(gpu::kBindParameters, frame.parameters);
+  put(gpu::kBindVolumes, frame.volumes);
+  put(gpu::kBindInstanceMotions, frame.instanceMotions);
+  put(gpu::kBindColumnMotions, frame.columnMotions);
+}
+
+uint64_t EffectsState::bytes() const {
+  uint64_t sum = 0;
+  for (const Buffer& buffer : buffers_) sum += buffer.bytes();
+  return sum;
+}
+
+void EffectsState::list(std::vector<Plan::Buffer>& to) const {
+  for (const Buffer& buffer : buffers_)
+    if (buffer.bytes() > 0) to.push_back({buffer.name(), buffer.bytes()});
+}
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the planned effects of one sensor, or of a part of it, have on the device.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "effects/planned.hpp"
+#include "shared.h"
+#include "vulkan/buffer.hpp"
+
+namespace gnosphere::vulkan {
+
+/// What is read back beside the counters, with its size per beam.
+struct Output {
+  uint32_t binding;
+  uint32_t bytesPerBeam;
+};
+
+/// What effects need to know of the simulator.
+struct EffectsSetup {
+  PlannedEffects planned;
+  Effects effects;
+  std::vector<Optics> optics;  ///< per material
+  Sensor sensor;               ///< the whole of it
+  uint32_t sensorIndex = 0;
+};
+
+/// Everything that is read back: points and owners first.
+std::vector<Output> outputsOf(const PlannedEffects& planned);
+/// The most that one buffer holds of a beam.
+uint64_t bytesPerBeam(const PlannedEffects& planned);
+
+/// What a frame in flight has of its own, written by the host.
+struct EffectsFrame {
+  Buffer parameters, volumes, instanceMotions, columnMotions;
+};
+
+class EffectsState {
+ public:
+  using Bindings = std::array<const Buffer*, gpu::kWorkBindingCountEffects>;
+
+  /// Of the beams from `firstBeam` of the whole sensor on. `copied`: outputs are not read in place.
+  EffectsState(const Device& device, const EffectsSetup& setup, uint64_t firstBeam, uint64_t beams, bool copied);
+
+  const PlannedEffects& planned() const { return setup_.planned; }
+  EffectsFrame makeFrame() const;
+  /// What a scan needs beyond what every scan does.
+  void prepare(EffectsFrame& frame, const Shot& shot) const;
+  /// The buffers under their binding numbers.
+  void bind(const EffectsFrame& frame, Bindings& bindings) const;
+  const Buffer& buffer(uint32_t binding) const { return buffers_[binding]; }
+  uint64_t bytes() const;
+  void list(std::vector<Plan::Buffer>& to) const;
+
+ private:
+  void make(uint32_t binding, const char* name, uint64_t bytes);
+
+  const Device& device_;
+  EffectsSetup setup_;
+  uint64_t firstBeam_;
+  std::array<Buffer, gpu::kWorkBindingCountEffects> buffers_;  // empty where nothing is planned for it
+  std::array<const char*, gpu::kWorkBindingCountEffects> names_ = {};
+};
+
+}  // namespace gnosphere::vulkan
