@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// How strong a return is, relative to a Lambertian target of reflectance 1, square to the beam, at 1 m.
+#ifndef GNOSPHERE_EFFECTS_INTENSITY_H
+#define GNOSPHERE_EFFECTS_INTENSITY_H
+
+#include "parameters.h"
+
+#ifdef __cplusplus
+namespace gnosphere::gpu {
+#endif
+
+// A glossy lobe narrower than this, alpha of GGX, would be missed or hit by chance between two beams.
+GNO_CONST float kLeastGloss = 0.05f;
+// Unit intensity of the retro-reflector that is 255 on the byte scale; a stronger one is 255 too.
+GNO_CONST float kStrongestRetro = 1000.0f;
+
+// The glossy lobe as seen from where the light comes from: GGX with alpha = roughness^2 (Walter et al., EGSR 2007) and
+// Smith's shadowing (Heitz, JCGT 2014), where half vector, light and view are one. pi * f * cosine, so that a
+// Lambertian would be its cosine.
+GNO_INLINE float glossyLobe(float cosine, float roughness) {
+  GNO_PRECISE float alpha = max(roughness * roughness, kLeastGloss);
+  GNO_PRECISE float square = alpha * alpha;
+  GNO_PRECISE float cosineSquare = cosine * cosine;
+  GNO_PRECISE float t = cosineSquare * square + (1.0f - cosineSquare);
+  GNO_PRECISE float shadowing = squareRoot(cosineSquare + square * (1.0f - cosineSquare));
+  GNO_PRECISE float result = quotient(square, 4.0f * t * t * shadowing);
+  return result;
+}
+
+// Share of a beam's energy that a surface throws back, `cosIncidence` 1 for square to the beam.
+GNO_INLINE float reflected(Optics4 optics, float cosIncidence) {
+  GNO_PRECISE float cosine = min(abs(cosIncidence), 1.0f);
+  GNO_PRECISE float result = (optics.reflection.x + optics.reflection.w) * cosine;
+  if (optics.reflection.y > 0.0f) result = result + optics.reflection.y * glossyLobe(cosine, optics.reflection.z);
+  return result;
+}
+
+// Share of a beam's energy that goes on behind a surface.
+GNO_INLINE float transmitted(Optics4 optics) {
+  return optics.passage.x;
+}
+
+// Relative power received: the lidar equation for a target that catches the whole beam. `depth`: optical depth of the
+// medium up to there.
+GNO_INLINE float received(float energy, float range, float depth) {
+  GNO_PRECISE float square = max(range * range, 1e-8f);
+  GNO_PRECISE float power = quotient(energy, square) * exponential(-2.0f * depth);
+  return power;
+}
+
+// Unit intensity: what a Lambertian square to the beam at that range would need as reflectance.
+GNO_INLINE float unitIntensity(EffectParameters p, float energy, float range, float depth) {
+  GNO_PRECISE float carla = exponential(-p.attenuation * range);  // RayCastLidar.cpp of CARLA 0.9
+  GNO_PRECISE float physical = energy * exponential(-2.0f * depth);
+  return p.intensityModel == kModelCarla ? carla : physical;
+}
+
+// Unit intensity -> the scale asked for. Bytes as Velodyne's calibrated reflectivity (VLP-16 user manual, 63-9243):
+// 0..100 diffuse per cent, 101..255 retro-reflectors; their law is logarithmic here, the manual gives none.
+GNO_INLINE float scaled(EffectParameters p, float unit, float range) {
+  if (p.intensityScale == kScaleRaw) return p.intensityModel == kModelCarla ? unit : received(unit, range, 0.0f);
+  if (p.intensityScale == kScaleUnit) return min(unit, 1.0f);
+  GNO_PRECISE float diffuse = 100.0f * unit;
+  GNO_PRECISE float retro = 100.0f + 22.438445f * naturalLog(max(unit, 1.0f));  // 155 / ln kStrongestRetro
+  GNO_PRECISE float rounded = floor(min(unit > 1.0f ? retro : diffuse, 255.0f) + 0.5f);
+  return rounded;
+}
+
+#ifdef __cplusplus
+}  // namespace gnosphere::gpu
+#endif
+#endif

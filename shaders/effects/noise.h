@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Errors of measurement: normal, mean 0.
+#ifndef GNOSPHERE_EFFECTS_NOISE_H
+#define GNOSPHERE_EFFECTS_NOISE_H
+
+#include "random.h"
+
+#ifdef __cplusplus
+namespace gnosphere::gpu {
+#endif
+
+// Angles astray are cut off here, in sigmas: beams must stay within the bounds that triangles are looked up by.
+GNO_CONST float kAngleCutOff = 4.0f;
+
+// Bias, an error that grows with range, then whole steps. Never below 0.
+GNO_INLINE float noisyRange(EffectParameters p, float range, float gaussian) {
+  GNO_PRECISE float sigma = p.rangeSigma + p.rangeSigmaPerMetre * range;
+  GNO_PRECISE float result = range + p.rangeBias + sigma * gaussian;
+  if (p.rangeStep > 0.0f) result = floor(quotient(result, p.rangeStep) + 0.5f) * p.rangeStep;
+  return max(result, 0.0f);
+}
+
+GNO_INLINE float noisyIntensity(EffectParameters p, float unit, float gaussian) {
+  GNO_PRECISE float result = unit + p.intensitySigma * gaussian;
+  return max(result, 0.0f);
+}
+
+// How far a beam is astray: azimuth (x) and elevation (y) in radians. `beam` as its draws know it: p.firstBeam added.
+GNO_INLINE vec2 angleError(EffectParameters p, uint beam) {
+  vec4 normal = gaussians(draw(p, beam, 0u, kAngleNoise));
+  GNO_PRECISE vec2 result;
+  result.x = p.azimuthSigma * max(-kAngleCutOff, min(normal.x, kAngleCutOff));
+  result.y = p.elevationSigma * max(-kAngleCutOff, min(normal.y, kAngleCutOff));
+  return result;
+}
+
+// A unit vector turned about the vertical axis by error.x and away from the horizon by error.y, radians.
+GNO_INLINE vec3 astray(vec3 direction, vec2 error) {
+  GNO_PRECISE float horizontal = squareRoot(direction.x * direction.x + direction.y * direction.y);
+  GNO_PRECISE float cosine = 1.0f, sine = 0.0f;  // of the azimuth; at a pole any will do
+  if (horizontal > 1e-12f) {
+    cosine = quotient(direction.x, horizontal);
+    sine = quotient(direction.y, horizontal);
+  }
+  vec2 azimuth = cosSinOfTurn(error.x * 0.159154943f);
+  vec2 elevation = cosSinOfTurn(error.y * 0.159154943f);
+  GNO_PRECISE float length_ = horizontal * elevation.x - direction.z * elevation.y;
+  GNO_PRECISE vec3 result;
+  result.x = length_ * (cosine * azimuth.x - sine * azimuth.y);
+  result.y = length_ * (sine * azimuth.x + cosine * azimuth.y);
+  result.z = direction.z * elevation.x + horizontal * elevation.y;
+  return result;
+}
+
+#ifdef __cplusplus
+}  // namespace gnosphere::gpu
+#endif
+#endif

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// One beam's way from its echoes to its returns: medium, material, returns, detection and drop-out, noise.
+//
+// The includer has defined EFFECTS, the planned effects as bits of plan.h, and
+//   Echo loadEcho(uint k)                  k < echoCount, in order of range, none farther than p.rangeMax
+//   void storeReturn(uint j, Return value) called once for each j < p.returnsPerBeam
+//   VolumeBox loadVolume(uint i)           i < p.volumeCount
+//   bool isDead(uint beam)                 of DropOut::deadBeams; asked only if p.deadBeams > 0
+// In C++ it is included within a struct that has these as members (src/effects/beam_signal.hpp).
+#include "detection.h"
+#include "intensity.h"
+#include "noise.h"
+#include "parameters.h"
+#include "random.h"
+#include "returns.h"
+#include "weather.h"
+
+#define PLANNED(bits) ((EFFECTS & (bits)) != 0u)
+
+// Where the air takes light, what is left must be enough: then returns are judged even without `detection`.
+#define JUDGED PLANNED(kDetection | kMediumEffects)
+
+// Optical depth of the medium up to a range.
+GNO_INLINE float depthOf(EffectParameters p, vec3 direction, float range) {
+  GNO_PRECISE float depth = 0.0f;
+  if (PLANNED(kFog | kRain | kSnow)) depth = p.extinction * range;
+  if (PLANNED(kVolumes))
+    for (uint i = 0u; i < p.volumeCount; ++i) {
+      VolumeBox box = loadVolume(i);
+      vec2 span = withinBox(box, direction, range);
+      depth = depth + box.extinction * max(span.y - span.x, 0.0f);
+    }
+  return depth;
+}
+
+// The stronger of an echo known and a further one.
+GNO_INLINE void keepStronger(EffectParameters p, vec3 direction, Echo further, GNO_INOUT(Echo) echo,
+                             GNO_INOUT(float) power) {
+  if (further.range >= kNever) return;
+  GNO_PRECISE float furtherPower = received(further.energy, further.range, depthOf(p, direction, further.range));
+  if (furtherPower <= power) return;
+  echo = further;
+  power = furtherPower;
+}
+
+// The strongest echo of the medium nearer than `far`, range kNever if there is none.
+GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float far) {
+  Echo echo = noEcho();
+  float power = 0.0f;
+  if (PLANNED(kFog))
+    keepStronger(p, direction,
+                 scatterEcho(p, p.fogExtinction, p.fogScatter, p.rangeMin, far, draw(p, beam, 0u, kFog),
+                             draw(p, beam, 1u, kFog)),
+                 echo, power);
+  if (PLANNED(kRain)) keepStronger(p, direction, particleEcho(p, p.rain, far, draw(p, beam, 0u, kRain)), echo, power);
+  if (PLANNED(kSnow)) keepStronger(p, direction, particleEcho(p, p.snow, far, draw(p, beam, 0u, kSnow)), echo, power);
+  if (PLANNED(kVolumes))
+    for (uint i = 0u; i < p.volumeCount; ++i) {
+      VolumeBox box = loadVolume(i);
+      vec2 span = withinBox(box, direction, far);
+      keepStronger(p, direction,
+                   scatterEcho(p, box.extinction, box.scatter, max(span.x, p.rangeMin), span.y,
+                               draw(p, beam, 2u * i, kVolumes), draw(p, beam, 2u * i + 1u, kVolumes)),
+                   echo, power);
+    }
+  return echo;
+}
+
+// Echo `number` of those of surfaces with that of the medium sorted in as number `scatterAt`.
+GNO_INLINE Echo echoAt(uint number, Echo scatter, uint scatterAt) {
+  if (PLANNED(kMediumEffects) && number == scatterAt) return scatter;
+  return loadEcho(number < scatterAt ? number : number - 1u);
+}
+
+// What draws know it by: the medium coming in between changes no number.
+GNO_INLINE uint drawOf(uint number, uint scatterAt) {
+  return number == scatterAt ? kScatterDraw : number < scatterAt ? number : number - 1u;
+}
+
+GNO_INLINE Return noReturn() {
+  Return none;
+  none.range = none.trueRange = none.intensity = none.width = notANumber();
+  none.label = kLabelNone;
+  none.echo = kNone;
+  none.number = none.count = 0u;
+  return none;
+}
+
+// What the sensor says of an echo that it returns.
+GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo echo, uint drawNumber) {
+  Return result = noReturn();
+  result.range = result.trueRange = echo.range;
+  result.width = echo.width;
+  result.label = echo.index == kNone ? kLabelScatter : kLabelSolid;
+  result.echo = echo.index;
+  if (PLANNED(kRangeNoise))
+    result.range = noisyRange(p, echo.range, gaussians(draw(p, beam, drawNumber, kRangeNoise)).x);
+  if (PLANNED(kIntensity)) {
+    float unit = unitIntensity(p, echo.energy, echo.range, depthOf(p, direction, echo.range));
+    if (PLANNED(kIntensityNoise))
+      unit = noisyIntensity(p, unit, gaussians(draw(p, beam, drawNumber, kIntensityNoise)).x);
+    result.intensity = scaled(p, unit, echo.range);
+  }
+  return result;
+}
+
+// Stores the returns of one beam, and says how many there are and what became of it. `beam` counts from p.firstBeam;
+// `direction` is the beam's unit vector in the sensor's frame.
+GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint echoCount, GNO_OUT(uint) returnCount) {
+  uint key = p.firstBeam + beam;
+  uint cause = kCauseNoSurface;
+  bool works = true;
+  if (PLANNED(kDropOut)) {
+    if (p.deadBeams > 0u && isDead(beam)) {
+      works = false;
+      cause = kCauseDead;
+    } else if (beamDropped(p, uniform01(draw(p, key, 0u, kDropOut).x))) {
+      works = false;
+      cause = echoCount > 0u ? kCauseDroppedOut : kCauseNoSurface;
+    }
+  }
+
+  // The medium's echo, if it is well before the last surface, and its place in the order of range.
+  uint count = works ? echoCount : 0u;
+  uint scatterAt = kNone;
+  Echo scatter = noEcho();
+  if (PLANNED(kMediumEffects) && works) {
+    GNO_PRECISE float far = p.rangeMax;
+    if (count > 0u) far = loadEcho(count - 1u).range - p.separation;
+    scatter = mediumEcho(p, key, direction, far);
+    if (scatter.range < kNever) {
+      scatterAt = 0u;
+      while (scatterAt < count && loadEcho(scatterAt).range <= scatter.range) ++scatterAt;
+      ++count;
+    }
+  }
+
+  Choice choice = noChoice();
+  for (uint k = 0u; k < count; ++k) {
+    Echo echo = echoAt(k, scatter, scatterAt);
+    uint number = drawOf(k, scatterAt);
+    float depth = depthOf(p, direction, echo.range);
+    float power = received(echo.energy, echo.range, depth);
+    if (JUDGED) {
+      float chance = p.softness > 0.0f ? uniform01(draw(p, key, number, kDetection).x) : 0.0f;
+      if (!detected(p, power, chance)) {
+        if (k == scatterAt) continue;
+        bool inClearAir = PLANNED(kMediumEffects) && detected(p, received(echo.energy, echo.range, 0.0f), chance);
+        if (inClearAir && cause != kCauseDroppedOut) cause = kCauseAttenuated;
+        if (!inClearAir && cause == kCauseNoSurface) cause = kCauseWeak;
+        continue;
+      }
+    }
+    if (PLANNED(kDropOut) && p.dropAtZero > 0.0f) {
+      float unit = unitIntensity(p, echo.energy, echo.range, depth);
+      if (returnDropped(p, unit, uniform01(draw(p, key, number + 1u, kDropOut).x))) {
+        cause = kCauseDroppedOut;
+        continue;
+      }
+    }
+    consider(choice, k, power);
+  }
+
+  uint mode = kModeStrongest;
+  if (PLANNED(kReturns)) mode = p.returnsMode;
+  uint wanted = chosen(choice, mode);
+  returnCount = 0u;
+  for (uint k = 0u; k < count; ++k)
+    if ((wanted >> k & 1u) != 0u && returnCount < p.returnsPerBeam) ++returnCount;
+  uint stored = 0u;
+  for (uint k = 0u; k < count && stored < returnCount; ++k)
+    if ((wanted >> k & 1u) != 0u) {
+      Return value = measured(p, key, direction, echoAt(k, scatter, scatterAt), drawOf(k, scatterAt));
+      value.number = stored + 1u;
+      value.count = returnCount;
+      storeReturn(stored, value);
+      ++stored;
+    }
+  for (; stored < p.returnsPerBeam; ++stored) storeReturn(stored, noReturn());
+  return returnCount > 0u ? kCauseReturned : cause;
+}

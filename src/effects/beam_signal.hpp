@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The device's formulas for one beam, on the host.
+#pragma once
+
+#include <span>
+
+#include "effects/detection.h"
+#include "effects/intensity.h"
+#include "effects/noise.h"
+#include "effects/returns.h"
+#include "effects/weather.h"
+
+namespace gnosphere::gpu {
+
+/// Fill in the spans and call signalsOf(parameters, beam, direction, echoes.size(), count).
+struct BeamSignal {
+  uint EFFECTS = 0;                    ///< bits of effects/plan.h
+  std::span<const Echo> echoes;        ///< of the beam, in order of range
+  std::span<Return> returns;           ///< EffectParameters::returnsPerBeam of them, written
+  std::span<const VolumeBox> volumes;  ///< of the scan
+  std::span<const uint> deadBeams;     ///< as bits: 32 beams a word
+
+  Echo loadEcho(uint k) const { return echoes[k]; }
+  void storeReturn(uint j, const Return& value) const { returns[j] = value; }
+  VolumeBox loadVolume(uint i) const { return volumes[i]; }
+  bool isDead(uint beam) const { return (deadBeams[beam / 32] >> beam % 32 & 1) != 0; }
+
+#include "effects/signal.h"
+};
+
+}  // namespace gnosphere::gpu
