@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// {"materials": [{"name": "asphalt", "reflectance_905": 0.17, "reflectance_1550": 0.2, "roughness": 1, "retro": 0,
+// "transmission": 0}]}; what a row leaves out stays as the scene has it.
+#include <algorithm>
+
+#include "effects/openmaterial.hpp"
+#include "effects/strict_json.hpp"
+#include "file.hpp"
+#include "gnosphere/effects.hpp"
+
+namespace gnosphere {
+namespace {
+
+using nlohmann::json;
+using Row = MaterialTable::Row;
+
+struct Column {
+  const char* name;
+  float Row::*member;
+  float max;
+};
+
+constexpr Column kColumns[] = {{"reflectance_905", &Row::reflectance905, 1},
+                               {"reflectance_1550", &Row::reflectance1550, 1},
+                               {"roughness", &Row::roughness, 1},
+                               {"retro", &Row::retro, 1e6f},  // a cube corner sends back a million times a Lambertian
+                               {"transmission", &Row::transmission, 1}};
+
+constexpr size_t kMaxFileBytes = size_t{256} << 20;  // a BRDF table of a million rows takes about 50 MB
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
+  throw Error(ErrorCode::format, file.string() + ": " + why);
+}
+
+void readColumn(const std::filesystem::path& file, const std::string& key, const json& value, Row& row) {
+  const auto column =
+      std::find_if(std::begin(kColumns), std::end(kColumns), [&](const Column& c) { return key == c.name; });
+  if (column == std::end(kColumns)) {
+    std::vector<std::string> names = {"name"};
+    for (const Column& c : kColumns) names.push_back(c.name);
+    refuse(file, "material '" + row.name + "' has an unknown key '" + key + "'; " + nearestText(key, names));
+  }
+  const double number = value.is_number() ? value.get<double>() : -1.0;
+  if (!(number >= 0 && number <= static_cast<double>(column->max))) {
+    refuse(file, "material '" + row.name + "': " + key + " must be 0.." +
+                     std::to_string(static_cast<int>(column->max)) + ", is " + shown(value));
+  }
+  row.*column->member = static_cast<float>(number);
+}
+
+Row readRow(const std::filesystem::path& file, const json& entry) {
+  if (!entry.is_object()) refuse(file, "a material must be an object, is " + shown(entry));
+  const auto name = entry.find("name");
+  if (name == entry.end() || !name->is_string()) refuse(file, "a material has no 'name': " + shown(entry));
+  Row row;
+  row.name = name->get<std::string>();
+  for (const auto& [key, value] : entry.items()) {
+    if (key != "name") readColumn(file, key, value, row);
+  }
+  return row;
+}
+
+}  // namespace
+
+json readMaterialJson(const std::filesystem::path& file) {
+  return parseStrict(readWholeFile(file, kMaxFileBytes), file.string());
+}
+
+MaterialTable loadMaterialTable(const std::filesystem::path& file) {
+  const json root = readMaterialJson(file);
+  if (isOpenMaterial(root)) return {readOpenMaterial(root, file)};
+  if (!root.is_object() || !root.contains("materials") || !root["materials"].is_array()) {
+    refuse(file,
+           "is neither {\"materials\": [{\"name\": ...}, ...]} nor an asset, mapping or material of ASAM OpenMATERIAL "
+           "3D");
+  }
+  if (root.size() > 1) refuse(file, "holds more than 'materials'; take it out");
+  MaterialTable table;
+  for (const json& entry : root["materials"]) table.rows.push_back(readRow(file, entry));
+  return table;
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a material of a scene, and a row of a table over it, mean to a laser.
+#include <algorithm>
+#include <cctype>
+#include <map>
+
+#include "gnosphere/effects.hpp"
+
+namespace gnosphere {
+namespace {
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// What a row does not state stays as the scene has it.
+void take(float& value, float stated) {
+  if (stated >= 0) value = stated;
+}
+
+}  // namespace
+
+// glTF's metallic-roughness model (specification 2.0, appendix B): a dielectric reflects 4 % at its surface and the
+// rest of the base colour diffusely, a metal has no diffuse part. Alpha is coverage: what it leaves open lets the light
+// through, and of what it covers `transmission` does; that light is not reflected diffusely.
+Optics opticsOf(const Material& material) {
+  constexpr float kDielectric = 0.04f;
+  const float red = std::clamp(material.baseColor[0], 0.0f, 1.0f);
+  const float covered = material.alphaMode == AlphaMode::blend ? std::clamp(material.baseColor[3], 0.0f, 1.0f) : 1.0f;
+  Optics optics;
+  optics.transmission = 1 - covered * (1 - material.transmission);
+  optics.reflectance = red * (1 - material.metallic) * (1 - optics.transmission);
+  optics.gloss = covered * (kDielectric * (1 - material.metallic) + red * material.metallic);
+  optics.roughness = material.roughness;
+  optics.retro = material.retro;
+  return optics;
+}
+
+std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, double wavelength,
+                             std::vector<std::string>* unused) {
+  std::multimap<std::string, size_t> materials;
+  for (size_t i = 0; i < scene.materials.size(); ++i) materials.emplace(lower(scene.materials[i].name), i);
+  std::vector<Optics> optics;
+  for (const Material& material : scene.materials) optics.push_back(opticsOf(material));
+  for (const MaterialTable::Row& row : table.rows) {
+    const auto [first, last] = materials.equal_range(lower(row.name));
+    if (first == last && unused) unused->push_back(row.name);
+    for (auto at = first; at != last; ++at) {
+      Optics& one = optics[at->second];
+      take(one.reflectance, wavelength == 1550 ? row.reflectance1550 : row.reflectance905);
+      take(one.roughness, row.roughness);
+      take(one.retro, row.retro);
+      take(one.transmission, row.transmission);
+    }
+  }
+  return optics;
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// ASAM OpenMATERIAL 3D 1.0: an asset (.xoma) names a mapping (.xomm), which names a material (.xomp) per material of
+// the geometry, which names its property tables (.xompt). Of those, two tell a laser's reflectance:
+// - a BRDF with rows [wavelength m, incidence, exit zenith, exit azimuth rad, value 1/sr] near the normal, back to
+//   where the light came from: the Lambertian of the same value has reflectance pi times it;
+// - optical properties with rows [wavelength m, temperature K, n, k] of a conductor: Fresnel's reflectance at the
+//   normal, which a rough surface spreads as a diffuse one. A dielectric's n says nothing of the light that comes back
+//   from inside, which is most of it.
+#include "effects/openmaterial.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "effects/strict_json.hpp"
+#include "gnosphere/error.hpp"
+
+namespace gnosphere {
+namespace {
+
+using nlohmann::json;
+using std::filesystem::path;
+
+constexpr double kNearWavelength = 60e-9;  // m: lasers sold as 905 nm span 850 to 940
+constexpr double kNearNormal = 0.175;      // rad, 10 degrees: cos is 1 within 2 %
+constexpr double kConductor = 1;           // extinction coefficient k; glass has 1e-6, aluminium 8
+
+[[noreturn]] void refuse(const path& file, const std::string& why) {
+  throw Error(ErrorCode::format, file.string() + ": " + why);
+}
+
+const json& member(const path& file, const json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end()) refuse(file, "'" + std::string(key) + "' is missing");
+  return *found;
+}
+
+path besides(const path& file, const json& uri) {
+  if (!uri.is_string()) refuse(file, "the name of a file is not a text but " + shown(uri));
+  return file.parent_path() / path(uri.get<std::string>());
+}
+
+/// The first `count` numbers of a row; none where one of them is null or is not there.
+template <size_t kCount>
+std::optional<std::array<double, kCount>> numbers(const json& row) {
+  if (!row.is_array() || row.size() < kCount) return {};
+  std::array<double, kCount> values;
+  for (size_t i = 0; i < kCount; ++i) {
+    if (!row[i].is_number()) return {};
+    values[i] = row[i].get<double>();
+  }
+  return values;
+}
+
+/// The row that `distance` puts nearest; none where it is infinite for all.
+template <size_t kColumns, class Distance>
+std::optional<std::array<double, kColumns>> nearestRow(const json& table, Distance distance) {
+  std::optional<std::array<double, kColumns>> nearest;
+  double least = INFINITY;
+  for (const json& row : table) {
+    const auto values = numbers<kColumns>(row);
+    const double now = values ? distance(*values) : INFINITY;
+    if (!(now < least)) continue;
+    least = now;
+    nearest = values;
+  }
+  return nearest;
+}
+
+/// Reflectance of the Lambertian that sends as much back; negative where the table has no row for it.
+float brdfReflectance(const json& table, double wavelength) {
+  const auto row = nearestRow<5>(table, [&](const auto& r) -> double {
+    const double off = std::abs(r[0] - wavelength);
+    if (off > kNearWavelength || r[1] > kNearNormal || r[2] > 2 * kNearNormal) return INFINITY;
+    return r[1] + std::abs(r[2] - r[1]) + (1 - std::cos(r[3])) * r[2] + off / kNearWavelength;
+  });
+  return row ? static_cast<float>(std::clamp(std::numbers::pi * (*row)[4], 0.0, 1.0)) : -1.0f;
+}
+
+float conductorReflectance(const json& table, double wavelength) {
+  const auto row = nearestRow<4>(table, [&](const auto& r) -> double {
+    const double off = std::abs(r[0] - wavelength);
+    return off > kNearWavelength ? INFINITY : off;
+  });
+  if (!row || (*row)[3] < kConductor) return -1;
+  const double n = (*row)[2], k2 = (*row)[3] * (*row)[3];
+  return static_cast<float>(((n - 1) * (n - 1) + k2) / ((n + 1) * (n + 1) + k2));
+}
+
+/// What the row does not state yet.
+void complete(MaterialTable::Row& row, const json& table, float (*reflectance)(const json&, double)) {
+  if (row.reflectance905 < 0) row.reflectance905 = reflectance(table, 905e-9);
+  if (row.reflectance1550 < 0) row.reflectance1550 = reflectance(table, 1550e-9);
+}
+
+MaterialTable::Row readMaterial(const json& root, const path& file, std::string name) {
+  const json& properties = member(file, root, "materialProperties");
+  MaterialTable::Row row;
+  row.name = std::move(name);
+  if (properties.contains("brdfUris")) {
+    for (const json& uri : properties["brdfUris"]) {
+      const path brdf = besides(file, uri);
+      const json table = readMaterialJson(brdf);
+      complete(row, member(brdf, member(brdf, table, "brdf"), "lookupTable"), brdfReflectance);
+    }
+  }
+  if (properties.contains("opticalPropertiesUri")) {
+    const path optical = besides(file, properties["opticalPropertiesUri"]);
+    const json table = readMaterialJson(optical);
+    complete(row, member(optical, table, "opticalProperties"), conductorReflectance);
+  }
+  if (row.reflectance905 < 0 && row.reflectance1550 < 0) {
+    refuse(file,
+           "states no reflectance for a laser: it takes a BRDF within 10 degrees of the normal, or a conductor's "
+           "optical properties, at 905 or 1550 nm");
+  }
+  return row;
+}
+
+}  // namespace
+
+bool isOpenMaterial(const json& root) {
+  return root.is_object() && (root.contains("materialMappingUri") || root.contains("materialMapping") ||
+                              root.contains("materialProperties"));
+}
+
+std::vector<MaterialTable::Row> readOpenMaterial(const json& root, const path& file) {
+  try {
+    if (root.contains("materialMappingUri")) {
+      const path mapping = besides(file, root["materialMappingUri"]);
+      const json table = readMaterialJson(mapping);
+      member(mapping, table, "materialMapping");  // else an asset that names itself would never end
+      if (table.contains("materialMappingUri")) refuse(mapping, "is an asset, not a mapping");
+      return readOpenMaterial(table, mapping);
+    }
+    if (!root.contains("materialMapping")) {
+      const json& name = member(file, member(file, root, "metadata"), "name");
+      return {readMaterial(root, file, name.get<std::string>())};
+    }
+    std::vector<MaterialTable::Row> rows;
+    for (const json& entry : root["materialMapping"]) {
+      if (!entry.is_array() || entry.size() < 2 || !entry[0].is_string()) {
+        refuse(file, "an entry of 'materialMapping' is not [name, file, ...] but " + shown(entry));
+      }
+      const path material = besides(file, entry[1]);
+      rows.push_back(readMaterial(readMaterialJson(material), material, entry[0].get<std::string>()));
+    }
+    return rows;
+  } catch (const json::exception& problem) {
+    refuse(file, std::string("is not OpenMATERIAL 3D: ") + problem.what());
+  }
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gnosphere/plan.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "effects/parameters.hpp"
+
+namespace gnosphere {
+
+uint64_t Plan::bytes() const {
+  uint64_t sum = 0;
+  for (const Buffer& buffer : buffers) sum += buffer.bytes;
+  return sum;
+}
+
+uint32_t Plan::dispatches() const {
+  uint32_t sum = 0;
+  for (const Stage& stage : stages) sum += stage.dispatches;
+  return sum;
+}
+
+bool Plan::has(const std::string& effect) const {
+  return std::any_of(effects.begin(), effects.end(),
+                     [&](const Decision& decision) { return decision.in && decision.effect == effect; });
+}
+
+std::string toJson(const Plan& plan) {
+  using Json = nlohmann::ordered_json;
+  Json json;
+  json["effects"] = Json::array();
+  for (const Plan::Decision& decision : plan.effects) {
+    json["effects"].push_back({{"effect", decision.effect},
+                               {"request", kUseWords[static_cast<size_t>(decision.request)]},
+                               {"in", decision.in},
+                               {"reason", decision.reason}});
+  }
+  json["fields"] = plan.fields;
+  json["returns"] = plan.returns;
+  json["binning"] = plan.binning;
+  json["stages"] = Json::array();
+  for (const Plan::Stage& stage : plan.stages) {
+    Json pipelines = Json::array();
+    for (const Plan::Pipeline& pipeline : stage.pipelines) {
+      pipelines.push_back({{"name", pipeline.name}, {"constants", pipeline.constants}});
+    }
+    json["stages"].push_back({{"name", stage.name}, {"dispatches", stage.dispatches}, {"pipelines", pipelines}});
+  }
+  json["dispatches"] = plan.dispatches();
+  json["buffers"] = Json::array();
+  for (const Plan::Buffer& buffer : plan.buffers) {
+    json["buffers"].push_back({{"name", buffer.name}, {"bytes", buffer.bytes}});
+  }
+  json["bytes"] = plan.bytes();
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace gnosphere

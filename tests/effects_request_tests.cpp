@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a request may say: JSON, presets and assignments, and one clear line for everything else.
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_exception.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "effects/parameters.hpp"
+#include "gnosphere/effects.hpp"
+#include "gnosphere/error.hpp"
+#include "gnosphere/plan.hpp"
+
+using namespace gnosphere;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::Message;
+
+namespace {
+
+Effects read(const std::string& json) {
+  return effectsFromJson(json, "r.json");
+}
+
+/// The message names the file and says this.
+void refused(const std::string& json, const std::string& why) {
+  INFO(json);
+  CHECK_THROWS_MATCHES(read(json), Error, Message("r.json: " + why));
+}
+
+void refusedAssignment(const std::string& assignment, const std::string& why) {
+  INFO(assignment);
+  Effects effects;
+  CHECK_THROWS_MATCHES(assign(effects, assignment), Error, Message(why));
+  CHECK(toJson(effects) == toJson(Effects()));
+}
+
+Effects everything() {
+  Effects e;
+  e.seed = 18446744073709551615u;
+  e.intensity = {Use::on, Effects::Intensity::Model::carla, Effects::Intensity::Scale::byte, 1550, 0.01};
+  e.detection = {Use::on, 0.2, 80, 0.1};
+  e.dropOut = {Use::on, 0.1, 0.2, 0.3, {0, 7, 4294967295u}};
+  e.rangeNoise = {Use::automatic, -0.01, 0.02, 1e-4, 0.004};
+  e.angleNoise = {Use::on, 1e-4, 2e-4, Effects::AngleNoise::At::point};
+  e.intensityNoise = {Use::on, 0.05};
+  e.divergence = {Use::on, 37, Effects::Divergence::Profile::uniform, 3e-3, 1.5e-3};
+  e.returns = {Use::on, Effects::Returns::Mode::strongestSecondStrongest, 2, 0.5, 6e-9};
+  e.transmission.use = e.cutOuts.use = Use::off;
+  e.sensorMotion = {Use::on, true};
+  e.objectMotion.use = Use::off;
+  e.fog = {Use::on, 200.1};
+  e.rain = {Use::off, 1.0 / 3};
+  e.snow = {Use::on, 2.5};
+  e.volumes.use = Use::on;
+  e.volumes.boxes = {{{-1, -2, -3}, {1, 2, 3}, 0.1}, {{0, 0, 0}, {0.1, 0, 0}, 0}};
+  e.radialSpeed.use = Use::on;
+  return e;
+}
+
+}  // namespace
+
+TEST_CASE("a request says what differs from the default") {
+  const Effects effects =
+      read(R"({"seed": 7, "fog": {"use": "on", "visibility": 200}, "divergence": "off", "rain": {"rate": 5},
+               "snow": {"use": "auto", "rate": 2}, "returns": {"mode": "first-last"}, "volumes": {"boxes":
+               [{"min": [0, 1, 2], "max": [3, 4, 5], "extinction": 0.1}]}, "drop-out": {"dead_beams": [3, 1]}})");
+  CHECK(effects.seed == 7);
+  CHECK(effects.fog.use == Use::on);
+  CHECK(effects.fog.visibility == 200);
+  CHECK(effects.divergence.use == Use::off);
+  CHECK(effects.rain.use == Use::on);
+  CHECK(effects.rain.rate == 5);
+  CHECK(effects.snow.use == Use::automatic);
+  CHECK(effects.snow.rate == 2);
+  CHECK(effects.returns.mode == Effects::Returns::Mode::firstLast);
+  REQUIRE(effects.volumes.boxes.size() == 1);
+  CHECK(effects.volumes.boxes[0].max.y == 4);
+  CHECK(effects.volumes.boxes[0].extinction == 0.1);
+  CHECK(effects.dropOut.deadBeams == std::vector<uint32_t>{3, 1});
+  CHECK(effects.intensity.use == Use::automatic);
+  CHECK(toJson(read("{}")) == toJson(Effects()));
+}
+
+TEST_CASE("JSON of a request reads back to the same request") {
+  const std::string json = toJson(everything());
+  CHECK(toJson(read(json)) == json);
+  CHECK(read(json).seed == everything().seed);
+  CHECK(read(json).rain.rate == everything().rain.rate);
+  CHECK(read(json).rangeNoise.use == Use::automatic);
+  // Every parameter differs from its default, so that none can be left out on the way.
+  Effects all = everything(), defaults;
+  const auto parsed = nlohmann::json::parse(json), plain = nlohmann::json::parse(toJson(defaults));
+  for (const EffectInfo& info : effectTable())
+    for (const Parameter& parameter : info.parameters) {
+      INFO(info.name << "." << parameter.name);
+      CHECK(parsed.at(info.name).at(parameter.name) != plain.at(info.name).at(parameter.name));
+    }
+}
+
+TEST_CASE("every preset is sound and reads back") {
+  CHECK(effectPresets() == std::vector<std::string>{"clean", "auto", "carla", "hdl-64e", "os1-rain"});
+  for (const std::string& name : effectPresets()) {
+    INFO(name);
+    const Effects effects = findEffects(name);
+    validate(effects);
+    CHECK(toJson(read(toJson(effects))) == toJson(effects));
+  }
+  CHECK(toJson(findEffects("clean")) == toJson(Effects::none()));
+  CHECK(toJson(findEffects("AUTO")) == toJson(Effects()));
+  const Effects carla = findEffects("carla");
+  CHECK(carla.intensity.model == Effects::Intensity::Model::carla);
+  CHECK(carla.dropOut.generalRate == 0.45);
+  CHECK(carla.divergence.use == Use::off);
+  CHECK(findEffects("hdl-64e").detection.range == 50);
+  CHECK(findEffects("os1-rain").rain.rate == 10);
+}
+
+TEST_CASE("a request is found by its preset or its file") {
+  CHECK_THROWS_MATCHES(findEffects("os1-fog"), Error,
+                       Message("no effects or file are called 'os1-fog'; there are clean, auto, carla, hdl-64e, "
+                               "os1-rain, or a JSON file"));
+  const auto file = std::filesystem::temp_directory_path() / "gnosphere-request-test.json";
+  std::ofstream(file) << R"({"fog": {"visibility": 50}})";
+  CHECK(findEffects(file.string()).fog.visibility == 50);
+  std::ofstream(file) << R"({"fig": {}})";
+  CHECK_THROWS_MATCHES(findEffects(file.string()), Error,
+                       Catch::Matchers::MessageMatches(ContainsSubstring(file.string() + ": no effect is called")));
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("what is unknown is named with the nearest that are known") {
+  refused(R"({"fogg": {}})", "no effect is called 'fogg'; the nearest are fog, rain, snow");
+  refused(R"({"range_noise": {}})",
+          "no effect is called 'range_noise'; the nearest are range-noise, angle-noise, intensity");
+  refused(R"({"divergence": {"sub-rays": 7}})",
+          "divergence has no 'sub-rays'; the nearest are sub_rays, profile, vertical");
+  refused(R"({"fog": {"rate": 7}})", "fog has no 'rate'; there is visibility");
+  refused(R"({"cut-outs": {"texture": 7}})", "cut-outs has no 'texture', nor any other parameter");
+}
+
+TEST_CASE("what is out of range is refused with the range and the unit") {
+  refused(R"({"fog": {"visibility": -1}})", "fog.visibility must be 0..1000000 m, is -1");
+  refused(R"({"rain": {"rate": 501}})", "rain.rate must be 0..500 mm/h, is 501");
+  refused(R"({"divergence": {"sub_rays": 62}})", "divergence.sub_rays must be a whole number, 1..61, is 62");
+  refused(R"({"divergence": {"horizontal": 3}})", "divergence.horizontal must be 0..0.1 rad, is 3");
+  refused(R"({"returns": {"count": 6}})", "returns.count must be a whole number, 0..5, is 6");
+  refused(R"({"intensity": {"wavelength": 1064}})", "intensity.wavelength must be 905 or 1550 nm, is 1064");
+  refused(R"({"detection": {"reflectance": 0}})", "detection.reflectance must be 0.001..1, is 0");
+  refused(R"({"volumes": {"boxes": [{"min": [0,0,0], "max": [1,1,-1], "extinction": 1}]}})",
+          "volumes.boxes[0]: its min is beyond its max");
+  refused(R"({"volumes": {"boxes": [{"min": [0,0,0], "max": [1,1,1], "extinction": 1001}]}})",
+          "volumes.boxes[0].extinction must be 0..1000 1/m, is 1001");
+}
+
+TEST_CASE("what is of another type is refused with the type") {
+  refused("[]", "a request is a JSON object");
+  refused(R"({"fog": 200})", "fog must be off, on or auto, is 200");
+  refused(R"({"fog": "yes"})", "fog must be off, on or auto, is \"yes\"");
+  refused(R"({"fog": {"use": true}})", "fog.use must be off, on or auto, is true");
+  refused(R"({"fog": {"visibility": "200"}})", "fog.visibility must be 0..1000000 m, is \"200\"");
+  refused(R"({"fog": {"visibility": null}})", "fog.visibility must be 0..1000000 m, is null");
+  refused(R"({"seed": -1})", "seed must be a whole number, 0..18446744073709551615, is -1");
+  refused(R"({"seed": 1.5})", "seed must be a whole number, 0..18446744073709551615, is 1.5");
+  refused(R"({"divergence": {"sub_rays": 1.5}})", "divergence.sub_rays must be a whole number, 1..61, is 1.5");
+  refused(R"({"sensor-motion": {"deskew": 1}})", "sensor-motion.deskew must be true or false, is 1");
+  refused(R"({"angle-noise": {"at": "points"}})", "angle-noise.at must be beam or point, is \"points\"");
+  refused(R"({"drop-out": {"dead_beams": 3}})", "drop-out.dead_beams must be a list of beam indices, is 3");
+  refused(R"({"drop-out": {"dead_beams": [-3]}})", "drop-out.dead_beams must be a list of beam indices, is -3");
+  refused(R"({"volumes": {"boxes": {}}})",
+          "volumes.boxes must be a list of {\"min\": [x, y, z], \"max\": [x, y, z], \"extinction\": 1/m}, is {}");
+  refused(R"({"volumes": {"boxes": [3]}})",
+          "volumes.boxes[0] must be {\"min\": [x, y, z], \"max\": [x, y, z], \"extinction\": 1/m}");
+  refused(R"({"volumes": {"boxes": [{"min": [0,0]}]}})",
+          "volumes.boxes[0]: 'min' must be [x, y, z], three numbers of metres");
+  refused(R"({"volumes": {"boxes": [{"min": [0,0,0], "max": [1,1,"1"]}]}})",
+          "volumes.boxes[0].max must be three numbers, is \"1\"");
+  refused(R"({"volumes": {"boxes": [{"min": [0,0,0], "max": [1,1,1]}]}})", "volumes.boxes[0]: 'extinction' is missing");
+  refused(R"({"volumes": {"boxes": [{"min": [0,0,0], "max": [1,1,1], "density": 1}]}})",
+          "volumes.boxes[0]: unknown key 'density'; known are min, max, extinction");
+}
+
+TEST_CASE("what is said twice or is not JSON is refused") {
+  refused(R"({"fog": "on", "fog": "off"})", "'fog' is there twice; keep one");
+  refused(R"({"fog": {"visibility": 1, "visibility": 2}})", "'visibility' is there twice; keep one");
+  CHECK_THROWS_MATCHES(
+      read(R"({"fog": {"visibility": NaN}})"), Error,
+      Catch::Matchers::MessageMatches(ContainsSubstring("r.json: is not JSON: parse error at line 1")));
+  CHECK_THROWS_MATCHES(read(R"({"fog": {"visibility": 1e999}})"), Error,
+                       Catch::Matchers::MessageMatches(ContainsSubstring("r.json: is not JSON: number overflow")));
+  CHECK_THROWS_AS(read(""), Error);
+}
+
+TEST_CASE("what is set by hand is judged as what is read") {
+  Effects effects;
+  effects.fog.visibility = NAN;
+  CHECK_THROWS_MATCHES(validate(effects), Error, Message("fog.visibility must be 0..1000000 m, is nan"));
+  effects = {};
+  effects.returns.mode = static_cast<Effects::Returns::Mode>(11);
+  CHECK_THROWS_AS(validate(effects), Error);
+  effects = {};
+  effects.volumes.boxes.push_back({{0, 0, INFINITY}, {1, 1, INFINITY}, 1});
+  CHECK_THROWS_MATCHES(validate(effects), Error, Message("volumes.boxes[0]: its corners must be finite"));
+  effects = {};
+  effects.snow.use = static_cast<Use>(3);
+  CHECK_THROWS_MATCHES(validate(effects), Error, Message("snow must be off, on or automatic"));
+}
+
+TEST_CASE("an assignment sets a parameter and asks for its effect, or sets a use") {
+  Effects effects = Effects::none();
+  assign(effects, "fog.visibility=2e2");
+  CHECK(effects.fog.visibility == 200);
+  CHECK(effects.fog.use == Use::on);
+  assign(effects, "fog=auto");
+  CHECK(effects.fog.use == Use::automatic);
+  assign(effects, "intensity.model=carla");
+  CHECK(effects.intensity.model == Effects::Intensity::Model::carla);
+  assign(effects, "drop-out.dead_beams=[1, 2]");
+  CHECK(effects.dropOut.deadBeams == std::vector<uint32_t>{1, 2});
+  assign(effects, "sensor-motion.deskew=true");
+  CHECK(effects.sensorMotion.deskew);
+  assign(effects, "seed=12");
+  CHECK(effects.seed == 12);
+
+  refusedAssignment("fog", "'fog' is not NAME=VALUE, as fog.visibility=200 or fog=off");
+  refusedAssignment("fog=200", "fog must be off, on or auto, is 200");
+  refusedAssignment("fog.visibility=far", "fog.visibility must be 0..1000000 m, is \"far\"");
+  refusedAssignment("fog.visibility=nan", "fog.visibility must be 0..1000000 m, is \"nan\"");
+  refusedAssignment("fog.visibility=", "fog.visibility must be 0..1000000 m, is \"\"");
+  refusedAssignment("fog.visibility=-2", "fog.visibility must be 0..1000000 m, is -2");
+  refusedAssignment("frog.visibility=2", "no effect is called 'frog'; the nearest are fog, snow, rain");
+  refusedAssignment("fog.visiblity=2", "fog has no 'visiblity'; there is visibility");
+  refusedAssignment("seed=x", "seed must be a whole number, 0..18446744073709551615, is \"x\"");
+  refusedAssignment("fog.visibility=\"\xff\"", "fog.visibility must be 0..1000000 m, is \"\\\"\\ufffd\\\"\"");
+}
+
+TEST_CASE("a plan adds up and says so in JSON") {
+  Plan plan;
+  plan.effects = {{"fog", Use::on, true, "visibility 200 m"}, {"rain", Use::automatic, false, "no rate is given"}};
+  plan.fields = {"intensity"};
+  plan.stages = {{"project", 2, {{"project_groups", {1, 2}}}}, {"effects", 3, {}}};
+  plan.buffers = {{"hits", 8}, {"returns", 34}};
+  plan.binning = "lists";
+  plan.returns = 2;
+  CHECK(plan.bytes() == 42);
+  CHECK(plan.dispatches() == 5);
+  CHECK(plan.has("fog"));
+  CHECK_FALSE(plan.has("rain"));
+  const auto json = nlohmann::json::parse(toJson(plan));
+  CHECK(json.at("effects").at(1).at("request") == "auto");
+  CHECK(json.at("effects").at(0).at("in") == true);
+  CHECK(json.at("stages").at(0).at("pipelines").at(0).at("constants") == nlohmann::json({1, 2}));
+  CHECK(json.at("bytes") == 42);
+  CHECK(json.at("dispatches") == 5);
+  CHECK(json.at("returns") == 2);
+}

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// Materials as a laser meets them, and tables over them.
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_exception.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "gnosphere/effects.hpp"
+#include "gnosphere/error.hpp"
+
+using namespace gnosphere;
+using Catch::Approx;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::MessageMatches;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of files for one test.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "gnosphere-materials-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path_ = name;
+  }
+  ~Folder() { fs::remove_all(path_); }
+  fs::path put(const std::string& name, const std::string& bytes) const {
+    std::ofstream(path_ / name, std::ios::binary) << bytes;
+    return path_ / name;
+  }
+
+ private:
+  fs::path path_;
+};
+
+void refused(const Folder& folder, const std::string& name, const std::string& bytes, const std::string& words) {
+  INFO(bytes);
+  const fs::path file = folder.put(name, bytes);
+  CHECK_THROWS_MATCHES(loadMaterialTable(file), Error, MessageMatches(ContainsSubstring(words)));
+}
+
+Material material(const std::string& name) {
+  Material one;
+  one.name = name;
+  return one;
+}
+
+// Two rows are near enough to 905 nm and to the normal; the nearest of them has 0.1 / pi.
+const char* const kBrdf = R"({"metadata": {"name": "grey", "typicalSensorTechnology": "lidar"},
+  "brdf": {"wavelengths": [9.05e-07, 5.5e-07], "lookupTable": [
+    [5.5e-07, 0.0, 0.0, 0.0, 0.3], [9.05e-07, 0.05, 0.05, 3.14159, 0.2], [9.05e-07, 0.05, 0.05, 0.0, 0.0318309886],
+    [9.05e-07, 0.1, 0.1, null, 0.4], [9.05e-07, 1.2, 1.2, 0.0, 0.001]]}})";
+const char* const kMetal = R"({"metadata": {"name": "metal"}, "opticalProperties":
+  [[5.5e-07, 293, 1.0, 6.7], [9.05e-07, 293, 2.0, 8.0], [1.55e-06, 293, 1.5, 15.0]]})";
+const char* const kGlass = R"({"metadata": {"name": "glass"}, "opticalProperties": [[9.05e-07, 293, 1.5, 1e-06]]})";
+
+std::string xomp(const std::string& properties) {
+  return R"({"metadata": {"name": "paint"}, "materialProperties": {)" + properties + "}}";
+}
+
+}  // namespace
+
+TEST_CASE("a glTF material's parts are shares of the light") {
+  Material plain;
+  plain.baseColor = {0.5f, 1, 1, 1};
+  CHECK(opticsOf(plain).reflectance == 0.5f);
+  CHECK(opticsOf(plain).gloss == 0.04f);
+  CHECK(opticsOf(plain).transmission == 0);
+
+  Material metal = plain;
+  metal.metallic = 1;
+  metal.roughness = 0.25f;
+  CHECK(opticsOf(metal).reflectance == 0);
+  CHECK(opticsOf(metal).gloss == 0.5f);
+  CHECK(opticsOf(metal).roughness == 0.25f);
+
+  Material pane = plain;
+  pane.alphaMode = AlphaMode::blend;
+  pane.baseColor[3] = 0.25f;
+  CHECK(opticsOf(pane).transmission == 0.75f);
+  CHECK(opticsOf(pane).reflectance == 0.125f);
+  CHECK(opticsOf(pane).gloss == 0.01f);
+  pane.alphaMode = AlphaMode::mask;  // a hole or none, not a share
+  CHECK(opticsOf(pane).transmission == 0);
+
+  Material glass = plain;
+  glass.transmission = 0.5f;
+  CHECK(opticsOf(glass).transmission == 0.5f);
+  CHECK(opticsOf(glass).reflectance == 0.25f);
+}
+
+TEST_CASE("a table stands over the materials of its names") {
+  const Folder folder;
+  const MaterialTable table = loadMaterialTable(folder.put("t.json", R"({"materials": [
+    {"name": "ASPHALT", "reflectance_905": 0.1, "reflectance_1550": 0.2, "roughness": 0.9},
+    {"name": "sign", "retro": 300, "transmission": 0}, {"name": "brick", "reflectance_905": 0.3}]})"));
+  Scene scene;
+  scene.materials = {material("Asphalt"), material("sign"), material("asphalt"), material("other")};
+  std::vector<std::string> unused;
+  const auto optics = opticsOf(scene, table, 905, &unused);
+  REQUIRE(optics.size() == 4);
+  CHECK(optics[0].reflectance == 0.1f);
+  CHECK(optics[2].reflectance == 0.1f);
+  CHECK(optics[0].roughness == 0.9f);
+  CHECK(optics[1].retro == 300);
+  CHECK(optics[1].reflectance == 1);  // not stated: as the scene has it
+  CHECK(optics[3].reflectance == 1);
+  CHECK(unused == std::vector<std::string>{"brick"});
+  CHECK(opticsOf(scene, table, 1550)[0].reflectance == 0.2f);
+}
+
+TEST_CASE("a table that is not sound is refused") {
+  const Folder folder;
+  refused(folder, "t.json", "[]", "is neither {\"materials\"");
+  refused(folder, "t.json", R"({"materials": [], "version": 1})", "holds more than 'materials'");
+  refused(folder, "t.json", R"({"materials": [3]})", "a material must be an object, is 3");
+  refused(folder, "t.json", R"({"materials": [{"reflectance_905": 1}]})", "has no 'name'");
+  refused(folder, "t.json", R"({"materials": [{"name": "a", "reflectance": 1}]})",
+          "material 'a' has an unknown key 'reflectance'; the nearest are reflectance_905");
+  refused(folder, "t.json", R"({"materials": [{"name": "a", "reflectance_905": 10}]})",
+          "material 'a': reflectance_905 must be 0..1, is 10");
+  refused(folder, "t.json", R"({"materials": [{"name": "a", "retro": "much"}]})", "retro must be 0..1000000");
+  refused(folder, "t.json", R"({"materials": [{"name": "a", "name": "b"}]})", "'name' is there twice");
+  CHECK_THROWS_MATCHES(loadMaterialTable("none.json"), Error, MessageMatches(ContainsSubstring("none.json")));
+}
+
+TEST_CASE("an OpenMATERIAL BRDF is read near the normal, back to the sensor") {
+  const Folder folder;
+  folder.put("b.xompt", kBrdf);
+  const auto rows = loadMaterialTable(folder.put("m.xomp", xomp(R"("brdfUris": ["b.xompt"])"))).rows;
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0].name == "paint");
+  CHECK(rows[0].reflectance905 == Approx(0.1f));
+  CHECK(rows[0].reflectance1550 < 0);
+  CHECK(rows[0].roughness < 0);
+}
+
+TEST_CASE("an OpenMATERIAL conductor reflects as Fresnel says") {
+  const Folder folder;
+  folder.put("metal.xompt", kMetal);
+  const auto row = loadMaterialTable(folder.put("m.xomp", xomp(R"("opticalPropertiesUri": "metal.xompt")"))).rows[0];
+  CHECK(row.reflectance905 == Approx((1 + 64) / (9.0 + 64)));
+  CHECK(row.reflectance1550 == Approx((0.25 + 225) / (6.25 + 225)));
+}
+
+TEST_CASE("an OpenMATERIAL mapping and asset lead to the same rows") {
+  const Folder folder;
+  folder.put("b.xompt", kBrdf);
+  folder.put("metal.xompt", kMetal);
+  folder.put("paint.xomp", xomp(R"("brdfUris": ["b.xompt"])"));
+  folder.put("metal.xomp", xomp(R"("opticalPropertiesUri": "metal.xompt")"));
+  const auto mapping = folder.put("m.xomm", R"({"metadata": {}, "materialMapping": [["Body", "paint.xomp", "grey"],
+                                                ["Rim", "metal.xomp"]]})");
+  const auto asset = folder.put("a.xoma", R"({"metadata": {}, "materialMappingUri": "m.xomm"})");
+  for (const fs::path& file : {mapping, asset}) {
+    const auto rows = loadMaterialTable(file).rows;
+    REQUIRE(rows.size() == 2);
+    CHECK(rows[0].name == "Body");
+    CHECK(rows[0].reflectance905 == Approx(0.1f));
+    CHECK(rows[1].name == "Rim");
+    CHECK(rows[1].reflectance905 == Approx(0.890410959));
+  }
+}
+
+TEST_CASE("an OpenMATERIAL file that tells no laser's reflectance is refused") {
+  const Folder folder;
+  folder.put("glass.xompt", kGlass);
+  const std::string none = "m.xomp: states no reflectance for a laser";
+  refused(folder, "m.xomp", xomp(""), none);
+  refused(folder, "m.xomp", xomp(R"("opticalPropertiesUri": "glass.xompt")"), none);
+  folder.put("far.xompt", R"({"brdf": {"lookupTable": [[9.05e-07, 1.5, 1.5, 0.0, 0.001]]}})");
+  refused(folder, "m.xomp", xomp(R"("brdfUris": ["far.xompt"])"), none);
+  refused(folder, "m.xomp", xomp(R"("brdfUris": ["gone.xompt"])"), "gone.xompt: cannot be read");
+  refused(folder, "m.xomp", xomp(R"("brdfUris": [3])"), "the name of a file is not a text but 3");
+  refused(folder, "m.xomp", xomp(R"("brdfUris": ["glass.xompt"])"), "glass.xompt: 'brdf' is missing");
+  refused(folder, "m.xomm", R"({"materialMapping": [["a"]]})", "is not [name, file, ...] but [\"a\"]");
+  refused(folder, "a.xoma", R"({"materialMappingUri": "a.xoma"})", "'materialMapping' is missing");
+}
