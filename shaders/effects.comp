@@ -19,9 +19,10 @@
 layout(local_size_x = 64) in;
 layout(push_constant) uniform PassBlock { Pass pass; };
 
-const bool kSignals = (EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0;
-const bool kSpeeds = (EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0;
-const bool kManyEchoes = (EFFECTS & kFootprintEffects) != 0;
+// Of specialisation constants; as constants of their own they trip up glslang 11.
+#define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
+#define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
+#define MANY_ECHOES ((EFFECTS & kFootprintEffects) != 0)
 
 // The beam that is judged.
 uint beamIndex, columnIndex;
@@ -40,7 +41,7 @@ bool isDead(uint beam) {
 #include "effects/signal.h"
 
 Echo loadEcho(uint k) {
-  if (kManyEchoes) {
+  if (MANY_ECHOES) {
     vec4 echo = echoes[beamIndex * kMaxEchoes + k];
     return Echo(echo.x, echo.y, echo.z, echo.w, k);
   }
@@ -74,8 +75,8 @@ void storeReturn(uint j, Return value) {
   vec4 surface = vec4(vec3(0.0), uintBitsToFloat(kNone));
   if (value.label == kLabelSolid) {
     uint echo = beamIndex * kMaxEchoes + value.echo;
-    owner = kManyEchoes ? echoOwners[echo] : hitOwner;
-    if (kManyEchoes && (FIELDS & kFieldSurface) != 0) surface = echoSurfaces[echo];
+    owner = MANY_ECHOES ? echoOwners[echo] : hitOwner;
+    if (MANY_ECHOES && (FIELDS & kFieldSurface) != 0) surface = echoSurfaces[echo];
   }
   vec4 point = here ? vec4(pointDirection * value.range, value.range) : vec4(notANumber());
   points[at] = point;
@@ -83,14 +84,14 @@ void storeReturn(uint j, Return value) {
   if ((FIELDS & kFieldSignal) != 0)
     signals[at] = vec4(value.intensity, value.trueRange, value.width,
                        uintBitsToFloat(value.label | value.number << 16 | value.count << 24));
-  if (kManyEchoes && (FIELDS & kFieldSurface) != 0) surfaces[at] = surface;
-  if (kSpeeds) storeMotion(at, owner, beamDirection * value.trueRange);
+  if (MANY_ECHOES && (FIELDS & kFieldSurface) != 0) surfaces[at] = surface;
+  if (SPEEDS) storeMotion(at, owner, beamDirection * value.trueRange);
 }
 
 // The cause stands with the beam's first return.
 void judge(bool hit) {
   uint count = hit ? 1 : 0, returned;
-  if (kManyEchoes) count = echoCounts[beamIndex];
+  if (MANY_ECHOES) count = echoCounts[beamIndex];
   uint cause = signalsOf(parameters, beamIndex, beamDirection, count, returned);
   if ((FIELDS & kFieldSignal) != 0) {
     uint at = beamIndex * parameters.returnsPerBeam;
@@ -110,16 +111,16 @@ void main() {
     beamIndex = channel * frame.columns + columnIndex;
     vec2 azimuth = AZIMUTH_OFFSETS ? shiftedAzimuth(columns[columnIndex], offset) : columns[columnIndex];
     beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
-    if (!kManyEchoes) {
+    if (!MANY_ECHOES) {
       hitPoint = points[beamIndex];
       hitOwner = owners[beamIndex];
     }
     pointDirection = beamDirection;
     if ((EFFECTS & kAngleNoise) != 0 && parameters.angleNoiseAt == kAngleAtPoint)
       pointDirection = astray(beamDirection, angleError(parameters, parameters.firstBeam + beamIndex));
-    if (kSignals)
+    if (SIGNALS)
       judge(hitOwner.x != kNone);
-    else if (kSpeeds)
+    else if (SPEEDS)
       storeMotion(beamIndex, hitOwner, hitPoint.xyz);
   }
 }

@@ -225,7 +225,8 @@ struct Counters {
   uint causes[8];                    // beams by Cause, where effects judge them; two spare
 };
 
-// Push constants of `project` and `effects`: a chunk of the scene and a shell, which is what lies at distances shellMin..shellMax.
+// Push constants of `project` and `effects`: a chunk of the scene and a shell, which is what lies at distances
+// shellMin..shellMax.
 struct Pass {
   uint placedFirst;  // its (instance, group) pairs among all
   uint placedCount;

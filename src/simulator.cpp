@@ -168,8 +168,8 @@ void Simulator::setPositions(size_t mesh, std::span<const float> positions) {
 
 Plan Simulator::plan(size_t sensor) const {
   if (sensor >= sensors_.size())
-    throw Error(ErrorCode::invalidArgument, "sensor " + std::to_string(sensor) + " does not exist, there are " +
-                                                std::to_string(sensors_.size()));
+    throw Error(ErrorCode::invalidArgument,
+                "sensor " + std::to_string(sensor) + " does not exist, there are " + std::to_string(sensors_.size()));
   return backend_->plan(sensor);
 }
 const DeviceInfo& Simulator::device() const {

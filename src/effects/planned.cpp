@@ -39,11 +39,17 @@ uint32_t returnsOf(const Effects::Returns& returns, const Sensor& sensor) {
 PlannedEffects planEffects(const SimulatorOptions& options, const Sensor& sensor, const Scene& scene) {
   PlannedEffects planned;
   planned.decisions = decide(options.effects, sensor, scene, options.fields, options.materials);
+  // Not yet on any device.
+  constexpr uint32_t kComing = gpu::kFootprintEffects | gpu::kSensorMotion | gpu::kObjectMotion;
+  for (size_t i = 0; i < planned.decisions.size(); ++i)
+    if (planned.decisions[i].in && (1u << i & kComing) != 0) {
+      planned.decisions[i].in = false;
+      planned.decisions[i].reason = "not simulated yet";
+    }
   planned.bits = bitsOf(planned.decisions);
   for (Field field : options.fields) planned.fields |= bitOf(field);
   if (planned.has(gpu::kReturns)) planned.returns = returnsOf(options.effects.returns, sensor);
-  planned.strays =
-      planned.has(gpu::kAngleNoise) && options.effects.angleNoise.at == Effects::AngleNoise::At::beam;
+  planned.strays = planned.has(gpu::kAngleNoise) && options.effects.angleNoise.at == Effects::AngleNoise::At::beam;
   planned.looksAtMaterials =
       planned.has(gpu::kIntensity) && options.effects.intensity.model == Effects::Intensity::Model::physical;
   return planned;

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "effects/planned.hpp"
 #include "gnosphere/error.hpp"
 #include "reference/bvh.hpp"
 #include "reference/doubt.hpp"
@@ -172,11 +173,17 @@ class ReferenceBackend : public Backend {
  public:
   ReferenceBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
       : sensors_(sensors), faces_(options.faces), scene_(scene), device_(referenceDevice()) {
+    for (const Sensor& sensor : sensors) {
+      planned_.push_back(planEffects(options, sensor, scene));
+      if (!planned_.back().bare())
+        throw Error(ErrorCode::invalidArgument, "the reference does not simulate effects; use --effects clean");
+    }
     scene_.meshes.emplace_back();
     build();
   }
 
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override;
+  Plan plan(size_t sensor) const override;
   const DeviceInfo& device() const override { return device_; }
   MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(Place), 0, 0}; }
   size_t clusterCount() const override { return 0; }
@@ -192,6 +199,7 @@ class ReferenceBackend : public Backend {
   void beam(const View& view, size_t index, Scan& scan) const;
 
   std::vector<Sensor> sensors_;
+  std::vector<PlannedEffects> planned_;  // of each sensor
   Faces faces_;
   Scene scene_;  // its last mesh is empty: that of instances that were removed
   bool changed_ = false;
@@ -200,6 +208,13 @@ class ReferenceBackend : public Backend {
   std::vector<Place> places_;
   DeviceInfo device_;
 };
+
+Plan ReferenceBackend::plan(size_t sensor) const {
+  Plan plan;
+  plan.effects = planned_[sensor].decisions;
+  plan.returns = planned_[sensor].returns;
+  return plan;
+}
 
 void ReferenceBackend::build() {
   counters_ = {};

@@ -23,8 +23,8 @@ std::vector<EffectsSetup> setUp(const Scene& scene, const std::vector<Sensor>& s
   const std::vector<Optics> optics = opticsOf(scene, options.materials, options.effects.intensity.wavelength);
   std::vector<EffectsSetup> result;
   for (const Sensor& sensor : sensors)
-    result.push_back({planEffects(options, sensor, scene), options.effects, optics, sensor,
-                      static_cast<uint32_t>(result.size())});
+    result.push_back(
+        {planEffects(options, sensor, scene), options.effects, optics, sensor, static_cast<uint32_t>(result.size())});
   return result;
 }
 

@@ -16,13 +16,6 @@ gpu::Optics4 packed(const Optics& optics) {
   return result;
 }
 
-std::vector<uint32_t> bitsOfBeams(const std::vector<uint32_t>& beams, uint64_t count) {
-  std::vector<uint32_t> bits(count / 32 + 1);
-  for (uint32_t beam : beams)
-    if (beam < count) bits[beam / 32] |= 1u << beam % 32;
-  return bits;
-}
-
 template <typename T>
 void write(Buffer& buffer, std::span<const T> data) {
   std::memcpy(buffer.mapped(), data.data(), data.size_bytes());
@@ -50,7 +43,10 @@ uint64_t bytesPerBeam(const PlannedEffects& planned) {
 
 EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, uint64_t firstBeam, uint64_t beams,
                            bool copied)
-    : device_(device), setup_(setup), firstBeam_(firstBeam) {
+    : device_(device), setup_(setup), parameters_(effectParameters(setup.effects, setup.sensor, setup.planned.bits)) {
+  parameters_.sensor = setup.sensorIndex;
+  parameters_.firstBeam = static_cast<uint32_t>(firstBeam);
+  parameters_.returnsPerBeam = setup.planned.returns;
   const PlannedEffects& planned = setup_.planned;
   Uploader uploader(device);
   if (planned.has(gpu::kIntensity | gpu::kTransmission | gpu::kCutOuts)) {
@@ -58,11 +54,11 @@ EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, uint
     for (const Optics& of : setup_.optics) optics.push_back(packed(of));
     buffers_[gpu::kBindOptics] = uploader.upload<gpu::Optics4>("optics", optics);
   }
-  if (const auto& dead = setup_.effects.dropOut.deadBeams; planned.has(gpu::kDropOut) && !dead.empty())
-    buffers_[gpu::kBindDeadBeams] =
-        uploader.upload<uint32_t>("deadBeams", bitsOfBeams(dead, setup_.sensor.beamCount()));
+  if (const auto dead = deadBeamBits(setup_.effects, setup_.sensor); planned.has(gpu::kDropOut) && !dead.empty())
+    buffers_[gpu::kBindDeadBeams] = uploader.upload<uint32_t>("deadBeams", dead);
   for (const Output& output : outputsOf(planned))
-    if (copied && output.binding >= gpu::kWorkBindingCount) make(output.binding, "results", beams * output.bytesPerBeam);
+    if (copied && output.binding >= gpu::kWorkBindingCount)
+      make(output.binding, "results", beams * output.bytesPerBeam);
   // What is looked at but not asked for stays on the device.
   if (planned.surfaces() && !planned.asks(gpu::kFieldSurface))
     make(gpu::kBindSurfaces, "surfaces", beams * planned.returns * sizeof(gpu::vec4));
@@ -85,18 +81,11 @@ EffectsFrame EffectsState::makeFrame() const {
 
 void EffectsState::prepare(EffectsFrame& frame, const Shot& shot) const {
   if (frame.parameters.handle()) {
-    gpu::EffectParameters parameters = parametersOf(setup_.effects, setup_.sensor, setup_.planned.bits);
-    parameters.sensor = setup_.sensorIndex;
+    gpu::EffectParameters parameters = parameters_;
     parameters.frame = static_cast<uint32_t>(shot.frame);
-    parameters.firstBeam = static_cast<uint32_t>(firstBeam_);
-    parameters.returnsPerBeam = setup_.planned.returns;
     write<gpu::EffectParameters>(frame.parameters, {&parameters, 1});
   }
-  if (frame.volumes.handle()) {
-    std::vector<gpu::VolumeBox> boxes;
-    for (const Effects::Volume& volume : setup_.effects.volumes.boxes) boxes.push_back(boxOf(volume, shot.pose));
-    write<gpu::VolumeBox>(frame.volumes, boxes);
-  }
+  if (frame.volumes.handle()) write<gpu::VolumeBox>(frame.volumes, volumeBoxes(setup_.effects, shot.pose));
 }
 
 void EffectsState::bind(const EffectsFrame& frame, Bindings& bindings) const {

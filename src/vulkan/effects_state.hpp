@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "effects/device_parameters.hpp"
 #include "effects/planned.hpp"
 #include "shared.h"
 #include "vulkan/buffer.hpp"
@@ -59,7 +60,7 @@ class EffectsState {
 
   const Device& device_;
   EffectsSetup setup_;
-  uint64_t firstBeam_;
+  gpu::EffectParameters parameters_;
   std::array<Buffer, gpu::kWorkBindingCountEffects> buffers_;  // empty where nothing is planned for it
   std::array<const char*, gpu::kWorkBindingCountEffects> names_ = {};
 };

@@ -42,7 +42,7 @@ class Geometry {
 
   const Device& device_;
   std::vector<GeometryChunk> chunks_;
-  std::vector<size_t> chunkFirsts_;  // the first group of each, and the end of the last
+  std::vector<size_t> chunkFirsts_;                // the first group of each, and the end of the last
   std::vector<std::vector<uint32_t>> meshPlaces_;  // as each chunk has them
   // Without positions and triangles, which the device alone has, and with an empty cluster and group at the end.
   FlatScene flat_;

@@ -24,7 +24,8 @@ Layout::Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets, bo
   layout.pushConstantRangeCount = 1;
   layout.pPushConstantRanges = &constants;
   VK(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &pipelineLayout_));
-  const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, maxSets * (bindingCounts_[0] + bindingCounts_[1])};
+  const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                     maxSets * (bindingCounts_[0] + bindingCounts_[1])};
   VkDescriptorPoolCreateInfo pool = {VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = maxSets;
   pool.poolSizeCount = 1;
@@ -86,8 +87,8 @@ Kernel::Kernel(const Device& device, const Layout& layout, const char* name, std
   VK(vkCreateShaderModule(device_, &module, nullptr, &shader));
   std::array<VkSpecializationMapEntry, std::tuple_size_v<decltype(constants_)>> entries;
   for (uint32_t i = 0; i < entries.size(); ++i) entries[i] = {i + 1, i * 4, 4};
-  const VkSpecializationInfo specialization = {static_cast<uint32_t>(entries.size()), entries.data(),
-                                               sizeof constants_, constants_.data()};
+  const VkSpecializationInfo specialization = {static_cast<uint32_t>(entries.size()), entries.data(), sizeof constants_,
+                                               constants_.data()};
   VkComputePipelineCreateInfo create = {VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;

@@ -7,9 +7,9 @@
 namespace gnosphere::vulkan {
 
 struct SensorParts {
-  std::vector<Sensor> parts;   ///< runs of channels, of every sensor one after the other
+  std::vector<Sensor> parts;         ///< runs of channels, of every sensor one after the other
   std::vector<uint64_t> firstBeams;  ///< of each part, in its sensor
-  std::vector<size_t> firsts;  ///< the first part of each sensor, and the end of the last
+  std::vector<size_t> firsts;        ///< the first part of each sensor, and the end of the last
 
   size_t count(size_t sensor) const { return firsts[sensor + 1] - firsts[sensor]; }
   /// Of any one sensor.

@@ -13,12 +13,11 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout)
-    : device_(device) {
+Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout) : device_(device) {
   for (const GeometryChunk& chunk : geometry.chunks()) {
-    const Buffer* buffers[] = {&chunk.groups,           &chunk.clusters,   &chunk.positions,
-                               &chunk.triangleCorners,  &chunk.clusterMaterials, &chunk.meshPlaces,
-                               &chunk.trianglePlaces,   &chunk.positions};
+    const Buffer* buffers[] = {&chunk.groups,          &chunk.clusters,         &chunk.positions,
+                               &chunk.triangleCorners, &chunk.clusterMaterials, &chunk.meshPlaces,
+                               &chunk.trianglePlaces,  &chunk.positions};
     // What nothing is planned for is bound to something: no pipeline reads it.
     for (const Buffer*& buffer : buffers)
       if (!buffer->handle()) buffer = &chunk.groups;

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "effects/device_parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "effects/weather.hpp"
+
+namespace gnosphere {
+namespace {
+
+constexpr double kLightSpeed = 299792458;  // m/s
+/// Full angle of the beam that drops and flakes are in, where nothing states one: that of a VLP-16 (manual 63-9243).
+constexpr double kUsualSpread = 3e-3;
+
+// The device's numbers of what the public enums name.
+template <typename Enum>
+constexpr bool same(Enum value, uint32_t number) {
+  return uint32_t(value) == number;
+}
+static_assert(same(Effects::Intensity::Model::carla, gpu::kModelCarla) &&
+              same(Effects::Intensity::Scale::raw, gpu::kScaleRaw) &&
+              same(Effects::Intensity::Scale::byte, gpu::kScaleByte) &&
+              same(Effects::AngleNoise::At::point, gpu::kAngleAtPoint) &&
+              same(Effects::Returns::Mode::strongest, gpu::kModeStrongest) &&
+              same(Effects::Returns::Mode::all, gpu::kModeAll) && same(Cause::returned, gpu::kCauseReturned) &&
+              same(Cause::dead, gpu::kCauseDead) && same(Label::scatter, gpu::kLabelScatter));
+
+/// Full angles of the footprint: what the request states, or else the sensor.
+double horizontalSpread(const Effects& effects, const Sensor& sensor) {
+  const auto& asked = effects.divergence;
+  return asked.horizontal > 0 || asked.vertical > 0 ? asked.horizontal : sensor.divergenceHorizontal;
+}
+double verticalSpread(const Effects& effects, const Sensor& sensor) {
+  const auto& asked = effects.divergence;
+  return asked.horizontal > 0 || asked.vertical > 0 ? asked.vertical : sensor.divergenceVertical;
+}
+
+uint32_t returnsPerBeam(const Effects::Returns& returns, const Sensor& sensor) {
+  using Mode = Effects::Returns::Mode;
+  if (returns.mode == Mode::all) return returns.count > 0 ? returns.count : std::max(sensor.maxReturns, 1u);
+  return returns.mode >= Mode::firstSecond ? 2 : 1;
+}
+
+void fillMedium(const Effects& effects, uint32_t planned, gpu::EffectParameters& p) {
+  const double fog = planned & gpu::kFog ? fogExtinction(effects.fog.visibility) : 0;
+  const double rain = planned & gpu::kRain ? rainExtinction(effects.rain.rate) : 0;
+  const double snow = planned & gpu::kSnow ? snowExtinction(effects.snow.rate, effects.intensity.wavelength) : 0;
+  p.extinction = float(fog + rain + snow);
+  p.fogExtinction = float(fog);
+  p.fogScatter = float(scatterOf(fog, kFogLidarRatio, p.pulseWidth));
+  p.volumeCount = planned & gpu::kVolumes ? uint32_t(effects.volumes.boxes.size()) : 0;
+  if (planned & gpu::kRain) p.rain = particlesOf(p, rainDrops(effects.rain.rate));
+  if (planned & gpu::kSnow) p.snow = particlesOf(p, snowFlakes(effects.snow.rate));
+}
+
+}  // namespace
+
+gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sensor, uint32_t planned) {
+  gpu::EffectParameters p = {};
+  p.seedLow = uint32_t(effects.seed);
+  p.seedHigh = uint32_t(effects.seed >> 32);
+  p.subRays = planned & gpu::kDivergence ? effects.divergence.subRays : 1;
+  p.returnsMode = planned & gpu::kReturns ? uint32_t(effects.returns.mode) : gpu::kModeStrongest;
+  p.returnsPerBeam = planned & gpu::kReturns ? returnsPerBeam(effects.returns, sensor) : 1;
+  p.separation = float(effects.returns.separation);
+  p.pulseWidth = float(effects.returns.pulseWidth * kLightSpeed / 2);
+  p.rangeMin = float(sensor.rangeMin);
+  p.rangeMax = float(sensor.rangeMax);
+
+  p.intensityModel = uint32_t(effects.intensity.model);
+  p.intensityScale = uint32_t(effects.intensity.scale);
+  p.attenuation = float(effects.intensity.attenuation);
+
+  const double limit = effects.detection.range > 0 ? effects.detection.range : sensor.rangeMax;
+  p.threshold = float(std::max(effects.detection.reflectance / (limit * limit), 1e-30));
+  p.softness = float(effects.detection.softness);
+
+  const Effects::DropOut& dropOut = effects.dropOut;
+  p.deadBeams = planned & gpu::kDropOut ? uint32_t(dropOut.deadBeams.size()) : 0;
+  p.dropRate = float(dropOut.generalRate);
+  p.dropLimit = float(dropOut.intensityLimit);
+  p.dropAtZero = dropOut.intensityLimit > 0 ? float(dropOut.zeroIntensityRate) : 0;
+  p.dropSlope = dropOut.intensityLimit > 0 ? float(dropOut.zeroIntensityRate / dropOut.intensityLimit) : 0;
+
+  p.rangeBias = float(effects.rangeNoise.bias);
+  p.rangeSigma = float(effects.rangeNoise.sigma);
+  p.rangeSigmaPerMetre = float(effects.rangeNoise.sigmaPerMetre);
+  p.rangeStep = float(effects.rangeNoise.step);
+  p.angleNoiseAt = uint32_t(effects.angleNoise.at);
+  p.azimuthSigma = float(effects.angleNoise.azimuth);
+  p.elevationSigma = float(effects.angleNoise.elevation);
+  p.intensitySigma = float(effects.intensityNoise.sigma);
+
+  const double horizontal = horizontalSpread(effects, sensor), vertical = verticalSpread(effects, sensor);
+  if (planned & gpu::kDivergence) {
+    p.tanHorizontal = float(std::tan(horizontal / 2));
+    p.tanVertical = float(std::tan(vertical / 2));
+  }
+  p.spreadHorizontal = float(horizontal > 0 || vertical > 0 ? horizontal : kUsualSpread);
+  p.spreadVertical = float(horizontal > 0 || vertical > 0 ? vertical : kUsualSpread);
+  fillMedium(effects, planned, p);
+  return p;
+}
+
+std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32_t planned) {
+  if (!(planned & gpu::kDivergence)) return {SubRay{}};
+  const uint32_t count = std::max(effects.divergence.subRays, 1u);
+  struct Polar {
+    double radius, angle;  // of the unit disc
+  };
+  // Every line stands for the same area of the disc and lies in its middle. Rings of 6, 12, 18 ... around one, turned
+  // against each other by half a step; where that does not come out, Vogel's spiral (1979).
+  std::vector<Polar> places = {{0, 0}};
+  for (uint32_t ring = 1; places.size() + 6 * ring <= count; ++ring) {
+    const double radius = std::sqrt((double(places.size()) + 3.0 * ring) / count);
+    for (uint32_t i = 0; i < 6 * ring; ++i)
+      places.push_back({radius, 2 * std::numbers::pi * (i + 0.5 * (ring % 2)) / (6 * ring)});
+  }
+  if (places.size() != count) {
+    places.clear();
+    const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+    for (uint32_t i = 0; i < count; ++i) places.push_back({std::sqrt((i + 0.5) / count), golden * i});
+  }
+
+  const bool gaussian = effects.divergence.profile == Effects::Divergence::Profile::gaussian;
+  const double tanHorizontal = std::tan(horizontalSpread(effects, sensor) / 2);
+  const double tanVertical = std::tan(verticalSpread(effects, sensor) / 2);
+  const auto weightAt = [&](double radius) { return gaussian ? std::exp(-2 * radius * radius) : 1.0; };
+  double sum = 0;
+  for (const Polar& place : places) sum += weightAt(place.radius);
+  std::vector<SubRay> rays;
+  for (const Polar& place : places)
+    rays.push_back({float(tanHorizontal * place.radius * std::cos(place.angle)),
+                    float(tanVertical * place.radius * std::sin(place.angle)), float(weightAt(place.radius) / sum)});
+  return rays;
+}
+
+std::vector<gpu::VolumeBox> volumeBoxes(const Effects& effects, const Pose& pose) {
+  const Quaternion& q = pose.orientation;
+  // Rows of the rotation sensor -> world.
+  const Vec3 turn[3] = {{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y - q.w * q.z), 2 * (q.x * q.z + q.w * q.y)},
+                        {2 * (q.x * q.y + q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z - q.w * q.x)},
+                        {2 * (q.x * q.z - q.w * q.y), 2 * (q.y * q.z + q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
+  const auto row = [](const Vec3& axis, double place, double low, double high) {
+    const double scale = 2 / std::max(high - low, 1e-6);
+    return gpu::vec4{float(axis.x * scale), float(axis.y * scale), float(axis.z * scale),
+                     float((place - (low + high) / 2) * scale)};
+  };
+  const double pulse = effects.returns.pulseWidth * kLightSpeed / 2;
+  std::vector<gpu::VolumeBox> boxes;
+  for (const Effects::Volume& volume : effects.volumes.boxes) {
+    gpu::VolumeBox box = {};
+    box.row0 = row(turn[0], pose.position.x, volume.min.x, volume.max.x);
+    box.row1 = row(turn[1], pose.position.y, volume.min.y, volume.max.y);
+    box.row2 = row(turn[2], pose.position.z, volume.min.z, volume.max.z);
+    box.extinction = float(volume.extinction);
+    box.scatter = float(scatterOf(volume.extinction, kDustLidarRatio, pulse));
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+std::vector<uint32_t> deadBeamBits(const Effects& effects, const Sensor& sensor) {
+  std::vector<uint32_t> bits;
+  for (const uint32_t beam : effects.dropOut.deadBeams) {
+    bits.resize((sensor.beamCount() + 31) / 32);
+    bits[beam / 32] |= 1u << beam % 32;
+  }
+  return bits;
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "effects/weather.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "effects/weather.h"
+
+namespace gnosphere {
+namespace {
+
+/// dB/km -> 1/m: 10 / ln 10 dB are one optical depth.
+double perMetre(double decibelsPerKilometre) {
+  return decibelsPerKilometre * std::numbers::ln10 / 10 / 1000;
+}
+
+/// A drop seen from where the light comes from, by geometric optics with n = 1.33: 2 % of the light is reflected by its
+/// front, as by a sphere; near the axis its back reflects 2 % too and is seen through the front, 3.9 times as large.
+/// Together 0.024 of a Lambertian disc: 0.0200 / 4 + 0.0200 * 0.98^2 / (2 - 4 / 1.33)^2. Fog's smaller droplets have a
+/// glory and throw back more.
+constexpr double kDropReflectance = 0.024;
+/// A flake as a sphere of snow that reflects 90 %: a Lambertian sphere seen from the light has 2/3 of a disc's light.
+constexpr double kFlakeReflectance = 0.6;
+/// Flakes are that much wider than the drops they melt to: snow of a tenth of water's density.
+constexpr double kFlakeWidening = 2.154;
+
+constexpr double kPerCubicMetreAndMillimetre = 1e3;  // 1/m^4
+constexpr double kPerMillimetre = 1e3;               // 1/m
+
+}  // namespace
+
+double fogExtinction(double visibility) {
+  return visibility > 0 ? -std::log(0.05) / visibility : 0;
+}
+
+double rainExtinction(double rate) {
+  return rate > 0 ? perMetre(1.076 * std::pow(rate, 0.67)) : 0;
+}
+
+double snowExtinction(double rate, double wavelength) {
+  return rate > 0 ? perMetre((0.0000542 * wavelength + 5.4958776) * std::pow(rate, 1.38)) : 0;
+}
+
+double scatterOf(double extinction, double lidarRatio, double pulseWidth) {
+  return std::numbers::pi * extinction / lidarRatio * pulseWidth;
+}
+
+DropSizes rainDrops(double rate) {
+  if (!(rate > 0)) return {};
+  return {8000 * kPerCubicMetreAndMillimetre, 4.1 * std::pow(rate, -0.21) * kPerMillimetre, kDropReflectance};
+}
+
+DropSizes snowFlakes(double rate) {
+  if (!(rate > 0)) return {};
+  return {2500 * std::pow(rate, -0.94) * kPerCubicMetreAndMillimetre / kFlakeWidening,
+          2.29 * std::pow(rate, -0.45) * kPerMillimetre / kFlakeWidening, kFlakeReflectance};
+}
+
+double particleDensity(const gpu::EffectParameters& p, const DropSizes& sizes, double range) {
+  if (!(sizes.intercept > 0)) return 0;
+  const double horizontal = gpu::kApertureDiameter + p.spreadHorizontal * range;
+  const double vertical = gpu::kApertureDiameter + p.spreadVertical * range;
+  const double focus = std::min(1.0, std::pow(range / gpu::kFocusRange, 2));
+  // The least share of the beam's area that is detected, and the diameter it belongs to.
+  const double area = p.threshold * range * range * std::exp(2 * p.extinction * range) / (sizes.reflectance * focus);
+  if (!(area < 1)) return 0;
+  const double diameter = std::sqrt(area * horizontal * vertical);
+  const double perVolume = sizes.intercept / sizes.slope * std::exp(-sizes.slope * diameter);
+  return perVolume * std::numbers::pi / 4 * horizontal * vertical;
+}
+
+gpu::Particles particlesOf(const gpu::EffectParameters& p, const DropSizes& sizes) {
+  gpu::Particles particles = {};
+  particles.firstRange = std::max(p.rangeMin, 0.01f);
+  particles.lastRange = std::max(p.rangeMax, particles.firstRange);
+  particles.slope = float(std::max(sizes.slope, 1.0));
+  particles.reflectance = float(std::max(sizes.reflectance, 1e-6));
+
+  // Summed in steps of equal ratio: what is near counts most.
+  constexpr int kSteps = 4096;
+  const double first = particles.firstRange;
+  const double ratio = particles.lastRange / first;
+  const auto rangeAt = [&](double step) { return first * std::pow(ratio, step / kSteps); };
+  std::vector<double> sums(kSteps + 1, 0.0);
+  for (int i = 0; i < kSteps; ++i)
+    sums[size_t(i) + 1] = sums[size_t(i)] + particleDensity(p, sizes, rangeAt(i + 0.5)) * (rangeAt(i + 1) - rangeAt(i));
+  // Beyond where all but a ten thousandth is, the table would waste its entries.
+  const auto end = std::lower_bound(sums.begin(), sums.end(), sums.back() * 0.9999);
+  particles.lastRange = float(rangeAt(double(end - sums.begin())));
+  const auto sumTo = [&](double range) {
+    const double step = std::clamp(std::log(range / first) / std::log(ratio) * kSteps, 0.0, double(kSteps));
+    const auto below = std::min(size_t(step), size_t{kSteps - 1});
+    return sums[below] + (sums[below + 1] - sums[below]) * (step - double(below));
+  };
+  if (!(ratio > 1) || !(sums.back() > 0)) return particles;
+  std::array<float, gpu::kParticleRanges> counts;
+  for (uint32_t i = 0; i < gpu::kParticleRanges; ++i) counts[i] = float(sumTo(gpu::rangeOf(particles, i + 1)));
+  particles.countsNear = {counts[0], counts[1], counts[2], counts[3]};
+  particles.countsFar = {counts[4], counts[5], counts[6], counts[7]};
+  return particles;
+}
+
+}  // namespace gnosphere
