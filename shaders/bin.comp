@@ -64,6 +64,10 @@ uint wrapColumn(int column) {
 }
 
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
+  if ((EFFECTS & kFootprintEffects) != 0) {
+    if (mayMeet(triangle, prepared, turned, beam)) offer(index, 0.0, projected, triangle.id);
+    return;
+  }
   float range;
   if (meet(triangle, prepared, turned, beam, index, range)) offer(index, range, projected, triangle.id);
 }

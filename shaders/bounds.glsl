@@ -76,8 +76,8 @@ Outline outlineOf(vec3 a, vec3 b, vec3 c) {
   }
   if (wide || pole == kUpperPole || (pole == kAnyPole && max(max(a.z, b.z), c.z) > 0.0)) outline.keyMax = 1.0;
   if (wide || pole == kLowerPole || (pole == kAnyPole && min(min(a.z, b.z), c.z) < 0.0)) outline.keyMin = -1.0;
-  outline.keyMin -= kKeySlack;
-  outline.keyMax += kKeySlack;
+  outline.keyMin -= keySlack();
+  outline.keyMax += keySlack();
   return outline;
 }
 
@@ -112,7 +112,7 @@ bool coverColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) {
   float turnColumns = float(frame.columns);
   box.columnMin = 0.0;
   box.columnMax = turnColumns;
-  float slack = frame.columnSlack / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
+  float slack = columnSlack(outline.keyMin, outline.keyMax);
   if (slack > 0.25 * turnColumns) return true;
   float start = azimuthOf(a.y, a.x);
   float toB = azimuthOf(a.x * b.y - a.y * b.x, dot(a.xy, b.xy));

@@ -33,15 +33,15 @@ struct Window {
 
 void coverKeys(vec3 low, vec3 high, out float keyMin, out float keyMax) {
   float near = length(max(max(low.xy, -high.xy), vec2(0.0))), far = length(max(abs(low.xy), abs(high.xy)));
-  keyMax = elevationKey(high.z > 0.0 ? near : far, high.z) + kKeySlack;
-  keyMin = elevationKey(low.z < 0.0 ? near : far, low.z) - kKeySlack;
+  keyMax = elevationKey(high.z > 0.0 ? near : far, high.z) + keySlack();
+  keyMin = elevationKey(low.z < 0.0 ? near : far, low.z) - keySlack();
 }
 
 // The azimuths of a rectangle that does not hold the axis are those between two of its corners.
 void coverAzimuths(vec3 low, vec3 high, float keyMin, float keyMax, inout Window window) {
   window.from = 0.0;
   window.to = float(frame.columns - 1);
-  float slack = frame.columnSlack / max(1.0 - max(-keyMin, keyMax), 1e-6);
+  float slack = columnSlack(keyMin, keyMax);
   if ((all(lessThanEqual(low.xy, vec2(0.0))) && all(greaterThanEqual(high.xy, vec2(0.0)))) ||
       slack > 0.25 * float(frame.columns))
     return;

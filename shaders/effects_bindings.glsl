@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The arrays of stage effects, on top of those in bindings.glsl.
+#define FOOTPRINT ((EFFECTS & kFootprintEffects) != 0)
+
 layout(std430, set = 0, binding = kBindParameters) readonly buffer ParametersBlock { EffectParameters parameters; };
 WORK(kBindOptics, readonly, Optics4, optics);             // per material
 WORK(kBindDeadBeams, readonly, uint, deadBeams);          // a bit per beam of the whole sensor
@@ -17,6 +19,8 @@ WORK(kBindEchoCounts, , uint, echoCounts);
 WORK(kBindEchoes, , vec4, echoes);                        // range, energy, width, cosine of the incidence
 WORK(kBindEchoOwners, , uvec2, echoOwners);               // as owners
 WORK(kBindEchoSurfaces, , vec4, echoSurfaces);            // as surfaces
+WORK(kBindSubRays, readonly, vec4, subRays);              // tangents left and up, weight, length of (1, left, up)
+WORK(kBindProjectedMaterials, , uint, projectedMaterials);  // of each projected triangle
 CHUNK(kBindClusterMaterials, uint, clusterMaterials);
 CHUNK(kBindMeshPlaces, uint, meshPlaces);                 // per mesh: its first entry in trianglePlaces; kNone: elsewhere
 CHUNK(kBindTrianglePlaces, uint, trianglePlaces);         // per triangle of a mesh: cluster * kClusterTriangles + its place there

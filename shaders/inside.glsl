@@ -26,6 +26,7 @@ Triangle loadProjected(uint i) { return triangleOf(projectedA[i], projectedB[i],
 
 // What the tests need of a triangle whatever the beam; what a pipeline does not use, it does not compute.
 struct Prepared {
+  vec3 reach;  // footprint times the length of each edge's normal
   EdgeNormals normals;
   vec4 plane;
   ExactTriangle exact;
@@ -33,6 +34,10 @@ struct Prepared {
 
 Prepared prepare(Triangle triangle) {
   Prepared prepared;
+  if ((EFFECTS & kFootprintEffects) != 0)
+    prepared.reach = (frame.footprint * 1.001 + 1e-6) * vec3(length(cross(triangle.b, triangle.c)),
+                                                             length(cross(triangle.c, triangle.a)),
+                                                             length(cross(triangle.a, triangle.b)));
   if (INSIDE == kInsidePlain) prepared.normals = edgeNormals(triangle);
   if (RANGE == kRangePlane) prepared.plane = supportingPlane(triangle);
   if (INSIDE == kInsideExact) prepared.exact = exactTriangle(triangle);
@@ -57,6 +62,15 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
   bool facing = all(lessThanEqual(side, vec3(0.0)));
   bool averted = all(greaterThanEqual(side, vec3(0.0)));
   return (facing || (averted && !triangle.oneSided)) && sum != 0.0;
+}
+
+// May some line within the footprint around the beam meet the triangle? Its direction is off by at most so much, so its
+// side of an edge's plane by that times the length of the plane's normal. More is found near corners, nothing missed.
+bool mayMeet(Triangle triangle, Prepared prepared, Turned turned, Beam beam) {
+  vec3 side = watertightSides(turned, beam.cosElevation, beam.sinElevation);
+  bool facing = all(lessThanEqual(side, prepared.reach));
+  bool averted = all(greaterThanEqual(side, -prepared.reach));
+  return facing || (averted && !triangle.oneSided);
 }
 
 // True if the beam with this index meets the triangle within the range window. NaN is a miss.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a pipeline is specialised for; in the order of Options in src/vulkan/kernel.hpp.
+#include "effects/plan.h"
+
 layout(constant_id = 1) const uint BOUNDS = kBoundsExact;
 layout(constant_id = 2) const uint CULL = kCullNearestPoint;
 layout(constant_id = 3) const uint INSIDE = kInsideWatertight;

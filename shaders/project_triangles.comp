@@ -10,6 +10,9 @@
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#include "effects/arithmetic.h"
+#include "effects/parameters.h"
+#include "effects_bindings.glsl"
 #include "sphere.glsl"
 #include "bounds.glsl"
 #include "lattice.glsl"
@@ -30,6 +33,7 @@ struct Place {
   Instance instance;
   uint vertexFirst, triangleFirst, triangleCount;
   bool doubleSided;
+  uint material;  // only with a footprint
 };
 
 Place placeOf(uint i) {
@@ -40,7 +44,9 @@ Place placeOf(uint i) {
     place.instance = instances[pair.x];
     vertexFirst = clusters[pair.y].low.w;
     packed = clusters[pair.y].high.w;
+    if (FOOTPRINT) place.material = clusterMaterials[pair.y];
   }
+  if (FOOTPRINT) place.material = subgroupBroadcastFirst(place.material);
   place.instance = fromFirstLane(place.instance);
   place.vertexFirst = floatBitsToUint(subgroupBroadcastFirst(vertexFirst));
   uint word = floatBitsToUint(subgroupBroadcastFirst(packed));
@@ -120,11 +126,12 @@ uint projectOne(Place place, uint k, out Projected projected, out Box box) {
   return fate;
 }
 
-void store(uint slot, Projected projected, Box box) {
+void store(uint slot, Projected projected, Box box, uint material) {
   projectedA[slot] = projected.a;
   projectedB[slot] = projected.b;
   projectedC[slot] = projected.c;
   projectedColumns[slot] = vec2(box.columnMin, box.columnMax);
+  if (FOOTPRINT) projectedMaterials[slot] = material;
 }
 
 // A large box is cut into tiles.
@@ -137,7 +144,7 @@ void storeTiles(uint slot, Box box) {
     tiles[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
 }
 
-void storeKept(bool keep, Projected projected, Box box) {
+void storeKept(bool keep, Projected projected, Box box, uint material) {
   bool small = boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
   uvec4 smallOnes = subgroupBallot(keep && small), largeOnes = subgroupBallot(keep && !small);
   uint base = 0;
@@ -147,7 +154,7 @@ void storeKept(bool keep, Projected projected, Box box) {
   uint largeSlot = frame.projectedCapacity - 1 - slotAfter(base, largeOnes);
   if (!small) slot = largeSlot;
   if (keep && slot < frame.projectedCapacity) {
-    store(slot, projected, box);
+    store(slot, projected, box, material);
     if (!small) storeTiles(slot, box);
   }
 }
@@ -167,7 +174,7 @@ void main() {
         fate = projectOne(place, first + gl_SubgroupInvocationID, projected, box);
         culled += uvec4(equal(uvec4(fate), uvec4(kNonFinite, kRange, kFace, kBetween)));
       }
-      if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box);
+      if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, place.material);
     }
   }
   culled = subgroupAdd(culled);

@@ -10,6 +10,7 @@
 #include "options.glsl"
 #include "bindings.glsl"
 #include "inside.glsl"
+#include "owner.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -51,28 +52,13 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
       consider(candidates[k], index, beam, rangeBits, id);
 }
 
-uint firstTriangleOf(uint instance) { return floatBitsToUint(instances[instance].offset.w) & 0x7fffffffu; }
-
-// The last instance whose first triangle is not above `id`.
-uint instanceOf(uint id) {
-  uvec2 range = ownerRanges[id / kOwnerBlock];
-  while (range.x < range.y) {
-    uint middle = (range.x + range.y + 1) / 2;
-    if (firstTriangleOf(middle) <= id)
-      range.x = middle;
-    else
-      range.y = middle - 1;
-  }
-  return range.x;
-}
-
 void store(uint beam, vec3 direction, uint rangeBits, uint id) {
   bool hit = rangeBits != kNone;
   float range = hit ? uintBitsToFloat(rangeBits) : uintBitsToFloat(0x7fc00000u);
-  uint owner = kNone;
-  if (hit) owner = instanceOf(id);
+  uvec2 owner = uvec2(kNone);
+  if (hit) owner = ownerOf(id);
   points[beam] = hit ? vec4(direction * range, range) : vec4(range);
-  owners[beam] = uvec2(hit ? id - firstTriangleOf(owner) : kNone, owner);
+  owners[beam] = owner;
 }
 
 void main() {

@@ -204,7 +204,7 @@ struct Frame {
   float paperFirstElevation;  // paper: radians of row 0, and rows per radian
   float paperRowsPerRadian;
   float shiftMin, shiftMax;  // least and largest azimuth offset of a row, in columns
-  uint padding0;
+  float footprint;           // radians: how far a beam spreads or strays from its axis, at most
 };
 
 // One channel, in order of elevation.
@@ -222,7 +222,9 @@ struct Counters {
   uint nonFinite, culledByRange, culledByFace, culledBetweenBeams;
   uint integerSides, integerRanges;  // of `exact`: tests that floating point could not decide
   uint visibleGroups, visible;       // of a chunk in a shell; set back for the next
-  uint causes[8];                    // beams by Cause, where effects judge them; two spare
+  uint causes[6];                    // beams by Cause, where effects judge them
+  uint lostEchoes;                   // beyond kMaxEchoes of a beam
+  uint padding0;
 };
 
 // Push constants of `project` and `effects`: a chunk of the scene and a shell, which is what lies at distances

@@ -33,6 +33,21 @@ float azimuthOf(float y, float x) {
 // Of a box: a lower bound of its distance.
 float nearestPoint(vec3 low, vec3 high) { return length(max(max(low, -high), vec3(0.0))) * 0.999999; }
 
+// A beam that spreads or strays meets more than its axis does.
+float footprint() { return (EFFECTS & kFootprintEffects) != 0 ? frame.footprint : 0.0; }
+
+// Elevation keys are widened by so much: they grow by at most 1 per radian.
+float keySlack() { return kKeySlack + footprint(); }
+
+// Columns are widened by so many: an angle is a larger azimuth towards the poles, asin(angle / cos(elevation)), which
+// is at most 1.05 times as much up to half a radian; beyond, every column is covered. 1 - |key| is no larger than the
+// cosine.
+float columnSlack(float keyMin, float keyMax) {
+  float inverse = 1.0 / max(1.0 - max(-keyMin, keyMax), 1e-6);
+  float spread = 1.05 * footprint() * inverse;
+  return spread > 0.5 ? float(frame.columns) : (frame.columnSlack * inverse + spread * frame.columnsPerRadian);
+}
+
 uint lookupCell(float key) {
   return uint(clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1)));
 }

@@ -28,11 +28,14 @@ GNO_CONST uint kVolumes = 1u << 15;
 GNO_CONST uint kRadialSpeed = 1u << 16;
 GNO_CONST uint kEffectCount = 17;
 
-// A beam may meet more than one surface that counts: its hits are gathered as lists, sub-ray by sub-ray.
-GNO_CONST uint kFootprintEffects = kDivergence | kReturns | kTransmission | kCutOuts;
+// Not an effect of its own: angle noise that sends beams astray before they meet anything.
+GNO_CONST uint kStrays = 1u << 17;
+
+// What a beam meets is not one hit of one line: candidates are gathered as lists and tried sub-ray by sub-ray.
+GNO_CONST uint kFootprintEffects = kDivergence | kTransmission | kCutOuts | kStrays;
 // What makes or breaks a return: judged beam by beam.
 GNO_CONST uint kSignalEffects = kIntensity | kDetection | kDropOut | kRangeNoise | kAngleNoise | kIntensityNoise |
-                                kFootprintEffects | kFog | kRain | kSnow | kVolumes;
+                                kFootprintEffects | kReturns | kFog | kRain | kSnow | kVolumes;
 // What fills the air.
 GNO_CONST uint kMediumEffects = kFog | kRain | kSnow | kVolumes;
 

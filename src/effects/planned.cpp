@@ -40,7 +40,7 @@ PlannedEffects planEffects(const SimulatorOptions& options, const Sensor& sensor
   PlannedEffects planned;
   planned.decisions = decide(options.effects, sensor, scene, options.fields, options.materials);
   // Not yet on any device.
-  constexpr uint32_t kComing = gpu::kFootprintEffects | gpu::kSensorMotion | gpu::kObjectMotion;
+  constexpr uint32_t kComing = gpu::kCutOuts | gpu::kSensorMotion | gpu::kObjectMotion;
   for (size_t i = 0; i < planned.decisions.size(); ++i)
     if (planned.decisions[i].in && (1u << i & kComing) != 0) {
       planned.decisions[i].in = false;

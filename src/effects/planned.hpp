@@ -10,29 +10,28 @@ namespace gnosphere {
 
 struct PlannedEffects {
   std::vector<Plan::Decision> decisions;
-  uint32_t bits = 0;     ///< of effects/plan.h
+  uint32_t bits = 0;     ///< of effects/plan.h, kStrays among them
   uint32_t fields = 0;   ///< gpu::kField...
   uint32_t returns = 1;  ///< per beam
 
   bool has(uint32_t effects) const { return (bits & effects) != 0; }
   bool asks(uint32_t which) const { return (fields & which) != 0; }
-  /// Sub-rays or more than one surface per beam.
-  bool footprint() const { return has(gpu::kFootprintEffects) || strays; }
+  /// Sub-rays, beams astray or more than one surface per beam.
+  bool footprint() const { return has(gpu::kFootprintEffects); }
   /// Beams leave from where the sensor is when they fire, or meet what is not where it was.
   bool motion() const { return has(gpu::kSensorMotion | gpu::kObjectMotion); }
   /// The surface of each hit is looked at.
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
+  bool looksAtSurfaces() const { return surfaces() || footprint(); }
   /// Returns are judged one by one.
   bool signals() const { return has(gpu::kSignalEffects) || asks(gpu::kFieldSignal); }
   bool speeds() const { return has(gpu::kRadialSpeed) || asks(gpu::kFieldMotion); }
   /// Nothing but geometry.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
   bool sameStages(const PlannedEffects& other) const {
-    return bits == other.bits && fields == other.fields && strays == other.strays &&
-           looksAtMaterials == other.looksAtMaterials;
+    return bits == other.bits && fields == other.fields && looksAtMaterials == other.looksAtMaterials;
   }
 
-  bool strays = false;            ///< beams go astray before they meet anything
   bool looksAtMaterials = false;  ///< intensity depends on what was met
 };
 

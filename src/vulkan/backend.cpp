@@ -34,7 +34,7 @@ class VulkanBackend final : public Backend {
       : setups_(setUp(scene, sensors, options)),
         device_(options.device, options.validation, options.maxBufferBytes),
         cache_(device_, options.cache),
-        geometry_(device_, scene, any(&PlannedEffects::surfaces)),
+        geometry_(device_, scene, any(&PlannedEffects::looksAtSurfaces)),
         cut_(cutToFit(setups_, device_)),
         layout_(device_, cache_.handle(),
                 static_cast<uint32_t>(kFramesInFlight * cut_.parts.size() + geometry_.chunks().size()),

@@ -2,9 +2,11 @@
 #include "vulkan/effects_state.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "effects/device_parameters.hpp"
+#include "effects/noise.h"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -49,6 +51,17 @@ EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, uint
   parameters_.returnsPerBeam = setup.planned.returns;
   const PlannedEffects& planned = setup_.planned;
   Uploader uploader(device);
+  if (planned.footprint()) {
+    std::vector<gpu::vec4> lines;
+    for (const SubRay& ray : subRays_)
+      lines.push_back({ray.u, ray.v, ray.weight, std::sqrt(1 + ray.u * ray.u + ray.v * ray.v)});
+    buffers_[gpu::kBindSubRays] = uploader.upload<gpu::vec4>("subRays", lines);
+    make(gpu::kBindEchoCounts, "echoCounts", beams * sizeof(uint32_t));
+    make(gpu::kBindEchoes, "echoes", beams * gpu::kMaxEchoes * sizeof(gpu::vec4));
+    make(gpu::kBindEchoOwners, "echoOwners", beams * gpu::kMaxEchoes * 2 * sizeof(uint32_t));
+    if (planned.asks(gpu::kFieldSurface))
+      make(gpu::kBindEchoSurfaces, "echoSurfaces", beams * gpu::kMaxEchoes * sizeof(gpu::vec4));
+  }
   if (planned.has(gpu::kIntensity | gpu::kTransmission | gpu::kCutOuts)) {
     std::vector<gpu::Optics4> optics;
     for (const Optics& of : setup_.optics) optics.push_back(packed(of));
@@ -60,12 +73,26 @@ EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, uint
     if (copied && output.binding >= gpu::kWorkBindingCount)
       make(output.binding, "results", beams * output.bytesPerBeam);
   // What is looked at but not asked for stays on the device.
-  if (planned.surfaces() && !planned.asks(gpu::kFieldSurface))
+  if (planned.surfaces() && !planned.footprint() && !planned.asks(gpu::kFieldSurface))
     make(gpu::kBindSurfaces, "surfaces", beams * planned.returns * sizeof(gpu::vec4));
 }
 
 void EffectsState::make(uint32_t binding, const char* name, uint64_t bytes) {
   buffers_[binding] = Buffer(device_, name, bytes, Memory::device);
+}
+
+float EffectsState::footprint() const {
+  const PlannedEffects& planned = setup_.planned;
+  if (!planned.footprint()) return 0;
+  double most = 0;
+  for (const SubRay& ray : subRays_) most = std::max(most, std::hypot(double{ray.u}, double{ray.v}));
+  const Effects::AngleNoise& noise = setup_.effects.angleNoise;
+  if (planned.has(gpu::kStrays)) most += gpu::kAngleCutOff * std::hypot(noise.azimuth, noise.elevation);
+  return static_cast<float>(most * 1.0001);
+}
+
+void EffectsState::growProjected(uint64_t count) {
+  if (setup_.planned.footprint()) make(gpu::kBindProjectedMaterials, "projectedMaterials", count * sizeof(uint32_t));
 }
 
 EffectsFrame EffectsState::makeFrame() const {

@@ -46,6 +46,10 @@ class EffectsState {
   EffectsState(const Device& device, const EffectsSetup& setup, uint64_t firstBeam, uint64_t beams, bool copied);
 
   const PlannedEffects& planned() const { return setup_.planned; }
+  /// Radians: how far a beam spreads or strays from its axis, at most.
+  float footprint() const;
+  /// Room for so many projected triangles.
+  void growProjected(uint64_t count);
   EffectsFrame makeFrame() const;
   /// What a scan needs beyond what every scan does.
   void prepare(EffectsFrame& frame, const Shot& shot) const;
@@ -61,6 +65,7 @@ class EffectsState {
   const Device& device_;
   EffectsSetup setup_;
   gpu::EffectParameters parameters_;
+  std::vector<SubRay> subRays_;
   std::array<Buffer, gpu::kWorkBindingCountEffects> buffers_;  // empty where nothing is planned for it
   std::array<const char*, gpu::kWorkBindingCountEffects> names_ = {};
 };

@@ -11,6 +11,8 @@
 #include "bin_int64.spv.h"
 #include "bin_int64_float64.spv.h"
 #include "effects.spv.h"
+#include "effects_footprint.spv.h"
+#include "effects_footprint_layers.spv.h"
 #include "effects_surfaces.spv.h"
 #include "project_clusters.spv.h"
 #include "project_groups.spv.h"
@@ -100,8 +102,7 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
     : projectGroups(device, layout, "project_groups", project_groups, options),
       projectClusters(device, layout, "project_clusters", project_clusters, options),
       projectOccluders(device, layout, "project_occluders", project_occluders, options),
-      projectTriangles(device, layout, "project_triangles", project_triangles, options),
-      resolve(device, layout, "resolve", float64 ? Words(resolve_float64) : Words(::resolve), options, way) {
+      projectTriangles(device, layout, "project_triangles", project_triangles, options) {
   const Words plain = float64 ? Words(bin_float64) : Words(::bin);
   const Words atomic = float64 ? Words(bin_int64_float64) : Words(bin_int64);
   if (way == gpu::kWayNearest) {
@@ -115,7 +116,13 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
     for (uint32_t pass : {gpu::kScanReduce, gpu::kScanBlocks, gpu::kScanApply})
       scan.emplace_back(device, layout, "scan", ::scan, options, pass);
   }
-  if (planned.surfaces()) surfaces.emplace(device, layout, "effects_surfaces", effects_surfaces, options);
+  if (planned.has(gpu::kTransmission))
+    footprint.emplace(device, layout, "effects_footprint", effects_footprint_layers, options);
+  else if (planned.footprint())
+    footprint.emplace(device, layout, "effects_footprint", effects_footprint, options);
+  else
+    resolve.emplace(device, layout, "resolve", float64 ? Words(resolve_float64) : Words(::resolve), options, way);
+  if (planned.surfaces() && !planned.footprint()) surfaces.emplace(device, layout, "effects_surfaces", effects_surfaces, options);
   if (planned.signals() || planned.speeds()) effects.emplace(device, layout, "effects", ::effects, options);
 }
 
@@ -137,8 +144,10 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     ownKernels_ = std::make_unique<Kernels>(device, layout, kernel, way, float64, planned_);
     kernels_ = ownKernels_.get();
   }
-  if (!planned_.bare())
+  if (!planned_.bare()) {
     effects_ = std::make_unique<EffectsState>(device, setup, firstBeam, tables_.frame.beams, !readsInPlace());
+    tables_.frame.footprint = effects_->footprint();
+  }
   shellBorder_ = shellBorder(geometry, options);
   reach_ = cullingBits(options) & gpu::kCullRange ? tables_.frame.rangeMax : std::numeric_limits<double>::infinity();
   makeBuffers(geometry);
@@ -192,6 +201,7 @@ void SensorState::growProjected(uint64_t count) {
   make(gpu::kBindProjectedA, "projectedA", sizeof(gpu::vec4));
   make(gpu::kBindProjectedB, "projectedB", sizeof(gpu::vec4));
   make(gpu::kBindProjectedC, "projectedC", sizeof(gpu::vec4));
+  if (effects_) effects_->growProjected(count);
   make(gpu::kBindProjectedColumns, "projectedColumns", sizeof(gpu::vec2));
   capacities_.projected = static_cast<uint32_t>(count);
 }
@@ -305,9 +315,9 @@ void SensorState::describe(Plan& plan) const {
   for (const std::vector<Kernel>* kernels : {&k.bin, &k.scan})
     for (const Kernel& kernel : *kernels)
       plan.stages.back().pipelines.push_back({kernel.name(), {kernel.constants().begin(), kernel.constants().end()}});
-  plan.stages.push_back(pipelines("resolve", {&k.resolve}));
-  if (k.surfaces || k.effects) plan.stages.push_back(pipelines("effects", {}));
-  for (const std::optional<Kernel>* kernel : {&k.surfaces, &k.effects})
+  if (k.resolve) plan.stages.push_back(pipelines("resolve", {&*k.resolve}));
+  if (k.footprint || k.surfaces || k.effects) plan.stages.push_back(pipelines("effects", {}));
+  for (const std::optional<Kernel>* kernel : {&k.footprint, &k.surfaces, &k.effects})
     if (*kernel)
       plan.stages.back().pipelines.push_back(
           {(*kernel)->name(), {(*kernel)->constants().begin(), (*kernel)->constants().end()}});

@@ -36,9 +36,11 @@ void Stages::record(Commands& commands, const SensorState& state, const PlacedIn
     findOccluders(commands, state);  // as long as the image is used, the table is kept as well
   }
   if (use != StillImage::Use::none) scanMoving(commands, state, placed);
-  resolve(commands, state);
-  commands.finished("resolve");
-  if (state.kernels().surfaces || state.kernels().effects) {
+  if (state.kernels().resolve) {
+    resolve(commands, state);
+    commands.finished("resolve");
+  }
+  if (!state.planned().bare()) {
     effects(commands, state);
     commands.finished("effects");
   }
@@ -116,11 +118,13 @@ void Stages::findOccluders(Commands& commands, const SensorState& state) const {
 
 void Stages::resolve(Commands& commands, const SensorState& state) const {
   const uint32_t groups = (state.frame().columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns;
-  commands.dispatch(state.kernels().resolve, groups, state.frame().rows);
+  commands.dispatch(*state.kernels().resolve, groups, state.frame().rows);
 }
 
 void Stages::effects(Commands& commands, const SensorState& state) const {
   const uint32_t groups = (state.frame().columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns;
+  if (state.kernels().footprint)
+    commands.dispatch(*state.kernels().footprint, std::min(8 * groupCount(), state.frame().beams));
   if (state.kernels().surfaces)
     for (VkDescriptorSet chunk : chunkSets_) {
       commands.bindSet(1, chunk);
@@ -140,7 +144,7 @@ void Stages::count(Plan& plan, const SensorState& state) const {
     if (stage.name == "bin")
       stage.dispatches = shells - 1 + static_cast<uint32_t>(kernels.bin.size() + kernels.scan.size());
     if (stage.name == "resolve") stage.dispatches = 1;
-    if (stage.name == "effects") stage.dispatches = (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);
+    if (stage.name == "effects") stage.dispatches = (kernels.footprint ? 1 : 0) + (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);
   }
 }
 

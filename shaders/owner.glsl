@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Number of a placed triangle -> whose it is.
+
+uint firstTriangleOf(uint instance) { return floatBitsToUint(instances[instance].offset.w) & 0x7fffffffu; }
+
+// The last instance whose first triangle is not above `id`.
+uint instanceOf(uint id) {
+  uvec2 range = ownerRanges[id / kOwnerBlock];
+  while (range.x < range.y) {
+    uint middle = (range.x + range.y + 1) / 2;
+    if (firstTriangleOf(middle) <= id)
+      range.x = middle;
+    else
+      range.y = middle - 1;
+  }
+  return range.x;
+}
+
+// Triangle within its mesh, and instance.
+uvec2 ownerOf(uint id) {
+  uint instance = instanceOf(id);
+  return uvec2(id - firstTriangleOf(instance), instance);
+}
