@@ -34,8 +34,7 @@ Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
 VolumeBox loadVolume(uint i) { return volumes[i]; }
 bool isDead(uint beam) {
-  uint number = parameters.firstBeam + beam;
-  return (deadBeams[number / 32] >> (number % 32) & 1) != 0;
+  return (deadBeams[beam / 32] >> (beam % 32) & 1) != 0;
 }
 
 #include "effects/signal.h"
@@ -51,7 +50,7 @@ Echo loadEcho(uint k) {
     cosIncidence = min(abs(dotOf(surface.xyz, beamDirection)), 1.0);
     energy = reflected(optics[floatBitsToUint(surface.w)], cosIncidence);
   }
-  return Echo(hitPoint.w, energy, 0.0, cosIncidence, 0);
+  return Echo(hitPoint.w, energy, parameters.pulseWidth, cosIncidence, 0);
 }
 
 

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "bin.spv.h"
+#include "effects/parameters.h"
+#include "every_formula.spv.h"
 #include "project_clusters.spv.h"
 #include "project_groups.spv.h"
 #include "project_triangles.spv.h"
@@ -66,10 +68,21 @@ TEST_CASE("the structs of shared.h have the same layout on the host and in every
       {"Pass.placedFirst", offsetof(Pass, placedFirst)},
       {"Pass.placedCount", offsetof(Pass, placedCount)},
       {"Pass.occluders", offsetof(Pass, occluders)},
+      {"Particles.slope", offsetof(Particles, slope)},
+      {"EffectParameters.snow", offsetof(EffectParameters, snow)},
+      {"EffectParameters.seedLow", offsetof(EffectParameters, seedLow)},
+      {"EffectParameters.returnsMode", offsetof(EffectParameters, returnsMode)},
+      {"EffectParameters.dropRate", offsetof(EffectParameters, dropRate)},
+      {"EffectParameters.fogExtinction", offsetof(EffectParameters, fogExtinction)},
+      {"EffectParameters.rangeMax", offsetof(EffectParameters, rangeMax)},
+      {"Optics4.passage", offsetof(Optics4, passage)},
+      {"VolumeBox.extinction", offsetof(VolumeBox, extinction)},
+      {"Echo.index", offsetof(Echo, index)},
+      {"Return.count", offsetof(Return, count)},
   };
   std::map<std::string, int> seen;
   for (const Offsets& offsets : {offsetsIn(project_groups), offsetsIn(project_clusters), offsetsIn(project_triangles),
-                                 offsetsIn(bin), offsetsIn(resolve)})
+                                 offsetsIn(bin), offsetsIn(resolve), offsetsIn(every_formula)})
     for (const auto& [member, offset] : offsets)
       if (const auto found = expected.find(member); found != expected.end()) {
         INFO(member);

@@ -97,8 +97,8 @@ struct SimulatorOptions {
   /// Folder where compiled pipelines are kept; empty: gnosphere in $XDG_CACHE_HOME or ~/.cache; "off": nowhere. Where
   /// it cannot be read or written they are compiled each time.
   std::string cache;
-  /// What is simulated beside geometry.
-  Effects effects;
+  /// What is simulated beside geometry: nothing, unless asked for. Effects{} is whatever the scene calls for.
+  Effects effects = Effects::none();
   MaterialTable materials;  ///< reflectances by name, over what the scene says
   /// What a scan holds beyond points, ranges and owners. Of no effect: x y z range ring beam triangle instance tie
   /// tolerance time azimuth elevation return numbers and classId, which need nothing from the device.

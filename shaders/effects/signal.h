@@ -5,7 +5,7 @@
 //   Echo loadEcho(uint k)                  k < echoCount, in order of range, none farther than p.rangeMax
 //   void storeReturn(uint j, Return value) called once for each j < p.returnsPerBeam
 //   VolumeBox loadVolume(uint i)           i < p.volumeCount
-//   bool isDead(uint beam)                 of DropOut::deadBeams; asked only if p.deadBeams > 0
+//   bool isDead(uint beam)                 of DropOut::deadBeams, p.firstBeam added; asked only if p.deadBeams > 0
 // In C++ it is included within a struct that has these as members (src/effects/beam_signal.hpp).
 #include "detection.h"
 #include "intensity.h"
@@ -111,7 +111,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
   uint cause = kCauseNoSurface;
   bool works = true;
   if (PLANNED(kDropOut)) {
-    if (p.deadBeams > 0u && isDead(beam)) {
+    if (p.deadBeams > 0u && isDead(key)) {
       works = false;
       cause = kCauseDead;
     } else if (beamDropped(p, uniform01(draw(p, key, 0u, kDropOut).x))) {

@@ -62,7 +62,7 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   p.seedLow = uint32_t(effects.seed);
   p.seedHigh = uint32_t(effects.seed >> 32);
   p.subRays = planned & gpu::kDivergence ? effects.divergence.subRays : 1;
-  p.returnsMode = planned & gpu::kReturns ? uint32_t(effects.returns.mode) : gpu::kModeStrongest;
+  p.returnsMode = uint32_t(effects.returns.mode);
   p.returnsPerBeam = planned & gpu::kReturns ? returnsPerBeam(effects.returns, sensor) : 1;
   p.separation = float(effects.returns.separation);
   p.pulseWidth = float(effects.returns.pulseWidth * kLightSpeed / 2);

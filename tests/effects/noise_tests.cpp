@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "effects/device_parameters.hpp"
+#include "effects/motion.h"
+#include "effects/noise.h"
+
+using namespace gnosphere;
+using Catch::Approx;
+
+namespace {
+
+constexpr int kDraws = 1000000;
+
+Sensor sensorWith(double horizontal, double vertical) {
+  Sensor sensor;
+  sensor.rangeMax = 100;
+  sensor.divergenceHorizontal = horizontal;
+  sensor.divergenceVertical = vertical;
+  return sensor;
+}
+
+}  // namespace
+
+TEST_CASE("range noise has the bias and the sigma asked for, which grows with range") {
+  Effects effects;
+  effects.rangeNoise.bias = 0.05;
+  effects.rangeNoise.sigma = 0.02;
+  effects.rangeNoise.sigmaPerMetre = 0.001;
+  const gpu::EffectParameters p = effectParameters(effects, sensorWith(0, 0), gpu::kRangeNoise);
+  for (const float range : {5.0f, 50.0f}) {
+    double sum = 0, squares = 0;
+    for (uint32_t beam = 0; beam < kDraws; ++beam) {
+      const double error = gpu::noisyRange(p, range, gpu::gaussians(gpu::draw(p, beam, 0, gpu::kRangeNoise)).x) - range;
+      sum += error;
+      squares += (error - 0.05) * (error - 0.05);
+    }
+    const double sigma = 0.02 + 0.001 * range;
+    CHECK(std::abs(sum / kDraws - 0.05) < 5 * sigma / std::sqrt(kDraws));
+    CHECK(std::sqrt(squares / kDraws) == Approx(sigma).epsilon(5 / std::sqrt(2.0 * kDraws)));
+  }
+}
+
+TEST_CASE("a range step makes ranges whole multiples of it, and none is below 0") {
+  gpu::EffectParameters p = {};
+  p.rangeStep = 0.004f;
+  for (float range = 0.1f; range < 100; range *= 1.1f) {
+    const double steps = gpu::noisyRange(p, range, 0) / 0.004;
+    CHECK(std::abs(steps - std::round(steps)) < 1e-6 * steps);
+    CHECK(std::abs(gpu::noisyRange(p, range, 0) - range) < 0.00201);
+  }
+  p.rangeBias = -10;
+  CHECK(gpu::noisyRange(p, 5, 0) == 0);
+}
+
+TEST_CASE("angles are astray by the sigmas asked for, and by 4 of them at most") {
+  Effects effects;
+  effects.angleNoise.azimuth = 0.01;
+  effects.angleNoise.elevation = 0.002;
+  const gpu::EffectParameters p = effectParameters(effects, sensorWith(0, 0), gpu::kAngleNoise);
+  double squares[2] = {}, product = 0;
+  float widest = 0;
+  for (uint32_t beam = 0; beam < kDraws; ++beam) {
+    const gpu::vec2 error = gpu::angleError(p, beam);
+    squares[0] += error.x * error.x;
+    squares[1] += error.y * error.y;
+    product += error.x * error.y;
+    widest = std::max(widest, std::abs(error.x));
+  }
+  CHECK(std::sqrt(squares[0] / kDraws) == Approx(0.01).epsilon(0.005));
+  CHECK(std::sqrt(squares[1] / kDraws) == Approx(0.002).epsilon(0.005));
+  CHECK(std::abs(product / kDraws) < 5 * 0.01 * 0.002 / std::sqrt(kDraws));
+  CHECK(widest <= 0.04f);
+  CHECK(widest > 0.035f);  // a million draws reach beyond, and are held
+}
+
+TEST_CASE("a beam astray is turned by its angles and stays a unit vector, at the poles too") {
+  for (double elevation = -90; elevation <= 90; elevation += 7.5)
+    for (double azimuth = -180; azimuth < 180; azimuth += 15) {
+      const double e = elevation * std::numbers::pi / 180, a = azimuth * std::numbers::pi / 180;
+      const gpu::vec3 direction = {float(std::cos(e) * std::cos(a)), float(std::cos(e) * std::sin(a)),
+                                   float(std::sin(e))};
+      const gpu::vec3 got = gpu::astray(direction, {0.03f, -0.02f});
+      CHECK(std::abs(std::hypot(got.x, got.y, got.z) - 1) < 1e-6);
+      if (std::abs(elevation) > 89) continue;
+      CHECK(std::abs(got.x - std::cos(e - 0.02) * std::cos(a + 0.03)) < 1e-6);
+      CHECK(std::abs(got.y - std::cos(e - 0.02) * std::sin(a + 0.03)) < 1e-6);
+      CHECK(std::abs(got.z - std::sin(e - 0.02)) < 1e-6);
+    }
+}
+
+TEST_CASE("intensity noise has the sigma asked for, and makes no intensity negative") {
+  gpu::EffectParameters p = {};
+  p.intensitySigma = 0.05f;
+  double squares = 0;
+  for (uint32_t beam = 0; beam < kDraws; ++beam) {
+    const double error =
+        gpu::noisyIntensity(p, 0.5f, gpu::gaussians(gpu::draw(p, beam, 0, gpu::kIntensityNoise)).x) - 0.5;
+    squares += error * error;
+  }
+  CHECK(std::sqrt(squares / kDraws) == Approx(0.05).epsilon(0.005));
+  CHECK(gpu::noisyIntensity(p, 0.1f, -3) == 0);
+}
+
+TEST_CASE("the radial speed is positive for what goes away, whichever of the two moves") {
+  CHECK(gpu::radialSpeed({1, 0, 0}, {3, 5, 7}, {0, 0, 0}) == 3);
+  CHECK(gpu::radialSpeed({1, 0, 0}, {0, 0, 0}, {3, 5, 7}) == -3);
+  CHECK(gpu::radialSpeed({0, 0.6f, 0.8f}, {9, 10, 0}, {0, 0, 5}) == Approx(2));
+}
+
+TEST_CASE("sub-rays fill the footprint evenly: weights add up to 1, their middle is the beam") {
+  for (const auto profile : {Effects::Divergence::Profile::uniform, Effects::Divergence::Profile::gaussian})
+    for (uint32_t count = 1; count <= 61; ++count) {
+      INFO(count << " sub-rays");
+      Effects effects;
+      effects.divergence.subRays = count;
+      effects.divergence.profile = profile;
+      const auto rays = subRays(effects, sensorWith(3e-3, 1.5e-3), gpu::kDivergence);
+      REQUIRE(rays.size() == count);
+      double weight = 0, u = 0, v = 0, uu = 0, vv = 0;
+      for (const SubRay& ray : rays) {
+        const double x = ray.u / std::tan(1.5e-3), y = ray.v / std::tan(0.75e-3);
+        CHECK(x * x + y * y <= 1);
+        weight += ray.weight;
+        u += ray.weight * x;
+        v += ray.weight * y;
+        uu += ray.weight * x * x;
+        vv += ray.weight * y * y;
+      }
+      CHECK(weight == Approx(1).epsilon(1e-6));
+      const bool rings = count == 1 || count == 7 || count == 19 || count == 37 || count == 61;
+      const double off = rings ? 1e-6 : 0.5 / std::sqrt(count);
+      CHECK(std::abs(u) < off);
+      CHECK(std::abs(v) < off);
+      if (count < 19) continue;
+      // Second moments of a disc: 1/4, and within the 1/e^2 radius of a normal beam (1 - 3 e^-2) / (1 - e^-2) / 4.
+      const double e2 = std::exp(-2.0);
+      const double moment = profile == Effects::Divergence::Profile::uniform ? 0.25 : (1 - 3 * e2) / (1 - e2) / 4;
+      CHECK(uu == Approx(moment).epsilon(0.07));
+      CHECK(vv == Approx(moment).epsilon(0.07));
+    }
+}
+
+TEST_CASE("without divergence there is one line along the beam") {
+  const auto rays = subRays({}, sensorWith(3e-3, 3e-3), 0);
+  REQUIRE(rays.size() == 1);
+  CHECK(rays[0].u == 0);
+  CHECK(rays[0].v == 0);
+  CHECK(rays[0].weight == 1);
+}

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <vector>
+
+#include "effects/beam_signal.hpp"
+#include "effects/device_parameters.hpp"
+
+using namespace gnosphere;
+using Catch::Approx;
+using Mode = Effects::Returns::Mode;
+
+namespace {
+
+Sensor sensorOf(uint32_t maxReturns = 1) {
+  Sensor sensor;
+  sensor.columns = 1000;
+  sensor.channels = {{0, 0}};
+  sensor.rangeMin = 0.5;
+  sensor.rangeMax = 100;
+  sensor.maxReturns = maxReturns;
+  return sensor;
+}
+
+struct Beam {
+  uint32_t cause = 0, count = 0;
+  std::vector<gpu::Return> returns;
+};
+
+/// An echo of a Lambertian target of that reflectance.
+gpu::Echo echoAt(float range, float reflectance, uint32_t index) {
+  return {range, reflectance, 0.5f, 1, index};
+}
+
+Beam run(const Effects& effects, uint32_t planned, const std::vector<gpu::Echo>& echoes, uint32_t beam = 0,
+         const Sensor& sensor = sensorOf()) {
+  const gpu::EffectParameters p = effectParameters(effects, sensor, planned);
+  const std::vector<uint32_t> dead = deadBeamBits(effects, sensor);
+  const std::vector<gpu::VolumeBox> volumes = volumeBoxes(effects, {});
+  Beam result;
+  result.returns.resize(p.returnsPerBeam);
+  gpu::BeamSignal signal;
+  signal.EFFECTS = planned;
+  signal.echoes = echoes;
+  signal.returns = result.returns;
+  signal.volumes = volumes;
+  signal.deadBeams = dead;
+  result.cause = signal.signalsOf(p, beam, {1, 0, 0}, uint32_t(echoes.size()), result.count);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("every mode returns the echoes that its name says, in order of range") {
+  // By strength: 2, 0, 3, 1.
+  const std::vector<gpu::Echo> echoes = {echoAt(10, 0.2f, 7), echoAt(20, 0.1f, 8), echoAt(30, 5, 9), echoAt(40, 1, 10)};
+  struct Row {
+    Mode mode;
+    std::vector<uint32_t> indices;
+  };
+  const Row rows[] = {{Mode::first, {7}},
+                      {Mode::second, {8}},
+                      {Mode::last, {10}},
+                      {Mode::strongest, {9}},
+                      {Mode::secondStrongest, {7}},
+                      {Mode::firstSecond, {7, 8}},
+                      {Mode::firstLast, {7, 10}},
+                      {Mode::firstStrongest, {7, 9}},
+                      {Mode::lastStrongest, {9, 10}},
+                      {Mode::strongestSecondStrongest, {7, 9}},
+                      {Mode::all, {7, 8, 9}}};
+  for (const Row& row : rows) {
+    Effects effects;
+    effects.returns.mode = row.mode;
+    const Beam beam = run(effects, gpu::kReturns | gpu::kIntensity, echoes, 0, sensorOf(3));
+    INFO("mode " << int(row.mode));
+    CHECK(beam.cause == gpu::kCauseReturned);
+    REQUIRE(beam.count == row.indices.size());
+    REQUIRE(beam.returns.size() == row.indices.size());
+    for (uint32_t j = 0; j < beam.count; ++j) {
+      CHECK(beam.returns[j].echo == row.indices[j]);
+      CHECK(beam.returns[j].range == echoes[row.indices[j] - 7].range);
+      CHECK(beam.returns[j].number == j + 1);
+      CHECK(beam.returns[j].count == beam.count);
+      CHECK(beam.returns[j].label == gpu::kLabelSolid);
+    }
+  }
+}
+
+TEST_CASE("one echo is returned once, whatever pair is asked for, and the rest says that it is nothing") {
+  for (const Mode mode : {Mode::firstLast, Mode::lastStrongest, Mode::strongestSecondStrongest, Mode::all}) {
+    Effects effects;
+    effects.returns.mode = mode;
+    const Beam beam = run(effects, gpu::kReturns, {echoAt(10, 0.2f, 0)}, 0, sensorOf(2));
+    REQUIRE(beam.returns.size() == 2);
+    CHECK(beam.count == 1);
+    CHECK(beam.returns[0].echo == 0);
+    CHECK(std::isnan(beam.returns[1].range));
+    CHECK(beam.returns[1].echo == gpu::kNone);
+    CHECK(beam.returns[1].label == gpu::kLabelNone);
+    CHECK(beam.returns[1].number == 0);
+  }
+  Effects effects;
+  effects.returns.mode = Mode::second;
+  CHECK(run(effects, gpu::kReturns, {echoAt(10, 0.2f, 0)}).count == 0);
+}
+
+TEST_CASE("of two echoes as strong the nearer is the stronger; without `returns` the strongest is returned") {
+  CHECK(run({}, gpu::kDivergence, {echoAt(10, 1, 0), echoAt(20, 4, 1)}).returns[0].echo == 0);
+  CHECK(run({}, gpu::kDivergence, {echoAt(10, 1, 0), echoAt(20, 4.1f, 1)}).returns[0].echo == 1);
+}
+
+TEST_CASE("every cause") {
+  Effects effects;
+  effects.dropOut.deadBeams = {3, 40};
+  const std::vector<gpu::Echo> good = {echoAt(50, 0.5f, 0)}, weak = {echoAt(90, 0.05f, 0)};
+  const uint32_t planned = gpu::kDetection | gpu::kDropOut;
+  CHECK(run(effects, planned, good).cause == gpu::kCauseReturned);
+  CHECK(run(effects, planned, {}).cause == gpu::kCauseNoSurface);
+  CHECK(run(effects, planned, weak).cause == gpu::kCauseWeak);
+  CHECK(run(effects, planned, good, 3).cause == gpu::kCauseDead);
+  CHECK(run(effects, planned, good, 40).cause == gpu::kCauseDead);
+  CHECK(run(effects, planned, {}, 3).cause == gpu::kCauseDead);
+  CHECK(run(effects, gpu::kDetection, good, 3).cause == gpu::kCauseReturned);
+
+  effects.dropOut.generalRate = 1;
+  CHECK(run(effects, planned, good).cause == gpu::kCauseDroppedOut);
+  CHECK(run(effects, planned, {}).cause == gpu::kCauseNoSurface);
+  effects.dropOut.generalRate = 0;
+  effects.dropOut.zeroIntensityRate = 1;
+  CHECK(run(effects, planned, {echoAt(50, 0.0f, 0)}).cause == gpu::kCauseWeak);
+  CHECK(run(effects, gpu::kDropOut, {echoAt(50, 0.0f, 0)}).cause == gpu::kCauseDroppedOut);
+  CHECK(run(effects, gpu::kDropOut, {echoAt(50, 1.0f, 0)}).cause == gpu::kCauseReturned);
+
+  Effects fog;
+  fog.fog.visibility = 20;
+  int attenuated = 0, weakInFog = 0;
+  for (uint32_t beam = 0; beam < 100; ++beam) {
+    const Beam seen = run(fog, gpu::kFog, good, beam), unseen = run(fog, gpu::kFog, weak, beam);
+    attenuated += seen.cause == gpu::kCauseAttenuated;
+    weakInFog += unseen.cause == gpu::kCauseWeak;
+    // Only the fog itself can be seen.
+    if (seen.cause == gpu::kCauseReturned) CHECK(seen.returns[0].label == gpu::kLabelScatter);
+  }
+  CHECK(attenuated > 0);
+  CHECK(weakInFog > 0);
+}
+
+TEST_CASE("an echo of the medium is returned as one, in its place before the surface") {
+  Effects effects;
+  effects.fog.visibility = 60;
+  effects.returns.mode = Mode::all;
+  effects.returns.count = 3;
+  int scattered = 0;
+  for (uint32_t i = 0; i < 1000; ++i) {
+    const Beam beam =
+        run(effects, gpu::kFog | gpu::kReturns | gpu::kIntensity, {echoAt(2, 0.01f, 0), echoAt(12, 0.9f, 1)}, i);
+    float before = 0;
+    uint32_t solids = 0;
+    for (uint32_t j = 0; j < beam.count; ++j) {
+      const gpu::Return& value = beam.returns[j];
+      CHECK(value.range >= before);
+      before = value.range;
+      if (value.label == gpu::kLabelSolid) {
+        ++solids;
+        continue;
+      }
+      ++scattered;
+      CHECK(value.label == gpu::kLabelScatter);
+      CHECK(value.echo == gpu::kNone);
+      CHECK(value.range < 12 - effects.returns.separation);
+      CHECK(value.range >= 0.5);
+    }
+    CHECK(solids == 2);
+  }
+  CHECK(scattered > 100);
+}
+
+TEST_CASE("a beam that meets nothing may still see the fog") {
+  Effects effects;
+  effects.fog.visibility = 30;
+  int seen = 0;
+  for (uint32_t i = 0; i < 1000; ++i) {
+    const Beam beam = run(effects, gpu::kFog, {}, i);
+    CHECK(beam.cause == (beam.count > 0 ? gpu::kCauseReturned : gpu::kCauseNoSurface));
+    seen += beam.count > 0;
+  }
+  CHECK(seen > 100);
+}
+
+TEST_CASE("noise moves the range and leaves the true one") {
+  Effects effects;
+  effects.rangeNoise.sigma = 0.1;
+  int moved = 0;
+  for (uint32_t i = 0; i < 100; ++i) {
+    const Beam beam = run(effects, gpu::kRangeNoise, {echoAt(10, 0.5f, 0)}, i);
+    CHECK(beam.returns[0].trueRange == 10);
+    moved += beam.returns[0].range != 10;
+  }
+  CHECK(moved > 95);
+}
+
+TEST_CASE("switching one effect on or off leaves the draws of the others as they were") {
+  Effects effects;
+  effects.rangeNoise.sigma = 0.1;
+  effects.intensityNoise.sigma = 0.05;
+  effects.dropOut.generalRate = 0.3;
+  effects.detection.softness = 0.5;
+  effects.fog.visibility = 1000;
+  effects.rain.rate = 5;
+  effects.returns.mode = Mode::last;
+  const std::vector<gpu::Echo> echoes = {echoAt(20, 0.3f, 0), echoAt(60, 0.9f, 1)};
+  const uint32_t noise = gpu::kRangeNoise | gpu::kIntensityNoise | gpu::kIntensity | gpu::kReturns;
+  const uint32_t others[] = {gpu::kDropOut, gpu::kDetection, gpu::kFog, gpu::kRain, gpu::kAngleNoise};
+  for (uint32_t i = 0; i < 2000; ++i) {
+    const Beam plain = run(effects, noise, echoes, i);
+    for (const uint32_t other : others) {
+      const Beam beam = run(effects, noise | other, echoes, i);
+      if (beam.count == 0 || beam.returns[0].echo != plain.returns[0].echo) continue;
+      CHECK(beam.returns[0].range == plain.returns[0].range);
+      if ((other & gpu::kMediumEffects) == 0) CHECK(beam.returns[0].intensity == plain.returns[0].intensity);
+    }
+    CHECK(run(effects, gpu::kDropOut, echoes, i).cause == run(effects, gpu::kDropOut | noise, echoes, i).cause);
+  }
+}
+
+TEST_CASE("a part of a sensor has the draws of the whole") {
+  Effects effects;
+  effects.rangeNoise.sigma = 0.1;
+  effects.dropOut.deadBeams = {500};
+  const std::vector<gpu::Echo> echoes = {echoAt(20, 0.3f, 0)};
+  const uint32_t planned = gpu::kRangeNoise | gpu::kDropOut;
+  gpu::EffectParameters part = effectParameters(effects, sensorOf(), planned);
+  part.firstBeam = 450;
+  const std::vector<uint32_t> dead = deadBeamBits(effects, sensorOf());
+  for (uint32_t i = 0; i < 100; ++i) {
+    std::array<gpu::Return, 1> returns;
+    gpu::BeamSignal signal;
+    signal.EFFECTS = planned;
+    signal.echoes = echoes;
+    signal.returns = returns;
+    signal.deadBeams = dead;
+    uint32_t count = 0;
+    const uint32_t cause = signal.signalsOf(part, i, {1, 0, 0}, 1, count);
+    const Beam whole = run(effects, planned, echoes, 450 + i);
+    CHECK(cause == whole.cause);
+    if (count > 0) CHECK(returns[0].range == whole.returns[0].range);
+  }
+}

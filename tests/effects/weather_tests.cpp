@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "effects/beam_signal.hpp"
+#include "effects/device_parameters.hpp"
+#include "effects/weather.hpp"
+
+using namespace gnosphere;
+using Catch::Approx;
+
+namespace {
+
+constexpr uint32_t kBeams = 200000;
+
+Sensor sensorTo(double rangeMax) {
+  Sensor sensor;
+  sensor.rangeMin = 0.5;
+  sensor.rangeMax = rangeMax;
+  return sensor;
+}
+
+/// Integral over first..last in many steps.
+template <typename Call>
+double integral(double first, double last, Call&& call) {
+  const int steps = 20000;
+  double sum = 0;
+  for (int i = 0; i < steps; ++i) sum += call(first + (last - first) * (i + 0.5) / steps);
+  return sum * (last - first) / steps;
+}
+
+/// Expected number of drops of `rate` up to a range, integrated over sizes too, straight from what is detected.
+double dropsSeen(const gpu::EffectParameters& p, const DropSizes& sizes, double range) {
+  return integral(p.rangeMin, range, [&](double r) {
+    const double across = gpu::kApertureDiameter + p.spreadHorizontal * r;
+    const double focus = std::min(1.0, r * r / (gpu::kFocusRange * gpu::kFocusRange));
+    const double clear = sizes.reflectance * focus / (r * r) * std::exp(-2 * p.extinction * r);
+    const double least = across * std::sqrt(p.threshold / clear);
+    if (least > across) return 0.0;
+    return std::numbers::pi / 4 * across * across * sizes.intercept / sizes.slope * std::exp(-sizes.slope * least);
+  });
+}
+
+}  // namespace
+
+TEST_CASE("contrast falls to 5 % at the visibility") {
+  for (const double visibility : {10.0, 50.0, 200.0, 10000.0})
+    CHECK(std::exp(-fogExtinction(visibility) * visibility) == Approx(0.05));
+  CHECK(fogExtinction(0) == 0);
+}
+
+TEST_CASE("rain and snow take what ITU-R P.1814 says, in dB per km") {
+  const auto decibels = [](double extinction) { return extinction * 1000 * 10 / std::numbers::ln10; };
+  CHECK(decibels(rainExtinction(1)) == Approx(1.076));
+  CHECK(decibels(rainExtinction(25)) == Approx(9.30).epsilon(0.001));
+  CHECK(decibels(snowExtinction(1, 1550)) == Approx(5.5799).epsilon(1e-4));
+  CHECK(decibels(snowExtinction(2, 905)) == Approx(14.433).epsilon(1e-3));
+  // Marshall and Palmer's drops, twice their own area each, agree within the spread of such laws.
+  for (const double rate : {2.0, 10.0, 50.0}) {
+    const DropSizes drops = rainDrops(rate);
+    const double area = 2 * std::numbers::pi / 4 * drops.intercept * 2 / std::pow(drops.slope, 3);
+    CHECK(area / rainExtinction(rate) > 0.7);
+    CHECK(area / rainExtinction(rate) < 2);
+  }
+}
+
+TEST_CASE("a surface in fog loses exp(-2 extinction range)") {
+  Effects effects;
+  effects.fog.visibility = 100;
+  const gpu::EffectParameters p = effectParameters(effects, sensorTo(200), gpu::kFog);
+  gpu::BeamSignal beam;
+  beam.EFFECTS = gpu::kFog;
+  for (const float range : {1.0f, 30.0f, 100.0f}) {
+    const double expected = 0.3 / (range * range) * std::exp(-2 * -std::log(0.05) / 100 * range);
+    CHECK(gpu::received(0.3f, range, beam.depthOf(p, {1, 0, 0}, range)) == Approx(expected).epsilon(1e-5));
+  }
+}
+
+TEST_CASE(
+    "what fog throws back comes from depths that fall as exp(-2 extinction depth), and is as strong as the lidar "
+    "equation says") {
+  Effects effects;
+  effects.fog.visibility = 80;
+  const gpu::EffectParameters p = effectParameters(effects, sensorTo(150), gpu::kFog);
+  const double extinction = -std::log(0.05) / 80;
+  const double backScatter = std::numbers::pi * extinction / 18.8 * 5e-9 * 299792458 / 2;
+  const float near = 0.5f, far = 40;
+  const int bins = 20;
+  std::vector<double> counts(bins, 0.0), strengths(bins, 0.0), squares(bins, 0.0);
+  for (uint32_t beam = 0; beam < kBeams; ++beam) {
+    const gpu::Echo echo = gpu::scatterEcho(p, p.fogExtinction, p.fogScatter, near, far,
+                                            gpu::draw(p, beam, 0, gpu::kFog), gpu::draw(p, beam, 1, gpu::kFog));
+    REQUIRE(echo.range >= near);
+    REQUIRE(echo.range <= far);
+    const auto bin = size_t(std::min((echo.range - near) / (far - near) * bins, bins - 1.0f));
+    const double focus = std::min(1.0, echo.range * echo.range / 25.0);
+    counts[bin] += 1;
+    strengths[bin] += echo.energy / (backScatter * focus);
+    squares[bin] += std::pow(echo.energy / (backScatter * focus) - 1, 2);
+  }
+  const auto share = [&](double range) {
+    return (1 - std::exp(-2 * extinction * (range - near))) / (1 - std::exp(-2 * extinction * (far - near)));
+  };
+  for (int i = 0; i < bins; ++i) {
+    const double width = (far - near) / bins;
+    const double expected = kBeams * (share(near + width * (i + 1)) - share(near + width * i));
+    CHECK(std::abs(counts[i] - expected) < 5 * std::sqrt(expected));
+    CHECK(strengths[i] / counts[i] == Approx(1).margin(5 * 0.5 / std::sqrt(counts[i])));
+    CHECK(squares[i] / counts[i] == Approx(0.25).epsilon(0.3));
+  }
+}
+
+TEST_CASE("fog without an extent or an extinction throws nothing back") {
+  const gpu::EffectParameters p = {};
+  const glm::uvec4 words = gpu::draw(p, 0, 0, gpu::kFog);
+  CHECK(gpu::scatterEcho(p, 0.01f, 0.01f, 5, 5, words, words).range == gpu::kNever);
+  CHECK(gpu::scatterEcho(p, 0, 0.01f, 1, 5, words, words).range == gpu::kNever);
+}
+
+TEST_CASE("rain and snow are Poisson processes: the first echo is where the expected number says") {
+  struct Weather {
+    double rain, snow;
+  };
+  for (const Weather& weather : {Weather{20, 0}, Weather{0, 1.5}}) {
+    Effects effects;
+    effects.rain.rate = weather.rain;
+    effects.snow.rate = weather.snow;
+    const bool raining = weather.rain > 0;
+    const uint32_t planned = raining ? gpu::kRain : gpu::kSnow;
+    const gpu::EffectParameters p = effectParameters(effects, sensorTo(120), planned);
+    const gpu::Particles& particles = raining ? p.rain : p.snow;
+    const DropSizes sizes = raining ? rainDrops(weather.rain) : snowFlakes(weather.snow);
+    std::vector<float> ranges;
+    int weak = 0;
+    for (uint32_t beam = 0; beam < kBeams; ++beam) {
+      const gpu::Echo echo = gpu::particleEcho(p, particles, 120, gpu::draw(p, beam, 0, planned));
+      if (echo.range == gpu::kNever) continue;
+      ranges.push_back(echo.range);
+      weak += !gpu::detected(p, gpu::received(echo.energy, echo.range, p.extinction * echo.range), 0);
+    }
+    CHECK(weak <= int(ranges.size() / 1000));
+    CHECK(ranges.size() > kBeams / 100);
+    std::sort(ranges.begin(), ranges.end());
+    // At the entries of the table the distribution is that of the physics; between them it is interpolated.
+    for (uint32_t i = 1; i <= gpu::kParticleRanges; ++i) {
+      const float range = gpu::rangeOf(particles, i);
+      const double expected = kBeams * (1 - std::exp(-dropsSeen(p, sizes, range)));
+      const auto seen = double(std::lower_bound(ranges.begin(), ranges.end(), range) - ranges.begin());
+      INFO((raining ? "rain" : "snow") << " up to " << range << " m");
+      CHECK(std::abs(seen - expected) < 5 * std::sqrt(expected) + 0.002 * expected);
+    }
+  }
+}
+
+TEST_CASE("drops and flakes are larger than the least that is detected by an exponential distribution") {
+  Effects effects;
+  effects.snow.rate = 1;
+  const gpu::EffectParameters p = effectParameters(effects, sensorTo(120), gpu::kSnow);
+  double sum = 0;
+  int count = 0;
+  for (uint32_t beam = 0; beam < kBeams; ++beam) {
+    const gpu::Echo echo = gpu::particleEcho(p, p.snow, 10, gpu::draw(p, beam, 0, gpu::kSnow));
+    if (echo.range == gpu::kNever) continue;
+    const double focus = std::min(1.0, echo.range * echo.range / 25.0);
+    const double across = gpu::kApertureDiameter + 3e-3 * echo.range;
+    const double least =
+        across * echo.range * std::exp(p.extinction * echo.range) * std::sqrt(p.threshold / (0.6 * focus));
+    sum += across * std::sqrt(echo.energy / (0.6 * focus)) - least;
+    ++count;
+  }
+  REQUIRE(count > 10000);
+  CHECK(sum / count == Approx(1 / snowFlakes(1).slope).epsilon(0.03));
+}
+
+TEST_CASE("rain lets most beams through, and thickens") {
+  const auto seen = [](double rate) {
+    Effects effects;
+    effects.rain.rate = rate;
+    return 1 - std::exp(-double(effectParameters(effects, sensorTo(100), gpu::kRain).rain.countsFar.w));
+  };
+  CHECK(seen(1) > 1e-5);
+  CHECK(seen(10) > 2 * seen(1));
+  CHECK(seen(10) < 0.2);
+}
+
+TEST_CASE("dust takes light along the way within its box, wherever the sensor stands and looks") {
+  Effects effects;
+  effects.volumes.boxes = {{{10, -2, -1}, {16, 2, 3}, 0.2}};
+  const double half = std::sqrt(0.5);
+  // The second sensor stands behind the box, turned to look back at it; the third stands inside.
+  struct Place {
+    Pose pose;
+    double first, last;
+  };
+  const Place places[] = {{{{0, 0, 0}, {0, 0, 0, 1}}, 10, 16},
+                          {{{20, 0, 0}, {0, 0, 1, 0}}, 4, 10},
+                          {{{12, 1, 1}, {0, 0, 0, 1}}, 0, 4},
+                          {{{13, 12, 0}, {0, 0, -half, half}}, 10, 14}};
+  const gpu::EffectParameters p = effectParameters(effects, sensorTo(100), gpu::kVolumes);
+  for (const Place& place : places) {
+    const std::vector<gpu::VolumeBox> boxes = volumeBoxes(effects, place.pose);
+    gpu::BeamSignal beam;
+    beam.EFFECTS = gpu::kVolumes;
+    beam.volumes = boxes;
+    CHECK(beam.depthOf(p, {1, 0, 0}, 50) == Approx(0.2 * (place.last - place.first)).epsilon(1e-5));
+    CHECK(beam.depthOf(p, {1, 0, 0}, float(place.first + 1)) == Approx(0.2).epsilon(1e-5));
+    CHECK(beam.depthOf(p, {-1, 0, 0}, 0.5f) == Approx(place.first > 0 ? 0 : 0.1).margin(1e-5));
+    CHECK(beam.depthOf(p, {0, 0, 1}, 50) == Approx(place.first > 0 ? 0 : 0.4).margin(1e-5));
+    int echoes = 0;
+    for (uint32_t i = 0; i < 1000; ++i) {
+      const gpu::Echo echo = beam.mediumEcho(p, i, {1, 0, 0}, 50);
+      if (echo.range == gpu::kNever) continue;
+      ++echoes;
+      CHECK(echo.range >= place.first - 1e-4);
+      CHECK(echo.range <= place.last + 1e-4);
+    }
+    CHECK(echoes == 1000);
+  }
+}
