@@ -10,6 +10,7 @@ namespace gnosphere::cli {
 using Action = std::function<int()>;
 
 Action addScan(CLI::App& app);
+Action addPlan(CLI::App& app);
 Action addAccuracy(CLI::App& app);
 Action addCompare(CLI::App& app);
 Action addDevices(CLI::App& app);

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere plan: what a scan would be made of, and why. Nothing is scanned.
+#include <algorithm>
+#include <memory>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "effect_options.hpp"
+#include "effects/decide.hpp"
+#include "scanning.hpp"
+
+namespace gnosphere::cli {
+namespace {
+
+struct PlanOptions : ScanningOptions, EffectOptions {
+  std::string fields;
+  bool json = false;
+};
+
+std::string bytesText(uint64_t bytes) {
+  if (bytes < 10'000) return grouped(bytes) + " B";
+  const double kib = static_cast<double>(bytes) / 1024;
+  return kib < 1024 ? formatted("%.1f KiB", kib) : formatted("%.1f MiB", kib / 1024);
+}
+
+/// Effects that are in first, then those that are not, each with its reason.
+void printEffects(const Plan& plan) {
+  for (bool in : {true, false}) {
+    std::vector<const Plan::Decision*> decisions;
+    size_t width = 0;
+    for (const Plan::Decision& decision : plan.effects) {
+      if (decision.in == in) decisions.push_back(&decision);
+      width = std::max(width, decision.effect.size());
+    }
+    if (decisions.empty()) continue;
+    std::printf("\n%s\n", in ? "effects that are in" : "effects that are out, and cost nothing");
+    for (const Plan::Decision* decision : decisions) {
+      std::printf("  %-*s  %s\n", static_cast<int>(width), decision->effect.c_str(), decision->reason.c_str());
+    }
+  }
+}
+
+void printStages(const Plan& plan) {
+  if (plan.stages.empty()) return;
+  std::printf("\n");
+  std::vector<TableRow> rows = {{"stage", "dispatches", "pipelines"}};
+  for (const Plan::Stage& stage : plan.stages) {
+    rows.push_back({stage.name, grouped(stage.dispatches), grouped(stage.pipelines.size())});
+    for (const Plan::Pipeline& pipeline : stage.pipelines) rows.push_back({"  " + pipeline.name, "", ""});
+  }
+  rows.push_back({"all", grouped(plan.dispatches()), ""});
+  printTable(rows);
+}
+
+void printBuffers(const Plan& plan) {
+  if (plan.buffers.empty()) return;
+  std::printf("\n");
+  std::vector<TableRow> rows = {{"buffer", "size"}};
+  for (const Plan::Buffer& buffer : plan.buffers) rows.push_back({buffer.name, bytesText(buffer.bytes)});
+  rows.push_back({"all", bytesText(plan.bytes())});
+  printTable(rows);
+}
+
+void print(const PlanOptions& options, const Scene& scene, const Sensor& sensor, const Plan& plan) {
+  say("scene", options.scene + ": " + grouped(scene.placedTriangleCount()) + " triangles, " +
+                   grouped(scene.materials.size()) + (scene.materials.size() == 1 ? " material" : " materials"));
+  say("sensor", sensor.name + ": " + grouped(sensor.beamCount()) + " beams, " + grouped(plan.returns) +
+                    (plan.returns == 1 ? " return each" : " returns each"));
+  if (!plan.binning.empty()) say("binning", plan.binning);
+  printEffects(plan);
+  printStages(plan);
+  printBuffers(plan);
+}
+
+int runPlan(const PlanOptions& options) {
+  checkScanning(options);
+  const Effects effects = effectsOf(options);
+  const MaterialTable materials = materialsOf(options);
+  std::vector<Field> fields;
+  if (!options.fields.empty()) fields = parseFields(options.fields);
+  const Sensor sensor = findSensor(options.sensor);
+  const Scene scene = loadScene(options);
+  warnAboutMaterials(options, scene, materials);
+  Plan plan;
+  plan.effects = decide(effects, sensor, scene, fields, materials);
+  if (options.json)
+    std::printf("%s", toJson(plan).c_str());
+  else
+    print(options, scene, sensor, plan);
+  return 0;
+}
+
+}  // namespace
+
+Action addPlan(CLI::App& app) {
+  const auto options = std::make_shared<PlanOptions>();
+  addScanningOptions(app, *options);
+  addEffectOptions(app, *options);
+  app.add_option("--fields", options->fields, "What would be written, as of gnosphere scan");
+  app.add_flag("--json", options->json, "Print JSON");
+  return [options] { return runPlan(*options); };
+}
+
+}  // namespace gnosphere::cli
