@@ -57,6 +57,18 @@ TEST_CASE("effects are a preset or a file, and assignments stand over them in or
   CHECK(decision(place, "", "divergence").at("request") == "auto");
 }
 
+TEST_CASE("effects are listed, and a printed preset is a file that --effects reads") {
+  const Workplace place;
+  CHECK_THAT(place.run("effects").out, ContainsSubstring("presets: clean auto carla hdl-64e os1-rain\n") &&
+                                           ContainsSubstring("\nrange-noise (off)\n") &&
+                                           ContainsSubstring("  visibility           0              0..1000000 m\n"));
+  const Result printed = place.run("effects os1-rain");
+  REQUIRE(printed.status == 0);
+  place.put("e.json", printed.out);
+  CHECK(place.run("effects e.json").out == printed.out);
+  CHECK(place.run("plan floor.obj --effects e.json").out == place.run("plan floor.obj --effects os1-rain").out);
+}
+
 TEST_CASE("a table of materials is read, and what of it fits nothing is told") {
   const Workplace place;
   place.put("floor.obj", "mtllib floor.mtl\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nusemtl pane\nf 1 2 3\n");
@@ -84,5 +96,6 @@ TEST_CASE("effects that cannot be are refused in one line") {
   checkRefused("plan floor.obj --effect fog=on", 2, "fog is on, but no visibility is given; give fog.visibility");
   checkRefused("plan floor.obj --effect divergence=on --sensor VLP-16", 2, "sensor 'VLP-16' states no divergence");
   checkRefused("plan floor.obj --fields x,brightness", 2, "x, y, z, range");
+  checkRefused("effects os1-fog", 2, "clean, auto, carla");
   checkRefused("plan none.obj", 1, "none.obj");
 }

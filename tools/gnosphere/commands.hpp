@@ -15,6 +15,7 @@ Action addAccuracy(CLI::App& app);
 Action addCompare(CLI::App& app);
 Action addDevices(CLI::App& app);
 Action addSensors(CLI::App& app);
+Action addEffects(CLI::App& app);
 Action addTown(CLI::App& app);
 
 }  // namespace gnosphere::cli

@@ -37,7 +37,8 @@ int run(const std::vector<Command>& commands) {
     }
     return 1;
   }
-  cli::complain("which command? scan, plan, accuracy, compare, devices, sensors or town; gnosphere --help says more");
+  cli::complain(
+      "which command? scan, plan, accuracy, compare, devices, sensors, effects or town; gnosphere --help says more");
   return 2;
 }
 
@@ -54,6 +55,7 @@ int main(int argc, char** argv) {
       addCommand(app, "compare", "Tell two clouds apart, beam by beam", cli::addCompare),
       addCommand(app, "devices", "List every device, usable or why not", cli::addDevices),
       addCommand(app, "sensors", "List the built-in sensors, or print one as JSON", cli::addSensors),
+      addCommand(app, "effects", "List every effect and its parameters, or print a preset as JSON", cli::addEffects),
       addCommand(app, "town", "Write a synthetic town", cli::addTown),
   };
   cli::rememberCommand(argc, argv);
