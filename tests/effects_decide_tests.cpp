@@ -271,4 +271,6 @@ TEST_CASE("what is off and needed is refused or takes its dependents out") {
   asked.effects.radialSpeed.use = Use::off;
   asked.fields = {Field::radialSpeed};
   checkRefused(asked, "radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");
+  asked.effects.fog.visibility = -1;
+  checkRefused(asked, "fog.visibility must be 0..1000000 m, is -1");
 }

@@ -42,6 +42,8 @@ TEST_CASE("a plan is JSON if asked, of every effect") {
   REQUIRE(result.status == 0);
   const auto plan = nlohmann::json::parse(result.out);
   CHECK(plan.at("effects").size() == 17);
+  CHECK(plan.at("dispatches") > 0);
+  CHECK(plan.at("bytes") > 0);
   for (const char* key : {"fields", "returns", "stages", "dispatches", "buffers", "bytes"}) CHECK(plan.contains(key));
 }
 
@@ -74,7 +76,9 @@ TEST_CASE("a table of materials is read, and what of it fits nothing is told") {
   place.put("floor.obj", "mtllib floor.mtl\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nusemtl pane\nf 1 2 3\n");
   place.put("floor.mtl", "newmtl pane\nKd 1 1 1\n");
   place.put("m.json", R"({"materials": [{"name": "pane", "transmission": 0.5}]})");
-  CHECK(decision(place, "--materials m.json", "transmission").at("reason") == "1 of 1 material let light through");
+  const std::string opaque = "no material that is seen lets light through";
+  CHECK(decision(place, "", "transmission").at("reason") == opaque);
+  CHECK(decision(place, "--materials m.json", "transmission").at("reason") != opaque);
   place.put("m.json", R"({"materials": [{"name": "wood"}, {"name": "snow", "retro": 0}]})");
   const Result result = place.run("plan floor.obj --materials m.json");
   CHECK(result.status == 0);

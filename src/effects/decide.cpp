@@ -270,6 +270,7 @@ void checkOff(const Question& q, const std::vector<Plan::Decision>& decisions) {
 
 std::vector<Plan::Decision> decide(const Effects& effects, const Sensor& sensor, const Scene& scene,
                                    const std::vector<Field>& fields, const MaterialTable& table) {
+  validate(effects);
   const Question question = {effects, sensor, scene, fields, table};
   Effects asked = effects, defaults;
   std::vector<Plan::Decision> decisions;

@@ -6,14 +6,13 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "effect_options.hpp"
-#include "effects/decide.hpp"
 #include "scanning.hpp"
 
 namespace gnosphere::cli {
 namespace {
 
 struct PlanOptions : ScanningOptions, EffectOptions {
-  std::string fields;
+  std::string fields, accuracy = "standard";
   bool json = false;
 };
 
@@ -61,9 +60,11 @@ void printBuffers(const Plan& plan) {
   printTable(rows);
 }
 
-void print(const PlanOptions& options, const Scene& scene, const Sensor& sensor, const Plan& plan) {
+void print(const PlanOptions& options, const DeviceInfo& device, const Scene& scene, const Sensor& sensor,
+           const Plan& plan) {
   say("scene", options.scene + ": " + grouped(scene.placedTriangleCount()) + " triangles, " +
                    grouped(scene.materials.size()) + (scene.materials.size() == 1 ? " material" : " materials"));
+  say("device", device.name);
   say("sensor", sensor.name + ": " + grouped(sensor.beamCount()) + " beams, " + grouped(plan.returns) +
                     (plan.returns == 1 ? " return each" : " returns each"));
   if (!plan.binning.empty()) say("binning", plan.binning);
@@ -74,19 +75,20 @@ void print(const PlanOptions& options, const Scene& scene, const Sensor& sensor,
 
 int runPlan(const PlanOptions& options) {
   checkScanning(options);
-  const Effects effects = effectsOf(options);
-  const MaterialTable materials = materialsOf(options);
-  std::vector<Field> fields;
-  if (!options.fields.empty()) fields = parseFields(options.fields);
+  SimulatorOptions settings = simulatorOptions(options);
+  settings.accuracy = kAccuracies.at(options.accuracy);
+  settings.effects = effectsOf(options);
+  settings.materials = materialsOf(options);
+  if (!options.fields.empty()) settings.fields = parseFields(options.fields);
   const Sensor sensor = findSensor(options.sensor);
   const Scene scene = loadScene(options);
-  warnAboutMaterials(options, scene, materials);
-  Plan plan;
-  plan.effects = decide(effects, sensor, scene, fields, materials);
+  warnAboutMaterials(options, scene, settings.materials);
+  const Simulator simulator(scene, sensor, settings);
+  const Plan plan = simulator.plan();
   if (options.json)
     std::printf("%s", toJson(plan).c_str());
   else
-    print(options, scene, sensor, plan);
+    print(options, simulator.device(), scene, sensor, plan);
   return 0;
 }
 
@@ -96,6 +98,7 @@ Action addPlan(CLI::App& app) {
   const auto options = std::make_shared<PlanOptions>();
   addScanningOptions(app, *options);
   addEffectOptions(app, *options);
+  addAccuracyOption(app, options->accuracy);
   app.add_option("--fields", options->fields, "What would be written, as of gnosphere scan");
   app.add_flag("--json", options->json, "Print JSON");
   return [options] { return runPlan(*options); };

@@ -151,6 +151,7 @@ int runScan(const ScanOptions& options) {
   settings.accuracy = kAccuracies.at(accuracy);
   settings.effects = effects;
   settings.materials = materials;
+  settings.fields = cloud.fields;
   settings.culling.still = options.repeat == 0;  // repeated scans are timed, each of them whole
   Simulator simulator(scene, sensor, settings);
   const double setUpMs = nowMs() - start;
@@ -174,12 +175,7 @@ int runScan(const ScanOptions& options) {
 }
 
 void addAccuracyOptions(CLI::App& app, ScanOptions& options) {
-  CLI::Option* accuracy =
-      app.add_option("--accuracy", options.accuracy,
-                     "paper: the published method to the letter; draft: without its gaps between boxes; standard: "
-                     "watertight; exact: the same bytes everywhere")
-          ->check(CLI::IsMember(kAccuracies))
-          ->capture_default_str();
+  CLI::Option* accuracy = addAccuracyOption(app, options.accuracy);
   app.add_option("--max-error", options.maxError,
                  "Metres: the cheapest accuracy on this device that loses no beam and is nowhere further off, measured "
                  "from this pose on a sample of the beams")
