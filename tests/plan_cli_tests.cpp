@@ -33,6 +33,8 @@ TEST_CASE("a plan tells what is in and what is out, with the reasons") {
   CHECK_THAT(result.out, ContainsSubstring("  fog              asked for: visibility 200 m\n"));
   CHECK_THAT(result.out, ContainsSubstring("effects that are out, and cost nothing\n"));
   CHECK_THAT(result.out, ContainsSubstring("  transmission     no material that is seen lets light through\n"));
+  CHECK_THAT(result.out, ContainsSubstring("\nstage     dispatches  pipelines\nproject "));
+  CHECK_THAT(result.out, ContainsSubstring("\nbuffer "));
   CHECK(place.files() == std::vector<std::string>{"floor.obj"});
 }
 

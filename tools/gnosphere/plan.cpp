@@ -39,16 +39,26 @@ void printEffects(const Plan& plan) {
   }
 }
 
+/// "bin x 2, scan x 3": how many specialisations of each shader.
+std::string pipelinesText(const Plan::Stage& stage) {
+  std::string text;
+  for (size_t i = 0; i < stage.pipelines.size();) {
+    size_t next = i + 1;
+    while (next < stage.pipelines.size() && stage.pipelines[next].name == stage.pipelines[i].name) ++next;
+    text += (i ? ", " : "") + stage.pipelines[i].name + (next - i > 1 ? formatted(" x %zu", next - i) : "");
+    i = next;
+  }
+  return text;
+}
+
 void printStages(const Plan& plan) {
   if (plan.stages.empty()) return;
-  std::printf("\n");
-  std::vector<TableRow> rows = {{"stage", "dispatches", "pipelines"}};
+  std::printf("\n%-8s  %10s  %s\n", "stage", "dispatches", "pipelines");
   for (const Plan::Stage& stage : plan.stages) {
-    rows.push_back({stage.name, grouped(stage.dispatches), grouped(stage.pipelines.size())});
-    for (const Plan::Pipeline& pipeline : stage.pipelines) rows.push_back({"  " + pipeline.name, "", ""});
+    std::printf("%-8s  %10s  %s\n", stage.name.c_str(), grouped(stage.dispatches).c_str(),
+                pipelinesText(stage).c_str());
   }
-  rows.push_back({"all", grouped(plan.dispatches()), ""});
-  printTable(rows);
+  std::printf("%-8s  %10s\n", "all", grouped(plan.dispatches()).c_str());
 }
 
 void printBuffers(const Plan& plan) {
