@@ -12,7 +12,7 @@ using Catch::Matchers::StartsWith;
 using namespace gnosphere::test;
 
 TEST_CASE("a call that is wrong ends with status 2 and says what there is") {
-  checkRefused("", 2, "scan, accuracy, compare, devices, sensors or town");
+  checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects or town");
   checkRefused("look", 2, "look");
   checkRefused("scan", 2, "SCENE");
   checkRefused("scan floor.obj --frob", 2, "--frob");

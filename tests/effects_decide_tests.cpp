@@ -125,7 +125,9 @@ TEST_CASE("what the sensor states brings its effects in") {
   checkIn(asked, "object-motion", "the sensor takes 0.1 s for a turn");
   checkIn(asked, "intensity", "needed by divergence, returns");
 
-  asked.effects.divergence.vertical = 2e-3;  // over what the sensor states
+  asked.effects.returns.count = 3;  // over what the sensor states
+  checkIn(asked, "returns", "the request takes up to 3 returns per beam");
+  asked.effects.divergence.vertical = 2e-3;
   asked.effects.divergence.use = Use::on;
   checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad, 19 sub-rays");
 }
@@ -169,6 +171,8 @@ TEST_CASE("what the request gives brings its effects in") {
   effects.dropOut.intensityLimit = 0.8;
   effects.dropOut.deadBeams = {19};
   effects.rangeNoise.sigma = 0.02;
+  effects.rangeNoise.sigmaPerMetre = 1e-4;
+  effects.rangeNoise.bias = -0.01;
   effects.angleNoise.azimuth = 1e-4;
   effects.intensityNoise.sigma = 0.05;
   checkIn(asked, "fog", "visibility 200 m");
@@ -177,7 +181,7 @@ TEST_CASE("what the request gives brings its effects in") {
   checkIn(asked, "volumes", "2 boxes");
   checkIn(asked, "detection", "asked for: as strong as 10 % at 100 m");
   checkIn(asked, "drop-out", "asked for: 45 % at random, 40 % at intensity 0, none above 0.8, 1 dead beam");
-  checkIn(asked, "range-noise", "asked for: sigma 0.02 m + 0 of the range");
+  checkIn(asked, "range-noise", "asked for: sigma 0.02 m + 0.0001 m per m, bias -0.01 m");
   checkIn(asked, "angle-noise", "asked for: sigma 0.1 x 0 mrad");
   checkIn(asked, "intensity-noise", "asked for: sigma 0.05");
   checkIn(asked, "radial-speed", "asked for");
@@ -191,7 +195,7 @@ TEST_CASE("noise left to auto is in where it has a size") {
   checkOut(asked, "drop-out", "no rate and no dead beam is given");
   asked.effects.rangeNoise.step = 0.004;
   asked.effects.dropOut.generalRate = 0.1;
-  checkIn(asked, "range-noise", "sigma 0 m + 0 of the range, steps of 0.004 m");
+  checkIn(asked, "range-noise", "sigma 0 m, steps of 0.004 m");
   checkIn(asked, "drop-out", "10 % at random");
   checkOut(asked, "intensity", "nothing asks for it");  // 10 % of all are lost whatever their strength
 }
@@ -201,6 +205,9 @@ TEST_CASE("fields bring in what they hold") {
   asked.fields = {Field::intensity, Field::radialSpeed};
   checkIn(asked, "intensity", "the field intensity asks for it");
   checkIn(asked, "radial-speed", "the field radial_speed asks for it");
+  asked.effects.intensity.use = asked.effects.radialSpeed.use = Use::on;
+  checkIn(asked, "intensity", "asked for");
+  checkIn(asked, "radial-speed", "asked for: the field radial_speed asks for it");
 }
 
 TEST_CASE("what is on and cannot be shown is refused with the way out") {
@@ -264,4 +271,6 @@ TEST_CASE("what is off and needed is refused or takes its dependents out") {
   asked.effects.radialSpeed.use = Use::off;
   asked.fields = {Field::radialSpeed};
   checkRefused(asked, "radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");
+  asked.effects.fog.visibility = -1;
+  checkRefused(asked, "fog.visibility must be 0..1000000 m, is -1");
 }

@@ -165,6 +165,12 @@ TEST_CASE("an OpenMATERIAL mapping and asset lead to the same rows") {
     CHECK(rows[1].name == "Rim");
     CHECK(rows[1].reflectance905 == Approx(0.890410959));
   }
+  folder.put("tyre.xomp", xomp(""));
+  folder.put("m.xomm", R"({"materialMapping": [["Tyre", "tyre.xomp"], ["Body", "paint.xomp"]]})");
+  const auto rows = loadMaterialTable(mapping).rows;
+  REQUIRE(rows.size() == 2);
+  CHECK(rows[0].reflectance905 < 0);
+  refused(folder, "m.xomm", R"({"materialMapping": [["Tyre", "tyre.xomp"]]})", "states no reflectance for a laser");
 }
 
 TEST_CASE("an OpenMATERIAL file that tells no laser's reflectance is refused") {
@@ -179,5 +185,5 @@ TEST_CASE("an OpenMATERIAL file that tells no laser's reflectance is refused") {
   refused(folder, "m.xomp", xomp(R"("brdfUris": [3])"), "the name of a file is not a text but 3");
   refused(folder, "m.xomp", xomp(R"("brdfUris": ["glass.xompt"])"), "glass.xompt: 'brdf' is missing");
   refused(folder, "m.xomm", R"({"materialMapping": [["a"]]})", "is not [name, file, ...] but [\"a\"]");
-  refused(folder, "a.xoma", R"({"materialMappingUri": "a.xoma"})", "'materialMapping' is missing");
+  refused(folder, "a.xoma", R"({"materialMappingUri": "a.xoma"})", "is not a mapping");
 }

@@ -97,7 +97,8 @@ Answer rangeNoise(const Question& q) {
   if (noise.bias == 0 && noise.sigma == 0 && noise.sigmaPerMetre == 0 && noise.step == 0) {
     return {false, "its bias, sigma and step are 0", "give range-noise.sigma"};
   }
-  std::string why = format("sigma %.3g m + %.3g of the range", noise.sigma, noise.sigmaPerMetre);
+  std::string why = format("sigma %.3g m", noise.sigma);
+  if (noise.sigmaPerMetre != 0) why += format(" + %.3g m per m", noise.sigmaPerMetre);
   if (noise.bias != 0) why += format(", bias %.3g m", noise.bias);
   if (noise.step != 0) why += format(", steps of %.3g m", noise.step);
   return {true, why};
@@ -131,9 +132,10 @@ Answer divergence(const Question& q) {
 }
 
 Answer returns(const Question& q) {
-  const uint32_t most = q.effects.returns.count > 0 ? q.effects.returns.count : q.sensor.maxReturns;
+  const uint32_t asked = q.effects.returns.count, most = asked > 0 ? asked : q.sensor.maxReturns;
   if (most == 1) return {false, "the sensor reports one return per beam"};
-  return {true, "the sensor reports up to " + plural(most, "return", "returns") + " per beam"};
+  return {true, (asked > 0 ? "the request takes up to " : "the sensor reports up to ") +
+                    plural(most, "return", "returns") + " per beam"};
 }
 
 Answer transmission(const Question& q) {
@@ -268,6 +270,7 @@ void checkOff(const Question& q, const std::vector<Plan::Decision>& decisions) {
 
 std::vector<Plan::Decision> decide(const Effects& effects, const Sensor& sensor, const Scene& scene,
                                    const std::vector<Field>& fields, const MaterialTable& table) {
+  validate(effects);
   const Question question = {effects, sensor, scene, fields, table};
   Effects asked = effects, defaults;
   std::vector<Plan::Decision> decisions;
@@ -285,7 +288,8 @@ std::vector<Plan::Decision> decide(const Effects& effects, const Sensor& sensor,
       decideBy(kJudges[i](question), sensor, (kAlwaysShown >> i & 1) != 0, decision);
     }
   }
-  if (effects.intensity.use != Use::off) decideBy(intensity(question, decisions), sensor, true, decisions[0]);
+  if (effects.intensity.use == Use::automatic) decideBy(intensity(question, decisions), sensor, true, decisions[0]);
+  if (effects.intensity.use == Use::on) decideBy({false, ""}, sensor, true, decisions[0]);
   checkOff(question, decisions);
   return decisions;
 }

@@ -14,8 +14,8 @@
 namespace gnosphere {
 
 /// One decision per effect, in the order of effectNames(). `fields` are those that the scan holds beyond point, range
-/// and owner; `table` may make materials of the scene let light through. Throws Error(invalidArgument) for an effect
-/// that is on and cannot be shown, or off and needed, with the way out.
+/// and owner; `table` may make materials of the scene let light through. Throws Error(invalidArgument) as validate()
+/// does, and for an effect that is on and cannot be shown, or off and needed, with the way out.
 std::vector<Plan::Decision> decide(const Effects& effects, const Sensor& sensor, const Scene& scene,
                                    const std::vector<Field>& fields, const MaterialTable& table);
 

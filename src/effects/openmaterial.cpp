@@ -111,12 +111,11 @@ MaterialTable::Row readMaterial(const json& root, const path& file, std::string 
     const json table = readMaterialJson(optical);
     complete(row, member(optical, table, "opticalProperties"), conductorReflectance);
   }
-  if (row.reflectance905 < 0 && row.reflectance1550 < 0) {
-    refuse(file,
-           "states no reflectance for a laser: it takes a BRDF within 10 degrees of the normal, or a conductor's "
-           "optical properties, at 905 or 1550 nm");
-  }
   return row;
+}
+
+bool states(const MaterialTable::Row& row) {
+  return row.reflectance905 >= 0 || row.reflectance1550 >= 0;
 }
 
 }  // namespace
@@ -127,19 +126,16 @@ bool isOpenMaterial(const json& root) {
 }
 
 std::vector<MaterialTable::Row> readOpenMaterial(const json& root, const path& file) {
-  try {
-    if (root.contains("materialMappingUri")) {
-      const path mapping = besides(file, root["materialMappingUri"]);
-      const json table = readMaterialJson(mapping);
-      member(mapping, table, "materialMapping");  // else an asset that names itself would never end
-      if (table.contains("materialMappingUri")) refuse(mapping, "is an asset, not a mapping");
-      return readOpenMaterial(table, mapping);
+  if (root.contains("materialMappingUri")) {
+    const path mapping = besides(file, root["materialMappingUri"]);
+    const json table = readMaterialJson(mapping);
+    if (!table.is_object() || !table.contains("materialMapping") || table.contains("materialMappingUri")) {
+      refuse(mapping, "is not a mapping of ASAM OpenMATERIAL 3D");
     }
-    if (!root.contains("materialMapping")) {
-      const json& name = member(file, member(file, root, "metadata"), "name");
-      return {readMaterial(root, file, name.get<std::string>())};
-    }
-    std::vector<MaterialTable::Row> rows;
+    return readOpenMaterial(table, mapping);
+  }
+  std::vector<MaterialTable::Row> rows;
+  if (root.contains("materialMapping")) {
     for (const json& entry : root["materialMapping"]) {
       if (!entry.is_array() || entry.size() < 2 || !entry[0].is_string()) {
         refuse(file, "an entry of 'materialMapping' is not [name, file, ...] but " + shown(entry));
@@ -147,10 +143,17 @@ std::vector<MaterialTable::Row> readOpenMaterial(const json& root, const path& f
       const path material = besides(file, entry[1]);
       rows.push_back(readMaterial(readMaterialJson(material), material, entry[0].get<std::string>()));
     }
-    return rows;
-  } catch (const json::exception& problem) {
-    refuse(file, std::string("is not OpenMATERIAL 3D: ") + problem.what());
+  } else {
+    const json& name = member(file, member(file, root, "metadata"), "name");
+    if (!name.is_string()) refuse(file, "the material's name is not a text but " + shown(name));
+    rows.push_back(readMaterial(root, file, name.get<std::string>()));
   }
+  if (std::none_of(rows.begin(), rows.end(), states)) {
+    refuse(file,
+           "states no reflectance for a laser: it takes a BRDF within 10 degrees of the normal, or a conductor's "
+           "optical properties, at 905 or 1550 nm");
+  }
+  return rows;
 }
 
 }  // namespace gnosphere

@@ -17,7 +17,7 @@ nlohmann::json readMaterialJson(const std::filesystem::path& file);
 bool isOpenMaterial(const nlohmann::json& root);
 
 /// One row per material of it, whose properties are in files beside `file`. Throws Error(file) or Error(format), also
-/// for a material that states nothing that a laser's reflectance could be told from.
+/// where no material states anything that a laser's reflectance could be told from; some of a mapping may not.
 std::vector<MaterialTable::Row> readOpenMaterial(const nlohmann::json& root, const std::filesystem::path& file);
 
 }  // namespace gnosphere

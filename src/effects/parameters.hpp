@@ -59,5 +59,7 @@ inline constexpr double kMaxExtinction = 1000;
 
 /// What a parameter may be, for messages and lists: "0..500 mm/h", "uniform or gaussian".
 std::string allowedText(const Parameter& parameter);
+/// As JSON has it: 0.004, "gaussian", [].
+std::string valueText(const Parameter& parameter, const Effects& effects);
 
 }  // namespace gnosphere

@@ -239,6 +239,11 @@ Effects effectsFromJson(std::string_view text, const std::string& source) {
   return effects;
 }
 
+std::string valueText(const Parameter& parameter, const Effects& effects) {
+  Effects all = effects;
+  return std::visit(Writer{all}, parameter.kind);
+}
+
 std::string toJson(const Effects& effects) {
   validate(effects);
   Effects all = effects;
@@ -247,7 +252,7 @@ std::string toJson(const Effects& effects) {
     const std::string use = quoted(kUseWords[static_cast<size_t>(info.use(all))]);
     out += ",\n  " + quoted(info.name) + ": " + (info.parameters.empty() ? use : "{\"use\": " + use);
     for (const Parameter& parameter : info.parameters) {
-      out += ", " + quoted(parameter.name) + ": " + std::visit(Writer{all}, parameter.kind);
+      out += ", " + quoted(parameter.name) + ": " + valueText(parameter, effects);
     }
     if (!info.parameters.empty()) out += "}";
   }

@@ -10,10 +10,12 @@ namespace gnosphere::cli {
 using Action = std::function<int()>;
 
 Action addScan(CLI::App& app);
+Action addPlan(CLI::App& app);
 Action addAccuracy(CLI::App& app);
 Action addCompare(CLI::App& app);
 Action addDevices(CLI::App& app);
 Action addSensors(CLI::App& app);
+Action addEffects(CLI::App& app);
 Action addTown(CLI::App& app);
 
 }  // namespace gnosphere::cli

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere devices, gnosphere sensors: what there is to choose from.
+// gnosphere devices, gnosphere sensors, gnosphere effects: what there is to choose from.
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "effects/parameters.hpp"
 #include "gnosphere/simulator.hpp"
 
 namespace gnosphere::cli {
@@ -64,6 +65,26 @@ int runSensors(const std::string& name) {
   return 0;
 }
 
+/// Every effect with its parameters: name, default and what it may be.
+int runEffects(const std::string& name) {
+  if (!name.empty()) {
+    std::printf("%s", toJson(findEffects(name)).c_str());
+    return 0;
+  }
+  std::printf("presets:");
+  for (const std::string& preset : effectPresets()) std::printf(" %s", preset.c_str());
+  std::printf("\n");
+  Effects defaults;
+  for (const EffectInfo& info : effectTable()) {
+    std::printf("\n%s (%s)\n", info.name, kUseWords[static_cast<size_t>(info.use(defaults))]);
+    for (const Parameter& parameter : info.parameters) {
+      std::printf("  %-20s %-14s %s\n", parameter.name, valueText(parameter, defaults).c_str(),
+                  allowedText(parameter).c_str());
+    }
+  }
+  return 0;
+}
+
 }  // namespace
 
 Action addDevices(CLI::App& app) {
@@ -77,6 +98,13 @@ Action addSensors(CLI::App& app) {
   const auto name = std::make_shared<std::string>();
   app.add_option("NAME", *name, "Print this sensor (or JSON file) as JSON that `gnosphere scan --sensor FILE` reads");
   return [name] { return runSensors(*name); };
+}
+
+Action addEffects(CLI::App& app) {
+  const auto name = std::make_shared<std::string>();
+  app.add_option("NAME", *name, "Print this preset (or JSON file) as JSON that `gnosphere scan --effects FILE` reads");
+  app.footer("`gnosphere scan --effect NAME.PARAMETER=VALUE` sets one, `--effect NAME=off`, on or auto the effect.");
+  return [name] { return runEffects(*name); };
 }
 
 }  // namespace gnosphere::cli

@@ -37,7 +37,8 @@ int run(const std::vector<Command>& commands) {
     }
     return 1;
   }
-  cli::complain("which command? scan, accuracy, compare, devices, sensors or town; gnosphere --help says more");
+  cli::complain(
+      "which command? scan, plan, accuracy, compare, devices, sensors, effects or town; gnosphere --help says more");
   return 2;
 }
 
@@ -49,10 +50,12 @@ int main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   const std::vector<Command> commands = {
       addCommand(app, "scan", "Scan a scene: triangles in, a cloud out", cli::addScan),
+      addCommand(app, "plan", "What a scan would be made of, and why", cli::addPlan),
       addCommand(app, "accuracy", "What accuracy costs on this scene and device", cli::addAccuracy),
       addCommand(app, "compare", "Tell two clouds apart, beam by beam", cli::addCompare),
       addCommand(app, "devices", "List every device, usable or why not", cli::addDevices),
       addCommand(app, "sensors", "List the built-in sensors, or print one as JSON", cli::addSensors),
+      addCommand(app, "effects", "List every effect and its parameters, or print a preset as JSON", cli::addEffects),
       addCommand(app, "town", "Write a synthetic town", cli::addTown),
   };
   cli::rememberCommand(argc, argv);

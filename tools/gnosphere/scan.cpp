@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "effect_options.hpp"
 #include "file.hpp"
 #include "max_error.hpp"
 #include "output/fields.hpp"
@@ -15,7 +16,7 @@
 namespace gnosphere::cli {
 namespace {
 
-struct ScanOptions : ScanningOptions {
+struct ScanOptions : ScanningOptions, EffectOptions {
   std::string trajectory, fields, image, stats, accuracy = "standard";
   std::vector<std::string> outputs;
   std::optional<double> maxError;
@@ -128,11 +129,14 @@ void check(const ScanOptions& options) {
 int runScan(const ScanOptions& options) {
   check(options);
   const std::vector<Pose> poses = options.trajectory.empty() ? std::vector<Pose>() : loadTrajectory(options.trajectory);
+  const Effects effects = effectsOf(options);
+  const MaterialTable materials = materialsOf(options);
   const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, poses.size()));
   const Sensor sensor = findSensor(options.sensor);
   double start = nowMs();
   const Scene scene = loadScene(options);
   const double loadMs = nowMs() - start;
+  warnAboutMaterials(options, scene, materials);
   const Pose pose = poseOf(options, scene);
 
   const std::optional<AccuracyChoice> choice = choose(options, scene, sensor, pose);
@@ -145,6 +149,9 @@ int runScan(const ScanOptions& options) {
   start = nowMs();
   SimulatorOptions settings = simulatorOptions(options);
   settings.accuracy = kAccuracies.at(accuracy);
+  settings.effects = effects;
+  settings.materials = materials;
+  settings.fields = cloud.fields;
   settings.culling.still = options.repeat == 0;  // repeated scans are timed, each of them whole
   Simulator simulator(scene, sensor, settings);
   const double setUpMs = nowMs() - start;
@@ -168,12 +175,7 @@ int runScan(const ScanOptions& options) {
 }
 
 void addAccuracyOptions(CLI::App& app, ScanOptions& options) {
-  CLI::Option* accuracy =
-      app.add_option("--accuracy", options.accuracy,
-                     "paper: the published method to the letter; draft: without its gaps between boxes; standard: "
-                     "watertight; exact: the same bytes everywhere")
-          ->check(CLI::IsMember(kAccuracies))
-          ->capture_default_str();
+  CLI::Option* accuracy = addAccuracyOption(app, options.accuracy);
   app.add_option("--max-error", options.maxError,
                  "Metres: the cheapest accuracy on this device that loses no beam and is nowhere further off, measured "
                  "from this pose on a sample of the beams")
@@ -185,6 +187,7 @@ void addAccuracyOptions(CLI::App& app, ScanOptions& options) {
 Action addScan(CLI::App& app) {
   const auto options = std::make_shared<ScanOptions>();
   addScanningOptions(app, *options);
+  addEffectOptions(app, *options);
   addAccuracyOptions(app, *options);
   CLI::Option* trajectory =
       app.add_option("--trajectory", options->trajectory,

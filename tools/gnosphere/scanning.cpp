@@ -96,6 +96,15 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   app.add_flag("--validation", options.validation, "Vulkan validation layer on; its messages are errors");
 }
 
+CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy) {
+  return app
+      .add_option("--accuracy", accuracy,
+                  "paper: the published method to the letter; draft: without its gaps between boxes; standard: "
+                  "watertight; exact: the same bytes everywhere")
+      ->check(CLI::IsMember(kAccuracies))
+      ->capture_default_str();
+}
+
 void checkScanning(const ScanningOptions& options) {
   if (!std::isfinite(options.scale) || options.scale <= 0) {
     throw Error(ErrorCode::invalidArgument, "--scale must be finite and above 0");

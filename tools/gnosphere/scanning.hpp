@@ -23,6 +23,9 @@ struct ScanningOptions {
 /// SCENE and --sensor, --pose, --faces, --binning, --up, --scale, --device, --validation.
 void addScanningOptions(CLI::App& app, ScanningOptions& options);
 
+/// --accuracy, one of kAccuracies.
+CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy);
+
 /// Throws Error(invalidArgument) for what can be told before the scene is loaded.
 void checkScanning(const ScanningOptions& options);
 SimulatorOptions simulatorOptions(const ScanningOptions& options);

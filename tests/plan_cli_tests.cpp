@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere plan, and the options that say what is simulated beside geometry.
+#include <nlohmann/json.hpp>
+
+#include "cli_support.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using namespace gnosphere::test;
+
+namespace {
+
+/// The decision on one effect of a plan's JSON.
+nlohmann::json decision(const Workplace& place, const std::string& arguments, const std::string& effect) {
+  const Result result = place.run("plan floor.obj --json " + arguments);
+  INFO(result.err);
+  REQUIRE(result.status == 0);
+  const auto plan = nlohmann::json::parse(result.out);
+  for (const auto& one : plan.at("effects"))
+    if (one.at("effect") == effect) return one;
+  FAIL("no decision on " << effect);
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("a plan tells what is in and what is out, with the reasons") {
+  const Workplace place;
+  const Result result = place.run("plan floor.obj --effect fog.visibility=200 --effect range-noise.sigma=0.02");
+  CHECK(result.err == "");
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring("effects that are in\n  intensity        needed by fog\n"));
+  CHECK_THAT(result.out, ContainsSubstring("  range-noise      asked for: sigma 0.02 m\n"));
+  CHECK_THAT(result.out, ContainsSubstring("  fog              asked for: visibility 200 m\n"));
+  CHECK_THAT(result.out, ContainsSubstring("effects that are out, and cost nothing\n"));
+  CHECK_THAT(result.out, ContainsSubstring("  transmission     no material that is seen lets light through\n"));
+  CHECK_THAT(result.out, ContainsSubstring("\nstage     dispatches  pipelines\nproject "));
+  CHECK_THAT(result.out, ContainsSubstring("\nbuffer "));
+  CHECK(place.files() == std::vector<std::string>{"floor.obj"});
+}
+
+TEST_CASE("a plan is JSON if asked, of every effect") {
+  const Workplace place;
+  const Result result = place.run("plan floor.obj --json");
+  REQUIRE(result.status == 0);
+  const auto plan = nlohmann::json::parse(result.out);
+  CHECK(plan.at("effects").size() == 17);
+  CHECK(plan.at("dispatches") > 0);
+  CHECK(plan.at("bytes") > 0);
+  for (const char* key : {"fields", "returns", "stages", "dispatches", "buffers", "bytes"}) CHECK(plan.contains(key));
+}
+
+TEST_CASE("effects are a preset or a file, and assignments stand over them in order") {
+  const Workplace place;
+  place.put("e.json", R"({"fog": {"visibility": 50}})");
+  CHECK(decision(place, "--effects e.json", "fog").at("reason") == "asked for: visibility 50 m");
+  CHECK(decision(place, "--effects e.json --effect fog.visibility=80", "fog").at("reason") ==
+        "asked for: visibility 80 m");
+  CHECK(decision(place, "--effects e.json --effect fog.visibility=80 --effect fog=off", "fog").at("in") == false);
+  CHECK(decision(place, "--effects os1-rain", "rain").at("in") == true);
+  CHECK(decision(place, "--effects clean", "divergence").at("reason") == "off in the request");
+  CHECK(decision(place, "", "divergence").at("request") == "auto");
+}
+
+TEST_CASE("effects are listed, and a printed preset is a file that --effects reads") {
+  const Workplace place;
+  CHECK_THAT(place.run("effects").out, ContainsSubstring("presets: clean auto carla hdl-64e os1-rain\n") &&
+                                           ContainsSubstring("\nrange-noise (off)\n") &&
+                                           ContainsSubstring("  visibility           0              0..1000000 m\n"));
+  const Result printed = place.run("effects os1-rain");
+  REQUIRE(printed.status == 0);
+  place.put("e.json", printed.out);
+  CHECK(place.run("effects e.json").out == printed.out);
+  CHECK(place.run("plan floor.obj --effects e.json").out == place.run("plan floor.obj --effects os1-rain").out);
+}
+
+TEST_CASE("a table of materials is read, and what of it fits nothing is told") {
+  const Workplace place;
+  place.put("floor.obj", "mtllib floor.mtl\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nusemtl pane\nf 1 2 3\n");
+  place.put("floor.mtl", "newmtl pane\nKd 1 1 1\n");
+  place.put("m.json", R"({"materials": [{"name": "pane", "transmission": 0.5}]})");
+  const std::string opaque = "no material that is seen lets light through";
+  CHECK(decision(place, "", "transmission").at("reason") == opaque);
+  CHECK(decision(place, "--materials m.json", "transmission").at("reason") != opaque);
+  place.put("m.json", R"({"materials": [{"name": "wood"}, {"name": "snow", "retro": 0}]})");
+  const Result result = place.run("plan floor.obj --materials m.json");
+  CHECK(result.status == 0);
+  CHECK(result.err ==
+        "gnosphere: warning: m.json has 'wood', 'snow', but no material of the scene is called so\n"
+        "gnosphere: warning: m.json states nothing of 'wood'\n");
+}
+
+TEST_CASE("effects that cannot be are refused in one line") {
+  for (const std::string command : {"plan floor.obj ", "scan floor.obj --device reference "}) {
+    checkRefused(command + "--effects os1-fog", 2, "clean, auto, carla, hdl-64e, os1-rain");
+    checkRefused(command + "--effect fogg=on", 2, "--effect: no effect is called 'fogg'; the nearest are fog");
+    checkRefused(command + "--effect fog.visibility=-1", 2, "--effect: fog.visibility must be 0..1000000 m, is -1");
+    checkRefused(command + "--effect fog", 2, "NAME=VALUE");
+    checkRefused(command + "--seed -1", 2, "--seed");
+    checkRefused(command + "--effects floor.obj", 1, "floor.obj: is not JSON");
+    checkRefused(command + "--materials none.json", 1, "none.json: cannot be read");
+  }
+  checkRefused("plan floor.obj --effect fog=on", 2, "fog is on, but no visibility is given; give fog.visibility");
+  checkRefused("plan floor.obj --effect divergence=on --sensor VLP-16", 2, "sensor 'VLP-16' states no divergence");
+  checkRefused("plan floor.obj --fields x,brightness", 2, "x, y, z, range");
+  checkRefused("effects os1-fog", 2, "clean, auto, carla");
+  checkRefused("plan none.obj", 1, "none.obj");
+}

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere plan: what a scan would be made of, and why. Nothing is scanned.
+#include <algorithm>
+#include <memory>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "effect_options.hpp"
+#include "scanning.hpp"
+
+namespace gnosphere::cli {
+namespace {
+
+struct PlanOptions : ScanningOptions, EffectOptions {
+  std::string fields, accuracy = "standard";
+  bool json = false;
+};
+
+std::string bytesText(uint64_t bytes) {
+  if (bytes < 10'000) return grouped(bytes) + " B";
+  const double kib = static_cast<double>(bytes) / 1024;
+  return kib < 1024 ? formatted("%.1f KiB", kib) : formatted("%.1f MiB", kib / 1024);
+}
+
+/// Effects that are in first, then those that are not, each with its reason.
+void printEffects(const Plan& plan) {
+  for (bool in : {true, false}) {
+    std::vector<const Plan::Decision*> decisions;
+    size_t width = 0;
+    for (const Plan::Decision& decision : plan.effects) {
+      if (decision.in == in) decisions.push_back(&decision);
+      width = std::max(width, decision.effect.size());
+    }
+    if (decisions.empty()) continue;
+    std::printf("\n%s\n", in ? "effects that are in" : "effects that are out, and cost nothing");
+    for (const Plan::Decision* decision : decisions) {
+      std::printf("  %-*s  %s\n", static_cast<int>(width), decision->effect.c_str(), decision->reason.c_str());
+    }
+  }
+}
+
+/// "bin x 2, scan x 3": how many specialisations of each shader.
+std::string pipelinesText(const Plan::Stage& stage) {
+  std::string text;
+  for (size_t i = 0; i < stage.pipelines.size();) {
+    size_t next = i + 1;
+    while (next < stage.pipelines.size() && stage.pipelines[next].name == stage.pipelines[i].name) ++next;
+    text += (i ? ", " : "") + stage.pipelines[i].name + (next - i > 1 ? formatted(" x %zu", next - i) : "");
+    i = next;
+  }
+  return text;
+}
+
+void printStages(const Plan& plan) {
+  if (plan.stages.empty()) return;
+  std::printf("\n%-8s  %10s  %s\n", "stage", "dispatches", "pipelines");
+  for (const Plan::Stage& stage : plan.stages) {
+    std::printf("%-8s  %10s  %s\n", stage.name.c_str(), grouped(stage.dispatches).c_str(),
+                pipelinesText(stage).c_str());
+  }
+  std::printf("%-8s  %10s\n", "all", grouped(plan.dispatches()).c_str());
+}
+
+void printBuffers(const Plan& plan) {
+  if (plan.buffers.empty()) return;
+  std::printf("\n");
+  std::vector<TableRow> rows = {{"buffer", "size"}};
+  for (const Plan::Buffer& buffer : plan.buffers) rows.push_back({buffer.name, bytesText(buffer.bytes)});
+  rows.push_back({"all", bytesText(plan.bytes())});
+  printTable(rows);
+}
+
+void print(const PlanOptions& options, const DeviceInfo& device, const Scene& scene, const Sensor& sensor,
+           const Plan& plan) {
+  say("scene", options.scene + ": " + grouped(scene.placedTriangleCount()) + " triangles, " +
+                   grouped(scene.materials.size()) + (scene.materials.size() == 1 ? " material" : " materials"));
+  say("device", device.name);
+  say("sensor", sensor.name + ": " + grouped(sensor.beamCount()) + " beams, " + grouped(plan.returns) +
+                    (plan.returns == 1 ? " return each" : " returns each"));
+  if (!plan.binning.empty()) say("binning", plan.binning);
+  printEffects(plan);
+  printStages(plan);
+  printBuffers(plan);
+}
+
+int runPlan(const PlanOptions& options) {
+  checkScanning(options);
+  SimulatorOptions settings = simulatorOptions(options);
+  settings.accuracy = kAccuracies.at(options.accuracy);
+  settings.effects = effectsOf(options);
+  settings.materials = materialsOf(options);
+  if (!options.fields.empty()) settings.fields = parseFields(options.fields);
+  const Sensor sensor = findSensor(options.sensor);
+  const Scene scene = loadScene(options);
+  warnAboutMaterials(options, scene, settings.materials);
+  const Simulator simulator(scene, sensor, settings);
+  const Plan plan = simulator.plan();
+  if (options.json)
+    std::printf("%s", toJson(plan).c_str());
+  else
+    print(options, simulator.device(), scene, sensor, plan);
+  return 0;
+}
+
+}  // namespace
+
+Action addPlan(CLI::App& app) {
+  const auto options = std::make_shared<PlanOptions>();
+  addScanningOptions(app, *options);
+  addEffectOptions(app, *options);
+  addAccuracyOption(app, options->accuracy);
+  app.add_option("--fields", options->fields, "What would be written, as of gnosphere scan");
+  app.add_flag("--json", options->json, "Print JSON");
+  return [options] { return runPlan(*options); };
+}
+
+}  // namespace gnosphere::cli
