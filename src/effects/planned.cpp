@@ -49,7 +49,8 @@ PlannedEffects planEffects(const SimulatorOptions& options, const Sensor& sensor
   planned.bits = bitsOf(planned.decisions);
   for (Field field : options.fields) planned.fields |= bitOf(field);
   if (planned.has(gpu::kReturns)) planned.returns = returnsOf(options.effects.returns, sensor);
-  planned.strays = planned.has(gpu::kAngleNoise) && options.effects.angleNoise.at == Effects::AngleNoise::At::beam;
+  if (planned.has(gpu::kAngleNoise) && options.effects.angleNoise.at == Effects::AngleNoise::At::beam)
+    planned.bits |= gpu::kStrays;
   planned.looksAtMaterials =
       planned.has(gpu::kIntensity) && options.effects.intensity.model == Effects::Intensity::Model::physical;
   return planned;
