@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The arrays of stage effects, on top of those in bindings.glsl.
-#define FOOTPRINT ((EFFECTS & kFootprintEffects) != 0)
-
 layout(std430, set = 0, binding = kBindParameters) readonly buffer ParametersBlock { EffectParameters parameters; };
 WORK(kBindOptics, readonly, Optics4, optics);             // per material
 WORK(kBindDeadBeams, readonly, uint, deadBeams);          // a bit per beam of the whole sensor

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage effects, first pass, in place of resolve. One subgroup per beam, one lane per sub-ray: what the sub-rays meet
-// among the beam's candidates, all of which they share, then what of it comes back as one echo. Sums over lanes are of
-// integers, so they do not depend on how many lanes there are.
+// Stage effects, first pass, in place of resolve. One invocation per beam: what its sub-rays meet among the candidates,
+// all of which they share, then what of it comes back as one echo. Built for 1, 7, 19, 37 and 61 sub-rays; those that
+// a footprint has not carry no energy.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
-#extension GL_KHR_shader_subgroup_ballot : require
-#extension GL_KHR_shader_subgroup_vote : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -20,302 +17,287 @@
 #include "effects_bindings.glsl"
 #include "inside.glsl"
 #include "owner.glsl"
+#include "each_ray.glsl"
 
-layout(local_size_x = 32) in;
+layout(local_size_x = 64) in;
+
+#define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical)
+const float kNothing = 3e38;
+const float kUnseen = -1.0;  // energy of what lets all light pass: no piece of any echo
 
 // Only what exact inside tests ask for; none here.
 float farthestOf(uint index) { return frame.rangeMax; }
 
-// Surfaces that a sub-ray goes on behind, and the one that stops it.
-#ifdef LAYERS
-const uint kLayers = 4;
-#else
-const uint kLayers = 1;
-#endif
-const uint kMaxSubRays = 64;
-const uint kMaxPieces = kLayers * kMaxSubRays;
-const uint kMaxSubgroups = 8;  // of 4 lanes at least
-const float kNothing = 3e38;
+// The sub-rays of a beam: tangents to the left and up, length of (1, left, up), and the energy that goes on.
+float left[RAYS], up[RAYS], lengths[RAYS], carried[RAYS], passed[RAYS];
+// What they have met, layer by layer: range (kNothing for nothing), share of the beam's energy, and the candidate.
+const uint kPieces = RAYS * kMaxLayers;
+float ranges[kPieces], energies[kPieces];
+uint metCandidates[kPieces];
 
-// What each sub-ray met in each layer: range (kNothing for nothing), energy and the candidate.
-shared float pieceRanges[kMaxSubgroups * kMaxPieces];
-shared float pieceEnergies[kMaxSubgroups * kMaxPieces];
-shared uint pieceCandidates[kMaxSubgroups * kMaxPieces];
+uint idOf(uint projected) { return floatBitsToUint(projectedA[projected].w) & 0x7fffffffu; }
 
-#define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical)
-
-uint pieceBase() { return gl_SubgroupID * kMaxPieces; }
-
-// A candidate in the beam's own frame: its corners ahead, to the left and up. One lane has loaded it for all.
+// A candidate in the beam's own frame: one component per corner.
 struct Candidate {
-  Triangle triangle;
-  vec3 ahead, left, up;  // one component per corner
-  uint material;
+  vec3 ahead, left, up;
+  float rangeMin;
+  uint id;
+  bool oneSided;
 };
 
 Candidate candidateOf(uint projected, Beam beam) {
-  vec4 a, b, c;
-  uint material = 0;
-  if (subgroupElect()) {
-    a = projectedA[projected];
-    b = projectedB[projected];
-    c = projectedC[projected];
-    material = projectedMaterials[projected];
-  }
-  Candidate candidate;
-  candidate.triangle = triangleOf(subgroupBroadcastFirst(a), subgroupBroadcastFirst(b), subgroupBroadcastFirst(c));
-  candidate.material = subgroupBroadcastFirst(material);
-  Turned turned = turn(candidate.triangle, beam.azimuth);
-  candidate.ahead = cornerDepths(turned, beam.cosElevation, beam.sinElevation);
-  candidate.left = turned.q;
-  precise vec3 up = turned.z * beam.cosElevation - turned.p * beam.sinElevation;
-  candidate.up = up;
-  return candidate;
+  Triangle triangle = loadProjected(projected);
+  Turned turned = turn(triangle, beam.azimuth);
+  precise vec3 above = turned.z * beam.cosElevation - turned.p * beam.sinElevation;
+  return Candidate(cornerDepths(turned, beam.cosElevation, beam.sinElevation), turned.q, above, triangle.rangeMin,
+                   triangle.id, triangle.oneSided);
 }
 
-// What a sub-ray has met.
-struct Hit {
-  float range;
-  uint id, candidate, material;
-  float cosIncidence;
-};
+vec3 normalOf(vec3 a, vec3 b, vec3 c) {
+  precise vec3 u = b - a;
+  precise vec3 v = c - a;
+  return unitTowardsOrigin(crossOf(u, v), a);
+}
 
-// Watertight as in inside_watertight.glsl: the sub-ray (1, u, v) shears every corner by the same operations.
-bool meetSubRay(Candidate candidate, vec4 subRay, out float range) {
-  precise vec3 q = candidate.left - subRay.x * candidate.ahead;
-  precise vec3 w = candidate.up - subRay.y * candidate.ahead;
+// Watertight as in inside_watertight.glsl: sub-ray (1, u, v) shears every corner by the same operations.
+bool meetSubRay(Candidate candidate, float u, float v, float length_, out float range) {
+  precise vec3 q = candidate.left - u * candidate.ahead;
+  precise vec3 w = candidate.up - v * candidate.ahead;
   precise vec3 side = q.yzx * w.zxy - w.yzx * q.zxy;
   precise float sum = side.x + side.y + side.z;
   precise float weighted = side.x * candidate.ahead.x + side.y * candidate.ahead.y + side.z * candidate.ahead.z;
   bool facing = all(lessThanEqual(side, vec3(0.0)));
   bool averted = all(greaterThanEqual(side, vec3(0.0)));
-  bool inside = (facing || (averted && !candidate.triangle.oneSided)) && sum != 0.0;
-  precise float along = quotient(weighted, sum) * subRay.w;
-  range = max(along, candidate.triangle.rangeMin);
-  return inside && along > 0.0 && range >= frame.rangeMin && range <= frame.rangeMax;
+  precise float along = quotient(weighted, sum) * length_;
+  range = max(along, candidate.rangeMin);
+  return (facing || (averted && !candidate.oneSided)) && sum != 0.0 && along > 0.0 && range >= frame.rangeMin &&
+         range <= frame.rangeMax;
 }
 
-vec3 normalOf(Triangle triangle) {
-  precise vec3 u = triangle.b - triangle.a;
-  precise vec3 v = triangle.c - triangle.a;
-  return unitTowardsOrigin(crossOf(u, v), triangle.a);
+// Cosine of a sub-ray's incidence on a surface with this normal: ahead, left, up.
+float cosineOf(vec3 normal, float u, float v, float length_) {
+  precise float along = normal.x + u * normal.y + v * normal.z;
+  return min(abs(quotient(along, length_)), 1.0);
 }
 
-// The nearest hit of every lane's sub-ray behind (afterRange, afterId), in order of range, then triangle.
-Hit nearestOf(uint start, uint end, Beam beam, vec4 subRay, vec3 direction, bool live, float afterRange, uint afterId) {
-  Hit hit = Hit(kNothing, kNone, kNone, 0, 1.0);
+float product(float a, float b) {
+  precise float result = a * b;
+  return result;
+}
+
+// Behind what the sub-ray met in the layer before: in order of range, then of the triangle's number.
+bool isBehind(float range, uint id, uint piece) {
+  float before = ranges[piece];
+  return range > before || (range == before && id > idOf(metCandidates[piece]));
+}
+
+// Tries a candidate on a sub-ray; true if it is the nearest so far.
+bool offer(Candidate candidate, uint projected, uint layer, uint s) {
+  uint piece = layer * RAYS + s;
+  float range;
+  bool met = carried[s] > 0.0 && meetSubRay(candidate, left[s], up[s], lengths[s], range);
+  if (layer > 0 && met) met = isBehind(range, candidate.id, piece - RAYS);
+  met = met && (range < ranges[piece] || (range == ranges[piece] && candidate.id < idOf(metCandidates[piece])));
+  if (met) {
+    ranges[piece] = range;
+    metCandidates[piece] = projected;
+  }
+  return met;
+}
+
+// The light that a surface throws back of a sub-ray, and what it lets through.
+void share(Optics4 surface, vec3 normal, uint layer, uint s) {
+  float energy = carried[s];
+  if (LOOKS_AT_MATERIALS) energy = product(energy, reflected(surface, cosineOf(normal, left[s], up[s], lengths[s])));
+  energies[layer * RAYS + s] = energy;
+  if (LAYERS > 1) {
+    passed[s] = product(carried[s], transmitted(surface));
+    if (energy == 0.0 && passed[s] > 0.0) energies[layer * RAYS + s] = kUnseen;
+  }
+}
+
+// Tries a candidate on every sub-ray. Returns how far a further one may be to count.
+float consider(uint projected, Beam beam, uint layer) {
+  Candidate candidate = candidateOf(projected, beam);
+  uvec2 taken = uvec2(0);  // a bit per sub-ray
+  float farthest = 0.0;
+#define OFFER(s)                                                                                  \
+  if (offer(candidate, projected, layer, s)) taken[s / 32] |= 1u << (s % 32);                    \
+  if (carried[s] > 0.0) farthest = max(farthest, ranges[layer * RAYS + s]);
+  EACH_RAY(OFFER)
+  if ((taken.x | taken.y) == 0) return farthest;
+  Optics4 surface = optics[projectedMaterials[projected]];
+  vec3 normal = normalOf(vec3(candidate.ahead.x, candidate.left.x, candidate.up.x),
+                         vec3(candidate.ahead.y, candidate.left.y, candidate.up.y),
+                         vec3(candidate.ahead.z, candidate.left.z, candidate.up.z));
+#define SHARE(s) \
+  if ((taken[s / 32] >> (s % 32) & 1u) != 0) share(surface, normal, layer, s);
+  EACH_RAY(SHARE)
+  return farthest;
+}
+
+// Best first, as resolve does: what stays behind everything met is skipped.
+void findLayer(uint start, uint end, Beam beam, uint layer) {
+#define FORGET(s)                        \
+  ranges[layer * RAYS + s] = kNothing; \
+  energies[layer * RAYS + s] = 0.0;    \
+  passed[s] = 0.0;
+  EACH_RAY(FORGET)
+  uint best = kNone;
+  float bestRangeMin = 0.0;
   for (uint k = start; k < end; ++k) {
-    uint projected = candidates[k];
-    float bound = subgroupMax(live ? hit.range : 0.0);
-    if (projectedB[projected].w > bound) continue;  // the same in every lane
-    Candidate candidate = candidateOf(projected, beam);
-    float range;
-    bool met = meetSubRay(candidate, subRay, range) && live;
-    bool behind = kLayers == 1 || range > afterRange || (range == afterRange && candidate.triangle.id > afterId);
-    bool nearer = range < hit.range || (range == hit.range && candidate.triangle.id < hit.id);
-    bool taken = met && behind && nearer;
-    if (!subgroupAny(taken)) continue;
-    float cosine = 1.0;
-    if (LOOKS_AT_MATERIALS) cosine = min(abs(dotOf(normalOf(candidate.triangle), direction)), 1.0);
-    if (taken) hit = Hit(range, candidate.triangle.id, projected, candidate.material, cosine);
-  }
-  return hit;
-}
-
-vec3 directionOf(Beam beam, vec4 subRay) {
-  float inverse = quotient(1.0, subRay.w);
-  precise float ahead = beam.cosElevation - subRay.y * beam.sinElevation;
-  precise vec3 direction = vec3(ahead * beam.azimuth.x - subRay.x * beam.azimuth.y,
-                                ahead * beam.azimuth.y + subRay.x * beam.azimuth.x,
-                                beam.sinElevation + subRay.y * beam.cosElevation) * inverse;
-  return direction;
-}
-
-// One sub-ray of a lane, through everything that lets light pass. Every lane must call.
-void trace(uint start, uint end, Beam beam, vec4 subRay, uint s) {
-  bool live = s < parameters.subRays;
-  vec3 direction = directionOf(beam, subRay);
-  float energy = subRay.z, afterRange = 0.0;
-  uint afterId = 0;
-  for (uint layer = 0; layer < kLayers; ++layer) {
-    Hit hit = nearestOf(start, end, beam, subRay, direction, live, afterRange, afterId);
-    bool met = live && hit.candidate != kNone;
-    float share = energy;
-    if (met && (LOOKS_AT_MATERIALS || kLayers > 1)) {
-      Optics4 surface = optics[hit.material];
-      if (LOOKS_AT_MATERIALS) share = energy * reflected(surface, hit.cosIncidence);
-      if (kLayers > 1) energy = energy * transmitted(surface);
+    float rangeMin = projectedB[candidates[k]].w;
+    if (best == kNone || rangeMin < bestRangeMin) {
+      best = k;
+      bestRangeMin = rangeMin;
     }
-    uint slot = pieceBase() + layer * kMaxSubRays + s;
-    if (s < kMaxSubRays) {
-      // What lets all light pass is no piece.
-      pieceRanges[slot] = met && (share > 0.0 || kLayers == 1 || energy == 0.0) ? hit.range : kNothing;
-      pieceEnergies[slot] = share;
-      pieceCandidates[slot] = hit.candidate;
-    }
-    afterRange = hit.range;
-    afterId = hit.id;
-    live = met && energy > 0.0;
   }
-  if (kLayers > 1 && live) atomicAdd(counters.lostEchoes, 1);
+  float farthest = kNothing;
+  for (uint k = 0; k <= end - start; ++k) {  // the best, then all
+    uint at = k == 0 ? best : start + k - 1;
+    if (best == kNone || (k > 0 && at == best)) continue;
+    uint projected = candidates[at];
+    if (projectedB[projected].w <= farthest) farthest = consider(projected, beam, layer);
+  }
 }
 
-// Pieces of all layers in turn: number -> slot.
-uint pieceCount() { return kLayers * parameters.subRays; }
-uint slotOf(uint piece) {
-  return pieceBase() + piece / parameters.subRays * kMaxSubRays + piece % parameters.subRays;
+// Returns whether any light goes on.
+bool goOn(uint layer) {
+  bool any = false;
+#define GO_ON(s)                                                       \
+  carried[s] = ranges[layer * RAYS + s] < kNothing ? passed[s] : 0.0; \
+  any = any || carried[s] > 0.0;
+  EACH_RAY(GO_ON)
+  return any;
 }
 
-// The least range beyond `after`.
 float nextRange(float after) {
   float least = kNothing;
-  for (uint i = gl_SubgroupInvocationID; i < pieceCount(); i += gl_SubgroupSize) {
-    float range = pieceRanges[slotOf(i)];
-    if (range > after) least = min(least, range);
+  [[unroll]] for (uint layer = 0; layer < LAYERS; ++layer) {
+#define NEXT(s) \
+  if (ranges[layer * RAYS + s] > after && energies[layer * RAYS + s] >= 0.0) least = min(least, ranges[layer * RAYS + s]);
+    EACH_RAY(NEXT)
   }
-  return subgroupMin(least);
+  return least;
 }
 
-// Roundings as written. In functions of their own: glslang takes exponential time to trace what is precise through
-// loops.
 float sumOf(float a, float b) {
   precise float result = a + b;
   return result;
 }
-float roundedShare(float value, float perUnit, float most) {
-  precise float result = value * perUnit + 0.5;
-  return min(result, most);
-}
 
 // Pieces that follow each other within the separation are one echo: its end.
 float endOfEcho(float first) {
-  float end = first;
-  for (uint step = 0; step < kMaxPieces; ++step) {
+  float end = first, before;
+  do {
+    before = end;
     float reach = sumOf(end, parameters.separation);
-    float farther = end;
-    for (uint i = gl_SubgroupInvocationID; i < pieceCount(); i += gl_SubgroupSize) {
-      float range = pieceRanges[slotOf(i)];
-      if (range <= reach) farther = max(farther, range);
+    [[unroll]] for (uint layer = 0; layer < LAYERS; ++layer) {
+#define FOLLOW(s) \
+  if (ranges[layer * RAYS + s] <= reach && energies[layer * RAYS + s] >= 0.0) end = max(end, ranges[layer * RAYS + s]);
+      EACH_RAY(FOLLOW)
     }
-    farther = subgroupMax(farther);
-    if (farther == end) break;
-    end = farther;
-  }
+  } while (end > before);
   return end;
 }
 
-// The strongest piece of an echo, the first of equal ones.
-void strongestOf(float first, float end, out float energy, out uint strongest) {
-  float most = 0.0;
-  for (uint i = gl_SubgroupInvocationID; i < pieceCount(); i += gl_SubgroupSize) {
-    uint slot = slotOf(i);
-    if (pieceRanges[slot] >= first && pieceRanges[slot] <= end) most = max(most, pieceEnergies[slot]);
-  }
-  energy = subgroupMax(most);
-  uint least = kNone;
-  for (uint i = gl_SubgroupInvocationID; i < pieceCount(); i += gl_SubgroupSize) {
-    uint slot = slotOf(i);
-    if (pieceRanges[slot] >= first && pieceRanges[slot] <= end && pieceEnergies[slot] == energy) least = min(least, i);
-  }
-  strongest = subgroupMin(least);
+// Sums over the pieces of an echo, in their order: energy, energy * depth, energy * depth^2.
+void addPiece(inout vec3 sums, float energy, float depth) {
+  precise float moment = energy * depth;
+  precise vec3 result = sums + vec3(energy, moment, moment * depth);
+  sums = result;
 }
 
-// Sums over the pieces of an echo: weights are 16-bit shares of the strongest piece's energy, and 12-bit ones where
-// they meet depths; those are 13-bit shares of the echo's depth, and 10-bit ones squared.
-struct Sums {
-  uint fine, weights, moments, squaresLow, squaresHigh;
-};
-
-Sums sumPieces(float first, float end, float perEnergy, float perDepth) {
-  Sums sums = Sums(0, 0, 0, 0, 0);
-  for (uint i = gl_SubgroupInvocationID; i < pieceCount(); i += gl_SubgroupSize) {
-    uint slot = slotOf(i);
-    float range = pieceRanges[slot];
-    if (range < first || range > end) continue;
-    uint w = uint(roundedShare(pieceEnergies[slot], perEnergy, 65535.0)), coarse = w >> 4;
-    uint x = uint(roundedShare(sumOf(range, -first), perDepth, 8191.0)), y = x >> 3;
-    uint square = coarse * y * y;
-    sums.fine += w;
-    sums.weights += coarse;
-    sums.moments += coarse * x;
-    sums.squaresLow += square & 0xffff;
-    sums.squaresHigh += square >> 16;
-  }
-  return Sums(subgroupAdd(sums.fine), subgroupAdd(sums.weights), subgroupAdd(sums.moments),
-              subgroupAdd(sums.squaresLow), subgroupAdd(sums.squaresHigh));
-}
-
-// Range, energy and width of an echo.
-vec3 echoOf(Sums sums, float first, float depth, float most) {
-  precise float energy = quotient(float(sums.fine), 65535.0) * most;
-  if (depth == 0.0 || sums.weights == 0) return vec3(first, energy, echoWidth(parameters.pulseWidth, 0.0));
-  precise float mean = quotient(float(sums.moments), float(sums.weights) * 8191.0);
-  precise float squares =
-      quotient(float(sums.squaresHigh) * 65536.0 + float(sums.squaresLow), float(sums.weights) * 1046529.0);
-  precise float deviation = depth * squareRoot(max(squares - mean * mean, 0.0));
-  precise float range = first + depth * mean;
-  return vec3(range, energy, echoWidth(parameters.pulseWidth, deviation));
-}
-
-vec3 sumEcho(float first, float end, float most) {
-  float depth = sumOf(end, -first);
-  float perEnergy = most > 0.0 ? quotient(65535.0, most) : 0.0;
-  float perDepth = depth > 0.0 ? quotient(8191.0, depth) : 0.0;
-  return echoOf(sumPieces(first, end, perEnergy, perDepth), first, depth, most);
+// Range, energy and width.
+vec3 echoOf(float first, vec3 sums) {
+  if (!(sums.x > 0.0)) return vec3(first, 0.0, parameters.pulseWidth);
+  precise float mean = quotient(sums.y, sums.x);
+  precise float variance = quotient(sums.z, sums.x) - mean * mean;
+  precise float range = first + mean;
+  return vec3(range, sums.x, echoWidth(parameters.pulseWidth, squareRoot(max(variance, 0.0))));
 }
 
 void storeEcho(uint slot, vec3 echo, uint projected) {
   echoes[slot] = vec4(echo, 1.0);
-  echoOwners[slot] = ownerOf(floatBitsToUint(projectedA[projected].w) & 0x7fffffffu);
-  if ((FIELDS & kFieldSurface) != 0)
-    echoSurfaces[slot] = vec4(normalOf(loadProjected(projected)), uintBitsToFloat(projectedMaterials[projected]));
+  echoOwners[slot] = ownerOf(idOf(projected));
+  if ((FIELDS & kFieldSurface) != 0) {
+    Triangle triangle = loadProjected(projected);
+    echoSurfaces[slot] =
+        vec4(normalOf(triangle.a, triangle.b, triangle.c), uintBitsToFloat(projectedMaterials[projected]));
+  }
+}
+
+// The owner of an echo is its strongest piece, the first of equal ones.
+void addTo(inout vec3 sums, inout float most, inout uint strongest, float first, float end, uint piece) {
+  if (ranges[piece] < first || ranges[piece] > end || energies[piece] < 0.0) return;
+  addPiece(sums, energies[piece], sumOf(ranges[piece], -first));
+  if (energies[piece] <= most) return;
+  most = energies[piece];
+  strongest = metCandidates[piece];
 }
 
 void gatherEchoes(uint beam) {
   uint count = 0;
   float first = nextRange(0.0);
   while (first < kNothing) {
-    float end = endOfEcho(first), most;
-    uint strongest;
-    strongestOf(first, end, most, strongest);
     if (count == kMaxEchoes) {
-      if (subgroupElect()) atomicAdd(counters.lostEchoes, 1);
+      atomicAdd(counters.lostEchoes, 1);
       break;
     }
-    vec3 echo = sumEcho(first, end, most);
-    if (subgroupElect()) storeEcho(beam * kMaxEchoes + count, echo, pieceCandidates[slotOf(strongest)]);
+    float end = endOfEcho(first), most = -1.0;
+    uint strongest = 0;
+    vec3 sums = vec3(0.0);
+    [[unroll]] for (uint layer = 0; layer < LAYERS; ++layer) {
+#define ADD(s) addTo(sums, most, strongest, first, end, layer * RAYS + s);
+      EACH_RAY(ADD)
+    }
+    storeEcho(beam * kMaxEchoes + count, echoOf(first, sums), strongest);
     ++count;
     first = nextRange(end);
   }
-  if (subgroupElect()) echoCounts[beam] = count;
+  echoCounts[beam] = count;
+}
+
+float lengthOf(float u, float v) {
+  precise float square = 1.0 + u * u + v * v;
+  return squareRoot(square);
+}
+
+void aimSubRay(uint s, vec2 error) {
+  vec4 subRay = subRays[s];
+  left[s] = sumOf(subRay.x, error.x);
+  up[s] = sumOf(subRay.y, error.y);
+  lengths[s] = (EFFECTS & kStrays) != 0 ? lengthOf(left[s], up[s]) : subRay.w;
+  carried[s] = subRay.z;
+}
+
+void aim(uint beam, Beam axis) {
+  vec2 error = vec2(0.0);
+  if ((EFFECTS & kStrays) != 0) {
+    error = angleError(parameters, parameters.firstBeam + beam);
+    error.x = product(error.x, axis.cosElevation);
+  }
+#define AIM(s) aimSubRay(s, error);
+  EACH_RAY(AIM)
 }
 
 void main() {
-  uint beams = frame.beams, stride = gl_NumWorkGroups.x * gl_NumSubgroups;
-  for (uint index = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; index < beams; index += stride) {
+  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  for (uint index = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; index < frame.beams;
+       index += stride) {
     uint row = index / frame.columns, column = index % frame.columns;
     vec4 angles = rows[row].angles, offset = rows[row].offset;
     uint beam = uint(angles.w) * frame.columns + column;
     Beam axis = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
-    uint start = index == 0 ? 0 : listEnds[index - 1], end = min(listEnds[index], frame.candidateCapacity);
-    vec2 error = vec2(0.0);
-    if ((EFFECTS & kStrays) != 0) {
-      error = angleError(parameters, parameters.firstBeam + beam);
-      error.x = error.x * axis.cosElevation;
+    // Lists that were too small end early: the host makes room and runs the scan again.
+    uint end = min(listEnds[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds[index - 1], end);
+    aim(beam, axis);
+    bool lit = true;
+    [[unroll]] for (uint layer = 0; layer < LAYERS; ++layer) {
+      findLayer(start, lit ? end : start, axis, layer);
+      lit = goOn(layer);
     }
-    for (uint first = 0; first < parameters.subRays; first += gl_SubgroupSize) {
-      uint s = first + gl_SubgroupInvocationID;
-      vec4 subRay = subRays[min(s, parameters.subRays - 1)];
-      if ((EFFECTS & kStrays) != 0) {
-        precise vec2 tangents = subRay.xy + error;
-        precise float square = 1.0 + tangents.x * tangents.x + tangents.y * tangents.y;
-        subRay = vec4(tangents, subRay.z, squareRoot(square));
-      }
-      trace(start, end, axis, subRay, s);
-    }
-    subgroupMemoryBarrierShared();
-    subgroupBarrier();
+    if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
     gatherEchoes(beam);
-    subgroupBarrier();
   }
 }

@@ -10,9 +10,11 @@
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#ifdef FOOTPRINT
 #include "effects/arithmetic.h"
 #include "effects/parameters.h"
 #include "effects_bindings.glsl"
+#endif
 #include "sphere.glsl"
 #include "bounds.glsl"
 #include "lattice.glsl"
@@ -38,15 +40,18 @@ struct Place {
 
 Place placeOf(uint i) {
   Place place;
+  place.material = 0;
   float vertexFirst, packed;
   if (subgroupElect()) {
     uvec2 pair = visible[i];
     place.instance = instances[pair.x];
     vertexFirst = clusters[pair.y].low.w;
     packed = clusters[pair.y].high.w;
-    if (FOOTPRINT) place.material = clusterMaterials[pair.y];
+#ifdef FOOTPRINT
+    place.material = clusterMaterials[pair.y];
+#endif
   }
-  if (FOOTPRINT) place.material = subgroupBroadcastFirst(place.material);
+  place.material = subgroupBroadcastFirst(place.material);
   place.instance = fromFirstLane(place.instance);
   place.vertexFirst = floatBitsToUint(subgroupBroadcastFirst(vertexFirst));
   uint word = floatBitsToUint(subgroupBroadcastFirst(packed));
@@ -131,7 +136,9 @@ void store(uint slot, Projected projected, Box box, uint material) {
   projectedB[slot] = projected.b;
   projectedC[slot] = projected.c;
   projectedColumns[slot] = vec2(box.columnMin, box.columnMax);
-  if (FOOTPRINT) projectedMaterials[slot] = material;
+#ifdef FOOTPRINT
+  projectedMaterials[slot] = material;
+#endif
 }
 
 // A large box is cut into tiles.

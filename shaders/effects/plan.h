@@ -36,6 +36,9 @@ GNO_CONST uint kFootprintEffects = kDivergence | kTransmission | kCutOuts | kStr
 // What makes or breaks a return: judged beam by beam.
 GNO_CONST uint kSignalEffects = kIntensity | kDetection | kDropOut | kRangeNoise | kAngleNoise | kIntensityNoise |
                                 kFootprintEffects | kReturns | kFog | kRain | kSnow | kVolumes;
+// Surfaces that one sub-ray meets, at most.
+GNO_CONST uint kMaxLayers = 4;
+
 // What fills the air.
 GNO_CONST uint kMediumEffects = kFog | kRain | kSnow | kVolumes;
 

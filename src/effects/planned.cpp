@@ -51,6 +51,7 @@ PlannedEffects planEffects(const SimulatorOptions& options, const Sensor& sensor
   if (planned.has(gpu::kReturns)) planned.returns = returnsOf(options.effects.returns, sensor);
   if (planned.has(gpu::kAngleNoise) && options.effects.angleNoise.at == Effects::AngleNoise::At::beam)
     planned.bits |= gpu::kStrays;
+  if (planned.has(gpu::kDivergence)) planned.subRays = options.effects.divergence.subRays;
   planned.looksAtMaterials =
       planned.has(gpu::kIntensity) && options.effects.intensity.model == Effects::Intensity::Model::physical;
   return planned;

@@ -13,6 +13,7 @@ struct PlannedEffects {
   uint32_t bits = 0;     ///< of effects/plan.h, kStrays among them
   uint32_t fields = 0;   ///< gpu::kField...
   uint32_t returns = 1;  ///< per beam
+  uint32_t subRays = 1;  ///< of each footprint
 
   bool has(uint32_t effects) const { return (bits & effects) != 0; }
   bool asks(uint32_t which) const { return (fields & which) != 0; }
@@ -29,7 +30,7 @@ struct PlannedEffects {
   /// Nothing but geometry.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
   bool sameStages(const PlannedEffects& other) const {
-    return bits == other.bits && fields == other.fields && looksAtMaterials == other.looksAtMaterials;
+    return bits == other.bits && fields == other.fields && subRays == other.subRays && looksAtMaterials == other.looksAtMaterials;
   }
 
   bool looksAtMaterials = false;  ///< intensity depends on what was met

@@ -11,6 +11,9 @@
 namespace gnosphere::vulkan {
 namespace {
 
+// Of any module of the footprint.
+constexpr size_t kMostSubRays = 61;
+
 gpu::Optics4 packed(const Optics& optics) {
   gpu::Optics4 result = {};
   result.reflection = {optics.reflectance, optics.gloss, optics.roughness, optics.retro};
@@ -45,7 +48,8 @@ uint64_t bytesPerBeam(const PlannedEffects& planned) {
 
 EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, uint64_t firstBeam, uint64_t beams,
                            bool copied)
-    : device_(device), setup_(setup), parameters_(effectParameters(setup.effects, setup.sensor, setup.planned.bits)) {
+    : device_(device), setup_(setup), parameters_(effectParameters(setup.effects, setup.sensor, setup.planned.bits)),
+      subRays_(subRays(setup.effects, setup.sensor, setup.planned.bits)) {
   parameters_.sensor = setup.sensorIndex;
   parameters_.firstBeam = static_cast<uint32_t>(firstBeam);
   parameters_.returnsPerBeam = setup.planned.returns;
@@ -55,6 +59,7 @@ EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, uint
     std::vector<gpu::vec4> lines;
     for (const SubRay& ray : subRays_)
       lines.push_back({ray.u, ray.v, ray.weight, std::sqrt(1 + ray.u * ray.u + ray.v * ray.v)});
+    lines.resize(kMostSubRays, {0, 0, 0, 1});  // those that a module has and the footprint has not
     buffers_[gpu::kBindSubRays] = uploader.upload<gpu::vec4>("subRays", lines);
     make(gpu::kBindEchoCounts, "echoCounts", beams * sizeof(uint32_t));
     make(gpu::kBindEchoes, "echoes", beams * gpu::kMaxEchoes * sizeof(gpu::vec4));
@@ -62,7 +67,7 @@ EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, uint
     if (planned.asks(gpu::kFieldSurface))
       make(gpu::kBindEchoSurfaces, "echoSurfaces", beams * gpu::kMaxEchoes * sizeof(gpu::vec4));
   }
-  if (planned.has(gpu::kIntensity | gpu::kTransmission | gpu::kCutOuts)) {
+  if (planned.footprint() || planned.surfaces()) {
     std::vector<gpu::Optics4> optics;
     for (const Optics& of : setup_.optics) optics.push_back(packed(of));
     buffers_[gpu::kBindOptics] = uploader.upload<gpu::Optics4>("optics", optics);

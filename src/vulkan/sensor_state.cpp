@@ -11,13 +11,17 @@
 #include "bin_int64.spv.h"
 #include "bin_int64_float64.spv.h"
 #include "effects.spv.h"
-#include "effects_footprint.spv.h"
-#include "effects_footprint_layers.spv.h"
+#include "effects_footprint1.spv.h"
+#include "effects_footprint7.spv.h"
+#include "effects_footprint19.spv.h"
+#include "effects_footprint37.spv.h"
+#include "effects_footprint61.spv.h"
 #include "effects_surfaces.spv.h"
 #include "project_clusters.spv.h"
 #include "project_groups.spv.h"
 #include "project_occluders.spv.h"
 #include "project_triangles.spv.h"
+#include "project_triangles_footprint.spv.h"
 #include "resolve.spv.h"
 #include "resolve_float64.spv.h"
 #include "scan.spv.h"
@@ -62,7 +66,17 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, cons
   result.culling = cullingBits(options);
   result.effects = planned.bits;
   result.fields = planned.fields;
+  result.layers = planned.has(gpu::kTransmission) ? gpu::kMaxLayers : 1;
   return result;
+}
+
+// The module that is built for so many sub-rays, or some more.
+Words footprintOf(uint32_t subRays) {
+  if (subRays <= 1) return effects_footprint1;
+  if (subRays <= 7) return effects_footprint7;
+  if (subRays <= 19) return effects_footprint19;
+  if (subRays <= 37) return effects_footprint37;
+  return effects_footprint61;
 }
 
 uint64_t projectedCount(const gpu::Counters& counters) {
@@ -102,7 +116,8 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
     : projectGroups(device, layout, "project_groups", project_groups, options),
       projectClusters(device, layout, "project_clusters", project_clusters, options),
       projectOccluders(device, layout, "project_occluders", project_occluders, options),
-      projectTriangles(device, layout, "project_triangles", project_triangles, options) {
+      projectTriangles(device, layout, "project_triangles",
+                       planned.footprint() ? Words(project_triangles_footprint) : Words(project_triangles), options) {
   const Words plain = float64 ? Words(bin_float64) : Words(::bin);
   const Words atomic = float64 ? Words(bin_int64_float64) : Words(bin_int64);
   if (way == gpu::kWayNearest) {
@@ -116,10 +131,8 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
     for (uint32_t pass : {gpu::kScanReduce, gpu::kScanBlocks, gpu::kScanApply})
       scan.emplace_back(device, layout, "scan", ::scan, options, pass);
   }
-  if (planned.has(gpu::kTransmission))
-    footprint.emplace(device, layout, "effects_footprint", effects_footprint_layers, options);
-  else if (planned.footprint())
-    footprint.emplace(device, layout, "effects_footprint", effects_footprint, options);
+  if (planned.footprint())
+    footprint.emplace(device, layout, "effects_footprint", footprintOf(planned.subRays), options);
   else
     resolve.emplace(device, layout, "resolve", float64 ? Words(resolve_float64) : Words(::resolve), options, way);
   if (planned.surfaces() && !planned.footprint()) surfaces.emplace(device, layout, "effects_surfaces", effects_surfaces, options);
