@@ -9,6 +9,7 @@
 #include "synthetic_scan.hpp"
 
 using namespace gnosphere;
+using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("field names are parsed in order, and an unknown one lists those there are") {
