@@ -14,9 +14,9 @@ namespace {
 /// Two meshes, three placements, four parts, an origin, and numbers that do not come out even.
 Scene sampleScene() {
   Scene scene;
-  scene.materials = {{"red", {1, 0.1f, 0.2f, 1}, 0.3f, 0.7f, 0, AlphaMode::opaque, 0.5f, true},
-                     {"glass", {1, 1, 1, 0.25f}, 0, 0.1f, 0.9f, AlphaMode::blend, 0.5f, false},
-                     {"leaf", {0, 1, 0, 1}, 0, 1, 0, AlphaMode::mask, 0.3f, true}};
+  scene.materials = {{"red", {1, 0.1f, 0.2f, 1}, 0.3f, 0.7f, 0, AlphaMode::opaque},
+                     {"glass", {1, 1, 1, 0.25f}, 0, 0.1f, 0.9f, AlphaMode::blend, 0.5f, kNoImage, 0, false},
+                     {"leaf", {0, 1, 0, 1}, 0, 1, 0, AlphaMode::mask, 0.3f}};
   Mesh square;
   square.name = "square \"1\"";
   square.positions = {0, 0, 0, 1.1f, 0, 0, 0, 1.3f, 1e-20f, 1, 1, 1e30f};
