@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gnosphere/simulator.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -65,7 +66,9 @@ std::vector<DeviceInfo> listDevices(std::string* vulkanProblem) {
 }
 
 Simulator::Simulator(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-    : sensors_(sensors), backend_(makeBackend(scene, sensors, options)) {
+    : classes_(std::make_shared<std::vector<uint16_t>>()), backend_(makeBackend(scene, sensors, options)) {
+  for (const Sensor& sensor : sensors) sensors_.push_back(std::make_shared<const Sensor>(sensor));
+  for (const Instance& instance : scene.instances) classes_->push_back(instance.classId);
   for (const Mesh& mesh : scene.meshes) meshes_.push_back({mesh.vertexCount(), mesh.triangleCount()});
   for (const Instance& instance : scene.instances) instanceMeshes_.push_back(instance.mesh);
   placedTriangles_ = scene.placedTriangleCount();
@@ -103,7 +106,9 @@ void Simulator::run(std::span<const Shot> shots, Scan& result, const std::functi
                                                   " does not exist, there are " + std::to_string(sensors_.size()));
   }
   backend_->scanAll(shots, result, [&](size_t i) {
-    const Sensor& sensor = sensors_[shots[i].sensor];
+    const Sensor& sensor = *sensors_[shots[i].sensor];
+    result.model = sensors_[shots[i].sensor];
+    result.classes = classes_;
     result.sensor = sensor.name;
     result.columns = sensor.columns;
     result.channels = static_cast<uint32_t>(sensor.channels.size());
@@ -127,7 +132,7 @@ void Simulator::setTransform(size_t instance, const Transform& transform) {
   backend_->setInstance(instance, instanceMeshes_[instance], transform);
 }
 
-size_t Simulator::addInstance(uint32_t mesh, const Transform& transform) {
+size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId) {
   if (mesh >= meshes_.size())
     throw Error(ErrorCode::invalidArgument,
                 "mesh " + std::to_string(mesh) + " does not exist, the scene has " + std::to_string(meshes_.size()));
@@ -144,7 +149,15 @@ size_t Simulator::addInstance(uint32_t mesh, const Transform& transform) {
     removed_.pop_back();
   instanceMeshes_[index] = mesh;
   placedTriangles_ = placed;
+  setClass(index, classId);
   return index;
+}
+
+// Scans that were handed out keep the classes of their time.
+void Simulator::setClass(size_t instance, uint16_t classId) {
+  if (classes_.use_count() > 1) classes_ = std::make_shared<std::vector<uint16_t>>(*classes_);
+  classes_->resize(std::max(classes_->size(), instance + 1));
+  (*classes_)[instance] = classId;
 }
 
 void Simulator::removeInstance(size_t instance) {

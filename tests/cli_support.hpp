@@ -8,15 +8,12 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
-namespace gnosphere::test {
+#include "folder.hpp"
 
-namespace fs = std::filesystem;
+namespace gnosphere::test {
 
 struct Result {
   int status;
@@ -26,26 +23,15 @@ struct Result {
 /// A folder to run the program in, with a scene: a floor of 20 m, two triangles.
 class Workplace {
  public:
-  Workplace() {
-    std::string name = (fs::temp_directory_path() / "gnosphere-cli-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-    put("floor.obj", "v -10 -10 0\nv 10 -10 0\nv 10 10 0\nv -10 10 0\nf 1 2 3\nf 1 3 4\n");
-  }
-  ~Workplace() { fs::remove_all(path_); }
+  Workplace() { put("floor.obj", "v -10 -10 0\nv 10 -10 0\nv 10 10 0\nv -10 10 0\nf 1 2 3\nf 1 3 4\n"); }
 
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  void put(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-  }
-  std::string get(const std::string& name) const {
-    std::ifstream stream(path_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
+  fs::path operator/(const std::string& name) const { return folder_ / name; }
+  void put(const std::string& name, const std::string& bytes) const { test::put(folder_ / name, bytes); }
+  std::string get(const std::string& name) const { return bytesOf(folder_ / name); }
   /// Names of the files, without those that run() itself makes.
   std::vector<std::string> files() const {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(path_)) {
+    for (const auto& entry : fs::directory_iterator(folder_.path())) {
       const std::string name = entry.path().filename().string();
       if (name != "out" && name != "err") names.push_back(name);
     }
@@ -54,15 +40,15 @@ class Workplace {
   }
   Result run(const std::string& arguments, const std::string& before = "",
              const std::string& program = GNOSPHERE_BINARY) const {
-    const std::string command =
-        "cd '" + path_.string() + "' && " + before + " '" + program + "' " + arguments + " >out 2>err </dev/null";
+    const std::string command = "cd '" + folder_.path().string() + "' && " + before + " '" + program + "' " +
+                                arguments + " >out 2>err </dev/null";
     const int status = std::system(command.c_str());
     REQUIRE(WIFEXITED(status));
     return {WEXITSTATUS(status), get("out"), get("err")};
   }
 
  private:
-  fs::path path_;
+  Folder folder_;
 };
 
 inline const std::string kQuick = " --device reference --sensor VLP-16 ";

@@ -19,7 +19,7 @@ TEST_CASE("a call that is wrong ends with status 2 and says what there is") {
   checkRefused("scan floor.obj --sensor VLP-17", 2, "VLP-16, VLP-32, HDL-64E");
   checkRefused("scan floor.obj -o a.las", 2, ".pcd, .ply, .bin (KITTI), .npy and .csv");
   checkRefused("scan floor.obj -o a.pcd -o a.las", 2, "a.las");
-  checkRefused("scan floor.obj --fields x,y,intensity", 2, "x, y, z, range, ring");
+  checkRefused("scan floor.obj --fields x,y,colour", 2, "x, y, z, range, ring");
   checkRefused("scan floor.obj --fields x,tie", 2, "--device reference");
   checkRefused("scan floor.obj --image a.jpg", 2, ".png");
   checkRefused("scan floor.obj --pose 1,2", 2, "X,Y,Z");
@@ -109,6 +109,23 @@ TEST_CASE("a scene with no triangle gives a cloud of misses and a warning") {
   CHECK_THAT(result.err, StartsWith("gnosphere: warning: empty.gltf has no triangle"));
   CHECK(gnosphere::readCloud(place / "a.pcd").counters.hits == 0);
   CHECK(gnosphere::readCloud(place / "a.pcd").beamCount() == 28800);
+}
+
+TEST_CASE("fields that follow from the sensor are written without being asked for before the scan") {
+  const Workplace place;
+  REQUIRE(place.run("scan floor.obj -o a.csv --fields beam,return,class,time,azimuth,elevation" + kQuick).status == 0);
+  const std::string text = place.get("a.csv");
+  CHECK_THAT(text, StartsWith("beam,return,class,time,azimuth,elevation\n0,1,0,0,"));
+  CHECK(std::count(text.begin(), text.end(), '\n') == 28801);
+}
+
+TEST_CASE("cut-out materials without their images are warned of") {
+  const Workplace place;
+  place.put("leaf.gltf", R"({"asset": {"version": "2.0"}, "materials": [{"alphaMode": "MASK", "pbrMetallicRoughness":
+      {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}], "images": [{"uri": "leaf.png"}]})");
+  const Result result = place.run("scan leaf.gltf" + kQuick);
+  CHECK(result.status == 0);
+  CHECK_THAT(result.err, ContainsSubstring("1 images of cut-out materials of leaf.gltf are not there"));
 }
 
 TEST_CASE("compare ends with 0 for the same cloud and 1 for another") {

@@ -10,6 +10,7 @@
 #include "synthetic_scan.hpp"
 
 using namespace gnosphere;
+using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;
 
 namespace {

@@ -1,43 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files in a folder of their own, and a cloud small enough to count by hand.
+// A cloud small enough to count by hand.
 #pragma once
 
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
+#include "folder.hpp"
 #include "gnosphere/gnosphere.hpp"
 
-namespace gnosphere {
-
-namespace fs = std::filesystem;
-
-/// A folder of its own for each test, gone afterwards.
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "gnosphere-output-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() { fs::remove_all(path); }
-  fs::path operator/(const std::string& name) const { return path / name; }
-  size_t fileCount() const { return static_cast<size_t>(std::distance(fs::directory_iterator(path), {})); }
-};
-
-inline std::string bytesOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-inline void put(const fs::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary) << bytes;
-}
+namespace gnosphere::test {
 
 template <class T>
 T at(const std::string& bytes, size_t offset) {
@@ -67,4 +40,4 @@ inline Scan tiny() {
   return scan;
 }
 
-}  // namespace gnosphere
+}  // namespace gnosphere::test

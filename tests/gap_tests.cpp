@@ -36,24 +36,12 @@ constexpr uint64_t kAimedBeams = uint64_t{kSegments} * (3 * kRings + kRings);
 
 template <typename RangeOf>
 Mesh aimedBall(const RangeOf& rangeOf) {
-  MeshBuilder builder;
-  const auto corner = [&](double azimuth, double elevation) {
+  return closedShell(kRings + 1, kSegments, [&](uint32_t ring, uint32_t s) {
+    const double azimuth = std::numbers::pi * (-1 + 2.0 * s / kSegments);
+    const double elevation = ring == 0 ? -90 : ring > kRings ? 90 : ringElevation(ring - 1);
     const Vec3 d = directionOf(azimuth, elevation * std::numbers::pi / 180);
-    return builder.vertex(along(d, rangeOf(d)));
-  };
-  const uint32_t bottom = corner(0, -90), top = corner(0, 90);
-  for (uint32_t ring = 0; ring < kRings; ++ring)
-    for (uint32_t s = 0; s < kSegments; ++s) corner(std::numbers::pi * (-1 + 2.0 * s / kSegments), ringElevation(ring));
-  const auto at = [](uint32_t ring, uint32_t s) { return 2 + ring * kSegments + s % kSegments; };
-  for (uint32_t s = 0; s < kSegments; ++s) {
-    builder.triangle(bottom, at(0, s + 1), at(0, s));
-    for (uint32_t ring = 0; ring + 1 < kRings; ++ring) {
-      builder.triangle(at(ring, s), at(ring, s + 1), at(ring + 1, s));
-      builder.triangle(at(ring, s + 1), at(ring + 1, s + 1), at(ring + 1, s));
-    }
-    builder.triangle(at(kRings - 1, s), at(kRings - 1, s + 1), top);
-  }
-  return builder.take();
+    return along(d, rangeOf(d));
+  });
 }
 
 }  // namespace

@@ -165,18 +165,12 @@ inline double logUniform(Random& random, double low, double high) {
   return low * std::pow(high / low, 0.5 * (random() + 1));
 }
 
-/// A closed mesh around the origin whose corners lie on the beams of every `step`-th column and channel of `sensor`,
-/// at the ranges that `rangeOf(direction)` gives. The lowest and the highest channel must point down and up.
-template <typename RangeOf>
-Mesh aimedMesh(const Sensor& sensor, uint32_t step, const RangeOf& rangeOf) {
-  const std::vector<Float3> beams = seenBeams(sensor);
-  const auto rings = static_cast<uint32_t>((sensor.channels.size() - 1) / step), segments = sensor.columns / step;
+/// A closed mesh around the origin. Ring 0 is one corner, the bottom, ring `rings` another, the top; the rings between
+/// have `segments` corners each, counter-clockwise seen from above. `cornerOf(ring, segment)` is called ring by ring.
+template <typename CornerOf>
+Mesh closedShell(uint32_t rings, uint32_t segments, const CornerOf& cornerOf) {
   MeshBuilder builder;
-  const auto corner = [&](uint32_t ring, uint32_t segment) {
-    const Float3& d = beams[size_t{ring} * step * sensor.columns + size_t{segment} * step];
-    const Vec3 direction = {d[0], d[1], d[2]};
-    return builder.vertex(along(direction, rangeOf(direction)));
-  };
+  const auto corner = [&](uint32_t ring, uint32_t segment) { return builder.vertex(cornerOf(ring, segment)); };
   const uint32_t bottom = corner(0, 0);
   for (uint32_t ring = 1; ring < rings; ++ring)
     for (uint32_t segment = 0; segment < segments; ++segment) corner(ring, segment);
@@ -191,6 +185,19 @@ Mesh aimedMesh(const Sensor& sensor, uint32_t step, const RangeOf& rangeOf) {
     builder.triangle(at(rings - 1, s), at(rings - 1, s + 1), top);
   }
   return builder.take();
+}
+
+/// A closed shell whose corners lie on the beams of every `step`-th column and channel of `sensor`, at the ranges that
+/// `rangeOf(direction)` gives. The lowest and the highest channel must point down and up.
+template <typename RangeOf>
+Mesh aimedMesh(const Sensor& sensor, uint32_t step, const RangeOf& rangeOf) {
+  const std::vector<Float3> beams = seenBeams(sensor);
+  const auto rings = static_cast<uint32_t>((sensor.channels.size() - 1) / step);
+  return closedShell(rings, sensor.columns / step, [&](uint32_t ring, uint32_t segment) {
+    const Float3& d = beams[size_t{ring} * step * sensor.columns + size_t{segment} * step];
+    const Vec3 direction = {d[0], d[1], d[2]};
+    return along(direction, rangeOf(direction));
+  });
 }
 
 /// From -90 to 90 degrees, both included.

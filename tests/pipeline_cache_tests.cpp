@@ -1,42 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiled pipelines on disk: used if they are sound, never trusted, never a reason to fail.
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 
+#include "folder.hpp"
 #include "support.hpp"
 #include "vulkan/pipeline_cache.hpp"
 
 namespace gnosphere::test {
 namespace {
 
-namespace fs = std::filesystem;
-
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "gnosphere-cache-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  ~Folder() { fs::remove_all(path); }
-  std::vector<fs::path> files() const {
-    std::vector<fs::path> result;
-    if (fs::exists(path / "deep"))
-      for (const auto& entry : fs::directory_iterator(path / "deep")) result.push_back(entry.path());
-    return result;
-  }
-  fs::path path;
-};
-
-std::string get(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void put(const fs::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary) << bytes;
+std::vector<fs::path> filesIn(const fs::path& path) {
+  return {fs::directory_iterator(path), {}};
 }
 
 Scan scanWith(const std::string& cache) {
@@ -58,15 +32,15 @@ std::string sealed(std::string bytes) {
 TEST_CASE("pipelines are kept in the folder that is asked for, and a sound file is left alone") {
   needVulkan();
   const Folder folder;
-  const Scan first = scanWith(folder.path / "deep");
-  REQUIRE(folder.files().size() == 1);
-  const fs::path file = folder.files()[0];
-  const std::string bytes = get(file);
+  const Scan first = scanWith(folder / "deep");
+  REQUIRE(filesIn(folder / "deep").size() == 1);
+  const fs::path file = filesIn(folder / "deep")[0];
+  const std::string bytes = bytesOf(file);
   CHECK(bytes == sealed(bytes));
   const auto old = fs::last_write_time(file) - std::chrono::hours(1);
   fs::last_write_time(file, old);
-  CHECK(sameBytes(scanWith(folder.path / "deep"), first));
-  if (get(file) == bytes) CHECK(fs::last_write_time(file) == old);
+  CHECK(sameBytes(scanWith(folder / "deep"), first));
+  if (bytesOf(file) == bytes) CHECK(fs::last_write_time(file) == old);
 }
 
 TEST_CASE("only a whole file of the same driver and device counts") {
@@ -93,14 +67,14 @@ TEST_CASE("only a whole file of the same driver and device counts") {
 TEST_CASE("a damaged file of pipelines is replaced without a word") {
   needVulkan();
   const Folder folder;
-  const Scan first = scanWith(folder.path / "deep");
-  const fs::path file = folder.files().at(0);
-  std::string bad = get(file);
+  const Scan first = scanWith(folder / "deep");
+  const fs::path file = filesIn(folder / "deep").at(0);
+  std::string bad = bytesOf(file);
   REQUIRE(bad.size() >= 40);
   bad.back() = static_cast<char>(bad.back() ^ 1);
   put(file, bad);
-  CHECK(sameBytes(scanWith(folder.path / "deep"), first));
-  const std::string now = get(file);
+  CHECK(sameBytes(scanWith(folder / "deep"), first));
+  const std::string now = bytesOf(file);
   CHECK(now == sealed(now));
   CHECK(now != bad);
 }
@@ -110,9 +84,9 @@ TEST_CASE("a folder for pipelines that cannot be written, or none, is no error")
   const Folder folder;
   const Scan first = scanWith("off");
   CHECK(sameBytes(scanWith("/proc/none/deep"), first));
-  put(folder.path / "deep", "a file where the folder should be");
-  CHECK(sameBytes(scanWith(folder.path / "deep"), first));
-  CHECK(get(folder.path / "deep") == "a file where the folder should be");
+  put(folder / "deep", "a file where the folder should be");
+  CHECK(sameBytes(scanWith(folder / "deep"), first));
+  CHECK(bytesOf(folder / "deep") == "a file where the folder should be");
 }
 
 TEST_CASE("the default folder follows the XDG specification") {
@@ -129,12 +103,12 @@ TEST_CASE("the default folder follows the XDG specification") {
     oldCache.empty() ? unsetenv("XDG_CACHE_HOME") : setenv("XDG_CACHE_HOME", oldCache.c_str(), 1);
     setenv("HOME", oldHome.c_str(), 1);
   };
-  const std::string home = folder.path / "home", cache = folder.path / "cache";
+  const std::string home = folder / "home", cache = folder / "cache";
   with(cache.c_str(), home.c_str(), [] { scanWith(""); });
-  CHECK(fs::exists(folder.path / "cache" / "gnosphere"));
-  CHECK(!fs::exists(folder.path / "home" / ".cache" / "gnosphere"));
+  CHECK(fs::exists(folder / "cache" / "gnosphere"));
+  CHECK(!fs::exists(folder / "home" / ".cache" / "gnosphere"));
   with("relative", home.c_str(), [] { scanWith(""); });
-  CHECK(fs::exists(folder.path / "home" / ".cache" / "gnosphere"));
+  CHECK(fs::exists(folder / "home" / ".cache" / "gnosphere"));
   CHECK(!fs::exists("relative/gnosphere"));
   with(nullptr, nullptr, [] { scanWith(""); });
 }

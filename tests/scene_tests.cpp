@@ -9,16 +9,14 @@
 using namespace gnosphere;
 using namespace gnosphere::test;
 
-namespace fs = std::filesystem;
-
 namespace {
 
 /// Two meshes, three placements, four parts, an origin, and numbers that do not come out even.
 Scene sampleScene() {
   Scene scene;
-  scene.materials = {{"red", {1, 0.1f, 0.2f, 1}, 0.3f, 0.7f, 0, AlphaMode::opaque, 0.5f, true},
-                     {"glass", {1, 1, 1, 0.25f}, 0, 0.1f, 0.9f, AlphaMode::blend, 0.5f, false},
-                     {"leaf", {0, 1, 0, 1}, 0, 1, 0, AlphaMode::mask, 0.3f, true}};
+  scene.materials = {{"red", {1, 0.1f, 0.2f, 1}, 0.3f, 0.7f, 0, AlphaMode::opaque},
+                     {"glass", {1, 1, 1, 0.25f}, 0, 0.1f, 0.9f, AlphaMode::blend, 0.5f, kNoImage, 0, false},
+                     {"leaf", {0, 1, 0, 1}, 0, 1, 0, AlphaMode::mask, 0.3f}};
   Mesh square;
   square.name = "square \"1\"";
   square.positions = {0, 0, 0, 1.1f, 0, 0, 0, 1.3f, 1e-20f, 1, 1, 1e30f};
@@ -39,10 +37,10 @@ Scene sampleScene() {
 
 TEST_CASE("what writeGlb writes, loadScene reads back bit for bit") {
   const Scene scene = sampleScene();
-  const TemporaryFolder folder;
-  writeGlb(scene, folder.path() / "a.glb");
-  CHECK_FALSE(fs::exists(folder.path() / "a.glb.part"));
-  const Scene read = loadScene(folder.path() / "a.glb");
+  const Folder folder;
+  writeGlb(scene, folder / "a.glb");
+  CHECK_FALSE(fs::exists(folder / "a.glb.part"));
+  const Scene read = loadScene(folder / "a.glb");
   REQUIRE(read.meshes.size() == 2);
   for (size_t m = 0; m < 2; ++m) {
     CHECK(read.meshes[m].name == scene.meshes[m].name);
@@ -79,43 +77,43 @@ TEST_CASE("what writeGlb writes, loadScene reads back bit for bit") {
 }
 
 TEST_CASE("empty scenes and empty meshes survive a round trip") {
-  const TemporaryFolder folder;
-  writeGlb({}, folder.path() / "a.glb");
-  CHECK(loadScene(folder.path() / "a.glb").instances.empty());
+  const Folder folder;
+  writeGlb({}, folder / "a.glb");
+  CHECK(loadScene(folder / "a.glb").instances.empty());
   Scene scene = sampleScene();
   scene.meshes.insert(scene.meshes.begin(), Mesh{});
   for (Instance& instance : scene.instances) ++instance.mesh;
   scene.instances.insert(scene.instances.begin(), Instance{});
-  writeGlb(scene, folder.path() / "a.glb");
-  const Scene read = loadScene(folder.path() / "a.glb");
+  writeGlb(scene, folder / "a.glb");
+  const Scene read = loadScene(folder / "a.glb");
   CHECK(read.meshes.size() == 3);
   CHECK(read.instances.size() == 4);
   CHECK(read.placedTriangleCount() == scene.placedTriangleCount());
 }
 
 TEST_CASE("writeGlb says why it cannot write and leaves nothing behind") {
-  const TemporaryFolder folder;
-  CHECK_THROWS_AS(writeGlb(sampleScene(), folder.path() / "missing" / "a.glb"), Error);
-  fs::create_directory(folder.path() / "taken.glb");
+  const Folder folder;
+  CHECK_THROWS_AS(writeGlb(sampleScene(), folder / "missing" / "a.glb"), Error);
+  fs::create_directory(folder / "taken.glb");
   try {
-    writeGlb(sampleScene(), folder.path() / "taken.glb");
+    writeGlb(sampleScene(), folder / "taken.glb");
     FAIL("it writes over a folder");
   } catch (const Error& error) {
     CHECK(error.code() == ErrorCode::file);
     CHECK_THAT(error.what(), ContainsSubstring("taken.glb"));
   }
-  CHECK_FALSE(fs::exists(folder.path() / "taken.glb.part"));
+  CHECK_FALSE(fs::exists(folder / "taken.glb.part"));
   Scene bad = sampleScene();
   bad.meshes[0].indices[0] = 99;
-  CHECK_THROWS_AS(writeGlb(bad, folder.path() / "bad.glb"), Error);
-  CHECK_FALSE(fs::exists(folder.path() / "bad.glb.part"));
+  CHECK_THROWS_AS(writeGlb(bad, folder / "bad.glb"), Error);
+  CHECK_FALSE(fs::exists(folder / "bad.glb.part"));
 }
 
 TEST_CASE("files that are not there, folders and unknown endings are named") {
-  const TemporaryFolder folder;
+  const Folder folder;
   const auto failure = [&](const std::string& name, ErrorCode code) -> std::string {
     try {
-      loadScene(folder.path() / name);
+      loadScene(folder / name);
     } catch (const Error& error) {
       CHECK(error.code() == code);
       return error.what();
@@ -123,21 +121,21 @@ TEST_CASE("files that are not there, folders and unknown endings are named") {
     return "it loads";
   };
   CHECK_THAT(failure("gone.glb", ErrorCode::file), ContainsSubstring("gone.glb': No such file or directory"));
-  fs::create_directory(folder.path() / "folder.glb");
+  fs::create_directory(folder / "folder.glb");
   CHECK_THAT(failure("folder.glb", ErrorCode::file), ContainsSubstring("it is a folder"));
   CHECK_THAT(failure("a.fbx", ErrorCode::invalidArgument),
              ContainsSubstring("unknown ending '.fbx' for a scene; there are .gltf, .glb, .obj, .ply and .stl"));
-  folder.write("a.obj", "v 0 0 0\n");
-  CHECK_THROWS_AS(loadScene(folder.path() / "a.obj", {UpAxis::z, 0}), Error);
+  put(folder / "a.obj", "v 0 0 0\n");
+  CHECK_THROWS_AS(loadScene(folder / "a.obj", {UpAxis::z, 0}), Error);
 }
 
 TEST_CASE("buffers and libraries are found beside the file, whatever it is called") {
-  const TemporaryFolder folder;
+  const Folder folder;
   GltfFileMaker file = triangleFile();
   file.text();
   file.json["buffers"][0]["uri"] = "B%C3%BC ffer%201.bin";
-  folder.write("Bü ffer 1.bin", file.bytes);
-  CHECK(loadScene(folder.write("❤.gltf", file.json.dump())).uniqueTriangleCount() == 1);
+  put(folder / "Bü ffer 1.bin", file.bytes);
+  CHECK(loadScene(put(folder / "❤.gltf", file.json.dump())).uniqueTriangleCount() == 1);
 }
 
 TEST_CASE("every scene of the folder GNOSPHERE_SCENES loads or ends in an Error") {

@@ -163,6 +163,49 @@ TEST_CASE("a sensor survives JSON with the same bits in every field") {
   }
 }
 
+TEST_CASE("what a sensor states beyond geometry survives JSON with the same bits") {
+  Sensor sensor = small();
+  sensor.divergenceHorizontal = 3e-3;
+  sensor.maxReturns = 3;
+  sensor.rotationPeriod = 0.1;
+  sensor.channels[0].origin = {1.0 / 3, -0.0, 5e-324};
+  sensor.channels[1].timeOffset = -1.0 / 3;
+  for (double mrad : {0.0, 1.5, 1.0 / 3, 100.0 / 3, 1e-6, 100.0}) {
+    sensor.divergenceVertical = mrad / 1000;
+    const std::string json = toJson(sensor);
+    const Sensor back = sensorFromJson(json, "test");
+    CHECK(bits(back.divergenceHorizontal) == bits(3e-3));
+    CHECK(bits(back.divergenceVertical) == bits(mrad / 1000));
+    CHECK(back.maxReturns == 3);
+    CHECK(bits(back.rotationPeriod) == bits(0.1));
+    CHECK(bits(back.channels[0].origin.x) == bits(1.0 / 3));
+    CHECK(bits(back.channels[0].origin.y) == bits(-0.0));
+    CHECK(bits(back.channels[0].origin.z) == bits(5e-324));
+    CHECK(bits(back.channels[1].origin.x) == 0);
+    CHECK(bits(back.channels[1].timeOffset) == bits(-1.0 / 3));
+    CHECK(toJson(back) == json);
+  }
+  CHECK_THAT(toJson(sensor), ContainsSubstring("\"divergence_mrad\": [3, 100]"));
+  for (const Sensor& builtin : builtinSensors()) {
+    const std::string json = toJson(builtin);
+    for (const char* key : {"divergence", "max_returns", "rotation_period", "origin", "time_offset"})
+      CHECK(json.find(key) == json.npos);
+  }
+}
+
+TEST_CASE("channel objects may state origins and time offsets") {
+  const Sensor sensor = sensorFromJson(
+      R"({"name": "a", "columns": 8, "range": {"max": 5}, "max_returns": 2, "divergence_mrad": [3, 1.5],
+          "channels": [{"elevation_deg": -1, "origin": [0.25, 0, -0.5], "time_offset": 1e-6}, {"elevation_deg": 3}]})",
+      "test");
+  CHECK(sensor.maxReturns == 2);
+  CHECK(sensor.divergenceVertical == 1.5e-3);
+  CHECK(sensor.channels[0].origin.x == 0.25);
+  CHECK(sensor.channels[0].origin.z == -0.5);
+  CHECK(sensor.channels[0].timeOffset == 1e-6);
+  CHECK(sensor.channels[1].origin.x == 0);
+}
+
 TEST_CASE("every built-in sensor survives JSON with the same bits") {
   for (const Sensor& sensor : builtinSensors()) {
     const Sensor back = sensorFromJson(toJson(sensor), sensor.name);
@@ -219,6 +262,20 @@ TEST_CASE("an unsound sensor file is refused with the culprit named") {
   CHECK_THAT(problemOf(R"({"name": "a", "columns": 4294967295, "range": {"max": 5}, "elevation_deg": [1, 2]})"),
              ContainsSubstring("more beams than"));
   CHECK_THAT(problemOf(std::string(100000, '[')), ContainsSubstring("not JSON"));
+  const auto more = [&](const std::string& rest) { return problemOf(file(R"("columns": 8, )" + rest + "}")); };
+  CHECK_THAT(more(R"("elevation_deg": [1], "divergence_mrad": 3)"), ContainsSubstring("list of numbers"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "divergence_mrad": [3])"), ContainsSubstring("must be 2 numbers, has 1"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "divergence_mrad": [3, 101])"), ContainsSubstring("0..100 mrad, is 101"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "divergence_mrad": [-1, 0])"), ContainsSubstring("0..100 mrad, is -1"));
+  for (const char* returns : {"0", "6", "1.5", "-1", "\"2\""})
+    CHECK_THAT(more(R"("elevation_deg": [1], "max_returns": )" + std::string(returns)), ContainsSubstring("returns"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "rotation_period": 10.5)"), ContainsSubstring("0..10 s, is 10.5"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "origin": [0, 0, 0])"), ContainsSubstring("'origin' has 3"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "origin": [[0, 1]])"), ContainsSubstring("'origin[0]' must be 3 numbers"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "origin": [[0.8, 0.8, 0]])"), ContainsSubstring("within 1 m"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "time_offset": [-2])"), ContainsSubstring("-1..1 s, is -2"));
+  CHECK_THAT(more(R"("elevation_deg": [1], "time_offset": ["0"])"), ContainsSubstring("'time_offset[0]'"));
+  CHECK_THAT(more(R"("channels": [], "origin": [])"), ContainsSubstring("keep one"));
 }
 
 TEST_CASE("validate refuses what no beam can be") {
@@ -235,6 +292,17 @@ TEST_CASE("validate refuses what no beam can be") {
   CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
   sensor = small();
   sensor.rangeMin = bad;
+  CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
+  for (double Sensor::*member : {&Sensor::divergenceHorizontal, &Sensor::divergenceVertical, &Sensor::rotationPeriod}) {
+    sensor = small();
+    sensor.*member = bad;
+    CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
+  }
+  sensor = small();
+  sensor.channels[1].origin.y = bad;
+  CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
+  sensor = small();
+  sensor.channels[1].timeOffset = bad;
   CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
 }
 

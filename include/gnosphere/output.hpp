@@ -9,30 +9,35 @@
 
 namespace gnosphere {
 
-/// "x,y,z,range" -> fields. Throws Error(invalidArgument) that lists the names there are.
+/// "x,y,z,range" -> fields; a vector is one name, "normal", and a column per component, normal_x normal_y normal_z.
+/// Throws Error(invalidArgument) that lists the names there are.
 std::vector<Field> parseFields(const std::string& names);
 const std::vector<Field>& defaultFields();  ///< x y z range ring beam triangle instance
 
 struct CloudOptions {
-  std::vector<Field> fields = defaultFields();
-  bool compact = false;  ///< hits only; otherwise every beam, a miss being NaN (0xffffffff in ids)
-  bool ascii = false;    ///< PCD and PLY; CSV always is
+  std::vector<Field> fields;  ///< none: defaultFields(), and the return numbers and counts where beams have several
+  /// What came back only; otherwise every beam, a miss being NaN (0xffffffff in ids). Where beams have several returns
+  /// it is always so: a row per return, and no grid.
+  bool compact = false;
+  bool ascii = false;  ///< PCD and PLY; CSV always is
 };
 
-/// Writes .pcd, .ply, .bin (KITTI: x y z reflectance, hits only), .npy or .csv; the ending decides. The file is
-/// written beside and renamed, so no half-written file is left. Throws Error(invalidArgument) for an ending or a field
-/// the scan does not have, Error(file) if it cannot be written.
+/// Writes .pcd, .ply, .bin (KITTI: x y z and the intensity, or 0; hits only), .npy or .csv; the ending decides. The
+/// file is written beside and renamed, so no half-written file is left. Throws Error(invalidArgument) for an ending or
+/// a field the scan does not have, Error(file) if it cannot be written.
 void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
 
-/// Range image over the columns and channels above a bird's-eye view coloured by height, as PNG.
+/// Range image over the columns and channels above a bird's-eye view coloured by height, as PNG. Of several returns it
+/// shows the first of each beam.
 void writePicture(const Scan& scan, const std::filesystem::path& file);
 
-/// Reads a PCD, PLY, NPY or CSV cloud with the fields that writeCloud() gave it; organised by `beam` where the file
-/// has that field. Throws Error(file) or Error(format), Error(invalidArgument) for an ending it does not read.
+/// Reads a PCD, PLY, NPY or CSV cloud with the fields that writeCloud() gave it, but for those that follow from others
+/// (class, time, azimuth, elevation); organised by `beam`, and by `return` where beams have several, where the file has
+/// those fields. Throws Error(file) or Error(format), Error(invalidArgument) for an ending it does not read.
 Scan readCloud(const std::filesystem::path& file);
 
-/// How two clouds of the same beams differ, beam by beam; `reference` is taken as the truth. Beams that the reference
-/// marks as ties are counted apart.
+/// How two clouds of the same beams differ, beam by beam, and return by return where there are several; `reference` is
+/// taken as the truth. Returns that the reference marks as ties are counted apart.
 struct Comparison {
   uint64_t beams = 0;
   uint64_t hits = 0;            ///< of the reference

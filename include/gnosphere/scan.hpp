@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "gnosphere/scene.hpp"
+#include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
 
@@ -131,11 +133,18 @@ struct Scan {
   std::vector<uint8_t> labels;      ///< Label
   std::vector<uint8_t> causes;      ///< Cause, per beam
 
+  /// What directions, times and classes follow from when a cloud is written; null where the scan comes from a file.
+  std::shared_ptr<const Sensor> model;
+  std::shared_ptr<const std::vector<uint16_t>> classes;  ///< by instance; 0 beyond its end
+
   Counters counters;
   Timings timings;
 
   size_t beamCount() const { return ranges.size() / returns; }
+  /// A surface came back.
   bool hit(size_t entry) const { return triangles[entry] != kNoTriangle; }
+  /// Something came back: a surface or the medium.
+  bool returned(size_t entry) const { return ranges[entry] == ranges[entry]; }
 };
 
 }  // namespace gnosphere

@@ -89,6 +89,8 @@ struct Instance {
 struct Scene {
   std::vector<Material> materials;
   std::vector<AlphaImage> alphaImages;
+  /// Images of AlphaMode::mask that are not there or not PNG: how many. Their materials have no alpha image.
+  uint32_t unreadImages = 0;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
 
@@ -105,7 +107,8 @@ struct Bounds {
 /// Box of every finite vertex of every instance.
 Bounds worldBounds(const Scene& scene);
 
-/// Throws Error(invalidArgument) that names the mesh, part or instance whose indices do not fit.
+/// Throws Error(invalidArgument) that names the material, image, mesh, part or instance whose indices or sizes do not
+/// fit.
 void validate(const Scene& scene);
 
 enum class UpAxis { formatDefault, y, z };
@@ -115,8 +118,9 @@ struct LoadOptions {
   double scale = 1;                   ///< file units -> metres
 };
 
-/// Reads .gltf, .glb, .obj, .ply or .stl. y-up files are turned so that (x, y, z) becomes (x, -z, y).
-/// Throws Error(file) if the file cannot be read, Error(format) if its content is not sound.
+/// Reads .gltf, .glb, .obj, .ply or .stl; of textures, only glTF's PNG ones of cut-out materials. y-up files are turned
+/// so that (x, y, z) becomes (x, -z, y). Throws Error(file) if the file cannot be read, Error(format) if its content is
+/// not sound.
 Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
 
 /// Writes a binary glTF 2.0 file (y-up), meshes shared by their instances. Throws Error(file).

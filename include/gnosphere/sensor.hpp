@@ -39,7 +39,8 @@ struct Sensor {
 };
 
 /// Throws Error(invalidArgument) that names the field: zero columns, angles or ranges that are not finite or out of
-/// bounds, more beams than a 32-bit index holds. Zero channels are allowed: the cloud is empty.
+/// bounds, divergences beyond 100 mrad, returns beyond 1..5, origins beyond 1 m, a rotation beyond 10 s, time offsets
+/// beyond 1 s, more beams than a 32-bit index holds. Zero channels are allowed: the cloud is empty.
 void validate(const Sensor& sensor);
 
 /// The five models of Table 2 of the GnoSphere360 paper.
@@ -49,7 +50,8 @@ const std::vector<Sensor>& builtinSensors();
 /// the names there are, Error(file) or Error(format).
 Sensor findSensor(const std::string& nameOrFile);
 
-/// JSON of a sensor; sensorFromJson(toJson(s)) has the same bytes in every field.
+/// JSON of a sensor; sensorFromJson(toJson(s)) has the same bytes in every field (a divergence, stated in milliradians,
+/// may lose its last bit).
 std::string toJson(const Sensor& sensor);
 Sensor sensorFromJson(std::string_view json, const std::string& source);
 

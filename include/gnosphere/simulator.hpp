@@ -181,7 +181,7 @@ class Simulator {
   /// instance or mesh that does not exist, a transform that is not finite, or more triangles than a scene may place.
   void setTransform(size_t instance, const Transform& transform);
   /// The instance's index, in Scan::instances too: that of one removed before, or the next.
-  size_t addInstance(uint32_t mesh, const Transform& transform);
+  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0);
   void removeInstance(size_t instance);
   /// New places for the vertices of a mesh, as many as it has: metres, relative to its origin. The triangles stay.
   void setPositions(size_t mesh, std::span<const float> positions);
@@ -196,11 +196,13 @@ class Simulator {
   void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive);
 
   void checkInstance(size_t instance) const;
+  void setClass(size_t instance, uint16_t classId);
 
   struct MeshSize {
     size_t vertices, triangles;
   };
-  std::vector<Sensor> sensors_;
+  std::vector<std::shared_ptr<const Sensor>> sensors_;
+  std::shared_ptr<std::vector<uint16_t>> classes_;  // by instance; scans share it
   std::vector<MeshSize> meshes_;
   std::vector<uint32_t> instanceMeshes_;  // kNoMesh where it was removed
   std::vector<size_t> removed_;

@@ -18,6 +18,9 @@ uint64_t maxSparseBeams(const CloudTable& table) {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
+/// More returns than any sensor gives: it bounds what one value of an unsound file can make us allocate.
+constexpr uint32_t kMostReturns = 16;
+
 struct Grid {
   uint32_t columns = 0, channels = 0;
 };
@@ -45,11 +48,24 @@ Grid gridFromRings(const CloudTable& table, const CloudColumn& beam, uint64_t be
   return {static_cast<uint32_t>(columns), static_cast<uint32_t>(channels)};
 }
 
-Grid findGrid(const CloudTable& table, const CloudColumn* beam) {
+/// Returns per beam: as the file says, or as its rows need.
+uint32_t findReturns(const CloudTable& table, const CloudColumn* number) {
+  if (!number) return 1;
+  uint32_t returns = std::max(1u, table.gridReturns);
+  for (size_t row = 0; row < table.rows; ++row) returns = std::max(returns, whole(table, *number, row));
+  if (returns > kMostReturns) {
+    table.refuse("has a return number " + std::to_string(returns) + "; there may be " + std::to_string(kMostReturns));
+  }
+  return returns;
+}
+
+/// `returns`: per beam, at most.
+Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns) {
   if (table.rows > 0xfffffffeu) table.refuse("has more points than a 32-bit index holds");
+  const uint64_t fewest = (table.rows + returns - 1) / returns;  // beams that can have these rows
   if (table.gridColumns > 0) {
     const uint64_t beams = uint64_t{table.gridColumns} * table.gridChannels;
-    if (beams < table.rows || (beams > table.rows && beams > maxSparseBeams(table))) {
+    if (beams < fewest || (beams > fewest && beams * returns > maxSparseBeams(table))) {
       table.refuse("its grid of " + std::to_string(table.gridColumns) + " columns x " +
                    std::to_string(table.gridChannels) + " channels does not suit " + std::to_string(table.rows) +
                    " points");
@@ -59,65 +75,77 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam) {
   }
   if (table.height > 1) return {table.width, table.height};
   if (!beam) return {static_cast<uint32_t>(table.rows), 1};
-  uint64_t beams = table.rows;
+  uint64_t beams = fewest;
   for (size_t row = 0; row < table.rows; ++row) beams = std::max(beams, uint64_t{whole(table, *beam, row)} + 1);
-  if (beams > table.rows && beams > maxSparseBeams(table)) {
+  if (beams > fewest && beams * returns > maxSparseBeams(table)) {
     table.refuse("has " + std::to_string(table.rows) + " points of at least " + std::to_string(beams) + " beams");
   }
   return gridFromRings(table, *beam, beams);
 }
 
-/// Where each row goes; empty if row = beam.
-std::vector<uint32_t> placeRows(const CloudTable& table, const CloudColumn* beam, size_t beamCount) {
-  std::vector<uint32_t> beams;
-  if (!beam) return beams;
-  std::vector<bool> taken(beamCount, false);
-  beams.reserve(table.rows);
+/// Which entry of the scan's arrays each row is; empty if entry = row. A miss may have the return number 0.
+std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, const CloudColumn* number,
+                              size_t beamCount, uint32_t returns) {
+  std::vector<size_t> entries;
+  if (!beam) return entries;
+  std::vector<bool> taken(beamCount * returns, false);
+  entries.reserve(table.rows);
   for (size_t row = 0; row < table.rows; ++row) {
     const uint32_t b = whole(table, *beam, row);
     if (b >= beamCount) {
       table.refuse("point " + std::to_string(row) + " is of beam " + std::to_string(b) + ", the grid has " +
                    std::to_string(beamCount));
     }
-    if (taken[b]) table.refuse("beam " + std::to_string(b) + " is there twice");
-    taken[b] = true;
-    beams.push_back(b);
+    const uint32_t k = number ? std::max(1u, whole(table, *number, row)) : 1;
+    const size_t entry = size_t{b} * returns + k - 1;
+    if (taken[entry]) {
+      table.refuse((returns > 1 ? "return " + std::to_string(k) + " of beam " : std::string("beam ")) +
+                   std::to_string(b) + " is there twice");
+    }
+    taken[entry] = true;
+    entries.push_back(entry);
   }
-  return beams;
+  return entries;
 }
 
+/// Puts the columns of the table where they belong in the arrays of a scan; what no row is for stays as a miss has it.
 class Placer {
  public:
-  Placer(const CloudTable& table, size_t beamCount, std::vector<uint32_t> beams)
-      : table_(table), beamCount_(beamCount), beams_(std::move(beams)) {}
+  Placer(const CloudTable& table, size_t entryCount, std::vector<size_t> entries)
+      : table_(table), entryCount_(entryCount), entries_(std::move(entries)) {}
 
-  void floats(const char* name, std::vector<float>& out, size_t stride = 1, size_t offset = 0) const {
-    const CloudColumn* column = table_.find(name);
-    if (!column) return;
-    out.resize(beamCount_ * stride, kNaN);
-    for (size_t row = 0; row < table_.rows; ++row) {
-      out[beam(row) * stride + offset] = static_cast<float>(table_.value(*column, row));
+  template <class T>
+  void place(Field field, std::vector<T>& out, T none) const {
+    for (const ColumnInfo& info : columnsOf({field})) {
+      const CloudColumn* column = table_.find(info.name);
+      if (!column) continue;
+      out.resize(entryCount_ * info.components, none);
+      for (size_t row = 0; row < table_.rows; ++row) {
+        const size_t entry = entries_.empty() ? row : entries_[row];
+        out[entry * info.components + info.component] = value<T>(*column, row);
+      }
     }
   }
-  void indices(const char* name, std::vector<uint32_t>& out) const {
-    const CloudColumn* column = table_.find(name);
-    if (!column) return;
-    out.resize(beamCount_, kNoTriangle);
-    for (size_t row = 0; row < table_.rows; ++row) out[beam(row)] = whole(table_, *column, row);
-  }
-  void flags(const char* name, std::vector<uint8_t>& out) const {
-    const CloudColumn* column = table_.find(name);
-    if (!column) return;
-    out.resize(beamCount_, 0);
-    for (size_t row = 0; row < table_.rows; ++row) out[beam(row)] = table_.value(*column, row) != 0;
-  }
+  void place(Field field, std::vector<float>& out) const { place(field, out, kNaN); }
 
  private:
-  size_t beam(size_t row) const { return beams_.empty() ? row : beams_[row]; }
+  template <class T>
+  T value(const CloudColumn& column, size_t row) const {
+    if constexpr (std::is_same_v<T, float>) {
+      return static_cast<float>(table_.value(column, row));
+    } else {
+      const uint32_t number = whole(table_, column, row);
+      if (number > std::numeric_limits<T>::max()) {
+        table_.refuse("point " + std::to_string(row) + ": '" + column.name + "' is " + std::to_string(number) +
+                      ", more than the field holds");
+      }
+      return static_cast<T>(number);
+    }
+  }
 
   const CloudTable& table_;
-  size_t beamCount_;
-  std::vector<uint32_t> beams_;
+  size_t entryCount_;
+  std::vector<size_t> entries_;
 };
 
 CloudTable readTable(CloudFormat format, std::string bytes, const std::string& source) {
@@ -153,34 +181,48 @@ Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& so
   const bool hasPoints = table.find("x") && table.find("y") && table.find("z");
   if (!hasPoints && !table.find("range")) table.refuse("has neither x, y, z nor range: not a cloud");
   const CloudColumn* beam = table.find("beam");
-  const Grid grid = findGrid(table, beam);
-
+  const CloudColumn* number = beam ? table.find("return") : nullptr;
   Scan scan;
   scan.sensor = table.sensor;
+  scan.returns = findReturns(table, number);
+  const Grid grid = findGrid(table, beam, scan.returns);
   scan.columns = grid.columns;
   scan.channels = grid.channels;
-  const size_t beamCount = size_t{grid.columns} * grid.channels;
-  const Placer place(table, beamCount, placeRows(table, beam, beamCount));
+  const size_t beamCount = size_t{grid.columns} * grid.channels, entryCount = beamCount * scan.returns;
+  const Placer placer(table, entryCount, placeRows(table, beam, number, beamCount, scan.returns));
   if (hasPoints) {
-    place.floats("x", scan.points, 3, 0);
-    place.floats("y", scan.points, 3, 1);
-    place.floats("z", scan.points, 3, 2);
+    for (Field field : {Field::x, Field::y, Field::z}) placer.place(field, scan.points);
   }
-  place.floats("range", scan.ranges);
+  placer.place(Field::range, scan.ranges);
   if (scan.ranges.empty()) {
-    scan.ranges.reserve(beamCount);
-    for (size_t b = 0; b < beamCount; ++b) {
-      const float* p = &scan.points[3 * b];
+    scan.ranges.reserve(entryCount);
+    for (size_t entry = 0; entry < entryCount; ++entry) {
+      const float* p = &scan.points[3 * entry];
       scan.ranges.push_back(static_cast<float>(std::hypot(double{p[0]}, double{p[1]}, double{p[2]})));
     }
   }
-  place.indices("triangle", scan.triangles);
-  place.indices("instance", scan.instances);
-  place.flags("tie", scan.ties);
-  place.floats("tolerance", scan.tolerances);
+  placer.place(Field::triangle, scan.triangles, kNoTriangle);
+  placer.place(Field::instance, scan.instances, kNoTriangle);
+  placer.place(Field::tie, scan.ties, uint8_t{0});
+  placer.place(Field::tolerance, scan.tolerances);
+  placer.place(Field::intensity, scan.intensities);
+  placer.place(Field::trueRange, scan.trueRanges);
+  placer.place(Field::label, scan.labels, static_cast<uint8_t>(Label::none));
+  placer.place(Field::width, scan.widths);
+  placer.place(Field::normal, scan.normals);
+  placer.place(Field::incidence, scan.incidences);
+  placer.place(Field::material, scan.materials, kNoTriangle);
+  placer.place(Field::barycentrics, scan.barycentrics);
+  placer.place(Field::velocity, scan.velocities);
+  placer.place(Field::radialSpeed, scan.radialSpeeds);
+  // A file of several returns has no row for a beam without any, so it does not say what became of those.
+  if (scan.returns == 1) placer.place(Field::cause, scan.causes, static_cast<uint8_t>(Cause::noSurface));
 
   scan.counters.beams = beamCount;
-  for (float range : scan.ranges) scan.counters.hits += !std::isnan(range);
+  for (size_t b = 0; b < beamCount; ++b) {
+    const auto* first = &scan.ranges[b * scan.returns];
+    scan.counters.hits += std::any_of(first, first + scan.returns, [](float range) { return !std::isnan(range); });
+  }
   scan.counters.misses = beamCount - scan.counters.hits;
   return scan;
 }

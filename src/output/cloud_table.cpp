@@ -53,7 +53,7 @@ void CloudTable::refuse(const std::string& why) const {
 
 const CloudColumn* CloudTable::find(std::string_view name) const {
   for (const CloudColumn& column : columns) {
-    const FieldInfo* info = findField(column.name);
+    const ColumnInfo* info = findColumn(column.name);
     if (info && name == info->name) return &column;
   }
   return nullptr;
@@ -104,7 +104,7 @@ void CloudTable::parseTextRows(size_t offset) {
   std::vector<Word> words;
   size_t stride = 0;
   for (const CloudColumn& column : columns) {
-    const FieldInfo* info = column.count == 1 ? findField(column.name) : nullptr;
+    const ColumnInfo* info = column.count == 1 ? findColumn(column.name) : nullptr;
     words.resize(words.size() + column.count, {nullptr, 0});
     if (!info) continue;
     ours.push_back({column.name, info->type, info->size});
@@ -141,7 +141,9 @@ void CloudTable::readGridComment(std::string_view line) {
   const size_t start = line.find("gnosphere columns");
   if (start == line.npos) return;
   const std::string text(line.substr(start));
-  if (std::sscanf(text.c_str(), kGridComment, &gridColumns, &gridChannels) != 2) gridColumns = gridChannels = 0;
+  const int count = std::sscanf(text.c_str(), kGridCommentReturns, &gridColumns, &gridChannels, &gridReturns);
+  if (count < 2) gridColumns = gridChannels = 0;
+  if (count < 3) gridReturns = 1;
   const size_t name = text.find(" sensor ");
   if (name != text.npos) sensor = text.substr(name + 8);
 }

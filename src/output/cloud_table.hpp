@@ -29,7 +29,7 @@ struct CloudTable {
   /// How the rows lie, where the file says so: width x height = rows.
   uint32_t width = 0, height = 0;
   /// The sensor's grid, where a comment of ours says so.
-  uint32_t gridColumns = 0, gridChannels = 0;
+  uint32_t gridColumns = 0, gridChannels = 0, gridReturns = 1;
   std::string sensor;
 
   [[noreturn]] void refuse(const std::string& why) const;  ///< throws Error(format)

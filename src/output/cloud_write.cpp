@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstring>
-#include <limits>
+#include <numbers>
 
 #include "file.hpp"
 #include "gnosphere/error.hpp"
@@ -14,88 +15,162 @@ namespace {
 /// Rows per block: a few megabytes, so a large cloud is neither held twice nor written value by value.
 constexpr size_t kBlockRows = size_t{1} << 16;
 
-/// The rows to be written: every beam in order, or those that hit.
+/// The rows to be written: every beam in order, or what came back. A row is an entry of the scan's arrays.
 struct Rows {
   const Scan& scan;
-  const std::vector<Field>& fields;
-  std::vector<uint32_t> beams;  ///< where `compact`
+  std::vector<ColumnInfo> columns;
   bool compact = false;
+  std::vector<size_t> entries;  ///< where `compact`
   size_t count = 0;
 
-  size_t beam(size_t row) const { return compact ? beams[row] : row; }
+  size_t entry(size_t row) const { return compact ? entries[row] : row; }
 };
 
-size_t rowBytes(const std::vector<Field>& fields) {
+size_t rowBytes(const Rows& rows) {
   size_t bytes = 0;
-  for (Field field : fields) bytes += fieldInfo(field).size;
+  for (const ColumnInfo& column : rows.columns) bytes += column.size;
   return bytes;
 }
 
-bool isHit(const Scan& scan, size_t beam) {
-  return scan.triangles.empty() ? scan.ranges[beam] == scan.ranges[beam] : scan.hit(beam);
-}
-
-size_t entries(const Scan& scan, Field field) {
+bool has(const Scan& scan, Field field) {
+  const size_t entries = scan.ranges.size();
   switch (field) {
     case Field::x:
     case Field::y:
-    case Field::z: return scan.points.size() / 3;
-    case Field::range: return scan.ranges.size();
-    case Field::triangle: return scan.triangles.size();
-    case Field::instance: return scan.instances.size();
-    case Field::tie: return scan.ties.size();
-    case Field::tolerance: return scan.tolerances.size();
-    default: break;
+    case Field::z: return scan.points.size() == 3 * entries;
+    case Field::triangle: return scan.triangles.size() == entries;
+    case Field::instance: return scan.instances.size() == entries;
+    case Field::tie: return scan.ties.size() == entries;
+    case Field::tolerance: return scan.tolerances.size() == entries;
+    case Field::intensity: return scan.intensities.size() == entries;
+    case Field::trueRange: return scan.trueRanges.size() == entries;
+    case Field::cause: return scan.causes.size() == scan.beamCount();
+    case Field::label: return scan.labels.size() == entries;
+    case Field::width: return scan.widths.size() == entries;
+    case Field::normal: return scan.normals.size() == 3 * entries;
+    case Field::incidence: return scan.incidences.size() == entries;
+    case Field::material: return scan.materials.size() == entries;
+    case Field::barycentrics: return scan.barycentrics.size() == 2 * entries;
+    case Field::velocity: return scan.velocities.size() == 3 * entries;
+    case Field::radialSpeed: return scan.radialSpeeds.size() == entries;
+    case Field::classId: return scan.classes && scan.instances.size() == entries;
+    case Field::time:
+    case Field::azimuth:
+    case Field::elevation: return scan.model && scan.model->beamCount() == scan.beamCount();
+    case Field::range:
+    case Field::ring:
+    case Field::beam:
+    case Field::returnNumber:
+    case Field::returnCount: return true;
   }
-  return scan.beamCount();
+  return false;
+}
+
+std::string wayTo(Field field) {
+  if (field == Field::tie || field == Field::tolerance) return "; only --device reference gives it";
+  return isAskedFor(field) ? "; it must be asked for before the scan" : "";
 }
 
 void checkFields(const Scan& scan, const std::vector<Field>& fields) {
+  if (scan.returns == 0 || scan.returns > 255) {
+    throw Error(ErrorCode::invalidArgument,
+                "the scan has " + std::to_string(scan.returns) + " returns per beam; there must be 1 to 255");
+  }
   const size_t beamCount = scan.beamCount();
   if (size_t{scan.columns} * scan.channels != beamCount) {
     throw Error(ErrorCode::invalidArgument, "the scan has " + std::to_string(beamCount) + " ranges for " +
                                                 std::to_string(scan.columns) + " columns x " +
                                                 std::to_string(scan.channels) + " channels");
   }
-  if (fields.empty()) throw Error(ErrorCode::invalidArgument, "no field to write was chosen");
   for (Field field : fields) {
-    const std::string name = fieldInfo(field).name;
+    const std::string name = fieldName(field);
     if (field == Field::ring && scan.channels > 65536) {
       throw Error(ErrorCode::invalidArgument, "field 'ring' is 16 bits wide, the scan has " +
                                                   std::to_string(scan.channels) + " channels; leave it out");
     }
-    if (entries(scan, field) == beamCount) continue;
-    const bool fromReference = field == Field::tie || field == Field::tolerance;
-    throw Error(ErrorCode::invalidArgument,
-                "the scan has no field '" + name + "'" + (fromReference ? "; only --device reference gives it" : ""));
+    if (has(scan, field)) continue;
+    throw Error(ErrorCode::invalidArgument, "the scan has no field '" + name + "'" + wayTo(field));
   }
 }
 
 Rows makeRows(const Scan& scan, const std::vector<Field>& fields, bool compact) {
-  Rows rows{scan, fields, {}, compact, scan.beamCount()};
+  Rows rows{scan, columnsOf(fields), compact, {}, scan.ranges.size()};
   if (!compact) return rows;
-  for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
-    if (isHit(scan, beam)) rows.beams.push_back(static_cast<uint32_t>(beam));
+  for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
+    if (scan.returned(entry)) rows.entries.push_back(entry);
   }
-  rows.count = rows.beams.size();
+  rows.count = rows.entries.size();
   return rows;
 }
 
-/// Calls `use` with a function beam -> value, of the field's own type.
+/// Counted from 1; 0 where nothing came back.
+uint8_t returnNumber(const Scan& scan, size_t entry) {
+  return static_cast<uint8_t>(scan.returned(entry) ? entry % scan.returns + 1 : 0);
+}
+
+uint8_t returnCount(const Scan& scan, size_t beam) {
+  int count = 0;
+  for (size_t k = 0; k < scan.returns; ++k) count += scan.returned(beam * scan.returns + k);
+  return static_cast<uint8_t>(count);
+}
+
+uint16_t classOf(const Scan& scan, size_t entry) {
+  const uint32_t instance = scan.instances[entry];
+  return instance < scan.classes->size() ? (*scan.classes)[instance] : uint16_t{0};
+}
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+float timeOf(const Sensor& sensor, size_t beam) {
+  const double turned = static_cast<double>(beam % sensor.columns) / sensor.columns;
+  return static_cast<float>(sensor.rotationPeriod * turned + sensor.channels[beam / sensor.columns].timeOffset);
+}
+
+float azimuthOf(const Sensor& sensor, size_t beam) {
+  const double column = -180 + 360.0 * static_cast<double>(beam % sensor.columns) / sensor.columns;
+  const double degrees = column + sensor.channels[beam / sensor.columns].azimuthOffsetDeg;
+  return static_cast<float>(kDegree * std::remainder(degrees, 360));
+}
+
+float elevationOf(const Sensor& sensor, size_t beam) {
+  return static_cast<float>(kDegree * sensor.channels[beam / sensor.columns].elevationDeg);
+}
+
+/// Calls `use` with a function entry -> value, of the column's own type.
 template <class Use>
-void withField(const Scan& scan, Field field, Use use) {
-  switch (field) {
-    case Field::x: return use([&](size_t b) { return scan.points[3 * b]; });
-    case Field::y: return use([&](size_t b) { return scan.points[3 * b + 1]; });
-    case Field::z: return use([&](size_t b) { return scan.points[3 * b + 2]; });
-    case Field::range: return use([&](size_t b) { return scan.ranges[b]; });
-    case Field::ring: return use([&](size_t b) { return static_cast<uint16_t>(b / scan.columns); });
-    case Field::beam: return use([&](size_t b) { return static_cast<uint32_t>(b); });
-    case Field::triangle: return use([&](size_t b) { return scan.triangles[b]; });
-    case Field::instance: return use([&](size_t b) { return scan.instances[b]; });
-    case Field::tie: return use([&](size_t b) { return scan.ties[b]; });
-    case Field::tolerance: return use([&](size_t b) { return scan.tolerances[b]; });
-    default: break;
+void withColumn(const Scan& scan, const ColumnInfo& column, Use use) {
+  const size_t returns = scan.returns;
+  const auto from = [&](const auto& values) {
+    use([&values, n = size_t{column.components}, c = column.component](size_t e) { return values[n * e + c]; });
+  };
+  switch (column.field) {
+    case Field::x:
+    case Field::y:
+    case Field::z: return from(scan.points);
+    case Field::range: return from(scan.ranges);
+    case Field::ring: return use([&](size_t e) { return static_cast<uint16_t>(e / returns / scan.columns); });
+    case Field::beam: return use([&](size_t e) { return static_cast<uint32_t>(e / returns); });
+    case Field::triangle: return from(scan.triangles);
+    case Field::instance: return from(scan.instances);
+    case Field::tie: return from(scan.ties);
+    case Field::tolerance: return from(scan.tolerances);
+    case Field::intensity: return from(scan.intensities);
+    case Field::trueRange: return from(scan.trueRanges);
+    case Field::cause: return use([&](size_t e) { return scan.causes[e / returns]; });
+    case Field::label: return from(scan.labels);
+    case Field::returnNumber: return use([&](size_t e) { return returnNumber(scan, e); });
+    case Field::returnCount: return use([&](size_t e) { return returnCount(scan, e / returns); });
+    case Field::width: return from(scan.widths);
+    case Field::normal: return from(scan.normals);
+    case Field::incidence: return from(scan.incidences);
+    case Field::material: return from(scan.materials);
+    case Field::barycentrics: return from(scan.barycentrics);
+    case Field::classId: return use([&](size_t e) { return classOf(scan, e); });
+    case Field::velocity: return from(scan.velocities);
+    case Field::radialSpeed: return from(scan.radialSpeeds);
+    case Field::time: return use([&](size_t e) { return timeOf(*scan.model, e / returns); });
+    case Field::azimuth: return use([&](size_t e) { return azimuthOf(*scan.model, e / returns); });
+    case Field::elevation: return use([&](size_t e) { return elevationOf(*scan.model, e / returns); });
   }
 }
 
@@ -105,15 +180,15 @@ void writeBinary(AtomicFile& file, const Rows& rows, size_t stride) {
   for (size_t first = 0; first < rows.count; first += kBlockRows) {
     const size_t count = std::min(kBlockRows, rows.count - first);
     size_t offset = 0;
-    for (Field field : rows.fields) {
-      withField(rows.scan, field, [&](auto value) {
+    for (const ColumnInfo& column : rows.columns) {
+      withColumn(rows.scan, column, [&](auto value) {
         char* out = block.data() + offset;
         for (size_t i = 0; i < count; ++i, out += stride) {
-          const auto v = value(rows.beam(first + i));
+          const auto v = value(rows.entry(first + i));
           std::memcpy(out, &v, sizeof(v));
         }
       });
-      offset += fieldInfo(field).size;
+      offset += column.size;
     }
     file.write(block.data(), count * stride);
   }
@@ -129,14 +204,14 @@ char* appendText(char* out, size_t room, Number value) {
 /// One line per row; every float is the shortest text that reads back to the same bits.
 void writeText(AtomicFile& file, const Rows& rows, char separator) {
   constexpr size_t kWidest = 20;
-  std::string block(kBlockRows / 16 * rows.fields.size() * kWidest, '\0');
+  std::string block(kBlockRows / 16 * rows.columns.size() * kWidest, '\0');
   for (size_t first = 0; first < rows.count; first += kBlockRows / 16) {
     const size_t last = std::min(first + kBlockRows / 16, rows.count);
     char* out = block.data();
     for (size_t row = first; row < last; ++row) {
-      const size_t beam = rows.beam(row);
-      for (Field field : rows.fields) {
-        withField(rows.scan, field, [&](auto value) { out = appendText(out, kWidest, value(beam)); });
+      const size_t entry = rows.entry(row);
+      for (const ColumnInfo& column : rows.columns) {
+        withColumn(rows.scan, column, [&](auto value) { out = appendText(out, kWidest, value(entry)); });
         *out++ = separator;
       }
       out[-1] = '\n';
@@ -147,7 +222,9 @@ void writeText(AtomicFile& file, const Rows& rows, char separator) {
 
 std::string gridComment(const Scan& scan) {
   char text[96];
-  std::snprintf(text, sizeof(text), kGridComment, scan.columns, scan.channels);
+  const bool several = scan.returns > 1;
+  std::snprintf(text, sizeof(text), several ? kGridCommentReturns : kGridComment, scan.columns, scan.channels,
+                scan.returns);
   std::string name = scan.sensor;
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c < ' '; }, ' ');
@@ -156,11 +233,11 @@ std::string gridComment(const Scan& scan) {
   return comment;
 }
 
-/// The fields joined by `text(info)`, each after a space.
+/// The columns joined by `text(column)`, each after a space.
 template <class Text>
-std::string joined(const std::vector<Field>& fields, Text text) {
+std::string joined(const std::vector<ColumnInfo>& columns, Text text) {
   std::string out;
-  for (Field field : fields) out.append(1, ' ').append(text(fieldInfo(field)));
+  for (const ColumnInfo& column : columns) out.append(1, ' ').append(text(column));
   return out;
 }
 
@@ -169,10 +246,10 @@ std::string pcdHeader(const Rows& rows, bool ascii) {
   const size_t width = rows.compact ? rows.count : rows.scan.columns;
   const size_t height = rows.compact ? 1 : rows.scan.channels;
   return "# .PCD v0.7 - Point Cloud Data file format\n# " + gridComment(rows.scan) + "\nVERSION 0.7\nFIELDS" +
-         joined(rows.fields, [](const FieldInfo& f) { return f.name; }) + "\nSIZE" +
-         joined(rows.fields, [&](const FieldInfo& f) { return number(f.size); }) + "\nTYPE" +
-         joined(rows.fields, [](const FieldInfo& f) { return std::string(1, f.type); }) + "\nCOUNT" +
-         joined(rows.fields, [](const FieldInfo&) { return "1"; }) + "\nWIDTH " + number(width) + "\nHEIGHT " +
+         joined(rows.columns, [](const ColumnInfo& f) { return f.name; }) + "\nSIZE" +
+         joined(rows.columns, [&](const ColumnInfo& f) { return number(f.size); }) + "\nTYPE" +
+         joined(rows.columns, [](const ColumnInfo& f) { return std::string(1, f.type); }) + "\nCOUNT" +
+         joined(rows.columns, [](const ColumnInfo&) { return "1"; }) + "\nWIDTH " + number(width) + "\nHEIGHT " +
          number(height) + "\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + number(rows.count) + "\nDATA " +
          (ascii ? "ascii" : "binary") + "\n";
 }
@@ -180,8 +257,7 @@ std::string pcdHeader(const Rows& rows, bool ascii) {
 std::string plyHeader(const Rows& rows, bool ascii) {
   std::string header = "ply\nformat " + std::string(ascii ? "ascii" : "binary_little_endian") + " 1.0\ncomment " +
                        gridComment(rows.scan) + "\nelement vertex " + std::to_string(rows.count) + "\n";
-  for (Field field : rows.fields) {
-    const FieldInfo& info = fieldInfo(field);
+  for (const ColumnInfo& info : rows.columns) {
     const char* type = info.type == 'F' ? "float" : info.size == 4 ? "uint" : info.size == 2 ? "ushort" : "uchar";
     header.append("property ").append(type).append(" ").append(info.name).append("\n");
   }
@@ -191,8 +267,7 @@ std::string plyHeader(const Rows& rows, bool ascii) {
 /// NPY 1.0: magic, version, length of the text, text padded so that the data starts at a multiple of 64 bytes.
 std::string npyHeader(const Rows& rows) {
   std::string text = "{'descr': [";
-  for (Field field : rows.fields) {
-    const FieldInfo& info = fieldInfo(field);
+  for (const ColumnInfo& info : rows.columns) {
     text.append("('").append(info.name).append(info.size == 1 ? "', '|" : "', '<");
     text.append(info.type == 'F' ? "f" : "u").append(std::to_string(info.size)).append("'), ");
   }
@@ -212,19 +287,26 @@ std::string npyHeader(const Rows& rows) {
 
 std::string csvHeader(const Rows& rows) {
   std::string header;
-  for (Field field : rows.fields) header.append(header.empty() ? "" : ",").append(fieldInfo(field).name);
+  for (const ColumnInfo& column : rows.columns) header.append(header.empty() ? "" : ",").append(column.name);
   return header + "\n";
 }
 
 }  // namespace
 
 void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options) {
-  static const std::vector<Field> kittiFields = {Field::x, Field::y, Field::z};
   const CloudFormat format = cloudFormat(file);
   const bool kitti = format == CloudFormat::kitti;
-  const std::vector<Field>& fields = kitti ? kittiFields : options.fields;
+  const bool several = scan.returns > 1;
+  std::vector<Field> fields = options.fields;
+  if (kitti) {
+    fields = {Field::x, Field::y, Field::z};
+    if (!scan.intensities.empty()) fields.push_back(Field::intensity);
+  } else if (fields.empty()) {
+    fields = defaultFields();
+    if (several) fields.insert(fields.end(), {Field::returnNumber, Field::returnCount});
+  }
   checkFields(scan, fields);
-  const Rows rows = makeRows(scan, fields, options.compact || kitti);
+  const Rows rows = makeRows(scan, fields, options.compact || several || kitti);
 
   AtomicFile out(file);
   switch (format) {
@@ -239,8 +321,8 @@ void writeCloud(const Scan& scan, const std::filesystem::path& file, const Cloud
   } else if (options.ascii && (format == CloudFormat::pcd || format == CloudFormat::ply)) {
     writeText(out, rows, ' ');
   } else {
-    // KITTI's fourth value, the reflectance, stays the zero that the block is born with.
-    writeBinary(out, rows, kitti ? 4 * sizeof(float) : rowBytes(fields));
+    // KITTI's fourth value, the reflectance, stays the zero that the block is born with where there is no intensity.
+    writeBinary(out, rows, kitti ? 4 * sizeof(float) : rowBytes(rows));
   }
   out.commit();
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "gnosphere/error.hpp"
@@ -13,7 +14,7 @@ namespace {
 void checkFields(const Scan& scan, const char* which) {
   std::string missing;
   const auto need = [&](size_t entries, const char* name) {
-    if (entries != scan.beamCount()) missing += (missing.empty() ? "" : ", ") + std::string(name);
+    if (entries != scan.ranges.size()) missing += (missing.empty() ? "" : ", ") + std::string(name);
   };
   need(scan.triangles.size(), "triangle");
   need(scan.instances.size(), "instance");
@@ -23,8 +24,15 @@ void checkFields(const Scan& scan, const char* which) {
   }
 }
 
-bool tieAt(const Scan& scan, size_t beam) {
-  return beam < scan.ties.size() && scan.ties[beam] != 0;
+bool tieAt(const Scan& scan, size_t entry) {
+  return entry < scan.ties.size() && scan.ties[entry] != 0;
+}
+
+/// The beam's k-th return; none where the scan has fewer per beam. A surface without a range is a hit too.
+std::optional<size_t> returnAt(const Scan& scan, size_t beam, size_t k) {
+  if (k >= scan.returns) return {};
+  const size_t entry = beam * scan.returns + k;
+  return scan.hit(entry) || scan.returned(entry) ? std::optional(entry) : std::nullopt;
 }
 
 /// The percentile among the errors: 99.99 %, in ten thousandths.
@@ -45,30 +53,32 @@ void ComparisonSum::add(const Scan& reference, const Scan& other) {
   checkFields(reference, "the reference cloud");
   checkFields(other, "the other cloud");
   sum_.beams += reference.beamCount();
-  for (size_t beam = 0; beam < reference.beamCount(); ++beam) addBeam(reference, other, beam);
+  const size_t returns = std::max(reference.returns, other.returns);
+  for (size_t beam = 0; beam < reference.beamCount(); ++beam)
+    for (size_t k = 0; k < returns; ++k) addReturn(reference, other, beam, k);
 }
 
-void ComparisonSum::addBeam(const Scan& reference, const Scan& other, size_t b) {
-  const bool expected = reference.hit(b);
-  const bool found = other.hit(b);
+void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t beam, size_t k) {
+  const std::optional<size_t> expected = returnAt(reference, beam, k), found = returnAt(other, beam, k);
   const bool both = expected && found;
-  const bool sameOwner = reference.triangles[b] == other.triangles[b] && reference.instances[b] == other.instances[b];
-  double error = both ? std::abs(double{reference.ranges[b]} - double{other.ranges[b]}) : 0;
+  const bool sameOwner = both && reference.triangles[*expected] == other.triangles[*found] &&
+                         reference.instances[*expected] == other.instances[*found];
+  double error = both ? std::abs(double{reference.ranges[*expected]} - double{other.ranges[*found]}) : 0;
   if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // a hit without a range is no answer
-  sum_.hits += expected;
-  if (tieAt(reference, b)) {
+  sum_.hits += expected.has_value();
+  if (k < reference.returns && tieAt(reference, beam * reference.returns + k)) {
     ++sum_.ties;
-    sum_.tieDifferences += expected != found || (expected && !sameOwner);
     sum_.tieMissed += expected && !found;
     sum_.tieFalseHits += found && !expected;
     sum_.tieWrongOwner += both && !sameOwner;
+    sum_.tieDifferences = sum_.tieMissed + sum_.tieFalseHits + sum_.tieWrongOwner;
     sum_.tieErrorMax = std::max(sum_.tieErrorMax, error);
     return;
   }
   sum_.missed += expected && !found;
   sum_.falseHits += found && !expected;
   if (!both) return;
-  double allowed = b < reference.tolerances.size() ? double{reference.tolerances[b]} : tolerance_;
+  double allowed = *expected < reference.tolerances.size() ? double{reference.tolerances[*expected]} : tolerance_;
   if (!(allowed >= 0)) allowed = tolerance_;
   sum_.wrongOwner += !sameOwner;
   sum_.wrongRange += error > allowed;

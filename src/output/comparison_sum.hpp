@@ -19,7 +19,7 @@ class ComparisonSum {
   Comparison result() const;
 
  private:
-  void addBeam(const Scan& reference, const Scan& other, size_t beam);
+  void addReturn(const Scan& reference, const Scan& other, size_t beam, size_t k);
   void keep(double error);
 
   Comparison sum_;

@@ -256,9 +256,23 @@ std::string printable(std::string text) {
   return text.substr(0, 40);
 }
 
+/// What the picture shows of the first return of every beam.
+Scan firstReturns(const Scan& scan) {
+  Scan first;
+  first.sensor = scan.sensor;
+  first.columns = scan.columns;
+  first.channels = scan.channels;
+  for (size_t entry = 0; entry < scan.ranges.size(); entry += scan.returns) {
+    first.ranges.push_back(scan.ranges[entry]);
+    first.points.insert(first.points.end(), &scan.points[3 * entry], &scan.points[3 * entry] + 3);
+  }
+  return first;
+}
+
 }  // namespace
 
 void writePicture(const Scan& scan, const std::filesystem::path& file) {
+  if (scan.returns > 1 && scan.points.size() == 3 * scan.ranges.size()) return writePicture(firstReturns(scan), file);
   if (scan.points.size() != 3 * scan.beamCount() || size_t{scan.columns} * scan.channels != scan.beamCount()) {
     throw Error(ErrorCode::invalidArgument, file.string() + ": the scan has no point and range for each of its beams");
   }

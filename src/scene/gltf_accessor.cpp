@@ -110,24 +110,29 @@ void GltfArrays::charge(uint64_t count, uint64_t bytesEach, const std::string& u
 void GltfArrays::load(GltfBuffer& buffer, const std::string& user) {
   const std::string name = "buffer " + std::to_string(&buffer - file_.buffers.data());
   if (buffer.uri.empty()) source_.fail(user + ": " + name + " has no uri and the file has no binary chunk for it");
-  if (buffer.uri.starts_with("data:")) {
-    const size_t comma = buffer.uri.find(',');
-    if (comma == std::string::npos || !std::string_view(buffer.uri).substr(0, comma).ends_with(";base64"))
-      source_.fail(user + ": " + name + " has a data URI that is not base64");
-    buffer.owned = decodeBase64(std::string_view(buffer.uri).substr(comma + 1));
-    if (buffer.owned.size == 0 && comma + 1 < buffer.uri.size())
-      source_.fail(user + ": " + name + " has a data URI whose base64 is not sound");
-    buffer.uri = {};
-  } else {
-    try {
-      buffer.owned = source_.sibling(decodedUri(buffer.uri));
-    } catch (const Error& error) {
-      throw Error(error.code(), source_.name + ": " + user + " needs " + name + ": " + error.what());
-    }
-    inputBytes_ += buffer.owned.size;
+  try {
+    buffer.owned = uriBytes(buffer.uri, user + ": " + name);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::format) throw;
+    throw Error(error.code(), source_.name + ": " + user + " needs " + name + ": " + error.what());
   }
+  buffer.uri = {};
   buffer.bytes = buffer.owned;
   buffer.loaded = true;
+}
+
+FileBytes GltfArrays::uriBytes(const std::string& uri, const std::string& user) {
+  if (!uri.starts_with("data:")) {
+    FileBytes bytes = source_.sibling(decodedUri(uri));
+    inputBytes_ += bytes.size;
+    return bytes;
+  }
+  const size_t comma = uri.find(',');
+  if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
+    source_.fail(user + " has a data URI that is not base64");
+  FileBytes bytes = decodeBase64(std::string_view(uri).substr(comma + 1));
+  if (bytes.size == 0 && comma + 1 < uri.size()) source_.fail(user + " has a data URI whose base64 is not sound");
+  return bytes;
 }
 
 Bytes GltfArrays::bufferRange(int index, size_t byteOffset, size_t byteLength, const std::string& user) {
@@ -272,21 +277,33 @@ void GltfArrays::forEachValue(int index, const Layout& layout, const std::string
   }
 }
 
-std::vector<float> GltfArrays::positions(int index, const std::string& user) {
+std::vector<float> GltfArrays::positions(int accessor, const std::string& user) {
+  return floats(accessor, 3, "positions", user);
+}
+
+std::vector<float> GltfArrays::uvs(int accessor, const std::string& user) {
+  return floats(accessor, 2, "texture coordinates", user);
+}
+
+std::vector<float> GltfArrays::floats(int index, size_t components, const char* what, const std::string& user) {
   const Layout layout = this->layout(index, user);
-  if (layout.components != 3) source_.fail(user + ": accessor " + std::to_string(index) + " of positions is not VEC3");
-  charge(layout.count, 12, user);
-  std::vector<float> positions(layout.count * 3);
+  if (layout.components != components)
+    source_.fail(user + ": accessor " + std::to_string(index) + " of " + what + " is not VEC" +
+                 std::to_string(components));
+  const size_t size = components * sizeof(float);
+  charge(layout.count, size, user);
+  std::vector<float> values(layout.count * components);
   const bool plain = layout.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT &&
                      !file_.model.accessors[static_cast<size_t>(index)].sparse.isSparse;
   if (!plain)
     forEachValue(index, layout, user,
-                 [&](size_t i, size_t c, double value) { positions[3 * i + c] = static_cast<float>(value); });
-  else if (layout.first != nullptr && layout.stride == 12 && layout.count > 0)
-    std::memcpy(positions.data(), layout.first, layout.count * 12);
+                 [&](size_t i, size_t c, double value) { values[components * i + c] = static_cast<float>(value); });
+  else if (layout.first != nullptr && layout.stride == size && layout.count > 0)
+    std::memcpy(values.data(), layout.first, layout.count * size);
   else if (layout.first != nullptr)
-    for (size_t i = 0; i < layout.count; ++i) std::memcpy(&positions[3 * i], layout.first + i * layout.stride, 12);
-  return positions;
+    for (size_t i = 0; i < layout.count; ++i)
+      std::memcpy(&values[components * i], layout.first + i * layout.stride, size);
+  return values;
 }
 
 void GltfArrays::appendIndices(int index, const std::string& user, std::vector<uint32_t>& indices) {

@@ -4,26 +4,38 @@
 #include "scene/gltf_accessor.hpp"
 
 namespace gnosphere {
+namespace {
 
-DracoMesh decodeDraco(Bytes bytes, int positionId, const std::string& user, const Source& source) {
+/// `components` floats per vertex of an attribute.
+template <int components>
+std::vector<float> values(const draco::Mesh& mesh, int id, const char* what, const std::string& user,
+                          const Source& source) {
+  const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(static_cast<uint32_t>(id));
+  if (attribute == nullptr || attribute->num_components() != components)
+    source.fail(user + ": its Draco data has no " + what + "s under attribute " + std::to_string(id));
+  std::vector<float> values(size_t{mesh.num_points()} * components);
+  for (uint32_t point = 0; point < mesh.num_points(); ++point) {
+    const draco::AttributeValueIndex value = attribute->mapped_index(draco::PointIndex(point));
+    if (value.value() >= attribute->size() ||
+        !attribute->ConvertValue<float, components>(value, &values[size_t{point} * components]))
+      source.fail(user + ": its Draco data has no " + what + " for vertex " + std::to_string(point));
+  }
+  return values;
+}
+
+}  // namespace
+
+DracoMesh decodeDraco(Bytes bytes, int positionId, int uvId, const std::string& user, const Source& source) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Decoder decoder;
   auto result = decoder.DecodeMeshFromBuffer(&buffer);
   if (!result.ok()) source.fail(user + ": its Draco data is not sound (" + result.status().error_msg_string() + ")");
   const std::unique_ptr<draco::Mesh> mesh = std::move(result).value();
-  const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(static_cast<uint32_t>(positionId));
-  if (attribute == nullptr || attribute->num_components() != 3)
-    source.fail(user + ": its Draco data has no positions under attribute " + std::to_string(positionId));
 
   DracoMesh decoded;
-  decoded.positions.resize(size_t{mesh->num_points()} * 3);
-  for (uint32_t point = 0; point < mesh->num_points(); ++point) {
-    const draco::AttributeValueIndex value = attribute->mapped_index(draco::PointIndex(point));
-    if (value.value() >= attribute->size() ||
-        !attribute->ConvertValue<float, 3>(value, &decoded.positions[size_t{point} * 3]))
-      source.fail(user + ": its Draco data has no position for vertex " + std::to_string(point));
-  }
+  decoded.positions = values<3>(*mesh, positionId, "position", user, source);
+  if (uvId >= 0) decoded.uvs = values<2>(*mesh, uvId, "texture coordinate", user, source);
   decoded.indices.reserve(size_t{mesh->num_faces()} * 3);
   for (uint32_t face = 0; face < mesh->num_faces(); ++face)
     for (const draco::PointIndex& point : mesh->face(draco::FaceIndex(face))) decoded.indices.push_back(point.value());

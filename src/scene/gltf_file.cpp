@@ -147,6 +147,9 @@ class Tidying {
           {"bufferViews", Kind::array},
           {"buffers", Kind::array},
           {"materials", Kind::array},
+          {"textures", Kind::array},
+          {"samplers", Kind::array},
+          {"images", Kind::array},
           {"extensionsRequired", Kind::array}});
     each(json, "scenes", [&](Json& o, const std::string& where) { keep(o, where, {{"nodes", Kind::indices}}); });
     each(json, "nodes", [&](Json& o, const std::string& where) { node(o, where); });
@@ -157,10 +160,22 @@ class Tidying {
       keep(o, where, {{"uri", Kind::text}, {"byteLength", Kind::count}}, {"byteLength"});
     });
     each(json, "materials", [&](Json& o, const std::string& where) { material(o, where); });
+    // What no hole needs does not matter, sound or not.
+    if (!hasHoles_)
+      for (const char* name : {"textures", "samplers", "images"}) json.erase(name);
+    each(json, "textures", [&](Json& o, const std::string& where) {
+      keep(o, where, {{"source", Kind::index}, {"sampler", Kind::index}});
+    });
+    each(json, "samplers", [&](Json& o, const std::string& where) {
+      keep(o, where, {{"wrapS", Kind::index}, {"wrapT", Kind::index}});
+    });
+    each(json, "images", [&](Json& o, const std::string& where) {
+      keep(o, where, {{"uri", Kind::text}, {"bufferView", Kind::index}});
+    });
   }
 
  private:
-  void keep(Json& object, const std::string& where, std::initializer_list<Key> keys,
+  void keep(Json& object, const std::string& where, const std::vector<Key>& keys,
             std::initializer_list<const char*> required = {}) {
     if (!object.is_object()) source_.fail(where + " must be an object");
     Json kept = Json::object();
@@ -223,13 +238,21 @@ class Tidying {
           {"extensions", Kind::object}},
          {"attributes"});
     Json& attributes = o["attributes"];
-    keep(attributes, where + ".attributes", {{"POSITION", Kind::index}});
+    keep(attributes, where + ".attributes", vertexKeys(attributes));
     if (o.contains("indices")) attributes[kIndicesAttribute] = std::move(o["indices"]);
     o.erase("indices");
     extension(o, where, "KHR_draco_mesh_compression", [&](Json& e, const std::string& at) {
       keep(e, at, {{"bufferView", Kind::index}, {"attributes", Kind::object}}, {"bufferView", "attributes"});
-      keep(e["attributes"], at, {{"POSITION", Kind::index}});
+      keep(e["attributes"], at, vertexKeys(e["attributes"]));
     });
+  }
+
+  /// Positions, and every set of texture coordinates that there is.
+  static std::vector<Key> vertexKeys(const Json& attributes) {
+    std::vector<Key> keys = {{"POSITION", Kind::index}};
+    for (auto item = attributes.begin(); item != attributes.end(); ++item)
+      if (item.key().starts_with("TEXCOORD_")) keys.push_back({item.key().c_str(), Kind::index});
+    return keys;
   }
 
   void accessor(Json& o, const std::string& where) {
@@ -282,16 +305,36 @@ class Tidying {
           {"alphaCutoff", Kind::number},
           {"doubleSided", Kind::boolean},
           {"extensions", Kind::object}});
-    if (o.contains("pbrMetallicRoughness"))
-      keep(
-          o["pbrMetallicRoughness"], where + ".pbrMetallicRoughness",
-          {{"baseColorFactor", Kind::numbers, 4}, {"metallicFactor", Kind::number}, {"roughnessFactor", Kind::number}});
+    if (o.contains("pbrMetallicRoughness")) surface(o["pbrMetallicRoughness"], where, o.value("alphaMode", ""));
     extension(o, where, "KHR_materials_transmission", [&](Json& e, const std::string& at) {
       keep(e, at, {{"transmissionFactor", Kind::number}});
     });
   }
 
+  /// Of textures only the holes matter.
+  void surface(Json& o, const std::string& where, const std::string& alphaMode) {
+    keep(o, where + ".pbrMetallicRoughness",
+         {{"baseColorFactor", Kind::numbers, 4},
+          {"metallicFactor", Kind::number},
+          {"roughnessFactor", Kind::number},
+          {"baseColorTexture", Kind::object}});
+    if (alphaMode != "MASK") o.erase("baseColorTexture");
+    if (!o.contains("baseColorTexture")) return;
+    hasHoles_ = true;
+    Json& texture = o["baseColorTexture"];
+    const std::string at = where + ".baseColorTexture";
+    keep(texture, at, {{"index", Kind::index}, {"texCoord", Kind::index}, {"extensions", Kind::object}}, {"index"});
+    extension(texture, at, "KHR_texture_transform", [&](Json& e, const std::string& inside) {
+      keep(e, inside,
+           {{"offset", Kind::numbers, 2},
+            {"rotation", Kind::number},
+            {"scale", Kind::numbers, 2},
+            {"texCoord", Kind::index}});
+    });
+  }
+
   const Source& source_;
+  bool hasHoles_ = false;
 };
 
 void checkVersion(const Json& json, const Source& source) {
@@ -330,6 +373,10 @@ GltfFile parseGltf(Bytes bytes, const Source& source) {
         if (buffer.contains("uri")) added.uri = std::move(buffer["uri"].get_ref<std::string&>());
       }
     json.erase("buffers");
+    if (json.contains("images"))
+      for (const Json& image : json["images"])
+        file.images.push_back({image.value("uri", std::string()), image.value("bufferView", -1)});
+    json.erase("images");
     stripped = json.dump();
   }
   if (container.binary && !file.buffers.empty() && file.buffers[0].uri.empty()) {

@@ -24,12 +24,20 @@ struct GltfBuffer {
   bool loaded = false;
 };
 
-/// tinygltf's model, without what only pictures need and without the buffers. tinygltf would copy the binary chunk and
-/// refuse whole files for a missing texture, for a buffer without `uri` (which EXT_meshopt_compression asks for) and
-/// for indices without bufferView (which KHR_draco_mesh_compression asks for). Every property kept has its right type.
+/// Where a picture is: a file or data URI, or a bufferView.
+struct GltfImage {
+  std::string uri;
+  int bufferView = -1;
+};
+
+/// tinygltf's model, without what only pictures need and without the buffers and images. tinygltf would copy the binary
+/// chunk and refuse whole files for a missing texture, for a buffer without `uri` (which EXT_meshopt_compression asks
+/// for) and for indices without bufferView (which KHR_draco_mesh_compression asks for). Every property kept has its
+/// right type.
 struct GltfFile {
   tinygltf::Model model;
   std::vector<GltfBuffer> buffers;
+  std::vector<GltfImage> images;
 };
 
 /// Where parseGltf puts the accessor of a primitive's indices: among its attributes.

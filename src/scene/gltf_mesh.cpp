@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <span>
 #include <unordered_map>
 
 #include "scene/gltf_accessor.hpp"
@@ -8,16 +10,26 @@
 namespace gnosphere {
 namespace {
 
-/// Triangles of one mesh that index the vertices of one accessor (or of one Draco primitive, then negative).
+/// Where vertices come from: the accessor of their positions (or one Draco primitive, then negative) and that of their
+/// texture coordinates, with the material that lays them over its image. Most have none.
+struct Vertices {
+  int positions = 0;
+  int uvs = -1;
+  int material = -1;
+  auto operator<=>(const Vertices&) const = default;
+};
+
+/// Triangles of one mesh that index the same vertices.
 struct Run {
-  int vertices = 0;
+  Vertices vertices;
   size_t firstIndex = 0, indexCount = 0;
 };
 
 class MeshReader {
  public:
-  MeshReader(const tinygltf::Model& model, GltfArrays& arrays, const Source& source, std::vector<Material>& materials)
-      : model_(model), arrays_(arrays), source_(source), materials_(materials) {}
+  MeshReader(const tinygltf::Model& model, GltfArrays& arrays, const Source& source,
+             const std::vector<std::optional<GltfTexture>>& textures, std::vector<Material>& materials)
+      : model_(model), arrays_(arrays), source_(source), textures_(textures), materials_(materials) {}
 
   std::vector<Mesh> read(const std::vector<bool>& isUsed);
 
@@ -27,16 +39,21 @@ class MeshReader {
   void appendTriangles(int mode, std::vector<uint32_t>&& list, std::vector<uint32_t>& indices) const;
   void checkRange(const Mesh& mesh, const Run& run, size_t vertexCount, const std::string& who) const;
   void appendVertices(Mesh& mesh, const std::string& who);
-  void appendUsedVertices(Mesh& mesh, int accessor, const std::string& who);
+  void appendUsedVertices(Mesh& mesh, const Vertices& vertices, const std::string& who);
+  const std::vector<float>& uvsOf(const Vertices& vertices, size_t vertexCount, const std::string& who);
+  void appendUvs(Mesh& mesh, const Vertices& vertices, std::span<const float> uvs);
+  const GltfTexture* textureOf(const tinygltf::Primitive& primitive) const;
   uint32_t materialIndex(int material, const std::string& who);
 
   const tinygltf::Model& model_;
   GltfArrays& arrays_;
   const Source& source_;
+  const std::vector<std::optional<GltfTexture>>& textures_;  ///< by material
   std::vector<Material>& materials_;
   uint32_t defaultMaterial_ = std::numeric_limits<uint32_t>::max();
   std::unordered_map<int, int> meshesOfAccessor_;                ///< how many meshes use a POSITION accessor
   std::unordered_map<int, std::vector<float>> sharedPositions_;  ///< those of more than one
+  std::unordered_map<int, std::vector<float>> uvs_;              ///< by accessor
   std::vector<Run> runs_;                                        ///< of the mesh being read
   std::vector<DracoMesh> draco_;                                 ///< of the mesh being read; run -2 - i
 };
@@ -98,19 +115,25 @@ void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, const std::
   Run run;
   run.firstIndex = mesh.indices.size();
   size_t vertexCount = 0;
+  const GltfTexture* texture = textureOf(primitive);
+  const std::string uvName = texture ? "TEXCOORD_" + std::to_string(texture->texCoord) : "";
+  if (texture) run.vertices.material = primitive.material;
   const auto compression = primitive.extensions.find("KHR_draco_mesh_compression");
   if (compression != primitive.extensions.end()) {
     const tinygltf::Value& attributes = compression->second.Get("attributes");
     if (!attributes.Has("POSITION")) source_.fail(who + ": its Draco data has no POSITION");
     const Bytes bytes = arrays_.view(compression->second.Get("bufferView").GetNumberAsInt(), who);
+    const int uvId = attributes.Has(uvName) ? attributes.Get(uvName).GetNumberAsInt() : -1;
     DracoMesh& draco =
-        draco_.emplace_back(decodeDraco(bytes, attributes.Get("POSITION").GetNumberAsInt(), who, source_));
-    arrays_.charge(draco.positions.size() + draco.indices.size(), 4, who);
-    run.vertices = -1 - static_cast<int>(draco_.size());
+        draco_.emplace_back(decodeDraco(bytes, attributes.Get("POSITION").GetNumberAsInt(), uvId, who, source_));
+    arrays_.charge(draco.positions.size() + draco.uvs.size() + draco.indices.size(), 4, who);
+    run.vertices.positions = -1 - static_cast<int>(draco_.size());
     vertexCount = draco.positions.size() / 3;
     mesh.indices.insert(mesh.indices.end(), draco.indices.begin(), draco.indices.end());
   } else {
-    run.vertices = position->second;
+    run.vertices.positions = position->second;
+    const auto uvs = primitive.attributes.find(uvName);
+    if (uvs != primitive.attributes.end()) run.vertices.uvs = uvs->second;
     vertexCount = arrays_.count(position->second, who);
     const auto indices = primitive.attributes.find(kIndicesAttribute);
     if (indices != primitive.attributes.end() && primitive.mode == TINYGLTF_MODE_TRIANGLES) {
@@ -163,38 +186,77 @@ void MeshReader::checkRange(const Mesh& mesh, const Run& run, size_t vertexCount
   for (size_t i = run.firstIndex; i < mesh.indices.size(); ++i)
     if (mesh.indices[i] >= vertexCount)
       source_.fail(who + ": index " + std::to_string(mesh.indices[i]) + " is out of range, " +
-                   (run.vertices >= 0 ? "accessor " + std::to_string(run.vertices) : std::string("its Draco data")) +
+                   (run.vertices.positions >= 0 ? "accessor " + std::to_string(run.vertices.positions)
+                                                : std::string("its Draco data")) +
                    " has " + std::to_string(vertexCount) + " vertices");
 }
 
-/// Primitives that share an accessor share its vertices, which are in the mesh once.
+/// How the image of the primitive's material lies on it; null where the material has none.
+const GltfTexture* MeshReader::textureOf(const tinygltf::Primitive& primitive) const {
+  const auto material = static_cast<size_t>(primitive.material);
+  return primitive.material >= 0 && material < textures_.size() && textures_[material] ? &*textures_[material]
+                                                                                       : nullptr;
+}
+
+/// Primitives that share accessors share their vertices, which are in the mesh once.
 void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
-  std::unordered_map<int, uint32_t> firstVertex;
+  std::map<Vertices, uint32_t> firstVertex;
   for (const Run& run : runs_) {
-    if (run.vertices >= 0 && meshesOfAccessor_[run.vertices] > 1) {
+    const int accessor = run.vertices.positions;
+    if (accessor >= 0 && meshesOfAccessor_[accessor] > 1) {
       if (firstVertex.emplace(run.vertices, 0).second) appendUsedVertices(mesh, run.vertices, who);
       continue;
     }
     const auto [found, isNew] = firstVertex.emplace(run.vertices, static_cast<uint32_t>(mesh.vertexCount()));
     if (isNew) {
-      std::vector<float> positions = run.vertices >= 0
-                                         ? arrays_.positions(run.vertices, who)
-                                         : std::move(draco_[static_cast<size_t>(-2 - run.vertices)].positions);
-      if ((mesh.positions.size() + positions.size()) / 3 > std::numeric_limits<uint32_t>::max())
+      DracoMesh* draco = accessor < 0 ? &draco_[static_cast<size_t>(-2 - accessor)] : nullptr;
+      std::vector<float> positions = draco ? std::move(draco->positions) : arrays_.positions(accessor, who);
+      const size_t count = positions.size() / 3;
+      if (mesh.vertexCount() + count > std::numeric_limits<uint32_t>::max())
         source_.fail(who + " has more than 4294967295 vertices");
       if (mesh.positions.empty())
         mesh.positions = std::move(positions);
       else
         mesh.positions.insert(mesh.positions.end(), positions.begin(), positions.end());
+      if (run.vertices.material >= 0)
+        appendUvs(mesh, run.vertices, draco ? draco->uvs : uvsOf(run.vertices, count, who));
     }
     if (found->second == 0) continue;
     for (size_t i = 0; i < run.indexCount; ++i) mesh.indices[run.firstIndex + i] += found->second;
+  }
+  if (!mesh.uvs.empty()) mesh.uvs.resize(2 * mesh.vertexCount());
+}
+
+/// The texture coordinates of an accessor, as the file has them. Empty where there is none.
+const std::vector<float>& MeshReader::uvsOf(const Vertices& vertices, size_t vertexCount, const std::string& who) {
+  static const std::vector<float> kNone;
+  if (vertices.uvs < 0) return kNone;
+  const auto cached = uvs_.find(vertices.uvs);
+  const std::vector<float>& uvs =
+      cached != uvs_.end() ? cached->second : uvs_.emplace(vertices.uvs, arrays_.uvs(vertices.uvs, who)).first->second;
+  if (uvs.size() != 2 * vertexCount)
+    source_.fail(who + ": accessor " + std::to_string(vertices.uvs) + " has texture coordinates for " +
+                 std::to_string(uvs.size() / 2) + " vertices, there are " + std::to_string(vertexCount));
+  return uvs;
+}
+
+/// For the last vertices of the mesh, through the transform of their material. As on a GPU, they are 0 for vertices
+/// that have none.
+void MeshReader::appendUvs(Mesh& mesh, const Vertices& vertices, std::span<const float> uvs) {
+  const std::array<double, 6>& m = textures_[static_cast<size_t>(vertices.material)]->transform;
+  mesh.uvs.resize(2 * mesh.vertexCount());
+  float* out = mesh.uvs.data() + mesh.uvs.size() - uvs.size();
+  for (size_t i = 0; i < uvs.size(); i += 2) {
+    const double u = uvs[i], v = uvs[i + 1];
+    out[i] = static_cast<float>(m[0] * u + m[1] * v + m[2]);
+    out[i + 1] = static_cast<float>(m[3] * u + m[4] * v + m[5]);
   }
 }
 
 /// Some exporters put the vertices of every mesh into one accessor. Each mesh then takes those that it uses: a thousand
 /// meshes must not hold a thousand copies of all.
-void MeshReader::appendUsedVertices(Mesh& mesh, int accessor, const std::string& who) {
+void MeshReader::appendUsedVertices(Mesh& mesh, const Vertices& vertices, const std::string& who) {
+  const int accessor = vertices.positions;
   const auto cached = sharedPositions_.find(accessor);
   const std::vector<float>& all =
       cached != sharedPositions_.end()
@@ -202,7 +264,7 @@ void MeshReader::appendUsedVertices(Mesh& mesh, int accessor, const std::string&
           : sharedPositions_.emplace(accessor, arrays_.positions(accessor, who)).first->second;
   std::vector<uint32_t> used;
   for (const Run& run : runs_)
-    if (run.vertices == accessor)
+    if (run.vertices == vertices)
       used.insert(used.end(), &mesh.indices[run.firstIndex], &mesh.indices[run.firstIndex] + run.indexCount);
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
@@ -212,8 +274,16 @@ void MeshReader::appendUsedVertices(Mesh& mesh, int accessor, const std::string&
   mesh.positions.reserve(mesh.positions.size() + 3 * used.size());
   for (uint32_t vertex : used)
     mesh.positions.insert(mesh.positions.end(), &all[3 * size_t{vertex}], &all[3 * size_t{vertex}] + 3);
+  if (vertices.material >= 0) {
+    const std::vector<float>& uvs = uvsOf(vertices, all.size() / 3, who);
+    std::vector<float> usedUvs;
+    if (!uvs.empty())
+      for (uint32_t vertex : used)
+        usedUvs.insert(usedUvs.end(), {uvs[2 * size_t{vertex}], uvs[2 * size_t{vertex} + 1]});
+    appendUvs(mesh, vertices, usedUvs);
+  }
   for (const Run& run : runs_) {
-    if (run.vertices != accessor) continue;
+    if (run.vertices != vertices) continue;
     for (size_t i = run.firstIndex; i < run.firstIndex + run.indexCount; ++i)
       mesh.indices[i] =
           base + static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), mesh.indices[i]) - used.begin());
@@ -229,8 +299,10 @@ std::string gltfLabel(const char* what, size_t index, const std::string& name) {
 }
 
 std::vector<Mesh> readGltfMeshes(const tinygltf::Model& model, GltfArrays& arrays, const Source& source,
-                                 const std::vector<bool>& isUsed, std::vector<Material>& materials) {
-  return MeshReader(model, arrays, source, materials).read(isUsed);
+                                 const std::vector<bool>& isUsed,
+                                 const std::vector<std::optional<GltfTexture>>& textures,
+                                 std::vector<Material>& materials) {
+  return MeshReader(model, arrays, source, textures, materials).read(isUsed);
 }
 
 }  // namespace gnosphere

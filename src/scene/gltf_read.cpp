@@ -52,7 +52,7 @@ Transform localTransform(const tinygltf::Node& node) {
 class Reader {
  public:
   Reader(GltfFile& file, Bytes bytes, const Source& source)
-      : model_(file.model), arrays_(file, bytes, source), source_(source) {}
+      : file_(file), model_(file.model), arrays_(file, bytes, source), source_(source) {}
 
   Scene read() {
     checkRequiredExtensions(model_, source_);
@@ -71,6 +71,7 @@ class Reader {
   void add(const tinygltf::Node& node, const Transform& transform, const std::string& who);
   void readMeshes();
 
+  const GltfFile& file_;
   const tinygltf::Model& model_;
   GltfArrays arrays_;
   const Source& source_;
@@ -214,7 +215,8 @@ void Reader::readMeshes() {
   std::vector<uint32_t> newIndex(model_.meshes.size(), 0);
   std::vector<bool> isUsed(model_.meshes.size());
   for (const Instance& instance : scene_.instances) isUsed[instance.mesh] = true;
-  scene_.meshes = readGltfMeshes(model_, arrays_, source_, isUsed, scene_.materials);
+  const auto textures = readGltfImages(file_, arrays_, source_, scene_);
+  scene_.meshes = readGltfMeshes(model_, arrays_, source_, isUsed, textures, scene_.materials);
   for (size_t i = 0, next = 0; i < isUsed.size(); ++i)
     if (isUsed[i]) newIndex[i] = static_cast<uint32_t>(next++);
   for (Instance& instance : scene_.instances) instance.mesh = newIndex[instance.mesh];

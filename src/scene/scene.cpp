@@ -59,10 +59,26 @@ Bounds worldBounds(const Scene& scene) {
 
 void validate(const Scene& scene) {
   const auto fail = [](const std::string& what) { throw Error(ErrorCode::invalidArgument, what); };
+  for (size_t i = 0; i < scene.alphaImages.size(); ++i) {
+    const AlphaImage& image = scene.alphaImages[i];
+    if (image.alpha.empty() || image.alpha.size() != size_t{image.width} * image.height)
+      fail("alpha image " + std::to_string(i) + ": " + std::to_string(image.width) + " x " +
+           std::to_string(image.height) + " pixels need as many values, there are " +
+           std::to_string(image.alpha.size()));
+  }
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    const uint32_t image = scene.materials[i].alphaImage;
+    if (image != kNoImage && image >= scene.alphaImages.size())
+      fail("material " + std::to_string(i) + ": alpha image " + std::to_string(image) +
+           " does not exist, the scene has " + std::to_string(scene.alphaImages.size()));
+  }
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
     const Mesh& mesh = scene.meshes[i];
     const std::string name = "mesh " + std::to_string(i) + (mesh.name.empty() ? "" : " ('" + mesh.name + "')");
     if (mesh.positions.size() % 3 != 0) fail(name + ": positions must come in threes");
+    if (!mesh.uvs.empty() && mesh.uvs.size() != 2 * mesh.vertexCount())
+      fail(name + ": " + std::to_string(mesh.vertexCount()) + " vertices need two texture coordinates each or none, " +
+           "there are " + std::to_string(mesh.uvs.size()));
     if (mesh.indices.size() % 3 != 0) fail(name + ": indices must come in threes");
     for (uint32_t index : mesh.indices)
       if (index >= mesh.vertexCount())
@@ -74,6 +90,8 @@ void validate(const Scene& scene) {
       if (part.material >= scene.materials.size())
         fail(name + ": material " + std::to_string(part.material) + " does not exist, the scene has " +
              std::to_string(scene.materials.size()));
+      if (mesh.uvs.empty() && mesh.vertexCount() > 0 && scene.materials[part.material].alphaImage != kNoImage)
+        fail(name + ": material " + std::to_string(part.material) + " has an alpha image, the mesh has no uvs for it");
       next += part.triangleCount;
     }
     if (next != mesh.triangleCount())

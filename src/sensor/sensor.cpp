@@ -88,12 +88,32 @@ void validate(const Sensor& sensor) {
       refuse(sensor, "azimuth offset of channel " + std::to_string(j) + " must be within -360..360 degrees, is " +
                          std::to_string(channel.azimuthOffsetDeg));
     }
+    const Vec3& o = channel.origin;
+    if (!(o.x * o.x + o.y * o.y + o.z * o.z <= 1)) {
+      refuse(sensor, "origin of channel " + std::to_string(j) + " must be within 1 m of the sensor's, is [" +
+                         std::to_string(o.x) + ", " + std::to_string(o.y) + ", " + std::to_string(o.z) + "]");
+    }
+    if (!(std::abs(channel.timeOffset) <= 1)) {
+      refuse(sensor, "time offset of channel " + std::to_string(j) + " must be within -1..1 s, is " +
+                         std::to_string(channel.timeOffset));
+    }
   }
   if (!std::isfinite(sensor.rangeMin) || sensor.rangeMin < 0) refuse(sensor, "range min must be finite and at least 0");
   if (!std::isfinite(sensor.rangeMax)) refuse(sensor, "range max must be finite");
   if (sensor.rangeMin > sensor.rangeMax) {
     refuse(sensor,
            "range min " + std::to_string(sensor.rangeMin) + " is beyond range max " + std::to_string(sensor.rangeMax));
+  }
+  for (double divergence : {sensor.divergenceHorizontal, sensor.divergenceVertical}) {
+    if (!(divergence >= 0 && divergence <= 0.1)) {
+      refuse(sensor, "divergence must be within 0..100 mrad, is " + std::to_string(1000 * divergence));
+    }
+  }
+  if (sensor.maxReturns < 1 || sensor.maxReturns > 5) {
+    refuse(sensor, "max returns must be within 1..5, is " + std::to_string(sensor.maxReturns));
+  }
+  if (!(sensor.rotationPeriod >= 0 && sensor.rotationPeriod <= 10)) {
+    refuse(sensor, "rotation period must be within 0..10 s, is " + std::to_string(sensor.rotationPeriod));
   }
 }
 

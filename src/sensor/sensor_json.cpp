@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// {"name": "...", "columns": N, "range": {"min": m, "max": m}, "elevation_deg": [...], "azimuth_offset_deg": [...]}
-// The offsets may be left out, and "channels": [{"elevation_deg": d, "azimuth_offset_deg": d}, ...] may stand for both
-// lists. toJson() writes the lists.
+// {"name": "...", "columns": N, "range": {"min": m, "max": m}, "divergence_mrad": [h, v], "max_returns": N,
+//  "rotation_period": s, "elevation_deg": [...], "azimuth_offset_deg": [...], "origin": [[x, y, z], ...],
+//  "time_offset": [...]}
+// All after the range but the elevations may be left out, and "channels": [{"elevation_deg": d, "azimuth_offset_deg":
+// d, "origin": [x, y, z], "time_offset": s}, ...] may stand for the lists. toJson() writes the lists, and nothing that
+// is 0.
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -54,23 +57,51 @@ std::vector<double> numbers(const Source& source, const json& value, const std::
   return list;
 }
 
+/// `count` of them.
+std::vector<double> numbers(const Source& source, const json& value, const std::string& what, size_t count) {
+  const std::vector<double> list = numbers(source, value, what);
+  if (list.size() != count) {
+    source.refuse("'" + what + "' must be " + std::to_string(count) + " numbers, has " + std::to_string(list.size()));
+  }
+  return list;
+}
+
+Vec3 vector(const Source& source, const json& value, const std::string& what) {
+  const std::vector<double> list = numbers(source, value, what, 3);
+  return {list[0], list[1], list[2]};
+}
+
+/// Calls read(channel, entry, "KEY[j]") for the entries of an optional list with one per channel.
+template <class Read>
+void eachChannel(const Source& source, const json& root, const std::string& key, std::vector<Channel>& channels,
+                 Read read) {
+  const auto found = root.find(key);
+  if (found == root.end()) return;
+  if (!found->is_array()) source.refuse("'" + key + "' must be a list, one entry per channel");
+  if (found->size() != channels.size()) {
+    source.refuse("'elevation_deg' has " + std::to_string(channels.size()) + " entries, '" + key + "' has " +
+                  std::to_string(found->size()) + "; there must be one per channel in both");
+  }
+  for (size_t j = 0; j < channels.size(); ++j) read(channels[j], (*found)[j], key + "[" + std::to_string(j) + "]");
+}
+
 std::vector<Channel> channelsFromLists(const Source& source, const json& root) {
-  const auto elevations = numbers(source, member(source, root, "the sensor", "elevation_deg"), "elevation_deg");
-  std::vector<double> offsets(elevations.size(), 0.0);
-  if (const auto found = root.find("azimuth_offset_deg"); found != root.end()) {
-    offsets = numbers(source, *found, "azimuth_offset_deg");
-  }
-  if (offsets.size() != elevations.size()) {
-    source.refuse("'elevation_deg' has " + std::to_string(elevations.size()) + " entries, 'azimuth_offset_deg' has " +
-                  std::to_string(offsets.size()) + "; there must be one per channel in both");
-  }
   std::vector<Channel> channels;
-  for (size_t j = 0; j < elevations.size(); ++j) channels.push_back({elevations[j], offsets[j]});
+  for (double elevation : numbers(source, member(source, root, "the sensor", "elevation_deg"), "elevation_deg")) {
+    channels.push_back({elevation});
+  }
+  eachChannel(source, root, "azimuth_offset_deg", channels, [&](Channel& c, const json& v, const std::string& what) {
+    c.azimuthOffsetDeg = number(source, v, what);
+  });
+  eachChannel(source, root, "origin", channels,
+              [&](Channel& c, const json& v, const std::string& what) { c.origin = vector(source, v, what); });
+  eachChannel(source, root, "time_offset", channels,
+              [&](Channel& c, const json& v, const std::string& what) { c.timeOffset = number(source, v, what); });
   return channels;
 }
 
 std::vector<Channel> channelsFromObjects(const Source& source, const json& root) {
-  for (const char* key : {"elevation_deg", "azimuth_offset_deg"}) {
+  for (const char* key : {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset"}) {
     if (root.contains(key)) source.refuse("'channels' and '" + std::string(key) + "' say the same thing; keep one");
   }
   const json& list = root["channels"];
@@ -79,21 +110,48 @@ std::vector<Channel> channelsFromObjects(const Source& source, const json& root)
   for (size_t j = 0; j < list.size(); ++j) {
     const std::string where = "channels[" + std::to_string(j) + "]";
     if (!list[j].is_object()) source.refuse("'" + where + "' must be an object");
-    checkKeys(source, list[j], where, {"elevation_deg", "azimuth_offset_deg"});
+    checkKeys(source, list[j], where, {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset"});
     Channel channel;
     channel.elevationDeg = number(source, member(source, list[j], where, "elevation_deg"), where + ".elevation_deg");
     if (const auto offset = list[j].find("azimuth_offset_deg"); offset != list[j].end()) {
       channel.azimuthOffsetDeg = number(source, *offset, where + ".azimuth_offset_deg");
+    }
+    if (const auto origin = list[j].find("origin"); origin != list[j].end()) {
+      channel.origin = vector(source, *origin, where + ".origin");
+    }
+    if (const auto offset = list[j].find("time_offset"); offset != list[j].end()) {
+      channel.timeOffset = number(source, *offset, where + ".time_offset");
     }
     channels.push_back(channel);
   }
   return channels;
 }
 
+constexpr double kMilli = 1000;
+
+/// What a sensor may state beyond geometry.
+void readPulses(const Source& source, const json& root, Sensor& sensor) {
+  if (const auto divergence = root.find("divergence_mrad"); divergence != root.end()) {
+    const std::vector<double> angles = numbers(source, *divergence, "divergence_mrad", 2);
+    sensor.divergenceHorizontal = angles[0] / kMilli;
+    sensor.divergenceVertical = angles[1] / kMilli;
+  }
+  if (const auto returns = root.find("max_returns"); returns != root.end()) {
+    if (!returns->is_number_unsigned() || returns->get<uint64_t>() > 5) {
+      source.refuse("'max_returns' must be a whole number from 1 to 5");
+    }
+    sensor.maxReturns = returns->get<uint32_t>();
+  }
+  if (const auto period = root.find("rotation_period"); period != root.end()) {
+    sensor.rotationPeriod = number(source, *period, "rotation_period");
+  }
+}
+
 Sensor sensorFromRoot(const Source& source, const json& root) {
   if (!root.is_object()) source.refuse("a sensor is a JSON object");
   checkKeys(source, root, "the sensor",
-            {"name", "columns", "range", "elevation_deg", "azimuth_offset_deg", "channels"});
+            {"name", "columns", "range", "divergence_mrad", "max_returns", "rotation_period", "elevation_deg",
+             "azimuth_offset_deg", "origin", "time_offset", "channels"});
   Sensor sensor;
   const json& name = member(source, root, "the sensor", "name");
   if (!name.is_string()) source.refuse("'name' must be a text");
@@ -111,6 +169,7 @@ Sensor sensorFromRoot(const Source& source, const json& root) {
   if (range.contains("min")) sensor.rangeMin = number(source, range["min"], "range.min");
   sensor.rangeMax = number(source, member(source, range, "range", "max"), "range.max");
 
+  readPulses(source, root, sensor);
   sensor.channels = root.contains("channels") ? channelsFromObjects(source, root) : channelsFromLists(source, root);
   return sensor;
 }
@@ -122,13 +181,35 @@ std::string text(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
 }
 
-template <class Get>
-std::string listText(const std::vector<Channel>& channels, Get get) {
+std::string text(const Vec3& v) {
+  return std::string("[").append(text(v.x)).append(", ").append(text(v.y)).append(", ").append(text(v.z)).append("]");
+}
+
+/// The milliradians that divided by 1000 give the radians again: the product, or one of its neighbours where rounding
+/// went the other way. (Where even they do not, no double does: one bit is lost.)
+double milliradians(double radians) {
+  const double product = radians * kMilli;
+  for (double candidate : {product, std::nextafter(product, 0.0), std::nextafter(product, 1e9)}) {
+    if (candidate / kMilli == radians) return candidate;
+  }
+  return product;
+}
+
+bool isZero(double value) {
+  return std::bit_cast<uint64_t>(value) == 0;
+}
+bool isZero(const Vec3& v) {
+  return isZero(v.x) && isZero(v.y) && isZero(v.z);
+}
+
+/// `member` of every channel.
+template <class Member>
+std::string listText(const std::vector<Channel>& channels, Member Channel::*member) {
   constexpr size_t kLineWidth = 100;
   std::string all = "[";
   std::string line;
   for (size_t j = 0; j < channels.size(); ++j) {
-    const std::string word = text(get(channels[j])) + (j + 1 < channels.size() ? ", " : "");
+    const std::string word = text(channels[j].*member) + (j + 1 < channels.size() ? ", " : "");
     if (line.size() + word.size() > kLineWidth) {
       all += "\n    " + line.substr(0, line.find_last_not_of(' ') + 1);
       line.clear();
@@ -137,6 +218,14 @@ std::string listText(const std::vector<Channel>& channels, Get get) {
   }
   if (all.size() == 1) return all + line + "]";
   return all + "\n    " + line + "\n  ]";
+}
+
+/// A member of the JSON that is left out where every channel has 0.
+template <class Member>
+std::string optionalList(const char* key, const std::vector<Channel>& channels, Member Channel::*member) {
+  const bool stated =
+      std::any_of(channels.begin(), channels.end(), [&](const Channel& channel) { return !isZero(channel.*member); });
+  return stated ? std::string(",\n  \"") + key + "\": " + listText(channels, member) : "";
 }
 
 }  // namespace
@@ -149,16 +238,18 @@ std::string toJson(const Sensor& sensor) {
   } catch (const json::exception&) {
     throw Error(ErrorCode::invalidArgument, "the sensor's name is not UTF-8, JSON cannot hold it");
   }
-  std::string out =
-      "{\n  \"name\": " + name + ",\n  \"columns\": " + std::to_string(sensor.columns) +
-      ",\n  \"range\": {\"min\": " + text(sensor.rangeMin) + ", \"max\": " + text(sensor.rangeMax) +
-      "},\n  \"elevation_deg\": " + listText(sensor.channels, [](const Channel& c) { return c.elevationDeg; });
-  const bool offsets = std::any_of(sensor.channels.begin(), sensor.channels.end(),
-                                   [](const Channel& c) { return std::bit_cast<uint64_t>(c.azimuthOffsetDeg) != 0; });
-  if (offsets) {
-    out += ",\n  \"azimuth_offset_deg\": " +
-           listText(sensor.channels, [](const Channel& c) { return c.azimuthOffsetDeg; });
+  std::string out = "{\n  \"name\": " + name + ",\n  \"columns\": " + std::to_string(sensor.columns) +
+                    ",\n  \"range\": {\"min\": " + text(sensor.rangeMin) + ", \"max\": " + text(sensor.rangeMax) + "}";
+  if (!isZero(sensor.divergenceHorizontal) || !isZero(sensor.divergenceVertical)) {
+    out += ",\n  \"divergence_mrad\": [" + text(milliradians(sensor.divergenceHorizontal)) + ", " +
+           text(milliradians(sensor.divergenceVertical)) + "]";
   }
+  if (sensor.maxReturns != 1) out += ",\n  \"max_returns\": " + std::to_string(sensor.maxReturns);
+  if (!isZero(sensor.rotationPeriod)) out += ",\n  \"rotation_period\": " + text(sensor.rotationPeriod);
+  out += ",\n  \"elevation_deg\": " + listText(sensor.channels, &Channel::elevationDeg);
+  out += optionalList("azimuth_offset_deg", sensor.channels, &Channel::azimuthOffsetDeg);
+  out += optionalList("origin", sensor.channels, &Channel::origin);
+  out += optionalList("time_offset", sensor.channels, &Channel::timeOffset);
   return out + "\n}\n";
 }
 

@@ -81,7 +81,8 @@ class Instances {
   /// changes() after the last change of the instance or its mesh, and of any triangle's number.
   uint64_t changedAt(size_t instance) const;
   uint64_t renumberedAt() const { return renumberedAt_; }
-  /// Of an instance: neither degenerate nor with a vertex that is not finite.
+  /// Neither degenerate nor with a vertex that is not finite: of all instances, or of one.
+  uint64_t usableTriangles() const { return counters_.triangles - counters_.nonFinite - counters_.degenerate; }
   uint64_t usableTriangles(size_t instance) const;
 
   /// Writes the transforms of the selected instances within reach (metres) to the sensor's frame, composed in double.

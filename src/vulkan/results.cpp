@@ -32,7 +32,7 @@ const T* mapped(const SensorState& part, const FrameInFlight& frame, uint32_t bi
   return nullptr;
 }
 
-void readCounters(const SensorState& part, const gpu::Counters& device, const Counters& placed, Counters& result) {
+void readCounters(const SensorState& part, const gpu::Counters& device, uint64_t usableTriangles, Counters& result) {
   const uint64_t beams = part.frame().beams;
   const bool judged = part.planned().signals();
   const uint64_t hits = judged ? device.causes[0] : device.hits;
@@ -41,7 +41,7 @@ void readCounters(const SensorState& part, const gpu::Counters& device, const Co
   if (judged)
     for (size_t i = 0; i < kCauseCount; ++i) result.causes[i] += device.causes[i];
   result.nonFinite += device.nonFinite;
-  result.culledByCluster += placed.triangles - placed.nonFinite - placed.degenerate - device.triangles;
+  result.culledByCluster += usableTriangles - device.triangles;
   result.culledByRange += device.culledByRange;
   result.culledByFace += device.culledByFace;
   result.culledBetweenBeams += device.culledBetweenBeams;
@@ -149,7 +149,7 @@ void readResults(const SensorState& part, const FrameInFlight& frame, const Inst
     readMotions(motions ? motions + first : nullptr, to + first, end - first, scan);
     if (barycentrics) std::copy_n(&barycentrics[first].x, 2 * (end - first), &scan.barycentrics[2 * (to + first)]);
   });
-  readCounters(part, frame.counters(), instances.counters(), scan.counters);
+  readCounters(part, frame.counters(), instances.usableTriangles(), scan.counters);
 }
 
 }  // namespace gnosphere::vulkan

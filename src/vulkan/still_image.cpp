@@ -17,8 +17,7 @@ StillImage::Use StillImage::next(const Pose& pose, const Instances& instances) {
   const bool renumbered = instances.renumberedAt() > seen_;
   const bool newlyMoving = findMoving(instances);
   // Where most moves, one scan of everything can hide more than two of its parts.
-  const Counters& all = instances.counters();
-  const bool pays = triangles_ > 0 && 2 * triangles_ >= all.triangles - all.nonFinite - all.degenerate;
+  const bool pays = triangles_ > 0 && 2 * triangles_ >= instances.usableTriangles();
   if (renumbered || newlyMoving || !pays) {
     state_ = State::missing;
     return Use::none;

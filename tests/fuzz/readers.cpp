@@ -46,7 +46,7 @@ void fuzzScene(SceneFormat format, Bytes bytes) {
 /// The Draco decoder without the GLB around it, which mutations break first.
 void fuzzDraco(Bytes bytes) {
   try {
-    decodeDraco(bytes, 0, "primitive", {"'fuzz'", nullptr});
+    decodeDraco(bytes, 0, -1, "primitive", {"'fuzz'", nullptr});
   } catch (const std::exception&) {  // readScene turns all of them into Errors
   }
 }

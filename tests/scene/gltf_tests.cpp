@@ -221,10 +221,9 @@ TEST_CASE("materials are read with their transmission, alpha and sides") {
   GltfFileMaker file = triangleFile();
   file.json["materials"] = Json::parse(R"([
     {"name": "glass", "doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.25,
-     "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 0.75], "metallicFactor": 0.5, "roughnessFactor": 0.125,
-                              "baseColorTexture": {"index": 99}},
+     "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 0.75], "metallicFactor": 0.5, "roughnessFactor": 0.125},
      "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.875}}},
-    {"alphaMode": "BLEND"}])");
+    {"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorTexture": {"index": 99}}}])");
   const Scene scene = file.load();
   const Material& glass = scene.materials.at(0);
   CHECK(glass.name == "glass");

@@ -90,14 +90,13 @@ TEST_CASE("polygons are cut so that they keep their area, concave ones too") {
 }
 
 TEST_CASE("OBJ materials come from the library beside it, and parts are runs of one material") {
-  const TemporaryFolder folder;
-  folder.write(
-      "m.mtl",
+  const Folder folder;
+  put(folder / "m.mtl",
       "newmtl red\nKd 1 0.5 0\nPr 0.25\nPm 0.75\nTf 1 1 1\nillum 2\n\nnewmtl glass\nd 0.25\nTf 0.5 0.5 0.5\nillum 4\n");
-  const Scene scene = loadScene(folder.write(
-      "a.obj",
-      std::string("mtllib m.mtl\n") + kSquareObj +
-          "f 1 2 3\nusemtl glass \nf 2 3 4\nusemtl red\nf 1 2 4\nusemtl glass\nf 1 3 4\nusemtl lost\nf 1 2 3\n"));
+  const Scene scene = loadScene(
+      put(folder / "a.obj",
+          std::string("mtllib m.mtl\n") + kSquareObj +
+              "f 1 2 3\nusemtl glass \nf 2 3 4\nusemtl red\nf 1 2 4\nusemtl glass\nf 1 3 4\nusemtl lost\nf 1 2 3\n"));
   REQUIRE(scene.materials.size() == 4);
   CHECK(scene.materials[0].name == "red");
   CHECK(scene.materials[0].baseColor == std::array<float, 4>{1, 0.5f, 0, 1});

@@ -2,19 +2,16 @@
 // Hand-made scene files.
 #pragma once
 
-#include <unistd.h>
-
 #include <array>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "folder.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/scene.hpp"
 
@@ -24,35 +21,12 @@ using Json = nlohmann::json;
 using Floats = std::vector<float>;
 using Indices = std::vector<uint32_t>;
 
-/// A folder that goes when the test does.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    static int count = 0;
-    path_ = std::filesystem::temp_directory_path() /
-            ("gnosphere-scene-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::filesystem::path write(const std::string& name, const std::string& content) const {
-    std::ofstream(path_ / name, std::ios::binary) << content;
-    return path_ / name;
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// The file's own frame: no turn.
 inline const LoadOptions kAsStored = {UpAxis::z, 1};
 
 inline Scene loadText(const std::string& name, const std::string& content, const LoadOptions& options = kAsStored) {
-  const TemporaryFolder folder;
-  return loadScene(folder.write(name, content), options);
+  const Folder folder;
+  return loadScene(put(folder / name, content), options);
 }
 
 /// The message of the Error(code) that loading ends with.
@@ -111,7 +85,7 @@ struct GltfFileMaker {
   }
   template <typename T>
   int accessor(const std::vector<T>& values, const char* type, Json more = Json::object()) {
-    const size_t components = type == std::string("SCALAR") ? 1 : type == std::string("VEC4") ? 4 : 3;
+    const size_t components = type == std::string("SCALAR") ? 1 : static_cast<size_t>(type[3] - '0');  // VEC2 ...
     more.update({{"bufferView", view(bytesOf(values))},
                  {"componentType", componentType<T>()},
                  {"count", values.size() / components},

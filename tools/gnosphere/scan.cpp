@@ -39,7 +39,7 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
     const bool fromReference = field == Field::tie || field == Field::tolerance;
     if (fromReference && options.device != "reference") {
       throw Error(ErrorCode::invalidArgument,
-                  "--fields: only --device reference gives '" + std::string(fieldInfo(field).name) + "'");
+                  "--fields: only --device reference gives '" + std::string(fieldName(field)) + "'");
     }
   }
   if (!options.image.empty() && std::filesystem::path(options.image).extension() != ".png") {
@@ -58,6 +58,10 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
 
 void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& counters) {
   if (scene.placedTriangleCount() == 0) complain("warning: " + options.scene + " has no triangle, every beam misses");
+  if (scene.unreadImages > 0) {
+    complain("warning: " + grouped(scene.unreadImages) + " images of cut-out materials of " + options.scene +
+             " are not there or not PNG; these materials have no holes");
+  }
   if (counters.nonFinite > 0) {
     complain("warning: " + grouped(counters.nonFinite) + " triangles of " + options.scene +
              " dropped, a corner is NaN, infinite or beyond 1e9 m");
@@ -148,6 +152,7 @@ int runScan(const ScanOptions& options) {
 
   start = nowMs();
   SimulatorOptions settings = simulatorOptions(options);
+  std::copy_if(cloud.fields.begin(), cloud.fields.end(), std::back_inserter(settings.fields), isAskedFor);
   settings.accuracy = kAccuracies.at(accuracy);
   settings.effects = effects;
   settings.materials = materials;
@@ -198,7 +203,9 @@ Action addScan(CLI::App& app) {
                  "A cloud to write: .pcd, .ply, .bin (KITTI), .npy or .csv; may be given more than once")
       ->allow_extra_args(false);
   app.add_option("--fields", options->fields,
-                 "What to write, in this order: x,y,z,range,ring,beam,triangle,instance (default), tie,tolerance");
+                 "What to write, in this order: x,y,z,range,ring,beam,triangle,instance (default, with return,returns "
+                 "where beams have several), tie, tolerance, intensity, true_range, cause, label, width, normal, "
+                 "incidence, material, barycentrics (u, v), class, velocity, radial_speed, time, azimuth, elevation");
   app.add_flag("--compact", options->compact, "Write the hits only, not every beam");
   app.add_flag("--ascii", options->ascii, "Write PCD and PLY as text");
   app.add_option("--image", options->image, "A .png of the scan: as the sensor sees it, and from above");

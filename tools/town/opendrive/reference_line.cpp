@@ -88,22 +88,23 @@ CurvePoint onPolynomials(const Geometry& poly, double ds) {
   return {poly.start + u * forward + v * left, dot(along, along) > 0 ? normalized(along) : forward};
 }
 
+/// The one that `s` belongs to; all zero before the first.
+Cubic cubicAt(const Profile& profile, double s) {
+  const auto next = std::upper_bound(profile.begin(), profile.end(), s,
+                                     [](double value, const Cubic& cubic) { return value < cubic.start; });
+  return next == profile.begin() ? Cubic{} : next[-1];
+}
+
 }  // namespace
 
 double valueAt(const Profile& profile, double s) {
-  const auto next = std::upper_bound(profile.begin(), profile.end(), s,
-                                     [](double value, const Cubic& cubic) { return value < cubic.start; });
-  if (next == profile.begin()) return 0;
-  const Cubic& k = next[-1];
+  const Cubic k = cubicAt(profile, s);
   const double ds = s - k.start;
   return k.a + ds * (k.b + ds * (k.c + ds * k.d));
 }
 
 double slopeAt(const Profile& profile, double s) {
-  const auto next = std::upper_bound(profile.begin(), profile.end(), s,
-                                     [](double value, const Cubic& cubic) { return value < cubic.start; });
-  if (next == profile.begin()) return 0;
-  const Cubic& k = next[-1];
+  const Cubic k = cubicAt(profile, s);
   const double ds = s - k.start;
   return k.b + ds * (2 * k.c + ds * 3 * k.d);
 }

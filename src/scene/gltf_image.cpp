@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// The holes of cut-out materials: the alpha of their base colour's texture.
+#include <stb_image.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <tuple>
+
+#include "scene/gltf_accessor.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// Per side. It bounds what a small file can make us allocate: 1 GiB while one image is decoded.
+constexpr int kMostPixels = 16384;
+
+bool startsWith(Bytes bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin(),
+                                                    [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
+}
+
+AlphaImage::Wrap wrapOf(int mode) {
+  return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? AlphaImage::Wrap::clamp
+         : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? AlphaImage::Wrap::mirror
+                                                         : AlphaImage::Wrap::repeat;
+}
+
+/// KHR_texture_transform: scaled, then turned, then moved. Rotations are counter-clockwise as seen with v downwards.
+std::array<double, 6> transformOf(const tinygltf::Value& extension) {
+  const auto number = [&](const char* key, int i, double otherwise) {
+    return extension.Has(key) ? extension.Get(key).Get(i).GetNumberAsDouble() : otherwise;
+  };
+  const double turn = extension.Has("rotation") ? extension.Get("rotation").GetNumberAsDouble() : 0;
+  const double c = std::cos(turn), s = std::sin(turn);
+  const double scaleU = number("scale", 0, 1), scaleV = number("scale", 1, 1);
+  return {c * scaleU, s * scaleV, number("offset", 0, 0), -s * scaleU, c * scaleV, number("offset", 1, 0)};
+}
+
+class ImageReader {
+ public:
+  ImageReader(const GltfFile& file, GltfArrays& arrays, const Source& source, Scene& scene)
+      : file_(file), arrays_(arrays), source_(source), scene_(scene) {}
+
+  /// None where the material is as solid as its alpha factor says.
+  std::optional<GltfTexture> read(size_t material);
+
+ private:
+  uint32_t imageOf(const tinygltf::Texture& texture, const std::string& user);
+  uint32_t decode(int image, AlphaImage::Wrap wrapU, AlphaImage::Wrap wrapV, const std::string& user);
+  uint32_t decodePng(Bytes bytes, AlphaImage image, const std::string& who);
+
+  const GltfFile& file_;
+  GltfArrays& arrays_;
+  const Source& source_;
+  Scene& scene_;
+  std::map<std::tuple<int, AlphaImage::Wrap, AlphaImage::Wrap>, uint32_t> decoded_;
+};
+
+std::optional<GltfTexture> ImageReader::read(size_t index) {
+  const tinygltf::Material& material = file_.model.materials[index];
+  const tinygltf::TextureInfo& info = material.pbrMetallicRoughness.baseColorTexture;
+  if (material.alphaMode != "MASK" || info.index < 0) return {};
+  const std::string who = gltfLabel("material", index, material.name);
+  if (static_cast<size_t>(info.index) >= file_.model.textures.size())
+    source_.fail(who + ": texture " + std::to_string(info.index) + " does not exist");
+  const uint32_t image = imageOf(file_.model.textures[static_cast<size_t>(info.index)], who);
+  scene_.materials[index].alphaImage = image;
+  if (image == kNoImage) return {};
+
+  GltfTexture texture;
+  texture.texCoord = info.texCoord;
+  const auto transform = info.extensions.find("KHR_texture_transform");
+  if (transform == info.extensions.end()) return texture;
+  texture.transform = transformOf(transform->second);
+  if (transform->second.Has("texCoord")) texture.texCoord = transform->second.Get("texCoord").GetNumberAsInt();
+  return texture;
+}
+
+uint32_t ImageReader::imageOf(const tinygltf::Texture& texture, const std::string& user) {
+  AlphaImage::Wrap wrapU = AlphaImage::Wrap::repeat, wrapV = AlphaImage::Wrap::repeat;
+  if (texture.sampler >= 0) {
+    if (static_cast<size_t>(texture.sampler) >= file_.model.samplers.size())
+      source_.fail(user + ": sampler " + std::to_string(texture.sampler) + " does not exist");
+    const tinygltf::Sampler& sampler = file_.model.samplers[static_cast<size_t>(texture.sampler)];
+    wrapU = wrapOf(sampler.wrapS);
+    wrapV = wrapOf(sampler.wrapT);
+  }
+  const auto [found, isNew] = decoded_.emplace(std::tuple(texture.source, wrapU, wrapV), kNoImage);
+  if (isNew) found->second = decode(texture.source, wrapU, wrapV, user);
+  return found->second;
+}
+
+/// The index of the new image; kNoImage where it has no alpha, or none that we can read, which is counted.
+uint32_t ImageReader::decode(int index, AlphaImage::Wrap wrapU, AlphaImage::Wrap wrapV, const std::string& user) {
+  const auto unread = [&] {
+    ++scene_.unreadImages;
+    return kNoImage;
+  };
+  if (index < 0) return unread();  // only an extension says where it is: KTX2, WebP
+  const std::string who = user + ": image " + std::to_string(index);
+  if (static_cast<size_t>(index) >= file_.images.size()) source_.fail(who + " does not exist");
+  const GltfImage& from = file_.images[static_cast<size_t>(index)];
+  FileBytes owned;
+  Bytes bytes;
+  if (from.bufferView >= 0) {
+    bytes = arrays_.view(from.bufferView, who);
+  } else {
+    try {
+      owned = arrays_.uriBytes(from.uri, who);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::file) throw;
+      return unread();
+    }
+    bytes = owned;
+  }
+  if (startsWith(bytes, "\xff\xd8\xff")) return kNoImage;  // JPEG has no alpha
+  if (!startsWith(bytes, "\x89PNG\r\n\x1a\n")) return unread();
+  return decodePng(bytes, {0, 0, {}, wrapU, wrapV}, who);
+}
+
+uint32_t ImageReader::decodePng(Bytes bytes, AlphaImage image, const std::string& who) {
+  const auto fail = [&](const std::string& why) { source_.fail(who + " is not a sound PNG file: " + why); };
+  if (bytes.size() > std::numeric_limits<int>::max()) fail("it is larger than 2 GiB");
+  const int size = static_cast<int>(bytes.size());
+  int width = 0, height = 0, channels = 0;
+  if (!stbi_info_from_memory(bytes.data(), size, &width, &height, &channels)) fail(stbi_failure_reason());
+  if (width < 1 || height < 1 || width > kMostPixels || height > kMostPixels)
+    source_.fail(who + " has " + std::to_string(width) + " x " + std::to_string(height) + " pixels; the limit is " +
+                 std::to_string(kMostPixels) + " per side");
+  const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
+  arrays_.charge(pixels, 4, who);
+  const std::unique_ptr<stbi_uc, void (*)(void*)> colours(
+      stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), &stbi_image_free);
+  if (!colours) fail(stbi_failure_reason());
+  image.width = static_cast<uint32_t>(width);
+  image.height = static_cast<uint32_t>(height);
+  image.alpha.resize(pixels);
+  for (size_t i = 0; i < pixels; ++i) image.alpha[i] = colours.get()[4 * i + 3];
+  if (std::all_of(image.alpha.begin(), image.alpha.end(), [](uint8_t alpha) { return alpha == 255; })) return kNoImage;
+  scene_.alphaImages.push_back(std::move(image));
+  return static_cast<uint32_t>(scene_.alphaImages.size() - 1);
+}
+
+}  // namespace
+
+std::vector<std::optional<GltfTexture>> readGltfImages(const GltfFile& file, GltfArrays& arrays, const Source& source,
+                                                       Scene& scene) {
+  ImageReader reader(file, arrays, source, scene);
+  std::vector<std::optional<GltfTexture>> textures;
+  for (size_t i = 0; i < file.model.materials.size(); ++i) textures.push_back(reader.read(i));
+  return textures;
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// What effects add to a cloud: more fields, and several returns per beam.
+#include <bit>
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <numbers>
+#include <numeric>
+
+#include "cloud_support.hpp"
+#include "output/cloud_table.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+const std::string kEveryField =
+    "x,y,z,range,ring,beam,triangle,instance,tie,tolerance,intensity,true_range,cause,label,return,returns,width,"
+    "normal,"
+    "incidence,material,barycentrics,class,velocity,radial_speed,time,azimuth,elevation";
+
+Sensor smallSensor() {
+  Sensor sensor;
+  sensor.name = "small";
+  sensor.columns = 4;
+  sensor.rangeMax = 50;
+  sensor.rotationPeriod = 0.1;
+  sensor.channels = {{-10, 0}, {30, 5}};
+  sensor.channels[1].timeOffset = 0.001;
+  return sensor;
+}
+
+/// Four columns, two channels; every array is filled. The return of beam 2 is of the medium.
+Scan full(uint32_t returns) {
+  Scan scan;
+  scan.model = std::make_shared<const Sensor>(smallSensor());
+  scan.classes = std::make_shared<const std::vector<uint16_t>>(std::vector<uint16_t>{500, 1, 65535});
+  scan.sensor = "small";
+  scan.columns = 4;
+  scan.channels = 2;
+  scan.returns = returns;
+  float next = 0.1f;
+  const auto add = [&](bool is, std::vector<float>& to, size_t count = 1) {
+    for (size_t i = 0; i < count; ++i) to.push_back(is ? next += 1.7f : std::nanf(""));
+  };
+  constexpr uint32_t kCounts[] = {2, 0, 1, 5, 0, 1, 2, 1};
+  for (uint32_t beam = 0; beam < 8; ++beam) {
+    const uint32_t count = std::min(kCounts[beam], returns);
+    scan.causes.push_back(static_cast<uint8_t>(count > 0 ? Cause::returned : Cause::weak));
+    for (uint32_t k = 0; k < returns; ++k) {
+      const bool is = k < count;
+      const bool scattered = is && beam == 2;
+      add(is, scan.points, 3);
+      for (auto* array : {&scan.ranges, &scan.tolerances, &scan.intensities, &scan.trueRanges, &scan.widths,
+                          &scan.incidences, &scan.radialSpeeds})
+        add(is, *array);
+      add(is, scan.normals, 3);
+      add(is, scan.velocities, 3);
+      add(is, scan.barycentrics, 2);
+      scan.triangles.push_back(is && !scattered ? 10 * beam + k : kNoTriangle);
+      scan.instances.push_back(is && !scattered ? beam / 2 : kNoTriangle);
+      scan.materials.push_back(is && !scattered ? 3 : kNoTriangle);
+      scan.labels.push_back(static_cast<uint8_t>(!is ? Label::none : scattered ? Label::scatter : Label::solid));
+      scan.ties.push_back(is && beam == 5);
+    }
+  }
+  return scan;
+}
+
+bool sameFloats(const std::vector<float>& a, const std::vector<float>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](float x, float y) {
+    return std::bit_cast<uint32_t>(x) == std::bit_cast<uint32_t>(y) || (std::isnan(x) && std::isnan(y));
+  });
+}
+
+CloudOptions withFields(const std::string& names) {
+  CloudOptions options;
+  options.fields = parseFields(names);
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("every field and every return reads back to the same bits from every format") {
+  const Folder folder;
+  const std::string ending = GENERATE("pcd", "ply", "npy", "csv");
+  CloudOptions options = withFields(kEveryField);
+  options.ascii = GENERATE(false, true);
+  const uint32_t returns = GENERATE(1u, 2u, 5u);
+  const Scan scan = full(returns);
+  writeCloud(scan, folder / ("a." + ending), options);
+  const Scan back = readCloud(folder / ("a." + ending));
+  CHECK(back.returns == returns);
+  CHECK(back.columns == 4);
+  CHECK(back.channels == 2);
+  CHECK(sameFloats(back.points, scan.points));
+  for (const auto array :
+       {&Scan::ranges, &Scan::tolerances, &Scan::intensities, &Scan::trueRanges, &Scan::widths, &Scan::normals,
+        &Scan::incidences, &Scan::barycentrics, &Scan::velocities, &Scan::radialSpeeds})
+    CHECK(sameFloats(back.*array, scan.*array));
+  for (const auto array : {&Scan::triangles, &Scan::instances, &Scan::materials}) CHECK(back.*array == scan.*array);
+  for (const auto array : {&Scan::ties, &Scan::labels}) CHECK(back.*array == scan.*array);
+  CHECK(back.causes == (returns == 1 ? scan.causes : std::vector<uint8_t>{}));
+  CHECK(back.counters.hits == 6);
+  CHECK(compare(scan, back).same());
+}
+
+TEST_CASE("a field is one column, a vector one per component") {
+  const Folder folder;
+  writeCloud(full(1), folder / "a.csv", withFields(kEveryField));
+  const std::string text = bytesOf(folder / "a.csv");
+  CHECK(text.substr(0, text.find('\n')) ==
+        "x,y,z,range,ring,beam,triangle,instance,tie,tolerance,intensity,true_range,cause,label,return,returns,width,"
+        "normal_x,normal_y,normal_z,incidence,material,u,v,class,velocity_x,velocity_y,velocity_z,radial_speed,time,"
+        "azimuth,elevation");
+  CHECK_THROWS_WITH(parseFields("normal_x"), ContainsSubstring("width, normal, incidence"));
+  CHECK_THROWS_WITH(parseFields("normal,Normal"), ContainsSubstring("twice"));
+}
+
+TEST_CASE("times, angles and classes follow from the sensor and the instances") {
+  const Folder folder;
+  writeCloud(full(1), folder / "a.csv", withFields("beam,class,time,azimuth,elevation"));
+  CloudTable table = readCsv(bytesOf(folder / "a.csv"), "a.csv");
+  REQUIRE(table.rows == 8);
+  const Sensor sensor = smallSensor();
+  for (size_t b = 0; b < 8; ++b) {
+    INFO("beam " << b);
+    const auto value = [&](const char* name) { return table.value(*table.find(name), b); };
+    const Vec3 d = sensor.direction(b);
+    const double turned = value("azimuth") - std::atan2(d.y, d.x);
+    CHECK(std::abs(std::remainder(turned, 2 * std::numbers::pi)) < 1e-6);
+    CHECK(std::abs(value("elevation") - std::asin(d.z)) < 1e-6);
+    CHECK(value("time") == static_cast<float>(0.1 * static_cast<double>(b % 4) / 4 + (b < 4 ? 0 : 0.001)));
+    // Beam b meets instance b / 2, if any; number 3 has no class.
+    CHECK(value("class") == (b == 0 ? 500 : b == 3 ? 1 : b == 5 ? 65535 : 0));
+  }
+}
+
+TEST_CASE("several returns are rows of their own: no grid, no misses, numbered and counted") {
+  const Folder folder;
+  const Scan scan = full(2);
+  writeCloud(scan, folder / "a.pcd");
+  const std::string header = bytesOf(folder / "a.pcd").substr(0, 400);
+  CHECK_THAT(header, ContainsSubstring("gnosphere columns 4 channels 2 returns 2 sensor small\n"));
+  CHECK_THAT(header, ContainsSubstring("FIELDS x y z range ring beam triangle instance return returns\n"));
+  CHECK_THAT(header, ContainsSubstring("WIDTH 9\nHEIGHT 1\n"));
+  writeCloud(scan, folder / "a.csv", withFields("beam,ring,return,returns,label"));
+  CHECK(bytesOf(folder / "a.csv") ==
+        "beam,ring,return,returns,label\n0,0,1,2,1\n0,0,2,2,1\n2,0,1,1,2\n3,0,1,2,1\n3,0,2,2,1\n5,1,1,1,1\n6,1,1,2,1\n"
+        "6,1,2,2,1\n7,1,1,1,1\n");
+  CHECK_NOTHROW(writePicture(scan, folder / "a.png"));
+}
+
+TEST_CASE("the picture of several returns is that of the first ones") {
+  const Folder folder;
+  const Scan two = full(2);
+  Scan one = full(2);
+  one.returns = 1;
+  one.ranges.clear(), one.points.clear();
+  for (size_t beam = 0; beam < 8; ++beam) {
+    one.ranges.push_back(two.ranges[2 * beam]);
+    for (size_t c = 0; c < 3; ++c) one.points.push_back(two.points[6 * beam + c]);
+  }
+  writePicture(two, folder / "two.png");
+  writePicture(one, folder / "one.png");
+  CHECK(bytesOf(folder / "two.png") == bytesOf(folder / "one.png"));
+}
+
+TEST_CASE("a grid keeps its misses, numbered 0 of 0") {
+  const Folder folder;
+  writeCloud(full(1), folder / "a.csv", withFields("beam,return,returns,cause"));
+  CHECK_THAT(bytesOf(folder / "a.csv"), ContainsSubstring("\n0,1,1,0\n1,0,0,2\n"));
+  writeCloud(full(1), folder / "a.pcd");
+  CHECK_THAT(bytesOf(folder / "a.pcd"), ContainsSubstring("WIDTH 4\nHEIGHT 2\n"));
+}
+
+TEST_CASE("a KITTI file's fourth value is the intensity where there is one") {
+  const Folder folder;
+  const Scan scan = full(2);
+  writeCloud(scan, folder / "a.bin");
+  const std::string bytes = bytesOf(folder / "a.bin");
+  REQUIRE(bytes.size() == 9 * 16);
+  CHECK(at<float>(bytes, 16) == scan.points[3]);
+  CHECK(at<float>(bytes, 16 + 12) == scan.intensities[1]);
+  CHECK(at<float>(bytes, 2 * 16 + 12) == scan.intensities[4]);
+}
+
+TEST_CASE("Python reads the fields of an NPY cloud by the rules of the format") {
+  if (std::system("python3 -c pass >/dev/null 2>&1") != 0) SKIP("there is no python3");
+  const Folder folder;
+  writeCloud(full(2), folder / "a.npy", withFields("beam,return,intensity,normal,class,label,time"));
+  put(folder / "read.py", R"(
+import ast, struct, sys
+b = open(sys.argv[1], 'rb').read()
+n = struct.unpack('<H', b[8:10])[0]
+h = ast.literal_eval(b[10:10 + n].decode('latin1').strip())
+row = struct.Struct('<' + ''.join({'<f4': 'f', '<u2': 'H', '<u4': 'I', '|u1': 'B'}[t] for _, t in h['descr']))
+rows = list(row.iter_unpack(b[10 + n:]))
+names = [name for name, _ in h['descr']]
+assert names == 'beam return intensity normal_x normal_y normal_z class label time'.split(), names
+assert h['shape'] == (9,) and len(rows) == 9
+assert [r[0] for r in rows] == [0, 0, 2, 3, 3, 5, 6, 6, 7] and [r[1] for r in rows] == [1, 2, 1, 1, 2, 1, 1, 2, 1]
+assert rows[0][6] == 500 and rows[5][6] == 65535 and rows[6][6] == 0 and rows[2][7] == 2
+assert abs(rows[6][8] - 0.051) < 1e-7
+)");
+  CHECK(std::system(("python3 " + (folder / "read.py").string() + " " + (folder / "a.npy").string()).c_str()) == 0);
+}
+
+TEST_CASE("a field that the scan lacks is refused with the way to it") {
+  const Folder folder;
+  const Scan scan = tiny();
+  const auto problem = [&](const std::string& fields) {
+    try {
+      writeCloud(scan, folder / "a.pcd", withFields(fields));
+    } catch (const Error& error) {
+      CHECK(error.code() == ErrorCode::invalidArgument);
+      return std::string(error.what());
+    }
+    return std::string("nothing was wrong");
+  };
+  for (const char* field : {"intensity", "true_range", "cause", "label", "width", "normal", "incidence", "material",
+                            "barycentrics", "velocity", "radial_speed"})
+    CHECK_THAT(problem(field), ContainsSubstring(std::string("'") + field + "'; it must be asked for before the scan"));
+  for (const char* field : {"class", "time", "azimuth", "elevation"})
+    CHECK_THAT(problem(field), ContainsSubstring("the scan has no field '" + std::string(field) + "'"));
+  CHECK(folder.fileCount() == 0);
+}
+
+TEST_CASE("unsound returns are refused") {
+  const Folder folder;
+  const auto problem = [&](const std::string& rows) {
+    put(folder / "a.csv", "range,beam,return\n" + rows);
+    CHECK_THROWS_AS(readCloud(folder / "a.csv"), Error);
+    try {
+      readCloud(folder / "a.csv");
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK_THAT(problem("1,7,2\n1,7,2\n"), ContainsSubstring("return 2 of beam 7 is there twice"));
+  CHECK_THAT(problem("1,7,1\n1,7,0\n"), ContainsSubstring("beam 7 is there twice"));
+  CHECK_THAT(problem("1,7,200\n"), ContainsSubstring("return number 200"));
+  CHECK_THAT(problem("1,4294967290,2\n"), ContainsSubstring("4294967291 beams"));
+}
+
+TEST_CASE("clouds are compared return by return") {
+  const Scan reference = full(2);
+  CHECK(compare(reference, reference).hits == 9);
+  CHECK(compare(reference, reference).same());
+
+  Scan other = reference;
+  other.triangles[1] = 77;           // beam 0's second
+  other.ranges[4] += 0.5f;           // beam 2's first, of the medium
+  other.ranges[13] = std::nanf("");  // beam 6's second
+  other.triangles[13] = other.instances[13] = kNoTriangle;
+  other.tolerances = {};
+  Scan exact = reference;
+  exact.tolerances = {};
+  const Comparison difference = compare(exact, other);
+  CHECK(difference.beams == 8);
+  CHECK(difference.wrongOwner == 1);
+  CHECK(difference.wrongRange == 1);
+  CHECK(difference.missed == 1);
+  CHECK(difference.falseHits == 0);
+
+  Scan first = full(2);  // one return per beam: the second ones are missed
+  first.returns = 1;
+  for (auto* array : {&first.triangles, &first.instances})
+    for (size_t beam = 0; beam < 8; ++beam) (*array)[beam] = (*array)[2 * beam];
+  for (size_t beam = 0; beam < 8; ++beam) first.ranges[beam] = first.ranges[2 * beam];
+  first.triangles.resize(8), first.instances.resize(8), first.ranges.resize(8);
+  CHECK(compare(reference, first).missed == 3);
+  CHECK(compare(reference, first).wrongOwner == 0);
+}
+
+TEST_CASE("a simulator's scan knows its sensor and its instances' classes") {
+  Scene scene;
+  scene.materials.emplace_back();
+  Mesh wall;
+  wall.positions = {-5, -50, -50, -5, 50, -50, -5, 0, 80};
+  wall.indices = {0, 1, 2};
+  wall.parts = {{0, 1, 0}};
+  scene.meshes = {wall};
+  scene.instances = {{"wall", 0, {}, 9}};
+  SimulatorOptions options;
+  options.device = "reference";
+  Simulator simulator(scene, smallSensor(), options);
+  const Scan before = simulator.scan({});
+  REQUIRE(before.model);
+  CHECK(before.model->rotationPeriod == 0.1);
+  REQUIRE(before.classes);
+  CHECK(*before.classes == std::vector<uint16_t>{9});
+  const Transform further = {{1, 0, 0, -10, 0, 1, 0, 0, 0, 0, 1, 0}};
+  CHECK(simulator.addInstance(0, further, 4) == 1);
+  simulator.removeInstance(0);
+  CHECK(simulator.addInstance(0, further) == 0);
+  CHECK(*before.classes == std::vector<uint16_t>{9});
+  CHECK(*simulator.scan({}).classes == std::vector<uint16_t>{0, 4});
+  const Folder folder;
+  writeCloud(before, folder / "a.csv", withFields("class,instance"));
+  CHECK_THAT(bytesOf(folder / "a.csv"), ContainsSubstring("\n9,0\n"));
+}

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// The alpha of cut-out materials' textures, and where it lies on a mesh.
+#include <catch2/generators/catch_generators.hpp>
+
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+namespace {
+
+/// 2 x 2 pixels, RGBA; alpha 0 255 128 64.
+const std::string kHoles =
+    "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAFElEQVR42mPg"
+    "5ORkAOL/IKIBiB0AEMoCLBE9eeoAAAAASUVORK5CYII=";
+/// 1 x 1 pixel, RGB.
+const std::string kSolid =
+    "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR42mPg"
+    "5OQEAAA6ABzT9UgiAAAAAElFTkSuQmCC";
+
+/// A triangle of a material that the image cuts holes into.
+GltfFileMaker cutOut(const std::string& uri = kHoles) {
+  GltfFileMaker file = triangleFile();
+  Json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["TEXCOORD_0"] = file.accessor(Floats{0, 0, 1, 0, 0.25f, 2}, "VEC2");
+  attributes["TEXCOORD_1"] = file.accessor(std::vector<uint8_t>{0, 0, 255, 0, 51, 255}, "VEC2", {{"normalized", true}});
+  file.json["meshes"][0]["primitives"][0]["material"] = 0;
+  file.json["materials"] = Json::parse(
+      R"([{"name": "leaf", "alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])");
+  file.json["textures"] = Json::parse(R"([{"source": 0, "sampler": 0}])");
+  file.json["samplers"] = Json::parse(R"([{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}])");
+  file.json["images"] = {{{"uri", uri}, {"name", "leaf"}}};
+  return file;
+}
+
+Json& textureOf(GltfFileMaker& file) {
+  return file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
+}
+
+std::vector<uint8_t> unpacked(const std::string& uri) {
+  // Only for sound base64.
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<uint8_t> bytes;
+  uint32_t bits = 0;
+  int count = 0;
+  for (char c : uri.substr(uri.find(',') + 1)) {
+    if (c == '=') break;
+    bits = bits << 6 | static_cast<uint32_t>(kDigits.find(c));
+    if ((count += 6) >= 8) bytes.push_back(static_cast<uint8_t>(bits >> (count -= 8)));
+  }
+  return bytes;
+}
+
+std::string packed(const std::vector<uint8_t>& bytes) {
+  return "data:image/png;base64," + base64(bytesOf(bytes));
+}
+
+}  // namespace
+
+TEST_CASE("the alpha of a cut-out material's texture is read, with its sampler and coordinates") {
+  const Scene scene = cutOut().load();
+  validate(scene);
+  REQUIRE(scene.alphaImages.size() == 1);
+  const AlphaImage& image = scene.alphaImages[0];
+  CHECK(image.width == 2);
+  CHECK(image.height == 2);
+  CHECK(image.alpha == std::vector<uint8_t>{0, 255, 128, 64});
+  CHECK(image.wrapU == AlphaImage::Wrap::clamp);
+  CHECK(image.wrapV == AlphaImage::Wrap::mirror);
+  CHECK(scene.materials[0].alphaImage == 0);
+  CHECK(scene.meshes[0].uvs == Floats{0, 0, 1, 0, 0.25f, 2});
+  CHECK(scene.unreadImages == 0);
+}
+
+TEST_CASE("an image may lie in a bufferView, and samplers may be left out") {
+  GltfFileMaker file = cutOut();
+  const int view = file.view(bytesOf(unpacked(kHoles)));
+  file.json["images"][0] = {{"bufferView", view}, {"mimeType", "image/png"}};
+  file.json["textures"][0].erase("sampler");
+  const Scene scene = file.load();
+  REQUIRE(scene.alphaImages.size() == 1);
+  CHECK(scene.alphaImages[0].alpha[1] == 255);
+  CHECK(scene.alphaImages[0].wrapU == AlphaImage::Wrap::repeat);
+}
+
+TEST_CASE("materials share an image that is sampled in the same way") {
+  GltfFileMaker file = cutOut();
+  file.json["materials"].push_back(file.json["materials"][0]);
+  file.json["materials"].push_back(file.json["materials"][0]);
+  file.json["textures"].push_back({{"source", 0}});
+  file.json["materials"][2]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 1;
+  const Scene scene = file.load();
+  CHECK(scene.alphaImages.size() == 2);
+  CHECK(scene.materials[1].alphaImage == 0);
+  CHECK(scene.materials[2].alphaImage == 1);
+}
+
+TEST_CASE("another set of coordinates, quantised, and KHR_texture_transform are followed") {
+  GltfFileMaker file = cutOut();
+  textureOf(file)["texCoord"] = 1;
+  CHECK(file.load().meshes[0].uvs == Floats{0, 0, 1, 0, 0.2f, 1});
+  // The extension's example: the lower left quadrant of the image, turned clockwise by 90 degrees.
+  textureOf(file)["extensions"]["KHR_texture_transform"] = {
+      {"offset", {0, 1}}, {"rotation", 1.57079632679}, {"scale", {0.5, 0.5}}, {"texCoord", 0}};
+  const Floats uvs = file.load().meshes[0].uvs;
+  const Floats expected = {0, 1, 0, 0.5f, 1, 0.875f};
+  REQUIRE(uvs.size() == 6);
+  for (size_t i = 0; i < 6; ++i) CHECK(std::abs(uvs[i] - expected[i]) < 1e-6f);
+}
+
+TEST_CASE("primitives that share vertices but not their coordinates are told apart") {
+  GltfFileMaker file = cutOut();
+  Json& primitives = file.json["meshes"][0]["primitives"];
+  const bool sharedByMeshes = GENERATE(false, true);
+  if (sharedByMeshes) {
+    file.json["meshes"].push_back(file.json["meshes"][0]);
+    file.node({{"mesh", 1}});
+  }
+  Json solid = primitives[0], moved = primitives[0];
+  solid.erase("material");
+  file.json["materials"].push_back(file.json["materials"][0]);
+  file.json["materials"][1]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 1;
+  moved["material"] = 1;
+  primitives.push_back(solid);
+  primitives.push_back(moved);
+  primitives.push_back(primitives[0]);
+  const Scene scene = file.load();
+  validate(scene);
+  const Mesh& mesh = scene.meshes[0];
+  CHECK(mesh.vertexCount() == 9);
+  CHECK(mesh.indices == Indices{0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2});
+  CHECK(mesh.uvs == Floats{0, 0, 1, 0, 0.25f, 2, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0.2f, 1});
+  for (size_t v = 3; v < 9; ++v)
+    for (size_t c = 0; c < 3; ++c) CHECK(mesh.positions[3 * v + c] == mesh.positions[3 * (v % 3) + c]);
+}
+
+TEST_CASE("textures that cut no holes are not read") {
+  GltfFileMaker file = cutOut();
+  SECTION("opaque") {
+    file.json["materials"][0]["alphaMode"] = "OPAQUE";
+  }
+  SECTION("blended") {
+    file.json["materials"][0]["alphaMode"] = "BLEND";
+  }
+  SECTION("without alpha") {
+    file = cutOut(kSolid);
+  }
+  SECTION("JPEG") {
+    file = cutOut(packed({0xff, 0xd8, 0xff, 0xe0, 0, 1}));
+  }
+  const Scene scene = file.load();
+  validate(scene);
+  CHECK(scene.alphaImages.empty());
+  CHECK(scene.materials[0].alphaImage == kNoImage);
+  CHECK(scene.meshes[0].uvs.empty());
+  CHECK(scene.unreadImages == 0);
+}
+
+TEST_CASE("images that are not there or in another format are counted, and leave the material solid") {
+  GltfFileMaker file = cutOut();
+  SECTION("no such file") {
+    file = cutOut("missing.png");
+  }
+  SECTION("KTX2") {
+    file = cutOut(packed({0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb}));
+  }
+  SECTION("only an extension's source") {
+    file.json["textures"][0] = {{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}};
+  }
+  const Scene scene = file.load();
+  validate(scene);
+  CHECK(scene.unreadImages == 1);
+  CHECK(scene.materials[0].alphaImage == kNoImage);
+  CHECK(scene.meshes[0].uvs.empty());
+}
+
+TEST_CASE("a broken image is an error that names it") {
+  std::vector<uint8_t> png = unpacked(kHoles);
+  std::vector<uint8_t> huge = png, cut = png;
+  huge[18] = 0x7f;  // the width
+  cut.resize(45);
+  CHECK_THAT(cutOut(packed(huge)).failure(), ContainsSubstring("material 0 'leaf': image 0 has 32514 x 2 pixels"));
+  CHECK_THAT(cutOut(packed(cut)).failure(), ContainsSubstring("material 0 'leaf': image 0 is not a sound PNG file"));
+  for (size_t length = 8; length < png.size() - 12; ++length) {
+    INFO(length << " bytes");
+    CHECK_THAT(cutOut(packed({png.begin(), png.begin() + static_cast<ptrdiff_t>(length)})).failure(),
+               ContainsSubstring("not a sound PNG"));
+  }
+  CHECK_THAT(cutOut("data:image/png,abc").failure(), ContainsSubstring("image 0 has a data URI that is not base64"));
+}
+
+TEST_CASE("indices of textures that do not fit are errors that name them") {
+  GltfFileMaker file = cutOut();
+  textureOf(file)["index"] = 1;
+  CHECK_THAT(file.failure(), ContainsSubstring("material 0 'leaf': texture 1 does not exist"));
+  file = cutOut();
+  file.json["textures"][0]["source"] = 3;
+  CHECK_THAT(file.failure(), ContainsSubstring("image 3 does not exist"));
+  file = cutOut();
+  file.json["textures"][0]["sampler"] = 3;
+  CHECK_THAT(file.failure(), ContainsSubstring("sampler 3 does not exist"));
+  file = cutOut();
+  file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = file.accessor(Floats{0, 0}, "VEC2");
+  CHECK_THAT(file.failure(), ContainsSubstring("texture coordinates for 1 vertices, there are 3"));
+  file = cutOut();
+  file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 0;
+  CHECK_THAT(file.failure(), ContainsSubstring("accessor 0 of texture coordinates is not VEC2"));
+  file = cutOut();
+  textureOf(file)["texCoord"] = 2;  // there is none: all 0, as on a GPU
+  CHECK(file.load().meshes[0].uvs == Floats(6, 0));
+}
+
+TEST_CASE("validate refuses images and coordinates that do not fit") {
+  const Scene good = cutOut().load();
+  Scene scene = good;
+  scene.alphaImages[0].alpha.pop_back();
+  CHECK_THROWS_WITH(validate(scene), ContainsSubstring("alpha image 0: 2 x 2 pixels"));
+  scene = good;
+  scene.materials[0].alphaImage = 1;
+  CHECK_THROWS_WITH(validate(scene), ContainsSubstring("material 0: alpha image 1 does not exist"));
+  scene = good;
+  scene.meshes[0].uvs.pop_back();
+  CHECK_THROWS_WITH(validate(scene), ContainsSubstring("3 vertices need two texture coordinates"));
+  scene.meshes[0].uvs.clear();
+  CHECK_THROWS_WITH(validate(scene), ContainsSubstring("the mesh has no uvs for it"));
+}
