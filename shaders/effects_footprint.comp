@@ -29,7 +29,7 @@ const float kUnseen = -1.0;  // energy of what lets all light pass: no piece of 
 float farthestOf(uint index) { return frame.rangeMax; }
 
 // The sub-rays of a beam: tangents to the left and up, length of (1, left, up), and the energy that goes on.
-float left[RAYS], up[RAYS], lengths[RAYS], carried[RAYS], passed[RAYS];
+float left[RAYS], up[RAYS], lengths[RAYS], weights[RAYS], carried[RAYS], passed[RAYS];
 // What they have met, layer by layer: range (kNothing for nothing), share of the beam's energy, and the candidate.
 const uint kPieces = RAYS * kMaxLayers;
 float ranges[kPieces], energies[kPieces];
@@ -59,6 +59,8 @@ vec3 normalOf(vec3 a, vec3 b, vec3 c) {
   return unitTowardsOrigin(crossOf(u, v), a);
 }
 
+bool inWindow(float range) { return range >= frame.rangeMin && range <= frame.rangeMax; }
+
 // Watertight as in inside_watertight.glsl: sub-ray (1, u, v) shears every corner by the same operations.
 bool meetSubRay(Candidate candidate, float u, float v, float length_, out float range) {
   precise vec3 q = candidate.left - u * candidate.ahead;
@@ -70,8 +72,36 @@ bool meetSubRay(Candidate candidate, float u, float v, float length_, out float 
   bool averted = all(greaterThanEqual(side, vec3(0.0)));
   precise float along = quotient(weighted, sum) * length_;
   range = max(along, candidate.rangeMin);
-  return (facing || (averted && !candidate.oneSided)) && sum != 0.0 && along > 0.0 && range >= frame.rangeMin &&
-         range <= frame.rangeMax;
+  return (facing || (averted && !candidate.oneSided)) && sum != 0.0 && along > 0.0 && inWindow(range);
+}
+
+// A supporting plane in the beam's frame: normal, not a unit vector, and its distance times that vector's length.
+vec4 planeOf(Candidate c) {
+  vec3 a = vec3(c.ahead.x, c.left.x, c.up.x), b = vec3(c.ahead.y, c.left.y, c.up.y);
+  precise vec3 u = b - a;
+  precise vec3 v = vec3(c.ahead.z, c.left.z, c.up.z) - a;
+  vec3 normal = crossOf(u, v);
+  return vec4(normal, dotOf(normal, a));
+}
+
+// All of the footprint lies within the triangle: its axis is farther from the plane of each edge than it spreads.
+bool coversFootprint(Candidate c) {
+  precise vec3 side = c.left.yzx * c.up.zxy - c.up.yzx * c.left.zxy;
+  precise vec3 second = c.up.yzx * c.ahead.zxy - c.ahead.yzx * c.up.zxy;
+  precise vec3 third = c.ahead.yzx * c.left.zxy - c.left.yzx * c.ahead.zxy;
+  precise vec3 square = side * side;
+  precise vec3 reach = (square + second * second + third * third) * (frame.footprint * frame.footprint * 1.01 + 1e-12);
+  bool facing = all(lessThan(side, vec3(0.0)));
+  bool averted = all(greaterThan(side, vec3(0.0)));
+  return (facing || (averted && !c.oneSided)) && all(greaterThan(square, reach));
+}
+
+// As meetSubRay() where the whole footprint meets the triangle: only the range is asked for.
+bool meetPlane(Candidate candidate, vec4 plane, float u, float v, float length_, out float range) {
+  precise float along = plane.x + u * plane.y + v * plane.z;
+  precise float depth = quotient(plane.w, along) * length_;
+  range = max(depth, candidate.rangeMin);
+  return depth > 0.0 && inWindow(range);
 }
 
 // Cosine of a sub-ray's incidence on a surface with this normal: ahead, left, up.
@@ -91,11 +121,10 @@ bool isBehind(float range, uint id, uint piece) {
   return range > before || (range == before && id > idOf(metCandidates[piece]));
 }
 
-// Tries a candidate on a sub-ray; true if it is the nearest so far.
-bool offer(Candidate candidate, uint projected, uint layer, uint s) {
+// A sub-ray meets a candidate at a range; true if it is the nearest so far.
+bool offer(bool met, float range, Candidate candidate, uint projected, uint layer, uint s) {
   uint piece = layer * RAYS + s;
-  float range;
-  bool met = carried[s] > 0.0 && meetSubRay(candidate, left[s], up[s], lengths[s], range);
+  met = met && carried[s] > 0.0;
   if (layer > 0 && met) met = isBehind(range, candidate.id, piece - RAYS);
   met = met && (range < ranges[piece] || (range == ranges[piece] && candidate.id < idOf(metCandidates[piece])));
   if (met) {
@@ -121,15 +150,26 @@ float consider(uint projected, Beam beam, uint layer) {
   Candidate candidate = candidateOf(projected, beam);
   uvec2 taken = uvec2(0);  // a bit per sub-ray
   float farthest = 0.0;
-#define OFFER(s)                                                                                  \
-  if (offer(candidate, projected, layer, s)) taken[s / 32] |= 1u << (s % 32);                    \
+  float range;
+  bool met;
+  vec4 plane = planeOf(candidate);
+  if (coversFootprint(candidate)) {
+#define OFFER_PLANE(s)                                                          \
+  met = meetPlane(candidate, plane, left[s], up[s], lengths[s], range);         \
+  if (offer(met, range, candidate, projected, layer, s)) taken[s / 32] |= 1u << (s % 32);
+    EACH_RAY(OFFER_PLANE)
+  } else {
+#define OFFER(s)                                                         \
+  met = meetSubRay(candidate, left[s], up[s], lengths[s], range);        \
+  if (offer(met, range, candidate, projected, layer, s)) taken[s / 32] |= 1u << (s % 32);
+    EACH_RAY(OFFER)
+  }
+#define FARTHEST(s) \
   if (carried[s] > 0.0) farthest = max(farthest, ranges[layer * RAYS + s]);
-  EACH_RAY(OFFER)
+  EACH_RAY(FARTHEST)
   if ((taken.x | taken.y) == 0) return farthest;
   Optics4 surface = optics[projectedMaterials[projected]];
-  vec3 normal = normalOf(vec3(candidate.ahead.x, candidate.left.x, candidate.up.x),
-                         vec3(candidate.ahead.y, candidate.left.y, candidate.up.y),
-                         vec3(candidate.ahead.z, candidate.left.z, candidate.up.z));
+  vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
 #define SHARE(s) \
   if ((taken[s / 32] >> (s % 32) & 1u) != 0) share(surface, normal, layer, s);
   EACH_RAY(SHARE)
@@ -143,21 +183,21 @@ void findLayer(uint start, uint end, Beam beam, uint layer) {
   energies[layer * RAYS + s] = 0.0;    \
   passed[s] = 0.0;
   EACH_RAY(FORGET)
-  uint best = kNone;
-  float bestRangeMin = 0.0;
+  uint next = kNone;
+  float nextRangeMin = kNothing;
   for (uint k = start; k < end; ++k) {
     float rangeMin = projectedB[candidates[k]].w;
-    if (best == kNone || rangeMin < bestRangeMin) {
-      best = k;
-      bestRangeMin = rangeMin;
+    if (next == kNone || rangeMin < nextRangeMin) {
+      next = k;
+      nextRangeMin = rangeMin;
     }
   }
-  float farthest = kNothing;
-  for (uint k = 0; k <= end - start; ++k) {  // the best, then all
-    uint at = k == 0 ? best : start + k - 1;
-    if (best == kNone || (k > 0 && at == best)) continue;
-    uint projected = candidates[at];
-    if (projectedB[projected].w <= farthest) farthest = consider(projected, beam, layer);
+  // Each lane goes to the next candidate that it must try before any lane tries one.
+  uint best = next, k = start;
+  while (next < end) {
+    float farthest = consider(candidates[next], beam, layer);
+    while (k < end && (k == best || projectedB[candidates[k]].w > farthest)) ++k;
+    next = k++;
   }
 }
 
@@ -263,25 +303,36 @@ float lengthOf(float u, float v) {
   return squareRoot(square);
 }
 
-void aimSubRay(uint s, vec2 error) {
+// The footprint of every beam, and where that of a beam that goes astray lies.
+void loadSubRay(uint s) {
   vec4 subRay = subRays[s];
-  left[s] = sumOf(subRay.x, error.x);
-  up[s] = sumOf(subRay.y, error.y);
-  lengths[s] = (EFFECTS & kStrays) != 0 ? lengthOf(left[s], up[s]) : subRay.w;
-  carried[s] = subRay.z;
+  left[s] = subRay.x;
+  up[s] = subRay.y;
+  weights[s] = subRay.z;
+  lengths[s] = subRay.w;
+}
+
+void shift(uint s, vec2 by) {
+  vec4 subRay = subRays[s];
+  left[s] = sumOf(subRay.x, by.x);
+  up[s] = sumOf(subRay.y, by.y);
+  lengths[s] = lengthOf(left[s], up[s]);
 }
 
 void aim(uint beam, Beam axis) {
-  vec2 error = vec2(0.0);
   if ((EFFECTS & kStrays) != 0) {
-    error = angleError(parameters, parameters.firstBeam + beam);
+    vec2 error = angleError(parameters, parameters.firstBeam + beam);
     error.x = product(error.x, axis.cosElevation);
+#define SHIFT(s) shift(s, error);
+    EACH_RAY(SHIFT)
   }
-#define AIM(s) aimSubRay(s, error);
-  EACH_RAY(AIM)
+#define LIGHT(s) carried[s] = weights[s];
+  EACH_RAY(LIGHT)
 }
 
 void main() {
+#define LOAD(s) loadSubRay(s);
+  EACH_RAY(LOAD)
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint index = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; index < frame.beams;
        index += stride) {
