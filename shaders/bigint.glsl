@@ -34,8 +34,8 @@ void addWords(inout Big sum, uvec3 words, int shift, bool negative) {
   int first = shift >> 5;
   uint s = uint(shift & 31);
   uint spill = s == 0 ? 0 : 32 - s;
-  uvec4 v = uvec4(words.x << s, words.y << s, words.z << s, 0);
-  if (s != 0) v.yzw |= uvec3(words.x >> spill, words.y >> spill, words.z >> spill);
+  uvec4 v = uvec4(words << s, 0);
+  if (s != 0) v |= uvec4(0, words >> spill);
   uint carry = negative ? 1 : 0;
   for (int i = 0; i < kLimbs; ++i) {
     int k = i - first;

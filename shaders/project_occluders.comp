@@ -27,11 +27,13 @@ void main() {
   barrier();
   uint perRow = (frame.columns + kFineColumns - 1) / kFineColumns, fineRows = (frame.rows + kFineRows - 1) / kFineRows;
   uvec2 across = uvec2(kCoarseColumns / kFineColumns, kCoarseRows / kFineRows);
-  uvec2 entry = gl_WorkGroupID.xy * across + uvec2(gl_LocalInvocationID.x % across.x, gl_LocalInvocationID.x / across.x);
   uint mine = 0;
-  if (entry.x < perRow && entry.y < fineRows) {
-    mine = farthestIn(entry);
-    farthest[entry.y * perRow + entry.x] = mine;
+  for (uint k = gl_LocalInvocationID.x; k < across.x * across.y; k += gl_WorkGroupSize.x) {
+    uvec2 entry = gl_WorkGroupID.xy * across + uvec2(k % across.x, k / across.x);
+    if (entry.x >= perRow || entry.y >= fineRows) continue;
+    uint found = farthestIn(entry);
+    farthest[entry.y * perRow + entry.x] = found;
+    mine = max(mine, found);
   }
   mine = subgroupMax(mine);
   if (subgroupElect()) atomicMax(largest, mine);

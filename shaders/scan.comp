@@ -10,7 +10,7 @@
 
 layout(local_size_x = 64) in;
 
-const uint kLanes = 64;
+const uint kLanes = gl_WorkGroupSize.x;
 const uint kPerLane = kScanBlock / kLanes;
 shared uint laneSums[kLanes];
 

@@ -9,7 +9,7 @@ namespace gnosphere {
 /// The mesh of an instance that was removed.
 inline constexpr uint32_t kNoMesh = 0xffffffffu;
 
-/// One machine with one scene on it. Implemented by vulkan/ and reference/; never included by either of the other.
+/// One machine with one scene on it. Implemented by vulkan/, cuda/ and reference/; none of them includes another.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -33,5 +33,13 @@ std::unique_ptr<Backend> makeVulkanBackend(const Scene& scene, const std::vector
 /// Every Vulkan device seen; empty, with the reason in `problem`, where there is no Vulkan at all.
 std::vector<DeviceInfo> listVulkanDevices(std::string* problem);
 DeviceInfo referenceDevice();
+
+/// Built with GNOSPHERE_CUDA, or else absent: then every call says so.
+namespace cuda {
+std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
+                                     const SimulatorOptions& options);
+/// Every CUDA device; empty, with the reason in `problem`, where there is none.
+std::vector<DeviceInfo> devices(std::string& problem);
+}  // namespace cuda
 
 }  // namespace gnosphere

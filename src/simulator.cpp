@@ -41,8 +41,9 @@ std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Senso
   if (sensors.empty()) throw Error(ErrorCode::invalidArgument, "a simulator needs at least one sensor");
   for (const Sensor& sensor : sensors) validate(sensor);
   if (options.exactness) validate(*options.exactness);
-  return options.device == "reference" ? makeReferenceBackend(scene, sensors, options)
-                                       : makeVulkanBackend(scene, sensors, options);
+  if (options.device == "reference") return makeReferenceBackend(scene, sensors, options);
+  if (options.device.starts_with("cuda")) return cuda::makeBackend(scene, sensors, options);
+  return makeVulkanBackend(scene, sensors, options);
 }
 
 }  // namespace
@@ -61,6 +62,8 @@ Exactness exactnessOf(Accuracy accuracy) {
 
 std::vector<DeviceInfo> listDevices(std::string* vulkanProblem) {
   std::vector<DeviceInfo> devices = listVulkanDevices(vulkanProblem);
+  std::string cudaProblem;
+  for (DeviceInfo& device : cuda::devices(cudaProblem)) devices.push_back(std::move(device));
   devices.push_back(referenceDevice());
   return devices;
 }

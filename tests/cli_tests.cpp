@@ -168,6 +168,10 @@ TEST_CASE("a printed sensor is a file that --sensor reads") {
   CHECK_THAT(place.run("sensors").out, ContainsSubstring("Hypothetical-350") && ContainsSubstring("6,300,000"));
 }
 
+TEST_CASE("a CUDA device that is not there is one line, built in or not") {
+  checkRefused("scan floor.obj --device cuda:99", 1, "device 'cuda:99': ");
+}
+
 TEST_CASE("devices end with the reference, which needs no Vulkan") {
   const Workplace place;
   const Result result = place.run("devices --json", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");

@@ -22,7 +22,7 @@ constexpr Way kWays[] = {{"nearest", Binning::nearest, true},
                          {"nearest32 without doubles", Binning::nearest32, false},
                          {"lists without doubles", Binning::lists, false}};
 
-/// Every world of the family by every way. Returns the oracle's clouds.
+/// Every world of the family by every way, and CUDA's way. Returns the oracle's clouds.
 std::vector<Scan> requireExactEveryWay(const Family& family) {
   needVulkan();
   std::vector<Scan> oracles;
@@ -37,6 +37,12 @@ std::vector<Scan> requireExactEveryWay(const Family& family) {
     for (size_t i = 0; i < family.visits.size(); ++i) {
       INFO(family.name << ", world " << i << ", " << way.name);
       requireExact(oracles[i], simulator.scan(family.visits[i].pose, family.visits[i].sensor));
+    }
+    if (!way.float64) continue;
+    CudaOnHost onHost(family.scene, family.sensors, options);
+    for (size_t i = 0; i < family.visits.size(); ++i) {
+      INFO(family.name << ", world " << i << ", CUDA, " << way.name);
+      requireExact(oracles[i], onHost.scan(family.visits[i].pose, family.visits[i].sensor));
     }
   }
   return oracles;

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "cuda/twin.hpp"
 #include "oracle/oracle.hpp"
 #include "support.hpp"
 
@@ -103,7 +104,7 @@ inline void report(const Family& family, const Verdict& verdict) {
 }
 
 /// `standard` against the reference, `exact` against the reference and the oracle, world by world: 0 missed, 0 false,
-/// 0 wrong owners, 0 wrong ranges. And how many worlds `paper` gets wrong.
+/// 0 wrong owners, 0 wrong ranges; both on CUDA as well. And how many worlds `paper` gets wrong.
 inline Verdict requireRight(const Family& family, Faces faces = Faces::material) {
   needVulkan();
   const auto simulator = [&](const char* device, Accuracy accuracy) {
@@ -115,6 +116,7 @@ inline Verdict requireRight(const Family& family, Faces faces = Faces::material)
   };
   Simulator reference = simulator("reference", Accuracy::standard), standard = simulator("auto", Accuracy::standard);
   Simulator exact = simulator("auto", Accuracy::exact), paper = simulator("auto", Accuracy::paper);
+  CudaTwin twin(family.scene, family.sensors, faces);
   Verdict verdict;
   for (size_t i = 0; i < family.visits.size(); ++i) {
     const Family::Visit& visit = family.visits[i];
@@ -125,6 +127,7 @@ inline Verdict requireRight(const Family& family, Faces faces = Faces::material)
     const Scan decided = exact.scan(visit.pose, visit.sensor);
     requireSame(truth, decided);
     requireExact(exactScan(family.scene, family.sensors[visit.sensor], visit.pose, faces), decided);
+    twin.require(visit.pose, visit.sensor, truth, decided);
     addErrors(truth, rounded, verdict);
     Scan judge = truth;
     if (family.everyHitTies) judge.ties.assign(judge.ties.size(), 0);

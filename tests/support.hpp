@@ -18,7 +18,7 @@ namespace gnosphere::test {
 inline void needVulkan() {
   std::string problem;
   for (const DeviceInfo& device : listDevices(&problem))
-    if (device.usable && device.type != "reference") return;
+    if (device.usable && device.type != "reference" && device.type != "cuda") return;
   const char* required = std::getenv("GNOSPHERE_REQUIRE");
   if (required && std::strstr(required, "vulkan")) FAIL("no usable Vulkan device: " << problem);
   SKIP("no usable Vulkan device: " << problem);

@@ -168,8 +168,9 @@ setUp() {
 }
 
 # Warnings are errors with the compiler that the sources are kept clean for, and news with any other.
+# configure PRESET OPTION...
 configure() {
-  local options=() compiler
+  local options=("${@:2}") compiler
   step "Configuring ($1)"
   compiler=$("${CXX:-c++}" -dumpversion 2>/dev/null) || compiler=
   case $compiler in 12 | 12.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac

@@ -86,7 +86,9 @@ struct Culling {
 };
 
 struct SimulatorOptions {
-  std::string device = "auto";  ///< auto, an index or part of a name of listDevices(), or "reference"
+  /// auto, an index or part of a name of a Vulkan device of listDevices(), "reference", or, where CUDA is built in,
+  /// "cuda:N": the CUDA device N with the shaders' arithmetic, or "cuda-fast:N" with what its compiler makes of it.
+  std::string device = "auto";
   Accuracy accuracy = Accuracy::standard;
   std::optional<Exactness> exactness;  ///< the parts one by one, instead of `accuracy`
   Faces faces = Faces::material;
@@ -108,7 +110,7 @@ struct SimulatorOptions {
 
 struct DeviceInfo {
   std::string name;
-  std::string type;        ///< discrete, integrated, virtual, cpu, other, reference
+  std::string type;        ///< discrete, integrated, virtual, cpu, other, cuda, reference
   std::string driver;      ///< name and version
   std::string apiVersion;  ///< Vulkan version; empty for the reference
   uint64_t maxBufferBytes = 0;
@@ -117,7 +119,7 @@ struct DeviceInfo {
   std::string reason;  ///< why not, where it is not usable
 };
 
-/// Every Vulkan device of this machine, and the reference last. Never throws for lack of Vulkan: the list then holds
+/// Every Vulkan device of this machine, then every CUDA device where CUDA is built in, and the reference last. Never throws for lack of Vulkan: the list then holds
 /// the reference alone, and `vulkanProblem` says why.
 std::vector<DeviceInfo> listDevices(std::string* vulkanProblem = nullptr);
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "flatten.hpp"
+#include "chunks.hpp"
 #include "vulkan/instances.hpp"
 
 namespace gnosphere::vulkan {
@@ -15,10 +15,10 @@ struct GeometryChunk {
   Buffer clusters;
   Buffer positions;
   Buffer triangleCorners;
-  // Only where surfaces are looked at:
+  // Only where surfaces are looked at, see ChunkSurfaces:
   Buffer clusterMaterials;
-  Buffer meshPlaces;      ///< per mesh of the scene: its first entry in trianglePlaces, kNone if it is in another chunk
-  Buffer trianglePlaces;  ///< per triangle of a mesh: cluster * kClusterTriangles + its place there; kNone: elsewhere
+  Buffer meshPlaces;
+  Buffer trianglePlaces;
 };
 
 class Geometry {
@@ -27,7 +27,7 @@ class Geometry {
   Geometry(const Device& device, const Scene& scene, bool surfaces);
 
   const std::vector<GeometryChunk>& chunks() const { return chunks_; }
-  size_t clusterCount() const { return flat_.clusters.size() - 1; }
+  size_t clusterCount() const { return packed_.clusterCount(); }
   uint64_t bytes() const;
   /// New places for the vertices of a mesh; the device must not be using it.
   void setPositions(size_t mesh, std::span<const float> positions);
@@ -35,17 +35,12 @@ class Geometry {
   const Instances& instances() const { return instances_; }
 
  private:
-  void addChunk(Uploader& uploader, size_t first, size_t end);
-  void addSurfaces(Uploader& uploader, const Scene& scene, size_t chunk);
-  void addInstances(const Scene& scene);
-  void summarize(size_t mesh, MeshSummary& summary) const;
+  void addSurfaces(Uploader& uploader, ChunkSurfaces surfaces, GeometryChunk& chunk);
 
   const Device& device_;
+  Chunks packed_;
   std::vector<GeometryChunk> chunks_;
-  std::vector<size_t> chunkFirsts_;                // the first group of each, and the end of the last
   std::vector<std::vector<uint32_t>> meshPlaces_;  // as each chunk has them
-  // Without positions and triangles, which the device alone has, and with an empty cluster and group at the end.
-  FlatScene flat_;
   Instances instances_;
 };
 

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Of a build without CUDA.
+#include "backend.hpp"
+#include "gnosphere/error.hpp"
+
+namespace gnosphere::cuda {
+
+std::unique_ptr<Backend> makeBackend(const Scene&, const std::vector<Sensor>&, const SimulatorOptions& options) {
+  throw Error(ErrorCode::device,
+              "device '" + options.device + "': CUDA is not built in; configure the build with -DGNOSPHERE_CUDA=ON");
+}
+
+std::vector<DeviceInfo> devices(std::string& problem) {
+  problem = "CUDA is not built in";
+  return {};
+}
+
+}  // namespace gnosphere::cuda

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+# GLSL -> C++ (sed -E): what differs in spelling alone; glsl.hpp has the types and functions. A translated stage is the
+# body of a struct: its arrays are members that job.hpp binds, its functions are member functions.
+
+# What only Vulkan needs.
+/^#version|^#extension|^layout\(local_size|^#define GNO_(CONST|INLINE)\b/d
+/^#define (WORK|CHUNK)/,+1d
+s/__cplusplus/GNO_NEVER/
+s/GNOSPHERE_(\w+)_H\b/GNOSPHERE_CUDA_\1_H/
+s/\bprecise //g
+s/\[\[dont_unroll\]\]/GNO_DONT_UNROLL/
+
+# Arrays, constants, memory of a workgroup.
+s/^layout\(.*set = ([01]), binding = (\w+)\).* buffer \w+ \{ (\w+) (\w+)\[\]; \};/GNO_ARRAY(\1, \2, \3, \4);/
+s/^layout\(.*binding = (\w+)\).* buffer \w+ \{ (\w+) (\w+); \};/GNO_BLOCK(\1, \2, \3);/
+s/^WORK\((\w+), *\w*, (\w+), (\w+)\);/GNO_ARRAY(0, \1, \2, \3);/
+s/^CHUNK\((\w+), (\w+), (\w+)\);/GNO_ARRAY(1, \1, \2, \3);/
+s/^layout\(push_constant\).*\{ (\w+) (\w+); \};/GNO_PUSH(\1, \2);/
+s/^layout\(constant_id = [0-9]+\) const (\w+) (\w+) = [^;]*;/GNO_OPTION(\1, \2);/
+s/^shared (\w+) (\w+)\[(\w+)\];/GNO_SHARED_ARRAY(\1, \2, \3);/
+s/^shared (\w+) (\w+);/GNO_SHARED(\1, \2);/
+s/^(const|GNO_CONST) /static constexpr /
+
+# Functions; a class needs no forward declarations.
+/^\w+ \w+\([^)]*\);$/d
+s/^(GNO_INLINE )?(\w+) (\w+)\(/GNO_DEVICE \2 \3(/
+s/^#define GNO_(IN)?OUT\(type\) .*/#define GNO_\1OUT(type) type\&/
+s/([(,] ?|^ +)(in)?out (\w+) (\w+)/\1\3\& \4/g
+
+# Components and literals: 1.0 is a float, 1.0lf a double.
+s/\.([xyzw]{2,4})\b/.\1()/g
+s/([0-9.])lf\b/\1@/g
+s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*(e[-+]?[0-9]+)?|[0-9]+e[-+]?[0-9]+)([^0-9A-Za-z_.@]|$)/\1\2f\4/g
+s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*(e[-+]?[0-9]+)?|[0-9]+e[-+]?[0-9]+)([^0-9A-Za-z_.@]|$)/\1\2f\4/g
+s/([0-9.])@/\1/g

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels of a scan: the shaders' text, compiled as CUDA, or as C++ for tests.
+#pragma once
+
+#include <cstdint>
+
+#include "shared.h"
+
+namespace gnosphere::cuda {
+
+/// As shaders/options.glsl names and orders them.
+struct Options {
+  uint32_t BOUNDS, CULL, INSIDE, RANGE;
+  bool AZIMUTH_OFFSETS;
+  uint32_t FACES, PASS, CULLING, EFFECTS, FIELDS;
+};
+
+/// What a kernel reads and writes: set 0 (a sensor and the work arrays), set 1 (a chunk of the scene), push constants.
+struct Job {
+  void* arrays[2][gpu::kWorkBindingCountEffects];
+  gpu::Pass pass;
+  Options options;
+};
+
+/// In the order of a scan, with the names of the shaders.
+enum class Kernel { project_groups, project_clusters, project_occluders, project_triangles, bin, scan, resolve };
+
+/// So many workgroups; the next launch sees what this one has written. Implemented twice: `parity` without contraction
+/// of products and sums, `fast` as the compiler sees fit.
+namespace parity {
+void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY = 1);
+}
+namespace fast {
+void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY = 1);
+}
+
+}  // namespace gnosphere::cuda

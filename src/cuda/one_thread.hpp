@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels on the host, for tests: workgroups of one invocation, one after another. A subgroup of one has nobody to
+// ask, and what is atomic or a barrier has nobody to wait for.
+#pragma once
+
+#include <utility>
+
+#include "cuda/glsl.hpp"
+
+#define GNO_SHARED_ARRAY(type_, name_, count_) type_ name_[count_]
+#define GNO_SHARED(type_, name_) type_ name_
+
+namespace gnosphere::cuda {
+
+constexpr uint gl_SubgroupSize = 1, gl_SubgroupID = 0, gl_SubgroupInvocationID = 0, gl_NumSubgroups = 1;
+constexpr struct { uint x, y, z; } gl_WorkGroupSize = {1, 1, 1};
+constexpr uvec3 gl_LocalInvocationID(0);
+inline thread_local uvec3 gl_WorkGroupID, gl_NumWorkGroups;
+
+inline void barrier() {}
+
+template <typename T>
+T subgroupShuffle(T value, uint) {
+  return value;
+}
+template <typename T>
+T subgroupBroadcastFirst(T value) {
+  return value;
+}
+inline bool subgroupElect() {
+  return true;
+}
+inline bool subgroupAny(bool value) {
+  return value;
+}
+inline uvec4 subgroupBallot(bool value) {
+  return {value, 0, 0, 0};
+}
+inline uint subgroupBallotBitCount(uvec4 ballot) {
+  return ballot.x;
+}
+inline uint subgroupBallotExclusiveBitCount(uvec4) {
+  return 0;
+}
+template <typename T>
+T subgroupAdd(T value) {
+  return value;
+}
+inline uint subgroupMax(uint value) {
+  return value;
+}
+
+inline uint atomicAdd(uint& memory, uint value) {
+  return std::exchange(memory, memory + value);
+}
+inline uint atomicMin(uint& memory, uint value) {
+  return std::exchange(memory, min(memory, value));
+}
+inline uint atomicMax(uint& memory, uint value) {
+  return std::exchange(memory, max(memory, value));
+}
+inline uint64_t atomicMin(uint64_t& memory, uint64_t value) {
+  return std::exchange(memory, min(memory, value));
+}
+
+}  // namespace gnosphere::cuda

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cuda/runtime.hpp"
+
+#include <cuda_runtime_api.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <string_view>
+
+#include "backend.hpp"
+#include "gnosphere/error.hpp"
+
+namespace gnosphere::cuda {
+namespace {
+
+void check(cudaError_t result, const char* call) {
+  if (result == cudaSuccess) return;
+  throw Error(ErrorCode::device,
+              std::string(call) + ": " + cudaGetErrorName(result) + ", " + cudaGetErrorString(result));
+}
+#define CUDA(call_) check(call_, #call_)
+
+std::string versionText(int version) {
+  return std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10);
+}
+
+DeviceInfo infoOf(int index) {
+  cudaDeviceProp properties;
+  CUDA(cudaGetDeviceProperties(&properties, index));
+  int driver = 0;
+  CUDA(cudaDriverGetVersion(&driver));
+  DeviceInfo info;
+  info.name = "cuda:" + std::to_string(index) + " " + properties.name;
+  info.type = "cuda";
+  info.driver = "CUDA " + versionText(driver) + ", compute " + std::to_string(properties.major) + "." +
+                std::to_string(properties.minor);
+  info.maxBufferBytes = properties.totalGlobalMem;
+  info.subgroupSize = static_cast<uint32_t>(properties.warpSize);
+  if (10 * properties.major + properties.minor < 75)
+    info.reason = "it has compute capability " + std::to_string(properties.major) + "." +
+                  std::to_string(properties.minor) + ", 7.5 is needed";
+  info.usable = info.reason.empty();
+  return info;
+}
+
+// The number after `prefix`; -1 where the name is another.
+int indexAfter(std::string_view prefix, std::string_view name) {
+  if (!name.starts_with(prefix)) return -1;
+  name.remove_prefix(prefix.size());
+  int index = -1;
+  const auto result = std::from_chars(name.data(), name.data() + name.size(), index);
+  return result.ec == std::errc() && result.ptr == name.data() + name.size() ? index : -1;
+}
+
+}  // namespace
+
+std::vector<DeviceInfo> devices(std::string& problem) {
+  int count = 0, driver = 0;
+  if (cudaDriverGetVersion(&driver) == cudaSuccess && driver == 0) {
+    problem = "no driver is installed";
+    return {};
+  }
+  if (const cudaError_t result = cudaGetDeviceCount(&count); result != cudaSuccess) {
+    problem = cudaGetErrorString(result);
+    return {};
+  }
+  std::vector<DeviceInfo> result;
+  for (int i = 0; i < count; ++i) result.push_back(infoOf(i));
+  if (result.empty()) problem = "the driver sees none";
+  return result;
+}
+
+Device chooseDevice(const std::string& name) {
+  Device device;
+  device.groups = 4096;
+  device.index = indexAfter("cuda:", name);
+  device.launch = parity::launch;
+  if (device.index < 0) {
+    device.index = indexAfter("cuda-fast:", name);
+    device.launch = fast::launch;
+  }
+  if (device.index < 0)
+    throw Error(ErrorCode::device, "device '" + name + "' is neither cuda:N nor cuda-fast:N, with N from 0 on");
+  std::string problem;
+  const std::vector<DeviceInfo> all = devices(problem);
+  if (all.empty())
+    throw Error(ErrorCode::device, "device '" + name + "': there is no CUDA device here (" + problem + ")");
+  if (static_cast<size_t>(device.index) >= all.size())
+    throw Error(ErrorCode::device, "device '" + name + "': the last CUDA device here is " + all.back().name);
+  device.info = all[static_cast<size_t>(device.index)];
+  if (!device.info.usable)
+    throw Error(ErrorCode::device, "device '" + device.info.name + "' cannot be used: " + device.info.reason);
+  return device;
+}
+
+void use(const Device& device) {
+  CUDA(cudaSetDevice(device.index));
+}
+
+void* allocate(const char* name, uint64_t bytes) {
+  void* memory = nullptr;
+  const cudaError_t result = cudaMalloc(&memory, bytes);
+  if (result == cudaErrorMemoryAllocation) {
+    char text[200];
+    std::snprintf(text, sizeof text, "cannot allocate %.1f MiB for '%s' on the CUDA device",
+                  static_cast<double>(bytes) / (1 << 20), name);
+    cudaGetLastError();
+    throw Error(ErrorCode::outOfMemory, text);
+  }
+  check(result, "cudaMalloc");
+  return memory;
+}
+
+void release(void* memory) {
+  cudaFree(memory);
+}
+
+void copyToDevice(void* to, const void* from, uint64_t bytes) {
+  if (bytes > 0) CUDA(cudaMemcpy(to, from, bytes, cudaMemcpyHostToDevice));
+}
+
+void copyToHost(void* to, const void* from, uint64_t bytes) {
+  CUDA(cudaGetLastError());  // of a launch
+  if (bytes > 0) CUDA(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToHost));
+}
+
+void fill(void* memory, uint8_t value, uint64_t bytes) {
+  if (bytes > 0) CUDA(cudaMemsetAsync(memory, value, bytes));
+}
+
+Stopwatch::Stopwatch() = default;
+
+Stopwatch::~Stopwatch() {
+  for (void* event : events_) cudaEventDestroy(static_cast<cudaEvent_t>(event));
+}
+
+void Stopwatch::start() {
+  stages_.clear();
+  finished("");
+}
+
+void Stopwatch::finished(const char* stage) {
+  if (events_.size() <= stages_.size()) {
+    cudaEvent_t event = nullptr;
+    CUDA(cudaEventCreate(&event));
+    events_.push_back(event);
+  }
+  CUDA(cudaEventRecord(static_cast<cudaEvent_t>(events_[stages_.size()])));
+  stages_.push_back(stage);
+}
+
+void Stopwatch::read(Timings& timings) {
+  for (size_t i = 1; i < stages_.size(); ++i) {
+    float ms = 0;
+    CUDA(cudaEventSynchronize(static_cast<cudaEvent_t>(events_[i])));
+    CUDA(cudaEventElapsedTime(&ms, static_cast<cudaEvent_t>(events_[i - 1]), static_cast<cudaEvent_t>(events_[i])));
+    timings.gpuMs += ms;
+    const auto found = std::find_if(timings.stages.begin(), timings.stages.end(),
+                                    [&](const StageTime& stage) { return stage.name == stages_[i]; });
+    if (found == timings.stages.end())
+      timings.stages.push_back({stages_[i], ms});
+    else
+      found->ms += ms;
+  }
+}
+
+}  // namespace gnosphere::cuda

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the backend asks of the CUDA runtime: a device, its memory, its time. Tests stand in for it on the host.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cuda/kernels.hpp"
+#include "gnosphere/simulator.hpp"
+
+namespace gnosphere::cuda {
+
+using Launch = void (*)(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY);
+
+struct Device {
+  DeviceInfo info;
+  int index = 0;
+  /// Workgroups that fill it: most kernels loop over however many items there are.
+  uint32_t groups = 0;
+  Launch launch = nullptr;
+};
+
+/// The device that "cuda:N" names, or "cuda-fast:N" with the kernels of the other namespace of kernels.hpp.
+Device chooseDevice(const std::string& name);
+/// Makes the device that of this thread's calls from here on.
+void use(const Device& device);
+
+// Failures throw Error(device), or Error(outOfMemory) with the name. Copies between host and device wait for the
+// kernels.
+void* allocate(const char* name, uint64_t bytes);
+void release(void* memory);
+void copyToDevice(void* to, const void* from, uint64_t bytes);
+void copyToHost(void* to, const void* from, uint64_t bytes);
+/// Every byte becomes `value`, after the kernels launched before.
+void fill(void* memory, uint8_t value, uint64_t bytes);
+
+/// Device memory with elements of one kind.
+template <typename T>
+class Array {
+ public:
+  Array() = default;
+  /// `name` is for messages: "cannot allocate 96.0 MiB for 'points'".
+  Array(const char* name, uint64_t count)
+      : data_(count > 0 ? allocate(name, count * sizeof(T)) : nullptr), count_(count) {}
+  Array(const char* name, std::span<const T> values) : Array(name, values.size()) { write(values); }
+  ~Array() {
+    if (data_) release(data_);
+  }
+  Array(Array&& other) noexcept { swap(other); }
+  Array& operator=(Array&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+
+  void* data() const { return data_; }
+  uint64_t count() const { return count_; }
+  uint64_t bytes() const { return count_ * sizeof(T); }
+  void write(std::span<const T> values, size_t first = 0) {
+    copyToDevice(static_cast<T*>(data_) + first, values.data(), values.size_bytes());
+  }
+  std::vector<T> read(size_t first, size_t count) const {
+    std::vector<T> values(count);
+    copyToHost(values.data(), static_cast<const T*>(data_) + first, count * sizeof(T));
+    return values;
+  }
+
+ private:
+  void swap(Array& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(count_, other.count_);
+  }
+
+  void* data_ = nullptr;
+  uint64_t count_ = 0;
+};
+
+/// Device times of a scan's stages; none on the host.
+class Stopwatch {
+ public:
+  Stopwatch();
+  ~Stopwatch();
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+  void start();
+  /// What was launched since the last call belongs to the stage.
+  void finished(const char* stage);
+  /// Waits for the device.
+  void read(Timings& timings);
+
+ private:
+  std::vector<void*> events_;
+  std::vector<const char*> stages_;
+};
+
+}  // namespace gnosphere::cuda

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "instance_table.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/quaternion.hpp>
+
+namespace gnosphere {
+namespace {
+
+const MeshSummary kEmpty;
+
+glm::dmat3 linear(const Transform& t) {
+  const auto& m = t.rows;
+  return glm::dmat3(m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]);
+}
+
+void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dmat3& toWorld,
+             const glm::dmat3& fromWorld, const glm::dvec3& position, uint32_t number, gpu::Instance& out) {
+  // The world subtraction comes first, in double: what is left is small wherever in the world the scene lies.
+  const glm::dvec3 translation = position - sensor;
+  // The pivot is the sensor's place in the mesh frame. A transform that flattens the mesh has none: zero then.
+  const glm::vec3 rounded(-(fromWorld * translation));
+  const bool usable = glm::all(glm::lessThanEqual(glm::abs(rounded), glm::vec3(gpu::kCoordinateLimit)));
+  const glm::vec3 pivot = usable ? rounded : glm::vec3(0);
+  const glm::dmat3 rows = glm::transpose(toSensor * toWorld);
+  const glm::vec3 offset(toSensor * (toWorld * glm::dvec3(pivot) + translation));
+  const auto row = [&](int r) {
+    return gpu::vec4{static_cast<float>(rows[r].x), static_cast<float>(rows[r].y), static_cast<float>(rows[r].z),
+                     pivot[r]};
+  };
+  out.row0 = row(0);
+  out.row1 = row(1);
+  out.row2 = row(2);
+  out.offset = {offset.x, offset.y, offset.z, std::bit_cast<float>(number)};
+}
+
+// By bits: zeros of either sign make different clouds.
+template <typename T>
+bool same(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+}  // namespace
+
+const MeshSummary& InstanceTable::meshOf(const Placement& placement) const {
+  return placement.mesh == kNoMesh ? kEmpty : meshes_[placement.mesh];
+}
+
+void InstanceTable::addMesh(MeshSummary mesh) {
+  for (const MeshSummary::Run& run : mesh.runs) chunkCount_ = std::max<size_t>(chunkCount_, run.chunk + 1);
+  meshes_.push_back(std::move(mesh));
+  instanceCounts_.push_back(0);
+  reshaped_.push_back(0);
+  reshapedAt_.push_back(0);
+}
+
+void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform) {
+  if (index == placements_.size()) {
+    placements_.emplace_back();
+    placements_.back().mesh = kNoMesh;
+    spheres_.emplace_back();
+    numbered_ = false;
+  }
+  Placement& placement = placements_[index];
+  const Placement before = placement;
+  if (placement.mesh != mesh) {
+    renumberedAt_ = changes_ + 1;
+    count(placement.mesh, -1);
+    placement.mesh = mesh;
+    count(placement.mesh, 1);
+    numbered_ = false;
+  }
+  const Vec3& origin = meshOf(placement).origin;
+  placement.toWorld = linear(transform);
+  const Transform placed = transform * Transform{{1, 0, 0, origin.x, 0, 1, 0, origin.y, 0, 0, 1, origin.z}};
+  placement.position = {placed.rows[3], placed.rows[7], placed.rows[11]};
+  if (before.mesh == mesh && same(before.toWorld, placement.toWorld) && same(before.position, placement.position))
+    return;
+  placement.changedAt = ++changes_;
+  const double volume = glm::determinant(placement.toWorld);
+  placement.mirrored = volume < 0;
+  placement.fromWorld = std::abs(volume) > 1e-30 ? glm::inverse(placement.toWorld) : glm::dmat3(0);
+  spheres_[index] = sphereOf(placement);
+}
+
+void InstanceTable::setMesh(size_t mesh, MeshSummary summary) {
+  const auto index = static_cast<uint32_t>(mesh);
+  const int64_t instances = instanceCounts_[mesh];
+  count(index, -instances);
+  meshes_[mesh] = std::move(summary);
+  count(index, instances);
+  reshaped_[mesh] = 1;
+  reshapedAt_[mesh] = ++changes_;
+  anyReshaped_ = true;
+}
+
+uint64_t InstanceTable::changedAt(size_t instance) const {
+  const Placement& placement = placements_[instance];
+  return placement.mesh == kNoMesh ? placement.changedAt : std::max(placement.changedAt, reshapedAt_[placement.mesh]);
+}
+
+uint64_t InstanceTable::usableTriangles(size_t instance) const {
+  const MeshSummary& mesh = meshOf(placements_[instance]);
+  return mesh.triangles - mesh.nonFinite - mesh.degenerate;
+}
+
+void InstanceTable::moveSpheres() {
+  if (!anyReshaped_) return;
+  for (size_t i = 0; i < placements_.size(); ++i)
+    if (placements_[i].mesh != kNoMesh && reshaped_[placements_[i].mesh]) spheres_[i] = sphereOf(placements_[i]);
+  std::fill(reshaped_.begin(), reshaped_.end(), 0);
+  anyReshaped_ = false;
+}
+
+// Around the box of the mesh, turned with it.
+InstanceTable::Sphere InstanceTable::sphereOf(const Placement& placement) const {
+  const MeshSummary& mesh = meshOf(placement);
+  const glm::dvec3 centre = 0.5 * (mesh.low + mesh.high), half = 0.5 * (mesh.high - mesh.low);
+  const glm::dmat3& m = placement.toWorld;
+  const glm::dvec3 reach = glm::abs(m[0]) * half.x + glm::abs(m[1]) * half.y + glm::abs(m[2]) * half.z;
+  return {placement.position + m * centre, glm::length(reach)};
+}
+
+// So many more instances of a mesh.
+void InstanceTable::count(uint32_t mesh, int64_t instances) {
+  if (mesh == kNoMesh) return;
+  const MeshSummary& summary = meshes_[mesh];
+  const auto add = [&](uint64_t& sum, uint64_t count) { sum += static_cast<uint64_t>(instances) * count; };
+  add(counters_.triangles, summary.triangles);
+  add(counters_.nonFinite, summary.nonFinite);
+  add(counters_.degenerate, summary.degenerate);
+  instanceCounts_[mesh] += static_cast<uint32_t>(instances);
+}
+
+void InstanceTable::number() {
+  if (numbered_) return;
+  uint32_t first = 0;
+  for (Placement& placement : placements_) {
+    placement.firstTriangle = first;
+    first += meshOf(placement).triangles;
+  }
+  numberCount_ = first;
+  numbered_ = true;
+  ++numbering_;
+}
+
+void InstanceTable::findVisible(const glm::dvec3& sensor, double reach, const Selection& selection) {
+  visibleStill_.clear();
+  visibleMoving_.clear();
+  for (uint32_t i = 0; i < placements_.size(); ++i) {
+    const bool moving = !selection.moving.empty() && selection.moving[i];
+    if (!moving && !selection.still) continue;
+    const Sphere& sphere = spheres_[i];
+    const glm::dvec3 away = sphere.centre - sensor;
+    // Wider than single precision errs on the device. What is not finite stays: comparisons with NaN are false.
+    const double limit = (reach + sphere.radius) * 1.00001;
+    if (glm::dot(away, away) > limit * limit) continue;
+    if (usableTriangles(i) > 0) (moving ? visibleMoving_ : visibleStill_).push_back(i);
+  }
+}
+
+// Pairs from `first` on; returns their end.
+uint32_t InstanceTable::reserve(const std::vector<uint32_t>& visible, uint32_t first,
+                                std::vector<PlacedGroups::Chunk>& to) const {
+  to.assign(chunkCount_, {});
+  for (uint32_t i : visible)
+    for (const MeshSummary::Run& run : meshOf(placements_[i]).runs) {
+      to[run.chunk].groups += run.count;
+      to[run.chunk].clusters += run.clusters;
+    }
+  for (PlacedGroups::Chunk& chunk : to) {
+    chunk.first = first;
+    first += chunk.groups;
+  }
+  return first;
+}
+
+void InstanceTable::writeNumbers(gpu::Instance* instances) const {
+  for (size_t i = 0; i < placements_.size(); ++i) instances[i].offset.w = std::bit_cast<float>(placements_[i].number());
+}
+
+void InstanceTable::writeOwnerRanges(uint32_t* ranges) const {
+  uint32_t owner = 0;
+  const auto ownerOf = [&](uint32_t triangle) {
+    while (owner + 1 < placements_.size() && placements_[owner + 1].firstTriangle <= triangle) ++owner;
+    return owner;
+  };
+  for (uint32_t first = 0; first < numberCount_; first += gpu::kOwnerBlock) {
+    *ranges++ = ownerOf(first);
+    *ranges++ = ownerOf(std::min(first + gpu::kOwnerBlock, numberCount_) - 1);
+  }
+}
+
+void InstanceTable::writeMeshes(uint32_t* meshes) const {
+  for (const Placement& placement : placements_)
+    *meshes++ = std::min(placement.mesh, static_cast<uint32_t>(meshes_.size()));
+}
+
+void InstanceTable::writePairs(const std::vector<uint32_t>& visible, const std::vector<PlacedGroups::Chunk>& chunks,
+                               uint32_t* pairs) const {
+  std::vector<uint32_t> next;
+  for (const PlacedGroups::Chunk& chunk : chunks) next.push_back(chunk.first);
+  for (uint32_t i : visible)
+    for (const MeshSummary::Run& run : meshOf(placements_[i]).runs) {
+      uint32_t* pair = pairs + 2 * size_t{next[run.chunk]};
+      next[run.chunk] += run.count;
+      for (uint32_t k = 0; k < run.count; ++k) {
+        *pair++ = i;
+        *pair++ = run.first + k;
+      }
+    }
+}
+
+void InstanceTable::writePairs(const PlacedGroups& placed, uint32_t* pairs) const {
+  writePairs(visibleStill_, placed.still, pairs);
+  writePairs(visibleMoving_, placed.moving, pairs);
+}
+
+void InstanceTable::choose(const Pose& pose, double reach, const Selection& selection, PlacedGroups& to) {
+  number();
+  moveSpheres();
+  findVisible({pose.position.x, pose.position.y, pose.position.z}, reach, selection);
+  to.pairs = reserve(visibleMoving_, reserve(visibleStill_, 0, to.still), to.moving);
+}
+
+void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) const {
+  const Quaternion& q = pose.orientation;
+  const glm::dmat3 toSensor = glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
+  const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
+  for (const std::vector<uint32_t>* visible : {&visibleStill_, &visibleMoving_})
+    for (uint32_t i : *visible) {
+      const Placement& placement = placements_[i];
+      compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, placement.number(),
+              instances[i]);
+    }
+}
+
+}  // namespace gnosphere

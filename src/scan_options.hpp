@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the options of a simulator mean for the kernels of a scan, on whatever device.
+#pragma once
+
+#include "gnosphere/simulator.hpp"
+#include "shared.h"
+
+namespace gnosphere {
+
+Exactness partsOf(const SimulatorOptions& options);
+/// gpu::kCull... bits.
+uint32_t cullingBits(const SimulatorOptions& options);
+/// gpu::kWay...: how the options and the device bin.
+uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics);
+/// Metres: what is nearer is binned first, and hides what lies behind it. 0 if everything is binned at once.
+float shellBorder(const SimulatorOptions& options, uint32_t way, const gpu::Frame& frame, uint64_t triangles);
+/// Metres: instances farther away need not be looked at.
+double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
+/// Room for projected triangles to begin with; growth makes room for what a scan turns out to need.
+uint64_t projectedGuess(uint64_t beams, uint64_t triangles);
+/// Room for `needed` entries of a list and some more, within a limit.
+uint64_t grown(uint64_t needed, uint64_t limit);
+
+}  // namespace gnosphere

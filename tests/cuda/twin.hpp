@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// CUDA's backend beside the others: its kernels on the host always, and on a CUDA device where there is one.
+#pragma once
+
+#include "backend.hpp"
+#include "support.hpp"
+
+namespace gnosphere::cuda_on_host {
+std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
+                                     const SimulatorOptions& options);
+}
+
+namespace gnosphere::test {
+
+/// Empty where a CUDA device is usable, else why not.
+inline std::string cudaProblem() {
+  std::string problem;
+  for (const DeviceInfo& device : cuda::devices(problem)) {
+    if (device.usable) return "";
+    problem = device.name + ": " + device.reason;
+  }
+  return problem;
+}
+
+/// Skips the test where no CUDA device is usable; fails it where GNOSPHERE_REQUIRE names cuda.
+inline void needCuda() {
+  const std::string problem = cudaProblem();
+  if (problem.empty()) return;
+  const char* required = std::getenv("GNOSPHERE_REQUIRE");
+  if (required && std::strstr(required, "cuda")) FAIL("no usable CUDA device: " << problem);
+  SKIP("no usable CUDA device: " << problem);
+}
+
+/// A scene on the host in place of a CUDA device: what Simulator does, without its checks.
+class CudaOnHost {
+ public:
+  CudaOnHost(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
+      : sensors_(sensors), backend_(cuda_on_host::makeBackend(scene, sensors, options)) {}
+
+  Scan scan(const Pose& pose, size_t sensor = 0) {
+    Shot shot;
+    shot.pose = pose;
+    shot.sensor = sensor;
+    Scan result;
+    backend_->scanAll({&shot, 1}, result, [](size_t) {});
+    result.sensor = sensors_[sensor].name;
+    result.columns = sensors_[sensor].columns;
+    result.channels = static_cast<uint32_t>(sensors_[sensor].channels.size());
+    result.pose = pose;
+    return result;
+  }
+  Backend& backend() { return *backend_; }
+
+ private:
+  std::vector<Sensor> sensors_;
+  std::unique_ptr<Backend> backend_;
+};
+
+/// `exact` has the bytes of `decided`, and `standard` differs from the reference nowhere outside ties: on the host, and
+/// on cuda:0 where that is.
+class CudaTwin {
+ public:
+  CudaTwin(const Scene& scene, const std::vector<Sensor>& sensors, Faces faces = Faces::material) {
+    SimulatorOptions options;
+    options.faces = faces;
+    standardOnHost_.emplace(scene, sensors, options);
+    options.device = "cuda:0";
+    if (cudaProblem().empty()) standard_.emplace(scene, sensors, options);
+    options.accuracy = Accuracy::exact;
+    if (cudaProblem().empty()) exact_.emplace(scene, sensors, options);
+    exactOnHost_.emplace(scene, sensors, options);
+  }
+
+  void require(const Pose& pose, size_t sensor, const Scan& reference, const Scan& decided) {
+    INFO("CUDA");
+    requireSame(reference, standardOnHost_->scan(pose, sensor));
+    REQUIRE(sameBytes(decided, exactOnHost_->scan(pose, sensor)));
+    if (standard_) requireSame(reference, standard_->scan(pose, sensor));
+    if (exact_) REQUIRE(sameBytes(decided, exact_->scan(pose, sensor)));
+  }
+
+ private:
+  std::optional<CudaOnHost> standardOnHost_, exactOnHost_;
+  std::optional<Simulator> standard_, exact_;
+};
+
+}  // namespace gnosphere::test

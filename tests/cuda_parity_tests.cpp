@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// The CUDA backend gives the clouds of the Vulkan one: its kernels on the host, one invocation after another, and on a
+// CUDA device where there is one. The hard cases ask the same, see requireRight().
+#include <catch2/generators/catch_generators.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <limits>
+
+#include "cuda/twin.hpp"
+#include "gnosphere/error.hpp"
+#include "town/town.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+const Scene& town() {
+  static const Scene scene = makeTown({.triangles = 20'000});
+  return scene;
+}
+
+Sensor unevenSensor() {
+  Sensor sensor = gridSensor(301, 24, -30, 20, 90);
+  for (size_t j = 0; j < sensor.channels.size(); j += 2) sensor.channels[j].azimuthOffsetDeg = 1.7 * double(j) - 9;
+  return sensor;
+}
+
+const Pose kPoses[] = {{{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}}, {{-20, 3, 2.5}, {}}};
+
+/// The same clouds and, list orders apart, the same counts.
+void requireSameCounts(const Counters& a, const Counters& b) {
+  CHECK(a.hits == b.hits);
+  CHECK(a.misses == b.misses);
+  CHECK(a.triangles == b.triangles);
+  CHECK(a.nonFinite == b.nonFinite);
+  CHECK(a.degenerate == b.degenerate);
+  CHECK(a.candidates == b.candidates);
+}
+
+Scan truthOf(const Scene& scene, const Sensor& sensor, const Pose& pose, SimulatorOptions options) {
+  options.device = "reference";
+  return scanOf(scene, sensor, pose, options);
+}
+
+/// The options' clouds of both sensors from both poses, of Vulkan and of CUDA on the host.
+void requireParity(const Scene& scene, SimulatorOptions options) {
+  const std::vector<Sensor> sensors = {gridSensor(360, 24, -25, 15, 100), unevenSensor()};
+  Simulator vulkan(scene, sensors, options);
+  CudaOnHost onHost(scene, sensors, options);
+  for (size_t sensor = 0; sensor < sensors.size(); ++sensor)
+    for (const Pose& pose : kPoses) {
+      INFO("sensor " << sensor << ", pose " << pose.position.x);
+      const Scan expected = vulkan.scan(pose, sensor), scan = onHost.scan(pose, sensor);
+      CHECK(expected.counters.hits > 1000);
+      if (options.accuracy == Accuracy::exact) REQUIRE(sameBytes(expected, scan));
+      requireSame(truthOf(scene, sensors[sensor], pose, options), scan);
+      if (options.accuracy == Accuracy::exact) requireSameCounts(expected.counters, scan.counters);
+    }
+}
+
+}  // namespace
+
+TEST_CASE("cuda: a town by every way of binning and every accuracy that is not the paper's") {
+  needVulkan();
+  SimulatorOptions options = vulkanOptions();
+  options.accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
+  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists);
+  requireParity(town(), options);
+}
+
+TEST_CASE("cuda: a town in two shells, in many chunks, one side of its triangles reflecting") {
+  needVulkan();
+  SimulatorOptions options = vulkanOptions();
+  options.accuracy = Accuracy::exact;
+  options.culling.occlusion = Culling::Occlusion::always;
+  options.maxBufferBytes = 1 << 20;
+  options.faces = GENERATE(Faces::front, Faces::both);
+  requireParity(bake(town()), options);
+}
+
+TEST_CASE("cuda: lists that are too small grow and nothing is lost") {
+  needVulkan();
+  Scene scene = sceneOf(soup(3, 40'000, 20, 6));
+  SimulatorOptions options = vulkanOptions();
+  options.accuracy = Accuracy::exact;
+  options.binning = GENERATE(Binning::nearest, Binning::lists);
+  const Sensor sensor = gridSensor(360, 24, -40, 40);
+  const Scan scan = CudaOnHost(scene, {sensor}, options).scan({});
+  CHECK(scan.counters.retries > 0);
+  CHECK(sameBytes(scan, scanOf(scene, sensor, {}, options)));
+}
+
+TEST_CASE("cuda: after instances and positions have moved a scan equals Vulkan's of the same changes") {
+  needVulkan();
+  Random random(5);
+  Scene scene;
+  scene.materials = {material(true), material(false)};
+  scene.meshes = {ball(12, 20, 2), soup(4, 700, 6, 1.5)};
+  scene.meshes[1].parts = {{0, 300, 0}, {300, 400, 1}};
+  const auto somewhere = [&] {  // or out of range
+    const double far = random() > 0.5 ? 3000 : 30;
+    return translation(far * random(), far * random(), 5 * random()) * rotationZ(3 * random());
+  };
+  for (uint32_t i = 0; i < 12; ++i) scene.instances.push_back({"", i % 2, somewhere()});
+  const Sensor sensor = gridSensor(360, 24, -40, 40, 60);
+  SimulatorOptions options = vulkanOptions();
+  options.accuracy = Accuracy::exact;
+  Simulator vulkan(scene, sensor, options);
+  CudaOnHost onHost(scene, {sensor}, options);
+  const auto requireEqual = [&] { REQUIRE(sameBytes(vulkan.scan({}), onHost.scan({}))); };
+  requireEqual();
+  for (size_t i = 0; i < 12; i += 2) {
+    const Transform moved = somewhere() * scaling(1, i % 4 ? 1 : -1, 0.7);
+    vulkan.setTransform(i, moved);
+    onHost.backend().setInstance(i, static_cast<uint32_t>(i % 2), moved);
+  }
+  requireEqual();
+  vulkan.removeInstance(3);
+  onHost.backend().setInstance(3, kNoMesh, {});
+  requireEqual();
+  for (int i = 0; i < 20; ++i) {
+    const Transform added = somewhere();
+    const size_t index = vulkan.addInstance(1, added);
+    onHost.backend().setInstance(index, 1, added);
+  }
+  requireEqual();
+  std::vector<float> positions = scene.meshes[1].positions;
+  for (float& value : positions) value += static_cast<float>(0.3 * random());
+  positions[7] = std::numeric_limits<float>::quiet_NaN();
+  vulkan.setPositions(1, positions);
+  onHost.backend().setPositions(1, positions);
+  requireEqual();
+}
+
+TEST_CASE("cuda: effects that are asked for are refused by name, others left out") {
+  Scene scene = sceneOf(ball(6, 8, 2));
+  scene.materials[0].transmission = 0.5f;
+  const std::vector<Sensor> sensors = {gridSensor(36, 4, -40, 40)};
+  SimulatorOptions options;
+  options.effects = {};
+  CHECK(CudaOnHost(scene, sensors, options).scan({}).counters.hits == 144);
+  options.effects.transmission.use = Use::on;
+  CHECK_THROWS_WITH(CudaOnHost(scene, sensors, options), ContainsSubstring(" is on, and CUDA has no effects"));
+  options.effects = {};
+  options.fields = {Field::normal};
+  CHECK_THROWS_WITH(CudaOnHost(scene, sensors, options), ContainsSubstring("CUDA has no fields beyond"));
+}
+
+TEST_CASE("cuda: no beams, no triangles") {
+  Sensor blind = gridSensor(360, 24, -40, 40);
+  blind.channels.clear();
+  const Scene scene = sceneOf(ball(6, 8, 2)), empty;
+  CHECK(CudaOnHost(scene, {blind}, {}).scan({}).ranges.empty());
+  const Scan scan = CudaOnHost(empty, {gridSensor(36, 4, -40, 40)}, {}).scan({});
+  CHECK(scan.counters.misses == 144);
+}
+
+TEST_CASE("cuda: a device that is not there is one line that says what is missing") {
+  const Scene scene = sceneOf(ball(6, 8, 2));
+  const Sensor sensor = gridSensor(36, 4, -40, 40);
+  SimulatorOptions options;
+  options.device = "cuda:99";
+  const std::string problem = cudaProblem();
+  const char* line = problem == "CUDA is not built in" ? "device 'cuda:99': CUDA is not built in; configure the build"
+                     : problem.empty()                 ? "device 'cuda:99': the last CUDA device here is cuda:"
+                                                       : "device 'cuda:99': there is no CUDA device here (";
+  CHECK_THROWS_WITH(Simulator(scene, sensor, options), ContainsSubstring(line));
+}
+
+TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products no more than rounding") {
+  needCuda();
+  const Sensor sensor = unevenSensor();
+  SimulatorOptions options = vulkanOptions();
+  options.accuracy = Accuracy::exact;
+  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists);
+  const Scan decided = CudaOnHost(town(), {sensor}, options).scan(kPoses[0]);
+  options.device = "cuda:0";
+  const Scan scan = scanOf(town(), sensor, kPoses[0], options);
+  CHECK(sameBytes(decided, scan));
+  CHECK(scan.timings.gpuMs > 0);
+  options.accuracy = Accuracy::standard;
+  const Scan reference = truthOf(town(), sensor, kPoses[0], options);
+  requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
+  options.device = "cuda-fast:0";
+  requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
+}
