@@ -43,7 +43,7 @@ void trace(const View& view, const Line& line, const BeamEffects& effects, size_
   std::vector<Hit> hits;
   double energy = effects.subRays[subRay].weight;
   while (energy > 0 && hits.size() < kLayers) {
-    const Hit hit = nearest(view, line, hits.empty() ? Hit{} : hits.back());
+    const Hit hit = nearest(view, line, hits.empty() ? 0 : hits.back().range);
     if (hit.triangle == kNobody) break;
     const Shares shares = sharesOf(view, line, effects, hit);
     const double back = energy * shares.back;

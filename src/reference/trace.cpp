@@ -39,7 +39,7 @@ View viewOf(const Scene& scene, const Bvh& tree, const std::vector<Place>& place
   return view;
 }
 
-Hit nearest(const View& view, const Line& line, const Hit& before) {
+Hit nearest(const View& view, const Line& line, double behind) {
   // The double rounding of the ray, of the corners' way into the sensor frame and of the range.
   constexpr double kRounding = 0x1p-46;
   const Ray ray(line.frame.position, line.frame.directionToWorld(line.direction), kRounding, 0);
@@ -56,7 +56,7 @@ Hit nearest(const View& view, const Line& line, const Hit& before) {
     if (!hit.inside || (triangle.front != 0 && (hit.facing > 0) != (triangle.front > 0))) return limit;
     if (!(hit.range > 0) || hit.range < view.sensor.rangeMin || hit.range > view.sensor.rangeMax) return limit;
     if (best.triangle != kNobody && rank(best.triangle, best.range) < rank(i, hit.range)) return limit;
-    if (before.triangle != kNobody && rank(i, hit.range) <= rank(before.triangle, before.range)) return limit;
+    if (hit.range <= behind * (1 + kOneSurface)) return limit;
     if (view.cutOuts && isHole(view.scene, triangle, hit.weights)) return limit;
     best = {i, hit.range, hit.weights};
     return hit.range;

@@ -44,8 +44,12 @@ struct Hit {
   Weights weights = {};
 };
 
-/// The nearest hit, or the nearest behind another, in order of range, instance and triangle.
-Hit nearest(const View& view, const Line& line, const Hit& before = {});
+/// Surfaces nearer to each other, relative to their range, are one: light that passes an edge passes both of its
+/// triangles, and they are no two panes.
+inline constexpr double kOneSurface = 0x1p-20;
+
+/// The nearest hit, or the nearest that is well behind a range; of equal ones the lower instance and triangle.
+Hit nearest(const View& view, const Line& line, double behind = 0);
 
 /// Whether single precision may see anything else than these hits, in order: a line is a tie unless each must be hit
 /// and nothing else may be, up to the last or, where light goes on behind it, up to the end of the range. `tolerance`
