@@ -35,9 +35,10 @@ GNO_INLINE float reflected(Optics4 optics, float cosIncidence) {
   return result;
 }
 
-// Share of a beam's energy that goes on behind a surface.
+// Share of what comes back from behind a surface that passes it: light goes there and returns.
 GNO_INLINE float transmitted(Optics4 optics) {
-  return optics.passage.x;
+  GNO_PRECISE float both = optics.passage.x * optics.passage.x;
+  return both;
 }
 
 // Relative power received: the lidar equation for a target that catches the whole beam. `depth`: optical depth of the

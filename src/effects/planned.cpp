@@ -39,10 +39,10 @@ uint32_t returnsOf(const Effects::Returns& returns, const Sensor& sensor) {
 PlannedEffects planEffects(const SimulatorOptions& options, const Sensor& sensor, const Scene& scene) {
   PlannedEffects planned;
   planned.decisions = decide(options.effects, sensor, scene, options.fields, options.materials);
-  // Not yet on any device.
+  // Not yet on any device but the reference.
   constexpr uint32_t kComing = gpu::kCutOuts | gpu::kSensorMotion | gpu::kObjectMotion;
   for (size_t i = 0; i < planned.decisions.size(); ++i)
-    if (planned.decisions[i].in && (1u << i & kComing) != 0) {
+    if (planned.decisions[i].in && (1u << i & kComing) != 0 && options.device != "reference") {
       planned.decisions[i].in = false;
       planned.decisions[i].reason = "not simulated yet";
     }

@@ -107,6 +107,12 @@ Box boxOf(const Triangle& triangle) {
   return box;
 }
 
+Box boxOf(const Triangle& triangle, const Sweeps& sweeps) {
+  Box box = boxOf(sweeps.at(triangle, sweeps.first));
+  if (triangle.sweep != Triangle::kStill) box.add(boxOf(sweeps.at(triangle, sweeps.last)));
+  return box;
+}
+
 Ray::Ray(const Vec3& from, const Vec3& direction, double spread_, double floor_)
     : origin(from), spread(spread_), floor(floor_) {
   // A finite inverse keeps 0 * infinity out of the box test.
@@ -114,14 +120,15 @@ Ray::Ray(const Vec3& from, const Vec3& direction, double spread_, double floor_)
   inverse = {invert(direction.x), invert(direction.y), invert(direction.z)};
 }
 
-Bvh::Bvh(std::vector<Triangle> triangles) : triangles_(std::move(triangles)) {
+Bvh::Bvh(std::vector<Triangle> triangles, Sweeps sweeps)
+    : triangles_(std::move(triangles)), sweeps_(std::move(sweeps)) {
   if (triangles_.empty()) return;
   Box all;
-  for (const Triangle& triangle : triangles_) all.add(boxOf(triangle));
+  for (const Triangle& triangle : triangles_) all.add(boxOf(triangle, sweeps_));
   const Vec3 anchor = 0.5 * all.min + 0.5 * all.max;
   std::vector<Item> items(triangles_.size());
   for (size_t i = 0; i < items.size(); ++i) {
-    const Box box = boxOf(triangles_[i]);
+    const Box box = boxOf(triangles_[i], sweeps_);
     const Vec3 min = box.min - anchor, max = box.max - anchor;
     items[i] = {{{static_cast<float>(min.x), static_cast<float>(min.y), static_cast<float>(min.z)},
                  {static_cast<float>(max.x), static_cast<float>(max.y), static_cast<float>(max.z)}},
@@ -138,7 +145,7 @@ void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, s
   nodes.emplace_back();
   if (end - begin <= kLeafSize) {
     Box box;
-    for (size_t i = begin; i < end; ++i) box.add(boxOf(triangles_[items[i].triangle]));
+    for (size_t i = begin; i < end; ++i) box.add(boxOf(triangles_[items[i].triangle], sweeps_));
     nodes[self] = {box, static_cast<uint32_t>(begin), static_cast<uint32_t>(end - begin)};
     return;
   }

@@ -26,7 +26,23 @@ struct Box {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };
 
+/// Triangles that move: their corners go in straight lines.
+struct Sweeps {
+  std::vector<std::array<Vec3, 3>> velocities;  ///< m/s of the corners
+  double first = 0, last = 0;                   ///< seconds: the span that boxes must cover
+
+  /// Where the triangle is at a time.
+  Triangle at(Triangle triangle, double time) const {
+    if (triangle.sweep == Triangle::kStill) return triangle;
+    const auto& velocity = velocities[triangle.sweep];
+    for (size_t k = 0; k < 3; ++k) triangle.corners[k] = triangle.corners[k] + time * velocity[k];
+    return triangle;
+  }
+};
+
 Box boxOf(const Triangle& triangle);
+/// Wherever it goes.
+Box boxOf(const Triangle& triangle, const Sweeps& sweeps);
 
 /// A beam in the world, fattened: a box counts as met if the beam passes within `spread` times the distance of the
 /// box's farthest corner (in the 1-norm, which is no less than the true distance) plus `floor` metres.
@@ -56,9 +72,10 @@ struct Ray {
 /// Bounding Volume Hierarchies). The same triangles in the same order give the same tree on any number of threads.
 class Bvh {
  public:
-  explicit Bvh(std::vector<Triangle> triangles);
+  explicit Bvh(std::vector<Triangle> triangles, Sweeps sweeps = {});
 
   const std::vector<Triangle>& triangles() const { return triangles_; }
+  const Sweeps& sweeps() const { return sweeps_; }
   Box bounds() const { return nodes_.empty() ? Box{} : nodes_.front().box; }
   size_t bytes() const { return triangles_.size() * sizeof(Triangle) + nodes_.size() * sizeof(Node); }
 
@@ -82,6 +99,7 @@ class Bvh {
   static constexpr int kMaxDepth = kHalvingDepth + 32;
 
   std::vector<Triangle> triangles_;
+  Sweeps sweeps_;
   std::vector<Node> nodes_;
 };
 

@@ -62,6 +62,9 @@ struct Triangle {
   uint32_t instance = 0;
   uint32_t index = 0;  ///< within the instance's mesh
   int8_t front = 0;    ///< sign of normal . direction for a beam that meets the reflecting side; 0: both sides do
+  uint8_t order[3] = {0, 1, 2};  ///< number of each corner in the mesh's triangle
+  uint32_t sweep = kStill;       ///< entry of Sweeps::velocities
+  static constexpr uint32_t kStill = 0xffffffffu;
 };
 
 /// d . (a x b), rounded only at the end: its sign is exact. Positive where the edge a -> b passes the direction d
@@ -114,8 +117,9 @@ inline double edge(const Vec3& d, const Vec3& a, const Vec3& b) {
 /// Where the line of a beam pierces a triangle.
 struct Pierce {
   bool inside = false;
-  double range = 0;   ///< along the beam; negative behind the sensor
-  double facing = 0;  ///< normal . direction, not normalised; the normal of corners 0, 1, 2
+  double range = 0;                    ///< along the beam; negative behind the sensor
+  double facing = 0;                   ///< normal . direction, not normalised; the normal of corners 0, 1, 2
+  std::array<double, 3> weights = {};  ///< of the corners, their sum 1
 };
 
 /// Corners in the sensor frame, ordered as in Triangle. Points on an edge or a corner are inside, so no beam slips
@@ -130,7 +134,7 @@ inline Pierce pierce(const Vec3& d, const Vec3& a, const Vec3& b, const Vec3& c)
   const bool inside = (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
   const double area = ab + bc + ca;
   if (!inside || area == 0) return {};
-  return {true, (bc * dot(a, d) + ca * dot(b, d) + ab * dot(c, d)) / area, area};
+  return {true, (bc * dot(a, d) + ca * dot(b, d) + ab * dot(c, d)) / area, area, {bc / area, ca / area, ab / area}};
 }
 
 }  // namespace gnosphere::reference

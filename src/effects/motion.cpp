@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "effects/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnosphere {
+namespace {
+
+using Stamp = SensorMotion::Stamp;
+
+Quaternion scaled(const Quaternion& q, double by) {
+  return {by * q.x, by * q.y, by * q.z, by * q.w};
+}
+Quaternion sum(const Quaternion& a, const Quaternion& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w};
+}
+double dot(const Quaternion& a, const Quaternion& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+}
+Quaternion unit(const Quaternion& q) {
+  return scaled(q, 1 / std::sqrt(dot(q, q)));
+}
+
+/// Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985); q and -q are the same rotation.
+Quaternion slerp(const Quaternion& from, const Quaternion& to, double share) {
+  const Quaternion a = unit(from);
+  const Quaternion b = dot(from, to) < 0 ? scaled(unit(to), -1) : unit(to);
+  // Of the difference, so that small angles keep their digits.
+  const Quaternion half = sum(b, scaled(a, -1));
+  const double angle = 2 * std::asin(std::min(1.0, std::sqrt(dot(half, half)) / 2));
+  if (angle < 1e-9) return unit(sum(scaled(a, 1 - share), scaled(b, share)));
+  return unit(sum(scaled(a, std::sin((1 - share) * angle)), scaled(b, std::sin(share * angle))));
+}
+
+/// The first stamp later than `time`, as an index.
+size_t after(const std::vector<Stamp>& stamps, double time) {
+  const auto later = [](double t, const Stamp& stamp) { return t < stamp.time; };
+  return static_cast<size_t>(std::upper_bound(stamps.begin(), stamps.end(), time, later) - stamps.begin());
+}
+
+}  // namespace
+
+double timeOf(const Sensor& sensor, size_t beam) {
+  const size_t column = beam % sensor.columns, channel = beam / sensor.columns;
+  return sensor.rotationPeriod * static_cast<double>(column) / sensor.columns + sensor.channels[channel].timeOffset;
+}
+
+Pose poseAt(const SensorMotion& motion, const Pose& standing, double time) {
+  const auto& stamps = motion.stamps;
+  if (stamps.empty()) return standing;
+  const size_t next = after(stamps, time);
+  if (next == 0) return stamps.front().pose;
+  if (next == stamps.size()) return stamps.back().pose;
+  const Stamp &a = stamps[next - 1], &b = stamps[next];
+  const double share = (time - a.time) / (b.time - a.time);
+  const Vec3 &p = a.pose.position, &q = b.pose.position;
+  return {{p.x + share * (q.x - p.x), p.y + share * (q.y - p.y), p.z + share * (q.z - p.z)},
+          slerp(a.pose.orientation, b.pose.orientation, share)};
+}
+
+Vec3 velocityAt(const SensorMotion& motion, double time) {
+  const auto& stamps = motion.stamps;
+  const size_t next = after(stamps, time);
+  if (next == 0 || next == stamps.size()) return {};
+  const Stamp &a = stamps[next - 1], &b = stamps[next];
+  const double inverse = 1 / (b.time - a.time);
+  const Vec3 &p = a.pose.position, &q = b.pose.position;
+  return {inverse * (q.x - p.x), inverse * (q.y - p.y), inverse * (q.z - p.z)};
+}
+
+Transform transformAt(const Transform& start, const Transform& end, double period, double time) {
+  const double share = time / period;
+  Transform result = start;
+  for (size_t i = 0; i < 12; ++i) result.rows[i] += share * (end.rows[i] - start.rows[i]);
+  return result;
+}
+
+Transform velocityOf(const Transform& start, const Transform& end, double period) {
+  Transform result;
+  for (size_t i = 0; i < 12; ++i) result.rows[i] = (end.rows[i] - start.rows[i]) / period;
+  return result;
+}
+
+}  // namespace gnosphere

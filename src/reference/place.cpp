@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference/place.hpp"
+
+#include <utility>
+
+#include "effects/motion.hpp"
+
+namespace gnosphere::reference {
+
+namespace {
+
+/// Further out in the world a double no longer resolves a decimetre; broken from whatever pose.
+constexpr double kFarthestWorld = 1e15;
+/// A matrix worse than this is for no single-precision simulator; more would only fatten every beam.
+constexpr double kWorstCondition = 1e3;
+
+double determinant(const Transform& t) {
+  const auto& m = t.rows;
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+}
+
+/// How much larger than for a rotation the error of matrix * (x - pivot) may be, for a given distance of the result.
+/// Rounding is relative to each column's contribution, so scaling along the mesh's own axes is harmless and only the
+/// angles between the columns count: with unit columns in B it is |B| |B^-1| / 3 in Frobenius norms, 1 for a rotation.
+double condition(const Transform& t) {
+  Vec3 columns[3];
+  int empty = -1, emptyCount = 0;
+  for (int k = 0; k < 3; ++k) {
+    columns[k] = {t.rows[k], t.rows[4 + k], t.rows[8 + k]};
+    const double length = norm(columns[k]);
+    if (length > 0) {
+      columns[k] = (1 / length) * columns[k];
+    } else {
+      empty = k;
+      ++emptyCount;
+    }
+  }
+  if (emptyCount > 1) return 1;  // a line or a point: nothing to hit
+  if (emptyCount == 1) {         // a flattened mesh: the missing column adds no error
+    const Vec3 n = cross(columns[(empty + 1) % 3], columns[(empty + 2) % 3]);
+    columns[empty] = (1 / std::max(norm(n), 1e-30)) * n;
+  }
+  double squares = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 row = cross(columns[(k + 1) % 3], columns[(k + 2) % 3]);
+    squares += dot(row, row);
+  }
+  const double volume = std::abs(dot(columns[0], cross(columns[1], columns[2])));
+  return std::clamp(std::sqrt(squares / 3) / std::max(volume, 1e-30), 1.0, kWorstCondition);
+}
+
+/// The triangles of one instance, put in the world. `velocity`: of its points, if it moves.
+void placeInstance(const Scene& scene, uint32_t index, Faces faces, const Transform* velocity,
+                   std::vector<Triangle>& triangles, Sweeps& sweeps, Counters& counters) {
+  const Instance& instance = scene.instances[index];
+  const Mesh& mesh = scene.meshes[instance.mesh];
+  std::vector<Vec3> world(mesh.vertexCount());
+  std::vector<Vec3> velocities(velocity ? mesh.vertexCount() : 0);
+  std::vector<uint8_t> broken(mesh.vertexCount());
+  for (size_t v = 0; v < world.size(); ++v) {
+    const float* p = &mesh.positions[3 * v];
+    const Vec3 local = mesh.origin + Vec3{p[0], p[1], p[2]};
+    if (velocity) velocities[v] = *velocity * local;
+    world[v] = instance.transform * local;
+    broken[v] = !within(local, kFarthest) || !within(world[v], kFarthestWorld);
+  }
+  const auto samePoint = [&](uint32_t a, uint32_t b) {
+    const float* p = &mesh.positions[3 * size_t{a}];
+    const float* q = &mesh.positions[3 * size_t{b}];
+    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+  };
+  const int8_t outside = determinant(instance.transform) < 0 ? 1 : -1;
+  size_t part = 0;
+  for (size_t t = 0; t < mesh.triangleCount(); ++t) {
+    const uint32_t* corner = &mesh.indices[3 * t];
+    if (broken[corner[0]] || broken[corner[1]] || broken[corner[2]]) {
+      ++counters.nonFinite;
+      continue;
+    }
+    if (samePoint(corner[0], corner[1]) || samePoint(corner[1], corner[2]) || samePoint(corner[2], corner[0])) {
+      ++counters.degenerate;
+      continue;
+    }
+    while (part < mesh.parts.size() && t >= size_t{mesh.parts[part].firstTriangle} + mesh.parts[part].triangleCount)
+      ++part;
+    const bool oneSided = faces == Faces::front || (faces == Faces::material && part < mesh.parts.size() &&
+                                                    !scene.materials[mesh.parts[part].material].doubleSided);
+    Triangle placed = {{world[corner[0]], world[corner[1]], world[corner[2]]}, index, static_cast<uint32_t>(t), 0};
+    int8_t turn = outside;
+    const auto order = [&](size_t a, size_t b) {
+      if (!before(placed.corners[b], placed.corners[a])) return;
+      std::swap(placed.corners[a], placed.corners[b]);
+      std::swap(placed.order[a], placed.order[b]);
+      turn = static_cast<int8_t>(-turn);
+    };
+    order(0, 1);
+    order(1, 2);
+    order(0, 1);
+    if (oneSided) placed.front = turn;
+    if (velocity) {
+      placed.sweep = static_cast<uint32_t>(sweeps.velocities.size());
+      const auto of = [&](size_t k) { return velocities[corner[placed.order[k]]]; };
+      sweeps.velocities.push_back({of(0), of(1), of(2)});
+    }
+    triangles.push_back(placed);
+  }
+}
+
+}  // namespace
+
+std::vector<Place> placesOf(const Scene& scene) {
+  std::vector<Place> places;
+  for (const Instance& instance : scene.instances)
+    places.push_back({condition(instance.transform), instance.transform * scene.meshes[instance.mesh].origin});
+  return places;
+}
+
+double absoluteError(const Place& place, const Vec3& position) {
+  return 1e-9 + 0x1p-48 * (norm(place.origin) + norm(position)) + 0x1p-45 * norm(place.origin - position);
+}
+
+std::vector<Triangle> placeAll(const Scene& scene, Faces faces, std::span<const InstanceMotion> motions, double period,
+                               Sweeps& sweeps, Counters& counters) {
+  std::vector<Triangle> triangles;
+  counters.triangles = scene.placedTriangleCount();
+  triangles.reserve(counters.triangles);
+  std::vector<const Transform*> ends(scene.instances.size());
+  for (const InstanceMotion& motion : motions) ends[motion.instance] = &motion.end;
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    Transform velocity;
+    if (ends[i]) velocity = velocityOf(scene.instances[i].transform, *ends[i], period);
+    placeInstance(scene, i, faces, ends[i] ? &velocity : nullptr, triangles, sweeps, counters);
+  }
+  return triangles;
+}
+
+}  // namespace gnosphere::reference

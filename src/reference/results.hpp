@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Echoes of a beam -> its entries in a Scan.
+#pragma once
+
+#include "reference/beam.hpp"
+
+namespace gnosphere::reference {
+
+/// Every array at its size and with nothing met.
+void clearResult(const PlannedEffects& planned, size_t beams, Scan& scan);
+
+/// Judges the beams of one shot.
+class Judge {
+ public:
+  Judge(const View& view, const Shot& shot, const BeamEffects& effects);
+  /// Writes all entries of a beam, and says what became of it.
+  Cause judge(size_t index, Scan& scan) const;
+
+ private:
+  /// What entries of a beam have in common.
+  struct Reported;
+
+  void store(const Reported& beam, const gpu::Return& value, const BeamEcho* echo, size_t at, Scan& scan) const;
+  void storeSurface(const Reported& beam, const BeamEcho& echo, size_t at, Scan& scan) const;
+  void storeMotion(const Reported& beam, const BeamEcho* echo, size_t at, Scan& scan) const;
+
+  const View& view_;
+  const Shot& shot_;
+  const BeamEffects& effects_;
+  gpu::EffectParameters parameters_;
+  std::vector<gpu::VolumeBox> volumes_;  // as seen from the shot's pose
+  bool deskew_;
+};
+
+}  // namespace gnosphere::reference

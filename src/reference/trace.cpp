@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference/trace.hpp"
+
+#include <tuple>
+
+namespace gnosphere::reference {
+
+namespace {
+
+/// Corners in the frame of a line, when it is fired.
+std::array<Vec3, 3> seenFrom(const Line& line, const Triangle& triangle) {
+  return {line.frame.toSensor(triangle.corners[0]), line.frame.toSensor(triangle.corners[1]),
+          line.frame.toSensor(triangle.corners[2])};
+}
+
+}  // namespace
+
+View viewOf(const Scene& scene, const Bvh& tree, const std::vector<Place>& places, const Sensor& sensor,
+            const Pose& pose, Counters& counters) {
+  View view = {scene, tree, sensor};
+  for (const Place& place : places) {
+    const CornerError error = {kCornerError * place.condition, absoluteError(place, pose.position)};
+    view.errors.push_back(error);
+    view.spread = std::max(view.spread, error.relative);
+    view.floor = std::max(view.floor, error.absolute);
+  }
+  const Box bounds = tree.bounds();
+  if (tree.triangles().empty()) return view;
+  const Vec3 low = bounds.min - pose.position, high = bounds.max - pose.position;
+  // The distance bounds every coordinate in any orientation; half as far is safe without a look at each triangle.
+  if (norm({std::max(-low.x, high.x), std::max(-low.y, high.y), std::max(-low.z, high.z)}) < 0.5 * kFarthest)
+    return view;
+  const SensorFrame frame(pose);
+  view.dropped.resize(tree.triangles().size());
+  for (size_t i = 0; i < view.dropped.size(); ++i)
+    for (const Vec3& corner : tree.triangles()[i].corners)
+      if (!within(frame.toSensor(corner), kFarthest)) view.dropped[i] = 1;
+  for (uint8_t dropped : view.dropped) counters.nonFinite += dropped;
+  return view;
+}
+
+Hit nearest(const View& view, const Line& line, double behind) {
+  // The double rounding of the ray, of the corners' way into the sensor frame and of the range.
+  constexpr double kRounding = 0x1p-46;
+  const Ray ray(line.frame.position, line.frame.directionToWorld(line.direction), kRounding, 0);
+  const auto rank = [&](uint32_t i, double range) {
+    const Triangle& triangle = view.tree.triangles()[i];
+    return std::tuple(range, triangle.instance, triangle.index);
+  };
+  Hit best;
+  view.tree.walk(ray, view.sensor.rangeMax, [&](uint32_t i, double limit) {
+    if (view.isDropped(i)) return limit;
+    const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[i], line.time);
+    const auto [a, b, c] = seenFrom(line, triangle);
+    const Pierce hit = pierce(line.direction, a, b, c);
+    if (!hit.inside || (triangle.front != 0 && (hit.facing > 0) != (triangle.front > 0))) return limit;
+    if (!(hit.range > 0) || hit.range < view.sensor.rangeMin || hit.range > view.sensor.rangeMax) return limit;
+    if (best.triangle != kNobody && rank(best.triangle, best.range) < rank(i, hit.range)) return limit;
+    if (hit.range <= behind * (1 + kOneSurface)) return limit;
+    if (view.cutOuts && isHole(view.scene, triangle, hit.weights)) return limit;
+    best = {i, hit.range, hit.weights};
+    return hit.range;
+  });
+  return best;
+}
+
+bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool goesOn, double& tolerance) {
+  const Across across(line.direction);
+  const auto look = [&](const Triangle& triangle) {
+    const auto [a, b, c] = seenFrom(line, triangle);
+    return doubtOf(across, {a, b, c}, triangle.front, view.errors[triangle.instance], view.sensor);
+  };
+  double farthest = view.sensor.rangeMax;
+  bool doubt = false;
+  for (const Hit& hit : hits) {
+    const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[hit.triangle], line.time);
+    const Doubt owner = look(triangle);
+    tolerance = std::max({hit.range - owner.nearest, owner.farthest - hit.range, kUnitRoundoff * hit.range, tolerance});
+    doubt = doubt || !owner.certain || (view.cutOuts && isHoleInDoubt(view.scene, triangle, hit.weights));
+    if (!goesOn && &hit == &hits.back()) farthest = std::min(farthest, owner.farthest);
+  }
+  if (doubt) return true;
+  // Twice the reach and the place error: across the beam and along it.
+  const auto fat = [&](const CornerError& error) {
+    return Ray(line.frame.position, line.frame.directionToWorld(line.direction), 2 * (error.relative + kDirectionError),
+               2 * error.absolute);
+  };
+  const auto isHit = [&](uint32_t i) {
+    return std::any_of(hits.begin(), hits.end(), [=](const Hit& hit) { return hit.triangle == i; });
+  };
+  const auto isOpen = [&](const Triangle& triangle) {
+    const auto [a, b, c] = seenFrom(line, triangle);
+    const Pierce hit = pierce(line.direction, a, b, c);
+    return hit.inside && isHole(view.scene, triangle, hit.weights) && !isHoleInDoubt(view.scene, triangle, hit.weights);
+  };
+  view.tree.walk(fat({view.spread, view.floor}), farthest, [&](uint32_t i, double limit) {
+    if (isHit(i) || view.isDropped(i)) return limit;
+    const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[i], line.time);
+    // Its own box as well, so that the answer does not depend on what else shares the leaf.
+    if (fat(view.errors[triangle.instance]).enter(boxOf(triangle)) > limit) return limit;
+    if (view.cutOuts && isOpen(triangle)) return limit;
+    const Doubt other = look(triangle);
+    doubt = other.possible && other.nearest <= farthest;
+    return doubt ? -1.0 : limit;
+  });
+  return doubt;
+}
+
+}  // namespace gnosphere::reference

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// Random numbers belong to a seed, a sensor, a frame, a beam and an effect, and to nothing else.
+#include <catch2/generators/catch_generators.hpp>
+
+#include "effects/scan_support.hpp"
+#include "town/town.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
+
+const Scene& town() {
+  static const Scene scene = makeTown({.triangles = 5'000});
+  return scene;
+}
+
+Sensor narrow() {
+  Sensor sensor = findSensor("VLP-16");
+  sensor.columns = 180;
+  return sensor;
+}
+
+/// Everything that draws, and several returns.
+Effects noisy() {
+  Effects effects;
+  effects.detection = {Use::on, 0.1, 80, 0.2};
+  effects.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700}};
+  effects.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 0};
+  effects.angleNoise = {Use::on, 1e-3, 1e-3, Effects::AngleNoise::At::point};
+  effects.intensityNoise = {Use::on, 0.05};
+  effects.fog.visibility = 60;
+  effects.rain.rate = 20;
+  effects.snow.rate = 2;
+  effects.volumes.boxes = {{{3, -5, -1}, {12, 4, 5}, 0.05}};
+  effects.returns.count = 2;
+  return effects;
+}
+
+SimulatorOptions optionsFor(const std::string& device, const Effects& effects) {
+  SimulatorOptions options = optionsOn(device);
+  options.effects = effects;
+  options.fields = effectFields();
+  return options;
+}
+
+Shot shotOf(uint64_t frame, size_t sensor = 0) {
+  Shot shot;
+  shot.pose = kPose;
+  shot.frame = frame;
+  shot.sensor = sensor;
+  return shot;
+}
+
+std::vector<Scan> scansOf(Simulator& simulator, const std::vector<Shot>& shots) {
+  std::vector<Scan> scans;
+  simulator.scanAll(shots, [&](size_t, const Scan& scan) { scans.push_back(scan); });
+  return scans;
+}
+
+}  // namespace
+
+TEST_CASE("the same seed and frame give the same bytes, and no other does") {
+  const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
+  Simulator simulator(town(), {narrow(), narrow()}, optionsFor(device, noisy()));
+  const auto scans = scansOf(simulator, {shotOf(0), shotOf(1), shotOf(0), shotOf(0, 1)});
+  CHECK(scans[0].counters.hits > 500);
+  CHECK(sameFields(scans[0], scans[2]));
+  CHECK(!sameFields(scans[0], scans[1]));
+  CHECK(!sameFields(scans[0], scans[3]));
+  CHECK(sameFields(scans[0], simulator.scan(kPose)));
+  Effects other = noisy();
+  other.seed = 2;
+  CHECK(!sameFields(scans[0], scanOf(town(), narrow(), kPose, optionsFor(device, other))));
+}
+
+TEST_CASE("scans in flight keep their own draws") {
+  needVulkan();
+  Simulator simulator(town(), narrow(), optionsFor("vulkan", noisy()));
+  std::vector<Shot> shots;
+  for (uint64_t frame = 0; frame < 5; ++frame) shots.push_back(shotOf(frame));
+  const auto inFlight = scansOf(simulator, shots);
+  for (size_t i = 0; i < shots.size(); ++i) CHECK(sameFields(scansOf(simulator, {shots[i]})[0], inFlight[i]));
+}
+
+TEST_CASE("a sensor that is scanned in parts keeps its draws, dead beams and causes") {
+  needVulkan();
+  SimulatorOptions options = optionsFor("vulkan", noisy());
+  const Scan whole = scanOf(town(), narrow(), kPose, options);
+  options.maxBufferBytes = 1 << 17;
+  CHECK(sameFields(scanOf(town(), narrow(), kPose, options), whole));
+}
+
+TEST_CASE("an effect switched on or off changes no other's draws") {
+  const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
+  Effects effects = Effects::none();
+  effects.intensity.use = effects.radialSpeed.use = Use::automatic;
+  effects.rangeNoise = {Use::on, 0, 0.02, 0, 0};
+  effects.intensityNoise = {Use::on, 0.05};
+  const Scan plain = scanOf(town(), narrow(), kPose, optionsFor(device, effects));
+  effects.dropOut = {Use::on, 0.3, 0.8, 0.4, {}};
+  effects.detection = {Use::on, 0.1, 60, 0.2};
+  effects.angleNoise = {Use::on, 1e-3, 1e-3, Effects::AngleNoise::At::point};
+  const Scan busy = scanOf(town(), narrow(), kPose, optionsFor(device, effects));
+  size_t both = 0, lost = 0;
+  for (size_t i = 0; i < plain.beamCount(); ++i) {
+    lost += plain.hit(i) && !busy.hit(i);
+    if (!plain.hit(i) || !busy.hit(i)) continue;
+    ++both;
+    CHECK(busy.ranges[i] == plain.ranges[i]);
+    CHECK(busy.intensities[i] == plain.intensities[i]);
+  }
+  CHECK(both > 500);
+  CHECK(lost > 200);
+}
+
+}  // namespace gnosphere::test

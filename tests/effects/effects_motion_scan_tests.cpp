@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sensors and things that move while a scan is taken.
+#include <catch2/catch_approx.hpp>
+#include <catch2/generators/catch_generators.hpp>
+
+#include "effects/scan_support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+using Catch::Approx;
+
+constexpr double kPeriod = 0.1;  // seconds for a turn
+
+Sensor spinning(uint32_t columns = 360) {
+  Sensor sensor = gridSensor(columns, 5, -20, 20, 100);
+  sensor.rotationPeriod = kPeriod;
+  return sensor;
+}
+
+double timeOfColumn(const Sensor& sensor, size_t beam) {
+  return kPeriod * double(beam % sensor.columns) / sensor.columns;
+}
+
+Scene room() {
+  MeshBuilder builder;
+  builder.box({-20, -30, -15}, {20, 30, 15}, 4);
+  Scene scene = sceneOf(builder.take());
+  return scene;
+}
+
+/// Where a line from a point within the room leaves it.
+double toWalls(const Vec3& from, const Vec3& d) {
+  const auto wall = [](double at, double speed, double half) {
+    return speed > 0 ? (half - at) / speed : speed < 0 ? (-half - at) / speed : 1e9;
+  };
+  return std::min({wall(from.x, d.x, 20), wall(from.y, d.y, 30), wall(from.z, d.z, 15)});
+}
+
+Quaternion yaw(double angle) {
+  return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
+}
+Vec3 turned(double angle, const Vec3& v) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c * v.x - s * v.y, s * v.x + c * v.y, v.z};
+}
+
+/// 20 m/s ahead and 2 rad/s to the left.
+const double kSpeed = 20, kTurn = 2;
+Shot driving() {
+  Shot shot;
+  shot.motion.stamps = {{0, {}}, {kPeriod, {{kSpeed * kPeriod, 0, 0}, yaw(kTurn * kPeriod)}}};
+  return shot;
+}
+
+Scan scanned(const std::string& device, const Scene& scene, const Sensor& sensor, const Shot& shot,
+             bool deskew = false) {
+  SimulatorOptions options = optionsOn(device);
+  options.effects.radialSpeed.use = options.effects.sensorMotion.use = options.effects.objectMotion.use =
+      Use::automatic;
+  options.effects.sensorMotion.deskew = deskew;
+  options.fields = {Field::radialSpeed, Field::velocity, Field::normal};
+  Scan result;
+  Simulator(scene, sensor, options).scanAll({&shot, 1}, [&](size_t, const Scan& scan) { result = scan; });
+  return result;
+}
+
+}  // namespace
+
+#define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference")
+
+TEST_CASE("every column is seen from where the sensor is when it fires") {
+  const std::string device = ON_EVERY_DEVICE;
+  const bool deskew = GENERATE(false, true);
+  const Sensor sensor = spinning();
+  const Scan scan = scanned(device, room(), sensor, driving(), deskew);
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    const double time = timeOfColumn(sensor, i);
+    const Vec3 own = sensor.direction(i), d = turned(kTurn * time, own), from = {kSpeed * time, 0, 0};
+    const double range = toWalls(from, d);
+    REQUIRE(scan.ranges[i] == Approx(range).epsilon(1e-5));
+    const Vec3 point = deskew ? Vec3{from.x + range * d.x, from.y + range * d.y, from.z + range * d.z}
+                              : Vec3{range * own.x, range * own.y, range * own.z};
+    CHECK(scan.points[3 * i] == Approx(point.x).margin(1e-3));
+    CHECK(scan.points[3 * i + 1] == Approx(point.y).margin(1e-3));
+    CHECK(scan.points[3 * i + 2] == Approx(point.z).margin(1e-3));
+    // The walls stand still: only the drive counts, not the turn.
+    CHECK(scan.radialSpeeds[i] == Approx(-kSpeed * d.x).margin(1e-3));
+  }
+}
+
+TEST_CASE("a turning sensor reads no speed off a world that stands still") {
+  const std::string device = ON_EVERY_DEVICE;
+  Shot shot;
+  shot.motion.stamps = {{0, {}}, {kPeriod, {{}, yaw(3)}}};
+  const Scan scan = scanned(device, room(), spinning(), shot);
+  CHECK(scan.counters.hits == scan.beamCount());
+  for (float speed : scan.radialSpeeds) CHECK(speed == 0);
+}
+
+TEST_CASE("a wall that comes nearer is slanted, and its speed is read off") {
+  const std::string device = ON_EVERY_DEVICE;
+  Scene scene = sceneOf(plate(0, 12));
+  scene.instances[0].transform = translation(15, 0, 0);
+  Shot shot;
+  const double speed = -30;
+  shot.instanceMotions = {{0, translation(15 + speed * kPeriod, 0, 0)}};
+  const Sensor sensor = spinning();
+  const Scan scan = scanned(device, scene, sensor, shot);
+  size_t hits = 0;
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    if (!scan.hit(i)) continue;
+    ++hits;
+    const Vec3 d = sensor.direction(i);
+    CHECK(scan.points[3 * i] == Approx(15 + speed * timeOfColumn(sensor, i)).epsilon(1e-5));
+    CHECK(scan.radialSpeeds[i] == Approx(speed * d.x).margin(1e-3));
+    CHECK(scan.velocities[3 * i] == Approx(speed).margin(1e-3));
+    CHECK(scan.normals[3 * i] == Approx(-1).margin(1e-5));
+  }
+  CHECK(hits > 300);
+}
+
+TEST_CASE("who moves with what is seen reads no speed, and sees it straight") {
+  const std::string device = ON_EVERY_DEVICE;
+  Scene scene = sceneOf(plate(0, 12));
+  scene.instances[0].transform = translation(15, 0, 0);
+  Shot shot;
+  shot.motion.stamps = {{0, {}}, {kPeriod, {{3, 1, 0}, {}}}};
+  shot.instanceMotions = {{0, translation(18, 1, 0)}};
+  const Scan scan = scanned(device, scene, spinning(), shot);
+  CHECK(scan.counters.hits > 300);
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    if (!scan.hit(i)) continue;
+    CHECK(scan.points[3 * i] == Approx(15).epsilon(1e-5));
+    CHECK(scan.radialSpeeds[i] == Approx(0).margin(1e-4));
+  }
+}
+
+TEST_CASE("channels that fire late see the world later, from where their laser is") {
+  const std::string device = ON_EVERY_DEVICE;
+  Sensor sensor = gridSensor(360, 2, 0, 0, 100);
+  sensor.rotationPeriod = kPeriod;
+  sensor.channels[1].timeOffset = 1e-3;
+  sensor.channels[1].origin = {0.1, 0, 0.05};
+  const Scan scan = scanned(device, room(), sensor, driving());
+  const size_t late = 360 + 180;
+  const double time = kPeriod / 2 + 1e-3, angle = kTurn * time;
+  const Vec3 d = turned(angle, {1, 0, 0});
+  const double range = toWalls({kSpeed * time + 0.1 * d.x, 0.1 * d.y, 0.05}, d);
+  CHECK(scan.ranges[late] == Approx(range).epsilon(1e-5));
+  CHECK(scan.points[3 * late] == Approx(range + 0.1).epsilon(1e-5));
+  CHECK(scan.points[3 * late + 2] == Approx(0.05).epsilon(1e-4));
+}
+
+}  // namespace gnosphere::test

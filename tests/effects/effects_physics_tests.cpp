@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole scans with effects against what a physicist writes down, on the device and on the reference.
+#include <catch2/catch_approx.hpp>
+#include <catch2/generators/catch_generators.hpp>
+
+#include "effects/scan_support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+using Catch::Approx;
+
+/// Of a glTF surface as rough as can be: what its 4 % of gloss add to the diffuse part, whatever the angle.
+constexpr double kGloss = 0.01;
+
+struct Setup {
+  std::string device;
+  Scene scene;
+  Sensor sensor;
+  Effects effects = Effects::none();
+  std::vector<Field> fields = {Field::intensity};
+
+  Setup(std::string name, Scene what, Sensor with)
+      : device(std::move(name)), scene(std::move(what)), sensor(std::move(with)) {
+    effects.intensity.use = effects.radialSpeed.use = Use::automatic;
+  }
+  SimulatorOptions options() const {
+    SimulatorOptions result = optionsOn(device);
+    result.effects = effects;
+    result.fields = fields;
+    return result;
+  }
+  Scan scan() const { return scanOf(scene, sensor, {}, options()); }
+};
+
+#define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
+
+/// Plates of one reflectance (diffuse part) each, square to the x axis.
+struct Plate {
+  double distance, half;
+  float reflectance;
+};
+
+Scene platesOf(const std::vector<Plate>& plates) {
+  Scene scene;
+  for (const Plate& one : plates) {
+    const auto index = static_cast<uint32_t>(scene.meshes.size());
+    scene.materials.push_back(lambertian(one.reflectance));
+    scene.meshes.push_back(plate(one.distance, one.half, index));
+    scene.instances.push_back({"", index, {}});
+  }
+  return scene;
+}
+
+struct Moments {
+  size_t count = 0;
+  double mean = 0, deviation = 0;
+};
+
+Moments momentsOf(const std::vector<double>& values) {
+  Moments result = {values.size(), 0, 0};
+  for (double value : values) result.mean += value / static_cast<double>(values.size());
+  for (double value : values)
+    result.deviation += (value - result.mean) * (value - result.mean) / static_cast<double>(values.size());
+  result.deviation = std::sqrt(result.deviation);
+  return result;
+}
+
+/// A normal variable's mean and deviation, within what `sigmas` of their own errors allow.
+void requireNormal(const Moments& found, double mean, double deviation) {
+  const double root = std::sqrt(static_cast<double>(found.count));
+  REQUIRE(found.count > 1000);
+  CHECK(std::abs(found.mean - mean) < 4 * deviation / root);
+  CHECK(std::abs(found.deviation - deviation) < 4 * deviation / (std::sqrt(2.0) * root));
+}
+
+/// All around the sensor, out of reach of none of its beams.
+Scene room(float reflectance) {
+  MeshBuilder builder;
+  builder.box({-20, -20, -20}, {20, 20, 20});
+  Scene scene = sceneOf(builder.take());
+  scene.materials[0] = lambertian(reflectance);
+  return scene;
+}
+
+Sensor everywhere(uint32_t columns = 200) {
+  return gridSensor(columns, 20, -40, 40, 100);
+}
+
+}  // namespace
+
+TEST_CASE("a Lambertian plate fades with the cosine of its tilt and the square of its range") {
+  const std::string device = ON_EVERY_DEVICE;
+  const double tilt = GENERATE(0.0, 0.7, 1.3);
+  Scene scene = platesOf({{0, 4, 0.5f}});
+  scene.instances[0].transform = translation(15, 0, 0) * rotationZ(tilt);
+  Setup setup(device, scene, fan(3600, 3, 2, 50));
+  setup.fields = {Field::intensity, Field::incidence};
+  setup.effects.intensity.scale = Effects::Intensity::Scale::raw;
+  const Scan scan = setup.scan();
+  size_t hits = 0;
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    if (!scan.hit(i)) continue;
+    ++hits;
+    const Vec3 d = setup.sensor.direction(i);
+    const double cosine = std::abs(std::cos(tilt) * d.x + std::sin(tilt) * d.y);
+    const double range = 15 * std::cos(tilt) / cosine;
+    CHECK(scan.ranges[i] == Approx(range).epsilon(1e-5));
+    CHECK(scan.incidences[i] == Approx(std::acos(cosine)).margin(1e-3));
+    CHECK(scan.intensities[i] == Approx((0.5 * cosine + kGloss) / (range * range)).epsilon(1e-4));
+  }
+  CHECK(hits > 100);
+}
+
+TEST_CASE("a target of a tenth is just detected where it is said to be") {
+  const std::string device = ON_EVERY_DEVICE;
+  const double distance = GENERATE(99.9, 100.1);
+  Setup setup(device, platesOf({{distance, 10, 0.1f - float(kGloss)}}), fan(3600, 1, 0, 200));
+  setup.effects.detection = {Use::on, 0.1, 100, 0};
+  setup.fields = {Field::cause};
+  const Scan scan = setup.scan();
+  const size_t beam = ahead(setup.sensor);
+  CHECK(scan.hit(beam) == (distance < 100));
+  CHECK(scan.causes[beam] == uint8_t(distance < 100 ? Cause::returned : Cause::weak));
+  CHECK(scan.causes[0] == uint8_t(Cause::noSurface));
+}
+
+TEST_CASE("fog hides a wall beyond the range where Koschmieder's law leaves too little of it") {
+  const std::string device = ON_EVERY_DEVICE;
+  const double share = GENERATE(0.99, 1.01);
+  const double visibility = 100, extinction = std::log(20.0) / visibility, threshold = 0.1 / (150.0 * 150.0);
+  double near = 1, far = 150;
+  for (int i = 0; i < 60; ++i) {
+    const double range = (near + far) / 2;
+    (0.5 / (range * range) * std::exp(-2 * extinction * range) > threshold ? near : far) = range;
+  }
+  Setup setup(device, platesOf({{share * near, 10, 0.5f - float(kGloss)}}), fan(36000, 9, 0.2, 150));
+  setup.effects.fog = {Use::on, visibility};
+  setup.effects.detection = {Use::on, 0.1, 150, 0};
+  setup.fields = {Field::cause, Field::label};
+  const Scan scan = setup.scan();
+  size_t solid = 0, attenuated = 0, scatter = 0;
+  for (size_t channel = 0; channel < 9; ++channel)
+    for (size_t k = 0; k < 21; ++k) {
+      const size_t beam = ahead(setup.sensor, channel) + k - 10;
+      solid += scan.labels[beam] == uint8_t(Label::solid);
+      scatter += scan.labels[beam] == uint8_t(Label::scatter);
+      attenuated += scan.causes[beam] == uint8_t(Cause::attenuated);
+    }
+  CHECK(solid + attenuated + scatter == 9 * 21);
+  if (share < 1) CHECK(attenuated == 0);
+  if (share > 1) CHECK(solid == 0);
+  CHECK((share < 1 ? solid : attenuated) > 9 * 21 / 4);
+}
+
+TEST_CASE("an edge splits a footprint in two, and each gets the energy of its area") {
+  const std::string device = ON_EVERY_DEVICE;
+  // The left of the near plate ends where half the radius of the footprint is: a segment of the disc goes on.
+  const double tangent = std::tan(0.01 / 2), edge = 10 * tangent / 2;
+  MeshBuilder builder;
+  builder.quad({10, edge, -5}, {0, -5, 0}, {0, 0, 10});
+  builder.quad({12, 5, -5}, {0, -10, 0}, {0, 0, 10});
+  Scene scene = sceneOf(builder.take());
+  scene.materials[0] = lambertian(0.5f);
+  Setup setup(device, scene, fan(3600, 1, 0, 50));
+  setup.effects.divergence = {Use::on, 61, Effects::Divergence::Profile::uniform, 0.01, 0.01};
+  setup.effects.returns.use = Use::on;
+  setup.effects.returns.count = 2;
+  setup.fields = {Field::intensity, Field::width};
+  const Scan scan = setup.scan();
+  REQUIRE(scan.returns == 2);
+  const size_t first = 2 * ahead(setup.sensor), second = first + 1;
+  CHECK(scan.ranges[first] == Approx(10).margin(2e-3));
+  CHECK(scan.ranges[second] == Approx(12).margin(2e-3));
+  const double behind = std::acos(0.5) / std::numbers::pi - 0.5 * std::sqrt(0.75) / std::numbers::pi;
+  const double all = 0.5 + kGloss;
+  CHECK(scan.intensities[first] == Approx((1 - behind) * all).margin(0.02));
+  CHECK(scan.intensities[second] == Approx(behind * all).margin(0.02));
+  CHECK(scan.intensities[first] + scan.intensities[second] == Approx(all).epsilon(1e-3));
+  CHECK(scan.widths[first] == Approx(5e-9 * 299792458 / 2).epsilon(1e-3));
+}
+
+TEST_CASE("a slanted plate makes an echo longer") {
+  const std::string device = ON_EVERY_DEVICE;
+  Scene scene = platesOf({{0, 30, 0.5f}});
+  scene.instances[0].transform = translation(20, 0, 0) * rotationZ(1.4);
+  Setup setup(device, scene, fan(3600, 1, 0, 60));
+  setup.effects.divergence = {Use::on, 61, Effects::Divergence::Profile::uniform, 0.02, 0};
+  setup.effects.returns.separation = 5;
+  setup.effects.returns.pulseWidth = 1e-9;
+  setup.fields = {Field::intensity, Field::width};
+  const Scan scan = setup.scan();
+  // Lines to the left by t meet the plate at 20 / (1 + tan(tilt) t): deviation of t over a disc is half its radius.
+  const double deviation = 20 * std::tan(1.4) * std::tan(0.01) / 2, pulse = 1e-9 * 299792458 / 2;
+  const double width = std::sqrt(pulse * pulse + std::pow(2 * std::sqrt(2 * std::log(2.0)) * deviation, 2));
+  CHECK(scan.ranges[ahead(setup.sensor)] == Approx(20).margin(0.1));
+  CHECK(scan.widths[ahead(setup.sensor)] == Approx(width).epsilon(0.03));
+}
+
+TEST_CASE("a pane of glass and the wall behind it share a beam") {
+  const std::string device = ON_EVERY_DEVICE;
+  Scene scene = platesOf({{8, 5, 0.5f}, {14, 8, 0.6f}});
+  scene.materials[0].transmission = 0.8f;
+  Setup setup(device, scene, fan(3600, 1, 0, 50));
+  setup.effects.transmission.use = setup.effects.returns.use = Use::on;
+  setup.effects.returns.count = 3;
+  setup.fields = {Field::intensity, Field::material};
+  const Scan scan = setup.scan();
+  REQUIRE(scan.returns == 3);
+  const size_t first = 3 * ahead(setup.sensor);
+  CHECK(scan.ranges[first] == Approx(8).epsilon(1e-5));
+  CHECK(scan.ranges[first + 1] == Approx(14).epsilon(1e-5));
+  CHECK(!scan.hit(first + 2));
+  CHECK(scan.intensities[first] == Approx(0.5 * 0.2 + kGloss).epsilon(1e-4));
+  CHECK(scan.intensities[first + 1] == Approx(0.8 * 0.8 * (0.6 + kGloss)).epsilon(1e-4));
+  CHECK(scan.materials[first] == 0);
+  CHECK(scan.materials[first + 1] == 1);
+}
+
+TEST_CASE("errors of range and intensity are normal, with the moments that were asked for") {
+  const std::string device = ON_EVERY_DEVICE;
+  Setup setup(device, room(0.5f), everywhere());
+  setup.fields = {Field::intensity, Field::trueRange, Field::incidence};
+  setup.effects.rangeNoise = {Use::on, 0.05, 0.02, 0, 0};
+  setup.effects.intensityNoise = {Use::on, 0.03};
+  const Scan scan = setup.scan();
+  std::vector<double> ranges, intensities;
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    REQUIRE(scan.hit(i));
+    ranges.push_back(double{scan.ranges[i]} - scan.trueRanges[i]);
+    if (const double unit = 0.5 * std::cos(double{scan.incidences[i]}) + kGloss; unit > 0.2)  // far from 0
+      intensities.push_back(scan.intensities[i] - unit);
+  }
+  requireNormal(momentsOf(ranges), 0.05, 0.02);
+  requireNormal(momentsOf(intensities), 0, 0.03);
+}
+
+TEST_CASE("ranges come in steps") {
+  const std::string device = ON_EVERY_DEVICE;
+  Setup setup(device, room(0.5f), everywhere(60));
+  setup.effects.rangeNoise = {Use::on, 0, 0, 0, 0.25};
+  for (float range : setup.scan().ranges) CHECK(std::remainder(range, 0.25f) == 0);
+}
+
+TEST_CASE("angles astray have the deviations that were asked for, at the point and at the beam") {
+  const std::string device = ON_EVERY_DEVICE;
+  Setup setup(device, room(0.5f), everywhere());
+  setup.effects.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::point};
+  const Scan scan = setup.scan();
+  std::vector<double> azimuths, elevations;
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    const Vec3 d = setup.sensor.direction(i);
+    const float* p = &scan.points[3 * i];
+    azimuths.push_back(std::remainder(std::atan2(p[1], p[0]) - std::atan2(d.y, d.x), 2 * std::numbers::pi));
+    elevations.push_back(std::atan2(p[2], std::hypot(p[0], p[1])) - std::asin(d.z));
+  }
+  requireNormal(momentsOf(azimuths), 0, 2e-3);
+  requireNormal(momentsOf(elevations), 0, 1e-3);
+
+  // Beams that stray in azimuth alone meet a wall at 20 / cos(azimuth + error).
+  setup.scene = platesOf({{20, 20, 0.5f}});
+  setup.sensor = fan(4000, 1, 0, 60);
+  setup.effects.angleNoise = {Use::on, 2e-3, 0, Effects::AngleNoise::At::beam};
+  const Scan strays = setup.scan();
+  std::vector<double> errors;
+  for (size_t i = 0; i < strays.beamCount(); ++i) {
+    const Vec3 d = setup.sensor.direction(i);
+    const double azimuth = std::atan2(d.y, d.x);
+    if (!strays.hit(i) || std::abs(azimuth) < 0.1) continue;  // too square to tell
+    const float* p = &strays.points[3 * i];
+    CHECK(p[1] == Approx(strays.ranges[i] * d.y).margin(1e-4));
+    errors.push_back((std::acos(20.0 / strays.ranges[i]) - std::abs(azimuth)) * (azimuth < 0 ? -1 : 1));
+  }
+  const Moments moments = momentsOf(errors);
+  CHECK(moments.count > 500);
+  CHECK(std::abs(moments.mean) < 4 * 2e-3 / std::sqrt(double(moments.count)));
+  CHECK(moments.deviation == Approx(2e-3).epsilon(0.12));
+}
+
+TEST_CASE("beams are lost at the rates that were asked for, and every beam has one cause") {
+  const std::string device = ON_EVERY_DEVICE;
+  Setup setup(device, room(0.29f), everywhere());
+  setup.effects.dropOut = {Use::on, 0.3, 0.8, 0, {5, 77}};
+  setup.fields = {Field::cause};
+  const Scan scan = setup.scan();
+  const auto& causes = scan.counters.causes;
+  const double beams = double(scan.beamCount());
+  CHECK(std::abs(double(causes[size_t(Cause::droppedOut)]) - 0.3 * beams) < 4 * std::sqrt(0.21 * beams));
+  CHECK(causes[size_t(Cause::dead)] == 2);
+  CHECK(scan.causes[77] == uint8_t(Cause::dead));
+  CHECK(causes[size_t(Cause::returned)] == scan.counters.hits);
+  uint64_t sum = 0;
+  for (uint64_t count : causes) sum += count;
+  CHECK(sum == scan.beamCount());
+
+  setup.effects.dropOut = {Use::on, 0, 1, 0.8, {}};
+  const Scan weak = setup.scan();
+  // Of a return of unit intensity u, 0.8 (1 - u).
+  double expected = 0;
+  for (size_t i = 0; i < weak.beamCount(); ++i) {
+    const Vec3 d = setup.sensor.direction(i);
+    expected += 0.8 * (1 - 0.29 * std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) - kGloss);
+  }
+  CHECK(std::abs(double(weak.counters.causes[size_t(Cause::droppedOut)]) - expected) < 4 * std::sqrt(0.24 * beams));
+}
+
+}  // namespace gnosphere::test

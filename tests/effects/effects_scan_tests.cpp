@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Effects on the device against effects on the reference: the same draws, and what single precision may differ by.
+#include "effects/scan_support.hpp"
+#include "town/town.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
+
+/// A VLP-16 of fewer columns.
+Sensor coarse(uint32_t columns) {
+  Sensor sensor = findSensor("VLP-16");
+  sensor.columns = columns;
+  return sensor;
+}
+
+const Scene& town() {
+  static const Scene scene = makeTown({.triangles = 20'000});
+  return scene;
+}
+
+Differences compared(const Effects& effects, std::vector<Field> fields, const Sensor& sensor, const Slack& slack = {},
+                     const Scene& scene = town()) {
+  SimulatorOptions options = optionsOn("vulkan");
+  options.effects = effects;
+  options.fields = std::move(fields);
+  const Scan other = scanOf(scene, sensor, kPose, options);
+  options.device = "reference";
+  const Scan reference = scanOf(scene, sensor, kPose, options);
+  REQUIRE(other.returns == reference.returns);
+  const Differences result = differences(reference, other, slack);
+  INFO("hits " << reference.counters.hits << " and " << other.counters.hits);
+  CHECK(result.ties < result.beams / 50);
+  CHECK(reference.counters.hits > result.beams / 20);
+  return result;
+}
+
+/// Nothing at all differs.
+void requireSame(const Effects& effects, const Sensor& sensor = coarse(450)) {
+  const Differences found = compared(effects, effectFields(), sensor);
+  INFO(found.causes << " causes, " << found.returns << " returns, " << found.owners << " owners, " << found.ranges
+                    << " ranges, " << found.points << " coordinates, " << found.intensities << " intensities, "
+                    << found.widths << " widths, " << found.surfaces << " surfaces, " << found.speeds
+                    << " speeds; first: " << found.first);
+  CHECK(found.all() == 0);
+}
+
+Effects nothing() {
+  Effects effects = Effects::none();
+  effects.intensity.use = effects.radialSpeed.use = Use::automatic;  // fields ask for them
+  return effects;
+}
+
+Effects withIntensity(Effects::Intensity::Model model, Effects::Intensity::Scale scale) {
+  Effects effects = nothing();
+  effects.intensity.use = Use::on;
+  effects.intensity.model = model;
+  effects.intensity.scale = scale;
+  return effects;
+}
+
+Effects physical() {
+  return withIntensity(Effects::Intensity::Model::physical, Effects::Intensity::Scale::unit);
+}
+
+}  // namespace
+
+TEST_CASE("intensities and surfaces are those of the reference") {
+  using Model = Effects::Intensity::Model;
+  using Scale = Effects::Intensity::Scale;
+  requireSame(physical());
+  requireSame(withIntensity(Model::physical, Scale::raw));
+  requireSame(withIntensity(Model::carla, Scale::unit));
+}
+
+TEST_CASE("what is not detected or lost at random is lost on every device") {
+  Effects effects = physical();
+  effects.detection = {Use::on, 0.1, 60, 0};
+  requireSame(effects);
+  effects.detection.softness = 0.3;
+  requireSame(effects);
+  effects = physical();
+  effects.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700, 701}};
+  requireSame(effects);
+}
+
+TEST_CASE("errors of measurement are the same draws") {
+  Effects effects = physical();
+  effects.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 0};
+  requireSame(effects);
+  effects = physical();
+  effects.intensityNoise = {Use::on, 0.05};
+  requireSame(effects);
+  effects = physical();
+  effects.angleNoise = {Use::on, 1e-3, 2e-3, Effects::AngleNoise::At::point};
+  requireSame(effects);
+}
+
+TEST_CASE("the air throws back and takes the same on every device") {
+  Effects effects = physical();
+  effects.fog = {Use::on, 60};
+  requireSame(effects);
+  effects = physical();
+  effects.rain = {Use::on, 50};
+  requireSame(effects);
+  effects = physical();
+  effects.snow = {Use::on, 10};
+  requireSame(effects);
+  effects = physical();
+  effects.volumes = {Use::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}, {{-20, -20, 0}, {-4, 20, 3}, 0.1}}};
+  requireSame(effects);
+}
+
+TEST_CASE("several returns of one beam keep their order and their surfaces") {
+  Effects effects = physical();
+  effects.fog = {Use::on, 40};
+  effects.returns.use = Use::on;
+  effects.returns.count = 2;
+  requireSame(effects);
+}
+
+}  // namespace gnosphere::test

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// When beams fire, and where sensor and instances are then.
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "effects/motion.hpp"
+
+namespace gnosphere {
+namespace {
+
+using Catch::Approx;
+
+Quaternion yaw(double angle) {
+  return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
+}
+double yawOf(const Quaternion& q) {
+  return 2 * std::atan2(q.z, q.w);
+}
+
+const Pose kStanding = {{7, 8, 9}, {}};
+
+SensorMotion drive() {
+  return {{{0.1, {{1, 0, 0}, yaw(0)}}, {0.2, {{3, 1, 0}, yaw(1)}}, {0.4, {{3, 1, 4}, yaw(1)}}}};
+}
+
+}  // namespace
+
+TEST_CASE("beams fire column by column, each channel with its own delay") {
+  Sensor sensor{"spinning", 10, {}, 0, 100};
+  sensor.channels.resize(2);
+  sensor.channels[1].timeOffset = 2e-6;
+  sensor.rotationPeriod = 0.1;
+  CHECK(timeOf(sensor, 0) == 0);
+  CHECK(timeOf(sensor, 5) == Approx(0.05));
+  CHECK(timeOf(sensor, 10) == 2e-6);
+  CHECK(timeOf(sensor, 19) == Approx(0.090002));
+  sensor.rotationPeriod = 0;
+  CHECK(timeOf(sensor, 5) == 0);
+}
+
+TEST_CASE("a sensor without stamps stands, and is held before the first and after the last") {
+  CHECK(poseAt({}, kStanding, 0.3).position.x == 7);
+  CHECK(velocityAt({}, 0.3).x == 0);
+  CHECK(poseAt(drive(), kStanding, 0).position.x == 1);
+  CHECK(poseAt(drive(), kStanding, 1).position.z == 4);
+  CHECK(velocityAt(drive(), 0.05).x == 0);
+  CHECK(velocityAt(drive(), 0.4).z == 0);
+  const SensorMotion one = {{{0.5, {{2, 0, 0}, {}}}}};
+  CHECK(poseAt(one, kStanding, 0.5).position.x == 2);
+  CHECK(velocityAt(one, 0.5).x == 0);
+}
+
+TEST_CASE("between stamps positions go in straight lines and orientations turn evenly") {
+  const Pose pose = poseAt(drive(), kStanding, 0.125);
+  CHECK(pose.position.x == Approx(1.5));
+  CHECK(pose.position.y == Approx(0.25));
+  CHECK(yawOf(pose.orientation) == Approx(0.25));
+  CHECK(velocityAt(drive(), 0.125).x == Approx(20));
+  CHECK(velocityAt(drive(), 0.1).y == Approx(10));
+  CHECK(velocityAt(drive(), 0.2).z == Approx(20));
+  CHECK(poseAt(drive(), kStanding, 0.2).position.x == 3);
+}
+
+TEST_CASE("orientations turn the shorter way, whatever their signs and lengths") {
+  const auto turned = [](const Quaternion& from, const Quaternion& to) {
+    return poseAt({{{0, {{}, from}}, {1, {{}, to}}}}, {}, 0.5).orientation;
+  };
+  const double far = 0.9 * std::numbers::pi;
+  const Quaternion end = yaw(far), opposite = {0, 0, -2 * end.z, -2 * end.w};
+  for (const Quaternion& to : {end, opposite}) CHECK(yawOf(turned(yaw(0), to)) == Approx(far / 2));
+  const Quaternion small = turned(yaw(1), yaw(1 + 1e-7));
+  CHECK(yawOf(small) - 1 == Approx(5e-8).epsilon(1e-6));
+  CHECK(yawOf(turned(yaw(1), yaw(1))) == Approx(1));
+}
+
+TEST_CASE("points of an instance go in straight lines to its end") {
+  const Transform start = {{1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 0}};
+  const Transform end = {{0, -1, 0, 12, 1, 0, 0, 0, 0, 0, 1, 1}};
+  const Vec3 corner = {1, 2, 3};
+  const Vec3 there = transformAt(start, end, 0.1, 0.025) * corner;
+  CHECK(there.x == Approx(11 + 0.25 * (10 - 11)));
+  CHECK(there.y == Approx(2 + 0.25 * (1 - 2)));
+  CHECK(there.z == Approx(3.25));
+  const Vec3 velocity = velocityOf(start, end, 0.1) * corner;
+  CHECK(velocity.x == Approx(-10));
+  CHECK(velocity.y == Approx(-10));
+  CHECK(velocity.z == Approx(10));
+}
+
+}  // namespace gnosphere

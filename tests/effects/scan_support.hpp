@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scans with effects: small scenes, and a device against the reference.
+#pragma once
+
+#include <algorithm>
+
+#include "support.hpp"
+
+namespace gnosphere::test {
+
+/// "reference", or the Vulkan device with the validation layer on.
+inline SimulatorOptions optionsOn(const std::string& device) {
+  if (device != "reference") needVulkan();
+  SimulatorOptions options = vulkanOptions();
+  if (device == "reference") options.device = device;
+  return options;
+}
+
+/// Every field that a device computes for the sake of effects.
+inline std::vector<Field> effectFields() {
+  return {Field::intensity, Field::trueRange, Field::width,    Field::label,      Field::cause,
+          Field::normal,    Field::incidence, Field::material, Field::radialSpeed};
+}
+
+/// A plate square to the x axis at a distance, `half` metres to each side, of one material.
+inline Mesh plate(double distance, double half, uint32_t material = 0) {
+  MeshBuilder builder;
+  builder.quad({distance, half, -half}, {0, -2 * half, 0}, {0, 0, 2 * half});
+  return builder.take(material);
+}
+
+/// Dull, both sides, of a reflectance.
+inline Material lambertian(float reflectance, const char* name = "dull") {
+  Material result;
+  result.name = name;
+  result.baseColor = {reflectance, reflectance, reflectance, 1};
+  return result;
+}
+
+/// One row states the reflectance, without the 4 % that a glTF surface reflects beside it.
+inline MaterialTable tableOf(const std::string& name, float reflectance) {
+  MaterialTable table;
+  MaterialTable::Row row;
+  row.name = name;
+  row.reflectance905 = reflectance;
+  row.roughness = 1;
+  table.rows.push_back(row);
+  return table;
+}
+
+/// Beams within a narrow fan around the x axis: the middle columns of a fine sensor.
+inline Sensor fan(uint32_t columns, uint32_t channels, double degrees, double rangeMax) {
+  Sensor sensor{"fan", columns, {}, 0, rangeMax};
+  for (uint32_t j = 0; j < channels; ++j)
+    sensor.channels.push_back({channels == 1 ? 0 : degrees * (2.0 * j / (channels - 1) - 1), 0});
+  return sensor;
+}
+
+/// The beam straight ahead of a channel.
+inline size_t ahead(const Sensor& sensor, size_t channel = 0) {
+  return channel * sensor.columns + sensor.columns / 2;
+}
+
+/// All that a scan holds, beside ties and tolerances.
+inline bool sameFields(const Scan& a, const Scan& b) {
+  return sameBytes(a, b) && sameBytes(a.intensities, b.intensities) && sameBytes(a.trueRanges, b.trueRanges) &&
+         sameBytes(a.widths, b.widths) && sameBytes(a.labels, b.labels) && sameBytes(a.causes, b.causes) &&
+         sameBytes(a.normals, b.normals) && sameBytes(a.incidences, b.incidences) &&
+         sameBytes(a.materials, b.materials) && sameBytes(a.barycentrics, b.barycentrics) &&
+         sameBytes(a.velocities, b.velocities) && sameBytes(a.radialSpeeds, b.radialSpeeds) &&
+         a.counters.causes == b.counters.causes;
+}
+
+/// How two scans of the same differ, beams in doubt apart.
+struct Differences {
+  size_t beams = 0, ties = 0, causes = 0, returns = 0, owners = 0, ranges = 0, points = 0, intensities = 0, widths = 0;
+  size_t surfaces = 0, speeds = 0;
+  std::string first = "none";  ///< of causes, returns, owners and so on
+
+  size_t all() const { return causes + returns + owners + ranges + points + intensities + widths + surfaces + speeds; }
+};
+
+/// What may differ.
+struct Slack {
+  double range = 0;         ///< m, beside the reference's own tolerance
+  double intensity = 1e-4;  ///< relative
+};
+
+inline Differences differences(const Scan& reference, const Scan& other, const Slack& slack = {}) {
+  Differences sum;
+  const auto near = [](double a, double b, double most) {
+    return (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= most;
+  };
+  const auto note = [&](size_t& count, size_t entry, const char* what, double expected, double got) {
+    if (++count == 1 && sum.first == "none")
+      sum.first = std::string(what) + " of entry " + std::to_string(entry) + ": " + std::to_string(expected) +
+                  ", got " + std::to_string(got);
+  };
+  const uint32_t returns = reference.returns;
+  for (size_t beam = 0; beam < reference.beamCount(); ++beam) {
+    ++sum.beams;
+    if (reference.ties[beam * returns]) {
+      ++sum.ties;
+      continue;
+    }
+    if (!reference.causes.empty() && reference.causes[beam] != other.causes[beam]) {
+      note(sum.causes, beam, "cause", reference.causes[beam], other.causes[beam]);
+      continue;
+    }
+    for (size_t i = beam * returns; i < (beam + 1) * returns; ++i) {
+      const double range = reference.ranges[i], tolerance = reference.tolerances[i] + slack.range + 3e-7 * range;
+      const bool labelled = !reference.labels.empty();
+      if (std::isnan(range) != std::isnan(other.ranges[i]) || (labelled && reference.labels[i] != other.labels[i])) {
+        note(sum.returns, i, "range", range, other.ranges[i]);
+        break;
+      }
+      if (std::isnan(range)) continue;
+      // What the air throws back is placed relative to the surface behind.
+      const bool solid = !labelled || reference.labels[i] == uint8_t(Label::solid);
+      const double most = solid ? tolerance : 1e-4 * range + 1e-3;
+      if (!near(range, other.ranges[i], most)) note(sum.ranges, i, "range", range, other.ranges[i]);
+      if (labelled && !near(reference.trueRanges[i], other.trueRanges[i], most))
+        note(sum.ranges, i, "true range", reference.trueRanges[i], other.trueRanges[i]);
+      for (size_t k = 3 * i; k < 3 * i + 3; ++k)
+        if (!near(reference.points[k], other.points[k], most + 1e-6 * range))
+          note(sum.points, k, "coordinate", reference.points[k], other.points[k]);
+      if (reference.triangles[i] != other.triangles[i] || reference.instances[i] != other.instances[i]) {
+        note(sum.owners, i, "triangle", reference.triangles[i], other.triangles[i]);
+        continue;
+      }
+      if (labelled) {
+        const double intensity = reference.intensities[i];
+        if (!near(intensity, other.intensities[i], slack.intensity * intensity + 1e-6))
+          note(sum.intensities, i, "intensity", intensity, other.intensities[i]);
+        if (!near(reference.widths[i], other.widths[i], most + 1e-5))
+          note(sum.widths, i, "width", reference.widths[i], other.widths[i]);
+      }
+      if (!reference.normals.empty()) {
+        for (size_t k = 3 * i; k < 3 * i + 3; ++k)
+          if (!near(reference.normals[k], other.normals[k], 1e-3))
+            note(sum.surfaces, k, "normal", reference.normals[k], other.normals[k]);
+        if (!near(reference.incidences[i], other.incidences[i], 2e-3))
+          note(sum.surfaces, i, "incidence", reference.incidences[i], other.incidences[i]);
+        if (reference.materials[i] != other.materials[i])
+          note(sum.surfaces, i, "material", reference.materials[i], other.materials[i]);
+      }
+      if (!reference.radialSpeeds.empty() && !near(reference.radialSpeeds[i], other.radialSpeeds[i], 1e-3))
+        note(sum.speeds, i, "radial speed", reference.radialSpeeds[i], other.radialSpeeds[i]);
+    }
+  }
+  return sum;
+}
+
+}  // namespace gnosphere::test
