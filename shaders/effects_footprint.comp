@@ -20,6 +20,7 @@
 #include "each_ray.glsl"
 
 layout(local_size_x = 64) in;
+layout(constant_id = 11) const uint LAYERS = 1;  // surfaces that a sub-ray meets, all but the last letting light pass
 
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical)
 const float kNothing = 3e38;

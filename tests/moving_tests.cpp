@@ -21,7 +21,9 @@ class Model {
 
   /// Without the removed instances; `index[i]` is what instance i of it is called here.
   Scene compact(std::vector<uint32_t>& index) const {
-    Scene result = {scene_.materials, {}, scene_.meshes, {}};
+    Scene result;
+    result.materials = scene_.materials;
+    result.meshes = scene_.meshes;
     index.clear();
     for (uint32_t i = 0; i < count(); ++i) {
       if (!isThere(i)) continue;
