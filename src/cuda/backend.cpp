@@ -270,8 +270,7 @@ class CudaBackend final : public Backend {
     result.triangles = placed.triangles;
     result.nonFinite = placed.nonFinite + device.nonFinite;
     result.degenerate = placed.degenerate;
-    if (result.beams > 0)
-      result.culledByCluster = placed.triangles - placed.nonFinite - placed.degenerate - device.triangles;
+    if (result.beams > 0) result.culledByCluster = instances_.usableTriangles() - device.triangles;
     result.culledByRange = device.culledByRange;
     result.culledByFace = device.culledByFace;
     result.culledBetweenBeams = device.culledBetweenBeams;

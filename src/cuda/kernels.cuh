@@ -61,15 +61,18 @@ struct resolve {
 
 #ifdef __CUDACC__
 
+// What is known when a kernel is compiled decides how much of it there is. Of effects: nothing, so far.
 template <typename Stage>
-__global__ void __launch_bounds__(gl_WorkGroupSize.x) kernel(const __grid_constant__ Job job) {
+__global__ void __launch_bounds__(gl_WorkGroupSize.x) kernel(const __grid_constant__ Job given) {
+  Job job = given;
+  job.options.EFFECTS = job.options.FIELDS = job.options.LAYERS = 0;
   Stage{job}.main();
 }
 
-// INSIDE and RANGE are known when the kernel is compiled: they decide how much of it there is.
 template <typename Stage, uint kInside, uint kRange>
 __global__ void __launch_bounds__(gl_WorkGroupSize.x) kernelOf(const __grid_constant__ Job given) {
   Job job = given;
+  job.options.EFFECTS = job.options.FIELDS = job.options.LAYERS = 0;
   job.options.INSIDE = kInside;
   job.options.RANGE = kRange;
   Stage{job}.main();
