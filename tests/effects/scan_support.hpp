@@ -147,7 +147,7 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
       }
       if (!reference.barycentrics.empty())
         for (size_t k = 2 * i; k < 2 * i + 2; ++k)
-          if (!near(reference.barycentrics[k], other.barycentrics[k], 1e-3))
+          if (!near(reference.barycentrics[k], other.barycentrics[k], 5e-3))
             note(sum.surfaces, k, "weight", reference.barycentrics[k], other.barycentrics[k]);
       if (!reference.radialSpeeds.empty() && !near(reference.radialSpeeds[i], other.radialSpeeds[i], 1e-3))
         note(sum.speeds, i, "radial speed", reference.radialSpeeds[i], other.radialSpeeds[i]);
