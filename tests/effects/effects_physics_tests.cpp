@@ -163,7 +163,7 @@ TEST_CASE("an edge splits a footprint in two, and each gets the energy of its ar
   Scene scene = sceneOf(builder.take());
   scene.materials[0] = lambertian(0.5f);
   Setup setup(device, scene, fan(3600, 1, 0, 50));
-  setup.effects.divergence = {Use::on, 37, Effects::Divergence::Profile::uniform, 0.01, 0.01};
+  setup.effects.divergence = {Use::on, 19, Effects::Divergence::Profile::uniform, 0.01, 0.01};
   setup.effects.returns.use = Use::on;
   setup.effects.returns.count = 2;
   setup.fields = {Field::intensity, Field::width};
@@ -185,7 +185,7 @@ TEST_CASE("a slanted plate makes an echo longer") {
   Scene scene = platesOf({{0, 30, 0.5f}});
   scene.instances[0].transform = translation(20, 0, 0) * rotationZ(1.4);
   Setup setup(device, scene, fan(3600, 1, 0, 60));
-  setup.effects.divergence = {Use::on, 37, Effects::Divergence::Profile::uniform, 0.02, 0};
+  setup.effects.divergence = {Use::on, 19, Effects::Divergence::Profile::uniform, 0.02, 0};
   setup.effects.returns.separation = 5;
   setup.effects.returns.pulseWidth = 1e-9;
   setup.fields = {Field::intensity, Field::width};
