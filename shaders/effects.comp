@@ -23,12 +23,17 @@ layout(push_constant) uniform PassBlock { Pass pass; };
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
 #define MANY_ECHOES ((EFFECTS & kFootprintEffects) != 0)
+#define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical)
+// Surfaces go out with their returns; where there is one of each they are in their place.
+#define SURFACES_MOVE ((FIELDS & kFieldSurface) != 0 && (MANY_ECHOES || RETURNS > 1))
+#define BARYCENTRICS_MOVE ((FIELDS & kFieldBarycentrics) != 0 && (MANY_ECHOES || RETURNS > 1))
 
-// The beam that is judged.
+// The beam that is judged, and what it hit where there is no footprint: its first return takes that place.
 uint beamIndex, columnIndex;
 vec3 beamDirection, pointDirection;
-vec4 hitPoint;
+vec4 hitPoint, hitSurface;
 uvec2 hitOwner;
+vec2 hitBarycentrics;
 
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
@@ -45,10 +50,9 @@ Echo loadEcho(uint k) {
     return Echo(echo.x, echo.y, echo.z, echo.w, k);
   }
   float energy = 1.0, cosIncidence = 1.0;
-  if ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical) {
-    vec4 surface = surfaces[beamIndex];
-    cosIncidence = min(abs(dotOf(surface.xyz, beamDirection)), 1.0);
-    energy = reflected(optics[floatBitsToUint(surface.w)], cosIncidence);
+  if (LOOKS_AT_MATERIALS) {
+    cosIncidence = min(abs(dotOf(hitSurface.xyz, beamDirection)), 1.0);
+    energy = reflected(optics[floatBitsToUint(hitSurface.w)], cosIncidence);
   }
   return Echo(hitPoint.w, energy, parameters.pulseWidth, cosIncidence, 0);
 }
@@ -68,14 +72,19 @@ void storeMotion(uint at, uvec2 owner, vec3 point) {
 }
 
 void storeReturn(uint j, Return value) {
-  uint at = beamIndex * parameters.returnsPerBeam + j;
+  uint at = beamIndex * RETURNS + j;
   bool here = value.label != kLabelNone;
   uvec2 owner = uvec2(kNone);
   vec4 surface = vec4(vec3(0.0), uintBitsToFloat(kNone));
-  if (value.label == kLabelSolid) {
+  vec2 weights = vec2(notANumber());
+  if (value.label == kLabelSolid && MANY_ECHOES) {
     uint echo = beamIndex * kMaxEchoes + value.echo;
-    owner = MANY_ECHOES ? echoOwners[echo] : hitOwner;
-    if (MANY_ECHOES && (FIELDS & kFieldSurface) != 0) surface = echoSurfaces[echo];
+    owner = echoOwners[echo];
+    if (SURFACES_MOVE) surface = echoSurfaces[echo];
+  } else if (value.label == kLabelSolid) {
+    owner = hitOwner;
+    surface = hitSurface;
+    weights = hitBarycentrics;
   }
   vec4 point = here ? vec4(pointDirection * value.range, value.range) : vec4(notANumber());
   points[at] = point;
@@ -83,7 +92,8 @@ void storeReturn(uint j, Return value) {
   if ((FIELDS & kFieldSignal) != 0)
     signals[at] = vec4(value.intensity, value.trueRange, value.width,
                        uintBitsToFloat(value.label | value.number << 16 | value.count << 24));
-  if (MANY_ECHOES && (FIELDS & kFieldSurface) != 0) surfaces[at] = surface;
+  if (SURFACES_MOVE) surfaces[at] = surface;
+  if (BARYCENTRICS_MOVE) barycentrics[at] = weights;
   if (SPEEDS) storeMotion(at, owner, beamDirection * value.trueRange);
 }
 
@@ -93,7 +103,7 @@ void judge(bool hit) {
   if (MANY_ECHOES) count = echoCounts[beamIndex];
   uint cause = signalsOf(parameters, beamIndex, beamDirection, count, returned);
   if ((FIELDS & kFieldSignal) != 0) {
-    uint at = beamIndex * parameters.returnsPerBeam;
+    uint at = beamIndex * RETURNS;
     signals[at].w = uintBitsToFloat(floatBitsToUint(signals[at].w) | cause << 8);
   }
   for (uint k = 0; k < kCauses; ++k) {
@@ -111,8 +121,10 @@ void main() {
     vec2 azimuth = AZIMUTH_OFFSETS ? shiftedAzimuth(columns[columnIndex], offset) : columns[columnIndex];
     beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
     if (!MANY_ECHOES) {
-      hitPoint = points[beamIndex];
-      hitOwner = owners[beamIndex];
+      hitPoint = points[beamIndex * RETURNS];
+      hitOwner = owners[beamIndex * RETURNS];
+      if (LOOKS_AT_MATERIALS || SURFACES_MOVE) hitSurface = surfaces[beamIndex * RETURNS];
+      if (BARYCENTRICS_MOVE) hitBarycentrics = barycentrics[beamIndex * RETURNS];
     }
     pointDirection = beamDirection;
     if ((EFFECTS & kAngleNoise) != 0 && parameters.angleNoiseAt == kAngleAtPoint)

@@ -8,7 +8,7 @@ WORK(kBindVolumes, readonly, VolumeBox, volumes);
 WORK(kBindSurfaces, , vec4, surfaces);                    // normal towards the sensor, material (kNone: no surface)
 WORK(kBindSignals, , vec4, signals);                      // intensity, true range, width, label | cause << 8 | number << 16 | count << 24
 WORK(kBindMotions, writeonly, vec4, motions);             // velocity in the sensor's axes, radial speed
-WORK(kBindBarycentrics, writeonly, vec2, barycentrics);
+WORK(kBindBarycentrics, , vec2, barycentrics);
 WORK(kBindInstanceMeshes, readonly, uint, instanceMeshes);
 WORK(kBindInstanceMotions, readonly, InstanceMotion, instanceMotions);
 WORK(kBindColumnMotions, readonly, ColumnMotion, columnMotions);

@@ -20,7 +20,6 @@
 #include "each_ray.glsl"
 
 layout(local_size_x = 64) in;
-layout(constant_id = 11) const uint LAYERS = 1;  // surfaces that a sub-ray meets, all but the last letting light pass
 
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical)
 const float kNothing = 3e38;
@@ -116,17 +115,18 @@ float product(float a, float b) {
   return result;
 }
 
-// Behind what the sub-ray met in the layer before: in order of range, then of the triangle's number.
-bool isBehind(float range, uint id, uint piece) {
-  float before = ranges[piece];
-  return range > before || (range == before && id > idOf(metCandidates[piece]));
+// Well behind what the sub-ray met in the layer before. Surfaces nearer to each other, relative to their range, are
+// one: light that passes an edge passes both of its triangles, and they are no two panes.
+bool isBehind(float range, uint piece) {
+  precise float before = ranges[piece] * (1.0 + 9.5367431640625e-7);
+  return range > before;
 }
 
 // A sub-ray meets a candidate at a range; true if it is the nearest so far.
 bool offer(bool met, float range, Candidate candidate, uint projected, uint layer, uint s) {
   uint piece = layer * RAYS + s;
   met = met && carried[s] > 0.0;
-  if (layer > 0 && met) met = isBehind(range, candidate.id, piece - RAYS);
+  if (layer > 0 && met) met = isBehind(range, piece - RAYS);
   met = met && (range < ranges[piece] || (range == ranges[piece] && candidate.id < idOf(metCandidates[piece])));
   if (met) {
     ranges[piece] = range;

@@ -55,10 +55,10 @@ void main() {
   uint channel = gl_WorkGroupID.y;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
-    uint beam = channel * frame.columns + column;
-    uvec2 owner = owners[beam];
+    uint at = (channel * frame.columns + column) * RETURNS;
+    uvec2 owner = owners[at];
     if (owner.x == kNone) {
-      surfaces[beam] = vec4(vec3(0.0), uintBitsToFloat(kNone));
+      surfaces[at] = vec4(vec3(0.0), uintBitsToFloat(kNone));
       continue;
     }
     uint base = meshPlaces[instanceMeshes[owner.y]];
@@ -67,7 +67,7 @@ void main() {
     if (place == kNone) continue;
     uint cluster = place / kClusterTriangles;
     Corners corners = cornersOf(instances[owner.y], cluster, place % kClusterTriangles);
-    surfaces[beam] = vec4(normalOf(corners), uintBitsToFloat(clusterMaterials[cluster]));
-    if ((FIELDS & kFieldBarycentrics) != 0) barycentrics[beam] = barycentricsOf(corners, points[beam].xyz);
+    surfaces[at] = vec4(normalOf(corners), uintBitsToFloat(clusterMaterials[cluster]));
+    if ((FIELDS & kFieldBarycentrics) != 0) barycentrics[at] = barycentricsOf(corners, points[at].xyz);
   }
 }

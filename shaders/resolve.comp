@@ -57,8 +57,8 @@ void store(uint beam, vec3 direction, uint rangeBits, uint id) {
   float range = hit ? uintBitsToFloat(rangeBits) : uintBitsToFloat(0x7fc00000u);
   uvec2 owner = uvec2(kNone);
   if (hit) owner = ownerOf(id);
-  points[beam] = hit ? vec4(direction * range, range) : vec4(range);
-  owners[beam] = owner;
+  points[beam * RETURNS] = hit ? vec4(direction * range, range) : vec4(range);
+  owners[beam * RETURNS] = owner;
 }
 
 void main() {

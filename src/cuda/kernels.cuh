@@ -65,14 +65,16 @@ struct resolve {
 template <typename Stage>
 __global__ void __launch_bounds__(gl_WorkGroupSize.x) kernel(const __grid_constant__ Job given) {
   Job job = given;
-  job.options.EFFECTS = job.options.FIELDS = job.options.LAYERS = 0;
+  job.options.EFFECTS = job.options.FIELDS = 0;
+  job.options.LAYERS = job.options.RETURNS = 1;
   Stage{job}.main();
 }
 
 template <typename Stage, uint kInside, uint kRange>
 __global__ void __launch_bounds__(gl_WorkGroupSize.x) kernelOf(const __grid_constant__ Job given) {
   Job job = given;
-  job.options.EFFECTS = job.options.FIELDS = job.options.LAYERS = 0;
+  job.options.EFFECTS = job.options.FIELDS = 0;
+  job.options.LAYERS = job.options.RETURNS = 1;
   job.options.INSIDE = kInside;
   job.options.RANGE = kRange;
   Stage{job}.main();

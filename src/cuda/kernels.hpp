@@ -12,7 +12,7 @@ namespace gnosphere::cuda {
 struct Options {
   uint32_t BOUNDS, CULL, INSIDE, RANGE;
   bool AZIMUTH_OFFSETS;
-  uint32_t FACES, PASS, CULLING, EFFECTS, FIELDS, LAYERS;
+  uint32_t FACES, PASS, CULLING, EFFECTS, FIELDS, LAYERS, RETURNS;
 };
 
 /// What a kernel reads and writes: set 0 (a sensor and the work arrays), set 1 (a chunk of the scene), push constants.

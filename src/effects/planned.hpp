@@ -30,7 +30,7 @@ struct PlannedEffects {
   /// Nothing but geometry.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
   bool sameStages(const PlannedEffects& other) const {
-    return bits == other.bits && fields == other.fields && subRays == other.subRays && looksAtMaterials == other.looksAtMaterials;
+    return bits == other.bits && fields == other.fields && returns == other.returns && subRays == other.subRays && looksAtMaterials == other.looksAtMaterials;
   }
 
   bool looksAtMaterials = false;  ///< intensity depends on what was met

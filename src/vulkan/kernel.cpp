@@ -64,7 +64,7 @@ void Layout::updateSet(VkDescriptorSet handle, std::span<const Buffer* const> bu
   vkUpdateDescriptorSets(device_.handle(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
 }
 
-std::array<uint32_t, 11> constantsOf(const Options& options, uint32_t pass) {
+std::array<uint32_t, 12> constantsOf(const Options& options, uint32_t pass) {
   return {/* BOUNDS= */ options.bounds,
           /* CULL= */ options.cull,
           /* INSIDE= */ options.inside,
@@ -75,7 +75,8 @@ std::array<uint32_t, 11> constantsOf(const Options& options, uint32_t pass) {
           /* CULLING= */ options.culling,
           /* EFFECTS= */ options.effects,
           /* FIELDS= */ options.fields,
-          /* LAYERS= */ options.layers};
+          /* LAYERS= */ options.layers,
+          /* RETURNS= */ options.returns};
 }
 
 Kernel::Kernel(const Device& device, const Layout& layout, const char* name, std::span<const uint32_t> spirv,

@@ -23,10 +23,11 @@ struct Options {
   uint32_t culling = 0;
   uint32_t effects = 0;  ///< bits of effects/plan.h
   uint32_t fields = 0;   ///< gpu::kField...
-  uint32_t layers = 1;  ///< surfaces that a sub-ray meets
+  uint32_t layers = 1;   ///< surfaces that a sub-ray meets
+  uint32_t returns = 1;  ///< per beam
 };
 /// The specialisation of a kernel, in the order of shaders/options.glsl.
-std::array<uint32_t, 11> constantsOf(const Options& options, uint32_t pass);
+std::array<uint32_t, 12> constantsOf(const Options& options, uint32_t pass);
 
 /// What all kernels share: set 0 (a sensor and its work arrays), set 1 (a chunk of the scene), the push constants, and
 /// the cache that they are compiled into.
@@ -70,13 +71,13 @@ class Kernel {
 
   VkPipeline handle() const { return pipeline_; }
   const char* name() const { return name_; }
-  const std::array<uint32_t, 11>& constants() const { return constants_; }
+  const std::array<uint32_t, 12>& constants() const { return constants_; }
 
  private:
   VkDevice device_;
   VkPipeline pipeline_ = VK_NULL_HANDLE;
   const char* name_;
-  std::array<uint32_t, 11> constants_;
+  std::array<uint32_t, 12> constants_;
 };
 
 }  // namespace gnosphere::vulkan

@@ -80,6 +80,15 @@ void readSurfaces(const gpu::vec4* surfaces, uint64_t first, uint64_t count, Sca
   }
 }
 
+void readBarycentrics(const gpu::vec2* weights, uint64_t first, uint64_t count, Scan& scan) {
+  if (!weights) return;
+  for (uint64_t i = 0; i < count; ++i) {
+    const bool hit = scan.triangles[first + i] != kNoTriangle;
+    scan.barycentrics[2 * (first + i)] = hit ? weights[i].x : NAN;
+    scan.barycentrics[2 * (first + i) + 1] = hit ? weights[i].y : NAN;
+  }
+}
+
 void readMotions(const gpu::vec4* motions, uint64_t first, uint64_t count, Scan& scan) {
   if (!motions) return;
   for (uint64_t i = 0; i < count; ++i) {
@@ -147,7 +156,7 @@ void readResults(const SensorState& part, const FrameInFlight& frame, const Inst
     readSignals(signals ? signals + first : nullptr, to + first, end - first, returns, scan);
     readSurfaces(surfaces ? surfaces + first : nullptr, to + first, end - first, scan);
     readMotions(motions ? motions + first : nullptr, to + first, end - first, scan);
-    if (barycentrics) std::copy_n(&barycentrics[first].x, 2 * (end - first), &scan.barycentrics[2 * (to + first)]);
+    readBarycentrics(barycentrics ? barycentrics + first : nullptr, to + first, end - first, scan);
   });
   readCounters(part, frame.counters(), instances.usableTriangles(), scan.counters);
 }

@@ -65,6 +65,7 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, cons
   result.faces = static_cast<uint32_t>(options.faces);
   result.culling = cullingBits(options);
   result.effects = planned.bits;
+  result.returns = planned.returns;
   result.fields = planned.fields;
   result.layers = planned.has(gpu::kTransmission) ? gpu::kMaxLayers : 1;
   return result;

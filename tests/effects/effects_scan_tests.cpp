@@ -31,18 +31,27 @@ Differences compared(const Effects& effects, std::vector<Field> fields, const Se
   REQUIRE(other.returns == reference.returns);
   const Differences result = differences(reference, other, slack);
   INFO("hits " << reference.counters.hits << " and " << other.counters.hits);
-  CHECK(result.ties < result.beams / 50);
   CHECK(reference.counters.hits > result.beams / 20);
   return result;
 }
 
+std::string listed(const Differences& found) {
+  return std::to_string(found.causes) + " causes, " + std::to_string(found.returns) + " returns, " +
+         std::to_string(found.owners) + " owners, " + std::to_string(found.ranges) + " ranges, " +
+         std::to_string(found.points) + " coordinates, " + std::to_string(found.intensities) + " intensities, " +
+         std::to_string(found.widths) + " widths, " + std::to_string(found.surfaces) + " surfaces, " +
+         std::to_string(found.speeds) + " speeds; " + std::to_string(found.ties) + " ties of " +
+         std::to_string(found.beams) + " beams; first: " + found.first;
+}
+
 /// Nothing at all differs.
-void requireSame(const Effects& effects, const Sensor& sensor = coarse(450)) {
-  const Differences found = compared(effects, effectFields(), sensor);
-  INFO(found.causes << " causes, " << found.returns << " returns, " << found.owners << " owners, " << found.ranges
-                    << " ranges, " << found.points << " coordinates, " << found.intensities << " intensities, "
-                    << found.widths << " widths, " << found.surfaces << " surfaces, " << found.speeds
-                    << " speeds; first: " << found.first);
+void requireSame(const Effects& effects, double incidence = 2e-3) {
+  std::vector<Field> fields = effectFields();
+  fields.push_back(Field::barycentrics);
+  // Small triangles' normals are as uncertain as their corners.
+  const Differences found = compared(effects, fields, coarse(180), {0, 5e-4, incidence});
+  INFO(listed(found));
+  CHECK(found.ties < found.beams / 50);
   CHECK(found.all() == 0);
 }
 
@@ -62,6 +71,15 @@ Effects withIntensity(Effects::Intensity::Model model, Effects::Intensity::Scale
 
 Effects physical() {
   return withIntensity(Effects::Intensity::Model::physical, Effects::Intensity::Scale::unit);
+}
+
+/// Echoes may differ where the pieces of one lie just about as far apart as two echoes do, and in which of two
+/// triangles reflects more.
+void requireAlmostSame(const Effects& effects, const Scene& scene = town()) {
+  const Differences found = compared(effects, effectFields(), coarse(120), {2e-3, 1e-3, 2e-3}, scene);
+  INFO(listed(found));
+  CHECK(found.ties < found.beams / 50);
+  CHECK(found.all() <= found.beams / 500);
 }
 
 }  // namespace
@@ -94,7 +112,7 @@ TEST_CASE("errors of measurement are the same draws") {
   requireSame(effects);
   effects = physical();
   effects.angleNoise = {Use::on, 1e-3, 2e-3, Effects::AngleNoise::At::point};
-  requireSame(effects);
+  requireSame(effects, 1e-2);  // the device reads it off the point
 }
 
 TEST_CASE("the air throws back and takes the same on every device") {
@@ -118,6 +136,45 @@ TEST_CASE("several returns of one beam keep their order and their surfaces") {
   effects.returns.use = Use::on;
   effects.returns.count = 2;
   requireSame(effects);
+}
+
+TEST_CASE("footprints meet the same surfaces") {
+  Effects effects = physical();
+  effects.divergence = {Use::on, 19, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
+  effects.returns.use = Use::on;
+  effects.returns.count = 3;
+  requireAlmostSame(effects);
+}
+
+TEST_CASE("beams astray meet the same surfaces") {
+  Effects effects = physical();
+  effects.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+  requireAlmostSame(effects);
+}
+
+TEST_CASE("light passes the same panes") {
+  Scene scene = town();
+  for (Material& one : scene.materials) one.transmission = 0.5f;
+  Effects effects = physical();
+  effects.transmission.use = effects.returns.use = Use::on;
+  effects.returns.count = 4;
+  requireAlmostSame(effects, scene);
+}
+
+TEST_CASE("all effects together are those of the reference") {
+  Effects effects = physical();
+  effects.detection = {Use::on, 0.1, 80, 0};
+  effects.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700, 701}};
+  effects.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 0};
+  effects.intensityNoise = {Use::on, 0.05};
+  effects.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+  effects.divergence = {Use::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
+  effects.returns = {Use::on, Effects::Returns::Mode::lastStrongest};
+  effects.fog = {Use::on, 100};
+  effects.rain = {Use::on, 20};
+  effects.snow = {Use::on, 2};
+  effects.volumes = {Use::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
+  requireAlmostSame(effects);
 }
 
 }  // namespace gnosphere::test

@@ -84,6 +84,7 @@ struct Differences {
 struct Slack {
   double range = 0;         ///< m, beside the reference's own tolerance
   double intensity = 1e-4;  ///< relative
+  double incidence = 2e-3;  ///< rad
 };
 
 inline Differences differences(const Scan& reference, const Scan& other, const Slack& slack = {}) {
@@ -139,11 +140,15 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
         for (size_t k = 3 * i; k < 3 * i + 3; ++k)
           if (!near(reference.normals[k], other.normals[k], 1e-3))
             note(sum.surfaces, k, "normal", reference.normals[k], other.normals[k]);
-        if (!near(reference.incidences[i], other.incidences[i], 2e-3))
+        if (!near(reference.incidences[i], other.incidences[i], slack.incidence))
           note(sum.surfaces, i, "incidence", reference.incidences[i], other.incidences[i]);
         if (reference.materials[i] != other.materials[i])
           note(sum.surfaces, i, "material", reference.materials[i], other.materials[i]);
       }
+      if (!reference.barycentrics.empty())
+        for (size_t k = 2 * i; k < 2 * i + 2; ++k)
+          if (!near(reference.barycentrics[k], other.barycentrics[k], 5e-3))
+            note(sum.surfaces, k, "weight", reference.barycentrics[k], other.barycentrics[k]);
       if (!reference.radialSpeeds.empty() && !near(reference.radialSpeeds[i], other.radialSpeeds[i], 1e-3))
         note(sum.speeds, i, "radial speed", reference.radialSpeeds[i], other.radialSpeeds[i]);
     }
