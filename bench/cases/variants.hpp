@@ -9,12 +9,19 @@
 
 namespace gnosphere::bench {
 
+/// Where the surfaces are that are returned, beside those that a bare scan sees.
+enum class Ranges {
+  same,   ///< there, bit by bit
+  near,   ///< as agreementOf() has it: a line of sight of its own, along the beam
+  other,  ///< elsewhere
+};
+
 struct Variant {
   std::string name;
   std::string effect;  ///< of effectNames(); empty: several
   Effects request;     ///< nothing else, but for intensity where it is needed
   std::vector<Field> fields = {};
-  bool sameRanges = false;  ///< a surface that is returned is where a bare scan sees it
+  Ranges ranges = Ranges::other;
 };
 
 /// Every effect alone and last all of them at once. `dust`: where a box of it stands, world.
