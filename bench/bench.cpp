@@ -28,6 +28,13 @@ void print(const Case& entry, const Session& session, const Report& report) {
   std::printf("\n");
 }
 
+std::string plotOf(const Case& entry, Report report, const DeviceInfo& device) {
+  if (report.bars.bars.empty()) return cli::toSvg(plotOf(report, entry.description, device));
+  report.bars.title = entry.description;
+  report.bars.notes.insert(report.bars.notes.begin(), device.name);
+  return toSvg(report.bars);
+}
+
 /// These cases, one after the other, into one result.
 int run(const std::vector<Case>& cases, const Options& options) {
   checkResult(options.json);
@@ -46,7 +53,7 @@ int run(const std::vector<Case>& cases, const Options& options) {
     }
     results[entry.name] = toJson(report);
     if (!session.notes().empty()) results[entry.name]["left_out"] = session.notes();
-    writeResult(options.plot, cli::toSvg(plotOf(report, entry.description, session.device())));
+    writeResult(options.plot, plotOf(entry, report, session.device()));
   }
   if (cases.size() > 1) results["stability"] = stabilityOf(options.device);
   json["cases"] = results;

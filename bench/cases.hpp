@@ -18,6 +18,7 @@ Report figure7(Session& session);
 Report dynamic(Session& session);
 Report scalingTriangles(Session& session);
 Report scalingRays(Session& session);
+Report effects(Session& session);
 
 struct Case {
   const char* name;
@@ -38,6 +39,7 @@ inline constexpr Case kCases[] = {
     {"dynamic", "Some or all instances move, or any vertex may", {1'000'000, 10, 1}, dynamic},
     {"scaling-triangles", "The town grows, the neighbourhood stays", {10'000'000, 10, 1}, scalingTriangles},
     {"scaling-rays", "From 28,800 to 25 million beams", {1'000'000, 5, 1}, scalingRays},
+    {"effects", "What each effect costs beside a bare scan", {1'000'000, 7, 1}, effects},
 };
 
 }  // namespace gnosphere::bench

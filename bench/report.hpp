@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bars.hpp"
 #include "console.hpp"
 #include "contest.hpp"
 #include "json.hpp"
@@ -22,6 +23,7 @@ struct Report {
   std::vector<Outcome> outcomes;
   std::vector<Table> tables;
   std::string xLabel;                    ///< of a plot
+  BarChart bars = {};                    ///< its plot, where it has no outcomes
   cli::Json more = cli::Json::object();  ///< what it has measured besides
 };
 

@@ -60,10 +60,9 @@ class Session {
   void setDevice(const DeviceInfo& device);             ///< where there is no contest
   const Rates& rates() const { return rates_; }
   const std::vector<std::string>& notes() const { return notes_; }  ///< what was left out, and why
-
- private:
   void addNote(const std::string& note);
 
+ private:
   Options options_;
   std::vector<std::string> rivals_;
   std::vector<Pose> trajectory_;

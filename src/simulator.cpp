@@ -92,6 +92,10 @@ void Simulator::scan(const Pose& pose, size_t sensor, Scan& result) {
   Shot shot;
   shot.pose = pose;
   shot.sensor = sensor;
+  scan(shot, result);
+}
+
+void Simulator::scan(const Shot& shot, Scan& result) {
   run({&shot, 1}, result, [](size_t) {});
 }
 

@@ -56,6 +56,31 @@ TEST_CASE("the bench compares nearest neighbours as the paper does") {
   CHECK(contenders.at(1).at("name") == "paper");
 }
 
+TEST_CASE("the bench tells what each effect costs, and that what is off costs nothing") {
+  needVulkan();
+  const Workplace place;
+  const json effects =
+      casesOf(place, "effects --triangles 20000 --runs 1 --sensor VLP-16 --json r.json --plot p.svg").at("effects");
+  CHECK(xmlProblem(place.get("p.svg")) == "");
+  CHECK(effects.at("off_requests") == 17);
+  CHECK(effects.at("left_out").at(0) == "cut-outs: no material that is seen has holes");
+  const json& rows = effects.at("rows");
+  CHECK(rows.size() + effects.at("left_out").size() == 2 + 22 + 2);  // bare, off; one by one; all, many scans
+  const json &bare = rows.at(0), &off = rows.at(1);
+  CHECK(bare.at("times_bare").at("median") == 1);
+  CHECK(off.at("bytes") == bare.at("bytes"));
+  CHECK(off.at("dispatches") == bare.at("dispatches"));
+  CHECK(!off.at("stages_ms").contains("effects"));
+  for (const json& row : rows) {
+    INFO(row.at("name"));
+    CHECK(row.at("total_ms").at("median") > 0);
+    CHECK(place.get("p.svg").find(row.at("name").get<std::string>()) != std::string::npos);
+    CHECK_THAT(place.get("out"), ContainsSubstring("| " + row.at("name").get<std::string>() + " "));
+  }
+  CHECK(rows.back().at("name") == "19 bare scans");
+  CHECK(rows.back().at("dispatches") == 19 * bare.at("dispatches").get<int>());
+}
+
 TEST_CASE("the bench takes a scene and a drive of one's own, and refuses what makes no sense") {
   const Workplace place;
   CHECK(place.run("table3 --rivals optix", "", kBench).status == 2);

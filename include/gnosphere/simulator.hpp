@@ -173,6 +173,8 @@ class Simulator {
   Scan scan(const Pose& pose, size_t sensor = 0);
   /// The same into a Scan that is there: its arrays are used again, so nothing is allocated once they have their size.
   void scan(const Pose& pose, size_t sensor, Scan& result);
+  /// The same of a shot, which says more than where the sensor stands.
+  void scan(const Shot& shot, Scan& result);
   /// Many scans, each the same as scan() gives, pipelined: while the host receives one, the device works on the next.
   /// `receive` gets the index into `shots` and the scan, in order and on this thread; the scan is overwritten after it
   /// returns, and wallMs includes the wait behind the scan before. Throws as scan() does, for a bad shot before the

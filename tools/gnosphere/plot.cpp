@@ -12,16 +12,6 @@ namespace {
 
 constexpr double kLeft = 66, kRight = 16, kTop = 30, kBottom = 46, kBand = 24, kLetter = 6.1, kLine = 14;
 
-/// As XML wants it; control characters, which it has no place for, are left out.
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    if (static_cast<unsigned char>(c) < 0x20) continue;
-    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  }
-  return out;
-}
-
 std::string textAt(double x, double y, const char* anchor, const std::string& markup, const char* more = "") {
   return formatted("<text x='%.1f' y='%.1f' text-anchor='%s'%s>", x, y, anchor, more) + markup + "</text>\n";
 }
@@ -282,6 +272,15 @@ std::string legendAt(const PlotPanel& panel, const std::vector<std::array<double
 }
 
 }  // namespace
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) continue;
+    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+  }
+  return out;
+}
 
 std::string toSvg(const Plot& plot) {
   const double rows = std::ceil(static_cast<double>(plot.panels.size()) / static_cast<double>(plot.columns));

@@ -44,4 +44,7 @@ struct Plot {
 
 std::string toSvg(const Plot& plot);
 
+/// As XML wants it; control characters, which it has no place for, are left out.
+std::string escaped(const std::string& text);
+
 }  // namespace gnosphere::cli

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Apache-2.0
+// What effects cost: every request beside a scan of nothing but geometry, in turn.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "cases.hpp"
+#include "variants.hpp"
+
+namespace gnosphere::bench {
+namespace {
+
+using cli::formatted;
+using cli::Json;
+
+constexpr const char* kManyScans = "19 bare scans";
+
+/// A request that takes part, and what its scans took.
+struct Runner {
+  std::string name;
+  Simulator simulator;
+  std::vector<Shot> shots;  ///< one per pose
+  uint32_t scans = 1;       ///< of one go
+  Scan scan = {};
+  std::vector<double> totalMs = {}, deviceMs = {}, ratios = {};  ///< per round; ratios are to the bare scan's time
+  std::map<std::string, std::vector<double>> stageMs = {};
+
+  /// What has not run for a while finds nothing of its own in the caches, so the first scan is not timed.
+  double run(size_t round) {
+    Shot& shot = shots[round % shots.size()];
+    shot.frame = round;
+    simulator.scan(shot, scan);
+    double device = 0;
+    std::map<std::string, double> stages;
+    const double start = cli::nowMs();
+    for (uint32_t i = 0; i < scans; ++i) {
+      simulator.scan(shot, scan);
+      device += scan.timings.gpuMs;
+      for (const StageTime& stage : scan.timings.stages) stages[stage.name] += stage.ms;
+    }
+    totalMs.push_back(cli::nowMs() - start);
+    deviceMs.push_back(device);
+    for (const auto& [stage, ms] : stages) stageMs[stage].push_back(ms);
+    return totalMs.back();
+  }
+};
+
+/// The first is the bare one.
+void race(std::vector<Runner>& runners, const char* what, uint32_t rounds) {
+  const auto progress = cli::stepProgress();
+  for (uint32_t round = 0; round < rounds; ++round) {
+    progress(what, round + 1, rounds);
+    double bare = 0;
+    for (Runner& runner : runners) {
+      const double ms = runner.run(round);
+      if (&runner == &runners[0]) bare = ms;
+      runner.ratios.push_back(ms / bare);
+    }
+  }
+}
+
+template <typename T>
+bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+[[noreturn]] void refuse(const std::string& who, const std::string& why) {
+  throw Error(ErrorCode::device, who + ": " + why);
+}
+
+/// A plan without its reasons. Once both have scanned: buffers have grown to what is in range.
+Json made(const Simulator& simulator) {
+  Json plan = Json::parse(toJson(simulator.plan()));
+  plan.erase("effects");
+  return plan;
+}
+
+/// The surfaces that `scan` returns are where the bare scan has them, bit by bit.
+void checkSame(const std::string& who, const Scan& bare, const Scan& scan) {
+  size_t solid = 0;
+  for (size_t beam = 0; beam < scan.labels.size(); ++beam) {
+    if (scan.labels[beam] != static_cast<uint8_t>(Label::solid)) continue;
+    ++solid;
+    if (std::bit_cast<uint32_t>(scan.trueRanges[beam]) != std::bit_cast<uint32_t>(bare.ranges[beam]))
+      refuse(who, formatted("beam %zu meets a surface at %.9g m, a bare scan at %.9g m", beam,
+                            static_cast<double>(scan.trueRanges[beam]), static_cast<double>(bare.ranges[beam])));
+  }
+  if (solid == 0) refuse(who, "no beam meets a surface");
+}
+
+/// The nearest returns of its beams are those of the bare scan, but for some that graze an edge.
+void checkNear(const std::string& who, const Scan& bare, const Scan& scan) {
+  Scan first;
+  for (size_t entry = 0; entry < scan.ranges.size(); entry += scan.returns) first.ranges.push_back(scan.ranges[entry]);
+  const Agreement agreement = agreementOf(bare, first);
+  if (!agreement.good())
+    refuse(who, cli::grouped(agreement.hits + agreement.ranges) + " of " + cli::grouped(agreement.beams) +
+                    " beams differ from a bare scan");
+}
+
+/// One scene, one sensor, and what is asked of them.
+class CostOfEffects {
+ public:
+  explicit CostOfEffects(Session& session)
+      : session_(session),
+        scene_(session.scene()),
+        sensor_(session.sensors({"HDL-64E"})[0]),
+        poses_(session.poses(scene_)) {
+    sensor_.divergenceHorizontal = 0.003;
+    sensor_.divergenceVertical = 0.0015;
+    sensor_.rotationPeriod = 0.1;
+    sensor_.maxReturns = 3;
+    const Vec3 at = poses_[0].position;
+    variants_ = variantsOf({at.x + 15, at.y, at.z});
+  }
+
+  const Scene& scene() const { return scene_; }
+  const Sensor& sensor() const { return sensor_; }
+
+  /// The bare scan, and every effect with its parameters given and switched off. Their plans and clouds are the same.
+  std::vector<Runner> off() const {
+    std::vector<Runner> runners;
+    runners.push_back(bare("bare"));
+    const Json plan = made(runners[0].simulator);
+    const Scan answer = runners[0].scan;
+    for (const std::string& effect : effectNames()) {
+      Effects request = requestOf(effect);
+      const std::vector<Shot> shots = shotsOf(request);  // what moves is told, too
+      request.intensity.use = Use::off;
+      assign(request, effect + "=off");
+      Runner off = {effect + " off", simulator(request, {}), shots};
+      off.simulator.scan(off.shots[0], off.scan);
+      if (made(off.simulator) != plan) refuse(off.name, "its plan is not that of a bare scan");
+      if (!sameBytes(off.scan.points, answer.points) || !sameBytes(off.scan.ranges, answer.ranges) ||
+          !sameBytes(off.scan.triangles, answer.triangles) || !sameBytes(off.scan.instances, answer.instances))
+        refuse(off.name, "its cloud is not that of a bare scan");
+      runners.push_back(std::move(off));
+    }
+    return runners;
+  }
+
+  /// The bare scan, every variant that can be shown here, and last as many bare scans as one beam has sub-rays.
+  std::vector<Runner> on() const {
+    std::vector<Runner> runners;
+    runners.push_back(bare("bare"));
+    const Scan answer = runners[0].scan;
+    for (const Variant& variant : variants_) {
+      Runner on = {variant.name, simulator(variant.request, variant.fields), shotsOf(variant.request)};
+      const Plan plan = on.simulator.plan();
+      if (!variant.effect.empty() && !plan.has(variant.effect)) {
+        session_.addNote(variant.name + ": " + reasonOf(plan, variant.effect));
+        continue;
+      }
+      check(variant, on.shots[0], answer);
+      runners.push_back(std::move(on));
+    }
+    runners.push_back(bare(kManyScans));
+    runners.back().scans = 19;
+    return runners;
+  }
+
+ private:
+  Simulator simulator(const Effects& effects, const std::vector<Field>& fields) const {
+    SimulatorOptions options = session_.simulatorOptions();
+    options.effects = effects;
+    options.fields = fields;
+    return Simulator(scene_, sensor_, options);
+  }
+
+  std::vector<Shot> shotsOf(const Effects& effects) const {
+    std::vector<Shot> shots;
+    for (const Pose& pose : poses_) {
+      Shot shot;
+      shot.pose = pose;
+      if (effects.sensorMotion.use != Use::off) shot.motion = drivenFrom(pose, sensor_.rotationPeriod);
+      if (effects.objectMotion.use != Use::off) shot.instanceMotions = drivenVehicles(scene_, sensor_.rotationPeriod);
+      shots.push_back(shot);
+    }
+    return shots;
+  }
+
+  /// It has scanned from the first pose.
+  Runner bare(const char* name) const {
+    Runner bare = {name, simulator(Effects::none(), {}), shotsOf(Effects::none())};
+    bare.simulator.scan(bare.shots[0], bare.scan);
+    return bare;
+  }
+
+  void check(const Variant& variant, const Shot& shot, const Scan& answer) const {
+    if (variant.ranges == Ranges::other) return;
+    std::vector<Field> fields = variant.fields;
+    fields.insert(fields.end(), {Field::trueRange, Field::label});
+    Scan scan;
+    simulator(variant.request, fields).scan(shot, scan);
+    (variant.ranges == Ranges::same ? checkSame : checkNear)(variant.name, answer, scan);
+  }
+
+  Effects requestOf(const std::string& effect) const {
+    for (const Variant& variant : variants_)
+      if (variant.effect == effect) return variant.request;
+    refuse(effect, "there is no request for it");
+  }
+
+  static std::string reasonOf(const Plan& plan, const std::string& effect) {
+    for (const Plan::Decision& decision : plan.effects)
+      if (decision.effect == effect) return decision.reason;
+    return "";
+  }
+
+  Session& session_;
+  Scene scene_;
+  Sensor sensor_;
+  std::vector<Pose> poses_;
+  std::vector<Variant> variants_;
+};
+
+/// What the goes of one runner, or of several that do the same, come to.
+struct Row {
+  std::string name;
+  Spread totalMs, deviceMs, ratio;
+  std::vector<StageTime> stages;  ///< medians
+  uint64_t bytes = 0;
+  uint32_t dispatches = 0;
+};
+
+Row rowOf(const Runner& runner) {
+  Row row = {runner.name, spreadOf(runner.totalMs), spreadOf(runner.deviceMs), spreadOf(runner.ratios)};
+  for (const StageTime& stage : runner.scan.timings.stages)
+    row.stages.push_back({stage.name, spreadOf(runner.stageMs.at(stage.name)).median});
+  row.bytes = runner.simulator.plan().bytes();
+  row.dispatches = runner.scans * runner.simulator.plan().dispatches();
+  return row;
+}
+
+/// All effects off, one by one, as one row.
+Row offRow(std::vector<Runner>& runners) {
+  Runner& all = runners[1];
+  all.name = "off";
+  for (size_t i = 2; i < runners.size(); ++i) {
+    all.totalMs.insert(all.totalMs.end(), runners[i].totalMs.begin(), runners[i].totalMs.end());
+    all.deviceMs.insert(all.deviceMs.end(), runners[i].deviceMs.begin(), runners[i].deviceMs.end());
+    all.ratios.insert(all.ratios.end(), runners[i].ratios.begin(), runners[i].ratios.end());
+    for (auto& [stage, ms] : all.stageMs)
+      ms.insert(ms.end(), runners[i].stageMs[stage].begin(), runners[i].stageMs[stage].end());
+  }
+  return rowOf(all);
+}
+
+Json rowJson(const Row& row) {
+  Json stages = Json::object();
+  for (const StageTime& stage : row.stages) stages[stage.name] = rounded(stage.ms);
+  return {{"name", row.name},
+          {"total_ms", {{"median", rounded(row.totalMs.median)}, {"min", rounded(row.totalMs.min)}}},
+          {"device_ms", row.deviceMs.median > 0 ? Json(rounded(row.deviceMs.median)) : Json()},
+          {"stages_ms", stages},
+          {"times_bare",
+           {{"median", rounded(row.ratio.median)}, {"p10", rounded(row.ratio.p10)}, {"p90", rounded(row.ratio.p90)}}},
+          {"bytes", row.bytes},
+          {"dispatches", row.dispatches}};
+}
+
+std::vector<std::string> stageNames(const std::vector<Row>& rows) {
+  std::vector<std::string> names;
+  for (const Row& row : rows)
+    for (const StageTime& stage : row.stages)
+      if (std::find(names.begin(), names.end(), stage.name) == names.end()) names.push_back(stage.name);
+  return names;
+}
+
+Table tableOf(const std::vector<Row>& rows, const std::string& note) {
+  Table table = {note, {{"scan", "ms", "times a bare scan", "p10 to p90"}}};
+  const std::vector<std::string> stages = stageNames(rows);
+  table.rows[0].insert(table.rows[0].end(), stages.begin(), stages.end());
+  table.rows[0].insert(table.rows[0].end(), {"MB", "dispatches"});
+  for (const Row& row : rows) {
+    cli::TableRow cells = {row.name, cli::bareMs(row.totalMs.median), formatted("%.2f", row.ratio.median),
+                           formatted("%.2f to %.2f", row.ratio.p10, row.ratio.p90)};
+    for (const std::string& name : stages) {
+      const auto stage = std::find_if(row.stages.begin(), row.stages.end(),
+                                      [&](const StageTime& other) { return other.name == name; });
+      cells.push_back(stage == row.stages.end() ? "-" : cli::bareMs(stage->ms));
+    }
+    cells.insert(cells.end(),
+                 {formatted("%.1f", static_cast<double>(row.bytes) / 1e6), std::to_string(row.dispatches)});
+    table.rows.push_back(cells);
+  }
+  return table;
+}
+
+/// How long `a` takes beside `b`: the median of the rounds.
+double ratioOf(const std::vector<Runner>& runners, const std::string& a, const std::string& b) {
+  const auto find = [&](const std::string& name) -> const Runner& {
+    return *std::find_if(runners.begin(), runners.end(), [&](const Runner& runner) { return runner.name == name; });
+  };
+  std::vector<double> ratios;
+  for (size_t round = 0; round < find(a).totalMs.size(); ++round)
+    ratios.push_back(find(a).totalMs[round] / find(b).totalMs[round]);
+  return spreadOf(ratios).median;
+}
+
+}  // namespace
+
+Report effects(Session& session) {
+  const uint32_t rounds = session.options().runs;
+  const CostOfEffects cost(session);
+  std::vector<Runner> off = cost.off();
+  session.setDevice(off[0].simulator.device());
+  race(off, "effects off", rounds);
+  const Row offs = offRow(off);
+  off.clear();
+  std::vector<Runner> on = cost.on();
+  race(on, "effects on", rounds);
+  std::vector<Row> rows;
+  for (const Runner& runner : on) rows.push_back(rowOf(runner));
+  rows.insert(rows.begin() + 1, offs);
+
+  const double share = ratioOf(on, "19 sub-rays", kManyScans);
+  Report report;
+  report.more = {{"scene", cli::sceneJson(cost.scene())},
+                 {"sensor", cli::sensorJson(cost.sensor())},
+                 {"rounds", rounds},
+                 {"off_requests", effectNames().size()},
+                 {"sub_rays_to_scans", rounded(share)}};
+  for (const Row& row : rows) {
+    report.more["rows"].push_back(rowJson(row));
+    report.bars.bars.push_back({row.name, row.ratio.median, row.ratio.p10, row.ratio.p90});
+  }
+  report.bars.xLabel = "times a bare scan: median, 10th to 90th percentile";
+  report.tables = {tableOf(
+      rows, formatted("%zu effects were off one by one: their plans and clouds are those of a bare scan. 19 sub-rays "
+                      "take %.2f of the time of 19 scans. Stages in ms by the device's clock",
+                      effectNames().size(), share))};
+  return report;
+}
+
+}  // namespace gnosphere::bench

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "variants.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace gnosphere::bench {
+namespace {
+
+struct Row {
+  const char* name;
+  const char* effect;
+  std::vector<const char*> assignments;
+  std::vector<Field> fields = {};
+  Ranges ranges = Ranges::other;
+};
+
+// 0.00087 rad are 0.05 degrees. `auto` where it depends on the scene whether there is anything to be shown.
+const std::vector<Row> kRows = {
+    {"intensity", "intensity", {"intensity=on"}, {Field::intensity}, Ranges::same},
+    {"detection, 10 % at 50 m", "detection", {"detection.reflectance=0.1", "detection.range=50"}, {}, Ranges::same},
+    {"drop-out, 10 %", "drop-out", {"drop-out.general_rate=0.1"}, {}, Ranges::same},
+    {"range noise, 2 cm", "range-noise", {"range-noise.sigma=0.02"}, {}, Ranges::same},
+    {"angle noise of points, 0.05 deg",
+     "angle-noise",
+     {"angle-noise.azimuth=0.00087", "angle-noise.elevation=0.00087", "angle-noise.at=point"},
+     {},
+     Ranges::same},
+    {"angle noise of beams, 0.05 deg",
+     "angle-noise",
+     {"angle-noise.azimuth=0.00087", "angle-noise.elevation=0.00087", "angle-noise.at=beam"}},
+    {"intensity noise, 5 %", "intensity-noise", {"intensity-noise.sigma=0.05"}, {Field::intensity}, Ranges::same},
+    {"1 sub-ray", "divergence", {"divergence.sub_rays=1"}, {}, Ranges::near},
+    {"7 sub-rays", "divergence", {"divergence.sub_rays=7"}},
+    {"19 sub-rays", "divergence", {"divergence.sub_rays=19"}},
+    {"37 sub-rays", "divergence", {"divergence.sub_rays=37"}},
+    {"61 sub-rays", "divergence", {"divergence.sub_rays=61"}},
+    {"returns, 3", "returns", {"returns=on"}, {}, Ranges::near},
+    {"transmission", "transmission", {"transmission=auto"}},
+    {"cut-outs", "cut-outs", {"cut-outs=auto"}},
+    {"sensor motion, 15 m/s", "sensor-motion", {"sensor-motion=on"}},
+    {"object motion, 10 m/s", "object-motion", {"object-motion=on"}},
+    {"fog, 200 m", "fog", {"fog.visibility=200"}, {}, Ranges::same},
+    {"rain, 20 mm/h", "rain", {"rain.rate=20"}, {}, Ranges::same},
+    {"snow, 2 mm/h", "snow", {"snow.rate=2"}, {}, Ranges::same},
+    {"a box of dust", "volumes", {"volumes=on"}, {}, Ranges::same},
+    {"radial speed", "radial-speed", {"radial-speed=on"}, {Field::radialSpeed}, Ranges::same},
+};
+
+}  // namespace
+
+std::vector<Variant> variantsOf(const Vec3& dust) {
+  Effects none = Effects::none();
+  none.intensity.use = Use::automatic;
+  none.volumes.boxes = {{{dust.x - 5, dust.y - 5, dust.z - 5}, {dust.x + 5, dust.y + 5, dust.z + 5}, 0.1}};
+  std::vector<Variant> variants;
+  Variant all = {"all of them", "", none, {Field::intensity, Field::radialSpeed}, Ranges::other};
+  for (const Row& row : kRows) {
+    Variant variant = {row.name, row.effect, none, row.fields, row.ranges};
+    for (const char* assignment : row.assignments) {
+      assign(variant.request, assignment);
+      assign(all.request, assignment);
+    }
+    variants.push_back(variant);
+  }
+  assign(all.request, "divergence.sub_rays=19");
+  variants.push_back(all);
+  return variants;
+}
+
+SensorMotion drivenFrom(const Pose& pose, double seconds) {
+  const double metres = 15 * seconds, half = 0.5 * 30 * std::numbers::pi / 180 * seconds;
+  const auto& [x, y, z, w] = pose.orientation;
+  const Vec3 forward = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)};
+  Pose end = pose;
+  end.position = {pose.position.x + metres * forward.x, pose.position.y + metres * forward.y,
+                  pose.position.z + metres * forward.z};
+  const double c = std::cos(half), s = std::sin(half);  // about the sensor's own z axis
+  end.orientation = {x * c + y * s, y * c - x * s, z * c + w * s, w * c - z * s};
+  return {{{0, pose}, {seconds, end}}};
+}
+
+std::vector<InstanceMotion> drivenVehicles(const Scene& scene, double seconds) {
+  static const std::set<std::string> kVehicles = {"hatchback", "saloon", "estate", "van", "bus"};
+  std::vector<InstanceMotion> vehicles, all;
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const Transform along = {{1, 0, 0, 10 * seconds, 0, 1, 0, 0, 0, 0, 1, 0}};
+    all.push_back({i, instance.transform * along});
+    if (kVehicles.count(scene.meshes[instance.mesh].name) > 0) vehicles.push_back(all.back());
+  }
+  return vehicles.empty() ? all : vehicles;
+}
+
+}  // namespace gnosphere::bench
