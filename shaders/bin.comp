@@ -14,9 +14,18 @@
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#ifdef MOTION
+#include "effects/arithmetic.h"
+#include "effects/parameters.h"
+#include "effects_bindings.glsl"
+#include "motion.glsl"
+#endif
 #include "sphere.glsl"
 #include "bounds.glsl"
 #include "inside.glsl"
+#ifdef MOTION
+#include "seen.glsl"
+#endif
 
 layout(local_size_x = 64) in;
 #ifdef INT64_ATOMICS
@@ -72,6 +81,14 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   if (meet(triangle, prepared, turned, beam, index, range)) offer(index, range, projected, triangle.id);
 }
 
+#ifdef MOTION
+void tryMoving(Triangle triangle, Beam beam, uint index, uint slot) {
+  uint row = index / frame.columns;
+  Triangle seen = seenFrom(triangle, slot, index - row * frame.columns, row, beam.azimuth);
+  tryBeam(seen, prepare(seen), turn(seen, beam.azimuth), beam, index, slot);
+}
+#endif
+
 uint columnAt(Box box, uint k, float shift) { return wrapColumn(int(ceil(box.columnMin - shift)) + int(k)); }
 
 // The beam in the k-th column of a box and in a row, and its index among the words.
@@ -101,7 +118,11 @@ void trySmall(uint i) {
   for (uint row = box.rowFirst; row <= box.rowLast;) {
     uint index;
     Beam beam = beamAt(box, k, row, index);
+#ifdef MOTION
+    tryMoving(triangle, beam, index, i);
+#else
     tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, i);
+#endif
     if (++k == columnCount) {
       k = 0;
       ++row;
@@ -150,6 +171,13 @@ void tryTile(uint t) {
         vec2 mine = subgroupShuffle(angles, row & (gl_SubgroupSize - 1));
         // Not a continue: every lane must come to the next shuffle.
         bool here = k < end && row < rowCount;
+#ifdef MOTION
+        if (here) {
+          uint index;
+          Beam beam = beamAt(box, k, rowBase + row, index);
+          tryMoving(triangle, beam, index, tile.x);
+        }
+#else
         if (here && AZIMUTH_OFFSETS) {
           uint index;
           Beam beam = beamAt(box, k, rowBase + row, index);
@@ -158,6 +186,7 @@ void tryTile(uint t) {
           tryBeam(triangle, prepared, turned, beamOf(azimuth, mine.x, mine.y),
                   (rowBase + row) * frame.columns + column, tile.x);
         }
+#endif
       }
     }
   }

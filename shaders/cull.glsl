@@ -23,6 +23,14 @@ void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out 
   high = centre + size + slack;
 }
 
+#ifdef MOTION
+void widenByMotion(uint instance, inout vec3 low, inout vec3 high) {
+  float bound = motion.instances != 0 ? instanceMotions[instance].bound.x : 0.0;
+  low -= bound;
+  high += bound;
+}
+#endif
+
 float farthestPoint(vec3 low, vec3 high) { return length(max(abs(low), abs(high))) * 1.000001; }
 
 // Rows first..end - 1 of which a beam may meet the box, and columns from..to, which wrap.
@@ -91,6 +99,11 @@ bool occluded(Window window, float nearest) {
 // Comparisons with NaN are false: such a box is seen.
 bool outOfSight(vec3 low, vec3 high) {
   float nearest = nearestPoint(low, high);
+#ifdef MOTION
+  seeming = seemingAngle(motion.shift, motion.turn, nearest);
+  nearest = max(nearest - motion.shift, 0.0);
+  if (seeming > 1.0) return (CULLING & kCullRange) != 0 && nearest > frame.rangeMax;
+#endif
   if ((CULLING & kCullRange) != 0 && nearest > frame.rangeMax) return true;
   float keyMin, keyMax;
   coverKeys(low, high, keyMin, keyMax);

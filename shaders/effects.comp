@@ -15,9 +15,11 @@
 #include "lattice.glsl"
 #include "beam.glsl"
 #include "effects/motion.h"
+#ifdef MOTION
+#include "motion.glsl"
+#endif
 
 layout(local_size_x = 64) in;
-layout(push_constant) uniform PassBlock { Pass pass; };
 
 // Of specialisation constants; as constants of their own they trip up glslang 11.
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
@@ -30,6 +32,7 @@ layout(push_constant) uniform PassBlock { Pass pass; };
 
 // The beam that is judged, and what it hit where there is no footprint: its first return takes that place.
 uint beamIndex, columnIndex;
+vec2 beamAzimuth;
 vec3 beamDirection, pointDirection;
 vec4 hitPoint, hitSurface;
 uvec2 hitOwner;
@@ -51,7 +54,11 @@ Echo loadEcho(uint k) {
   }
   float energy = 1.0, cosIncidence = 1.0;
   if (LOOKS_AT_MATERIALS) {
-    cosIncidence = min(abs(dotOf(hitSurface.xyz, beamDirection)), 1.0);
+    vec3 direction = beamDirection;
+#ifdef MOTION
+    direction = reportedDirection(columnIndex, direction);
+#endif
+    cosIncidence = min(abs(dotOf(hitSurface.xyz, direction)), 1.0);
     energy = reflected(optics[floatBitsToUint(hitSurface.w)], cosIncidence);
   }
   return Echo(hitPoint.w, energy, parameters.pulseWidth, cosIncidence, 0);
@@ -59,15 +66,18 @@ Echo loadEcho(uint k) {
 
 
 // How fast the surface moves, and how fast it goes away.
-void storeMotion(uint at, uvec2 owner, vec3 point) {
+void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0), sensor = vec3(0.0);
-  if (owner.x != kNone && pass.instanceMotions != 0) {
-    InstanceMotion motion = instanceMotions[owner.y];
-    velocity = vec3(dotOf(motion.row0.xyz, point) + motion.row0.w, dotOf(motion.row1.xyz, point) + motion.row1.w,
-                    dotOf(motion.row2.xyz, point) + motion.row2.w);
-  }
-  if (pass.columnMotions != 0) sensor = columnMotions[columnIndex].velocity.xyz;
+#ifdef MOTION
+  ColumnMotion now = columnMotions[columnIndex];
+  sensor = now.velocity.xyz;
+  vec3 point = beamDirection * range + originOf(gl_WorkGroupID.y, beamAzimuth);
+  if (owner.x != kNone && motion.instances != 0) velocity = velocityAt(instanceMotions[owner.y], now, point);
+#endif
   float radial = owner.x != kNone ? radialSpeed(beamDirection, velocity, sensor) : notANumber();
+#ifdef MOTION
+  velocity = reportedDirection(columnIndex, velocity);
+#endif
   motions[at] = vec4(velocity, radial);
 }
 
@@ -86,7 +96,12 @@ void storeReturn(uint j, Return value) {
     surface = hitSurface;
     weights = hitBarycentrics;
   }
-  vec4 point = here ? vec4(pointDirection * value.range, value.range) : vec4(notANumber());
+#ifdef MOTION
+  vec3 place = reported(columnIndex, gl_WorkGroupID.y, beamAzimuth, pointDirection, value.range);
+#else
+  vec3 place = pointDirection * value.range;
+#endif
+  vec4 point = here ? vec4(place, value.range) : vec4(notANumber());
   points[at] = point;
   owners[at] = owner;
   if ((FIELDS & kFieldSignal) != 0)
@@ -94,7 +109,7 @@ void storeReturn(uint j, Return value) {
                        uintBitsToFloat(value.label | value.number << 16 | value.count << 24));
   if (SURFACES_MOVE) surfaces[at] = surface;
   if (BARYCENTRICS_MOVE) barycentrics[at] = weights;
-  if (SPEEDS) storeMotion(at, owner, beamDirection * value.trueRange);
+  if (SPEEDS) storeMotion(at, owner, value.trueRange);
 }
 
 // The cause stands with the beam's first return.
@@ -119,6 +134,7 @@ void main() {
   for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x) {
     beamIndex = channel * frame.columns + columnIndex;
     vec2 azimuth = AZIMUTH_OFFSETS ? shiftedAzimuth(columns[columnIndex], offset) : columns[columnIndex];
+    beamAzimuth = azimuth;
     beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
     if (!MANY_ECHOES) {
       hitPoint = points[beamIndex * RETURNS];
@@ -132,6 +148,6 @@ void main() {
     if (SIGNALS)
       judge(hitOwner.x != kNone);
     else if (SPEEDS)
-      storeMotion(beamIndex, hitOwner, hitPoint.xyz);
+      storeMotion(beamIndex, hitOwner, hitPoint.w);
   }
 }

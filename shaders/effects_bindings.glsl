@@ -17,6 +17,9 @@ WORK(kBindEchoCounts, , uint, echoCounts);
 WORK(kBindEchoes, , vec4, echoes);                        // range, energy, width, cosine of the incidence
 WORK(kBindEchoOwners, , uvec2, echoOwners);               // as owners
 WORK(kBindEchoSurfaces, , vec4, echoSurfaces);            // as surfaces
+layout(std430, set = 0, binding = kBindMotionBounds) readonly buffer MotionBoundsBlock { MotionBounds motion; };
+WORK(kBindRowOrigins, readonly, vec4, rowOrigins);        // of each row's laser in the head: forward, left, up
+WORK(kBindProjectedMotions, , vec4, projectedMotions);    // of each projected triangle: m/s of its three corners
 WORK(kBindSubRays, readonly, vec4, subRays);              // tangents left and up, weight, length of (1, left, up)
 WORK(kBindProjectedMaterials, , uint, projectedMaterials);  // of each projected triangle
 CHUNK(kBindClusterMaterials, uint, clusterMaterials);

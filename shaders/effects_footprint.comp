@@ -15,7 +15,13 @@
 #include "effects/noise.h"
 #include "effects/returns.h"
 #include "effects_bindings.glsl"
+#ifdef MOTION
+#include "motion.glsl"
+#endif
 #include "inside.glsl"
+#ifdef MOTION
+#include "seen.glsl"
+#endif
 #include "owner.glsl"
 #include "each_ray.glsl"
 
@@ -45,8 +51,19 @@ struct Candidate {
   bool oneSided;
 };
 
-Candidate candidateOf(uint projected, Beam beam) {
+uint beamRow, beamColumn;
+
+// As the beam sees it.
+Triangle triangleAt(uint projected, vec2 azimuth) {
   Triangle triangle = loadProjected(projected);
+#ifdef MOTION
+  triangle = seenFrom(triangle, projected, beamColumn, beamRow, azimuth);
+#endif
+  return triangle;
+}
+
+Candidate candidateOf(uint projected, Beam beam) {
+  Triangle triangle = triangleAt(projected, beam.azimuth);
   Turned turned = turn(triangle, beam.azimuth);
   precise vec3 above = turned.z * beam.cosElevation - turned.p * beam.sinElevation;
   return Candidate(cornerDepths(turned, beam.cosElevation, beam.sinElevation), turned.q, above, triangle.rangeMin,
@@ -258,13 +275,16 @@ vec3 echoOf(float first, vec3 sums) {
   return vec3(range, sums.x, echoWidth(parameters.pulseWidth, squareRoot(max(variance, 0.0))));
 }
 
-void storeEcho(uint slot, vec3 echo, uint projected) {
+void storeEcho(uint slot, vec3 echo, uint projected, vec2 azimuth) {
   echoes[slot] = vec4(echo, 1.0);
   echoOwners[slot] = ownerOf(idOf(projected));
   if ((FIELDS & kFieldSurface) != 0) {
-    Triangle triangle = loadProjected(projected);
-    echoSurfaces[slot] =
-        vec4(normalOf(triangle.a, triangle.b, triangle.c), uintBitsToFloat(projectedMaterials[projected]));
+    Triangle triangle = triangleAt(projected, azimuth);
+    vec3 normal = normalOf(triangle.a, triangle.b, triangle.c);
+#ifdef MOTION
+    normal = reportedDirection(beamColumn, normal);
+#endif
+    echoSurfaces[slot] = vec4(normal, uintBitsToFloat(projectedMaterials[projected]));
   }
 }
 
@@ -277,7 +297,7 @@ void addTo(inout vec3 sums, inout float most, inout uint strongest, float first,
   strongest = metCandidates[piece];
 }
 
-void gatherEchoes(uint beam) {
+void gatherEchoes(uint beam, vec2 azimuth) {
   uint count = 0;
   float first = nextRange(0.0);
   while (first < kNothing) {
@@ -292,7 +312,7 @@ void gatherEchoes(uint beam) {
 #define ADD(s) addTo(sums, most, strongest, first, end, layer * RAYS + s);
       EACH_RAY(ADD)
     }
-    storeEcho(beam * kMaxEchoes + count, echoOf(first, sums), strongest);
+    storeEcho(beam * kMaxEchoes + count, echoOf(first, sums), strongest, azimuth);
     ++count;
     first = nextRange(end);
   }
@@ -338,6 +358,8 @@ void main() {
   for (uint index = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; index < frame.beams;
        index += stride) {
     uint row = index / frame.columns, column = index % frame.columns;
+    beamRow = row;
+    beamColumn = column;
     vec4 angles = rows[row].angles, offset = rows[row].offset;
     uint beam = uint(angles.w) * frame.columns + column;
     Beam axis = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
@@ -350,6 +372,6 @@ void main() {
       lit = goOn(layer);
     }
     if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
-    gatherEchoes(beam);
+    gatherEchoes(beam, axis.azimuth);
   }
 }

@@ -12,9 +12,12 @@
 #include "effects_bindings.glsl"
 #include "place.glsl"
 #include "lattice.glsl"
+#include "beam.glsl"
+#ifdef MOTION
+#include "motion.glsl"
+#endif
 
 layout(local_size_x = 64) in;
-layout(push_constant) uniform PassBlock { Pass pass; };
 
 struct Corners {
   vec3 a, b, c;
@@ -51,23 +54,48 @@ vec2 barycentricsOf(Corners t, vec3 p) {
   return area > 0.0 ? vec2(quotient(second, area), quotient(third, area)) : vec2(0.0);
 }
 
+#ifdef MOTION
+Corners seenFrom(Corners t, uint instance, uint column, uint row, vec2 azimuth) {
+  ColumnMotion at = columnMotions[column];
+  vec3 origin = originOf(row, azimuth);
+  if (motion.instances == 0)
+    return Corners(inColumn(at, t.a) - origin, inColumn(at, t.b) - origin, inColumn(at, t.c) - origin);
+  InstanceMotion moving = instanceMotions[instance];
+  return Corners(inColumn(at, t.a, velocityOf(moving, t.a)) - origin, inColumn(at, t.b, velocityOf(moving, t.b)) - origin,
+                 inColumn(at, t.c, velocityOf(moving, t.c)) - origin);
+}
+#endif
+
+void look(uint row, uint column, uint at, uvec2 owner) {
+  uint base = meshPlaces[instanceMeshes[owner.y]];
+  if (base == kNone) return;  // in another chunk
+  uint place = trianglePlaces[base + owner.x];
+  if (place == kNone) return;
+  uint cluster = place / kClusterTriangles;
+  Corners corners = cornersOf(instances[owner.y], cluster, place % kClusterTriangles);
+  vec3 point = points[at].xyz;
+#ifdef MOTION
+  vec4 angles = rows[row].angles;
+  vec2 azimuth = AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], rows[row].offset) : columns[column];
+  corners = seenFrom(corners, owner.y, column, row, azimuth);
+  point = beamOf(azimuth, angles.x, angles.y).direction * points[at].w;
+  vec3 normal = reportedDirection(column, normalOf(corners));
+#else
+  vec3 normal = normalOf(corners);
+#endif
+  surfaces[at] = vec4(normal, uintBitsToFloat(clusterMaterials[cluster]));
+  if ((FIELDS & kFieldBarycentrics) != 0) barycentrics[at] = barycentricsOf(corners, point);
+}
+
 void main() {
-  uint channel = gl_WorkGroupID.y;
+  uint row = gl_WorkGroupID.y, channel = uint(rows[row].angles.w);
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
     uint at = (channel * frame.columns + column) * RETURNS;
     uvec2 owner = owners[at];
-    if (owner.x == kNone) {
+    if (owner.x == kNone)
       surfaces[at] = vec4(vec3(0.0), uintBitsToFloat(kNone));
-      continue;
-    }
-    uint base = meshPlaces[instanceMeshes[owner.y]];
-    if (base == kNone) continue;  // in another chunk
-    uint place = trianglePlaces[base + owner.x];
-    if (place == kNone) continue;
-    uint cluster = place / kClusterTriangles;
-    Corners corners = cornersOf(instances[owner.y], cluster, place % kClusterTriangles);
-    surfaces[at] = vec4(normalOf(corners), uintBitsToFloat(clusterMaterials[cluster]));
-    if ((FIELDS & kFieldBarycentrics) != 0) barycentrics[at] = barycentricsOf(corners, points[at].xyz);
+    else
+      look(row, column, at, owner);
   }
 }

@@ -8,6 +8,12 @@
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#ifdef MOTION
+#include "effects/arithmetic.h"
+#include "effects/parameters.h"
+#include "effects_bindings.glsl"
+#include "motion.glsl"
+#endif
 #include "sphere.glsl"
 #include "place.glsl"
 #include "cull.glsl"
@@ -53,10 +59,14 @@ bool showsItsBack(Instance instance, Cluster cluster) {
   return dot(towards, cluster.cone.xyz) >= sine * distance + radius * 1.00001 && keepsShape(instance, towards);
 }
 
-bool seen(Instance instance, Cluster cluster) {
-  if (showsItsBack(instance, cluster)) return false;
+bool seen(uint number, Instance instance, Cluster cluster) {
   vec3 low, high;
   sensorBox(instance, cluster.low.xyz, cluster.high.xyz, low, high);
+#ifdef MOTION
+  widenByMotion(number, low, high);
+#else
+  if (showsItsBack(instance, cluster)) return false;
+#endif
   float nearest = nearestPoint(low, high);
   bool inShell = !(nearest < pass.shellMin) && !(nearest >= pass.shellMax);
   return inShell && !outOfSight(low, high);
@@ -72,7 +82,7 @@ void main() {
     loadGroup(i, pair, instance, first, count);
     for (uint k = 0; k < count; k += gl_SubgroupSize) {
       uint cluster = first + k + gl_SubgroupInvocationID;
-      bool keep = k + gl_SubgroupInvocationID < count && seen(instance, clusters[cluster]);
+      bool keep = k + gl_SubgroupInvocationID < count && seen(pair.x, instance, clusters[cluster]);
       uvec4 ballot = subgroupBallot(keep);
       uint slot = 0;
       if (subgroupElect()) slot = atomicAdd(counters.visible, subgroupBallotBitCount(ballot));

@@ -8,6 +8,12 @@
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#ifdef MOTION
+#include "effects/arithmetic.h"
+#include "effects/parameters.h"
+#include "effects_bindings.glsl"
+#include "motion.glsl"
+#endif
 #include "sphere.glsl"
 #include "place.glsl"
 #include "cull.glsl"
@@ -18,6 +24,9 @@ layout(local_size_x = 64) in;
 bool seen(uvec2 pair) {
   vec3 low, high;
   sensorBox(instances[pair.x], groups[pair.y].low.xyz, groups[pair.y].high.xyz, low, high);
+#ifdef MOTION
+  widenByMotion(pair.x, low, high);
+#endif
   return !(nearestPoint(low, high) >= pass.shellMax || farthestPoint(low, high) < pass.shellMin || outOfSight(low, high));
 }
 

@@ -10,10 +10,13 @@
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#ifdef FOOTPRINT
+#if defined(FOOTPRINT) || defined(MOTION)
 #include "effects/arithmetic.h"
 #include "effects/parameters.h"
 #include "effects_bindings.glsl"
+#endif
+#ifdef MOTION
+#include "motion.glsl"
 #endif
 #include "sphere.glsl"
 #include "bounds.glsl"
@@ -23,11 +26,20 @@
 
 layout(local_size_x = 64) in;
 
+// A moving sensor sees what is at the seam of its columns twice: at the scan's start and at its end.
+#ifdef MOTION
+const uint kSides = 2;
+#else
+const uint kSides = 1;
+#endif
 const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4, kNoTriangle = 5;
 
 // As stored, see bindings.glsl.
 struct Projected {
   vec4 a, b, c;
+#ifdef MOTION
+  mat3 velocities;  // of the corners
+#endif
 };
 
 // Where a cluster is: its instance and itself, loaded by one lane for all of them.
@@ -36,6 +48,7 @@ struct Place {
   uint vertexFirst, triangleFirst, triangleCount;
   bool doubleSided;
   uint material;  // only with a footprint
+  uint number;  // its number; only with motion
 };
 
 Place placeOf(uint i) {
@@ -45,6 +58,7 @@ Place placeOf(uint i) {
   if (subgroupElect()) {
     uvec2 pair = visible[i];
     place.instance = instances[pair.x];
+    place.number = pair.x;
     vertexFirst = clusters[pair.y].low.w;
     packed = clusters[pair.y].high.w;
 #ifdef FOOTPRINT
@@ -52,6 +66,7 @@ Place placeOf(uint i) {
 #endif
   }
   place.material = subgroupBroadcastFirst(place.material);
+  place.number = subgroupBroadcastFirst(place.number);
   place.instance = fromFirstLane(place.instance);
   place.vertexFirst = floatBitsToUint(subgroupBroadcastFirst(vertexFirst));
   uint word = floatBitsToUint(subgroupBroadcastFirst(packed));
@@ -89,6 +104,10 @@ uint boundedBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float ra
   return coverRows(outline, box) && coverColumns(a, b, c, outline, box) ? kKeep : kBetween;
 }
 
+#ifdef MOTION
+#include "project_motion.glsl"
+#endif
+
 // Section 3 of the paper: n . v0 < 0 for faces of one side, the floor of the corners' angles.
 uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {
   rangeMin = abs(dot(normalize(cross(b - a, c - a)), a));
@@ -108,7 +127,7 @@ uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rang
 }
 
 // The k-th triangle of a cluster, with the corners of a mirroring instance swapped back to their winding.
-uint projectOne(Place place, uint k, out Projected projected, out Box box) {
+uint projectOne(Place place, uint k, uint side, out Projected projected, out Box box) {
   uvec2 triangle = triangleCorners[place.triangleFirst + k];
   bool mirrored = mirrors(place.instance);
   vec3 a = toSensor(place, triangle.x & 0xff);
@@ -123,8 +142,17 @@ uint projectOne(Place place, uint k, out Projected projected, out Box box) {
   uint id = placedFirstOf(place.instance) + triangle.y | (oneSided ? 1u << 31 : 0u);
   if (!(inLimits(a) && inLimits(b) && inLimits(c))) return kNonFinite;
   float rangeMin;
+#ifdef MOTION
+  projected.velocities = mat3(0.0);
+  if (motion.instances != 0) {
+    InstanceMotion moving = instanceMotions[place.number];
+    projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
+  }
+  uint fate = movingBox(mat3(a, b, c), projected.velocities, side, box, rangeMin);
+#else
   uint fate = BOUNDS == kBoundsPaper ? paperBox(a, b, c, oneSided, box, rangeMin)
                                      : boundedBox(a, b, c, oneSided, box, rangeMin);
+#endif
   projected.a = vec4(a, uintBitsToFloat(id));
   projected.b = vec4(b, rangeMin);
   projected.c = vec4(c, uintBitsToFloat(box.rowFirst | box.rowLast << 16));
@@ -138,6 +166,10 @@ void store(uint slot, Projected projected, Box box, uint material) {
   projectedColumns[slot] = vec2(box.columnMin, box.columnMax);
 #ifdef FOOTPRINT
   projectedMaterials[slot] = material;
+#endif
+#ifdef MOTION
+  if (motion.instances != 0)
+    for (uint k = 0; k < 3; ++k) projectedMotions[3 * slot + k] = vec4(projected.velocities[k], 0.0);
 #endif
 }
 
@@ -173,12 +205,13 @@ void main() {
   for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < clusterCount; i += stride) {
     Place place = placeOf(i);
     triangleCount += place.triangleCount;
-    for (uint first = 0; first < place.triangleCount; first += gl_SubgroupSize) {
+    for (uint first = 0; first < kSides * place.triangleCount; first += gl_SubgroupSize) {
+      uint number = first + gl_SubgroupInvocationID;
       uint fate = kNoTriangle;
       Projected projected;
       Box box;
-      if (first + gl_SubgroupInvocationID < place.triangleCount) {
-        fate = projectOne(place, first + gl_SubgroupInvocationID, projected, box);
+      if (number < kSides * place.triangleCount) {
+        fate = projectOne(place, number / kSides, number % kSides, projected, box);
         culled += uvec4(equal(uvec4(fate), uvec4(kNonFinite, kRange, kFace, kBetween)));
       }
       if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, place.material);

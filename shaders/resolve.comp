@@ -9,7 +9,16 @@
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
+#ifdef MOTION
+#include "effects/arithmetic.h"
+#include "effects/parameters.h"
+#include "effects_bindings.glsl"
+#include "motion.glsl"
+#endif
 #include "inside.glsl"
+#ifdef MOTION
+#include "seen.glsl"
+#endif
 #include "owner.glsl"
 
 layout(local_size_x = 64) in;
@@ -20,6 +29,10 @@ float farthestOf(uint index) { return nearestSoFar; }
 // Range bits above, placed triangle below: the smaller pair wins.
 void consider(uint candidate, uint index, Beam beam, inout uint rangeBits, inout uint id) {
   Triangle triangle = loadProjected(candidate);
+#ifdef MOTION
+  uint row = index / frame.columns;
+  triangle = seenFrom(triangle, candidate, index - row * frame.columns, row, beam.azimuth);
+#endif
   nearestSoFar = min(uintBitsToFloat(min(rangeBits, 0x7f800000u)), frame.rangeMax);
   float range;
   if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, index, range)) return;
@@ -52,12 +65,17 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
       consider(candidates[k], index, beam, rangeBits, id);
 }
 
-void store(uint beam, vec3 direction, uint rangeBits, uint id) {
+void store(uint row, uint column, uint beam, Beam axis, uint rangeBits, uint id) {
   bool hit = rangeBits != kNone;
   float range = hit ? uintBitsToFloat(rangeBits) : uintBitsToFloat(0x7fc00000u);
   uvec2 owner = uvec2(kNone);
   if (hit) owner = ownerOf(id);
-  points[beam * RETURNS] = hit ? vec4(direction * range, range) : vec4(range);
+#ifdef MOTION
+  vec3 point = reported(column, row, axis.azimuth, axis.direction, range);
+#else
+  vec3 point = axis.direction * range;
+#endif
+  points[beam * RETURNS] = hit ? vec4(point, range) : vec4(range);
   owners[beam * RETURNS] = owner;
 }
 
@@ -77,7 +95,7 @@ void main() {
       rangeBits = word.y;
       id = word.x;
     }
-    store(channel * frame.columns + column, beam.direction, rangeBits, id);
+    store(gl_WorkGroupID.y, column, channel * frame.columns + column, beam, rangeBits, id);
     hits += rangeBits != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);

@@ -151,7 +151,9 @@ GNO_CONST uint kBindAlphaImages = 38;
 GNO_CONST uint kBindTexels = 39;
 GNO_CONST uint kBindEchoCounts = 40;
 GNO_CONST uint kBindEchoSurfaces = 41;
-GNO_CONST uint kWorkBindingCountEffects = 42;
+GNO_CONST uint kBindRowOrigins = 42;
+GNO_CONST uint kBindMotionBounds = 43;
+GNO_CONST uint kWorkBindingCountEffects = 44;
 // Set 1: one chunk of the scene.
 GNO_CONST uint kBindGroups = 0;
 GNO_CONST uint kBindClusters = 1;
@@ -227,32 +229,41 @@ struct Counters {
   uint padding0;
 };
 
-// Push constants of `project` and `effects`: a chunk of the scene and a shell, which is what lies at distances
+// Push constants of `project`: a chunk of the scene and a shell, which is what lies at distances
 // shellMin..shellMax.
 struct Pass {
   uint placedFirst;  // its (instance, group) pairs among all
   uint placedCount;
   float shellMin, shellMax;
-  uint occluders;        // 1 if the farthest-range table holds something
-  uint instanceMotions;  // 1 if that array holds something
-  uint columnMotions;    // 1 if that array holds something
-  uint padding0;
+  uint occluders;  // 1 if the farthest-range table holds something
+  uint padding0, padding1, padding2;
 };
 
 // The velocity of an instance's points, m/s in the sensor's axes: rows * (point, 1).
 struct InstanceMotion {
   vec4 row0, row1, row2;
+  vec4 bound;  // x: metres that any of its points goes during the scan, at most
 };
 
-// The sensor when a column fires: the column's frame = rows * (sensor frame, 1); its velocity, m/s in those axes, in w
-// the seconds since the scan's pose.
+// The sensor when a column fires: the column's frame = rows * (point, 1), points being in the frame of the scan's middle.
 struct ColumnMotion {
   vec4 row0, row1, row2;
-  vec4 velocity;
+  vec4 report0, report1, report2;  // the frame that points are reported in = report * (point of the column's frame, 1)
+  vec4 velocity;                   // of the sensor, m/s in the column's frame; w: seconds since the scan's start
+};
+
+// How much anything moves during the scan, seen from the frame of its middle.
+struct MotionBounds {
+  float shift, turn;                    // metres and radians of the sensor, laser origins counted, at most
+  float shiftPerColumn, turnPerColumn;  // from column to column, at most
+  float origins;                        // metres: how far a laser is from the sensor's origin
+  float secondsPerColumn, seconds;      // of the whole scan
+  uint instances;                       // 1 if instances move
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(InstanceMotion) == 48 && sizeof(ColumnMotion) == 64);
+static_assert(sizeof(MotionBounds) == 32);
+static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 64 &&
               sizeof(Row) == 32);
 static_assert(sizeof(Counters) == 96 && sizeof(Pass) == 32);

@@ -33,8 +33,14 @@ float azimuthOf(float y, float x) {
 // Of a box: a lower bound of its distance.
 float nearestPoint(vec3 low, vec3 high) { return length(max(max(low, -high), vec3(0.0))) * 0.999999; }
 
-// A beam that spreads or strays meets more than its axis does.
-float footprint() { return (EFFECTS & kFootprintEffects) != 0 ? frame.footprint : 0.0; }
+#ifdef MOTION
+float seeming = 0.0;  // radians that what is being bounded may seem to move by
+#else
+const float seeming = 0.0;
+#endif
+
+// A beam that spreads, strays or leaves from elsewhere meets more than its axis does.
+float footprint() { return ((EFFECTS & kFootprintEffects) != 0 ? frame.footprint : 0.0) + seeming; }
 
 // Elevation keys are widened by so much: they grow by at most 1 per radian.
 float keySlack() { return kKeySlack + footprint(); }

@@ -238,4 +238,36 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
     }
 }
 
+// v = V x for a point x of the mesh at the start, and x = M^-1 (p - m) for that point p of the world.
+double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMotion> motions, double period,
+                                   gpu::InstanceMotion* to) const {
+  std::fill(to, to + count(), gpu::InstanceMotion{});
+  const Quaternion& q = pose.orientation;
+  const glm::dmat3 toSensor = glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
+  const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
+  double farthest = 0;
+  for (const InstanceMotion& motion : motions) {
+    const Placement& placement = placements_[motion.instance];
+    const MeshSummary& mesh = meshOf(placement);
+    const Vec3 end = motion.end * mesh.origin;
+    const glm::dmat3 turning = (linear(motion.end) - placement.toWorld) / period;
+    const glm::dvec3 shift = (glm::dvec3(end.x, end.y, end.z) - placement.position) / period;
+    const glm::dmat3 a = toSensor * turning * placement.fromWorld * glm::transpose(toSensor);
+    const glm::dvec3 b = toSensor * (turning * placement.fromWorld * (sensor - placement.position) + shift);
+    const auto row = [&](int r) {
+      return gpu::vec4{static_cast<float>(a[0][r]), static_cast<float>(a[1][r]), static_cast<float>(a[2][r]),
+                       static_cast<float>(b[r])};
+    };
+    double most = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 x((corner & 1) ? mesh.high.x : mesh.low.x, (corner & 2) ? mesh.high.y : mesh.low.y,
+                         (corner & 4) ? mesh.high.z : mesh.low.z);
+      most = std::max(most, glm::length(turning * x + shift) * period);
+    }
+    to[motion.instance] = {row(0), row(1), row(2), {static_cast<float>(most * 1.00001), 0, 0, 0}};
+    farthest = std::max(farthest, most);
+  }
+  return farthest;
+}
+
 }  // namespace gnosphere

@@ -35,6 +35,16 @@ void validate(const Transform& transform, size_t instance) {
       throw Error(ErrorCode::invalidArgument, "instance " + std::to_string(instance) + ": its transform is not finite");
 }
 
+void validate(const SensorMotion& motion, const std::string& which) {
+  for (size_t i = 0; i < motion.stamps.size(); ++i) {
+    const auto& [time, pose] = motion.stamps[i];
+    validate(pose, which + "stamp " + std::to_string(i) + ": ");
+    if (!std::isfinite(time) || (i > 0 && !(time > motion.stamps[i - 1].time)))
+      throw Error(ErrorCode::invalidArgument,
+                  which + "the time of stamp " + std::to_string(i) + " does not come after the one before");
+  }
+}
+
 std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
                                      const SimulatorOptions& options) {
   validate(scene);
@@ -108,6 +118,11 @@ void Simulator::run(std::span<const Shot> shots, Scan& result, const std::functi
   for (size_t i = 0; i < shots.size(); ++i) {
     const std::string which = shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "";
     validate(shots[i].pose, which);
+    validate(shots[i].motion, which);
+    for (const InstanceMotion& motion : shots[i].instanceMotions) {
+      checkInstance(motion.instance);
+      validate(motion.end, motion.instance);
+    }
     if (shots[i].sensor >= sensors_.size())
       throw Error(ErrorCode::invalidArgument, which + "sensor " + std::to_string(shots[i].sensor) +
                                                   " does not exist, there are " + std::to_string(sensors_.size()));

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects/planned.hpp"
 
+#include <algorithm>
+
+#include "gnosphere/error.hpp"
+
 namespace gnosphere {
 namespace {
 
@@ -34,24 +38,44 @@ uint32_t returnsOf(const Effects::Returns& returns, const Sensor& sensor) {
   }
 }
 
+// Takes an effect out that the stages cannot show; one that was asked for is refused.
+void leaveOut(Plan::Decision& decision, const std::string& reason) {
+  if (!decision.in) return;
+  if (decision.request == Use::on) throw Error(ErrorCode::invalidArgument, decision.effect + " is on, but " + reason);
+  decision.in = false;
+  decision.reason = reason;
+}
+
+void leaveOut(const SimulatorOptions& options, std::vector<Plan::Decision>& decisions) {
+  if (options.device == "reference") return;
+  const Exactness parts = options.exactness.value_or(exactnessOf(options.accuracy));
+  const Exactness standard = exactnessOf(Accuracy::standard);
+  const bool watertight = parts.inside == standard.inside && parts.bounds == standard.bounds;
+  const bool bounded = parts.bounds == standard.bounds;
+  for (size_t i = 0; i < decisions.size(); ++i) {
+    const uint32_t bit = 1u << i;
+    if (bit == gpu::kCutOuts) leaveOut(decisions[i], "only the reference looks at textures so far");
+    if ((bit & (gpu::kSensorMotion | gpu::kObjectMotion)) != 0 && !watertight)
+      leaveOut(decisions[i], "motion within a scan needs accuracy standard");
+    if ((bit & gpu::kFootprintEffects) != 0 && !bounded)
+      leaveOut(decisions[i], "accuracy paper knows lines only; use draft, standard or exact");
+  }
+}
+
 }  // namespace
 
 PlannedEffects planEffects(const SimulatorOptions& options, const Sensor& sensor, const Scene& scene) {
   PlannedEffects planned;
   planned.decisions = decide(options.effects, sensor, scene, options.fields, options.materials);
-  // Not yet on any device but the reference.
-  constexpr uint32_t kComing = gpu::kCutOuts | gpu::kSensorMotion | gpu::kObjectMotion;
-  for (size_t i = 0; i < planned.decisions.size(); ++i)
-    if (planned.decisions[i].in && (1u << i & kComing) != 0 && options.device != "reference") {
-      planned.decisions[i].in = false;
-      planned.decisions[i].reason = "not simulated yet";
-    }
+  leaveOut(options, planned.decisions);
   planned.bits = bitsOf(planned.decisions);
   for (Field field : options.fields) planned.fields |= bitOf(field);
   if (planned.has(gpu::kReturns)) planned.returns = returnsOf(options.effects.returns, sensor);
   if (planned.has(gpu::kAngleNoise) && options.effects.angleNoise.at == Effects::AngleNoise::At::beam)
     planned.bits |= gpu::kStrays;
   if (planned.has(gpu::kDivergence)) planned.subRays = options.effects.divergence.subRays;
+  for (const Channel& channel : sensor.channels)
+    if (channel.origin.x != 0 || channel.origin.y != 0 || channel.origin.z != 0) planned.origins = true;
   planned.looksAtMaterials =
       planned.has(gpu::kIntensity) && options.effects.intensity.model == Effects::Intensity::Model::physical;
   return planned;

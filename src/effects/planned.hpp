@@ -19,8 +19,8 @@ struct PlannedEffects {
   bool asks(uint32_t which) const { return (fields & which) != 0; }
   /// Sub-rays, beams astray or more than one surface per beam.
   bool footprint() const { return has(gpu::kFootprintEffects); }
-  /// Beams leave from where the sensor is when they fire, or meet what is not where it was.
-  bool motion() const { return has(gpu::kSensorMotion | gpu::kObjectMotion); }
+  /// Beams may leave from where the sensor is when they fire, or meet what is not where it was.
+  bool motion() const { return has(gpu::kSensorMotion | gpu::kObjectMotion) || origins || speeds(); }
   /// The surface of each hit is looked at.
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
   bool looksAtSurfaces() const { return surfaces() || footprint(); }
@@ -30,9 +30,11 @@ struct PlannedEffects {
   /// Nothing but geometry.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
   bool sameStages(const PlannedEffects& other) const {
-    return bits == other.bits && fields == other.fields && returns == other.returns && subRays == other.subRays && looksAtMaterials == other.looksAtMaterials;
+    return bits == other.bits && fields == other.fields && returns == other.returns && subRays == other.subRays && looksAtMaterials == other.looksAtMaterials &&
+           motion() == other.motion();
   }
 
+  bool origins = false;           ///< lasers leave the head from elsewhere than its origin
   bool looksAtMaterials = false;  ///< intensity depends on what was met
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <deque>
 
 #include "vulkan/commands.hpp"
@@ -150,6 +151,30 @@ class VulkanBackend final : public Backend {
     return use;
   }
 
+  // Nothing where the scan stands still: it is then done as if motion had never been thought of.
+  std::optional<ShotMotion> motionOf(const Shot& shot) const {
+    const EffectsSetup& setup = setups_[shot.sensor];
+    const PlannedEffects& planned = setup.planned;
+    const bool instancesMove = !shot.instanceMotions.empty() && planned.has(gpu::kObjectMotion);
+    const bool sensorMoves = !shot.motion.stamps.empty() && (planned.has(gpu::kSensorMotion) || planned.speeds());
+    if (!sensorMoves && !instancesMove && !planned.origins) return {};
+    ShotMotion motion;
+    motion.tables = makeMotionTables(setup.sensor, shot, planned.has(gpu::kSensorMotion),
+                                     setup.effects.sensorMotion.deskew);
+    if (instancesMove) {
+      motion.instances.resize(geometry_.instances().count());
+      motion.farthest = geometry_.instances().writeMotions(motion.tables.middle, shot.instanceMotions,
+                                                           setup.sensor.rotationPeriod, motion.instances.data());
+      motion.tables.bounds.instances = 1;
+    }
+    return motion;
+  }
+
+  // Metres that something may come nearer by.
+  static double reachOf(const std::optional<ShotMotion>& motion) {
+    return motion ? motion->tables.bounds.shift + motion->farthest : 0;
+  }
+
   // Records the stages in order, part by part, and submits them once.
   void run(Slot& slot, const Shot& shot, size_t index) {
     const std::span<SensorState> parts = partsOf(shot.sensor);
@@ -158,14 +183,16 @@ class VulkanBackend final : public Backend {
     StillImage& still = stills_[shot.sensor];
     const StillImage::Use use = useStill(still, parts, shot.pose);
     slot.reused = use == StillImage::Use::use ? parts.size() * still.triangles() : 0;
-    geometry_.instances().place(shot.pose, parts[0].reach(), still.selection(use), slot.placed);
+    const std::optional<ShotMotion> motion = motionOf(shot);
+    const Pose& pose = motion ? motion->tables.middle : shot.pose;
+    geometry_.instances().place(pose, parts[0].reach() + reachOf(motion), still.selection(use), slot.placed);
     if (!visible_.hold(slot.placed)) {
       waitForAll();
       visible_.makeRoomFor(slot.placed, device_);
     }
     commands.begin();
     for (SensorState& part : parts) {
-      const FrameInFlight& frame = part.prepare(index, shot, geometry_.instances().count(), slot.placed, visible_);
+      const FrameInFlight& frame = part.prepare(index, shot, motion ? &*motion : nullptr, geometry_.instances().count(), slot.placed, visible_);
       commands.bindSet(0, frame.set);
       stages_.record(commands, part, slot.placed, use);
       readBack(commands, part, frame);

@@ -46,15 +46,24 @@ uint64_t bytesPerBeam(const PlannedEffects& planned) {
   return most;
 }
 
-EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, uint64_t firstBeam, uint64_t beams,
-                           bool copied)
+EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, std::span<const gpu::Row> rows,
+                           const Sensor& part, uint64_t firstBeam, bool copied)
     : device_(device), setup_(setup), parameters_(effectParameters(setup.effects, setup.sensor, setup.planned.bits)),
       subRays_(subRays(setup.effects, setup.sensor, setup.planned.bits)) {
   parameters_.sensor = setup.sensorIndex;
   parameters_.firstBeam = static_cast<uint32_t>(firstBeam);
   parameters_.returnsPerBeam = setup.planned.returns;
   const PlannedEffects& planned = setup_.planned;
+  const uint64_t beams = part.beamCount();
   Uploader uploader(device);
+  if (planned.motion()) {
+    std::vector<gpu::vec4> origins;
+    for (const gpu::Row& row : rows) {
+      const Vec3& origin = part.channels[static_cast<size_t>(row.angles.w)].origin;
+      origins.push_back({static_cast<float>(origin.x), static_cast<float>(origin.y), static_cast<float>(origin.z), 0});
+    }
+    buffers_[gpu::kBindRowOrigins] = uploader.upload<gpu::vec4>("rowOrigins", origins);
+  }
   if (planned.footprint()) {
     std::vector<gpu::vec4> lines;
     for (const SubRay& ray : subRays_)
@@ -98,6 +107,8 @@ float EffectsState::footprint() const {
 
 void EffectsState::growProjected(uint64_t count) {
   if (setup_.planned.footprint()) make(gpu::kBindProjectedMaterials, "projectedMaterials", count * sizeof(uint32_t));
+  if (setup_.planned.has(gpu::kObjectMotion))
+    make(gpu::kBindProjectedMotions, "projectedMotions", count * 3 * sizeof(gpu::vec4));
 }
 
 EffectsFrame EffectsState::makeFrame() const {
@@ -108,10 +119,23 @@ EffectsFrame EffectsState::makeFrame() const {
   if (setup_.planned.signals()) make(frame.parameters, "parameters", sizeof(gpu::EffectParameters));
   if (setup_.planned.has(gpu::kVolumes))
     make(frame.volumes, "volumes", setup_.effects.volumes.boxes.size() * sizeof(gpu::VolumeBox));
+  if (setup_.planned.motion()) {
+    make(frame.columnMotions, "columnMotions", setup_.sensor.columns * sizeof(gpu::ColumnMotion));
+    make(frame.motionBounds, "motionBounds", sizeof(gpu::MotionBounds));
+    make(frame.instanceMotions, "instanceMotions", 0);
+  }
   return frame;
 }
 
-void EffectsState::prepare(EffectsFrame& frame, const Shot& shot) const {
+void EffectsState::prepare(EffectsFrame& frame, const Shot& shot, const ShotMotion* motion) const {
+  if (motion) {
+    write<gpu::ColumnMotion>(frame.columnMotions, motion->tables.columns);
+    write<gpu::MotionBounds>(frame.motionBounds, {&motion->tables.bounds, 1});
+    if (frame.instanceMotions.bytes() < motion->instances.size() * sizeof(gpu::InstanceMotion))
+      frame.instanceMotions = Buffer(device_, "instanceMotions", motion->instances.size() * sizeof(gpu::InstanceMotion),
+                                     Memory::upload);
+    if (!motion->instances.empty()) write<gpu::InstanceMotion>(frame.instanceMotions, motion->instances);
+  }
   if (frame.parameters.handle()) {
     gpu::EffectParameters parameters = parameters_;
     parameters.frame = static_cast<uint32_t>(shot.frame);
@@ -130,6 +154,7 @@ void EffectsState::bind(const EffectsFrame& frame, Bindings& bindings) const {
   put(gpu::kBindVolumes, frame.volumes);
   put(gpu::kBindInstanceMotions, frame.instanceMotions);
   put(gpu::kBindColumnMotions, frame.columnMotions);
+  put(gpu::kBindMotionBounds, frame.motionBounds);
 }
 
 uint64_t EffectsState::bytes() const {

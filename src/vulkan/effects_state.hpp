@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "effects/device_parameters.hpp"
+#include "effects/motion_tables.hpp"
 #include "effects/planned.hpp"
 #include "shared.h"
 #include "vulkan/buffer.hpp"
@@ -35,15 +36,23 @@ uint64_t bytesPerBeam(const PlannedEffects& planned);
 
 /// What a frame in flight has of its own, written by the host.
 struct EffectsFrame {
-  Buffer parameters, volumes, instanceMotions, columnMotions;
+  Buffer parameters, volumes, instanceMotions, columnMotions, motionBounds;
+};
+
+/// A shot in motion.
+struct ShotMotion {
+  MotionTables tables;
+  std::vector<gpu::InstanceMotion> instances;  ///< of all; empty: none moves
+  double farthest = 0;                         ///< metres that any of their points goes
 };
 
 class EffectsState {
  public:
   using Bindings = std::array<const Buffer*, gpu::kWorkBindingCountEffects>;
 
-  /// Of the beams from `firstBeam` of the whole sensor on. `copied`: outputs are not read in place.
-  EffectsState(const Device& device, const EffectsSetup& setup, uint64_t firstBeam, uint64_t beams, bool copied);
+  /// Of a part of the sensor, whose beams begin at `firstBeam`. `copied`: outputs are not read in place.
+  EffectsState(const Device& device, const EffectsSetup& setup, std::span<const gpu::Row> rows, const Sensor& part,
+               uint64_t firstBeam, bool copied);
 
   const PlannedEffects& planned() const { return setup_.planned; }
   /// Radians: how far a beam spreads or strays from its axis, at most.
@@ -51,8 +60,8 @@ class EffectsState {
   /// Room for so many projected triangles.
   void growProjected(uint64_t count);
   EffectsFrame makeFrame() const;
-  /// What a scan needs beyond what every scan does.
-  void prepare(EffectsFrame& frame, const Shot& shot) const;
+  /// What a scan needs beyond what every scan does; `motion` where it is in motion.
+  void prepare(EffectsFrame& frame, const Shot& shot, const ShotMotion* motion) const;
   /// The buffers under their binding numbers.
   void bind(const EffectsFrame& frame, Bindings& bindings) const;
   const Buffer& buffer(uint32_t binding) const { return buffers_[binding]; }

@@ -6,30 +6,9 @@
 #include <limits>
 #include <span>
 
-#include "bin.spv.h"
-#include "bin_float64.spv.h"
-#include "bin_int64.spv.h"
-#include "bin_int64_float64.spv.h"
-#include "effects.spv.h"
-#include "effects_footprint1.spv.h"
-#include "effects_footprint7.spv.h"
-#include "effects_footprint19.spv.h"
-#include "effects_footprint37.spv.h"
-#include "effects_footprint61.spv.h"
-#include "effects_surfaces.spv.h"
-#include "project_clusters.spv.h"
-#include "project_groups.spv.h"
-#include "project_occluders.spv.h"
-#include "project_triangles.spv.h"
-#include "project_triangles_footprint.spv.h"
-#include "resolve.spv.h"
-#include "resolve_float64.spv.h"
-#include "scan.spv.h"
 
 namespace gnosphere::vulkan {
 namespace {
-
-using Words = std::span<const uint32_t>;
 
 // The share of the range that is binned first. Measured on towns: from 0.3 on more hides little more.
 constexpr float kNearShell = 0.35f;
@@ -71,15 +50,6 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, cons
   return result;
 }
 
-// The module that is built for so many sub-rays, or some more.
-Words footprintOf(uint32_t subRays) {
-  if (subRays <= 1) return effects_footprint1;
-  if (subRays <= 7) return effects_footprint7;
-  if (subRays <= 19) return effects_footprint19;
-  if (subRays <= 37) return effects_footprint37;
-  return effects_footprint61;
-}
-
 uint64_t projectedCount(const gpu::Counters& counters) {
   return uint64_t{counters.projectedSmall} + counters.projectedLarge;
 }
@@ -112,34 +82,6 @@ bool keepsStill(const SimulatorOptions& options, uint32_t way, const PlannedEffe
          !planned.surfaces() && !planned.motion();
 }
 
-Kernels::Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64,
-                 const PlannedEffects& planned)
-    : projectGroups(device, layout, "project_groups", project_groups, options),
-      projectClusters(device, layout, "project_clusters", project_clusters, options),
-      projectOccluders(device, layout, "project_occluders", project_occluders, options),
-      projectTriangles(device, layout, "project_triangles",
-                       planned.footprint() ? Words(project_triangles_footprint) : Words(project_triangles), options) {
-  const Words plain = float64 ? Words(bin_float64) : Words(::bin);
-  const Words atomic = float64 ? Words(bin_int64_float64) : Words(bin_int64);
-  if (way == gpu::kWayNearest) {
-    bin.emplace_back(device, layout, "bin", atomic, options, gpu::kPassNearest);
-  } else if (way == gpu::kWayNearest32) {
-    bin.emplace_back(device, layout, "bin", plain, options, gpu::kPassRange);
-    bin.emplace_back(device, layout, "bin", plain, options, gpu::kPassOwner);
-  } else {
-    bin.emplace_back(device, layout, "bin", plain, options, gpu::kPassCount);
-    bin.emplace_back(device, layout, "bin", plain, options, gpu::kPassFill);
-    for (uint32_t pass : {gpu::kScanReduce, gpu::kScanBlocks, gpu::kScanApply})
-      scan.emplace_back(device, layout, "scan", ::scan, options, pass);
-  }
-  if (planned.footprint())
-    footprint.emplace(device, layout, "effects_footprint", footprintOf(planned.subRays), options);
-  else
-    resolve.emplace(device, layout, "resolve", float64 ? Words(resolve_float64) : Words(::resolve), options, way);
-  if (planned.surfaces() && !planned.footprint()) surfaces.emplace(device, layout, "effects_surfaces", effects_surfaces, options);
-  if (planned.signals() || planned.speeds()) effects.emplace(device, layout, "effects", ::effects, options);
-}
-
 SensorState::SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
                          const SimulatorOptions& options, uint32_t way, const EffectsSetup& setup, uint64_t firstBeam,
                          std::span<const SensorState> others)
@@ -151,15 +93,18 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
       tables_(makeBeamTables(sensor)) {
   for (const SensorState& other : others)
     if (other.tables_.azimuthOffsets == tables_.azimuthOffsets && other.planned_.sameStages(planned_))
-      kernels_ = other.kernels_;
-  if (!kernels_) {
+      std::copy(std::begin(other.kernels_), std::end(other.kernels_), kernels_);
+  if (!kernels_[0]) {
     const Options kernel = kernelOptions(options, tables_.azimuthOffsets, planned_);
     const bool float64 = kernel.inside == gpu::kInsideExact && options.float64 && device.capabilities().float64;
-    ownKernels_ = std::make_unique<Kernels>(device, layout, kernel, way, float64, planned_);
-    kernels_ = ownKernels_.get();
+    for (const bool moving : {false, true}) {
+      if (moving && !planned_.motion()) break;
+      ownKernels_[moving] = std::make_unique<Kernels>(device, layout, kernel, way, float64, moving, planned_);
+      kernels_[moving] = ownKernels_[moving].get();
+    }
   }
   if (!planned_.bare()) {
-    effects_ = std::make_unique<EffectsState>(device, setup, firstBeam, tables_.frame.beams, !readsInPlace());
+    effects_ = std::make_unique<EffectsState>(device, setup, tables_.rows, sensor, firstBeam, !readsInPlace());
     tables_.frame.footprint = effects_->footprint();
   }
   shellBorder_ = shellBorder(geometry, options);
@@ -247,8 +192,10 @@ FrameInFlight SensorState::makeFrame() const {
   return result;
 }
 
-const FrameInFlight& SensorState::prepare(size_t index, const Shot& shot, uint32_t instanceCount,
-                                          const PlacedInstances& placed, const VisibleLists& visible) {
+const FrameInFlight& SensorState::prepare(size_t index, const Shot& shot, const ShotMotion* motion,
+                                          uint32_t instanceCount, const PlacedInstances& placed,
+                                          const VisibleLists& visible) {
+  moving_ = motion != nullptr;
   while (inFlight_.size() <= index) inFlight_.push_back(makeFrame());
   FrameInFlight& frame = inFlight_[index];
   frame.capacities = capacities_;
@@ -269,7 +216,7 @@ const FrameInFlight& SensorState::prepare(size_t index, const Shot& shot, uint32
   buffers[gpu::kBindVisibleGroups] = &visible.groups;
   buffers[gpu::kBindVisible] = &visible.clusters;
   if (effects_) {
-    effects_->prepare(frame.effects, shot);
+    effects_->prepare(frame.effects, shot, motion);
     effects_->bind(frame.effects, buffers);
     if (planned_.surfaces()) buffers[gpu::kBindInstanceMeshes] = &placed.meshes;
   }
@@ -322,7 +269,7 @@ void SensorState::describe(Plan& plan) const {
       result.pipelines.push_back({kernel->name(), {kernel->constants().begin(), kernel->constants().end()}});
     return result;
   };
-  const Kernels& k = *kernels_;
+  const Kernels& k = *kernels_[planned_.motion()];
   plan.stages.push_back(
       pipelines("project", {&k.projectGroups, &k.projectClusters, &k.projectOccluders, &k.projectTriangles}));
   plan.stages.push_back(pipelines("bin", {}));

@@ -12,7 +12,7 @@
 #include "gnosphere/scan.hpp"
 #include "vulkan/effects_state.hpp"
 #include "vulkan/geometry.hpp"
-#include "vulkan/kernel.hpp"
+#include "vulkan/kernels.hpp"
 
 namespace gnosphere::vulkan {
 
@@ -20,23 +20,6 @@ namespace gnosphere::vulkan {
 uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned);
 /// Whether a StillImage may be kept.
 bool keepsStill(const SimulatorOptions& options, uint32_t way, const PlannedEffects& planned);
-
-/// The pipelines that a way of binning dispatches, and no others.
-struct Kernels {
-  /// `float64` chooses the modules whose exact tests filter in double precision.
-  Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64,
-          const PlannedEffects& planned);
-  Kernel projectGroups;
-  Kernel projectClusters;
-  Kernel projectOccluders;
-  Kernel projectTriangles;
-  std::vector<Kernel> bin;
-  std::vector<Kernel> scan;
-  std::optional<Kernel> resolve;    ///< or footprint
-  std::optional<Kernel> footprint;
-  std::optional<Kernel> surfaces;   ///< not with footprint, which looks at them itself
-  std::optional<Kernel> effects;
-};
 
 /// Scans that are handed to the device at a time: it works on one while the host receives the one before.
 inline constexpr size_t kFramesInFlight = 2;
@@ -69,7 +52,8 @@ class SensorState {
   /// Metres: instances farther away need not be looked at.
   double reach() const { return reach_; }
   uint32_t way() const { return way_; }
-  const Kernels& kernels() const { return *kernels_; }
+  /// Those of the scan that was prepared last.
+  const Kernels& kernels() const { return *kernels_[moving_]; }
   /// Metres: what is nearer is binned first, and hides what lies behind it. 0 if everything is binned at once.
   float shellBorder() const { return shellBorder_; }
   const Buffer& buffer(uint32_t binding) const {
@@ -82,8 +66,9 @@ class SensorState {
   void makeStillWords();
 
   /// Frame in flight `index` with what a scan of the placed instances needs. The frame must not be in use.
-  const FrameInFlight& prepare(size_t index, const Shot& shot, uint32_t instanceCount, const PlacedInstances& placed,
-                               const VisibleLists& visible);
+  /// `motion`: null for a scan that stands still.
+  const FrameInFlight& prepare(size_t index, const Shot& shot, const ShotMotion* motion, uint32_t instanceCount,
+                               const PlacedInstances& placed, const VisibleLists& visible);
   const FrameInFlight& inFlight(size_t index) const { return inFlight_[index]; }
   /// True where the host reads the outputs in place; false where they must be copied to results.
   bool readsInPlace() const { return device_.unifiedMemory(); }
@@ -112,8 +97,10 @@ class SensorState {
   float shellBorder_ = 0;
   double reach_ = 0;
   BeamTables tables_;
-  std::unique_ptr<Kernels> ownKernels_;  // empty where another sensor has them
-  const Kernels* kernels_ = nullptr;
+  // Of scans that stand still, and of scans in motion where those are planned.
+  std::unique_ptr<Kernels> ownKernels_[2];  // empty where another sensor has them
+  const Kernels* kernels_[2] = {};
+  bool moving_ = false;
   std::array<Buffer, gpu::kWorkBindingCount> buffers_;  // set 0, in binding order; empty where they lie elsewhere
   Capacities capacities_;
   Buffer stillWords_;

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Within a scan: the sensor where it is when a column fires, and instances that move. What is projected is in the frame
+// of the scan's middle, with moving corners where they are at its start.
+
+vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
+  precise vec3 result = vec3(row0.x * p.x + row0.y * p.y + row0.z * p.z + row0.w,
+                             row1.x * p.x + row1.y * p.y + row1.z * p.z + row1.w,
+                             row2.x * p.x + row2.y * p.y + row2.z * p.z + row2.w);
+  return result;
+}
+
+vec3 inColumn(ColumnMotion column, vec3 p) { return through(column.row0, column.row1, column.row2, p); }
+
+vec3 velocityOf(InstanceMotion moving, vec3 p) { return through(moving.row0, moving.row1, moving.row2, p); }
+
+// Where a corner that moves is when the column fires, in the column's frame.
+vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
+  precise vec3 p = corner + velocity * column.velocity.w;
+  return inColumn(column, p);
+}
+
+// Where a laser of the row is: its head's origin turned to the beam's azimuth.
+vec3 originOf(uint row, vec2 azimuth) {
+  vec3 origin = rowOrigins[row].xyz;
+  precise vec3 turned = vec3(origin.x * azimuth.x - origin.y * azimuth.y, origin.x * azimuth.y + origin.y * azimuth.x,
+                             origin.z);
+  return turned;
+}
+
+// The point at a range along a beam, in the frame that points are reported in.
+vec3 reported(uint column, uint row, vec2 azimuth, vec3 direction, float range) {
+  ColumnMotion at = columnMotions[column];
+  precise vec3 p = direction * range + originOf(row, azimuth);
+  return through(at.report0, at.report1, at.report2, p);
+}
+
+// Radians that something no nearer than `distance` seems to move by, where the sensor shifts and turns by so much:
+// asin(x) is at most 1.05 x up to half a radian; beyond, 4 stands for every direction.
+float seemingAngle(float shift, float turn, float distance) {
+  float angle = turn + (shift < 0.5 * distance ? 1.05 * shift / distance : 4.0);
+  return angle < 0.5 ? angle : 4.0;
+}
+
+// A direction of the column's frame in that frame.
+vec3 reportedDirection(uint column, vec3 direction) {
+  ColumnMotion at = columnMotions[column];
+  return through(vec4(at.report0.xyz, 0.0), vec4(at.report1.xyz, 0.0), vec4(at.report2.xyz, 0.0), direction);
+}
+
+// Where a point of the column's frame is in that of the scan's middle; rows are a rotation and a shift.
+vec3 fromColumn(ColumnMotion at, vec3 p) {
+  precise vec3 q = p - vec3(at.row0.w, at.row1.w, at.row2.w);
+  precise vec3 result = at.row0.xyz * q.x + at.row1.xyz * q.y + at.row2.xyz * q.z;
+  return result;
+}
+
+// Velocity of the point of an instance that is at `p` of the column's frame when it fires, in that frame.
+vec3 velocityAt(InstanceMotion moving, ColumnMotion at, vec3 p) {
+  vec3 now = fromColumn(at, p), velocity = vec3(0.0);
+  // The velocity depends on where the point was at the start.
+  for (uint k = 0; k < 4; ++k) {
+    precise vec3 start = now - velocity * at.velocity.w;
+    velocity = velocityOf(moving, start);
+  }
+  return through(vec4(at.row0.xyz, 0.0), vec4(at.row1.xyz, 0.0), vec4(at.row2.xyz, 0.0), velocity);
+}

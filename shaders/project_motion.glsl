@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a triangle may be met by a sensor that moves while it turns. A column fires at one time, so the triangle is
+// bounded in the frame of the column that looks at it, and widened by what may move until the other columns of its box
+// fire. At the seam lie the scan's start and end, far apart in time: such a triangle gets a box on either side.
+
+// Bounded in the frame of column `at`, which is about where the triangle is; columns count from there on, unwrapped.
+// False where motion may bring it anywhere.
+bool boxAround(mat3 corners, mat3 velocities, uint at, float distance, float speed, out Outline outline, out Box box) {
+  ColumnMotion column = columnMotions[at];
+  vec3 a = inColumn(column, corners[0], velocities[0]), b = inColumn(column, corners[1], velocities[1]);
+  vec3 c = inColumn(column, corners[2], velocities[2]);
+  seeming = 0.0;
+  outline = outlineOf(a, b, c);
+  coverColumns(a, b, c, outline, box);
+  float turnColumns = float(frame.columns);
+  if (box.columnMax - box.columnMin >= 0.5 * turnColumns) return false;
+  float wrap = floor((float(at) - 0.5 * (box.columnMin + box.columnMax)) / turnColumns + 0.5) * turnColumns;
+  box.columnMin += wrap;
+  box.columnMax += wrap;
+  // Radians per column, and columns per column towards the poles.
+  float perColumn = seemingAngle(motion.shiftPerColumn + speed * motion.secondsPerColumn, motion.turnPerColumn, distance);
+  float inverse = 1.0 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
+  float ratio = perColumn * inverse * frame.columnsPerRadian * 1.05;
+  if (!(ratio < 0.5)) return false;
+  float reach = max(abs(box.columnMin - float(at)), abs(box.columnMax - float(at))) + 1.0;
+  // A row with an azimuth offset looks there with an earlier or later column.
+  if (AZIMUTH_OFFSETS) reach += max(abs(frame.shiftMin), abs(frame.shiftMax));
+  float columnsAway = reach / (1.0 - ratio);
+  float origins = seemingAngle(motion.origins, 0.0, distance);
+  float angle = perColumn * columnsAway + origins;
+  if (angle > 0.25) return false;
+  float more = angle * inverse * frame.columnsPerRadian * 1.05 + 1.0;
+  box.columnMin -= more;
+  box.columnMax += more;
+  outline.keyMin -= angle;
+  outline.keyMax += angle;
+  return true;
+}
+
+// Every row, or those that are left by all that may move, and every column.
+uint boxAnywhere(mat3 corners, float seem, inout Box box) {
+  seeming = seem;
+  Outline outline = outlineOf(corners[0], corners[1], corners[2]);
+  box.columnMin = 0.0;
+  box.columnMax = float(frame.columns);
+  return coverRows(outline, box) ? kKeep : kBetween;
+}
+
+uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float rangeMin) {
+  vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
+  float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2])) * 1.00001;
+  float distance = max(nearestPoint(low, high) - motion.shift - speed * motion.seconds, 0.0);
+  rangeMin = distance;
+  if (rangeMin > frame.rangeMax) return side == 0 ? kRange : kNoTriangle;
+  vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
+  float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
+  uint last = frame.columns - 1, at = min(uint(max(azimuth, 0.0)), last);
+  // Once more from the column that sees it where it is then.
+  middle = inColumn(columnMotions[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
+  azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
+  at = min(uint(max(azimuth, 0.0)), last);
+  Outline outline;
+  bool bounded = boxAround(corners, velocities, at, distance, speed, outline, box);
+  // Where it is at the scan's start and at its end may lie on either side of the seam.
+  float apart = seemingAngle(2.0 * motion.shift + speed * motion.seconds, 2.0 * motion.turn, distance);
+  float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
+  bool shifted = AZIMUTH_OFFSETS && (box.columnMin - margin < frame.shiftMax ||
+                                     box.columnMax + margin > float(last) + frame.shiftMin);
+  if (!bounded || shifted) {
+    float seem = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));
+    return side == 0 ? boxAnywhere(corners, seem, box) : kNoTriangle;
+  }
+  bool atSeam = box.columnMin < margin || box.columnMax > float(last) - margin;
+  if (!atSeam && side == 1) return kNoTriangle;
+  if (atSeam) {
+    float half_ = 0.5 * float(frame.columns);
+    uint end = side == 0 ? 0 : last;
+    if (!boxAround(corners, velocities, end, distance, speed, outline, box)) {
+      // As above, but for its own half.
+      float seem = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));
+      uint fate = boxAnywhere(corners, seem, box);
+      box.columnMin = side == 0 ? 0.0 : ceil(half_);
+      box.columnMax = side == 0 ? ceil(half_) - 1.0 : float(last);
+      return fate == kKeep ? kKeep : side == 0 ? fate : kNoTriangle;
+    }
+    box.columnMin = max(box.columnMin, side == 0 ? 0.0 : ceil(half_));
+    box.columnMax = min(box.columnMax, side == 0 ? ceil(half_) - 1.0 : float(last));
+    if (box.columnMin > box.columnMax) return side == 0 ? kBetween : kNoTriangle;
+  }
+  bool any = coverRows(outline, box) && boxColumnCount(box) > 0;
+  return any ? kKeep : side == 0 ? kBetween : kNoTriangle;
+}

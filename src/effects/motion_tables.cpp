@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "effects/motion_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+namespace gnosphere {
+namespace {
+
+/// Frame -> world: p' = turn p + place.
+struct Frame {
+  glm::dquat quaternion;
+  glm::dmat3 turn;
+  glm::dvec3 place;
+
+  explicit Frame(const Pose& pose)
+      : quaternion(glm::normalize(glm::dquat(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z))),
+        turn(glm::mat3_cast(quaternion)),
+        place(pose.position.x, pose.position.y, pose.position.z) {}
+};
+
+/// From one frame to another, in rows.
+void write(const Frame& from, const Frame& to, gpu::vec4& row0, gpu::vec4& row1, gpu::vec4& row2) {
+  const glm::dmat3 turn = glm::transpose(to.turn) * from.turn;
+  const glm::dvec3 shift = glm::transpose(to.turn) * (from.place - to.place);
+  gpu::vec4* rows[] = {&row0, &row1, &row2};
+  for (int r = 0; r < 3; ++r)
+    *rows[r] = {static_cast<float>(turn[0][r]), static_cast<float>(turn[1][r]), static_cast<float>(turn[2][r]),
+                static_cast<float>(shift[r])};
+}
+
+double angleBetween(const Frame& a, const Frame& b) {
+  const glm::dquat difference = glm::conjugate(a.quaternion) * b.quaternion;
+  return 2 * std::asin(std::min(1.0, glm::length(glm::dvec3(difference.x, difference.y, difference.z))));
+}
+
+}  // namespace
+
+MotionTables makeMotionTables(const Sensor& sensor, const Shot& shot, bool moves, bool deskew) {
+  const double period = sensor.rotationPeriod;
+  const auto poseOf = [&](double time) { return moves ? poseAt(shot.motion, shot.pose, time) : shot.pose; };
+  MotionTables tables;
+  tables.middle = poseOf(period / 2);
+  const Frame middle(tables.middle), standing(shot.pose);
+  double shift = 0, turn = 0, shiftStep = 0, turnStep = 0, origins = 0;
+  Frame before = middle;
+  for (uint32_t i = 0; i < sensor.columns; ++i) {
+    const double time = period * i / sensor.columns;
+    const Frame now(poseOf(time));
+    gpu::ColumnMotion column = {};
+    write(middle, now, column.row0, column.row1, column.row2);
+    write(now, deskew ? standing : now, column.report0, column.report1, column.report2);
+    const Vec3 v = velocityAt(shot.motion, time);
+    const glm::dvec3 velocity = glm::transpose(now.turn) * glm::dvec3(v.x, v.y, v.z);
+    column.velocity = {static_cast<float>(velocity.x), static_cast<float>(velocity.y), static_cast<float>(velocity.z),
+                       static_cast<float>(time)};
+    tables.columns.push_back(column);
+    shift = std::max(shift, glm::length(now.place - middle.place));
+    turn = std::max(turn, angleBetween(now, middle));
+    if (i > 0) {
+      shiftStep = std::max(shiftStep, glm::length(now.place - before.place));
+      turnStep = std::max(turnStep, angleBetween(now, before));
+    }
+    before = now;
+  }
+  for (const Channel& channel : sensor.channels)
+    origins = std::max(origins, std::hypot(channel.origin.x, channel.origin.y, channel.origin.z));
+  const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
+  tables.bounds = {up(shift + origins), up(turn),
+                   up(shiftStep),       up(turnStep),
+                   up(origins),         up(sensor.columns > 0 ? period / sensor.columns : 0),
+                   up(period),          0};
+  return tables;
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which pipelines a sensor's stages are made of.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "effects/planned.hpp"
+#include "vulkan/kernel.hpp"
+
+namespace gnosphere::vulkan {
+
+/// The pipelines that a way of binning dispatches, and no others.
+struct Kernels {
+  /// `float64` chooses the modules whose exact tests filter in double precision.
+  /// `moving`: of scans in motion.
+  Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64, bool moving,
+          const PlannedEffects& planned);
+  Kernel projectGroups;
+  Kernel projectClusters;
+  Kernel projectOccluders;
+  Kernel projectTriangles;
+  std::vector<Kernel> bin;
+  std::vector<Kernel> scan;
+  std::optional<Kernel> resolve;    ///< or footprint
+  std::optional<Kernel> footprint;
+  std::optional<Kernel> surfaces;   ///< not with footprint, which looks at them itself
+  std::optional<Kernel> effects;
+};
+
+}  // namespace gnosphere::vulkan
