@@ -140,7 +140,7 @@ TEST_CASE("several returns of one beam keep their order and their surfaces") {
 
 TEST_CASE("footprints meet the same surfaces") {
   Effects effects = physical();
-  effects.divergence = {Use::on, 19, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
+  effects.divergence = {Use::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
   effects.returns.use = Use::on;
   effects.returns.count = 3;
   requireAlmostSame(effects);
