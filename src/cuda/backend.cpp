@@ -72,6 +72,7 @@ class CudaBackend final : public Backend {
     job_.options.RANGE = static_cast<uint32_t>(parts.range);
     job_.options.FACES = static_cast<uint32_t>(options.faces);
     job_.options.CULLING = cullingBits(options);
+    job_.options.LAYERS = job_.options.RETURNS = 1;
   }
 
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override {
