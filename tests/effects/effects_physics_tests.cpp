@@ -217,6 +217,39 @@ TEST_CASE("a pane of glass and the wall behind it share a beam") {
   CHECK(scan.materials[first + 1] == 1);
 }
 
+TEST_CASE("beams go through the holes of a texture, and only there") {
+  const std::string device = GENERATE(as<std::string>{}, "reference");
+  using Wrap = AlphaImage::Wrap;
+  const Wrap wrap = GENERATE(Wrap::repeat, Wrap::mirror, Wrap::clamp);
+  // A row of four squares along y, twice over the plate: alpha is 0, 100, 180 and 255 of 255.
+  Scene scene = platesOf({{10, 4, 0.5f}, {20, 20, 0.5f}});
+  scene.alphaImages.push_back({4, 1, {0, 100, 180, 255}, wrap, wrap});
+  scene.materials[0].alphaMode = AlphaMode::mask;
+  scene.materials[0].alphaImage = 0;
+  scene.materials[0].baseColor[3] = 0.8f;
+  scene.materials[0].alphaCutoff = 0.5f;
+  scene.meshes[0].uvs = {0, 0, 0, 1, 2, 0, 2, 1};  // u goes from the left, y = 4, to y = -4
+  Setup setup(device, scene, fan(3600, 3, 5, 50));
+  setup.effects.cutOuts.use = Use::on;
+  const Scan scan = setup.scan();
+  size_t onPlate = 0, through = 0;
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    const Vec3 d = setup.sensor.direction(i);
+    const double y = 10 * d.y / d.x, z = 10 * d.z / d.x, u = (4 - y) / 4;
+    if (d.x <= 0 || std::abs(y) > 3.99 || std::abs(z) > 3.99) continue;
+    double place = u > 1 ? u - 1 : u;
+    if (wrap == Wrap::mirror && u > 1) place = 2 - u;
+    if (wrap == Wrap::clamp && u > 1) place = 1;
+    if (std::abs(place - 0.5) < 1e-4 || std::abs(u - 1) < 1e-4) continue;  // on an edge of a hole
+    const bool hole = place < 0.5;  // 0.8 * 180 / 255 is above the cut-off, 0.8 * 100 / 255 below
+    ++onPlate;
+    through += hole;
+    CHECK(scan.instances[i] == (hole ? 1 : 0));
+  }
+  CHECK(onPlate > 500);
+  CHECK(through > 100);
+}
+
 TEST_CASE("errors of range and intensity are normal, with the moments that were asked for") {
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.5f), everywhere());
