@@ -19,6 +19,7 @@ Report dynamic(Session& session);
 Report scalingTriangles(Session& session);
 Report scalingRays(Session& session);
 Report effects(Session& session);
+Report correctness(Session& session);
 
 struct Case {
   const char* name;
@@ -40,6 +41,7 @@ inline constexpr Case kCases[] = {
     {"scaling-triangles", "The town grows, the neighbourhood stays", {10'000'000, 10, 1}, scalingTriangles},
     {"scaling-rays", "From 28,800 to 25 million beams", {1'000'000, 5, 1}, scalingRays},
     {"effects", "What each effect costs beside a bare scan", {1'000'000, 7, 1}, effects},
+    {"correctness", "Hard cases and a town against the reference, and fingerprints", {300'000, 1, 2}, correctness},
 };
 
 }  // namespace gnosphere::bench

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether a device is right: hard cases and a town against the reference, and fingerprints of what it answers, to be
+// held against those of other devices on other machines.
+#include "cases.hpp"
+#include "hardness.hpp"
+#include "variants.hpp"
+
+namespace gnosphere::bench {
+namespace {
+
+using cli::Json;
+
+/// FNV-1a (Fowler, Noll, Vo) over the bytes of arrays.
+class Fingerprint {
+ public:
+  template <typename T>
+  void add(const std::vector<T>& values) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+    for (size_t i = 0; i < values.size() * sizeof(T); ++i) hash_ = (hash_ ^ bytes[i]) * 0x100000001b3ull;
+  }
+  std::string text() const { return cli::formatted("%016llx", static_cast<unsigned long long>(hash_)); }
+
+ private:
+  uint64_t hash_ = 0xcbf29ce484222325ull;
+};
+
+std::string fingerprintOf(const Scan& scan) {
+  Fingerprint print;
+  print.add(scan.points);
+  print.add(scan.ranges);
+  print.add(scan.triangles);
+  print.add(scan.instances);
+  print.add(scan.intensities);
+  print.add(scan.labels);
+  print.add(scan.radialSpeeds);
+  return print.text();
+}
+
+struct Row {
+  std::string name, accuracy;
+  Comparison comparison;
+  std::string fingerprint;
+
+  uint64_t wrong() const { return comparison.missed + comparison.falseHits + comparison.wrongRange; }
+};
+
+struct Print {
+  std::string name, fingerprint;
+};
+
+class Suite {
+ public:
+  explicit Suite(Session& session) : session_(session), options_(session.simulatorOptions()) {}
+
+  /// `standard` and `exact`, outside ties; ties may go either way in all but `exact`.
+  void judge(const std::string& name, const Scene& scene, const Sensor& sensor, const Pose& pose) {
+    SimulatorOptions options = options_;
+    options.device = "reference";
+    const Scan truth = Simulator(scene, sensor, options).scan(pose);
+    options.device = options_.device;
+    for (Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+      options.accuracy = accuracy;
+      Simulator simulator(scene, sensor, options);
+      session_.setDevice(simulator.device());
+      const Scan scan = simulator.scan(pose);
+      rows.push_back({name, nameOf(accuracy), compare(truth, scan), fingerprintOf(scan)});
+    }
+  }
+
+  /// What an effect that can be shown comes to: the same everywhere, since its formulas are made of what every device
+  /// rounds alike.
+  void print(const Variant& variant, const Scene& scene, const Sensor& sensor, const Shot& shot) {
+    SimulatorOptions options = options_;
+    options.accuracy = Accuracy::exact;
+    options.effects = variant.request;
+    options.fields = {Field::intensity, Field::label};
+    Simulator simulator(scene, sensor, options);
+    if (!variant.effect.empty() && !simulator.plan().has(variant.effect)) return;
+    Scan scan;
+    simulator.scan(shot, scan);
+    prints.push_back({variant.name, fingerprintOf(scan)});
+  }
+
+  std::vector<Row> rows;
+  std::vector<Print> prints;
+
+ private:
+  Session& session_;
+  SimulatorOptions options_;
+};
+
+void scanTown(Session& session, Suite& suite) {
+  const Scene town = session.scene();
+  const std::vector<Pose> poses = session.poses(town);
+  for (const Sensor& sensor : session.sensors({"VLP-16", "HDL-64E"}))
+    for (size_t i = 0; i < poses.size(); ++i)
+      suite.judge("town, " + sensor.name + ", pose " + std::to_string(i + 1), town, sensor, poses[i]);
+
+  Sensor sensor = session.sensors({"VLP-16"})[0];
+  sensor.divergenceHorizontal = 0.003;
+  sensor.divergenceVertical = 0.0015;
+  sensor.rotationPeriod = 0.1;
+  sensor.maxReturns = 3;
+  const Vec3 at = poses[0].position;
+  for (const Variant& variant : variantsOf({at.x + 15, at.y, at.z})) {
+    Shot shot;
+    shot.pose = poses[0];
+    if (variant.request.sensorMotion.use != Use::off) shot.motion = drivenFrom(shot.pose, sensor.rotationPeriod);
+    if (variant.request.objectMotion.use != Use::off)
+      shot.instanceMotions = drivenVehicles(town, sensor.rotationPeriod);
+    suite.print(variant, town, sensor, shot);
+  }
+}
+
+Json rowJson(const Row& row) {
+  const Comparison& c = row.comparison;
+  return {{"name", row.name},
+          {"accuracy", row.accuracy},
+          {"beams", c.beams},
+          {"hits", c.hits},
+          {"ties", c.ties},
+          {"missed", c.missed},
+          {"false_hits", c.falseHits},
+          {"wrong_owner", c.wrongOwner},
+          {"wrong_range", c.wrongRange},
+          {"range_error_max_m", rounded(c.rangeErrorMax)},
+          {"fingerprint", row.fingerprint}};
+}
+
+}  // namespace
+
+Report correctness(Session& session) {
+  Suite suite(session);
+  for (const Family& family : families())
+    for (double hardness : {family.hardness.front(), family.hardness[family.hardness.size() / 2]}) {
+      const HardCase test = family.make(hardness);
+      suite.judge(cli::formatted("%s %g %s", family.title, hardness, family.unit), test.scene, test.sensor, test.pose);
+    }
+  scanTown(session, suite);
+
+  Report report;
+  uint64_t wrong = 0;
+  Table judged = {"Outside ties nothing may be missed, false or beyond its tolerance", {}};
+  judged.rows = {{"case", "accuracy", "beams", "missed", "false", "wrong range", "largest error, m", "fingerprint"}};
+  for (const Row& row : suite.rows) {
+    const Comparison& c = row.comparison;
+    wrong += row.wrong();
+    report.more["rows"].push_back(rowJson(row));
+    judged.rows.push_back({row.name, row.accuracy, cli::grouped(c.beams), cli::grouped(c.missed),
+                           cli::grouped(c.falseHits), cli::grouped(c.wrongRange),
+                           cli::formatted("%.2g", c.rangeErrorMax), row.fingerprint});
+  }
+  Table printed = {"Of points, owners, intensities and labels; the same on every device", {{"effects", "fingerprint"}}};
+  for (const Print& print : suite.prints) {
+    report.more["effects"].push_back({{"name", print.name}, {"fingerprint", print.fingerprint}});
+    printed.rows.push_back({print.name, print.fingerprint});
+  }
+  report.more["wrong"] = wrong;
+  report.tables = {judged, printed};
+  return report;
+}
+
+}  // namespace gnosphere::bench
