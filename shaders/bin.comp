@@ -82,9 +82,9 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
 }
 
 #ifdef MOTION
-void tryMoving(Triangle triangle, Beam beam, uint index, uint slot) {
-  uint row = index / frame.columns;
-  Triangle seen = seenFrom(triangle, slot, index - row * frame.columns, row, beam.azimuth);
+// `seen` is the triangle when the beam's column fires.
+void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
+  seen = seenFrom(seen, index / frame.columns, beam.azimuth);
   tryBeam(seen, prepare(seen), turn(seen, beam.azimuth), beam, index, slot);
 }
 #endif
@@ -119,7 +119,7 @@ void trySmall(uint i) {
     uint index;
     Beam beam = beamAt(box, k, row, index);
 #ifdef MOTION
-    tryMoving(triangle, beam, index, i);
+    tryMoving(seenFrom(triangle, i, index % frame.columns), beam, index, i);
 #else
     tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, i);
 #endif
@@ -163,6 +163,9 @@ void tryTile(uint t) {
     uint column = columnAt(box, k, 0.0);
     vec2 azimuth = columns[column];
     Turned turned = turn(triangle, azimuth);
+#ifdef MOTION
+    Triangle seen = seenFrom(triangle, tile.x, column);
+#endif
     for (uint rowBase = box.rowFirst; rowBase <= box.rowLast; rowBase += gl_SubgroupSize) {
       vec2 angles = rows[min(rowBase + lane, box.rowLast)].angles.xy;
       uint rowCount = min(box.rowLast - rowBase + 1, gl_SubgroupSize);
@@ -175,7 +178,8 @@ void tryTile(uint t) {
         if (here) {
           uint index;
           Beam beam = beamAt(box, k, rowBase + row, index);
-          tryMoving(triangle, beam, index, tile.x);
+          // Another row's offset may make it another column.
+          tryMoving(AZIMUTH_OFFSETS ? seenFrom(triangle, tile.x, index % frame.columns) : seen, beam, index, tile.x);
         }
 #else
         if (here && AZIMUTH_OFFSETS) {

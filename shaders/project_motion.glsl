@@ -37,13 +37,11 @@ bool boxAround(mat3 corners, mat3 velocities, uint at, float distance, float spe
   return true;
 }
 
-// Every row, or those that are left by all that may move, and every column.
-uint boxAnywhere(mat3 corners, float seem, inout Box box) {
+// Bounded in the frame of the scan's middle, and widened by all that may move during the scan.
+uint widenedBox(mat3 corners, float seem, out Box box) {
   seeming = seem;
   Outline outline = outlineOf(corners[0], corners[1], corners[2]);
-  box.columnMin = 0.0;
-  box.columnMax = float(frame.columns);
-  return coverRows(outline, box) ? kKeep : kBetween;
+  return coverRows(outline, box) && coverColumns(corners[0], corners[1], corners[2], outline, box) ? kKeep : kBetween;
 }
 
 uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float rangeMin) {
@@ -59,6 +57,7 @@ uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float 
   middle = inColumn(columnMotions[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
   azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
   at = min(uint(max(azimuth, 0.0)), last);
+  float all = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));
   Outline outline;
   bool bounded = boxAround(corners, velocities, at, distance, speed, outline, box);
   // Where it is at the scan's start and at its end may lie on either side of the seam.
@@ -67,22 +66,14 @@ uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float 
   bool shifted = AZIMUTH_OFFSETS && (box.columnMin - margin < frame.shiftMax ||
                                      box.columnMax + margin > float(last) + frame.shiftMin);
   if (!bounded || shifted) {
-    float seem = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));
-    return side == 0 ? boxAnywhere(corners, seem, box) : kNoTriangle;
+    return side == 0 ? widenedBox(corners, all, box) : kNoTriangle;
   }
   bool atSeam = box.columnMin < margin || box.columnMax > float(last) - margin;
   if (!atSeam && side == 1) return kNoTriangle;
   if (atSeam) {
     float half_ = 0.5 * float(frame.columns);
     uint end = side == 0 ? 0 : last;
-    if (!boxAround(corners, velocities, end, distance, speed, outline, box)) {
-      // As above, but for its own half.
-      float seem = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));
-      uint fate = boxAnywhere(corners, seem, box);
-      box.columnMin = side == 0 ? 0.0 : ceil(half_);
-      box.columnMax = side == 0 ? ceil(half_) - 1.0 : float(last);
-      return fate == kKeep ? kKeep : side == 0 ? fate : kNoTriangle;
-    }
+    if (!boxAround(corners, velocities, end, distance, speed, outline, box)) return widenedBox(corners, all, box);
     box.columnMin = max(box.columnMin, side == 0 ? 0.0 : ceil(half_));
     box.columnMax = min(box.columnMax, side == 0 ? ceil(half_) - 1.0 : float(last));
     if (box.columnMin > box.columnMax) return side == 0 ? kBetween : kNoTriangle;

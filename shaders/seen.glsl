@@ -1,14 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-// The triangle as the laser of a row sees it when a column fires.
-Triangle seenFrom(Triangle triangle, uint slot, uint column, uint row, vec2 azimuth) {
+// A projected triangle as a laser of a moving sensor sees it.
+
+// When a column fires, in the column's frame.
+Triangle seenFrom(Triangle triangle, uint slot, uint column) {
   ColumnMotion at = columnMotions[column];
-  mat3 velocities = mat3(0.0);
-  if (motion.instances != 0)
-    velocities = mat3(projectedMotions[3 * slot].xyz, projectedMotions[3 * slot + 1].xyz,
-                      projectedMotions[3 * slot + 2].xyz);
-  vec3 origin = motion.origins > 0.0 ? originOf(row, azimuth) : vec3(0.0);
-  triangle.a = inColumn(at, triangle.a, velocities[0]) - origin;
-  triangle.b = inColumn(at, triangle.b, velocities[1]) - origin;
-  triangle.c = inColumn(at, triangle.c, velocities[2]) - origin;
+  if (motion.instances != 0) {
+    triangle.a = inColumn(at, triangle.a, projectedMotions[3 * slot].xyz);
+    triangle.b = inColumn(at, triangle.b, projectedMotions[3 * slot + 1].xyz);
+    triangle.c = inColumn(at, triangle.c, projectedMotions[3 * slot + 2].xyz);
+  } else {
+    triangle.a = inColumn(at, triangle.a);
+    triangle.b = inColumn(at, triangle.b);
+    triangle.c = inColumn(at, triangle.c);
+  }
   return triangle;
+}
+
+// From where the laser of a row is in its head.
+Triangle seenFrom(Triangle triangle, uint row, vec2 azimuth) {
+  if (motion.origins == 0.0) return triangle;
+  vec3 origin = originOf(row, azimuth);
+  triangle.a -= origin;
+  triangle.b -= origin;
+  triangle.c -= origin;
+  return triangle;
+}
+
+Triangle seenFrom(Triangle triangle, uint slot, uint column, uint row, vec2 azimuth) {
+  return seenFrom(seenFrom(triangle, slot, column), row, azimuth);
 }
