@@ -20,8 +20,12 @@ WORK(kBindEchoSurfaces, , vec4, echoSurfaces);            // as surfaces
 layout(std430, set = 0, binding = kBindMotionBounds) readonly buffer MotionBoundsBlock { MotionBounds motion; };
 WORK(kBindRowOrigins, readonly, vec4, rowOrigins);        // of each row's laser in the head: forward, left, up
 WORK(kBindProjectedMotions, , vec4, projectedMotions);    // of each projected triangle: m/s of its three corners
+WORK(kBindProjectedTexture, , vec4, projectedTexture);    // of each projected triangle: uv of a and b, of c
+WORK(kBindAlphaImages, readonly, uvec4, alphaImages);     // width, height, first byte, wrapping of u | of v << 8
+WORK(kBindTexels, readonly, uint, texels);                // four bytes of alpha each
 WORK(kBindSubRays, readonly, vec4, subRays);              // tangents left and up, weight, length of (1, left, up)
 WORK(kBindProjectedMaterials, , uint, projectedMaterials);  // of each projected triangle
 CHUNK(kBindClusterMaterials, uint, clusterMaterials);
+CHUNK(kBindTextureCoordinates, vec2, textureCoordinates);  // per vertex of the chunk
 CHUNK(kBindMeshPlaces, uint, meshPlaces);                 // per mesh: its first entry in trianglePlaces; kNone: elsewhere
 CHUNK(kBindTrianglePlaces, uint, trianglePlaces);         // per triangle of a mesh: cluster * kClusterTriangles + its place there

@@ -24,6 +24,7 @@
 #endif
 #include "owner.glsl"
 #include "each_ray.glsl"
+#include "holes.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -79,10 +80,11 @@ vec3 normalOf(vec3 a, vec3 b, vec3 c) {
 bool inWindow(float range) { return range >= frame.rangeMin && range <= frame.rangeMax; }
 
 // Watertight as in inside_watertight.glsl: sub-ray (1, u, v) shears every corner by the same operations.
-bool meetSubRay(Candidate candidate, float u, float v, float length_, out float range) {
+bool meetSubRay(Candidate candidate, float u, float v, float length_, out float range, out vec3 side) {
   precise vec3 q = candidate.left - u * candidate.ahead;
   precise vec3 w = candidate.up - v * candidate.ahead;
-  precise vec3 side = q.yzx * w.zxy - w.yzx * q.zxy;
+  precise vec3 sides = q.yzx * w.zxy - w.yzx * q.zxy;
+  side = sides;
   precise float sum = side.x + side.y + side.z;
   precise float weighted = side.x * candidate.ahead.x + side.y * candidate.ahead.y + side.z * candidate.ahead.z;
   bool facing = all(lessThanEqual(side, vec3(0.0)));
@@ -169,16 +171,23 @@ float consider(uint projected, Beam beam, uint layer) {
   uvec2 taken = uvec2(0);  // a bit per sub-ray
   float farthest = 0.0;
   float range;
-  bool met;
+  bool met, mask = false;
+  vec3 side;
+  Optics4 holed;
+  if ((EFFECTS & kCutOuts) != 0) {
+    holed = optics[projectedMaterials[projected]];
+    mask = holed.passage.y > 0.0;
+  }
   vec4 plane = planeOf(candidate);
-  if (coversFootprint(candidate)) {
+  if (coversFootprint(candidate) && !mask) {
 #define OFFER_PLANE(s)                                                          \
   met = meetPlane(candidate, plane, left[s], up[s], lengths[s], range);         \
   if (offer(met, range, candidate, projected, layer, s)) taken[s / 32] |= 1u << (s % 32);
     EACH_RAY(OFFER_PLANE)
   } else {
 #define OFFER(s)                                                         \
-  met = meetSubRay(candidate, left[s], up[s], lengths[s], range);        \
+  met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);  \
+  if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, projected, side); \
   if (offer(met, range, candidate, projected, layer, s)) taken[s / 32] |= 1u << (s % 32);
     EACH_RAY(OFFER)
   }

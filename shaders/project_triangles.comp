@@ -37,6 +37,9 @@ const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4, kNoTr
 // As stored, see bindings.glsl.
 struct Projected {
   vec4 a, b, c;
+#ifdef FOOTPRINT
+  vec2 uvA, uvB, uvC;
+#endif
 #ifdef MOTION
   mat3 velocities;  // of the corners
 #endif
@@ -133,6 +136,13 @@ uint projectOne(Place place, uint k, uint side, out Projected projected, out Box
   vec3 a = toSensor(place, triangle.x & 0xff);
   vec3 b = toSensor(place, triangle.x >> (mirrored ? 16 : 8) & 0xff);
   vec3 c = toSensor(place, triangle.x >> (mirrored ? 8 : 16) & 0xff);
+#ifdef FOOTPRINT
+  if ((EFFECTS & kCutOuts) != 0) {
+    projected.uvA = textureCoordinates[place.vertexFirst + (triangle.x & 0xff)];
+    projected.uvB = textureCoordinates[place.vertexFirst + (triangle.x >> (mirrored ? 16 : 8) & 0xff)];
+    projected.uvC = textureCoordinates[place.vertexFirst + (triangle.x >> (mirrored ? 8 : 16) & 0xff)];
+  }
+#endif
   if (INSIDE == kInsideExact) {
     a = snapToLattice(a);
     b = snapToLattice(b);
@@ -166,6 +176,10 @@ void store(uint slot, Projected projected, Box box, uint material) {
   projectedColumns[slot] = vec2(box.columnMin, box.columnMax);
 #ifdef FOOTPRINT
   projectedMaterials[slot] = material;
+  if ((EFFECTS & kCutOuts) != 0) {
+    projectedTexture[2 * slot] = vec4(projected.uvA, projected.uvB);
+    projectedTexture[2 * slot + 1] = vec4(projected.uvC, 0.0, 0.0);
+  }
 #endif
 #ifdef MOTION
   if (motion.instances != 0)

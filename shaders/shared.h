@@ -153,7 +153,8 @@ GNO_CONST uint kBindEchoCounts = 40;
 GNO_CONST uint kBindEchoSurfaces = 41;
 GNO_CONST uint kBindRowOrigins = 42;
 GNO_CONST uint kBindMotionBounds = 43;
-GNO_CONST uint kWorkBindingCountEffects = 44;
+GNO_CONST uint kBindProjectedTexture = 44;
+GNO_CONST uint kWorkBindingCountEffects = 45;
 // Set 1: one chunk of the scene.
 GNO_CONST uint kBindGroups = 0;
 GNO_CONST uint kBindClusters = 1;

@@ -85,7 +85,7 @@ ChunkArrays Chunks::arrays(size_t chunk) const {
   return arrays;
 }
 
-ChunkSurfaces Chunks::surfaces(size_t chunk, const Scene& scene) const {
+ChunkSurfaces Chunks::surfaces(size_t chunk, const Scene& scene, bool holes) const {
   const size_t first = firsts_[chunk], end = firsts_[chunk + 1];
   const Run run = runOf(flat_, first, end);
   ChunkSurfaces result;
@@ -105,6 +105,11 @@ ChunkSurfaces Chunks::surfaces(size_t chunk, const Scene& scene) const {
                     piece.triangleFirst - run.triangleFirst},
                    std::span(flat_.triangles).subspan(piece.triangleFirst, piece.triangleEnd - piece.triangleFirst),
                    std::span(places).subspan(result.meshPlaces[i]));
+    if (holes)
+      for (size_t k = piece.vertexFirst; k < piece.vertexEnd; ++k)
+        for (size_t axis = 0; axis < 2; ++axis)
+          result.textureCoordinates.push_back(
+              scene.meshes[i].uvs.empty() ? 0.0f : scene.meshes[i].uvs[2 * size_t{flat_.vertices[k]} + axis]);
   }
   return result;
 }

@@ -23,6 +23,7 @@ struct ChunkSurfaces {
   std::vector<uint32_t> clusterMaterials;
   std::vector<uint32_t> meshPlaces;      ///< per mesh of the scene: its first entry in trianglePlaces, kNone: elsewhere
   std::vector<uint32_t> trianglePlaces;  ///< per triangle of a mesh: cluster * kClusterTriangles + its place there
+  std::vector<float> textureCoordinates;  ///< 2 per vertex of the chunk; only with holes
 };
 
 /// Where in the arrays of a chunk a part lies: first elements (of positions: first vertices).
@@ -39,7 +40,7 @@ class Chunks {
   size_t clusterCount() const { return flat_.clusters.size() - 1; }
   /// Until dropArrays().
   ChunkArrays arrays(size_t chunk) const;
-  ChunkSurfaces surfaces(size_t chunk, const Scene& scene) const;
+  ChunkSurfaces surfaces(size_t chunk, const Scene& scene, bool holes) const;
   /// The entries of `places`, those of one mesh in trianglePlaces, for the triangles of a part of it.
   void placeTriangles(const ChunkPart& part, std::span<const FlatTriangle> triangles, std::span<uint32_t> places) const;
   /// The device has positions and triangles.

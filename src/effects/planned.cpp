@@ -54,7 +54,6 @@ void leaveOut(const SimulatorOptions& options, std::vector<Plan::Decision>& deci
   const bool bounded = parts.bounds == standard.bounds;
   for (size_t i = 0; i < decisions.size(); ++i) {
     const uint32_t bit = 1u << i;
-    if (bit == gpu::kCutOuts) leaveOut(decisions[i], "only the reference looks at textures so far");
     if ((bit & (gpu::kSensorMotion | gpu::kObjectMotion)) != 0 && !watertight)
       leaveOut(decisions[i], "motion within a scan needs accuracy standard");
     if ((bit & gpu::kFootprintEffects) != 0 && !bounded)

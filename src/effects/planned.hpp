@@ -23,6 +23,7 @@ struct PlannedEffects {
   bool motion() const { return has(gpu::kSensorMotion | gpu::kObjectMotion) || origins || speeds(); }
   /// The surface of each hit is looked at.
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
+  bool holes() const { return has(gpu::kCutOuts); }
   bool looksAtSurfaces() const { return surfaces() || footprint(); }
   /// Returns are judged one by one.
   bool signals() const { return has(gpu::kSignalEffects) || asks(gpu::kFieldSignal); }

@@ -21,11 +21,13 @@ using Clock = std::chrono::steady_clock;
 
 std::vector<EffectsSetup> setUp(const Scene& scene, const std::vector<Sensor>& sensors,
                                 const SimulatorOptions& options) {
-  const std::vector<Optics> optics = opticsOf(scene, options.materials, options.effects.intensity.wavelength);
+  const std::vector<gpu::Optics4> optics = packedOptics(scene, options);
   std::vector<EffectsSetup> result;
-  for (const Sensor& sensor : sensors)
-    result.push_back(
-        {planEffects(options, sensor, scene), options.effects, optics, sensor, static_cast<uint32_t>(result.size())});
+  for (const Sensor& sensor : sensors) {
+    const PlannedEffects planned = planEffects(options, sensor, scene);
+    result.push_back({planned, options.effects, optics, {}, sensor, static_cast<uint32_t>(result.size())});
+    if (planned.has(gpu::kCutOuts)) result.back().alphaImages = scene.alphaImages;
+  }
   return result;
 }
 
@@ -35,7 +37,7 @@ class VulkanBackend final : public Backend {
       : setups_(setUp(scene, sensors, options)),
         device_(options.device, options.validation, options.maxBufferBytes),
         cache_(device_, options.cache),
-        geometry_(device_, scene, any(&PlannedEffects::looksAtSurfaces)),
+        geometry_(device_, scene, any(&PlannedEffects::looksAtSurfaces), any(&PlannedEffects::holes)),
         cut_(cutToFit(setups_, device_)),
         layout_(device_, cache_.handle(),
                 static_cast<uint32_t>(kFramesInFlight * cut_.parts.size() + geometry_.chunks().size()),

@@ -14,10 +14,20 @@ namespace {
 // Of any module of the footprint.
 constexpr size_t kMostSubRays = 61;
 
-gpu::Optics4 packed(const Optics& optics) {
-  gpu::Optics4 result = {};
-  result.reflection = {optics.reflectance, optics.gloss, optics.roughness, optics.retro};
-  result.passage = {optics.transmission, 0, 1, std::bit_cast<float>(gpu::kNone)};
+// Texels of all images, one after the other, and where each lies.
+struct PackedImages {
+  std::vector<std::array<uint32_t, 4>> images;  // width, height, first byte, how it wraps: u | v << 8
+  std::vector<uint8_t> texels;
+};
+
+PackedImages packed(const std::vector<AlphaImage>& images) {
+  PackedImages result;
+  for (const AlphaImage& image : images) {
+    const auto wraps = static_cast<uint32_t>(image.wrapU) | static_cast<uint32_t>(image.wrapV) << 8;
+    result.images.push_back({image.width, image.height, static_cast<uint32_t>(result.texels.size()), wraps});
+    result.texels.insert(result.texels.end(), image.alpha.begin(), image.alpha.end());
+  }
+  result.texels.resize((result.texels.size() + 3) / 4 * 4);
   return result;
 }
 
@@ -28,6 +38,20 @@ void write(Buffer& buffer, std::span<const T> data) {
 }
 
 }  // namespace
+
+std::vector<gpu::Optics4> packedOptics(const Scene& scene, const SimulatorOptions& options) {
+  std::vector<gpu::Optics4> result;
+  for (const Optics& optics : opticsOf(scene, options.materials, options.effects.intensity.wavelength)) {
+    const Material& material = scene.materials[result.size()];
+    const bool mask = material.alphaMode == AlphaMode::mask;
+    gpu::Optics4 packed = {};
+    packed.reflection = {optics.reflectance, optics.gloss, optics.roughness, optics.retro};
+    packed.passage = {optics.transmission, mask ? material.alphaCutoff : 0, material.baseColor[3],
+                      std::bit_cast<float>(mask ? material.alphaImage : gpu::kNone)};
+    result.push_back(packed);
+  }
+  return result;
+}
 
 std::vector<Output> outputsOf(const PlannedEffects& planned) {
   const uint32_t four = planned.returns * sizeof(gpu::vec4), two = planned.returns * 2 * sizeof(uint32_t);
@@ -77,9 +101,12 @@ EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, std:
       make(gpu::kBindEchoSurfaces, "echoSurfaces", beams * gpu::kMaxEchoes * sizeof(gpu::vec4));
   }
   if (planned.footprint() || planned.surfaces()) {
-    std::vector<gpu::Optics4> optics;
-    for (const Optics& of : setup_.optics) optics.push_back(packed(of));
-    buffers_[gpu::kBindOptics] = uploader.upload<gpu::Optics4>("optics", optics);
+    buffers_[gpu::kBindOptics] = uploader.upload<gpu::Optics4>("optics", setup_.optics);
+  }
+  if (planned.has(gpu::kCutOuts)) {
+    const PackedImages images = packed(setup_.alphaImages);
+    buffers_[gpu::kBindAlphaImages] = uploader.upload<std::array<uint32_t, 4>>("alphaImages", images.images);
+    buffers_[gpu::kBindTexels] = uploader.upload<uint8_t>("texels", images.texels);
   }
   if (const auto dead = deadBeamBits(setup_.effects, setup_.sensor); planned.has(gpu::kDropOut) && !dead.empty())
     buffers_[gpu::kBindDeadBeams] = uploader.upload<uint32_t>("deadBeams", dead);
@@ -107,6 +134,8 @@ float EffectsState::footprint() const {
 
 void EffectsState::growProjected(uint64_t count) {
   if (setup_.planned.footprint()) make(gpu::kBindProjectedMaterials, "projectedMaterials", count * sizeof(uint32_t));
+  if (setup_.planned.has(gpu::kCutOuts))
+    make(gpu::kBindProjectedTexture, "projectedTexture", count * 2 * sizeof(gpu::vec4));
   if (setup_.planned.has(gpu::kObjectMotion))
     make(gpu::kBindProjectedMotions, "projectedMotions", count * 3 * sizeof(gpu::vec4));
 }

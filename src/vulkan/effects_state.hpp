@@ -24,10 +24,14 @@ struct Output {
 struct EffectsSetup {
   PlannedEffects planned;
   Effects effects;
-  std::vector<Optics> optics;  ///< per material
+  std::vector<gpu::Optics4> optics;     ///< per material
+  std::vector<AlphaImage> alphaImages;  ///< only where holes are planned
   Sensor sensor;               ///< the whole of it
   uint32_t sensorIndex = 0;
 };
+
+/// What the device has of each material.
+std::vector<gpu::Optics4> packedOptics(const Scene& scene, const SimulatorOptions& options);
 
 /// Everything that is read back: points and owners first.
 std::vector<Output> outputsOf(const PlannedEffects& planned);

@@ -3,7 +3,7 @@
 
 namespace gnosphere::vulkan {
 
-Geometry::Geometry(const Device& device, const Scene& scene, bool surfaces)
+Geometry::Geometry(const Device& device, const Scene& scene, bool surfaces, bool holes)
     : device_(device), packed_(scene, device.maxBufferBytes()), instances_(device, surfaces) {
   Uploader uploader(device);
   for (size_t i = 0; i < packed_.count(); ++i) {
@@ -13,7 +13,7 @@ Geometry::Geometry(const Device& device, const Scene& scene, bool surfaces)
     chunk.clusters = uploader.upload<gpu::Cluster>("clusters", arrays.clusters);
     chunk.positions = uploader.upload<float>("positions", arrays.positions);
     chunk.triangleCorners = uploader.upload<FlatTriangle>("triangleCorners", arrays.triangleCorners);
-    if (surfaces) addSurfaces(uploader, packed_.surfaces(i, scene), chunk);
+    if (surfaces) addSurfaces(uploader, packed_.surfaces(i, scene, holes), chunk);
     chunks_.push_back(std::move(chunk));
   }
   packed_.dropArrays();
@@ -28,6 +28,8 @@ void Geometry::addSurfaces(Uploader& uploader, ChunkSurfaces surfaces, GeometryC
   chunk.clusterMaterials = uploader.upload<uint32_t>("clusterMaterials", surfaces.clusterMaterials);
   chunk.meshPlaces = uploader.upload<uint32_t>("meshPlaces", surfaces.meshPlaces);
   chunk.trianglePlaces = uploader.upload<uint32_t>("trianglePlaces", surfaces.trianglePlaces);
+  if (!surfaces.textureCoordinates.empty())
+    chunk.textureCoordinates = uploader.upload<float>("textureCoordinates", surfaces.textureCoordinates);
   meshPlaces_.push_back(std::move(surfaces.meshPlaces));
 }
 
@@ -56,7 +58,8 @@ uint64_t Geometry::bytes() const {
   uint64_t sum = 0;
   for (const GeometryChunk& chunk : chunks_)
     sum += chunk.groups.bytes() + chunk.clusters.bytes() + chunk.positions.bytes() + chunk.triangleCorners.bytes() +
-           chunk.clusterMaterials.bytes() + chunk.meshPlaces.bytes() + chunk.trianglePlaces.bytes();
+           chunk.clusterMaterials.bytes() + chunk.meshPlaces.bytes() + chunk.trianglePlaces.bytes() +
+           chunk.textureCoordinates.bytes();
   return sum;
 }
 

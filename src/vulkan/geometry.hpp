@@ -19,12 +19,13 @@ struct GeometryChunk {
   Buffer clusterMaterials;
   Buffer meshPlaces;
   Buffer trianglePlaces;
+  Buffer textureCoordinates;
 };
 
 class Geometry {
  public:
-  /// `surfaces`: with the tables that lead from a triangle's owner to the triangle.
-  Geometry(const Device& device, const Scene& scene, bool surfaces);
+  /// `surfaces`: with the tables that lead from a triangle's owner to the triangle. `holes`: with those of textures.
+  Geometry(const Device& device, const Scene& scene, bool surfaces, bool holes);
 
   const std::vector<GeometryChunk>& chunks() const { return chunks_; }
   size_t clusterCount() const { return packed_.clusterCount(); }

@@ -17,7 +17,7 @@ Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout) :
   for (const GeometryChunk& chunk : geometry.chunks()) {
     const Buffer* buffers[] = {&chunk.groups,          &chunk.clusters,         &chunk.positions,
                                &chunk.triangleCorners, &chunk.clusterMaterials, &chunk.meshPlaces,
-                               &chunk.trianglePlaces,  &chunk.positions};
+                               &chunk.trianglePlaces,  &chunk.textureCoordinates};
     // What nothing is planned for is bound to something: no pipeline reads it.
     for (const Buffer*& buffer : buffers)
       if (!buffer->handle()) buffer = &chunk.groups;

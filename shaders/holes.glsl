@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Holes that a texture cuts into a surface: alpha MASK of glTF. Alpha is that of the texel that holds the point.
+
+// Of AlphaImage::Wrap.
+const uint kWrapRepeat = 0, kWrapMirror = 1, kWrapClamp = 2;
+
+float wrapped(float value, uint wrap) {
+  if (wrap == kWrapClamp) return clamp(value, 0.0, 1.0);
+  precise float once = value - floor(value);
+  if (wrap == kWrapRepeat) return once;
+  precise float back = 1.0 - once;
+  return (int(floor(value)) & 1) == 0 ? once : back;
+}
+
+float alphaAt(uint image, vec2 uv) {
+  uvec4 at = alphaImages[image];
+  precise vec2 place = vec2(wrapped(uv.x, at.w & 0xff), wrapped(uv.y, at.w >> 8)) * vec2(at.xy);
+  uvec2 texel = min(uvec2(place), at.xy - 1);
+  uint number = at.z + texel.y * at.x + texel.x;
+  return float(texels[number / 4] >> (8 * (number % 4)) & 0xff) * (1.0 / 255.0);
+}
+
+// `weights` are those of the corners, not yet divided by their sum.
+bool isHole(Optics4 surface, uint projected, vec3 weights) {
+  float alpha = surface.passage.z;
+  uint image = floatBitsToUint(surface.passage.w);
+  if (image != kNone) {
+    precise float sum = weights.x + weights.y + weights.z;
+    precise vec3 w = weights * quotient(1.0, sum);
+    vec4 ab = projectedTexture[2 * projected];
+    vec2 c = projectedTexture[2 * projected + 1].xy;
+    precise vec2 uv = w.x * ab.xy + w.y * ab.zw + w.z * c;
+    precise float product_ = alpha * alphaAt(image, uv);
+    alpha = product_;
+  }
+  return alpha < surface.passage.y;
+}
