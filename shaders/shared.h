@@ -246,7 +246,8 @@ struct InstanceMotion {
   vec4 bound;  // x: metres that any of its points goes during the scan, at most
 };
 
-// The sensor when a column fires: the column's frame = rows * (point, 1), points being in the frame of the scan's middle.
+// The sensor when a column fires: the column's frame = rows * (point, 1), points being in the frame of the scan's
+// middle.
 struct ColumnMotion {
   vec4 row0, row1, row2;
   vec4 report0, report1, report2;  // the frame that points are reported in = report * (point of the column's frame, 1)

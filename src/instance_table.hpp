@@ -77,8 +77,8 @@ class InstanceTable {
   /// Per kOwnerBlock placed triangles: the first and the last instance among them.
   size_t ownerRangeCount() const { return size_t{numberCount_} / gpu::kOwnerBlock + 1; }
   void writeOwnerRanges(uint32_t* ranges) const;
-  /// Of every instance: how it moves in the sensor's frame during `period` seconds to where `motions` says; those it does
-  /// not name stand still. Returns how far any point goes, in metres.
+  /// Of every instance: how it moves in the sensor's frame during `period` seconds to where `motions` says; those it
+  /// does not name stand still. Returns how far any point goes, in metres.
   double writeMotions(const Pose& pose, std::span<const InstanceMotion> motions, double period,
                       gpu::InstanceMotion* to) const;
   /// The mesh of every instance; that of a removed one is the one after the last.

@@ -3,6 +3,8 @@
 // CUDA device where there is one. The hard cases ask the same, see requireRight().
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
 
 #include "cuda/twin.hpp"
@@ -184,4 +186,38 @@ TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products no 
   requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
   options.device = "cuda-fast:0";
   requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
+}
+
+// Minutes long with a folder of real scenes.
+TEST_CASE("cuda: every scene of the folder GNOSPHERE_SCENES has Vulkan's bytes on CUDA's kernels") {
+  const char* folder = std::getenv("GNOSPHERE_SCENES");
+  if (folder == nullptr) SKIP("GNOSPHERE_SCENES names no folder of scenes");
+  needVulkan();
+  SimulatorOptions options = vulkanOptions();
+  options.accuracy = Accuracy::exact;
+  const Sensor sensor = gridSensor(360, 32, -40, 25, 200);
+  size_t scenes = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string ending = entry.path().extension().string();
+    if (ending != ".glb" && ending != ".gltf" && ending != ".obj" && ending != ".ply" && ending != ".stl") continue;
+    Scene scene;
+    try {
+      scene = loadScene(entry.path());
+    } catch (const Error&) {
+      continue;
+    }
+    const Bounds bounds = worldBounds(scene);
+    if (bounds.empty() || scene.placedTriangleCount() > 300'000) continue;
+    INFO(entry.path().string());
+    const auto middle = [](double low, double high) { return (low + high) / 2; };
+    const Pose pose = {{middle(bounds.min.x, bounds.max.x), middle(bounds.min.y, bounds.max.y),
+                        bounds.min.z + 0.3 * (bounds.max.z - bounds.min.z)},
+                       {0.02, 0.01, 0.3, 0.95}};
+    Simulator vulkan(scene, sensor, options);
+    CudaOnHost onHost(scene, {sensor}, options);
+    CHECK(sameBytes(vulkan.scan(pose), onHost.scan(pose, 0)));
+    ++scenes;
+  }
+  WARN(scenes << " scenes");
+  CHECK(scenes > 0);
 }

@@ -119,8 +119,8 @@ struct DeviceInfo {
   std::string reason;  ///< why not, where it is not usable
 };
 
-/// Every Vulkan device of this machine, then every CUDA device where CUDA is built in, and the reference last. Never throws for lack of Vulkan: the list then holds
-/// the reference alone, and `vulkanProblem` says why.
+/// Every Vulkan device of this machine, then every CUDA device where CUDA is built in, and the reference last. Never
+/// throws for lack of Vulkan: the list then holds the reference alone, and `vulkanProblem` says why.
 std::vector<DeviceInfo> listDevices(std::string* vulkanProblem = nullptr);
 
 /// Bytes on the device, by what they hold.

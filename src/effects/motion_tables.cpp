@@ -16,7 +16,8 @@ struct Frame {
   glm::dvec3 place;
 
   explicit Frame(const Pose& pose)
-      : quaternion(glm::normalize(glm::dquat(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z))),
+      : quaternion(
+            glm::normalize(glm::dquat(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z))),
         turn(glm::mat3_cast(quaternion)),
         place(pose.position.x, pose.position.y, pose.position.z) {}
 };

@@ -15,8 +15,9 @@ struct MotionTables {
   gpu::MotionBounds bounds = {};  ///< `instances` is left 0
 };
 
-/// `moves`: by Shot::motion; else only lasers away from the origin and instances are in motion. With `deskew` points are
-/// reported from the shot's pose. A channel's time offset is not looked at: all lasers of a column see from one place.
+/// `moves`: by Shot::motion; else only lasers away from the origin and instances are in motion. With `deskew` points
+/// are reported from the shot's pose. A channel's time offset is not looked at: all lasers of a column see from one
+/// place.
 MotionTables makeMotionTables(const Sensor& sensor, const Shot& shot, bool moves, bool deskew);
 
 }  // namespace gnosphere

@@ -31,8 +31,8 @@ struct PlannedEffects {
   /// Nothing but geometry.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
   bool sameStages(const PlannedEffects& other) const {
-    return bits == other.bits && fields == other.fields && returns == other.returns && subRays == other.subRays && looksAtMaterials == other.looksAtMaterials &&
-           motion() == other.motion();
+    return bits == other.bits && fields == other.fields && returns == other.returns && subRays == other.subRays &&
+           looksAtMaterials == other.looksAtMaterials && motion() == other.motion();
   }
 
   bool origins = false;           ///< lasers leave the head from elsewhere than its origin

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <optional>
 #include <deque>
+#include <optional>
 
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
@@ -161,8 +161,8 @@ class VulkanBackend final : public Backend {
     const bool sensorMoves = !shot.motion.stamps.empty() && (planned.has(gpu::kSensorMotion) || planned.speeds());
     if (!sensorMoves && !instancesMove && !planned.origins) return {};
     ShotMotion motion;
-    motion.tables = makeMotionTables(setup.sensor, shot, planned.has(gpu::kSensorMotion),
-                                     setup.effects.sensorMotion.deskew);
+    motion.tables =
+        makeMotionTables(setup.sensor, shot, planned.has(gpu::kSensorMotion), setup.effects.sensorMotion.deskew);
     if (instancesMove) {
       motion.instances.resize(geometry_.instances().count());
       motion.farthest = geometry_.instances().writeMotions(motion.tables.middle, shot.instanceMotions,
@@ -194,7 +194,8 @@ class VulkanBackend final : public Backend {
     }
     commands.begin();
     for (SensorState& part : parts) {
-      const FrameInFlight& frame = part.prepare(index, shot, motion ? &*motion : nullptr, geometry_.instances().count(), slot.placed, visible_);
+      const FrameInFlight& frame =
+          part.prepare(index, shot, motion ? &*motion : nullptr, geometry_.instances().count(), slot.placed, visible_);
       commands.bindSet(0, frame.set);
       stages_.record(commands, part, slot.placed, use);
       readBack(commands, part, frame);
@@ -221,7 +222,7 @@ class VulkanBackend final : public Backend {
       slot.commands.readTimings(result.timings);
       uint64_t firstBeam = 0;
       for (const SensorState& part : parts) {
-        readResults(part, part.inFlight(index), geometry_.instances(), firstBeam, result);
+        readResults(part, part.inFlight(index), geometry_.instances(), shots[i], firstBeam, result);
         firstBeam += part.frame().beams;
       }
       result.counters.reused = slot.reused;

@@ -72,7 +72,9 @@ uint64_t bytesPerBeam(const PlannedEffects& planned) {
 
 EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, std::span<const gpu::Row> rows,
                            const Sensor& part, uint64_t firstBeam, bool copied)
-    : device_(device), setup_(setup), parameters_(effectParameters(setup.effects, setup.sensor, setup.planned.bits)),
+    : device_(device),
+      setup_(setup),
+      parameters_(effectParameters(setup.effects, setup.sensor, setup.planned.bits)),
       subRays_(subRays(setup.effects, setup.sensor, setup.planned.bits)) {
   parameters_.sensor = setup.sensorIndex;
   parameters_.firstBeam = static_cast<uint32_t>(firstBeam);
@@ -161,8 +163,8 @@ void EffectsState::prepare(EffectsFrame& frame, const Shot& shot, const ShotMoti
     write<gpu::ColumnMotion>(frame.columnMotions, motion->tables.columns);
     write<gpu::MotionBounds>(frame.motionBounds, {&motion->tables.bounds, 1});
     if (frame.instanceMotions.bytes() < motion->instances.size() * sizeof(gpu::InstanceMotion))
-      frame.instanceMotions = Buffer(device_, "instanceMotions", motion->instances.size() * sizeof(gpu::InstanceMotion),
-                                     Memory::upload);
+      frame.instanceMotions =
+          Buffer(device_, "instanceMotions", motion->instances.size() * sizeof(gpu::InstanceMotion), Memory::upload);
     if (!motion->instances.empty()) write<gpu::InstanceMotion>(frame.instanceMotions, motion->instances);
   }
   if (frame.parameters.handle()) {

@@ -26,7 +26,7 @@ struct EffectsSetup {
   Effects effects;
   std::vector<gpu::Optics4> optics;     ///< per material
   std::vector<AlphaImage> alphaImages;  ///< only where holes are planned
-  Sensor sensor;               ///< the whole of it
+  Sensor sensor;                        ///< the whole of it
   uint32_t sensorIndex = 0;
 };
 
@@ -59,6 +59,7 @@ class EffectsState {
                uint64_t firstBeam, bool copied);
 
   const PlannedEffects& planned() const { return setup_.planned; }
+  const EffectsSetup& setup() const { return setup_; }
   /// Radians: how far a beam spreads or strays from its axis, at most.
   float footprint() const;
   /// Room for so many projected triangles.

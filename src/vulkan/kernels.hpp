@@ -22,9 +22,9 @@ struct Kernels {
   Kernel projectTriangles;
   std::vector<Kernel> bin;
   std::vector<Kernel> scan;
-  std::optional<Kernel> resolve;    ///< or footprint
+  std::optional<Kernel> resolve;  ///< or footprint
   std::optional<Kernel> footprint;
-  std::optional<Kernel> surfaces;   ///< not with footprint, which looks at them itself
+  std::optional<Kernel> surfaces;  ///< not with footprint, which looks at them itself
   std::optional<Kernel> effects;
 };
 

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <thread>
+
+#include "effects/motion.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -64,17 +68,54 @@ void readSignals(const gpu::vec4* signals, uint64_t first, uint64_t count, uint3
   }
 }
 
-void readSurfaces(const gpu::vec4* surfaces, uint64_t first, uint64_t count, Scan& scan) {
-  if (!surfaces) return;
+// Unit vectors of beams in the frame that points are reported in. Mostly that of the point; but not where lasers leave
+// from beside the sensor's origin, where points are moved off their beams or told from another pose.
+class Directions {
+ public:
+  Directions(const EffectsSetup& setup, const Shot& shot, const Scan& scan)
+      : setup_(setup),
+        shot_(shot),
+        scan_(scan),
+        turned_(setup.planned.has(gpu::kSensorMotion) && setup.effects.sensorMotion.deskew &&
+                !shot.motion.stamps.empty()) {
+    atPoint_ = !turned_ && !setup.planned.origins && !setup.planned.has(gpu::kAngleNoise);
+  }
+
+  glm::vec3 of(uint64_t entry) const {
+    if (atPoint_) {
+      const float* point = &scan_.points[3 * entry];
+      return glm::vec3(point[0], point[1], point[2]) / scan_.ranges[entry];
+    }
+    const uint64_t beam = entry / scan_.returns;
+    const Vec3 d = setup_.sensor.direction(beam);
+    glm::dvec3 direction(d.x, d.y, d.z);
+    if (turned_) {
+      const double time =
+          setup_.sensor.rotationPeriod * static_cast<double>(beam % setup_.sensor.columns) / setup_.sensor.columns;
+      direction = glm::conjugate(turnOf(shot_.pose)) * (turnOf(poseAt(shot_.motion, shot_.pose, time)) * direction);
+    }
+    return glm::vec3(direction);
+  }
+
+ private:
+  static glm::dquat turnOf(const Pose& pose) {
+    const Quaternion& q = pose.orientation;
+    return glm::normalize(glm::dquat(q.w, q.x, q.y, q.z));
+  }
+
+  const EffectsSetup& setup_;
+  const Shot& shot_;
+  const Scan& scan_;
+  bool turned_, atPoint_;
+};
+
+void readSurfaces(const gpu::vec4* surfaces, const Directions& directions, uint64_t first, uint64_t count, Scan& scan) {
   for (uint64_t i = 0; i < count; ++i) {
     const gpu::vec4& surface = surfaces[i];
     const bool hit = scan.triangles[first + i] != kNoTriangle;
-    const float* point = &scan.points[3 * (first + i)];
-    float* normal = &scan.normals[3 * (first + i)];
-    normal[0] = hit ? surface.x : NAN;
-    normal[1] = hit ? surface.y : NAN;
-    normal[2] = hit ? surface.z : NAN;
-    const float along = -(normal[0] * point[0] + normal[1] * point[1] + normal[2] * point[2]) / scan.ranges[first + i];
+    const glm::vec3 normal = hit ? glm::vec3(surface.x, surface.y, surface.z) : glm::vec3(NAN);
+    std::copy_n(&normal.x, 3, &scan.normals[3 * (first + i)]);
+    const float along = hit ? -glm::dot(normal, directions.of(first + i)) : NAN;
     scan.incidences[first + i] = std::acos(std::clamp(along, 0.0f, 1.0f));
     scan.materials[first + i] = hit ? std::bit_cast<uint32_t>(surface.w) : kNoTriangle;
   }
@@ -133,8 +174,8 @@ void clearResult(std::span<const SensorState> parts, const Instances& instances,
   scan.counters.degenerate = parts.size() * placed.degenerate;
 }
 
-void readResults(const SensorState& part, const FrameInFlight& frame, const Instances& instances, uint64_t firstBeam,
-                 Scan& scan) {
+void readResults(const SensorState& part, const FrameInFlight& frame, const Instances& instances, const Shot& shot,
+                 uint64_t firstBeam, Scan& scan) {
   const uint32_t returns = part.planned().returns;
   const auto* points = mapped<gpu::vec4>(part, frame, gpu::kBindPoints);
   const auto* owners = mapped<std::array<uint32_t, 2>>(part, frame, gpu::kBindOwners);
@@ -154,7 +195,8 @@ void readResults(const SensorState& part, const FrameInFlight& frame, const Inst
       scan.instances[to + i] = owners[i][1];
     }
     readSignals(signals ? signals + first : nullptr, to + first, end - first, returns, scan);
-    readSurfaces(surfaces ? surfaces + first : nullptr, to + first, end - first, scan);
+    if (surfaces)
+      readSurfaces(surfaces + first, Directions(part.effects()->setup(), shot, scan), to + first, end - first, scan);
     readMotions(motions ? motions + first : nullptr, to + first, end - first, scan);
     readBarycentrics(barycentrics ? barycentrics + first : nullptr, to + first, end - first, scan);
   });

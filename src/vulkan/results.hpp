@@ -9,8 +9,8 @@ namespace gnosphere::vulkan {
 /// What does not come from the device, and room for what does. Arrays keep theirs.
 void clearResult(std::span<const SensorState> parts, const Instances& instances, Scan& scan);
 
-/// Arrays and counters of one part, whose beams begin at `firstBeam`.
-void readResults(const SensorState& part, const FrameInFlight& frame, const Instances& instances, uint64_t firstBeam,
-                 Scan& scan);
+/// Arrays and counters of one part of a shot's sensor, whose beams begin at `firstBeam`.
+void readResults(const SensorState& part, const FrameInFlight& frame, const Instances& instances, const Shot& shot,
+                 uint64_t firstBeam, Scan& scan);
 
 }  // namespace gnosphere::vulkan

@@ -6,7 +6,6 @@
 #include <limits>
 #include <span>
 
-
 namespace gnosphere::vulkan {
 namespace {
 

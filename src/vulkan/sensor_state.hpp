@@ -61,6 +61,8 @@ class SensorState {
   }
   std::span<const Output> outputs() const { return outputs_; }
   const PlannedEffects& planned() const { return planned_; }
+  /// Null where nothing but geometry is planned.
+  const EffectsState* effects() const { return effects_.get(); }
   /// The words as the still instances leave them: empty until there is room.
   const Buffer& stillWords() const { return stillWords_; }
   void makeStillWords();

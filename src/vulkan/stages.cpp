@@ -15,8 +15,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 Stages::Stages(const Device& device, const Geometry& geometry, Layout& layout) : device_(device) {
   for (const GeometryChunk& chunk : geometry.chunks()) {
-    const Buffer* buffers[] = {&chunk.groups,          &chunk.clusters,         &chunk.positions,
-                               &chunk.triangleCorners, &chunk.clusterMaterials, &chunk.meshPlaces,
+    const Buffer* buffers[] = {&chunk.groups,          &chunk.clusters,          &chunk.positions,
+                               &chunk.triangleCorners, &chunk.clusterMaterials,  &chunk.meshPlaces,
                                &chunk.trianglePlaces,  &chunk.textureCoordinates};
     // What nothing is planned for is bound to something: no pipeline reads it.
     for (const Buffer*& buffer : buffers)
@@ -144,7 +144,8 @@ void Stages::count(Plan& plan, const SensorState& state) const {
     if (stage.name == "bin")
       stage.dispatches = shells - 1 + static_cast<uint32_t>(kernels.bin.size() + kernels.scan.size());
     if (stage.name == "resolve") stage.dispatches = 1;
-    if (stage.name == "effects") stage.dispatches = (kernels.footprint ? 1 : 0) + (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);
+    if (stage.name == "effects")
+      stage.dispatches = (kernels.footprint ? 1 : 0) + (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);
   }
 }
 

@@ -2,6 +2,9 @@
 // Random numbers belong to a seed, a sensor, a frame, a beam and an effect, and to nothing else.
 #include <catch2/generators/catch_generators.hpp>
 
+#include "effects/beam_signal.hpp"
+#include "effects/device_parameters.hpp"
+#include "effects/planned.hpp"
 #include "effects/scan_support.hpp"
 #include "town/town.hpp"
 
@@ -112,6 +115,47 @@ TEST_CASE("an effect switched on or off changes no other's draws") {
   }
   CHECK(both > 500);
   CHECK(lost > 200);
+}
+
+// The formulas are one text. Here the device runs it on what it hit, and the host on the same hits.
+TEST_CASE("the device and the host give the same bytes for the same hits and seed") {
+  needVulkan();
+  Effects effects = noisy();
+  effects.transmission.use = effects.cutOuts.use = effects.divergence.use = Use::off;
+  effects.angleNoise = {};
+  effects.volumes = {};
+  effects.returns.use = Use::off;
+  effects.intensity = {Use::on, Effects::Intensity::Model::carla, Effects::Intensity::Scale::unit};
+  const SimulatorOptions options = optionsFor("vulkan", effects);
+  SimulatorOptions bareOptions = optionsOn("vulkan");
+  const Sensor sensor = narrow();
+  const Scan bare = scanOf(town(), sensor, kPose, bareOptions), scan = scanOf(town(), sensor, kPose, options);
+  const PlannedEffects planned = planEffects(options, sensor, town());
+  gpu::EffectParameters parameters = effectParameters(effects, sensor, planned.bits);
+  parameters.returnsPerBeam = 1;
+  const std::vector<uint32_t> dead = deadBeamBits(effects, sensor);
+  const auto bits = [](float value) { return std::bit_cast<uint32_t>(value); };
+  for (uint32_t beam = 0; beam < bare.beamCount(); ++beam) {
+    const gpu::Echo echo = {bare.ranges[beam], 1, parameters.pulseWidth, 1, 0};
+    gpu::Return result = {};
+    gpu::BeamSignal signal;
+    signal.EFFECTS = planned.bits;
+    signal.echoes = std::span(&echo, bare.hit(beam) ? 1 : 0);
+    signal.returns = std::span(&result, 1);
+    signal.deadBeams = dead;
+    const Vec3 direction = sensor.direction(beam);
+    uint32_t count = 0;
+    const uint32_t cause = signal.signalsOf(parameters, beam, glm::vec3(direction.x, direction.y, direction.z),
+                                            static_cast<uint32_t>(signal.echoes.size()), count);
+    INFO("beam " << beam);
+    REQUIRE(scan.causes[beam] == cause);
+    REQUIRE(scan.labels[beam] == result.label);
+    REQUIRE(bits(scan.ranges[beam]) == bits(result.range));
+    REQUIRE(bits(scan.trueRanges[beam]) == bits(result.trueRange));
+    REQUIRE(bits(scan.intensities[beam]) == bits(result.intensity));
+    REQUIRE(bits(scan.widths[beam]) == bits(result.width));
+  }
+  CHECK(scan.counters.hits > 500);
 }
 
 }  // namespace gnosphere::test

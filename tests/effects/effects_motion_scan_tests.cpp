@@ -171,8 +171,7 @@ TEST_CASE("a drive through a town with traffic is that of the reference") {
     shot.instanceMotions.push_back({i, translation(0.8, -0.3, 0.02) * scene.instances[i].transform});
   const Scan reference = scanned("reference", scene, sensor, shot, deskew);
   const Scan other = scanned("vulkan", scene, sensor, shot, deskew);
-  // Not the incidence: the device reads it off the reported point, which does not lie on the beam.
-  const Differences found = differences(reference, other, {1e-4, 5e-4, 4});
+  const Differences found = differences(reference, other, {1e-4, 5e-4, 2e-3});
   INFO("ties " << found.ties << ", causes " << found.causes << ", returns " << found.returns << ", owners "
                << found.owners << ", ranges " << found.ranges << ", points " << found.points << ", surfaces "
                << found.surfaces << ", speeds " << found.speeds << " of " << found.beams << "; first: " << found.first);

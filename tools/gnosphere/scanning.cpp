@@ -91,7 +91,8 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   app.add_option("--up", options.up, "The scene's upward axis (default: what its format says)")
       ->check(CLI::IsMember({"y", "z"}));
   app.add_option("--scale", options.scale, "Scene units in metres")->capture_default_str();
-  app.add_option("--device", options.device, "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
+  app.add_option("--device", options.device,
+                 "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
       ->capture_default_str();
   app.add_flag("--validation", options.validation, "Vulkan validation layer on; its messages are errors");
 }

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is not planned is not there: no pipeline, constant, buffer or dispatch knows of it.
+#include <catch2/catch_test_macros.hpp>
+
+#include "effects/plan.h"
+#include "scan_support.hpp"
+
+namespace gnosphere::test {
+
+namespace {
+
+bool operator==(const Plan::Pipeline& a, const Plan::Pipeline& b) {
+  return a.name == b.name && a.constants == b.constants;
+}
+
+/// Stages, pipelines with their specialisation, buffers with their bytes, dispatches.
+bool sameWork(const Plan& a, const Plan& b) {
+  const auto sameStage = [](const Plan::Stage& x, const Plan::Stage& y) {
+    return x.name == y.name && x.dispatches == y.dispatches &&
+           std::equal(x.pipelines.begin(), x.pipelines.end(), y.pipelines.begin(), y.pipelines.end(),
+                      [](const auto& p, const auto& q) { return p == q; });
+  };
+  const auto sameBuffer = [](const Plan::Buffer& x, const Plan::Buffer& y) {
+    return x.name == y.name && x.bytes == y.bytes;
+  };
+  return std::equal(a.stages.begin(), a.stages.end(), b.stages.begin(), b.stages.end(), sameStage) &&
+         std::equal(a.buffers.begin(), a.buffers.end(), b.buffers.begin(), b.buffers.end(), sameBuffer) &&
+         a.bytes() == b.bytes() && a.dispatches() == b.dispatches() && a.binning == b.binning && a.returns == b.returns;
+}
+
+/// A wall, of a material that may be glass or have holes.
+Scene wall(float transmission, AlphaMode mode) {
+  Scene scene;
+  Mesh mesh;
+  mesh.positions = {10, -5, -5, 10, 5, -5, 10, 5, 5, 10, -5, 5};
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  mesh.uvs = {0, 0, 1, 0, 1, 1, 0, 1};
+  mesh.parts = {{0, 2, 0}};
+  scene.meshes = {mesh};
+  scene.materials.emplace_back();
+  scene.materials[0].transmission = transmission;
+  scene.materials[0].alphaMode = mode;
+  if (mode == AlphaMode::mask) {
+    scene.alphaImages.push_back({2, 1, {0, 255}});
+    scene.materials[0].alphaImage = 0;
+  }
+  scene.instances.resize(1);
+  return scene;
+}
+
+/// One that states everything that an effect may ask of a sensor.
+Sensor able() {
+  Sensor sensor = findSensor("VLP-16");
+  sensor.columns = 360;
+  sensor.divergenceHorizontal = 3e-3;
+  sensor.divergenceVertical = 1.5e-3;
+  sensor.maxReturns = 3;
+  sensor.rotationPeriod = 0.1;
+  return sensor;
+}
+
+/// Everything, all at once.
+Effects everything() {
+  Effects effects;
+  for (const char* assignment :
+       {"intensity=on", "detection=on", "drop-out.general_rate=0.1", "range-noise.sigma=0.02",
+        "angle-noise.azimuth=0.001", "angle-noise.at=point", "intensity-noise.sigma=0.01", "divergence.sub_rays=7",
+        "returns=on", "transmission=on", "cut-outs=on", "sensor-motion=on", "object-motion=on", "fog.visibility=200",
+        "rain.rate=5", "snow.rate=2", "radial-speed=on"})
+    assign(effects, assignment);
+  effects.volumes.use = Use::on;
+  effects.volumes.boxes = {{{1, -1, -1}, {2, 1, 1}, 0.1}};
+  return effects;
+}
+
+Plan planOf(const Scene& scene, const Sensor& sensor, const Effects& effects) {
+  SimulatorOptions options = optionsOn("vulkan");
+  options.effects = effects;
+  return Simulator(scene, sensor, options).plan();
+}
+
+Scene glassWithHoles() {
+  Scene scene = wall(0.5f, AlphaMode::mask);
+  scene.materials.push_back(scene.materials[0]);
+  scene.materials[0].alphaMode = AlphaMode::opaque;
+  scene.materials[0].alphaImage = kNoImage;
+  scene.materials[1].transmission = 0;
+  scene.meshes[0].parts = {{0, 1, 0}, {1, 1, 1}};
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("an effect that is off is in no constant, and geometry alone is what it always was") {
+  needVulkan();
+  const Scene scene = glassWithHoles();
+  const Plan bare = planOf(scene, able(), Effects::none());
+  for (const Plan::Stage& stage : bare.stages) {
+    CHECK(stage.name != "effects");
+    for (const Plan::Pipeline& pipeline : stage.pipelines)
+      for (size_t constant : {8, 9}) CHECK(pipeline.constants.at(constant) == 0);  // EFFECTS, FIELDS
+  }
+  for (const std::string& name : effectNames()) {
+    INFO(name);
+    Effects effects = Effects::none();
+    assign(effects, name + "=off");
+    CHECK(sameWork(planOf(scene, able(), effects), bare));
+  }
+}
+
+TEST_CASE("an effect that cannot be shown costs what one that is off costs") {
+  needVulkan();
+  const Scene plain = wall(0, AlphaMode::opaque);
+  const Sensor sensor = findSensor("VLP-16");
+  CHECK(sameWork(planOf(plain, sensor, Effects{}), planOf(plain, sensor, Effects::none())));
+}
+
+TEST_CASE("each effect that is taken out of all takes its bit out of every pipeline") {
+  needVulkan();
+  const Scene scene = glassWithHoles();
+  const Plan all = planOf(scene, able(), everything());
+  for (const Plan::Decision& decision : all.effects) {
+    INFO(decision.effect << ": " << decision.reason);
+    CHECK(decision.in);
+  }
+  for (size_t i = 0; i < effectNames().size(); ++i) {
+    INFO(effectNames()[i]);
+    if (effectNames()[i] == "intensity") continue;  // the others need it
+    Effects effects = everything();
+    assign(effects, effectNames()[i] + "=off");
+    const Plan plan = planOf(scene, able(), effects);
+    CHECK(!plan.has(effectNames()[i]));
+    CHECK(plan.bytes() <= all.bytes());
+    for (const Plan::Stage& stage : plan.stages)
+      for (const Plan::Pipeline& pipeline : stage.pipelines) CHECK((pipeline.constants.at(8) >> i & 1) == 0);
+  }
+}
+
+TEST_CASE("auto plans what the scene calls for: glass, holes and neither give three pipelines") {
+  needVulkan();
+  const Sensor sensor = findSensor("VLP-16");
+  const Plan glass = planOf(wall(0.5f, AlphaMode::opaque), sensor, Effects{});
+  const Plan holes = planOf(wall(0, AlphaMode::mask), sensor, Effects{});
+  const Plan plain = planOf(wall(0, AlphaMode::opaque), sensor, Effects{});
+  CHECK(glass.has("transmission"));
+  CHECK(!glass.has("cut-outs"));
+  CHECK(holes.has("cut-outs"));
+  CHECK(!holes.has("transmission"));
+  CHECK(!sameWork(glass, holes));
+  CHECK(!sameWork(glass, plain));
+  CHECK(!sameWork(holes, plain));
+  CHECK(plain.dispatches() < holes.dispatches());
+}
+
+}  // namespace gnosphere::test
