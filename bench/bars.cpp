@@ -15,10 +15,13 @@ using cli::formatted;
 // Pixels: names to the left of the axis, values to the right of their bars.
 constexpr double kLeft = 190, kBars = 500, kValues = 70, kRow = 19, kBar = 13, kFoot = 44;
 
-/// 1, 2 or 5 times a power of ten: about five of them up to `most`.
-double stepOf(double most) {
-  const double rough = most / 5, decade = std::pow(10, std::floor(std::log10(rough)));
-  return decade * (rough / decade < 1.5 ? 1 : rough / decade < 3.5 ? 2 : rough / decade < 7.5 ? 5 : 10);
+/// 1, 2 and 5 times every power of ten between the two.
+std::vector<double> ticksOf(double low, double high) {
+  std::vector<double> ticks;
+  for (int e = static_cast<int>(std::floor(std::log10(low))); e <= std::log10(high); ++e)
+    for (double step : {1, 2, 5})
+      if (const double tick = step * std::pow(10, e); tick >= low && tick <= high) ticks.push_back(tick);
+  return ticks;
 }
 
 std::string textAt(double x, double y, const char* anchor, const std::string& text, const char* more = "") {
@@ -36,12 +39,19 @@ std::string toSvg(const BarChart& chart) {
   std::vector<Bar> bars;
   for (const Bar& bar : chart.bars)
     if (bar.value > 0 && std::isfinite(bar.value)) bars.push_back(bar);
-  double most = chart.mark;
-  for (const Bar& bar : bars) most = std::max({most, bar.value, bar.high});
+  double least = chart.mark, most = chart.mark;
+  for (const Bar& bar : bars) {
+    least = std::min(least, bar.value);
+    most = std::max({most, bar.value, bar.high});
+  }
+  least *= 0.9;  // some air; whiskers may be cut off there
+  most *= 1.01;
   const double top = 40 + 14 * static_cast<double>(chart.notes.size());
   const double bottom = top + kRow * static_cast<double>(bars.size());
   const double width = kLeft + kBars + kValues, height = bottom + kFoot;
-  const auto at = [most](double value) { return kLeft + kBars * value / most; };
+  const auto at = [=](double value) {
+    return kLeft + kBars * std::log(std::max(value, least) / least) / std::log(most / least);
+  };
 
   std::string out = formatted(
       "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f' viewBox='0 0 %.0f %.0f' "
@@ -50,19 +60,19 @@ std::string toSvg(const BarChart& chart) {
   out += textAt(18, 24, "start", chart.title, " font-size='15' font-weight='bold'");
   for (size_t i = 0; i < chart.notes.size(); ++i)
     out += textAt(18, 42 + 14 * static_cast<double>(i), "start", chart.notes[i], " fill='#555555'");
-  const double step = stepOf(most);
-  for (double tick = 0; tick <= most; tick += step) {
+  for (double tick : ticksOf(least, most)) {
     out += lineFrom(at(tick), top, at(tick), bottom, "#e3e3e3");
     out += textAt(at(tick), bottom + 15, "middle", formatted("%.4g", tick));
   }
   for (size_t i = 0; i < bars.size(); ++i) {
     const Bar& bar = bars[i];
     const double y = top + kRow * static_cast<double>(i) + (kRow - kBar) / 2, middle = y + kBar / 2;
-    out += formatted("<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='#0072b2'/>\n", kLeft, y,
-                     at(bar.value) - kLeft, kBar);
+    const double end = at(bar.value), from = std::min(end, at(chart.mark)), to = std::max(end, at(chart.mark));
+    out += formatted("<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='#56b4e9'/>\n", from, y, to - from, kBar);
     if (bar.low < bar.high) out += lineFrom(at(bar.low), middle, at(bar.high), middle, "#222222");
     out += textAt(kLeft - 6, middle + 4, "end", bar.name);
-    out += textAt(at(std::max(bar.value, bar.high)) + 5, middle + 4, "start", formatted("%.2f", bar.value));
+    out +=
+        textAt(at(std::max({bar.value, bar.high, chart.mark})) + 5, middle + 4, "start", formatted("%.2f", bar.value));
   }
   out += lineFrom(at(chart.mark), top, at(chart.mark), bottom, "#d55e00");
   out += textAt(kLeft + kBars / 2, bottom + 33, "middle", chart.xLabel);

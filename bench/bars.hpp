@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Horizontal bars as self-contained SVG: what is compared has a name rather than a place on an axis.
+// Horizontal bars as self-contained SVG, over a logarithmic axis: what is compared has a name rather than a place on
+// another one.
 #pragma once
 
 #include <string>
@@ -10,14 +11,14 @@ namespace gnosphere::bench {
 struct Bar {
   std::string name;
   double value = 0;          ///< positive; what is not is left out
-  double low = 0, high = 0;  ///< a whisker, where they differ
+  double low = 0, high = 0;  ///< a whisker, where they differ; cut off at the axis' end
 };
 
 struct BarChart {
   std::string title;
   std::vector<std::string> notes;  ///< lines under the title
   std::string xLabel;
-  double mark = 1;  ///< a line across all bars: the value that they are measured by
+  double mark = 1;  ///< where bars begin: the value that they are measured by; positive
   std::vector<Bar> bars;
 };
 

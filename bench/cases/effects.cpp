@@ -19,12 +19,12 @@ constexpr const char* kManyScans = "19 bare scans";
 
 /// A request that takes part, and what its scans took.
 struct Runner {
-  std::string name;
+  std::string name, effect;  ///< of effectNames(), or empty
   Simulator simulator;
   std::vector<Shot> shots;  ///< one per pose
   uint32_t scans = 1;       ///< of one go
   Scan scan = {};
-  std::vector<double> totalMs = {}, deviceMs = {}, ratios = {};  ///< per round; ratios are to the bare scan's time
+  std::vector<double> totalMs = {}, deviceMs = {}, ratios = {};  ///< per go; ratios are to the bare scan's before it
   std::map<std::string, std::vector<double>> stageMs = {};
 
   /// What has not run for a while finds nothing of its own in the caches, so the first scan is not timed.
@@ -47,16 +47,15 @@ struct Runner {
   }
 };
 
-/// The first is the bare one.
+/// The first is the bare one, which has its turn before each of the others: what else the machine does falls on both.
 void race(std::vector<Runner>& runners, const char* what, uint32_t rounds) {
   const auto progress = cli::stepProgress();
+  runners[0].ratios = {1};
   for (uint32_t round = 0; round < rounds; ++round) {
     progress(what, round + 1, rounds);
-    double bare = 0;
-    for (Runner& runner : runners) {
-      const double ms = runner.run(round);
-      if (&runner == &runners[0]) bare = ms;
-      runner.ratios.push_back(ms / bare);
+    for (size_t i = 1; i < runners.size(); ++i) {
+      const double bare = runners[0].run(round);
+      runners[i].ratios.push_back(runners[i].run(round) / bare);
     }
   }
 }
@@ -130,7 +129,7 @@ class CostOfEffects {
       const std::vector<Shot> shots = shotsOf(request);  // what moves is told, too
       request.intensity.use = Use::off;
       assign(request, effect + "=off");
-      Runner off = {effect + " off", simulator(request, {}), shots};
+      Runner off = {effect + " off", effect, simulator(request, {}), shots};
       off.simulator.scan(off.shots[0], off.scan);
       if (made(off.simulator) != plan) refuse(off.name, "its plan is not that of a bare scan");
       if (!sameBytes(off.scan.points, answer.points) || !sameBytes(off.scan.ranges, answer.ranges) ||
@@ -147,7 +146,7 @@ class CostOfEffects {
     runners.push_back(bare("bare"));
     const Scan answer = runners[0].scan;
     for (const Variant& variant : variants_) {
-      Runner on = {variant.name, simulator(variant.request, variant.fields), shotsOf(variant.request)};
+      Runner on = {variant.name, variant.effect, simulator(variant.request, variant.fields), shotsOf(variant.request)};
       const Plan plan = on.simulator.plan();
       if (!variant.effect.empty() && !plan.has(variant.effect)) {
         session_.addNote(variant.name + ": " + reasonOf(plan, variant.effect));
@@ -183,7 +182,7 @@ class CostOfEffects {
 
   /// It has scanned from the first pose.
   Runner bare(const char* name) const {
-    Runner bare = {name, simulator(Effects::none(), {}), shotsOf(Effects::none())};
+    Runner bare = {name, "", simulator(Effects::none(), {}), shotsOf(Effects::none())};
     bare.simulator.scan(bare.shots[0], bare.scan);
     return bare;
   }
@@ -218,7 +217,7 @@ class CostOfEffects {
 
 /// What the goes of one runner, or of several that do the same, come to.
 struct Row {
-  std::string name;
+  std::string name, effect;
   Spread totalMs, deviceMs, ratio;
   std::vector<StageTime> stages;  ///< medians
   uint64_t bytes = 0;
@@ -226,7 +225,7 @@ struct Row {
 };
 
 Row rowOf(const Runner& runner) {
-  Row row = {runner.name, spreadOf(runner.totalMs), spreadOf(runner.deviceMs), spreadOf(runner.ratios)};
+  Row row = {runner.name, runner.effect, spreadOf(runner.totalMs), spreadOf(runner.deviceMs), spreadOf(runner.ratios)};
   for (const StageTime& stage : runner.scan.timings.stages)
     row.stages.push_back({stage.name, spreadOf(runner.stageMs.at(stage.name)).median});
   row.bytes = runner.simulator.plan().bytes();
@@ -238,6 +237,7 @@ Row rowOf(const Runner& runner) {
 Row offRow(std::vector<Runner>& runners) {
   Runner& all = runners[1];
   all.name = "off";
+  all.effect.clear();
   for (size_t i = 2; i < runners.size(); ++i) {
     all.totalMs.insert(all.totalMs.end(), runners[i].totalMs.begin(), runners[i].totalMs.end());
     all.deviceMs.insert(all.deviceMs.end(), runners[i].deviceMs.begin(), runners[i].deviceMs.end());
@@ -252,6 +252,7 @@ Json rowJson(const Row& row) {
   Json stages = Json::object();
   for (const StageTime& stage : row.stages) stages[stage.name] = rounded(stage.ms);
   return {{"name", row.name},
+          {"effect", row.effect},
           {"total_ms", {{"median", rounded(row.totalMs.median)}, {"min", rounded(row.totalMs.min)}}},
           {"device_ms", row.deviceMs.median > 0 ? Json(rounded(row.deviceMs.median)) : Json()},
           {"stages_ms", stages},
