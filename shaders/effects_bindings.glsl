@@ -14,6 +14,7 @@ WORK(kBindInstanceMotions, readonly, InstanceMotion, instanceMotions);
 WORK(kBindColumnMotions, readonly, ColumnMotion, columnMotions);
 // Per beam up to kMaxEchoes of what its footprint met, in order of range:
 WORK(kBindEchoCounts, , uint, echoCounts);
+WORK(kBindHardBeams, , uint, hardBeams);                  // beams, row by row, that the footprint's second pass does
 WORK(kBindEchoes, , vec4, echoes);                        // range, energy, width, cosine of the incidence
 WORK(kBindEchoOwners, , uvec2, echoOwners);               // as owners
 WORK(kBindEchoSurfaces, , vec4, echoSurfaces);            // as surfaces

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage effects, first pass, in place of resolve. One invocation per beam: what its sub-rays meet among the candidates,
-// all of which they share, then what of it comes back as one echo. Built for 1, 7, 19, 37 and 61 sub-rays; those that
+// all of which they share, then what of it comes back as one echo. PASS 0 does the beams whose whole footprint lies on one
+// triangle, most of them, and lists the others for PASS 1: so no beam waits for a neighbour that is harder. Built for 1, 7, 19, 37 and 61 sub-rays; those that
 // a footprint has not carry no energy.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -25,10 +27,11 @@
 #include "owner.glsl"
 #include "each_ray.glsl"
 #include "holes.glsl"
+#include "lanes.glsl"
 
 layout(local_size_x = 64) in;
 
-#define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical)
+bool looksAtMaterials;
 const float kNothing = 3e38;
 const float kUnseen = -1.0;  // energy of what lets all light pass: no piece of any echo
 
@@ -40,7 +43,7 @@ float left[RAYS], up[RAYS], lengths[RAYS], weights[RAYS], carried[RAYS], passed[
 // What they have met, layer by layer: range (kNothing for nothing), share of the beam's energy, and the candidate.
 const uint kPieces = RAYS * kMaxLayers;
 float ranges[kPieces], energies[kPieces];
-uint metCandidates[kPieces];
+uint metIds[kPieces], metCandidates[kPieces];
 
 uint idOf(uint projected) { return floatBitsToUint(projectedA[projected].w) & 0x7fffffffu; }
 
@@ -77,7 +80,8 @@ vec3 normalOf(vec3 a, vec3 b, vec3 c) {
   return unitTowardsOrigin(crossOf(u, v), a);
 }
 
-bool inWindow(float range) { return range >= frame.rangeMin && range <= frame.rangeMax; }
+// What is asked of every sub-ray has no branches: and and or of what is computed already.
+float rangeMin, rangeMax;
 
 // Watertight as in inside_watertight.glsl: sub-ray (1, u, v) shears every corner by the same operations.
 bool meetSubRay(Candidate candidate, float u, float v, float length_, out float range, out vec3 side) {
@@ -91,7 +95,10 @@ bool meetSubRay(Candidate candidate, float u, float v, float length_, out float 
   bool averted = all(greaterThanEqual(side, vec3(0.0)));
   precise float along = quotient(weighted, sum) * length_;
   range = max(along, candidate.rangeMin);
-  return (facing || (averted && !candidate.oneSided)) && sum != 0.0 && along > 0.0 && inWindow(range);
+  bool bothSided = !candidate.oneSided, ahead = along > 0.0, flat_ = sum == 0.0;
+  bool near = range >= rangeMin, far = range <= rangeMax;
+  bool seen = facing || (averted && bothSided);
+  return seen && !flat_ && ahead && near && far;
 }
 
 // A supporting plane in the beam's frame: normal, not a unit vector, and its distance times that vector's length.
@@ -120,7 +127,8 @@ bool meetPlane(Candidate candidate, vec4 plane, float u, float v, float length_,
   precise float along = plane.x + u * plane.y + v * plane.z;
   precise float depth = quotient(plane.w, along) * length_;
   range = max(depth, candidate.rangeMin);
-  return depth > 0.0 && inWindow(range);
+  bool ahead = depth > 0.0, near = range >= rangeMin, far = range <= rangeMax;
+  return ahead && near && far;
 }
 
 // Cosine of a sub-ray's incidence on a surface with this normal: ahead, left, up.
@@ -141,23 +149,23 @@ bool isBehind(float range, uint piece) {
   return range > before;
 }
 
-// A sub-ray meets a candidate at a range; true if it is the nearest so far.
-bool offer(bool met, float range, Candidate candidate, uint projected, uint layer, uint s) {
+// A sub-ray meets a candidate at a range: is it the nearest so far?
+void offer(bool met, float range, uint id, uint projected, uint layer, uint s) {
   uint piece = layer * RAYS + s;
-  met = met && carried[s] > 0.0;
-  if (layer > 0 && met) met = isBehind(range, piece - RAYS);
-  met = met && (range < ranges[piece] || (range == ranges[piece] && candidate.id < idOf(metCandidates[piece])));
-  if (met) {
-    ranges[piece] = range;
-    metCandidates[piece] = projected;
-  }
-  return met;
+  bool lit = carried[s] > 0.0, nearer = range < ranges[piece], even = range == ranges[piece];
+  bool first = id < metIds[piece], behind = true;
+  if (layer > 0) behind = isBehind(range, piece - RAYS);
+  bool taken = met && lit && behind && (nearer || (even && first));
+  ranges[piece] = taken ? range : ranges[piece];
+  metIds[piece] = taken ? id : metIds[piece];
+  metCandidates[piece] = taken ? projected : metCandidates[piece];
 }
 
 // The light that a surface throws back of a sub-ray, and what it lets through.
-void share(Optics4 surface, vec3 normal, uint layer, uint s) {
+void share(Optics4 surface, vec3 normal, uint projected, uint layer, uint s) {
+  if (metCandidates[layer * RAYS + s] != projected) return;
   float energy = carried[s];
-  if (LOOKS_AT_MATERIALS) energy = product(energy, reflected(surface, cosineOf(normal, left[s], up[s], lengths[s])));
+  if (looksAtMaterials) energy = product(energy, reflected(surface, cosineOf(normal, left[s], up[s], lengths[s])));
   energies[layer * RAYS + s] = energy;
   if (LAYERS > 1) {
     passed[s] = product(carried[s], transmitted(surface));
@@ -168,7 +176,6 @@ void share(Optics4 surface, vec3 normal, uint layer, uint s) {
 // Tries a candidate on every sub-ray. Returns how far a further one may be to count.
 float consider(uint projected, Beam beam, uint layer) {
   Candidate candidate = candidateOf(projected, beam);
-  uvec2 taken = uvec2(0);  // a bit per sub-ray
   float farthest = 0.0;
   float range;
   bool met, mask = false;
@@ -180,52 +187,92 @@ float consider(uint projected, Beam beam, uint layer) {
   }
   vec4 plane = planeOf(candidate);
   if (coversFootprint(candidate) && !mask) {
-#define OFFER_PLANE(s)                                                          \
-  met = meetPlane(candidate, plane, left[s], up[s], lengths[s], range);         \
-  if (offer(met, range, candidate, projected, layer, s)) taken[s / 32] |= 1u << (s % 32);
+#define OFFER_PLANE(s)                                                  \
+  met = meetPlane(candidate, plane, left[s], up[s], lengths[s], range); \
+  offer(met, range, candidate.id, projected, layer, s);
     EACH_RAY(OFFER_PLANE)
   } else {
-#define OFFER(s)                                                         \
-  met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);  \
+#define OFFER(s)                                                                       \
+  met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);                \
   if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, projected, side); \
-  if (offer(met, range, candidate, projected, layer, s)) taken[s / 32] |= 1u << (s % 32);
+  offer(met, range, candidate.id, projected, layer, s);
     EACH_RAY(OFFER)
   }
-#define FARTHEST(s) \
-  if (carried[s] > 0.0) farthest = max(farthest, ranges[layer * RAYS + s]);
+  bool taken = false, mine;
+#define FARTHEST(s)                                                                \
+  farthest = max(farthest, carried[s] > 0.0 ? ranges[layer * RAYS + s] : 0.0); \
+  mine = metCandidates[layer * RAYS + s] == projected;                           \
+  taken = taken || mine;
   EACH_RAY(FARTHEST)
-  if ((taken.x | taken.y) == 0) return farthest;
+  if (!taken) return farthest;
   Optics4 surface = optics[projectedMaterials[projected]];
   vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
-#define SHARE(s) \
-  if ((taken[s / 32] >> (s % 32) & 1u) != 0) share(surface, normal, layer, s);
+#define SHARE(s) share(surface, normal, projected, layer, s);
   EACH_RAY(SHARE)
   return farthest;
 }
 
-// Best first, as resolve does: what stays behind everything met is skipped.
-void findLayer(uint start, uint end, Beam beam, uint layer) {
-#define FORGET(s)                        \
-  ranges[layer * RAYS + s] = kNothing; \
-  energies[layer * RAYS + s] = 0.0;    \
-  passed[s] = 0.0;
-  EACH_RAY(FORGET)
-  uint next = kNone;
-  float nextRangeMin = kNothing;
+// The candidate that comes nearest to the sensor, most likely the hit; kNone of none.
+uint bestOf(uint start, uint end) {
+  uint best = kNone;
+  float bestRangeMin = kNothing;
   for (uint k = start; k < end; ++k) {
-    float rangeMin = projectedB[candidates[k]].w;
-    if (next == kNone || rangeMin < nextRangeMin) {
-      next = k;
-      nextRangeMin = rangeMin;
+    float nearest = projectedB[candidates[k]].w;
+    if (best == kNone || nearest < bestRangeMin) {
+      best = k;
+      bestRangeMin = nearest;
     }
   }
-  // Each lane goes to the next candidate that it must try before any lane tries one.
-  uint best = next, k = start;
+  return best;
+}
+
+void forget(uint layer) {
+#define FORGET(s)                            \
+  ranges[layer * RAYS + s] = kNothing;     \
+  energies[layer * RAYS + s] = 0.0;        \
+  metIds[layer * RAYS + s] = kNone;        \
+  metCandidates[layer * RAYS + s] = kNone; \
+  passed[s] = 0.0;
+  EACH_RAY(FORGET)
+}
+
+// Best first, as resolve does: what stays behind everything met is skipped. Each lane goes to the next candidate that it
+// must try before any lane tries one.
+void findLayer(uint start, uint end, Beam beam, uint layer) {
+  forget(layer);
+  uint best = bestOf(start, end), next = best, k = start;
   while (next < end) {
     float farthest = consider(candidates[next], beam, layer);
     while (k < end && (k == best || projectedB[candidates[k]].w > farthest)) ++k;
     next = k++;
   }
+}
+
+// The whole footprint lies on the best candidate, and nothing else can be in front of it. False if that is not so.
+bool findWithinOne(uint start, uint end, Beam beam) {
+  forget(0);
+  uint best = bestOf(start, end);
+  if (best == kNone) return true;
+  uint projected = candidates[best];
+  Optics4 surface = optics[projectedMaterials[projected]];
+  Candidate candidate = candidateOf(projected, beam);
+  bool holed = (EFFECTS & kCutOuts) != 0 && surface.passage.y > 0.0, clear = LAYERS > 1 && transmitted(surface) > 0.0;
+  if (holed || clear || !coversFootprint(candidate)) return false;
+  vec4 plane = planeOf(candidate);
+  float farthest = 0.0, range;
+  bool all_ = true, met;
+#define MEET(s)                                                         \
+  met = meetPlane(candidate, plane, left[s], up[s], lengths[s], range); \
+  offer(met, range, candidate.id, projected, 0, s);                     \
+  farthest = max(farthest, range);                                      \
+  all_ = all_ && met;
+  EACH_RAY(MEET)
+  for (uint k = start; k < end && all_; ++k) all_ = k == best || projectedB[candidates[k]].w > farthest;
+  if (!all_) return false;
+  vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
+#define SHARE_ONE(s) share(surface, normal, projected, 0, s);
+  EACH_RAY(SHARE_ONE)
+  return true;
 }
 
 // Returns whether any light goes on.
@@ -360,27 +407,53 @@ void aim(uint beam, Beam axis) {
   EACH_RAY(LIGHT)
 }
 
-void main() {
-#define LOAD(s) loadSubRay(s);
-  EACH_RAY(LOAD)
-  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  for (uint index = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; index < frame.beams;
-       index += stride) {
-    uint row = index / frame.columns, column = index % frame.columns;
-    beamRow = row;
-    beamColumn = column;
-    vec4 angles = rows[row].angles, offset = rows[row].offset;
-    uint beam = uint(angles.w) * frame.columns + column;
-    Beam axis = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
-    // Lists that were too small end early: the host makes room and runs the scan again.
-    uint end = min(listEnds[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds[index - 1], end);
-    aim(beam, axis);
+// False if the beam is left to the next pass.
+bool finish(uint index) {
+  uint row = index / frame.columns, column = index % frame.columns;
+  beamRow = row;
+  beamColumn = column;
+  vec4 angles = rows[row].angles, offset = rows[row].offset;
+  uint beam = uint(angles.w) * frame.columns + column;
+  Beam axis = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
+  // Lists that were too small end early: the host makes room and runs the scan again.
+  uint end = min(listEnds[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds[index - 1], end);
+  aim(beam, axis);
+  if (PASS == 0) {
+    [[unroll]] for (uint layer = 1; layer < LAYERS; ++layer) forget(layer);
+    if (!findWithinOne(start, end, axis)) return false;
+  } else {
     bool lit = true;
     [[unroll]] for (uint layer = 0; layer < LAYERS; ++layer) {
       findLayer(start, lit ? end : start, axis, layer);
       lit = goOn(layer);
     }
     if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
-    gatherEchoes(beam, axis.azimuth);
+  }
+  gatherEchoes(beam, axis.azimuth);
+  return true;
+}
+
+void main() {
+#define LOAD(s) loadSubRay(s);
+  EACH_RAY(LOAD)
+  rangeMin = frame.rangeMin;
+  rangeMax = frame.rangeMax;
+  looksAtMaterials = (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical;
+  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x, count = PASS == 0 ? frame.beams : counters.hardBeams;
+  uint rounds = (count + stride - 1) / stride;
+  for (uint round_ = 0; round_ < rounds; ++round_) {
+    uint i = round_ * stride + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+    bool hard = false;
+    uint index = 0;
+    if (i < count) {
+      index = PASS == 0 ? i : hardBeams[i];
+      hard = !finish(index);
+    }
+    if (PASS != 0) continue;
+    uvec4 ballot = subgroupBallot(hard);
+    uint slot = 0;
+    if (subgroupElect()) slot = atomicAdd(counters.hardBeams, subgroupBallotBitCount(ballot));
+    slot = slotAfter(slot, ballot);
+    if (hard) hardBeams[slot] = index;
   }
 }

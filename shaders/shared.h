@@ -154,7 +154,8 @@ GNO_CONST uint kBindEchoSurfaces = 41;
 GNO_CONST uint kBindRowOrigins = 42;
 GNO_CONST uint kBindMotionBounds = 43;
 GNO_CONST uint kBindProjectedTexture = 44;
-GNO_CONST uint kWorkBindingCountEffects = 45;
+GNO_CONST uint kBindHardBeams = 45;
+GNO_CONST uint kWorkBindingCountEffects = 46;
 // Set 1: one chunk of the scene.
 GNO_CONST uint kBindGroups = 0;
 GNO_CONST uint kBindClusters = 1;
@@ -227,7 +228,7 @@ struct Counters {
   uint visibleGroups, visible;       // of a chunk in a shell; set back for the next
   uint causes[6];                    // beams by Cause, where effects judge them
   uint lostEchoes;                   // beyond kMaxEchoes of a beam
-  uint padding0;
+  uint hardBeams;                    // whose footprint does not lie on one triangle
 };
 
 // Push constants of `project`: a chunk of the scene and a shell, which is what lies at distances

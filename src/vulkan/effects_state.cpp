@@ -96,6 +96,7 @@ EffectsState::EffectsState(const Device& device, const EffectsSetup& setup, std:
       lines.push_back({ray.u, ray.v, ray.weight, std::sqrt(1 + ray.u * ray.u + ray.v * ray.v)});
     lines.resize(kMostSubRays, {0, 0, 0, 1});  // those that a module has and the footprint has not
     buffers_[gpu::kBindSubRays] = uploader.upload<gpu::vec4>("subRays", lines);
+    make(gpu::kBindHardBeams, "hardBeams", beams * sizeof(uint32_t));
     make(gpu::kBindEchoCounts, "echoCounts", beams * sizeof(uint32_t));
     make(gpu::kBindEchoes, "echoes", beams * gpu::kMaxEchoes * sizeof(gpu::vec4));
     make(gpu::kBindEchoOwners, "echoOwners", beams * gpu::kMaxEchoes * 2 * sizeof(uint32_t));

@@ -89,7 +89,8 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
       scan.emplace_back(device, layout, "scan", ::scan, options, pass);
   }
   if (planned.footprint())
-    footprint.emplace(device, layout, "effects_footprint", footprintOf(planned.subRays, moving), options);
+    for (uint32_t pass : {0, 1})
+      footprint.emplace_back(device, layout, "effects_footprint", footprintOf(planned.subRays, moving), options, pass);
   else
     resolve.emplace(device, layout, "resolve", resolveOf(float64, moving), options, way);
   if (planned.surfaces() && !planned.footprint())

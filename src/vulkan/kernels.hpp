@@ -23,7 +23,7 @@ struct Kernels {
   std::vector<Kernel> bin;
   std::vector<Kernel> scan;
   std::optional<Kernel> resolve;  ///< or footprint
-  std::optional<Kernel> footprint;
+  std::vector<Kernel> footprint;
   std::optional<Kernel> surfaces;  ///< not with footprint, which looks at them itself
   std::optional<Kernel> effects;
 };

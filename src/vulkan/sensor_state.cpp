@@ -262,25 +262,24 @@ void SensorState::addTo(MemoryUse& use) const {
 }
 
 void SensorState::describe(Plan& plan) const {
-  const auto pipelines = [](const char* stage, std::initializer_list<const Kernel*> kernels) {
-    Plan::Stage result = {stage, 0, {}};
-    for (const Kernel* kernel : kernels)
-      result.pipelines.push_back({kernel->name(), {kernel->constants().begin(), kernel->constants().end()}});
-    return result;
+  const auto add = [&](const Kernel& kernel) {
+    plan.stages.back().pipelines.push_back({kernel.name(), {kernel.constants().begin(), kernel.constants().end()}});
   };
   const Kernels& k = *kernels_[planned_.motion()];
-  plan.stages.push_back(
-      pipelines("project", {&k.projectGroups, &k.projectClusters, &k.projectOccluders, &k.projectTriangles}));
-  plan.stages.push_back(pipelines("bin", {}));
+  plan.stages.push_back({"project", 0, {}});
+  for (const Kernel* kernel : {&k.projectGroups, &k.projectClusters, &k.projectOccluders, &k.projectTriangles})
+    add(*kernel);
+  plan.stages.push_back({"bin", 0, {}});
   for (const std::vector<Kernel>* kernels : {&k.bin, &k.scan})
-    for (const Kernel& kernel : *kernels)
-      plan.stages.back().pipelines.push_back({kernel.name(), {kernel.constants().begin(), kernel.constants().end()}});
-  if (k.resolve) plan.stages.push_back(pipelines("resolve", {&*k.resolve}));
-  if (k.footprint || k.surfaces || k.effects) plan.stages.push_back(pipelines("effects", {}));
-  for (const std::optional<Kernel>* kernel : {&k.footprint, &k.surfaces, &k.effects})
-    if (*kernel)
-      plan.stages.back().pipelines.push_back(
-          {(*kernel)->name(), {(*kernel)->constants().begin(), (*kernel)->constants().end()}});
+    for (const Kernel& kernel : *kernels) add(kernel);
+  if (k.resolve) {
+    plan.stages.push_back({"resolve", 0, {}});
+    add(*k.resolve);
+  }
+  if (!k.footprint.empty() || k.surfaces || k.effects) plan.stages.push_back({"effects", 0, {}});
+  for (const Kernel& kernel : k.footprint) add(kernel);
+  for (const std::optional<Kernel>* kernel : {&k.surfaces, &k.effects})
+    if (*kernel) add(**kernel);
   for (size_t i = 0; i < buffers_.size(); ++i)
     if (buffers_[i].bytes() > 0) plan.buffers.push_back({buffers_[i].name(), buffers_[i].bytes()});
   for (size_t i = 0; i < inFlight_[0].results.size(); ++i)

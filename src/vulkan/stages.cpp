@@ -123,8 +123,8 @@ void Stages::resolve(Commands& commands, const SensorState& state) const {
 
 void Stages::effects(Commands& commands, const SensorState& state) const {
   const uint32_t groups = (state.frame().columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns;
-  if (state.kernels().footprint)
-    commands.dispatch(*state.kernels().footprint, std::min(8 * groupCount(), state.frame().beams));
+  for (const Kernel& pass : state.kernels().footprint)
+    commands.dispatch(pass, std::min(8 * groupCount(), state.frame().beams));
   if (state.kernels().surfaces)
     for (VkDescriptorSet chunk : chunkSets_) {
       commands.bindSet(1, chunk);
@@ -145,7 +145,7 @@ void Stages::count(Plan& plan, const SensorState& state) const {
       stage.dispatches = shells - 1 + static_cast<uint32_t>(kernels.bin.size() + kernels.scan.size());
     if (stage.name == "resolve") stage.dispatches = 1;
     if (stage.name == "effects")
-      stage.dispatches = (kernels.footprint ? 1 : 0) + (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);
+      stage.dispatches = static_cast<uint32_t>(kernels.footprint.size()) + (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);
   }
 }
 
