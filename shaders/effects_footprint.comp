@@ -185,19 +185,11 @@ float consider(uint projected, Beam beam, uint layer) {
     holed = optics[projectedMaterials[projected]];
     mask = holed.passage.y > 0.0;
   }
-  vec4 plane = planeOf(candidate);
-  if (coversFootprint(candidate) && !mask) {
-#define OFFER_PLANE(s)                                                  \
-  met = meetPlane(candidate, plane, left[s], up[s], lengths[s], range); \
-  offer(met, range, candidate.id, projected, layer, s);
-    EACH_RAY(OFFER_PLANE)
-  } else {
 #define OFFER(s)                                                                       \
   met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);                \
   if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, projected, side); \
   offer(met, range, candidate.id, projected, layer, s);
-    EACH_RAY(OFFER)
-  }
+  EACH_RAY(OFFER)
   bool taken = false, mine;
 #define FARTHEST(s)                                                                \
   farthest = max(farthest, carried[s] > 0.0 ? ranges[layer * RAYS + s] : 0.0); \
@@ -206,7 +198,7 @@ float consider(uint projected, Beam beam, uint layer) {
   EACH_RAY(FARTHEST)
   if (!taken) return farthest;
   Optics4 surface = optics[projectedMaterials[projected]];
-  vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
+  vec3 normal = unitTowardsOrigin(planeOf(candidate).xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
 #define SHARE(s) share(surface, normal, projected, layer, s);
   EACH_RAY(SHARE)
   return farthest;

@@ -145,7 +145,8 @@ void Stages::count(Plan& plan, const SensorState& state) const {
       stage.dispatches = shells - 1 + static_cast<uint32_t>(kernels.bin.size() + kernels.scan.size());
     if (stage.name == "resolve") stage.dispatches = 1;
     if (stage.name == "effects")
-      stage.dispatches = static_cast<uint32_t>(kernels.footprint.size()) + (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);
+      stage.dispatches =
+          static_cast<uint32_t>(kernels.footprint.size()) + (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);
   }
 }
 
