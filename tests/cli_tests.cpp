@@ -88,7 +88,8 @@ TEST_CASE("statistics are JSON with the names of the design, on stdout alone if 
     CHECK(stats.at("scene").contains(key));
   }
   CHECK(stats.at("sensor").at("beams") == 28800);
-  for (const char* key : {"stages", "accuracy", "binning", "bytes"}) CHECK(stats.at("plan").contains(key));
+  for (const char* key : {"effects", "stages", "accuracy", "binning", "bytes", "dispatches"})
+    CHECK(stats.at("plan").contains(key));
   CHECK(stats.at("frame").at("runs") == 3);
   CHECK(stats.at("frame").at("wall_ms").at("min") <= stats.at("frame").at("wall_ms").at("median"));
   CHECK(stats.at("frame").contains("gpu_ms"));

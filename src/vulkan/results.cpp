@@ -51,6 +51,7 @@ void readCounters(const SensorState& part, const gpu::Counters& device, uint64_t
   result.culledBetweenBeams += device.culledBetweenBeams;
   result.projected += uint64_t{device.projectedSmall} + device.projectedLarge;
   result.candidates += device.candidates;
+  result.lostEchoes += device.lostEchoes;
   result.integerSides += device.integerSides;
   result.integerRanges += device.integerRanges;
 }

@@ -69,12 +69,17 @@ constexpr NamedCount kCounters[] = {
     {"candidates", &Counters::candidates},
     {"integer_sides", &Counters::integerSides},
     {"integer_ranges", &Counters::integerRanges},
+    {"lost_echoes", &Counters::lostEchoes},
     {"retries", &Counters::retries},
 };
+
+/// By Cause.
+constexpr const char* kCauses[kCauseCount] = {"returned", "no_surface", "weak", "attenuated", "dropped_out", "dead"};
 
 Json countersJson(const Counters& counters) {
   Json json;
   for (const NamedCount& counter : kCounters) json[counter.name] = counters.*counter.count;
+  for (size_t i = 0; i < kCauseCount; ++i) json["causes"][kCauses[i]] = counters.causes[i];
   return json;
 }
 
@@ -123,6 +128,24 @@ void printTimes(const ScanReport& report) {
   say("time", text);
 }
 
+/// Beams without a return, by cause; empty where no effect can lose one.
+std::string lostText(const Counters& counters) {
+  constexpr const char* kWords[kCauseCount] = {"", "met nothing", "too weak", "attenuated", "dropped out", "dead"};
+  std::string text;
+  for (size_t i = 1; i < kCauseCount; ++i)
+    if (counters.causes[i] > 0) text += (text.empty() ? "" : ", ") + grouped(counters.causes[i]) + " " + kWords[i];
+  if (counters.lostEchoes > 0) text += (text.empty() ? "" : "; ") + grouped(counters.lostEchoes) + " beams had more echoes";
+  return text;
+}
+
+/// "transmission (3 of 48 materials let light through), intensity (needed by transmission)"; empty where geometry is all.
+std::string effectsIn(const Plan& plan) {
+  std::string text;
+  for (const Plan::Decision& decision : plan.effects)
+    if (decision.in) text += (text.empty() ? "" : ", ") + decision.effect + " (" + decision.reason + ")";
+  return text;
+}
+
 }  // namespace
 
 void printSummary(const ScanReport& report) {
@@ -143,8 +166,10 @@ void printSummary(const ScanReport& report) {
                            : formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z)) +
                     grouped(report.scan.channels) + " channels x " + grouped(report.scan.columns) + " columns, " +
                     formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
+  if (const std::string effects = effectsIn(report.simulator.plan()); !effects.empty()) say("effects", effects);
   say("hits", grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" +
                   percent(counters.hits, counters.beams) + ")");
+  if (const std::string lost = lostText(counters); !lost.empty()) say("lost", lost);
   if (!moves) printTriangles(counters);
   printTimes(report);
   if (moves)
@@ -165,14 +190,12 @@ std::string statsJson(const ScanReport& report) {
   stats["sensor"] = sensorJson(report.sensor);
   stats["sensor"]["bytes"] = memory.sensor;
   if (report.trajectory.empty()) stats["pose"] = toJson(report.scan.pose);
-  Json names = Json::array();
   Json times = Json::object();
   for (const Stage& stage : stages(report)) {
-    names.push_back(stage.name);
     times[stage.name] = stage.medianMs;
   }
-  stats["plan"] = {
-      {"stages", names}, {"accuracy", report.accuracy}, {"binning", report.binning}, {"bytes", memory.work}};
+  stats["plan"] = Json::parse(toJson(report.simulator.plan()));
+  stats["plan"]["accuracy"] = report.accuracy;
   if (report.choice) stats["plan"]["max_error"] = choiceJson(*report.choice);
   const auto wall = collect(report.runs, [](const Timings& run) { return run.wallMs; });
   const auto gpu = collect(report.runs, [](const Timings& run) { return run.gpuMs; });
