@@ -42,6 +42,31 @@ TEST_CASE("a trajectory gives the files that its poses give one by one") {
   }
 }
 
+TEST_CASE("a sensor that takes time for a turn goes on along the trajectory meanwhile, and each scan draws anew") {
+  const Workplace place;
+  place.put("t.tum", "0 0 0 1.8 0 0 0 1\n0.05 1 0 1.8 0 0 0 1\n0.1 2 0 1.8 0 0 0 1\n5 2 0 1.8 0 0 0 1\n");
+  auto sensor = nlohmann::json::parse(place.run("sensors VLP-16").out);
+  sensor["rotation_period"] = 0.1;
+  place.put("spin.json", sensor.dump());
+  const std::string quick = " --device reference --sensor spin.json";
+  REQUIRE(place.run("scan floor.obj --trajectory t.tum -o a.csv" + quick).status == 0);
+  REQUIRE(place.run("scan floor.obj --trajectory t.tum -o b.csv --effect sensor-motion=off" + quick).status == 0);
+  CHECK(place.get("a-000000.csv") != place.get("b-000000.csv"));
+  CHECK(place.get("a-000003.csv") == place.get("b-000003.csv"));  // nothing comes after the last pose
+
+  REQUIRE(
+      place
+          .run("scan floor.obj --trajectory t.tum -o n.csv --effect sensor-motion=off --effect range-noise.sigma=0.1" +
+               quick)
+          .status == 0);
+  CHECK(place.get("n-000002.csv") != place.get("n-000003.csv"));  // the same pose, another frame
+
+  place.put("back.tum", "1 0 0 1.8 0 0 0 1\n0.5 1 0 1.8 0 0 0 1\n");
+  const Result result = place.run("scan floor.obj --trajectory back.tum -o c.csv" + quick);
+  CHECK(result.status != 0);
+  CHECK_THAT(result.err, ContainsSubstring("0.5 does not come after 1"));
+}
+
 TEST_CASE("statistics of a trajectory are alone on stdout if asked for") {
   const Workplace place;
   place.put("t.tum", kThree);

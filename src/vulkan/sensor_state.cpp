@@ -3,33 +3,12 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <span>
+
+#include "scan_options.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
-
-// The share of the range that is binned first. Measured on towns: from 0.3 on more hides little more.
-constexpr float kNearShell = 0.35f;
-// What hides costs a look at every beam; that pays from so many triangles per beam on, and so many in all.
-constexpr double kTrianglesPerBeam = 0.125;
-constexpr uint64_t kShellTriangles = 100'000;
-// Room for projected triangles to begin with. Measured on towns: one for 8 beams of an HDL-64E, and fewer for more.
-constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
-
-Exactness partsOf(const SimulatorOptions& options) {
-  return options.exactness.value_or(exactnessOf(options.accuracy));
-}
-
-// The paper culls triangle by triangle.
-uint32_t cullingBits(const SimulatorOptions& options) {
-  const Exactness parts = partsOf(options);
-  if (parts.bounds == Exactness::Bounds::paper || parts.cull == Exactness::Cull::firstCorner) return 0;
-  const Culling& culling = options.culling;
-  return (culling.range ? gpu::kCullRange : 0) | (culling.rows ? gpu::kCullRows : 0) |
-         (culling.columns ? gpu::kCullColumns : 0) | (culling.cones ? gpu::kCullCones : 0) |
-         (culling.occlusion != Culling::Occlusion::never ? gpu::kCullOccluded : 0);
-}
 
 Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, const PlannedEffects& planned) {
   // The enumerations of the public API and the constants of shared.h count alike.
@@ -53,26 +32,10 @@ uint64_t projectedCount(const gpu::Counters& counters) {
   return uint64_t{counters.projectedSmall} + counters.projectedLarge;
 }
 
-static_assert(static_cast<uint32_t>(Exactness::Bounds::exact) == gpu::kBoundsExact);
-static_assert(static_cast<uint32_t>(Exactness::Cull::nearestPoint) == gpu::kCullNearestPoint);
-static_assert(static_cast<uint32_t>(Exactness::Inside::exact) == gpu::kInsideExact);
-static_assert(static_cast<uint32_t>(Exactness::Range::exact) == gpu::kRangeExact);
-static_assert(static_cast<uint32_t>(Faces::both) == gpu::kFacesBoth);
-
 }  // namespace
 
 uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned) {
-  if (planned.footprint()) return gpu::kWayLists;
-  switch (options.binning) {
-    case Binning::lists: return gpu::kWayLists;
-    case Binning::nearest32: return gpu::kWayNearest32;
-    case Binning::automatic:
-      // Candidates per beam, as the paper has it.
-      if (partsOf(options).bounds == Exactness::Bounds::paper) return gpu::kWayLists;
-      break;
-    case Binning::nearest: break;
-  }
-  return int64Atomics ? gpu::kWayNearest : gpu::kWayNearest32;
+  return planned.footprint() ? gpu::kWayLists : gnosphere::chooseWay(options, int64Atomics);
 }
 
 // Who looks at surfaces needs the transforms of what stands still, too.
@@ -106,21 +69,10 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     effects_ = std::make_unique<EffectsState>(device, setup, tables_.rows, sensor, firstBeam, !readsInPlace());
     tables_.frame.footprint = effects_->footprint();
   }
-  shellBorder_ = shellBorder(geometry, options);
-  reach_ = cullingBits(options) & gpu::kCullRange ? tables_.frame.rangeMax : std::numeric_limits<double>::infinity();
+  shellBorder_ = gnosphere::shellBorder(options, way, tables_.frame, geometry.instances().counters().triangles);
+  reach_ = reachOf(options, tables_.frame);
   makeBuffers(geometry);
   inFlight_.push_back(makeFrame());
-}
-
-// Where every hit of a beam counts, nothing hides anything.
-float SensorState::shellBorder(const Geometry& geometry, const SimulatorOptions& options) const {
-  const uint64_t triangles = geometry.instances().counters().triangles;
-  const bool pays = triangles >= kShellTriangles &&
-                    static_cast<double>(triangles) >= kTrianglesPerBeam * static_cast<double>(tables_.frame.beams);
-  const bool possible = way_ != gpu::kWayLists && (cullingBits(options) & gpu::kCullOccluded) != 0;
-  return possible && (pays || options.culling.occlusion == Culling::Occlusion::always)
-             ? tables_.frame.rangeMax * kNearShell
-             : 0;
 }
 
 void SensorState::makeBuffers(const Geometry& geometry) {
@@ -146,8 +98,7 @@ void SensorState::makeBuffers(const Geometry& geometry) {
     for (const Output& output : outputs_)
       if (output.binding < buffers_.size()) make(output.binding, "results", beams * output.bytesPerBeam);
   // First guesses; growLists() makes room for what a scan turns out to need.
-  growProjected(std::min(geometry.instances().counters().triangles,
-                         std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));
+  growProjected(projectedGuess(beams, geometry.instances().counters().triangles));
   growTiles(1 << 12);
   growCandidates(lists ? beams * 2 : 0);
 }
@@ -234,7 +185,7 @@ bool SensorState::cutShort(const FrameInFlight& frame) const {
 void SensorState::growLists(const FrameInFlight& frame) {
   const gpu::Counters needed = frame.counters();
   const auto room = [&](uint64_t count, uint64_t entryBytes) {
-    return std::min(count + count / 8, std::max(count, device_.maxBufferBytes() / entryBytes));
+    return grown(count, device_.maxBufferBytes() / entryBytes);
   };
   // A scan cut short has counted too few of what follows; the next run will tell.
   if (projectedCount(needed) > capacities_.projected) growProjected(room(projectedCount(needed), sizeof(gpu::vec4)));

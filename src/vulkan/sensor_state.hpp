@@ -83,7 +83,6 @@ class SensorState {
   void describe(Plan& plan) const;
 
  private:
-  float shellBorder(const Geometry& geometry, const SimulatorOptions& options) const;
   void makeBuffers(const Geometry& geometry);
   void growProjected(uint64_t count);
   void growTiles(uint64_t count);

@@ -132,10 +132,11 @@ void check(const ScanOptions& options) {
 
 int runScan(const ScanOptions& options) {
   check(options);
-  const std::vector<Pose> poses = options.trajectory.empty() ? std::vector<Pose>() : loadTrajectory(options.trajectory);
+  std::vector<SensorMotion::Stamp> trajectory;
+  if (!options.trajectory.empty()) trajectory = loadStampedTrajectory(options.trajectory);
   const Effects effects = effectsOf(options);
   const MaterialTable materials = materialsOf(options);
-  const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, poses.size()));
+  const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, trajectory.size()));
   const Sensor sensor = findSensor(options.sensor);
   double start = nowMs();
   const Scene scene = loadScene(options);
@@ -164,12 +165,12 @@ int runScan(const ScanOptions& options) {
   ScanReport result = {options.scene,   scene, sensor, simulator, {},      accuracy,
                        options.binning, {},    {},     loadMs,    setUpMs, choice ? &*choice : nullptr};
   start = nowMs();
-  if (poses.empty()) {
+  if (trajectory.empty()) {
     result.scan = runScans(simulator, pose, options.repeat, result.runs);
     writeScan(options, cloud, result.scan, 0);
   } else {
-    result.trajectory =
-        scanTrajectory(simulator, poses, [&](size_t i, const Scan& scan) { writeScan(options, cloud, scan, i); });
+    result.trajectory = scanTrajectory(simulator, trajectory, sensor.rotationPeriod,
+                                       [&](size_t i, const Scan& scan) { writeScan(options, cloud, scan, i); });
     for (const TrajectoryScan& scan : result.trajectory) result.runs.push_back(scan.timings);
     result.scan = summaryOf(result.trajectory, sensor);
   }

@@ -134,11 +134,13 @@ std::string lostText(const Counters& counters) {
   std::string text;
   for (size_t i = 1; i < kCauseCount; ++i)
     if (counters.causes[i] > 0) text += (text.empty() ? "" : ", ") + grouped(counters.causes[i]) + " " + kWords[i];
-  if (counters.lostEchoes > 0) text += (text.empty() ? "" : "; ") + grouped(counters.lostEchoes) + " beams had more echoes";
+  if (counters.lostEchoes > 0)
+    text += (text.empty() ? "" : "; ") + grouped(counters.lostEchoes) + " beams had more echoes";
   return text;
 }
 
-/// "transmission (3 of 48 materials let light through), intensity (needed by transmission)"; empty where geometry is all.
+/// "transmission (3 of 48 materials let light through), intensity (needed by transmission)"; empty where geometry is
+/// all.
 std::string effectsIn(const Plan& plan) {
   std::string text;
   for (const Plan::Decision& decision : plan.effects)

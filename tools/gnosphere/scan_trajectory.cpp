@@ -14,12 +14,39 @@ std::string numbered(const std::string& file, size_t number) {
   return (path.parent_path() / name).string();
 }
 
-std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const std::vector<Pose>& poses,
-                                           const std::function<void(size_t, const Scan&)>& write) {
+namespace {
+
+/// The poses around a scan that starts with number `first`, at times after its start.
+SensorMotion motionFrom(const std::vector<SensorMotion::Stamp>& trajectory, size_t first, double period) {
+  SensorMotion motion;
+  const double start = trajectory[first].time;
+  for (size_t i = first; i < trajectory.size(); ++i) {
+    const double time = trajectory[i].time - start;
+    if (i > first && !(trajectory[i].time > trajectory[i - 1].time))
+      throw Error(ErrorCode::format,
+                  formatted("the trajectory's time %.10g does not come after %.10g; the sensor moves while "
+                            "it turns, which needs ascending times, or --effect sensor-motion=off",
+                            trajectory[i].time, trajectory[i - 1].time));
+    motion.stamps.push_back({time, trajectory[i].pose});
+    if (time >= period) break;
+  }
+  return motion;
+}
+
+}  // namespace
+
+std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const std::vector<SensorMotion::Stamp>& trajectory,
+                                           double period, const std::function<void(size_t, const Scan&)>& write) {
   std::vector<Shot> shots;
-  for (const Pose& pose : poses) shots.push_back({pose});
+  const bool moves = period > 0 && simulator.plan().has("sensor-motion");
+  for (size_t i = 0; i < trajectory.size(); ++i) {
+    Shot& shot = shots.emplace_back();
+    shot.pose = trajectory[i].pose;
+    shot.frame = i;
+    if (moves) shot.motion = motionFrom(trajectory, i, period);
+  }
   std::vector<TrajectoryScan> scans;
-  Progress progress("scan", poses.size());
+  Progress progress("scan", trajectory.size());
   simulator.scanAll(shots, [&](size_t i, const Scan& scan) {
     progress.step(i + 1);
     write(i, scan);

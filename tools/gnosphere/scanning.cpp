@@ -153,9 +153,9 @@ std::vector<Pose> posesAround(const Pose& around, size_t count) {
   return poses;
 }
 
-std::vector<Pose> loadTrajectory(const std::filesystem::path& file) {
+std::vector<SensorMotion::Stamp> loadStampedTrajectory(const std::filesystem::path& file) {
   const std::string text = readWholeFile(file, uint64_t{1} << 30);
-  std::vector<Pose> poses;
+  std::vector<SensorMotion::Stamp> stamps;
   size_t number = 0;
   for (size_t at = 0; at < text.size();) {
     const size_t end = std::min(text.find('\n', at), text.size());
@@ -172,9 +172,15 @@ std::vector<Pose> loadTrajectory(const std::filesystem::path& file) {
     if (v.size() == 12) refuse("has 12 numbers, as KITTI's matrices do; t x y z qx qy qz qw is wanted");
     const double norm = std::hypot(std::hypot(v[4], v[5]), std::hypot(v[6], v[7]));
     if (!(std::abs(norm - 1) < kUnitTolerance)) refuse("has a quaternion whose length is not 1");
-    poses.push_back({{v[1], v[2], v[3]}, {v[4] / norm, v[5] / norm, v[6] / norm, v[7] / norm}});
+    stamps.push_back({v[0], {{v[1], v[2], v[3]}, {v[4] / norm, v[5] / norm, v[6] / norm, v[7] / norm}}});
   }
-  if (poses.empty()) throw Error(ErrorCode::format, file.string() + ": has no pose");
+  if (stamps.empty()) throw Error(ErrorCode::format, file.string() + ": has no pose");
+  return stamps;
+}
+
+std::vector<Pose> loadTrajectory(const std::filesystem::path& file) {
+  std::vector<Pose> poses;
+  for (const SensorMotion::Stamp& stamp : loadStampedTrajectory(file)) poses.push_back(stamp.pose);
   return poses;
 }
 

@@ -40,6 +40,7 @@ std::vector<Pose> posesAround(const Pose& around, size_t count);
 
 /// Lines `t x y z qx qy qz qw` (TUM); # begins a comment, more numbers on a line are not looked at. Throws
 /// Error(format) that names the first line that is not sound, Error(file) if the file cannot be read.
+std::vector<SensorMotion::Stamp> loadStampedTrajectory(const std::filesystem::path& file);
 std::vector<Pose> loadTrajectory(const std::filesystem::path& file);
 
 /// Told before the work that writes them: throws if one cannot be written, is the scene itself or is there twice.
