@@ -90,8 +90,8 @@ struct Counters {
   uint64_t candidates = 0;          ///< (beam, triangle) pairs whose inside test passed; only counted by the list way
   uint64_t integerSides = 0;        ///< of `exact`: inside tests that floating point could not decide
   uint64_t integerRanges = 0;       ///< of `exact`: ranges that it could not round
-  uint64_t lostEchoes = 0;          ///< of beams that met more echoes, or more panes one behind the other, than are kept
-  uint64_t retries = 0;             ///< runs repeated because a list had to grow
+  uint64_t lostEchoes = 0;  ///< of beams that met more echoes, or more panes one behind the other, than are kept
+  uint64_t retries = 0;     ///< runs repeated because a list had to grow
   std::array<uint64_t, kCauseCount> causes = {};  ///< beams by Cause; all zero where no effect can lose a beam
 };
 
