@@ -138,11 +138,14 @@ void InstanceTable::count(uint32_t mesh, int64_t instances) {
 void InstanceTable::number() {
   if (numbered_) return;
   uint32_t first = 0;
+  firstTriangles_.clear();
   for (Placement& placement : placements_) {
     placement.firstTriangle = first;
+    firstTriangles_.push_back(first);
     first += meshOf(placement).triangles;
   }
   numberCount_ = first;
+  findOwnerRanges();
   numbered_ = true;
   ++numbering_;
 }
@@ -182,16 +185,29 @@ void InstanceTable::writeNumbers(gpu::Instance* instances) const {
   for (size_t i = 0; i < placements_.size(); ++i) instances[i].offset.w = std::bit_cast<float>(placements_[i].number());
 }
 
-void InstanceTable::writeOwnerRanges(uint32_t* ranges) const {
+void InstanceTable::findOwnerRanges() {
   uint32_t owner = 0;
   const auto ownerOf = [&](uint32_t triangle) {
-    while (owner + 1 < placements_.size() && placements_[owner + 1].firstTriangle <= triangle) ++owner;
+    while (owner + 1 < placements_.size() && firstTriangles_[owner + 1] <= triangle) ++owner;
     return owner;
   };
+  ownerRanges_.clear();
   for (uint32_t first = 0; first < numberCount_; first += gpu::kOwnerBlock) {
-    *ranges++ = ownerOf(first);
-    *ranges++ = ownerOf(std::min(first + gpu::kOwnerBlock, numberCount_) - 1);
+    const uint32_t from = ownerOf(first);
+    ownerRanges_.push_back({from, ownerOf(std::min(first + gpu::kOwnerBlock, numberCount_) - 1)});
   }
+}
+
+void InstanceTable::writeOwnerRanges(uint32_t* ranges) const {
+  for (const auto& range : ownerRanges_) ranges = std::copy(range.begin(), range.end(), ranges);
+}
+
+// The last instance whose first triangle is not above the number.
+InstanceTable::Owner InstanceTable::ownerOf(uint32_t number) const {
+  const auto [from, to] = ownerRanges_[number / gpu::kOwnerBlock];
+  const auto firsts = firstTriangles_.begin();
+  const auto owner = std::upper_bound(firsts + from, firsts + to + 1, number) - 1;
+  return {number - *owner, static_cast<uint32_t>(owner - firsts)};
 }
 
 void InstanceTable::writeMeshes(uint32_t* meshes) const {

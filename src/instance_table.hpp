@@ -2,6 +2,7 @@
 // Where the meshes are placed: what may move between two scans.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
@@ -77,6 +78,11 @@ class InstanceTable {
   /// Per kOwnerBlock placed triangles: the first and the last instance among them.
   size_t ownerRangeCount() const { return size_t{numberCount_} / gpu::kOwnerBlock + 1; }
   void writeOwnerRanges(uint32_t* ranges) const;
+  /// Whose a placed triangle is: its number within its mesh, and the instance.
+  struct Owner {
+    uint32_t triangle, instance;
+  };
+  Owner ownerOf(uint32_t number) const;
   /// Of every instance: how it moves in the sensor's frame during `period` seconds to where `motions` says; those it
   /// does not name stand still. Returns how far any point goes, in metres.
   double writeMotions(const Pose& pose, std::span<const InstanceMotion> motions, double period,
@@ -104,6 +110,7 @@ class InstanceTable {
   Sphere sphereOf(const Placement& placement) const;
   void count(uint32_t mesh, int64_t instances);
   void number();
+  void findOwnerRanges();
   void findVisible(const glm::dvec3& sensor, double reach, const Selection& selection);
   uint32_t reserve(const std::vector<uint32_t>& visible, uint32_t first, std::vector<PlacedGroups::Chunk>& to) const;
   void writePairs(const std::vector<uint32_t>& visible, const std::vector<PlacedGroups::Chunk>& chunks,
@@ -116,6 +123,8 @@ class InstanceTable {
   std::vector<Placement> placements_;
   std::vector<Sphere> spheres_;                         // around each of them, in the world
   std::vector<uint32_t> visibleStill_, visibleMoving_;  // of the last scan
+  std::vector<uint32_t> firstTriangles_;                // of each of them
+  std::vector<std::array<uint32_t, 2>> ownerRanges_;    // see writeOwnerRanges()
   Counters counters_;
   size_t chunkCount_ = 0;
   uint64_t changes_ = 0, renumberedAt_ = 0;

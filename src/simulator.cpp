@@ -58,6 +58,15 @@ std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Senso
 
 }  // namespace
 
+void Timings::add(const std::string& stage, double ms) {
+  const auto found =
+      std::find_if(stages.begin(), stages.end(), [&](const StageTime& other) { return other.name == stage; });
+  if (found == stages.end())
+    stages.push_back({stage, ms});
+  else
+    found->ms += ms;
+}
+
 Exactness exactnessOf(Accuracy accuracy) {
   using E = Exactness;
   switch (accuracy) {

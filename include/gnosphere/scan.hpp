@@ -100,11 +100,15 @@ struct StageTime {
   double ms = 0;
 };
 
-/// Times of one scan. `gpuMs` and `stages` are device timestamps; they are empty where the device has none.
+/// Times of one scan. `gpuMs` and `stages` are device timestamps, and empty where the device has none; but `resolve` runs
+/// on the host where nothing but geometry is planned.
 struct Timings {
   double wallMs = 0;  ///< submit to results readable on the host
   double gpuMs = 0;
   std::vector<StageTime> stages;
+
+  /// More time of a stage.
+  void add(const std::string& stage, double ms);
 };
 
 /// What came back, one entry per return in every array (beam = channel * columns + column). A miss is NaN in `points`

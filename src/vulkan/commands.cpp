@@ -105,12 +105,7 @@ void Commands::readTimings(Timings& timings) {
   for (size_t i = 1; i < ticks.size(); ++i) {
     if (!stages_[i]) continue;
     timings.gpuMs += ms(ticks[i - 1], ticks[i]);
-    const auto found = std::find_if(timings.stages.begin(), timings.stages.end(),
-                                    [&](const StageTime& stage) { return stage.name == stages_[i]; });
-    if (found == timings.stages.end())
-      timings.stages.push_back({stages_[i], ms(ticks[i - 1], ticks[i])});
-    else
-      found->ms += ms(ticks[i - 1], ticks[i]);
+    timings.add(stages_[i], ms(ticks[i - 1], ticks[i]));
   }
 }
 

@@ -22,7 +22,7 @@ struct Kernels {
   Kernel projectTriangles;
   std::vector<Kernel> bin;
   std::vector<Kernel> scan;
-  std::optional<Kernel> resolve;  ///< or footprint
+  std::optional<Kernel> resolve;  ///< or footprint, or neither where the host resolves words
   std::vector<Kernel> footprint;
   std::optional<Kernel> surfaces;  ///< not with footprint, which looks at them itself
   std::optional<Kernel> effects;

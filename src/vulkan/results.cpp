@@ -2,24 +2,29 @@
 #include "vulkan/results.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <thread>
 
 #include "effects/motion.hpp"
+#include "resolve_words.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
 
-// A copy of fewer returns is not worth a thread.
-constexpr uint64_t kReturnsPerThread = 500'000;
+using Clock = std::chrono::steady_clock;
 
-// work(first, end) for slices of 0..count, all at once.
+// A copy of fewer beams is not worth a thread.
+constexpr uint64_t kBeamsPerThread = 100'000;
+
+// work(first, end) for slices of 0..count, all at once, where each counts for so many beams.
 template <typename Work>
-void inSlices(uint64_t count, const Work& work) {
+void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
   const uint64_t threads =
-      std::clamp<uint64_t>(count / kReturnsPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
+      std::clamp<uint64_t>(count * beamsEach / kBeamsPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
   std::vector<std::jthread> others;
   for (uint64_t k = 1; k < threads; ++k) others.emplace_back(work, k * count / threads, (k + 1) * count / threads);
   work(0, count / threads);
@@ -34,6 +39,17 @@ const T* mapped(const SensorState& part, const FrameInFlight& frame, uint32_t bi
     return static_cast<const T*>(frame.results[i].mapped());
   }
   return nullptr;
+}
+
+// Row by row.
+uint64_t readWords(const SensorState& part, const Word* words, const Instances& instances, uint64_t firstBeam,
+                   Scan& scan) {
+  std::atomic<uint64_t> hits = 0;
+  inSlices(part.frame().rows, part.frame().columns, [&](uint64_t first, uint64_t end) {
+    hits += resolveWords(words, part.tables(), part.exact(), instances, static_cast<uint32_t>(first),
+                         static_cast<uint32_t>(end), firstBeam, scan);
+  });
+  return hits;
 }
 
 void readCounters(const SensorState& part, const gpu::Counters& device, uint64_t usableTriangles, Counters& result) {
@@ -177,6 +193,14 @@ void clearResult(std::span<const SensorState> parts, const Instances& instances,
 
 void readResults(const SensorState& part, const FrameInFlight& frame, const Instances& instances, const Shot& shot,
                  uint64_t firstBeam, Scan& scan) {
+  gpu::Counters counters = frame.counters();
+  if (const auto* words = mapped<Word>(part, frame, gpu::kBindWords)) {
+    const Clock::time_point start = Clock::now();
+    counters.hits = static_cast<uint32_t>(readWords(part, words, instances, firstBeam, scan));
+    scan.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    readCounters(part, counters, instances.usableTriangles(), scan.counters);
+    return;
+  }
   const uint32_t returns = part.planned().returns;
   const auto* points = mapped<gpu::vec4>(part, frame, gpu::kBindPoints);
   const auto* owners = mapped<std::array<uint32_t, 2>>(part, frame, gpu::kBindOwners);
@@ -184,7 +208,7 @@ void readResults(const SensorState& part, const FrameInFlight& frame, const Inst
   const auto* motions = mapped<gpu::vec4>(part, frame, gpu::kBindMotions);
   const auto* barycentrics = mapped<gpu::vec2>(part, frame, gpu::kBindBarycentrics);
   const gpu::vec4* surfaces = mapped<gpu::vec4>(part, frame, gpu::kBindSurfaces);
-  inSlices(uint64_t{part.frame().beams}, [&](uint64_t beam, uint64_t beamEnd) {
+  inSlices(part.frame().beams, 1, [&](uint64_t beam, uint64_t beamEnd) {
     const uint64_t first = beam * returns, end = beamEnd * returns, to = firstBeam * returns;
     float* point = &scan.points[3 * (to + first)];
     for (uint64_t i = first; i < end; ++i) {
@@ -201,7 +225,7 @@ void readResults(const SensorState& part, const FrameInFlight& frame, const Inst
     readMotions(motions ? motions + first : nullptr, to + first, end - first, scan);
     readBarycentrics(barycentrics ? barycentrics + first : nullptr, to + first, end - first, scan);
   });
-  readCounters(part, frame.counters(), instances.usableTriangles(), scan.counters);
+  readCounters(part, counters, instances.usableTriangles(), scan.counters);
 }
 
 }  // namespace gnosphere::vulkan

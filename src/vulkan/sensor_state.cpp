@@ -5,6 +5,7 @@
 #include <cstring>
 #include <span>
 
+#include "resolve_words.hpp"
 #include "scan_options.hpp"
 
 namespace gnosphere::vulkan {
@@ -51,7 +52,9 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
       layout_(layout),
       way_(way),
       planned_(setup.planned),
-      outputs_(outputsOf(setup.planned)),
+      leavesWords_(way != gpu::kWayLists && setup.planned.bare()),
+      exact_(partsOf(options).inside == Exactness::Inside::exact),
+      outputs_(leavesWords_ ? std::vector<Output>{{gpu::kBindWords, sizeof(Word)}} : outputsOf(setup.planned)),
       tables_(makeBeamTables(sensor)) {
   for (const SensorState& other : others)
     if (other.tables_.azimuthOffsets == tables_.azimuthOffsets && other.planned_.sameStages(planned_))
@@ -91,12 +94,12 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   };
   make(gpu::kBindFarthest, "farthest",
        4 * (entries(gpu::kFineColumns, gpu::kFineRows) + entries(gpu::kCoarseColumns, gpu::kCoarseRows)));
-  make(gpu::kBindWords, "words", lists ? 0 : beams * 8);
+  make(gpu::kBindWords, "words", lists || (leavesWords_ && readsInPlace()) ? 0 : beams * sizeof(Word));
   make(gpu::kBindListEnds, "listEnds", lists ? beams * 4 : 0);
   make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
   if (!readsInPlace())
     for (const Output& output : outputs_)
-      if (output.binding < buffers_.size()) make(output.binding, "results", beams * output.bytesPerBeam);
+      if (output.binding < buffers_.size() && !leavesWords_) make(output.binding, "results", beams * output.bytesPerBeam);
   // First guesses; growLists() makes room for what a scan turns out to need.
   growProjected(projectedGuess(beams, geometry.instances().counters().triangles));
   growTiles(1 << 12);
@@ -126,7 +129,7 @@ void SensorState::growCandidates(uint64_t count) {
 }
 
 void SensorState::makeStillWords() {
-  const uint64_t bytes = buffers_[gpu::kBindWords].bytes();
+  const uint64_t bytes = uint64_t{tables_.frame.beams} * sizeof(Word);
   if (!stillWords_.handle()) stillWords_ = Buffer(device_, "stillWords", bytes, Memory::device);
 }
 
@@ -172,6 +175,7 @@ const FrameInFlight& SensorState::prepare(size_t index, const Shot& shot, const 
   }
   if (readsInPlace())
     for (size_t i = 0; i < outputs_.size(); ++i) buffers[outputs_[i].binding] = &frame.results[i];
+  words_ = buffers[gpu::kBindWords];
   layout_.updateSet(frame.set, std::span(buffers).first(layout_.bindingCount(0)));
   return frame;
 }

@@ -63,6 +63,13 @@ class SensorState {
   const PlannedEffects& planned() const { return planned_; }
   /// Null where nothing but geometry is planned.
   const EffectsState* effects() const { return effects_.get(); }
+  /// What the host reads is words alone, see resolve_words.hpp.
+  bool leavesWords() const { return leavesWords_; }
+  /// Those of the scan that was prepared last.
+  const Buffer& words() const { return *words_; }
+  const BeamTables& tables() const { return tables_; }
+  /// Where directions lie on the lattice.
+  bool exact() const { return exact_; }
   /// The words as the still instances leave them: empty until there is room.
   const Buffer& stillWords() const { return stillWords_; }
   void makeStillWords();
@@ -93,6 +100,7 @@ class SensorState {
   Layout& layout_;
   uint32_t way_;
   PlannedEffects planned_;
+  bool leavesWords_, exact_;
   std::vector<Output> outputs_;
   std::unique_ptr<EffectsState> effects_;  // empty where nothing but geometry is planned
   float shellBorder_ = 0;
@@ -104,6 +112,7 @@ class SensorState {
   bool moving_ = false;
   std::array<Buffer, gpu::kWorkBindingCount> buffers_;  // set 0, in binding order; empty where they lie elsewhere
   Capacities capacities_;
+  const Buffer* words_ = nullptr;
   Buffer stillWords_;
   std::vector<FrameInFlight> inFlight_;  // those beyond the first are made when first used
 };

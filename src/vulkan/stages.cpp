@@ -32,7 +32,7 @@ void Stages::record(Commands& commands, const SensorState& state, const PlacedIn
   commands.start();
   if (use != StillImage::Use::use) scanStill(commands, state, placed);
   if (use == StillImage::Use::make) {
-    commands.copy(state.buffer(gpu::kBindWords), state.stillWords());
+    commands.copy(state.words(), state.stillWords());
     findOccluders(commands, state);  // as long as the image is used, the table is kept as well
   }
   if (use != StillImage::Use::none) scanMoving(commands, state, placed);
@@ -74,11 +74,11 @@ void Stages::scanMoving(Commands& commands, const SensorState& state, const Plac
 void Stages::clear(Commands& commands, const SensorState& state, StillImage::Use use) const {
   commands.fill(state.buffer(gpu::kBindCounters), 0, VK_WHOLE_SIZE, 0);
   if (use == StillImage::Use::use)
-    commands.copy(state.stillWords(), state.buffer(gpu::kBindWords));
+    commands.copy(state.stillWords(), state.words());
   else if (state.way() == gpu::kWayLists)
     commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, 0);
   else
-    commands.fill(state.buffer(gpu::kBindWords), 0, VK_WHOLE_SIZE, gpu::kNone);
+    commands.fill(state.words(), 0, VK_WHOLE_SIZE, gpu::kNone);
   commands.barrier();
 }
 
