@@ -8,12 +8,12 @@ namespace {
 
 class Ours : public Contender {
  public:
-  Ours(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options)
-      : accuracy_(options.accuracy), start_(cli::nowMs()), simulator_(scene, sensor, options) {
+  Ours(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options, const std::string& name)
+      : name_(name), accuracy_(options.accuracy), start_(cli::nowMs()), simulator_(scene, sensor, options) {
     buildMs_ = cli::nowMs() - start_;
   }
 
-  std::string name() const override { return nameOf(accuracy_); }
+  std::string name() const override { return name_; }
   double build() override { return buildMs_; }
   Sample run(const Task& task) override {
     Sample sample;
@@ -36,6 +36,7 @@ class Ours : public Contender {
   const Simulator& simulator() const { return simulator_; }
 
  private:
+  std::string name_;
   Accuracy accuracy_;
   double start_, buildMs_ = 0;
   Simulator simulator_;
@@ -86,8 +87,9 @@ class Guest : public Contender {
 
 }  // namespace
 
-std::unique_ptr<Contender> makeOurs(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options) {
-  return std::make_unique<Ours>(scene, sensor, options);
+std::unique_ptr<Contender> makeOurs(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options,
+                                    const std::string& name) {
+  return std::make_unique<Ours>(scene, sensor, options, name.empty() ? nameOf(options.accuracy) : name);
 }
 
 const Simulator& simulatorOf(const Contender& ours) {

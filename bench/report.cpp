@@ -31,6 +31,13 @@ std::string medianCell(const Spread& spread) {
   return bareMs(spread.median) + (unsteady ? " *" : "");
 }
 
+/// 0 where there is none.
+double stageMs(const Standing& standing, const std::string& name) {
+  for (const StageTime& stage : standing.stages)
+    if (stage.name == name) return stage.ms;
+  return 0;
+}
+
 double perBeam(const Outcome& outcome) {
   return static_cast<double>(outcome.memory.sensor + outcome.memory.work) /
          static_cast<double>(std::max<size_t>(1, outcome.sensor.beamCount()));
@@ -155,6 +162,31 @@ Table stagesTable(const std::vector<Outcome>& outcomes) {
       for (const StageTime& stage : s.stages)
         table.rows.push_back({outcome.label, s.name, stage.name, bareMs(stage.ms),
                               formatted("%.0f %%", 100 * stage.ms / s.totalMs.median)});
+  return table;
+}
+
+Table cudaTable(const std::vector<Outcome>& outcomes) {
+  Table table;
+  for (const Outcome& outcome : outcomes) {
+    const Standing& vulkan = outcome.standings[0];
+    for (const Standing& s : outcome.standings) {
+      if (!s.name.starts_with("cuda")) continue;
+      const auto add = [&](const std::string& stage, double vulkanMs, double ms, double ratio) {
+        table.rows.push_back({outcome.label, s.name, stage, orDash(vulkanMs), orDash(ms), times(ratio)});
+      };
+      for (const StageTime& stage : s.stages) {
+        const double ms = stageMs(vulkan, stage.name);
+        add(stage.name, ms, stage.ms, ms > 0 ? stage.ms / ms : 0);
+      }
+      add("device", vulkan.deviceMs.median, s.deviceMs.median, s.deviceRatio);
+      add("total", vulkan.totalMs.median, s.totalMs.median, s.ratio);
+    }
+  }
+  if (table.rows.empty()) return table;
+  table.rows.insert(table.rows.begin(), {"case", "who", "stage", "Vulkan ms", "CUDA ms", "Vulkan is times as fast"});
+  table.note =
+      "Ours on one card by Vulkan and by CUDA, in turn; cuda: without fused products, which gives exact the "
+      "same bytes; cuda-fast: as the compiler likes";
   return table;
 }
 

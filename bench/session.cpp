@@ -82,12 +82,11 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
     contenders.push_back(makeOurs(round.scene, round.sensor, settings));
   }
   const std::vector<Pose> drive = poses(round.scene);
-  RivalSetting setting = {round.scene, drive[drive.size() / 2].position, round.motion, options_.device};
-  setting.software = device_.type == "cpu";
-  setting.beams = round.sensor.beamCount();
+  const Vec3 middle = drive[drive.size() / 2].position;
   std::vector<std::string> notes;
-  for (Entrant& entrant : makeRivals(rivals_, setting, notes))
-    contenders.push_back(makeGuest(std::move(entrant.rival), round.sensor, entrant.anew));
+  for (auto& rival :
+       makeRivals(rivals_, {round.scene, round.sensor, middle, round.motion, simulatorOptions(), device_}, notes))
+    contenders.push_back(std::move(rival));
   for (const std::string& note : notes) addNote(note);
   return contenders;
 }
