@@ -20,7 +20,7 @@ class Ours : public Contender {
     const double start = cli::nowMs();
     for (const Moved& move : task.moved) simulator_.setTransform(move.instance, move.transform);
     const double moved = cli::nowMs();
-    simulator_.scan(task.pose, 0, scan_);
+    simulator_.scan(task.shot, scan_);
     sample.renewMs = task.moved.empty() ? 0 : moved - start;
     sample.scanMs = cli::nowMs() - moved;
     sample.deviceMs = scan_.timings.gpuMs;
@@ -62,11 +62,11 @@ class Guest : public Contender {
       sample.deviceMs = rival_->deviceMs();
       sample.stages.push_back({"renew", sample.renewMs});
     }
-    sample.scanMs = rival_->trace(sensor_, task.pose, hits_);
+    sample.scanMs = rival_->trace(sensor_, task.shot.pose, hits_);
     const double traceMs = rival_->deviceMs();
     sample.deviceMs = traceMs > 0 ? sample.deviceMs + traceMs : 0;
     sample.stages.push_back({"trace", sample.scanMs});
-    scan_.pose = task.pose;
+    scan_.pose = task.shot.pose;
     return sample;
   }
   const Scan& answer() const override {

@@ -14,7 +14,7 @@ namespace gnosphere::bench {
 
 /// One scan of a contest: what has moved since the one before, and from where to look.
 struct Task {
-  Pose pose;
+  const Shot& shot;
   std::span<const Moved> moved;
 };
 

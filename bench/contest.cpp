@@ -68,8 +68,8 @@ class Contest {
     const auto progress = cli::stepProgress();
     for (uint32_t run = 0; run < setting_.runs; ++run) {
       progress(setting_.label.c_str(), run + 1, setting_.runs);
-      for (size_t frame = 0; frame < setting_.poses.size(); ++frame) {
-        const Task task = taskOf(frame, 1 + run * setting_.poses.size() + frame);
+      for (size_t frame = 0; frame < setting_.shots.size(); ++frame) {
+        const Task task = taskOf(frame, 1 + run * setting_.shots.size() + frame);
         const Sample ours = contenders_[0]->run(task);
         pairs[0].push_back({run, frame, ours, ours});
         if (run == 0) counters.push_back(contenders_[0]->answer().counters);
@@ -89,7 +89,7 @@ class Contest {
     moved_.clear();
     for (size_t instance : setting_.moving)
       moved_.push_back({instance, movedBy(setting_.scene.instances[instance].transform, number)});
-    return {setting_.poses[frame], moved_};
+    return {setting_.shots[frame], moved_};
   }
 
   void judge(const Contender& contender, Standing& standing) const {
@@ -106,6 +106,7 @@ class Contest {
   }
 
   std::optional<Comparison> againstReference() const {
+    if (!setting_.refereed) return {};
     if (setting_.scene.placedTriangleCount() > kReferenceTriangles || setting_.sensor.beamCount() > kReferenceBeams)
       return {};
     Scene scene = setting_.scene;
@@ -114,7 +115,7 @@ class Contest {
     options.device = "reference";
     options.faces = Faces::material;
     const Comparison c =
-        compare(Simulator(scene, setting_.sensor, options).scan(setting_.poses[0]), contenders_[0]->answer());
+        compare(Simulator(scene, setting_.sensor, options).scan(setting_.shots[0].pose), contenders_[0]->answer());
     if (contenders_[0]->judged() && c.missed + c.falseHits + c.wrongRange > 0)
       refuse(contenders_[0]->name(), cli::grouped(c.missed) + " beams missed, " + cli::grouped(c.falseHits) +
                                          " false hits and " + cli::grouped(c.wrongRange) +
@@ -210,6 +211,12 @@ bool Agreement::good() const {
   return static_cast<double>(hits + ranges) <= kAgreement * static_cast<double>(beams);
 }
 
+std::vector<Shot> shotsFrom(const std::vector<Pose>& poses) {
+  std::vector<Shot> shots;
+  for (const Pose& pose : poses) shots.push_back({pose});
+  return shots;
+}
+
 Agreement agreementOf(const Scan& ours, const Scan& other) {
   Agreement agreement;
   agreement.beams = ours.ranges.size();
@@ -233,7 +240,7 @@ Outcome hold(const Setting& setting, std::vector<std::unique_ptr<Contender>>& co
   outcome.label = setting.label;
   outcome.x = setting.x;
   outcome.sensor = setting.sensor;
-  outcome.frames = setting.poses.size();
+  outcome.frames = setting.shots.size();
   outcome.moving = setting.moving.size();
   outcome.placedTriangles = setting.scene.placedTriangleCount();
   outcome.uniqueTriangles = setting.scene.uniqueTriangleCount();

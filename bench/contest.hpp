@@ -17,10 +17,12 @@ struct Setting {
   double x = 0;       ///< its place on a plot
   const Scene& scene;
   Sensor sensor;
-  std::vector<Pose> poses;          ///< of the frames, in order
+  std::vector<Shot> shots;          ///< of the frames, in order
   std::vector<size_t> moving = {};  ///< instances that have moved before each frame
   uint32_t runs = 1;
+  bool refereed = true;  ///< ours is held against the reference, which sees geometry alone
 };
+std::vector<Shot> shotsFrom(const std::vector<Pose>& poses);
 
 /// How often a contender's answer is another than ours. Both compute in single precision, so a beam that grazes an edge
 /// may go either way: up to kAgreement of the beams may.

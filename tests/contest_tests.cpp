@@ -70,7 +70,7 @@ class Cuda : public Contender {
     for (const Moved& move : task.moved)
       cuda_.backend().setInstance(move.instance, scene_.instances[move.instance].mesh, move.transform);
     const double start = cli::nowMs();
-    scan_ = cuda_.scan(task.pose);
+    scan_ = cuda_.scan(task.shot.pose);
     return {0, cli::nowMs() - start, 6, {{"project", 1}, {"bin", 2}, {"resolve", 3}}};
   }
   const Scan& answer() const override { return scan_; }
@@ -89,7 +89,7 @@ Outcome holdAgainst(const Scene& scene, size_t spoilt, const std::vector<size_t>
   contenders.push_back(makeOurs(scene, sensorOf(), options));
   contenders.push_back(makeGuest(std::make_unique<Spoiler>(scene, spoilt), sensorOf()));
   const std::vector<Pose> poses = {{{0, 0, 0}, {}}, {{1, 0, 0.5}, {}}};
-  return hold({"balls", 7, scene, sensorOf(), poses, moving, 3}, contenders, {100, 1000});
+  return hold({"balls", 7, scene, sensorOf(), shotsFrom(poses), moving, 3}, contenders, {100, 1000});
 }
 
 Scan scanWith(std::vector<float> ranges) {
@@ -139,7 +139,7 @@ TEST_CASE("a contest compares CUDA with Vulkan, stage by stage") {
   contenders.push_back(makeOurs(scene, sensorOf(), options));
   contenders.push_back(std::make_unique<Cuda>(scene, options));
   const std::vector<Pose> poses = {{{0, 0, 0}, {}}, {{1, 0, 0.5}, {}}};
-  const Outcome outcome = hold({"balls", 7, scene, sensorOf(), poses, {0, 3}, 2}, contenders, {});
+  const Outcome outcome = hold({"balls", 7, scene, sensorOf(), shotsFrom(poses), {0, 3}, 2}, contenders, {});
   CHECK(outcome.hits > 100);
   CHECK(test::sameBytes(contenders[0]->answer(), contenders[1]->answer()));  // of the last frame
   const Table table = cudaTable({outcome});
