@@ -31,11 +31,28 @@ std::string medianCell(const Spread& spread) {
   return bareMs(spread.median) + (unsteady ? " *" : "");
 }
 
-/// 0 where there is none.
+void addNew(const std::string& name, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+/// Beside the stages.
+constexpr const char* kDevice = "device";
+constexpr const char* kTotal = "total";
+
+/// The median; 0 where there is none.
 double stageMs(const Standing& standing, const std::string& name) {
+  if (name == kDevice) return standing.deviceMs.median;
+  if (name == kTotal) return standing.totalMs.median;
   for (const StageTime& stage : standing.stages)
     if (stage.name == name) return stage.ms;
   return 0;
+}
+
+double stageRatio(const Standing& ours, const Standing& other, const std::string& name) {
+  if (name == kDevice) return other.deviceRatio;
+  if (name == kTotal) return other.ratio;
+  const double ms = stageMs(ours, name);
+  return ms > 0 ? stageMs(other, name) / ms : 0;
 }
 
 double perBeam(const Outcome& outcome) {
@@ -167,26 +184,37 @@ Table stagesTable(const std::vector<Outcome>& outcomes) {
 
 Table cudaTable(const std::vector<Outcome>& outcomes) {
   Table table;
+  std::vector<std::string> names;
+  for (const Outcome& outcome : outcomes)
+    for (const Standing& s : outcome.standings)
+      if (s.name.starts_with("cuda")) addNew(s.name, names);
+  if (names.empty()) return table;
+  table.rows = {{"case", "stage", "Vulkan ms"}};
+  for (const std::string& name : names)
+    table.rows[0].insert(table.rows[0].end(), {name + " ms", "Vulkan is times as fast"});
   for (const Outcome& outcome : outcomes) {
     const Standing& vulkan = outcome.standings[0];
-    for (const Standing& s : outcome.standings) {
-      if (!s.name.starts_with("cuda")) continue;
-      const auto add = [&](const std::string& stage, double vulkanMs, double ms, double ratio) {
-        table.rows.push_back({outcome.label, s.name, stage, orDash(vulkanMs), orDash(ms), times(ratio)});
-      };
-      for (const StageTime& stage : s.stages) {
-        const double ms = stageMs(vulkan, stage.name);
-        add(stage.name, ms, stage.ms, ms > 0 ? stage.ms / ms : 0);
+    std::vector<std::string> stages;
+    for (const Standing& s : outcome.standings)
+      if (&s == &vulkan || s.name.starts_with("cuda"))
+        for (const StageTime& stage : s.stages) addNew(stage.name, stages);
+    stages.insert(stages.end(), {kDevice, kTotal});
+    for (const std::string& stage : stages) {
+      cli::TableRow row = {outcome.label, stage, orDash(stageMs(vulkan, stage))};
+      for (const std::string& name : names) {
+        const auto s = std::find_if(outcome.standings.begin(), outcome.standings.end(),
+                                    [&](const Standing& standing) { return standing.name == name; });
+        const bool there = s != outcome.standings.end();
+        row.insert(row.end(),
+                   {orDash(there ? stageMs(*s, stage) : 0), times(there ? stageRatio(vulkan, *s, stage) : 0)});
       }
-      add("device", vulkan.deviceMs.median, s.deviceMs.median, s.deviceRatio);
-      add("total", vulkan.totalMs.median, s.totalMs.median, s.ratio);
+      table.rows.push_back(row);
     }
   }
-  if (table.rows.empty()) return table;
-  table.rows.insert(table.rows.begin(), {"case", "who", "stage", "Vulkan ms", "CUDA ms", "Vulkan is times as fast"});
   table.note =
-      "Ours on one card by Vulkan and by CUDA, in turn; cuda: without fused products, which gives exact the "
-      "same bytes; cuda-fast: as the compiler likes";
+      "Ours on one card by Vulkan and by CUDA, in turn; cuda: without fused products, which gives exact the same "
+      "bytes; "
+      "cuda-fast: as nvcc makes it";
   return table;
 }
 
