@@ -141,6 +141,7 @@ TEST_CASE("a contest compares CUDA with Vulkan, stage by stage") {
   const std::vector<Pose> poses = {{{0, 0, 0}, {}}, {{1, 0, 0.5}, {}}};
   const Outcome outcome = hold({"balls", 7, scene, sensorOf(), shotsFrom(poses), {0, 3}, 2}, contenders, {});
   CHECK(outcome.hits > 100);
+  CHECK(simulatorOf(*contenders[0]).device().uuid != decltype(DeviceInfo::uuid){});
   CHECK(test::sameBytes(contenders[0]->answer(), contenders[1]->answer()));  // of the last frame
   const Table table = cudaTable({outcome});
   REQUIRE(table.rows.size() == 1 + 5);
