@@ -97,7 +97,7 @@ class Contest {
     standing.agreement = agreementOf(ours.answer(), contender.answer());
     standing.memoryBytes = contender.memoryBytes();
     if (contender.judged() && !standing.agreement.good())
-      refuse(standing.name, cli::grouped(standing.agreement.hits + standing.agreement.ranges) + " of " +
+      refuse(standing.name, cli::grouped(standing.agreement.differ()) + " of " +
                                 cli::grouped(standing.agreement.beams) + " beams differ from " + ours.name());
   }
 
@@ -127,6 +127,11 @@ class Contest {
   std::vector<std::unique_ptr<Contender>>& contenders_;
   std::vector<Moved> moved_;
 };
+
+/// Intensities; both may be absent.
+bool near(double a, double b) {
+  return std::isnan(a) || std::isnan(b) ? std::isnan(a) == std::isnan(b) : std::abs(a - b) <= 1e-3 + 1e-3 * a;
+}
 
 double meanOf(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -208,7 +213,7 @@ Floor meanFloor(const std::vector<Counters>& frames, const Outcome& outcome, con
 }  // namespace
 
 bool Agreement::good() const {
-  return static_cast<double>(hits + ranges) <= kAgreement * static_cast<double>(beams);
+  return static_cast<double>(differ()) <= kAgreement * static_cast<double>(beams);
 }
 
 std::vector<Shot> shotsFrom(const std::vector<Pose>& poses) {
@@ -224,12 +229,18 @@ Agreement agreementOf(const Scan& ours, const Scan& other) {
     agreement.hits = agreement.beams;
     return agreement;
   }
+  const bool labels = !ours.labels.empty() && ours.labels.size() == other.labels.size();
+  const bool intensities = !ours.intensities.empty() && ours.intensities.size() == other.intensities.size();
   for (size_t beam = 0; beam < ours.ranges.size(); ++beam) {
     const double a = ours.ranges[beam], b = other.ranges[beam];
-    if (std::isnan(a) || std::isnan(b))
-      agreement.hits += std::isnan(a) != std::isnan(b);
-    else
-      agreement.ranges += !(std::abs(a - b) <= 1e-3 + 1e-4 * a);
+    if (std::isnan(a) != std::isnan(b))
+      ++agreement.hits;
+    else if (!std::isnan(a) && !(std::abs(a - b) <= 1e-3 + 1e-4 * a))
+      ++agreement.ranges;
+    else if (labels && ours.labels[beam] != other.labels[beam])
+      ++agreement.signals;
+    else if (intensities && !near(ours.intensities[beam], other.intensities[beam]))
+      ++agreement.signals;
   }
   return agreement;
 }

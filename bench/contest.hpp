@@ -30,6 +30,10 @@ struct Agreement {
   uint64_t beams = 0;
   uint64_t hits = 0;    ///< one hits and the other does not
   uint64_t ranges = 0;  ///< both hit, more than 1 mm and 1/10,000 of the range apart
+  /// The range is the same, and what else both tell is not: the label, or the intensity by more than 1/1,000 of it and
+  /// of full scale.
+  uint64_t signals = 0;
+  uint64_t differ() const { return hits + ranges + signals; }
   bool good() const;
 };
 inline constexpr double kAgreement = 1e-4;

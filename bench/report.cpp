@@ -103,7 +103,7 @@ Json standingJson(const Standing& s) {
                {"ratio_to_ours", orNull(s.ratio)},
                {"device_ratio_to_ours", orNull(s.deviceRatio)},
                {"memory_bytes", s.memoryBytes},
-               {"beams_unlike_ours", s.agreement.hits + s.agreement.ranges}};
+               {"beams_unlike_ours", s.agreement.differ()}};
   if (s.error) json["error"] = errorJson(*s.error);
   return json;
 }
@@ -149,7 +149,7 @@ Table timesTable(const std::vector<Outcome>& outcomes) {
       table.rows.push_back({outcome.label, s.name, orDash(s.buildMs), orDash(s.renewMs.median), bareMs(s.scanMs.median),
                             orDash(s.deviceMs.median), medianCell(s.totalMs), bareMs(s.meanMs),
                             ours ? "1" : times(s.ratio), ours ? "1" : times(s.deviceRatio),
-                            ours ? "" : cli::grouped(s.agreement.hits + s.agreement.ranges)});
+                            ours ? "" : cli::grouped(s.agreement.differ())});
     }
   }
   table.note =

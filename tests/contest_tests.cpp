@@ -117,7 +117,7 @@ TEST_CASE("a contest takes the times of those whose answers are right") {
   // The ratio is a median of ratios, so it lies between those of the extremes.
   CHECK(rival.ratio <= 5 / ours.totalMs.min);
   CHECK(rival.ratio >= 5 / (2 * ours.totalMs.p90 + 1000));
-  CHECK(rival.agreement.hits + rival.agreement.ranges == 0);
+  CHECK(rival.agreement.differ() == 0);
   CHECK(outcome.floor.ms > 0);
 }
 
@@ -240,6 +240,7 @@ TEST_CASE("answers agree within 1 mm and a ten-thousandth of the range, hits and
   CHECK(agreement.hits == 2);
   CHECK(agreement.ranges == 1);
   CHECK_FALSE(agreement.good());
+  CHECK(agreement.differ() == 3);
   CHECK(agreementOf(ours, ours).good());
   CHECK_FALSE(agreementOf(ours, scanWith({})).good());
   std::vector<float> many(20'000, 5.0f), other = many;
@@ -247,6 +248,20 @@ TEST_CASE("answers agree within 1 mm and a ten-thousandth of the range, hits and
   CHECK(agreementOf(scanWith(many), scanWith(other)).good());
   other[3] = kNaN;
   CHECK_FALSE(agreementOf(scanWith(many), scanWith(other)).good());
+}
+
+TEST_CASE("where both tell them, labels and intensities are compared, too") {
+  Scan ours = scanWith({10, 10, 10, 10, kNaN}), other = ours;
+  ours.labels = {1, 1, 1, 1, 0};
+  ours.intensities = {0.5f, 0.5f, 0.5f, kNaN, kNaN};
+  CHECK(agreementOf(ours, other).differ() == 0);  // the other tells none
+  other.labels = {1, 2, 1, 1, 0};
+  other.intensities = {0.5014f, 0.5f, 0.5016f, 0, kNaN};
+  const Agreement agreement = agreementOf(ours, other);
+  CHECK(agreement.signals == 3);
+  CHECK(agreement.differ() == 3);
+  other.ranges[1] = 11;  // counted once
+  CHECK(agreementOf(ours, other).differ() == 3);
 }
 
 TEST_CASE("the floor counts visible geometry once, and beams") {

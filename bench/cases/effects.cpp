@@ -99,7 +99,7 @@ void checkNear(const std::string& who, const Scan& bare, const Scan& scan) {
   for (size_t entry = 0; entry < scan.ranges.size(); entry += scan.returns) first.ranges.push_back(scan.ranges[entry]);
   const Agreement agreement = agreementOf(bare, first);
   if (!agreement.good())
-    refuse(who, cli::grouped(agreement.hits + agreement.ranges) + " of " + cli::grouped(agreement.beams) +
+    refuse(who, cli::grouped(agreement.differ()) + " of " + cli::grouped(agreement.beams) +
                     " beams differ from a bare scan");
 }
 
