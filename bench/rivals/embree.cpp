@@ -87,9 +87,7 @@ class Embree : public Rival {
 
   double trace(const Sensor& sensor, const Pose& pose, Hits& hits) override {
     table_.prepare(sensor, pose.orientation);
-    hits.ranges.resize(sensor.beamCount());
-    hits.triangles.resize(sensor.beamCount());
-    hits.instances.resize(sensor.beamCount());
+    hits.resize(sensor.beamCount());
     const double start = cli::nowMs();
     const float origin[3] = {static_cast<float>(pose.position.x - origin_.x),
                              static_cast<float>(pose.position.y - origin_.y),

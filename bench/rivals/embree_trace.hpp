@@ -56,7 +56,11 @@ inline void tracePacket(RTCScene scene, const Packet& packet, const float (&orig
   for (uint32_t lane = 0; lane < packet.count; ++lane) {
     const uint32_t beam = packet.first + lane;
     const bool hit = rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
-    hits.ranges[beam] = hit ? rays.ray.tfar[lane] : std::numeric_limits<float>::quiet_NaN();
+    const float range = hit ? rays.ray.tfar[lane] : std::numeric_limits<float>::quiet_NaN();
+    hits.points[3 * size_t{beam}] = packet.x[lane] * range;
+    hits.points[3 * size_t{beam} + 1] = packet.y[lane] * range;
+    hits.points[3 * size_t{beam} + 2] = packet.z[lane] * range;
+    hits.ranges[beam] = range;
     hits.triangles[beam] = hit ? rays.hit.primID[lane] : kNoTriangle;
     hits.instances[beam] = !hit ? kNoTriangle : instanced ? rays.hit.instID[0][lane] : rays.hit.geomID[lane];
   }

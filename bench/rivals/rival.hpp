@@ -21,10 +21,18 @@ struct Moved {
   Transform transform;
 };
 
-/// One entry per beam, as in Scan: a miss is NaN in `ranges`, kNoTriangle in `triangles` and `instances`.
+/// One entry per beam, as in Scan: a miss is NaN in `points` and `ranges`, kNoTriangle in `triangles` and `instances`.
 struct Hits {
+  std::vector<float> points;  ///< x, y, z: metres from the sensor, in any axes; everybody delivers a cloud
   std::vector<float> ranges;  ///< metres
   std::vector<uint32_t> triangles, instances;
+
+  void resize(size_t beams) {
+    points.resize(3 * beams);
+    ranges.resize(beams);
+    triangles.resize(beams);
+    instances.resize(beams);
+  }
 };
 
 /// A way to answer what every beam meets: both faces of a triangle reflect, within the sensor's range. Times are

@@ -117,7 +117,8 @@ void VulkanRival::prepare(const Sensor& sensor) {
   sensor_ = sensor;
   if (same) return;
   const size_t beams = sensor.beamCount();
-  std::vector<float> directions;
+  std::vector<float>& directions = directionsOnHost_;
+  directions.clear();
   directions.reserve(3 * beams);
   for (size_t beam = 0; beam < beams; ++beam) {
     const Vec3 d = sensor.direction(beam);
@@ -171,9 +172,11 @@ double VulkanRival::trace(const Sensor& sensor, const Pose& pose, Hits& hits) {
   const void* words = direct ? hits_.mapped() : readback_.mapped();
   const auto* ranges = static_cast<const float*>(words);
   const auto* ids = static_cast<const uint32_t*>(words);
-  hits.ranges.assign(ranges, ranges + beams);
-  hits.triangles.assign(ids + beams, ids + 2 * beams);
-  hits.instances.assign(ids + 2 * beams, ids + 3 * beams);
+  hits.resize(beams);
+  for (size_t i = 0; i < 3 * beams; ++i) hits.points[i] = directionsOnHost_[i] * ranges[i / 3];
+  std::copy_n(ranges, beams, hits.ranges.begin());
+  std::copy_n(ids + beams, beams, hits.triangles.begin());
+  std::copy_n(ids + 2 * beams, beams, hits.instances.begin());
   const double wallMs = msSince(start);
   device_.throwOnMessages();
   return wallMs;

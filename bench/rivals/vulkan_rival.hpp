@@ -53,6 +53,7 @@ class VulkanRival : public Rival {
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
   Sensor sensor_;  // the one of the directions
+  std::vector<float> directionsOnHost_;
   RayBuffer directions_, hits_, readback_;
   double deviceMs_ = 0;
 };

@@ -78,7 +78,7 @@ Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vect
   }
   for (uint64_t run = 0; run < repeat; ++run) {
     progress.step(run + 1);
-    scan = simulator.scan(pose);
+    simulator.scan(pose, 0, scan);
     runs.push_back(scan.timings);
   }
   return scan;
