@@ -35,7 +35,7 @@ layout(std430, set = 0, binding = kBindWords) coherent buffer Words64Block { uin
 // Ranges are positive, so their bits order like numbers. Reading before the atomic is safe: words only fall.
 void offerNearest(uint beam, uint rangeBits, uint id) {
 #ifdef INT64_ATOMICS
-  if (rangeBits <= words[beam].y) atomicMin(words64[beam], packUint2x32(uvec2(id, rangeBits)));
+  atomicMin(words64[beam], packUint2x32(uvec2(id, rangeBits)));
 #endif
 }
 
@@ -130,6 +130,28 @@ void trySmall(uint i) {
   }
 }
 
+// Lengths of the normals of the edges opposite to a, b and c, at most.
+vec3 normalLengths(Triangle triangle) {
+  vec3 far = vec3(length(triangle.a), length(triangle.b), length(triangle.c));
+  return far.yzx * far.zxy;
+}
+
+// Rows of which a beam between the columns of the first and the last of `width` lanes may meet the triangle; every lane
+// asks for a row of its own. Along a row the side of an edge is a sine of the azimuth: over an angle of d it leaves the
+// chord between both ends by at most d^2 / 8 of the normal's length. Rounding is 1e-6 of that, twice.
+bool mayMeetBetween(Triangle triangle, Prepared prepared, Turned turned, vec3 normals, uint width, vec2 angles) {
+  uint last = width - 1;
+  Turned from = Turned(subgroupBroadcastFirst(turned.p), subgroupBroadcastFirst(turned.q), turned.z);
+  Turned to = Turned(subgroupShuffle(turned.p, last), subgroupShuffle(turned.q, last), turned.z);
+  vec3 sideFrom = watertightSides(from, angles.x, angles.y), sideTo = watertightSides(to, angles.x, angles.y);
+  float angle = float(width) / frame.columnsPerRadian;
+  vec3 slack = (0.126 * angle * angle + 2e-6) * normals;
+  if ((EFFECTS & kFootprintEffects) != 0) slack += prepared.reach;
+  bool facing = all(lessThanEqual(min(sideFrom, sideTo), slack));
+  bool averted = all(greaterThanEqual(max(sideFrom, sideTo), -slack)) && !triangle.oneSided;
+  return facing || averted;
+}
+
 // One subgroup, one tile; one lane loads for all. Lanes stand side by side in `width` columns and, where the tile has
 // fewer columns than the subgroup lanes, in several rows.
 void tryTile(uint t) {
@@ -158,6 +180,7 @@ void tryTile(uint t) {
   }
   uint height = gl_SubgroupSize >> shift;
   uint lane = gl_SubgroupInvocationID;
+  vec3 normals = normalLengths(triangle);
   for (uint first = tile.y; first < end; first += width) {
     uint k = first + (lane & (width - 1));
     uint column = columnAt(box, k, 0.0);
@@ -169,11 +192,14 @@ void tryTile(uint t) {
     for (uint rowBase = box.rowFirst; rowBase <= box.rowLast; rowBase += gl_SubgroupSize) {
       vec2 angles = rows[min(rowBase + lane, box.rowLast)].angles.xy;
       uint rowCount = min(box.rowLast - rowBase + 1, gl_SubgroupSize);
+#ifndef MOTION
+      if (!AZIMUTH_OFFSETS && !mayMeetBetween(triangle, prepared, turned, normals, width, angles)) angles.x = -1.0;
+#endif
       for (uint r = 0; r < rowCount; r += height) {
         uint row = r + (lane >> shift);
         vec2 mine = subgroupShuffle(angles, row & (gl_SubgroupSize - 1));
         // Not a continue: every lane must come to the next shuffle.
-        bool here = k < end && row < rowCount;
+        bool here = k < end && row < rowCount && mine.x >= 0.0;
 #ifdef MOTION
         if (here) {
           uint index;
