@@ -39,8 +39,11 @@ struct Window {
   float from, to;
 };
 
-void coverKeys(vec3 low, vec3 high, out float keyMin, out float keyMax) {
+// Of what in the box is no nearer than `beyond`.
+void coverKeys(vec3 low, vec3 high, float beyond, out float keyMin, out float keyMax) {
   float near = length(max(max(low.xy, -high.xy), vec2(0.0))), far = length(max(abs(low.xy), abs(high.xy)));
+  float height = max(abs(low.z), abs(high.z));
+  near = max(near, 0.9999 * sqrt(max(beyond * beyond - height * height, 0.0)));
   keyMax = elevationKey(high.z > 0.0 ? near : far, high.z) + keySlack();
   keyMin = elevationKey(low.z < 0.0 ? near : far, low.z) - keySlack();
 }
@@ -106,7 +109,7 @@ bool outOfSight(vec3 low, vec3 high) {
 #endif
   if ((CULLING & kCullRange) != 0 && nearest > frame.rangeMax) return true;
   float keyMin, keyMax;
-  coverKeys(low, high, keyMin, keyMax);
+  coverKeys(low, high, 0.0, keyMin, keyMax);
   Window window;
   rowsBetween(keyMin, keyMax, window.first, window.end);
   if ((CULLING & kCullRows) != 0 && window.first >= window.end) return true;

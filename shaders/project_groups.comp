@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -21,17 +22,31 @@
 
 layout(local_size_x = 64) in;
 
-bool seen(uvec2 pair) {
+// Where a later shell may have something: its rows are those that are worth knowing what hides it.
+void noteLater(vec3 low, vec3 high, inout uvec2 later) {
+  bool occluders = (CULLING & kCullOccluded) != 0 && pass.occluders == 0;
+  if (!occluders || farthestPoint(low, high) < pass.shellMax) return;
+  float keyMin, keyMax;
+  coverKeys(low, high, pass.shellMax, keyMin, keyMax);
+  uint first, end;
+  // One cell of the lookup more: what a cluster's own box is rounded to.
+  rowsBetween(keyMin - 2.0 / float(kRowLookupCells), keyMax + 2.0 / float(kRowLookupCells), first, end);
+  later = max(later, uvec2(frame.rows - first, end));
+}
+
+bool seen(uvec2 pair, inout uvec2 later) {
   vec3 low, high;
   sensorBox(instances[pair.x], groups[pair.y].low.xyz, groups[pair.y].high.xyz, low, high);
 #ifdef MOTION
   widenByMotion(pair.x, low, high);
 #endif
+  noteLater(low, high, later);
   return !(nearestPoint(low, high) >= pass.shellMax || farthestPoint(low, high) < pass.shellMin || outOfSight(low, high));
 }
 
 void main() {
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  uvec2 later = uvec2(0);
   uint rounds = (pass.placedCount + stride - 1) / stride;
   for (uint k = 0; k < rounds; ++k) {
     uint i = k * stride + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
@@ -39,12 +54,17 @@ void main() {
     bool keep = false;
     if (i < pass.placedCount) {
       pair = placed[pass.placedFirst + i];
-      keep = seen(pair);
+      keep = seen(pair, later);
     }
     uvec4 ballot = subgroupBallot(keep);
     uint slot = 0;
     if (subgroupElect()) slot = atomicAdd(counters.visibleGroups, subgroupBallotBitCount(ballot));
     slot = slotAfter(slot, ballot);
     if (keep) visibleGroups[slot] = pair;
+  }
+  later = uvec2(subgroupMax(later.x), subgroupMax(later.y));
+  if (subgroupElect() && later.y > 0) {
+    atomicMax(counters.laterRowsDown, later.x);
+    atomicMax(counters.laterRowsUp, later.y);
   }
 }

@@ -10,7 +10,14 @@
 #include "bindings.glsl"
 
 layout(local_size_x = 64) in;
+layout(push_constant) uniform PassBlock { Pass pass; };
 shared uint largest;
+
+// For the next shell, only the rows that it has something in; for a still image, all of them.
+bool worthKnowing(uvec2 entry) {
+  return pass.shellMax > kCoordinateLimit || (entry.y * kFineRows < counters.laterRowsUp &&
+                                  (entry.y + 1) * kFineRows > frame.rows - counters.laterRowsDown);
+}
 
 uint farthestIn(uvec2 entry) {
   uint result = 0;
@@ -31,15 +38,17 @@ void main() {
   for (uint k = gl_LocalInvocationID.x; k < across.x * across.y; k += gl_WorkGroupSize.x) {
     uvec2 entry = gl_WorkGroupID.xy * across + uvec2(k % across.x, k / across.x);
     if (entry.x >= perRow || entry.y >= fineRows) continue;
-    uint found = farthestIn(entry);
+    bool known = worthKnowing(entry);
+    uint found = known ? farthestIn(entry) : kNone;
     farthest[entry.y * perRow + entry.x] = found;
-    mine = max(mine, found);
+    if (known) mine = max(mine, found);
   }
   mine = subgroupMax(mine);
   if (subgroupElect()) atomicMax(largest, mine);
   barrier();
   if (gl_LocalInvocationID.x == 0) {
-    farthest[perRow * fineRows + gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] = largest;
+    farthest[perRow * fineRows + gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] =
+        largest > 0 ? largest : kNone;
     if (gl_WorkGroupID == uvec3(0)) {
       counters.binnedSmall = counters.projectedSmall;
       counters.binnedTiles = counters.tiles;

@@ -229,6 +229,8 @@ struct Counters {
   uint causes[6];                    // beams by Cause, where effects judge them
   uint lostEchoes;                   // beyond kMaxEchoes of a beam
   uint hardBeams;                    // whose footprint does not lie on one triangle
+  uint laterRowsDown, laterRowsUp;   // what lies beyond the shell is in rows rows - down..up - 1
+  uint padding[2];
 };
 
 // Push constants of `project`: a chunk of the scene and a shell, which is what lies at distances
@@ -269,7 +271,7 @@ static_assert(sizeof(MotionBounds) == 32);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 64 &&
               sizeof(Row) == 32);
-static_assert(sizeof(Counters) == 96 && sizeof(Pass) == 32);
+static_assert(sizeof(Counters) == 112 && sizeof(Pass) == 32);
 }  // namespace gnosphere::gpu
 #endif
 #endif

@@ -46,7 +46,7 @@ class Spoiler : public Rival {
   }
   double trace(const Sensor& sensor, const Pose& pose, Hits& hits) override {
     const Scan scan = test::referenceOf(scene_, sensor, pose, Faces::both);
-    hits = {scan.ranges, scan.triangles, scan.instances};
+    hits = {scan.points, scan.ranges, scan.triangles, scan.instances};
     for (size_t beam = 0, left = spoilt_; left > 0; ++beam) {
       if (!scan.hit(beam)) continue;
       hits.ranges[beam] *= 1.01f;

@@ -161,7 +161,8 @@ const FrameInFlight& SensorState::prepare(size_t index, const Shot& shot, const 
   frame.frame.flush();
   EffectsState::Bindings buffers = {};
   buffers.fill(&buffers_[gpu::kBindCounters]);  // what nothing is planned for: no pipeline reads it
-  for (size_t i = 0; i < buffers_.size(); ++i) buffers[i] = &buffers_[i];
+  for (size_t i = 0; i < buffers_.size(); ++i)
+    if (buffers_[i].handle()) buffers[i] = &buffers_[i];
   buffers[gpu::kBindFrame] = &frame.frame;
   buffers[gpu::kBindInstances] = &placed.instances;
   buffers[gpu::kBindPlaced] = &placed.placed;
