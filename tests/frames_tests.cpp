@@ -131,7 +131,7 @@ TEST_CASE("a second set of results is only there once scanAll has run") {
   simulator.scanAll(driveThrough(1, 3), [](size_t, const Scan&) {});
   const DeviceInfo& device = simulator.device();
   const bool unified = device.type == "cpu" || device.type == "integrated";
-  CHECK(simulator.memory().work - before >= (unified ? 24 * sensor.beamCount() : 0));
+  CHECK(simulator.memory().work - before >= (unified ? 8 * sensor.beamCount() : 0));
   CHECK(simulator.memory().work - before < 25 * sensor.beamCount());
 }
 

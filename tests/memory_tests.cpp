@@ -15,8 +15,8 @@ TEST_CASE("a town and an HDL-64E keep to their bytes per triangle, instance and 
   for (double x : {-40.0, 0.0, 40.0}) simulator.scan({{x, 0, 1.8}, {}});
   const MemoryUse use = simulator.memory();
   CHECK(use.scene <= 32 * scene.uniqueTriangleCount() + 64 * scene.instances.size());
-  CHECK(use.sensor + use.work <= 48 * sensor.beamCount());
-  CHECK(use.sensor + use.work >= 32 * sensor.beamCount());  // a word and its results at the least
+  CHECK(use.sensor + use.work <= 32 * sensor.beamCount());
+  CHECK(use.sensor + use.work >= 8 * sensor.beamCount());  // a word at the least
 }
 
 TEST_CASE("what is listed as visible takes room for what is in range, once for all sensors") {

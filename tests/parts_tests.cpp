@@ -75,7 +75,7 @@ TEST_CASE("what the parts of a sensor count and take adds up") {
   double sum = 0;
   for (size_t i = 0; i < parts.timings.stages.size(); ++i) {
     CHECK(parts.timings.stages[i].name == whole.timings.stages[i].name);
-    sum += parts.timings.stages[i].ms;
+    if (parts.timings.stages[i].name != "resolve") sum += parts.timings.stages[i].ms;  // the host's
   }
   CHECK(std::abs(parts.timings.gpuMs - sum) <= 1e-6 * sum);
 }
