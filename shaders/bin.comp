@@ -181,6 +181,10 @@ void tryTile(uint t) {
   uint height = gl_SubgroupSize >> shift;
   uint lane = gl_SubgroupInvocationID;
   vec3 normals = normalLengths(triangle);
+  uint perRow = frame.columns;
+  // Each lane has a row at hand; of most boxes these are all.
+  vec2 firstRows = rows[min(box.rowFirst + lane, box.rowLast)].angles.xy;
+  bool tall = box.rowLast - box.rowFirst >= gl_SubgroupSize;
   for (uint first = tile.y; first < end; first += width) {
     uint k = first + (lane & (width - 1));
     uint column = columnAt(box, k, 0.0);
@@ -190,7 +194,8 @@ void tryTile(uint t) {
     Triangle seen = seenFrom(triangle, tile.x, column);
 #endif
     for (uint rowBase = box.rowFirst; rowBase <= box.rowLast; rowBase += gl_SubgroupSize) {
-      vec2 angles = rows[min(rowBase + lane, box.rowLast)].angles.xy;
+      vec2 angles = firstRows;
+      if (tall) angles = rows[min(rowBase + lane, box.rowLast)].angles.xy;
       uint rowCount = min(box.rowLast - rowBase + 1, gl_SubgroupSize);
 #ifndef MOTION
       if (!AZIMUTH_OFFSETS && !mayMeetBetween(triangle, prepared, turned, normals, width, angles)) angles.x = -1.0;
@@ -214,7 +219,7 @@ void tryTile(uint t) {
           tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, tile.x);
         } else if (here) {
           tryBeam(triangle, prepared, turned, beamOf(azimuth, mine.x, mine.y),
-                  (rowBase + row) * frame.columns + column, tile.x);
+                  (rowBase + row) * perRow + column, tile.x);
         }
 #endif
       }

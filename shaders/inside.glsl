@@ -30,10 +30,12 @@ struct Prepared {
   EdgeNormals normals;
   vec4 plane;
   ExactTriangle exact;
+  vec2 window;  // of ranges that count
 };
 
 Prepared prepare(Triangle triangle) {
   Prepared prepared;
+  prepared.window = vec2(frame.rangeMin, frame.rangeMax);
   if ((EFFECTS & kFootprintEffects) != 0)
     prepared.reach = (frame.footprint * 1.001 + 1e-6) * vec3(length(cross(triangle.b, triangle.c)),
                                                              length(cross(triangle.c, triangle.a)),
@@ -77,5 +79,5 @@ bool mayMeet(Triangle triangle, Prepared prepared, Turned turned, Beam beam) {
 bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, out float range) {
   bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, index, range)
                                        : meetRounded(triangle, prepared, turned, beam, range);
-  return inside && range > 0.0 && range >= frame.rangeMin && range <= frame.rangeMax;
+  return inside && range > 0.0 && range >= prepared.window.x && range <= prepared.window.y;
 }

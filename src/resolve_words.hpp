@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage resolve where nothing but geometry is planned: what beams have met, 8 bytes each, becomes the cloud on the host,
-// which has to write every byte of it anyway. The device would write it once before.
+// Stage resolve where nothing but geometry is planned: what beams have met, 8 bytes each, becomes the cloud on the
+// host, which has to write every byte of it anyway. The device would write it once before.
 #pragma once
 
 #include "beam_tables.hpp"
