@@ -25,7 +25,7 @@ namespace gnosphere::cuda::GNO_MODE {
 namespace {
 
 #include "glsl/shared.h"
-// The formulas of the effects, in the order of their includes.
+// The formulas of the effects, outside of the stages: each is included once.
 #include "glsl/effects/arithmetic.h"
 #include "glsl/effects/detection.h"
 #include "glsl/effects/intensity.h"

@@ -41,17 +41,17 @@ class CudaOnHost {
     Shot shot;
     shot.pose = pose;
     shot.sensor = sensor;
-    return scan(shot);
-  }
-  Scan scan(const Shot& shot) {
     Scan result;
+    scan(shot, result);
+    return result;
+  }
+  void scan(const Shot& shot, Scan& result) {
     backend_->scanAll({&shot, 1}, result, [](size_t) {});
     const Sensor& sensor = sensors_[shot.sensor];
     result.sensor = sensor.name;
     result.columns = sensor.columns;
     result.channels = static_cast<uint32_t>(sensor.channels.size());
     result.pose = shot.pose;
-    return result;
   }
   Backend& backend() { return *backend_; }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans with effects: small scenes, and a device against the reference.
+// Scans with effects: small scenes, a device against the reference, and CUDA beside Vulkan.
 #pragma once
 
 #include <algorithm>
 
-#include "support.hpp"
+#include "cuda/twin.hpp"
 
 namespace gnosphere::test {
 
@@ -61,14 +61,60 @@ inline size_t ahead(const Sensor& sensor, size_t channel = 0) {
   return channel * sensor.columns + sensor.columns / 2;
 }
 
-/// All that a scan holds, beside ties and tolerances.
+/// Which arrays differ, of all that a scan holds beside ties and tolerances, and where they do first.
+inline std::string firstBytes(const Scan& a, const Scan& b) {
+  std::string result;
+  const auto compare = [&](const char* name, const auto& first, const auto& second) {
+    size_t i = 0;
+    while (i < first.size() && i < second.size() && std::memcmp(&first[i], &second[i], sizeof first[i]) == 0) ++i;
+    if (i == first.size() && i == second.size()) return;
+    result += std::string(name) + " " + std::to_string(i);
+    if (i < first.size() && i < second.size())
+      result += ": " + std::to_string(first[i]) + ", got " + std::to_string(second[i]);
+    result += "; ";
+  };
+  compare("point", a.points, b.points);
+  compare("range", a.ranges, b.ranges);
+  compare("triangle", a.triangles, b.triangles);
+  compare("instance", a.instances, b.instances);
+  compare("intensity", a.intensities, b.intensities);
+  compare("true range", a.trueRanges, b.trueRanges);
+  compare("width", a.widths, b.widths);
+  compare("label", a.labels, b.labels);
+  compare("cause", a.causes, b.causes);
+  compare("normal", a.normals, b.normals);
+  compare("incidence", a.incidences, b.incidences);
+  compare("material", a.materials, b.materials);
+  compare("barycentric", a.barycentrics, b.barycentrics);
+  compare("velocity", a.velocities, b.velocities);
+  compare("radial speed", a.radialSpeeds, b.radialSpeeds);
+  compare("count of causes", a.counters.causes, b.counters.causes);
+  return result.empty() ? "none" : result;
+}
+
 inline bool sameFields(const Scan& a, const Scan& b) {
-  return sameBytes(a, b) && sameBytes(a.intensities, b.intensities) && sameBytes(a.trueRanges, b.trueRanges) &&
-         sameBytes(a.widths, b.widths) && sameBytes(a.labels, b.labels) && sameBytes(a.causes, b.causes) &&
-         sameBytes(a.normals, b.normals) && sameBytes(a.incidences, b.incidences) &&
-         sameBytes(a.materials, b.materials) && sameBytes(a.barycentrics, b.barycentrics) &&
-         sameBytes(a.velocities, b.velocities) && sameBytes(a.radialSpeeds, b.radialSpeeds) &&
-         a.counters.causes == b.counters.causes;
+  return firstBytes(a, b) == "none";
+}
+
+/// A scan on the device of the options. One of Vulkan has the bytes of CUDA's kernels: on the host, and on a CUDA
+/// device where there is one.
+inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Shot& shot, SimulatorOptions options) {
+  Scan result, other;
+  Simulator(scene, sensor, options).scan(shot, result);
+  if (options.device == "reference") return result;
+  CudaOnHost(scene, {sensor}, options).scan(shot, other);
+  CHECK(firstBytes(result, other) == "none");
+  if (!cudaProblem().empty()) return result;
+  options.device = "cuda:0";
+  Simulator(scene, sensor, options).scan(shot, other);
+  CHECK(firstBytes(result, other) == "none");
+  return result;
+}
+
+inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Pose& pose, const SimulatorOptions& options) {
+  Shot shot;
+  shot.pose = pose;
+  return scanOn(scene, sensor, shot, options);
 }
 
 /// How two scans of the same differ, beams in doubt apart.
