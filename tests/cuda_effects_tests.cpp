@@ -104,10 +104,10 @@ Shot driving() {
   return shot;
 }
 
-/// The fence comes nearer, and what is first in the town goes away.
+/// The fence comes nearer and turns, and what is first in the town goes away.
 Shot traffic(Shot shot) {
-  shot.instanceMotions = {{town().instances.size() - 1, translation(-1.5, 0.5, 2)},
-                          {0, translation(0.5, 1, 0) * town().instances[0].transform}};
+  shot.instanceMotions = {{town().instances.size() - 1, translation(-1.5, 0.5, 2) * rotationZ(0.2)},
+                          {0, translation(0.5, 1, 0) * rotationZ(0.1) * town().instances[0].transform}};
   return shot;
 }
 
