@@ -19,7 +19,9 @@ using Action = std::function<int()>;
 void print(const Case& entry, const Session& session, const Report& report) {
   printHead(session.device());
   std::printf("\n## %s: %s\n", entry.name, entry.description);
-  for (const Table& table : report.tables) {
+  std::vector<Table> tables = report.tables;
+  if (Table cuda = cudaTable(report.outcomes); !cuda.rows.empty()) tables.push_back(cuda);
+  for (const Table& table : tables) {
     std::printf("\n");
     cli::printMarkdown(table.rows);
     if (!table.note.empty()) std::printf("\n%s\n", table.note.c_str());

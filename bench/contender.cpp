@@ -8,19 +8,19 @@ namespace {
 
 class Ours : public Contender {
  public:
-  Ours(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options)
-      : accuracy_(options.accuracy), start_(cli::nowMs()), simulator_(scene, sensor, options) {
+  Ours(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options, const std::string& name)
+      : name_(name), accuracy_(options.accuracy), start_(cli::nowMs()), simulator_(scene, sensor, options) {
     buildMs_ = cli::nowMs() - start_;
   }
 
-  std::string name() const override { return nameOf(accuracy_); }
+  std::string name() const override { return name_; }
   double build() override { return buildMs_; }
   Sample run(const Task& task) override {
     Sample sample;
     const double start = cli::nowMs();
     for (const Moved& move : task.moved) simulator_.setTransform(move.instance, move.transform);
     const double moved = cli::nowMs();
-    simulator_.scan(task.pose, 0, scan_);
+    simulator_.scan(task.shot, scan_);
     sample.renewMs = task.moved.empty() ? 0 : moved - start;
     sample.scanMs = cli::nowMs() - moved;
     sample.deviceMs = scan_.timings.gpuMs;
@@ -36,6 +36,7 @@ class Ours : public Contender {
   const Simulator& simulator() const { return simulator_; }
 
  private:
+  std::string name_;
   Accuracy accuracy_;
   double start_, buildMs_ = 0;
   Simulator simulator_;
@@ -61,11 +62,11 @@ class Guest : public Contender {
       sample.deviceMs = rival_->deviceMs();
       sample.stages.push_back({"renew", sample.renewMs});
     }
-    sample.scanMs = rival_->trace(sensor_, task.pose, hits_);
+    sample.scanMs = rival_->trace(sensor_, task.shot.pose, hits_);
     const double traceMs = rival_->deviceMs();
     sample.deviceMs = traceMs > 0 ? sample.deviceMs + traceMs : 0;
     sample.stages.push_back({"trace", sample.scanMs});
-    scan_.pose = task.pose;
+    scan_.pose = task.shot.pose;
     return sample;
   }
   const Scan& answer() const override {
@@ -86,8 +87,9 @@ class Guest : public Contender {
 
 }  // namespace
 
-std::unique_ptr<Contender> makeOurs(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options) {
-  return std::make_unique<Ours>(scene, sensor, options);
+std::unique_ptr<Contender> makeOurs(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options,
+                                    const std::string& name) {
+  return std::make_unique<Ours>(scene, sensor, options, name.empty() ? nameOf(options.accuracy) : name);
 }
 
 const Simulator& simulatorOf(const Contender& ours) {

@@ -14,7 +14,7 @@ namespace gnosphere::bench {
 
 /// One scan of a contest: what has moved since the one before, and from where to look.
 struct Task {
-  Pose pose;
+  const Shot& shot;
   std::span<const Moved> moved;
 };
 
@@ -41,8 +41,10 @@ class Contender {
   virtual bool judged() const { return true; }
 };
 
-/// GnoSphere itself. `options.accuracy` of paper is the paper's way, which is not judged.
-std::unique_ptr<Contender> makeOurs(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options);
+/// GnoSphere itself. `options.accuracy` of paper is the paper's way, which is not judged. Its name is that of the
+/// accuracy unless it is given another.
+std::unique_ptr<Contender> makeOurs(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options,
+                                    const std::string& name = "");
 /// The device it runs on.
 const Simulator& simulatorOf(const Contender& ours);
 

@@ -68,8 +68,8 @@ class Contest {
     const auto progress = cli::stepProgress();
     for (uint32_t run = 0; run < setting_.runs; ++run) {
       progress(setting_.label.c_str(), run + 1, setting_.runs);
-      for (size_t frame = 0; frame < setting_.poses.size(); ++frame) {
-        const Task task = taskOf(frame, 1 + run * setting_.poses.size() + frame);
+      for (size_t frame = 0; frame < setting_.shots.size(); ++frame) {
+        const Task task = taskOf(frame, 1 + run * setting_.shots.size() + frame);
         const Sample ours = contenders_[0]->run(task);
         pairs[0].push_back({run, frame, ours, ours});
         if (run == 0) counters.push_back(contenders_[0]->answer().counters);
@@ -89,7 +89,7 @@ class Contest {
     moved_.clear();
     for (size_t instance : setting_.moving)
       moved_.push_back({instance, movedBy(setting_.scene.instances[instance].transform, number)});
-    return {setting_.poses[frame], moved_};
+    return {setting_.shots[frame], moved_};
   }
 
   void judge(const Contender& contender, Standing& standing) const {
@@ -97,7 +97,7 @@ class Contest {
     standing.agreement = agreementOf(ours.answer(), contender.answer());
     standing.memoryBytes = contender.memoryBytes();
     if (contender.judged() && !standing.agreement.good())
-      refuse(standing.name, cli::grouped(standing.agreement.hits + standing.agreement.ranges) + " of " +
+      refuse(standing.name, cli::grouped(standing.agreement.differ()) + " of " +
                                 cli::grouped(standing.agreement.beams) + " beams differ from " + ours.name());
   }
 
@@ -106,6 +106,7 @@ class Contest {
   }
 
   std::optional<Comparison> againstReference() const {
+    if (!setting_.refereed) return {};
     if (setting_.scene.placedTriangleCount() > kReferenceTriangles || setting_.sensor.beamCount() > kReferenceBeams)
       return {};
     Scene scene = setting_.scene;
@@ -114,7 +115,7 @@ class Contest {
     options.device = "reference";
     options.faces = Faces::material;
     const Comparison c =
-        compare(Simulator(scene, setting_.sensor, options).scan(setting_.poses[0]), contenders_[0]->answer());
+        compare(Simulator(scene, setting_.sensor, options).scan(setting_.shots[0].pose), contenders_[0]->answer());
     if (contenders_[0]->judged() && c.missed + c.falseHits + c.wrongRange > 0)
       refuse(contenders_[0]->name(), cli::grouped(c.missed) + " beams missed, " + cli::grouped(c.falseHits) +
                                          " false hits and " + cli::grouped(c.wrongRange) +
@@ -126,6 +127,11 @@ class Contest {
   std::vector<std::unique_ptr<Contender>>& contenders_;
   std::vector<Moved> moved_;
 };
+
+/// Intensities; both may be absent.
+bool near(double a, double b) {
+  return std::isnan(a) || std::isnan(b) ? std::isnan(a) == std::isnan(b) : std::abs(a - b) <= 1e-3 + 1e-3 * a;
+}
 
 double meanOf(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -207,7 +213,13 @@ Floor meanFloor(const std::vector<Counters>& frames, const Outcome& outcome, con
 }  // namespace
 
 bool Agreement::good() const {
-  return static_cast<double>(hits + ranges) <= kAgreement * static_cast<double>(beams);
+  return static_cast<double>(differ()) <= kAgreement * static_cast<double>(beams);
+}
+
+std::vector<Shot> shotsFrom(const std::vector<Pose>& poses) {
+  std::vector<Shot> shots;
+  for (const Pose& pose : poses) shots.push_back({pose});
+  return shots;
 }
 
 Agreement agreementOf(const Scan& ours, const Scan& other) {
@@ -217,12 +229,18 @@ Agreement agreementOf(const Scan& ours, const Scan& other) {
     agreement.hits = agreement.beams;
     return agreement;
   }
+  const bool labels = !ours.labels.empty() && ours.labels.size() == other.labels.size();
+  const bool intensities = !ours.intensities.empty() && ours.intensities.size() == other.intensities.size();
   for (size_t beam = 0; beam < ours.ranges.size(); ++beam) {
     const double a = ours.ranges[beam], b = other.ranges[beam];
-    if (std::isnan(a) || std::isnan(b))
-      agreement.hits += std::isnan(a) != std::isnan(b);
-    else
-      agreement.ranges += !(std::abs(a - b) <= 1e-3 + 1e-4 * a);
+    if (std::isnan(a) != std::isnan(b))
+      ++agreement.hits;
+    else if (!std::isnan(a) && !(std::abs(a - b) <= 1e-3 + 1e-4 * a))
+      ++agreement.ranges;
+    else if (labels && ours.labels[beam] != other.labels[beam])
+      ++agreement.signals;
+    else if (intensities && !near(ours.intensities[beam], other.intensities[beam]))
+      ++agreement.signals;
   }
   return agreement;
 }
@@ -233,7 +251,7 @@ Outcome hold(const Setting& setting, std::vector<std::unique_ptr<Contender>>& co
   outcome.label = setting.label;
   outcome.x = setting.x;
   outcome.sensor = setting.sensor;
-  outcome.frames = setting.poses.size();
+  outcome.frames = setting.shots.size();
   outcome.moving = setting.moving.size();
   outcome.placedTriangles = setting.scene.placedTriangleCount();
   outcome.uniqueTriangles = setting.scene.uniqueTriangleCount();

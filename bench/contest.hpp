@@ -17,10 +17,12 @@ struct Setting {
   double x = 0;       ///< its place on a plot
   const Scene& scene;
   Sensor sensor;
-  std::vector<Pose> poses;          ///< of the frames, in order
+  std::vector<Shot> shots;          ///< of the frames, in order
   std::vector<size_t> moving = {};  ///< instances that have moved before each frame
   uint32_t runs = 1;
+  bool refereed = true;  ///< ours is held against the reference, which sees geometry alone
 };
+std::vector<Shot> shotsFrom(const std::vector<Pose>& poses);
 
 /// How often a contender's answer is another than ours. Both compute in single precision, so a beam that grazes an edge
 /// may go either way: up to kAgreement of the beams may.
@@ -28,6 +30,10 @@ struct Agreement {
   uint64_t beams = 0;
   uint64_t hits = 0;    ///< one hits and the other does not
   uint64_t ranges = 0;  ///< both hit, more than 1 mm and 1/10,000 of the range apart
+  /// The range is the same, and what else both tell is not: the label, or the intensity by more than 1/1,000 of it and
+  /// of full scale.
+  uint64_t signals = 0;
+  uint64_t differ() const { return hits + ranges + signals; }
   bool good() const;
 };
 inline constexpr double kAgreement = 1e-4;

@@ -31,6 +31,30 @@ std::string medianCell(const Spread& spread) {
   return bareMs(spread.median) + (unsteady ? " *" : "");
 }
 
+void addNew(const std::string& name, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+/// Beside the stages.
+constexpr const char* kDevice = "device";
+constexpr const char* kTotal = "total";
+
+/// The median; 0 where there is none.
+double stageMs(const Standing& standing, const std::string& name) {
+  if (name == kDevice) return standing.deviceMs.median;
+  if (name == kTotal) return standing.totalMs.median;
+  for (const StageTime& stage : standing.stages)
+    if (stage.name == name) return stage.ms;
+  return 0;
+}
+
+double stageRatio(const Standing& ours, const Standing& other, const std::string& name) {
+  if (name == kDevice) return other.deviceRatio;
+  if (name == kTotal) return other.ratio;
+  const double ms = stageMs(ours, name);
+  return ms > 0 ? stageMs(other, name) / ms : 0;
+}
+
 double perBeam(const Outcome& outcome) {
   return static_cast<double>(outcome.memory.sensor + outcome.memory.work) /
          static_cast<double>(std::max<size_t>(1, outcome.sensor.beamCount()));
@@ -79,7 +103,7 @@ Json standingJson(const Standing& s) {
                {"ratio_to_ours", orNull(s.ratio)},
                {"device_ratio_to_ours", orNull(s.deviceRatio)},
                {"memory_bytes", s.memoryBytes},
-               {"beams_unlike_ours", s.agreement.hits + s.agreement.ranges}};
+               {"beams_unlike_ours", s.agreement.differ()}};
   if (s.error) json["error"] = errorJson(*s.error);
   return json;
 }
@@ -125,7 +149,7 @@ Table timesTable(const std::vector<Outcome>& outcomes) {
       table.rows.push_back({outcome.label, s.name, orDash(s.buildMs), orDash(s.renewMs.median), bareMs(s.scanMs.median),
                             orDash(s.deviceMs.median), medianCell(s.totalMs), bareMs(s.meanMs),
                             ours ? "1" : times(s.ratio), ours ? "1" : times(s.deviceRatio),
-                            ours ? "" : cli::grouped(s.agreement.hits + s.agreement.ranges)});
+                            ours ? "" : cli::grouped(s.agreement.differ())});
     }
   }
   table.note =
@@ -155,6 +179,42 @@ Table stagesTable(const std::vector<Outcome>& outcomes) {
       for (const StageTime& stage : s.stages)
         table.rows.push_back({outcome.label, s.name, stage.name, bareMs(stage.ms),
                               formatted("%.0f %%", 100 * stage.ms / s.totalMs.median)});
+  return table;
+}
+
+Table cudaTable(const std::vector<Outcome>& outcomes) {
+  Table table;
+  std::vector<std::string> names;
+  for (const Outcome& outcome : outcomes)
+    for (const Standing& s : outcome.standings)
+      if (s.name.starts_with("cuda")) addNew(s.name, names);
+  if (names.empty()) return table;
+  table.rows = {{"case", "stage", "Vulkan ms"}};
+  for (const std::string& name : names)
+    table.rows[0].insert(table.rows[0].end(), {name + " ms", "Vulkan is times as fast"});
+  for (const Outcome& outcome : outcomes) {
+    const Standing& vulkan = outcome.standings[0];
+    std::vector<std::string> stages;
+    for (const Standing& s : outcome.standings)
+      if (&s == &vulkan || s.name.starts_with("cuda"))
+        for (const StageTime& stage : s.stages) addNew(stage.name, stages);
+    stages.insert(stages.end(), {kDevice, kTotal});
+    for (const std::string& stage : stages) {
+      cli::TableRow row = {outcome.label, stage, orDash(stageMs(vulkan, stage))};
+      for (const std::string& name : names) {
+        const auto s = std::find_if(outcome.standings.begin(), outcome.standings.end(),
+                                    [&](const Standing& standing) { return standing.name == name; });
+        const bool there = s != outcome.standings.end();
+        row.insert(row.end(),
+                   {orDash(there ? stageMs(*s, stage) : 0), times(there ? stageRatio(vulkan, *s, stage) : 0)});
+      }
+      table.rows.push_back(row);
+    }
+  }
+  table.note =
+      "Ours on one card by Vulkan and by CUDA, in turn; cuda: without fused products, which gives exact the same "
+      "bytes; "
+      "cuda-fast: as nvcc makes it";
   return table;
 }
 

@@ -33,6 +33,8 @@ Table timesTable(const std::vector<Outcome>& outcomes);
 Table varianceTable(const std::vector<Outcome>& outcomes);
 /// Medians of what the time is made of.
 Table stagesTable(const std::vector<Outcome>& outcomes);
+/// Ours by Vulkan and by CUDA, stage by stage; no rows where CUDA has not taken part.
+Table cudaTable(const std::vector<Outcome>& outcomes);
 /// Ours alone: the floor and memory.
 Table floorTable(const std::vector<Outcome>& outcomes);
 

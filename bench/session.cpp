@@ -81,15 +81,18 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
     settings.accuracy = Accuracy::paper;
     contenders.push_back(makeOurs(round.scene, round.sensor, settings));
   }
-  const std::vector<Pose> drive = poses(round.scene);
-  RivalSetting setting = {round.scene, drive[drive.size() / 2].position, round.motion, options_.device};
-  setting.software = device_.type == "cpu";
-  setting.beams = round.sensor.beamCount();
-  std::vector<std::string> notes;
-  for (Entrant& entrant : makeRivals(rivals_, setting, notes))
-    contenders.push_back(makeGuest(std::move(entrant.rival), round.sensor, entrant.anew));
-  for (const std::string& note : notes) addNote(note);
+  for (auto& rival : rivals(rivals_, round, simulatorOptions())) contenders.push_back(std::move(rival));
   return contenders;
+}
+
+std::vector<std::unique_ptr<Contender>> Session::rivals(const std::vector<std::string>& names, const Round& round,
+                                                        const SimulatorOptions& settings) {
+  const std::vector<Pose> drive = poses(round.scene);
+  const Vec3 middle = drive[drive.size() / 2].position;
+  std::vector<std::string> notes;
+  auto rivals = makeRivals(names, {round.scene, round.sensor, middle, round.motion, settings, device_}, notes);
+  for (const std::string& note : notes) addNote(note);
+  return rivals;
 }
 
 void Session::setDevice(const DeviceInfo& device) {
@@ -102,7 +105,7 @@ void Session::addNote(const std::string& note) {
 }
 
 void Session::hold(const Round& round, std::vector<Outcome>& outcomes) {
-  Setting setting = {round.label, round.x, round.scene, round.sensor, poses(round.scene), {}, options_.runs};
+  Setting setting = {round.label, round.x, round.scene, round.sensor, shotsFrom(poses(round.scene)), {}, options_.runs};
   const size_t all = round.scene.instances.size(), moving = std::min(round.moving, all);
   for (size_t i = 0; i < moving; ++i) setting.moving.push_back(i * all / moving);
   try {
@@ -113,6 +116,19 @@ void Session::hold(const Round& round, std::vector<Outcome>& outcomes) {
     if (error.code() != ErrorCode::outOfMemory) throw;
     addNote(round.label + ": " + error.what());
   }
+}
+
+void Session::hold(const Round& round, const Request& request, std::vector<Outcome>& outcomes) {
+  if (std::find(rivals_.begin(), rivals_.end(), "cuda") == rivals_.end()) return;
+  SimulatorOptions settings = simulatorOptions();
+  settings.effects = request.effects;
+  settings.fields = request.fields;
+  std::vector<std::unique_ptr<Contender>> everyone = rivals({"cuda"}, round, settings);
+  if (everyone.empty()) return;
+  everyone.insert(everyone.begin(), makeOurs(round.scene, round.sensor, settings));
+  Setting setting = {round.label, round.x, round.scene, round.sensor, request.shots, {}, options_.runs};
+  setting.refereed = false;
+  outcomes.push_back(bench::hold(setting, everyone, rates_));
 }
 
 }  // namespace gnosphere::bench

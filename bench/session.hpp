@@ -36,6 +36,13 @@ struct Round {
   size_t moving = 0;  ///< so many instances, spread evenly over the scene
 };
 
+/// What only ours can do: scans with effects.
+struct Request {
+  Effects effects;
+  std::vector<Field> fields;
+  std::vector<Shot> shots;
+};
+
 class Session {
  public:
   /// Throws Error(invalidArgument) for options that make no sense.
@@ -55,6 +62,8 @@ class Session {
   std::vector<std::unique_ptr<Contender>> contenders(const Round& round);
   /// Adds what a contest comes to; a round that our own device cannot hold is left out, with a note.
   void hold(const Round& round, std::vector<Outcome>& outcomes);
+  /// The same of a request, among ours by Vulkan and by CUDA. Nothing where CUDA takes no part.
+  void hold(const Round& round, const Request& request, std::vector<Outcome>& outcomes);
 
   const DeviceInfo& device() const { return device_; }  ///< known after the first contest
   void setDevice(const DeviceInfo& device);             ///< where there is no contest
@@ -63,6 +72,9 @@ class Session {
   void addNote(const std::string& note);
 
  private:
+  std::vector<std::unique_ptr<Contender>> rivals(const std::vector<std::string>& names, const Round& round,
+                                                 const SimulatorOptions& settings);
+
   Options options_;
   std::vector<std::string> rivals_;
   std::vector<Pose> trajectory_;

@@ -60,7 +60,8 @@ TEST_CASE("the bench tells what each effect costs, and that what is off costs no
   needVulkan();
   const Workplace place;
   const json effects =
-      casesOf(place, "effects --triangles 20000 --runs 1 --sensor VLP-16 --json r.json --plot p.svg").at("effects");
+      casesOf(place, "effects --triangles 20000 --runs 1 --sensor VLP-16 --rivals none --json r.json --plot p.svg")
+          .at("effects");
   CHECK(xmlProblem(place.get("p.svg")) == "");
   CHECK(effects.at("off_requests") == 17);
   CHECK(effects.at("left_out").at(0) == "cut-outs: no material that is seen has holes");

@@ -4,7 +4,11 @@
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
+#include "console.hpp"
 #include "contest.hpp"
+#include "cuda/twin.hpp"
+#include "report.hpp"
+#include "rivals/cuda.hpp"
 #include "rivals/embree.hpp"
 #include "rivals/rivals.hpp"
 #include "support.hpp"
@@ -56,6 +60,28 @@ class Spoiler : public Rival {
   size_t spoilt_;
 };
 
+/// The CUDA backend, its kernels on the host. There is no clock of a device: stages take what they are told to.
+class Cuda : public Contender {
+ public:
+  Cuda(const Scene& scene, const SimulatorOptions& options) : scene_(scene), cuda_(scene, {sensorOf()}, options) {}
+  std::string name() const override { return "cuda"; }
+  double build() override { return 1; }
+  Sample run(const Task& task) override {
+    for (const Moved& move : task.moved)
+      cuda_.backend().setInstance(move.instance, scene_.instances[move.instance].mesh, move.transform);
+    const double start = cli::nowMs();
+    scan_ = cuda_.scan(task.shot.pose);
+    return {0, cli::nowMs() - start, 6, {{"project", 1}, {"bin", 2}, {"resolve", 3}}};
+  }
+  const Scan& answer() const override { return scan_; }
+  uint64_t memoryBytes() const override { return 0; }
+
+ private:
+  const Scene& scene_;
+  test::CudaOnHost cuda_;
+  Scan scan_;
+};
+
 Outcome holdAgainst(const Scene& scene, size_t spoilt, const std::vector<size_t>& moving) {
   SimulatorOptions options = test::vulkanOptions();
   options.faces = Faces::both;
@@ -63,7 +89,7 @@ Outcome holdAgainst(const Scene& scene, size_t spoilt, const std::vector<size_t>
   contenders.push_back(makeOurs(scene, sensorOf(), options));
   contenders.push_back(makeGuest(std::make_unique<Spoiler>(scene, spoilt), sensorOf()));
   const std::vector<Pose> poses = {{{0, 0, 0}, {}}, {{1, 0, 0.5}, {}}};
-  return hold({"balls", 7, scene, sensorOf(), poses, moving, 3}, contenders, {100, 1000});
+  return hold({"balls", 7, scene, sensorOf(), shotsFrom(poses), moving, 3}, contenders, {100, 1000});
 }
 
 Scan scanWith(std::vector<float> ranges) {
@@ -91,7 +117,7 @@ TEST_CASE("a contest takes the times of those whose answers are right") {
   // The ratio is a median of ratios, so it lies between those of the extremes.
   CHECK(rival.ratio <= 5 / ours.totalMs.min);
   CHECK(rival.ratio >= 5 / (2 * ours.totalMs.p90 + 1000));
-  CHECK(rival.agreement.hits + rival.agreement.ranges == 0);
+  CHECK(rival.agreement.differ() == 0);
   CHECK(outcome.floor.ms > 0);
 }
 
@@ -103,6 +129,110 @@ TEST_CASE("a contest refuses a rival whose answer is wrong") {
       MessageMatches(ContainsSubstring("balls: the answer of spoiler is not right: 1 of 7,200 beams")));
 }
 
+TEST_CASE("a contest compares CUDA with Vulkan, stage by stage") {
+  test::needVulkan();
+  const Scene scene = balls();
+  SimulatorOptions options = test::vulkanOptions();
+  options.faces = Faces::both;
+  options.accuracy = Accuracy::exact;
+  std::vector<std::unique_ptr<Contender>> contenders;
+  contenders.push_back(makeOurs(scene, sensorOf(), options));
+  contenders.push_back(std::make_unique<Cuda>(scene, options));
+  const std::vector<Pose> poses = {{{0, 0, 0}, {}}, {{1, 0, 0.5}, {}}};
+  const Outcome outcome = hold({"balls", 7, scene, sensorOf(), shotsFrom(poses), {0, 3}, 2}, contenders, {});
+  CHECK(outcome.hits > 100);
+  CHECK(simulatorOf(*contenders[0]).device().uuid != decltype(DeviceInfo::uuid){});
+  CHECK(test::sameBytes(contenders[0]->answer(), contenders[1]->answer()));  // of the last frame
+  const Table table = cudaTable({outcome});
+  REQUIRE(table.rows.size() == 1 + 5);
+  for (const cli::TableRow& row : table.rows) CHECK(row.size() == 5);
+  const char* stages[] = {"project", "bin", "resolve", "device", "total"};
+  for (size_t i = 0; i < 5; ++i) CHECK(table.rows[i + 1][1] == stages[i]);
+  CHECK(table.rows[4][3] == cli::bareMs(6));
+}
+
+TEST_CASE("Vulkan and CUDA side by side: who is how many times as fast, and only where CUDA has taken part") {
+  Outcome outcome;
+  outcome.label = "HDL-64E";
+  Standing vulkan, cuda, fast, rival;
+  vulkan.name = "standard";
+  vulkan.stages = {{"project", 2}, {"bin", 4}, {"effects", 1}};
+  vulkan.deviceMs.median = 7;
+  vulkan.totalMs.median = 8;
+  rival.name = "embree";
+  cuda.name = "cuda";
+  cuda.stages = {{"project", 3}, {"bin", 2}};
+  cuda.deviceMs.median = 5;
+  cuda.totalMs.median = 10;
+  cuda.ratio = 1.25;
+  cuda.deviceRatio = 0.71;
+  fast = cuda;
+  fast.name = "cuda-fast";
+  fast.stages = {{"scan", 0.5}};
+  fast.totalMs.median = 9;
+  fast.ratio = 1.125;
+  outcome.standings = {vulkan, rival};
+  CHECK(cudaTable({outcome}).rows.empty());
+  outcome.standings = {vulkan, rival, cuda, fast};
+  const std::string dash = "-", two = cli::bareMs(2), seven = cli::bareMs(7), eight = cli::bareMs(8);
+  const std::vector<cli::TableRow> expected = {
+      {"case", "stage", "Vulkan ms", "cuda ms", "Vulkan is times as fast", "cuda-fast ms", "Vulkan is times as fast"},
+      {"HDL-64E", "project", two, cli::bareMs(3), "1.50", dash, dash},
+      {"HDL-64E", "bin", cli::bareMs(4), two, "0.50", dash, dash},
+      {"HDL-64E", "effects", cli::bareMs(1), dash, dash, dash, dash},
+      {"HDL-64E", "scan", dash, dash, dash, cli::bareMs(0.5), dash},
+      {"HDL-64E", "device", seven, cli::bareMs(5), "0.71", cli::bareMs(5), "0.71"},
+      {"HDL-64E", "total", eight, cli::bareMs(10), "1.25", cli::bareMs(9), "1.12"}};
+  CHECK(cudaTable({outcome}).rows == expected);
+  Outcome small = outcome;
+  small.standings = {vulkan, cuda};
+  CHECK(cudaTable({outcome, small}).rows.back() ==
+        cli::TableRow{"HDL-64E", "total", eight, cli::bareMs(10), "1.25", dash, dash});
+}
+
+TEST_CASE("the same card by CUDA is the one with the same UUID, or else of the same name") {
+  const auto card = [](const std::string& name, uint8_t uuid) {
+    DeviceInfo info;
+    info.name = name;
+    info.usable = true;
+    info.uuid[15] = uuid;
+    return info;
+  };
+  const std::vector<DeviceInfo> cuda = {card("cuda:0 NVIDIA A", 1), card("cuda:1 NVIDIA B", 2),
+                                        card("cuda:2 NVIDIA B", 3)};
+  CHECK(sameCard(card("NVIDIA B", 3), cuda, "") == 2);
+  CHECK(sameCard(card("NVIDIA B", 0), cuda, "") == 1);
+  CHECK(sameCard(card("NVIDIA A", 9), {card("cuda:0 NVIDIA A", 0)}, "") == 0);
+  CHECK_THROWS_WITH(sameCard(card("NVIDIA B", 4), cuda, ""), "cuda: no CUDA device is the card 'NVIDIA B'");
+  CHECK_THROWS_WITH(sameCard(card("AMD C", 0), cuda, ""), "cuda: no CUDA device is the card 'AMD C'");
+  CHECK_THROWS_WITH(sameCard(card("NVIDIA B", 3), {}, "CUDA is not built in"), "cuda: CUDA is not built in");
+  std::vector<DeviceInfo> old = {card("cuda:0 NVIDIA A", 1)};
+  old[0].usable = false;
+  old[0].reason = "it is old";
+  CHECK_THROWS_WITH(sameCard(card("NVIDIA A", 1), old, ""), "cuda: cuda:0 NVIDIA A cannot be used: it is old");
+}
+
+TEST_CASE("CUDA stands beside Vulkan on a card, and is left out with a line elsewhere") {
+  const Scene scene = balls();
+  const Sensor sensor = sensorOf();
+  const auto noteOf = [&](const char* type, const char* apiVersion) {
+    DeviceInfo device;
+    device.name = "a device of brass";
+    device.type = type;
+    device.apiVersion = apiVersion;
+    std::vector<std::string> notes;
+    CHECK(makeRivals({"cuda"}, {scene, sensor, {}, Motion::none, {}, device}, notes).empty());
+    REQUIRE(notes.size() == 1);
+    return notes[0];
+  };
+  CHECK(noteOf("cpu", "1.3") == "cuda: beside Vulkan on a card only, and ours runs on a device of brass");
+  CHECK(noteOf("cuda", "") == "cuda: beside Vulkan on a card only, and ours runs on a device of brass");
+  std::string problem;
+  const bool none = cuda::devices(problem).empty();
+  CHECK(noteOf("discrete", "1.3") ==
+        (none ? "cuda: " + problem : "cuda: no CUDA device is the card 'a device of brass'"));
+}
+
 TEST_CASE("answers agree within 1 mm and a ten-thousandth of the range, hits and misses each by each") {
   const Scan ours = scanWith({10, 10, kNaN, kNaN, 100, 100});
   const Agreement agreement = agreementOf(ours, scanWith({10.0019f, kNaN, kNaN, 1, 100.0109f, 100.0111f}));
@@ -110,6 +240,7 @@ TEST_CASE("answers agree within 1 mm and a ten-thousandth of the range, hits and
   CHECK(agreement.hits == 2);
   CHECK(agreement.ranges == 1);
   CHECK_FALSE(agreement.good());
+  CHECK(agreement.differ() == 3);
   CHECK(agreementOf(ours, ours).good());
   CHECK_FALSE(agreementOf(ours, scanWith({})).good());
   std::vector<float> many(20'000, 5.0f), other = many;
@@ -117,6 +248,20 @@ TEST_CASE("answers agree within 1 mm and a ten-thousandth of the range, hits and
   CHECK(agreementOf(scanWith(many), scanWith(other)).good());
   other[3] = kNaN;
   CHECK_FALSE(agreementOf(scanWith(many), scanWith(other)).good());
+}
+
+TEST_CASE("where both tell them, labels and intensities are compared, too") {
+  Scan ours = scanWith({10, 10, 10, 10, kNaN}), other = ours;
+  ours.labels = {1, 1, 1, 1, 0};
+  ours.intensities = {0.5f, 0.5f, 0.5f, kNaN, kNaN};
+  CHECK(agreementOf(ours, other).differ() == 0);  // the other tells none
+  other.labels = {1, 2, 1, 1, 0};
+  other.intensities = {0.5014f, 0.5f, 0.5016f, 0, kNaN};
+  const Agreement agreement = agreementOf(ours, other);
+  CHECK(agreement.signals == 3);
+  CHECK(agreement.differ() == 3);
+  other.ranges[1] = 11;  // counted once
+  CHECK(agreementOf(ours, other).differ() == 3);
 }
 
 TEST_CASE("the floor counts visible geometry once, and beams") {
@@ -136,8 +281,8 @@ TEST_CASE("the floor counts visible geometry once, and beams") {
 
 TEST_CASE("rivals are asked for by name") {
   CHECK(parseRivals("none").empty());
-  CHECK(parseRivals("all").size() == 3);
-  CHECK(parseRivals("embree,raytracing") == std::vector<std::string>{"embree", "raytracing"});
+  CHECK(parseRivals("all").size() == 4);
+  CHECK(parseRivals("embree,cuda") == std::vector<std::string>{"embree", "cuda"});
   CHECK_THROWS_MATCHES(parseRivals("embree,optix"), Error, MessageMatches(ContainsSubstring("no 'optix'")));
 }
 

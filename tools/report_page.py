@@ -12,7 +12,7 @@ STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; margin: 0 auto; max-width: 1100px; padding: 0 16px 48px; color: #222;
        overflow-wrap: anywhere; }
 h1 { font-size: 1.6em; } h2 { margin-top: 2em; border-bottom: 1px solid #ccc; } h3 { margin-bottom: .3em; }
-.wide { overflow-x: auto; }
+.wide { overflow-x: auto; margin-bottom: .8em; }
 table { border-collapse: collapse; font-size: 13px; overflow-wrap: normal; }
 th, td { border: 1px solid #ddd; padding: 3px 8px; text-align: right; white-space: nowrap; }
 th { background: #f4f4f0; white-space: normal; min-width: 4em; }
@@ -131,31 +131,56 @@ def judged(devices, names):
     return table(rows, marks)
 
 
-def fingerprints(devices, names):
-    """Which devices give the same bytes: a letter for each answer that there is."""
+def prints_of(devices):
+    """What `exact` answers, by name and by the device's place."""
     prints = {}
     for column, device in enumerate(devices):
         case = device["cases"].get("correctness", {"rows": [], "effects": []})
-        for row in case["rows"]:
-            if row["accuracy"] == "exact":
-                prints.setdefault(row["name"], {})[column] = row["fingerprint"]
-        for row in case["effects"]:
+        for row in [row for row in case["rows"] if row["accuracy"] == "exact"] + case["effects"]:
             prints.setdefault(row["name"], {})[column] = row["fingerprint"]
+    return prints
+
+
+def base_of(devices):
+    """Whom the others are compared with: the first CPU, which is where tests have run, or else the first of all."""
     columns = [i for i, device in enumerate(devices) if device["type"] != "reference"]
+    return next((i for i in columns if devices[i]["type"] == "cpu"), columns[0] if columns else None)
+
+
+def fingerprints(devices, names):
+    """Which devices give the same bytes: a letter for each answer that there is."""
+    columns = [i for i, device in enumerate(devices) if device["type"] != "reference"]
+    base = base_of(devices)
     rows, marks = [["exact", *(names[i] for i in columns)]], {}
-    for name, found in prints.items():
+    for name, found in prints_of(devices).items():
         if not set(found) & set(columns):
             continue
-        letters, cells = {}, []
+        order = dict.fromkeys(found[i] for i in [base, *columns] if i in found)
+        letters = {fingerprint: chr(ord("A") + place) for place, fingerprint in enumerate(order)}
         for place, column in enumerate(columns):
-            fingerprint = found.get(column)
-            letter = chr(ord("A") + len(letters)) if fingerprint not in letters else letters[fingerprint]
-            if fingerprint is not None:
-                letters.setdefault(fingerprint, letter)
-                marks[len(rows) - 1, place + 1] = "good" if letter == "A" else "bad"
-            cells.append("-" if fingerprint is None else letter)
-        rows.append([name, *cells])
+            if column in found:
+                marks[len(rows) - 1, place + 1] = "good" if letters[found[column]] == "A" else "bad"
+        rows.append([name, *(letters.get(found.get(column), "-") for column in columns)])
     return table(rows, marks)
+
+
+def equality(devices, names):
+    """A line per device: equal, or where it first is not."""
+    base, prints, lines = base_of(devices), prints_of(devices), []
+    for column, device in enumerate(devices):
+        if device["type"] == "reference" or column == base:
+            continue
+        common = [name for name, found in prints.items() if base in found and column in found]
+        unlike = [name for name in common if prints[name][base] != prints[name][column]]
+        line = f"{names[column]} and {names[base]} have no answer in common"
+        if common:
+            line = f"{names[column]}: equal to {names[base]} in all of {len(common)} answers"
+        if unlike:
+            line = (f"{names[column]}: unlike {names[base]} in {len(unlike)} of {len(common)} answers, first in "
+                    f"'{unlike[0]}'")
+            line += ", as fused products may be" if device["spec"].startswith("cuda-fast") else ""
+        lines.append(f"<li>{escaped(line)}</li>\n")
+    return "<ul>\n" + "".join(lines) + "</ul>\n" if lines else ""
 
 
 def accuracy(case):
@@ -192,6 +217,55 @@ def times(case):
                          *(figure(who["stages_ms"].get(stage)) for stage in stages),
                          figure(device["median"] if device else None), figure(who["total_ms"]["median"])])
     return table(rows)
+
+
+def stage_of(contender, stage):
+    """Its median in milliseconds, and how many times ours; None where there is none."""
+    if stage == "total":
+        return contender["total_ms"]["median"], contender["ratio_to_ours"]
+    if stage == "device":
+        return (contender["device_ms"] or {}).get("median"), contender["device_ratio_to_ours"]
+    return contender["stages_ms"].get(stage), None
+
+
+def by_cuda(case):
+    """Ours on one card by Vulkan and by CUDA, stage by stage; nothing where CUDA has taken no part. Marked: one is more
+    than 5 % faster."""
+    outcomes = [(outcome["label"], outcome["contenders"][0],
+                 {who["name"]: who for who in outcome["contenders"] if who["name"].startswith("cuda")})
+                for outcome in case.get("outcomes", [])]
+    names = list(dict.fromkeys(name for _, _, cuda in outcomes for name in cuda))
+    rows, marks = [], {}
+    for label, vulkan, cuda in outcomes:
+        stages = dict.fromkeys(stage for who in (vulkan, *cuda.values()) for stage in who["stages_ms"])
+        for stage in (*stages, "device", "total"):
+            ours, _ = stage_of(vulkan, stage)
+            row = [label, stage, figure(ours)]
+            for name in names:
+                theirs, ratio = stage_of(cuda[name], stage) if name in cuda else (None, None)
+                ratio = ratio or (theirs / ours if theirs and ours else None)
+                if ratio and abs(ratio - 1) > 0.05:
+                    marks[len(rows), len(row) + 1] = "good" if ratio > 1 else "bad"
+                row += [figure(theirs), f"{ratio:.2f}" if ratio else "-"]
+            rows.append(row)
+    head = ["case", "stage", "Vulkan, ms"]
+    for name in names:
+        head += [name + ", ms", "Vulkan is times as fast"]
+    return table([head, *rows], marks) if names else ""
+
+
+def side_by_side(devices, names):
+    parts = []
+    for name, device in zip(names, devices):
+        tables = "".join(by_cuda(device["cases"].get(case, {})) for case in ("figure7", "effects"))
+        if tables:
+            parts.append(f"<h3>{escaped(name)}</h3>\n{tables}")
+    if not parts:
+        return ""
+    return ("<h2>Vulkan and CUDA side by side</h2>\n" + "".join(parts) +
+            "<p class='note'>On one card, in turn, in one process; answers were compared beam by beam first. "
+            "<code>cuda</code> has no fused products, so <code>exact</code> has the same bytes; <code>cuda-fast</code> "
+            "is as nvcc makes it.</p>\n")
 
 
 def pictures(devices, names):
@@ -238,18 +312,19 @@ def page(reports):
     for device, owner in zip(devices, owners):
         listed.append([device["name"], owner + 1, device["type"], device["driver"] or "-", device["api_version"] or "-"])
     left_out = [f"machine {number + 1}: {line}" for number, report in enumerate(reports) for line in report["left_out"]]
-    left_out += [f"{name}: {line}" for name, device in zip(names, devices) for case in device["cases"].values()
-                 for line in case.get("left_out", [])]
+    left_out += dict.fromkeys(f"{name}: {line}" for name, device in zip(names, devices)
+                              for case in device["cases"].values() for line in case.get("left_out", []))
     parts = [
         "<h1>GnoSphere on every device</h1>\n", table(machines, kind="text"), "<p></p>\n", table(listed, kind="text"),
         "<h2>Correctness</h2>\n", judged(devices, names),
         "<p class='note'>Against the double-precision reference, outside ties, with <code>standard</code> and "
         "<code>exact</code>.</p>\n",
-        "<h2>The same bytes</h2>\n", fingerprints(devices, names),
+        "<h2>The same bytes</h2>\n", equality(devices, names), fingerprints(devices, names),
         "<p class='note'>Where the letters of a line are the same, so are all bytes of the clouds.</p>\n",
         "<h2>What accuracy costs</h2>\n", each(devices, names, "accuracy", accuracy),
         "<h2>What effects cost</h2>\n", effects(devices, names), each(devices, names, "effects", plot),
         "<h2>Times</h2>\n", each(devices, names, "figure7", lambda case: times(case) + plot(case)),
+        side_by_side(devices, names),
         "<h2>Pictures</h2>\n", pictures(devices, names),
     ]
     if left_out:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <string_view>
 
 #include "cases.hpp"
 #include "variants.hpp"
@@ -16,6 +17,9 @@ using cli::formatted;
 using cli::Json;
 
 constexpr const char* kManyScans = "19 bare scans";
+/// Of every kind one: a signal, a footprint, lists, motion, weather, and all at once.
+constexpr std::string_view kBesideCuda[] = {"intensity",  "19 sub-rays", "transmission", "sensor motion, 15 m/s",
+                                            "fog, 200 m", "all of them"};
 
 /// A request that takes part, and what its scans took.
 struct Runner {
@@ -95,7 +99,7 @@ void checkNear(const std::string& who, const Scan& bare, const Scan& scan) {
   for (size_t entry = 0; entry < scan.ranges.size(); entry += scan.returns) first.ranges.push_back(scan.ranges[entry]);
   const Agreement agreement = agreementOf(bare, first);
   if (!agreement.good())
-    refuse(who, cli::grouped(agreement.hits + agreement.ranges) + " of " + cli::grouped(agreement.beams) +
+    refuse(who, cli::grouped(agreement.differ()) + " of " + cli::grouped(agreement.beams) +
                     " beams differ from a bare scan");
 }
 
@@ -158,6 +162,19 @@ class CostOfEffects {
     runners.push_back(bare(kManyScans));
     runners.back().scans = 19;
     return runners;
+  }
+
+  /// The same by CUDA on the same card, where it can be had there.
+  void besideCuda(std::vector<Outcome>& outcomes) const {
+    for (const Variant& variant : variants_) {
+      if (std::find(std::begin(kBesideCuda), std::end(kBesideCuda), variant.name) == std::end(kBesideCuda)) continue;
+      try {
+        session_.hold({variant.name, 0, scene_, sensor_},
+                      Request{variant.request, variant.fields, shotsOf(variant.request)}, outcomes);
+      } catch (const Error& error) {
+        session_.addNote(variant.name + " by CUDA: " + error.what());
+      }
+    }
   }
 
  private:
@@ -318,7 +335,9 @@ Report effects(Session& session) {
   rows.insert(rows.begin() + 1, offs);
 
   const double share = ratioOf(on, "19 sub-rays", kManyScans);
+  on.clear();
   Report report;
+  cost.besideCuda(report.outcomes);
   report.more = {{"scene", cli::sceneJson(cost.scene())},
                  {"sensor", cli::sensorJson(cost.sensor())},
                  {"rounds", rounds},

@@ -29,18 +29,18 @@ std::vector<Tally> count(Session& session, const Scene& scene, const Sensor& sen
   options.faces = Faces::both;
   Simulator reference(scene, sensor, options);
   const auto contenders = session.contenders({sensor.name, 0, scene, sensor});
-  const std::vector<Pose> poses = session.poses(scene);
+  const std::vector<Shot> shots = shotsFrom(session.poses(scene));
   std::vector<Tally> tallies;
   for (const auto& contender : contenders) {
     contender->build();
     tallies.push_back({contender->name()});
   }
   const auto progress = cli::stepProgress();
-  for (size_t frame = 0; frame < poses.size(); ++frame) {
-    progress("frame", frame + 1, poses.size());
-    const Scan truth = reference.scan(poses[frame]);
+  for (size_t frame = 0; frame < shots.size(); ++frame) {
+    progress("frame", frame + 1, shots.size());
+    const Scan truth = reference.scan(shots[frame].pose);
     for (size_t c = 0; c < contenders.size(); ++c) {
-      contenders[c]->run({poses[frame], {}});
+      contenders[c]->run({shots[frame], {}});
       const Scan answer = withPoints(contenders[c]->answer(), sensor);
       const NearestHistogram nearest = nearestHistogram(truth, answer);
       for (size_t bin = 0; bin < nearest.size(); ++bin) tallies[c].nearest[bin] += nearest[bin];

@@ -4,20 +4,22 @@
 #include <algorithm>
 #include <sstream>
 
+#include "backend.hpp"
 #include "console.hpp"
 #include "gnosphere/error.hpp"
+#include "rivals/cuda.hpp"
 #include "rivals/embree.hpp"
 #include "rivals/vulkan.hpp"
 
 namespace gnosphere::bench {
 namespace {
 
-using Entrants = std::vector<Entrant>;
+using Contenders = std::vector<std::unique_ptr<Contender>>;
 
 /// Beyond this many placed triangles one tree over all of them is not tried: it would take more than 5 GB.
 constexpr uint64_t kFlatTriangles = 30'000'000;
 
-void addEmbree(const RivalSetting& setting, Entrants& entrants, std::vector<std::string>& notes) {
+void addEmbree(const RivalSetting& setting, Contenders& contenders, std::vector<std::string>& notes) {
   std::vector<EmbreeWay> ways = {EmbreeWay::flat, EmbreeWay::instanced};
   if (setting.motion == Motion::transforms) ways = {EmbreeWay::placed};
   if (setting.motion == Motion::everything) ways = {EmbreeWay::rebuilt, EmbreeWay::refitted, EmbreeWay::placed};
@@ -26,40 +28,59 @@ void addEmbree(const RivalSetting& setting, Entrants& entrants, std::vector<std:
     if (flat && setting.scene.placedTriangleCount() > kFlatTriangles)
       notes.push_back("embree: one tree over more than " + cli::grouped(kFlatTriangles) + " triangles is not tried");
     else
-      entrants.push_back({makeEmbree(setting.scene, setting.origin, way)});
+      contenders.push_back(makeGuest(makeEmbree(setting.scene, setting.origin, way), setting.sensor));
   }
 }
 
 /// On a CPU, Vulkan's ray tracing takes minutes per scan beyond this many beams.
 constexpr size_t kSoftwareBeams = 500'000;
 
-void addVulkan(VulkanWay way, const char* name, const RivalSetting& setting, Entrants& entrants,
+void addVulkan(VulkanWay way, const char* name, const RivalSetting& setting, Contenders& contenders,
                std::vector<std::string>& notes) {
-  if (setting.software && setting.beams > kSoftwareBeams) {
+  if (setting.device.apiVersion.empty())
+    throw Error(ErrorCode::device, std::string(name) + ": " + setting.device.name + " is no Vulkan device");
+  if (setting.device.type == "cpu" && setting.sensor.beamCount() > kSoftwareBeams) {
     notes.push_back(std::string(name) + ": more than " + cli::grouped(kSoftwareBeams) +
                     " beams on a CPU would take minutes per scan");
     return;
   }
-  const VulkanOptions options = {setting.device, setting.motion};
-  entrants.push_back({makeVulkan(setting.scene, setting.origin, way, options)});
-  if (setting.motion == Motion::everything)
-    entrants.push_back({makeVulkan(setting.scene, setting.origin, way, options), true});
+  const auto add = [&](bool anew) {
+    auto rival = makeVulkan(setting.scene, setting.origin, way, {setting.options.device, setting.motion});
+    contenders.push_back(makeGuest(std::move(rival), setting.sensor, anew));
+  };
+  add(false);
+  if (setting.motion == Motion::everything) add(true);
 }
 
-void addRayQuery(const RivalSetting& setting, Entrants& entrants, std::vector<std::string>& notes) {
-  addVulkan(VulkanWay::rayQuery, "rayquery", setting, entrants, notes);
+void addRayQuery(const RivalSetting& setting, Contenders& contenders, std::vector<std::string>& notes) {
+  addVulkan(VulkanWay::rayQuery, "rayquery", setting, contenders, notes);
 }
 
-void addRayTracing(const RivalSetting& setting, Entrants& entrants, std::vector<std::string>& notes) {
-  addVulkan(VulkanWay::rayTracingPipeline, "raytracing", setting, entrants, notes);
+void addRayTracing(const RivalSetting& setting, Contenders& contenders, std::vector<std::string>& notes) {
+  addVulkan(VulkanWay::rayTracingPipeline, "raytracing", setting, contenders, notes);
+}
+
+/// Our own stages, as exact as Vulkan's and as nvcc makes them.
+void addCuda(const RivalSetting& setting, Contenders& contenders, std::vector<std::string>&) {
+  if (setting.device.type == "cpu" || setting.device.apiVersion.empty())
+    throw Error(ErrorCode::device, "cuda: beside Vulkan on a card only, and ours runs on " + setting.device.name);
+  std::string problem;
+  const std::vector<DeviceInfo> devices = cuda::devices(problem);
+  const std::string number = std::to_string(sameCard(setting.device, devices, problem));
+  for (const std::string name : {"cuda", "cuda-fast"}) {
+    SimulatorOptions options = setting.options;
+    options.device = name + ":" + number;
+    contenders.push_back(makeOurs(setting.scene, setting.sensor, options, name));
+  }
 }
 
 struct Entry {
   const char* name;
-  void (*add)(const RivalSetting&, Entrants&, std::vector<std::string>& notes);
+  void (*add)(const RivalSetting&, Contenders&, std::vector<std::string>& notes);
 };
 
-constexpr Entry kRivals[] = {{"embree", addEmbree}, {"rayquery", addRayQuery}, {"raytracing", addRayTracing}};
+constexpr Entry kRivals[] = {
+    {"embree", addEmbree}, {"rayquery", addRayQuery}, {"raytracing", addRayTracing}, {"cuda", addCuda}};
 
 }  // namespace
 
@@ -80,19 +101,19 @@ std::vector<std::string> parseRivals(const std::string& text) {
   return names;
 }
 
-Entrants makeRivals(const std::vector<std::string>& names, const RivalSetting& setting,
-                    std::vector<std::string>& notes) {
-  Entrants entrants;
+Contenders makeRivals(const std::vector<std::string>& names, const RivalSetting& setting,
+                      std::vector<std::string>& notes) {
+  Contenders contenders;
   for (const Entry& entry : kRivals) {
     if (std::find(names.begin(), names.end(), entry.name) == names.end()) continue;
     try {
-      entry.add(setting, entrants, notes);
+      entry.add(setting, contenders, notes);
     } catch (const Error& error) {
       if (error.code() != ErrorCode::device && error.code() != ErrorCode::outOfMemory) throw;
       notes.emplace_back(error.what());
     }
   }
-  return entrants;
+  return contenders;
 }
 
 }  // namespace gnosphere::bench

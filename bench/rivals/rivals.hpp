@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "rivals/rival.hpp"
+#include "contender.hpp"
 
 namespace gnosphere::bench {
 
@@ -15,20 +15,15 @@ std::vector<std::string> parseRivals(const std::string& text);
 
 struct RivalSetting {
   const Scene& scene;  ///< has to outlive the rivals
-  Vec3 origin;         ///< near the sensor
+  const Sensor& sensor;
+  Vec3 origin;  ///< near the sensor
   Motion motion = Motion::none;
-  std::string device;     ///< as SimulatorOptions::device
-  bool software = false;  ///< the device is a CPU
-  size_t beams = 0;       ///< of the sensor
-};
-
-struct Entrant {
-  std::unique_ptr<Rival> rival;
-  bool anew = false;  ///< it is to be built for every scan, instead of updated
+  SimulatorOptions options;  ///< of ours
+  DeviceInfo device;         ///< that ours runs on
 };
 
 /// Every way of these rivals that suits the motion. Those that cannot be had here are left out, and `notes` says why.
-std::vector<Entrant> makeRivals(const std::vector<std::string>& names, const RivalSetting& setting,
-                                std::vector<std::string>& notes);
+std::vector<std::unique_ptr<Contender>> makeRivals(const std::vector<std::string>& names, const RivalSetting& setting,
+                                                   std::vector<std::string>& notes);
 
 }  // namespace gnosphere::bench

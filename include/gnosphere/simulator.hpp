@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -117,6 +118,8 @@ struct DeviceInfo {
   uint32_t subgroupSize = 0;
   bool usable = false;
   std::string reason;  ///< why not, where it is not usable
+  /// Of the card, the same by Vulkan and by CUDA; zeros where the driver tells none.
+  std::array<uint8_t, 16> uuid = {};
 };
 
 /// Every Vulkan device of this machine, then every CUDA device where CUDA is built in, and the reference last. Never

@@ -37,6 +37,7 @@ DeviceInfo infoOf(int index) {
                 std::to_string(properties.minor);
   info.maxBufferBytes = properties.totalGlobalMem;
   info.subgroupSize = static_cast<uint32_t>(properties.warpSize);
+  std::copy(std::begin(properties.uuid.bytes), std::end(properties.uuid.bytes), info.uuid.begin());
   if (10 * properties.major + properties.minor < 75)
     info.reason = "it has compute capability " + std::to_string(properties.major) + "." +
                   std::to_string(properties.minor) + ", 7.5 is needed";

@@ -170,7 +170,8 @@ void ApiInstance::throwOnMessages() {
 Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   Capabilities result;
   VkPhysicalDeviceDriverProperties driver = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
-  VkPhysicalDeviceSubgroupProperties subgroup = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &driver};
+  VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &driver};
+  VkPhysicalDeviceSubgroupProperties subgroup = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &id};
   VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup, {}};
   VkPhysicalDeviceVulkan12Features features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
@@ -190,6 +191,7 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   vkGetPhysicalDeviceFeatures2(physical, &features);
   info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
   info.subgroupSize = subgroup.subgroupSize;
+  std::copy(std::begin(id.deviceUUID), std::end(id.deviceUUID), info.uuid.begin());
   uint32_t timestampBits = 0;
   const int family = computeFamily(physical, timestampBits);
   result.queueFamily = static_cast<uint32_t>(std::max(family, 0));
