@@ -64,30 +64,9 @@ SimulatorOptions asking(const Effects& effects) {
   return options;
 }
 
-/// Vulkan, CUDA's kernels on the host, and a CUDA device where there is one.
-struct Devices {
-  Simulator vulkan;
-  CudaOnHost onHost;
-  std::optional<Simulator> cuda;
-
-  Devices(const std::vector<Sensor>& sensors, SimulatorOptions options)
-      : vulkan(town(), sensors, options), onHost(town(), sensors, options) {
-    options.device = "cuda:0";
-    if (cudaProblem().empty()) cuda.emplace(town(), sensors, options);
-  }
-
-  void requireSame(const Shot& shot) {
-    INFO("frame " << shot.frame);
-    Scan expected, scan;
-    vulkan.scan(shot, expected);
-    CHECK(expected.counters.hits > 300);
-    onHost.scan(shot, scan);
-    REQUIRE(firstBytes(expected, scan) == "none");
-    if (!cuda) return;
-    cuda->scan(shot, scan);
-    REQUIRE(firstBytes(expected, scan) == "none");
-  }
-};
+void requireSame(Twins& twins, const Shot& shot) {
+  REQUIRE(twins.scan(shot).counters.hits > 300);
+}
 
 Shot standing(uint64_t frame = 0, size_t sensor = 0) {
   Shot shot;
@@ -118,7 +97,8 @@ TEST_CASE("cuda effects: a footprint of as many sub-rays as there may be") {
   Effects effects = Effects::none();
   effects.divergence = {Use::on, 61, Profile::gaussian, 9e-3, 4e-3};
   effects.returns = {Use::on, Mode::strongestSecondStrongest};
-  Devices({unevenSensor()}, asking(effects)).requireSame(standing());
+  Twins twins(town(), {unevenSensor()}, asking(effects));
+  requireSame(twins, standing());
 }
 
 TEST_CASE("cuda effects: all together, by seed, sensor and frame, standing and in motion") {
@@ -138,9 +118,9 @@ TEST_CASE("cuda effects: all together, by seed, sensor and frame, standing and i
   e.rain = {Use::on, 20};
   e.snow = {Use::on, 2};
   e.volumes = {Use::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
-  Devices devices({unevenHead(), unevenHead()}, asking(e));
+  Twins twins(town(), {unevenHead(), unevenHead()}, asking(e));
   for (const Shot& shot : {standing(), standing(1), standing(1, 1), driving(), traffic(standing()), traffic(driving())})
-    devices.requireSame(shot);
+    requireSame(twins, shot);
 }
 
 TEST_CASE("cuda effects: surfaces of exact hits, after instances and positions have moved, too") {
@@ -148,21 +128,21 @@ TEST_CASE("cuda effects: surfaces of exact hits, after instances and positions h
   SimulatorOptions options = asking(Effects::none());
   options.accuracy = Accuracy::exact;
   options.maxBufferBytes = 1 << 19;  // in several chunks
-  Devices devices({unevenSensor()}, options);
-  devices.requireSame(standing());
+  Twins twins(town(), {unevenSensor()}, options);
+  requireSame(twins, standing());
   const uint32_t mesh = town().instances[0].mesh;
   std::vector<float> positions = town().meshes[mesh].positions;
   for (size_t i = 0; i < positions.size(); ++i) positions[i] += 0.1f * static_cast<float>(i % 7);
   const Transform moved = translation(1, 2, 0.1) * town().instances[1].transform;
-  devices.vulkan.setPositions(mesh, positions);
-  devices.vulkan.setTransform(1, moved);
-  devices.onHost.backend().setPositions(mesh, positions);
-  devices.onHost.backend().setInstance(1, town().instances[1].mesh, moved);
-  if (devices.cuda) {
-    devices.cuda->setPositions(mesh, positions);
-    devices.cuda->setTransform(1, moved);
+  twins.vulkan.setPositions(mesh, positions);
+  twins.vulkan.setTransform(1, moved);
+  twins.onHost.backend().setPositions(mesh, positions);
+  twins.onHost.backend().setInstance(1, town().instances[1].mesh, moved);
+  if (twins.cuda) {
+    twins.cuda->setPositions(mesh, positions);
+    twins.cuda->setTransform(1, moved);
   }
-  devices.requireSame(standing());
+  requireSame(twins, standing());
 }
 
 TEST_CASE("cuda effects: a plan names the stages and dispatches of Vulkan's, and the arrays there are") {

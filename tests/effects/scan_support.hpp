@@ -96,18 +96,43 @@ inline bool sameFields(const Scan& a, const Scan& b) {
   return firstBytes(a, b) == "none";
 }
 
-/// A scan on the device of the options. One of Vulkan has the bytes of CUDA's kernels: on the host, and on a CUDA
-/// device where there is one.
-inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Shot& shot, SimulatorOptions options) {
-  Scan result, other;
+/// A simulator on Vulkan, and its twins of CUDA: the kernels on the host, and on a CUDA device where there is one.
+class Twins {
+ public:
+  Twins(const Scene& scene, const std::vector<Sensor>& sensors, SimulatorOptions options)
+      : vulkan(scene, sensors, options), onHost(scene, sensors, options) {
+    // Of `standard` a range is a quotient, which a GPU's Vulkan may round in its own way.
+    decided_ = options.accuracy == Accuracy::exact || vulkan.device().type == "cpu";
+    options.device = "cuda:0";
+    if (cudaProblem().empty()) cuda.emplace(scene, sensors, options);
+  }
+
+  /// Vulkan's scan, of which every twin must have the bytes.
+  Scan scan(const Shot& shot) {
+    INFO("CUDA, frame " << shot.frame);
+    Scan result, other, onDevice;
+    vulkan.scan(shot, result);
+    onHost.scan(shot, other);
+    if (decided_) CHECK(firstBytes(result, other) == "none");
+    if (!cuda) return result;
+    cuda->scan(shot, onDevice);
+    CHECK(firstBytes(other, onDevice) == "none");
+    return result;
+  }
+
+  Simulator vulkan;
+  CudaOnHost onHost;
+  std::optional<Simulator> cuda;
+
+ private:
+  bool decided_;
+};
+
+/// A scan on the device of the options, of which CUDA has the bytes if it is Vulkan's.
+inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Shot& shot, const SimulatorOptions& options) {
+  if (options.device != "reference") return Twins(scene, {sensor}, options).scan(shot);
+  Scan result;
   Simulator(scene, sensor, options).scan(shot, result);
-  if (options.device == "reference") return result;
-  CudaOnHost(scene, {sensor}, options).scan(shot, other);
-  CHECK(firstBytes(result, other) == "none");
-  if (!cudaProblem().empty()) return result;
-  options.device = "cuda:0";
-  Simulator(scene, sensor, options).scan(shot, other);
-  CHECK(firstBytes(result, other) == "none");
   return result;
 }
 
