@@ -23,31 +23,26 @@ using SceneArrays = std::array<Array, gpu::kSceneBindingCountEffects>;
 
 struct Step {
   Kernel kernel;
-  uint32_t pass;
+  uint32_t pass = 0;
+  bool everyShell = true;  // of stage bin: else in the last one only
 };
 
-// Of stage bin; whether a shell that is not the last has it, too.
-struct BinStep : Step {
-  bool everyShell;
-};
-
-std::vector<BinStep> binSteps(uint32_t way) {
-  if (way == gpu::kWayNearest) return {{{Kernel::bin, gpu::kPassNearest}, true}};
-  if (way == gpu::kWayNearest32)
-    return {{{Kernel::bin, gpu::kPassRange}, true}, {{Kernel::bin, gpu::kPassOwner}, false}};
-  return {{{Kernel::bin, gpu::kPassCount}, true},
-          {{Kernel::scan, gpu::kScanReduce}, true},
-          {{Kernel::scan, gpu::kScanBlocks}, true},
-          {{Kernel::scan, gpu::kScanApply}, true},
-          {{Kernel::bin, gpu::kPassFill}, true}};
+std::vector<Step> binSteps(uint32_t way) {
+  if (way == gpu::kWayNearest) return {{Kernel::bin, gpu::kPassNearest}};
+  if (way == gpu::kWayNearest32) return {{Kernel::bin, gpu::kPassRange}, {Kernel::bin, gpu::kPassOwner, false}};
+  return {{Kernel::bin, gpu::kPassCount},
+          {Kernel::scan, gpu::kScanReduce},
+          {Kernel::scan, gpu::kScanBlocks},
+          {Kernel::scan, gpu::kScanApply},
+          {Kernel::bin, gpu::kPassFill}};
 }
 
 // Of stage effects; effects_surfaces is for each chunk of the scene.
 std::vector<Step> effectsSteps(const PlannedEffects& planned) {
   std::vector<Step> steps;
   if (planned.footprint()) steps = {{Kernel::effects_footprint, 0}, {Kernel::effects_footprint, 1}};
-  if (planned.surfaces() && !planned.footprint()) steps.push_back({Kernel::effects_surfaces, 0});
-  if (planned.signals() || planned.speeds()) steps.push_back({Kernel::effects, 0});
+  if (planned.surfaces() && !planned.footprint()) steps.push_back({Kernel::effects_surfaces});
+  if (planned.signals() || planned.speeds()) steps.push_back({Kernel::effects});
   return steps;
 }
 
@@ -117,11 +112,11 @@ class CudaBackend final : public Backend {
       plan.stages.back().pipelines.push_back({nameOf(step.kernel), constantsOf(options)});
     };
     const uint32_t shells = sensor.shellBorder() > 0 ? 2 : 1, chunks = static_cast<uint32_t>(onDevice_.size());
-    add("project", shells * chunks, {Kernel::project_groups, 0});
-    add("project", shells * chunks, {Kernel::project_clusters, 0});
-    add("project", shells - 1, {Kernel::project_occluders, 0});
-    add("project", shells * chunks, {Kernel::project_triangles, 0});
-    for (const BinStep& step : binSteps(sensor.way())) add("bin", step.everyShell ? shells : 1, step);
+    add("project", shells * chunks, {Kernel::project_groups});
+    add("project", shells * chunks, {Kernel::project_clusters});
+    add("project", shells - 1, {Kernel::project_occluders});
+    add("project", shells * chunks, {Kernel::project_triangles});
+    for (const Step& step : binSteps(sensor.way())) add("bin", step.everyShell ? shells : 1, step);
     if (!sensor.planned().footprint()) add("resolve", 1, {Kernel::resolve, sensor.way()});
     for (const Step& step : effectsSteps(sensor.planned()))
       add("effects", step.kernel == Kernel::effects_surfaces ? chunks : 1, step);
@@ -239,7 +234,7 @@ class CudaBackend final : public Backend {
     if (border > 0) {
       project({0, 0, 0, border, 0});
       bin(sensor, false);
-      launch({Kernel::project_occluders, 0}, (frame.columns + gpu::kCoarseColumns - 1) / gpu::kCoarseColumns,
+      launch({Kernel::project_occluders}, (frame.columns + gpu::kCoarseColumns - 1) / gpu::kCoarseColumns,
              (frame.rows + gpu::kCoarseRows - 1) / gpu::kCoarseRows);
     }
     project({0, 0, border, kInfinity, border > 0});
@@ -274,16 +269,16 @@ class CudaBackend final : public Backend {
       pass.placedFirst = chunk.first;
       pass.placedCount = chunk.groups;
       job_.pass = pass;
-      launch({Kernel::project_groups, 0}, std::min(device_.groups, (chunk.groups + 63) / 64));
-      launch({Kernel::project_clusters, 0}, std::min(device_.groups, chunk.groups));
-      launch({Kernel::project_triangles, 0}, std::min(device_.groups, chunk.clusters));
+      launch({Kernel::project_groups}, std::min(device_.groups, (chunk.groups + 63) / 64));
+      launch({Kernel::project_clusters}, std::min(device_.groups, chunk.groups));
+      launch({Kernel::project_triangles}, std::min(device_.groups, chunk.clusters));
     }
     stopwatch_.finished("project");
   }
 
   void bin(const SensorArrays& sensor, bool lastShell) {
     const uint32_t blocks = std::min(device_.groups, sensor.frame().beams / gpu::kScanBlock + 1);
-    for (const BinStep& step : binSteps(sensor.way())) {
+    for (const Step& step : binSteps(sensor.way())) {
       if (!lastShell && !step.everyShell) continue;
       launch(step, step.kernel == Kernel::bin ? device_.groups : step.pass == gpu::kScanBlocks ? 1 : blocks);
     }
