@@ -24,7 +24,7 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, cons
   result.effects = planned.bits;
   result.returns = planned.returns;
   result.fields = planned.fields;
-  result.layers = planned.has(gpu::kTransmission) ? gpu::kMaxLayers : 1;
+  result.layers = planned.layers();
   return result;
 }
 
@@ -33,10 +33,6 @@ uint64_t projectedCount(const gpu::Counters& counters) {
 }
 
 }  // namespace
-
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned) {
-  return planned.footprint() ? gpu::kWayLists : gnosphere::chooseWay(options, int64Atomics);
-}
 
 // Who looks at surfaces needs the transforms of what stands still, too.
 bool keepsStill(const SimulatorOptions& options, uint32_t way, const PlannedEffects& planned) {
@@ -66,8 +62,9 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     }
   }
   if (!planned_.bare()) {
-    effects_ = std::make_unique<EffectsState>(device, setup, tables_.rows, sensor, firstBeam, !readsInPlace());
-    tables_.frame.footprint = effects_->footprint();
+    EffectsArrays arrays(setup, tables_.rows, sensor, firstBeam);
+    tables_.frame.footprint = arrays.footprint();
+    effects_ = std::make_unique<EffectsState>(device, std::move(arrays), !readsInPlace());
   }
   shellBorder_ = gnosphere::shellBorder(options, way, tables_.frame, geometry.instances().counters().triangles);
   reach_ = reachOf(options, tables_.frame);
@@ -137,7 +134,6 @@ FrameInFlight SensorState::makeFrame() const {
   for (const Output& output : outputs_)
     result.results.emplace_back(device_, "results", beams * output.bytesPerBeam, Memory::readback);
   result.results.emplace_back(device_, "counters", sizeof(gpu::Counters), Memory::readback);
-  if (effects_) result.effects = effects_->makeFrame();
   result.set = layout_.makeSet(0);
   return result;
 }
@@ -196,6 +192,18 @@ void SensorState::growLists(const FrameInFlight& frame) {
 const gpu::Counters& FrameInFlight::counters() const {
   results.back().invalidate();
   return *static_cast<const gpu::Counters*>(results.back().mapped());
+}
+
+DeviceResults SensorState::results(size_t index) const {
+  const FrameInFlight& frame = inFlight_[index];
+  return DeviceResults::from(tables_.frame.beams, frame.counters(), [&](uint32_t binding) -> const void* {
+    for (size_t i = 0; i < outputs_.size(); ++i) {
+      if (outputs_[i].binding != binding) continue;
+      frame.results[i].invalidate();
+      return frame.results[i].mapped();
+    }
+    return nullptr;
+  });
 }
 
 void SensorState::addTo(MemoryUse& use) const {
