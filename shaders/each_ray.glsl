@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loops over the sub-rays of a footprint, written out: EACH_RAY(M) is M(0) M(1) ... M(RAYS - 1). What a sub-ray has met
-// then stays in registers, on devices too whose compilers leave long loops as they are.
+// then stays in registers, on devices too whose compilers leave long loops as they are. CUDA brings a loop of its own.
+#ifndef EACH_RAY
 #define RAYS_1(M) M(0)
 #define RAYS_7(M) RAYS_1(M) M(1) M(2) M(3) M(4) M(5) M(6)
 #define RAYS_19(M) \
@@ -22,4 +23,5 @@
 #define EACH_RAY RAYS_37
 #else
 #define EACH_RAY RAYS_61
+#endif
 #endif

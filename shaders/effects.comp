@@ -37,6 +37,7 @@ vec3 beamDirection, pointDirection;
 vec4 hitPoint, hitSurface;
 uvec2 hitOwner;
 vec2 hitBarycentrics;
+uint causeCounts[kCauses];  // of this invocation
 
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
@@ -64,21 +65,18 @@ Echo loadEcho(uint k) {
   return Echo(hitPoint.w, energy, parameters.pulseWidth, cosIncidence, 0);
 }
 
-
-// How fast the surface moves, and how fast it goes away.
+// How fast the surface moves, and how fast it goes away: not at all where nothing moves.
 void storeMotion(uint at, uvec2 owner, float range) {
-  vec3 velocity = vec3(0.0), sensor = vec3(0.0);
+  vec3 velocity = vec3(0.0);
+  float radial = 0.0;
 #ifdef MOTION
   ColumnMotion now = columnMotions[columnIndex];
-  sensor = now.velocity.xyz;
   vec3 point = beamDirection * range + originOf(gl_WorkGroupID.y, beamAzimuth);
   if (owner.x != kNone && motion.instances != 0) velocity = velocityAt(instanceMotions[owner.y], now, point);
-#endif
-  float radial = owner.x != kNone ? radialSpeed(beamDirection, velocity, sensor) : notANumber();
-#ifdef MOTION
+  radial = radialSpeed(beamDirection, velocity, now.velocity.xyz);
   velocity = reportedDirection(columnIndex, velocity);
 #endif
-  motions[at] = vec4(velocity, radial);
+  motions[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());
 }
 
 void storeReturn(uint j, Return value) {
@@ -121,13 +119,19 @@ void judge(bool hit) {
     uint at = beamIndex * RETURNS;
     signals[at].w = uintBitsToFloat(floatBitsToUint(signals[at].w) | cause << 8);
   }
+  for (uint k = 0; k < kCauses; ++k) causeCounts[k] += cause == k ? 1 : 0;
+}
+
+// Every invocation must call.
+void countCauses() {
   for (uint k = 0; k < kCauses; ++k) {
-    uint sum = subgroupAdd(cause == k ? 1 : 0);
+    uint sum = subgroupAdd(causeCounts[k]);
     if (subgroupElect() && sum > 0) atomicAdd(counters.causes[k], sum);
   }
 }
 
 void main() {
+  for (uint k = 0; k < kCauses; ++k) causeCounts[k] = 0;
   vec4 angles = rows[gl_WorkGroupID.y].angles, offset = rows[gl_WorkGroupID.y].offset;
   uint channel = uint(angles.w);
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
@@ -150,4 +154,5 @@ void main() {
     else if (SPEEDS)
       storeMotion(beamIndex, hitOwner, hitPoint.w);
   }
+  if (SIGNALS) countCauses();
 }

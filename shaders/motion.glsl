@@ -9,6 +9,13 @@ vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
   return result;
 }
 
+// Without the shift. Adding 0 would do, were it not that some compilers leave it out, and -0 becomes 0 on the others.
+vec3 rotated(vec4 row0, vec4 row1, vec4 row2, vec3 d) {
+  precise vec3 result = vec3(row0.x * d.x + row0.y * d.y + row0.z * d.z, row1.x * d.x + row1.y * d.y + row1.z * d.z,
+                             row2.x * d.x + row2.y * d.y + row2.z * d.z);
+  return result;
+}
+
 vec3 inColumn(ColumnMotion column, vec3 p) { return through(column.row0, column.row1, column.row2, p); }
 
 vec3 velocityOf(InstanceMotion moving, vec3 p) { return through(moving.row0, moving.row1, moving.row2, p); }
@@ -44,7 +51,7 @@ float seemingAngle(float shift, float turn, float distance) {
 // A direction of the column's frame in that frame.
 vec3 reportedDirection(uint column, vec3 direction) {
   ColumnMotion at = columnMotions[column];
-  return through(vec4(at.report0.xyz, 0.0), vec4(at.report1.xyz, 0.0), vec4(at.report2.xyz, 0.0), direction);
+  return rotated(at.report0, at.report1, at.report2, direction);
 }
 
 // Where a point of the column's frame is in that of the scan's middle; rows are a rotation and a shift.
@@ -62,5 +69,5 @@ vec3 velocityAt(InstanceMotion moving, ColumnMotion at, vec3 p) {
     precise vec3 start = now - velocity * at.velocity.w;
     velocity = velocityOf(moving, start);
   }
-  return through(vec4(at.row0.xyz, 0.0), vec4(at.row1.xyz, 0.0), vec4(at.row2.xyz, 0.0), velocity);
+  return rotated(at.row0, at.row1, at.row2, velocity);
 }

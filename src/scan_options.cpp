@@ -38,7 +38,8 @@ uint32_t cullingBits(const SimulatorOptions& options) {
          (culling.occlusion != Culling::Occlusion::never ? gpu::kCullOccluded : 0);
 }
 
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics) {
+uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned) {
+  if (planned.footprint()) return gpu::kWayLists;
   switch (options.binning) {
     case Binning::lists: return gpu::kWayLists;
     case Binning::nearest32: return gpu::kWayNearest32;
@@ -49,6 +50,14 @@ uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics) {
     case Binning::nearest: break;
   }
   return int64Atomics ? gpu::kWayNearest : gpu::kWayNearest32;
+}
+
+bool leavesWords(uint32_t way, const PlannedEffects& planned) {
+  return way != gpu::kWayLists && planned.bare();
+}
+
+const char* nameOfWay(uint32_t way) {
+  return way == gpu::kWayLists ? "lists" : way == gpu::kWayNearest ? "nearest" : "nearest32";
 }
 
 // Where every hit of a beam counts, nothing hides anything.

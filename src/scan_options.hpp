@@ -2,6 +2,7 @@
 // What the options of a simulator mean for the kernels of a scan, on whatever device.
 #pragma once
 
+#include "effects/planned.hpp"
 #include "gnosphere/simulator.hpp"
 #include "shared.h"
 
@@ -10,8 +11,13 @@ namespace gnosphere {
 Exactness partsOf(const SimulatorOptions& options);
 /// gpu::kCull... bits.
 uint32_t cullingBits(const SimulatorOptions& options);
-/// gpu::kWay...: how the options and the device bin.
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics);
+/// gpu::kWay...: how the options, the device and what is planned bin.
+uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned);
+/// Whether words are all that is read back, for the host to resolve: 8 bytes per beam, where nothing but geometry is
+/// planned.
+bool leavesWords(uint32_t way, const PlannedEffects& planned);
+/// As Plan::binning names it.
+const char* nameOfWay(uint32_t way);
 /// Metres: what is nearer is binned first, and hides what lies behind it. 0 if everything is binned at once.
 float shellBorder(const SimulatorOptions& options, uint32_t way, const gpu::Frame& frame, uint64_t triangles);
 /// Metres: instances farther away need not be looked at.

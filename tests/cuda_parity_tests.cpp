@@ -135,20 +135,6 @@ TEST_CASE("cuda: after instances and positions have moved a scan equals Vulkan's
   requireEqual();
 }
 
-TEST_CASE("cuda: effects that are asked for are refused by name, others left out") {
-  Scene scene = sceneOf(ball(6, 8, 2));
-  scene.materials[0].transmission = 0.5f;
-  const std::vector<Sensor> sensors = {gridSensor(36, 4, -40, 40)};
-  SimulatorOptions options;
-  options.effects = {};
-  CHECK(CudaOnHost(scene, sensors, options).scan({}).counters.hits == 144);
-  options.effects.transmission.use = Use::on;
-  CHECK_THROWS_WITH(CudaOnHost(scene, sensors, options), ContainsSubstring(" is on, and CUDA has no effects"));
-  options.effects = {};
-  options.fields = {Field::normal};
-  CHECK_THROWS_WITH(CudaOnHost(scene, sensors, options), ContainsSubstring("CUDA has no fields beyond"));
-}
-
 TEST_CASE("cuda: no beams, no triangles") {
   Sensor blind = gridSensor(360, 24, -40, 40);
   blind.channels.clear();

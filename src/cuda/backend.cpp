@@ -9,8 +9,6 @@
 
 #include "chunks.hpp"
 #include "cuda/sensor_arrays.hpp"
-#include "effects/planned.hpp"
-#include "gnosphere/error.hpp"
 #include "scan_options.hpp"
 
 namespace gnosphere::cuda {
@@ -20,51 +18,48 @@ using Clock = std::chrono::steady_clock;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// A chunk of the scene on the device, and where it lists what it sees of it.
-struct ChunkOnDevice {
-  explicit ChunkOnDevice(const ChunkArrays& arrays)
-      : groups("groups", arrays.groups),
-        clusters("clusters", arrays.clusters),
-        positions("positions", arrays.positions),
-        triangleCorners("triangleCorners", arrays.triangleCorners) {}
-  uint64_t bytes() const { return groups.bytes() + clusters.bytes() + positions.bytes() + triangleCorners.bytes(); }
+// A chunk of the scene on the device: set 1, empty where nothing is planned for it.
+using SceneArrays = std::array<Array, gpu::kSceneBindingCountEffects>;
 
-  Array<gpu::Group> groups;
-  Array<gpu::Cluster> clusters;
-  Array<float> positions;
-  Array<FlatTriangle> triangleCorners;
+struct Step {
+  Kernel kernel;
+  uint32_t pass = 0;
+  bool everyShell = true;  // of stage bin: else in the last one only
 };
 
-// Effects that are left to choose are left out; those asked for are not there yet.
-PlannedEffects geometryAlone(const SimulatorOptions& options, const Sensor& sensor, const Scene& scene) {
-  PlannedEffects planned = planEffects(options, sensor, scene);
-  if (planned.fields != 0)
-    throw Error(ErrorCode::invalidArgument, "CUDA has no fields beyond points, ranges and owners; use a Vulkan device");
-  for (Plan::Decision& decision : planned.decisions) {
-    if (!decision.in) continue;
-    if (decision.request == Use::on)
-      throw Error(ErrorCode::invalidArgument,
-                  decision.effect + " is on, and CUDA has no effects; use a Vulkan device or --effects clean");
-    decision.in = false;
-    decision.reason = "CUDA has no effects";
-  }
-  planned.returns = 1;
-  return planned;
+std::vector<Step> binSteps(uint32_t way) {
+  if (way == gpu::kWayNearest) return {{Kernel::bin, gpu::kPassNearest}};
+  if (way == gpu::kWayNearest32) return {{Kernel::bin, gpu::kPassRange}, {Kernel::bin, gpu::kPassOwner, false}};
+  return {{Kernel::bin, gpu::kPassCount},
+          {Kernel::scan, gpu::kScanReduce},
+          {Kernel::scan, gpu::kScanBlocks},
+          {Kernel::scan, gpu::kScanApply},
+          {Kernel::bin, gpu::kPassFill}};
+}
+
+// Of stage effects; effects_surfaces is for each chunk of the scene.
+std::vector<Step> effectsSteps(const PlannedEffects& planned) {
+  std::vector<Step> steps;
+  if (planned.footprint()) steps = {{Kernel::effects_footprint, 0}, {Kernel::effects_footprint, 1}};
+  if (planned.surfaces() && !planned.footprint()) steps.push_back({Kernel::effects_surfaces});
+  if (planned.signals() || planned.speeds()) steps.push_back({Kernel::effects});
+  return steps;
+}
+
+// On the device; a footprint's hits are found by stage effects, and words are resolved by the host.
+bool resolves(const SensorArrays& sensor) {
+  return !sensor.planned().footprint() && !sensor.leavesWords();
 }
 
 class CudaBackend final : public Backend {
  public:
   CudaBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
       : device_(chosen(options.device)),
-        chunks_(scene, options.maxBufferBytes > 0 ? options.maxBufferBytes : device_.info.maxBufferBytes),
-        way_(chooseWay(options, true)) {
-    for (size_t i = 0; i < chunks_.count(); ++i) onDevice_.emplace_back(chunks_.arrays(i));
-    chunks_.dropArrays();
+        chunks_(scene, options.maxBufferBytes > 0 ? options.maxBufferBytes : device_.info.maxBufferBytes) {
+    const std::vector<EffectsSetup> setups = setUpEffects(scene, sensors, options);
+    upload(scene, anyPlans(setups, &PlannedEffects::looksAtSurfaces), anyPlans(setups, &PlannedEffects::holes));
     chunks_.addTo(instances_, scene);
-    for (const Sensor& sensor : sensors) {
-      planned_.push_back(geometryAlone(options, sensor, scene));
-      sensors_.emplace_back(sensor, options, way_, instances_.counters().triangles);
-    }
+    for (const EffectsSetup& setup : setups) sensors_.emplace_back(setup, options, instances_.counters().triangles);
     const Exactness parts = partsOf(options);
     job_.options.BOUNDS = static_cast<uint32_t>(parts.bounds);
     job_.options.CULL = static_cast<uint32_t>(parts.cull);
@@ -72,7 +67,6 @@ class CudaBackend final : public Backend {
     job_.options.RANGE = static_cast<uint32_t>(parts.range);
     job_.options.FACES = static_cast<uint32_t>(options.faces);
     job_.options.CULLING = cullingBits(options);
-    job_.options.LAYERS = job_.options.RETURNS = 1;
   }
 
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override {
@@ -92,30 +86,57 @@ class CudaBackend final : public Backend {
     chunks_.setPositions(
         mesh, positions, instances_,
         [&](const ChunkPart& part, size_t count) {
-          return onDevice_[part.chunk].triangleCorners.read(part.triangle, count);
+          return onDevice_[part.chunk][gpu::kBindTriangleCorners].read<FlatTriangle>(part.triangle, count);
         },
         [&](const ChunkPart& part, const ChunkArrays& arrays) {
-          ChunkOnDevice& chunk = onDevice_[part.chunk];
-          chunk.groups.write(arrays.groups, part.group);
-          chunk.clusters.write(arrays.clusters, part.cluster);
-          chunk.positions.write(arrays.positions, 3 * part.vertex);
-          chunk.triangleCorners.write(arrays.triangleCorners, part.triangle);
+          SceneArrays& chunk = onDevice_[part.chunk];
+          chunk[gpu::kBindGroups].write<gpu::Group>(arrays.groups, part.group);
+          chunk[gpu::kBindClusters].write<gpu::Cluster>(arrays.clusters, part.cluster);
+          chunk[gpu::kBindPositions].write<float>(arrays.positions, 3 * part.vertex);
+          chunk[gpu::kBindTriangleCorners].write<FlatTriangle>(arrays.triangleCorners, part.triangle);
+          if (meshPlaces_.empty()) return;
+          const uint32_t first = meshPlaces_[part.chunk][mesh];
+          auto places = chunk[gpu::kBindTrianglePlaces].read<uint32_t>(first, instances_.mesh(mesh).triangles);
+          chunks_.placeTriangles(part, arrays.triangleCorners, places);
+          chunk[gpu::kBindTrianglePlaces].write<uint32_t>(places, first);
         });
   }
 
-  Plan plan(size_t sensor) const override {
+  Plan plan(size_t index) const override {
+    const SensorArrays& sensor = sensors_[index];
     Plan plan;
-    plan.effects = planned_[sensor].decisions;
-    plan.returns = planned_[sensor].returns;
+    plan.effects = sensor.planned().decisions;
+    plan.returns = sensor.planned().returns;
+    plan.binning = nameOfWay(sensor.way());
+    Options options = job_.options;
+    sensor.addTo(options);
+    const auto add = [&](const char* stage, uint32_t dispatches, const Step& step) {
+      if (plan.stages.empty() || plan.stages.back().name != stage) plan.stages.push_back({stage, 0, {}});
+      plan.stages.back().dispatches += dispatches;
+      options.PASS = step.pass;
+      plan.stages.back().pipelines.push_back({nameOf(step.kernel), constantsOf(options)});
+    };
+    const uint32_t shells = sensor.shellBorder() > 0 ? 2 : 1, chunks = static_cast<uint32_t>(onDevice_.size());
+    add("project", shells * chunks, {Kernel::project_groups});
+    add("project", shells * chunks, {Kernel::project_clusters});
+    add("project", shells - 1, {Kernel::project_occluders});
+    add("project", shells * chunks, {Kernel::project_triangles});
+    for (const Step& step : binSteps(sensor.way())) add("bin", step.everyShell ? shells : 1, step);
+    if (resolves(sensor)) add("resolve", 1, {Kernel::resolve, sensor.way()});
+    for (const Step& step : effectsSteps(sensor.planned()))
+      add("effects", step.kernel == Kernel::effects_surfaces ? chunks : 1, step);
+    sensor.list(plan.buffers);
     return plan;
   }
+
   const DeviceInfo& device() const override { return device_.info; }
   size_t clusterCount() const override { return chunks_.clusterCount(); }
   MemoryUse memory() const override {
     MemoryUse use;
-    for (const ChunkOnDevice& chunk : onDevice_) use.scene += chunk.bytes();
-    use.scene += instancesOnDevice_.bytes() + placedOnDevice_.bytes() + ownerRanges_.bytes() + visibleGroups_.bytes() +
-                 visible_.bytes();
+    for (const SceneArrays& chunk : onDevice_)
+      for (const Array& array : chunk) use.scene += array.bytes();
+    for (const Array* array : {&placedInstances_, &placedPairs_, &ownerRanges_, &meshes_, &visibleGroups_, &visible_})
+      use.scene += array->bytes();
     for (const SensorArrays& sensor : sensors_) sensor.addTo(use);
     return use;
   }
@@ -127,63 +148,89 @@ class CudaBackend final : public Backend {
     return device;
   }
 
+  // `surfaces`: with the tables that lead from a triangle's owner to the triangle. `holes`: with those of textures.
+  void upload(const Scene& scene, bool surfaces, bool holes) {
+    for (size_t i = 0; i < chunks_.count(); ++i) {
+      const ChunkArrays arrays = chunks_.arrays(i);
+      SceneArrays& chunk = onDevice_.emplace_back();
+      chunk[gpu::kBindGroups] = Array("groups", arrays.groups);
+      chunk[gpu::kBindClusters] = Array("clusters", arrays.clusters);
+      chunk[gpu::kBindPositions] = Array("positions", arrays.positions);
+      chunk[gpu::kBindTriangleCorners] = Array("triangleCorners", arrays.triangleCorners);
+      if (!surfaces) continue;
+      ChunkSurfaces tables = chunks_.surfaces(i, scene, holes);
+      chunk[gpu::kBindClusterMaterials] = Array("clusterMaterials", tables.clusterMaterials);
+      chunk[gpu::kBindMeshPlaces] = Array("meshPlaces", tables.meshPlaces);
+      chunk[gpu::kBindTrianglePlaces] = Array("trianglePlaces", tables.trianglePlaces);
+      chunk[gpu::kBindTextureCoordinates] = Array("textureCoordinates", tables.textureCoordinates);
+      meshPlaces_.push_back(std::move(tables.meshPlaces));
+    }
+    chunks_.dropArrays();
+  }
+
   void scan(const Shot& shot, Scan& result) {
     const Clock::time_point start = Clock::now();
     SensorArrays& sensor = sensors_[shot.sensor];
-    gpu::Counters counters = {};
-    result.timings = {};
-    result.counters = {};
+    clearResult(sensor.setup(), 1, instances_, result);
     if (sensor.frame().beams > 0) {
-      place(shot.pose, sensor.reach());
-      run(sensor);
-      for (counters = sensor.counters(); sensor.grow(counters); counters = sensor.counters()) {
-        run(sensor);
+      const std::optional<ShotMotion> motion = motionOf(sensor.setup(), shot, instances_);
+      place(motion ? motion->tables.middle : shot.pose, sensor.reach() + reachOf(motion));
+      run(sensor, shot, motion);
+      while (sensor.grow(sensor.counters())) {
+        run(sensor, shot, motion);
         ++result.counters.retries;
       }
       stopwatch_.read(result.timings);
+      readResults(sensor.setup(), sensor.results(), instances_, shot, 0, result);
     }
-    readArrays(sensor, result);
-    count(sensor, counters, result.counters);
     result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
 
-  // Grows an array to what it is to hold, and some more.
+  // Room for what an array is to hold, and some more.
   template <typename T>
-  static void makeRoom(const char* name, uint64_t count, Array<T>& array) {
-    if (array.count() < count) array = Array<T>(name, array.count() > 0 ? count + count / 4 : count);
+  static void makeRoom(const char* name, uint64_t count, Array& array) {
+    if (array.bytes() < count * sizeof(T))
+      array = Array(name, (array.bytes() > 0 ? count + count / 4 : count) * sizeof(T));
+  }
+
+  template <typename T>
+  static void replace(const char* name, const std::vector<T>& values, Array& array) {
+    makeRoom<T>(name, values.size(), array);
+    array.write<T>(values);
   }
 
   void place(const Pose& pose, double reach) {
     instances_.choose(pose, reach, {}, placed_);
     instancesOnHost_.resize(instances_.count());
-    pairs_.resize(2 * size_t{placed_.pairs});
     if (numbering_ != instances_.numbering()) {
       instances_.writeNumbers(instancesOnHost_.data());
-      ownerRangesOnHost_.resize(2 * instances_.ownerRangeCount());
-      instances_.writeOwnerRanges(ownerRangesOnHost_.data());
-      makeRoom("ownerRanges", ownerRangesOnHost_.size(), ownerRanges_);
-      ownerRanges_.write(ownerRangesOnHost_);
+      std::vector<uint32_t> ranges(2 * instances_.ownerRangeCount()), meshes(instances_.count());
+      instances_.writeOwnerRanges(ranges.data());
+      replace("ownerRanges", ranges, ownerRanges_);
+      if (!meshPlaces_.empty()) {
+        instances_.writeMeshes(meshes.data());
+        replace("instanceMeshes", meshes, meshes_);
+      }
       numbering_ = instances_.numbering();
     }
+    pairs_.resize(2 * size_t{placed_.pairs});
     instances_.writeTransforms(pose, instancesOnHost_.data());
     instances_.writePairs(placed_, pairs_.data());
-    makeRoom("instances", instancesOnHost_.size(), instancesOnDevice_);
-    makeRoom("placed", pairs_.size(), placedOnDevice_);
-    instancesOnDevice_.write(instancesOnHost_);
-    placedOnDevice_.write(pairs_);
+    replace("instances", instancesOnHost_, placedInstances_);
+    replace("placed", pairs_, placedPairs_);
     for (const PlacedGroups::Chunk& chunk : placed_.still) {
-      makeRoom("visibleGroups", chunk.groups, visibleGroups_);
-      makeRoom("visible", chunk.clusters, visible_);
+      makeRoom<gpu::vec2>("visibleGroups", chunk.groups, visibleGroups_);
+      makeRoom<gpu::vec2>("visible", chunk.clusters, visible_);
     }
   }
 
   // The stages in order. In two shells: what is near first, since it hides much of what is far.
-  void run(SensorArrays& sensor) {
-    sensor.prepare(instances_.count(), job_);
-    job_.options.AZIMUTH_OFFSETS = sensor.azimuthOffsets();
-    job_.arrays[0][gpu::kBindInstances] = instancesOnDevice_.data();
-    job_.arrays[0][gpu::kBindPlaced] = placedOnDevice_.data();
+  void run(SensorArrays& sensor, const Shot& shot, const std::optional<ShotMotion>& motion) {
+    sensor.prepare(shot, motion ? &*motion : nullptr, instances_.count(), job_);
+    job_.arrays[0][gpu::kBindInstances] = placedInstances_.data();
+    job_.arrays[0][gpu::kBindPlaced] = placedPairs_.data();
     job_.arrays[0][gpu::kBindOwnerRanges] = ownerRanges_.data();
+    job_.arrays[0][gpu::kBindInstanceMeshes] = meshes_.data();
     job_.arrays[0][gpu::kBindVisibleGroups] = visibleGroups_.data();
     job_.arrays[0][gpu::kBindVisible] = visible_.data();
     stopwatch_.start();
@@ -191,114 +238,91 @@ class CudaBackend final : public Backend {
     const gpu::Frame& frame = sensor.frame();
     if (border > 0) {
       project({0, 0, 0, border, 0});
-      bin(frame, false);
-      launch(Kernel::project_occluders, 0, (frame.columns + gpu::kCoarseColumns - 1) / gpu::kCoarseColumns,
+      bin(sensor, false);
+      launch({Kernel::project_occluders}, (frame.columns + gpu::kCoarseColumns - 1) / gpu::kCoarseColumns,
              (frame.rows + gpu::kCoarseRows - 1) / gpu::kCoarseRows);
     }
     project({0, 0, border, kInfinity, border > 0});
-    bin(frame, true);
-    launch(Kernel::resolve, way_, (frame.columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, frame.rows);
-    stopwatch_.finished("resolve");
+    bin(sensor, true);
+    if (resolves(sensor)) {
+      launchOnBeams({Kernel::resolve, sensor.way()}, frame);
+      stopwatch_.finished("resolve");
+    }
+    effects(sensor);
   }
 
-  void launch(Kernel kernel, uint32_t pass, uint32_t groupsX, uint32_t groupsY = 1) {
-    job_.options.PASS = pass;
-    device_.launch(kernel, job_, groupsX, groupsY);
+  void launch(const Step& step, uint32_t groupsX, uint32_t groupsY = 1) {
+    job_.options.PASS = step.pass;
+    device_.launch(step.kernel, job_, groupsX, groupsY);
+  }
+
+  void launchOnBeams(const Step& step, const gpu::Frame& frame) {
+    launch(step, (frame.columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, frame.rows);
+  }
+
+  void bindChunk(size_t i) {
+    for (uint32_t binding = 0; binding < gpu::kSceneBindingCountEffects; ++binding)
+      job_.arrays[1][binding] = onDevice_[i][binding].data();
   }
 
   void project(gpu::Pass pass) {
     for (size_t i = 0; i < onDevice_.size(); ++i) {
       auto* counters = static_cast<std::byte*>(job_.arrays[0][gpu::kBindCounters]);
       fill(counters + offsetof(gpu::Counters, visibleGroups), 0, 8);
-      const ChunkOnDevice& onDevice = onDevice_[i];
-      job_.arrays[1][gpu::kBindGroups] = onDevice.groups.data();
-      job_.arrays[1][gpu::kBindClusters] = onDevice.clusters.data();
-      job_.arrays[1][gpu::kBindPositions] = onDevice.positions.data();
-      job_.arrays[1][gpu::kBindTriangleCorners] = onDevice.triangleCorners.data();
+      bindChunk(i);
       const PlacedGroups::Chunk& chunk = placed_.still[i];
       pass.placedFirst = chunk.first;
       pass.placedCount = chunk.groups;
       job_.pass = pass;
-      launch(Kernel::project_groups, 0, std::min(device_.groups, (chunk.groups + 63) / 64));
-      launch(Kernel::project_clusters, 0, std::min(device_.groups, chunk.groups));
-      launch(Kernel::project_triangles, 0, std::min(device_.groups, chunk.clusters));
+      launch({Kernel::project_groups}, std::min(device_.groups, (chunk.groups + 63) / 64));
+      launch({Kernel::project_clusters}, std::min(device_.groups, chunk.groups));
+      launch({Kernel::project_triangles}, std::min(device_.groups, chunk.clusters));
     }
     stopwatch_.finished("project");
   }
 
-  void bin(const gpu::Frame& frame, bool lastShell) {
-    if (way_ == gpu::kWayNearest) {
-      launch(Kernel::bin, gpu::kPassNearest, device_.groups);
-    } else if (way_ == gpu::kWayNearest32) {
-      launch(Kernel::bin, gpu::kPassRange, device_.groups);
-      if (lastShell) launch(Kernel::bin, gpu::kPassOwner, device_.groups);
-    } else {
-      const uint32_t blocks = std::min(device_.groups, frame.beams / gpu::kScanBlock + 1);
-      launch(Kernel::bin, gpu::kPassCount, device_.groups);
-      launch(Kernel::scan, gpu::kScanReduce, blocks);
-      launch(Kernel::scan, gpu::kScanBlocks, 1);
-      launch(Kernel::scan, gpu::kScanApply, blocks);
-      launch(Kernel::bin, gpu::kPassFill, device_.groups);
+  void bin(const SensorArrays& sensor, bool lastShell) {
+    const uint32_t blocks = std::min(device_.groups, sensor.frame().beams / gpu::kScanBlock + 1);
+    for (const Step& step : binSteps(sensor.way())) {
+      if (!lastShell && !step.everyShell) continue;
+      launch(step, step.kernel == Kernel::bin ? device_.groups : step.pass == gpu::kScanBlocks ? 1 : blocks);
     }
     stopwatch_.finished("bin");
   }
 
-  static void readArrays(const SensorArrays& sensor, Scan& scan) {
-    const std::vector<gpu::vec4> points = sensor.points();
-    const std::vector<Pair> owners = sensor.owners();
-    scan.returns = 1;
-    scan.points.resize(3 * points.size());
-    scan.ranges.resize(points.size());
-    scan.triangles.resize(points.size());
-    scan.instances.resize(points.size());
-    scan.tolerances.clear();
-    scan.ties.clear();
-    for (size_t i = 0; i < points.size(); ++i) {
-      scan.points[3 * i] = points[i].x;
-      scan.points[3 * i + 1] = points[i].y;
-      scan.points[3 * i + 2] = points[i].z;
-      scan.ranges[i] = points[i].w;
-      scan.triangles[i] = owners[i][0];
-      scan.instances[i] = owners[i][1];
+  void effects(const SensorArrays& sensor) {
+    const std::vector<Step> steps = effectsSteps(sensor.planned());
+    for (const Step& step : steps) {
+      if (step.kernel == Kernel::effects_footprint) {
+        launch(step, std::min(device_.groups, sensor.frame().beams / 64 + 1));
+      } else if (step.kernel == Kernel::effects) {
+        launchOnBeams(step, sensor.frame());
+      } else {
+        for (size_t i = 0; i < onDevice_.size(); ++i) {
+          bindChunk(i);
+          launchOnBeams(step, sensor.frame());
+        }
+      }
     }
-  }
-
-  void count(const SensorArrays& sensor, const gpu::Counters& device, Counters& result) const {
-    const Counters& placed = instances_.counters();
-    result.beams = sensor.frame().beams;
-    result.hits = device.hits;
-    result.misses = result.beams - device.hits;
-    result.triangles = placed.triangles;
-    result.nonFinite = placed.nonFinite + device.nonFinite;
-    result.degenerate = placed.degenerate;
-    if (result.beams > 0) result.culledByCluster = instances_.usableTriangles() - device.triangles;
-    result.culledByRange = device.culledByRange;
-    result.culledByFace = device.culledByFace;
-    result.culledBetweenBeams = device.culledBetweenBeams;
-    result.projected = uint64_t{device.projectedSmall} + device.projectedLarge;
-    result.candidates = device.candidates;
-    result.integerSides = device.integerSides;
-    result.integerRanges = device.integerRanges;
+    if (!steps.empty()) stopwatch_.finished("effects");
   }
 
   Device device_;
   Chunks chunks_;
-  uint32_t way_;
   InstanceTable instances_;
-  std::vector<ChunkOnDevice> onDevice_;
+  std::vector<SceneArrays> onDevice_;
+  std::vector<std::vector<uint32_t>> meshPlaces_;  // as each chunk has them, where surfaces are looked at
   std::vector<SensorArrays> sensors_;
-  std::vector<PlannedEffects> planned_;  // of each sensor
   Stopwatch stopwatch_;
   Job job_ = {};
   // Of the last scan: what was placed, on the host and on the device.
   PlacedGroups placed_;
   uint64_t numbering_ = 0;
   std::vector<gpu::Instance> instancesOnHost_;
-  std::vector<uint32_t> pairs_, ownerRangesOnHost_;
-  Array<gpu::Instance> instancesOnDevice_;
-  Array<uint32_t> placedOnDevice_, ownerRanges_;
+  std::vector<uint32_t> pairs_;
+  Array placedInstances_, placedPairs_, ownerRanges_, meshes_;
   // What the kernels list of one chunk at a time.
-  Array<Pair> visibleGroups_, visible_;
+  Array visibleGroups_, visible_;
 };
 
 }  // namespace

@@ -9,9 +9,13 @@
 #ifdef __CUDACC__
 #define GNO_DEVICE __device__ __forceinline__
 #define GNO_DONT_UNROLL _Pragma("unroll 1")
+#define GNO_UNROLL _Pragma("unroll")
+#define GNO_UNROLL_RAYS _Pragma("unroll (RAYS <= 19 ? RAYS : 1)")
 #else
 #define GNO_DEVICE inline
 #define GNO_DONT_UNROLL
+#define GNO_UNROLL
+#define GNO_UNROLL_RAYS
 #endif
 
 namespace gnosphere::cuda {
@@ -27,6 +31,8 @@ struct alignas(2 * sizeof(T)) Vec2 {
   Vec2() = default;
   GNO_DEVICE constexpr explicit Vec2(T s) : x(s), y(s) {}
   GNO_DEVICE constexpr Vec2(T a, T b) : x(a), y(b) {}
+  template <typename U>
+  GNO_DEVICE constexpr explicit Vec2(Vec2<U> v) : x(T(v.x)), y(T(v.y)) {}
   template <typename F>
   GNO_DEVICE static auto zip(F f, Vec2 a, auto... others) {
     return Vec2<decltype(f(a.x, others.x...))>(f(a.x, others.x...), f(a.y, others.y...));
@@ -63,6 +69,8 @@ struct alignas(sizeof(T) < 4 ? 4 : 16) Vec4 {
   GNO_DEVICE constexpr Vec4(T a, T b, T c, T d) : x(a), y(b), z(c), w(d) {}
   GNO_DEVICE constexpr Vec4(Vec3<T> a, T b) : x(a.x), y(a.y), z(a.z), w(b) {}
   GNO_DEVICE constexpr Vec4(T a, Vec3<T> b) : x(a), y(b.x), z(b.y), w(b.z) {}
+  GNO_DEVICE constexpr Vec4(Vec2<T> a, Vec2<T> b) : x(a.x), y(a.y), z(b.x), w(b.y) {}
+  GNO_DEVICE constexpr Vec4(Vec2<T> a, T b, T c) : x(a.x), y(a.y), z(b), w(c) {}
   template <typename U>
   GNO_DEVICE constexpr explicit Vec4(Vec4<U> v) : x(T(v.x)), y(T(v.y)), z(T(v.z)), w(T(v.w)) {}
   template <typename F>
@@ -72,6 +80,7 @@ struct alignas(sizeof(T) < 4 ? 4 : 16) Vec4 {
   }
   GNO_DEVICE T sum() const { return x + y + z + w; }
   GNO_DEVICE Vec2<T> xy() const { return {x, y}; }
+  GNO_DEVICE Vec2<T> zw() const { return {z, w}; }
   GNO_DEVICE Vec3<T> xyz() const { return {x, y, z}; }
 };
 
@@ -83,6 +92,14 @@ using ivec3 = Vec3<int>;
 using uvec2 = Vec2<uint>;
 using uvec3 = Vec3<uint>;
 using uvec4 = Vec4<uint>;
+
+struct mat3 {
+  vec3 columns[3];
+  mat3() = default;
+  GNO_DEVICE explicit mat3(float) : columns{vec3(0), vec3(0), vec3(0)} {}  // of 0 alone
+  GNO_DEVICE mat3(vec3 a, vec3 b, vec3 c) : columns{a, b, c} {}
+  GNO_DEVICE vec3 operator[](uint i) const { return columns[i]; }
+};
 
 template <typename V>
 concept Vector = requires {
@@ -108,6 +125,10 @@ concept Vector = requires {
   template <Vector V>                                            \
   GNO_DEVICE V& operator op_##=(V& a, V b) {                     \
     return a = a op_ b;                                          \
+  }                                                              \
+  template <Vector V>                                            \
+  GNO_DEVICE V& operator op_##=(V& a, typename V::Scalar b) {    \
+    return a = a op_ V(b);                                       \
   }
 GNO_BINARY(+)
 GNO_BINARY(-)

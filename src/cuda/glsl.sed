@@ -5,10 +5,12 @@
 # What only Vulkan needs.
 /^#version|^#extension|^layout\(local_size|^#define GNO_(CONST|INLINE)\b/d
 /^#define (WORK|CHUNK)/,+1d
+/^#define RESULTS/d
 s/__cplusplus/GNO_NEVER/
 s/GNOSPHERE_(\w+)_H\b/GNOSPHERE_CUDA_\1_H/
 s/\bprecise //g
 s/\[\[dont_unroll\]\]/GNO_DONT_UNROLL/
+s/\[\[unroll\]\]/GNO_UNROLL/
 
 # Arrays, constants, memory of a workgroup.
 s/^layout\(.*set = ([01]), binding = (\w+)\).* buffer \w+ \{ (\w+) (\w+)\[\]; \};/GNO_ARRAY(\1, \2, \3, \4);/

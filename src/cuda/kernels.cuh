@@ -9,6 +9,11 @@
 #include "cuda/one_thread.hpp"
 #endif
 
+// Long footprints are loops: their memory is not in registers anyway.
+#define EACH_RAY(do_)                                     \
+  GNO_UNROLL_RAYS for (uint ray = 0; ray < RAYS; ++ray) { \
+    do_(ray)                                              \
+  }
 #define INT64_ATOMICS
 #define FLOAT64
 #define GNO_ARRAY(set_, binding_, type_, name_) type_* name_ = static_cast<type_*>(job.arrays[set_][binding_])
@@ -19,89 +24,63 @@
 namespace gnosphere::cuda::GNO_MODE {
 namespace {
 
+#include "glsl/shared.h"
+// The formulas of the effects, outside of the stages: each is included once.
 #include "glsl/effects/arithmetic.h"
+#include "glsl/effects/detection.h"
+#include "glsl/effects/intensity.h"
+#include "glsl/effects/motion.h"
+#include "glsl/effects/noise.h"
 #include "glsl/effects/parameters.h"
 #include "glsl/effects/plan.h"
-#include "glsl/shared.h"
+#include "glsl/effects/random.h"
+#include "glsl/effects/returns.h"
+#include "glsl/effects/vector.h"
+#include "glsl/effects/weather.h"
 
-struct project_groups {
-  const Job& job;
-#include "glsl/project_groups.comp"
+// What is known of the options when a kernel is compiled decides how much of it there is.
+struct Nothing {
+  static GNO_DEVICE void fix(Options&) {}
 };
 
-struct project_clusters {
-  const Job& job;
-#include "glsl/project_clusters.comp"
+template <uint kInside, uint kRange>
+struct Lines {
+  static GNO_DEVICE void fix(Options& options) {
+    options.EFFECTS = 0;
+    options.INSIDE = kInside;
+    options.RANGE = kRange;
+  }
 };
 
-struct project_occluders {
-  const Job& job;
-#include "glsl/project_occluders.comp"
+struct Footprints {
+  static GNO_DEVICE void fix(Options& options) { options.EFFECTS = kFootprintEffects; }
 };
 
-struct project_triangles {
-  const Job& job;
-#include "glsl/project_triangles.comp"
-};
-
-struct bin {
-  const Job& job;
-#include "glsl/bin.comp"
-};
-
-struct scan {
-  const Job& job;
-#include "glsl/scan.comp"
-};
-
-struct resolve {
-  const Job& job;
-#include "glsl/resolve.comp"
+template <uint kLayers>
+struct Layers {
+  static GNO_DEVICE void fix(Options& options) { options.LAYERS = kLayers; }
 };
 
 #ifdef __CUDACC__
 
-// What is known when a kernel is compiled decides how much of it there is. Of effects: nothing, so far.
-template <typename Stage>
+template <typename Stage, typename Known>
 __global__ void __launch_bounds__(gl_WorkGroupSize.x) kernel(const __grid_constant__ Job given) {
   Job job = given;
-  job.options.EFFECTS = job.options.FIELDS = 0;
-  job.options.LAYERS = job.options.RETURNS = 1;
+  Known::fix(job.options);
   Stage{job}.main();
 }
 
-template <typename Stage, uint kInside, uint kRange>
-__global__ void __launch_bounds__(gl_WorkGroupSize.x) kernelOf(const __grid_constant__ Job given) {
-  Job job = given;
-  job.options.EFFECTS = job.options.FIELDS = 0;
-  job.options.LAYERS = job.options.RETURNS = 1;
-  job.options.INSIDE = kInside;
-  job.options.RANGE = kRange;
-  Stage{job}.main();
-}
-
-template <typename Stage>
+template <typename Stage, typename Known = Nothing>
 void launch(const Job& job, uint32_t groupsX, uint32_t groupsY) {
-  kernel<Stage><<<dim3(groupsX, groupsY), gl_WorkGroupSize.x>>>(job);
-}
-
-// Every pair that exactnessOf() and validate(Exactness) allow.
-template <typename Stage>
-void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
-  const bool plane = job.options.RANGE == kRangePlane;
-  auto* chosen =
-      job.options.INSIDE == kInsideExact ? kernelOf<Stage, kInsideExact, kRangeExact>
-      : job.options.INSIDE == kInsidePlain
-          ? (plane ? kernelOf<Stage, kInsidePlain, kRangePlane> : kernelOf<Stage, kInsidePlain, kRangeEdgeWeights>)
-          : (plane ? kernelOf<Stage, kInsideWatertight, kRangePlane>
-                   : kernelOf<Stage, kInsideWatertight, kRangeEdgeWeights>);
-  chosen<<<dim3(groupsX, groupsY), gl_WorkGroupSize.x>>>(job);
+  kernel<Stage, Known><<<dim3(groupsX, groupsY), gl_WorkGroupSize.x>>>(job);
 }
 
 #else
 
-template <typename Stage>
-void launch(const Job& job, uint32_t groupsX, uint32_t groupsY) {
+template <typename Stage, typename Known = Nothing>
+void launch(const Job& given, uint32_t groupsX, uint32_t groupsY) {
+  Job job = given;
+  Known::fix(job.options);
   gl_NumWorkGroups = {groupsX, groupsY, 1};
   for (uint y = 0; y < groupsY; ++y)
     for (uint x = 0; x < groupsX; ++x) {
@@ -110,26 +89,33 @@ void launch(const Job& job, uint32_t groupsX, uint32_t groupsY) {
     }
 }
 
-template <typename Stage>
-void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
-  launch<Stage>(job, groupsX, groupsY);
+#endif
+
+struct project_occluders {
+  const Job& job;
+#include "glsl/project_occluders.comp"
+};
+
+struct scan {
+  const Job& job;
+#include "glsl/scan.comp"
+};
+
+namespace still {
+#include "cuda/stages.cuh"
 }
 
-#endif
+#define MOTION
+namespace moving {
+#include "cuda/stages.cuh"
+}
+#undef MOTION
 
 }  // namespace
 
 void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
   if (groupsX == 0 || groupsY == 0) return;
-  switch (kernel) {
-    case Kernel::project_groups: return launch<project_groups>(job, groupsX, groupsY);
-    case Kernel::project_clusters: return launch<project_clusters>(job, groupsX, groupsY);
-    case Kernel::project_occluders: return launch<project_occluders>(job, groupsX, groupsY);
-    case Kernel::project_triangles: return launch<project_triangles>(job, groupsX, groupsY);
-    case Kernel::bin: return launchMeeting<bin>(job, groupsX, groupsY);
-    case Kernel::scan: return launch<scan>(job, groupsX, groupsY);
-    case Kernel::resolve: return launchMeeting<resolve>(job, groupsX, groupsY);
-  }
+  job.moving ? moving::launchStage(kernel, job, groupsX, groupsY) : still::launchStage(kernel, job, groupsX, groupsY);
 }
 
 }  // namespace gnosphere::cuda::GNO_MODE

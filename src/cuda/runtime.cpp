@@ -3,7 +3,6 @@
 
 #include <cuda_runtime_api.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <string_view>
@@ -157,12 +156,7 @@ void Stopwatch::read(Timings& timings) {
     CUDA(cudaEventSynchronize(static_cast<cudaEvent_t>(events_[i])));
     CUDA(cudaEventElapsedTime(&ms, static_cast<cudaEvent_t>(events_[i - 1]), static_cast<cudaEvent_t>(events_[i])));
     timings.gpuMs += ms;
-    const auto found = std::find_if(timings.stages.begin(), timings.stages.end(),
-                                    [&](const StageTime& stage) { return stage.name == stages_[i]; });
-    if (found == timings.stages.end())
-      timings.stages.push_back({stages_[i], ms});
-    else
-      found->ms += ms;
+    timings.add(stages_[i], ms);
   }
 }
 

@@ -37,15 +37,17 @@ void copyToHost(void* to, const void* from, uint64_t bytes);
 /// Every byte becomes `value`, after the kernels launched before.
 void fill(void* memory, uint8_t value, uint64_t bytes);
 
-/// Device memory with elements of one kind.
-template <typename T>
+/// Device memory.
 class Array {
  public:
   Array() = default;
-  /// `name` is for messages: "cannot allocate 96.0 MiB for 'points'".
-  Array(const char* name, uint64_t count)
-      : data_(count > 0 ? allocate(name, count * sizeof(T)) : nullptr), count_(count) {}
-  Array(const char* name, std::span<const T> values) : Array(name, values.size()) { write(values); }
+  /// `name` must outlive it; it is for plans and messages: "cannot allocate 96.0 MiB for 'points'".
+  Array(const char* name, uint64_t bytes)
+      : name_(name), data_(bytes > 0 ? allocate(name, bytes) : nullptr), bytes_(bytes) {}
+  template <typename T>
+  Array(const char* name, const std::vector<T>& values) : Array(name, values.size() * sizeof(T)) {
+    write<T>(values);
+  }
   ~Array() {
     if (data_) release(data_);
   }
@@ -55,12 +57,15 @@ class Array {
     return *this;
   }
 
+  const char* name() const { return name_; }
   void* data() const { return data_; }
-  uint64_t count() const { return count_; }
-  uint64_t bytes() const { return count_ * sizeof(T); }
+  uint64_t bytes() const { return bytes_; }
+  /// From the `first`-th element on.
+  template <typename T>
   void write(std::span<const T> values, size_t first = 0) {
     copyToDevice(static_cast<T*>(data_) + first, values.data(), values.size_bytes());
   }
+  template <typename T>
   std::vector<T> read(size_t first, size_t count) const {
     std::vector<T> values(count);
     copyToHost(values.data(), static_cast<const T*>(data_) + first, count * sizeof(T));
@@ -69,12 +74,14 @@ class Array {
 
  private:
   void swap(Array& other) noexcept {
+    std::swap(name_, other.name_);
     std::swap(data_, other.data_);
-    std::swap(count_, other.count_);
+    std::swap(bytes_, other.bytes_);
   }
 
+  const char* name_ = "";
   void* data_ = nullptr;
-  uint64_t count_ = 0;
+  uint64_t bytes_ = 0;
 };
 
 /// Device times of a scan's stages; none on the host.

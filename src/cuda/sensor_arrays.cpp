@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cuda/sensor_arrays.hpp"
 
-#include "scan_options.hpp"
-
 namespace gnosphere::cuda {
 namespace {
 
 // Of indices that kernels hold in 32 bits.
 constexpr uint64_t kMostEntries = 0xffffffffu;
+constexpr uint64_t kFirstTiles = 1 << 12;
+constexpr uint64_t kFirstCandidatesPerBeam = 2;
 
 uint64_t entries(const gpu::Frame& frame, uint32_t columns, uint32_t rows) {
   return uint64_t{(frame.columns + columns - 1) / columns} * ((frame.rows + rows - 1) / rows);
@@ -19,92 +19,132 @@ uint64_t projectedCount(const gpu::Counters& counters) {
 
 }  // namespace
 
-SensorArrays::SensorArrays(const Sensor& sensor, const SimulatorOptions& options, uint32_t way, uint64_t triangles)
-    : way_(way),
-      tables_(makeBeamTables(sensor)),
-      reach_(reachOf(options, tables_.frame)),
-      shellBorder_(gnosphere::shellBorder(options, way, tables_.frame, triangles)),
-      rows_("rows", tables_.rows),
-      rowLookup_("rowLookup", tables_.rowLookup),
-      columns_("columns", tables_.columns),
-      frame_("frame", 1),
-      counters_("counters", 1),
-      farthest_("farthest", entries(tables_.frame, gpu::kFineColumns, gpu::kFineRows) +
-                                entries(tables_.frame, gpu::kCoarseColumns, gpu::kCoarseRows)) {
-  const uint64_t beams = tables_.frame.beams;
-  if (way == gpu::kWayLists) {
-    listEnds_ = Array<uint32_t>("listEnds", beams);
-    blockSums_ = Array<uint32_t>("blockSums", beams / gpu::kScanBlock + 1);
-    candidates_ = Array<uint32_t>("candidates", beams * 2);
+SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& options, uint64_t triangles)
+    : way_(chooseWay(options, true, setup.planned)),
+      exact_(partsOf(options).inside == Exactness::Inside::exact),
+      tables_(makeBeamTables(setup.sensor)),
+      effects_(setup, tables_.rows, setup.sensor, 0) {
+  gpu::Frame& frame = tables_.frame;
+  frame.footprint = effects_.footprint();
+  reach_ = reachOf(options, frame);
+  shellBorder_ = gnosphere::shellBorder(options, way_, frame, triangles);
+  arrays_[gpu::kBindRows] = Array("rows", tables_.rows);
+  arrays_[gpu::kBindRowLookup] = Array("rowLookup", tables_.rowLookup);
+  arrays_[gpu::kBindColumns] = Array("columns", tables_.columns);
+  make(gpu::kBindFrame, "frame", sizeof(gpu::Frame));
+  make(gpu::kBindCounters, "counters", sizeof(gpu::Counters));
+  make(gpu::kBindFarthest, "farthest",
+       4 * (entries(frame, gpu::kFineColumns, gpu::kFineRows) + entries(frame, gpu::kCoarseColumns, gpu::kCoarseRows)));
+  const uint64_t beams = frame.beams;
+  if (way_ == gpu::kWayLists) {
+    make(gpu::kBindListEnds, "listEnds", beams * 4);
+    make(gpu::kBindBlockSums, "blockSums", (beams / gpu::kScanBlock + 1) * 4);
+    growCandidates(beams * kFirstCandidatesPerBeam);
   } else {
-    words_ = Array<uint64_t>("words", beams);
+    make(gpu::kBindWords, "words", beams * 8);
   }
-  points_ = Array<gpu::vec4>("points", beams);
-  owners_ = Array<Pair>("owners", beams);
+  for (const Output& output : outputs())
+    if (output.binding != gpu::kBindWords) make(output.binding, "results", beams * output.bytesPerBeam);
+  make(effects_.lasting());
   growProjected(projectedGuess(beams, triangles));
-  tiles_ = Array<std::array<uint32_t, 4>>("tiles", 1 << 12);
+  growTiles(kFirstTiles);
+}
+
+void SensorArrays::make(uint32_t binding, const char* name, uint64_t bytes) {
+  arrays_[binding] = Array(name, bytes);
+}
+
+void SensorArrays::make(const std::vector<EffectsArray>& arrays) {
+  for (const EffectsArray& array : arrays) {
+    make(array.binding, array.name, array.bytes);
+    arrays_[array.binding].write<std::byte>(array.content);
+  }
 }
 
 void SensorArrays::growProjected(uint64_t count) {
-  projectedA_ = Array<gpu::vec4>("projectedA", count);
-  projectedB_ = Array<gpu::vec4>("projectedB", count);
-  projectedC_ = Array<gpu::vec4>("projectedC", count);
-  projectedColumns_ = Array<gpu::vec2>("projectedColumns", count);
+  make(gpu::kBindProjectedA, "projectedA", count * sizeof(gpu::vec4));
+  make(gpu::kBindProjectedB, "projectedB", count * sizeof(gpu::vec4));
+  make(gpu::kBindProjectedC, "projectedC", count * sizeof(gpu::vec4));
+  make(gpu::kBindProjectedColumns, "projectedColumns", count * sizeof(gpu::vec2));
+  make(effects_.projected(count));
+  tables_.frame.projectedCapacity = static_cast<uint32_t>(count);
 }
 
-void SensorArrays::prepare(uint32_t instanceCount, Job& job) {
+void SensorArrays::growTiles(uint64_t count) {
+  make(gpu::kBindTiles, "tiles", count * 4 * sizeof(uint32_t));
+  tables_.frame.tileCapacity = static_cast<uint32_t>(count);
+}
+
+void SensorArrays::growCandidates(uint64_t count) {
+  make(gpu::kBindCandidates, "candidates", count * sizeof(uint32_t));
+  tables_.frame.candidateCapacity = static_cast<uint32_t>(count);
+}
+
+void SensorArrays::prepare(const Shot& shot, const ShotMotion* motion, uint32_t instanceCount, Job& job) {
   gpu::Frame frame = tables_.frame;
   frame.instanceCount = instanceCount;
-  frame.projectedCapacity = static_cast<uint32_t>(projectedA_.count());
-  frame.tileCapacity = static_cast<uint32_t>(tiles_.count());
-  frame.candidateCapacity = static_cast<uint32_t>(candidates_.count());
-  frame_.write({&frame, 1});
-  fill(counters_.data(), 0, counters_.bytes());
-  fill(listEnds_.data(), 0, listEnds_.bytes());
-  fill(words_.data(), 0xff, words_.bytes());
-  const auto bind = [&](uint32_t binding, const auto& array) { job.arrays[0][binding] = array.data(); };
-  bind(gpu::kBindFrame, frame_);
-  bind(gpu::kBindCounters, counters_);
-  bind(gpu::kBindRows, rows_);
-  bind(gpu::kBindRowLookup, rowLookup_);
-  bind(gpu::kBindColumns, columns_);
-  bind(gpu::kBindFarthest, farthest_);
-  bind(gpu::kBindProjectedA, projectedA_);
-  bind(gpu::kBindProjectedB, projectedB_);
-  bind(gpu::kBindProjectedC, projectedC_);
-  bind(gpu::kBindProjectedColumns, projectedColumns_);
-  bind(gpu::kBindTiles, tiles_);
-  bind(gpu::kBindWords, words_);
-  bind(gpu::kBindListEnds, listEnds_);
-  bind(gpu::kBindBlockSums, blockSums_);
-  bind(gpu::kBindCandidates, candidates_);
-  bind(gpu::kBindPoints, points_);
-  bind(gpu::kBindOwners, owners_);
+  arrays_[gpu::kBindFrame].write<gpu::Frame>({&frame, 1});
+  const auto fillWith = [&](uint32_t binding, uint8_t value) {
+    fill(arrays_[binding].data(), value, arrays_[binding].bytes());
+  };
+  fillWith(gpu::kBindCounters, 0);
+  fillWith(gpu::kBindListEnds, 0);
+  fillWith(gpu::kBindWords, 0xff);
+  for (const EffectsArray& array : effects_.ofShot(shot, motion)) {
+    if (arrays_[array.binding].bytes() < array.bytes) make(array.binding, array.name, array.bytes);
+    arrays_[array.binding].write<std::byte>(array.content);
+  }
+  for (size_t i = 0; i < arrays_.size(); ++i)  // what nothing is planned for is bound to something: no kernel reads it
+    job.arrays[0][i] = arrays_[i].data() ? arrays_[i].data() : arrays_[gpu::kBindCounters].data();
+  addTo(job.options);
+  job.subRays = planned().subRays;
+  job.moving = motion != nullptr;
 }
 
 // A scan cut short has counted too few of what follows; the next run will tell.
 bool SensorArrays::grow(const gpu::Counters& needed) {
-  bool enough = true;
-  if (projectedCount(needed) > projectedA_.count()) {
-    growProjected(grown(projectedCount(needed), kMostEntries));
-    enough = false;
-  }
-  if (needed.tiles > tiles_.count()) {
-    tiles_ = Array<std::array<uint32_t, 4>>("tiles", grown(needed.tiles, kMostEntries));
-    enough = false;
-  }
-  if (way_ == gpu::kWayLists && needed.candidates > candidates_.count()) {
-    candidates_ = Array<uint32_t>("candidates", grown(needed.candidates, kMostEntries));
-    enough = false;
-  }
-  return !enough;
+  const gpu::Frame before = tables_.frame;
+  if (projectedCount(needed) > before.projectedCapacity) growProjected(grown(projectedCount(needed), kMostEntries));
+  if (needed.tiles > before.tileCapacity) growTiles(grown(needed.tiles, kMostEntries));
+  if (way_ == gpu::kWayLists && needed.candidates > before.candidateCapacity)
+    growCandidates(grown(needed.candidates, kMostEntries));
+  const gpu::Frame& after = tables_.frame;
+  return after.projectedCapacity != before.projectedCapacity || after.tileCapacity != before.tileCapacity ||
+         after.candidateCapacity != before.candidateCapacity;
+}
+
+DeviceResults SensorArrays::results() {
+  const std::vector<Output> outputs = this->outputs();
+  results_.resize(outputs.size());
+  return DeviceResults::from(tables_, exact_, counters(), [&](uint32_t binding) -> const void* {
+    for (size_t i = 0; i < outputs.size(); ++i) {
+      if (outputs[i].binding != binding) continue;
+      results_[i].resize(arrays_[binding].bytes());
+      copyToHost(results_[i].data(), arrays_[binding].data(), results_[i].size());
+      return results_[i].data();
+    }
+    return nullptr;
+  });
+}
+
+void SensorArrays::addTo(Options& options) const {
+  options.AZIMUTH_OFFSETS = tables_.azimuthOffsets;
+  options.EFFECTS = planned().bits;
+  options.FIELDS = planned().fields;
+  options.LAYERS = planned().layers();
+  options.RETURNS = planned().returns;
 }
 
 void SensorArrays::addTo(MemoryUse& use) const {
-  use.sensor += rows_.bytes() + rowLookup_.bytes() + columns_.bytes();
-  use.work += frame_.bytes() + counters_.bytes() + farthest_.bytes() + projectedA_.bytes() + projectedB_.bytes() +
-              projectedC_.bytes() + projectedColumns_.bytes() + tiles_.bytes() + words_.bytes() + listEnds_.bytes() +
-              blockSums_.bytes() + candidates_.bytes() + points_.bytes() + owners_.bytes();
+  for (uint32_t i = 0; i < arrays_.size(); ++i) {
+    const bool table = i >= gpu::kBindRows && i <= gpu::kBindColumns;
+    (table ? use.sensor : use.work) += arrays_[i].bytes();
+  }
+}
+
+void SensorArrays::list(std::vector<Plan::Buffer>& to) const {
+  for (const Array& array : arrays_)
+    if (array.bytes() > 0) to.push_back({array.name(), array.bytes()});
 }
 
 }  // namespace gnosphere::cuda

@@ -6,49 +6,54 @@
 
 #include "beam_tables.hpp"
 #include "cuda/runtime.hpp"
+#include "effects/arrays.hpp"
+#include "results.hpp"
+#include "scan_options.hpp"
 
 namespace gnosphere::cuda {
 
-using Pair = std::array<uint32_t, 2>;
-
 class SensorArrays {
  public:
-  SensorArrays(const Sensor& sensor, const SimulatorOptions& options, uint32_t way, uint64_t triangles);
+  SensorArrays(const EffectsSetup& setup, const SimulatorOptions& options, uint64_t triangles);
 
+  const EffectsSetup& setup() const { return effects_.setup(); }
+  const PlannedEffects& planned() const { return setup().planned; }
+  uint32_t way() const { return way_; }
+  bool leavesWords() const { return gnosphere::leavesWords(way_, planned()); }
   const gpu::Frame& frame() const { return tables_.frame; }
-  bool azimuthOffsets() const { return tables_.azimuthOffsets; }
   double reach() const { return reach_; }
   float shellBorder() const { return shellBorder_; }
 
-  /// Binds everything but what is placed, with nothing counted and no beam met.
-  void prepare(uint32_t instanceCount, Job& job);
-  gpu::Counters counters() const { return counters_.read(0, 1)[0]; }
+  /// Binds everything but what is placed, with nothing counted and no beam met. `motion`: null for a scan that stands
+  /// still.
+  void prepare(const Shot& shot, const ShotMotion* motion, uint32_t instanceCount, Job& job);
+  gpu::Counters counters() const { return arrays_[gpu::kBindCounters].read<gpu::Counters>(0, 1)[0]; }
   /// Makes room for what a scan has counted; false where there was enough.
   bool grow(const gpu::Counters& needed);
-  std::vector<gpu::vec4> points() const { return points_.read(0, tables_.frame.beams); }
-  std::vector<Pair> owners() const { return owners_.read(0, tables_.frame.beams); }
+  /// Of the last scan; valid until the next.
+  DeviceResults results();
+  /// What its kernels are specialised for beyond the simulator's options.
+  void addTo(Options& options) const;
   void addTo(MemoryUse& use) const;
+  void list(std::vector<Plan::Buffer>& to) const;
 
  private:
+  void make(uint32_t binding, const char* name, uint64_t bytes);
+  void make(const std::vector<EffectsArray>& arrays);
   void growProjected(uint64_t count);
+  void growTiles(uint64_t count);
+  void growCandidates(uint64_t count);
+
+  std::vector<Output> outputs() const { return outputsOf(planned(), leavesWords()); }
 
   uint32_t way_;
-  BeamTables tables_;
+  bool exact_;
+  BeamTables tables_;  // with the capacities of the lists
+  EffectsArrays effects_;
   double reach_;
   float shellBorder_;
-  Array<gpu::Row> rows_;
-  Array<uint32_t> rowLookup_;
-  Array<float> columns_;
-  Array<gpu::Frame> frame_;
-  Array<gpu::Counters> counters_;
-  Array<uint32_t> farthest_;
-  Array<gpu::vec4> projectedA_, projectedB_, projectedC_;
-  Array<gpu::vec2> projectedColumns_;
-  Array<std::array<uint32_t, 4>> tiles_;
-  Array<uint64_t> words_;
-  Array<uint32_t> listEnds_, blockSums_, candidates_;
-  Array<gpu::vec4> points_;
-  Array<Pair> owners_;
+  std::array<Array, gpu::kWorkBindingCountEffects> arrays_;  // set 0; empty where nothing is planned for them
+  std::vector<std::vector<std::byte>> results_;              // of the outputs, on the host
 };
 
 }  // namespace gnosphere::cuda

@@ -28,6 +28,8 @@ struct PlannedEffects {
   /// Returns are judged one by one.
   bool signals() const { return has(gpu::kSignalEffects) || asks(gpu::kFieldSignal); }
   bool speeds() const { return has(gpu::kRadialSpeed) || asks(gpu::kFieldMotion); }
+  /// Surfaces that a sub-ray meets, at most.
+  uint32_t layers() const { return has(gpu::kTransmission) ? gpu::kMaxLayers : 1; }
   /// Nothing but geometry.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
   bool sameStages(const PlannedEffects& other) const {

@@ -7,9 +7,9 @@
 #include <deque>
 #include <optional>
 
+#include "scan_options.hpp"
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
-#include "vulkan/results.hpp"
 #include "vulkan/sensor_parts.hpp"
 #include "vulkan/stages.hpp"
 
@@ -19,25 +19,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::vector<EffectsSetup> setUp(const Scene& scene, const std::vector<Sensor>& sensors,
-                                const SimulatorOptions& options) {
-  const std::vector<gpu::Optics4> optics = packedOptics(scene, options);
-  std::vector<EffectsSetup> result;
-  for (const Sensor& sensor : sensors) {
-    const PlannedEffects planned = planEffects(options, sensor, scene);
-    result.push_back({planned, options.effects, optics, {}, sensor, static_cast<uint32_t>(result.size())});
-    if (planned.has(gpu::kCutOuts)) result.back().alphaImages = scene.alphaImages;
-  }
-  return result;
-}
-
 class VulkanBackend final : public Backend {
  public:
   VulkanBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-      : setups_(setUp(scene, sensors, options)),
+      : setups_(setUpEffects(scene, sensors, options)),
         device_(options.device, options.validation, options.maxBufferBytes),
         cache_(device_, options.cache),
-        geometry_(device_, scene, any(&PlannedEffects::looksAtSurfaces), any(&PlannedEffects::holes)),
+        geometry_(device_, scene, anyPlans(setups_, &PlannedEffects::looksAtSurfaces),
+                  anyPlans(setups_, &PlannedEffects::holes)),
         cut_(cutToFit(setups_, device_)),
         layout_(device_, cache_.handle(),
                 static_cast<uint32_t>(kFramesInFlight * cut_.parts.size() + geometry_.chunks().size()),
@@ -84,7 +73,7 @@ class VulkanBackend final : public Backend {
     plan.effects = planned.decisions;
     plan.returns = planned.returns;
     const SensorState& part = parts_[cut_.firsts[sensor]];
-    plan.binning = part.way() == gpu::kWayLists ? "lists" : part.way() == gpu::kWayNearest ? "nearest" : "nearest32";
+    plan.binning = nameOfWay(part.way());
     part.describe(plan);
     stages_.count(plan, part);
     return plan;
@@ -115,10 +104,6 @@ class VulkanBackend final : public Backend {
   Slot& slotOf(size_t i) {
     while (slots_.size() <= i % kFramesInFlight) slots_.emplace_back(device_, layout_, cut_.maxCount());
     return slots_[i % kFramesInFlight];
-  }
-
-  bool any(bool (PlannedEffects::*asks)() const) const {
-    return std::any_of(setups_.begin(), setups_.end(), [&](const auto& setup) { return (setup.planned.*asks)(); });
   }
 
   std::span<SensorState> partsOf(size_t sensor) {
@@ -153,30 +138,6 @@ class VulkanBackend final : public Backend {
     return use;
   }
 
-  // Nothing where the scan stands still: it is then done as if motion had never been thought of.
-  std::optional<ShotMotion> motionOf(const Shot& shot) const {
-    const EffectsSetup& setup = setups_[shot.sensor];
-    const PlannedEffects& planned = setup.planned;
-    const bool instancesMove = !shot.instanceMotions.empty() && planned.has(gpu::kObjectMotion);
-    const bool sensorMoves = !shot.motion.stamps.empty() && (planned.has(gpu::kSensorMotion) || planned.speeds());
-    if (!sensorMoves && !instancesMove && !planned.origins) return {};
-    ShotMotion motion;
-    motion.tables =
-        makeMotionTables(setup.sensor, shot, planned.has(gpu::kSensorMotion), setup.effects.sensorMotion.deskew);
-    if (instancesMove) {
-      motion.instances.resize(geometry_.instances().count());
-      motion.farthest = geometry_.instances().writeMotions(motion.tables.middle, shot.instanceMotions,
-                                                           setup.sensor.rotationPeriod, motion.instances.data());
-      motion.tables.bounds.instances = 1;
-    }
-    return motion;
-  }
-
-  // Metres that something may come nearer by.
-  static double reachOf(const std::optional<ShotMotion>& motion) {
-    return motion ? motion->tables.bounds.shift + motion->farthest : 0;
-  }
-
   // Records the stages in order, part by part, and submits them once.
   void run(Slot& slot, const Shot& shot, size_t index) {
     const std::span<SensorState> parts = partsOf(shot.sensor);
@@ -185,7 +146,7 @@ class VulkanBackend final : public Backend {
     StillImage& still = stills_[shot.sensor];
     const StillImage::Use use = useStill(still, parts, shot.pose);
     slot.reused = use == StillImage::Use::use ? parts.size() * still.triangles() : 0;
-    const std::optional<ShotMotion> motion = motionOf(shot);
+    const std::optional<ShotMotion> motion = motionOf(setups_[shot.sensor], shot, geometry_.instances());
     const Pose& pose = motion ? motion->tables.middle : shot.pose;
     geometry_.instances().place(pose, parts[0].reach() + reachOf(motion), still.selection(use), slot.placed);
     if (!visible_.hold(slot.placed)) {
@@ -209,7 +170,8 @@ class VulkanBackend final : public Backend {
   void finish(std::span<const Shot> shots, size_t i, Scan& result) {
     Slot& slot = slotOf(i);
     const std::span<SensorState> parts = partsOf(shots[i].sensor);
-    clearResult(parts, geometry_.instances(), result);
+    const EffectsSetup& setup = setups_[shots[i].sensor];
+    clearResult(setup, parts.size(), geometry_.instances(), result);
     if (const size_t index = i % kFramesInFlight; parts[0].frame().beams > 0) {
       slot.commands.wait();
       while (cutShort(parts, index)) {
@@ -222,7 +184,7 @@ class VulkanBackend final : public Backend {
       slot.commands.readTimings(result.timings);
       uint64_t firstBeam = 0;
       for (const SensorState& part : parts) {
-        readResults(part, part.inFlight(index), geometry_.instances(), shots[i], firstBeam, result);
+        readResults(setup, part.results(index), geometry_.instances(), shots[i], firstBeam, result);
         firstBeam += part.frame().beams;
       }
       result.counters.reused = slot.reused;

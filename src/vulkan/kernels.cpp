@@ -34,7 +34,7 @@
 #include "resolve_float64.spv.h"
 #include "resolve_motion.spv.h"
 #include "scan.spv.h"
-
+#include "scan_options.hpp"
 namespace gnosphere::vulkan {
 namespace {
 
@@ -91,7 +91,7 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
   if (planned.footprint())
     for (uint32_t pass : {0, 1})
       footprint.emplace_back(device, layout, "effects_footprint", footprintOf(planned.subRays, moving), options, pass);
-  else if (way == gpu::kWayLists || !planned.bare())
+  else if (!leavesWords(way, planned))
     resolve.emplace(device, layout, "resolve", resolveOf(float64, moving), options, way);
   if (planned.surfaces() && !planned.footprint())
     surfaces.emplace(device, layout, "effects_surfaces",

@@ -2,7 +2,8 @@
 // A sensor with more beams than the device's largest buffer holds is scanned in parts: sensors with fewer channels.
 #pragma once
 
-#include "vulkan/effects_state.hpp"
+#include "effects/arrays.hpp"
+#include "vulkan/device.hpp"
 
 namespace gnosphere::vulkan {
 

@@ -25,7 +25,7 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, cons
   result.effects = planned.bits;
   result.returns = planned.returns;
   result.fields = planned.fields;
-  result.layers = planned.has(gpu::kTransmission) ? gpu::kMaxLayers : 1;
+  result.layers = planned.layers();
   return result;
 }
 
@@ -34,10 +34,6 @@ uint64_t projectedCount(const gpu::Counters& counters) {
 }
 
 }  // namespace
-
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned) {
-  return planned.footprint() ? gpu::kWayLists : gnosphere::chooseWay(options, int64Atomics);
-}
 
 // Who looks at surfaces needs the transforms of what stands still, too.
 bool keepsStill(const SimulatorOptions& options, uint32_t way, const PlannedEffects& planned) {
@@ -52,9 +48,9 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
       layout_(layout),
       way_(way),
       planned_(setup.planned),
-      leavesWords_(way != gpu::kWayLists && setup.planned.bare()),
+      leavesWords_(gnosphere::leavesWords(way, setup.planned)),
       exact_(partsOf(options).inside == Exactness::Inside::exact),
-      outputs_(leavesWords_ ? std::vector<Output>{{gpu::kBindWords, sizeof(Word)}} : outputsOf(setup.planned)),
+      outputs_(outputsOf(setup.planned, leavesWords_)),
       tables_(makeBeamTables(sensor)) {
   for (const SensorState& other : others)
     if (other.tables_.azimuthOffsets == tables_.azimuthOffsets && other.planned_.sameStages(planned_))
@@ -69,8 +65,9 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     }
   }
   if (!planned_.bare()) {
-    effects_ = std::make_unique<EffectsState>(device, setup, tables_.rows, sensor, firstBeam, !readsInPlace());
-    tables_.frame.footprint = effects_->footprint();
+    EffectsArrays arrays(setup, tables_.rows, sensor, firstBeam);
+    tables_.frame.footprint = arrays.footprint();
+    effects_ = std::make_unique<EffectsState>(device, std::move(arrays), !readsInPlace());
   }
   shellBorder_ = gnosphere::shellBorder(options, way, tables_.frame, geometry.instances().counters().triangles);
   reach_ = reachOf(options, tables_.frame);
@@ -99,7 +96,8 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
   if (!readsInPlace())
     for (const Output& output : outputs_)
-      if (output.binding < buffers_.size() && !leavesWords_) make(output.binding, "results", beams * output.bytesPerBeam);
+      if (output.binding < buffers_.size() && !leavesWords_)
+        make(output.binding, "results", beams * output.bytesPerBeam);
   // First guesses; growLists() makes room for what a scan turns out to need.
   growProjected(projectedGuess(beams, geometry.instances().counters().triangles));
   growTiles(1 << 12);
@@ -140,7 +138,6 @@ FrameInFlight SensorState::makeFrame() const {
   for (const Output& output : outputs_)
     result.results.emplace_back(device_, "results", beams * output.bytesPerBeam, Memory::readback);
   result.results.emplace_back(device_, "counters", sizeof(gpu::Counters), Memory::readback);
-  if (effects_) result.effects = effects_->makeFrame();
   result.set = layout_.makeSet(0);
   return result;
 }
@@ -201,6 +198,18 @@ void SensorState::growLists(const FrameInFlight& frame) {
 const gpu::Counters& FrameInFlight::counters() const {
   results.back().invalidate();
   return *static_cast<const gpu::Counters*>(results.back().mapped());
+}
+
+DeviceResults SensorState::results(size_t index) const {
+  const FrameInFlight& frame = inFlight_[index];
+  return DeviceResults::from(tables_, exact_, frame.counters(), [&](uint32_t binding) -> const void* {
+    for (size_t i = 0; i < outputs_.size(); ++i) {
+      if (outputs_[i].binding != binding) continue;
+      frame.results[i].invalidate();
+      return frame.results[i].mapped();
+    }
+    return nullptr;
+  });
 }
 
 void SensorState::addTo(MemoryUse& use) const {

@@ -10,14 +10,13 @@
 
 #include "beam_tables.hpp"
 #include "gnosphere/scan.hpp"
+#include "results.hpp"
 #include "vulkan/effects_state.hpp"
 #include "vulkan/geometry.hpp"
 #include "vulkan/kernels.hpp"
 
 namespace gnosphere::vulkan {
 
-/// gpu::kWay...: how the options and the device bin.
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned);
 /// Whether a StillImage may be kept.
 bool keepsStill(const SimulatorOptions& options, uint32_t way, const PlannedEffects& planned);
 
@@ -32,7 +31,7 @@ struct Capacities {
 /// What a frame in flight has of its own; the work arrays of the stages are shared.
 struct FrameInFlight {
   Buffer frame;
-  EffectsFrame effects;
+  EffectsBuffers effects;
   std::vector<Buffer> results;  ///< where the host reads the outputs, then the counters
   Capacities capacities;        ///< of the lists when it was prepared
   VkDescriptorSet set = VK_NULL_HANDLE;
@@ -61,15 +60,10 @@ class SensorState {
   }
   std::span<const Output> outputs() const { return outputs_; }
   const PlannedEffects& planned() const { return planned_; }
-  /// Null where nothing but geometry is planned.
-  const EffectsState* effects() const { return effects_.get(); }
   /// What the host reads is words alone, see resolve_words.hpp.
   bool leavesWords() const { return leavesWords_; }
   /// Those of the scan that was prepared last.
   const Buffer& words() const { return *words_; }
-  const BeamTables& tables() const { return tables_; }
-  /// Where directions lie on the lattice.
-  bool exact() const { return exact_; }
   /// The words as the still instances leave them: empty until there is room.
   const Buffer& stillWords() const { return stillWords_; }
   void makeStillWords();
@@ -79,6 +73,8 @@ class SensorState {
   const FrameInFlight& prepare(size_t index, const Shot& shot, const ShotMotion* motion, uint32_t instanceCount,
                                const PlacedInstances& placed, const VisibleLists& visible);
   const FrameInFlight& inFlight(size_t index) const { return inFlight_[index]; }
+  /// What the scan that it was last used for left.
+  DeviceResults results(size_t index) const;
   /// True where the host reads the outputs in place; false where they must be copied to results.
   bool readsInPlace() const { return device_.unifiedMemory(); }
   /// A list was too small for the scan that the frame was used for: it must run again, after growLists().

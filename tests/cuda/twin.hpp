@@ -42,12 +42,16 @@ class CudaOnHost {
     shot.pose = pose;
     shot.sensor = sensor;
     Scan result;
-    backend_->scanAll({&shot, 1}, result, [](size_t) {});
-    result.sensor = sensors_[sensor].name;
-    result.columns = sensors_[sensor].columns;
-    result.channels = static_cast<uint32_t>(sensors_[sensor].channels.size());
-    result.pose = pose;
+    scan(shot, result);
     return result;
+  }
+  void scan(const Shot& shot, Scan& result) {
+    backend_->scanAll({&shot, 1}, result, [](size_t) {});
+    const Sensor& sensor = sensors_[shot.sensor];
+    result.sensor = sensor.name;
+    result.columns = sensor.columns;
+    result.channels = static_cast<uint32_t>(sensor.channels.size());
+    result.pose = shot.pose;
   }
   Backend& backend() { return *backend_; }
 

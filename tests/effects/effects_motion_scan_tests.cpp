@@ -61,9 +61,7 @@ Scan scanned(const std::string& device, const Scene& scene, const Sensor& sensor
       Use::automatic;
   options.effects.sensorMotion.deskew = deskew;
   options.fields = {Field::radialSpeed, Field::velocity, Field::normal};
-  Scan result;
-  Simulator(scene, sensor, options).scanAll({&shot, 1}, [&](size_t, const Scan& scan) { result = scan; });
-  return result;
+  return scanOn(scene, sensor, shot, options);
 }
 
 }  // namespace

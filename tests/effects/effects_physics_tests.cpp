@@ -30,7 +30,7 @@ struct Setup {
     result.fields = fields;
     return result;
   }
-  Scan scan() const { return scanOf(scene, sensor, {}, options()); }
+  Scan scan() const { return scanOn(scene, sensor, Pose{}, options()); }
 };
 
 #define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")

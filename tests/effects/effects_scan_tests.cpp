@@ -25,7 +25,7 @@ Differences compared(const Effects& effects, std::vector<Field> fields, const Se
   SimulatorOptions options = optionsOn("vulkan");
   options.effects = effects;
   options.fields = std::move(fields);
-  const Scan other = scanOf(scene, sensor, kPose, options);
+  const Scan other = scanOn(scene, sensor, kPose, options);
   options.device = "reference";
   const Scan reference = scanOf(scene, sensor, kPose, options);
   REQUIRE(other.returns == reference.returns);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans with effects: small scenes, and a device against the reference.
+// Scans with effects: small scenes, a device against the reference, and CUDA beside Vulkan.
 #pragma once
 
 #include <algorithm>
 
-#include "support.hpp"
+#include "cuda/twin.hpp"
 
 namespace gnosphere::test {
 
@@ -61,14 +61,85 @@ inline size_t ahead(const Sensor& sensor, size_t channel = 0) {
   return channel * sensor.columns + sensor.columns / 2;
 }
 
-/// All that a scan holds, beside ties and tolerances.
+/// Which arrays differ, of all that a scan holds beside ties and tolerances, and where they do first.
+inline std::string firstBytes(const Scan& a, const Scan& b) {
+  std::string result;
+  const auto compare = [&](const char* name, const auto& first, const auto& second) {
+    size_t i = 0;
+    while (i < first.size() && i < second.size() && std::memcmp(&first[i], &second[i], sizeof first[i]) == 0) ++i;
+    if (i == first.size() && i == second.size()) return;
+    result += std::string(name) + " " + std::to_string(i);
+    if (i < first.size() && i < second.size())
+      result += ": " + std::to_string(first[i]) + ", got " + std::to_string(second[i]);
+    result += "; ";
+  };
+  compare("point", a.points, b.points);
+  compare("range", a.ranges, b.ranges);
+  compare("triangle", a.triangles, b.triangles);
+  compare("instance", a.instances, b.instances);
+  compare("intensity", a.intensities, b.intensities);
+  compare("true range", a.trueRanges, b.trueRanges);
+  compare("width", a.widths, b.widths);
+  compare("label", a.labels, b.labels);
+  compare("cause", a.causes, b.causes);
+  compare("normal", a.normals, b.normals);
+  compare("incidence", a.incidences, b.incidences);
+  compare("material", a.materials, b.materials);
+  compare("barycentric", a.barycentrics, b.barycentrics);
+  compare("velocity", a.velocities, b.velocities);
+  compare("radial speed", a.radialSpeeds, b.radialSpeeds);
+  compare("count of causes", a.counters.causes, b.counters.causes);
+  return result.empty() ? "none" : result;
+}
+
 inline bool sameFields(const Scan& a, const Scan& b) {
-  return sameBytes(a, b) && sameBytes(a.intensities, b.intensities) && sameBytes(a.trueRanges, b.trueRanges) &&
-         sameBytes(a.widths, b.widths) && sameBytes(a.labels, b.labels) && sameBytes(a.causes, b.causes) &&
-         sameBytes(a.normals, b.normals) && sameBytes(a.incidences, b.incidences) &&
-         sameBytes(a.materials, b.materials) && sameBytes(a.barycentrics, b.barycentrics) &&
-         sameBytes(a.velocities, b.velocities) && sameBytes(a.radialSpeeds, b.radialSpeeds) &&
-         a.counters.causes == b.counters.causes;
+  return firstBytes(a, b) == "none";
+}
+
+/// A simulator on Vulkan, and its twins of CUDA: the kernels on the host, and on a CUDA device where there is one.
+class Twins {
+ public:
+  Twins(const Scene& scene, const std::vector<Sensor>& sensors, SimulatorOptions options)
+      : vulkan(scene, sensors, options), onHost(scene, sensors, options) {
+    // Of `standard` a range is a quotient, which a GPU's Vulkan may round in its own way.
+    decided_ = options.accuracy == Accuracy::exact || vulkan.device().type == "cpu";
+    options.device = "cuda:0";
+    if (cudaProblem().empty()) cuda.emplace(scene, sensors, options);
+  }
+
+  /// Vulkan's scan, of which every twin must have the bytes.
+  Scan scan(const Shot& shot) {
+    INFO("CUDA, frame " << shot.frame);
+    Scan result, other, onDevice;
+    vulkan.scan(shot, result);
+    onHost.scan(shot, other);
+    if (decided_) CHECK(firstBytes(result, other) == "none");
+    if (!cuda) return result;
+    cuda->scan(shot, onDevice);
+    CHECK(firstBytes(other, onDevice) == "none");
+    return result;
+  }
+
+  Simulator vulkan;
+  CudaOnHost onHost;
+  std::optional<Simulator> cuda;
+
+ private:
+  bool decided_;
+};
+
+/// A scan on the device of the options, of which CUDA has the bytes if it is Vulkan's.
+inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Shot& shot, const SimulatorOptions& options) {
+  if (options.device != "reference") return Twins(scene, {sensor}, options).scan(shot);
+  Scan result;
+  Simulator(scene, sensor, options).scan(shot, result);
+  return result;
+}
+
+inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Pose& pose, const SimulatorOptions& options) {
+  Shot shot;
+  shot.pose = pose;
+  return scanOn(scene, sensor, shot, options);
 }
 
 /// How two scans of the same differ, beams in doubt apart.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vulkan/results.hpp"
+#include "results.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -12,7 +12,7 @@
 #include "effects/motion.hpp"
 #include "resolve_words.hpp"
 
-namespace gnosphere::vulkan {
+namespace gnosphere {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -30,31 +30,22 @@ void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
   work(0, count / threads);
 }
 
-// What the host reads of an output; null if there is no such output.
-template <typename T>
-const T* mapped(const SensorState& part, const FrameInFlight& frame, uint32_t binding) {
-  for (size_t i = 0; i < part.outputs().size(); ++i) {
-    if (part.outputs()[i].binding != binding) continue;
-    frame.results[i].invalidate();
-    return static_cast<const T*>(frame.results[i].mapped());
-  }
-  return nullptr;
-}
-
-// Row by row.
-uint64_t readWords(const SensorState& part, const Word* words, const Instances& instances, uint64_t firstBeam,
-                   Scan& scan) {
+// Row by row. Returns the hits.
+uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, uint64_t firstBeam, Scan& scan) {
+  const Clock::time_point start = Clock::now();
+  const gpu::Frame& frame = device.tables.frame;
   std::atomic<uint64_t> hits = 0;
-  inSlices(part.frame().rows, part.frame().columns, [&](uint64_t first, uint64_t end) {
-    hits += resolveWords(words, part.tables(), part.exact(), instances, static_cast<uint32_t>(first),
+  inSlices(frame.rows, frame.columns, [&](uint64_t first, uint64_t end) {
+    hits += resolveWords(device.words, device.tables, device.exact, instances, static_cast<uint32_t>(first),
                          static_cast<uint32_t>(end), firstBeam, scan);
   });
+  scan.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   return hits;
 }
 
-void readCounters(const SensorState& part, const gpu::Counters& device, uint64_t usableTriangles, Counters& result) {
-  const uint64_t beams = part.frame().beams;
-  const bool judged = part.planned().signals();
+void readCounters(const EffectsSetup& setup, uint64_t beams, const gpu::Counters& device, uint64_t usableTriangles,
+                  Counters& result) {
+  const bool judged = setup.planned.signals();
   const uint64_t hits = judged ? device.causes[0] : device.hits;
   result.hits += hits;
   result.misses += beams - hits;
@@ -158,10 +149,9 @@ void readMotions(const gpu::vec4* motions, uint64_t first, uint64_t count, Scan&
 
 }  // namespace
 
-void clearResult(std::span<const SensorState> parts, const Instances& instances, Scan& scan) {
-  const PlannedEffects& planned = parts[0].planned();
-  size_t beams = 0;
-  for (const SensorState& part : parts) beams += part.frame().beams;
+void clearResult(const EffectsSetup& setup, size_t parts, const InstanceTable& instances, Scan& scan) {
+  const PlannedEffects& planned = setup.planned;
+  const size_t beams = setup.sensor.beamCount();
   const size_t count = beams * planned.returns;
   scan.returns = planned.returns;
   scan.points.resize(3 * count);
@@ -186,46 +176,36 @@ void clearResult(std::span<const SensorState> parts, const Instances& instances,
   scan.counters = {};
   scan.counters.beams = beams;
   const Counters& placed = instances.counters();
-  scan.counters.triangles = parts.size() * placed.triangles;
-  scan.counters.nonFinite = parts.size() * placed.nonFinite;
-  scan.counters.degenerate = parts.size() * placed.degenerate;
+  scan.counters.triangles = parts * placed.triangles;
+  scan.counters.nonFinite = parts * placed.nonFinite;
+  scan.counters.degenerate = parts * placed.degenerate;
 }
 
-void readResults(const SensorState& part, const FrameInFlight& frame, const Instances& instances, const Shot& shot,
-                 uint64_t firstBeam, Scan& scan) {
-  gpu::Counters counters = frame.counters();
-  if (const auto* words = mapped<Word>(part, frame, gpu::kBindWords)) {
-    const Clock::time_point start = Clock::now();
-    counters.hits = static_cast<uint32_t>(readWords(part, words, instances, firstBeam, scan));
-    scan.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
-    readCounters(part, counters, instances.usableTriangles(), scan.counters);
-    return;
+void readResults(const EffectsSetup& setup, const DeviceResults& device, const InstanceTable& instances,
+                 const Shot& shot, uint64_t firstBeam, Scan& scan) {
+  const uint64_t beams = device.tables.frame.beams;
+  if (device.words) {
+    gpu::Counters counters = device.counters;
+    counters.hits = static_cast<uint32_t>(readWords(device, instances, firstBeam, scan));
+    return readCounters(setup, beams, counters, instances.usableTriangles(), scan.counters);
   }
-  const uint32_t returns = part.planned().returns;
-  const auto* points = mapped<gpu::vec4>(part, frame, gpu::kBindPoints);
-  const auto* owners = mapped<std::array<uint32_t, 2>>(part, frame, gpu::kBindOwners);
-  const auto* signals = mapped<gpu::vec4>(part, frame, gpu::kBindSignals);
-  const auto* motions = mapped<gpu::vec4>(part, frame, gpu::kBindMotions);
-  const auto* barycentrics = mapped<gpu::vec2>(part, frame, gpu::kBindBarycentrics);
-  const gpu::vec4* surfaces = mapped<gpu::vec4>(part, frame, gpu::kBindSurfaces);
-  inSlices(part.frame().beams, 1, [&](uint64_t beam, uint64_t beamEnd) {
-    const uint64_t first = beam * returns, end = beamEnd * returns, to = firstBeam * returns;
-    float* point = &scan.points[3 * (to + first)];
-    for (uint64_t i = first; i < end; ++i) {
-      *point++ = points[i].x;
-      *point++ = points[i].y;
-      *point++ = points[i].z;
-      scan.ranges[to + i] = points[i].w;
-      scan.triangles[to + i] = owners[i][0];
-      scan.instances[to + i] = owners[i][1];
+  const uint32_t returns = setup.planned.returns;
+  inSlices(beams, 1, [&](uint64_t beam, uint64_t beamEnd) {
+    const uint64_t first = beam * returns, count = (beamEnd - beam) * returns, to = firstBeam * returns + first;
+    const auto from = [&](const auto* output) { return output ? output + first : nullptr; };
+    for (uint64_t i = 0; i < count; ++i) {
+      const gpu::vec4& point = device.points[first + i];
+      std::copy_n(&point.x, 3, &scan.points[3 * (to + i)]);
+      scan.ranges[to + i] = point.w;
+      scan.triangles[to + i] = device.owners[first + i][0];
+      scan.instances[to + i] = device.owners[first + i][1];
     }
-    readSignals(signals ? signals + first : nullptr, to + first, end - first, returns, scan);
-    if (surfaces)
-      readSurfaces(surfaces + first, Directions(part.effects()->setup(), shot, scan), to + first, end - first, scan);
-    readMotions(motions ? motions + first : nullptr, to + first, end - first, scan);
-    readBarycentrics(barycentrics ? barycentrics + first : nullptr, to + first, end - first, scan);
+    readSignals(from(device.signals), to, count, returns, scan);
+    if (device.surfaces) readSurfaces(from(device.surfaces), Directions(setup, shot, scan), to, count, scan);
+    readMotions(from(device.motions), to, count, scan);
+    readBarycentrics(from(device.barycentrics), to, count, scan);
   });
-  readCounters(part, counters, instances.usableTriangles(), scan.counters);
+  readCounters(setup, beams, device.counters, instances.usableTriangles(), scan.counters);
 }
 
-}  // namespace gnosphere::vulkan
+}  // namespace gnosphere

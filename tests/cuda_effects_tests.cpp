@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// Effects on the CUDA backend have the bytes of those on Vulkan. Every scan of tests/effects asks the same, see
+// scanOn(); here is what none of them has.
+#include <algorithm>
+#include <catch2/generators/catch_generators.hpp>
+
+#include "effects/scan_support.hpp"
+#include "town/town.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+using Profile = Effects::Divergence::Profile;
+using Mode = Effects::Returns::Mode;
+
+constexpr double kPeriod = 0.1;  // seconds for a turn
+
+const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
+
+/// A town of which every other material is a pane, with a fence that has holes.
+Scene glazedTown() {
+  Scene scene = makeTown({.triangles = 20'000});
+  for (size_t i = 0; i < scene.materials.size(); i += 2) scene.materials[i].transmission = 0.5f;
+  Material fence = lambertian(0.5f, "fence");
+  fence.doubleSided = true;
+  fence.alphaMode = AlphaMode::mask;
+  fence.alphaImage = static_cast<uint32_t>(scene.alphaImages.size());
+  fence.baseColor[3] = 0.9f;
+  scene.alphaImages.push_back({3, 2, {0, 255, 90, 200, 0, 255}, AlphaImage::Wrap::mirror, AlphaImage::Wrap::repeat});
+  scene.materials.push_back(fence);
+  Mesh mesh = plate(6, 3, static_cast<uint32_t>(scene.materials.size() - 1));
+  mesh.uvs = {-1.7f, 0, 0, 4.5f, 3.1f, 0, 2, 4};
+  scene.meshes.push_back(mesh);
+  scene.instances.push_back({"fence", static_cast<uint32_t>(scene.meshes.size() - 1), translation(0, 0, 2)});
+  return scene;
+}
+
+const Scene& town() {
+  static const Scene scene = glazedTown();
+  return scene;
+}
+
+/// Columns that no workgroup divides, and lasers with azimuths of their own.
+Sensor unevenSensor() {
+  Sensor sensor = gridSensor(181, 12, -25, 15, 80);
+  for (size_t j = 0; j < sensor.channels.size(); j += 2) sensor.channels[j].azimuthOffsetDeg = 1.7 * double(j) - 9;
+  sensor.rotationPeriod = kPeriod;
+  return sensor;
+}
+
+/// And places of their own.
+Sensor unevenHead() {
+  Sensor sensor = unevenSensor();
+  for (size_t j = 0; j < sensor.channels.size(); ++j) sensor.channels[j].origin = {0.03, 0.02 * double(j % 3), -0.01};
+  return sensor;
+}
+
+SimulatorOptions asking(const Effects& effects) {
+  SimulatorOptions options = vulkanOptions();
+  options.effects = effects;
+  options.effects.intensity.use = options.effects.radialSpeed.use = Use::automatic;
+  options.fields = effectFields();
+  options.fields.insert(options.fields.end(), {Field::barycentrics, Field::velocity});
+  return options;
+}
+
+void requireSame(Twins& twins, const Shot& shot) {
+  REQUIRE(twins.scan(shot).counters.hits > 300);
+}
+
+Shot standing(uint64_t frame = 0, size_t sensor = 0) {
+  Shot shot;
+  shot.pose = kPose;
+  shot.frame = frame;
+  shot.sensor = sensor;
+  return shot;
+}
+
+/// 20 m/s ahead and 2 rad/s to the left.
+Shot driving() {
+  Shot shot = standing(3);
+  shot.motion.stamps = {{0, kPose}, {kPeriod, {{3.3, 0.4, 1.8}, {0, 0, std::sin(0.3), std::cos(0.3)}}}};
+  return shot;
+}
+
+/// The fence comes nearer and turns, and what is first in the town goes away.
+Shot traffic(Shot shot) {
+  shot.instanceMotions = {{town().instances.size() - 1, translation(-1.5, 0.5, 2) * rotationZ(0.2)},
+                          {0, translation(0.5, 1, 0) * rotationZ(0.1) * town().instances[0].transform}};
+  return shot;
+}
+
+}  // namespace
+
+TEST_CASE("cuda effects: a footprint of as many sub-rays as there may be") {
+  needVulkan();
+  Effects effects = Effects::none();
+  effects.divergence = {Use::on, 61, Profile::gaussian, 9e-3, 4e-3};
+  effects.returns = {Use::on, Mode::strongestSecondStrongest};
+  Twins twins(town(), {unevenSensor()}, asking(effects));
+  requireSame(twins, standing());
+}
+
+TEST_CASE("cuda effects: all together, by seed, sensor and frame, standing and in motion") {
+  needVulkan();
+  Effects e = Effects::none();
+  e.seed = 5;
+  e.detection = {Use::on, 0.1, 80, 0};
+  e.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700, 701}};
+  e.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 4e-3};
+  e.intensityNoise = {Use::on, 0.05};
+  e.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+  e.divergence = {Use::on, 5, Profile::uniform, 3e-3, 1.5e-3};
+  e.returns = {Use::on, Mode::lastStrongest};
+  e.transmission.use = e.cutOuts.use = e.sensorMotion.use = e.objectMotion.use = Use::on;
+  e.sensorMotion.deskew = true;
+  e.fog = {Use::on, 100};
+  e.rain = {Use::on, 20};
+  e.snow = {Use::on, 2};
+  e.volumes = {Use::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
+  Twins twins(town(), {unevenHead(), unevenHead()}, asking(e));
+  for (const Shot& shot : {standing(), standing(1), standing(1, 1), driving(), traffic(standing()), traffic(driving())})
+    requireSame(twins, shot);
+}
+
+TEST_CASE("cuda effects: surfaces of exact hits, after instances and positions have moved, too") {
+  needVulkan();
+  SimulatorOptions options = asking(Effects::none());
+  options.accuracy = Accuracy::exact;
+  options.maxBufferBytes = 1 << 19;  // in several chunks
+  Twins twins(town(), {unevenSensor()}, options);
+  requireSame(twins, standing());
+  const uint32_t mesh = town().instances[0].mesh;
+  std::vector<float> positions = town().meshes[mesh].positions;
+  for (size_t i = 0; i < positions.size(); ++i) positions[i] += 0.1f * static_cast<float>(i % 7);
+  const Transform moved = translation(1, 2, 0.1) * town().instances[1].transform;
+  twins.vulkan.setPositions(mesh, positions);
+  twins.vulkan.setTransform(1, moved);
+  twins.onHost.backend().setPositions(mesh, positions);
+  twins.onHost.backend().setInstance(1, town().instances[1].mesh, moved);
+  if (twins.cuda) {
+    twins.cuda->setPositions(mesh, positions);
+    twins.cuda->setTransform(1, moved);
+  }
+  requireSame(twins, standing());
+}
+
+TEST_CASE("cuda effects: a plan names the stages and dispatches of Vulkan's, and the arrays there are") {
+  needVulkan();
+  Effects effects = Effects::none();
+  effects.fog = {Use::on, 60};
+  if (GENERATE(false, true)) effects.divergence = {Use::on, 7, Profile::gaussian, 3e-3, 1.5e-3};
+  const SimulatorOptions options = asking(effects);
+  const Sensor sensor = unevenSensor();
+  const Plan expected = Simulator(town(), sensor, options).plan();
+  const Plan plan = CudaOnHost(town(), {sensor}, options).backend().plan(0);
+  CHECK(plan.binning == expected.binning);
+  CHECK(plan.returns == expected.returns);
+  CHECK(plan.effects.size() == expected.effects.size());
+  REQUIRE(plan.stages.size() == expected.stages.size());
+  const auto pipelines = [](const Plan::Stage& stage) {
+    std::vector<std::pair<std::string, std::vector<uint32_t>>> result;
+    for (const Plan::Pipeline& pipeline : stage.pipelines) result.emplace_back(pipeline.name, pipeline.constants);
+    std::sort(result.begin(), result.end());
+    return result;
+  };
+  for (size_t i = 0; i < plan.stages.size(); ++i) {
+    CHECK(plan.stages[i].name == expected.stages[i].name);
+    CHECK(plan.stages[i].dispatches == expected.stages[i].dispatches);
+    CHECK(pipelines(plan.stages[i]) == pipelines(expected.stages[i]));
+  }
+  const auto bytesOf = [](const Plan& of, const std::string& name) {
+    uint64_t sum = 0;
+    for (const Plan::Buffer& buffer : of.buffers)
+      if (buffer.name == name) sum += buffer.bytes;
+    return sum;
+  };
+  for (const char* name : {"results", "subRays", "echoes", "projectedA", "rows", "tiles"}) {
+    INFO(name);
+    CHECK(bytesOf(plan, name) == bytesOf(expected, name));
+  }
+}
+
+}  // namespace gnosphere::test
