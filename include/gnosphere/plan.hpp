@@ -24,7 +24,7 @@ struct Plan {
   struct Stage {
     std::string name;         ///< project, bin, resolve, effects
     uint32_t dispatches = 0;  ///< of one scan of everything, at most
-    std::vector<Pipeline> pipelines;
+    std::vector<Pipeline> pipelines;  ///< none: the host does it
   };
   struct Buffer {
     std::string name;

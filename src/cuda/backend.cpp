@@ -122,6 +122,7 @@ class CudaBackend final : public Backend {
     add("project", shells - 1, {Kernel::project_occluders});
     add("project", shells * chunks, {Kernel::project_triangles});
     for (const Step& step : binSteps(sensor.way())) add("bin", step.everyShell ? shells : 1, step);
+    if (sensor.leavesWords()) plan.stages.push_back({"resolve", 0, {}});
     if (resolves(sensor)) add("resolve", 1, {Kernel::resolve, sensor.way()});
     for (const Step& step : effectsSteps(sensor.planned()))
       add("effects", step.kernel == Kernel::effects_surfaces ? chunks : 1, step);

@@ -237,10 +237,8 @@ void SensorState::describe(Plan& plan) const {
   plan.stages.push_back({"bin", 0, {}});
   for (const std::vector<Kernel>* kernels : {&k.bin, &k.scan})
     for (const Kernel& kernel : *kernels) add(kernel);
-  if (k.resolve) {
-    plan.stages.push_back({"resolve", 0, {}});
-    add(*k.resolve);
-  }
+  if (k.resolve || leavesWords_) plan.stages.push_back({"resolve", 0, {}});
+  if (k.resolve) add(*k.resolve);
   if (!k.footprint.empty() || k.surfaces || k.effects) plan.stages.push_back({"effects", 0, {}});
   for (const Kernel& kernel : k.footprint) add(kernel);
   for (const std::optional<Kernel>* kernel : {&k.surfaces, &k.effects})

@@ -143,7 +143,7 @@ void Stages::count(Plan& plan, const SensorState& state) const {
     if (stage.name == "project") stage.dispatches = shells * 3 * chunks + (shells - 1);
     if (stage.name == "bin")
       stage.dispatches = shells - 1 + static_cast<uint32_t>(kernels.bin.size() + kernels.scan.size());
-    if (stage.name == "resolve") stage.dispatches = 1;
+    if (stage.name == "resolve") stage.dispatches = kernels.resolve ? 1 : 0;
     if (stage.name == "effects")
       stage.dispatches =
           static_cast<uint32_t>(kernels.footprint.size()) + (kernels.surfaces ? chunks : 0) + (kernels.effects ? 1 : 0);

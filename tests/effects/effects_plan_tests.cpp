@@ -100,6 +100,10 @@ TEST_CASE("an effect that is off is in no constant, and geometry alone is what i
     for (const Plan::Pipeline& pipeline : stage.pipelines)
       for (size_t constant : {8, 9}) CHECK(pipeline.constants.at(constant) == 0);  // EFFECTS, FIELDS
   }
+  // Words are all that is read back.
+  CHECK(bare.stages.back().name == "resolve");
+  CHECK(bare.stages.back().dispatches == 0);
+  CHECK(bare.stages.back().pipelines.empty());
   for (const std::string& name : effectNames()) {
     INFO(name);
     Effects effects = Effects::none();

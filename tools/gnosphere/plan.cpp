@@ -41,6 +41,7 @@ void printEffects(const Plan& plan) {
 
 /// "bin x 2, scan x 3": how many specialisations of each shader.
 std::string pipelinesText(const Plan::Stage& stage) {
+  if (stage.pipelines.empty()) return "(the host)";
   std::string text;
   for (size_t i = 0; i < stage.pipelines.size();) {
     size_t next = i + 1;
