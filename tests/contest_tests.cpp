@@ -70,7 +70,7 @@ class Cuda : public Contender {
     for (const Moved& move : task.moved)
       cuda_.backend().setInstance(move.instance, scene_.instances[move.instance].mesh, move.transform);
     const double start = cli::nowMs();
-    scan_ = cuda_.scan(task.shot.pose);
+    cuda_.scan(task.shot, scan_);
     return {0, cli::nowMs() - start, 6, {{"project", 1}, {"bin", 2}, {"resolve", 3}}};
   }
   const Scan& answer() const override { return scan_; }
@@ -149,6 +149,32 @@ TEST_CASE("a contest compares CUDA with Vulkan, stage by stage") {
   const char* stages[] = {"project", "bin", "resolve", "device", "total"};
   for (size_t i = 0; i < 5; ++i) CHECK(table.rows[i + 1][1] == stages[i]);
   CHECK(table.rows[4][3] == cli::bareMs(6));
+}
+
+TEST_CASE("a contest with effects holds CUDA's labels and intensities against Vulkan's") {
+  test::needVulkan();
+  const Scene scene = balls();
+  SimulatorOptions options = test::vulkanOptions();
+  options.faces = Faces::both;
+  options.effects = Effects::none();
+  for (const char* assignment : {"intensity=on", "fog.visibility=80", "range-noise.sigma=0.02"})
+    assign(options.effects, assignment);
+  options.fields = {Field::intensity, Field::label};
+  std::vector<Shot> shots = shotsFrom({{{0, 0, 0}, {}}, {{1, 0, 0.5}, {}}});
+  shots[1].frame = 7;
+  const auto contestWith = [&](uint64_t seed) {
+    std::vector<std::unique_ptr<Contender>> contenders;
+    contenders.push_back(makeOurs(scene, sensorOf(), options));
+    SimulatorOptions other = options;
+    other.effects.seed = seed;
+    contenders.push_back(std::make_unique<Cuda>(scene, other));
+    return hold({"balls", 7, scene, sensorOf(), shots, {}, 1, false}, contenders, {});
+  };
+  const Outcome outcome = contestWith(options.effects.seed);
+  CHECK(outcome.hits > 100);
+  CHECK(outcome.standings[1].agreement.differ() == 0);
+  CHECK_THROWS_MATCHES(contestWith(options.effects.seed + 1), Error,
+                       MessageMatches(ContainsSubstring("balls: the answer of cuda is not right")));
 }
 
 TEST_CASE("Vulkan and CUDA side by side: who is how many times as fast, and only where CUDA has taken part") {
