@@ -32,7 +32,8 @@ layout(local_size_x = 64) in;
 layout(std430, set = 0, binding = kBindWords) coherent buffer Words64Block { uint64_t words64[]; };
 #endif
 
-// Ranges are positive, so their bits order like numbers. Reading before the atomic is safe: words only fall.
+// Ranges are positive, so their bits order like numbers. Words only fall: so reading before an atomic would be safe, but
+// what is near comes first, and most that would be asked is answered with yes.
 void offerNearest(uint beam, uint rangeBits, uint id) {
 #ifdef INT64_ATOMICS
   atomicMin(words64[beam], packUint2x32(uvec2(id, rangeBits)));
@@ -136,8 +137,8 @@ vec3 normalLengths(Triangle triangle) {
   return far.yzx * far.zxy;
 }
 
-// Rows of which a beam between the columns of the first and the last of `width` lanes may meet the triangle; every lane
-// asks for a row of its own. Along a row the side of an edge is a sine of the azimuth: over an angle of d it leaves the
+// May a beam between the columns of the first and the last of `width` lanes meet the triangle? Every lane asks for a row
+// of its own. Along a row the side of an edge is a sine of the azimuth: over an angle of d it leaves the
 // chord between both ends by at most d^2 / 8 of the normal's length. Rounding is 1e-6 of that, twice.
 bool mayMeetBetween(Triangle triangle, Prepared prepared, Turned turned, vec3 normals, uint width, vec2 angles) {
   uint last = width - 1;

@@ -26,6 +26,9 @@ layout(local_size_x = 64) in;
 void noteLater(vec3 low, vec3 high, inout uvec2 later) {
   bool occluders = (CULLING & kCullOccluded) != 0 && pass.occluders == 0;
   if (!occluders || farthestPoint(low, high) < pass.shellMax) return;
+#ifdef MOTION
+  seeming = seemingAngle(motion.shift, motion.turn, pass.shellMax);  // at most, so far away
+#endif
   float keyMin, keyMax;
   coverKeys(low, high, pass.shellMax, keyMin, keyMax);
   uint first, end;

@@ -15,8 +15,9 @@ shared uint largest;
 
 // For the next shell, only the rows that it has something in; for a still image, all of them.
 bool worthKnowing(uvec2 entry) {
-  return pass.shellMax > kCoordinateLimit || (entry.y * kFineRows < counters.laterRowsUp &&
-                                  (entry.y + 1) * kFineRows > frame.rows - counters.laterRowsDown);
+  bool later = entry.y * kFineRows < counters.laterRowsUp &&
+               (entry.y + 1) * kFineRows > frame.rows - counters.laterRowsDown;
+  return later || pass.shellMax > kCoordinateLimit;
 }
 
 uint farthestIn(uvec2 entry) {
