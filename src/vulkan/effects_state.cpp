@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/effects_state.hpp"
 
-#include <cstring>
+#include <algorithm>
 
 namespace gnosphere::vulkan {
 
@@ -29,7 +29,7 @@ void EffectsState::prepare(EffectsBuffers& frame, const Shot& shot, const ShotMo
     Buffer& buffer = frame[array.binding];
     if (!buffer.handle() || buffer.bytes() < array.bytes)
       buffer = Buffer(device_, array.name, array.bytes, Memory::upload);
-    std::memcpy(buffer.mapped(), array.content.data(), array.bytes);
+    std::copy(array.content.begin(), array.content.end(), static_cast<std::byte*>(buffer.mapped()));
     buffer.flush();
   }
 }
