@@ -22,8 +22,8 @@ struct Plan {
     std::vector<uint32_t> constants;  ///< its specialisation, in the order of shaders/options.glsl
   };
   struct Stage {
-    std::string name;         ///< project, bin, resolve, effects
-    uint32_t dispatches = 0;  ///< of one scan of everything, at most
+    std::string name;                 ///< project, bin, resolve, effects
+    uint32_t dispatches = 0;          ///< of one scan of everything, at most
     std::vector<Pipeline> pipelines;  ///< none: the host does it
   };
   struct Buffer {

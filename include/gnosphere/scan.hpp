@@ -100,8 +100,8 @@ struct StageTime {
   double ms = 0;
 };
 
-/// Times of one scan. `gpuMs` and `stages` are device timestamps, and empty where the device has none; but `resolve` runs
-/// on the host where nothing but geometry is planned.
+/// Times of one scan. `gpuMs` and `stages` are device timestamps, and empty where the device has none; but `resolve`
+/// runs on the host where nothing but geometry is planned.
 struct Timings {
   double wallMs = 0;  ///< submit to results readable on the host
   double gpuMs = 0;
