@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What host and device share: structs, constants and binding numbers. Included by GLSL and C++ (and CUDA later).
+// What host and device share: structs, constants and binding numbers. Included by GLSL, C++ and CUDA.
 // Members are float, uint and vec4 only, 16-byte members first, sizes a multiple of 16: so std430, C++ and CUDA agree.
 // What a shader reads together is one vec4: a software device pays per load, not per component. An integer in its last
 // component is stored as its bits.
