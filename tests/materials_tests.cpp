@@ -4,43 +4,23 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
+#include "folder.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
 
 using namespace gnosphere;
+using namespace gnosphere::test;
 using Catch::Approx;
 using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::MessageMatches;
 
 namespace {
 
-namespace fs = std::filesystem;
-
-/// A folder of files for one test.
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "gnosphere-materials-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  ~Folder() { fs::remove_all(path_); }
-  fs::path put(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-    return path_ / name;
-  }
-
- private:
-  fs::path path_;
-};
-
 void refused(const Folder& folder, const std::string& name, const std::string& bytes, const std::string& words) {
   INFO(bytes);
-  const fs::path file = folder.put(name, bytes);
+  const fs::path file = put(folder / name, bytes);
   CHECK_THROWS_MATCHES(loadMaterialTable(file), Error, MessageMatches(ContainsSubstring(words)));
 }
 
@@ -96,7 +76,7 @@ TEST_CASE("a glTF material's parts are shares of the light") {
 
 TEST_CASE("a table stands over the materials of its names") {
   const Folder folder;
-  const MaterialTable table = loadMaterialTable(folder.put("t.json", R"({"materials": [
+  const MaterialTable table = loadMaterialTable(put(folder / "t.json", R"({"materials": [
     {"name": "ASPHALT", "reflectance_905": 0.1, "reflectance_1550": 0.2, "roughness": 0.9},
     {"name": "sign", "retro": 300, "transmission": 0}, {"name": "brick", "reflectance_905": 0.3}]})"));
   Scene scene;
@@ -131,8 +111,8 @@ TEST_CASE("a table that is not sound is refused") {
 
 TEST_CASE("an OpenMATERIAL BRDF is read near the normal, back to the sensor") {
   const Folder folder;
-  folder.put("b.xompt", kBrdf);
-  const auto rows = loadMaterialTable(folder.put("m.xomp", xomp(R"("brdfUris": ["b.xompt"])"))).rows;
+  put(folder / "b.xompt", kBrdf);
+  const auto rows = loadMaterialTable(put(folder / "m.xomp", xomp(R"("brdfUris": ["b.xompt"])"))).rows;
   REQUIRE(rows.size() == 1);
   CHECK(rows[0].name == "paint");
   CHECK(rows[0].reflectance905 == Approx(0.1f));
@@ -142,21 +122,21 @@ TEST_CASE("an OpenMATERIAL BRDF is read near the normal, back to the sensor") {
 
 TEST_CASE("an OpenMATERIAL conductor reflects as Fresnel says") {
   const Folder folder;
-  folder.put("metal.xompt", kMetal);
-  const auto row = loadMaterialTable(folder.put("m.xomp", xomp(R"("opticalPropertiesUri": "metal.xompt")"))).rows[0];
+  put(folder / "metal.xompt", kMetal);
+  const auto row = loadMaterialTable(put(folder / "m.xomp", xomp(R"("opticalPropertiesUri": "metal.xompt")"))).rows[0];
   CHECK(row.reflectance905 == Approx((1 + 64) / (9.0 + 64)));
   CHECK(row.reflectance1550 == Approx((0.25 + 225) / (6.25 + 225)));
 }
 
 TEST_CASE("an OpenMATERIAL mapping and asset lead to the same rows") {
   const Folder folder;
-  folder.put("b.xompt", kBrdf);
-  folder.put("metal.xompt", kMetal);
-  folder.put("paint.xomp", xomp(R"("brdfUris": ["b.xompt"])"));
-  folder.put("metal.xomp", xomp(R"("opticalPropertiesUri": "metal.xompt")"));
-  const auto mapping = folder.put("m.xomm", R"({"metadata": {}, "materialMapping": [["Body", "paint.xomp", "grey"],
+  put(folder / "b.xompt", kBrdf);
+  put(folder / "metal.xompt", kMetal);
+  put(folder / "paint.xomp", xomp(R"("brdfUris": ["b.xompt"])"));
+  put(folder / "metal.xomp", xomp(R"("opticalPropertiesUri": "metal.xompt")"));
+  const auto mapping = put(folder / "m.xomm", R"({"metadata": {}, "materialMapping": [["Body", "paint.xomp", "grey"],
                                                 ["Rim", "metal.xomp"]]})");
-  const auto asset = folder.put("a.xoma", R"({"metadata": {}, "materialMappingUri": "m.xomm"})");
+  const auto asset = put(folder / "a.xoma", R"({"metadata": {}, "materialMappingUri": "m.xomm"})");
   for (const fs::path& file : {mapping, asset}) {
     const auto rows = loadMaterialTable(file).rows;
     REQUIRE(rows.size() == 2);
@@ -165,8 +145,8 @@ TEST_CASE("an OpenMATERIAL mapping and asset lead to the same rows") {
     CHECK(rows[1].name == "Rim");
     CHECK(rows[1].reflectance905 == Approx(0.890410959));
   }
-  folder.put("tyre.xomp", xomp(""));
-  folder.put("m.xomm", R"({"materialMapping": [["Tyre", "tyre.xomp"], ["Body", "paint.xomp"]]})");
+  put(folder / "tyre.xomp", xomp(""));
+  put(folder / "m.xomm", R"({"materialMapping": [["Tyre", "tyre.xomp"], ["Body", "paint.xomp"]]})");
   const auto rows = loadMaterialTable(mapping).rows;
   REQUIRE(rows.size() == 2);
   CHECK(rows[0].reflectance905 < 0);
@@ -175,11 +155,11 @@ TEST_CASE("an OpenMATERIAL mapping and asset lead to the same rows") {
 
 TEST_CASE("an OpenMATERIAL file that tells no laser's reflectance is refused") {
   const Folder folder;
-  folder.put("glass.xompt", kGlass);
+  put(folder / "glass.xompt", kGlass);
   const std::string none = "m.xomp: states no reflectance for a laser";
   refused(folder, "m.xomp", xomp(""), none);
   refused(folder, "m.xomp", xomp(R"("opticalPropertiesUri": "glass.xompt")"), none);
-  folder.put("far.xompt", R"({"brdf": {"lookupTable": [[9.05e-07, 1.5, 1.5, 0.0, 0.001]]}})");
+  put(folder / "far.xompt", R"({"brdf": {"lookupTable": [[9.05e-07, 1.5, 1.5, 0.0, 0.001]]}})");
   refused(folder, "m.xomp", xomp(R"("brdfUris": ["far.xompt"])"), none);
   refused(folder, "m.xomp", xomp(R"("brdfUris": ["gone.xompt"])"), "gone.xompt: cannot be read");
   refused(folder, "m.xomp", xomp(R"("brdfUris": [3])"), "the name of a file is not a text but 3");
