@@ -131,23 +131,24 @@ void trySmall(uint i) {
   }
 }
 
-// Lengths of the normals of the edges opposite to a, b and c, at most.
-vec3 normalLengths(Triangle triangle) {
+// By how much the side of an edge may be wrong between the columns of the first and the last of `width` lanes, were it a
+// straight line there. Along a row it is a sine of the azimuth: over an angle of d it leaves the chord between both ends
+// by at most d^2 / 8 of the length of the edge's normal. Rounding is 1e-6 of that, twice.
+vec3 slackBetween(Triangle triangle, Prepared prepared, uint width) {
   vec3 far = vec3(length(triangle.a), length(triangle.b), length(triangle.c));
-  return far.yzx * far.zxy;
+  vec3 normals = far.yzx * far.zxy;  // at most
+  float angle = float(width) / frame.columnsPerRadian;
+  vec3 slack = (0.126 * angle * angle + 2e-6) * normals;
+  if ((EFFECTS & kFootprintEffects) != 0) slack += prepared.reach;
+  return slack;
 }
 
-// May a beam between the columns of the first and the last of `width` lanes meet the triangle? Every lane asks for a row
-// of its own. Along a row the side of an edge is a sine of the azimuth: over an angle of d it leaves the
-// chord between both ends by at most d^2 / 8 of the normal's length. Rounding is 1e-6 of that, twice.
-bool mayMeetBetween(Triangle triangle, Prepared prepared, Turned turned, vec3 normals, uint width, vec2 angles) {
+// May a beam between these columns meet the triangle? Every lane asks for a row of its own.
+bool mayMeetBetween(Triangle triangle, Turned turned, vec3 slack, uint width, vec2 angles) {
   uint last = width - 1;
   Turned from = Turned(subgroupBroadcastFirst(turned.p), subgroupBroadcastFirst(turned.q), turned.z);
   Turned to = Turned(subgroupShuffle(turned.p, last), subgroupShuffle(turned.q, last), turned.z);
   vec3 sideFrom = watertightSides(from, angles.x, angles.y), sideTo = watertightSides(to, angles.x, angles.y);
-  float angle = float(width) / frame.columnsPerRadian;
-  vec3 slack = (0.126 * angle * angle + 2e-6) * normals;
-  if ((EFFECTS & kFootprintEffects) != 0) slack += prepared.reach;
   bool facing = all(lessThanEqual(min(sideFrom, sideTo), slack));
   bool averted = all(greaterThanEqual(max(sideFrom, sideTo), -slack)) && !triangle.oneSided;
   return facing || averted;
@@ -181,7 +182,7 @@ void tryTile(uint t) {
   }
   uint height = gl_SubgroupSize >> shift;
   uint lane = gl_SubgroupInvocationID;
-  vec3 normals = normalLengths(triangle);
+  vec3 slack = slackBetween(triangle, prepared, width);
   uint perRow = frame.columns;
   // Each lane has a row at hand; of most boxes these are all.
   vec2 firstRows = rows[min(box.rowFirst + lane, box.rowLast)].angles.xy;
@@ -199,7 +200,7 @@ void tryTile(uint t) {
       if (tall) angles = rows[min(rowBase + lane, box.rowLast)].angles.xy;
       uint rowCount = min(box.rowLast - rowBase + 1, gl_SubgroupSize);
 #ifndef MOTION
-      if (!AZIMUTH_OFFSETS && !mayMeetBetween(triangle, prepared, turned, normals, width, angles)) angles.x = -1.0;
+      if (!AZIMUTH_OFFSETS && !mayMeetBetween(triangle, turned, slack, width, angles)) angles.x = -1.0;
 #endif
       for (uint r = 0; r < rowCount; r += height) {
         uint row = r + (lane >> shift);
