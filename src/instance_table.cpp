@@ -139,8 +139,7 @@ void InstanceTable::number() {
   if (numbered_) return;
   uint32_t first = 0;
   firstTriangles_.clear();
-  for (Placement& placement : placements_) {
-    placement.firstTriangle = first;
+  for (const Placement& placement : placements_) {
     firstTriangles_.push_back(first);
     first += meshOf(placement).triangles;
   }
@@ -182,7 +181,7 @@ uint32_t InstanceTable::reserve(const std::vector<uint32_t>& visible, uint32_t f
 }
 
 void InstanceTable::writeNumbers(gpu::Instance* instances) const {
-  for (size_t i = 0; i < placements_.size(); ++i) instances[i].offset.w = std::bit_cast<float>(placements_[i].number());
+  for (size_t i = 0; i < placements_.size(); ++i) instances[i].offset.w = std::bit_cast<float>(numberOf(i));
 }
 
 void InstanceTable::findOwnerRanges() {
@@ -249,8 +248,7 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
   for (const std::vector<uint32_t>* visible : {&visibleStill_, &visibleMoving_})
     for (uint32_t i : *visible) {
       const Placement& placement = placements_[i];
-      compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, placement.number(),
-              instances[i]);
+      compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, numberOf(i), instances[i]);
     }
 }
 

@@ -95,16 +95,18 @@ class InstanceTable {
     glm::dmat3 toWorld = {}, fromWorld = {};  ///< fromWorld is zero where the transform flattens the mesh
     glm::dvec3 position = {};                 ///< of the mesh's origin
     uint64_t changedAt = 0;
-    uint32_t mesh = 0, firstTriangle = 0;
+    uint32_t mesh = 0;
     bool mirrored = false;
-    /// As gpu::Instance has it.
-    uint32_t number() const { return firstTriangle | (mirrored ? 1u << 31 : 0u); }
   };
   struct Sphere {
     glm::dvec3 centre;
     double radius;
   };
 
+  /// Of its first triangle, as gpu::Instance has it.
+  uint32_t numberOf(size_t instance) const {
+    return firstTriangles_[instance] | (placements_[instance].mirrored ? 1u << 31 : 0u);
+  }
   const MeshSummary& meshOf(const Placement& placement) const;
   void moveSpheres();
   Sphere sphereOf(const Placement& placement) const;
