@@ -73,6 +73,17 @@ double reachOf(const SimulatorOptions& options, const gpu::Frame& frame) {
   return cullingBits(options) & gpu::kCullRange ? frame.rangeMax : std::numeric_limits<double>::infinity();
 }
 
+uint64_t farthestEntries(const gpu::Frame& frame) {
+  const auto entries = [&](uint64_t columns, uint64_t rows) {
+    return (frame.columns + columns - 1) / columns * ((frame.rows + rows - 1) / rows);
+  };
+  return entries(gpu::kFineColumns, gpu::kFineRows) + entries(gpu::kCoarseColumns, gpu::kCoarseRows);
+}
+
+uint64_t projectedCount(const gpu::Counters& counters) {
+  return uint64_t{counters.projectedSmall} + counters.projectedLarge;
+}
+
 uint64_t projectedGuess(uint64_t beams, uint64_t triangles) {
   return std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected));
 }

@@ -22,6 +22,10 @@ const char* nameOfWay(uint32_t way);
 float shellBorder(const SimulatorOptions& options, uint32_t way, const gpu::Frame& frame, uint64_t triangles);
 /// Metres: instances farther away need not be looked at.
 double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
+/// Entries of the table of what hides, of both levels.
+uint64_t farthestEntries(const gpu::Frame& frame);
+/// Triangles that a scan has projected, or would have with more room.
+uint64_t projectedCount(const gpu::Counters& counters);
 /// Room for projected triangles to begin with; growth makes room for what a scan turns out to need.
 uint64_t projectedGuess(uint64_t beams, uint64_t triangles);
 /// Room for `needed` entries of a list and some more, within a limit.

@@ -9,14 +9,6 @@ constexpr uint64_t kMostEntries = 0xffffffffu;
 constexpr uint64_t kFirstTiles = 1 << 12;
 constexpr uint64_t kFirstCandidatesPerBeam = 2;
 
-uint64_t entries(const gpu::Frame& frame, uint32_t columns, uint32_t rows) {
-  return uint64_t{(frame.columns + columns - 1) / columns} * ((frame.rows + rows - 1) / rows);
-}
-
-uint64_t projectedCount(const gpu::Counters& counters) {
-  return uint64_t{counters.projectedSmall} + counters.projectedLarge;
-}
-
 }  // namespace
 
 SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& options, uint64_t triangles)
@@ -33,8 +25,7 @@ SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& op
   arrays_[gpu::kBindColumns] = Array("columns", tables_.columns);
   make(gpu::kBindFrame, "frame", sizeof(gpu::Frame));
   make(gpu::kBindCounters, "counters", sizeof(gpu::Counters));
-  make(gpu::kBindFarthest, "farthest",
-       4 * (entries(frame, gpu::kFineColumns, gpu::kFineRows) + entries(frame, gpu::kCoarseColumns, gpu::kCoarseRows)));
+  make(gpu::kBindFarthest, "farthest", 4 * farthestEntries(frame));
   const uint64_t beams = frame.beams;
   if (way_ == gpu::kWayLists) {
     make(gpu::kBindListEnds, "listEnds", beams * 4);

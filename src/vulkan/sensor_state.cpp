@@ -5,9 +5,6 @@
 #include <cstring>
 #include <span>
 
-#include "resolve_words.hpp"
-#include "scan_options.hpp"
-
 namespace gnosphere::vulkan {
 namespace {
 
@@ -29,10 +26,6 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, cons
   return result;
 }
 
-uint64_t projectedCount(const gpu::Counters& counters) {
-  return uint64_t{counters.projectedSmall} + counters.projectedLarge;
-}
-
 }  // namespace
 
 // Who looks at surfaces needs the transforms of what stands still, too.
@@ -48,9 +41,8 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
       layout_(layout),
       way_(way),
       planned_(setup.planned),
-      leavesWords_(gnosphere::leavesWords(way, setup.planned)),
       exact_(partsOf(options).inside == Exactness::Inside::exact),
-      outputs_(outputsOf(setup.planned, leavesWords_)),
+      outputs_(outputsOf(setup.planned, leavesWords())),
       tables_(makeBeamTables(sensor)) {
   for (const SensorState& other : others)
     if (other.tables_.azimuthOffsets == tables_.azimuthOffsets && other.planned_.sameStages(planned_))
@@ -86,17 +78,13 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   const uint64_t beams = tables_.frame.beams;
   const bool lists = way_ == gpu::kWayLists;
   make(gpu::kBindCounters, "counters", sizeof(gpu::Counters));
-  const auto entries = [&](uint64_t columns, uint64_t rows) {
-    return (tables_.frame.columns + columns - 1) / columns * ((tables_.frame.rows + rows - 1) / rows);
-  };
-  make(gpu::kBindFarthest, "farthest",
-       4 * (entries(gpu::kFineColumns, gpu::kFineRows) + entries(gpu::kCoarseColumns, gpu::kCoarseRows)));
-  make(gpu::kBindWords, "words", lists || (leavesWords_ && readsInPlace()) ? 0 : beams * sizeof(Word));
+  make(gpu::kBindFarthest, "farthest", 4 * farthestEntries(tables_.frame));
+  make(gpu::kBindWords, "words", lists || (leavesWords() && readsInPlace()) ? 0 : beams * sizeof(Word));
   make(gpu::kBindListEnds, "listEnds", lists ? beams * 4 : 0);
   make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
   if (!readsInPlace())
     for (const Output& output : outputs_)
-      if (output.binding < buffers_.size() && !leavesWords_)
+      if (output.binding < buffers_.size() && !leavesWords())
         make(output.binding, "results", beams * output.bytesPerBeam);
   // First guesses; growLists() makes room for what a scan turns out to need.
   growProjected(projectedGuess(beams, geometry.instances().counters().triangles));
@@ -237,7 +225,7 @@ void SensorState::describe(Plan& plan) const {
   plan.stages.push_back({"bin", 0, {}});
   for (const std::vector<Kernel>* kernels : {&k.bin, &k.scan})
     for (const Kernel& kernel : *kernels) add(kernel);
-  if (k.resolve || leavesWords_) plan.stages.push_back({"resolve", 0, {}});
+  if (k.resolve || leavesWords()) plan.stages.push_back({"resolve", 0, {}});
   if (k.resolve) add(*k.resolve);
   if (!k.footprint.empty() || k.surfaces || k.effects) plan.stages.push_back({"effects", 0, {}});
   for (const Kernel& kernel : k.footprint) add(kernel);

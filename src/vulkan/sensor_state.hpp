@@ -11,6 +11,7 @@
 #include "beam_tables.hpp"
 #include "gnosphere/scan.hpp"
 #include "results.hpp"
+#include "scan_options.hpp"
 #include "vulkan/effects_state.hpp"
 #include "vulkan/geometry.hpp"
 #include "vulkan/kernels.hpp"
@@ -61,7 +62,7 @@ class SensorState {
   std::span<const Output> outputs() const { return outputs_; }
   const PlannedEffects& planned() const { return planned_; }
   /// What the host reads is words alone, see resolve_words.hpp.
-  bool leavesWords() const { return leavesWords_; }
+  bool leavesWords() const { return gnosphere::leavesWords(way_, planned_); }
   /// Those of the scan that was prepared last.
   const Buffer& words() const { return *words_; }
   /// The words as the still instances leave them: empty until there is room.
@@ -96,7 +97,7 @@ class SensorState {
   Layout& layout_;
   uint32_t way_;
   PlannedEffects planned_;
-  bool leavesWords_, exact_;
+  bool exact_;
   std::vector<Output> outputs_;
   std::unique_ptr<EffectsState> effects_;  // empty where nothing but geometry is planned
   float shellBorder_ = 0;
