@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage bin. Gives every projected triangle to the beams that meet it. Small boxes are worked off by one invocation
-// each; tiles of large ones by a subgroup each, its lanes side by side. PASS says what is done with a meeting.
+// each; tiles of large ones by a subgroup each, its lanes side by side. PASS says what is done with a meeting. Where a
+// subgroup owns a slab of columns, all boxes are tiles, listed slab by slab, and nothing has to be atomic.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -23,6 +24,7 @@
 #include "sphere.glsl"
 #include "bounds.glsl"
 #include "inside.glsl"
+#include "rows_between.glsl"
 #ifdef MOTION
 #include "seen.glsl"
 #endif
@@ -40,10 +42,20 @@ void offerNearest(uint beam, uint rangeBits, uint id) {
 #endif
 }
 
+// For the owner of the beam.
+void keepNearer(uint beam, uint rangeBits, uint id) {
+#ifdef INT64_ATOMICS
+  uint64_t word = packUint2x32(uvec2(id, rangeBits));
+  if (word < words64[beam]) words64[beam] = word;
+#endif
+}
+
 void offer(uint beam, float range, uint projected, uint id) {
   uint rangeBits = floatBitsToUint(range);
   if (PASS == kPassNearest) {
     offerNearest(beam, rangeBits, id);
+  } else if (PASS == kPassSlabs) {
+    keepNearer(beam, rangeBits, id);
   } else if (PASS == kPassRange) {
     if (rangeBits >= words[beam].y) return;
     atomicMin(words[beam].y, rangeBits);
@@ -63,16 +75,6 @@ float farthestOf(uint index) {
   return lists ? frame.rangeMax : min(uintBitsToFloat(min(words[index].y, 0x7f800000u)), frame.rangeMax);
 }
 
-// A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and it spans up to 1.
-uint wrapColumn(int column) {
-  int turnColumns = int(frame.columns);
-  if (column < 0) column += turnColumns;
-  if (column < 0) column += turnColumns;
-  if (column >= turnColumns) column -= turnColumns;
-  if (column >= turnColumns) column -= turnColumns;
-  return uint(column);
-}
-
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
   if ((EFFECTS & kFootprintEffects) != 0) {
     if (mayMeet(triangle, prepared, turned, beam)) offer(index, 0.0, projected, triangle.id);
@@ -90,7 +92,11 @@ void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
 }
 #endif
 
-uint columnAt(Box box, uint k, float shift) { return wrapColumn(int(ceil(box.columnMin - shift)) + int(k)); }
+// In a row with an offset of its own the k-th column of a box is so many columns back: a beam then is the k-th of a box
+// in every row where the box has its grid column, and the slab that owns the grid column owns the beam.
+uint columnAt(Box box, uint k, float shift) {
+  return wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? wholeOf(floor(shift)) : 0));
+}
 
 // The beam in the k-th column of a box and in a row, and its index among the words.
 Beam beamAt(Box box, uint k, uint row, out uint index) {
@@ -101,9 +107,8 @@ Beam beamAt(Box box, uint k, uint row, out uint index) {
   return beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
 }
 
-Box boxOf(uint i, float packedRows) {
+Box boxOf(vec2 span, float packedRows) {
   uint word = floatBitsToUint(packedRows);
-  vec2 span = projectedColumns[i];
   return Box(span.x, span.y, word & 0xffff, word >> 16);
 }
 
@@ -112,7 +117,7 @@ Box boxOf(uint i, float packedRows) {
 void trySmall(uint i) {
   vec4 c = projectedC[i];
   Triangle triangle = triangleOf(projectedA[i], projectedB[i], c);
-  Box box = boxOf(i, c.w);
+  Box box = boxOf(projectedColumns[i], c.w);
   Prepared prepared = prepare(triangle);
   uint columnCount = boxColumnCount(box);
   uint k = 0;
@@ -131,100 +136,134 @@ void trySmall(uint i) {
   }
 }
 
-// By how much the side of an edge may be wrong between the columns of the first and the last of `width` lanes, were it a
-// straight line there. Along a row it is a sine of the azimuth: over an angle of d it leaves the chord between both ends
-// by at most d^2 / 8 of the length of the edge's normal. Rounding is 1e-6 of that, twice.
-vec3 slackBetween(Triangle triangle, Prepared prepared, uint width) {
-  vec3 far = vec3(length(triangle.a), length(triangle.b), length(triangle.c));
-  vec3 normals = far.yzx * far.zxy;  // at most
-  float angle = float(width) / frame.columnsPerRadian;
-  vec3 slack = (0.126 * angle * angle + 2e-6) * normals;
-  if ((EFFECTS & kFootprintEffects) != 0) slack += prepared.reach;
-  return slack;
-}
+// A tile's triangle and which of its columns; one lane loads for all.
+struct Tile {
+  uint slot;
+  Triangle triangle;
+  Box box;
+  uint first, end;
+  uint before;  // in the list of a slab
+};
 
-// May a beam between these columns meet the triangle? Every lane asks for a row of its own.
-bool mayMeetBetween(Triangle triangle, Turned turned, vec3 slack, uint width, vec2 angles) {
-  uint last = width - 1;
-  Turned from = Turned(subgroupBroadcastFirst(turned.p), subgroupBroadcastFirst(turned.q), turned.z);
-  Turned to = Turned(subgroupShuffle(turned.p, last), subgroupShuffle(turned.q, last), turned.z);
-  vec3 sideFrom = watertightSides(from, angles.x, angles.y), sideTo = watertightSides(to, angles.x, angles.y);
-  bool facing = all(lessThanEqual(min(sideFrom, sideTo), slack));
-  bool averted = all(greaterThanEqual(max(sideFrom, sideTo), -slack)) && !triangle.oneSided;
-  return facing || averted;
-}
-
-// One subgroup, one tile; one lane loads for all. Lanes stand side by side in `width` columns and, where the tile has
-// fewer columns than the subgroup lanes, in several rows.
-void tryTile(uint t) {
+Tile tileAt(uint t) {
   uvec4 tile;
   vec4 a, b, c;
-  Box box;
-  if (subgroupElect()) {
+  vec2 span;
+  if (gl_SubgroupInvocationID == 0) {
     tile = tiles[t];
     a = projectedA[tile.x];
     b = projectedB[tile.x];
     c = projectedC[tile.x];
-    box = boxOf(tile.x, c.w);
+    span = projectedColumns[tile.x];
   }
-  tile = subgroupBroadcastFirst(tile);
-  Triangle triangle = triangleOf(subgroupBroadcastFirst(a), subgroupBroadcastFirst(b), subgroupBroadcastFirst(c));
-  box.columnMin = subgroupBroadcastFirst(box.columnMin);
-  box.columnMax = subgroupBroadcastFirst(box.columnMax);
-  box.rowFirst = subgroupBroadcastFirst(box.rowFirst);
-  box.rowLast = subgroupBroadcastFirst(box.rowLast);
-  Prepared prepared = prepare(triangle);
-  uint end = min(tile.y + tile.z, boxColumnCount(box));
-  uint width = 1, shift = 0;
-  while (width < end - tile.y && width < gl_SubgroupSize) {
-    width *= 2;
-    ++shift;
-  }
-  uint height = gl_SubgroupSize >> shift;
-  uint lane = gl_SubgroupInvocationID;
-  vec3 slack = slackBetween(triangle, prepared, width);
-  uint perRow = frame.columns;
-  // Each lane has a row at hand; of most boxes these are all.
-  vec2 firstRows = rows[min(box.rowFirst + lane, box.rowLast)].angles.xy;
-  bool tall = box.rowLast - box.rowFirst >= gl_SubgroupSize;
-  for (uint first = tile.y; first < end; first += width) {
-    uint k = first + (lane & (width - 1));
-    uint column = columnAt(box, k, 0.0);
-    vec2 azimuth = columns[column];
-    Turned turned = turn(triangle, azimuth);
-#ifdef MOTION
-    Triangle seen = seenFrom(triangle, tile.x, column);
-#endif
-    for (uint rowBase = box.rowFirst; rowBase <= box.rowLast; rowBase += gl_SubgroupSize) {
-      vec2 angles = firstRows;
-      if (tall) angles = rows[min(rowBase + lane, box.rowLast)].angles.xy;
-      uint rowCount = min(box.rowLast - rowBase + 1, gl_SubgroupSize);
+  tile = subgroupBroadcast(tile, 0);
+  c = subgroupBroadcast(c, 0);
+  Box box = boxOf(subgroupBroadcast(span, 0), c.w);
+  return Tile(tile.x, triangleOf(subgroupBroadcast(a, 0), subgroupBroadcast(b, 0), c), box, tile.y,
+              min(tile.y + tile.z, boxColumnCount(box)), tile.w);
+}
+
+// Rows from..to - 1 of a box that a beam in its columns kFrom..kTo may meet the triangle in; a lane each.
+void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out uint from, out uint to) {
+  uint rowCount = boxRowCount(tile.box);
+  from = 0;
+  to = rowCount;
 #ifndef MOTION
-      if (!AZIMUTH_OFFSETS && !mayMeetBetween(triangle, turned, slack, width, angles)) angles.x = -1.0;
+  vec3 far = vec3(length(tile.triangle.a), length(tile.triangle.b), length(tile.triangle.c));
+  float blur = blurOf(tile.triangle, prepared, far);
+  // At a pole every column is covered. Few rows are not worth it, nor does the paper ask.
+  bool pays = boxColumnCount(tile.box) < frame.columns && rowCount * (tile.end - tile.first) > kFewBeams;
+  if (!pays || BOUNDS == kBoundsPaper || angle + blur > 0.5) return;
+  // With offsets, a beam lies between its grid column and the next.
+  uint next = AZIMUTH_OFFSETS ? 1 : 0;
+  float keyMin, keyMax;
+  keysBetween(turn(tile.triangle, columns[wrapColumn(firstColumn(tile.box) + int(kFrom))]),
+              turn(tile.triangle, columns[wrapColumn(firstColumn(tile.box) + int(kTo + next))]),
+              blur * max(max(far.x, far.y), far.z), keyMin, keyMax);
+  float widening = kKeySlack + blur + 0.25 * (angle + blur) * (angle + blur);
+  rowsBetween(keyMin - widening, keyMax + widening, from, to);
+  from = max(from, tile.box.rowFirst) - tile.box.rowFirst;
+  to = max(min(to, tile.box.rowLast + 1), tile.box.rowFirst) - tile.box.rowFirst;
 #endif
-      for (uint r = 0; r < rowCount; r += height) {
-        uint row = r + (lane >> shift);
-        vec2 mine = subgroupShuffle(angles, row & (gl_SubgroupSize - 1));
-        // Not a continue: every lane must come to the next shuffle.
-        bool here = k < end && row < rowCount && mine.x >= 0.0;
+}
+
+// One subgroup, one tile. Lanes stand side by side in `width` columns and, where the tile has fewer columns than the
+// subgroup lanes, in several rows.
+void tryTile(Tile tile) {
+  Prepared prepared = prepare(tile.triangle);
+  Box box = tile.box;
+  uint lane = gl_SubgroupInvocationID;
+  uint columnCount = tile.end - tile.first;
+  uint shift = columnCount > 1 ? min(findMSB(columnCount - 1) + 1, findMSB(gl_SubgroupSize)) : 0;
+  uint width = 1 << shift, height = gl_SubgroupSize >> shift;
+  float angle = float(AZIMUTH_OFFSETS ? width + 1 : width) / frame.columnsPerRadian;
+  // Each lane has a row at hand; of most boxes these are all.
+  vec2 angles = rows[min(box.rowFirst + lane, box.rowLast)].angles.xy;
+  uint loaded = 0;
+  for (uint part = tile.first; part < tile.end; part += width * gl_SubgroupSize) {
+    uint kFrom = min(part + lane * width, tile.end - 1), from, to;
+    rowsIn(tile, prepared, kFrom, min(kFrom + width, tile.end) - 1, angle, from, to);
+    uint blocks = min((tile.end - part + width - 1) >> shift, gl_SubgroupSize);
+    for (uint j = 0; j < blocks; ++j) {
+      uint row = subgroupShuffle(from, j), rowEnd = subgroupShuffle(to, j);
+      if (row >= rowEnd) continue;
+      uint k = part + j * width + (lane & (width - 1));
+      uint column = columnAt(box, k, 0.0);
+      vec2 azimuth = columns[column];
+      Turned turned = turn(tile.triangle, azimuth);
 #ifdef MOTION
-        if (here) {
-          uint index;
-          Beam beam = beamAt(box, k, rowBase + row, index);
-          // Another row's offset may make it another column.
-          tryMoving(AZIMUTH_OFFSETS ? seenFrom(triangle, tile.x, index % frame.columns) : seen, beam, index, tile.x);
-        }
-#else
-        if (here && AZIMUTH_OFFSETS) {
-          uint index;
-          Beam beam = beamAt(box, k, rowBase + row, index);
-          tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, tile.x);
-        } else if (here) {
-          tryBeam(triangle, prepared, turned, beamOf(azimuth, mine.x, mine.y),
-                  (rowBase + row) * perRow + column, tile.x);
-        }
+      Triangle seen = seenFrom(tile.triangle, tile.slot, column);
 #endif
+      uint mineEnd = k < tile.end ? rowEnd : 0;
+      while (row < rowEnd) {
+        uint base = row & ~(gl_SubgroupSize - 1);
+        if (base != loaded) angles = rows[min(box.rowFirst + base + lane, box.rowLast)].angles.xy;
+        loaded = base;
+        uint stop = min(rowEnd, base + gl_SubgroupSize);
+        for (; row < stop; row += height) {
+          uint mine = row + (lane >> shift);
+          vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
+          // Not a continue: every lane must come to the next shuffle.
+          bool here = mine < min(mineEnd, stop);
+#ifdef MOTION
+          if (here) {
+            uint index;
+            Beam beam = beamAt(box, k, box.rowFirst + mine, index);
+            // Another row's offset may make it another column.
+            tryMoving(AZIMUTH_OFFSETS ? seenFrom(tile.triangle, tile.slot, index % frame.columns) : seen, beam, index,
+                      tile.slot);
+          }
+#else
+          if (here && AZIMUTH_OFFSETS) {
+            uint index;
+            Beam beam = beamAt(box, k, box.rowFirst + mine, index);
+            tryBeam(tile.triangle, prepared, turn(tile.triangle, beam.azimuth), beam, index, tile.slot);
+          } else if (here) {
+            tryBeam(tile.triangle, prepared, turned, beamOf(azimuth, elevation.x, elevation.y),
+                    (box.rowFirst + mine) * frame.columns + column, tile.slot);
+          }
+#endif
+        }
+        row = stop;
       }
+    }
+  }
+}
+
+// One subgroup, one slab after the other, whoever is free the next. Its list is empty then, for the next shell.
+void trySlabs() {
+  uint slabs = (frame.columns + kSlabColumns - 1) / kSlabColumns;
+  while (true) {
+    uint slab = 0, t = kNone;
+    if (gl_SubgroupInvocationID == 0) slab = atomicAdd(counters.nextSlab, 1);
+    slab = subgroupBroadcast(slab, 0);
+    if (slab >= slabs) return;
+    if (gl_SubgroupInvocationID == 0) t = atomicExchange(listEnds[slab], kNone);
+    t = subgroupBroadcast(t, 0);
+    while (t != kNone) {
+      Tile tile = tileAt(t);
+      tryTile(tile);
+      t = tile.before;
     }
   }
 }
@@ -234,6 +273,10 @@ void main() {
   if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
       counters.tiles > frame.tileCapacity)
     return;
+  if (PASS == kPassSlabs) {
+    trySlabs();
+    return;
+  }
   // Shell by shell, or everything at once.
   bool byShell = PASS == kPassNearest || PASS == kPassRange;
   uint first = byShell ? counters.binnedSmall : 0;
@@ -243,5 +286,6 @@ void main() {
     trySmall(i);
   first = byShell ? counters.binnedTiles : 0;
   stride = gl_NumWorkGroups.x * gl_NumSubgroups;
-  for (uint t = first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride) tryTile(t);
+  for (uint t = first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride)
+    tryTile(tileAt(t));
 }

@@ -28,10 +28,12 @@ WORK(kBindProjectedA, , vec4, projectedA);
 WORK(kBindProjectedB, , vec4, projectedB);
 WORK(kBindProjectedC, , vec4, projectedC);
 WORK(kBindProjectedColumns, , vec2, projectedColumns);  // first and last column of the box
-WORK(kBindTiles, , uvec4, tiles);                  // part of a large box: its triangle, first column in it, columns
+// Part of a box: its triangle, first column in it, columns; in the list of a slab, the tile before it.
+WORK(kBindTiles, , uvec4, tiles);
 // Per beam, row by row (a channel's beams lie elsewhere in the results, which are in the sensor's own order):
 WORK(kBindWords, coherent, uvec2, words);          // triangle, range bits (a little-endian 64-bit word)
 WORK(kBindListEnds, coherent, uint, listEnds);     // counts, then starts, then ends of the beam's candidates
+                                                   // or, per slab of columns: its last tile
 WORK(kBindBlockSums, , uint, blockSums);
 WORK(kBindCandidates, , uint, candidates);         // indices of projected triangles
 WORK(kBindPoints, RESULTS, vec4, points);        // x, y, z, range

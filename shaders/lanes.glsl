@@ -3,9 +3,9 @@
 
 // One lane has loaded an instance for all.
 Instance fromFirstLane(Instance instance) {
-  return Instance(subgroupBroadcastFirst(instance.row0), subgroupBroadcastFirst(instance.row1),
-                  subgroupBroadcastFirst(instance.row2), subgroupBroadcastFirst(instance.offset));
+  return Instance(subgroupBroadcast(instance.row0, 0), subgroupBroadcast(instance.row1, 0),
+                  subgroupBroadcast(instance.row2, 0), subgroupBroadcast(instance.offset, 0));
 }
 
 // The slot of a lane whose bit is set, where the first lane has reserved as many as there are bits, from `base` on.
-uint slotAfter(uint base, uvec4 ballot) { return subgroupBroadcastFirst(base) + subgroupBallotExclusiveBitCount(ballot); }
+uint slotAfter(uint base, uvec4 ballot) { return subgroupBroadcast(base, 0) + subgroupBallotExclusiveBitCount(ballot); }

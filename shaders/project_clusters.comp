@@ -24,14 +24,14 @@ layout(local_size_x = 64) in;
 // One lane loads for all.
 void loadGroup(uint i, out uvec2 pair, out Instance instance, out uint first, out uint count) {
   vec2 run;
-  if (subgroupElect()) {
+  if (gl_SubgroupInvocationID == 0) {
     pair = visibleGroups[i];
     instance = instances[pair.x];
     run = vec2(groups[pair.y].low.w, groups[pair.y].high.w);
   }
-  pair = subgroupBroadcastFirst(pair);
+  pair = subgroupBroadcast(pair, 0);
   instance = fromFirstLane(instance);
-  run = subgroupBroadcastFirst(run);
+  run = subgroupBroadcast(run, 0);
   first = floatBitsToUint(run.x);
   count = floatBitsToUint(run.y);
 }
@@ -85,7 +85,7 @@ void main() {
       bool keep = k + gl_SubgroupInvocationID < count && seen(pair.x, instance, clusters[cluster]);
       uvec4 ballot = subgroupBallot(keep);
       uint slot = 0;
-      if (subgroupElect()) slot = atomicAdd(counters.visible, subgroupBallotBitCount(ballot));
+      if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.visible, subgroupBallotBitCount(ballot));
       slot = slotAfter(slot, ballot);
       if (keep) visible[slot] = uvec2(pair.x, cluster);
     }

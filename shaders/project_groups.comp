@@ -61,12 +61,12 @@ void main() {
     }
     uvec4 ballot = subgroupBallot(keep);
     uint slot = 0;
-    if (subgroupElect()) slot = atomicAdd(counters.visibleGroups, subgroupBallotBitCount(ballot));
+    if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.visibleGroups, subgroupBallotBitCount(ballot));
     slot = slotAfter(slot, ballot);
     if (keep) visibleGroups[slot] = pair;
   }
   later = uvec2(subgroupMax(later.x), subgroupMax(later.y));
-  if (subgroupElect() && later.y > 0) {
+  if (gl_SubgroupInvocationID == 0 && later.y > 0) {
     atomicMax(counters.laterRowsDown, later.x);
     atomicMax(counters.laterRowsUp, later.y);
   }

@@ -23,6 +23,7 @@
 #include "lattice.glsl"
 #include "lanes.glsl"
 #include "place.glsl"
+#include "cull.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -32,7 +33,7 @@ const uint kSides = 2;
 #else
 const uint kSides = 1;
 #endif
-const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4, kNoTriangle = 5;
+const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4, kHidden = 5, kNoTriangle = 6;
 
 // As stored, see bindings.glsl.
 struct Projected {
@@ -58,7 +59,7 @@ Place placeOf(uint i) {
   Place place;
   place.material = 0;
   float vertexFirst, packed;
-  if (subgroupElect()) {
+  if (gl_SubgroupInvocationID == 0) {
     uvec2 pair = visible[i];
     place.instance = instances[pair.x];
     place.number = pair.x;
@@ -68,11 +69,11 @@ Place placeOf(uint i) {
     place.material = clusterMaterials[pair.y];
 #endif
   }
-  place.material = subgroupBroadcastFirst(place.material);
-  place.number = subgroupBroadcastFirst(place.number);
+  place.material = subgroupBroadcast(place.material, 0);
+  place.number = subgroupBroadcast(place.number, 0);
   place.instance = fromFirstLane(place.instance);
-  place.vertexFirst = floatBitsToUint(subgroupBroadcastFirst(vertexFirst));
-  uint word = floatBitsToUint(subgroupBroadcastFirst(packed));
+  place.vertexFirst = floatBitsToUint(subgroupBroadcast(vertexFirst, 0));
+  uint word = floatBitsToUint(subgroupBroadcast(packed, 0));
   place.triangleFirst = word & (kChunkTriangles - 1);
   place.triangleCount = word >> 24 & 127;
   place.doubleSided = (word >> 31) != 0;
@@ -99,12 +100,20 @@ bool outOfRange(vec3 a, float rangeMin) {
   return CULL == kCullFirstCorner ? !(length(a) <= frame.rangeMax) : rangeMin > frame.rangeMax;
 }
 
+// Behind what an earlier shell has met in all of the box. Of small ones that is cheaper to try than to ask.
+bool hidden(Box box, float rangeMin) {
+  return (CULLING & kCullOccluded) != 0 && pass.occluders != 0 &&
+         boxColumnCount(box) * boxRowCount(box) > kSmallBoxBeams &&
+         occluded(Window(box.rowFirst, box.rowLast + 1, box.columnMin, box.columnMax), rangeMin);
+}
+
 uint boundedBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {
   rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
   if (outOfRange(a, rangeMin)) return kRange;
   if (oneSided && facesAway(a, b, c)) return kFace;
   Outline outline = outlineOf(a, b, c);
-  return coverRows(outline, box) && coverColumns(a, b, c, outline, box) ? kKeep : kBetween;
+  if (!(coverRows(outline, box) && coverColumns(a, b, c, outline, box))) return kBetween;
+  return hidden(box, rangeMin) ? kHidden : kKeep;
 }
 
 #ifdef MOTION
@@ -169,54 +178,24 @@ uint projectOne(Place place, uint k, uint side, out Projected projected, out Box
   return fate;
 }
 
-void store(uint slot, Projected projected, Box box, uint material) {
-  projectedA[slot] = projected.a;
-  projectedB[slot] = projected.b;
-  projectedC[slot] = projected.c;
-  projectedColumns[slot] = vec2(box.columnMin, box.columnMax);
-#ifdef FOOTPRINT
-  projectedMaterials[slot] = material;
-  if ((EFFECTS & kCutOuts) != 0) {
-    projectedTexture[2 * slot] = vec4(projected.uvA, projected.uvB);
-    projectedTexture[2 * slot + 1] = vec4(projected.uvC, 0.0, 0.0);
-  }
-#endif
-#ifdef MOTION
-  if (motion.instances != 0)
-    for (uint k = 0; k < 3; ++k) projectedMotions[3 * slot + k] = vec4(projected.velocities[k], 0.0);
-#endif
-}
+#include "project_store.glsl"
 
-// A large box is cut into tiles.
-void storeTiles(uint slot, Box box) {
-  uint columnsPerTile = max(kTileBeams / boxRowCount(box), 1);
-  uint columnCount = boxColumnCount(box);
-  uint count = (columnCount + columnsPerTile - 1) / columnsPerTile;
-  uint first = atomicAdd(counters.tiles, count);
-  for (uint k = 0; k < count && first + k < frame.tileCapacity; ++k)
-    tiles[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
-}
-
-void storeKept(bool keep, Projected projected, Box box, uint material) {
-  bool small = boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
-  uvec4 smallOnes = subgroupBallot(keep && small), largeOnes = subgroupBallot(keep && !small);
-  uint base = 0;
-  if (subgroupElect()) base = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));
-  uint slot = slotAfter(base, smallOnes);
-  if (subgroupElect()) base = atomicAdd(counters.projectedLarge, subgroupBallotBitCount(largeOnes));
-  uint largeSlot = frame.projectedCapacity - 1 - slotAfter(base, largeOnes);
-  if (!small) slot = largeSlot;
-  if (keep && slot < frame.projectedCapacity) {
-    store(slot, projected, box, material);
-    if (!small) storeTiles(slot, box);
+// The next visible cluster of a subgroup; false if there is none left. On few threads whoever is free
+// takes the next one; on many, each has its share from the start.
+bool nextCluster(inout uint i) {
+  if (PASS == kPassSlabs) {
+    if (gl_SubgroupInvocationID == 0) i = atomicAdd(counters.nextCluster, 1);
+    i = subgroupBroadcast(i, 0);
+  } else {
+    i = i == kNone ? gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID : i + gl_NumWorkGroups.x * gl_NumSubgroups;
   }
+  return i < counters.visible;
 }
 
 void main() {
-  uvec4 culled = uvec4(0);  // non-finite, range, face, between beams
-  uint clusterCount = counters.visible, triangleCount = 0;
-  uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
-  for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < clusterCount; i += stride) {
+  uvec4 culled = uvec4(0);  // range, face, between beams, hidden
+  uint nonFinite = 0, triangleCount = 0;
+  for (uint i = kNone; nextCluster(i);) {
     Place place = placeOf(i);
     triangleCount += place.triangleCount;
     for (uint first = 0; first < kSides * place.triangleCount; first += gl_SubgroupSize) {
@@ -226,17 +205,20 @@ void main() {
       Box box;
       if (number < kSides * place.triangleCount) {
         fate = projectOne(place, number / kSides, number % kSides, projected, box);
-        culled += uvec4(equal(uvec4(fate), uvec4(kNonFinite, kRange, kFace, kBetween)));
+        culled += uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden)));
+        nonFinite += uint(fate == kNonFinite);
       }
       if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, place.material);
     }
   }
   culled = subgroupAdd(culled);
-  if (subgroupElect()) {
+  nonFinite = subgroupAdd(nonFinite);
+  if (gl_SubgroupInvocationID == 0) {
     if (triangleCount > 0) atomicAdd(counters.triangles, triangleCount);
-    if (culled.x > 0) atomicAdd(counters.nonFinite, culled.x);
-    if (culled.y > 0) atomicAdd(counters.culledByRange, culled.y);
-    if (culled.z > 0) atomicAdd(counters.culledByFace, culled.z);
-    if (culled.w > 0) atomicAdd(counters.culledBetweenBeams, culled.w);
+    if (nonFinite > 0) atomicAdd(counters.nonFinite, nonFinite);
+    if (culled.x > 0) atomicAdd(counters.culledByRange, culled.x);
+    if (culled.y > 0) atomicAdd(counters.culledByFace, culled.y);
+    if (culled.z > 0) atomicAdd(counters.culledBetweenBeams, culled.z);
+    if (culled.w > 0) atomicAdd(counters.culledHidden, culled.w);
   }
 }

@@ -54,8 +54,14 @@ float columnSlack(float keyMin, float keyMax) {
   return spread > 0.5 ? float(frame.columns) : (frame.columnSlack * inverse + spread * frame.columnsPerRadian);
 }
 
+// Of a whole number, at most 2^22 either way: by its bits, since some devices convert lane by lane.
+int wholeOf(float x) {
+  precise float shifted = x + 12582912.0;
+  return floatBitsToInt(shifted) - 0x4b400000;
+}
+
 uint lookupCell(float key) {
-  return uint(clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1)));
+  return uint(wholeOf(floor(clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1)))));
 }
 
 // The rows first..end - 1 contain all with keys in keyMin..keyMax, and few others: those of the cells at both ends.

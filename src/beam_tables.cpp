@@ -11,6 +11,8 @@
 namespace gnosphere {
 namespace {
 
+// Column positions are floats and up to 2.5 turns: wholeOf() of sphere.glsl takes 2^22.
+constexpr uint32_t kMostColumns = 1 << 20;
 constexpr double kRadians = std::numbers::pi / 180;
 
 // Directions are multiples of 2^-30: exact arithmetic on them then never underflows, and 5e-10 rad is nothing.
@@ -67,6 +69,9 @@ BeamTables makeBeamTables(const Sensor& sensor) {
     throw Error(
         ErrorCode::invalidArgument,
         "sensor '" + sensor.name + "' has " + std::to_string(sensor.channels.size()) + " channels; the limit is 65535");
+  if (sensor.columns > kMostColumns)
+    throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " + std::to_string(sensor.columns) +
+                                                " columns; the limit is " + std::to_string(kMostColumns));
   BeamTables tables;
   tables.rows = makeRows(sensor);
   tables.rowLookup = makeLookup(tables.rows);

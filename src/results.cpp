@@ -56,6 +56,7 @@ void readCounters(const EffectsSetup& setup, uint64_t beams, const gpu::Counters
   result.culledByRange += device.culledByRange;
   result.culledByFace += device.culledByFace;
   result.culledBetweenBeams += device.culledBetweenBeams;
+  result.culledHidden += device.culledHidden;
   result.projected += uint64_t{device.projectedSmall} + device.projectedLarge;
   result.candidates += device.candidates;
   result.lostEchoes += device.lostEchoes;

@@ -14,6 +14,7 @@ constexpr double kTrianglesPerBeam = 0.125;
 constexpr uint64_t kShellTriangles = 100'000;
 // Measured on towns: one projected triangle for 8 beams of an HDL-64E, and fewer for more.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
+constexpr uint64_t kFirstTiles = 1 << 12;
 
 // The enumerations of the public API and the constants of shared.h count alike.
 static_assert(static_cast<uint32_t>(Exactness::Bounds::exact) == gpu::kBoundsExact);
@@ -38,7 +39,7 @@ uint32_t cullingBits(const SimulatorOptions& options) {
          (culling.occlusion != Culling::Occlusion::never ? gpu::kCullOccluded : 0);
 }
 
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned) {
+uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, bool cpu, const PlannedEffects& planned) {
   if (planned.footprint()) return gpu::kWayLists;
   switch (options.binning) {
     case Binning::lists: return gpu::kWayLists;
@@ -47,9 +48,10 @@ uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const Pla
       // Candidates per beam, as the paper has it.
       if (partsOf(options).bounds == Exactness::Bounds::paper) return gpu::kWayLists;
       break;
-    case Binning::nearest: break;
+    case Binning::slabs: cpu = true; break;
+    case Binning::nearest: cpu = false; break;
   }
-  return int64Atomics ? gpu::kWayNearest : gpu::kWayNearest32;
+  return !int64Atomics ? gpu::kWayNearest32 : cpu ? gpu::kWaySlabs : gpu::kWayNearest;
 }
 
 bool leavesWords(uint32_t way, const PlannedEffects& planned) {
@@ -57,7 +59,9 @@ bool leavesWords(uint32_t way, const PlannedEffects& planned) {
 }
 
 const char* nameOfWay(uint32_t way) {
-  return way == gpu::kWayLists ? "lists" : way == gpu::kWayNearest ? "nearest" : "nearest32";
+  constexpr const char* kNames[] = {"nearest", "nearest32", "lists", "slabs"};
+  static_assert(gpu::kWayNearest == 0 && gpu::kWayNearest32 == 1 && gpu::kWayLists == 2 && gpu::kWaySlabs == 3);
+  return kNames[way];
 }
 
 // Where every hit of a beam counts, nothing hides anything.
@@ -86,6 +90,15 @@ uint64_t projectedCount(const gpu::Counters& counters) {
 
 uint64_t projectedGuess(uint64_t beams, uint64_t triangles) {
   return std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected));
+}
+
+// Only large boxes are cut into tiles, but every box is one in the list of a slab, and some lie in two.
+uint64_t tileGuess(uint32_t way, uint64_t projected) {
+  return way == gpu::kWaySlabs ? projected + projected / 4 : kFirstTiles;
+}
+
+uint64_t slabCount(const gpu::Frame& frame) {
+  return (frame.columns + gpu::kSlabColumns - 1) / gpu::kSlabColumns;
 }
 
 uint64_t grown(uint64_t needed, uint64_t limit) {

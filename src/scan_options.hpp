@@ -12,7 +12,7 @@ Exactness partsOf(const SimulatorOptions& options);
 /// gpu::kCull... bits.
 uint32_t cullingBits(const SimulatorOptions& options);
 /// gpu::kWay...: how the options, the device and what is planned bin.
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, const PlannedEffects& planned);
+uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, bool cpu, const PlannedEffects& planned);
 /// Whether words are all that is read back, for the host to resolve: 8 bytes per beam, where nothing but geometry is
 /// planned.
 bool leavesWords(uint32_t way, const PlannedEffects& planned);
@@ -28,6 +28,10 @@ uint64_t farthestEntries(const gpu::Frame& frame);
 uint64_t projectedCount(const gpu::Counters& counters);
 /// Room for projected triangles to begin with; growth makes room for what a scan turns out to need.
 uint64_t projectedGuess(uint64_t beams, uint64_t triangles);
+/// Room for tiles to begin with, by the way of binning.
+uint64_t tileGuess(uint32_t way, uint64_t projected);
+/// Slabs of columns that a sensor has.
+uint64_t slabCount(const gpu::Frame& frame);
 /// Room for `needed` entries of a list and some more, within a limit.
 uint64_t grown(uint64_t needed, uint64_t limit);
 

@@ -150,7 +150,8 @@ TEST_CASE("cuda effects: a plan names the stages and dispatches of Vulkan's, and
   Effects effects = Effects::none();
   effects.fog = {Use::on, 60};
   if (GENERATE(false, true)) effects.divergence = {Use::on, 7, Profile::gaussian, 3e-3, 1.5e-3};
-  const SimulatorOptions options = asking(effects);
+  SimulatorOptions options = asking(effects);
+  options.binning = Binning::nearest;  // as CUDA bins
   const Sensor sensor = unevenSensor();
   const Plan expected = Simulator(town(), sensor, options).plan();
   const Plan plan = CudaOnHost(town(), {sensor}, options).backend().plan(0);

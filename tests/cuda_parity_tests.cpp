@@ -67,7 +67,7 @@ TEST_CASE("cuda: a town by every way of binning and every accuracy that is not t
   needVulkan();
   SimulatorOptions options = vulkanOptions();
   options.accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
-  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists);
+  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs);
   requireParity(town(), options);
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("cuda: lists that are too small grow and nothing is lost") {
   Scene scene = sceneOf(soup(3, 40'000, 20, 6));
   SimulatorOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  options.binning = GENERATE(Binning::nearest, Binning::lists);
+  options.binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
   const Sensor sensor = gridSensor(360, 24, -40, 40);
   const Scan scan = CudaOnHost(scene, {sensor}, options).scan({});
   CHECK(scan.counters.retries > 0);
@@ -161,7 +161,7 @@ TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products no 
   const Sensor sensor = unevenSensor();
   SimulatorOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists);
+  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs);
   const Scan decided = CudaOnHost(town(), {sensor}, options).scan(kPoses[0]);
   options.device = "cuda:0";
   const Scan scan = scanOf(town(), sensor, kPoses[0], options);

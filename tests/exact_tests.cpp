@@ -18,6 +18,7 @@ struct Way {
 constexpr Way kWays[] = {{"nearest", Binning::nearest, true},
                          {"nearest32", Binning::nearest32, true},
                          {"lists", Binning::lists, true},
+                         {"slabs", Binning::slabs, true},
                          {"nearest without doubles", Binning::nearest, false},
                          {"nearest32 without doubles", Binning::nearest32, false},
                          {"lists without doubles", Binning::lists, false}};

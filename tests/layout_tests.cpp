@@ -65,6 +65,7 @@ TEST_CASE("the structs of shared.h have the same layout on the host and in every
       {"Group.high", offsetof(Group, high)},
       {"Frame.shiftMax", offsetof(Frame, shiftMax)},
       {"Counters.visibleGroups", offsetof(Counters, visibleGroups)},
+      {"Counters.nextSlab", offsetof(Counters, nextSlab)},
       {"Pass.placedFirst", offsetof(Pass, placedFirst)},
       {"Pass.placedCount", offsetof(Pass, placedCount)},
       {"Pass.occluders", offsetof(Pass, occluders)},

@@ -108,7 +108,9 @@ void requireSameAsBuilt(const Scan& moved, const Model& model, const Sensor& sen
   CHECK(moved.counters.triangles == fresh.counters.triangles);
   CHECK(moved.counters.nonFinite == fresh.counters.nonFinite);
   CHECK(moved.counters.degenerate == fresh.counters.degenerate);
-  CHECK(moved.counters.projected == fresh.counters.projected);
+  // Which of the two is told by the shell that a cluster lies in, and clusters stay as they were built.
+  const auto bounded = [](const Counters& c) { return c.projected + c.culledHidden; };
+  CHECK(bounded(moved.counters) == bounded(fresh.counters));
 }
 
 void moveAbout(const SimulatorOptions& options, uint32_t seed, int rounds, uint32_t largeMesh = 0) {

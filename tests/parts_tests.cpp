@@ -32,7 +32,7 @@ Scene sceneOfParts() {
 
 uint64_t fates(const Counters& c) {
   return c.nonFinite + c.degenerate + c.culledByCluster + c.culledByRange + c.culledByFace + c.culledBetweenBeams +
-         c.projected;
+         c.culledHidden + c.projected;
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ TEST_CASE("a sensor in parts gives the bytes of the whole one, whatever the way"
     options.accuracy = accuracy;
     const Scan whole = scanOf(scene, sensor, pose, options);
     REQUIRE(whole.counters.hits > whole.beamCount() / 2);
-    for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists}) {
+    for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
       if (accuracy == Accuracy::exact && binning != Binning::nearest) continue;
       INFO("accuracy " << int(accuracy) << ", binning " << int(binning));
       options.binning = binning;

@@ -86,6 +86,7 @@ struct Counters {
   uint64_t culledByRange = 0;       ///< nearest point beyond rangeMax
   uint64_t culledByFace = 0;        ///< back faces of one-sided materials
   uint64_t culledBetweenBeams = 0;  ///< no beam within the triangle's angular bounds
+  uint64_t culledHidden = 0;        ///< behind what all beams within its bounds have met
   uint64_t projected = 0;           ///< went on to binning
   uint64_t candidates = 0;          ///< (beam, triangle) pairs whose inside test passed; only counted by the list way
   uint64_t integerSides = 0;        ///< of `exact`: inside tests that floating point could not decide

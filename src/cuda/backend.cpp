@@ -27,8 +27,13 @@ struct Step {
   bool everyShell = true;  // of stage bin: else in the last one only
 };
 
+Step projectTriangles(uint32_t way) {
+  return {Kernel::project_triangles, way == gpu::kWaySlabs ? gpu::kPassSlabs : 0};
+}
+
 std::vector<Step> binSteps(uint32_t way) {
   if (way == gpu::kWayNearest) return {{Kernel::bin, gpu::kPassNearest}};
+  if (way == gpu::kWaySlabs) return {{Kernel::bin, gpu::kPassSlabs}};
   if (way == gpu::kWayNearest32) return {{Kernel::bin, gpu::kPassRange}, {Kernel::bin, gpu::kPassOwner, false}};
   return {{Kernel::bin, gpu::kPassCount},
           {Kernel::scan, gpu::kScanReduce},
@@ -120,7 +125,7 @@ class CudaBackend final : public Backend {
     add("project", shells * chunks, {Kernel::project_groups});
     add("project", shells * chunks, {Kernel::project_clusters});
     add("project", shells - 1, {Kernel::project_occluders});
-    add("project", shells * chunks, {Kernel::project_triangles});
+    add("project", shells * chunks, projectTriangles(sensor.way()));
     for (const Step& step : binSteps(sensor.way())) add("bin", step.everyShell ? shells : 1, step);
     if (sensor.leavesWords()) plan.stages.push_back({"resolve", 0, {}});
     if (resolves(sensor)) add("resolve", 1, {Kernel::resolve, sensor.way()});
@@ -238,12 +243,12 @@ class CudaBackend final : public Backend {
     const float border = sensor.shellBorder();
     const gpu::Frame& frame = sensor.frame();
     if (border > 0) {
-      project({0, 0, 0, border, 0});
+      project({0, 0, 0, border, 0}, sensor.way());
       bin(sensor, false);
       launch({Kernel::project_occluders}, (frame.columns + gpu::kCoarseColumns - 1) / gpu::kCoarseColumns,
              (frame.rows + gpu::kCoarseRows - 1) / gpu::kCoarseRows);
     }
-    project({0, 0, border, kInfinity, border > 0});
+    project({0, 0, border, kInfinity, border > 0}, sensor.way());
     bin(sensor, true);
     if (resolves(sensor)) {
       launchOnBeams({Kernel::resolve, sensor.way()}, frame);
@@ -266,10 +271,11 @@ class CudaBackend final : public Backend {
       job_.arrays[1][binding] = onDevice_[i][binding].data();
   }
 
-  void project(gpu::Pass pass) {
+  void project(gpu::Pass pass, uint32_t way) {
     for (size_t i = 0; i < onDevice_.size(); ++i) {
       auto* counters = static_cast<std::byte*>(job_.arrays[0][gpu::kBindCounters]);
-      fill(counters + offsetof(gpu::Counters, visibleGroups), 0, 8);
+      fill(counters + offsetof(gpu::Counters, visibleGroups), 0,
+           offsetof(gpu::Counters, causes) - offsetof(gpu::Counters, visibleGroups));
       bindChunk(i);
       const PlacedGroups::Chunk& chunk = placed_.still[i];
       pass.placedFirst = chunk.first;
@@ -277,7 +283,7 @@ class CudaBackend final : public Backend {
       job_.pass = pass;
       launch({Kernel::project_groups}, std::min(device_.groups, (chunk.groups + 63) / 64));
       launch({Kernel::project_clusters}, std::min(device_.groups, chunk.groups));
-      launch({Kernel::project_triangles}, std::min(device_.groups, chunk.clusters));
+      launch(projectTriangles(way), std::min(device_.groups, chunk.clusters));
     }
     stopwatch_.finished("project");
   }

@@ -91,6 +91,7 @@ using dvec3 = Vec3<double>;
 using ivec3 = Vec3<int>;
 using uvec2 = Vec2<uint>;
 using uvec3 = Vec3<uint>;
+using bvec3 = Vec3<bool>;
 using uvec4 = Vec4<uint>;
 
 struct mat3 {
@@ -133,6 +134,7 @@ concept Vector = requires {
 GNO_BINARY(+)
 GNO_BINARY(-)
 GNO_BINARY(*)
+GNO_BINARY(/)
 GNO_BINARY(&)
 GNO_BINARY(|)
 GNO_BINARY(<<)
@@ -246,6 +248,14 @@ GNO_DEVICE vec3 normalize(vec3 v) {
 
 GNO_DEVICE uint floatBitsToUint(float x) {
   return __builtin_bit_cast(uint, x);
+}
+GNO_DEVICE int floatBitsToInt(float x) {
+  return __builtin_bit_cast(int, x);
+}
+GNO_DEVICE int findMSB(uint x) {
+  int bit = -1;
+  for (; x > 0; x >>= 1) ++bit;
+  return bit;
 }
 GNO_DEVICE uvec3 floatBitsToUint(vec3 v) {
   return vec3::zip([](float p) { return floatBitsToUint(p); }, v);

@@ -27,6 +27,10 @@ template <typename T>
 T subgroupBroadcastFirst(T value) {
   return value;
 }
+template <typename T>
+T subgroupBroadcast(T value, uint) {
+  return value;
+}
 inline bool subgroupElect() {
   return true;
 }
@@ -52,6 +56,9 @@ inline uint subgroupMax(uint value) {
 
 inline uint atomicAdd(uint& memory, uint value) {
   return std::exchange(memory, memory + value);
+}
+inline uint atomicExchange(uint& memory, uint value) {
+  return std::exchange(memory, value);
 }
 inline uint atomicMin(uint& memory, uint value) {
   return std::exchange(memory, min(memory, value));

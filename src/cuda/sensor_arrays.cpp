@@ -6,13 +6,12 @@ namespace {
 
 // Of indices that kernels hold in 32 bits.
 constexpr uint64_t kMostEntries = 0xffffffffu;
-constexpr uint64_t kFirstTiles = 1 << 12;
 constexpr uint64_t kFirstCandidatesPerBeam = 2;
 
 }  // namespace
 
 SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& options, uint64_t triangles)
-    : way_(chooseWay(options, true, setup.planned)),
+    : way_(chooseWay(options, true, false, setup.planned)),
       exact_(partsOf(options).inside == Exactness::Inside::exact),
       tables_(makeBeamTables(setup.sensor)),
       effects_(setup, tables_.rows, setup.sensor, 0) {
@@ -33,12 +32,13 @@ SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& op
     growCandidates(beams * kFirstCandidatesPerBeam);
   } else {
     make(gpu::kBindWords, "words", beams * 8);
+    if (way_ == gpu::kWaySlabs) make(gpu::kBindListEnds, "listEnds", slabCount(frame) * 4);
   }
   for (const Output& output : outputs())
     if (output.binding != gpu::kBindWords) make(output.binding, "results", beams * output.bytesPerBeam);
   make(effects_.lasting());
   growProjected(projectedGuess(beams, triangles));
-  growTiles(kFirstTiles);
+  growTiles(tileGuess(way_, tables_.frame.projectedCapacity));
 }
 
 void SensorArrays::make(uint32_t binding, const char* name, uint64_t bytes) {
@@ -79,7 +79,7 @@ void SensorArrays::prepare(const Shot& shot, const ShotMotion* motion, uint32_t 
     fill(arrays_[binding].data(), value, arrays_[binding].bytes());
   };
   fillWith(gpu::kBindCounters, 0);
-  fillWith(gpu::kBindListEnds, 0);
+  fillWith(gpu::kBindListEnds, way_ == gpu::kWaySlabs ? 0xff : 0);
   fillWith(gpu::kBindWords, 0xff);
   for (const EffectsArray& array : effects_.ofShot(shot, motion)) {
     if (arrays_[array.binding].bytes() < array.bytes) make(array.binding, array.name, array.bytes);

@@ -49,6 +49,10 @@ template <typename T>
 GNO_DEVICE T subgroupBroadcastFirst(T value) {
   return subgroupShuffle(value, 0);
 }
+template <typename T>
+GNO_DEVICE T subgroupBroadcast(T value, uint lane) {
+  return subgroupShuffle(value, lane);
+}
 GNO_DEVICE bool subgroupElect() {
   return gl_SubgroupInvocationID == 0;
 }
@@ -76,6 +80,9 @@ GNO_DEVICE uint subgroupMax(uint value) {
   return value;
 }
 
+GNO_DEVICE uint atomicExchange(uint& memory, uint value) {
+  return ::atomicExch(&memory, value);
+}
 GNO_DEVICE uint atomicAdd(uint& memory, uint value) {
   return ::atomicAdd(&memory, value);
 }

@@ -35,7 +35,7 @@ class VulkanBackend final : public Backend {
     parts_.reserve(cut_.parts.size());
     for (size_t sensor = 0; sensor < setups_.size(); ++sensor) {
       const PlannedEffects& planned = setups_[sensor].planned;
-      const uint32_t way = chooseWay(options, device_.capabilities().int64Atomics, planned);
+      const uint32_t way = chooseWay(options, device_.capabilities().int64Atomics, device_.capabilities().cpu, planned);
       stills_.emplace_back(keepsStill(options, way, planned));
       for (size_t part = cut_.firsts[sensor]; part < cut_.firsts[sensor + 1]; ++part)
         parts_.emplace_back(device_, layout_, geometry_, cut_.parts[part], options, way, setups_[sensor],

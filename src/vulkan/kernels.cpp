@@ -73,12 +73,13 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
       projectClusters(device, layout, "project_clusters",
                       moving ? Words(project_clusters_motion) : Words(project_clusters), options),
       projectOccluders(device, layout, "project_occluders", project_occluders, options),
-      projectTriangles(device, layout, "project_triangles", projectTrianglesOf(planned.footprint(), moving), options) {
+      projectTriangles(device, layout, "project_triangles", projectTrianglesOf(planned.footprint(), moving), options,
+                       way == gpu::kWaySlabs ? gpu::kPassSlabs : 0) {
   const auto addBin = [&](bool int64, uint32_t pass) {
     bin.emplace_back(device, layout, "bin", binOf(int64, float64, moving), options, pass);
   };
-  if (way == gpu::kWayNearest) {
-    addBin(true, gpu::kPassNearest);
+  if (way == gpu::kWayNearest || way == gpu::kWaySlabs) {
+    addBin(true, way == gpu::kWaySlabs ? gpu::kPassSlabs : gpu::kPassNearest);
   } else if (way == gpu::kWayNearest32) {
     addBin(false, gpu::kPassRange);
     addBin(false, gpu::kPassOwner);

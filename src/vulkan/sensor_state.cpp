@@ -80,7 +80,7 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   make(gpu::kBindCounters, "counters", sizeof(gpu::Counters));
   make(gpu::kBindFarthest, "farthest", 4 * farthestEntries(tables_.frame));
   make(gpu::kBindWords, "words", lists || (leavesWords() && readsInPlace()) ? 0 : beams * sizeof(Word));
-  make(gpu::kBindListEnds, "listEnds", lists ? beams * 4 : 0);
+  make(gpu::kBindListEnds, "listEnds", lists ? beams * 4 : way_ == gpu::kWaySlabs ? slabCount(tables_.frame) * 4 : 0);
   make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
   if (!readsInPlace())
     for (const Output& output : outputs_)
@@ -88,7 +88,7 @@ void SensorState::makeBuffers(const Geometry& geometry) {
         make(output.binding, "results", beams * output.bytesPerBeam);
   // First guesses; growLists() makes room for what a scan turns out to need.
   growProjected(projectedGuess(beams, geometry.instances().counters().triangles));
-  growTiles(1 << 12);
+  growTiles(std::min(tileGuess(way_, capacities_.projected), device_.maxBufferBytes() / (4 * sizeof(uint32_t))));
   growCandidates(lists ? beams * 2 : 0);
 }
 

@@ -10,6 +10,8 @@ namespace gnosphere::vulkan {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+// Counters from visibleGroups to nextSlab.
+constexpr VkDeviceSize kPerShellBytes = offsetof(gpu::Counters, causes) - offsetof(gpu::Counters, visibleGroups);
 
 }  // namespace
 
@@ -79,6 +81,7 @@ void Stages::clear(Commands& commands, const SensorState& state, StillImage::Use
     commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, 0);
   else
     commands.fill(state.words(), 0, VK_WHOLE_SIZE, gpu::kNone);
+  if (state.way() == gpu::kWaySlabs) commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, gpu::kNone);
   commands.barrier();
 }
 
@@ -86,7 +89,7 @@ void Stages::project(Commands& commands, const SensorState& state, std::span<con
                      gpu::Pass pass) const {
   for (size_t i = 0; i < chunkSets_.size(); ++i) {
     if (i > 0 || pass.occluders) {
-      commands.fill(state.buffer(gpu::kBindCounters), offsetof(gpu::Counters, visibleGroups), 8, 0);
+      commands.fill(state.buffer(gpu::kBindCounters), offsetof(gpu::Counters, visibleGroups), kPerShellBytes, 0);
       commands.barrier();
     }
     const PlacedInstances::Chunk& chunk = chunks[i];

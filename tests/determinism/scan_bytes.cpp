@@ -3,6 +3,7 @@
 // and writes one cloud each into a folder. The script beside it runs this under other thread counts and subgroup sizes
 // and compares the bytes.
 #include <cstdio>
+#include <map>
 
 #include "gnosphere/gnosphere.hpp"
 #include "town/town.hpp"
@@ -28,10 +29,15 @@ void addEffects(bool footprint, SimulatorOptions& options) {
   options.fields = {Field::intensity, Field::width, Field::normal, Field::label};
 }
 
+const std::map<std::string, Binning> kWays = {{"nearest", Binning::nearest},
+                                              {"nearest32", Binning::nearest32},
+                                              {"lists", Binning::lists},
+                                              {"slabs", Binning::slabs}};
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) return std::fprintf(stderr, "usage: %s FOLDER nearest|nearest32|lists...\n", argv[0]), 2;
+  if (argc < 3) return std::fprintf(stderr, "usage: %s FOLDER nearest|nearest32|lists|slabs...\n", argv[0]), 2;
   const Scene town = makeTown({.triangles = 60'000});
   const Pose pose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
   for (const std::string setting : {"standard", "exact", "effects", "footprint"})
@@ -40,7 +46,7 @@ int main(int argc, char** argv) {
       SimulatorOptions options;
       options.accuracy = setting == "exact" ? Accuracy::exact : Accuracy::standard;
       if (setting == "effects" || setting == "footprint") addEffects(setting == "footprint", options);
-      options.binning = way == "lists" ? Binning::lists : way == "nearest32" ? Binning::nearest32 : Binning::nearest;
+      options.binning = kWays.at(way);
       Simulator simulator(town, builtinSensors()[0], options);
       const DeviceInfo& device = simulator.device();
       if (setting == "standard" && i == 2)

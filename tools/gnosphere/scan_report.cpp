@@ -65,6 +65,7 @@ constexpr NamedCount kCounters[] = {
     {"culled_by_range", &Counters::culledByRange},
     {"culled_by_face", &Counters::culledByFace},
     {"culled_between_beams", &Counters::culledBetweenBeams},
+    {"culled_hidden", &Counters::culledHidden},
     {"projected", &Counters::projected},
     {"candidates", &Counters::candidates},
     {"integer_sides", &Counters::integerSides},
@@ -108,6 +109,7 @@ void printTriangles(const Counters& c) {
   add(c.culledByRange, "out of range");
   add(c.culledByFace, "facing away");
   add(c.culledBetweenBeams, "between the beams");
+  add(c.culledHidden, "hidden");
   add(c.degenerate, "degenerate");
   add(c.nonFinite, "not finite");
   say("triangles", text);

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// What project_triangles.comp keeps, for stage bin: the triangle, and where it is to be tried.
+
+void store(uint slot, Projected projected, Box box, uint material) {
+  projectedA[slot] = projected.a;
+  projectedB[slot] = projected.b;
+  projectedC[slot] = projected.c;
+  projectedColumns[slot] = vec2(box.columnMin, box.columnMax);
+#ifdef FOOTPRINT
+  projectedMaterials[slot] = material;
+  if ((EFFECTS & kCutOuts) != 0) {
+    projectedTexture[2 * slot] = vec4(projected.uvA, projected.uvB);
+    projectedTexture[2 * slot + 1] = vec4(projected.uvC, 0.0, 0.0);
+  }
+#endif
+#ifdef MOTION
+  if (motion.instances != 0)
+    for (uint k = 0; k < 3; ++k) projectedMotions[3 * slot + k] = vec4(projected.velocities[k], 0.0);
+#endif
+}
+
+// A large box is cut into tiles.
+void storeTiles(uint slot, Box box) {
+  uint columnsPerTile = max(kTileBeams / boxRowCount(box), 1);
+  uint columnCount = boxColumnCount(box);
+  uint count = (columnCount + columnsPerTile - 1) / columnsPerTile;
+  uint first = atomicAdd(counters.tiles, count);
+  for (uint k = 0; k < count && first + k < frame.tileCapacity; ++k)
+    tiles[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
+}
+
+// Each slab of columns that a box reaches into lists its part as a tile, after those it has.
+void storeSlabs(uint slot, Box box) {
+  uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box));
+  for (uint k = 0; k < count;) {
+    uint slab = column / kSlabColumns;
+    uint run = min(min((slab + 1) * kSlabColumns, frame.columns) - column, count - k);
+    uint t = atomicAdd(counters.tiles, 1);
+    if (t < frame.tileCapacity) tiles[t] = uvec4(slot, k, run, atomicExchange(listEnds[slab], t));
+    k += run;
+    column = column + run == frame.columns ? 0 : column + run;
+  }
+}
+
+void storeKept(bool keep, Projected projected, Box box, uint material) {
+  bool small = PASS == kPassSlabs || boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
+  uvec4 smallOnes = subgroupBallot(keep && small);
+  uint slot = 0;
+  if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));
+  slot = slotAfter(slot, smallOnes);
+  if (PASS != kPassSlabs) {
+    uvec4 largeOnes = subgroupBallot(keep && !small);
+    uint large = 0;
+    if (gl_SubgroupInvocationID == 0) large = atomicAdd(counters.projectedLarge, subgroupBallotBitCount(largeOnes));
+    large = frame.projectedCapacity - 1 - slotAfter(large, largeOnes);
+    if (!small) slot = large;
+  }
+  if (keep && slot < frame.projectedCapacity) {
+    store(slot, projected, box, material);
+    if (PASS == kPassSlabs)
+      storeSlabs(slot, box);
+    else if (!small)
+      storeTiles(slot, box);
+  }
+}
