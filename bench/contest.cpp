@@ -2,9 +2,11 @@
 #include "contest.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <thread>
 
 #include "console.hpp"
 
@@ -24,6 +26,7 @@ Transform movedBy(const Transform& transform, size_t task) {
 /// A contender that takes longer than this in all takes part no more, but in kLeastSamples at the least.
 constexpr double kPatienceMs = 5000;
 constexpr size_t kLeastSamples = 3;
+constexpr std::chrono::milliseconds kPause(5);
 
 /// What a contender took, and ours in the same frame of the same run.
 struct Pair {
@@ -70,13 +73,13 @@ class Contest {
       progress(setting_.label.c_str(), run + 1, setting_.runs);
       for (size_t frame = 0; frame < setting_.shots.size(); ++frame) {
         const Task task = taskOf(frame, 1 + run * setting_.shots.size() + frame);
-        const Sample ours = contenders_[0]->run(task);
+        const Sample ours = runAlone(0, task);
         pairs[0].push_back({run, frame, ours, ours});
         if (run == 0) counters.push_back(contenders_[0]->answer().counters);
         for (size_t c = 1; c < contenders_.size(); ++c) {
           if (spentMs[c] > kPatienceMs && pairs[c].size() >= kLeastSamples) continue;
           const double start = cli::nowMs();
-          pairs[c].push_back({run, frame, contenders_[c]->run(task), ours});
+          pairs[c].push_back({run, frame, runAlone(c, task), ours});
           spentMs[c] += cli::nowMs() - start;
         }
       }
@@ -85,6 +88,12 @@ class Contest {
   }
 
  private:
+  /// Once the threads of the one before have gone to sleep: TBB's, which Embree has, look for work for a while.
+  Sample runAlone(size_t contender, const Task& task) {
+    std::this_thread::sleep_for(kPause);
+    return contenders_[contender]->run(task);
+  }
+
   Task taskOf(size_t frame, size_t number) {
     moved_.clear();
     for (size_t instance : setting_.moving)
