@@ -263,6 +263,7 @@ void trySlabs() {
     while (t != kNone) {
       Tile tile = tileAt(t);
       tryTile(tile);
+      subgroupMemoryBarrierBuffer();  // the next tile has other lanes at these words
       t = tile.before;
     }
   }

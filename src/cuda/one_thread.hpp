@@ -18,6 +18,7 @@ constexpr uvec3 gl_LocalInvocationID(0);
 inline thread_local uvec3 gl_WorkGroupID, gl_NumWorkGroups;
 
 inline void barrier() {}
+inline void subgroupMemoryBarrierBuffer() {}
 
 template <typename T>
 T subgroupShuffle(T value, uint) {

@@ -36,6 +36,10 @@ GNO_DEVICE void barrier() {
   __syncthreads();
 }
 
+GNO_DEVICE void subgroupMemoryBarrierBuffer() {
+  __syncwarp();
+}
+
 template <typename T>
 GNO_DEVICE T subgroupShuffle(T value, uint lane) {
   struct Words {
