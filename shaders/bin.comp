@@ -252,7 +252,7 @@ void tryTile(Tile tile) {
 
 // One subgroup, one slab after the other, whoever is free the next. Its list is empty then, for the next shell.
 void trySlabs() {
-  uint slabs = (frame.columns + kSlabColumns - 1) / kSlabColumns;
+  uint slabs = (frame.columns - 1 >> frame.slabShift) + 1;
   while (true) {
     uint slab = 0, t = kNone;
     if (gl_SubgroupInvocationID == 0) slab = atomicAdd(counters.nextSlab, 1);

@@ -33,8 +33,8 @@ void storeTiles(uint slot, Box box) {
 void storeSlabs(uint slot, Box box) {
   uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box));
   for (uint k = 0; k < count;) {
-    uint slab = column / kSlabColumns;
-    uint run = min(min((slab + 1) * kSlabColumns, frame.columns) - column, count - k);
+    uint slab = column >> frame.slabShift;
+    uint run = min(min(slab + 1 << frame.slabShift, frame.columns) - column, count - k);
     uint t = atomicAdd(counters.tiles, 1);
     if (t < frame.tileCapacity) tiles[t] = uvec4(slot, k, run, atomicExchange(listEnds[slab], t));
     k += run;

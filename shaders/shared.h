@@ -34,9 +34,6 @@ GNO_CONST uint kChunkTriangles = 1u << 24;
 GNO_CONST uint kSmallBoxBeams = 16;
 // Beams per tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
 GNO_CONST uint kTileBeams = 4096;
-// Columns of a slab, which one subgroup owns: 64 took 1.03 of the time of 128 on towns, 256 gained no more, and fewer
-// than 35 slabs of an HDL-64E would leave threads without one.
-GNO_CONST uint kSlabColumns = 128;
 // A tile of at most this many beams is tried without asking first which rows of it count.
 GNO_CONST uint kFewBeams = 32;
 // Cells of the table from elevation key to row.
@@ -216,6 +213,8 @@ struct Frame {
   float paperRowsPerRadian;
   float shiftMin, shiftMax;  // least and largest azimuth offset of a row, in columns
   float footprint;           // radians: how far a beam spreads or strays from its axis, at most
+  uint slabShift;            // a slab, which one subgroup owns, has 1 << slabShift columns
+  uint padding[3];
 };
 
 // One channel, in order of elevation.
@@ -277,7 +276,7 @@ struct MotionBounds {
 #ifdef __cplusplus
 static_assert(sizeof(MotionBounds) == 32);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 64 &&
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 80 &&
               sizeof(Row) == 32);
 static_assert(sizeof(Counters) == 128 && sizeof(Pass) == 32);
 }  // namespace gnosphere::gpu

@@ -30,6 +30,8 @@ uint64_t projectedCount(const gpu::Counters& counters);
 uint64_t projectedGuess(uint64_t beams, uint64_t triangles);
 /// Room for tiles to begin with, by the way of binning.
 uint64_t tileGuess(uint32_t way, uint64_t projected);
+/// gpu::Frame::slabShift for this host's threads.
+uint32_t slabShift(uint32_t columns);
 /// Slabs of columns that a sensor has.
 uint64_t slabCount(const gpu::Frame& frame);
 /// Room for `needed` entries of a list and some more, within a limit.
