@@ -169,11 +169,12 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   from = 0;
   to = rowCount;
 #ifndef MOTION
-  vec3 far = vec3(length(tile.triangle.a), length(tile.triangle.b), length(tile.triangle.c));
-  float blur = blurOf(tile.triangle, prepared, far);
   // At a pole every column is covered. Few rows are not worth it, nor does the paper ask.
   bool pays = boxColumnCount(tile.box) < frame.columns && rowCount * (tile.end - tile.first) > kFewBeams;
-  if (!pays || BOUNDS == kBoundsPaper || angle + blur > 0.5) return;
+  if (!pays || BOUNDS == kBoundsPaper) return;
+  vec3 far = vec3(length(tile.triangle.a), length(tile.triangle.b), length(tile.triangle.c));
+  float blur = blurOf(tile.triangle, prepared, far);
+  if (angle + blur > 0.5) return;
   // With offsets, a beam lies between its grid column and the next.
   uint next = AZIMUTH_OFFSETS ? 1 : 0;
   float keyMin, keyMax;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <thread>
 
 #include "gnosphere/error.hpp"
 
@@ -13,6 +14,9 @@ namespace {
 
 // Column positions are floats and up to 2.5 turns: wholeOf() of sphere.glsl takes 2^22.
 constexpr uint32_t kMostColumns = 1 << 20;
+// Measured on towns with two threads: slabs of 64 columns take 1.03 of the time of 128, of 32 1.07; 256 gain no more.
+// So many for each thread share the work well enough.
+constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread = 8;
 constexpr double kRadians = std::numbers::pi / 180;
 
 // Directions are multiples of 2^-30: exact arithmetic on them then never underflows, and 5e-10 rad is nothing.
@@ -62,6 +66,13 @@ std::vector<uint32_t> makeLookup(const std::vector<gpu::Row>& rows) {
   return lookup;
 }
 
+uint32_t slabShift(uint32_t columns) {
+  const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
+  uint32_t shift = kLargestSlabShift;
+  while (shift > kLeastSlabShift && columns >> shift < kSlabsPerThread * threads) --shift;
+  return shift;
+}
+
 }  // namespace
 
 BeamTables makeBeamTables(const Sensor& sensor) {
@@ -85,6 +96,7 @@ BeamTables makeBeamTables(const Sensor& sensor) {
   gpu::Frame& frame = tables.frame;
   const double columnsPerRadian = sensor.columns / (2 * std::numbers::pi);
   frame.columns = sensor.columns;
+  frame.slabShift = slabShift(sensor.columns);
   frame.rows = static_cast<uint32_t>(sensor.channels.size());
   frame.beams = static_cast<uint32_t>(sensor.beamCount());
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <thread>
 
 namespace gnosphere {
 namespace {
@@ -16,9 +15,6 @@ constexpr uint64_t kShellTriangles = 100'000;
 // Measured on towns: one projected triangle for 8 beams of an HDL-64E, and fewer for more.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
 constexpr uint64_t kFirstTiles = 1 << 12;
-// Measured on towns with two threads: slabs of 64 columns take 1.03 of the time of 128, of 32 1.07; 256 gain no more.
-// So many for each thread share the work well enough.
-constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread = 8;
 
 // The enumerations of the public API and the constants of shared.h count alike.
 static_assert(static_cast<uint32_t>(Exactness::Bounds::exact) == gpu::kBoundsExact);
@@ -101,15 +97,8 @@ uint64_t tileGuess(uint32_t way, uint64_t projected) {
   return way == gpu::kWaySlabs ? projected + projected / 4 : kFirstTiles;
 }
 
-uint32_t slabShift(uint32_t columns) {
-  const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
-  uint32_t shift = kLargestSlabShift;
-  while (shift > kLeastSlabShift && columns >> shift < kSlabsPerThread * threads) --shift;
-  return shift;
-}
-
 uint64_t slabCount(const gpu::Frame& frame) {
-  return (frame.columns + (uint64_t{1} << frame.slabShift) - 1) >> frame.slabShift;
+  return ((frame.columns - 1) >> frame.slabShift) + 1;
 }
 
 uint64_t grown(uint64_t needed, uint64_t limit) {

@@ -2,6 +2,8 @@
 // What the options of a simulator mean for the kernels of a scan, on whatever device.
 #pragma once
 
+#include <cstddef>
+
 #include "effects/planned.hpp"
 #include "gnosphere/simulator.hpp"
 #include "shared.h"
@@ -22,6 +24,8 @@ const char* nameOfWay(uint32_t way);
 float shellBorder(const SimulatorOptions& options, uint32_t way, const gpu::Frame& frame, uint64_t triangles);
 /// Metres: instances farther away need not be looked at.
 double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
+/// Counters from visibleGroups to nextSlab: set back for each chunk of a shell.
+constexpr uint64_t kPerShellBytes = offsetof(gpu::Counters, causes) - offsetof(gpu::Counters, visibleGroups);
 /// Entries of the table of what hides, of both levels.
 uint64_t farthestEntries(const gpu::Frame& frame);
 /// Triangles that a scan has projected, or would have with more room.
@@ -30,8 +34,6 @@ uint64_t projectedCount(const gpu::Counters& counters);
 uint64_t projectedGuess(uint64_t beams, uint64_t triangles);
 /// Room for tiles to begin with, by the way of binning.
 uint64_t tileGuess(uint32_t way, uint64_t projected);
-/// gpu::Frame::slabShift for this host's threads.
-uint32_t slabShift(uint32_t columns);
 /// Slabs of columns that a sensor has.
 uint64_t slabCount(const gpu::Frame& frame);
 /// Room for `needed` entries of a list and some more, within a limit.

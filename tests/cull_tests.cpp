@@ -91,6 +91,11 @@ TEST_CASE("culling: what is hidden, out of range or between the beams is skipped
   CHECK(culled({false, true, false, false, O::never}) > 0);
   CHECK(culled({false, false, false, false, O::always}) > town.placedTriangleCount() / 10);
   CHECK(culled({true, true, true, true, O::always}) > culled({true, true, true, true, O::never}));
+  const auto hidden = [&](O occlusion) {
+    return scanWith(town, sensor, pose, Accuracy::standard, {true, true, true, true, occlusion}).counters.culledHidden;
+  };
+  CHECK(hidden(O::always) > 0);
+  CHECK(hidden(O::never) == 0);
 }
 
 TEST_CASE("culling: the far side of a one-sided ball is skipped, wherever it is seen from and however it is placed") {

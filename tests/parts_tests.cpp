@@ -102,6 +102,15 @@ TEST_CASE("parts of several sensors stay in flight, and lists of some of them gr
   CHECK(retries > 0);
 }
 
+TEST_CASE("more columns than a column's number may have are an error that names the sensor") {
+  needVulkan();
+  const auto scanOfColumns = [](uint32_t columns) {
+    return scanOf(sceneOf(soup(1, 100, 5, 1)), gridSensor(columns, 1, 0, 0), {}, vulkanOptions());
+  };
+  CHECK(scanOfColumns(1 << 20).counters.hits > 0);
+  CHECK_THROWS_WITH(scanOfColumns((1 << 20) + 1), "sensor 'grid' has 1048577 columns; the limit is 1048576");
+}
+
 TEST_CASE("a channel that one buffer does not hold is an error that names the sensor") {
   needVulkan();
   SimulatorOptions options = vulkanOptions();

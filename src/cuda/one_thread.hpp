@@ -25,10 +25,6 @@ T subgroupShuffle(T value, uint) {
   return value;
 }
 template <typename T>
-T subgroupBroadcastFirst(T value) {
-  return value;
-}
-template <typename T>
 T subgroupBroadcast(T value, uint) {
   return value;
 }

@@ -17,7 +17,6 @@ SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& op
       effects_(setup, tables_.rows, setup.sensor, 0) {
   gpu::Frame& frame = tables_.frame;
   frame.footprint = effects_.footprint();
-  frame.slabShift = slabShift(frame.columns);
   reach_ = reachOf(options, frame);
   shellBorder_ = gnosphere::shellBorder(options, way_, frame, triangles);
   arrays_[gpu::kBindRows] = Array("rows", tables_.rows);

@@ -50,10 +50,6 @@ GNO_DEVICE T subgroupShuffle(T value, uint lane) {
   return __builtin_bit_cast(T, words);
 }
 template <typename T>
-GNO_DEVICE T subgroupBroadcastFirst(T value) {
-  return subgroupShuffle(value, 0);
-}
-template <typename T>
 GNO_DEVICE T subgroupBroadcast(T value, uint lane) {
   return subgroupShuffle(value, lane);
 }

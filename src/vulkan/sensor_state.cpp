@@ -61,7 +61,6 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     tables_.frame.footprint = arrays.footprint();
     effects_ = std::make_unique<EffectsState>(device, std::move(arrays), !readsInPlace());
   }
-  tables_.frame.slabShift = slabShift(tables_.frame.columns);
   shellBorder_ = gnosphere::shellBorder(options, way, tables_.frame, geometry.instances().counters().triangles);
   reach_ = reachOf(options, tables_.frame);
   makeBuffers(geometry);

@@ -10,8 +10,6 @@ namespace gnosphere::vulkan {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Counters from visibleGroups to nextSlab.
-constexpr VkDeviceSize kPerShellBytes = offsetof(gpu::Counters, causes) - offsetof(gpu::Counters, visibleGroups);
 
 }  // namespace
 
