@@ -169,8 +169,8 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   from = 0;
   to = rowCount;
 #ifndef MOTION
-  // At a pole every column is covered. Few rows are not worth it, nor does the paper ask.
-  bool pays = boxColumnCount(tile.box) < frame.columns && rowCount * (tile.end - tile.first) > kFewBeams;
+  // Few rows are not worth it, nor does the paper ask.
+  bool pays = rowCount * (tile.end - tile.first) > kFewBeams;
   if (!pays || BOUNDS == kBoundsPaper) return;
   vec3 far = vec3(length(tile.triangle.a), length(tile.triangle.b), length(tile.triangle.c));
   float blur = blurOf(tile.triangle, prepared, far);
@@ -181,6 +181,11 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   keysBetween(turn(tile.triangle, columns[wrapColumn(firstColumn(tile.box) + int(kFrom))]),
               turn(tile.triangle, columns[wrapColumn(firstColumn(tile.box) + int(kTo + next))]),
               blur * max(max(far.x, far.y), far.z), keyMin, keyMax);
+  // A box of all columns may hold a pole.
+  if (boxColumnCount(tile.box) == frame.columns) {
+    if (min(min(tile.triangle.a.z, tile.triangle.b.z), tile.triangle.c.z) < 0.0) keyMin = -1.0;
+    if (max(max(tile.triangle.a.z, tile.triangle.b.z), tile.triangle.c.z) > 0.0) keyMax = 1.0;
+  }
   float widening = kKeySlack + blur + 0.25 * (angle + blur) * (angle + blur);
   rowsBetween(keyMin - widening, keyMax + widening, from, to);
   from = max(from, tile.box.rowFirst) - tile.box.rowFirst;

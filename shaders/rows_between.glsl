@@ -31,9 +31,10 @@ void keysBetween(Turned from, Turned to, float slack, out float keyMin, out floa
   vec3 along = from.p.yzx - from.p, up = from.z.yzx - from.z;
   vec3 p0 = from.p + along * t0, p1 = from.p + along * t1;
   vec3 z0 = from.z + up * t0, z1 = from.z + up * t1;
-  vec3 k0 = z0 / (abs(z0) + p0), k1 = z1 / (abs(z1) + p1);
+  // What lies so near the axis that the slack lets it reach behind it ends at a pole; unless it lies near the sensor.
+  vec3 k0 = z0 / (abs(z0) + max(p0, vec3(0.0))), k1 = z1 / (abs(z1) + max(p1, vec3(0.0)));
   vec3 low = mix(vec3(2.0), min(k0, k1), there), high = mix(vec3(-2.0), max(k0, k1), there);
-  vec3 front = mix(vec3(1.0), min(p0, p1), there);
+  vec3 front = mix(vec3(1.0), max(min(p0, p1), z0 * z1), there);
   bool behind = !(min(min(front.x, front.y), front.z) > 0.0);
   keyMin = behind ? -1.0 : min(min(low.x, low.y), low.z);
   keyMax = behind ? 1.0 : max(max(high.x, high.y), high.z);

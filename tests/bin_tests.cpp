@@ -57,6 +57,26 @@ TEST_CASE("the rows that a triangle has between two columns leave out none of it
     }
 }
 
+TEST_CASE("triangles with a corner on the sensor's axis, or next to it, leave out none of their beams") {
+  needVulkan();
+  for (double aside : {0.0, 1e-5, 1e-3})
+    for (double height : {-2.0, -1e-4, 2.0})
+      for (bool offsets : {false, true}) {
+        INFO("a corner at " << aside << " from the axis, at height " << height << ", offsets " << offsets);
+        MeshBuilder fan;
+        for (int i = 0; i < 12; ++i) {
+          const double from = 0.5 * i, to = from + 0.4, end = height * (i % 5 - 1);
+          fan.triangle({aside * std::cos(2.0 * i), aside * std::sin(2.0 * i), height},
+                       {6 * std::cos(from), 6 * std::sin(from), end}, {4 * std::cos(to), 4 * std::sin(to), end});
+        }
+        const Scene scene = sceneOf(fan.take());
+        Sensor sensor = gridSensor(1500, 60, -89, 89);
+        for (size_t j = 0; offsets && j < sensor.channels.size(); ++j)
+          sensor.channels[j].azimuthOffsetDeg = 0.31 * (double(j % 5) - 2.2);
+        requireSame(referenceOf(scene, sensor, {}), scanBy(Binning::slabs, scene, sensor));
+      }
+}
+
 TEST_CASE("of triangles at equal range the lowest index owns the beam, whatever their order in space") {
   needVulkan();
   MeshBuilder builder;
