@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between two shells. One invocation per fine entry of the farthest-range table, one workgroup per coarse entry: the
-// largest range among the words of its beams, so that the next shell can skip what lies behind.
+// Between two shells. One subgroup per coarse entry of the farthest-range table, one invocation per fine entry: the
+// largest range among the words of its beams, so that the next shell can skip what lies behind. A workgroup per coarse
+// entry would need barriers, which took lavapipe three times as long as all the rest.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -11,7 +12,6 @@
 
 layout(local_size_x = 64) in;
 layout(push_constant) uniform PassBlock { Pass pass; };
-shared uint largest;
 
 // For the next shell, only the rows that it has something in; for a still image, all of them.
 bool worthKnowing(uvec2 entry) {
@@ -25,34 +25,33 @@ uint farthestIn(uvec2 entry) {
   uint rowEnd = min((entry.y + 1) * kFineRows, frame.rows), columnEnd = min((entry.x + 1) * kFineColumns, frame.columns);
   // A beam that met nothing hides nothing: no need to look further.
   for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row)
-    for (uint column = entry.x * kFineColumns; column < columnEnd && result != kNone; ++column)
+    for (uint column = entry.x * kFineColumns; column < columnEnd; ++column)
       result = max(result, words[row * frame.columns + column].y);
   return result;
 }
 
 void main() {
-  if (gl_LocalInvocationID.x == 0) largest = 0;
-  barrier();
   uint perRow = (frame.columns + kFineColumns - 1) / kFineColumns, fineRows = (frame.rows + kFineRows - 1) / kFineRows;
+  uint coarsePerRow = (frame.columns + kCoarseColumns - 1) / kCoarseColumns,
+       coarseRows = (frame.rows + kCoarseRows - 1) / kCoarseRows;
   uvec2 across = uvec2(kCoarseColumns / kFineColumns, kCoarseRows / kFineRows);
-  uint mine = 0;
-  for (uint k = gl_LocalInvocationID.x; k < across.x * across.y; k += gl_WorkGroupSize.x) {
-    uvec2 entry = gl_WorkGroupID.xy * across + uvec2(k % across.x, k / across.x);
-    if (entry.x >= perRow || entry.y >= fineRows) continue;
-    bool known = worthKnowing(entry);
-    uint found = known ? farthestIn(entry) : kNone;
-    farthest[entry.y * perRow + entry.x] = found;
-    if (known) mine = max(mine, found);
-  }
-  mine = subgroupMax(mine);
-  if (subgroupElect()) atomicMax(largest, mine);
-  barrier();
-  if (gl_LocalInvocationID.x == 0) {
-    farthest[perRow * fineRows + gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x] =
-        largest > 0 ? largest : kNone;
-    if (gl_WorkGroupID == uvec3(0)) {
-      counters.binnedSmall = counters.projectedSmall;
-      counters.binnedTiles = counters.tiles;
+  uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
+  for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < coarsePerRow * coarseRows; i += stride) {
+    uvec2 coarse = uvec2(i % coarsePerRow, i / coarsePerRow);
+    uint largest = 0;
+    for (uint k = gl_SubgroupInvocationID; k < across.x * across.y; k += gl_SubgroupSize) {
+      uvec2 entry = coarse * across + uvec2(k % across.x, k / across.x);
+      if (entry.x >= perRow || entry.y >= fineRows) continue;
+      bool known = worthKnowing(entry);
+      uint found = known ? farthestIn(entry) : kNone;
+      farthest[entry.y * perRow + entry.x] = found;
+      if (known) largest = max(largest, found);
     }
+    largest = subgroupMax(largest);
+    if (gl_SubgroupInvocationID == 0) farthest[perRow * fineRows + i] = largest > 0 ? largest : kNone;
+  }
+  if (gl_WorkGroupID == uvec3(0) && gl_LocalInvocationID.x == 0) {
+    counters.binnedSmall = counters.projectedSmall;
+    counters.binnedTiles = counters.tiles;
   }
 }

@@ -245,8 +245,7 @@ class CudaBackend final : public Backend {
     if (border > 0) {
       project({0, 0, 0, border, 0}, sensor.way());
       bin(sensor, false);
-      launch({Kernel::project_occluders}, (frame.columns + gpu::kCoarseColumns - 1) / gpu::kCoarseColumns,
-             (frame.rows + gpu::kCoarseRows - 1) / gpu::kCoarseRows);
+      launch({Kernel::project_occluders}, device_.groups);
     }
     project({0, 0, border, kInfinity, border > 0}, sensor.way());
     bin(sensor, true);

@@ -20,7 +20,6 @@ s/^CHUNK\((\w+), (\w+), (\w+)\);/GNO_ARRAY(1, \1, \2, \3);/
 s/^layout\(push_constant\).*\{ (\w+) (\w+); \};/GNO_PUSH(\1, \2);/
 s/^layout\(constant_id = [0-9]+\) const (\w+) (\w+) = [^;]*;/GNO_OPTION(\1, \2);/
 s/^shared (\w+) (\w+)\[(\w+)\];/GNO_SHARED_ARRAY(\1, \2, \3);/
-s/^shared (\w+) (\w+);/GNO_SHARED(\1, \2);/
 s/^(const|GNO_CONST) /static constexpr /
 
 # Functions; a class needs no forward declarations.

@@ -8,7 +8,6 @@
 #include "cuda/glsl.hpp"
 
 #define GNO_SHARED_ARRAY(type_, name_, count_) type_ name_[count_]
-#define GNO_SHARED(type_, name_) type_ name_
 
 namespace gnosphere::cuda {
 

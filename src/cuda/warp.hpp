@@ -19,12 +19,6 @@
     return memory;                                \
   }                                               \
   type_* name_ = name_##OfWorkgroup()
-#define GNO_SHARED(type_, name_)                  \
-  __device__ static type_& name_##OfWorkgroup() { \
-    __shared__ type_ memory;                      \
-    return memory;                                \
-  }                                               \
-  type_& name_ = name_##OfWorkgroup()
 
 namespace gnosphere::cuda {
 

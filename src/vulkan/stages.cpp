@@ -112,9 +112,7 @@ void Stages::bin(Commands& commands, const SensorState& state, bool lastShell) c
 }
 
 void Stages::findOccluders(Commands& commands, const SensorState& state) const {
-  const gpu::Frame& frame = state.frame();
-  commands.dispatch(state.kernels().projectOccluders, (frame.columns + gpu::kCoarseColumns - 1) / gpu::kCoarseColumns,
-                    (frame.rows + gpu::kCoarseRows - 1) / gpu::kCoarseRows);
+  commands.dispatch(state.kernels().projectOccluders, groupCount());
 }
 
 void Stages::resolve(Commands& commands, const SensorState& state) const {
