@@ -29,7 +29,7 @@ vec3 cornerOf(Instance instance, uint vertex) {
 }
 
 Corners cornersOf(Instance instance, uint cluster, uint k) {
-  uint vertexFirst = floatBitsToUint(clusters[cluster].low.w);
+  uint vertexFirst = floatBitsToUint(clusters[cluster].low.w) & (kChunkVertices - 1);
   uint triangleFirst = floatBitsToUint(clusters[cluster].high.w) & (kChunkTriangles - 1);
   uint packed = triangleCorners[triangleFirst + k].x;
   return Corners(cornerOf(instance, vertexFirst + (packed & 0xff)), cornerOf(instance, vertexFirst + (packed >> 8 & 0xff)),

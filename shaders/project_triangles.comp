@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, last pass. One subgroup per visible cluster, one invocation per triangle: to the sensor's frame,
-// cull, exact angular bounds. Writes every triangle that a beam may meet, with a box that contains all such beams.
+// Stage project, last pass. One subgroup per visible cluster, one invocation per vertex: to the sensor's frame; then one
+// per triangle: cull; then one per triangle that is left: exact angular bounds. Writes every triangle that a beam may
+// meet, with a box that contains all such beams.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared.h"
@@ -49,7 +52,7 @@ struct Projected {
 // Where a cluster is: its instance and itself, loaded by one lane for all of them.
 struct Place {
   Instance instance;
-  uint vertexFirst, triangleFirst, triangleCount;
+  uint vertexFirst, vertexCount, triangleFirst, triangleCount;
   bool doubleSided;
   uint material;  // only with a footprint
   uint number;  // its number; only with motion
@@ -58,13 +61,13 @@ struct Place {
 Place placeOf(uint i) {
   Place place;
   place.material = 0;
-  float vertexFirst, packed;
+  float vertices, triangles;
   if (gl_SubgroupInvocationID == 0) {
     uvec2 pair = visible[i];
     place.instance = instances[pair.x];
     place.number = pair.x;
-    vertexFirst = clusters[pair.y].low.w;
-    packed = clusters[pair.y].high.w;
+    vertices = clusters[pair.y].low.w;
+    triangles = clusters[pair.y].high.w;
 #ifdef FOOTPRINT
     place.material = clusterMaterials[pair.y];
 #endif
@@ -72,15 +75,17 @@ Place placeOf(uint i) {
   place.material = subgroupBroadcast(place.material, 0);
   place.number = subgroupBroadcast(place.number, 0);
   place.instance = fromFirstLane(place.instance);
-  place.vertexFirst = floatBitsToUint(subgroupBroadcast(vertexFirst, 0));
-  uint word = floatBitsToUint(subgroupBroadcast(packed, 0));
+  uint word = floatBitsToUint(subgroupBroadcast(vertices, 0));
+  place.vertexFirst = word & (kChunkVertices - 1);
+  place.vertexCount = word >> 25;
+  word = floatBitsToUint(subgroupBroadcast(triangles, 0));
   place.triangleFirst = word & (kChunkTriangles - 1);
   place.triangleCount = word >> 24 & 127;
   place.doubleSided = (word >> 31) != 0;
   return place;
 }
 
-vec3 toSensor(Place place, uint vertex) { return toSensor(place.instance, positions[place.vertexFirst + vertex]); }
+#include "project_corners.glsl"
 
 // By bits: the compiler may assume that NaN does not occur.
 bool inLimits(vec3 p) {
@@ -107,10 +112,32 @@ bool hidden(Box box, float rangeMin) {
          occluded(Window(box.rowFirst, box.rowLast + 1, box.columnMin, box.columnMax), rangeMin);
 }
 
-uint boundedBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {
-  rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
-  if (outOfRange(a, rangeMin)) return kRange;
-  if (oneSided && facesAway(a, b, c)) return kFace;
+// Which rows the corners allow, give or take. An edge that spans d radians, no more than its length over the nearest
+// range, rises above its ends by at most d^2 / 8 times the tangent of its elevation: 2.4, for d up to 0.2 and keys up to
+// 0.6.
+bool betweenRows(vec3 a, vec3 b, vec3 c, vec3 size, float rangeMin) {
+  vec3 keys = vec3(elevationKey(length(a.xy), a.z), elevationKey(length(b.xy), b.z), elevationKey(length(c.xy), c.z));
+  float keyMin = min(min(keys.x, keys.y), keys.z), keyMax = max(max(keys.x, keys.y), keys.z);
+  float squares = dot(size, size) / (rangeMin * rangeMin);
+  float widening = 0.35 * squares + keySlack();
+  uint first, end;
+  rowsBetween(keyMin - widening, keyMax + widening, first, end);
+  return first >= end && squares < 0.04 && max(-keyMin, keyMax) < 0.6;
+}
+
+// What can be told before any exact bound. All lanes go through all of it: what only some of them load is dearer.
+uint culledEarly(vec3 a, vec3 b, vec3 c, bool oneSided) {
+  vec3 low = min(min(a, b), c), high = max(max(a, b), c);
+  float rangeMin = nearestPoint(low, high);
+  uint fate = kKeep;
+  // Where a subgroup takes all of a cluster at once, nothing is gained by asking twice.
+  if (BOUNDS == kBoundsExact && gl_SubgroupSize < kClusterTriangles)
+    fate = betweenRows(a, b, c, high - low, rangeMin) ? kBetween : kKeep;
+  fate = oneSided && facesAway(a, b, c) ? kFace : fate;
+  return outOfRange(a, rangeMin) ? kRange : fate;
+}
+
+uint boundedBox(vec3 a, vec3 b, vec3 c, out Box box, float rangeMin) {
   Outline outline = outlineOf(a, b, c);
   if (!(coverRows(outline, box) && coverColumns(a, b, c, outline, box))) return kBetween;
   return hidden(box, rangeMin) ? kHidden : kKeep;
@@ -138,39 +165,39 @@ uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rang
   return kKeep;
 }
 
-// The k-th triangle of a cluster, with the corners of a mirroring instance swapped back to their winding.
-uint projectOne(Place place, uint k, uint side, out Projected projected, out Box box) {
-  uvec2 triangle = triangleCorners[place.triangleFirst + k];
-  bool mirrored = mirrors(place.instance);
-  vec3 a = toSensor(place, triangle.x & 0xff);
-  vec3 b = toSensor(place, triangle.x >> (mirrored ? 16 : 8) & 0xff);
-  vec3 c = toSensor(place, triangle.x >> (mirrored ? 8 : 16) & 0xff);
+bool isOneSided(Place place) { return FACES == kFacesFront || (FACES == kFacesMaterial && !place.doubleSided); }
+
+uint cullOne(Place place, mat3 corners) {
+  vec3 a = corners[0], b = corners[1], c = corners[2];
+  uint fate = kKeep;
+#ifndef MOTION
+  if (BOUNDS != kBoundsPaper) fate = culledEarly(a, b, c, isOneSided(place));
+#endif
+  return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
+}
+
+uint projectOne(Place place, mat3 corners, uvec3 numbers, uint index, uint side, out Projected projected, out Box box) {
+  vec3 a = corners[0], b = corners[1], c = corners[2];
 #ifdef FOOTPRINT
   if ((EFFECTS & kCutOuts) != 0) {
-    projected.uvA = textureCoordinates[place.vertexFirst + (triangle.x & 0xff)];
-    projected.uvB = textureCoordinates[place.vertexFirst + (triangle.x >> (mirrored ? 16 : 8) & 0xff)];
-    projected.uvC = textureCoordinates[place.vertexFirst + (triangle.x >> (mirrored ? 8 : 16) & 0xff)];
+    projected.uvA = textureCoordinates[place.vertexFirst + numbers.x];
+    projected.uvB = textureCoordinates[place.vertexFirst + numbers.y];
+    projected.uvC = textureCoordinates[place.vertexFirst + numbers.z];
   }
 #endif
-  if (INSIDE == kInsideExact) {
-    a = snapToLattice(a);
-    b = snapToLattice(b);
-    c = snapToLattice(c);
-  }
-  bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && !place.doubleSided);
-  uint id = placedFirstOf(place.instance) + triangle.y | (oneSided ? 1u << 31 : 0u);
-  if (!(inLimits(a) && inLimits(b) && inLimits(c))) return kNonFinite;
-  float rangeMin;
+  bool oneSided = isOneSided(place);
+  uint id = placedFirstOf(place.instance) + index | (oneSided ? 1u << 31 : 0u);
+  float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
 #ifdef MOTION
   projected.velocities = mat3(0.0);
   if (motion.instances != 0) {
     InstanceMotion moving = instanceMotions[place.number];
     projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
   }
-  uint fate = movingBox(mat3(a, b, c), projected.velocities, side, box, rangeMin);
+  uint fate = movingBox(corners, projected.velocities, side, box, rangeMin);
 #else
   uint fate = BOUNDS == kBoundsPaper ? paperBox(a, b, c, oneSided, box, rangeMin)
-                                     : boundedBox(a, b, c, oneSided, box, rangeMin);
+                                     : boundedBox(a, b, c, box, rangeMin);
 #endif
   projected.a = vec4(a, uintBitsToFloat(id));
   projected.b = vec4(b, rangeMin);
@@ -192,21 +219,48 @@ bool nextCluster(inout uint i) {
   return i < counters.visible;
 }
 
+// Where the n-th of the bits that are set is.
+uint placeOfBit(uint bits, uint n) {
+  uint place = 0;
+  for (uint width = 16; width > 0; width >>= 1) {
+    uint below = bitCount(bits >> place & (1u << width) - 1);
+    if (n < below) continue;
+    n -= below;
+    place += width;
+  }
+  return place;
+}
+
 void main() {
   uvec4 culled = uvec4(0);  // range, face, between beams, hidden
   uint nonFinite = 0, triangleCount = 0;
   for (uint i = kNone; nextCluster(i);) {
     Place place = placeOf(i);
     triangleCount += place.triangleCount;
-    for (uint first = 0; first < kSides * place.triangleCount; first += gl_SubgroupSize) {
+    Vertices vertices = verticesOf(place);
+    uint mine = 0;  // a bit for each triangle to be bounded
+    for (uint first = 0; first < place.triangleCount; first += gl_SubgroupSize) {
+      uint k = first + gl_SubgroupInvocationID;
+      uvec3 numbers = numbersOf(place, triangleCorners[place.triangleFirst + min(k, place.triangleCount - 1)].x);
+      uint fate = cullOne(place, cornersOf(place, vertices, numbers));
+      if (k >= place.triangleCount) fate = kNoTriangle;
+      culled += uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden)));
+      nonFinite += uint(fate == kNonFinite);
+      if (fate == kKeep) mine |= 1u << k;
+    }
+    uint bounded = subgroupOr(mine);
+    uint count = kSides * bitCount(bounded);
+    for (uint first = 0; first < count; first += gl_SubgroupSize) {
       uint number = first + gl_SubgroupInvocationID;
+      uvec2 triangle = triangleCorners[place.triangleFirst + placeOfBit(bounded, min(number, count - 1) / kSides)];
+      uvec3 numbers = numbersOf(place, triangle.x);
+      mat3 corners = cornersOf(place, vertices, numbers);
       uint fate = kNoTriangle;
       Projected projected;
       Box box;
-      if (number < kSides * place.triangleCount) {
-        fate = projectOne(place, number / kSides, number % kSides, projected, box);
+      if (number < count) {
+        fate = projectOne(place, corners, numbers, triangle.y, number % kSides, projected, box);
         culled += uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden)));
-        nonFinite += uint(fate == kNonFinite);
       }
       if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, place.material);
     }

@@ -23,13 +23,14 @@ struct vec2 {
 
 // --- Limits -------------------------------------------------------------------------------------------------------
 
-// Triangles per cluster: one subgroup projects one cluster. Corners are indexed by 8 bits, so at most 85 loose ones. On
-// towns 32 took 0.95 of the time of 64, and 16 gained no more.
+// Triangles per cluster: one subgroup projects one cluster. At most 32: it keeps a bit for each. On towns 32 took 0.95
+// of the time of 64, and 16 gained no more.
 GNO_CONST uint kClusterTriangles = 32;
 // Clusters per group: one subgroup goes through the clusters of a group.
 GNO_CONST uint kGroupClusters = 64;
-// Triangles per chunk: a cluster packs its first one into 24 bits.
+// Triangles and vertices per chunk: a cluster packs its first ones into 24 and 25 bits.
 GNO_CONST uint kChunkTriangles = 1u << 24;
+GNO_CONST uint kChunkVertices = 1u << 25;
 // A box of at most this many beams is worked off by one invocation; a larger one is cut into tiles, a subgroup each.
 GNO_CONST uint kSmallBoxBeams = 16;
 // Beams per tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
@@ -186,7 +187,7 @@ struct Instance {
 
 // At most kClusterTriangles triangles of one material, in the mesh frame.
 struct Cluster {
-  vec4 low;   // xyz: lower corner of its box, w: first vertex
+  vec4 low;   // xyz: lower corner of its box, w: first vertex | vertices << 25
   vec4 high;  // xyz: upper corner, w: first triangle | triangles << 24 | double-sided << 31
   vec4 cone;  // see cone.hpp: xyz axis, w: sine in the low 16 bits, thinness in the high ones, both half floats
 };
@@ -276,6 +277,7 @@ struct MotionBounds {
 #ifdef __cplusplus
 static_assert(sizeof(MotionBounds) == 32);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
+static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 80 &&
               sizeof(Row) == 32);
 static_assert(sizeof(Counters) == 128 && sizeof(Pass) == 32);

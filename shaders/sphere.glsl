@@ -60,8 +60,9 @@ int wholeOf(float x) {
   return floatBitsToInt(shifted) - 0x4b400000;
 }
 
+// Of any key, even one that is no number.
 uint lookupCell(float key) {
-  return uint(wholeOf(floor(clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1)))));
+  return min(uint(wholeOf(floor(clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1))))), kRowLookupCells - 1);
 }
 
 // The rows first..end - 1 contain all with keys in keyMin..keyMax, and few others: those of the cells at both ends.

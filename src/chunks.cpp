@@ -26,11 +26,10 @@ size_t chunkEnd(const FlatScene& flat, size_t first, uint64_t limit) {
   size_t end = first;
   while (end + 1 < flat.groups.size()) {
     const Run run = runOf(flat, first, end + 1);
-    const size_t triangles = run.triangleEnd - run.triangleFirst;
-    const uint64_t largest =
-        std::max({(run.vertexEnd - run.vertexFirst) * 3 * sizeof(float), triangles * sizeof(FlatTriangle),
-                  (run.clusterEnd - run.clusterFirst) * sizeof(gpu::Cluster)});
-    if (largest > limit || triangles > gpu::kChunkTriangles) break;
+    const size_t triangles = run.triangleEnd - run.triangleFirst, vertices = run.vertexEnd - run.vertexFirst;
+    const uint64_t largest = std::max({vertices * 3 * sizeof(float), triangles * sizeof(FlatTriangle),
+                                       (run.clusterEnd - run.clusterFirst) * sizeof(gpu::Cluster)});
+    if (largest > limit || triangles > gpu::kChunkTriangles || vertices > gpu::kChunkVertices) break;
     ++end;
   }
   if (end == first)
@@ -49,11 +48,13 @@ gpu::Group packed(const FlatGroup& group, const Run& run) {
           {group.high[0], group.high[1], group.high[2], bits(group.clusterCount)}};
 }
 
-gpu::Cluster packed(const FlatCluster& cluster, const Run& run) {
-  const size_t word = (cluster.firstTriangle - run.triangleFirst) | size_t{cluster.triangleCount} << 24 |
-                      size_t{cluster.doubleSided} << 31;
-  return {{cluster.low[0], cluster.low[1], cluster.low[2], bits(cluster.firstVertex - run.vertexFirst)},
-          {cluster.high[0], cluster.high[1], cluster.high[2], bits(word)},
+// `next` is the cluster after it.
+gpu::Cluster packed(const FlatCluster& cluster, const FlatCluster& next, const Run& run) {
+  const size_t vertices = (cluster.firstVertex - run.vertexFirst) | (next.firstVertex - cluster.firstVertex) << 25;
+  const size_t triangles = (cluster.firstTriangle - run.triangleFirst) | size_t{cluster.triangleCount} << 24 |
+                           size_t{cluster.doubleSided} << 31;
+  return {{cluster.low[0], cluster.low[1], cluster.low[2], bits(vertices)},
+          {cluster.high[0], cluster.high[1], cluster.high[2], bits(triangles)},
           {cluster.cone.axis[0], cluster.cone.axis[1], cluster.cone.axis[2],
            bits(glm::packHalf2x16({cluster.cone.sine, cluster.cone.thinness}))}};
 }
@@ -79,7 +80,8 @@ ChunkArrays Chunks::arrays(size_t chunk) const {
   };
   ChunkArrays arrays;
   for (size_t i = first; i < end; ++i) arrays.groups.push_back(packed(flat_.groups[i], run));
-  for (size_t i = run.clusterFirst; i < run.clusterEnd; ++i) arrays.clusters.push_back(packed(flat_.clusters[i], run));
+  for (size_t i = run.clusterFirst; i < run.clusterEnd; ++i)
+    arrays.clusters.push_back(packed(flat_.clusters[i], flat_.clusters[i + 1], run));
   arrays.positions = slice(flat_.positions, 3 * run.vertexFirst, 3 * run.vertexEnd);
   arrays.triangleCorners = slice(flat_.triangles, run.triangleFirst, run.triangleEnd);
   return arrays;
@@ -188,7 +190,7 @@ void Chunks::setPositions(size_t index, std::span<const float> positions, Instan
       fit(cluster, &moved.positions[3 * (cluster.firstVertex - run.vertexFirst)],
           std::span(moved.triangleCorners).subspan(cluster.firstTriangle - run.triangleFirst, count),
           flat_.meshes[index]);
-      moved.clusters.push_back(packed(cluster, all));
+      moved.clusters.push_back(packed(cluster, flat_.clusters[i + 1], all));
     }
     for (size_t i = first; i < end; ++i) {
       FlatGroup& group = flat_.groups[i];

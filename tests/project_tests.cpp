@@ -36,6 +36,32 @@ TEST_CASE("an edge above the sensor bulges above both of its ends") {
   requireAsReference(sceneOf(builder.take()), gridSensor(720, 200, -10, 70));
 }
 
+TEST_CASE("an edge whose bulge alone reaches a row is met there, whatever it spans") {
+  // The middle of each edge lies a twentieth of its bulge beyond a row, its ends and the third corner on the near side.
+  MeshBuilder builder;
+  Sensor sensor = gridSensor(7200, 3, 0, 0);
+  const double rows[] = {-0.9, -0.3, 0.15, 0.6, 0.95, 1.2};
+  sensor.channels.resize(std::size(rows));
+  for (size_t j = 0; j < std::size(rows); ++j) {
+    sensor.channels[j] = {};
+    sensor.channels[j].elevationDeg = rows[j] * 180 / std::numbers::pi;
+    for (int i = 0; i < 40; ++i) {
+      const double spans = 0.004 * std::pow(1.12, i), azimuth = 0.9 * i, up = rows[j] > 0 ? 1 : -1;
+      const auto endOf = [&](double top) { return std::atan(std::tan(top) * std::cos(0.5 * spans)); };
+      const double bulge = std::abs(rows[j] - endOf(rows[j])), end = endOf(rows[j] + 0.05 * up * bulge);
+      const auto at = [&](double turn, double elevation) {
+        return Vec3{9 * std::cos(elevation) * std::cos(turn), 9 * std::cos(elevation) * std::sin(turn),
+                    9 * std::sin(elevation)};
+      };
+      builder.triangle(at(azimuth - 0.5 * spans, end), at(azimuth + 0.5 * spans, end),
+                       at(azimuth, end - 0.2 * up * spans));
+    }
+  }
+  const Scene scene = sceneOf(builder.take());
+  requireAsReference(scene, sensor);
+  CHECK(scanOf(scene, sensor, {}, vulkanOptions()).counters.hits > 500);
+}
+
 TEST_CASE("one ground triangle of kilometres is seen wherever the beams go") {
   MeshBuilder builder;
   builder.triangle({-20000, -20000, -1.8}, {30000, -20000, -1.8}, {0, 30000, -1.8});

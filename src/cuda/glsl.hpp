@@ -257,6 +257,11 @@ GNO_DEVICE int findMSB(uint x) {
   for (; x > 0; x >>= 1) ++bit;
   return bit;
 }
+GNO_DEVICE uint bitCount(uint x) {
+  uint count = 0;
+  for (; x > 0; x &= x - 1) ++count;
+  return count;
+}
 GNO_DEVICE uvec3 floatBitsToUint(vec3 v) {
   return vec3::zip([](float p) { return floatBitsToUint(p); }, v);
 }

@@ -49,6 +49,9 @@ T subgroupAdd(T value) {
 inline uint subgroupMax(uint value) {
   return value;
 }
+inline uint subgroupOr(uint value) {
+  return value;
+}
 
 inline uint atomicAdd(uint& memory, uint value) {
   return std::exchange(memory, memory + value);

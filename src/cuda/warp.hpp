@@ -73,6 +73,11 @@ GNO_DEVICE uint subgroupMax(uint value) {
     value = max(value, subgroupShuffle(value, gl_SubgroupInvocationID ^ step));
   return value;
 }
+GNO_DEVICE uint subgroupOr(uint value) {
+  for (uint step = gl_SubgroupSize / 2; step > 0; step /= 2)
+    value |= subgroupShuffle(value, gl_SubgroupInvocationID ^ step);
+  return value;
+}
 
 GNO_DEVICE uint atomicExchange(uint& memory, uint value) {
   return ::atomicExch(&memory, value);
