@@ -97,14 +97,14 @@ void Stages::project(Commands& commands, const SensorState& state, std::span<con
     commands.push(pass);
     commands.dispatch(state.kernels().projectGroups, std::min(groupCount(), (chunk.groups + 63) / 64));
     commands.dispatch(state.kernels().projectClusters, std::min(groupCount(), chunk.groups));
-    commands.dispatch(state.kernels().projectTriangles, std::min(groupCount(), chunk.clusters));
+    commands.dispatch(state.kernels().projectTriangles, std::min(groupCount(state), chunk.clusters));
   }
 }
 
 void Stages::bin(Commands& commands, const SensorState& state, bool lastShell) const {
   const Kernels& kernels = state.kernels();
   const uint32_t blocks = state.frame().beams / gpu::kScanBlock + 1;
-  commands.dispatch(kernels.bin[0], groupCount());
+  commands.dispatch(kernels.bin[0], groupCount(state));
   if (!lastShell) return;
   for (size_t pass = 0; pass < kernels.scan.size(); ++pass)
     commands.dispatch(kernels.scan[pass], pass == gpu::kScanBlocks ? 1 : std::min(groupCount(), blocks));
@@ -154,6 +154,13 @@ void Stages::count(Plan& plan, const SensorState& state) const {
 // stride also spreads uneven work over the threads; four times as many took 1.05 of the time.
 uint32_t Stages::groupCount() const {
   return device_.capabilities().cpu ? std::max(64u, 8 * std::thread::hardware_concurrency()) : 4096;
+}
+
+// With slabs whoever is free takes what is next until nothing is left: on a CPU a workgroup per thread is enough then,
+// and each one more asks in vain.
+uint32_t Stages::groupCount(const SensorState& state) const {
+  return device_.capabilities().cpu && state.way() == gpu::kWaySlabs ? std::max(1u, std::thread::hardware_concurrency())
+                                                                     : groupCount();
 }
 
 }  // namespace gnosphere::vulkan

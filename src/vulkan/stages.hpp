@@ -33,6 +33,7 @@ class Stages {
   void resolve(Commands& commands, const SensorState& state) const;
   void effects(Commands& commands, const SensorState& state) const;
   uint32_t groupCount() const;
+  uint32_t groupCount(const SensorState& state) const;
 
   const Device& device_;
   std::vector<VkDescriptorSet> chunkSets_;
