@@ -28,7 +28,8 @@ WORK(kBindProjectedA, , vec4, projectedA);
 WORK(kBindProjectedB, , vec4, projectedB);
 WORK(kBindProjectedC, , vec4, projectedC);
 WORK(kBindProjectedColumns, , vec2, projectedColumns);  // first and last column of the box
-// Part of a box: its triangle, first column in it, columns; in the list of a slab, the tile before it.
+// Part of a box: its triangle, first column in it, columns; in the list of a slab, the tile before it. With slabs those of
+// further slabs come behind one tile per triangle.
 WORK(kBindTiles, , uvec4, tiles);
 // Per beam, row by row (a channel's beams lie elsewhere in the results, which are in the sensor's own order):
 WORK(kBindWords, coherent, uvec2, words);          // triangle, range bits (a little-endian 64-bit word)

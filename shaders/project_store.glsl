@@ -29,16 +29,20 @@ void storeTiles(uint slot, Box box) {
     tiles[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
 }
 
-// Each slab of columns that a box reaches into lists its part as a tile, after those it has.
+// Each slab of columns that a box reaches into lists its part as a tile, after those it has. The first part's tile has
+// the triangle's own number.
 void storeSlabs(uint slot, Box box) {
-  uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box));
+  uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box)), t = slot;
   for (uint k = 0; k < count;) {
     uint slab = column >> frame.slabShift;
     uint run = min(min(slab + 1 << frame.slabShift, frame.columns) - column, count - k);
-    uint t = atomicAdd(counters.tiles, 1);
-    if (t < frame.tileCapacity) tiles[t] = uvec4(slot, k, run, atomicExchange(listEnds[slab], t));
+    tiles[t] = uvec4(slot, k, run, atomicExchange(listEnds[slab], t));
     k += run;
     column = column + run == frame.columns ? 0 : column + run;
+    if (k == count) return;
+    uint more = atomicAdd(counters.tiles, 1);
+    if (more >= frame.tileCapacity) return;
+    t = frame.projectedCapacity + more;
   }
 }
 

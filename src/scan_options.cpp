@@ -92,9 +92,13 @@ uint64_t projectedGuess(uint64_t beams, uint64_t triangles) {
   return std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected));
 }
 
-// Only large boxes are cut into tiles, but every box is one in the list of a slab, and some lie in two.
+// Only large boxes are cut into tiles, and some boxes lie in more than one slab.
 uint64_t tileGuess(uint32_t way, uint64_t projected) {
-  return way == gpu::kWaySlabs ? projected + projected / 4 : kFirstTiles;
+  return way == gpu::kWaySlabs ? projected / 2 : kFirstTiles;
+}
+
+uint64_t tileBytes(uint32_t way, uint64_t projected, uint64_t tiles) {
+  return ((way == gpu::kWaySlabs ? projected : 0) + tiles) * 4 * sizeof(uint32_t);
 }
 
 uint64_t slabCount(const gpu::Frame& frame) {

@@ -32,8 +32,10 @@ uint64_t farthestEntries(const gpu::Frame& frame);
 uint64_t projectedCount(const gpu::Counters& counters);
 /// Room for projected triangles to begin with; growth makes room for what a scan turns out to need.
 uint64_t projectedGuess(uint64_t beams, uint64_t triangles);
-/// Room for tiles to begin with, by the way of binning.
+/// Room for tiles to begin with, by the way of binning, and the size of their array: with slabs each projected triangle
+/// has one beside them.
 uint64_t tileGuess(uint32_t way, uint64_t projected);
+uint64_t tileBytes(uint32_t way, uint64_t projected, uint64_t tiles);
 /// Slabs of columns that a sensor has.
 uint64_t slabCount(const gpu::Frame& frame);
 /// Room for `needed` entries of a list and some more, within a limit.

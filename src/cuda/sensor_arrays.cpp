@@ -59,10 +59,11 @@ void SensorArrays::growProjected(uint64_t count) {
   make(gpu::kBindProjectedColumns, "projectedColumns", count * sizeof(gpu::vec2));
   make(effects_.projected(count));
   tables_.frame.projectedCapacity = static_cast<uint32_t>(count);
+  if (way_ == gpu::kWaySlabs) growTiles(tables_.frame.tileCapacity);
 }
 
 void SensorArrays::growTiles(uint64_t count) {
-  make(gpu::kBindTiles, "tiles", count * 4 * sizeof(uint32_t));
+  make(gpu::kBindTiles, "tiles", tileBytes(way_, tables_.frame.projectedCapacity, count));
   tables_.frame.tileCapacity = static_cast<uint32_t>(count);
 }
 

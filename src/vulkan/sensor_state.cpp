@@ -88,7 +88,7 @@ void SensorState::makeBuffers(const Geometry& geometry) {
         make(output.binding, "results", beams * output.bytesPerBeam);
   // First guesses; growLists() makes room for what a scan turns out to need.
   growProjected(projectedGuess(beams, geometry.instances().counters().triangles));
-  growTiles(std::min(tileGuess(way_, capacities_.projected), device_.maxBufferBytes() / (4 * sizeof(uint32_t))));
+  growTiles(std::min(tileGuess(way_, capacities_.projected), mostTiles()));
   growCandidates(lists ? beams * 2 : 0);
 }
 
@@ -102,11 +102,17 @@ void SensorState::growProjected(uint64_t count) {
   if (effects_) effects_->growProjected(count);
   make(gpu::kBindProjectedColumns, "projectedColumns", sizeof(gpu::vec2));
   capacities_.projected = static_cast<uint32_t>(count);
+  if (way_ == gpu::kWaySlabs) growTiles(capacities_.tiles);
 }
 
 void SensorState::growTiles(uint64_t count) {
-  buffers_[gpu::kBindTiles] = Buffer(device_, "tiles", count * 4 * sizeof(uint32_t), Memory::device);
+  buffers_[gpu::kBindTiles] = Buffer(device_, "tiles", tileBytes(way_, capacities_.projected, count), Memory::device);
   capacities_.tiles = static_cast<uint32_t>(count);
+}
+
+uint64_t SensorState::mostTiles() const {
+  const uint64_t others = tileBytes(way_, capacities_.projected, 0), all = device_.maxBufferBytes();
+  return (all - std::min(all, others)) / tileBytes(way_, 0, 1);
 }
 
 void SensorState::growCandidates(uint64_t count) {
@@ -179,7 +185,7 @@ void SensorState::growLists(const FrameInFlight& frame) {
   };
   // A scan cut short has counted too few of what follows; the next run will tell.
   if (projectedCount(needed) > capacities_.projected) growProjected(room(projectedCount(needed), sizeof(gpu::vec4)));
-  if (needed.tiles > capacities_.tiles) growTiles(room(needed.tiles, 4 * sizeof(uint32_t)));
+  if (needed.tiles > capacities_.tiles) growTiles(grown(needed.tiles, mostTiles()));
   if (way_ == gpu::kWayLists && needed.candidates > capacities_.candidates) growCandidates(room(needed.candidates, 4));
 }
 

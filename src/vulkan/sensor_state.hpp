@@ -90,6 +90,7 @@ class SensorState {
   void makeBuffers(const Geometry& geometry);
   void growProjected(uint64_t count);
   void growTiles(uint64_t count);
+  uint64_t mostTiles() const;
   void growCandidates(uint64_t count);
   FrameInFlight makeFrame() const;
 
