@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "effects/planned.hpp"
 #include "gnosphere/simulator.hpp"
@@ -20,8 +21,9 @@ uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, bool cpu,
 bool leavesWords(uint32_t way, const PlannedEffects& planned);
 /// As Plan::binning names it.
 const char* nameOfWay(uint32_t way);
-/// Metres: what is nearer is binned first, and hides what lies behind it. 0 if everything is binned at once.
-float shellBorder(const SimulatorOptions& options, uint32_t way, const gpu::Frame& frame, uint64_t triangles);
+/// Metres, the last one infinity: shell by shell is binned, and hides what lies behind it. One shell is everything.
+std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t way, const gpu::Frame& frame,
+                             uint64_t triangles);
 /// Metres: instances farther away need not be looked at.
 double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
 /// Counters from visibleGroups to nextSlab: set back for each chunk of a shell.

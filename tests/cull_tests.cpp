@@ -78,6 +78,22 @@ TEST_CASE("culling: every switch leaves the cloud of a town as it is") {
   }
 }
 
+TEST_CASE("culling: three shells, which many beams are worth, leave the cloud of a town as it is") {
+  needVulkan();
+  const Scene town = makeTown({60'000, 3});
+  const Sensor sensor = gridSensor(2603, 200, -30, 30, 80);
+  SimulatorOptions options = vulkanOptions();
+  options.binning = Binning::slabs;
+  options.culling.occlusion = Culling::Occlusion::always;
+  Simulator shells(town, sensor, options);
+  const std::vector<Plan::Stage> stages = shells.plan().stages;
+  REQUIRE(stages[0].dispatches == 3 * 3 + 2);
+  const Pose pose = {{-7.5, 1.25, 1.8}, {0.02, -0.03, 0.6, 0.8}};
+  const Scan scan = shells.scan(pose);
+  CHECK(scan.counters.culledHidden > 0);
+  CHECK(sameBytes(scan, scanWith(town, sensor, pose, Accuracy::standard, nothing())));
+}
+
 TEST_CASE("culling: what is hidden, out of range or between the beams is skipped") {
   needVulkan();
   const Scene town = makeTown({200'000, 1});

@@ -121,7 +121,8 @@ class CudaBackend final : public Backend {
       options.PASS = step.pass;
       plan.stages.back().pipelines.push_back({nameOf(step.kernel), constantsOf(options)});
     };
-    const uint32_t shells = sensor.shellBorder() > 0 ? 2 : 1, chunks = static_cast<uint32_t>(onDevice_.size());
+    const auto shells = static_cast<uint32_t>(sensor.shellEnds().size());
+    const auto chunks = static_cast<uint32_t>(onDevice_.size());
     add("project", shells * chunks, {Kernel::project_groups});
     add("project", shells * chunks, {Kernel::project_clusters});
     add("project", shells - 1, {Kernel::project_occluders});
@@ -230,7 +231,7 @@ class CudaBackend final : public Backend {
     }
   }
 
-  // The stages in order. In two shells: what is near first, since it hides much of what is far.
+  // The stages in order, shell by shell: what is near first, since it hides much of what is far.
   void run(SensorArrays& sensor, const Shot& shot, const std::optional<ShotMotion>& motion) {
     sensor.prepare(shot, motion ? &*motion : nullptr, instances_.count(), job_);
     job_.arrays[0][gpu::kBindInstances] = placedInstances_.data();
@@ -240,17 +241,16 @@ class CudaBackend final : public Backend {
     job_.arrays[0][gpu::kBindVisibleGroups] = visibleGroups_.data();
     job_.arrays[0][gpu::kBindVisible] = visible_.data();
     stopwatch_.start();
-    const float border = sensor.shellBorder();
-    const gpu::Frame& frame = sensor.frame();
-    if (border > 0) {
-      project({0, 0, 0, border, 0}, sensor.way());
-      bin(sensor, false);
-      launch({Kernel::project_occluders}, device_.groups);
+    float begin = 0;
+    for (const float end : sensor.shellEnds()) {
+      const bool last = end == kInfinity;
+      project({0, 0, begin, end, begin > 0}, sensor.way());
+      bin(sensor, last);
+      if (!last) launch({Kernel::project_occluders}, device_.groups);
+      begin = end;
     }
-    project({0, 0, border, kInfinity, border > 0}, sensor.way());
-    bin(sensor, true);
     if (resolves(sensor)) {
-      launchOnBeams({Kernel::resolve, sensor.way()}, frame);
+      launchOnBeams({Kernel::resolve, sensor.way()}, sensor.frame());
       stopwatch_.finished("resolve");
     }
     effects(sensor);

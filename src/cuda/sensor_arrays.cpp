@@ -18,7 +18,7 @@ SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& op
   gpu::Frame& frame = tables_.frame;
   frame.footprint = effects_.footprint();
   reach_ = reachOf(options, frame);
-  shellBorder_ = gnosphere::shellBorder(options, way_, frame, triangles);
+  shellEnds_ = gnosphere::shellEnds(options, way_, frame, triangles);
   arrays_[gpu::kBindRows] = Array("rows", tables_.rows);
   arrays_[gpu::kBindRowLookup] = Array("rowLookup", tables_.rowLookup);
   arrays_[gpu::kBindColumns] = Array("columns", tables_.columns);

@@ -22,7 +22,8 @@ class SensorArrays {
   bool leavesWords() const { return gnosphere::leavesWords(way_, planned()); }
   const gpu::Frame& frame() const { return tables_.frame; }
   double reach() const { return reach_; }
-  float shellBorder() const { return shellBorder_; }
+  /// See gnosphere::shellEnds().
+  std::span<const float> shellEnds() const { return shellEnds_; }
 
   /// Binds everything but what is placed, with nothing counted and no beam met. `motion`: null for a scan that stands
   /// still.
@@ -51,7 +52,7 @@ class SensorArrays {
   BeamTables tables_;  // with the capacities of the lists
   EffectsArrays effects_;
   double reach_;
-  float shellBorder_;
+  std::vector<float> shellEnds_;
   std::array<Array, gpu::kWorkBindingCountEffects> arrays_;  // set 0; empty where nothing is planned for them
   std::vector<std::vector<std::byte>> results_;              // of the outputs, on the host
 };

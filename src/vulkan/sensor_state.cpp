@@ -61,7 +61,7 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     tables_.frame.footprint = arrays.footprint();
     effects_ = std::make_unique<EffectsState>(device, std::move(arrays), !readsInPlace());
   }
-  shellBorder_ = gnosphere::shellBorder(options, way, tables_.frame, geometry.instances().counters().triangles);
+  shellEnds_ = gnosphere::shellEnds(options, way, tables_.frame, geometry.instances().counters().triangles);
   reach_ = reachOf(options, tables_.frame);
   makeBuffers(geometry);
   inFlight_.push_back(makeFrame());

@@ -54,8 +54,8 @@ class SensorState {
   uint32_t way() const { return way_; }
   /// Those of the scan that was prepared last.
   const Kernels& kernels() const { return *kernels_[moving_]; }
-  /// Metres: what is nearer is binned first, and hides what lies behind it. 0 if everything is binned at once.
-  float shellBorder() const { return shellBorder_; }
+  /// See gnosphere::shellEnds().
+  std::span<const float> shellEnds() const { return shellEnds_; }
   const Buffer& buffer(uint32_t binding) const {
     return binding < buffers_.size() ? buffers_[binding] : effects_->buffer(binding);
   }
@@ -101,7 +101,7 @@ class SensorState {
   bool exact_;
   std::vector<Output> outputs_;
   std::unique_ptr<EffectsState> effects_;  // empty where nothing but geometry is planned
-  float shellBorder_ = 0;
+  std::vector<float> shellEnds_;
   double reach_ = 0;
   BeamTables tables_;
   // Of scans that stand still, and of scans in motion where those are planned.

@@ -46,21 +46,18 @@ void Stages::record(Commands& commands, const SensorState& state, const PlacedIn
   }
 }
 
-// In two shells: what is near first, since it hides much of what is far. Where every hit of a beam counts, nothing
-// hides anything.
+// Shell by shell: what is near first, since it hides much of what is far.
 void Stages::scanStill(Commands& commands, const SensorState& state, const PlacedInstances& placed) const {
-  const float border = state.shellBorder();
-  if (border > 0) {
-    project(commands, state, placed.still, {0, 0, 0, border, 0});
+  float begin = 0;
+  for (const float end : state.shellEnds()) {
+    const bool last = end == kInfinity;
+    project(commands, state, placed.still, {0, 0, begin, end, begin > 0});
     commands.finished("project");
-    bin(commands, state, false);
+    bin(commands, state, last);
     commands.finished("bin");
-    findOccluders(commands, state);
+    if (!last) findOccluders(commands, state);
+    begin = end;
   }
-  project(commands, state, placed.still, {0, 0, border, kInfinity, border > 0});
-  commands.finished("project");
-  bin(commands, state, true);
-  commands.finished("bin");
 }
 
 void Stages::scanMoving(Commands& commands, const SensorState& state, const PlacedInstances& placed) const {
@@ -136,7 +133,7 @@ void Stages::effects(Commands& commands, const SensorState& state) const {
 
 void Stages::count(Plan& plan, const SensorState& state) const {
   const auto chunks = static_cast<uint32_t>(chunkSets_.size());
-  const uint32_t shells = state.shellBorder() > 0 ? 2 : 1;
+  const auto shells = static_cast<uint32_t>(state.shellEnds().size());
   const Kernels& kernels = state.kernels();
   for (Plan::Stage& stage : plan.stages) {
     if (stage.name == "project") stage.dispatches = shells * 3 * chunks + (shells - 1);

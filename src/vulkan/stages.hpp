@@ -12,8 +12,8 @@ namespace gnosphere::vulkan {
 
 class Stages {
  public:
-  /// Timestamps that record() takes, at most.
-  static constexpr uint32_t kStamps = 9;
+  /// Timestamps that record() takes, at most: three shells, what moves, and the start.
+  static constexpr uint32_t kStamps = 11;
 
   Stages(const Device& device, const Geometry& geometry, Layout& layout);
 
