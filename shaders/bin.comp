@@ -203,6 +203,7 @@ void tryTile(Tile tile) {
   uint shift = columnCount > 1 ? min(findMSB(columnCount - 1) + 1, findMSB(gl_SubgroupSize)) : 0;
   uint width = 1 << shift, height = gl_SubgroupSize >> shift;
   float angle = float(AZIMUTH_OFFSETS ? width + 1 : width) / frame.columnsPerRadian;
+  uint stride = frame.columns;
   // Each lane has a row at hand; of most boxes these are all.
   vec2 angles = rows[min(box.rowFirst + lane, box.rowLast)].angles.xy;
   uint loaded = 0;
@@ -246,7 +247,7 @@ void tryTile(Tile tile) {
             tryBeam(tile.triangle, prepared, turn(tile.triangle, beam.azimuth), beam, index, tile.slot);
           } else if (here) {
             tryBeam(tile.triangle, prepared, turned, beamOf(azimuth, elevation.x, elevation.y),
-                    (box.rowFirst + mine) * frame.columns + column, tile.slot);
+                    (box.rowFirst + mine) * stride + column, tile.slot);
           }
 #endif
         }

@@ -58,12 +58,12 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
     precise float weighted = side.x * depth.x + side.y * depth.y + side.z * depth.z;
     range = weighted / sum;
   }
-  // Never nearer than the triangle itself: so skipping what is farther than the best hit loses nothing. What lies
-  // behind the sensor stays there.
-  if (BOUNDS != kBoundsPaper && range > 0.0) range = max(range, triangle.rangeMin);
+  // Never nearer than the triangle itself: so skipping what is farther than the best hit loses nothing.
+  bool ahead = range > 0.0;
+  if (BOUNDS != kBoundsPaper) range = max(range, triangle.rangeMin);
   bool facing = all(lessThanEqual(side, vec3(0.0)));
   bool averted = all(greaterThanEqual(side, vec3(0.0)));
-  return (facing || (averted && !triangle.oneSided)) && sum != 0.0;
+  return (facing || (averted && !triangle.oneSided)) && ahead && sum != 0.0;
 }
 
 // May some line within the footprint around the beam meet the triangle? Its direction is off by at most so much, so its
@@ -79,5 +79,5 @@ bool mayMeet(Triangle triangle, Prepared prepared, Turned turned, Beam beam) {
 bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, out float range) {
   bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, index, range)
                                        : meetRounded(triangle, prepared, turned, beam, range);
-  return inside && range > 0.0 && range >= prepared.window.x && range <= prepared.window.y;
+  return inside && (INSIDE != kInsideExact || range > 0.0) && range >= prepared.window.x && range <= prepared.window.y;
 }
