@@ -24,7 +24,7 @@ layout(local_size_x = 64) in;
 
 // Where a later shell may have something: its rows are those that are worth knowing what hides it.
 void noteLater(vec3 low, vec3 high, inout uvec2 later) {
-  bool occluders = (CULLING & kCullOccluded) != 0 && pass.occluders == 0;
+  bool occluders = (CULLING & kCullOccluded) != 0 && pass.shellMax < kCoordinateLimit;
   if (!occluders || farthestPoint(low, high) < pass.shellMax) return;
 #ifdef MOTION
   seeming = seemingAngle(motion.shift, motion.turn, pass.shellMax);  // at most, so far away

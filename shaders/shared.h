@@ -234,10 +234,10 @@ struct Counters {
   uint integerSides, integerRanges;  // of `exact`: tests that floating point could not decide
   uint visibleGroups, visible;       // of a chunk in a shell; set back for the next, with the two below
   uint nextCluster, nextSlab;        // slab way: that no subgroup has taken yet
+  uint laterRowsDown, laterRowsUp;   // of a shell: what lies beyond it is in rows rows - down..up - 1
   uint causes[6];                    // beams by Cause, where effects judge them
   uint lostEchoes;                   // beyond kMaxEchoes of a beam
   uint hardBeams;                    // whose footprint does not lie on one triangle
-  uint laterRowsDown, laterRowsUp;   // what lies beyond the shell is in rows rows - down..up - 1
   uint padding[3];
 };
 

@@ -26,7 +26,8 @@ std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t way, cons
                              uint64_t triangles);
 /// Metres: instances farther away need not be looked at.
 double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
-/// Counters from visibleGroups to nextSlab: set back for each chunk of a shell.
+/// Counters from visibleGroups on: set back for each chunk of a shell, and for each shell.
+constexpr uint64_t kPerChunkBytes = offsetof(gpu::Counters, laterRowsDown) - offsetof(gpu::Counters, visibleGroups);
 constexpr uint64_t kPerShellBytes = offsetof(gpu::Counters, causes) - offsetof(gpu::Counters, visibleGroups);
 /// Entries of the table of what hides, of both levels.
 uint64_t farthestEntries(const gpu::Frame& frame);

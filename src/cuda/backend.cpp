@@ -273,7 +273,7 @@ class CudaBackend final : public Backend {
   void project(gpu::Pass pass, uint32_t way) {
     for (size_t i = 0; i < onDevice_.size(); ++i) {
       auto* counters = static_cast<std::byte*>(job_.arrays[0][gpu::kBindCounters]);
-      fill(counters + offsetof(gpu::Counters, visibleGroups), 0, kPerShellBytes);
+      fill(counters + offsetof(gpu::Counters, visibleGroups), 0, i > 0 ? kPerChunkBytes : kPerShellBytes);
       bindChunk(i);
       const PlacedGroups::Chunk& chunk = placed_.still[i];
       pass.placedFirst = chunk.first;

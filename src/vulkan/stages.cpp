@@ -84,7 +84,8 @@ void Stages::project(Commands& commands, const SensorState& state, std::span<con
                      gpu::Pass pass) const {
   for (size_t i = 0; i < chunkSets_.size(); ++i) {
     if (i > 0 || pass.occluders) {
-      commands.fill(state.buffer(gpu::kBindCounters), offsetof(gpu::Counters, visibleGroups), kPerShellBytes, 0);
+      commands.fill(state.buffer(gpu::kBindCounters), offsetof(gpu::Counters, visibleGroups),
+                    i > 0 ? kPerChunkBytes : kPerShellBytes, 0);
       commands.barrier();
     }
     const PlacedInstances::Chunk& chunk = chunks[i];
