@@ -1,6 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
-// The corners of a cluster's triangles in the sensor's frame. Each vertex is loaded once, by one lane, and told to those
-// whose triangles have it: a software device pays for every lane's load, and a shuffle is one instruction.
+// A cluster and the corners of its triangles in the sensor's frame. Each vertex is loaded once, by one lane, and told to
+// those whose triangles have it: a software device pays for every lane's load, and a shuffle is one instruction.
+
+// Where a cluster is: its instance and itself, loaded by one lane for all of them.
+struct Place {
+  Instance instance;
+  uint vertexFirst, vertexCount, triangleFirst, triangleCount;
+  bool doubleSided;
+  uint material;  // only with a footprint
+  uint number;  // its number; only with motion
+};
+
+Place placeOf(uint i) {
+  Place place;
+  place.material = 0;
+  float vertices, triangles;
+  if (gl_SubgroupInvocationID == 0) {
+    uvec2 pair = visible[i];
+    place.instance = instances[pair.x];
+    place.number = pair.x;
+    vertices = clusters[pair.y].low.w;
+    triangles = clusters[pair.y].high.w;
+#ifdef FOOTPRINT
+    place.material = clusterMaterials[pair.y];
+#endif
+  }
+  place.material = subgroupBroadcast(place.material, 0);
+  place.number = subgroupBroadcast(place.number, 0);
+  place.instance = fromFirstLane(place.instance);
+  uint word = floatBitsToUint(subgroupBroadcast(vertices, 0));
+  place.vertexFirst = word & (kChunkVertices - 1);
+  place.vertexCount = word >> 25;
+  word = floatBitsToUint(subgroupBroadcast(triangles, 0));
+  place.triangleFirst = word & (kChunkTriangles - 1);
+  place.triangleCount = word >> 24 & 127;
+  place.doubleSided = (word >> 31) != 0;
+  return place;
+}
 
 // Vertices lane, lane + subgroup size, ... of a cluster; none if it has more than there is room for. Of towns a tenth has
 // more than 6 times 8.

@@ -27,6 +27,7 @@
 #include "lanes.glsl"
 #include "place.glsl"
 #include "cull.glsl"
+#include "project_corners.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -48,44 +49,6 @@ struct Projected {
   mat3 velocities;  // of the corners
 #endif
 };
-
-// Where a cluster is: its instance and itself, loaded by one lane for all of them.
-struct Place {
-  Instance instance;
-  uint vertexFirst, vertexCount, triangleFirst, triangleCount;
-  bool doubleSided;
-  uint material;  // only with a footprint
-  uint number;  // its number; only with motion
-};
-
-Place placeOf(uint i) {
-  Place place;
-  place.material = 0;
-  float vertices, triangles;
-  if (gl_SubgroupInvocationID == 0) {
-    uvec2 pair = visible[i];
-    place.instance = instances[pair.x];
-    place.number = pair.x;
-    vertices = clusters[pair.y].low.w;
-    triangles = clusters[pair.y].high.w;
-#ifdef FOOTPRINT
-    place.material = clusterMaterials[pair.y];
-#endif
-  }
-  place.material = subgroupBroadcast(place.material, 0);
-  place.number = subgroupBroadcast(place.number, 0);
-  place.instance = fromFirstLane(place.instance);
-  uint word = floatBitsToUint(subgroupBroadcast(vertices, 0));
-  place.vertexFirst = word & (kChunkVertices - 1);
-  place.vertexCount = word >> 25;
-  word = floatBitsToUint(subgroupBroadcast(triangles, 0));
-  place.triangleFirst = word & (kChunkTriangles - 1);
-  place.triangleCount = word >> 24 & 127;
-  place.doubleSided = (word >> 31) != 0;
-  return place;
-}
-
-#include "project_corners.glsl"
 
 // By bits: the compiler may assume that NaN does not occur.
 bool inLimits(vec3 p) {
