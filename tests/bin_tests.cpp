@@ -136,7 +136,7 @@ TEST_CASE("a scene cut into many chunks scans like one in a single chunk") {
   options.maxBufferBytes = 1 << 19;  // the largest array of the sensor itself still fits
   const Scan chunks = scanOf(scene, sensor, {{0, 0, 1.8}, {}}, options);
   CHECK(sameBytes(whole, chunks));
-  // What hides is known for all that later shells have, whatever chunk it is in.
+  // Nor is more of it looked at.
   CHECK(chunks.counters.culledByCluster == whole.counters.culledByCluster);
 }
 

@@ -157,3 +157,25 @@ TEST_CASE("culling: what one column shows behind a wall is seen, at the seam as 
     if (segments == 404) CHECK(scan.counters.culledByCluster > far.triangleCount() / 4);
   }
 }
+
+TEST_CASE("culling: what hides is known for every row that a later shell has, whatever chunk it is in") {
+  needVulkan();
+  // A near wall hides two far ones, one above the horizon and one below it, each in a chunk of its own.
+  Scene scene = sceneOf(wallAround(60, 720, 20, 720));
+  scene.meshes.push_back(scene.meshes[0]);
+  scene.meshes.push_back(wallAround(10, 90, 20, 90));
+  scene.instances[0].transform.rows = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0.2, 18};
+  scene.instances.push_back({"", 1, {}});
+  scene.instances[1].transform.rows = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0.2, -18};
+  scene.instances.push_back({"", 2, {}});
+  const Sensor sensor = gridSensor(700, 40, -24, 24, 100);
+  SimulatorOptions options = vulkanOptions();
+  options.faces = Faces::both;
+  options.culling.occlusion = Culling::Occlusion::always;
+  const Scan whole = scanOf(scene, sensor, {}, options);
+  options.maxBufferBytes = 1 << 19;
+  const Scan chunks = scanOf(scene, sensor, {}, options);
+  CHECK(whole.counters.culledByCluster > 19 * scene.meshes[0].triangleCount() / 10);
+  CHECK(chunks.counters.culledByCluster == whole.counters.culledByCluster);
+  CHECK(sameBytes(whole, chunks));
+}
