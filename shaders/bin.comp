@@ -42,11 +42,11 @@ void offerNearest(uint beam, uint rangeBits, uint id) {
 #endif
 }
 
-// For the owner of the beam.
-void keepNearer(uint beam, uint rangeBits, uint id) {
+// For the owner of the beam. Met or not, it is loaded and stored: lanes that branch at random cost a CPU more.
+void keepNearer(uint beam, bool met, float range, uint id) {
 #ifdef INT64_ATOMICS
-  uint64_t word = packUint2x32(uvec2(id, rangeBits));
-  if (word < words64[beam]) words64[beam] = word;
+  uint64_t word = packUint2x32(met ? uvec2(id, floatBitsToUint(range)) : uvec2(kNone));
+  words64[beam] = min(words64[beam], word);
 #endif
 }
 
@@ -54,8 +54,6 @@ void offer(uint beam, float range, uint projected, uint id) {
   uint rangeBits = floatBitsToUint(range);
   if (PASS == kPassNearest) {
     offerNearest(beam, rangeBits, id);
-  } else if (PASS == kPassSlabs) {
-    keepNearer(beam, rangeBits, id);
   } else if (PASS == kPassRange) {
     if (rangeBits >= words[beam].y) return;
     atomicMin(words[beam].y, rangeBits);
@@ -81,7 +79,11 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
     return;
   }
   float range;
-  if (meet(triangle, prepared, turned, beam, index, range)) offer(index, range, projected, triangle.id);
+  bool met = meet(triangle, prepared, turned, beam, index, range);
+  if (PASS == kPassSlabs)
+    keepNearer(index, met, range, triangle.id);
+  else if (met)
+    offer(index, range, projected, triangle.id);
 }
 
 #ifdef MOTION
@@ -142,8 +144,14 @@ struct Tile {
   Triangle triangle;
   Box box;
   uint first, end;
+  uint column;  // of the first one, wrapped
   uint before;  // in the list of a slab
 };
+
+uint columnOf(Tile tile, uint k) {
+  uint column = tile.column + (k - tile.first);
+  return min(column, column - frame.columns);  // beyond the last comes the first again
+}
 
 Tile tileAt(uint t) {
   uvec4 tile;
@@ -160,7 +168,7 @@ Tile tileAt(uint t) {
   c = subgroupBroadcast(c, 0);
   Box box = boxOf(subgroupBroadcast(span, 0), c.w);
   return Tile(tile.x, triangleOf(subgroupBroadcast(a, 0), subgroupBroadcast(b, 0), c), box, tile.y,
-              min(tile.y + tile.z, boxColumnCount(box)), tile.w);
+              min(tile.y + tile.z, boxColumnCount(box)), wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
 }
 
 // Rows from..to - 1 of a box that a beam in its columns kFrom..kTo may meet the triangle in; a lane each.
@@ -178,8 +186,8 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   // With offsets, a beam lies between its grid column and the next.
   uint next = AZIMUTH_OFFSETS ? 1 : 0;
   float keyMin, keyMax;
-  keysBetween(turn(tile.triangle, columns[wrapColumn(firstColumn(tile.box) + int(kFrom))]),
-              turn(tile.triangle, columns[wrapColumn(firstColumn(tile.box) + int(kTo + next))]),
+  keysBetween(turn(tile.triangle, columns[columnOf(tile, kFrom)]),
+              turn(tile.triangle, columns[columnOf(tile, kTo + next)]),
               blur * max(max(far.x, far.y), far.z), keyMin, keyMax);
   // A box of all columns may hold a pole.
   if (boxColumnCount(tile.box) == frame.columns) {
@@ -215,7 +223,7 @@ void tryTile(Tile tile) {
       uint row = subgroupShuffle(from, j), rowEnd = subgroupShuffle(to, j);
       if (row >= rowEnd) continue;
       uint k = part + j * width + (lane & (width - 1));
-      uint column = columnAt(box, k, 0.0);
+      uint column = columnOf(tile, k);
       vec2 azimuth = columns[column];
       Turned turned = turn(tile.triangle, azimuth);
 #ifdef MOTION
