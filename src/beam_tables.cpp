@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <thread>
 
 #include "gnosphere/error.hpp"
+#include "threads.hpp"
 
 namespace gnosphere {
 namespace {
@@ -67,7 +67,7 @@ std::vector<uint32_t> makeLookup(const std::vector<gpu::Row>& rows) {
 }
 
 uint32_t slabShift(uint32_t columns) {
-  const uint32_t threads = std::max(1u, std::thread::hardware_concurrency());
+  const uint32_t threads = threadCount();
   uint32_t shift = kLargestSlabShift;
   while (shift > kLeastSlabShift && columns >> shift < kSlabsPerThread * threads) --shift;
   return shift;

@@ -11,6 +11,7 @@
 
 #include "effects/motion.hpp"
 #include "resolve_words.hpp"
+#include "threads.hpp"
 
 namespace gnosphere {
 namespace {
@@ -23,8 +24,7 @@ constexpr uint64_t kBeamsPerThread = 100'000;
 // work(first, end) for slices of 0..count, all at once, where each counts for so many beams.
 template <typename Work>
 void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
-  const uint64_t threads =
-      std::clamp<uint64_t>(count * beamsEach / kBeamsPerThread, 1, std::max(1u, std::thread::hardware_concurrency()));
+  const uint64_t threads = std::clamp<uint64_t>(count * beamsEach / kBeamsPerThread, 1, threadCount());
   std::vector<std::jthread> others;
   for (uint64_t k = 1; k < threads; ++k) others.emplace_back(work, k * count / threads, (k + 1) * count / threads);
   work(0, count / threads);

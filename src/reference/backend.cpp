@@ -11,16 +11,13 @@
 #include "effects/motion.hpp"
 #include "gnosphere/error.hpp"
 #include "reference/results.hpp"
+#include "threads.hpp"
 
 namespace gnosphere {
 
 namespace {
 
 using namespace reference;
-
-unsigned threadCount() {
-  return std::max(1u, std::thread::hardware_concurrency());
-}
 
 /// Calls `work(first, last)` for runs of indices until all are done, on every thread of the machine.
 template <typename Work>

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <thread>
+
+#include "threads.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -151,14 +152,13 @@ void Stages::count(Plan& plan, const SensorState& state) const {
 // know a count that only the device has. On a software device neighbouring workgroups share a thread, so the loop's
 // stride also spreads uneven work over the threads; four times as many took 1.05 of the time.
 uint32_t Stages::groupCount() const {
-  return device_.capabilities().cpu ? std::max(64u, 8 * std::thread::hardware_concurrency()) : 4096;
+  return device_.capabilities().cpu ? std::max(64u, 8 * threadCount()) : 4096;
 }
 
 // With slabs whoever is free takes what is next until nothing is left: on a CPU a workgroup per thread is enough then,
 // and each one more asks in vain.
 uint32_t Stages::groupCount(const SensorState& state) const {
-  return device_.capabilities().cpu && state.way() == gpu::kWaySlabs ? std::max(1u, std::thread::hardware_concurrency())
-                                                                     : groupCount();
+  return device_.capabilities().cpu && state.way() == gpu::kWaySlabs ? threadCount() : groupCount();
 }
 
 }  // namespace gnosphere::vulkan
