@@ -21,13 +21,19 @@ using Clock = std::chrono::steady_clock;
 // A copy of fewer beams is not worth a thread.
 constexpr uint64_t kBeamsPerThread = 100'000;
 
-// work(first, end) for slices of 0..count, all at once, where each counts for so many beams.
+// work(first, end) for slices of 0..count, all at once, where each counts for so many beams. Whoever is free takes the
+// next slice: a thread starts late.
 template <typename Work>
 void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
   const uint64_t threads = std::clamp<uint64_t>(count * beamsEach / kBeamsPerThread, 1, threadCount());
+  const uint64_t slices = threads > 1 ? std::min(count, 8 * threads) : 1;
+  std::atomic<uint64_t> next = 0;
+  const auto loop = [&] {
+    for (uint64_t k = next++; k < slices; k = next++) work(k * count / slices, (k + 1) * count / slices);
+  };
   std::vector<std::jthread> others;
-  for (uint64_t k = 1; k < threads; ++k) others.emplace_back(work, k * count / threads, (k + 1) * count / threads);
-  work(0, count / threads);
+  for (uint64_t k = 1; k < threads; ++k) others.emplace_back(loop);
+  loop();
 }
 
 // Row by row. Returns the hits.
