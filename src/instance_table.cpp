@@ -206,7 +206,8 @@ InstanceTable::Owner InstanceTable::ownerOf(uint32_t number) const {
   const auto [from, to] = ownerRanges_[number / gpu::kOwnerBlock];
   const auto firsts = firstTriangles_.begin();
   const auto owner = std::upper_bound(firsts + from, firsts + to + 1, number) - 1;
-  return {number - *owner, static_cast<uint32_t>(owner - firsts)};
+  const uint32_t end = owner + 1 < firstTriangles_.end() ? owner[1] : numberCount_;
+  return {*owner, end - *owner, static_cast<uint32_t>(owner - firsts)};
 }
 
 void InstanceTable::writeMeshes(uint32_t* meshes) const {

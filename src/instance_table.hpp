@@ -78,9 +78,9 @@ class InstanceTable {
   /// Per kOwnerBlock placed triangles: the first and the last instance among them.
   size_t ownerRangeCount() const { return size_t{numberCount_} / gpu::kOwnerBlock + 1; }
   void writeOwnerRanges(uint32_t* ranges) const;
-  /// Whose a placed triangle is: its number within its mesh, and the instance.
+  /// Whose a placed triangle is: the instance that has the numbers first..first + triangles - 1.
   struct Owner {
-    uint32_t triangle, instance;
+    uint32_t first = 0, triangles = 0, instance = 0;
   };
   Owner ownerOf(uint32_t number) const;
   /// Of every instance: how it moves in the sensor's frame during `period` seconds to where `motions` says; those it

@@ -30,8 +30,7 @@ uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, c
                       uint32_t first, uint32_t end, uint64_t firstBeam, Scan& scan) {
   const uint32_t columns = tables.frame.columns;
   uint64_t hits = 0;
-  Word last = {gpu::kNone, 0};  // neighbours mostly meet the same triangle
-  InstanceTable::Owner owner = {};
+  InstanceTable::Owner owner;  // neighbours mostly meet the same instance
   for (uint32_t row = first; row < end; ++row) {
     const gpu::vec4 &angles = tables.rows[row].angles, &offset = tables.rows[row].offset;
     const uint64_t begin = firstBeam + static_cast<uint64_t>(angles.w) * columns;
@@ -51,11 +50,8 @@ uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, c
       point[1] = angles.x * azimuth.sine * metres;
       point[2] = angles.y * metres;
       range[column] = metres;
-      if (word->triangle != last.triangle) {
-        last = *word;
-        owner = instances.ownerOf(word->triangle);
-      }
-      triangle[column] = owner.triangle;
+      if (word->triangle - owner.first >= owner.triangles) owner = instances.ownerOf(word->triangle);
+      triangle[column] = word->triangle - owner.first;
       instance[column] = owner.instance;
       ++hits;
     }
