@@ -56,7 +56,8 @@ TEST_CASE("the bench compares nearest neighbours as the paper does") {
   CHECK(contenders.at(1).at("name") == "paper");
 }
 
-TEST_CASE("the bench tells what each effect costs, and that what is off costs nothing") {
+// Compiles every effect's pipelines.
+TEST_CASE("the bench tells what each effect costs, and that what is off costs nothing", "[.slow]") {
   needVulkan();
   const Workplace place;
   const json effects =

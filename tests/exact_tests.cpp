@@ -82,7 +82,7 @@ Mesh wholeSoup(Random& random, int count, int reach) {
 TEST_CASE("exact: corners on the whole metres around the sensor, through it, on the axes and on one another") {
   Family family("whole soups", {axisSensor()});
   Random random(31);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < rounds(300); ++i) {
     const int reach = 1 + int(random.bits() % 6);
     family.add(sceneOf(wholeSoup(random, 30, reach), i % 3 != 0));
   }
@@ -93,7 +93,7 @@ TEST_CASE("exact: a closed mesh whose corners and edges lie on the beams has one
   const Sensor sensor = axisSensor();
   Family family("aligned boxes and balls", {sensor});
   Random random(32);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < rounds(200); ++i) {
     const double half = std::ldexp(1 + random.bits() % 3, -int(random.bits() % 5));
     Mesh mesh = i % 2 ? alignedBox(2 * (1 + random.bits() % 4), half, random, i % 4 == 3)
                       : aimedMesh(sensor, 1 + random.bits() % 2, [&](const Vec3&) {
@@ -114,7 +114,7 @@ TEST_CASE("exact: a closed mesh before the sensor is met twice or not at all, it
   const Sensor sensor = axisSensor();
   Family family("boxes in front", {sensor});
   Random random(33);
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < rounds(150); ++i) {
     const auto whole = [&](int reach) { return double(int(random.bits() % (2 * reach + 1)) - reach); };
     const Vec3 low = {i % 2 ? 1 + double(random.bits() % 4) : whole(6), whole(4), whole(4)};
     MeshBuilder builder;
@@ -172,7 +172,7 @@ TEST_CASE("exact: soups, slivers and duplicates from any pose, through instances
   for (size_t j = 0; j < uneven.channels.size(); j += 2) uneven.channels[j].azimuthOffsetDeg = 1.7 * double(j) - 9;
   Family family("soups from any pose", {axisSensor(), gridSensor(77, 16, -25, 25), uneven});
   Random random(34);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < rounds(200); ++i) {
     const double size = logUniform(random, 0.02, 30);
     Mesh mesh = soup(random.bits(), 50, size, size * logUniform(random, 0.01, 2));
     for (size_t v = 2; v + 3 < mesh.vertexCount(); v += 9)  // slivers: the third corner nearly between the others
@@ -190,7 +190,7 @@ TEST_CASE("exact: ranges down to the last bit of the lattice") {
   // Planes that pass the sensor by less than a femtometre: only the integers know on which side.
   Family family("planes through almost nothing", {axisSensor()});
   Random random(35);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < rounds(300); ++i) {
     MeshBuilder builder;
     for (int k = 0; k < 6; ++k) {
       const Vec3 a = coarse(anywhere(random, 0.1)), b = coarse(anywhere(random, 0.1));
@@ -207,7 +207,7 @@ TEST_CASE("exact: edges that all but pass through the sensor") {
   // Half a great circle in sight: a rounding of a corner turns its highest point all the way around.
   Family family("edges through almost the sensor", {axisSensor(), gridSensor(77, 48, -80, 80)});
   Random random(36);
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < rounds(300); ++i) {
     MeshBuilder builder;
     for (int k = 0; k < 4; ++k) {
       const Vec3 a = coarse(anywhere(random, 5)), c = coarse(anywhere(random, 5));

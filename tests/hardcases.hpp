@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 #include "cuda/twin.hpp"
@@ -13,6 +14,11 @@
 #include "support.hpp"
 
 namespace gnosphere::test {
+
+/// Of so many worlds those that are tried: all by `ctest -L slow`, a third of them otherwise.
+inline int rounds(int worlds) {
+  return std::getenv("GNOSPHERE_SLOW") ? worlds : worlds / 3;
+}
 
 class Family {
  public:
