@@ -33,7 +33,8 @@ class Stages {
   void resolve(Commands& commands, const SensorState& state) const;
   void effects(Commands& commands, const SensorState& state) const;
   uint32_t groupCount() const;
-  uint32_t groupCount(const SensorState& state) const;
+  uint32_t cullGroupCount() const;
+  uint32_t triangleGroupCount(const SensorState& state) const;
 
   const Device& device_;
   std::vector<VkDescriptorSet> chunkSets_;
