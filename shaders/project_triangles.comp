@@ -139,30 +139,58 @@ uint cullOne(Place place, mat3 corners) {
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 
-uint projectOne(Place place, mat3 corners, uvec3 numbers, uint index, uint side, out Projected projected, out Box box) {
-  vec3 a = corners[0], b = corners[1], c = corners[2];
+// A triangle to be bounded, whose cluster another may have followed.
+struct Candidate {
+  mat3 corners;
+  uint id;  // the top bit says one-sided
+#ifdef FOOTPRINT
+  uvec3 vertices;
+  uint material;
+#endif
+#ifdef MOTION
+  uint instance;
+#endif
+};
+
+// The k-th triangle of a cluster. Every lane must ask.
+Candidate candidateOf(Place place, Vertices vertices, uint k) {
+  uvec2 triangle = triangleCorners[place.triangleFirst + k];
+  uvec3 numbers = numbersOf(place, triangle.x);
+  Candidate candidate;
+  candidate.corners = cornersOf(place, vertices, numbers);
+  candidate.id = placedFirstOf(place.instance) + triangle.y | (isOneSided(place) ? 1u << 31 : 0u);
+#ifdef FOOTPRINT
+  candidate.vertices = place.vertexFirst + numbers;
+  candidate.material = place.material;
+#endif
+#ifdef MOTION
+  candidate.instance = place.number;
+#endif
+  return candidate;
+}
+
+uint projectOne(Candidate candidate, uint side, out Projected projected, out Box box) {
+  vec3 a = candidate.corners[0], b = candidate.corners[1], c = candidate.corners[2];
 #ifdef FOOTPRINT
   if ((EFFECTS & kCutOuts) != 0) {
-    projected.uvA = textureCoordinates[place.vertexFirst + numbers.x];
-    projected.uvB = textureCoordinates[place.vertexFirst + numbers.y];
-    projected.uvC = textureCoordinates[place.vertexFirst + numbers.z];
+    projected.uvA = textureCoordinates[candidate.vertices.x];
+    projected.uvB = textureCoordinates[candidate.vertices.y];
+    projected.uvC = textureCoordinates[candidate.vertices.z];
   }
 #endif
-  bool oneSided = isOneSided(place);
-  uint id = placedFirstOf(place.instance) + index | (oneSided ? 1u << 31 : 0u);
   float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
 #ifdef MOTION
   projected.velocities = mat3(0.0);
   if (motion.instances != 0) {
-    InstanceMotion moving = instanceMotions[place.number];
+    InstanceMotion moving = instanceMotions[candidate.instance];
     projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
   }
-  uint fate = movingBox(corners, projected.velocities, side, box, rangeMin);
+  uint fate = movingBox(candidate.corners, projected.velocities, side, box, rangeMin);
 #else
-  uint fate = BOUNDS == kBoundsPaper ? paperBox(a, b, c, oneSided, box, rangeMin)
+  uint fate = BOUNDS == kBoundsPaper ? paperBox(a, b, c, (candidate.id >> 31) != 0, box, rangeMin)
                                      : boundedBox(a, b, c, box, rangeMin);
 #endif
-  projected.a = vec4(a, uintBitsToFloat(id));
+  projected.a = vec4(a, uintBitsToFloat(candidate.id));
   projected.b = vec4(b, rangeMin);
   projected.c = vec4(c, uintBitsToFloat(box.rowFirst | box.rowLast << 16));
   return fate;
@@ -194,38 +222,68 @@ uint placeOfBit(uint bits, uint n) {
   return place;
 }
 
+uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
+
+// Every lane must call; `there`: it has a candidate.
+void boundAndStore(Candidate candidate, bool there, inout uvec4 culled) {
+  for (uint side = 0; side < kSides; ++side) {
+    uint fate = kNoTriangle;
+    Projected projected;
+    Box box;
+    if (there) {
+      fate = projectOne(candidate, side, projected, box);
+      culled += countOf(fate);
+    }
+#ifdef FOOTPRINT
+    uint material = candidate.material;
+#else
+    const uint material = 0;
+#endif
+    if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, material);
+  }
+}
+
 void main() {
   uvec4 culled = uvec4(0);  // range, face, between beams, hidden
-  uint nonFinite = 0, triangleCount = 0;
-  for (uint i = kNone; nextCluster(i);) {
-    Place place = placeOf(i);
-    triangleCount += place.triangleCount;
-    Vertices vertices = verticesOf(place);
-    uint mine = 0;  // a bit for each triangle to be bounded
-    for (uint first = 0; first < place.triangleCount; first += gl_SubgroupSize) {
-      uint k = first + gl_SubgroupInvocationID;
-      uvec3 numbers = numbersOf(place, triangleCorners[place.triangleFirst + min(k, place.triangleCount - 1)].x);
-      uint fate = cullOne(place, cornersOf(place, vertices, numbers));
-      if (k >= place.triangleCount) fate = kNoTriangle;
-      culled += uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden)));
-      nonFinite += uint(fate == kNonFinite);
-      if (fate == kKeep) mine |= 1u << k;
-    }
-    uint bounded = subgroupOr(mine);
-    uint count = kSides * bitCount(bounded);
-    for (uint first = 0; first < count; first += gl_SubgroupSize) {
-      uint number = first + gl_SubgroupInvocationID;
-      uvec2 triangle = triangleCorners[place.triangleFirst + placeOfBit(bounded, min(number, count - 1) / kSides)];
-      uvec3 numbers = numbersOf(place, triangle.x);
-      mat3 corners = cornersOf(place, vertices, numbers);
-      uint fate = kNoTriangle;
-      Projected projected;
-      Box box;
-      if (number < count) {
-        fate = projectOne(place, corners, numbers, triangle.y, number % kSides, projected, box);
-        culled += uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden)));
+  uint nonFinite = 0, triangleCount = 0, lane = gl_SubgroupInvocationID, i = kNone;
+  // Of most clusters few triangles are left: those wait in the first lanes until there is one for every lane.
+  Candidate candidate;
+  uint waiting = 0;
+  for (bool more = true; more;) {
+    more = nextCluster(i);
+    Place place;
+    Vertices vertices;
+    uint left = 0;  // a bit for each triangle to be bounded
+    if (more) {
+      place = placeOf(i);
+      triangleCount += place.triangleCount;
+      vertices = verticesOf(place);
+      for (uint first = 0; first < place.triangleCount; first += gl_SubgroupSize) {
+        uint k = first + lane;
+        uvec3 numbers = numbersOf(place, triangleCorners[place.triangleFirst + min(k, place.triangleCount - 1)].x);
+        uint fate = cullOne(place, cornersOf(place, vertices, numbers));
+        if (k >= place.triangleCount) fate = kNoTriangle;
+        culled += countOf(fate);
+        nonFinite += uint(fate == kNonFinite);
+        if (fate == kKeep) left |= 1u << k;
       }
-      if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, place.material);
+      left = subgroupOr(left);
+    }
+    uint count = bitCount(left), taken = 0;
+    while (taken < count || (!more && waiting > 0)) {
+      if (taken < count) {
+        uint number = min(taken + lane - min(lane, waiting), count - 1);
+        Candidate next = candidateOf(place, vertices, placeOfBit(left, number));
+        if (lane >= waiting) candidate = next;
+      }
+      uint there = waiting + count - taken;
+      if (more && there < gl_SubgroupSize) {
+        waiting = there;
+        break;
+      }
+      boundAndStore(candidate, lane < there, culled);
+      taken = min(taken + gl_SubgroupSize - waiting, count);
+      waiting = 0;
     }
   }
   culled = subgroupAdd(culled);
