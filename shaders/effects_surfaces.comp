@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage effects, what was met: the surface under every hit of one chunk of the scene, from its owner.
+// Stage effects, what was met: the surface under every hit of one chunk of the scene, from its owner. Neighbouring beams
+// mostly meet the same triangle: the first of them asks for all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #define RESULTS_ARE_READ
 #include "shared.h"
 #include "options.glsl"
@@ -55,6 +57,10 @@ vec2 barycentricsOf(Corners t, vec3 p) {
 }
 
 #ifdef MOTION
+vec2 azimuthAt(uint row, uint column) {
+  return AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], rows[row].offset) : columns[column];
+}
+
 Corners seenFrom(Corners t, uint instance, uint column, uint row, vec2 azimuth) {
   ColumnMotion at = columnMotions[column];
   vec3 origin = originOf(row, azimuth);
@@ -66,36 +72,93 @@ Corners seenFrom(Corners t, uint instance, uint column, uint row, vec2 azimuth) 
 }
 #endif
 
-void look(uint row, uint column, uint at, uvec2 owner) {
+struct Surface {
+  Corners corners;
+  vec3 normal;
+  uint material;
+  bool known;  // false in another chunk
+};
+
+Surface surfaceOf(uint row, uint column, uvec2 owner) {
+  Surface surface;
+  surface.normal = vec3(0.0);
+  surface.material = kNone;
+  surface.known = owner.x == kNone;
+  if (surface.known) return surface;
   uint base = meshPlaces[instanceMeshes[owner.y]];
-  if (base == kNone) return;  // in another chunk
+  if (base == kNone) return surface;
   uint place = trianglePlaces[base + owner.x];
-  if (place == kNone) return;
+  if (place == kNone) return surface;
   uint cluster = place / kClusterTriangles;
-  Corners corners = cornersOf(instances[owner.y], cluster, place % kClusterTriangles);
-  vec3 point = points[at].xyz;
+  surface.corners = cornersOf(instances[owner.y], cluster, place % kClusterTriangles);
+#ifdef MOTION
+  surface.corners = seenFrom(surface.corners, owner.y, column, row, azimuthAt(row, column));
+  surface.normal = reportedDirection(column, normalOf(surface.corners));
+#else
+  surface.normal = normalOf(surface.corners);
+#endif
+  surface.material = clusterMaterials[cluster];
+  surface.known = true;
+  return surface;
+}
+
+vec3 pointOf(uint row, uint column, uint at) {
 #ifdef MOTION
   vec4 angles = rows[row].angles;
-  vec2 azimuth = AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], rows[row].offset) : columns[column];
-  corners = seenFrom(corners, owner.y, column, row, azimuth);
-  point = beamOf(azimuth, angles.x, angles.y).direction * points[at].w;
-  vec3 normal = reportedDirection(column, normalOf(corners));
+  return beamOf(azimuthAt(row, column), angles.x, angles.y).direction * points[at].w;
 #else
-  vec3 normal = normalOf(corners);
+  return points[at].xyz;
 #endif
-  surfaces[at] = vec4(normal, uintBitsToFloat(clusterMaterials[cluster]));
-  if ((FIELDS & kFieldBarycentrics) != 0) barycentrics[at] = barycentricsOf(corners, point);
 }
+
+#ifndef MOTION
+// Whether a lane is the first of those with its owner.
+bool leads(uvec2 owner) {
+  uint lane = gl_SubgroupInvocationID;
+  return lane == 0 || owner != subgroupShuffle(owner, (lane - 1) & (gl_SubgroupSize - 1));
+}
+
+// The lane itself if it leads, or else the last one before it that does.
+uint leaderOf(bool leading) {
+  uint lane = gl_SubgroupInvocationID, leader = leading ? lane : kNone;
+  for (uint step = 1; step < gl_SubgroupSize; step *= 2) {
+    uint before = subgroupShuffle(leader, (lane - step) & (gl_SubgroupSize - 1));
+    if (leader == kNone && lane >= step) leader = before;
+  }
+  return leader;
+}
+
+// What the leader knows.
+Surface told(Surface surface, uint leader) {
+  surface.normal = subgroupShuffle(surface.normal, leader);
+  surface.material = subgroupShuffle(surface.material, leader);
+  surface.known = subgroupShuffle(uint(surface.known), leader) != 0;
+  if ((FIELDS & kFieldBarycentrics) != 0)
+    surface.corners = Corners(subgroupShuffle(surface.corners.a, leader), subgroupShuffle(surface.corners.b, leader),
+                              subgroupShuffle(surface.corners.c, leader));
+  return surface;
+}
+#endif
 
 void main() {
   uint row = gl_WorkGroupID.y, channel = uint(rows[row].angles.w);
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
-  for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
+  // No lane leaves before the others: they tell one another.
+  for (uint from = first; from < end; from += gl_WorkGroupSize.x) {
+    uint column = min(from + gl_LocalInvocationID.x, end - 1);
     uint at = (channel * frame.columns + column) * RETURNS;
     uvec2 owner = owners[at];
-    if (owner.x == kNone)
-      surfaces[at] = vec4(vec3(0.0), uintBitsToFloat(kNone));
-    else
-      look(row, column, at, owner);
+#ifdef MOTION
+    Surface surface = surfaceOf(row, column, owner);  // each sees it at a time of its own
+#else
+    bool leading = leads(owner);
+    Surface surface;
+    if (leading) surface = surfaceOf(row, column, owner);
+    surface = told(surface, leaderOf(leading));
+#endif
+    if (!surface.known || from + gl_LocalInvocationID.x >= end) continue;
+    surfaces[at] = vec4(surface.normal, uintBitsToFloat(surface.material));
+    if ((FIELDS & kFieldBarycentrics) != 0 && owner.x != kNone)
+      barycentrics[at] = barycentricsOf(surface.corners, pointOf(row, column, at));
   }
 }
