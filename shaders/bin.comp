@@ -94,17 +94,13 @@ void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
 }
 #endif
 
-// In a row with an offset of its own the k-th column of a box is so many columns back: a beam then is the k-th of a box
-// in every row where the box has its grid column, and the slab that owns the grid column owns the beam.
-uint columnAt(Box box, uint k, float shift) {
-  return wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? wholeOf(floor(shift)) : 0));
-}
-
-// The beam in the k-th column of a box and in a row, and its index among the words.
+// The beam in the k-th column of a box and in a row, and its index among the words. In a row with an offset of its own
+// that column is so many columns back: a beam then is the k-th of a box in every row where the box has its grid column,
+// and the slab that owns the grid column owns the beam.
 Beam beamAt(Box box, uint k, uint row, out uint index) {
   vec4 angles = rows[row].angles;
   vec4 offset = AZIMUTH_OFFSETS ? rows[row].offset : vec4(0.0);
-  uint column = columnAt(box, k, offset.z);
+  uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? wholeOf(floor(offset.z)) : 0));
   index = row * frame.columns + column;
   return beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
 }
@@ -148,6 +144,7 @@ struct Tile {
   uint before;  // in the list of a slab
 };
 
+// The column of the k-th one of its box, without an offset.
 uint columnOf(Tile tile, uint k) {
   uint column = tile.column + (k - tile.first);
   return min(column, column - frame.columns);  // beyond the last comes the first again

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage project, last pass. One subgroup per visible cluster, one invocation per vertex: to the sensor's frame; then one
-// per triangle: cull; then one per triangle that is left: exact angular bounds. Writes every triangle that a beam may
-// meet, with a box that contains all such beams.
+// per triangle: cull; then one per triangle that is left, of as many clusters as fill the subgroup: exact angular bounds.
+// Writes every triangle that a beam may meet, with a box that contains all such beams.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -142,14 +142,10 @@ uint cullOne(Place place, mat3 corners) {
 // A triangle to be bounded, whose cluster another may have followed.
 struct Candidate {
   mat3 corners;
-  uint id;  // the top bit says one-sided
-#ifdef FOOTPRINT
-  uvec3 vertices;
+  uint id;         // the top bit says one-sided
+  uvec3 vertices;  // only with a footprint, as is the material
   uint material;
-#endif
-#ifdef MOTION
-  uint instance;
-#endif
+  uint instance;  // only with motion
 };
 
 // The k-th triangle of a cluster. Every lane must ask.
@@ -159,13 +155,9 @@ Candidate candidateOf(Place place, Vertices vertices, uint k) {
   Candidate candidate;
   candidate.corners = cornersOf(place, vertices, numbers);
   candidate.id = placedFirstOf(place.instance) + triangle.y | (isOneSided(place) ? 1u << 31 : 0u);
-#ifdef FOOTPRINT
   candidate.vertices = place.vertexFirst + numbers;
   candidate.material = place.material;
-#endif
-#ifdef MOTION
   candidate.instance = place.number;
-#endif
   return candidate;
 }
 
@@ -234,12 +226,7 @@ void boundAndStore(Candidate candidate, bool there, inout uvec4 culled) {
       fate = projectOne(candidate, side, projected, box);
       culled += countOf(fate);
     }
-#ifdef FOOTPRINT
-    uint material = candidate.material;
-#else
-    const uint material = 0;
-#endif
-    if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, material);
+    if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, candidate.material);
   }
 }
 

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <thread>
 
 #include "effects/motion.hpp"
 #include "resolve_words.hpp"
@@ -21,19 +20,12 @@ using Clock = std::chrono::steady_clock;
 // A copy of fewer beams is not worth a thread.
 constexpr uint64_t kBeamsPerThread = 100'000;
 
-// work(first, end) for slices of 0..count, all at once, where each counts for so many beams. Whoever is free takes the
-// next slice: a thread starts late.
+// work(first, end) for slices of 0..count - 1, all at once, where each counts for so many beams.
 template <typename Work>
 void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
   const uint64_t threads = std::clamp<uint64_t>(count * beamsEach / kBeamsPerThread, 1, threadCount());
-  const uint64_t slices = threads > 1 ? std::min(count, 8 * threads) : 1;
-  std::atomic<uint64_t> next = 0;
-  const auto loop = [&] {
-    for (uint64_t k = next++; k < slices; k = next++) work(k * count / slices, (k + 1) * count / slices);
-  };
-  std::vector<std::jthread> others;
-  for (uint64_t k = 1; k < threads; ++k) others.emplace_back(loop);
-  loop();
+  const uint64_t slices = threads > 1 ? 8 * threads : 1;
+  inRuns(count, (count + slices - 1) / slices, threads, work);
 }
 
 // Row by row. Returns the hits.

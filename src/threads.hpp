@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
+#include <cstdint>
 #include <thread>
+#include <vector>
 
 namespace gnosphere {
 
@@ -10,6 +13,20 @@ namespace gnosphere {
 inline unsigned threadCount() {
   static const unsigned count = std::max(1u, std::thread::hardware_concurrency());
   return count;
+}
+
+/// work(first, end) for 0..count - 1 in runs of `run`, on at most so many threads at once, the caller's among them.
+/// Whoever is free takes the next run: a thread starts late.
+template <typename Work>
+void inRuns(uint64_t count, uint64_t run, uint64_t threads, const Work& work) {
+  std::atomic<uint64_t> next = 0;
+  const auto loop = [&] {
+    for (uint64_t first = next.fetch_add(run); first < count; first = next.fetch_add(run))
+      work(first, std::min(count, first + run));
+  };
+  std::vector<std::jthread> others;
+  for (uint64_t k = 1; k < threads && k * run < count; ++k) others.emplace_back(loop);
+  loop();
 }
 
 }  // namespace gnosphere

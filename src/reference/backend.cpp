@@ -3,9 +3,7 @@
 // written from the mathematics and shares nothing with the shaders; what is made of echoes are their formulas.
 #include "backend.hpp"
 
-#include <atomic>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "effects/motion.hpp"
@@ -18,20 +16,6 @@ namespace gnosphere {
 namespace {
 
 using namespace reference;
-
-/// Calls `work(first, last)` for runs of indices until all are done, on every thread of the machine.
-template <typename Work>
-void onAllThreads(size_t count, const Work& work) {
-  constexpr size_t kRun = 1024;
-  std::atomic<size_t> next = 0;
-  const auto loop = [&] {
-    for (size_t first = next.fetch_add(kRun); first < count; first = next.fetch_add(kRun))
-      work(first, std::min(count, first + kRun));
-  };
-  std::vector<std::jthread> threads;
-  for (size_t i = 1; i < threadCount() && i * kRun < count; ++i) threads.emplace_back(loop);
-  loop();
-}
 
 class ReferenceBackend : public Backend {
  public:
@@ -135,7 +119,7 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   view.cutOuts = planned.has(gpu::kCutOuts);
   const Judge judge(view, shot, effects);
   std::vector<Cause> causes(beams);
-  onAllThreads(beams, [&](size_t first, size_t last) {
+  inRuns(beams, 1024, threadCount(), [&](size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) causes[i] = judge.judge(i, scan);
   });
   scan.counters.beams = beams;
