@@ -14,7 +14,7 @@
 #include "effects_bindings.glsl"
 #include "lattice.glsl"
 #include "beam.glsl"
-#include "effects/motion.h"
+#include "effects/doppler.h"
 #ifdef MOTION
 #include "motion.glsl"
 #endif

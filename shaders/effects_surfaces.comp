@@ -12,7 +12,7 @@
 #include "effects/parameters.h"
 #include "effects/vector.h"
 #include "effects_bindings.glsl"
-#include "place.glsl"
+#include "to_sensor.glsl"
 #include "lattice.glsl"
 #include "beam.glsl"
 #ifdef MOTION

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a pipeline is specialised for; in the order of Options in src/vulkan/kernel.hpp.
-#include "effects/plan.h"
+#include "effects/bits.h"
 
 layout(constant_id = 1) const uint BOUNDS = kBoundsExact;
 layout(constant_id = 2) const uint CULL = kCullNearestPoint;

@@ -16,7 +16,7 @@
 #include "motion.glsl"
 #endif
 #include "sphere.glsl"
-#include "place.glsl"
+#include "to_sensor.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
 

@@ -25,9 +25,9 @@
 #include "bounds.glsl"
 #include "lattice.glsl"
 #include "lanes.glsl"
-#include "place.glsl"
+#include "to_sensor.glsl"
 #include "cull.glsl"
-#include "project_corners.glsl"
+#include "cluster_corners.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -128,19 +128,19 @@ uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rang
   return kKeep;
 }
 
-bool isOneSided(Place place) { return FACES == kFacesFront || (FACES == kFacesMaterial && !place.doubleSided); }
+bool isOneSided(LoadedCluster loaded) { return FACES == kFacesFront || (FACES == kFacesMaterial && !loaded.doubleSided); }
 
-uint cullOne(Place place, mat3 corners) {
+uint cullOne(LoadedCluster loaded, mat3 corners) {
   vec3 a = corners[0], b = corners[1], c = corners[2];
   uint fate = kKeep;
 #ifndef MOTION
-  if (BOUNDS != kBoundsPaper) fate = culledEarly(a, b, c, isOneSided(place));
+  if (BOUNDS != kBoundsPaper) fate = culledEarly(a, b, c, isOneSided(loaded));
 #endif
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 
 // A triangle to be bounded, whose cluster another may have followed.
-struct Candidate {
+struct Survivor {
   mat3 corners;
   uint id;         // the top bit says one-sided
   uvec3 vertices;  // only with a footprint, as is the material
@@ -149,40 +149,40 @@ struct Candidate {
 };
 
 // The k-th triangle of a cluster. Every lane must ask.
-Candidate candidateOf(Place place, Vertices vertices, uint k) {
-  uvec2 triangle = triangleCorners[place.triangleFirst + k];
-  uvec3 numbers = numbersOf(place, triangle.x);
-  Candidate candidate;
-  candidate.corners = cornersOf(place, vertices, numbers);
-  candidate.id = placedFirstOf(place.instance) + triangle.y | (isOneSided(place) ? 1u << 31 : 0u);
-  candidate.vertices = place.vertexFirst + numbers;
-  candidate.material = place.material;
-  candidate.instance = place.number;
-  return candidate;
+Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
+  uvec2 triangle = triangleCorners[loaded.triangleFirst + k];
+  uvec3 numbers = numbersOf(loaded, triangle.x);
+  Survivor survivor;
+  survivor.corners = cornersOf(loaded, vertices, numbers);
+  survivor.id = placedFirstOf(loaded.instance) + triangle.y | (isOneSided(loaded) ? 1u << 31 : 0u);
+  survivor.vertices = loaded.vertexFirst + numbers;
+  survivor.material = loaded.material;
+  survivor.instance = loaded.number;
+  return survivor;
 }
 
-uint projectOne(Candidate candidate, uint side, out Projected projected, out Box box) {
-  vec3 a = candidate.corners[0], b = candidate.corners[1], c = candidate.corners[2];
+uint projectOne(Survivor survivor, uint side, out Projected projected, out Box box) {
+  vec3 a = survivor.corners[0], b = survivor.corners[1], c = survivor.corners[2];
 #ifdef FOOTPRINT
   if ((EFFECTS & kCutOuts) != 0) {
-    projected.uvA = textureCoordinates[candidate.vertices.x];
-    projected.uvB = textureCoordinates[candidate.vertices.y];
-    projected.uvC = textureCoordinates[candidate.vertices.z];
+    projected.uvA = textureCoordinates[survivor.vertices.x];
+    projected.uvB = textureCoordinates[survivor.vertices.y];
+    projected.uvC = textureCoordinates[survivor.vertices.z];
   }
 #endif
   float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
 #ifdef MOTION
   projected.velocities = mat3(0.0);
   if (motion.instances != 0) {
-    InstanceMotion moving = instanceMotions[candidate.instance];
+    InstanceMotion moving = instanceMotions[survivor.instance];
     projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
   }
-  uint fate = movingBox(candidate.corners, projected.velocities, side, box, rangeMin);
+  uint fate = movingBox(survivor.corners, projected.velocities, side, box, rangeMin);
 #else
-  uint fate = BOUNDS == kBoundsPaper ? paperBox(a, b, c, (candidate.id >> 31) != 0, box, rangeMin)
+  uint fate = BOUNDS == kBoundsPaper ? paperBox(a, b, c, (survivor.id >> 31) != 0, box, rangeMin)
                                      : boundedBox(a, b, c, box, rangeMin);
 #endif
-  projected.a = vec4(a, uintBitsToFloat(candidate.id));
+  projected.a = vec4(a, uintBitsToFloat(survivor.id));
   projected.b = vec4(b, rangeMin);
   projected.c = vec4(c, uintBitsToFloat(box.rowFirst | box.rowLast << 16));
   return fate;
@@ -203,30 +203,30 @@ bool nextCluster(inout uint i) {
 }
 
 // Where the n-th of the bits that are set is.
-uint placeOfBit(uint bits, uint n) {
-  uint place = 0;
+uint nthSetBit(uint bits, uint n) {
+  uint at = 0;
   for (uint width = 16; width > 0; width >>= 1) {
-    uint below = bitCount(bits >> place & (1u << width) - 1);
+    uint below = bitCount(bits >> at & (1u << width) - 1);
     if (n < below) continue;
     n -= below;
-    place += width;
+    at += width;
   }
-  return place;
+  return at;
 }
 
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
-// Every lane must call; `there`: it has a candidate.
-void boundAndStore(Candidate candidate, bool there, inout uvec4 culled) {
+// Every lane must call; `there`: it has a survivor.
+void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
   for (uint side = 0; side < kSides; ++side) {
     uint fate = kNoTriangle;
     Projected projected;
     Box box;
     if (there) {
-      fate = projectOne(candidate, side, projected, box);
+      fate = projectOne(survivor, side, projected, box);
       culled += countOf(fate);
     }
-    if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, candidate.material);
+    if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, survivor.material);
   }
 }
 
@@ -234,22 +234,22 @@ void main() {
   uvec4 culled = uvec4(0);  // range, face, between beams, hidden
   uint nonFinite = 0, triangleCount = 0, lane = gl_SubgroupInvocationID, i = kNone;
   // Of most clusters few triangles are left: those wait in the first lanes until there is one for every lane.
-  Candidate candidate;
+  Survivor survivor;
   uint waiting = 0;
   for (bool more = true; more;) {
     more = nextCluster(i);
-    Place place;
+    LoadedCluster loaded;
     Vertices vertices;
     uint left = 0;  // a bit for each triangle to be bounded
     if (more) {
-      place = placeOf(i);
-      triangleCount += place.triangleCount;
-      vertices = verticesOf(place);
-      for (uint first = 0; first < place.triangleCount; first += gl_SubgroupSize) {
+      loaded = loadCluster(i);
+      triangleCount += loaded.triangleCount;
+      vertices = verticesOf(loaded);
+      for (uint first = 0; first < loaded.triangleCount; first += gl_SubgroupSize) {
         uint k = first + lane;
-        uvec3 numbers = numbersOf(place, triangleCorners[place.triangleFirst + min(k, place.triangleCount - 1)].x);
-        uint fate = cullOne(place, cornersOf(place, vertices, numbers));
-        if (k >= place.triangleCount) fate = kNoTriangle;
+        uvec3 numbers = numbersOf(loaded, triangleCorners[loaded.triangleFirst + min(k, loaded.triangleCount - 1)].x);
+        uint fate = cullOne(loaded, cornersOf(loaded, vertices, numbers));
+        if (k >= loaded.triangleCount) fate = kNoTriangle;
         culled += countOf(fate);
         nonFinite += uint(fate == kNonFinite);
         if (fate == kKeep) left |= 1u << k;
@@ -260,15 +260,15 @@ void main() {
     while (taken < count || (!more && waiting > 0)) {
       if (taken < count) {
         uint number = min(taken + lane - min(lane, waiting), count - 1);
-        Candidate next = candidateOf(place, vertices, placeOfBit(left, number));
-        if (lane >= waiting) candidate = next;
+        Survivor next = survivorOf(loaded, vertices, nthSetBit(left, number));
+        if (lane >= waiting) survivor = next;
       }
       uint there = waiting + count - taken;
       if (more && there < gl_SubgroupSize) {
         waiting = there;
         break;
       }
-      boundAndStore(candidate, lane < there, culled);
+      boundAndStore(survivor, lane < there, culled);
       taken = min(taken + gl_SubgroupSize - waiting, count);
       waiting = 0;
     }

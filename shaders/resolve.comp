@@ -88,7 +88,7 @@ void main() {
     uint index = gl_WorkGroupID.y * frame.columns + column;
     Beam beam = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
     uint rangeBits, id;
-    if (PASS == kWayLists) {
+    if (PASS == kBinningLists) {
       nearestOfList(index, beam, rangeBits, id);
     } else {
       uvec2 word = words[index];

@@ -63,7 +63,7 @@ GNO_CONST uint kOwnerBlock = 256;
 // What may become of a beam, see Cause.
 GNO_CONST uint kCauses = 6;
 // Blocks of the prefix sum over beams.
-GNO_CONST uint kScanBlock = 1024;
+GNO_CONST uint kPrefixBlock = 1024;
 
 // --- Specialisation constants --------------------------------------------------------------------------------------
 
@@ -100,14 +100,14 @@ GNO_CONST uint kCullColumns = 4;   // between two columns of beams
 GNO_CONST uint kCullOccluded = 8;  // behind what every beam has met already
 GNO_CONST uint kCullCones = 16;    // whole clusters that show their back
 
-GNO_CONST uint kScanReduce = 0;
-GNO_CONST uint kScanBlocks = 1;
-GNO_CONST uint kScanApply = 2;
+GNO_CONST uint kPrefixReduce = 0;
+GNO_CONST uint kPrefixBlocks = 1;
+GNO_CONST uint kPrefixApply = 2;
 
-GNO_CONST uint kWayNearest = 0;
-GNO_CONST uint kWayNearest32 = 1;
-GNO_CONST uint kWayLists = 2;
-GNO_CONST uint kWaySlabs = 3;
+GNO_CONST uint kBinningNearest = 0;
+GNO_CONST uint kBinningNearest32 = 1;
+GNO_CONST uint kBinningLists = 2;
+GNO_CONST uint kBinningSlabs = 3;
 
 // --- Bindings --------------------------------------------------------------------------------------------------------
 

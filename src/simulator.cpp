@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "backend.hpp"
 #include "gnosphere/error.hpp"
+#include "pipeline/backend.hpp"
 
 namespace gnosphere {
 namespace {

@@ -4,7 +4,7 @@
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
-#include "accuracy/sample.hpp"
+#include "eval/sample.hpp"
 #include "gnosphere/accuracy.hpp"
 #include "output/comparison_sum.hpp"
 #include "support.hpp"

@@ -3,8 +3,8 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 
+#include "effects/bits.h"
 #include "effects/decide.hpp"
-#include "effects/plan.h"
 #include "gnosphere/error.hpp"
 
 using namespace gnosphere;

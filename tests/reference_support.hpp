@@ -10,8 +10,8 @@
 #include <numeric>
 #include <random>
 
-#include "backend.hpp"
 #include "gnosphere/error.hpp"
+#include "pipeline/backend.hpp"
 #include "reference/doubt.hpp"
 #include "reference/hit.hpp"
 

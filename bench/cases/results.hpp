@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "base/file.hpp"
 #include "console.hpp"
-#include "file.hpp"
 #include "json.hpp"
 
 namespace gnosphere::bench {

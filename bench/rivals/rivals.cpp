@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <sstream>
 
-#include "backend.hpp"
 #include "console.hpp"
 #include "gnosphere/error.hpp"
+#include "pipeline/backend.hpp"
 #include "rivals/cuda.hpp"
 #include "rivals/embree.hpp"
 #include "rivals/vulkan.hpp"

@@ -31,6 +31,8 @@ Vec3 operator*(const Transform& a, const Vec3& p);
 enum class AlphaMode { opaque, mask, blend };
 
 inline constexpr uint32_t kNoImage = 0xffffffffu;
+/// The mesh of an instance that was removed.
+inline constexpr uint32_t kNoMesh = 0xffffffffu;
 
 /// One channel of a texture; row 0 is at v = 0. Outside 0..1 it repeats, is mirrored or keeps its border.
 struct AlphaImage {

@@ -4,7 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-#include "motion.h"
+#include "doppler.h"
 #include "parameters.h"
 
 layout(local_size_x = 64) in;

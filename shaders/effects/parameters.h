@@ -5,7 +5,7 @@
 #define GNOSPHERE_EFFECTS_PARAMETERS_H
 
 #include "arithmetic.h"
-#include "plan.h"
+#include "bits.h"
 
 #ifdef __cplusplus
 namespace gnosphere::gpu {

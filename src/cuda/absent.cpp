@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Of a build without CUDA.
-#include "backend.hpp"
 #include "gnosphere/error.hpp"
+#include "pipeline/backend.hpp"
 
 namespace gnosphere::cuda {
 

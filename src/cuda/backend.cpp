@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scans on a CUDA device: the Vulkan backend's stages in the same order, one scan after another.
-#include "backend.hpp"
+#include "pipeline/backend.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <limits>
 
-#include "chunks.hpp"
 #include "cuda/sensor_arrays.hpp"
-#include "scan_options.hpp"
+#include "geometry/chunks.hpp"
+#include "pipeline/scan_options.hpp"
 
 namespace gnosphere::cuda {
 namespace {
@@ -27,18 +27,18 @@ struct Step {
   bool everyShell = true;  // of stage bin: else in the last one only
 };
 
-Step projectTriangles(uint32_t way) {
-  return {Kernel::project_triangles, way == gpu::kWaySlabs ? gpu::kPassSlabs : 0};
+Step projectTriangles(uint32_t binning) {
+  return {Kernel::project_triangles, binning == gpu::kBinningSlabs ? gpu::kPassSlabs : 0};
 }
 
-std::vector<Step> binSteps(uint32_t way) {
-  if (way == gpu::kWayNearest) return {{Kernel::bin, gpu::kPassNearest}};
-  if (way == gpu::kWaySlabs) return {{Kernel::bin, gpu::kPassSlabs}};
-  if (way == gpu::kWayNearest32) return {{Kernel::bin, gpu::kPassRange}, {Kernel::bin, gpu::kPassOwner, false}};
+std::vector<Step> binSteps(uint32_t binning) {
+  if (binning == gpu::kBinningNearest) return {{Kernel::bin, gpu::kPassNearest}};
+  if (binning == gpu::kBinningSlabs) return {{Kernel::bin, gpu::kPassSlabs}};
+  if (binning == gpu::kBinningNearest32) return {{Kernel::bin, gpu::kPassRange}, {Kernel::bin, gpu::kPassOwner, false}};
   return {{Kernel::bin, gpu::kPassCount},
-          {Kernel::scan, gpu::kScanReduce},
-          {Kernel::scan, gpu::kScanBlocks},
-          {Kernel::scan, gpu::kScanApply},
+          {Kernel::prefix_sum, gpu::kPrefixReduce},
+          {Kernel::prefix_sum, gpu::kPrefixBlocks},
+          {Kernel::prefix_sum, gpu::kPrefixApply},
           {Kernel::bin, gpu::kPassFill}};
 }
 
@@ -65,7 +65,7 @@ class CudaBackend final : public Backend {
     upload(scene, anyPlans(setups, &PlannedEffects::looksAtSurfaces), anyPlans(setups, &PlannedEffects::holes));
     chunks_.addTo(instances_, scene);
     for (const EffectsSetup& setup : setups) sensors_.emplace_back(setup, options, instances_.counters().triangles);
-    const Exactness parts = partsOf(options);
+    const Exactness parts = exactnessOf(options);
     job_.options.BOUNDS = static_cast<uint32_t>(parts.bounds);
     job_.options.CULL = static_cast<uint32_t>(parts.cull);
     job_.options.INSIDE = static_cast<uint32_t>(parts.inside);
@@ -112,7 +112,7 @@ class CudaBackend final : public Backend {
     Plan plan;
     plan.effects = sensor.planned().decisions;
     plan.returns = sensor.planned().returns;
-    plan.binning = nameOfWay(sensor.way());
+    plan.binning = nameOfBinning(sensor.binning());
     Options options = job_.options;
     sensor.addTo(options);
     const auto add = [&](const char* stage, uint32_t dispatches, const Step& step) {
@@ -126,10 +126,10 @@ class CudaBackend final : public Backend {
     add("project", shells * chunks, {Kernel::project_groups});
     add("project", shells * chunks, {Kernel::project_clusters});
     add("project", shells - 1, {Kernel::project_occluders});
-    add("project", shells * chunks, projectTriangles(sensor.way()));
-    for (const Step& step : binSteps(sensor.way())) add("bin", step.everyShell ? shells : 1, step);
+    add("project", shells * chunks, projectTriangles(sensor.binning()));
+    for (const Step& step : binSteps(sensor.binning())) add("bin", step.everyShell ? shells : 1, step);
     if (sensor.leavesWords()) plan.stages.push_back({"resolve", 0, {}});
-    if (resolves(sensor)) add("resolve", 1, {Kernel::resolve, sensor.way()});
+    if (resolves(sensor)) add("resolve", 1, {Kernel::resolve, sensor.binning()});
     for (const Step& step : effectsSteps(sensor.planned()))
       add("effects", step.kernel == Kernel::effects_surfaces ? chunks : 1, step);
     sensor.list(plan.buffers);
@@ -244,13 +244,13 @@ class CudaBackend final : public Backend {
     float begin = 0;
     for (const float end : sensor.shellEnds()) {
       const bool last = end == kInfinity;
-      project({0, 0, begin, end, begin > 0}, sensor.way());
+      project({0, 0, begin, end, begin > 0}, sensor.binning());
       bin(sensor, last);
       if (!last) launch({Kernel::project_occluders}, device_.groups);
       begin = end;
     }
     if (resolves(sensor)) {
-      launchOnBeams({Kernel::resolve, sensor.way()}, sensor.frame());
+      launchOnBeams({Kernel::resolve, sensor.binning()}, sensor.frame());
       stopwatch_.finished("resolve");
     }
     effects(sensor);
@@ -270,7 +270,7 @@ class CudaBackend final : public Backend {
       job_.arrays[1][binding] = onDevice_[i][binding].data();
   }
 
-  void project(gpu::Pass pass, uint32_t way) {
+  void project(gpu::Pass pass, uint32_t binning) {
     for (size_t i = 0; i < onDevice_.size(); ++i) {
       auto* counters = static_cast<std::byte*>(job_.arrays[0][gpu::kBindCounters]);
       fill(counters + offsetof(gpu::Counters, visibleGroups), 0, i > 0 ? kPerChunkBytes : kPerShellBytes);
@@ -281,16 +281,16 @@ class CudaBackend final : public Backend {
       job_.pass = pass;
       launch({Kernel::project_groups}, std::min(device_.groups, (chunk.groups + 63) / 64));
       launch({Kernel::project_clusters}, std::min(device_.groups, chunk.groups));
-      launch(projectTriangles(way), std::min(device_.groups, chunk.clusters));
+      launch(projectTriangles(binning), std::min(device_.groups, chunk.clusters));
     }
     stopwatch_.finished("project");
   }
 
   void bin(const SensorArrays& sensor, bool lastShell) {
-    const uint32_t blocks = std::min(device_.groups, sensor.frame().beams / gpu::kScanBlock + 1);
-    for (const Step& step : binSteps(sensor.way())) {
+    const uint32_t blocks = std::min(device_.groups, sensor.frame().beams / gpu::kPrefixBlock + 1);
+    for (const Step& step : binSteps(sensor.binning())) {
       if (!lastShell && !step.everyShell) continue;
-      launch(step, step.kernel == Kernel::bin ? device_.groups : step.pass == gpu::kScanBlocks ? 1 : blocks);
+      launch(step, step.kernel == Kernel::bin ? device_.groups : step.pass == gpu::kPrefixBlocks ? 1 : blocks);
     }
     stopwatch_.finished("bin");
   }

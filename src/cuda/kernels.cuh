@@ -27,12 +27,12 @@ namespace {
 #include "glsl/shared.h"
 // The formulas of the effects, outside of the stages: each is included once.
 #include "glsl/effects/arithmetic.h"
+#include "glsl/effects/bits.h"
 #include "glsl/effects/detection.h"
+#include "glsl/effects/doppler.h"
 #include "glsl/effects/intensity.h"
-#include "glsl/effects/motion.h"
 #include "glsl/effects/noise.h"
 #include "glsl/effects/parameters.h"
-#include "glsl/effects/plan.h"
 #include "glsl/effects/random.h"
 #include "glsl/effects/returns.h"
 #include "glsl/effects/vector.h"
@@ -96,9 +96,9 @@ struct project_occluders {
 #include "glsl/project_occluders.comp"
 };
 
-struct scan {
+struct prefix_sum {
   const Job& job;
-#include "glsl/scan.comp"
+#include "glsl/prefix_sum.comp"
 };
 
 namespace still {

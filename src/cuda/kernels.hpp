@@ -33,7 +33,7 @@ enum class Kernel {
   project_occluders,
   project_triangles,
   bin,
-  scan,
+  prefix_sum,
   resolve,
   effects_footprint,
   effects_surfaces,
@@ -43,7 +43,7 @@ enum class Kernel {
 inline const char* nameOf(Kernel kernel) {
   constexpr const char* names[] = {
       "project_groups", "project_clusters", "project_occluders", "project_triangles", "bin",
-      "scan",           "resolve",          "effects_footprint", "effects_surfaces",  "effects"};
+      "prefix_sum",     "resolve",          "effects_footprint", "effects_surfaces",  "effects"};
   return names[static_cast<size_t>(kernel)];
 }
 

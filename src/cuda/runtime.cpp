@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <string_view>
 
-#include "backend.hpp"
 #include "gnosphere/error.hpp"
+#include "pipeline/backend.hpp"
 
 namespace gnosphere::cuda {
 namespace {

@@ -11,14 +11,14 @@ constexpr uint64_t kFirstCandidatesPerBeam = 2;
 }  // namespace
 
 SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& options, uint64_t triangles)
-    : way_(chooseWay(options, true, false, setup.planned)),
-      exact_(partsOf(options).inside == Exactness::Inside::exact),
+    : binning_(chooseBinning(options, true, false, setup.planned)),
+      exact_(exactnessOf(options).inside == Exactness::Inside::exact),
       tables_(makeBeamTables(setup.sensor)),
       effects_(setup, tables_.rows, setup.sensor, 0) {
   gpu::Frame& frame = tables_.frame;
   frame.footprint = effects_.footprint();
   reach_ = reachOf(options, frame);
-  shellEnds_ = gnosphere::shellEnds(options, way_, frame, triangles);
+  shellEnds_ = gnosphere::shellEnds(options, binning_, frame, triangles);
   arrays_[gpu::kBindRows] = Array("rows", tables_.rows);
   arrays_[gpu::kBindRowLookup] = Array("rowLookup", tables_.rowLookup);
   arrays_[gpu::kBindColumns] = Array("columns", tables_.columns);
@@ -26,19 +26,19 @@ SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& op
   make(gpu::kBindCounters, "counters", sizeof(gpu::Counters));
   make(gpu::kBindFarthest, "farthest", 4 * farthestEntries(frame));
   const uint64_t beams = frame.beams;
-  if (way_ == gpu::kWayLists) {
+  if (binning_ == gpu::kBinningLists) {
     make(gpu::kBindListEnds, "listEnds", beams * 4);
-    make(gpu::kBindBlockSums, "blockSums", (beams / gpu::kScanBlock + 1) * 4);
+    make(gpu::kBindBlockSums, "blockSums", (beams / gpu::kPrefixBlock + 1) * 4);
     growCandidates(beams * kFirstCandidatesPerBeam);
   } else {
     make(gpu::kBindWords, "words", beams * 8);
-    if (way_ == gpu::kWaySlabs) make(gpu::kBindListEnds, "listEnds", slabCount(frame) * 4);
+    if (binning_ == gpu::kBinningSlabs) make(gpu::kBindListEnds, "listEnds", slabCount(frame) * 4);
   }
   for (const Output& output : outputs())
     if (output.binding != gpu::kBindWords) make(output.binding, "results", beams * output.bytesPerBeam);
   make(effects_.lasting());
   growProjected(projectedGuess(beams, triangles));
-  growTiles(tileGuess(way_, tables_.frame.projectedCapacity));
+  growTiles(tileGuess(binning_, tables_.frame.projectedCapacity));
 }
 
 void SensorArrays::make(uint32_t binding, const char* name, uint64_t bytes) {
@@ -59,11 +59,11 @@ void SensorArrays::growProjected(uint64_t count) {
   make(gpu::kBindProjectedColumns, "projectedColumns", count * sizeof(gpu::vec2));
   make(effects_.projected(count));
   tables_.frame.projectedCapacity = static_cast<uint32_t>(count);
-  if (way_ == gpu::kWaySlabs) growTiles(tables_.frame.tileCapacity);
+  if (binning_ == gpu::kBinningSlabs) growTiles(tables_.frame.tileCapacity);
 }
 
 void SensorArrays::growTiles(uint64_t count) {
-  make(gpu::kBindTiles, "tiles", tileBytes(way_, tables_.frame.projectedCapacity, count));
+  make(gpu::kBindTiles, "tiles", tileBytes(binning_, tables_.frame.projectedCapacity, count));
   tables_.frame.tileCapacity = static_cast<uint32_t>(count);
 }
 
@@ -80,7 +80,7 @@ void SensorArrays::prepare(const Shot& shot, const ShotMotion* motion, uint32_t 
     fill(arrays_[binding].data(), value, arrays_[binding].bytes());
   };
   fillWith(gpu::kBindCounters, 0);
-  fillWith(gpu::kBindListEnds, way_ == gpu::kWaySlabs ? 0xff : 0);
+  fillWith(gpu::kBindListEnds, binning_ == gpu::kBinningSlabs ? 0xff : 0);
   fillWith(gpu::kBindWords, 0xff);
   for (const EffectsArray& array : effects_.ofShot(shot, motion)) {
     if (arrays_[array.binding].bytes() < array.bytes) make(array.binding, array.name, array.bytes);
@@ -98,7 +98,7 @@ bool SensorArrays::grow(const gpu::Counters& needed) {
   const gpu::Frame before = tables_.frame;
   if (projectedCount(needed) > before.projectedCapacity) growProjected(grown(projectedCount(needed), kMostEntries));
   if (needed.tiles > before.tileCapacity) growTiles(grown(needed.tiles, kMostEntries));
-  if (way_ == gpu::kWayLists && needed.candidates > before.candidateCapacity)
+  if (binning_ == gpu::kBinningLists && needed.candidates > before.candidateCapacity)
     growCandidates(grown(needed.candidates, kMostEntries));
   const gpu::Frame& after = tables_.frame;
   return after.projectedCapacity != before.projectedCapacity || after.tileCapacity != before.tileCapacity ||

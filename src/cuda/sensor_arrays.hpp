@@ -4,11 +4,11 @@
 
 #include <array>
 
-#include "beam_tables.hpp"
 #include "cuda/runtime.hpp"
 #include "effects/arrays.hpp"
-#include "results.hpp"
-#include "scan_options.hpp"
+#include "pipeline/beam_tables.hpp"
+#include "pipeline/results.hpp"
+#include "pipeline/scan_options.hpp"
 
 namespace gnosphere::cuda {
 
@@ -18,8 +18,8 @@ class SensorArrays {
 
   const EffectsSetup& setup() const { return effects_.setup(); }
   const PlannedEffects& planned() const { return setup().planned; }
-  uint32_t way() const { return way_; }
-  bool leavesWords() const { return gnosphere::leavesWords(way_, planned()); }
+  uint32_t binning() const { return binning_; }
+  bool leavesWords() const { return gnosphere::leavesWords(binning_, planned()); }
   const gpu::Frame& frame() const { return tables_.frame; }
   double reach() const { return reach_; }
   /// See gnosphere::shellEnds().
@@ -47,7 +47,7 @@ class SensorArrays {
 
   std::vector<Output> outputs() const { return outputsOf(planned(), leavesWords()); }
 
-  uint32_t way_;
+  uint32_t binning_;
   bool exact_;
   BeamTables tables_;  // with the capacities of the lists
   EffectsArrays effects_;

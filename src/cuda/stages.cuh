@@ -83,7 +83,7 @@ void launchStage(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t group
                        : launch<project_triangles>(job, groupsX, groupsY);
     case Kernel::bin:
       return footprint ? launch<bin, Footprints>(job, groupsX, groupsY) : launchMeeting<bin>(job, groupsX, groupsY);
-    case Kernel::scan: return launch<scan>(job, groupsX, groupsY);
+    case Kernel::prefix_sum: return launch<prefix_sum>(job, groupsX, groupsY);
     case Kernel::resolve: return launchMeeting<resolve>(job, groupsX, groupsY);
     case Kernel::effects_footprint:
       return job.subRays <= 1    ? launchFootprint<1>(job, groupsX, groupsY)

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "effects/device_parameters.hpp"
+#include "effects/formula_inputs.hpp"
 #include "effects/setup.hpp"
 #include "effects/shot_motion.hpp"
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <cstdio>
 
-#include "effects/parameters.hpp"
-#include "effects/plan.h"
+#include "effects/bits.h"
+#include "effects/request_table.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {

@@ -3,9 +3,9 @@
 // "transmission": 0}]}; what a row leaves out stays as the scene has it.
 #include <algorithm>
 
+#include "base/file.hpp"
 #include "effects/openmaterial.hpp"
 #include "effects/strict_json.hpp"
-#include "file.hpp"
 #include "gnosphere/effects.hpp"
 
 namespace gnosphere {

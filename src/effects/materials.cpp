@@ -4,16 +4,11 @@
 #include <cctype>
 #include <map>
 
+#include "base/text.hpp"
 #include "gnosphere/effects.hpp"
 
 namespace gnosphere {
 namespace {
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// What a row does not state stays as the scene has it.
 void take(float& value, float stated) {

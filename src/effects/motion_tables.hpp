@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "effects/motion.hpp"
+#include "effects/trajectory.hpp"
 #include "shared.h"
 
 namespace gnosphere {

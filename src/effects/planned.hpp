@@ -2,8 +2,8 @@
 // What the stages must do beside geometry for one sensor: decisions as the stages need them.
 #pragma once
 
+#include "effects/bits.h"
 #include "effects/decide.hpp"
-#include "effects/plan.h"
 #include "gnosphere/simulator.hpp"
 
 namespace gnosphere {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ready requests: what each has beside its base, with the source of its figures.
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 
-#include "file.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
 #include "gnosphere/effects.hpp"
 
 namespace gnosphere {
@@ -42,11 +41,6 @@ const std::vector<Preset>& presets() {
         "divergence.vertical=0.00385", "rain.rate=10"}},
   };
   return all;
-}
-
-bool sameWord(const std::string& a, const std::string& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 /// A list of every beam of a large sensor takes tens of megabytes; far more than that is not a request.

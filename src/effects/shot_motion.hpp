@@ -6,7 +6,7 @@
 
 #include "effects/motion_tables.hpp"
 #include "effects/setup.hpp"
-#include "instance_table.hpp"
+#include "geometry/instance_table.hpp"
 
 namespace gnosphere {
 

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "file.hpp"
+#include "base/file.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "file.hpp"
+#include "base/file.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_table.hpp"
 

@@ -5,9 +5,10 @@
 #include <cstring>
 #include <numbers>
 
-#include "file.hpp"
+#include "base/file.hpp"
 #include "gnosphere/error.hpp"
 #include "output/fields.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
@@ -119,23 +120,6 @@ uint16_t classOf(const Scan& scan, size_t entry) {
   return instance < scan.classes->size() ? (*scan.classes)[instance] : uint16_t{0};
 }
 
-constexpr double kDegree = std::numbers::pi / 180;
-
-float timeOf(const Sensor& sensor, size_t beam) {
-  const double turned = static_cast<double>(beam % sensor.columns) / sensor.columns;
-  return static_cast<float>(sensor.rotationPeriod * turned + sensor.channels[beam / sensor.columns].timeOffset);
-}
-
-float azimuthOf(const Sensor& sensor, size_t beam) {
-  const double column = -180 + 360.0 * static_cast<double>(beam % sensor.columns) / sensor.columns;
-  const double degrees = column + sensor.channels[beam / sensor.columns].azimuthOffsetDeg;
-  return static_cast<float>(kDegree * std::remainder(degrees, 360));
-}
-
-float elevationOf(const Sensor& sensor, size_t beam) {
-  return static_cast<float>(kDegree * sensor.channels[beam / sensor.columns].elevationDeg);
-}
-
 /// Calls `use` with a function entry -> value, of the column's own type.
 template <class Use>
 void withColumn(const Scan& scan, const ColumnInfo& column, Use use) {
@@ -168,9 +152,10 @@ void withColumn(const Scan& scan, const ColumnInfo& column, Use use) {
     case Field::classId: return use([&](size_t e) { return classOf(scan, e); });
     case Field::velocity: return from(scan.velocities);
     case Field::radialSpeed: return from(scan.radialSpeeds);
-    case Field::time: return use([&](size_t e) { return timeOf(*scan.model, e / returns); });
-    case Field::azimuth: return use([&](size_t e) { return azimuthOf(*scan.model, e / returns); });
-    case Field::elevation: return use([&](size_t e) { return elevationOf(*scan.model, e / returns); });
+    case Field::time: return use([&](size_t e) { return static_cast<float>(timeOf(*scan.model, e / returns)); });
+    case Field::azimuth: return use([&](size_t e) { return static_cast<float>(azimuthOf(*scan.model, e / returns)); });
+    case Field::elevation:
+      return use([&](size_t e) { return static_cast<float>(elevationOf(*scan.model, e / returns)); });
   }
 }
 

@@ -5,17 +5,11 @@
 #include <cctype>
 #include <string>
 
+#include "base/text.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return out;
-}
 
 std::string trimmed(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t");

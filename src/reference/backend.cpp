@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every beam against every triangle it may meet, in double: the oracle that judges the other backends. Its geometry is
 // written from the mathematics and shares nothing with the shaders; what is made of echoes are their formulas.
-#include "backend.hpp"
+#include "pipeline/backend.hpp"
 
 #include <chrono>
 #include <utility>
 
-#include "effects/motion.hpp"
+#include "base/threads.hpp"
+#include "effects/trajectory.hpp"
 #include "gnosphere/error.hpp"
 #include "reference/results.hpp"
-#include "threads.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 
@@ -29,7 +30,7 @@ class ReferenceBackend : public Backend {
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override;
   Plan plan(size_t sensor) const override;
   const DeviceInfo& device() const override { return device_; }
-  MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(Place), 0, 0}; }
+  MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(PlacedMesh), 0, 0}; }
   size_t clusterCount() const override { return 0; }
   void setInstance(size_t index, uint32_t mesh, const Transform& transform) override;
   void setPositions(size_t mesh, std::span<const float> positions) override;
@@ -46,7 +47,7 @@ class ReferenceBackend : public Backend {
   bool changed_ = false;
   Counters counters_;
   Bvh bvh_ = Bvh({});
-  std::vector<Place> places_;
+  std::vector<PlacedMesh> places_;
   DeviceInfo device_;
 };
 
@@ -61,7 +62,7 @@ void ReferenceBackend::build() {
   counters_ = {};
   Sweeps none;
   bvh_ = Bvh(placeAll(scene_, faces_, {}, 0, none, counters_));
-  places_ = placesOf(scene_);
+  places_ = placedMeshesOf(scene_);
   changed_ = false;
 }
 

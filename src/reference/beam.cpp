@@ -3,7 +3,8 @@
 
 #include <numbers>
 
-#include "effects/motion.hpp"
+#include "effects/trajectory.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::reference {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "effects/beam_signal.hpp"
-#include "effects/device_parameters.hpp"
+#include "effects/formula_inputs.hpp"
 #include "effects/planned.hpp"
 #include "reference/trace.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/results.hpp"
 
-#include "effects/motion.h"
-#include "effects/motion.hpp"
+#include "effects/doppler.h"
+#include "effects/trajectory.hpp"
 
 namespace gnosphere::reference {
 

@@ -15,10 +15,10 @@ std::array<Vec3, 3> seenFrom(const Line& line, const Triangle& triangle) {
 
 }  // namespace
 
-View viewOf(const Scene& scene, const Bvh& tree, const std::vector<Place>& places, const Sensor& sensor,
+View viewOf(const Scene& scene, const Bvh& tree, const std::vector<PlacedMesh>& places, const Sensor& sensor,
             const Pose& pose, Counters& counters) {
   View view = {scene, tree, sensor};
-  for (const Place& place : places) {
+  for (const PlacedMesh& place : places) {
     const CornerError error = {kCornerError * place.condition, absoluteError(place, pose.position)};
     view.errors.push_back(error);
     view.spread = std::max(view.spread, error.relative);

@@ -6,8 +6,8 @@
 
 #include "gnosphere/simulator.hpp"
 #include "reference/doubt.hpp"
-#include "reference/place.hpp"
 #include "reference/surface.hpp"
+#include "reference/world.hpp"
 
 namespace gnosphere::reference {
 
@@ -26,7 +26,7 @@ struct View {
 };
 
 /// `pose` decides what is out of bounds, which is counted, and how large errors are.
-View viewOf(const Scene& scene, const Bvh& tree, const std::vector<Place>& places, const Sensor& sensor,
+View viewOf(const Scene& scene, const Bvh& tree, const std::vector<PlacedMesh>& places, const Sensor& sensor,
             const Pose& pose, Counters& counters);
 
 /// A beam or a part of it.

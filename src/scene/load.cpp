@@ -7,6 +7,7 @@
 #include <cstring>
 #include <new>
 
+#include "base/text.hpp"
 #include "scene/readers.hpp"
 
 namespace gnosphere {
@@ -19,9 +20,7 @@ namespace fs = std::filesystem;
 }
 
 SceneFormat formatOf(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(c < 128 ? std::tolower(c) : c); });
+  const std::string ending = lower(file.extension().string());
   if (ending == ".gltf" || ending == ".glb") return SceneFormat::gltf;
   if (ending == ".obj") return SceneFormat::obj;
   if (ending == ".ply") return SceneFormat::ply;

@@ -7,11 +7,15 @@
 #include <filesystem>
 #include <numbers>
 
-#include "file.hpp"
+#include "base/file.hpp"
+#include "base/text.hpp"
 #include "gnosphere/error.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
 
 struct SinCos {
   double sin, cos;
@@ -45,11 +49,6 @@ Sensor evenSensor(const char* name, double lowestDeg, double highestDeg, uint32_
     sensor.channels.push_back({(lowestDeg * (last - j) + highestDeg * j) / last, 0.0});
   }
   return sensor;
-}
-
-bool sameWord(const std::string& a, const std::string& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
 [[noreturn]] void refuse(const Sensor& sensor, const std::string& why) {
@@ -126,6 +125,21 @@ const std::vector<Sensor>& builtinSensors() {
       evenSensor("Hypothetical-350", -45, 45, 18000, 350, 200),
   };
   return sensors;
+}
+
+double timeOf(const Sensor& sensor, size_t beam) {
+  const size_t column = beam % sensor.columns, channel = beam / sensor.columns;
+  return sensor.rotationPeriod * static_cast<double>(column) / sensor.columns + sensor.channels[channel].timeOffset;
+}
+
+double azimuthOf(const Sensor& sensor, size_t beam) {
+  const double column = -180 + 360.0 * static_cast<double>(beam % sensor.columns) / sensor.columns;
+  const double degrees = column + sensor.channels[beam / sensor.columns].azimuthOffsetDeg;
+  return kDegree * std::remainder(degrees, 360);
+}
+
+double elevationOf(const Sensor& sensor, size_t beam) {
+  return kDegree * sensor.channels[beam / sensor.columns].elevationDeg;
 }
 
 Sensor findSensor(const std::string& nameOrFile) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scans on a Vulkan device: project, bin, resolve and effects, in one submission each.
-#include "backend.hpp"
+#include "pipeline/backend.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <deque>
 #include <optional>
 
-#include "scan_options.hpp"
+#include "pipeline/scan_options.hpp"
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
 #include "vulkan/sensor_parts.hpp"
@@ -35,10 +35,11 @@ class VulkanBackend final : public Backend {
     parts_.reserve(cut_.parts.size());
     for (size_t sensor = 0; sensor < setups_.size(); ++sensor) {
       const PlannedEffects& planned = setups_[sensor].planned;
-      const uint32_t way = chooseWay(options, device_.capabilities().int64Atomics, device_.capabilities().cpu, planned);
-      stills_.emplace_back(keepsStill(options, way, planned));
+      const uint32_t binning =
+          chooseBinning(options, device_.capabilities().int64Atomics, device_.capabilities().cpu, planned);
+      stills_.emplace_back(keepsStill(options, binning, planned));
       for (size_t part = cut_.firsts[sensor]; part < cut_.firsts[sensor + 1]; ++part)
-        parts_.emplace_back(device_, layout_, geometry_, cut_.parts[part], options, way, setups_[sensor],
+        parts_.emplace_back(device_, layout_, geometry_, cut_.parts[part], options, binning, setups_[sensor],
                             cut_.firstBeams[part], parts_);
     }
     cache_.save();
@@ -73,7 +74,7 @@ class VulkanBackend final : public Backend {
     plan.effects = planned.decisions;
     plan.returns = planned.returns;
     const SensorState& part = parts_[cut_.firsts[sensor]];
-    plan.binning = nameOfWay(part.way());
+    plan.binning = nameOfBinning(part.binning());
     part.describe(plan);
     stages_.count(plan, part);
     return plan;

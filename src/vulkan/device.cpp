@@ -7,7 +7,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "backend.hpp"
+#include "base/text.hpp"
+#include "pipeline/backend.hpp"
 #include "shared.h"
 
 namespace gnosphere::vulkan {
@@ -58,11 +59,6 @@ int computeFamily(VkPhysicalDevice physical, uint32_t& timestampBits) {
       return static_cast<int>(i);
     }
   return -1;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
-  return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
 }
 
 int preference(const DeviceInfo& info) {
@@ -227,7 +223,8 @@ VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& na
   for (size_t i = 0; i < devices.size(); ++i) {
     infos.push_back(capabilitiesOf(devices[i]).info);
     seen += "; " + std::to_string(i) + ": " + infos[i].name + (infos[i].usable ? "" : " (" + infos[i].reason + ")");
-    if (name == "auto" ? infos[i].usable : isIndex ? index == i : contains(infos[i].name, name)) matches.push_back(i);
+    if (name == "auto" ? infos[i].usable : isIndex ? index == i : containsWord(infos[i].name, name))
+      matches.push_back(i);
   }
   if (devices.empty())
     throw Error(ErrorCode::device,

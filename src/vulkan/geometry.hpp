@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "chunks.hpp"
+#include "geometry/chunks.hpp"
 #include "vulkan/instances.hpp"
 
 namespace gnosphere::vulkan {

@@ -2,7 +2,7 @@
 // The placed instances in memory that a Vulkan device reads.
 #pragma once
 
-#include "instance_table.hpp"
+#include "geometry/instance_table.hpp"
 #include "vulkan/buffer.hpp"
 
 namespace gnosphere::vulkan {

@@ -21,6 +21,8 @@
 #include "effects_motion.spv.h"
 #include "effects_surfaces.spv.h"
 #include "effects_surfaces_motion.spv.h"
+#include "pipeline/scan_options.hpp"
+#include "prefix_sum.spv.h"
 #include "project_clusters.spv.h"
 #include "project_clusters_motion.spv.h"
 #include "project_groups.spv.h"
@@ -33,8 +35,6 @@
 #include "resolve.spv.h"
 #include "resolve_float64.spv.h"
 #include "resolve_motion.spv.h"
-#include "scan.spv.h"
-#include "scan_options.hpp"
 namespace gnosphere::vulkan {
 namespace {
 
@@ -66,7 +66,7 @@ Words resolveOf(bool float64, bool moving) {
 
 }  // namespace
 
-Kernels::Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64,
+Kernels::Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t binning, bool float64,
                  bool moving, const PlannedEffects& planned)
     : projectGroups(device, layout, "project_groups", moving ? Words(project_groups_motion) : Words(project_groups),
                     options),
@@ -74,26 +74,26 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
                       moving ? Words(project_clusters_motion) : Words(project_clusters), options),
       projectOccluders(device, layout, "project_occluders", project_occluders, options),
       projectTriangles(device, layout, "project_triangles", projectTrianglesOf(planned.footprint(), moving), options,
-                       way == gpu::kWaySlabs ? gpu::kPassSlabs : 0) {
+                       binning == gpu::kBinningSlabs ? gpu::kPassSlabs : 0) {
   const auto addBin = [&](bool int64, uint32_t pass) {
     bin.emplace_back(device, layout, "bin", binOf(int64, float64, moving), options, pass);
   };
-  if (way == gpu::kWayNearest || way == gpu::kWaySlabs) {
-    addBin(true, way == gpu::kWaySlabs ? gpu::kPassSlabs : gpu::kPassNearest);
-  } else if (way == gpu::kWayNearest32) {
+  if (binning == gpu::kBinningNearest || binning == gpu::kBinningSlabs) {
+    addBin(true, binning == gpu::kBinningSlabs ? gpu::kPassSlabs : gpu::kPassNearest);
+  } else if (binning == gpu::kBinningNearest32) {
     addBin(false, gpu::kPassRange);
     addBin(false, gpu::kPassOwner);
   } else {
     addBin(false, gpu::kPassCount);
     addBin(false, gpu::kPassFill);
-    for (uint32_t pass : {gpu::kScanReduce, gpu::kScanBlocks, gpu::kScanApply})
-      scan.emplace_back(device, layout, "scan", ::scan, options, pass);
+    for (uint32_t pass : {gpu::kPrefixReduce, gpu::kPrefixBlocks, gpu::kPrefixApply})
+      prefixSum.emplace_back(device, layout, "prefix_sum", ::prefix_sum, options, pass);
   }
   if (planned.footprint())
     for (uint32_t pass : {0, 1})
       footprint.emplace_back(device, layout, "effects_footprint", footprintOf(planned.subRays, moving), options, pass);
-  else if (!leavesWords(way, planned))
-    resolve.emplace(device, layout, "resolve", resolveOf(float64, moving), options, way);
+  else if (!leavesWords(binning, planned))
+    resolve.emplace(device, layout, "resolve", resolveOf(float64, moving), options, binning);
   if (planned.surfaces() && !planned.footprint())
     surfaces.emplace(device, layout, "effects_surfaces",
                      moving ? Words(effects_surfaces_motion) : Words(effects_surfaces), options);

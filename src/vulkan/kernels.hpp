@@ -14,14 +14,14 @@ namespace gnosphere::vulkan {
 struct Kernels {
   /// `float64` chooses the modules whose exact tests filter in double precision.
   /// `moving`: of scans in motion.
-  Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t way, bool float64, bool moving,
-          const PlannedEffects& planned);
+  Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t binning, bool float64,
+          bool moving, const PlannedEffects& planned);
   Kernel projectGroups;
   Kernel projectClusters;
   Kernel projectOccluders;
   Kernel projectTriangles;
   std::vector<Kernel> bin;
-  std::vector<Kernel> scan;
+  std::vector<Kernel> prefixSum;
   std::optional<Kernel> resolve;  ///< or footprint, or neither where the host resolves words
   std::vector<Kernel> footprint;
   std::optional<Kernel> surfaces;  ///< not with footprint, which looks at them itself

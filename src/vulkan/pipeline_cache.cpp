@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 
-#include "file.hpp"
+#include "base/file.hpp"
 
 namespace gnosphere::vulkan {
 namespace {

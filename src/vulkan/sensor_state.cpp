@@ -10,7 +10,7 @@ namespace {
 
 Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, const PlannedEffects& planned) {
   // The enumerations of the public API and the constants of shared.h count alike.
-  const Exactness parts = partsOf(options);
+  const Exactness parts = exactnessOf(options);
   Options result;
   result.bounds = static_cast<uint32_t>(parts.bounds);
   result.cull = static_cast<uint32_t>(parts.cull);
@@ -29,19 +29,19 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, cons
 }  // namespace
 
 // Who looks at surfaces needs the transforms of what stands still, too.
-bool keepsStill(const SimulatorOptions& options, uint32_t way, const PlannedEffects& planned) {
-  return options.culling.still && way != gpu::kWayLists && partsOf(options).bounds != Exactness::Bounds::paper &&
-         !planned.surfaces() && !planned.motion();
+bool keepsStill(const SimulatorOptions& options, uint32_t binning, const PlannedEffects& planned) {
+  return options.culling.still && binning != gpu::kBinningLists &&
+         exactnessOf(options).bounds != Exactness::Bounds::paper && !planned.surfaces() && !planned.motion();
 }
 
 SensorState::SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
-                         const SimulatorOptions& options, uint32_t way, const EffectsSetup& setup, uint64_t firstBeam,
-                         std::span<const SensorState> others)
+                         const SimulatorOptions& options, uint32_t binning, const EffectsSetup& setup,
+                         uint64_t firstBeam, std::span<const SensorState> others)
     : device_(device),
       layout_(layout),
-      way_(way),
+      binning_(binning),
       planned_(setup.planned),
-      exact_(partsOf(options).inside == Exactness::Inside::exact),
+      exact_(exactnessOf(options).inside == Exactness::Inside::exact),
       outputs_(outputsOf(setup.planned, leavesWords())),
       tables_(makeBeamTables(sensor)) {
   for (const SensorState& other : others)
@@ -52,7 +52,7 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     const bool float64 = kernel.inside == gpu::kInsideExact && options.float64 && device.capabilities().float64;
     for (const bool moving : {false, true}) {
       if (moving && !planned_.motion()) break;
-      ownKernels_[moving] = std::make_unique<Kernels>(device, layout, kernel, way, float64, moving, planned_);
+      ownKernels_[moving] = std::make_unique<Kernels>(device, layout, kernel, binning, float64, moving, planned_);
       kernels_[moving] = ownKernels_[moving].get();
     }
   }
@@ -61,7 +61,7 @@ SensorState::SensorState(const Device& device, Layout& layout, const Geometry& g
     tables_.frame.footprint = arrays.footprint();
     effects_ = std::make_unique<EffectsState>(device, std::move(arrays), !readsInPlace());
   }
-  shellEnds_ = gnosphere::shellEnds(options, way, tables_.frame, geometry.instances().counters().triangles);
+  shellEnds_ = gnosphere::shellEnds(options, binning, tables_.frame, geometry.instances().counters().triangles);
   reach_ = reachOf(options, tables_.frame);
   makeBuffers(geometry);
   inFlight_.push_back(makeFrame());
@@ -76,19 +76,22 @@ void SensorState::makeBuffers(const Geometry& geometry) {
   buffers_[gpu::kBindRowLookup] = uploader.upload<uint32_t>("rowLookup", tables_.rowLookup);
   buffers_[gpu::kBindColumns] = uploader.upload<float>("columns", tables_.columns);
   const uint64_t beams = tables_.frame.beams;
-  const bool lists = way_ == gpu::kWayLists;
+  const bool lists = binning_ == gpu::kBinningLists;
   make(gpu::kBindCounters, "counters", sizeof(gpu::Counters));
   make(gpu::kBindFarthest, "farthest", 4 * farthestEntries(tables_.frame));
   make(gpu::kBindWords, "words", lists || (leavesWords() && readsInPlace()) ? 0 : beams * sizeof(Word));
-  make(gpu::kBindListEnds, "listEnds", lists ? beams * 4 : way_ == gpu::kWaySlabs ? slabCount(tables_.frame) * 4 : 0);
-  make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kScanBlock + 1) * 4 : 0);
+  make(gpu::kBindListEnds, "listEnds",
+       lists                            ? beams * 4
+       : binning_ == gpu::kBinningSlabs ? slabCount(tables_.frame) * 4
+                                        : 0);
+  make(gpu::kBindBlockSums, "blockSums", lists ? (beams / gpu::kPrefixBlock + 1) * 4 : 0);
   if (!readsInPlace())
     for (const Output& output : outputs_)
       if (output.binding < buffers_.size() && !leavesWords())
         make(output.binding, "results", beams * output.bytesPerBeam);
   // First guesses; growLists() makes room for what a scan turns out to need.
   growProjected(projectedGuess(beams, geometry.instances().counters().triangles));
-  growTiles(std::min(tileGuess(way_, capacities_.projected), mostTiles()));
+  growTiles(std::min(tileGuess(binning_, capacities_.projected), mostTiles()));
   growCandidates(lists ? beams * 2 : 0);
 }
 
@@ -102,17 +105,18 @@ void SensorState::growProjected(uint64_t count) {
   if (effects_) effects_->growProjected(count);
   make(gpu::kBindProjectedColumns, "projectedColumns", sizeof(gpu::vec2));
   capacities_.projected = static_cast<uint32_t>(count);
-  if (way_ == gpu::kWaySlabs) growTiles(capacities_.tiles);
+  if (binning_ == gpu::kBinningSlabs) growTiles(capacities_.tiles);
 }
 
 void SensorState::growTiles(uint64_t count) {
-  buffers_[gpu::kBindTiles] = Buffer(device_, "tiles", tileBytes(way_, capacities_.projected, count), Memory::device);
+  buffers_[gpu::kBindTiles] =
+      Buffer(device_, "tiles", tileBytes(binning_, capacities_.projected, count), Memory::device);
   capacities_.tiles = static_cast<uint32_t>(count);
 }
 
 uint64_t SensorState::mostTiles() const {
-  const uint64_t others = tileBytes(way_, capacities_.projected, 0), all = device_.maxBufferBytes();
-  return (all - std::min(all, others)) / tileBytes(way_, 0, 1);
+  const uint64_t others = tileBytes(binning_, capacities_.projected, 0), all = device_.maxBufferBytes();
+  return (all - std::min(all, others)) / tileBytes(binning_, 0, 1);
 }
 
 void SensorState::growCandidates(uint64_t count) {
@@ -175,7 +179,7 @@ const FrameInFlight& SensorState::prepare(size_t index, const Shot& shot, const 
 bool SensorState::cutShort(const FrameInFlight& frame) const {
   const gpu::Counters& needed = frame.counters();
   return projectedCount(needed) > frame.capacities.projected || needed.tiles > frame.capacities.tiles ||
-         (way_ == gpu::kWayLists && needed.candidates > frame.capacities.candidates);
+         (binning_ == gpu::kBinningLists && needed.candidates > frame.capacities.candidates);
 }
 
 void SensorState::growLists(const FrameInFlight& frame) {
@@ -186,7 +190,8 @@ void SensorState::growLists(const FrameInFlight& frame) {
   // A scan cut short has counted too few of what follows; the next run will tell.
   if (projectedCount(needed) > capacities_.projected) growProjected(room(projectedCount(needed), sizeof(gpu::vec4)));
   if (needed.tiles > capacities_.tiles) growTiles(grown(needed.tiles, mostTiles()));
-  if (way_ == gpu::kWayLists && needed.candidates > capacities_.candidates) growCandidates(room(needed.candidates, 4));
+  if (binning_ == gpu::kBinningLists && needed.candidates > capacities_.candidates)
+    growCandidates(room(needed.candidates, 4));
 }
 
 const gpu::Counters& FrameInFlight::counters() const {
@@ -229,7 +234,7 @@ void SensorState::describe(Plan& plan) const {
   for (const Kernel* kernel : {&k.projectGroups, &k.projectClusters, &k.projectOccluders, &k.projectTriangles})
     add(*kernel);
   plan.stages.push_back({"bin", 0, {}});
-  for (const std::vector<Kernel>* kernels : {&k.bin, &k.scan})
+  for (const std::vector<Kernel>* kernels : {&k.bin, &k.prefixSum})
     for (const Kernel& kernel : *kernels) add(kernel);
   if (k.resolve || leavesWords()) plan.stages.push_back({"resolve", 0, {}});
   if (k.resolve) add(*k.resolve);

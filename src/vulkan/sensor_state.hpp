@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "beam_tables.hpp"
 #include "gnosphere/scan.hpp"
-#include "results.hpp"
-#include "scan_options.hpp"
+#include "pipeline/beam_tables.hpp"
+#include "pipeline/results.hpp"
+#include "pipeline/scan_options.hpp"
 #include "vulkan/effects_state.hpp"
 #include "vulkan/geometry.hpp"
 #include "vulkan/kernels.hpp"
@@ -19,7 +19,7 @@
 namespace gnosphere::vulkan {
 
 /// Whether a StillImage may be kept.
-bool keepsStill(const SimulatorOptions& options, uint32_t way, const PlannedEffects& planned);
+bool keepsStill(const SimulatorOptions& options, uint32_t binning, const PlannedEffects& planned);
 
 /// Scans that are handed to the device at a time: it works on one while the host receives the one before.
 inline constexpr size_t kFramesInFlight = 2;
@@ -45,13 +45,13 @@ class SensorState {
  public:
   /// Shares the pipelines of one of `others` that needs the same; they must live as long.
   SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
-              const SimulatorOptions& options, uint32_t way, const EffectsSetup& setup, uint64_t firstBeam,
+              const SimulatorOptions& options, uint32_t binning, const EffectsSetup& setup, uint64_t firstBeam,
               std::span<const SensorState> others);
 
   const gpu::Frame& frame() const { return tables_.frame; }
   /// Metres: instances farther away need not be looked at.
   double reach() const { return reach_; }
-  uint32_t way() const { return way_; }
+  uint32_t binning() const { return binning_; }
   /// Those of the scan that was prepared last.
   const Kernels& kernels() const { return *kernels_[moving_]; }
   /// See gnosphere::shellEnds().
@@ -62,7 +62,7 @@ class SensorState {
   std::span<const Output> outputs() const { return outputs_; }
   const PlannedEffects& planned() const { return planned_; }
   /// What the host reads is words alone, see resolve_words.hpp.
-  bool leavesWords() const { return gnosphere::leavesWords(way_, planned_); }
+  bool leavesWords() const { return gnosphere::leavesWords(binning_, planned_); }
   /// Those of the scan that was prepared last.
   const Buffer& words() const { return *words_; }
   /// The words as the still instances leave them: empty until there is room.
@@ -96,7 +96,7 @@ class SensorState {
 
   const Device& device_;
   Layout& layout_;
-  uint32_t way_;
+  uint32_t binning_;
   PlannedEffects planned_;
   bool exact_;
   std::vector<Output> outputs_;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "threads.hpp"
+#include "base/threads.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -73,11 +73,12 @@ void Stages::clear(Commands& commands, const SensorState& state, StillImage::Use
   commands.fill(state.buffer(gpu::kBindCounters), 0, VK_WHOLE_SIZE, 0);
   if (use == StillImage::Use::use)
     commands.copy(state.stillWords(), state.words());
-  else if (state.way() == gpu::kWayLists)
+  else if (state.binning() == gpu::kBinningLists)
     commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, 0);
   else
     commands.fill(state.words(), 0, VK_WHOLE_SIZE, gpu::kNone);
-  if (state.way() == gpu::kWaySlabs) commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, gpu::kNone);
+  if (state.binning() == gpu::kBinningSlabs)
+    commands.fill(state.buffer(gpu::kBindListEnds), 0, VK_WHOLE_SIZE, gpu::kNone);
   commands.barrier();
 }
 
@@ -102,11 +103,11 @@ void Stages::project(Commands& commands, const SensorState& state, std::span<con
 
 void Stages::bin(Commands& commands, const SensorState& state, bool lastShell) const {
   const Kernels& kernels = state.kernels();
-  const uint32_t blocks = state.frame().beams / gpu::kScanBlock + 1;
+  const uint32_t blocks = state.frame().beams / gpu::kPrefixBlock + 1;
   commands.dispatch(kernels.bin[0], triangleGroupCount(state));
   if (!lastShell) return;
-  for (size_t pass = 0; pass < kernels.scan.size(); ++pass)
-    commands.dispatch(kernels.scan[pass], pass == gpu::kScanBlocks ? 1 : std::min(groupCount(), blocks));
+  for (size_t pass = 0; pass < kernels.prefixSum.size(); ++pass)
+    commands.dispatch(kernels.prefixSum[pass], pass == gpu::kPrefixBlocks ? 1 : std::min(groupCount(), blocks));
   if (kernels.bin.size() > 1) commands.dispatch(kernels.bin[1], groupCount());
 }
 
@@ -140,7 +141,7 @@ void Stages::count(Plan& plan, const SensorState& state) const {
   for (Plan::Stage& stage : plan.stages) {
     if (stage.name == "project") stage.dispatches = shells * 3 * chunks + (shells - 1);
     if (stage.name == "bin")
-      stage.dispatches = shells - 1 + static_cast<uint32_t>(kernels.bin.size() + kernels.scan.size());
+      stage.dispatches = shells - 1 + static_cast<uint32_t>(kernels.bin.size() + kernels.prefixSum.size());
     if (stage.name == "resolve") stage.dispatches = kernels.resolve ? 1 : 0;
     if (stage.name == "effects")
       stage.dispatches =
@@ -164,7 +165,7 @@ uint32_t Stages::cullGroupCount() const {
 // With slabs whoever is free takes what is next until nothing is left: on a CPU a workgroup per thread is enough then,
 // and each one more asks in vain.
 uint32_t Stages::triangleGroupCount(const SensorState& state) const {
-  return device_.capabilities().cpu && state.way() == gpu::kWaySlabs ? threadCount() : groupCount();
+  return device_.capabilities().cpu && state.binning() == gpu::kBinningSlabs ? threadCount() : groupCount();
 }
 
 }  // namespace gnosphere::vulkan

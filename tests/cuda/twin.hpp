@@ -2,7 +2,7 @@
 // CUDA's backend beside the others: its kernels on the host always, and on a CUDA device where there is one.
 #pragma once
 
-#include "backend.hpp"
+#include "pipeline/backend.hpp"
 #include "support.hpp"
 
 namespace gnosphere::cuda_on_host {

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <string>
 
-#include "effects/parameters.hpp"
+#include "effects/request_table.hpp"
 
 using namespace gnosphere;
 

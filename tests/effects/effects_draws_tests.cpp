@@ -3,7 +3,7 @@
 #include <catch2/generators/catch_generators.hpp>
 
 #include "effects/beam_signal.hpp"
-#include "effects/device_parameters.hpp"
+#include "effects/formula_inputs.hpp"
 #include "effects/planned.hpp"
 #include "effects/scan_support.hpp"
 #include "town/town.hpp"

@@ -2,7 +2,7 @@
 // What is not planned is not there: no pipeline, constant, buffer or dispatch knows of it.
 #include <catch2/catch_test_macros.hpp>
 
-#include "effects/plan.h"
+#include "effects/bits.h"
 #include "scan_support.hpp"
 
 namespace gnosphere::test {

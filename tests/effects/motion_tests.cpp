@@ -5,7 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "effects/motion.hpp"
+#include "effects/trajectory.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "effects/device_parameters.hpp"
-#include "effects/motion.h"
+#include "effects/doppler.h"
+#include "effects/formula_inputs.hpp"
 #include "effects/noise.h"
 
 using namespace gnosphere;

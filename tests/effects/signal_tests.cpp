@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "effects/beam_signal.hpp"
-#include "effects/device_parameters.hpp"
+#include "effects/formula_inputs.hpp"
 
 using namespace gnosphere;
 using Catch::Approx;

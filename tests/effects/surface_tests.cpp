@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "effects/detection.h"
-#include "effects/device_parameters.hpp"
+#include "effects/formula_inputs.hpp"
 #include "effects/intensity.h"
 #include "effects/random.h"
 

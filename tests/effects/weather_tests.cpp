@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "effects/beam_signal.hpp"
-#include "effects/device_parameters.hpp"
-#include "effects/weather.hpp"
+#include "effects/formula_inputs.hpp"
+#include "effects/particles.hpp"
 
 using namespace gnosphere;
 using Catch::Approx;

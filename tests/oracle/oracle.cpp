@@ -9,7 +9,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
-#include "beam_tables.hpp"
+#include "pipeline/beam_tables.hpp"
 
 namespace gnosphere::test {
 

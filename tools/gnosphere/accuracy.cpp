@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "accuracy_report.hpp"
+#include "base/file.hpp"
 #include "commands.hpp"
 #include "console.hpp"
-#include "file.hpp"
 #include "scanning.hpp"
 
 namespace gnosphere::cli {

@@ -3,10 +3,10 @@
 #include <memory>
 #include <optional>
 
+#include "base/file.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "effect_options.hpp"
-#include "file.hpp"
 #include "max_error.hpp"
 #include "output/fields.hpp"
 #include "scan_report.hpp"

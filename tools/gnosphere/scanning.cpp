@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-#include "file.hpp"
+#include "base/file.hpp"
 
 namespace gnosphere::cli {
 

@@ -3,9 +3,9 @@
 
 #include <memory>
 
+#include "base/file.hpp"
 #include "commands.hpp"
 #include "console.hpp"
-#include "file.hpp"
 
 namespace gnosphere::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <pugixml.hpp>
 
-#include "file.hpp"
+#include "base/file.hpp"
 #include "gnosphere/error.hpp"
 #include "town/opendrive/network.hpp"
 

@@ -2,13 +2,9 @@
 // Where a sensor and what it sees are at a time within a scan.
 #pragma once
 
-#include "gnosphere/sensor.hpp"
 #include "gnosphere/simulator.hpp"
 
 namespace gnosphere {
-
-/// Seconds after the start of the scan at which a beam of the sensor fires.
-double timeOf(const Sensor& sensor, size_t beam);
 
 /// Position linear, orientation along the shorter arc (slerp), both held before the first stamp and after the last;
 /// `standing` where the motion has no stamps. The orientation comes out with length 1 between stamps.

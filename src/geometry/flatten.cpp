@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "flatten.hpp"
+#include "geometry/flatten.hpp"
 
 #include <meshoptimizer.h>
 

@@ -18,17 +18,17 @@ inline bool within(const Vec3& p, double limit) {
 }
 
 /// What is known of an instance before there is a pose.
-struct Place {
+struct PlacedMesh {
   double condition = 1;
   Vec3 origin;  ///< of the mesh, in the world
 };
 
-std::vector<Place> placesOf(const Scene& scene);
+std::vector<PlacedMesh> placedMeshesOf(const Scene& scene);
 
 /// The absolute part of a corner's error, seen from `position`: 1e-9 m, some roundings of the world's doubles (2^-53
 /// each), and what is left of a pivot that is split into a float and a float remainder (2^-48) and moved through a
 /// rounded matrix.
-double absoluteError(const Place& place, const Vec3& position);
+double absoluteError(const PlacedMesh& place, const Vec3& position);
 
 /// All triangles of the scene. Those of instances that move get their velocities into `sweeps`, over a turn of `period`
 /// seconds. What is dropped is counted.

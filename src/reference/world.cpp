@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reference/place.hpp"
+#include "reference/world.hpp"
 
 #include <utility>
 
-#include "effects/motion.hpp"
+#include "effects/trajectory.hpp"
 
 namespace gnosphere::reference {
 
@@ -108,14 +108,14 @@ void placeInstance(const Scene& scene, uint32_t index, Faces faces, const Transf
 
 }  // namespace
 
-std::vector<Place> placesOf(const Scene& scene) {
-  std::vector<Place> places;
+std::vector<PlacedMesh> placedMeshesOf(const Scene& scene) {
+  std::vector<PlacedMesh> places;
   for (const Instance& instance : scene.instances)
     places.push_back({condition(instance.transform), instance.transform * scene.meshes[instance.mesh].origin});
   return places;
 }
 
-double absoluteError(const Place& place, const Vec3& position) {
+double absoluteError(const PlacedMesh& place, const Vec3& position) {
   return 1e-9 + 0x1p-48 * (norm(place.origin) + norm(position)) + 0x1p-45 * norm(place.origin - position);
 }
 

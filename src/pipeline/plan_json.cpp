@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gnosphere/plan.hpp"
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "effects/parameters.hpp"
+#include "effects/request_table.hpp"
+#include "gnosphere/plan.hpp"
 
 namespace gnosphere {
 

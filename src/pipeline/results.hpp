@@ -5,8 +5,8 @@
 #include <array>
 
 #include "effects/setup.hpp"
-#include "instance_table.hpp"
-#include "resolve_words.hpp"
+#include "geometry/instance_table.hpp"
+#include "pipeline/resolve_words.hpp"
 
 namespace gnosphere {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "resolve_words.hpp"
+#include "pipeline/resolve_words.hpp"
 
 #include <bit>
 #include <cmath>

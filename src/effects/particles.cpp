@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "effects/weather.hpp"
+#include "effects/particles.hpp"
 
 #include <algorithm>
 #include <array>

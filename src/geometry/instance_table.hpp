@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "backend.hpp"
+#include "gnosphere/simulator.hpp"
 #include "shared.h"
 
 namespace gnosphere {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "flatten.hpp"
-#include "instance_table.hpp"
+#include "geometry/flatten.hpp"
+#include "geometry/instance_table.hpp"
 
 namespace gnosphere {
 

@@ -11,10 +11,10 @@
 layout(local_size_x = 64) in;
 
 const uint kLanes = gl_WorkGroupSize.x;
-const uint kPerLane = kScanBlock / kLanes;
+const uint kPerLane = kPrefixBlock / kLanes;
 shared uint laneSums[kLanes];
 
-uint blockCount() { return (frame.beams + kScanBlock - 1) / kScanBlock; }
+uint blockCount() { return (frame.beams + kPrefixBlock - 1) / kPrefixBlock; }
 
 // Sum of the lanes before this one; every lane must call.
 uint sumBefore(uint value, out uint total) {
@@ -34,7 +34,7 @@ uint sumBefore(uint value, out uint total) {
 uint countsOfLane(uint block) {
   uint sum = 0;
   for (uint k = 0; k < kPerLane; ++k) {
-    uint beam = block * kScanBlock + gl_LocalInvocationID.x * kPerLane + k;
+    uint beam = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
     if (beam < frame.beams) sum += listEnds[beam];
   }
   return sum;
@@ -69,7 +69,7 @@ void applyBlocks() {
     uint total;
     uint start = blockSums[block] + sumBefore(countsOfLane(block), total);
     for (uint k = 0; k < kPerLane; ++k) {
-      uint beam = block * kScanBlock + gl_LocalInvocationID.x * kPerLane + k;
+      uint beam = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
       if (beam >= frame.beams) break;
       uint count = listEnds[beam];
       listEnds[beam] = start;
@@ -79,7 +79,7 @@ void applyBlocks() {
 }
 
 void main() {
-  if (PASS == kScanReduce) reduceBlocks();
-  if (PASS == kScanBlocks) scanBlocks();
-  if (PASS == kScanApply) applyBlocks();
+  if (PASS == kPrefixReduce) reduceBlocks();
+  if (PASS == kPrefixBlocks) scanBlocks();
+  if (PASS == kPrefixApply) applyBlocks();
 }

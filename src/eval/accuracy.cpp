@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "gnosphere/accuracy.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "accuracy/sample.hpp"
-#include "gnosphere/accuracy.hpp"
+#include "eval/sample.hpp"
 #include "gnosphere/error.hpp"
 #include "output/comparison_sum.hpp"
 

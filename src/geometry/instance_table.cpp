@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "instance_table.hpp"
+#include "geometry/instance_table.hpp"
 
 #include <algorithm>
 #include <bit>

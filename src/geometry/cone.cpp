@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cone.hpp"
+#include "geometry/cone.hpp"
 
 #include <meshoptimizer.h>
 

@@ -6,9 +6,6 @@
 
 namespace gnosphere {
 
-/// The mesh of an instance that was removed.
-inline constexpr uint32_t kNoMesh = 0xffffffffu;
-
 /// One machine with one scene on it. Implemented by vulkan/, cuda/ and reference/; none of them includes another.
 class Backend {
  public:

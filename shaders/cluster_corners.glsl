@@ -3,7 +3,7 @@
 // those whose triangles have it: a software device pays for every lane's load, and a shuffle is one instruction.
 
 // Where a cluster is: its instance and itself, loaded by one lane for all of them.
-struct Place {
+struct LoadedCluster {
   Instance instance;
   uint vertexFirst, vertexCount, triangleFirst, triangleCount;
   bool doubleSided;
@@ -11,31 +11,31 @@ struct Place {
   uint number;  // its number; only with motion
 };
 
-Place placeOf(uint i) {
-  Place place;
-  place.material = 0;
+LoadedCluster loadCluster(uint i) {
+  LoadedCluster loaded;
+  loaded.material = 0;
   float vertices, triangles;
   if (gl_SubgroupInvocationID == 0) {
     uvec2 pair = visible[i];
-    place.instance = instances[pair.x];
-    place.number = pair.x;
+    loaded.instance = instances[pair.x];
+    loaded.number = pair.x;
     vertices = clusters[pair.y].low.w;
     triangles = clusters[pair.y].high.w;
 #ifdef FOOTPRINT
-    place.material = clusterMaterials[pair.y];
+    loaded.material = clusterMaterials[pair.y];
 #endif
   }
-  place.material = subgroupBroadcast(place.material, 0);
-  place.number = subgroupBroadcast(place.number, 0);
-  place.instance = fromFirstLane(place.instance);
+  loaded.material = subgroupBroadcast(loaded.material, 0);
+  loaded.number = subgroupBroadcast(loaded.number, 0);
+  loaded.instance = fromFirstLane(loaded.instance);
   uint word = floatBitsToUint(subgroupBroadcast(vertices, 0));
-  place.vertexFirst = word & (kChunkVertices - 1);
-  place.vertexCount = word >> 25;
+  loaded.vertexFirst = word & (kChunkVertices - 1);
+  loaded.vertexCount = word >> 25;
   word = floatBitsToUint(subgroupBroadcast(triangles, 0));
-  place.triangleFirst = word & (kChunkTriangles - 1);
-  place.triangleCount = word >> 24 & 127;
-  place.doubleSided = (word >> 31) != 0;
-  return place;
+  loaded.triangleFirst = word & (kChunkTriangles - 1);
+  loaded.triangleCount = word >> 24 & 127;
+  loaded.doubleSided = (word >> 31) != 0;
+  return loaded;
 }
 
 // Vertices lane, lane + subgroup size, ... of a cluster; none if it has more than there is room for. Of towns a tenth has
@@ -46,20 +46,20 @@ struct Vertices {
   uint count;
 };
 
-vec3 toSensor(Place place, uint vertex) {
-  vec3 p = toSensor(place.instance, positions[place.vertexFirst + vertex]);
+vec3 toSensor(LoadedCluster loaded, uint vertex) {
+  vec3 p = toSensor(loaded.instance, positions[loaded.vertexFirst + vertex]);
   return INSIDE == kInsideExact ? snapToLattice(p) : p;
 }
 
 bool haveRoom(uint vertexCount) { return vertexCount <= kVertexRounds * gl_SubgroupSize; }
 
-Vertices verticesOf(Place place) {
+Vertices verticesOf(LoadedCluster loaded) {
   Vertices vertices;
-  vertices.count = place.vertexCount;
+  vertices.count = loaded.vertexCount;
   if (haveRoom(vertices.count)) {
     [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
       if (k * gl_SubgroupSize < vertices.count)
-        vertices.at[k] = toSensor(place, min(k * gl_SubgroupSize + gl_SubgroupInvocationID, vertices.count - 1));
+        vertices.at[k] = toSensor(loaded, min(k * gl_SubgroupSize + gl_SubgroupInvocationID, vertices.count - 1));
   }
   return vertices;
 }
@@ -76,14 +76,14 @@ vec3 cornerOf(Vertices vertices, uint number) {
 }
 
 // The numbers of a triangle's corners, those of a mirroring instance swapped back to their winding.
-uvec3 numbersOf(Place place, uint packed) {
-  bool mirrored = mirrors(place.instance);
+uvec3 numbersOf(LoadedCluster loaded, uint packed) {
+  bool mirrored = mirrors(loaded.instance);
   return uvec3(packed, packed >> (mirrored ? 16 : 8), packed >> (mirrored ? 8 : 16)) & 0xff;
 }
 
 // Every lane must ask.
-mat3 cornersOf(Place place, Vertices vertices, uvec3 numbers) {
+mat3 cornersOf(LoadedCluster loaded, Vertices vertices, uvec3 numbers) {
   if (haveRoom(vertices.count))
     return mat3(cornerOf(vertices, numbers.x), cornerOf(vertices, numbers.y), cornerOf(vertices, numbers.z));
-  return mat3(toSensor(place, numbers.x), toSensor(place, numbers.y), toSensor(place, numbers.z));
+  return mat3(toSensor(loaded, numbers.x), toSensor(loaded, numbers.y), toSensor(loaded, numbers.z));
 }

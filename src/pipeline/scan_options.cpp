@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scan_options.hpp"
+#include "pipeline/scan_options.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -28,13 +28,13 @@ static_assert(static_cast<uint32_t>(Faces::both) == gpu::kFacesBoth);
 
 }  // namespace
 
-Exactness partsOf(const SimulatorOptions& options) {
+Exactness exactnessOf(const SimulatorOptions& options) {
   return options.exactness.value_or(exactnessOf(options.accuracy));
 }
 
 // The paper culls triangle by triangle.
 uint32_t cullingBits(const SimulatorOptions& options) {
-  const Exactness parts = partsOf(options);
+  const Exactness parts = exactnessOf(options);
   if (parts.bounds == Exactness::Bounds::paper || parts.cull == Exactness::Cull::firstCorner) return 0;
   const Culling& culling = options.culling;
   return (culling.range ? gpu::kCullRange : 0) | (culling.rows ? gpu::kCullRows : 0) |
@@ -42,40 +42,41 @@ uint32_t cullingBits(const SimulatorOptions& options) {
          (culling.occlusion != Culling::Occlusion::never ? gpu::kCullOccluded : 0);
 }
 
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, bool cpu, const PlannedEffects& planned) {
-  if (planned.footprint()) return gpu::kWayLists;
+uint32_t chooseBinning(const SimulatorOptions& options, bool int64Atomics, bool cpu, const PlannedEffects& planned) {
+  if (planned.footprint()) return gpu::kBinningLists;
   switch (options.binning) {
-    case Binning::lists: return gpu::kWayLists;
-    case Binning::nearest32: return gpu::kWayNearest32;
+    case Binning::lists: return gpu::kBinningLists;
+    case Binning::nearest32: return gpu::kBinningNearest32;
     case Binning::automatic:
       // Candidates per beam, as the paper has it.
-      if (partsOf(options).bounds == Exactness::Bounds::paper) return gpu::kWayLists;
+      if (exactnessOf(options).bounds == Exactness::Bounds::paper) return gpu::kBinningLists;
       break;
     case Binning::slabs: cpu = true; break;
     case Binning::nearest: cpu = false; break;
   }
-  return !int64Atomics ? gpu::kWayNearest32 : cpu ? gpu::kWaySlabs : gpu::kWayNearest;
+  return !int64Atomics ? gpu::kBinningNearest32 : cpu ? gpu::kBinningSlabs : gpu::kBinningNearest;
 }
 
-bool leavesWords(uint32_t way, const PlannedEffects& planned) {
-  return way != gpu::kWayLists && planned.bare();
+bool leavesWords(uint32_t binning, const PlannedEffects& planned) {
+  return binning != gpu::kBinningLists && planned.bare();
 }
 
-const char* nameOfWay(uint32_t way) {
+const char* nameOfBinning(uint32_t binning) {
   constexpr const char* kNames[] = {"nearest", "nearest32", "lists", "slabs"};
-  static_assert(gpu::kWayNearest == 0 && gpu::kWayNearest32 == 1 && gpu::kWayLists == 2 && gpu::kWaySlabs == 3);
-  return kNames[way];
+  static_assert(gpu::kBinningNearest == 0 && gpu::kBinningNearest32 == 1 && gpu::kBinningLists == 2 &&
+                gpu::kBinningSlabs == 3);
+  return kNames[binning];
 }
 
 // Where every hit of a beam counts, nothing hides anything.
-std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t way, const gpu::Frame& frame,
+std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t binning, const gpu::Frame& frame,
                              uint64_t triangles) {
   const bool pays = triangles >= kShellTriangles &&
                     static_cast<double>(triangles) >= kTrianglesPerBeam * static_cast<double>(frame.beams);
-  const bool possible = way != gpu::kWayLists && (cullingBits(options) & gpu::kCullOccluded) != 0;
+  const bool possible = binning != gpu::kBinningLists && (cullingBits(options) & gpu::kCullOccluded) != 0;
   std::vector<float> ends;
   if (possible && (pays || options.culling.occlusion == Culling::Occlusion::always)) {
-    const bool three = way == gpu::kWaySlabs && frame.beams >= kThreeShellsBeams;
+    const bool three = binning == gpu::kBinningSlabs && frame.beams >= kThreeShellsBeams;
     for (const float share : three ? std::span<const float>(kThreeShells) : std::span<const float>(kTwoShells))
       ends.push_back(frame.rangeMax * share);
   }
@@ -103,12 +104,12 @@ uint64_t projectedGuess(uint64_t beams, uint64_t triangles) {
 }
 
 // Only large boxes are cut into tiles, and some boxes lie in more than one slab.
-uint64_t tileGuess(uint32_t way, uint64_t projected) {
-  return way == gpu::kWaySlabs ? projected / 2 : kFirstTiles;
+uint64_t tileGuess(uint32_t binning, uint64_t projected) {
+  return binning == gpu::kBinningSlabs ? projected / 2 : kFirstTiles;
 }
 
-uint64_t tileBytes(uint32_t way, uint64_t projected, uint64_t tiles) {
-  return ((way == gpu::kWaySlabs ? projected : 0) + tiles) * 4 * sizeof(uint32_t);
+uint64_t tileBytes(uint32_t binning, uint64_t projected, uint64_t tiles) {
+  return ((binning == gpu::kBinningSlabs ? projected : 0) + tiles) * 4 * sizeof(uint32_t);
 }
 
 uint64_t slabCount(const gpu::Frame& frame) {

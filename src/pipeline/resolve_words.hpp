@@ -3,9 +3,9 @@
 // host, which has to write every byte of it anyway. The device would write it once before.
 #pragma once
 
-#include "beam_tables.hpp"
+#include "geometry/instance_table.hpp"
 #include "gnosphere/scan.hpp"
-#include "instance_table.hpp"
+#include "pipeline/beam_tables.hpp"
 
 namespace gnosphere {
 

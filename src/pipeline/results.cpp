@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "results.hpp"
+#include "pipeline/results.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -8,9 +8,9 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "effects/motion.hpp"
-#include "resolve_words.hpp"
-#include "threads.hpp"
+#include "base/threads.hpp"
+#include "effects/trajectory.hpp"
+#include "pipeline/resolve_words.hpp"
 
 namespace gnosphere {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "cone.hpp"
+#include "geometry/cone.hpp"
 #include "gnosphere/scene.hpp"
 
 namespace gnosphere {

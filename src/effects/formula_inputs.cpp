@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "effects/device_parameters.hpp"
+#include "effects/formula_inputs.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "effects/weather.hpp"
+#include "effects/particles.hpp"
 
 namespace gnosphere {
 namespace {

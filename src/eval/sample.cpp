@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "accuracy/sample.hpp"
+#include "eval/sample.hpp"
 
 #include <cmath>
 #include <random>

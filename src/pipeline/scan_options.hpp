@@ -11,18 +11,18 @@
 
 namespace gnosphere {
 
-Exactness partsOf(const SimulatorOptions& options);
+Exactness exactnessOf(const SimulatorOptions& options);
 /// gpu::kCull... bits.
 uint32_t cullingBits(const SimulatorOptions& options);
 /// gpu::kWay...: how the options, the device and what is planned bin.
-uint32_t chooseWay(const SimulatorOptions& options, bool int64Atomics, bool cpu, const PlannedEffects& planned);
+uint32_t chooseBinning(const SimulatorOptions& options, bool int64Atomics, bool cpu, const PlannedEffects& planned);
 /// Whether words are all that is read back, for the host to resolve: 8 bytes per beam, where nothing but geometry is
 /// planned.
-bool leavesWords(uint32_t way, const PlannedEffects& planned);
+bool leavesWords(uint32_t binning, const PlannedEffects& planned);
 /// As Plan::binning names it.
-const char* nameOfWay(uint32_t way);
+const char* nameOfBinning(uint32_t binning);
 /// Metres, the last one infinity: shell by shell is binned, and hides what lies behind it. One shell is everything.
-std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t way, const gpu::Frame& frame,
+std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t binning, const gpu::Frame& frame,
                              uint64_t triangles);
 /// Metres: instances farther away need not be looked at.
 double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
@@ -37,8 +37,8 @@ uint64_t projectedCount(const gpu::Counters& counters);
 uint64_t projectedGuess(uint64_t beams, uint64_t triangles);
 /// Room for tiles to begin with, by the way of binning, and the size of their array: with slabs each projected triangle
 /// has one beside them.
-uint64_t tileGuess(uint32_t way, uint64_t projected);
-uint64_t tileBytes(uint32_t way, uint64_t projected, uint64_t tiles);
+uint64_t tileGuess(uint32_t binning, uint64_t projected);
+uint64_t tileBytes(uint32_t binning, uint64_t projected, uint64_t tiles);
 /// Slabs of columns that a sensor has.
 uint64_t slabCount(const gpu::Frame& frame);
 /// Room for `needed` entries of a list and some more, within a limit.

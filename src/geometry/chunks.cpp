@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "chunks.hpp"
+#include "geometry/chunks.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "effects/parameters.hpp"
+#include "effects/request_table.hpp"
 
 #include <cstdio>
 
-#include "effects/plan.h"
+#include "effects/bits.h"
 
 namespace gnosphere {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "beam_tables.hpp"
+#include "pipeline/beam_tables.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "base/threads.hpp"
 #include "gnosphere/error.hpp"
-#include "threads.hpp"
 
 namespace gnosphere {
 namespace {

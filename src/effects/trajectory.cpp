@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "effects/motion.hpp"
+#include "effects/trajectory.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,11 +40,6 @@ size_t after(const std::vector<Stamp>& stamps, double time) {
 }
 
 }  // namespace
-
-double timeOf(const Sensor& sensor, size_t beam) {
-  const size_t column = beam % sensor.columns, channel = beam / sensor.columns;
-  return sensor.rotationPeriod * static_cast<double>(column) / sensor.columns + sensor.channels[channel].timeOffset;
-}
 
 Pose poseAt(const SensorMotion& motion, const Pose& standing, double time) {
   const auto& stamps = motion.stamps;
