@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -16,7 +17,8 @@ inline unsigned threadCount() {
 }
 
 /// work(first, end) for 0..count - 1 in runs of `run`, on at most so many threads at once, the caller's among them.
-/// Whoever is free takes the next run: a thread starts late.
+/// Whoever is free takes the next run: a thread starts late. Where the system starts no more threads, those that run do
+/// all the work.
 template <typename Work>
 void inRuns(uint64_t count, uint64_t run, uint64_t threads, const Work& work) {
   std::atomic<uint64_t> next = 0;
@@ -25,7 +27,10 @@ void inRuns(uint64_t count, uint64_t run, uint64_t threads, const Work& work) {
       work(first, std::min(count, first + run));
   };
   std::vector<std::jthread> others;
-  for (uint64_t k = 1; k < threads && k * run < count; ++k) others.emplace_back(loop);
+  try {
+    for (uint64_t k = 1; k < threads && k * run < count; ++k) others.emplace_back(loop);
+  } catch (const std::system_error&) {
+  }
   loop();
 }
 

@@ -2,6 +2,7 @@
 #include "reference/bvh.hpp"
 
 #include <future>
+#include <system_error>
 #include <utility>
 
 namespace gnosphere::reference {
@@ -154,12 +155,16 @@ void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, s
       split(first + static_cast<ptrdiff_t>(begin), first + static_cast<ptrdiff_t>(end), depth >= kHalvingDepth);
   const auto middle = static_cast<size_t>(plane - first);
   std::future<std::vector<Node>> task;
-  if (depth < kTaskDepth && end - middle > kTaskSize)
-    task = std::async(std::launch::async, [&, middle, end, depth] {
-      std::vector<Node> branch;
-      build(items, middle, end, depth + 1, branch);
-      return branch;
-    });
+  if (depth < kTaskDepth && end - middle > kTaskSize) {
+    try {
+      task = std::async(std::launch::async, [&, middle, end, depth] {
+        std::vector<Node> branch;
+        build(items, middle, end, depth + 1, branch);
+        return branch;
+      });
+    } catch (const std::system_error&) {  // The system starts no more threads: this one builds both branches.
+    }
+  }
   build(items, begin, middle, depth + 1, nodes);
   const auto second = static_cast<uint32_t>(nodes.size());
   if (task.valid()) {
