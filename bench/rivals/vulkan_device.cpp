@@ -194,7 +194,8 @@ RayDevice::~RayDevice() {
 
 double RayDevice::run(const Record& timed, const Record& rest) {
   const auto stamp = [&](uint32_t query) {
-    if (capabilities_.timestamps) vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, query);
+    if (capabilities_.timestampBits > 0)
+      vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, query);
   };
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -214,11 +215,11 @@ double RayDevice::run(const Record& timed, const Record& rest) {
   submit.pCommandBuffers = &commands_;
   VK(vkQueueSubmit(queue_, 1, &submit, VK_NULL_HANDLE));
   VK(vkQueueWaitIdle(queue_));
-  if (!capabilities_.timestamps) return 0;
+  if (capabilities_.timestampBits == 0) return 0;
   uint64_t ticks[2];
   VK(vkGetQueryPoolResults(device_, queries_, 0, 2, sizeof ticks, ticks, sizeof ticks[0],
                            VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
-  return static_cast<double>(ticks[1] - ticks[0]) * capabilities_.timestampMs;
+  return capabilities_.elapsedMs(ticks[0], ticks[1]);
 }
 
 void RayDevice::write(const Slice& to, const void* data, uint64_t bytes) {

@@ -72,7 +72,7 @@ void Commands::barrier() {
 }
 
 void Commands::stamp(const char* stage) {
-  if (!device_.capabilities().timestamps) return;
+  if (device_.capabilities().timestampBits == 0) return;
   vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, static_cast<uint32_t>(stages_.size()));
   stages_.push_back(stage);
 }
@@ -99,13 +99,11 @@ void Commands::readTimings(Timings& timings) {
   VK(vkGetQueryPoolResults(device_.handle(), queries_, 0, static_cast<uint32_t>(ticks.size()),
                            ticks.size() * sizeof ticks[0], ticks.data(), sizeof ticks[0],
                            VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
-  const auto ms = [&](uint64_t from, uint64_t to) {
-    return static_cast<double>(to - from) * device_.capabilities().timestampMs;
-  };
   for (size_t i = 1; i < ticks.size(); ++i) {
     if (!stages_[i]) continue;
-    timings.gpuMs += ms(ticks[i - 1], ticks[i]);
-    timings.add(stages_[i], ms(ticks[i - 1], ticks[i]));
+    const double ms = device_.capabilities().elapsedMs(ticks[i - 1], ticks[i]);
+    timings.gpuMs += ms;
+    timings.add(stages_[i], ms);
   }
 }
 

@@ -193,7 +193,7 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   result.queueFamily = static_cast<uint32_t>(std::max(family, 0));
   result.int64Atomics = features.features.shaderInt64 && features12.shaderBufferInt64Atomics;
   result.float64 = features.features.shaderFloat64;
-  result.timestamps = timestampBits == 64 && basic.limits.timestampPeriod > 0;
+  result.timestampBits = basic.limits.timestampPeriod > 0 ? timestampBits : 0;
   result.timestampMs = basic.limits.timestampPeriod * 1e-6;
   constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
                                                VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
@@ -213,18 +213,22 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   return result;
 }
 
-VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& name) {
-  const std::vector<VkPhysicalDevice> devices = instance.physicalDevices();
+double Capabilities::elapsedMs(uint64_t from, uint64_t to) const {
+  if (timestampBits == 0) return 0;
+  return static_cast<double>((to - from) & (~uint64_t{0} >> (64 - timestampBits))) * timestampMs;
+}
+
+size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& name) {
+  size_t index = devices.size();
+  const char* end = name.data() + name.size();
+  const bool isNumber = std::from_chars(name.data(), end, index).ptr == end;
+  const bool isIndex = isNumber && index < devices.size();
   std::string seen;
   std::vector<size_t> matches;
-  std::vector<DeviceInfo> infos;
-  size_t index = devices.size();
-  const bool isIndex = std::from_chars(name.data(), name.data() + name.size(), index).ptr == name.data() + name.size();
   for (size_t i = 0; i < devices.size(); ++i) {
-    infos.push_back(capabilitiesOf(devices[i]).info);
-    seen += "; " + std::to_string(i) + ": " + infos[i].name + (infos[i].usable ? "" : " (" + infos[i].reason + ")");
-    if (name == "auto" ? infos[i].usable : isIndex ? index == i : containsWord(infos[i].name, name))
-      matches.push_back(i);
+    const DeviceInfo& info = devices[i];
+    seen += "; " + std::to_string(i) + ": " + info.name + (info.usable ? "" : " (" + info.reason + ")");
+    if (name == "auto" ? info.usable : isIndex ? index == i : containsWord(info.name, name)) matches.push_back(i);
   }
   if (devices.empty())
     throw Error(ErrorCode::device,
@@ -233,13 +237,23 @@ VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& na
   if (matches.empty() && name == "auto") throw Error(ErrorCode::device, "no Vulkan device can be used" + seen);
   if (matches.empty())
     throw Error(ErrorCode::invalidArgument,
-                "there is no device '" + name + "'" + seen + "; reference: the CPU in double");
-  const auto best = std::min_element(matches.begin(), matches.end(), [&](size_t a, size_t b) {
-    return std::pair(!infos[a].usable, preference(infos[a])) < std::pair(!infos[b].usable, preference(infos[b]));
+                "there is no device '" + name + "'" +
+                    (isNumber ? ", neither with this number nor with these digits in its name" : "") + seen +
+                    "; reference: the CPU in double");
+  const size_t best = *std::min_element(matches.begin(), matches.end(), [&](size_t a, size_t b) {
+    return std::pair(!devices[a].usable, preference(devices[a])) <
+           std::pair(!devices[b].usable, preference(devices[b]));
   });
-  if (!infos[*best].usable)
-    throw Error(ErrorCode::device, "the device '" + infos[*best].name + "' cannot be used: " + infos[*best].reason);
-  return devices[*best];
+  if (!devices[best].usable)
+    throw Error(ErrorCode::device, "the device '" + devices[best].name + "' cannot be used: " + devices[best].reason);
+  return best;
+}
+
+VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& name) {
+  const std::vector<VkPhysicalDevice> devices = instance.physicalDevices();
+  std::vector<DeviceInfo> infos;
+  for (VkPhysicalDevice device : devices) infos.push_back(capabilitiesOf(device).info);
+  return devices[chooseDevice(infos, name)];
 }
 
 Device::Device(const std::string& name, bool validation, uint64_t maxBufferBytes) : instance_(validation) {

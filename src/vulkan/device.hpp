@@ -45,15 +45,19 @@ struct Capabilities {
   DeviceInfo info;
   bool int64Atomics = false;
   bool float64 = false;
-  bool timestamps = false;
-  double timestampMs = 0;  ///< milliseconds per tick
-  bool cpu = false;        ///< a software device: threads, not lanes
+  uint32_t timestampBits = 0;  ///< of a timestamp, the lowest; the others say nothing. 0: there are no timestamps
+  double timestampMs = 0;      ///< milliseconds per tick
+  bool cpu = false;            ///< a software device: threads, not lanes
   uint32_t queueFamily = 0;
+
+  /// Milliseconds between two timestamps, which may have run over once; 0 where there are none.
+  double elapsedMs(uint64_t from, uint64_t to) const;
 };
 Capabilities capabilitiesOf(VkPhysicalDevice physical);
 
-/// `name`: auto, an index into physicalDevices() or part of a device name. Throws Error(invalidArgument) or
-/// Error(device) with every device seen and why it was refused.
+/// Which of the devices is meant by `name`: auto, an index, or part of a device's name, which a number that is no index
+/// may be, too. Throws Error(invalidArgument) or Error(device) with every device seen and why it was refused.
+size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& name);
 VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& name);
 
 class Device {
