@@ -33,7 +33,7 @@ int chooseMemory(const Device& device, uint32_t bits, Memory memory) {
 }  // namespace
 
 Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Memory memory)
-    : device_(device.handle()), bytes_(std::max<uint64_t>(bytes, 16)), name_(name) {
+    : device_(&device), bytes_(std::max<uint64_t>(bytes, 16)), name_(name) {
   if (bytes_ > device.maxBufferBytes())
     throw Error(ErrorCode::outOfMemory, "'" + std::string(name) + "' needs one buffer of " + mebibytes(bytes_) +
                                             "; the device '" + device.capabilities().info.name + "' allows " +
@@ -42,69 +42,54 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Memory me
   create.size = bytes_;
   create.usage =
       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  VK(vkCreateBuffer(device_, &create, nullptr, &buffer_));
+  const VolkDeviceTable& vk = device.vk();
+  DeviceHandle<VkBuffer> buffer = device.make(vk.vkCreateBuffer, vk.vkDestroyBuffer, create);
   VkMemoryRequirements requirements;
-  vkGetBufferMemoryRequirements(device_, buffer_, &requirements);
+  vk.vkGetBufferMemoryRequirements(device.handle(), buffer.get(), &requirements);
   // On a device that shares the host's memory everything may be read in place.
   const Memory kind = device.unifiedMemory() && memory == Memory::device ? Memory::readback : memory;
   const int type = chooseMemory(device, requirements.memoryTypeBits, kind);
   VkMemoryAllocateInfo allocate = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   allocate.allocationSize = requirements.size;
   allocate.memoryTypeIndex = static_cast<uint32_t>(type);
-  const VkResult result = vkAllocateMemory(device_, &allocate, nullptr, &memory_);
-  if (result != VK_SUCCESS) {
-    destroy();
-    throw Error(ErrorCode::outOfMemory, "cannot allocate " + mebibytes(bytes_) + " for '" + name + "'; the device '" +
-                                            device.capabilities().info.name + "' has " + mebibytes(device.heapBytes()) +
-                                            " in all");
-  }
-  VK(vkBindBufferMemory(device_, buffer_, memory_, 0));
+  const auto need = [&](bool succeeded) {
+    if (!succeeded)
+      throw Error(ErrorCode::outOfMemory, "cannot allocate " + mebibytes(bytes_) + " for '" + name + "'; the device '" +
+                                              device.capabilities().info.name + "' has " +
+                                              mebibytes(device.heapBytes()) + " in all");
+  };
+  VkDeviceMemory memoryObject = VK_NULL_HANDLE;
+  need(vk.vkAllocateMemory(device.handle(), &allocate, nullptr, &memoryObject) == VK_SUCCESS);
+  memory_ = {memoryObject, vk.vkFreeMemory, device.handle()};
+  buffer_ = std::move(buffer);
+  VK(vk.vkBindBufferMemory(device.handle(), buffer_.get(), memory_.get(), 0));
   coherent_ = device.isCoherent(type);
-  if (device.isHostVisible(type)) VK(vkMapMemory(device_, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_));
-}
-
-void Buffer::swap(Buffer& other) noexcept {
-  std::swap(device_, other.device_);
-  std::swap(buffer_, other.buffer_);
-  std::swap(memory_, other.memory_);
-  std::swap(mapped_, other.mapped_);
-  std::swap(coherent_, other.coherent_);
-  std::swap(bytes_, other.bytes_);
-  std::swap(name_, other.name_);
-}
-
-void Buffer::destroy() {
-  if (buffer_) vkDestroyBuffer(device_, buffer_, nullptr);
-  if (memory_) vkFreeMemory(device_, memory_, nullptr);
-  buffer_ = VK_NULL_HANDLE;
-  memory_ = VK_NULL_HANDLE;
+  if (!device.isHostVisible(type)) return;
+  // Where the host has no room left, Mesa's lavapipe reports success and maps to null.
+  need(vk.vkMapMemory(device.handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped_) == VK_SUCCESS && mapped_);
 }
 
 void Buffer::invalidate() const {
   if (coherent_) return;
   VkMappedMemoryRange range = {VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
-  range.memory = memory_;
+  range.memory = memory_.get();
   range.size = VK_WHOLE_SIZE;
-  VK(vkInvalidateMappedMemoryRanges(device_, 1, &range));
+  VK(device_->vk().vkInvalidateMappedMemoryRanges(device_->handle(), 1, &range));
 }
 
 void Buffer::flush() const {
   if (coherent_) return;
   VkMappedMemoryRange range = {VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
-  range.memory = memory_;
+  range.memory = memory_.get();
   range.size = VK_WHOLE_SIZE;
-  VK(vkFlushMappedMemoryRanges(device_, 1, &range));
+  VK(device_->vk().vkFlushMappedMemoryRanges(device_->handle(), 1, &range));
 }
 
 Uploader::Uploader(const Device& device) : device_(device) {
   VkCommandPoolCreateInfo create = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   create.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   create.queueFamilyIndex = device.capabilities().queueFamily;
-  VK(vkCreateCommandPool(device.handle(), &create, nullptr, &pool_));
-}
-
-Uploader::~Uploader() {
-  vkDestroyCommandPool(device_.handle(), pool_, nullptr);
+  pool_ = device.make(device.vk().vkCreateCommandPool, device.vk().vkDestroyCommandPool, create);
 }
 
 void Uploader::writeBytes(const void* data, Buffer& buffer, uint64_t offset, uint64_t bytes) {
@@ -149,21 +134,22 @@ uint64_t Uploader::stage(Memory memory) {
 
 void Uploader::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
   VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-  allocate.commandPool = pool_;
+  allocate.commandPool = pool_.get();
   allocate.commandBufferCount = 1;
   VkCommandBuffer commands;
-  VK(vkAllocateCommandBuffers(device_.handle(), &allocate, &commands));
+  const VolkDeviceTable& vk = device_.vk();
+  VK(vk.vkAllocateCommandBuffers(device_.handle(), &allocate, &commands));
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  VK(vkBeginCommandBuffer(commands, &begin));
-  vkCmdCopyBuffer(commands, from, to, 1, &region);
-  VK(vkEndCommandBuffer(commands));
+  VK(vk.vkBeginCommandBuffer(commands, &begin));
+  vk.vkCmdCopyBuffer(commands, from, to, 1, &region);
+  VK(vk.vkEndCommandBuffer(commands));
   VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &commands;
-  VK(vkQueueSubmit(device_.queue(), 1, &submit, VK_NULL_HANDLE));
-  VK(vkQueueWaitIdle(device_.queue()));
-  vkFreeCommandBuffers(device_.handle(), pool_, 1, &commands);
+  VK(vk.vkQueueSubmit(device_.queue(), 1, &submit, VK_NULL_HANDLE));
+  VK(vk.vkQueueWaitIdle(device_.queue()));
+  vk.vkFreeCommandBuffers(device_.handle(), pool_.get(), 1, &commands);
 }
 
 }  // namespace gnosphere::vulkan

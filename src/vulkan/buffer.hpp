@@ -22,14 +22,8 @@ class Buffer {
   Buffer() = default;
   /// `name` must outlive it; it is for plans and messages: "cannot allocate 96.0 MiB for 'points'".
   Buffer(const Device& device, const char* name, uint64_t bytes, Memory memory);
-  ~Buffer() { destroy(); }
-  Buffer(Buffer&& other) noexcept { swap(other); }
-  Buffer& operator=(Buffer&& other) noexcept {
-    swap(other);
-    return *this;
-  }
 
-  VkBuffer handle() const { return buffer_; }
+  VkBuffer handle() const { return buffer_.get(); }
   uint64_t bytes() const { return bytes_; }
   const char* name() const { return name_; }
   /// Host address; null for device memory that the host cannot see.
@@ -40,12 +34,9 @@ class Buffer {
   void flush() const;
 
  private:
-  void swap(Buffer& other) noexcept;
-  void destroy();
-
-  VkDevice device_ = VK_NULL_HANDLE;
-  VkBuffer buffer_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  const Device* device_ = nullptr;
+  DeviceHandle<VkDeviceMemory> memory_;
+  DeviceHandle<VkBuffer> buffer_;
   void* mapped_ = nullptr;
   bool coherent_ = true;
   uint64_t bytes_ = 0;
@@ -57,9 +48,6 @@ class Buffer {
 class Uploader {
  public:
   explicit Uploader(const Device& device);
-  ~Uploader();
-  Uploader(const Uploader&) = delete;
-  Uploader& operator=(const Uploader&) = delete;
 
   /// A new buffer with the data.
   template <typename T>
@@ -88,7 +76,7 @@ class Uploader {
   void copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region);
 
   const Device& device_;
-  VkCommandPool pool_ = VK_NULL_HANDLE;
+  DeviceHandle<VkCommandPool> pool_;
   Buffer staging_;
   Memory stagingKind_ = Memory::upload;
 };

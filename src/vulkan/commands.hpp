@@ -40,14 +40,15 @@ class Commands {
   void stamp(const char* stage);
 
   const Device& device_;
+  const VolkDeviceTable& vk_;
   const Layout& layout_;
   uint32_t stampLimit_;
   std::vector<const char*> stages_;  // that ended at each stamp
   bool pending_ = false;
-  VkCommandPool pool_ = VK_NULL_HANDLE;
-  VkCommandBuffer commands_ = VK_NULL_HANDLE;
-  VkQueryPool queries_ = VK_NULL_HANDLE;
-  VkFence fence_ = VK_NULL_HANDLE;
+  DeviceHandle<VkCommandPool> pool_;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;  // the pool's
+  DeviceHandle<VkQueryPool> queries_;
+  DeviceHandle<VkFence> fence_;
 };
 
 }  // namespace gnosphere::vulkan

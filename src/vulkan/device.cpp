@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cstdio>
 #include <cstring>
 
 #include "base/text.hpp"
@@ -66,101 +65,112 @@ int preference(const DeviceInfo& info) {
   return static_cast<int>(std::find(std::begin(order), std::end(order), info.type) - std::begin(order));
 }
 
-// Some drivers (NVIDIA's) can be loaded into a process only about ten times: their thread-local storage is never given
-// back. So one instance stays until the process ends, and the drivers with it.
-VkResult keepDriversLoaded(const VkInstanceCreateInfo& create) {
-  static VkInstance anchor = VK_NULL_HANDLE;
-  return anchor ? VK_SUCCESS : vkCreateInstance(&create, nullptr, &anchor);
-}
-
-}  // namespace
-
-void check(VkResult result, const char* call, const char* file, int line) {
-  if (result == VK_SUCCESS) return;
-  const char* name = std::strrchr(file, '/');
-  const std::string text = std::string(call) + " gave " + resultName(result) + " (" + std::to_string(result) + ") at " +
-                           (name ? name + 1 : file) + ":" + std::to_string(line);
-  const bool memory = result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
-  throw Error(memory ? ErrorCode::outOfMemory : ErrorCode::device, text);
-}
-
-ApiInstance::ApiInstance(bool validation) {
-  static std::mutex loaderMutex;  // volk keeps its function pointers in globals
-  const std::lock_guard lock(loaderMutex);
+// Volk keeps its pointers to the functions of Vulkan in globals. They are written once, before any other use, and serve
+// all instances in all threads. The instance that they are loaded from stays until the process ends, and the drivers
+// with it: some (NVIDIA's) can be loaded only about ten times, their thread-local storage is never given back.
+VkResult loadVulkan(const VkApplicationInfo& application) {
+  static std::mutex mutex;
+  static VkInstance kept = VK_NULL_HANDLE;
+  const std::lock_guard lock(mutex);
+  if (kept) return VK_SUCCESS;
   if (volkInitialize() != VK_SUCCESS)
     throw Error(ErrorCode::device,
                 "no Vulkan loader (libvulkan.so.1) was found; install libvulkan1 and a driver, "
                 "for instance mesa-vulkan-drivers");
+  VkInstanceCreateInfo create = {VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  create.pApplicationInfo = &application;
+  const VkResult result = vkCreateInstance(&create, nullptr, &kept);
+  if (result == VK_SUCCESS) volkLoadInstanceOnly(kept);
+  return result;
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                         const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  static_cast<Messages*>(user)->add(data->pMessage);
+  return VK_FALSE;
+}
+
+VkDebugUtilsMessengerCreateInfoEXT messengerOf(Messages& messages) {
+  VkDebugUtilsMessengerCreateInfoEXT create = {VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  create.messageSeverity =
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  create.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  create.pfnUserCallback = onMessage;
+  create.pUserData = &messages;
+  return create;
+}
+
+}  // namespace
+
+void check(VkResult result, const char* call, std::source_location where) {
+  if (result == VK_SUCCESS) return;
+  const char* name = std::strrchr(where.file_name(), '/');
+  const std::string text = std::string(call) + " gave " + resultName(result) + " (" + std::to_string(result) + ") at " +
+                           (name ? name + 1 : where.file_name()) + ":" + std::to_string(where.line());
+  const bool memory = result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
+  throw Error(memory ? ErrorCode::outOfMemory : ErrorCode::device, text);
+}
+
+void Messages::add(const char* text) {
+  const std::lock_guard lock(mutex_);
+  texts_.emplace_back(text);
+}
+
+void Messages::throwIfAny() {
+  const std::lock_guard lock(mutex_);
+  if (texts_.empty()) return;
+  std::string text = "Vulkan validation: " + texts_.front();
+  if (texts_.size() > 1) text += " (and " + std::to_string(texts_.size() - 1) + " more)";
+  texts_.clear();
+  throw Error(ErrorCode::device, text);
+}
+
+ApiInstance::ApiInstance(bool validation) {
   VkApplicationInfo application = {VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "gnosphere";
   application.apiVersion = VK_API_VERSION_1_2;
+  VkResult result = loadVulkan(application);
   const char* layer = "VK_LAYER_KHRONOS_validation";
   const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  VkDebugUtilsMessengerCreateInfoEXT messenger = messengerOf(*messages_);
   const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-  VkValidationFeaturesEXT features = {VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
+  VkValidationFeaturesEXT features = {VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
   features.enabledValidationFeatureCount = 1;
   features.pEnabledValidationFeatures = &synchronization;
-  VkDebugUtilsMessengerCreateInfoEXT messenger = {VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
-  messenger.pNext = &features;
-  messenger.messageSeverity =
-      VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
-  messenger.messageType =
-      VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
-  messenger.pfnUserCallback = onMessage;
-  messenger.pUserData = this;
   VkInstanceCreateInfo create = {VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   create.pApplicationInfo = &application;
-  VkResult result = keepDriversLoaded(create);
   if (validation) {
-    create.pNext = &messenger;
+    create.pNext = &features;
     create.enabledLayerCount = 1;
     create.ppEnabledLayerNames = &layer;
     create.enabledExtensionCount = 1;
     create.ppEnabledExtensionNames = &extension;
   }
-  if (result == VK_SUCCESS) result = vkCreateInstance(&create, nullptr, &instance_);
+  VkInstance instance = VK_NULL_HANDLE;
+  if (result == VK_SUCCESS) result = vkCreateInstance(&create, nullptr, &instance);
   if (result == VK_ERROR_LAYER_NOT_PRESENT)
     throw Error(ErrorCode::device, "the Vulkan validation layer is not installed; install vulkan-validationlayers");
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
     throw Error(ErrorCode::device, "no Vulkan driver was found; install one, for instance mesa-vulkan-drivers");
-  VK(result);
-  volkLoadInstance(instance_);
-  if (validation) {
-    messenger.pNext = nullptr;
-    VK(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_));
-  }
-}
-
-ApiInstance::~ApiInstance() {
-  if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
-  if (instance_) vkDestroyInstance(instance_, nullptr);
-  // A destructor cannot throw, and a validation message must not pass unseen.
-  for (const std::string& message : messages_) std::fprintf(stderr, "gnosphere: %s\n", message.c_str());
-}
-
-VkBool32 ApiInstance::onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
-                                const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
-  auto* self = static_cast<ApiInstance*>(user);
-  const std::lock_guard lock(self->mutex_);
-  self->messages_.emplace_back(data->pMessage);
-  return VK_FALSE;
+  check(result, "vkCreateInstance");
+  instance_ = {instance, vkDestroyInstance};
+  if (!validation) return;
+  // The pointers that were loaded once know no extension.
+  const auto function = [&](const char* name) { return vkGetInstanceProcAddr(instance, name); };
+  const auto make = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(function("vkCreateDebugUtilsMessengerEXT"));
+  const auto destroy =
+      reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(function("vkDestroyDebugUtilsMessengerEXT"));
+  VkDebugUtilsMessengerEXT made = VK_NULL_HANDLE;
+  VK(make(instance, &messenger, nullptr, &made));
+  messenger_ = {made, destroy, instance};
 }
 
 std::vector<VkPhysicalDevice> ApiInstance::physicalDevices() const {
   uint32_t count = 0;
-  VK(vkEnumeratePhysicalDevices(instance_, &count, nullptr));
+  VK(vkEnumeratePhysicalDevices(handle(), &count, nullptr));
   std::vector<VkPhysicalDevice> devices(count);
-  if (count > 0) VK(vkEnumeratePhysicalDevices(instance_, &count, devices.data()));
+  if (count > 0) VK(vkEnumeratePhysicalDevices(handle(), &count, devices.data()));
   return devices;
-}
-
-void ApiInstance::throwOnMessages() {
-  const std::lock_guard lock(mutex_);
-  if (messages_.empty()) return;
-  std::string text = "Vulkan validation: " + messages_.front();
-  if (messages_.size() > 1) text += " (and " + std::to_string(messages_.size() - 1) + " more)";
-  messages_.clear();
-  throw Error(ErrorCode::device, text);
 }
 
 Capabilities capabilitiesOf(VkPhysicalDevice physical) {
@@ -276,12 +286,11 @@ Device::Device(const std::string& name, bool validation, uint64_t maxBufferBytes
   VkDeviceCreateInfo create = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;
-  VK(vkCreateDevice(physical_, &create, nullptr, &device_));
-  vkGetDeviceQueue(device_, capabilities_.queueFamily, 0, &queue_);
-}
-
-Device::~Device() {
-  if (device_) vkDestroyDevice(device_, nullptr);
+  VkDevice device = VK_NULL_HANDLE;
+  VK(vkCreateDevice(physical_, &create, nullptr, &device));
+  volkLoadDeviceTable(&vk_, device);
+  device_ = {device, vk_.vkDestroyDevice};
+  vk_.vkGetDeviceQueue(device, capabilities_.queueFamily, 0, &queue_);
 }
 
 int Device::memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const {

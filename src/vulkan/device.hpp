@@ -4,40 +4,49 @@
 
 #include <volk.h>
 
+#include <memory>
 #include <mutex>
+#include <source_location>
 #include <string>
 #include <vector>
 
 #include "gnosphere/error.hpp"
 #include "gnosphere/simulator.hpp"
+#include "vulkan/handle.hpp"
 
 namespace gnosphere::vulkan {
 
 /// Throws Error with the call's text, the result's name and the place. Use through VK().
-void check(VkResult result, const char* call, const char* file, int line);
-#define VK(call) ::gnosphere::vulkan::check(call, #call, __FILE__, __LINE__)
+void check(VkResult result, const char* call, std::source_location where = std::source_location::current());
+#define VK(call) ::gnosphere::vulkan::check(call, #call)
+
+/// What the validation layer has said.
+class Messages {
+ public:
+  void add(const char* text);
+  /// Throws Error(device) with what was said since the last call.
+  void throwIfAny();
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> texts_;
+};
 
 /// A Vulkan instance, with the validation layer if asked for.
 class ApiInstance {
  public:
   explicit ApiInstance(bool validation);
-  ~ApiInstance();
-  ApiInstance(const ApiInstance&) = delete;
-  ApiInstance& operator=(const ApiInstance&) = delete;
 
-  VkInstance handle() const { return instance_; }
+  VkInstance handle() const { return instance_.get(); }
   std::vector<VkPhysicalDevice> physicalDevices() const;
-  /// Throws Error(device) with what the validation layer has said since the last call.
-  void throwOnMessages();
+  void throwOnMessages() { messages_->throwIfAny(); }
+  /// Whoever shares them learns what is said when the instance and its devices are destroyed; else nobody does.
+  const std::shared_ptr<Messages>& messages() const { return messages_; }
 
  private:
-  static VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                                  VkDebugUtilsMessageTypeFlagsEXT,
-                                                  const VkDebugUtilsMessengerCallbackDataEXT* data, void* user);
-  VkInstance instance_ = VK_NULL_HANDLE;
-  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-  std::mutex mutex_;
-  std::vector<std::string> messages_;
+  std::shared_ptr<Messages> messages_ = std::make_shared<Messages>();
+  Handle<VkInstance> instance_;
+  Handle<VkDebugUtilsMessengerEXT, VkInstance> messenger_;
 };
 
 /// What a physical device offers, and whether we can use it.
@@ -63,16 +72,27 @@ VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& na
 class Device {
  public:
   Device(const std::string& name, bool validation, uint64_t maxBufferBytes);
-  ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  VkDevice handle() const { return device_; }
+  VkDevice handle() const { return device_.get(); }
+  /// The functions of this device; volk's global pointers to them are null.
+  const VolkDeviceTable& vk() const { return vk_; }
+  /// The object that a function of vk() creates as `info` says. Throws Error that names the place of the call.
+  template <typename T, typename Info>
+  DeviceHandle<T> make(VkResult(VKAPI_PTR* create)(VkDevice, const Info*, const VkAllocationCallbacks*, T*),
+                       typename DeviceHandle<T>::Destroy destroy, const Info& info,
+                       std::source_location where = std::source_location::current()) const {
+    T object = VK_NULL_HANDLE;
+    check(create(handle(), &info, nullptr, &object), "making a Vulkan object", where);
+    return {object, destroy, handle()};
+  }
   VkPhysicalDevice physical() const { return physical_; }
   VkQueue queue() const { return queue_; }
   const Capabilities& capabilities() const { return capabilities_; }
   uint64_t maxBufferBytes() const { return capabilities_.info.maxBufferBytes; }
   void throwOnMessages() { instance_.throwOnMessages(); }
+  const std::shared_ptr<Messages>& messages() const { return instance_.messages(); }
 
   /// Index of a memory type among `typeBits` with all of `wanted`; -1 if there is none.
   int memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const;
@@ -88,7 +108,8 @@ class Device {
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   Capabilities capabilities_;
   VkPhysicalDeviceMemoryProperties memory_ = {};
-  VkDevice device_ = VK_NULL_HANDLE;
+  Handle<VkDevice> device_;
+  VolkDeviceTable vk_ = {};
   VkQueue queue_ = VK_NULL_HANDLE;
 };
 

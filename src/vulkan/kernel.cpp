@@ -8,6 +8,7 @@ Layout::Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets, bo
       cache_(cache),
       bindingCounts_{effects ? gpu::kWorkBindingCountEffects : gpu::kWorkBindingCount,
                      effects ? gpu::kSceneBindingCountEffects : gpu::kSceneBindingCount} {
+  const VolkDeviceTable& vk = device.vk();
   for (int set = 0; set < 2; ++set) {
     std::vector<VkDescriptorSetLayoutBinding> bindings(bindingCounts_[set]);
     for (uint32_t i = 0; i < bindingCounts_[set]; ++i)
@@ -15,37 +16,33 @@ Layout::Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets, bo
     VkDescriptorSetLayoutCreateInfo create = {VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     create.bindingCount = bindingCounts_[set];
     create.pBindings = bindings.data();
-    VK(vkCreateDescriptorSetLayout(device_.handle(), &create, nullptr, &setLayouts_[set]));
+    setLayouts_[set] = device.make(vk.vkCreateDescriptorSetLayout, vk.vkDestroyDescriptorSetLayout, create);
   }
   const VkPushConstantRange constants = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(gpu::Pass)};
   VkPipelineLayoutCreateInfo layout = {VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  const VkDescriptorSetLayout setLayouts[] = {setLayouts_[0].get(), setLayouts_[1].get()};
   layout.setLayoutCount = 2;
-  layout.pSetLayouts = setLayouts_;
+  layout.pSetLayouts = setLayouts;
   layout.pushConstantRangeCount = 1;
   layout.pPushConstantRanges = &constants;
-  VK(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &pipelineLayout_));
+  pipelineLayout_ = device.make(vk.vkCreatePipelineLayout, vk.vkDestroyPipelineLayout, layout);
   const VkDescriptorPoolSize size = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                                      maxSets * (bindingCounts_[0] + bindingCounts_[1])};
   VkDescriptorPoolCreateInfo pool = {VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = maxSets;
   pool.poolSizeCount = 1;
   pool.pPoolSizes = &size;
-  VK(vkCreateDescriptorPool(device_.handle(), &pool, nullptr, &pool_));
-}
-
-Layout::~Layout() {
-  vkDestroyDescriptorPool(device_.handle(), pool_, nullptr);
-  vkDestroyPipelineLayout(device_.handle(), pipelineLayout_, nullptr);
-  for (VkDescriptorSetLayout layout : setLayouts_) vkDestroyDescriptorSetLayout(device_.handle(), layout, nullptr);
+  pool_ = device.make(vk.vkCreateDescriptorPool, vk.vkDestroyDescriptorPool, pool);
 }
 
 VkDescriptorSet Layout::makeSet(uint32_t set) {
   VkDescriptorSetAllocateInfo allocate = {VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-  allocate.descriptorPool = pool_;
+  const VkDescriptorSetLayout layout = setLayouts_[set].get();
+  allocate.descriptorPool = pool_.get();
   allocate.descriptorSetCount = 1;
-  allocate.pSetLayouts = &setLayouts_[set];
+  allocate.pSetLayouts = &layout;
   VkDescriptorSet handle;
-  VK(vkAllocateDescriptorSets(device_.handle(), &allocate, &handle));
+  VK(device_.vk().vkAllocateDescriptorSets(device_.handle(), &allocate, &handle));
   return handle;
 }
 
@@ -61,7 +58,8 @@ void Layout::updateSet(VkDescriptorSet handle, std::span<const Buffer* const> bu
     writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     writes[i].pBufferInfo = &infos[i];
   }
-  vkUpdateDescriptorSets(device_.handle(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
+  device_.vk().vkUpdateDescriptorSets(device_.handle(), static_cast<uint32_t>(writes.size()), writes.data(), 0,
+                                      nullptr);
 }
 
 std::array<uint32_t, 12> constantsOf(const Options& options, uint32_t pass) {
@@ -81,12 +79,12 @@ std::array<uint32_t, 12> constantsOf(const Options& options, uint32_t pass) {
 
 Kernel::Kernel(const Device& device, const Layout& layout, const char* name, std::span<const uint32_t> spirv,
                const Options& options, uint32_t pass)
-    : device_(device.handle()), name_(name), constants_(constantsOf(options, pass)) {
+    : name_(name), constants_(constantsOf(options, pass)) {
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module.codeSize = spirv.size_bytes();
   module.pCode = spirv.data();
-  VkShaderModule shader;
-  VK(vkCreateShaderModule(device_, &module, nullptr, &shader));
+  const VolkDeviceTable& vk = device.vk();
+  const DeviceHandle<VkShaderModule> shader = device.make(vk.vkCreateShaderModule, vk.vkDestroyShaderModule, module);
   std::array<VkSpecializationMapEntry, std::tuple_size_v<decltype(constants_)>> entries;
   for (uint32_t i = 0; i < entries.size(); ++i) entries[i] = {i + 1, i * 4, 4};
   const VkSpecializationInfo specialization = {static_cast<uint32_t>(entries.size()), entries.data(), sizeof constants_,
@@ -94,17 +92,13 @@ Kernel::Kernel(const Device& device, const Layout& layout, const char* name, std
   VkComputePipelineCreateInfo create = {VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  create.stage.module = shader;
+  create.stage.module = shader.get();
   create.stage.pName = "main";
   create.stage.pSpecializationInfo = &specialization;
   create.layout = layout.handle();
-  const VkResult result = vkCreateComputePipelines(device_, layout.cache(), 1, &create, nullptr, &pipeline_);
-  vkDestroyShaderModule(device_, shader, nullptr);
-  VK(result);
-}
-
-Kernel::~Kernel() {
-  if (pipeline_) vkDestroyPipeline(device_, pipeline_, nullptr);
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  VK(vk.vkCreateComputePipelines(device.handle(), layout.cache(), 1, &create, nullptr, &pipeline));
+  pipeline_ = {pipeline, vk.vkDestroyPipeline, device.handle()};
 }
 
 }  // namespace gnosphere::vulkan

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "shared.h"
@@ -35,11 +34,10 @@ class Layout {
  public:
   /// `effects`: with the bindings that only stage effects has.
   Layout(const Device& device, VkPipelineCache cache, uint32_t maxSets, bool effects);
-  ~Layout();
   Layout(const Layout&) = delete;
   Layout& operator=(const Layout&) = delete;
 
-  VkPipelineLayout handle() const { return pipelineLayout_; }
+  VkPipelineLayout handle() const { return pipelineLayout_.get(); }
   VkPipelineCache cache() const { return cache_; }
   uint32_t bindingCount(uint32_t set) const { return bindingCounts_[set]; }
   /// A set of layout 0 or 1, its bindings to come.
@@ -51,9 +49,9 @@ class Layout {
   const Device& device_;
   VkPipelineCache cache_;
   uint32_t bindingCounts_[2];
-  VkDescriptorSetLayout setLayouts_[2] = {};
-  VkPipelineLayout pipelineLayout_ = VK_NULL_HANDLE;
-  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  DeviceHandle<VkDescriptorSetLayout> setLayouts_[2];
+  DeviceHandle<VkPipelineLayout> pipelineLayout_;
+  DeviceHandle<VkDescriptorPool> pool_;
 };
 
 class Kernel {
@@ -61,21 +59,13 @@ class Kernel {
   /// `name` is the shader's, for the plan.
   Kernel(const Device& device, const Layout& layout, const char* name, std::span<const uint32_t> spirv,
          const Options& options, uint32_t pass = 0);
-  ~Kernel();
-  Kernel(Kernel&& other) noexcept
-      : device_(other.device_),
-        pipeline_(std::exchange(other.pipeline_, nullptr)),
-        name_(other.name_),
-        constants_(other.constants_) {}
-  Kernel& operator=(Kernel&&) = delete;
 
-  VkPipeline handle() const { return pipeline_; }
+  VkPipeline handle() const { return pipeline_.get(); }
   const char* name() const { return name_; }
   const std::array<uint32_t, 12>& constants() const { return constants_; }
 
  private:
-  VkDevice device_;
-  VkPipeline pipeline_ = VK_NULL_HANDLE;
+  DeviceHandle<VkPipeline> pipeline_;
   const char* name_;
   std::array<uint32_t, 12> constants_;
 };

@@ -74,22 +74,24 @@ PipelineCache::PipelineCache(const Device& device, const std::string& setting) :
   VkPipelineCacheCreateInfo create = {VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
   create.initialDataSize = stored_.size();
   create.pInitialData = stored_.data();
-  if (vkCreatePipelineCache(device.handle(), &create, nullptr, &cache_) == VK_SUCCESS) return;
-  stored_.clear();
-  create.initialDataSize = 0;
-  VK(vkCreatePipelineCache(device.handle(), &create, nullptr, &cache_));
-}
-
-PipelineCache::~PipelineCache() {
-  vkDestroyPipelineCache(device_.handle(), cache_, nullptr);
+  const auto make = [&] {
+    return device.make(device.vk().vkCreatePipelineCache, device.vk().vkDestroyPipelineCache, create);
+  };
+  try {
+    cache_ = make();
+  } catch (const Error&) {  // the driver does not like what is stored
+    stored_.clear();
+    create.initialDataSize = 0;
+    cache_ = make();
+  }
 }
 
 void PipelineCache::save() const {
   if (file_.empty()) return;
   size_t size = 0;
-  VK(vkGetPipelineCacheData(device_.handle(), cache_, &size, nullptr));
+  VK(device_.vk().vkGetPipelineCacheData(device_.handle(), cache_.get(), &size, nullptr));
   std::string bytes(size, '\0');
-  VK(vkGetPipelineCacheData(device_.handle(), cache_, &size, bytes.data()));
+  VK(device_.vk().vkGetPipelineCacheData(device_.handle(), cache_.get(), &size, bytes.data()));
   bytes.resize(size);
   if (bytes == stored_) return;
   std::error_code ignored;

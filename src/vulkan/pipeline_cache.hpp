@@ -17,11 +17,8 @@ class PipelineCache {
  public:
   /// `setting`: SimulatorOptions::cache.
   PipelineCache(const Device& device, const std::string& setting);
-  ~PipelineCache();
-  PipelineCache(const PipelineCache&) = delete;
-  PipelineCache& operator=(const PipelineCache&) = delete;
 
-  VkPipelineCache handle() const { return cache_; }
+  VkPipelineCache handle() const { return cache_.get(); }
   /// Writes what has been compiled since; nothing if the file has it all.
   void save() const;
 
@@ -29,7 +26,7 @@ class PipelineCache {
   const Device& device_;
   std::filesystem::path file_;  // empty: nothing is kept
   std::string stored_;          // Vulkan's bytes of the file
-  VkPipelineCache cache_ = VK_NULL_HANDLE;
+  DeviceHandle<VkPipelineCache> cache_;
 };
 
 }  // namespace gnosphere::vulkan
