@@ -3,8 +3,10 @@
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
+#include "prefix_sum.spv.h"
 #include "support.hpp"
-#include "vulkan/device.hpp"
+#include "vulkan/commands.hpp"
+#include "vulkan/pipeline_cache.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -21,7 +23,144 @@ DeviceInfo deviceOf(const char* name, const char* type, bool usable = true) {
   return info;
 }
 
+// What the functions of a device do in place of the driver's own: objects are counted, and one call may fail. Those
+// that allocate from a pool are counted as calls alone: what they give goes with the pool.
+struct Calls {
+  VolkDeviceTable real;
+  int failing = -1;  // which call, from 0
+  int made = 0;      // calls so far
+  int alive = 0;     // objects created and not destroyed
+  bool fails() { return made++ == failing; }
+} calls;
+
+template <auto kFunction, typename Info, typename T>
+VKAPI_ATTR VkResult VKAPI_CALL create(VkDevice device, const Info* info, const VkAllocationCallbacks* with, T* object) {
+  if (calls.fails()) return VK_ERROR_OUT_OF_HOST_MEMORY;
+  const VkResult result = (calls.real.*kFunction)(device, info, with, object);
+  calls.alive += result == VK_SUCCESS;
+  return result;
+}
+
+template <auto kFunction, typename T>
+VKAPI_ATTR void VKAPI_CALL destroy(VkDevice device, T object, const VkAllocationCallbacks* with) {
+  calls.alive -= object != VK_NULL_HANDLE;
+  (calls.real.*kFunction)(device, object, with);
+}
+
+template <auto kFunction, typename... Arguments>
+VKAPI_ATTR VkResult VKAPI_CALL attempt(Arguments... arguments) {
+  return calls.fails() ? VK_ERROR_OUT_OF_HOST_MEMORY : (calls.real.*kFunction)(arguments...);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL createPipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
+                                               const VkComputePipelineCreateInfo* infos,
+                                               const VkAllocationCallbacks* with, VkPipeline* pipelines) {
+  if (calls.fails()) return VK_ERROR_OUT_OF_HOST_MEMORY;
+  const VkResult result = calls.real.vkCreateComputePipelines(device, cache, count, infos, with, pipelines);
+  calls.alive += result == VK_SUCCESS ? static_cast<int>(count) : 0;
+  return result;
+}
+
+// The device's own functions, to be changed.
+VolkDeviceTable& functionsOf(vulkan::Device& device) {
+  return const_cast<VolkDeviceTable&>(device.vk());
+}
+
+void countCalls(VolkDeviceTable& vk) {
+  using Table = VolkDeviceTable;
+  calls = {vk};
+  vk.vkCreateBuffer = create<&Table::vkCreateBuffer>;
+  vk.vkDestroyBuffer = destroy<&Table::vkDestroyBuffer>;
+  vk.vkAllocateMemory = create<&Table::vkAllocateMemory>;
+  vk.vkFreeMemory = destroy<&Table::vkFreeMemory>;
+  vk.vkBindBufferMemory = attempt<&Table::vkBindBufferMemory>;
+  vk.vkMapMemory = attempt<&Table::vkMapMemory>;
+  vk.vkCreateCommandPool = create<&Table::vkCreateCommandPool>;
+  vk.vkDestroyCommandPool = destroy<&Table::vkDestroyCommandPool>;
+  vk.vkAllocateCommandBuffers = attempt<&Table::vkAllocateCommandBuffers>;
+  vk.vkCreateQueryPool = create<&Table::vkCreateQueryPool>;
+  vk.vkDestroyQueryPool = destroy<&Table::vkDestroyQueryPool>;
+  vk.vkCreateFence = create<&Table::vkCreateFence>;
+  vk.vkDestroyFence = destroy<&Table::vkDestroyFence>;
+  vk.vkCreateDescriptorSetLayout = create<&Table::vkCreateDescriptorSetLayout>;
+  vk.vkDestroyDescriptorSetLayout = destroy<&Table::vkDestroyDescriptorSetLayout>;
+  vk.vkCreatePipelineLayout = create<&Table::vkCreatePipelineLayout>;
+  vk.vkDestroyPipelineLayout = destroy<&Table::vkDestroyPipelineLayout>;
+  vk.vkCreateDescriptorPool = create<&Table::vkCreateDescriptorPool>;
+  vk.vkDestroyDescriptorPool = destroy<&Table::vkDestroyDescriptorPool>;
+  vk.vkCreateShaderModule = create<&Table::vkCreateShaderModule>;
+  vk.vkDestroyShaderModule = destroy<&Table::vkDestroyShaderModule>;
+  vk.vkCreatePipelineCache = create<&Table::vkCreatePipelineCache>;
+  vk.vkDestroyPipelineCache = destroy<&Table::vkDestroyPipelineCache>;
+  vk.vkCreateComputePipelines = createPipelines;
+  vk.vkDestroyPipeline = destroy<&Table::vkDestroyPipeline>;
+}
+
+// One of everything that owns objects of a device.
+void makeEverything(const vulkan::Device& device) {
+  const vulkan::PipelineCache cache(device, "off");
+  const vulkan::Layout layout(device, cache.handle(), 1, false);
+  std::vector<vulkan::Kernel> kernels;
+  for (uint32_t pass : {0, 1}) kernels.emplace_back(device, layout, "prefix_sum", prefix_sum, vulkan::Options{}, pass);
+  const vulkan::Commands commands(device, layout, 2);
+  vulkan::Uploader uploader(device);
+  const std::vector<uint32_t> numbers = {1, 2, 3};
+  std::vector<vulkan::Buffer> buffers;
+  buffers.push_back(uploader.upload("numbers", std::span(numbers)));
+  buffers.emplace_back(device, "upload", 1000, vulkan::Memory::upload);
+  buffers.front() = vulkan::Buffer(device, "others", 100, vulkan::Memory::readback);
+}
+
 }  // namespace
+
+TEST_CASE("a call of Vulkan that fails, whichever it is, leaves nothing behind") {
+  needVulkan();
+  auto device = std::make_unique<vulkan::Device>("auto", vulkanOptions().validation, 0);
+  const auto messages = device->messages();
+  countCalls(functionsOf(*device));
+  makeEverything(*device);
+  CHECK(calls.alive == 0);
+  const int count = calls.made;
+  CHECK(count > 20);
+  for (int failing = 0; failing < count; ++failing) {
+    INFO("call " << failing);
+    calls.made = 0;
+    calls.failing = failing;
+    // Without a file, what the cache's first attempt cannot do the second one can.
+    if (failing == 0)
+      makeEverything(*device);
+    else
+      CHECK_THROWS_AS(makeEverything(*device), Error);
+    CHECK(calls.alive == 0);
+  }
+  device.reset();
+  CHECK_NOTHROW(messages->throwIfAny());
+}
+
+TEST_CASE("memory that cannot be mapped is memory that cannot be had") {
+  needVulkan();
+  vulkan::Device device("auto", vulkanOptions().validation, 0);
+  const auto fails = [&](PFN_vkMapMemory map) {
+    functionsOf(device).vkMapMemory = map;
+    try {
+      vulkan::Buffer(device, "numbers", 3 << 20, vulkan::Memory::upload);
+      return std::string("no error");
+    } catch (const Error& error) {
+      CHECK(error.code() == ErrorCode::outOfMemory);
+      return std::string(error.what());
+    }
+  };
+  const auto expected = ContainsSubstring("cannot allocate 3.0 MiB for 'numbers'; the device '");
+  CHECK_THAT(fails([](VkDevice, VkDeviceMemory, VkDeviceSize, VkDeviceSize, VkMemoryMapFlags, void** to) {
+               *to = nullptr;
+               return VK_SUCCESS;
+             }),
+             expected);
+  CHECK_THAT(fails([](VkDevice, VkDeviceMemory, VkDeviceSize, VkDeviceSize, VkMemoryMapFlags, void**) {
+               return VK_ERROR_MEMORY_MAP_FAILED;
+             }),
+             expected);
+}
 
 TEST_CASE("a number is a device's index, or else part of its name") {
   const std::vector<DeviceInfo> devices = {deviceOf("llvmpipe (LLVM 15.0.6, 256 bits)", "cpu"),

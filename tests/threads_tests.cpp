@@ -55,4 +55,41 @@ TEST_CASE("the reference gives the same without any thread but the caller's") {
   CHECK(sameBytes(with, referenceOf(scene, gridSensor(200, 16, -30, 30), {})));
 }
 
+TEST_CASE("simulators in several threads give what one gives in one thread") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(7, 300, 30, 10));
+  const std::vector<Sensor> sensors = {gridSensor(120, 8, -30, 30), gridSensor(60, 16, -20, 20)};
+  const auto scans = [&](size_t turn) {
+    SimulatorOptions options = vulkanOptions();
+    // The layer's own state is guarded by one lock, which would keep the threads apart.
+    if (turn % 2 == 1) options.validation = false;
+    options.binning = turn % 3 == 0 ? Binning::lists : Binning::nearest;
+    Simulator simulator(scene, sensors, options);
+    std::vector<Scan> results;
+    for (size_t sensor = 0; sensor < sensors.size(); ++sensor) results.push_back(simulator.scan({}, sensor));
+    return results;
+  };
+  const std::vector<Scan> expected = scans(0);
+  const Scan reference = referenceOf(scene, sensors[0], {});
+  constexpr size_t kThreads = 2, kTurns = 6;
+  std::string problems[kThreads];
+  std::vector<std::thread> threads;
+  for (size_t thread = 0; thread < kThreads; ++thread)
+    threads.emplace_back([&, thread] {
+      try {
+        for (size_t turn = 0; turn < kTurns; ++turn) {
+          if (listDevices().size() < 2) problems[thread] += "a device is missing; ";
+          const std::vector<Scan> results = scans(thread + turn);
+          for (size_t i = 0; i < results.size(); ++i)
+            if (!sameBytes(results[i], expected[i])) problems[thread] += "turn " + std::to_string(turn) + "; ";
+        }
+      } catch (const std::exception& error) {
+        problems[thread] += error.what();
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::string& problem : problems) CHECK(problem == "");
+  requireSame(reference, expected[0]);
+}
+
 }  // namespace gnosphere::test
