@@ -23,6 +23,19 @@ DeviceInfo deviceOf(const char* name, const char* type, bool usable = true) {
   return info;
 }
 
+vulkan::Offer goodOffer() {
+  vulkan::Offer offer;
+  offer.compute = true;
+  offer.limits.maxPerStageDescriptorStorageBuffers = 1000;
+  offer.features12.scalarBlockLayout = VK_TRUE;
+  offer.subgroup.subgroupSize = 32;
+  offer.subgroup.supportedStages = VK_SHADER_STAGE_COMPUTE_BIT;
+  offer.subgroup.supportedOperations = ~0u;
+  offer.sizes.minSubgroupSize = 32;
+  offer.sizeControl.computeFullSubgroups = VK_TRUE;
+  return offer;
+}
+
 // What the functions of a device do in place of the driver's own: objects are counted, and one call may fail. Those
 // that allocate from a pool are counted as calls alone: what they give goes with the pool.
 struct Calls {
@@ -160,6 +173,67 @@ TEST_CASE("memory that cannot be mapped is memory that cannot be had") {
                return VK_ERROR_MEMORY_MAP_FAILED;
              }),
              expected);
+}
+
+TEST_CASE("every pipeline asks for full subgroups, and the validation layer agrees") {
+  needVulkan();
+  vulkan::Device device("auto", vulkanOptions().validation, 0);
+  static std::vector<VkPipelineShaderStageCreateFlags> flags;
+  flags.clear();
+  calls = {device.vk()};
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice handle, VkPipelineCache cache, uint32_t count,
+                                                    const VkComputePipelineCreateInfo* infos,
+                                                    const VkAllocationCallbacks* with, VkPipeline* pipelines) {
+    for (uint32_t i = 0; i < count; ++i) flags.push_back(infos[i].stage.flags);
+    return calls.real.vkCreateComputePipelines(handle, cache, count, infos, with, pipelines);
+  };
+  makeEverything(device);
+  REQUIRE(flags.size() == 2);
+  for (VkPipelineShaderStageCreateFlags flag : flags)
+    CHECK(flag == VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT);
+  CHECK_NOTHROW(device.throwOnMessages());
+}
+
+TEST_CASE("subgroups are full, whatever size the device has, or the device is refused") {
+  const auto chosen = [](uint32_t size, uint32_t least, bool full, bool sizes = true, VkShaderStageFlags stages = ~0u) {
+    vulkan::Offer offer = goodOffer();
+    offer.subgroup.subgroupSize = size;
+    offer.sizes.minSubgroupSize = least;
+    offer.sizes.requiredSubgroupSizeStages = stages;
+    offer.sizeControl.computeFullSubgroups = full;
+    offer.sizeControl.subgroupSizeControl = sizes;
+    const vulkan::FullSubgroups result = fullSubgroupsOf(offer);
+    CHECK(reasonAgainst(offer).empty() == (result.size > 0));
+    return std::pair(result.size, result.required);
+  };
+  for (uint32_t size : {1u, 4u, 8u, 16u, 32u, 64u}) CHECK(chosen(size, 4, true) == std::pair(size, false));
+  CHECK(chosen(32, 8, true, false) == std::pair(32u, false));
+  CHECK(chosen(128, 64, true) == std::pair(64u, true));
+  CHECK(chosen(128, 16, true) == std::pair(64u, true));
+  CHECK(chosen(128, 128, true).first == 0);
+  CHECK(chosen(128, 64, true, false).first == 0);
+  CHECK(chosen(128, 64, true, true, VK_SHADER_STAGE_VERTEX_BIT).first == 0);
+  CHECK(chosen(32, 8, false).first == 0);
+}
+
+TEST_CASE("a device that lacks anything is refused with what it lacks") {
+  const auto reason = [](auto change) {
+    vulkan::Offer offer = goodOffer();
+    change(offer);
+    return reasonAgainst(offer);
+  };
+  CHECK(reason([](vulkan::Offer&) {}) == "");
+  CHECK(reason([](vulkan::Offer& offer) { offer.compute = false; }) == "it has no compute queue");
+  CHECK(reason([](vulkan::Offer& offer) { offer.features12.scalarBlockLayout = VK_FALSE; }) ==
+        "it lacks the scalar block layout");
+  CHECK(reason([](vulkan::Offer& offer) { offer.sizeControl = {}; }) ==
+        "it cannot promise full subgroups, of at most 64 lanes, by VK_EXT_subgroup_size_control; a newer driver may");
+  CHECK_THAT(reason([](vulkan::Offer& offer) { offer.subgroup.supportedStages = VK_SHADER_STAGE_FRAGMENT_BIT; }),
+             ContainsSubstring("it lacks subgroup"));
+  for (VkSubgroupFeatureFlags bit : {VK_SUBGROUP_FEATURE_BALLOT_BIT, VK_SUBGROUP_FEATURE_VOTE_BIT,
+                                     VK_SUBGROUP_FEATURE_SHUFFLE_BIT, VK_SUBGROUP_FEATURE_ARITHMETIC_BIT})
+    CHECK_THAT(reason([&](vulkan::Offer& offer) { offer.subgroup.supportedOperations &= ~bit; }),
+               ContainsSubstring("it lacks subgroup"));
 }
 
 TEST_CASE("a number is a device's index, or else part of its name") {

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// shared.h is compiled as C++ and as GLSL: the offsets that the SPIR-V carries must be those of the C++ structs.
+// shared.h is compiled as C++ and as GLSL: the offsets that the SPIR-V carries must be those of the C++ structs. And
+// the SPIR-V must not need what vulkan/device.cpp does not ask a device for.
 #include <catch2/catch_test_macros.hpp>
 #include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "bin.spv.h"
 #include "effects/parameters.h"
@@ -94,4 +101,33 @@ TEST_CASE("the structs of shared.h have the same layout on the host and in every
     INFO(member << " is in no shader");
     CHECK(seen[member] > 0);
   }
+}
+
+TEST_CASE("the shaders need nothing that a device is not asked for") {
+  // Shader, GroupNonUniform with Vote, Arithmetic, Ballot and Shuffle.
+  const std::set<uint32_t> always = {1, 61, 62, 63, 64, 65};
+  const std::set<uint32_t> ofInt64 = {11, 12}, ofFloat64 = {10};
+  size_t modules = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(GNOSPHERE_SHADERS)) {
+    if (entry.path().extension() != ".spv") continue;
+    const std::string name = entry.path().stem().string();
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    std::vector<uint32_t> words(bytes.size() / 4);
+    std::memcpy(words.data(), bytes.data(), 4 * words.size());
+    ++modules;
+    for (size_t at = 5; at < words.size(); at += words[at] >> 16) {
+      const uint32_t* word = &words[at];
+      if ((word[0] & 0xffff) == 17) {  // OpCapability
+        INFO(name << " needs capability " << word[1]);
+        CHECK((always.contains(word[1]) || (name.find("int64") != name.npos && ofInt64.contains(word[1])) ||
+               (name.find("float64") != name.npos && ofFloat64.contains(word[1]))));
+      }
+      if ((word[0] & 0xffff) == 16 && word[2] == 17) {  // OpExecutionMode ... LocalSize
+        INFO(name << " has workgroups of " << word[3] << " x " << word[4] << " x " << word[5]);
+        CHECK((word[3] == 64 && word[4] == 1 && word[5] == 1));
+      }
+    }
+  }
+  CHECK(modules > 10);
 }

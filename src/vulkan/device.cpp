@@ -13,6 +13,8 @@
 namespace gnosphere::vulkan {
 namespace {
 
+constexpr uint32_t kWorkgroupSize = 64;  // of every shader
+
 const char* resultName(VkResult result) {
   switch (result) {
     case VK_SUCCESS: return "VK_SUCCESS";
@@ -58,6 +60,16 @@ int computeFamily(VkPhysicalDevice physical, uint32_t& timestampBits) {
       return static_cast<int>(i);
     }
   return -1;
+}
+
+bool offers(VkPhysicalDevice physical, const char* extension) {
+  uint32_t count = 0;
+  VK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr));
+  std::vector<VkExtensionProperties> extensions(count);
+  VK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data()));
+  return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& offered) {
+    return std::strcmp(offered.extensionName, extension) == 0;
+  });
 }
 
 int preference(const DeviceInfo& info) {
@@ -173,14 +185,57 @@ std::vector<VkPhysicalDevice> ApiInstance::physicalDevices() const {
   return devices;
 }
 
+FullSubgroups fullSubgroupsOf(const Offer& offer) {
+  if (!offer.sizeControl.computeFullSubgroups) return {};
+  if (kWorkgroupSize % offer.subgroup.subgroupSize == 0) return {offer.subgroup.subgroupSize, false};
+  // Some devices choose subgroups that are larger than our workgroups, but can have smaller ones.
+  const bool choice = offer.sizeControl.subgroupSizeControl &&
+                      (offer.sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+                      offer.sizes.minSubgroupSize <= kWorkgroupSize;
+  return choice ? FullSubgroups{kWorkgroupSize, true} : FullSubgroups{};
+}
+
+// What every device with Vulkan 1.2 has is not asked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
+// of them a dispatch, and 128 bytes of push constants.
+static_assert(kWorkgroupSize <= 128 && sizeof(gpu::Pass) <= 128);
+
+std::string reasonAgainst(const Offer& offer) {
+  constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
+                                               VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
+                                               VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+  constexpr uint32_t kBuffers = gpu::kWorkBindingCount + gpu::kSceneBindingCount;
+  if (!offer.compute) return "it has no compute queue";
+  if (!(offer.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
+      (offer.subgroup.supportedOperations & kSubgroup) != kSubgroup)
+    return "it lacks subgroup ballot, vote, shuffle or arithmetic in compute shaders";
+  if (fullSubgroupsOf(offer).size == 0)
+    return "it cannot promise full subgroups, of at most " + std::to_string(kWorkgroupSize) +
+           " lanes, by " VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME "; a newer driver may";
+  if (!offer.features12.scalarBlockLayout) return "it lacks the scalar block layout";
+  if (offer.limits.maxPerStageDescriptorStorageBuffers < kBuffers)
+    return "it binds " + std::to_string(offer.limits.maxPerStageDescriptorStorageBuffers) +
+           " storage buffers per stage, " + std::to_string(kBuffers) + " are needed";
+  return {};
+}
+
 Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   Capabilities result;
+  Offer offer;
   VkPhysicalDeviceDriverProperties driver = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
   VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &driver};
-  VkPhysicalDeviceSubgroupProperties subgroup = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &id};
-  VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup, {}};
-  VkPhysicalDeviceVulkan12Features features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
-  VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
+  VkPhysicalDeviceMaintenance3Properties allocations = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
+                                                        &id};
+  offer.subgroup = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &allocations};
+  offer.sizes = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES_EXT, &offer.subgroup};
+  offer.features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  offer.sizeControl = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT, &offer.features12};
+  const bool sizeControl = offers(physical, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
+  VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &offer.subgroup, {}};
+  VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &offer.features12, {}};
+  if (sizeControl) {
+    properties.pNext = &offer.sizes;
+    features.pNext = &offer.sizeControl;
+  }
   VkPhysicalDeviceProperties basic;
   vkGetPhysicalDeviceProperties(physical, &basic);
   DeviceInfo& info = result.info;
@@ -196,29 +251,20 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   vkGetPhysicalDeviceProperties2(physical, &properties);
   vkGetPhysicalDeviceFeatures2(physical, &features);
   info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
-  info.subgroupSize = subgroup.subgroupSize;
+  info.maxBufferBytes = std::min<uint64_t>(info.maxBufferBytes, allocations.maxMemoryAllocationSize);
   std::copy(std::begin(id.deviceUUID), std::end(id.deviceUUID), info.uuid.begin());
   uint32_t timestampBits = 0;
   const int family = computeFamily(physical, timestampBits);
   result.queueFamily = static_cast<uint32_t>(std::max(family, 0));
-  result.int64Atomics = features.features.shaderInt64 && features12.shaderBufferInt64Atomics;
+  offer.compute = family >= 0;
+  offer.limits = basic.limits;
+  result.subgroups = fullSubgroupsOf(offer);
+  info.subgroupSize = result.subgroups.size ? result.subgroups.size : offer.subgroup.subgroupSize;
+  result.int64Atomics = features.features.shaderInt64 && offer.features12.shaderBufferInt64Atomics;
   result.float64 = features.features.shaderFloat64;
   result.timestampBits = basic.limits.timestampPeriod > 0 ? timestampBits : 0;
   result.timestampMs = basic.limits.timestampPeriod * 1e-6;
-  constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
-                                               VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
-                                               VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
-  constexpr uint32_t kBuffers = gpu::kWorkBindingCount + gpu::kSceneBindingCount;
-  if (family < 0)
-    info.reason = "it has no compute queue";
-  else if (!(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
-           (subgroup.supportedOperations & kSubgroup) != kSubgroup)
-    info.reason = "it lacks subgroup ballot, vote, shuffle or arithmetic in compute shaders";
-  else if (!features12.scalarBlockLayout)
-    info.reason = "it lacks the scalar block layout";
-  else if (basic.limits.maxPerStageDescriptorStorageBuffers < kBuffers)
-    info.reason = "it binds " + std::to_string(basic.limits.maxPerStageDescriptorStorageBuffers) +
-                  " storage buffers per stage, " + std::to_string(kBuffers) + " are needed";
+  info.reason = reasonAgainst(offer);
   info.usable = info.reason.empty();
   return result;
 }
@@ -280,12 +326,19 @@ Device::Device(const std::string& name, bool validation, uint64_t maxBufferBytes
   VkPhysicalDeviceVulkan12Features features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   features12.shaderBufferInt64Atomics = capabilities_.int64Atomics;
   features12.scalarBlockLayout = VK_TRUE;
-  VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
+  VkPhysicalDeviceSubgroupSizeControlFeaturesEXT sizeControl = {
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT, &features12};
+  sizeControl.subgroupSizeControl = capabilities_.subgroups.required;
+  sizeControl.computeFullSubgroups = VK_TRUE;
+  const char* extension = VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME;
+  VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &sizeControl, {}};
   features.features.shaderInt64 = capabilities_.int64Atomics;
   features.features.shaderFloat64 = capabilities_.float64;
   VkDeviceCreateInfo create = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
   create.queueCreateInfoCount = 1;
   create.pQueueCreateInfos = &queue;
+  create.enabledExtensionCount = 1;
+  create.ppEnabledExtensionNames = &extension;
   VkDevice device = VK_NULL_HANDLE;
   VK(vkCreateDevice(physical_, &create, nullptr, &device));
   volkLoadDeviceTable(&vk_, device);

@@ -49,9 +49,31 @@ class ApiInstance {
   Handle<VkDebugUtilsMessengerEXT, VkInstance> messenger_;
 };
 
+/// What a driver says of a device that decides whether it is used. The members' pNext count for nothing.
+struct Offer {
+  bool compute = false;  ///< there is a queue for it
+  VkPhysicalDeviceLimits limits = {};
+  VkPhysicalDeviceVulkan12Features features12 = {};
+  VkPhysicalDeviceSubgroupProperties subgroup = {};
+  /// These two are zeros without VK_EXT_subgroup_size_control.
+  VkPhysicalDeviceSubgroupSizeControlPropertiesEXT sizes = {};
+  VkPhysicalDeviceSubgroupSizeControlFeaturesEXT sizeControl = {};
+};
+/// Why such a device cannot be used; empty if it can.
+std::string reasonAgainst(const Offer& offer);
+
+/// The subgroup size that every pipeline gets in full. The stages divide their work by gl_SubgroupSize: if fewer lanes
+/// ran than it says, work would be lost without a word.
+struct FullSubgroups {
+  uint32_t size = 0;      ///< 0: the device cannot promise any
+  bool required = false;  ///< pipelines have to ask for this size, it is not what the device chooses
+};
+FullSubgroups fullSubgroupsOf(const Offer& offer);
+
 /// What a physical device offers, and whether we can use it.
 struct Capabilities {
   DeviceInfo info;
+  FullSubgroups subgroups;
   bool int64Atomics = false;
   bool float64 = false;
   uint32_t timestampBits = 0;  ///< of a timestamp, the lowest; the others say nothing. 0: there are no timestamps

@@ -95,6 +95,12 @@ Kernel::Kernel(const Device& device, const Layout& layout, const char* name, std
   create.stage.module = shader.get();
   create.stage.pName = "main";
   create.stage.pSpecializationInfo = &specialization;
+  const FullSubgroups& subgroups = device.capabilities().subgroups;
+  VkPipelineShaderStageRequiredSubgroupSizeCreateInfoEXT size = {
+      VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO_EXT};
+  size.requiredSubgroupSize = subgroups.size;
+  create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT;
+  if (subgroups.required) create.stage.pNext = &size;
   create.layout = layout.handle();
   VkPipeline pipeline = VK_NULL_HANDLE;
   VK(vk.vkCreateComputePipelines(device.handle(), layout.cache(), 1, &create, nullptr, &pipeline));
