@@ -165,6 +165,11 @@ TEST_CASE("memory that cannot be mapped is memory that cannot be had") {
   };
   const auto expected = ContainsSubstring("cannot allocate 3.0 MiB for 'numbers'; the device '");
   CHECK_THAT(fails([](VkDevice, VkDeviceMemory, VkDeviceSize, VkDeviceSize, VkMemoryMapFlags, void** to) {
+               *to = reinterpret_cast<void*>(-1);
+               return VK_SUCCESS;
+             }),
+             expected);
+  CHECK_THAT(fails([](VkDevice, VkDeviceMemory, VkDeviceSize, VkDeviceSize, VkMemoryMapFlags, void** to) {
                *to = nullptr;
                return VK_SUCCESS;
              }),

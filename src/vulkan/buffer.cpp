@@ -65,8 +65,10 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Memory me
   VK(vk.vkBindBufferMemory(device.handle(), buffer_.get(), memory_.get(), 0));
   coherent_ = device.isCoherent(type);
   if (!device.isHostVisible(type)) return;
-  // Where the host has no room left, Mesa's lavapipe reports success and maps to null.
-  need(vk.vkMapMemory(device.handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped_) == VK_SUCCESS && mapped_);
+  // Where the host has no room left, Mesa's lavapipe reports success and maps to null or to MAP_FAILED, which is -1. An
+  // address that is one is a multiple of 64.
+  const VkResult result = vk.vkMapMemory(device.handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped_);
+  need(result == VK_SUCCESS && mapped_ && reinterpret_cast<uintptr_t>(mapped_) % 64 == 0);
 }
 
 void Buffer::invalidate() const {
