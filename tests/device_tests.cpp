@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which device is chosen, and what is made on it.
+#include <unistd.h>
+
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cstdio>
 
 #include "prefix_sum.spv.h"
 #include "support.hpp"
@@ -147,6 +150,27 @@ TEST_CASE("a call of Vulkan that fails, whichever it is, leaves nothing behind")
     CHECK(calls.alive == 0);
   }
   device.reset();
+  CHECK_NOTHROW(messages->throwIfAny());
+}
+
+TEST_CASE("what the validation layer says last goes to whoever asks, and not to the standard error") {
+  needVulkan();
+  if (!vulkanOptions().validation) SKIP("the validation layer is off");
+  auto device = std::make_unique<vulkan::Device>("auto", true, 0);
+  const auto messages = device->messages();
+  const VkFenceCreateInfo info = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  VkFence lost;
+  REQUIRE(device->vk().vkCreateFence(device->handle(), &info, nullptr, &lost) == VK_SUCCESS);
+  std::FILE* printed = std::tmpfile();
+  const int standardError = dup(2);
+  dup2(fileno(printed), 2);
+  device.reset();
+  dup2(standardError, 2);
+  close(standardError);
+  std::fseek(printed, 0, SEEK_END);
+  CHECK(std::ftell(printed) == 0);
+  std::fclose(printed);
+  CHECK_THROWS_WITH(messages->throwIfAny(), ContainsSubstring("VkFence"));
   CHECK_NOTHROW(messages->throwIfAny());
 }
 

@@ -66,6 +66,7 @@ class VulkanBackend final : public Backend {
   void setPositions(size_t mesh, std::span<const float> positions) override {
     waitForAll();
     geometry_.setPositions(mesh, positions);
+    device_.throwOnMessages();
   }
 
   Plan plan(size_t sensor) const override {
