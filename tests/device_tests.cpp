@@ -283,6 +283,7 @@ TEST_CASE("a number is a device's index, or else part of its name") {
                         ContainsSubstring("; 2: Old 3090 (it is made of brass); reference: the CPU in double"));
   CHECK_THROWS_WITH(chooseDevice(devices, "99999999999999999999999"), ContainsSubstring("there is no device '999"));
   CHECK_THROWS_WITH(chooseDevice(devices, "brass"), ContainsSubstring("there is no device 'brass'; 0: llvmpipe"));
+  CHECK_THROWS_WITH(chooseDevice(devices, ""), ContainsSubstring("there is no device ''; 0: llvmpipe"));
   CHECK_THROWS_WITH(chooseDevice({}, "0"), ContainsSubstring("no Vulkan device was found"));
 }
 

@@ -71,7 +71,7 @@ TEST_CASE("simulators in several threads give what one gives in one thread") {
   };
   const std::vector<Scan> expected = scans(0);
   const Scan reference = referenceOf(scene, sensors[0], {});
-  constexpr size_t kThreads = 2, kTurns = 6;
+  constexpr size_t kThreads = 2, kTurns = 3;
   std::string problems[kThreads];
   std::vector<std::thread> threads;
   for (size_t thread = 0; thread < kThreads; ++thread)

@@ -277,14 +277,15 @@ double Capabilities::elapsedMs(uint64_t from, uint64_t to) const {
 size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& name) {
   size_t index = devices.size();
   const char* end = name.data() + name.size();
-  const bool isNumber = std::from_chars(name.data(), end, index).ptr == end;
+  const bool isNumber = !name.empty() && std::from_chars(name.data(), end, index).ptr == end;
   const bool isIndex = isNumber && index < devices.size();
   std::string seen;
   std::vector<size_t> matches;
   for (size_t i = 0; i < devices.size(); ++i) {
     const DeviceInfo& info = devices[i];
     seen += "; " + std::to_string(i) + ": " + info.name + (info.usable ? "" : " (" + info.reason + ")");
-    if (name == "auto" ? info.usable : isIndex ? index == i : containsWord(info.name, name)) matches.push_back(i);
+    if (name == "auto" ? info.usable : isIndex ? index == i : !name.empty() && containsWord(info.name, name))
+      matches.push_back(i);
   }
   if (devices.empty())
     throw Error(ErrorCode::device,
