@@ -20,7 +20,7 @@ json casesOf(const Workplace& place, const std::string& call) {
   const Result result = place.run(call, "", kBench);
   INFO(call << ": " << result.err);
   REQUIRE(result.status == 0);
-  const json results = json::parse(place.get("r.json"));
+  const json results = place.json("r.json");
   for (const char* key : {"command", "version", "device", "rates", "cases"}) CHECK(results.contains(key));
   return results.at("cases");
 }

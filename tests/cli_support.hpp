@@ -8,6 +8,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,15 @@ class Workplace {
     REQUIRE(WIFEXITED(status));
     return {WEXITSTATUS(status), get("out"), get("err")};
   }
+  /// A call that must succeed, and what it writes to stdout.
+  nlohmann::json runJson(const std::string& arguments, const std::string& before = "",
+                         const std::string& program = GNOSPHERE_BINARY) const {
+    const Result result = run(arguments, before, program);
+    INFO(arguments << ": " << result.err);
+    REQUIRE(result.status == 0);
+    return nlohmann::json::parse(result.out);
+  }
+  nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(get(name)); }
 
  private:
   Folder folder_;

@@ -63,9 +63,7 @@ TEST_CASE("a scan writes what it is asked for and says so") {
 }
 
 TEST_CASE("the pose may begin with a minus and need not be normalised") {
-  const Workplace place;
-  REQUIRE(place.run("scan floor.obj --pose -1,2.5,3e0,0,0,2,0 --stats -" + kQuick).status == 0);
-  const auto pose = nlohmann::json::parse(place.get("out")).at("pose");
+  const auto pose = Workplace().runJson("scan floor.obj --pose -1,2.5,3e0,0,0,2,0 --stats -" + kQuick).at("pose");
   CHECK(pose.at("position") == nlohmann::json({-1.0, 2.5, 3.0}));
   CHECK(pose.at("orientation_xyzw") == nlohmann::json({0.0, 0.0, 1.0, 0.0}));
 }
@@ -79,10 +77,7 @@ TEST_CASE("a scene that is elsewhere is scanned from its middle") {
 }
 
 TEST_CASE("statistics are JSON with the names of the design, on stdout alone if asked") {
-  const Workplace place;
-  const Result result = place.run("scan floor.obj --repeat 3 --stats -" + kQuick);
-  REQUIRE(result.status == 0);
-  const auto stats = nlohmann::json::parse(result.out);
+  const auto stats = Workplace().runJson("scan floor.obj --repeat 3 --stats -" + kQuick);
   CHECK(stats.at("device").at("type") == "reference");
   for (const char* key : {"triangles", "unique_triangles", "instances", "meshes", "clusters", "bytes"}) {
     CHECK(stats.at("scene").contains(key));
@@ -175,9 +170,8 @@ TEST_CASE("a CUDA device that is not there is one line, built in or not") {
 
 TEST_CASE("devices end with the reference, which needs no Vulkan") {
   const Workplace place;
-  const Result result = place.run("devices --json", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
-  REQUIRE(result.status == 0);
-  const auto devices = nlohmann::json::parse(result.out).at("devices");
+  const auto devices =
+      place.runJson("devices --json", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent").at("devices");
   REQUIRE_FALSE(devices.empty());
   CHECK(devices.back().at("type") == "reference");
   CHECK(devices.back().at("usable") == true);

@@ -1,105 +1,155 @@
 // SPDX-License-Identifier: Apache-2.0
-// shared.h is compiled as C++ and as GLSL: the offsets that the SPIR-V carries must be those of the C++ structs. And
-// the SPIR-V must not need what vulkan/device.cpp does not ask a device for.
+// Shared structs are compiled as C++ and as GLSL: every member's offset in every SPIR-V module must be that of C++.
 #include <catch2/catch_test_macros.hpp>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "bin.spv.h"
 #include "effects/parameters.h"
-#include "every_formula.spv.h"
-#include "project_clusters.spv.h"
-#include "project_groups.spv.h"
-#include "project_triangles.spv.h"
-#include "resolve.spv.h"
+#include "folder.hpp"
 #include "shared.h"
 
 namespace {
 
-using Offsets = std::map<std::string, uint32_t>;  // "Struct.member" -> bytes
+using namespace gnosphere::gpu;
 
-// SPIR-V: five header words, then instructions; the first word of each is its length above its opcode.
-Offsets offsetsIn(std::span<const uint32_t> words) {
-  std::map<uint32_t, std::string> types;
-  std::map<std::pair<uint32_t, uint32_t>, std::string> members;
-  Offsets offsets;
+/// A struct as one of the two languages lays it out.
+struct Layout {
+  size_t size = 0;  ///< the distance of two neighbours in an array; 0: there is no array of them
+  std::map<std::string, size_t> offsets;
+};
+using Layouts = std::map<std::string, Layout>;
+
+// STRUCT(type, a, b) becomes {"type", {sizeof(type), {{"a", offsetof(type, a)}, {"b", offsetof(type, b)}}}}. A macro
+// cannot name itself, so MEMBER calls itself by a detour, and EXPAND reads the outcome over again, 64 times and more.
+#define NOTHING()
+#define MEMBER(type, member, ...) {#member, offsetof(type, member)}, __VA_OPT__(AGAIN NOTHING()()(type, __VA_ARGS__))
+#define AGAIN() MEMBER
+#define EXPAND(...) EXPAND3(EXPAND3(EXPAND3(EXPAND3(__VA_ARGS__))))
+#define EXPAND3(...) EXPAND2(EXPAND2(EXPAND2(EXPAND2(__VA_ARGS__))))
+#define EXPAND2(...) EXPAND1(EXPAND1(EXPAND1(EXPAND1(__VA_ARGS__))))
+#define EXPAND1(...) __VA_ARGS__
+#define STRUCT(type, ...)                 \
+  {                                       \
+#type, {                              \
+      sizeof(type), {                     \
+        EXPAND(MEMBER(type, __VA_ARGS__)) \
+      }                                   \
+    }                                     \
+  }
+
+/// All that shared.h and effects/parameters.h put into buffers, every member. What a module has beside it fails, too.
+const Layouts kShared = {
+    STRUCT(Instance, row0, row1, row2, offset),
+    STRUCT(Cluster, low, high, cone),
+    STRUCT(Group, low, high),
+    STRUCT(Frame, columns, rows, beams, instanceCount, rangeMin, rangeMax, columnsPerRadian, columnSlack,
+           projectedCapacity, tileCapacity, candidateCapacity, paperFirstElevation, paperRowsPerRadian, shiftMin,
+           shiftMax, footprint, slabShift, padding),
+    STRUCT(Row, angles, offset),
+    STRUCT(Counters, projectedSmall, projectedLarge, tiles, candidates, binnedSmall, binnedTiles, hits, triangles,
+           nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden, integerSides, integerRanges,
+           visibleGroups, visible, nextCluster, nextSlab, laterRowsDown, laterRowsUp, causes, lostEchoes, hardBeams,
+           padding),
+    STRUCT(Pass, placedFirst, placedCount, shellMin, shellMax, occluders, padding0, padding1, padding2),
+    STRUCT(InstanceMotion, row0, row1, row2, bound),
+    STRUCT(ColumnMotion, row0, row1, row2, report0, report1, report2, velocity),
+    STRUCT(MotionBounds, shift, turn, shiftPerColumn, turnPerColumn, origins, secondsPerColumn, seconds, instances),
+    STRUCT(Particles, countsNear, countsFar, firstRange, lastRange, slope, reflectance),
+    STRUCT(EffectParameters, rain, snow, seedLow, seedHigh, sensor, frame, firstBeam, subRays, volumeCount, deadBeams,
+           returnsMode, returnsPerBeam, intensityModel, intensityScale, angleNoiseAt, attenuation, threshold, softness,
+           dropRate, dropLimit, dropSlope, dropAtZero, rangeBias, rangeSigma, rangeSigmaPerMetre, rangeStep,
+           azimuthSigma, elevationSigma, intensitySigma, extinction, fogExtinction, fogScatter, separation, pulseWidth,
+           tanHorizontal, tanVertical, spreadHorizontal, spreadVertical, rangeMin, rangeMax, padding0, padding1),
+    STRUCT(Optics4, reflection, passage),
+    STRUCT(VolumeBox, row0, row1, row2, extinction, scatter, padding0, padding1),
+    STRUCT(Echo, range, energy, width, cosIncidence, index),
+    STRUCT(Return, range, trueRange, intensity, width, label, echo, number, count),
+};
+
+/// The structs that a SPIR-V module keeps in buffers, the blocks around them apart. After five header words come
+/// instructions; the first word of each is its length above its opcode.
+Layouts layoutsIn(const std::vector<uint32_t>& words) {
+  std::map<uint32_t, std::string> names;
+  std::map<uint32_t, std::map<uint32_t, std::string>> members;
+  std::map<uint32_t, std::map<uint32_t, uint32_t>> offsets;  // struct -> member -> bytes
+  std::map<uint32_t, uint32_t> elements, strides;            // array -> type of its elements, bytes
+  std::set<uint32_t> blocks;
   for (size_t at = 5; at < words.size(); at += words[at] >> 16) {
     const uint32_t* word = &words[at];
     const auto text = [&](size_t first) { return std::string(reinterpret_cast<const char*>(word + first)); };
     switch (word[0] & 0xffff) {
-      case 5: types[word[1]] = text(2); break;               // OpName
-      case 6: members[{word[1], word[2]}] = text(3); break;  // OpMemberName
-      case 72:                                               // OpMemberDecorate ... Offset
-        if (word[3] == 35) offsets[types[word[1]] + "." + members[{word[1], word[2]}]] = word[4];
+      case 5: names[word[1]] = text(2); break;             // OpName
+      case 6: members[word[1]][word[2]] = text(3); break;  // OpMemberName
+      case 28:                                             // OpTypeArray
+      case 29: elements[word[1]] = word[2]; break;         // OpTypeRuntimeArray
+      case 71:                                             // OpDecorate
+        if (word[2] == 2) blocks.insert(word[1]);          // Block
+        if (word[2] == 6) strides[word[1]] = word[3];      // ArrayStride
+        break;
+      case 72:
+        if (word[3] == 35) offsets[word[1]][word[2]] = word[4];  // OpMemberDecorate ... Offset
         break;
       default: break;
     }
   }
-  return offsets;
+  Layouts layouts;
+  for (const auto& [type, bytes] : offsets)
+    if (!blocks.contains(type))
+      for (const auto& [member, offset] : bytes) layouts[names[type]].offsets[members[type][member]] = offset;
+  for (const auto& [array, stride] : strides)
+    if (const auto found = layouts.find(names[elements[array]]); found != layouts.end()) found->second.size = stride;
+  return layouts;
+}
+
+/// Every difference of a module's struct from C++, one line each.
+std::string differences(const Layout& cpp, const Layout& shader) {
+  std::string text;
+  if (shader.size != 0 && shader.size != cpp.size)
+    text += "  its size is " + std::to_string(shader.size) + ", in C++ " + std::to_string(cpp.size) + "\n";
+  for (const auto& [member, offset] : shader.offsets) {
+    const auto found = cpp.offsets.find(member);
+    if (found == cpp.offsets.end())
+      text += "  " + member + " is not in the table of layout_tests.cpp\n";
+    else if (found->second != offset)
+      text +=
+          "  " + member + " is at " + std::to_string(offset) + ", in C++ at " + std::to_string(found->second) + "\n";
+  }
+  for (const auto& [member, offset] : cpp.offsets)
+    if (!shader.offsets.contains(member)) text += "  " + member + " is not in the shader\n";
+  return text;
 }
 
 }  // namespace
 
-TEST_CASE("the structs of shared.h have the same layout on the host and in every shader") {
-  using namespace gnosphere::gpu;
-  const Offsets expected = {
-      {"Instance.row0", offsetof(Instance, row0)},
-      {"Instance.row2", offsetof(Instance, row2)},
-      {"Instance.offset", offsetof(Instance, offset)},
-      {"Cluster.low", offsetof(Cluster, low)},
-      {"Cluster.high", offsetof(Cluster, high)},
-      {"Frame.beams", offsetof(Frame, beams)},
-      {"Frame.rangeMin", offsetof(Frame, rangeMin)},
-      {"Frame.columnSlack", offsetof(Frame, columnSlack)},
-      {"Frame.projectedCapacity", offsetof(Frame, projectedCapacity)},
-      {"Frame.candidateCapacity", offsetof(Frame, candidateCapacity)},
-      {"Frame.paperRowsPerRadian", offsetof(Frame, paperRowsPerRadian)},
-      {"Row.angles", offsetof(Row, angles)},
-      {"Row.offset", offsetof(Row, offset)},
-      {"Counters.projectedSmall", offsetof(Counters, projectedSmall)},
-      {"Counters.tiles", offsetof(Counters, tiles)},
-      {"Counters.candidates", offsetof(Counters, candidates)},
-      {"Counters.hits", offsetof(Counters, hits)},
-      {"Counters.culledBetweenBeams", offsetof(Counters, culledBetweenBeams)},
-      {"Group.high", offsetof(Group, high)},
-      {"Frame.shiftMax", offsetof(Frame, shiftMax)},
-      {"Counters.visibleGroups", offsetof(Counters, visibleGroups)},
-      {"Counters.nextSlab", offsetof(Counters, nextSlab)},
-      {"Pass.placedFirst", offsetof(Pass, placedFirst)},
-      {"Pass.placedCount", offsetof(Pass, placedCount)},
-      {"Pass.occluders", offsetof(Pass, occluders)},
-      {"Particles.slope", offsetof(Particles, slope)},
-      {"EffectParameters.snow", offsetof(EffectParameters, snow)},
-      {"EffectParameters.seedLow", offsetof(EffectParameters, seedLow)},
-      {"EffectParameters.returnsMode", offsetof(EffectParameters, returnsMode)},
-      {"EffectParameters.dropRate", offsetof(EffectParameters, dropRate)},
-      {"EffectParameters.fogExtinction", offsetof(EffectParameters, fogExtinction)},
-      {"EffectParameters.rangeMax", offsetof(EffectParameters, rangeMax)},
-      {"Optics4.passage", offsetof(Optics4, passage)},
-      {"VolumeBox.extinction", offsetof(VolumeBox, extinction)},
-      {"Echo.index", offsetof(Echo, index)},
-      {"Return.count", offsetof(Return, count)},
-  };
-  std::map<std::string, int> seen;
-  for (const Offsets& offsets : {offsetsIn(project_groups), offsetsIn(project_clusters), offsetsIn(project_triangles),
-                                 offsetsIn(bin), offsetsIn(resolve), offsetsIn(every_formula)})
-    for (const auto& [member, offset] : offsets)
-      if (const auto found = expected.find(member); found != expected.end()) {
-        INFO(member);
-        CHECK(offset == found->second);
-        ++seen[member];
+TEST_CASE("shared structs have the same layout on the host and in every shader") {
+  std::set<std::string> seen;
+  std::ifstream list(GNOSPHERE_SPIRV_LIST);
+  for (std::string file; std::getline(list, file);) {
+    const std::string bytes = gnosphere::test::bytesOf(file);
+    std::vector<uint32_t> words(bytes.size() / 4);
+    std::memcpy(words.data(), bytes.data(), 4 * words.size());
+    INFO(file);
+    REQUIRE(words.size() > 5);
+    REQUIRE(words[0] == 0x07230203);
+    for (const auto& [name, layout] : layoutsIn(words)) {
+      seen.insert(name);
+      const auto shared = kShared.find(name);
+      if (shared == kShared.end()) {
+        FAIL_CHECK(name << " is not in the table of layout_tests.cpp");
+      } else if (const std::string text = differences(shared->second, layout); !text.empty()) {
+        FAIL_CHECK(name << ":\n" << text);
       }
-  for (const auto& [member, offset] : expected) {
-    INFO(member << " is in no shader");
-    CHECK(seen[member] > 0);
+    }
+  }
+  for (const auto& [name, layout] : kShared) {
+    INFO(name << " is in no shader");
+    CHECK(seen.contains(name));
   }
 }
 

@@ -14,7 +14,7 @@
 #include "town/town.hpp"
 
 using namespace gnosphere;
-using town::cross, town::dot, town::operator+, town::operator-, town::Surface;
+using town::Surface;
 using namespace gnosphere::town::opendrive;
 namespace fs = std::filesystem;
 

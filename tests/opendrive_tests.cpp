@@ -14,7 +14,7 @@
 #include "town/opendrive/road_mesh.hpp"
 
 using namespace gnosphere;
-using town::operator-, town::Surface;
+using town::Surface;
 using namespace gnosphere::town::opendrive;
 namespace fs = std::filesystem;
 

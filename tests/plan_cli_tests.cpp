@@ -11,10 +11,7 @@ namespace {
 
 /// The decision on one effect of a plan's JSON.
 nlohmann::json decision(const Workplace& place, const std::string& arguments, const std::string& effect) {
-  const Result result = place.run("plan floor.obj --json " + arguments);
-  INFO(result.err);
-  REQUIRE(result.status == 0);
-  const auto plan = nlohmann::json::parse(result.out);
+  const auto plan = place.runJson("plan floor.obj --json " + arguments);
   for (const auto& one : plan.at("effects"))
     if (one.at("effect") == effect) return one;
   FAIL("no decision on " << effect);
@@ -39,10 +36,7 @@ TEST_CASE("a plan tells what is in and what is out, with the reasons") {
 }
 
 TEST_CASE("a plan is JSON if asked, of every effect") {
-  const Workplace place;
-  const Result result = place.run("plan floor.obj --json");
-  REQUIRE(result.status == 0);
-  const auto plan = nlohmann::json::parse(result.out);
+  const auto plan = Workplace().runJson("plan floor.obj --json");
   CHECK(plan.at("effects").size() == 17);
   CHECK(plan.at("dispatches") > 0);
   CHECK(plan.at("bytes") > 0);

@@ -23,7 +23,7 @@ Scan singlePrecision(const Scene& scene, const Sensor& sensor, const Pose& pose)
   std::array<float, 3> rest;
   for (size_t row = 0; row < 3; ++row) {
     matrix[row] = asFloats(frame.axes[row]);
-    rest[row] = static_cast<float>(reference::dot(frame.axes[row], left));
+    rest[row] = static_cast<float>(dot(frame.axes[row], left));
   }
   std::vector<std::array<float, 3>> corners;
   for (uint32_t index : mesh.indices) {

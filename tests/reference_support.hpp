@@ -17,10 +17,6 @@
 
 namespace gnosphere::test {
 
-using reference::operator+;
-using reference::operator-;
-using reference::operator*;
-
 __extension__ typedef __float128 Quad;
 inline constexpr double kPi = 3.14159265358979323846;
 

@@ -49,7 +49,6 @@ Vec3 corner(const Mesh& mesh, size_t triangle, size_t k) {
 }
 
 Vec3 normalTimesTwiceArea(const Mesh& mesh, size_t triangle) {
-  using namespace town;
   const Vec3 a = corner(mesh, triangle, 0);
   return cross(corner(mesh, triangle, 1) - a, corner(mesh, triangle, 2) - a);
 }
@@ -82,7 +81,7 @@ std::vector<Body> bodiesOf(const Mesh& mesh, const std::vector<Material>& materi
       const uint32_t a = mesh.indices[3 * t + k], b = mesh.indices[3 * t + (k + 1) % 3];
       body.edges[std::minmax(a, b)] += a < b ? 1 : -1;
     }
-    body.volume += town::dot(corner(mesh, t, 0), normalTimesTwiceArea(mesh, t)) / 6;
+    body.volume += dot(corner(mesh, t, 0), normalTimesTwiceArea(mesh, t)) / 6;
   }
   std::vector<Body> list;
   for (auto& [vertex, body] : bodies) list.push_back(std::move(body));
@@ -138,7 +137,7 @@ TEST_CASE("a town is sound: indices fit, every number is finite, no triangle is 
     size_t here = 0;
     for (size_t t = 0; t < mesh.triangleCount(); ++t) {
       const Vec3 n = normalTimesTwiceArea(mesh, t);
-      here += town::dot(n, n) > 1e-14 ? 0 : 1;
+      here += dot(n, n) > 1e-14 ? 0 : 1;
     }
     CHECK(here == 0);
     degenerate += here;

@@ -26,7 +26,7 @@ TEST_CASE("a trajectory gives the files that its poses give one by one") {
   CHECK(place.files() == std::vector<std::string>{"a-000000.csv", "a-000001.csv", "a-000002.csv", "floor.obj",
                                                   "i-000000.png", "i-000001.png", "i-000002.png", "s.json", "t.tum"});
   const char* poses[] = {"0,0,1.8", "2,0,1.8,0,0,1,0", "-1,3,2"};
-  const auto stats = nlohmann::json::parse(place.get("s.json"));
+  const auto stats = place.json("s.json");
   CHECK(stats.at("frame").at("runs") == 3);
   CHECK(stats.at("frame").at("total_ms") > 0);
   REQUIRE(stats.at("frames").size() == 3);
@@ -34,7 +34,7 @@ TEST_CASE("a trajectory gives the files that its poses give one by one") {
     INFO("pose " << i);
     REQUIRE(place.run("scan floor.obj -o b.csv --stats b.json --pose " + std::string(poses[i]) + kQuick).status == 0);
     CHECK(place.get("a-00000" + std::to_string(i) + ".csv") == place.get("b.csv"));
-    const auto alone = nlohmann::json::parse(place.get("b.json"));
+    const auto alone = place.json("b.json");
     const auto& frame = stats.at("frames").at(i);
     CHECK(frame.at("pose") == alone.at("pose"));
     CHECK(frame.at("counters") == alone.at("counters"));
@@ -45,7 +45,7 @@ TEST_CASE("a trajectory gives the files that its poses give one by one") {
 TEST_CASE("a sensor that takes time for a turn goes on along the trajectory meanwhile, and each scan draws anew") {
   const Workplace place;
   place.put("t.tum", "0 0 0 1.8 0 0 0 1\n0.05 1 0 1.8 0 0 0 1\n0.1 2 0 1.8 0 0 0 1\n5 2 0 1.8 0 0 0 1\n");
-  auto sensor = nlohmann::json::parse(place.run("sensors VLP-16").out);
+  auto sensor = place.runJson("sensors VLP-16");
   sensor["rotation_period"] = 0.1;
   place.put("spin.json", sensor.dump());
   const std::string quick = " --device reference --sensor spin.json";

@@ -206,7 +206,7 @@ struct MaterialTable {
   std::vector<Row> rows;
 };
 
-/// JSON of ours, or ASAM OpenMATERIAL 3D (.xom or .json). Throws Error(file) or Error(format).
+/// JSON of ours, or ASAM OpenMATERIAL 3D (.xoma, .xomm or .xomp). Throws Error(file) or Error(format).
 MaterialTable loadMaterialTable(const std::filesystem::path& file);
 
 /// Per material of the scene. A name of the table that no material has is told in `unused`, if given.

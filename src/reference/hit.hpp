@@ -6,27 +6,13 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/vector.hpp"
 #include "gnosphere/scan.hpp"
 
 namespace gnosphere::reference {
 
-inline Vec3 operator+(const Vec3& a, const Vec3& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline Vec3 operator-(const Vec3& a, const Vec3& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline Vec3 operator*(double s, const Vec3& a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-inline double dot(const Vec3& a, const Vec3& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
 inline double norm(const Vec3& a) {
   return std::sqrt(dot(a, a));
-}
-inline Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 /// A total order of points. It only has to be the same for every triangle that shares a corner.
 inline bool before(const Vec3& a, const Vec3& b) {

@@ -22,7 +22,7 @@ float onLattice(float value) {
   return std::abs(value) < 0.015625f ? std::nearbyint(value * 0x1p30f) * 0x1p-30f : value;
 }
 
-/// The single-precision map of an instance into the sensor's frame (src/vulkan/instances.cpp, compose).
+/// The single-precision map of an instance into the sensor's frame (src/geometry/instance_table.cpp, compose).
 struct Placed {
   float rows[3][3];
   float pivot[3];

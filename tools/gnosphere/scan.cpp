@@ -153,7 +153,6 @@ int runScan(const ScanOptions& options) {
 
   start = nowMs();
   SimulatorOptions settings = simulatorOptions(options);
-  std::copy_if(cloud.fields.begin(), cloud.fields.end(), std::back_inserter(settings.fields), isAskedFor);
   settings.accuracy = kAccuracies.at(accuracy);
   settings.effects = effects;
   settings.materials = materials;

@@ -1,28 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vectors, placements and dice whose results are the same bits on every machine: only + - * / sqrt and integers.
+// Placements and dice whose results are the same bits on every machine: only + - * / sqrt and integers.
 #pragma once
 
 #include <cstdint>
 
-#include "gnosphere/scene.hpp"
+#include "base/vector.hpp"
 
 namespace gnosphere::town {
 
-inline Vec3 operator+(const Vec3& a, const Vec3& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline Vec3 operator-(const Vec3& a, const Vec3& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline Vec3 operator*(double s, const Vec3& a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-inline double dot(const Vec3& a, const Vec3& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-inline Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 Vec3 normalized(const Vec3& a);
 
 /// Sine and cosine of an angle in turns (1 = 360 degrees); exact at quarter turns.

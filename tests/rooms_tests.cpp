@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rooms of src, read from its #include lines: each room includes only what lies below it.
+#include <algorithm>
+#include <catch2/catch_test_macros.hpp>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::set<std::string>;
+
+/// What each room may include beside itself: other rooms, or single files of them.
+const std::map<std::string, Names> kRooms = {
+    {"base", {}},
+    {"scene", {"base"}},
+    {"sensor", {"base"}},
+    {"output", {"base", "sensor"}},
+    {"geometry", {"base"}},
+    {"effects", {"base", "sensor", "geometry"}},
+    {"pipeline", {"base", "sensor", "geometry", "effects"}},
+    {"vulkan", {"base", "geometry", "effects", "pipeline"}},
+    {"cuda", {"base", "geometry", "effects", "pipeline"}},
+    {"reference", {"base", "sensor", "effects", "pipeline/backend.hpp"}},
+    {"eval", {"base", "output"}},
+};
+
+/// The files of src that lie in no room. simulator.cpp stands above all rooms and may include any of them.
+const Names kLoose = {"simulator.cpp", "exports.map", "third_party.cpp"};
+
+/// Quoted includes that the build writes: compiled shaders, and the shaders translated to CUDA.
+const std::map<std::string, std::regex> kGenerated = {{"vulkan", std::regex(R"([a-z0-9_]+\.spv\.h)")},
+                                                      {"cuda", std::regex(R"(glsl/[a-z0-9_/]+\.(h|comp))")}};
+
+struct Tree {
+  Names sources, shaders;  // paths relative to src and to shaders
+};
+
+std::string list(const Names& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "nothing" : text;
+}
+
+/// The rule that an include breaks, or an empty text. `file` is relative to src; `system` stands for <...>.
+std::string brokenRule(const Tree& tree, const std::string& file, const std::string& include, bool system) {
+  const size_t slash = file.find('/');
+  const std::string room = slash == std::string::npos ? "" : file.substr(0, slash);
+  if (include.starts_with("gnosphere/")) return "";
+  if (tree.sources.contains(include)) {
+    if (system) return "headers of src are included with quotes";
+    if (room.empty() && kLoose.contains(file)) return "";
+    const std::string target = include.substr(0, include.find('/'));
+    const Names& allowed = kRooms.at(room);
+    if (target == room || allowed.contains(target) || allowed.contains(include)) return "";
+    return room + " may include " + list(allowed);
+  }
+  if (system || tree.shaders.contains(include)) return "";
+  const auto generated = kGenerated.find(room);
+  if (generated != kGenerated.end() && std::regex_match(include, generated->second)) return "";
+  return "an include in quotes is a path below include, src or shaders, or a file that the build writes";
+}
+
+Tree readTree(const fs::path& root) {
+  const auto filesIn = [](const fs::path& folder) {
+    Names names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      if (entry.is_regular_file()) names.insert(fs::relative(entry.path(), folder).generic_string());
+    return names;
+  };
+  return {filesIn(root / "src"), filesIn(root / "shaders")};
+}
+
+/// Every line of C++ and CUDA in src, as callback(file, number, line).
+template <class Callback>
+void eachLine(const Tree& tree, Callback callback) {
+  static const Names kEndings = {".cpp", ".hpp", ".h", ".cu", ".cuh"};
+  for (const std::string& file : tree.sources) {
+    if (!kEndings.contains(fs::path(file).extension().string())) continue;
+    std::ifstream stream(fs::path(GNOSPHERE_SOURCES) / "src" / file);
+    std::string line;
+    for (int number = 1; std::getline(stream, line); ++number) callback(file, number, line);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("every file of src lies in a room, or is one of the few that may lie loose") {
+  for (const std::string& file : readTree(GNOSPHERE_SOURCES).sources) {
+    const size_t slash = file.find('/');
+    if (slash == std::string::npos ? kLoose.contains(file) : kRooms.contains(file.substr(0, slash))) continue;
+    FAIL_CHECK("src/" << file << " lies in no room of tests/rooms_tests.cpp; loose in src may lie " << list(kLoose));
+  }
+}
+
+TEST_CASE("a room includes only the rooms below it") {
+  const Tree tree = readTree(GNOSPHERE_SOURCES);
+  static const std::regex kInclude(R"re(\s*#\s*include\s*(["<])([^">]+)[">].*)re");
+  int count = 0;
+  eachLine(tree, [&](const std::string& file, int number, const std::string& line) {
+    std::smatch match;
+    if (!std::regex_match(line, match, kInclude)) return;
+    ++count;
+    const std::string rule = brokenRule(tree, file, match[2], match[1] == "<");
+    if (!rule.empty()) FAIL_CHECK("src/" << file << ":" << number << ": includes " << match[2] << ", but " << rule);
+  });
+  CHECK(count > 500);  // so that a pattern which matches nothing fails
+}
+
+TEST_CASE("the words of Vulkan's API stay in src/vulkan") {
+  static const std::regex kWords(R"(\b(Vk[A-Z]|volk))");
+  const Tree tree = readTree(GNOSPHERE_SOURCES);
+  eachLine(tree, [&](const std::string& file, int number, const std::string& line) {
+    std::smatch match;
+    if (file.starts_with("vulkan/") || file == "third_party.cpp" || !std::regex_search(line, match, kWords)) return;
+    FAIL_CHECK("src/" << file << ":" << number << ": says " << match[0]
+                      << ", but only src/vulkan and src/third_party.cpp may know Vulkan's API");
+  });
+}
+
+TEST_CASE("no two files are told apart by src and shaders alone") {
+  const Tree tree = readTree(GNOSPHERE_SOURCES);
+  std::map<std::string, std::string> shaders;  // path without its ending -> path
+  for (const std::string& file : tree.shaders) shaders[fs::path(file).replace_extension().generic_string()] = file;
+  for (const std::string& file : tree.sources) {
+    const auto twin = shaders.find(fs::path(file).replace_extension().generic_string());
+    if (twin != shaders.end())
+      FAIL_CHECK("src/" << file << " and shaders/" << twin->second << " have one name: rename either");
+  }
+}
+
+TEST_CASE("an include that points upward is told with the rule it breaks") {
+  const Tree tree = {{"geometry/cone.hpp", "pipeline/backend.hpp", "pipeline/results.hpp"}, {"shared.h"}};
+  const auto rule = [&](const std::string& file, const std::string& include, bool system = false) {
+    return brokenRule(tree, file, include, system);
+  };
+  CHECK(rule("geometry/flatten.cpp", "geometry/cone.hpp").empty());
+  CHECK(rule("geometry/flatten.cpp", "gnosphere/scan.hpp").empty());
+  CHECK(rule("geometry/flatten.cpp", "shared.h").empty());
+  CHECK(rule("geometry/flatten.cpp", "algorithm", true).empty());
+  CHECK(rule("geometry/flatten.cpp", "pipeline/results.hpp") == "geometry may include base");
+  CHECK(rule("base/file.hpp", "geometry/cone.hpp") == "base may include nothing");
+  CHECK(rule("reference/beam.cpp", "pipeline/backend.hpp").empty());
+  CHECK(rule("reference/beam.cpp", "pipeline/results.hpp") ==
+        "reference may include base, effects, pipeline/backend.hpp, sensor");
+  CHECK(rule("vulkan/kernels.cpp", "bin.spv.h").empty());
+  CHECK_FALSE(rule("effects/setup.cpp", "bin.spv.h").empty());
+  CHECK_FALSE(rule("geometry/flatten.cpp", "cone.hpp").empty());
+  CHECK_FALSE(rule("geometry/flatten.cpp", "geometry/cone.hpp", true).empty());
+  CHECK(rule("simulator.cpp", "pipeline/results.hpp").empty());
+}
