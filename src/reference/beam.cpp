@@ -29,12 +29,12 @@ Shares sharesOf(const View& view, const Line& line, const BeamEffects& effects, 
   const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[hit.triangle], line.time);
   const gpu::Optics4& optics = effects.optics[materialOf(view.scene, triangle)];
   Shares shares;
-  if (effects.planned.looksAtMaterials) {
+  if (effects.plan.looksAtMaterials) {
     const Vec3 direction = line.frame.directionToWorld(line.direction);
     const double cosine = -dot(normalAgainst(direction, triangle.corners), direction);
     shares.back = gpu::reflected(optics, static_cast<float>(cosine));
   }
-  if (effects.planned.has(gpu::kTransmission)) shares.on = gpu::transmitted(optics);
+  if (effects.plan.has(gpu::kTransmission)) shares.on = gpu::transmitted(optics);
   return shares;
 }
 
@@ -42,7 +42,7 @@ Shares sharesOf(const View& view, const Line& line, const BeamEffects& effects, 
 void trace(const View& view, const Line& line, const BeamEffects& effects, size_t subRay, std::vector<Piece>& pieces,
            BeamDoubt& doubt) {
   std::vector<Hit> hits;
-  double energy = effects.subRays[subRay].weight;
+  double energy = effects.plan.subRays[subRay].weight;
   while (energy > 0 && hits.size() < kLayers) {
     const Hit hit = nearest(view, line, hits.empty() ? 0 : hits.back().range);
     if (hit.triangle == kNobody) break;
@@ -51,7 +51,7 @@ void trace(const View& view, const Line& line, const BeamEffects& effects, size_
     energy *= shares.on;
     // What lets all light pass gives no echo.
     if (back > 0 || energy == 0)
-      pieces.push_back({hit.range, back, hits.size() * effects.subRays.size() + subRay, hit});
+      pieces.push_back({hit.range, back, hits.size() * effects.plan.subRays.size() + subRay, hit});
     hits.push_back(hit);
   }
   doubt.tie |= inDoubt(view, line, hits, energy > 0 && hits.size() < kLayers, doubt.tolerance);
@@ -105,16 +105,13 @@ gpu::Optics4 packed(const Optics& optics) {
 
 }  // namespace
 
-BeamEffects beamEffects(const SimulatorOptions& options, const Scene& scene, const Sensor& sensor, uint32_t index) {
-  BeamEffects result;
-  result.planned = planEffects(options, sensor, scene);
-  result.effects = options.effects;
-  for (const Optics& optics : opticsOf(scene, options.materials, options.effects.intensity.wavelength))
-    result.optics.push_back(packed(optics));
-  result.parameters = effectParameters(options.effects, sensor, result.planned.bits);
-  result.parameters.sensor = index;
-  result.subRays = subRays(options.effects, sensor, result.planned.bits);
-  result.deadBeams = deadBeamBits(options.effects, sensor);
+std::vector<BeamEffects> beamEffects(const SimulatorOptions& options, const Scene& scene,
+                                     const std::vector<Sensor>& sensors) {
+  std::vector<gpu::Optics4> optics;
+  for (const Optics& one : opticsOf(scene, options.materials, options.effects.intensity.wavelength))
+    optics.push_back(packed(one));
+  std::vector<BeamEffects> result;
+  for (SensorPlan& plan : planSensors(scene, sensors, options)) result.push_back({std::move(plan), optics});
   return result;
 }
 
@@ -138,24 +135,24 @@ Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t ind
 
 std::vector<BeamEcho> echoesOf(const View& view, const Beam& beam, const BeamEffects& effects,
                                const gpu::EffectParameters& parameters, size_t index, BeamDoubt& doubt) {
-  const PlannedEffects& planned = effects.planned;
-  if (!planned.footprint()) {
+  const SensorPlan& plan = effects.plan;
+  if (!plan.footprint()) {
     const Hit hit = nearest(view, beam.axis);
     const bool met = hit.triangle != kNobody;
     doubt.tie = inDoubt(view, beam.axis, {&hit, met ? 1u : 0u}, !met, doubt.tolerance);
     if (!met) return {};
-    const double energy = planned.looksAtMaterials ? sharesOf(view, beam.axis, effects, hit).back : 1;
+    const double energy = plan.looksAtMaterials ? sharesOf(view, beam.axis, effects, hit).back : 1;
     return {{hit.range, energy, parameters.pulseWidth, hit}};
   }
   double u = 0, v = 0;  // tangents of how far the beam is astray
-  if (planned.has(gpu::kStrays)) {
+  if (plan.has(gpu::kStrays)) {
     const gpu::vec2 error = gpu::angleError(parameters, static_cast<uint32_t>(index));
     u = error.x * std::hypot(beam.axis.direction.x, beam.axis.direction.y);
     v = error.y;
   }
   std::vector<Piece> pieces;
-  for (size_t i = 0; i < effects.subRays.size(); ++i) {
-    const SubRay& ray = effects.subRays[i];
+  for (size_t i = 0; i < effects.plan.subRays.size(); ++i) {
+    const SubRay& ray = effects.plan.subRays[i];
     trace(view, lineOf(beam, ray.u + u, ray.v + v), effects, i, pieces, doubt);
   }
   return gather(pieces, parameters);

@@ -3,23 +3,19 @@
 #pragma once
 
 #include "effects/beam_signal.hpp"
-#include "effects/formula_inputs.hpp"
-#include "effects/planned.hpp"
+#include "effects/sensor_plan.hpp"
 #include "reference/trace.hpp"
 
 namespace gnosphere::reference {
 
 /// What is planned for one sensor.
 struct BeamEffects {
-  PlannedEffects planned;
-  Effects effects;
+  SensorPlan plan;
   std::vector<gpu::Optics4> optics;  ///< per material
-  gpu::EffectParameters parameters;  ///< of frame 0
-  std::vector<SubRay> subRays;
-  std::vector<uint32_t> deadBeams;  ///< as bits
 };
 
-BeamEffects beamEffects(const SimulatorOptions& options, const Scene& scene, const Sensor& sensor, uint32_t index);
+std::vector<BeamEffects> beamEffects(const SimulatorOptions& options, const Scene& scene,
+                                     const std::vector<Sensor>& sensors);
 
 struct Beam {
   Line axis;

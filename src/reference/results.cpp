@@ -30,9 +30,9 @@ gpu::Return plainReturn(const BeamEcho& echo) {
 
 }  // namespace
 
-void clearResult(const PlannedEffects& planned, size_t beams, Scan& scan) {
-  const size_t count = beams * planned.returns;
-  scan.returns = planned.returns;
+void clearResult(const SensorPlan& plan, size_t beams, Scan& scan) {
+  const size_t count = beams * plan.returns;
+  scan.returns = plan.returns;
   scan.points.assign(3 * count, kMiss);
   scan.ranges.assign(count, kMiss);
   scan.triangles.assign(count, kNoTriangle);
@@ -40,16 +40,16 @@ void clearResult(const PlannedEffects& planned, size_t beams, Scan& scan) {
   scan.ties.assign(count, 0);
   scan.tolerances.assign(count, kMiss);
   const auto wants = [&](bool asked, size_t size) { return asked ? size : 0; };
-  const bool signal = planned.asks(gpu::kFieldSignal), surface = planned.asks(gpu::kFieldSurface);
+  const bool signal = plan.asks(gpu::kFieldSignal), surface = plan.asks(gpu::kFieldSurface);
   for (auto* array : {&scan.intensities, &scan.trueRanges, &scan.widths}) array->assign(wants(signal, count), kMiss);
   scan.labels.assign(wants(signal, count), 0);
   scan.causes.assign(wants(signal, beams), 0);
   scan.normals.assign(wants(surface, 3 * count), kMiss);
   scan.incidences.assign(wants(surface, count), kMiss);
   scan.materials.assign(wants(surface, count), kNoTriangle);
-  scan.velocities.assign(wants(planned.speeds(), 3 * count), 0);
-  scan.radialSpeeds.assign(wants(planned.speeds(), count), kMiss);
-  scan.barycentrics.assign(wants(planned.asks(gpu::kFieldBarycentrics), 2 * count), kMiss);
+  scan.velocities.assign(wants(plan.speeds(), 3 * count), 0);
+  scan.radialSpeeds.assign(wants(plan.speeds(), count), kMiss);
+  scan.barycentrics.assign(wants(plan.asks(gpu::kFieldBarycentrics), 2 * count), kMiss);
 }
 
 struct Judge::Reported {
@@ -69,24 +69,24 @@ Judge::Judge(const View& view, const Shot& shot, const BeamEffects& effects)
     : view_(view),
       shot_(shot),
       effects_(effects),
-      parameters_(effects.parameters),
-      volumes_(volumeBoxes(effects.effects, shot.pose)),
-      deskew_(effects.planned.has(gpu::kSensorMotion) && effects.effects.sensorMotion.deskew) {
+      parameters_(effects.plan.parameters),
+      volumes_(volumeBoxes(effects.plan.effects, shot.pose)),
+      deskew_(effects.plan.has(gpu::kSensorMotion) && effects.plan.effects.sensorMotion.deskew) {
   parameters_.frame = static_cast<uint32_t>(shot.frame);
 }
 
 Cause Judge::judge(size_t index, Scan& scan) const {
-  const PlannedEffects& planned = effects_.planned;
-  const bool moves = planned.has(gpu::kSensorMotion);
+  const SensorPlan& plan = effects_.plan;
+  const bool moves = plan.has(gpu::kSensorMotion);
   const Beam beam = beamOf(view_.sensor, shot_, moves, index);
   BeamDoubt doubt;
   const std::vector<BeamEcho> met = echoesOf(view_, beam, effects_, parameters_, index, doubt);
-  for (size_t at = index * planned.returns; at < (index + 1) * planned.returns; ++at) {
+  for (size_t at = index * plan.returns; at < (index + 1) * plan.returns; ++at) {
     scan.ties[at] = doubt.tie;
     if (!met.empty()) scan.tolerances[at] = static_cast<float>(doubt.tolerance);
   }
   Reported reported = {beam, beam.axis.direction, SensorFrame(shot_.pose), SensorFrame(beam.pose)};
-  if (!planned.signals()) {
+  if (!plan.signals()) {
     if (!met.empty()) store(reported, plainReturn(met[0]), &met[0], index, scan);
     return met.empty() ? Cause::noSurface : Cause::returned;
   }
@@ -95,22 +95,22 @@ Cause Judge::judge(size_t index, Scan& scan) const {
   for (const BeamEcho& echo : met)
     echoes.push_back({static_cast<float>(echo.range), static_cast<float>(echo.energy), static_cast<float>(echo.width),
                       1, static_cast<uint32_t>(echoes.size())});
-  std::vector<gpu::Return> returns(planned.returns);
+  std::vector<gpu::Return> returns(plan.returns);
   std::vector<gpu::VolumeBox> volumes;  // a sensor that moves sees the boxes move
-  if (moves) volumes = volumeBoxes(effects_.effects, beam.pose);
-  gpu::BeamSignal signal = {planned.bits, echoes, returns, moves ? volumes : volumes_, effects_.deadBeams};
+  if (moves) volumes = volumeBoxes(effects_.plan.effects, beam.pose);
+  gpu::BeamSignal signal = {plan.bits, echoes, returns, moves ? volumes : volumes_, effects_.plan.deadBeams};
   const gpu::vec3 direction = single(beam.axis.direction);
   const auto number = static_cast<uint32_t>(index);
   uint32_t count = 0;
   const uint32_t cause = signal.signalsOf(parameters_, number, direction, static_cast<uint32_t>(echoes.size()), count);
-  if (planned.has(gpu::kAngleNoise) && parameters_.angleNoiseAt == gpu::kAngleAtPoint) {
+  if (plan.has(gpu::kAngleNoise) && parameters_.angleNoiseAt == gpu::kAngleAtPoint) {
     const gpu::vec3 astray = gpu::astray(direction, gpu::angleError(parameters_, number));
     reported.direction = {astray.x, astray.y, astray.z};
   }
   for (size_t k = 0; k < count; ++k) {
     const gpu::Return& value = returns[k];
     const BeamEcho* echo = value.label == gpu::kLabelSolid ? &met[value.echo] : nullptr;
-    store(reported, value, echo, index * planned.returns + k, scan);
+    store(reported, value, echo, index * plan.returns + k, scan);
   }
   return static_cast<Cause>(cause);
 }
@@ -167,7 +167,7 @@ void Judge::storeMotion(const Reported& reported, const BeamEcho* echo, size_t a
   if (sweep != Triangle::kStill)
     for (size_t k = 0; k < 3; ++k)
       velocity = velocity + echo->hit.weights[k] * view_.tree.sweeps().velocities[sweep][k];
-  const bool moves = effects_.planned.has(gpu::kSensorMotion);
+  const bool moves = effects_.plan.has(gpu::kSensorMotion);
   const Vec3 sensor = moves ? velocityAt(shot_.motion, axis.time) : Vec3{};
   scan.radialSpeeds[at] =
       gpu::radialSpeed(single(axis.direction), single(inColumn(velocity)), single(inColumn(sensor)));
