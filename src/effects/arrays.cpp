@@ -84,7 +84,8 @@ std::vector<EffectsArray> shotArrays(const SensorPlan& plan, uint64_t firstBeam,
     arrays.push_back(table(gpu::kBindParameters, "parameters", std::vector{parameters}));
   }
   if (plan.has(gpu::kVolumes))
-    arrays.push_back(table(gpu::kBindVolumes, "volumes", volumeBoxes(plan.effects, shot.pose)));
+    arrays.push_back(
+        table(gpu::kBindVolumes, "volumes", volumeBoxes(plan.effects, motion ? motion->tables.middle : shot.pose)));
   if (motion) {
     arrays.push_back(table(gpu::kBindColumnMotions, "columnMotions", motion->tables.columns));
     arrays.push_back(table(gpu::kBindMotionBounds, "motionBounds", std::vector{motion->tables.bounds}));
