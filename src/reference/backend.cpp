@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every beam against every triangle it may meet, in double: the oracle that judges the other backends. Its geometry is
-// written from the mathematics and shares nothing with the shaders; what is made of echoes are their formulas.
+// Every beam against every triangle it may meet, in double: the oracle that judges the other backends. It is written
+// from the mathematics and shares nothing with the shaders but the generator of random numbers.
 #include "pipeline/backend.hpp"
 
 #include <chrono>
