@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every effect with every other, standing and moving: the device against the reference in a scene that shows them all.
-#include <random>
+#include <cstdlib>
 
 #include "effects/scan_support.hpp"
 
@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kPeriod = 0.1;
 
-/// A head of lasers beside its origin, some beams a degree apart: few of them, and each costs the reference little.
+/// Lasers that are away from the origin of their head, and few beams.
 Sensor smallSensor() {
   Sensor sensor = gridSensor(90, 8, -18, 9, 60);
   sensor.name = "small";
@@ -56,7 +56,8 @@ Scene showroom() {
 Effects loud() {
   Effects effects;
   effects.seed = 42;
-  effects.detection.reflectance = 0.05;
+  effects.detection.reflectance = 0.6;
+  effects.detection.range = 25;
   effects.detection.softness = 0.2;
   effects.dropOut = {Use::off, 0.1, 0.6, 0.3, {3, 77, 400}};
   effects.rangeNoise = {Use::off, 0.05, 0.02, 1e-3, 0};
@@ -130,18 +131,35 @@ void compare(size_t first, size_t second) {
 
 }  // namespace
 
+TEST_CASE("the scene of the pairs shows every effect") {
+  const Scene scene = showroom();
+  SimulatorOptions options = optionsOf(0, 0);
+  options.device = "reference";
+  const auto scanWith = [&](size_t effect) {
+    options.effects = optionsOf(0, effect).effects;
+    options.fields = {Field::intensity, Field::label};
+    if (effectNames()[effect] == "radial-speed") options.fields.push_back(Field::radialSpeed);
+    Scan scan;
+    Simulator(scene, smallSensor(), options).scan(shotOf(true), scan);
+    return scan;
+  };
+  const Scan bare = scanWith(0);
+  for (size_t effect = 1; effect < effectNames().size(); ++effect) {
+    INFO(effectNames()[effect]);
+    CHECK(!sameFields(bare, scanWith(effect)));
+  }
+}
+
 TEST_CASE("every effect with every other is that of the reference, standing and moving") {
   const size_t count = effectNames().size();
-  std::vector<std::pair<size_t, size_t>> pairs;
-  for (size_t first = 0; first < count; ++first)
-    for (size_t second = 0; second <= first; ++second) pairs.emplace_back(first, second);
-  REQUIRE(pairs.size() == 153);
-  // All of them are for the slow suite; else a sample that is always the same.
-  if (!std::getenv("GNOSPHERE_SLOW")) {
-    std::shuffle(pairs.begin(), pairs.end(), std::mt19937(7));
-    pairs.resize(16);
+  REQUIRE(count == 17);
+  // All pairs are for the slow suite; the others run those five apart, in which each effect is twice.
+  for (size_t first = 0; first < count; ++first) {
+    if (!std::getenv("GNOSPHERE_SLOW"))
+      compare(first, (first + 5) % count);
+    else
+      for (size_t second = 0; second <= first; ++second) compare(first, second);
   }
-  for (const auto& [first, second] : pairs) compare(first, second);
 }
 
 }  // namespace gnosphere::test
