@@ -2,6 +2,7 @@
 // Every effect with every other, standing and moving: the device against the reference in a scene that shows them all.
 #include <cstdlib>
 
+#include "effects/effect_table.hpp"
 #include "effects/scan_support.hpp"
 
 namespace gnosphere::test {
@@ -71,23 +72,12 @@ Effects loud() {
   return effects;
 }
 
-Use& useOf(Effects& effects, size_t i) {
-  Use* const uses[] = {&effects.intensity.use,  &effects.detection.use,    &effects.dropOut.use,
-                       &effects.rangeNoise.use, &effects.angleNoise.use,   &effects.intensityNoise.use,
-                       &effects.divergence.use, &effects.returns.use,      &effects.transmission.use,
-                       &effects.cutOuts.use,    &effects.sensorMotion.use, &effects.objectMotion.use,
-                       &effects.fog.use,        &effects.rain.use,         &effects.snow.use,
-                       &effects.volumes.use,    &effects.radialSpeed.use};
-  static_assert(std::size(uses) == 17);
-  return *uses[i];
-}
-
 SimulatorOptions optionsOf(size_t first, size_t second) {
   SimulatorOptions options = optionsOn("vulkan");
   options.effects = loud();
-  for (size_t i = 0; i < effectNames().size(); ++i) useOf(options.effects, i) = Use::off;
+  for (const EffectInfo& effect : effectTable()) effect.use(options.effects) = Use::off;
   options.effects.intensity.use = Use::automatic;
-  for (const size_t i : {first, second}) useOf(options.effects, i) = Use::on;
+  for (const size_t i : {first, second}) effectTable()[i].use(options.effects) = Use::on;
   options.effects.angleNoise.at = (first + second) % 2 ? Effects::AngleNoise::At::point : Effects::AngleNoise::At::beam;
   options.effects.sensorMotion.deskew = second % 2 == 1;
   options.fields = {Field::intensity, Field::trueRange, Field::width,   Field::label,
