@@ -41,7 +41,17 @@ uint causeCounts[kCauses];  // of this invocation
 
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
-VolumeBox loadVolume(uint i) { return volumes[i]; }
+VolumeBox loadVolume(uint i) {
+  VolumeBox box = volumes[i];
+#ifdef MOTION
+  ColumnMotion at = columnMotions[columnIndex];
+  vec3 laser = originOf(gl_WorkGroupID.y, beamAzimuth);
+  box.row0 = seenPlane(at, laser, box.row0);
+  box.row1 = seenPlane(at, laser, box.row1);
+  box.row2 = seenPlane(at, laser, box.row2);
+#endif
+  return box;
+}
 bool isDead(uint beam) {
   return (deadBeams[beam / 32] >> (beam % 32) & 1) != 0;
 }

@@ -61,6 +61,14 @@ vec3 fromColumn(ColumnMotion at, vec3 p) {
   return result;
 }
 
+// A plane (normal, offset) of the frame of the scan's middle, in the frame that has a column's axes and a laser at its
+// origin.
+vec4 seenPlane(ColumnMotion at, vec3 laser, vec4 plane) {
+  vec3 origin = fromColumn(at, laser);
+  precise float offset = plane.x * origin.x + plane.y * origin.y + plane.z * origin.z + plane.w;
+  return vec4(rotated(at.row0, at.row1, at.row2, plane.xyz), offset);
+}
+
 // Velocity of the point of an instance that is at `p` of the column's frame when it fires, in that frame.
 vec3 velocityAt(InstanceMotion moving, ColumnMotion at, vec3 p) {
   vec3 now = fromColumn(at, p), velocity = vec3(0.0);

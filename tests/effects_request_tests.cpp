@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "effects/request_table.hpp"
+#include "effects/effect_table.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/plan.hpp"

@@ -6,7 +6,7 @@
 //   void storeReturn(uint j, Return value) called once for each j < p.returnsPerBeam
 //   VolumeBox loadVolume(uint i)           i < p.volumeCount
 //   bool isDead(uint beam)                 of DropOut::deadBeams, p.firstBeam added; asked only if p.deadBeams > 0
-// In C++ it is included within a struct that has these as members (src/effects/beam_signal.hpp).
+// In C++ it is included within a struct that has these as members (tests/effects/beam_signal.hpp).
 #include "detection.h"
 #include "intensity.h"
 #include "noise.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light lost in and thrown back by fog, rain, snow and dust. src/effects/weather.cpp says where the coefficients are
+// Light lost in and thrown back by fog, rain, snow and dust. src/effects/particles.cpp says where the coefficients are
 // from.
 #ifndef GNOSPHERE_EFFECTS_WEATHER_H
 #define GNOSPHERE_EFFECTS_WEATHER_H

@@ -43,28 +43,28 @@ std::vector<Step> binSteps(uint32_t binning) {
 }
 
 // Of stage effects; effects_surfaces is for each chunk of the scene.
-std::vector<Step> effectsSteps(const PlannedEffects& planned) {
+std::vector<Step> effectsSteps(const SensorPlan& plan) {
   std::vector<Step> steps;
-  if (planned.footprint()) steps = {{Kernel::effects_footprint, 0}, {Kernel::effects_footprint, 1}};
-  if (planned.surfaces() && !planned.footprint()) steps.push_back({Kernel::effects_surfaces});
-  if (planned.signals() || planned.speeds()) steps.push_back({Kernel::effects});
+  if (plan.footprint()) steps = {{Kernel::effects_footprint, 0}, {Kernel::effects_footprint, 1}};
+  if (plan.surfaces() && !plan.footprint()) steps.push_back({Kernel::effects_surfaces});
+  if (plan.signals() || plan.speeds()) steps.push_back({Kernel::effects});
   return steps;
 }
 
 // On the device; a footprint's hits are found by stage effects, and words are resolved by the host.
 bool resolves(const SensorArrays& sensor) {
-  return !sensor.planned().footprint() && !sensor.leavesWords();
+  return !sensor.plan().footprint() && !sensor.leavesWords();
 }
 
 class CudaBackend final : public Backend {
  public:
   CudaBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
       : device_(chosen(options.device)),
+        plans_(planSensors(scene, sensors, options)),
         chunks_(scene, options.maxBufferBytes > 0 ? options.maxBufferBytes : device_.info.maxBufferBytes) {
-    const std::vector<EffectsSetup> setups = setUpEffects(scene, sensors, options);
-    upload(scene, anyPlans(setups, &PlannedEffects::looksAtSurfaces), anyPlans(setups, &PlannedEffects::holes));
+    upload(scene, anyOf(plans_, &SensorPlan::looksAtSurfaces), anyOf(plans_, &SensorPlan::holes));
     chunks_.addTo(instances_, scene);
-    for (const EffectsSetup& setup : setups) sensors_.emplace_back(setup, options, instances_.counters().triangles);
+    for (const SensorPlan& plan : plans_) sensors_.emplace_back(plan, options, instances_.counters().triangles);
     const Exactness parts = exactnessOf(options);
     job_.options.BOUNDS = static_cast<uint32_t>(parts.bounds);
     job_.options.CULL = static_cast<uint32_t>(parts.cull);
@@ -110,8 +110,8 @@ class CudaBackend final : public Backend {
   Plan plan(size_t index) const override {
     const SensorArrays& sensor = sensors_[index];
     Plan plan;
-    plan.effects = sensor.planned().decisions;
-    plan.returns = sensor.planned().returns;
+    plan.effects = sensor.plan().decisions;
+    plan.returns = sensor.plan().returns;
     plan.binning = nameOfBinning(sensor.binning());
     Options options = job_.options;
     sensor.addTo(options);
@@ -130,7 +130,7 @@ class CudaBackend final : public Backend {
     for (const Step& step : binSteps(sensor.binning())) add("bin", step.everyShell ? shells : 1, step);
     if (sensor.leavesWords()) plan.stages.push_back({"resolve", 0, {}});
     if (resolves(sensor)) add("resolve", 1, {Kernel::resolve, sensor.binning()});
-    for (const Step& step : effectsSteps(sensor.planned()))
+    for (const Step& step : effectsSteps(sensor.plan()))
       add("effects", step.kernel == Kernel::effects_surfaces ? chunks : 1, step);
     sensor.list(plan.buffers);
     return plan;
@@ -178,9 +178,9 @@ class CudaBackend final : public Backend {
   void scan(const Shot& shot, Scan& result) {
     const Clock::time_point start = Clock::now();
     SensorArrays& sensor = sensors_[shot.sensor];
-    clearResult(sensor.setup(), 1, instances_, result);
+    clearResult(sensor.plan(), 1, instances_, result);
     if (sensor.frame().beams > 0) {
-      const std::optional<ShotMotion> motion = motionOf(sensor.setup(), shot, instances_);
+      const std::optional<ShotMotion> motion = motionOf(sensor.plan(), shot, instances_);
       place(motion ? motion->tables.middle : shot.pose, sensor.reach() + reachOf(motion));
       run(sensor, shot, motion);
       while (sensor.grow(sensor.counters())) {
@@ -188,7 +188,7 @@ class CudaBackend final : public Backend {
         ++result.counters.retries;
       }
       stopwatch_.read(result.timings);
-      readResults(sensor.setup(), sensor.results(), instances_, shot, 0, result);
+      readResults(sensor.plan(), sensor.results(), instances_, shot, 0, result);
     }
     result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
@@ -296,7 +296,7 @@ class CudaBackend final : public Backend {
   }
 
   void effects(const SensorArrays& sensor) {
-    const std::vector<Step> steps = effectsSteps(sensor.planned());
+    const std::vector<Step> steps = effectsSteps(sensor.plan());
     for (const Step& step : steps) {
       if (step.kernel == Kernel::effects_footprint) {
         launch(step, std::min(device_.groups, sensor.frame().beams / 64 + 1));
@@ -313,6 +313,7 @@ class CudaBackend final : public Backend {
   }
 
   Device device_;
+  const std::vector<SensorPlan> plans_;  // of every sensor
   Chunks chunks_;
   InstanceTable instances_;
   std::vector<SceneArrays> onDevice_;

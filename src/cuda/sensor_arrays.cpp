@@ -10,13 +10,13 @@ constexpr uint64_t kFirstCandidatesPerBeam = 2;
 
 }  // namespace
 
-SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& options, uint64_t triangles)
-    : binning_(chooseBinning(options, true, false, setup.planned)),
+SensorArrays::SensorArrays(const SensorPlan& plan, const SimulatorOptions& options, uint64_t triangles)
+    : plan_(plan),
+      binning_(chooseBinning(options, true, false, plan)),
       exact_(exactnessOf(options).inside == Exactness::Inside::exact),
-      tables_(makeBeamTables(setup.sensor)),
-      effects_(setup, tables_.rows, setup.sensor, 0) {
+      tables_(makeBeamTables(plan.sensor)) {
   gpu::Frame& frame = tables_.frame;
-  frame.footprint = effects_.footprint();
+  frame.footprint = plan.footprintRadius;
   reach_ = reachOf(options, frame);
   shellEnds_ = gnosphere::shellEnds(options, binning_, frame, triangles);
   arrays_[gpu::kBindRows] = Array("rows", tables_.rows);
@@ -36,7 +36,7 @@ SensorArrays::SensorArrays(const EffectsSetup& setup, const SimulatorOptions& op
   }
   for (const Output& output : outputs())
     if (output.binding != gpu::kBindWords) make(output.binding, "results", beams * output.bytesPerBeam);
-  make(effects_.lasting());
+  make(lastingArrays(plan_, tables_.rows, 0));
   growProjected(projectedGuess(beams, triangles));
   growTiles(tileGuess(binning_, tables_.frame.projectedCapacity));
 }
@@ -57,7 +57,7 @@ void SensorArrays::growProjected(uint64_t count) {
   make(gpu::kBindProjectedB, "projectedB", count * sizeof(gpu::vec4));
   make(gpu::kBindProjectedC, "projectedC", count * sizeof(gpu::vec4));
   make(gpu::kBindProjectedColumns, "projectedColumns", count * sizeof(gpu::vec2));
-  make(effects_.projected(count));
+  make(projectedArrays(plan_, count));
   tables_.frame.projectedCapacity = static_cast<uint32_t>(count);
   if (binning_ == gpu::kBinningSlabs) growTiles(tables_.frame.tileCapacity);
 }
@@ -82,14 +82,14 @@ void SensorArrays::prepare(const Shot& shot, const ShotMotion* motion, uint32_t 
   fillWith(gpu::kBindCounters, 0);
   fillWith(gpu::kBindListEnds, binning_ == gpu::kBinningSlabs ? 0xff : 0);
   fillWith(gpu::kBindWords, 0xff);
-  for (const EffectsArray& array : effects_.ofShot(shot, motion)) {
+  for (const EffectsArray& array : shotArrays(plan_, 0, shot, motion)) {
     if (arrays_[array.binding].bytes() < array.bytes) make(array.binding, array.name, array.bytes);
     arrays_[array.binding].write<std::byte>(array.content);
   }
   for (size_t i = 0; i < arrays_.size(); ++i)  // what nothing is planned for is bound to something: no kernel reads it
     job.arrays[0][i] = arrays_[i].data() ? arrays_[i].data() : arrays_[gpu::kBindCounters].data();
   addTo(job.options);
-  job.subRays = planned().subRays;
+  job.subRays = static_cast<uint32_t>(plan_.subRays.size());
   job.moving = motion != nullptr;
 }
 
@@ -121,10 +121,10 @@ DeviceResults SensorArrays::results() {
 
 void SensorArrays::addTo(Options& options) const {
   options.AZIMUTH_OFFSETS = tables_.azimuthOffsets;
-  options.EFFECTS = planned().bits;
-  options.FIELDS = planned().fields;
-  options.LAYERS = planned().layers();
-  options.RETURNS = planned().returns;
+  options.EFFECTS = plan_.bits;
+  options.FIELDS = plan_.fields;
+  options.LAYERS = plan_.layers();
+  options.RETURNS = plan_.returns;
 }
 
 void SensorArrays::addTo(MemoryUse& use) const {

@@ -7,6 +7,7 @@
 #include "cuda/runtime.hpp"
 #include "effects/arrays.hpp"
 #include "pipeline/beam_tables.hpp"
+#include "pipeline/outputs.hpp"
 #include "pipeline/results.hpp"
 #include "pipeline/scan_options.hpp"
 
@@ -14,12 +15,11 @@ namespace gnosphere::cuda {
 
 class SensorArrays {
  public:
-  SensorArrays(const EffectsSetup& setup, const SimulatorOptions& options, uint64_t triangles);
+  SensorArrays(const SensorPlan& plan, const SimulatorOptions& options, uint64_t triangles);
 
-  const EffectsSetup& setup() const { return effects_.setup(); }
-  const PlannedEffects& planned() const { return setup().planned; }
+  const SensorPlan& plan() const { return plan_; }
   uint32_t binning() const { return binning_; }
-  bool leavesWords() const { return gnosphere::leavesWords(binning_, planned()); }
+  bool leavesWords() const { return gnosphere::leavesWords(binning_, plan()); }
   const gpu::Frame& frame() const { return tables_.frame; }
   double reach() const { return reach_; }
   /// See gnosphere::shellEnds().
@@ -45,12 +45,12 @@ class SensorArrays {
   void growTiles(uint64_t count);
   void growCandidates(uint64_t count);
 
-  std::vector<Output> outputs() const { return outputsOf(planned(), leavesWords()); }
+  std::vector<Output> outputs() const { return outputsOf(plan(), leavesWords()); }
 
+  const SensorPlan& plan_;
   uint32_t binning_;
   bool exact_;
   BeamTables tables_;  // with the capacities of the lists
-  EffectsArrays effects_;
   double reach_;
   std::vector<float> shellEnds_;
   std::array<Array, gpu::kWorkBindingCountEffects> arrays_;  // set 0; empty where nothing is planned for them

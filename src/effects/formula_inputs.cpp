@@ -139,10 +139,11 @@ std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32
 
 std::vector<gpu::VolumeBox> volumeBoxes(const Effects& effects, const Pose& pose) {
   const Quaternion& q = pose.orientation;
-  // Rows of the rotation sensor -> world.
-  const Vec3 turn[3] = {{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y - q.w * q.z), 2 * (q.x * q.z + q.w * q.y)},
-                        {2 * (q.x * q.y + q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z - q.w * q.x)},
-                        {2 * (q.x * q.z - q.w * q.y), 2 * (q.y * q.z + q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
+  // Rows of the rotation sensor -> world. Two over the square of the quaternion's length normalises it on the way.
+  const double s = 2 / (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  const Vec3 turn[3] = {{1 - s * (q.y * q.y + q.z * q.z), s * (q.x * q.y - q.w * q.z), s * (q.x * q.z + q.w * q.y)},
+                        {s * (q.x * q.y + q.w * q.z), 1 - s * (q.x * q.x + q.z * q.z), s * (q.y * q.z - q.w * q.x)},
+                        {s * (q.x * q.z - q.w * q.y), s * (q.y * q.z + q.w * q.x), 1 - s * (q.x * q.x + q.y * q.y)}};
   const auto row = [](const Vec3& axis, double place, double low, double high) {
     const double scale = 2 / std::max(high - low, 1e-6);
     return gpu::vec4{float(axis.x * scale), float(axis.y * scale), float(axis.z * scale),

@@ -25,7 +25,7 @@ struct SubRay {
 /// The footprint of every beam; weights add up to 1. One line along the axis where divergence is not planned.
 std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32_t planned);
 
-/// The boxes of dust as seen from a sensor that stands there.
+/// The boxes of dust in the frame of a sensor with that pose. A scan in motion has them in the frame of its middle.
 std::vector<gpu::VolumeBox> volumeBoxes(const Effects& effects, const Pose& pose);
 
 /// One bit per beam of the sensor, 32 beams a word; empty if no beam is dead. decide() has refused beams that there are

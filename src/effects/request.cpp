@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "effects/request_table.hpp"
+#include "effects/effect_table.hpp"
 #include "effects/strict_json.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"

@@ -3,17 +3,15 @@
 
 namespace gnosphere {
 
-std::optional<ShotMotion> motionOf(const EffectsSetup& setup, const Shot& shot, const InstanceTable& instances) {
-  const PlannedEffects& planned = setup.planned;
-  const bool instancesMove = !shot.instanceMotions.empty() && planned.has(gpu::kObjectMotion);
-  const bool sensorMoves = !shot.motion.stamps.empty() && (planned.has(gpu::kSensorMotion) || planned.speeds());
-  if (!sensorMoves && !instancesMove && !planned.origins) return {};
+std::optional<ShotMotion> motionOf(const SensorPlan& plan, const Shot& shot, const InstanceTable& instances) {
+  const bool instancesMove = !shot.instanceMotions.empty() && plan.has(gpu::kObjectMotion);
+  const bool sensorMoves = !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
+  if (!sensorMoves && !instancesMove && !plan.origins) return {};
   ShotMotion motion;
-  motion.tables =
-      makeMotionTables(setup.sensor, shot, planned.has(gpu::kSensorMotion), setup.effects.sensorMotion.deskew);
+  motion.tables = makeMotionTables(plan.sensor, shot, plan.has(gpu::kSensorMotion), plan.effects.sensorMotion.deskew);
   if (instancesMove) {
     motion.instances.resize(instances.count());
-    motion.farthest = instances.writeMotions(motion.tables.middle, shot.instanceMotions, setup.sensor.rotationPeriod,
+    motion.farthest = instances.writeMotions(motion.tables.middle, shot.instanceMotions, plan.sensor.rotationPeriod,
                                              motion.instances.data());
     motion.tables.bounds.instances = 1;
   }

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "effects/motion_tables.hpp"
-#include "effects/setup.hpp"
+#include "effects/sensor_plan.hpp"
 #include "geometry/instance_table.hpp"
 
 namespace gnosphere {
@@ -17,8 +17,8 @@ struct ShotMotion {
   double farthest = 0;                         ///< metres that any of their points goes
 };
 
-/// Nothing where the scan stands still: it is then done as if motion had never been thought of.
-std::optional<ShotMotion> motionOf(const EffectsSetup& setup, const Shot& shot, const InstanceTable& instances);
+/// Empty if neither the sensor nor an instance moves during this shot; the scan then uses the pipelines without motion.
+std::optional<ShotMotion> motionOf(const SensorPlan& plan, const Shot& shot, const InstanceTable& instances);
 
 /// Metres that something may come nearer by.
 double reachOf(const std::optional<ShotMotion>& motion);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "effects/request_table.hpp"
+#include "effects/effect_table.hpp"
 #include "gnosphere/plan.hpp"
 
 namespace gnosphere {

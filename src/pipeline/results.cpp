@@ -41,9 +41,9 @@ uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, 
   return hits;
 }
 
-void readCounters(const EffectsSetup& setup, uint64_t beams, const gpu::Counters& device, uint64_t usableTriangles,
+void readCounters(const SensorPlan& plan, uint64_t beams, const gpu::Counters& device, uint64_t usableTriangles,
                   Counters& result) {
-  const bool judged = setup.planned.signals();
+  const bool judged = plan.signals();
   const uint64_t hits = judged ? device.causes[0] : device.hits;
   result.hits += hits;
   result.misses += beams - hits;
@@ -79,13 +79,12 @@ void readSignals(const gpu::vec4* signals, uint64_t first, uint64_t count, uint3
 // from beside the sensor's origin, where points are moved off their beams or told from another pose.
 class Directions {
  public:
-  Directions(const EffectsSetup& setup, const Shot& shot, const Scan& scan)
-      : setup_(setup),
+  Directions(const SensorPlan& plan, const Shot& shot, const Scan& scan)
+      : plan_(plan),
         shot_(shot),
         scan_(scan),
-        turned_(setup.planned.has(gpu::kSensorMotion) && setup.effects.sensorMotion.deskew &&
-                !shot.motion.stamps.empty()) {
-    atPoint_ = !turned_ && !setup.planned.origins && !setup.planned.has(gpu::kAngleNoise);
+        turned_(plan.has(gpu::kSensorMotion) && plan.effects.sensorMotion.deskew && !shot.motion.stamps.empty()) {
+    atPoint_ = !turned_ && !plan.origins && !plan.has(gpu::kAngleNoise);
   }
 
   glm::vec3 of(uint64_t entry) const {
@@ -94,11 +93,11 @@ class Directions {
       return glm::vec3(point[0], point[1], point[2]) / scan_.ranges[entry];
     }
     const uint64_t beam = entry / scan_.returns;
-    const Vec3 d = setup_.sensor.direction(beam);
+    const Vec3 d = plan_.sensor.direction(beam);
     glm::dvec3 direction(d.x, d.y, d.z);
     if (turned_) {
       const double time =
-          setup_.sensor.rotationPeriod * static_cast<double>(beam % setup_.sensor.columns) / setup_.sensor.columns;
+          plan_.sensor.rotationPeriod * static_cast<double>(beam % plan_.sensor.columns) / plan_.sensor.columns;
       direction = glm::conjugate(turnOf(shot_.pose)) * (turnOf(poseAt(shot_.motion, shot_.pose, time)) * direction);
     }
     return glm::vec3(direction);
@@ -110,7 +109,7 @@ class Directions {
     return glm::normalize(glm::dquat(q.w, q.x, q.y, q.z));
   }
 
-  const EffectsSetup& setup_;
+  const SensorPlan& plan_;
   const Shot& shot_;
   const Scan& scan_;
   bool turned_, atPoint_;
@@ -148,26 +147,25 @@ void readMotions(const gpu::vec4* motions, uint64_t first, uint64_t count, Scan&
 
 }  // namespace
 
-void clearResult(const EffectsSetup& setup, size_t parts, const InstanceTable& instances, Scan& scan) {
-  const PlannedEffects& planned = setup.planned;
-  const size_t beams = setup.sensor.beamCount();
-  const size_t count = beams * planned.returns;
-  scan.returns = planned.returns;
+void clearResult(const SensorPlan& plan, size_t parts, const InstanceTable& instances, Scan& scan) {
+  const size_t beams = plan.sensor.beamCount();
+  const size_t count = beams * plan.returns;
+  scan.returns = plan.returns;
   scan.points.resize(3 * count);
   scan.ranges.resize(count);
   scan.triangles.resize(count);
   scan.instances.resize(count);
   const auto wants = [&](bool asked, size_t size) { return asked ? size : 0; };
-  const bool signal = planned.asks(gpu::kFieldSignal), surface = planned.asks(gpu::kFieldSurface);
+  const bool signal = plan.asks(gpu::kFieldSignal), surface = plan.asks(gpu::kFieldSurface);
   for (auto* array : {&scan.intensities, &scan.trueRanges, &scan.widths}) array->resize(wants(signal, count));
   scan.labels.resize(wants(signal, count));
   scan.causes.resize(wants(signal, beams));
   scan.normals.resize(wants(surface, 3 * count));
   scan.incidences.resize(wants(surface, count));
   scan.materials.resize(wants(surface, count));
-  scan.velocities.resize(wants(planned.speeds(), 3 * count));
-  scan.radialSpeeds.resize(wants(planned.speeds(), count));
-  scan.barycentrics.resize(wants(planned.asks(gpu::kFieldBarycentrics), 2 * count));
+  scan.velocities.resize(wants(plan.speeds(), 3 * count));
+  scan.radialSpeeds.resize(wants(plan.speeds(), count));
+  scan.barycentrics.resize(wants(plan.asks(gpu::kFieldBarycentrics), 2 * count));
   scan.tolerances.clear();
   scan.ties.clear();
   scan.timings.stages.clear();
@@ -180,15 +178,15 @@ void clearResult(const EffectsSetup& setup, size_t parts, const InstanceTable& i
   scan.counters.degenerate = parts * placed.degenerate;
 }
 
-void readResults(const EffectsSetup& setup, const DeviceResults& device, const InstanceTable& instances,
-                 const Shot& shot, uint64_t firstBeam, Scan& scan) {
+void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
+                 uint64_t firstBeam, Scan& scan) {
   const uint64_t beams = device.tables.frame.beams;
   if (device.words) {
     gpu::Counters counters = device.counters;
     counters.hits = static_cast<uint32_t>(readWords(device, instances, firstBeam, scan));
-    return readCounters(setup, beams, counters, instances.usableTriangles(), scan.counters);
+    return readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
   }
-  const uint32_t returns = setup.planned.returns;
+  const uint32_t returns = plan.returns;
   inSlices(beams, 1, [&](uint64_t beam, uint64_t beamEnd) {
     const uint64_t first = beam * returns, count = (beamEnd - beam) * returns, to = firstBeam * returns + first;
     const auto from = [&](const auto* output) { return output ? output + first : nullptr; };
@@ -200,11 +198,11 @@ void readResults(const EffectsSetup& setup, const DeviceResults& device, const I
       scan.instances[to + i] = device.owners[first + i][1];
     }
     readSignals(from(device.signals), to, count, returns, scan);
-    if (device.surfaces) readSurfaces(from(device.surfaces), Directions(setup, shot, scan), to, count, scan);
+    if (device.surfaces) readSurfaces(from(device.surfaces), Directions(plan, shot, scan), to, count, scan);
     readMotions(from(device.motions), to, count, scan);
     readBarycentrics(from(device.barycentrics), to, count, scan);
   });
-  readCounters(setup, beams, device.counters, instances.usableTriangles(), scan.counters);
+  readCounters(plan, beams, device.counters, instances.usableTriangles(), scan.counters);
 }
 
 }  // namespace gnosphere

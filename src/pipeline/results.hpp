@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "effects/setup.hpp"
+#include "effects/sensor_plan.hpp"
 #include "geometry/instance_table.hpp"
 #include "pipeline/resolve_words.hpp"
 
@@ -40,10 +40,10 @@ struct DeviceResults {
 };
 
 /// What does not come from the device, and room for what does, of all parts of a sensor. Arrays keep theirs.
-void clearResult(const EffectsSetup& setup, size_t parts, const InstanceTable& instances, Scan& scan);
+void clearResult(const SensorPlan& plan, size_t parts, const InstanceTable& instances, Scan& scan);
 
 /// Arrays and counters of one part of a shot's sensor, whose beams begin at `firstBeam`.
-void readResults(const EffectsSetup& setup, const DeviceResults& device, const InstanceTable& instances,
-                 const Shot& shot, uint64_t firstBeam, Scan& scan);
+void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
+                 uint64_t firstBeam, Scan& scan);
 
 }  // namespace gnosphere

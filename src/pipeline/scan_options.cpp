@@ -42,8 +42,8 @@ uint32_t cullingBits(const SimulatorOptions& options) {
          (culling.occlusion != Culling::Occlusion::never ? gpu::kCullOccluded : 0);
 }
 
-uint32_t chooseBinning(const SimulatorOptions& options, bool int64Atomics, bool cpu, const PlannedEffects& planned) {
-  if (planned.footprint()) return gpu::kBinningLists;
+uint32_t chooseBinning(const SimulatorOptions& options, bool int64Atomics, bool cpu, const SensorPlan& plan) {
+  if (plan.footprint()) return gpu::kBinningLists;
   switch (options.binning) {
     case Binning::lists: return gpu::kBinningLists;
     case Binning::nearest32: return gpu::kBinningNearest32;
@@ -57,8 +57,8 @@ uint32_t chooseBinning(const SimulatorOptions& options, bool int64Atomics, bool 
   return !int64Atomics ? gpu::kBinningNearest32 : cpu ? gpu::kBinningSlabs : gpu::kBinningNearest;
 }
 
-bool leavesWords(uint32_t binning, const PlannedEffects& planned) {
-  return binning != gpu::kBinningLists && planned.bare();
+bool leavesWords(uint32_t binning, const SensorPlan& plan) {
+  return binning != gpu::kBinningLists && plan.bare();
 }
 
 const char* nameOfBinning(uint32_t binning) {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "effects/planned.hpp"
+#include "effects/sensor_plan.hpp"
 #include "gnosphere/simulator.hpp"
 #include "shared.h"
 
@@ -15,10 +15,10 @@ Exactness exactnessOf(const SimulatorOptions& options);
 /// gpu::kCull... bits.
 uint32_t cullingBits(const SimulatorOptions& options);
 /// gpu::kWay...: how the options, the device and what is planned bin.
-uint32_t chooseBinning(const SimulatorOptions& options, bool int64Atomics, bool cpu, const PlannedEffects& planned);
+uint32_t chooseBinning(const SimulatorOptions& options, bool int64Atomics, bool cpu, const SensorPlan& plan);
 /// Whether words are all that is read back, for the host to resolve: 8 bytes per beam, where nothing but geometry is
 /// planned.
-bool leavesWords(uint32_t binning, const PlannedEffects& planned);
+bool leavesWords(uint32_t binning, const SensorPlan& plan);
 /// As Plan::binning names it.
 const char* nameOfBinning(uint32_t binning);
 /// Metres, the last one infinity: shell by shell is binned, and hides what lies behind it. One shell is everything.

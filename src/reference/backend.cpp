@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every beam against every triangle it may meet, in double: the oracle that judges the other backends. Its geometry is
-// written from the mathematics and shares nothing with the shaders; what is made of echoes are their formulas.
+// Every beam against every triangle it may meet, in double: the oracle that judges the other backends. It is written
+// from the mathematics and shares nothing with the shaders but the generator of random numbers.
 #include "pipeline/backend.hpp"
 
 #include <chrono>
@@ -21,8 +21,11 @@ using namespace reference;
 class ReferenceBackend : public Backend {
  public:
   ReferenceBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-      : sensors_(sensors), faces_(options.faces), scene_(scene), device_(referenceDevice()) {
-    for (uint32_t i = 0; i < sensors.size(); ++i) effects_.push_back(beamEffects(options, scene, sensors[i], i));
+      : sensors_(sensors),
+        effects_(beamEffects(options, scene, sensors)),
+        faces_(options.faces),
+        scene_(scene),
+        device_(referenceDevice()) {
     scene_.meshes.emplace_back();
     build();
   }
@@ -53,8 +56,8 @@ class ReferenceBackend : public Backend {
 
 Plan ReferenceBackend::plan(size_t sensor) const {
   Plan plan;
-  plan.effects = effects_[sensor].planned.decisions;
-  plan.returns = effects_[sensor].planned.returns;
+  plan.effects = effects_[sensor].plan.decisions;
+  plan.returns = effects_[sensor].plan.returns;
   return plan;
 }
 
@@ -110,14 +113,14 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
     throw Error(ErrorCode::invalidArgument, "the pose's orientation has no length; use 0 0 0 1 for no rotation");
   const size_t beams = sensor.beamCount();
   const BeamEffects& effects = effects_[shot.sensor];
-  const PlannedEffects& planned = effects.planned;
-  clearResult(planned, beams, scan);
+  const SensorPlan& plan = effects.plan;
+  clearResult(plan, beams, scan);
   scan.counters = counters_;
   scan.timings = {};
-  const bool moves = planned.has(gpu::kObjectMotion) && !shot.instanceMotions.empty();
+  const bool moves = plan.has(gpu::kObjectMotion) && !shot.instanceMotions.empty();
   const Bvh moving = moves ? movingTree(shot) : Bvh({});
   View view = viewOf(scene_, moves ? moving : bvh_, places_, sensor, pose, scan.counters);
-  view.cutOuts = planned.has(gpu::kCutOuts);
+  view.cutOuts = plan.has(gpu::kCutOuts);
   const Judge judge(view, shot, effects);
   std::vector<Cause> causes(beams);
   inRuns(beams, 1024, threadCount(), [&](size_t first, size_t last) {
@@ -126,7 +129,7 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   scan.counters.beams = beams;
   for (size_t i = 0; i < beams; ++i) {
     scan.counters.hits += causes[i] == Cause::returned;
-    if (planned.signals()) ++scan.counters.causes[static_cast<size_t>(causes[i])];
+    if (plan.signals()) ++scan.counters.causes[static_cast<size_t>(causes[i])];
     if (!scan.causes.empty()) scan.causes[i] = static_cast<uint8_t>(causes[i]);
   }
   scan.counters.misses = beams - scan.counters.hits;

@@ -12,29 +12,59 @@ namespace {
 
 /// Surfaces that light goes on behind, and the one that stops it.
 constexpr size_t kLayers = 4;
+/// Echoes of one beam; what is farther is lost.
+constexpr size_t kEchoes = 6;
 
 /// What one sub-ray met in one layer.
 struct Piece {
-  double range, energy;
+  double range;
+  Bounded energy;
   size_t order;  ///< layer by layer, sub-ray by sub-ray
   Hit hit;
 };
 
 /// Shares of the energy that hits it: thrown back, and going on behind.
 struct Shares {
-  double back = 1, on = 0;
+  Bounded back = 1, on = 0;
 };
+
+/// Cosine of the incidence. Corners that are moved by d tilt a triangle of height h by 2 d / h at most; and the cross
+/// product of two edges has an error of 10 u of the product of their lengths.
+Bounded cosineOf(const View& view, const Line& line, const Triangle& triangle) {
+  const Vec3 corners[3] = {line.frame.toSensor(triangle.corners[0]), line.frame.toSensor(triangle.corners[1]),
+                           line.frame.toSensor(triangle.corners[2])};
+  const double longest =
+      std::max({norm(corners[1] - corners[0]), norm(corners[2] - corners[1]), norm(corners[0] - corners[2])});
+  const double height = norm(cross(corners[1] - corners[0], corners[2] - corners[0])) / longest;
+  const CornerError& error = view.errors[triangle.instance];
+  const double farthest = std::max({norm(corners[0]), norm(corners[1]), norm(corners[2])});
+  const double tilt = (2 * (error.relative * farthest + error.absolute) + 10 * kUnitRoundoff * longest) / height +
+                      kDirectionError + line.astray;
+  const double cosine = -dot(normalAgainst(line.direction, corners), line.direction);
+  const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
+  return rounded(cosine, std::min(sine * tilt + tilt * tilt / 2, 1.0), 8 * kUnitRoundoff);
+}
+
+/// What a surface throws back, a Lambertian of reflectance 1 its cosine: the diffuse part, the retro-reflector, and a
+/// glossy lobe as seen from where the light comes from: GGX (Walter et al., EGSR 2007) with Smith's shadowing (Heitz,
+/// JCGT 2014), alpha = roughness^2 and at least 0.05.
+Bounded reflected(const Optics& optics, const Bounded& cosine) {
+  const Bounded result = Bounded(double{optics.reflectance} + optics.retro) * cosine;
+  if (!(optics.gloss > 0)) return result;
+  const double alpha = std::max(double{optics.roughness} * optics.roughness, 0.05);
+  const Bounded square = given(alpha * alpha), cosineSquare = cosine * cosine;
+  const Bounded sineSquare = Bounded(1) - cosineSquare, t = cosineSquare * square + sineSquare;
+  const Bounded shadowing = sqrt(cosineSquare + square * sineSquare);
+  return result + Bounded(double{optics.gloss}) * (square / (Bounded(4) * t * t * shadowing));
+}
 
 Shares sharesOf(const View& view, const Line& line, const BeamEffects& effects, const Hit& hit) {
   const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[hit.triangle], line.time);
-  const gpu::Optics4& optics = effects.optics[materialOf(view.scene, triangle)];
+  const Optics& optics = effects.optics[materialOf(view.scene, triangle)];
   Shares shares;
-  if (effects.planned.looksAtMaterials) {
-    const Vec3 direction = line.frame.directionToWorld(line.direction);
-    const double cosine = -dot(normalAgainst(direction, triangle.corners), direction);
-    shares.back = gpu::reflected(optics, static_cast<float>(cosine));
-  }
-  if (effects.planned.has(gpu::kTransmission)) shares.on = gpu::transmitted(optics);
+  if (effects.plan.looksAtMaterials) shares.back = reflected(optics, cosineOf(view, line, triangle));
+  // Light goes through it twice, there and back.
+  if (effects.plan.has(gpu::kTransmission)) shares.on = Bounded(double{optics.transmission} * optics.transmission);
   return shares;
 }
 
@@ -42,19 +72,19 @@ Shares sharesOf(const View& view, const Line& line, const BeamEffects& effects, 
 void trace(const View& view, const Line& line, const BeamEffects& effects, size_t subRay, std::vector<Piece>& pieces,
            BeamDoubt& doubt) {
   std::vector<Hit> hits;
-  double energy = effects.subRays[subRay].weight;
-  while (energy > 0 && hits.size() < kLayers) {
+  Bounded energy = effects.footprint[subRay].weight;
+  while (energy.value > 0 && hits.size() < kLayers) {
     const Hit hit = nearest(view, line, hits.empty() ? 0 : hits.back().range);
     if (hit.triangle == kNobody) break;
     const Shares shares = sharesOf(view, line, effects, hit);
-    const double back = energy * shares.back;
-    energy *= shares.on;
+    const Bounded back = shares.back.error > 0 ? energy * shares.back : Bounded(energy.value * shares.back.value);
+    energy = shares.on.value > 0 ? energy * shares.on : Bounded(0);
     // What lets all light pass gives no echo.
-    if (back > 0 || energy == 0)
-      pieces.push_back({hit.range, back, hits.size() * effects.subRays.size() + subRay, hit});
+    if (back.value > 0 || energy.value == 0)
+      pieces.push_back({hit.range, back, hits.size() * effects.footprint.size() + subRay, hit});
     hits.push_back(hit);
   }
-  doubt.tie |= inDoubt(view, line, hits, energy > 0 && hits.size() < kLayers, doubt.tolerance);
+  doubt.tie |= inDoubt(view, line, hits, energy.value > 0 && hits.size() < kLayers, doubt.tolerance);
 }
 
 Line lineOf(const Beam& beam, double u, double v) {
@@ -62,59 +92,93 @@ Line lineOf(const Beam& beam, double u, double v) {
   return {beam.axis.frame, (1 / norm(along)) * along, beam.axis.time};
 }
 
-/// Sorted pieces that follow each other within the separation.
-BeamEcho echoOf(std::span<const Piece> pieces, double pulseWidth) {
+/// Sorted pieces that follow each other within the separation. Pieces of two surfaces that are as strong leave in doubt
+/// which of them stands for the echo.
+Echo echoOf(std::span<const Piece> pieces, double pulseWidth, BeamDoubt& doubt) {
   const double first = pieces.front().range;
-  double energy = 0, moment = 0, square = 0;
+  Bounded energy = 0;
+  double moment = 0, square = 0;
   const Piece* strongest = &pieces.front();
   for (const Piece& piece : pieces) {
     const double depth = piece.range - first;
-    energy += piece.energy;
-    moment += piece.energy * depth;
-    square += piece.energy * depth * depth;
-    if (piece.energy > strongest->energy || (piece.energy == strongest->energy && piece.order < strongest->order))
+    energy = energy + piece.energy;
+    moment += piece.energy.value * depth;
+    square += piece.energy.value * depth * depth;
+    if (piece.energy.value > strongest->energy.value ||
+        (piece.energy.value == strongest->energy.value && piece.order < strongest->order))
       strongest = &piece;
   }
-  const double mean = energy > 0 ? moment / energy : 0;
-  const double variance = energy > 0 ? std::max(square / energy - mean * mean, 0.0) : 0;
+  for (const Piece& piece : pieces)
+    if (piece.hit.triangle != strongest->hit.triangle) less(piece.energy, strongest->energy, doubt.tie);
+  const double mean = energy.value > 0 ? moment / energy.value : 0;
+  const double variance = energy.value > 0 ? std::max(square / energy.value - mean * mean, 0.0) : 0;
   const double perDeviation = 2 * std::sqrt(2 * std::numbers::ln2);  // full width at half maximum
-  return {first + mean, energy, std::sqrt(pulseWidth * pulseWidth + perDeviation * perDeviation * variance),
+  return {{first + mean, doubt.tolerance},
+          energy,
+          std::sqrt(pulseWidth * pulseWidth + perDeviation * perDeviation * variance),
           strongest->hit};
 }
 
-std::vector<BeamEcho> gather(std::vector<Piece>& pieces, const gpu::EffectParameters& parameters) {
+std::vector<Echo> gather(std::vector<Piece>& pieces, const Effects& request, BeamDoubt& doubt) {
   std::sort(pieces.begin(), pieces.end(),
             [](const Piece& a, const Piece& b) { return std::pair(a.range, a.order) < std::pair(b.range, b.order); });
-  std::vector<BeamEcho> echoes;
+  const auto within = [&](size_t i) {
+    const Bounded before(pieces[i - 1].range, doubt.tolerance), range(pieces[i].range, doubt.tolerance);
+    return !less(before + given(request.returns.separation), range, doubt.tie);
+  };
+  std::vector<Echo> echoes;
   size_t first = 0;
-  while (first < pieces.size() && echoes.size() < gpu::kMaxEchoes) {
+  while (first < pieces.size() && echoes.size() < kEchoes) {
     size_t end = first + 1;
-    while (end < pieces.size() && pieces[end].range <= pieces[end - 1].range + parameters.separation) ++end;
-    echoes.push_back(echoOf({&pieces[first], end - first}, parameters.pulseWidth));
+    while (end < pieces.size() && within(end)) ++end;
+    echoes.push_back(echoOf({&pieces[first], end - first}, pulseLength(request), doubt));
     first = end;
   }
   return echoes;
 }
 
-gpu::Optics4 packed(const Optics& optics) {
-  gpu::Optics4 result = {};
-  result.reflection = {optics.reflectance, optics.gloss, optics.roughness, optics.retro};
-  result.passage.x = optics.transmission;
-  return result;
+/// Lines that stand for equal areas of the unit disc, each in the middle of its own: rings of 6, 12, 18 ... around one,
+/// turned against each other by half a step; where that does not come out, Vogel's spiral (1979). The weights are those
+/// of the profile, exp(-2 radius^2) for a Gaussian one.
+std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
+  if (!plan.has(gpu::kDivergence)) return {FootprintRay{}};
+  const Effects::Divergence& asked = plan.effects.divergence;
+  const bool stated = asked.horizontal > 0 || asked.vertical > 0;
+  const double left = std::tan((stated ? asked.horizontal : plan.sensor.divergenceHorizontal) / 2);
+  const double up = std::tan((stated ? asked.vertical : plan.sensor.divergenceVertical) / 2);
+  const uint32_t count = asked.subRays;
+  std::vector<FootprintRay> rays;
+  double sum = 0;
+  const auto add = [&](double radius, double angle) {
+    const bool gaussian = asked.profile == Effects::Divergence::Profile::gaussian;
+    rays.push_back({left * radius * std::cos(angle), up * radius * std::sin(angle),
+                    gaussian ? std::exp(-2 * radius * radius) : 1.0});
+    sum += rays.back().weight;
+  };
+  uint32_t rings = 0;
+  while (1 + 3 * (rings + 1) * (rings + 2) <= count) ++rings;
+  if (1 + 3 * rings * (rings + 1) == count) {
+    add(0, 0);
+    for (uint32_t ring = 1; ring <= rings; ++ring)
+      for (uint32_t i = 0; i < 6 * ring; ++i)
+        add(std::sqrt((1.0 + 3.0 * ring * ring) / count), std::numbers::pi * (i + 0.5 * (ring % 2)) / (3.0 * ring));
+  } else {
+    for (uint32_t i = 0; i < count; ++i) add(std::sqrt((i + 0.5) / count), std::numbers::pi * (3 - std::sqrt(5.0)) * i);
+  }
+  for (FootprintRay& ray : rays) ray.weight /= sum;
+  return rays;
 }
 
 }  // namespace
 
-BeamEffects beamEffects(const SimulatorOptions& options, const Scene& scene, const Sensor& sensor, uint32_t index) {
-  BeamEffects result;
-  result.planned = planEffects(options, sensor, scene);
-  result.effects = options.effects;
-  for (const Optics& optics : opticsOf(scene, options.materials, options.effects.intensity.wavelength))
-    result.optics.push_back(packed(optics));
-  result.parameters = effectParameters(options.effects, sensor, result.planned.bits);
-  result.parameters.sensor = index;
-  result.subRays = subRays(options.effects, sensor, result.planned.bits);
-  result.deadBeams = deadBeamBits(options.effects, sensor);
+std::vector<BeamEffects> beamEffects(const SimulatorOptions& options, const Scene& scene,
+                                     const std::vector<Sensor>& sensors) {
+  const std::vector<Optics> optics = opticsOf(scene, options.materials, options.effects.intensity.wavelength);
+  std::vector<BeamEffects> result;
+  for (SensorPlan& plan : planSensors(scene, sensors, options)) {
+    std::vector<FootprintRay> footprint = footprintOf(plan);
+    result.push_back({std::move(plan), optics, std::move(footprint)});
+  }
   return result;
 }
 
@@ -136,29 +200,32 @@ Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t ind
   return beam;
 }
 
-std::vector<BeamEcho> echoesOf(const View& view, const Beam& beam, const BeamEffects& effects,
-                               const gpu::EffectParameters& parameters, size_t index, BeamDoubt& doubt) {
-  const PlannedEffects& planned = effects.planned;
-  if (!planned.footprint()) {
+std::vector<Echo> echoesOf(const View& view, const Beam& beam, const BeamEffects& effects, const Receiver& receiver,
+                           size_t index, BeamDoubt& doubt) {
+  const SensorPlan& plan = effects.plan;
+  if (!plan.footprint()) {
     const Hit hit = nearest(view, beam.axis);
     const bool met = hit.triangle != kNobody;
     doubt.tie = inDoubt(view, beam.axis, {&hit, met ? 1u : 0u}, !met, doubt.tolerance);
     if (!met) return {};
-    const double energy = planned.looksAtMaterials ? sharesOf(view, beam.axis, effects, hit).back : 1;
-    return {{hit.range, energy, parameters.pulseWidth, hit}};
+    const Bounded energy = plan.looksAtMaterials ? sharesOf(view, beam.axis, effects, hit).back : Bounded(1);
+    return {{{hit.range, doubt.tolerance}, energy, pulseLength(plan.effects), hit}};
   }
-  double u = 0, v = 0;  // tangents of how far the beam is astray
-  if (planned.has(gpu::kStrays)) {
-    const gpu::vec2 error = gpu::angleError(parameters, static_cast<uint32_t>(index));
-    u = error.x * std::hypot(beam.axis.direction.x, beam.axis.direction.y);
-    v = error.y;
+  double left = 0, up = 0, astray = 0;  // tangents of how far the beam is astray, and their error
+  if (plan.has(gpu::kStrays)) {
+    const auto [azimuth, elevation] = receiver.angleError(index);
+    left = azimuth.value * std::hypot(beam.axis.direction.x, beam.axis.direction.y);
+    up = elevation.value;
+    astray = azimuth.error + elevation.error;
   }
   std::vector<Piece> pieces;
-  for (size_t i = 0; i < effects.subRays.size(); ++i) {
-    const SubRay& ray = effects.subRays[i];
-    trace(view, lineOf(beam, ray.u + u, ray.v + v), effects, i, pieces, doubt);
+  for (size_t i = 0; i < effects.footprint.size(); ++i) {
+    const FootprintRay& ray = effects.footprint[i];
+    Line line = lineOf(beam, ray.left + left, ray.up + up);
+    line.astray = astray;
+    trace(view, line, effects, i, pieces, doubt);
   }
-  return gather(pieces, parameters);
+  return gather(pieces, plan.effects, doubt);
 }
 
 }  // namespace gnosphere::reference

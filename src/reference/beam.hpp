@@ -2,24 +2,25 @@
 // A beam of a sensor, its sub-rays and the echoes they make, in double.
 #pragma once
 
-#include "effects/beam_signal.hpp"
-#include "effects/formula_inputs.hpp"
-#include "effects/planned.hpp"
-#include "reference/trace.hpp"
+#include "reference/receiver.hpp"
 
 namespace gnosphere::reference {
 
-/// What is planned for one sensor.
-struct BeamEffects {
-  PlannedEffects planned;
-  Effects effects;
-  std::vector<gpu::Optics4> optics;  ///< per material
-  gpu::EffectParameters parameters;  ///< of frame 0
-  std::vector<SubRay> subRays;
-  std::vector<uint32_t> deadBeams;  ///< as bits
+/// One line of a footprint: tangents of its angles to the beam's axis, to the left and up.
+struct FootprintRay {
+  double left = 0, up = 0;
+  double weight = 1;  ///< share of the beam's energy
 };
 
-BeamEffects beamEffects(const SimulatorOptions& options, const Scene& scene, const Sensor& sensor, uint32_t index);
+/// What the request means for one sensor.
+struct BeamEffects {
+  SensorPlan plan;
+  std::vector<Optics> optics;  ///< per material
+  std::vector<FootprintRay> footprint;
+};
+
+std::vector<BeamEffects> beamEffects(const SimulatorOptions& options, const Scene& scene,
+                                     const std::vector<Sensor>& sensors);
 
 struct Beam {
   Line axis;
@@ -30,20 +31,14 @@ struct Beam {
 
 Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t index);
 
-/// What comes back from one depth: the strongest of its hits stands for it.
-struct BeamEcho {
-  double range = 0, energy = 1, width = 0;
-  Hit hit;
-};
-
 /// What single precision may see otherwise.
 struct BeamDoubt {
   bool tie = false;
   double tolerance = 0;
 };
 
-/// In order of range, at most gpu::kMaxEchoes.
-std::vector<BeamEcho> echoesOf(const View& view, const Beam& beam, const BeamEffects& effects,
-                               const gpu::EffectParameters& parameters, size_t index, BeamDoubt& doubt);
+/// In order of range, at most six.
+std::vector<Echo> echoesOf(const View& view, const Beam& beam, const BeamEffects& effects, const Receiver& receiver,
+                           size_t index, BeamDoubt& doubt);
 
 }  // namespace gnosphere::reference

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/results.hpp"
 
-#include "effects/doppler.h"
 #include "effects/trajectory.hpp"
 
 namespace gnosphere::reference {
@@ -10,29 +9,24 @@ namespace {
 
 constexpr float kMiss = std::numeric_limits<float>::quiet_NaN();
 
-gpu::vec3 single(const Vec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 void put(const Vec3& value, float* to) {
   to[0] = static_cast<float>(value.x);
   to[1] = static_cast<float>(value.y);
   to[2] = static_cast<float>(value.z);
 }
 
-/// The return of a beam that no effect touches.
-gpu::Return plainReturn(const BeamEcho& echo) {
-  gpu::Return value = {};
-  value.range = value.trueRange = static_cast<float>(echo.range);
-  value.label = gpu::kLabelSolid;
-  return value;
+/// A direction turned about the vertical axis and away from the horizon, by radians.
+Vec3 turnedBy(const Vec3& direction, double azimuth, double elevation) {
+  const double az = std::atan2(direction.y, direction.x) + azimuth;
+  const double el = std::atan2(direction.z, std::hypot(direction.x, direction.y)) + elevation;
+  return {std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el)};
 }
 
 }  // namespace
 
-void clearResult(const PlannedEffects& planned, size_t beams, Scan& scan) {
-  const size_t count = beams * planned.returns;
-  scan.returns = planned.returns;
+void clearResult(const SensorPlan& plan, size_t beams, Scan& scan) {
+  const size_t count = beams * plan.returns;
+  scan.returns = plan.returns;
   scan.points.assign(3 * count, kMiss);
   scan.ranges.assign(count, kMiss);
   scan.triangles.assign(count, kNoTriangle);
@@ -40,16 +34,16 @@ void clearResult(const PlannedEffects& planned, size_t beams, Scan& scan) {
   scan.ties.assign(count, 0);
   scan.tolerances.assign(count, kMiss);
   const auto wants = [&](bool asked, size_t size) { return asked ? size : 0; };
-  const bool signal = planned.asks(gpu::kFieldSignal), surface = planned.asks(gpu::kFieldSurface);
+  const bool signal = plan.asks(gpu::kFieldSignal), surface = plan.asks(gpu::kFieldSurface);
   for (auto* array : {&scan.intensities, &scan.trueRanges, &scan.widths}) array->assign(wants(signal, count), kMiss);
   scan.labels.assign(wants(signal, count), 0);
   scan.causes.assign(wants(signal, beams), 0);
   scan.normals.assign(wants(surface, 3 * count), kMiss);
   scan.incidences.assign(wants(surface, count), kMiss);
   scan.materials.assign(wants(surface, count), kNoTriangle);
-  scan.velocities.assign(wants(planned.speeds(), 3 * count), 0);
-  scan.radialSpeeds.assign(wants(planned.speeds(), count), kMiss);
-  scan.barycentrics.assign(wants(planned.asks(gpu::kFieldBarycentrics), 2 * count), kMiss);
+  scan.velocities.assign(wants(plan.speeds(), 3 * count), 0);
+  scan.radialSpeeds.assign(wants(plan.speeds(), count), kMiss);
+  scan.barycentrics.assign(wants(plan.asks(gpu::kFieldBarycentrics), 2 * count), kMiss);
 }
 
 struct Judge::Reported {
@@ -69,77 +63,59 @@ Judge::Judge(const View& view, const Shot& shot, const BeamEffects& effects)
     : view_(view),
       shot_(shot),
       effects_(effects),
-      parameters_(effects.parameters),
-      volumes_(volumeBoxes(effects.effects, shot.pose)),
-      deskew_(effects.planned.has(gpu::kSensorMotion) && effects.effects.sensorMotion.deskew) {
-  parameters_.frame = static_cast<uint32_t>(shot.frame);
-}
+      receiver_(effects.plan, shot),
+      deskew_(effects.plan.has(gpu::kSensorMotion) && effects.plan.effects.sensorMotion.deskew) {}
 
 Cause Judge::judge(size_t index, Scan& scan) const {
-  const PlannedEffects& planned = effects_.planned;
-  const bool moves = planned.has(gpu::kSensorMotion);
+  const SensorPlan& plan = effects_.plan;
+  const bool moves = plan.has(gpu::kSensorMotion);
   const Beam beam = beamOf(view_.sensor, shot_, moves, index);
   BeamDoubt doubt;
-  const std::vector<BeamEcho> met = echoesOf(view_, beam, effects_, parameters_, index, doubt);
-  for (size_t at = index * planned.returns; at < (index + 1) * planned.returns; ++at) {
-    scan.ties[at] = doubt.tie;
-    if (!met.empty()) scan.tolerances[at] = static_cast<float>(doubt.tolerance);
+  const std::vector<Echo> met = echoesOf(view_, beam, effects_, receiver_, index, doubt);
+  Judgement judged;
+  if (plan.signals()) {
+    judged = receiver_.judge(index, beam.axis, met, doubt.tie);
+  } else if (!met.empty()) {
+    judged = {{{met[0].range, met[0].range.value, 0, 0, met[0].hit}}, Cause::returned};
   }
   Reported reported = {beam, beam.axis.direction, SensorFrame(shot_.pose), SensorFrame(beam.pose)};
-  if (!planned.signals()) {
-    if (!met.empty()) store(reported, plainReturn(met[0]), &met[0], index, scan);
-    return met.empty() ? Cause::noSurface : Cause::returned;
+  if (plan.has(gpu::kAngleNoise) && !plan.has(gpu::kStrays)) {
+    const auto [azimuth, elevation] = receiver_.angleError(index);
+    reported.direction = turnedBy(reported.direction, azimuth.value, elevation.value);
   }
-
-  std::vector<gpu::Echo> echoes;
-  for (const BeamEcho& echo : met)
-    echoes.push_back({static_cast<float>(echo.range), static_cast<float>(echo.energy), static_cast<float>(echo.width),
-                      1, static_cast<uint32_t>(echoes.size())});
-  std::vector<gpu::Return> returns(planned.returns);
-  std::vector<gpu::VolumeBox> volumes;  // a sensor that moves sees the boxes move
-  if (moves) volumes = volumeBoxes(effects_.effects, beam.pose);
-  gpu::BeamSignal signal = {planned.bits, echoes, returns, moves ? volumes : volumes_, effects_.deadBeams};
-  const gpu::vec3 direction = single(beam.axis.direction);
-  const auto number = static_cast<uint32_t>(index);
-  uint32_t count = 0;
-  const uint32_t cause = signal.signalsOf(parameters_, number, direction, static_cast<uint32_t>(echoes.size()), count);
-  if (planned.has(gpu::kAngleNoise) && parameters_.angleNoiseAt == gpu::kAngleAtPoint) {
-    const gpu::vec3 astray = gpu::astray(direction, gpu::angleError(parameters_, number));
-    reported.direction = {astray.x, astray.y, astray.z};
+  for (size_t k = 0; k < plan.returns; ++k) {
+    const size_t at = index * plan.returns + k;
+    scan.ties[at] = doubt.tie;
+    if (!met.empty()) scan.tolerances[at] = static_cast<float>(doubt.tolerance);
+    if (k < judged.returns.size()) store(reported, judged.returns[k], at, scan);
   }
-  for (size_t k = 0; k < count; ++k) {
-    const gpu::Return& value = returns[k];
-    const BeamEcho* echo = value.label == gpu::kLabelSolid ? &met[value.echo] : nullptr;
-    store(reported, value, echo, index * planned.returns + k, scan);
-  }
-  return static_cast<Cause>(cause);
+  return judged.cause;
 }
 
-void Judge::store(const Reported& reported, const gpu::Return& value, const BeamEcho* echo, size_t at,
-                  Scan& scan) const {
-  const double range = echo && value.range == static_cast<float>(echo->range) ? echo->range : value.range;
-  const Vec3 point = reported.beam.origin + range * reported.direction;
+void Judge::store(const Reported& reported, const Return& value, size_t at, Scan& scan) const {
+  const Vec3 point = reported.beam.origin + value.range.value * reported.direction;
   put(deskew_ ? reported.frame.toSensor(reported.column.position + reported.column.directionToWorld(point)) : point,
       &scan.points[3 * at]);
-  scan.ranges[at] = static_cast<float>(range);
-  if (echo) {
-    const Triangle& triangle = view_.tree.triangles()[echo->hit.triangle];
-    scan.triangles[at] = triangle.index;
-    scan.instances[at] = triangle.instance;
-  }
+  scan.ranges[at] = static_cast<float>(value.range.value);
+  scan.tolerances[at] = static_cast<float>(value.range.error);
+  const bool solid = value.hit.triangle != kNobody;
   if (!scan.labels.empty()) {
-    scan.intensities[at] = value.intensity;
-    scan.trueRanges[at] = value.trueRange;
-    scan.widths[at] = value.width;
-    scan.labels[at] = static_cast<uint8_t>(value.label);
+    scan.intensities[at] = static_cast<float>(value.intensity);
+    scan.trueRanges[at] = static_cast<float>(value.trueRange);
+    scan.widths[at] = static_cast<float>(value.width);
+    scan.labels[at] = static_cast<uint8_t>(solid ? Label::solid : Label::scatter);
   }
-  if (echo) storeSurface(reported, *echo, at, scan);
-  if (!scan.radialSpeeds.empty()) storeMotion(reported, echo, at, scan);
+  if (!solid) return;
+  const Triangle& triangle = view_.tree.triangles()[value.hit.triangle];
+  scan.triangles[at] = triangle.index;
+  scan.instances[at] = triangle.instance;
+  storeSurface(reported, value.hit, at, scan);
+  if (!scan.radialSpeeds.empty()) storeMotion(reported, value.hit, at, scan);
 }
 
-void Judge::storeSurface(const Reported& reported, const BeamEcho& echo, size_t at, Scan& scan) const {
+void Judge::storeSurface(const Reported& reported, const Hit& hit, size_t at, Scan& scan) const {
   const Line& axis = reported.beam.axis;
-  const Triangle triangle = view_.tree.sweeps().at(view_.tree.triangles()[echo.hit.triangle], axis.time);
+  const Triangle triangle = view_.tree.sweeps().at(view_.tree.triangles()[hit.triangle], axis.time);
   if (!scan.normals.empty()) {
     const Vec3 corners[3] = {axis.frame.toSensor(triangle.corners[0]), axis.frame.toSensor(triangle.corners[1]),
                              axis.frame.toSensor(triangle.corners[2])};
@@ -149,28 +125,25 @@ void Judge::storeSurface(const Reported& reported, const BeamEcho& echo, size_t 
     scan.materials[at] = materialOf(view_.scene, triangle);
   }
   if (!scan.barycentrics.empty()) {
-    const auto [second, third] = barycentricsOf(triangle, echo.hit.weights);
+    const auto [second, third] = barycentricsOf(triangle, hit.weights);
     scan.barycentrics[2 * at] = static_cast<float>(second);
     scan.barycentrics[2 * at + 1] = static_cast<float>(third);
   }
 }
 
-void Judge::storeMotion(const Reported& reported, const BeamEcho* echo, size_t at, Scan& scan) const {
-  if (!echo) return;
+void Judge::storeMotion(const Reported& reported, const Hit& hit, size_t at, Scan& scan) const {
   const Line& axis = reported.beam.axis;
   const auto inColumn = [&](const Vec3& world) {
     const auto& axes = reported.column.axes;
     return Vec3{dot(axes[0], world), dot(axes[1], world), dot(axes[2], world)};
   };
   Vec3 velocity;
-  const uint32_t sweep = view_.tree.triangles()[echo->hit.triangle].sweep;
+  const uint32_t sweep = view_.tree.triangles()[hit.triangle].sweep;
   if (sweep != Triangle::kStill)
-    for (size_t k = 0; k < 3; ++k)
-      velocity = velocity + echo->hit.weights[k] * view_.tree.sweeps().velocities[sweep][k];
-  const bool moves = effects_.planned.has(gpu::kSensorMotion);
-  const Vec3 sensor = moves ? velocityAt(shot_.motion, axis.time) : Vec3{};
-  scan.radialSpeeds[at] =
-      gpu::radialSpeed(single(axis.direction), single(inColumn(velocity)), single(inColumn(sensor)));
+    for (size_t k = 0; k < 3; ++k) velocity = velocity + hit.weights[k] * view_.tree.sweeps().velocities[sweep][k];
+  // It counts without sensor-motion, too: a sensor that fires all beams at once reads its own speed.
+  const Vec3 sensor = velocityAt(shot_.motion, axis.time);
+  scan.radialSpeeds[at] = static_cast<float>(dot(axis.direction, inColumn(velocity - sensor)));
   put(reported.turned(inColumn(velocity), deskew_), &scan.velocities[3 * at]);
 }
 

@@ -7,7 +7,7 @@
 namespace gnosphere::reference {
 
 /// Every array at its size and with nothing met.
-void clearResult(const PlannedEffects& planned, size_t beams, Scan& scan);
+void clearResult(const SensorPlan& plan, size_t beams, Scan& scan);
 
 /// Judges the beams of one shot.
 class Judge {
@@ -20,15 +20,14 @@ class Judge {
   /// What entries of a beam have in common.
   struct Reported;
 
-  void store(const Reported& beam, const gpu::Return& value, const BeamEcho* echo, size_t at, Scan& scan) const;
-  void storeSurface(const Reported& beam, const BeamEcho& echo, size_t at, Scan& scan) const;
-  void storeMotion(const Reported& beam, const BeamEcho* echo, size_t at, Scan& scan) const;
+  void store(const Reported& beam, const Return& value, size_t at, Scan& scan) const;
+  void storeSurface(const Reported& beam, const Hit& hit, size_t at, Scan& scan) const;
+  void storeMotion(const Reported& beam, const Hit& hit, size_t at, Scan& scan) const;
 
   const View& view_;
   const Shot& shot_;
   const BeamEffects& effects_;
-  gpu::EffectParameters parameters_;
-  std::vector<gpu::VolumeBox> volumes_;  // as seen from the shot's pose
+  Receiver receiver_;
   bool deskew_;
 };
 

@@ -68,7 +68,9 @@ bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool
   const Across across(line.direction);
   const auto look = [&](const Triangle& triangle) {
     const auto [a, b, c] = seenFrom(line, triangle);
-    return doubtOf(across, {a, b, c}, triangle.front, view.errors[triangle.instance], view.sensor);
+    CornerError error = view.errors[triangle.instance];
+    error.relative += line.astray;
+    return doubtOf(across, {a, b, c}, triangle.front, error, view.sensor);
   };
   double farthest = view.sensor.rangeMax;
   bool doubt = false;
@@ -82,8 +84,8 @@ bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool
   if (doubt) return true;
   // Twice the reach and the place error: across the beam and along it.
   const auto fat = [&](const CornerError& error) {
-    return Ray(line.frame.position, line.frame.directionToWorld(line.direction), 2 * (error.relative + kDirectionError),
-               2 * error.absolute);
+    return Ray(line.frame.position, line.frame.directionToWorld(line.direction),
+               2 * (error.relative + kDirectionError + line.astray), 2 * error.absolute);
   };
   const auto isHit = [&](uint32_t i) {
     return std::any_of(hits.begin(), hits.end(), [=](const Hit& hit) { return hit.triangle == i; });

@@ -34,6 +34,7 @@ struct Line {
   SensorFrame frame;  ///< where it leaves from
   Vec3 direction;     ///< unit, in that frame
   double time = 0;    ///< seconds after the start of the scan
+  double astray = 0;  ///< radians that single precision may turn it by, beyond kDirectionError
 };
 
 inline constexpr uint32_t kNobody = kNoTriangle;

@@ -22,24 +22,23 @@ using Clock = std::chrono::steady_clock;
 class VulkanBackend final : public Backend {
  public:
   VulkanBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-      : setups_(setUpEffects(scene, sensors, options)),
+      : plans_(planSensors(scene, sensors, options)),
         device_(options.device, options.validation, options.maxBufferBytes),
         cache_(device_, options.cache),
-        geometry_(device_, scene, anyPlans(setups_, &PlannedEffects::looksAtSurfaces),
-                  anyPlans(setups_, &PlannedEffects::holes)),
-        cut_(cutToFit(setups_, device_)),
+        geometry_(device_, scene, anyOf(plans_, &SensorPlan::looksAtSurfaces), anyOf(plans_, &SensorPlan::holes)),
+        cut_(cutToFit(plans_, device_)),
         layout_(device_, cache_.handle(),
                 static_cast<uint32_t>(kFramesInFlight * cut_.parts.size() + geometry_.chunks().size()),
-                !std::all_of(setups_.begin(), setups_.end(), [](const auto& setup) { return setup.planned.bare(); })),
+                !std::all_of(plans_.begin(), plans_.end(), [](const SensorPlan& plan) { return plan.bare(); })),
         stages_(device_, geometry_, layout_) {
     parts_.reserve(cut_.parts.size());
-    for (size_t sensor = 0; sensor < setups_.size(); ++sensor) {
-      const PlannedEffects& planned = setups_[sensor].planned;
+    for (size_t sensor = 0; sensor < plans_.size(); ++sensor) {
+      const SensorPlan& plan = plans_[sensor];
       const uint32_t binning =
-          chooseBinning(options, device_.capabilities().int64Atomics, device_.capabilities().cpu, planned);
-      stills_.emplace_back(keepsStill(options, binning, planned));
+          chooseBinning(options, device_.capabilities().int64Atomics, device_.capabilities().cpu, plan);
+      stills_.emplace_back(keepsStill(options, binning, plan));
       for (size_t part = cut_.firsts[sensor]; part < cut_.firsts[sensor + 1]; ++part)
-        parts_.emplace_back(device_, layout_, geometry_, cut_.parts[part], options, binning, setups_[sensor],
+        parts_.emplace_back(device_, layout_, geometry_, cut_.parts[part], options, binning, plan,
                             cut_.firstBeams[part], parts_);
     }
     cache_.save();
@@ -70,10 +69,9 @@ class VulkanBackend final : public Backend {
   }
 
   Plan plan(size_t sensor) const override {
-    const PlannedEffects& planned = setups_[sensor].planned;
     Plan plan;
-    plan.effects = planned.decisions;
-    plan.returns = planned.returns;
+    plan.effects = plans_[sensor].decisions;
+    plan.returns = plans_[sensor].returns;
     const SensorState& part = parts_[cut_.firsts[sensor]];
     plan.binning = nameOfBinning(part.binning());
     part.describe(plan);
@@ -148,7 +146,7 @@ class VulkanBackend final : public Backend {
     StillImage& still = stills_[shot.sensor];
     const StillImage::Use use = useStill(still, parts, shot.pose);
     slot.reused = use == StillImage::Use::use ? parts.size() * still.triangles() : 0;
-    const std::optional<ShotMotion> motion = motionOf(setups_[shot.sensor], shot, geometry_.instances());
+    const std::optional<ShotMotion> motion = motionOf(plans_[shot.sensor], shot, geometry_.instances());
     const Pose& pose = motion ? motion->tables.middle : shot.pose;
     geometry_.instances().place(pose, parts[0].reach() + reachOf(motion), still.selection(use), slot.placed);
     if (!visible_.hold(slot.placed)) {
@@ -172,8 +170,8 @@ class VulkanBackend final : public Backend {
   void finish(std::span<const Shot> shots, size_t i, Scan& result) {
     Slot& slot = slotOf(i);
     const std::span<SensorState> parts = partsOf(shots[i].sensor);
-    const EffectsSetup& setup = setups_[shots[i].sensor];
-    clearResult(setup, parts.size(), geometry_.instances(), result);
+    const SensorPlan& plan = plans_[shots[i].sensor];
+    clearResult(plan, parts.size(), geometry_.instances(), result);
     if (const size_t index = i % kFramesInFlight; parts[0].frame().beams > 0) {
       slot.commands.wait();
       while (cutShort(parts, index)) {
@@ -186,7 +184,7 @@ class VulkanBackend final : public Backend {
       slot.commands.readTimings(result.timings);
       uint64_t firstBeam = 0;
       for (const SensorState& part : parts) {
-        readResults(setup, part.results(index), geometry_.instances(), shots[i], firstBeam, result);
+        readResults(plan, part.results(index), geometry_.instances(), shots[i], firstBeam, result);
         firstBeam += part.frame().beams;
       }
       result.counters.reused = slot.reused;
@@ -203,7 +201,7 @@ class VulkanBackend final : public Backend {
     commands.barrier();
   }
 
-  std::vector<EffectsSetup> setups_;  // of every sensor
+  const std::vector<SensorPlan> plans_;  // of every sensor
   Device device_;
   PipelineCache cache_;
   Geometry geometry_;

@@ -5,10 +5,16 @@
 
 namespace gnosphere::vulkan {
 
-EffectsState::EffectsState(const Device& device, EffectsArrays arrays, bool copied)
-    : device_(device), arrays_(std::move(arrays)) {
-  make(arrays_.lasting());
-  if (copied) make(arrays_.outputs());
+EffectsState::EffectsState(const Device& device, const SensorPlan& plan, std::span<const gpu::Row> rows,
+                           uint64_t firstBeam)
+    : device_(device), plan_(plan), firstBeam_(firstBeam) {
+  make(lastingArrays(plan, rows, firstBeam));
+}
+
+void EffectsState::makeOutputs(std::span<const Output> outputs, uint64_t beams) {
+  for (const Output& output : outputs)
+    if (output.binding >= gpu::kWorkBindingCount)
+      buffers_[output.binding] = Buffer(device_, "results", beams * output.bytesPerBeam, Memory::device);
 }
 
 void EffectsState::make(const std::vector<EffectsArray>& arrays) {
@@ -21,11 +27,11 @@ void EffectsState::make(const std::vector<EffectsArray>& arrays) {
 }
 
 void EffectsState::growProjected(uint64_t count) {
-  make(arrays_.projected(count));
+  make(projectedArrays(plan_, count));
 }
 
 void EffectsState::prepare(EffectsBuffers& frame, const Shot& shot, const ShotMotion* motion) const {
-  for (const EffectsArray& array : arrays_.ofShot(shot, motion)) {
+  for (const EffectsArray& array : shotArrays(plan_, firstBeam_, shot, motion)) {
     Buffer& buffer = frame[array.binding];
     if (!buffer.handle() || buffer.bytes() < array.bytes)
       buffer = Buffer(device_, array.name, array.bytes, Memory::upload);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "effects/arrays.hpp"
+#include "pipeline/outputs.hpp"
 #include "shared.h"
 #include "vulkan/buffer.hpp"
 
@@ -18,9 +19,11 @@ class EffectsState {
  public:
   using Bindings = std::array<const Buffer*, gpu::kWorkBindingCountEffects>;
 
-  /// `copied`: outputs are not read in place.
-  EffectsState(const Device& device, EffectsArrays arrays, bool copied);
+  /// Of the sensor or of a part of it whose beams begin at `firstBeam`.
+  EffectsState(const Device& device, const SensorPlan& plan, std::span<const gpu::Row> rows, uint64_t firstBeam);
 
+  /// Outputs that are not read in place.
+  void makeOutputs(std::span<const Output> outputs, uint64_t beams);
   /// Room for so many projected triangles.
   void growProjected(uint64_t count);
   /// Writes what a scan needs beyond what every scan does to a frame in flight's own buffers, made when first used.
@@ -34,7 +37,8 @@ class EffectsState {
   void make(const std::vector<EffectsArray>& arrays);
 
   const Device& device_;
-  EffectsArrays arrays_;
+  const SensorPlan& plan_;
+  uint64_t firstBeam_;
   EffectsBuffers buffers_;
 };
 

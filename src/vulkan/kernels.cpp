@@ -67,13 +67,13 @@ Words resolveOf(bool float64, bool moving) {
 }  // namespace
 
 Kernels::Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t binning, bool float64,
-                 bool moving, const PlannedEffects& planned)
+                 bool moving, const SensorPlan& plan)
     : projectGroups(device, layout, "project_groups", moving ? Words(project_groups_motion) : Words(project_groups),
                     options),
       projectClusters(device, layout, "project_clusters",
                       moving ? Words(project_clusters_motion) : Words(project_clusters), options),
       projectOccluders(device, layout, "project_occluders", project_occluders, options),
-      projectTriangles(device, layout, "project_triangles", projectTrianglesOf(planned.footprint(), moving), options,
+      projectTriangles(device, layout, "project_triangles", projectTrianglesOf(plan.footprint(), moving), options,
                        binning == gpu::kBinningSlabs ? gpu::kPassSlabs : 0) {
   const auto addBin = [&](bool int64, uint32_t pass) {
     bin.emplace_back(device, layout, "bin", binOf(int64, float64, moving), options, pass);
@@ -89,15 +89,16 @@ Kernels::Kernels(const Device& device, const Layout& layout, const Options& opti
     for (uint32_t pass : {gpu::kPrefixReduce, gpu::kPrefixBlocks, gpu::kPrefixApply})
       prefixSum.emplace_back(device, layout, "prefix_sum", ::prefix_sum, options, pass);
   }
-  if (planned.footprint())
+  if (plan.footprint())
     for (uint32_t pass : {0, 1})
-      footprint.emplace_back(device, layout, "effects_footprint", footprintOf(planned.subRays, moving), options, pass);
-  else if (!leavesWords(binning, planned))
+      footprint.emplace_back(device, layout, "effects_footprint",
+                             footprintOf(static_cast<uint32_t>(plan.subRays.size()), moving), options, pass);
+  else if (!leavesWords(binning, plan))
     resolve.emplace(device, layout, "resolve", resolveOf(float64, moving), options, binning);
-  if (planned.surfaces() && !planned.footprint())
+  if (plan.surfaces() && !plan.footprint())
     surfaces.emplace(device, layout, "effects_surfaces",
                      moving ? Words(effects_surfaces_motion) : Words(effects_surfaces), options);
-  if (planned.signals() || planned.speeds())
+  if (plan.signals() || plan.speeds())
     effects.emplace(device, layout, "effects", moving ? Words(effects_motion) : Words(::effects), options);
 }
 

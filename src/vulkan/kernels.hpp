@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "effects/planned.hpp"
+#include "effects/sensor_plan.hpp"
 #include "vulkan/kernel.hpp"
 
 namespace gnosphere::vulkan {
@@ -15,7 +15,7 @@ struct Kernels {
   /// `float64` chooses the modules whose exact tests filter in double precision.
   /// `moving`: of scans in motion.
   Kernels(const Device& device, const Layout& layout, const Options& options, uint32_t binning, bool float64,
-          bool moving, const PlannedEffects& planned);
+          bool moving, const SensorPlan& plan);
   Kernel projectGroups;
   Kernel projectClusters;
   Kernel projectOccluders;

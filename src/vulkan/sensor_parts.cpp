@@ -24,12 +24,12 @@ size_t SensorParts::maxCount() const {
   return most;
 }
 
-SensorParts cutToFit(const std::vector<EffectsSetup>& sensors, const Device& device) {
+SensorParts cutToFit(const std::vector<SensorPlan>& plans, const Device& device) {
   SensorParts result;
   result.firsts.push_back(0);
-  for (const EffectsSetup& setup : sensors) {
-    const Sensor& sensor = setup.sensor;
-    const size_t count = partCount(sensor, bytesPerBeam(setup.planned), device);
+  for (const SensorPlan& plan : plans) {
+    const Sensor& sensor = plan.sensor;
+    const size_t count = partCount(sensor, mostBytesPerBeam(plan), device);
     for (size_t i = 0; i < count; ++i) {
       const auto channel = [&](size_t part) {
         return sensor.channels.begin() + static_cast<ptrdiff_t>(sensor.channels.size() * part / count);

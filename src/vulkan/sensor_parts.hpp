@@ -2,7 +2,7 @@
 // A sensor with more beams than the device's largest buffer holds is scanned in parts: sensors with fewer channels.
 #pragma once
 
-#include "effects/arrays.hpp"
+#include "pipeline/outputs.hpp"
 #include "vulkan/device.hpp"
 
 namespace gnosphere::vulkan {
@@ -18,6 +18,6 @@ struct SensorParts {
 };
 
 /// As few parts as fit, of nearly equal size. Throws Error(outOfMemory) where one channel does not fit.
-SensorParts cutToFit(const std::vector<EffectsSetup>& sensors, const Device& device);
+SensorParts cutToFit(const std::vector<SensorPlan>& plans, const Device& device);
 
 }  // namespace gnosphere::vulkan

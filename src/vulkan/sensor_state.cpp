@@ -8,7 +8,7 @@
 namespace gnosphere::vulkan {
 namespace {
 
-Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, const PlannedEffects& planned) {
+Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, const SensorPlan& plan) {
   // The enumerations of the public API and the constants of shared.h count alike.
   const Exactness parts = exactnessOf(options);
   Options result;
@@ -19,47 +19,47 @@ Options kernelOptions(const SimulatorOptions& options, bool azimuthOffsets, cons
   result.azimuthOffsets = azimuthOffsets;
   result.faces = static_cast<uint32_t>(options.faces);
   result.culling = cullingBits(options);
-  result.effects = planned.bits;
-  result.returns = planned.returns;
-  result.fields = planned.fields;
-  result.layers = planned.layers();
+  result.effects = plan.bits;
+  result.returns = plan.returns;
+  result.fields = plan.fields;
+  result.layers = plan.layers();
   return result;
 }
 
 }  // namespace
 
 // Who looks at surfaces needs the transforms of what stands still, too.
-bool keepsStill(const SimulatorOptions& options, uint32_t binning, const PlannedEffects& planned) {
+bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.culling.still && binning != gpu::kBinningLists &&
-         exactnessOf(options).bounds != Exactness::Bounds::paper && !planned.surfaces() && !planned.motion();
+         exactnessOf(options).bounds != Exactness::Bounds::paper && !plan.surfaces() && !plan.motion();
 }
 
 SensorState::SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
-                         const SimulatorOptions& options, uint32_t binning, const EffectsSetup& setup,
-                         uint64_t firstBeam, std::span<const SensorState> others)
+                         const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan, uint64_t firstBeam,
+                         std::span<const SensorState> others)
     : device_(device),
       layout_(layout),
       binning_(binning),
-      planned_(setup.planned),
+      plan_(plan),
       exact_(exactnessOf(options).inside == Exactness::Inside::exact),
-      outputs_(outputsOf(setup.planned, leavesWords())),
+      outputs_(outputsOf(plan, leavesWords())),
       tables_(makeBeamTables(sensor)) {
   for (const SensorState& other : others)
-    if (other.tables_.azimuthOffsets == tables_.azimuthOffsets && other.planned_.sameStages(planned_))
+    if (other.tables_.azimuthOffsets == tables_.azimuthOffsets && other.plan_.sameStages(plan_))
       std::copy(std::begin(other.kernels_), std::end(other.kernels_), kernels_);
   if (!kernels_[0]) {
-    const Options kernel = kernelOptions(options, tables_.azimuthOffsets, planned_);
+    const Options kernel = kernelOptions(options, tables_.azimuthOffsets, plan_);
     const bool float64 = kernel.inside == gpu::kInsideExact && options.float64 && device.capabilities().float64;
     for (const bool moving : {false, true}) {
-      if (moving && !planned_.motion()) break;
-      ownKernels_[moving] = std::make_unique<Kernels>(device, layout, kernel, binning, float64, moving, planned_);
+      if (moving && !plan_.motion()) break;
+      ownKernels_[moving] = std::make_unique<Kernels>(device, layout, kernel, binning, float64, moving, plan_);
       kernels_[moving] = ownKernels_[moving].get();
     }
   }
-  if (!planned_.bare()) {
-    EffectsArrays arrays(setup, tables_.rows, sensor, firstBeam);
-    tables_.frame.footprint = arrays.footprint();
-    effects_ = std::make_unique<EffectsState>(device, std::move(arrays), !readsInPlace());
+  if (!plan_.bare()) {
+    tables_.frame.footprint = plan.footprintRadius;
+    effects_ = std::make_unique<EffectsState>(device, plan, tables_.rows, firstBeam);
+    if (!readsInPlace()) effects_->makeOutputs(outputs_, tables_.frame.beams);
   }
   shellEnds_ = gnosphere::shellEnds(options, binning, tables_.frame, geometry.instances().counters().triangles);
   reach_ = reachOf(options, tables_.frame);
@@ -167,7 +167,7 @@ const FrameInFlight& SensorState::prepare(size_t index, const Shot& shot, const 
   if (effects_) {
     effects_->prepare(frame.effects, shot, motion);
     effects_->bind(frame.effects, buffers);
-    if (planned_.surfaces()) buffers[gpu::kBindInstanceMeshes] = &placed.meshes;
+    if (plan_.surfaces()) buffers[gpu::kBindInstanceMeshes] = &placed.meshes;
   }
   if (readsInPlace())
     for (size_t i = 0; i < outputs_.size(); ++i) buffers[outputs_[i].binding] = &frame.results[i];
@@ -229,7 +229,7 @@ void SensorState::describe(Plan& plan) const {
   const auto add = [&](const Kernel& kernel) {
     plan.stages.back().pipelines.push_back({kernel.name(), {kernel.constants().begin(), kernel.constants().end()}});
   };
-  const Kernels& k = *kernels_[planned_.motion()];
+  const Kernels& k = *kernels_[plan_.motion()];
   plan.stages.push_back({"project", 0, {}});
   for (const Kernel* kernel : {&k.projectGroups, &k.projectClusters, &k.projectOccluders, &k.projectTriangles})
     add(*kernel);

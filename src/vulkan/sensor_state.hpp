@@ -10,6 +10,7 @@
 
 #include "gnosphere/scan.hpp"
 #include "pipeline/beam_tables.hpp"
+#include "pipeline/outputs.hpp"
 #include "pipeline/results.hpp"
 #include "pipeline/scan_options.hpp"
 #include "vulkan/effects_state.hpp"
@@ -19,7 +20,7 @@
 namespace gnosphere::vulkan {
 
 /// Whether a StillImage may be kept.
-bool keepsStill(const SimulatorOptions& options, uint32_t binning, const PlannedEffects& planned);
+bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan);
 
 /// Scans that are handed to the device at a time: it works on one while the host receives the one before.
 inline constexpr size_t kFramesInFlight = 2;
@@ -45,7 +46,7 @@ class SensorState {
  public:
   /// Shares the pipelines of one of `others` that needs the same; they must live as long.
   SensorState(const Device& device, Layout& layout, const Geometry& geometry, const Sensor& sensor,
-              const SimulatorOptions& options, uint32_t binning, const EffectsSetup& setup, uint64_t firstBeam,
+              const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan, uint64_t firstBeam,
               std::span<const SensorState> others);
 
   const gpu::Frame& frame() const { return tables_.frame; }
@@ -60,9 +61,9 @@ class SensorState {
     return binding < buffers_.size() ? buffers_[binding] : effects_->buffer(binding);
   }
   std::span<const Output> outputs() const { return outputs_; }
-  const PlannedEffects& planned() const { return planned_; }
+  const SensorPlan& plan() const { return plan_; }
   /// What the host reads is words alone, see resolve_words.hpp.
-  bool leavesWords() const { return gnosphere::leavesWords(binning_, planned_); }
+  bool leavesWords() const { return gnosphere::leavesWords(binning_, plan_); }
   /// Those of the scan that was prepared last.
   const Buffer& words() const { return *words_; }
   /// The words as the still instances leave them: empty until there is room.
@@ -97,7 +98,7 @@ class SensorState {
   const Device& device_;
   Layout& layout_;
   uint32_t binning_;
-  PlannedEffects planned_;
+  const SensorPlan& plan_;
   bool exact_;
   std::vector<Output> outputs_;
   std::unique_ptr<EffectsState> effects_;  // empty where nothing but geometry is planned

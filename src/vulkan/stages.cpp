@@ -41,7 +41,7 @@ void Stages::record(Commands& commands, const SensorState& state, const PlacedIn
     resolve(commands, state);
     commands.finished("resolve");
   }
-  if (!state.planned().bare()) {
+  if (!state.plan().bare()) {
     effects(commands, state);
     commands.finished("effects");
   }

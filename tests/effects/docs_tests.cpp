@@ -4,7 +4,7 @@
 #include <iterator>
 #include <string>
 
-#include "effects/request_table.hpp"
+#include "effects/effect_table.hpp"
 
 using namespace gnosphere;
 

@@ -4,8 +4,8 @@
 
 #include "effects/beam_signal.hpp"
 #include "effects/formula_inputs.hpp"
-#include "effects/planned.hpp"
 #include "effects/scan_support.hpp"
+#include "effects/sensor_plan.hpp"
 #include "town/town.hpp"
 
 namespace gnosphere::test {
@@ -130,19 +130,17 @@ TEST_CASE("the device and the host give the same bytes for the same hits and see
   SimulatorOptions bareOptions = optionsOn("vulkan");
   const Sensor sensor = narrow();
   const Scan bare = scanOf(town(), sensor, kPose, bareOptions), scan = scanOf(town(), sensor, kPose, options);
-  const PlannedEffects planned = planEffects(options, sensor, town());
-  gpu::EffectParameters parameters = effectParameters(effects, sensor, planned.bits);
-  parameters.returnsPerBeam = 1;
-  const std::vector<uint32_t> dead = deadBeamBits(effects, sensor);
+  const SensorPlan plan = planSensors(town(), {sensor}, options)[0];
+  const gpu::EffectParameters& parameters = plan.parameters;
   const auto bits = [](float value) { return std::bit_cast<uint32_t>(value); };
   for (uint32_t beam = 0; beam < bare.beamCount(); ++beam) {
     const gpu::Echo echo = {bare.ranges[beam], 1, parameters.pulseWidth, 1, 0};
     gpu::Return result = {};
     gpu::BeamSignal signal;
-    signal.EFFECTS = planned.bits;
+    signal.EFFECTS = plan.bits;
     signal.echoes = std::span(&echo, bare.hit(beam) ? 1 : 0);
     signal.returns = std::span(&result, 1);
-    signal.deadBeams = dead;
+    signal.deadBeams = plan.deadBeams;
     const Vec3 direction = sensor.direction(beam);
     uint32_t count = 0;
     const uint32_t cause = signal.signalsOf(parameters, beam, glm::vec3(direction.x, direction.y, direction.z),

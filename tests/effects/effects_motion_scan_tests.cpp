@@ -64,6 +64,32 @@ Scan scanned(const std::string& device, const Scene& scene, const Sensor& sensor
   return scanOn(scene, sensor, shot, options);
 }
 
+/// Metres of a line that lie within a box, up to a range.
+double lengthWithin(const Effects::Volume& box, const Vec3& from, const Vec3& d, double range) {
+  double first = 0, last = range;
+  const auto clip = [&](double at, double speed, double low, double high) {
+    first = std::max(first, std::min((low - at) / speed, (high - at) / speed));
+    last = std::min(last, std::max((low - at) / speed, (high - at) / speed));
+  };
+  clip(from.x, d.x, box.min.x, box.max.x);
+  clip(from.y, d.y, box.min.y, box.max.y);
+  clip(from.z, d.z, box.min.z, box.max.z);
+  return std::max(last - first, 0.0);
+}
+
+/// Relative powers of what is met through dust, without it where `dust` is false.
+Scan dusty(const std::string& device, const Sensor& sensor, const Shot& shot, const Effects::Volume& box, bool dust) {
+  SimulatorOptions options = optionsOn(device);
+  options.effects = Effects::none();
+  options.effects.intensity.use = options.effects.sensorMotion.use = Use::automatic;
+  options.effects.intensity.scale = Effects::Intensity::Scale::raw;
+  options.effects.volumes = {dust ? Use::on : Use::off, {box}};
+  options.fields = {Field::intensity, Field::label};
+  return scanOn(room(), sensor, shot, options);
+}
+
+const Effects::Volume kDust = {{3, -6, -1}, {9, 8, 4}, 0.01};
+
 }  // namespace
 
 #define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
@@ -86,6 +112,46 @@ TEST_CASE("every column is seen from where the sensor is when it fires") {
     // The walls stand still: only the drive counts, not the turn.
     CHECK(scan.radialSpeeds[i] == Approx(-kSpeed * d.x).margin(1e-3));
   }
+}
+
+TEST_CASE("dust stays where it is while the sensor drives and turns") {
+  const std::string device = ON_EVERY_DEVICE;
+  const bool lasersAside = GENERATE(false, true);
+  Sensor sensor = spinning();
+  if (lasersAside)
+    for (Channel& channel : sensor.channels) channel.origin = {0.4, -0.3, 0.5};
+  const Shot shot = driving();
+  const Scan through = dusty(device, sensor, shot, kDust, true), clear = dusty(device, sensor, shot, kDust, false);
+  size_t solid = 0, within = 0;
+  for (size_t i = 0; i < through.beamCount(); ++i) {
+    if (through.labels[i] != uint8_t(Label::solid)) continue;
+    ++solid;
+    const double time = timeOfColumn(sensor, i),
+                 azimuth = 2 * M_PI * double(i % sensor.columns) / sensor.columns - M_PI;
+    const Vec3 laser = turned(kTurn * time + azimuth, sensor.channels[i / sensor.columns].origin);
+    const Vec3 from = {kSpeed * time + laser.x, laser.y, laser.z}, d = turned(kTurn * time, sensor.direction(i));
+    const double length = lengthWithin(kDust, from, d, through.ranges[i]);
+    within += length > 0;
+    INFO("beam " << i);
+    REQUIRE(through.intensities[i] / clear.intensities[i] ==
+            Approx(std::exp(-2 * kDust.extinction * length)).epsilon(2e-5));
+  }
+  CHECK(solid > through.beamCount() / 2);
+  CHECK(within > 100);
+}
+
+TEST_CASE("the length of a pose's quaternion means nothing, for dust either") {
+  const std::string device = ON_EVERY_DEVICE;
+  Shot shot, longer;
+  shot.pose.orientation = {0.1, -0.2, 0.3, std::sqrt(0.86)};
+  const Quaternion& q = shot.pose.orientation;
+  const double s = std::sqrt(2.0);
+  longer.pose.orientation = {s * q.x, s * q.y, s * q.z, s * q.w};
+  const Scan first = dusty(device, spinning(), shot, kDust, true),
+             second = dusty(device, spinning(), longer, kDust, true);
+  CHECK(first.labels == second.labels);
+  for (size_t i = 0; i < first.beamCount(); ++i)
+    REQUIRE(first.intensities[i] == Approx(second.intensities[i]).epsilon(1e-5));
 }
 
 TEST_CASE("a turning sensor reads no speed off a world that stands still") {

@@ -187,14 +187,11 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
         break;
       }
       if (std::isnan(range)) continue;
-      // What the air throws back is placed relative to the surface behind.
-      const bool solid = !labelled || reference.labels[i] == uint8_t(Label::solid);
-      const double most = solid ? tolerance : 1e-4 * range + 1e-3;
-      if (!near(range, other.ranges[i], most)) note(sum.ranges, i, "range", range, other.ranges[i]);
-      if (labelled && !near(reference.trueRanges[i], other.trueRanges[i], most))
+      if (!near(range, other.ranges[i], tolerance)) note(sum.ranges, i, "range", range, other.ranges[i]);
+      if (labelled && !near(reference.trueRanges[i], other.trueRanges[i], tolerance))
         note(sum.ranges, i, "true range", reference.trueRanges[i], other.trueRanges[i]);
       for (size_t k = 3 * i; k < 3 * i + 3; ++k)
-        if (!near(reference.points[k], other.points[k], most + 1e-6 * range))
+        if (!near(reference.points[k], other.points[k], tolerance + 1e-6 * range))
           note(sum.points, k, "coordinate", reference.points[k], other.points[k]);
       if (reference.triangles[i] != other.triangles[i] || reference.instances[i] != other.instances[i]) {
         note(sum.owners, i, "triangle", reference.triangles[i], other.triangles[i]);
@@ -204,7 +201,7 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
         const double intensity = reference.intensities[i];
         if (!near(intensity, other.intensities[i], slack.intensity * intensity + 1e-6))
           note(sum.intensities, i, "intensity", intensity, other.intensities[i]);
-        if (!near(reference.widths[i], other.widths[i], most + 1e-5))
+        if (!near(reference.widths[i], other.widths[i], tolerance + 1e-5))
           note(sum.widths, i, "width", reference.widths[i], other.widths[i]);
       }
       if (!reference.normals.empty()) {

@@ -6,7 +6,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
-#include "effects/request_table.hpp"
+#include "effects/effect_table.hpp"
 #include "gnosphere/simulator.hpp"
 
 namespace gnosphere::cli {

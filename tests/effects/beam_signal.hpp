@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The device's formulas for one beam, on the host.
+// The formulas of the device for one beam, on the host.
 #pragma once
 
 #include <span>
@@ -14,7 +14,7 @@ namespace gnosphere::gpu {
 
 /// Fill in the spans and call signalsOf(parameters, beam, direction, echoes.size(), count).
 struct BeamSignal {
-  uint EFFECTS = 0;                    ///< bits of effects/plan.h
+  uint EFFECTS = 0;                    ///< bits of effects/bits.h
   std::span<const Echo> echoes;        ///< of the beam, in order of range
   std::span<Return> returns;           ///< EffectParameters::returnsPerBeam of them, written
   std::span<const VolumeBox> volumes;  ///< of the scan

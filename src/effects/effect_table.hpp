@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every effect and every parameter of a request, in one table: what a request may say is read, checked, written and
-// listed from here.
+// Every effect in one table: its parameters, which requests are read, checked, written and listed by, and how it is
+// decided whether a scan can show it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "gnosphere/effects.hpp"
+#include "gnosphere/scan.hpp"
+#include "gnosphere/scene.hpp"
+#include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
 
@@ -43,13 +47,36 @@ struct Parameter {
   std::variant<NumberParameter, CountParameter, FlagParameter, ChoiceParameter, BeamsParameter, BoxesParameter> kind;
 };
 
+/// What a decision is made from.
+struct Question {
+  const Effects& effects;
+  const Sensor& sensor;
+  const Scene& scene;
+  const std::vector<Field>& fields;
+  const MaterialTable& materials;
+
+  bool asksFor(Field field) const { return std::find(fields.begin(), fields.end(), field) != fields.end(); }
+};
+
+/// Whether an effect can be shown: what shows it, or what is missing and how to give it.
+struct Answer {
+  bool shows;
+  std::string why;
+  std::string wayOut = {};  ///< empty: `on` is accepted all the same
+};
+using Judge = Answer (*)(const Question&);
+
+/// All that is known of one effect before its formulas.
 struct EffectInfo {
   const char* name;
+  uint32_t bit;  ///< of effects/bits.h
   Use& (*use)(Effects&);
+  Judge judge;  ///< null: intensity, which is in where another effect or a field needs it
+  bool (*needsIntensity)(const Effects&);
   std::vector<Parameter> parameters;
 };
 
-/// In the order of effectNames() and of the bits of effects/plan.h.
+/// In the order of effectNames().
 const std::vector<EffectInfo>& effectTable();
 
 inline constexpr const char* kUseWords[] = {"off", "on", "auto"};

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "effects/effect_table.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "effects/bits.h"
+
+namespace gnosphere {
+namespace {
+
+std::string format(const char* format, double a, double b = 0) {
+  char buffer[96];
+  std::snprintf(buffer, sizeof(buffer), format, a, b);
+  return buffer;
+}
+
+std::string plural(size_t count, const char* noun, const char* nouns) {
+  return std::to_string(count) + " " + (count == 1 ? noun : nouns);
+}
+
+/// Of each material, whether a placed instance shows it.
+std::vector<bool> usedMaterials(const Scene& scene) {
+  std::vector<bool> used(scene.materials.size());
+  for (const Instance& instance : scene.instances) {
+    for (const MeshPart& part : scene.meshes[instance.mesh].parts) {
+      if (part.triangleCount > 0) used[part.material] = true;
+    }
+  }
+  return used;
+}
+
+/// "2 of 14 materials transmit light", of those that are seen.
+template <class Has>
+Answer countMaterials(const Scene& scene, Has has, const char* does, const char* none, const char* wayOut) {
+  const std::vector<bool> used = usedMaterials(scene);
+  size_t seen = 0, count = 0;
+  for (size_t i = 0; i < used.size(); ++i) {
+    seen += used[i];
+    count += used[i] && has(i);
+  }
+  if (count == 0) return {false, none, wayOut};
+  return {true, std::to_string(count) + " of " + plural(seen, "material ", "materials ") + does};
+}
+
+Answer judgeDetection(const Question& q) {
+  const auto& detection = q.effects.detection;
+  const double range = detection.range > 0 ? detection.range : q.sensor.rangeMax;
+  if (!(range > 0)) return {false, "the sensor sees no further than 0 m", "give detection.range"};
+  return {true, format("as strong as %.3g %% at %.6g m", 100 * detection.reflectance, range)};
+}
+
+Answer judgeDropOut(const Question& q) {
+  const auto& dropOut = q.effects.dropOut;
+  const size_t beams = q.sensor.beamCount();
+  for (uint32_t beam : dropOut.deadBeams) {
+    if (beam < beams) continue;
+    return {false, "the sensor has no beam " + std::to_string(beam) + ", it has " + std::to_string(beams),
+            "give drop-out.dead_beams from 0 to " + std::to_string(beams - 1)};
+  }
+  if (dropOut.generalRate == 0 && dropOut.zeroIntensityRate == 0 && dropOut.deadBeams.empty()) {
+    return {false, "no rate and no dead beam is given",
+            "give drop-out.general_rate, drop-out.zero_intensity_rate or drop-out.dead_beams"};
+  }
+  std::string why;
+  const auto add = [&](const std::string& text) { why += (why.empty() ? "" : ", ") + text; };
+  if (dropOut.generalRate > 0) add(format("%.3g %% at random", 100 * dropOut.generalRate));
+  if (dropOut.zeroIntensityRate > 0) {
+    add(format("%.3g %% at intensity 0, none above %.3g", 100 * dropOut.zeroIntensityRate, dropOut.intensityLimit));
+  }
+  if (!dropOut.deadBeams.empty()) add(plural(dropOut.deadBeams.size(), "dead beam", "dead beams"));
+  return {true, why};
+}
+
+Answer judgeRangeNoise(const Question& q) {
+  const auto& noise = q.effects.rangeNoise;
+  if (noise.bias == 0 && noise.sigma == 0 && noise.sigmaPerMetre == 0 && noise.step == 0) {
+    return {false, "its bias, sigma and step are 0", "give range-noise.sigma"};
+  }
+  std::string why = format("sigma %.3g m", noise.sigma);
+  if (noise.sigmaPerMetre != 0) why += format(" + %.3g m per m", noise.sigmaPerMetre);
+  if (noise.bias != 0) why += format(", bias %.3g m", noise.bias);
+  if (noise.step != 0) why += format(", steps of %.3g m", noise.step);
+  return {true, why};
+}
+
+Answer judgeAngleNoise(const Question& q) {
+  const auto& noise = q.effects.angleNoise;
+  if (noise.azimuth == 0 && noise.elevation == 0) {
+    return {false, "its sigmas are 0", "give angle-noise.azimuth or angle-noise.elevation"};
+  }
+  return {true, format("sigma %.3g x %.3g mrad", 1e3 * noise.azimuth, 1e3 * noise.elevation)};
+}
+
+Answer judgeIntensityNoise(const Question& q) {
+  const double sigma = q.effects.intensityNoise.sigma;
+  if (sigma == 0) return {false, "its sigma is 0", "give intensity-noise.sigma"};
+  return {true, format("sigma %.3g", sigma)};
+}
+
+Answer judgeDivergence(const Question& q) {
+  const auto& d = q.effects.divergence;
+  const bool asked = d.horizontal > 0 || d.vertical > 0;
+  const double horizontal = asked ? d.horizontal : q.sensor.divergenceHorizontal;
+  const double vertical = asked ? d.vertical : q.sensor.divergenceVertical;
+  if (!(horizontal > 0 || vertical > 0)) {
+    return {false, "the sensor states no divergence", "give divergence.horizontal and divergence.vertical"};
+  }
+  return {true, (asked ? "the request states " : "the sensor states ") +
+                    format("%.3g x %.3g mrad", 1e3 * horizontal, 1e3 * vertical) + ", " +
+                    plural(d.subRays, "sub-ray", "sub-rays")};
+}
+
+Answer judgeReturns(const Question& q) {
+  const uint32_t asked = q.effects.returns.count, most = asked > 0 ? asked : q.sensor.maxReturns;
+  if (most == 1) return {false, "the sensor reports one return per beam"};
+  return {true, (asked > 0 ? "the request takes up to " : "the sensor reports up to ") +
+                    plural(most, "return", "returns") + " per beam"};
+}
+
+Answer judgeTransmission(const Question& q) {
+  const std::vector<Optics> optics = opticsOf(q.scene, q.materials, q.effects.intensity.wavelength);
+  return countMaterials(
+      q.scene, [&](size_t i) { return optics[i].transmission > 0; }, "let light through",
+      "no material that is seen lets light through", "give a material transmission");
+}
+
+/// A texel of the mask is below the cutoff, or the whole material is.
+bool hasHoles(const Scene& scene, const Material& material) {
+  if (material.alphaMode != AlphaMode::mask) return false;
+  float least = material.baseColor[3];
+  if (material.alphaImage != kNoImage) {
+    const auto& alpha = scene.alphaImages[material.alphaImage].alpha;
+    if (!alpha.empty()) least *= static_cast<float>(*std::min_element(alpha.begin(), alpha.end())) / 255;
+  }
+  return least < material.alphaCutoff;
+}
+
+Answer judgeCutOuts(const Question& q) {
+  return countMaterials(
+      q.scene, [&](size_t i) { return hasHoles(q.scene, q.scene.materials[i]); }, "have holes",
+      "no material that is seen has holes", "give a material alphaMode MASK and a texture with alpha");
+}
+
+Answer judgeMotion(const Question& q) {
+  if (!(q.sensor.rotationPeriod > 0)) {
+    return {false, "the sensor fires all beams at once", "give the sensor a rotation period"};
+  }
+  return {true, format("the sensor takes %.6g s for a turn", q.sensor.rotationPeriod)};
+}
+
+Answer judgeFog(const Question& q) {
+  const double visibility = q.effects.fog.visibility;
+  if (visibility == 0) return {false, "no visibility is given", "give fog.visibility"};
+  return {true, format("visibility %.6g m", visibility)};
+}
+
+Answer judgeRain(const Question& q) {
+  const double rate = q.effects.rain.rate;
+  if (rate == 0) return {false, "no rate is given", "give rain.rate"};
+  return {true, format("%.6g mm/h", rate)};
+}
+
+Answer judgeSnow(const Question& q) {
+  const double rate = q.effects.snow.rate;
+  if (rate == 0) return {false, "no rate is given", "give snow.rate"};
+  return {true, format("%.6g mm/h, melted", rate)};
+}
+
+Answer judgeVolumes(const Question& q) {
+  const auto& boxes = q.effects.volumes.boxes;
+  if (boxes.empty()) return {false, "no box is given", "give volumes.boxes"};
+  return {true, plural(boxes.size(), "box", "boxes")};
+}
+
+Answer judgeRadialSpeed(const Question& q) {
+  if (!q.asksFor(Field::radialSpeed)) return {false, "no field asks for it"};
+  return {true, "the field radial_speed asks for it"};
+}
+
+/// The member of a nested struct: at<&Effects::fog, &Effects::Fog::visibility>(effects).
+template <auto kGroup, auto kMember>
+auto& at(Effects& effects) {
+  return effects.*kGroup.*kMember;
+}
+
+template <auto kGroup, auto kMember>
+Parameter number(const char* name, const char* unit, double min, double max, bool endsOnly = false) {
+  return {name, unit, NumberParameter{&at<kGroup, kMember>, min, max, endsOnly}};
+}
+
+template <auto kGroup, auto kMember>
+Parameter count(const char* name, uint32_t min, uint32_t max) {
+  return {name, "", CountParameter{&at<kGroup, kMember>, min, max}};
+}
+
+template <auto kGroup, auto kMember>
+Parameter choice(const char* name, std::vector<const char*> words) {
+  const auto get = [](const Effects& effects) { return static_cast<size_t>(effects.*kGroup.*kMember); };
+  const auto set = [](Effects& effects, size_t word) {
+    auto& member = at<kGroup, kMember>(effects);
+    member = static_cast<std::remove_reference_t<decltype(member)>>(word);
+  };
+  return {name, "", ChoiceParameter{std::move(words), get, set}};
+}
+
+bool always(const Effects&) {
+  return true;
+}
+bool never(const Effects&) {
+  return false;
+}
+bool dropsByIntensity(const Effects& effects) {
+  return effects.dropOut.zeroIntensityRate > 0;
+}
+
+template <auto kGroup>
+EffectInfo effect(const char* name, uint32_t bit, Judge judge, bool (*needsIntensity)(const Effects&),
+                  std::vector<Parameter> parameters) {
+  const auto use = [](Effects& effects) -> Use& { return (effects.*kGroup).use; };
+  return {name, bit, use, judge, needsIntensity, std::move(parameters)};
+}
+
+using E = Effects;
+
+// Limits are there to catch a wrong unit, not to say what is usual.
+std::vector<EffectInfo> makeTable() {
+  return {
+      effect<&E::intensity>("intensity", gpu::kIntensity, nullptr, never,
+                            {choice<&E::intensity, &E::Intensity::model>("model", {"physical", "carla"}),
+                             choice<&E::intensity, &E::Intensity::scale>("scale", {"raw", "unit", "byte"}),
+                             number<&E::intensity, &E::Intensity::wavelength>("wavelength", "nm", 905, 1550, true),
+                             number<&E::intensity, &E::Intensity::attenuation>("attenuation", "1/m", 0, 10)}),
+      effect<&E::detection>("detection", gpu::kDetection, judgeDetection, always,
+                            {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1),
+                             number<&E::detection, &E::Detection::range>("range", "m", 0, 1e6),
+                             number<&E::detection, &E::Detection::softness>("softness", "", 0, 10)}),
+      effect<&E::dropOut>("drop-out", gpu::kDropOut, judgeDropOut, dropsByIntensity,
+                          {number<&E::dropOut, &E::DropOut::generalRate>("general_rate", "", 0, 1),
+                           number<&E::dropOut, &E::DropOut::intensityLimit>("intensity_limit", "", 0.001, 1),
+                           number<&E::dropOut, &E::DropOut::zeroIntensityRate>("zero_intensity_rate", "", 0, 1),
+                           {"dead_beams", "", BeamsParameter{&at<&E::dropOut, &E::DropOut::deadBeams>}}}),
+      effect<&E::rangeNoise>("range-noise", gpu::kRangeNoise, judgeRangeNoise, never,
+                             {number<&E::rangeNoise, &E::RangeNoise::bias>("bias", "m", -100, 100),
+                              number<&E::rangeNoise, &E::RangeNoise::sigma>("sigma", "m", 0, 100),
+                              number<&E::rangeNoise, &E::RangeNoise::sigmaPerMetre>("sigma_per_metre", "", 0, 1),
+                              number<&E::rangeNoise, &E::RangeNoise::step>("step", "m", 0, 100)}),
+      effect<&E::angleNoise>("angle-noise", gpu::kAngleNoise, judgeAngleNoise, never,
+                             {number<&E::angleNoise, &E::AngleNoise::azimuth>("azimuth", "rad", 0, 0.1),
+                              number<&E::angleNoise, &E::AngleNoise::elevation>("elevation", "rad", 0, 0.1),
+                              choice<&E::angleNoise, &E::AngleNoise::at>("at", {"beam", "point"})}),
+      effect<&E::intensityNoise>("intensity-noise", gpu::kIntensityNoise, judgeIntensityNoise, always,
+                                 {number<&E::intensityNoise, &E::IntensityNoise::sigma>("sigma", "", 0, 1)}),
+      effect<&E::divergence>("divergence", gpu::kDivergence, judgeDivergence, always,
+                             {count<&E::divergence, &E::Divergence::subRays>("sub_rays", 1, 61),
+                              choice<&E::divergence, &E::Divergence::profile>("profile", {"uniform", "gaussian"}),
+                              number<&E::divergence, &E::Divergence::horizontal>("horizontal", "rad", 0, 0.1),
+                              number<&E::divergence, &E::Divergence::vertical>("vertical", "rad", 0, 0.1)}),
+      effect<&E::returns>(
+          "returns", gpu::kReturns, judgeReturns, always,
+          {choice<&E::returns, &E::Returns::mode>(
+               "mode", {"first", "second", "last", "strongest", "second-strongest", "first-second", "first-last",
+                        "first-strongest", "last-strongest", "strongest-second-strongest", "all"}),
+           count<&E::returns, &E::Returns::count>("count", 0, 5),
+           number<&E::returns, &E::Returns::separation>("separation", "m", 0, 100),
+           number<&E::returns, &E::Returns::pulseWidth>("pulse_width", "s", 1e-12, 1e-6)}),
+      effect<&E::transmission>("transmission", gpu::kTransmission, judgeTransmission, always, {}),
+      effect<&E::cutOuts>("cut-outs", gpu::kCutOuts, judgeCutOuts, never, {}),
+      effect<&E::sensorMotion>("sensor-motion", gpu::kSensorMotion, judgeMotion, never,
+                               {{"deskew", "", FlagParameter{&at<&E::sensorMotion, &E::SensorMotion::deskew>}}}),
+      effect<&E::objectMotion>("object-motion", gpu::kObjectMotion, judgeMotion, never, {}),
+      effect<&E::fog>("fog", gpu::kFog, judgeFog, always,
+                      {number<&E::fog, &E::Fog::visibility>("visibility", "m", 0, 1e6)}),
+      effect<&E::rain>("rain", gpu::kRain, judgeRain, always,
+                       {number<&E::rain, &E::Rain::rate>("rate", "mm/h", 0, 500)}),
+      effect<&E::snow>("snow", gpu::kSnow, judgeSnow, always,
+                       {number<&E::snow, &E::Snow::rate>("rate", "mm/h", 0, 100)}),
+      effect<&E::volumes>("volumes", gpu::kVolumes, judgeVolumes, always,
+                          {{"boxes", "", BoxesParameter{&at<&E::volumes, &E::Volumes::boxes>}}}),
+      effect<&E::radialSpeed>("radial-speed", gpu::kRadialSpeed, judgeRadialSpeed, never, {}),
+  };
+}
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof(buffer), "%.10g", value);
+  return buffer;
+}
+
+std::string withUnit(std::string range, const Parameter& parameter) {
+  return *parameter.unit ? range + " " + parameter.unit : range;
+}
+
+}  // namespace
+
+const std::vector<EffectInfo>& effectTable() {
+  static const std::vector<EffectInfo> table = makeTable();
+  return table;
+}
+
+const std::vector<std::string>& effectNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const EffectInfo& info : effectTable()) all.push_back(info.name);
+    return all;
+  }();
+  return names;
+}
+
+Effects Effects::none() {
+  Effects effects;
+  for (const EffectInfo& info : effectTable()) info.use(effects) = Use::off;
+  return effects;
+}
+
+std::string allowedText(const Parameter& parameter) {
+  if (const auto* n = std::get_if<NumberParameter>(&parameter.kind)) {
+    return withUnit(text(n->min) + (n->endsOnly ? " or " : "..") + text(n->max), parameter);
+  }
+  if (const auto* n = std::get_if<CountParameter>(&parameter.kind)) {
+    return "a whole number, " + std::to_string(n->min) + ".." + std::to_string(n->max);
+  }
+  if (const auto* n = std::get_if<ChoiceParameter>(&parameter.kind)) {
+    std::string list = n->words.front();
+    for (size_t i = 1; i < n->words.size(); ++i) {
+      list.append(i + 1 < n->words.size() ? ", " : " or ").append(n->words[i]);
+    }
+    return list;
+  }
+  if (std::holds_alternative<FlagParameter>(parameter.kind)) return "true or false";
+  if (std::holds_alternative<BeamsParameter>(parameter.kind)) return "a list of beam indices";
+  return "a list of {\"min\": [x, y, z], \"max\": [x, y, z], \"extinction\": 1/m}";
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference/medium.hpp"
+
+namespace gnosphere::reference {
+
+namespace {
+
+constexpr double kLightSpeed = 299792458;  // m/s
+/// Back-scatter is extinction / lidar ratio (sr). Water droplets at 905 nm: O'Connor et al., J. Atmos. Oceanic Technol.
+/// 21 (2004). Mineral dust at 532 nm: Mueller et al., J. Geophys. Res. 112 (2007).
+constexpr double kFogLidarRatio = 18.8, kDustLidarRatio = 55;
+/// Nearer than this the receiver gets (range / this)^2 of what the medium throws back.
+constexpr double kFocus = 5;           // m
+constexpr double kAperture = 0.01;     // m, diameter of the beam where it leaves the sensor
+constexpr double kUsualSpread = 3e-3;  // rad, where neither request nor sensor states one
+/// Of a point's place and of a direction, as for corners: see doubt.hpp.
+constexpr double kPlaceError = kCornerError;
+
+/// 10 / ln 10 decibels are one optical depth.
+double perMetre(double decibelsPerKilometre) {
+  return decibelsPerKilometre / (10 / std::numbers::ln10) / 1000;
+}
+
+Bounded focus(const Bounded& range) {
+  const Bounded share = range / Bounded(kFocus);
+  return min(share * share, 1);
+}
+
+}  // namespace
+
+Bounded received(const Bounded& energy, const Bounded& range, const Bounded& depth) {
+  return energy / max(range * range, given(1e-8)) * exp(Bounded(-2) * depth);
+}
+
+double thresholdOf(const Effects& effects, const Sensor& sensor) {
+  const double range = effects.detection.range > 0 ? effects.detection.range : sensor.rangeMax;
+  return std::max(effects.detection.reflectance / (range * range), 1e-30);
+}
+
+double pulseLength(const Effects& effects) {
+  return effects.returns.pulseWidth * kLightSpeed / 2;
+}
+
+Medium::Medium(const SensorPlan& plan, const Shot& shot)
+    : plan_(plan), threshold_(thresholdOf(plan.effects, plan.sensor)), pulse_(pulseLength(plan.effects)) {
+  const Effects& effects = plan.effects;
+  const auto& asked = effects.divergence;
+  const bool stated = asked.horizontal > 0 || asked.vertical > 0;
+  horizontal_ = stated ? asked.horizontal : plan.sensor.divergenceHorizontal;
+  vertical_ = stated ? asked.vertical : plan.sensor.divergenceVertical;
+  if (!(horizontal_ > 0 || vertical_ > 0)) horizontal_ = vertical_ = kUsualSpread;
+  for (const SensorMotion::Stamp& stamp : shot.motion.stamps)
+    travel_ = std::max(travel_, 2 * norm(stamp.pose.position - shot.motion.stamps.front().pose.position));
+
+  // Contrast falls to 5 % at the visibility: Koschmieder (1924), WMO-No. 8. Rain and dry snow: ITU-R P.1814 (2007).
+  const double rain = effects.rain.rate, snow = effects.snow.rate;
+  if (plan.has(gpu::kFog)) still_ = fog_ = std::log(20) / effects.fog.visibility;
+  if (plan.has(gpu::kRain)) still_ += perMetre(1.076 * std::pow(rain, 0.67));
+  if (plan.has(gpu::kSnow))
+    still_ += perMetre((0.0000542 * effects.intensity.wavelength + 5.4958776) * std::pow(snow, 1.38));
+  // Drops: Marshall and Palmer (1948), 8000 /m^3/mm and 4.1 R^-0.21 /mm; geometric optics of water gives them 0.024 of
+  // a disc. Flakes: Sekhon and Srivastava (1970), by melted diameter; a flake is 2.154 times as wide, a sphere of snow
+  // that reflects 0.9, which is 2/3 of a disc.
+  if (plan.has(gpu::kRain)) rain_ = {8e6, 4100 * std::pow(rain, -0.21), 0.024, {}, {}, 0};
+  if (plan.has(gpu::kSnow))
+    snow_ = {2.5e6 * std::pow(snow, -0.94) / 2.154, 2290 * std::pow(snow, -0.45) / 2.154, 0.6, {}, {}, 0};
+  if (plan.has(gpu::kRain)) tabulate(rain_);
+  if (plan.has(gpu::kSnow)) tabulate(snow_);
+}
+
+Bounded Medium::beamArea(const Bounded& range) const {
+  return (given(kAperture) + given(horizontal_) * range) * (given(kAperture) + given(vertical_) * range);
+}
+
+/// Particles per metre of the beam whose echo, (diameter / beam)^2 of what a disc of their reflectance would give, is
+/// detected.
+Bounded Medium::density(const Particles& particles, double range) const {
+  const Bounded r = range, area = beamArea(r);
+  const Bounded share = given(threshold_) * r * r * exp(Bounded(2) * given(still_) * r) /
+                        (given(particles.reflectance) * focus(r));  // of the beam's area, at least
+  if (!(share.value < 1)) return 0;
+  const Bounded diameter = sqrt(share * area);
+  return given(particles.intercept / particles.slope) * exp(-given(particles.slope) * diameter) *
+         Bounded(std::numbers::pi / 4) * area;
+}
+
+/// Summed in 4096 steps of equal ratio. The table ends where a ten thousandth of all is left.
+void Medium::tabulate(Particles& particles) const {
+  constexpr size_t kSteps = 4096;
+  const double first = std::max(plan_.sensor.rangeMin, 0.01), ratio = std::max(plan_.sensor.rangeMax / first, 1.0);
+  const auto rangeAt = [&](double step) { return first * std::pow(ratio, step / kSteps); };
+  std::vector<double> sums(kSteps + 1), errors(kSteps + 1);
+  for (size_t i = 0; i < kSteps; ++i) {
+    const Bounded here = density(particles, rangeAt(static_cast<double>(i) + 0.5));
+    const double step = rangeAt(static_cast<double>(i) + 1) - rangeAt(static_cast<double>(i));
+    sums[i + 1] = sums[i] + here.value * step;
+    errors[i + 1] = errors[i] + here.error * step;
+  }
+  const double all = sums.back();
+  particles.countError = errors.back() + kUnitRoundoff * all;
+  if (!(ratio > 1) || !(all > 0)) return;
+  const auto tableTo = [&](size_t end) {
+    Counts counts = {first, rangeAt(static_cast<double>(end)), {}};
+    for (size_t entry = 1; entry <= Counts::kSize; ++entry) {
+      const double step =
+          std::clamp(std::log(counts.rangeOf(entry) / first) / std::log(ratio) * kSteps, 0.0, double{kSteps});
+      const size_t below = std::min(static_cast<size_t>(step), kSteps - 1);
+      counts.upTo[entry] = sums[below] + (sums[below + 1] - sums[below]) * (step - static_cast<double>(below));
+    }
+    return counts;
+  };
+  const auto endWith = [&](double sign) {
+    for (size_t i = 0; i < kSteps; ++i) {
+      const double error = errors.back() - errors[i] + 1e-4 * errors.back();
+      if (all - sums[i] <= 1e-4 * all + sign * error) return i;
+    }
+    return kSteps;
+  };
+  particles.counts = tableTo(endWith(1));
+  particles.others = tableTo(endWith(-1));
+}
+
+double Medium::Counts::rangeOf(size_t entry) const {
+  const double share = static_cast<double>(entry) / kSize;
+  return first + (last - first) * share * share;
+}
+
+double Medium::Counts::rangeWith(double count) const {
+  size_t entry = 1;
+  while (entry < kSize && upTo[entry] <= count) ++entry;
+  const double before = upTo[entry - 1], share = (count - before) / std::max(upTo[entry] - before, 1e-30);
+  return rangeOf(entry - 1) + (rangeOf(entry) - rangeOf(entry - 1)) * std::clamp(share, 0.0, 1.0);
+}
+
+/// Where a line is within a box, nearer than `far`.
+Medium::Span Medium::within(const Effects::Volume& box, const Line& line, const Bounded& far, bool& doubt) const {
+  const Vec3 from = line.frame.position, direction = line.frame.directionToWorld(line.direction);
+  Span span = {0, far};
+  const auto clip = [&](double at, double speed, double low, double high) {
+    const double half = std::max((high - low) / 2, 5e-7), place = at - (low + high) / 2;
+    const double offset = kPlaceError * (std::abs(place) + half + travel_);
+    if (std::abs(speed) <= 2 * kPlaceError) {  // along the faces: within them or beside the box
+      doubt = doubt || (std::abs(std::abs(place) - half) <= offset + 3 * kPlaceError * far.value);
+      if (std::abs(place) > half) span.far = 0;
+      return;
+    }
+    const auto crossing = [&](double side) {
+      const double range = (side * half - place) / speed;
+      const double error = (offset + std::abs(range) * kPlaceError) / (std::abs(speed) - kPlaceError);
+      return rounded(range, error, kFunctionError);
+    };
+    const Bounded one = crossing(-1), other = crossing(1);
+    span.near = max(span.near, min(one, other));
+    span.far = min(span.far, max(one, other));
+  };
+  clip(from.x, direction.x, box.min.x, box.max.x);
+  clip(from.y, direction.y, box.min.y, box.max.y);
+  clip(from.z, direction.z, box.min.z, box.max.z);
+  return span;
+}
+
+Bounded Medium::depthTo(const Line& line, const Bounded& range) const {
+  Bounded depth = given(still_) * range;
+  if (!plan_.has(gpu::kVolumes)) return depth;
+  for (const Effects::Volume& box : plan_.effects.volumes.boxes) {
+    bool grazes = false;
+    const Span span = within(box, line, range, grazes);
+    depth = depth + given(box.extinction) * max(span.far - span.near, 0);
+    if (grazes) depth.error += box.extinction * range.value;
+  }
+  return depth;
+}
+
+/// Single scattering: light that comes back was scattered at a depth that falls as exp(-2 extinction depth). How much
+/// of it: pi * back-scatter * pulse length at 1 m, uneven by a gamma distribution of shape 4 and mean 1.
+std::optional<Echo> Medium::scatter(double extinction, double lidarRatio, const Bounded& near, const Bounded& far,
+                                    const std::array<uint32_t, 4>& words, const std::array<uint32_t, 4>& more,
+                                    bool& doubt) const {
+  if (!(extinction > 0) || !less(near, far, doubt)) return {};
+  const Bounded twice = Bounded(2) * given(extinction);
+  const Bounded passed = exp(-(twice * (far - near)));
+  const Bounded left = Bounded(1) - Bounded((words[0] >> 8) * 0x1p-24) * (Bounded(1) - passed);
+  Echo echo;
+  echo.range = min(near + -log(left) / twice, far);
+  const Bounded product = Bounded(Draws::aboveZero(more[0])) * Bounded(Draws::aboveZero(more[1]));
+  const Bounded other = Bounded(Draws::aboveZero(more[2])) * Bounded(Draws::aboveZero(more[3]));
+  const Bounded unevenness = Bounded(-0.25) * (log(product) + log(other));
+  echo.energy = given(std::numbers::pi * extinction / lidarRatio * pulse_) * unevenness * focus(echo.range);
+  echo.width = pulse_;
+  return echo;
+}
+
+/// Particles are a Poisson process along the beam: the expected number up to the first is exponential. Their diameters
+/// beyond the least that is detected are, too.
+std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& far,
+                                     const std::array<uint32_t, 4>& words, bool& doubt) const {
+  Bounded count = -log(Draws::aboveZero(words[0]));
+  count.error += particles.countError;
+  if (!less(count, particles.counts.upTo.back(), doubt)) return {};
+  const auto rangeOf = [&](const Counts& counts) {
+    return increasing([&](double c) { return counts.rangeWith(c); }, count);
+  };
+  Echo echo;
+  echo.range = rangeOf(particles.counts);
+  const Bounded other = rangeOf(particles.others);
+  echo.range =
+      rounded(echo.range.value, std::max(echo.range.error, std::abs(other.value - echo.range.value) + other.error),
+              2 * kFunctionError);
+  if (!less(echo.range, far, doubt)) return {};
+  const Bounded strength = given(particles.reflectance) * focus(echo.range);
+  const Bounded least =
+      echo.range * exp(given(still_) * echo.range) * sqrt(given(threshold_) / max(strength, given(1e-30)));
+  const Bounded larger = -log(Draws::aboveZero(words[1])) / given(particles.slope);
+  const Bounded diameter = min(least + larger / sqrt(beamArea(echo.range)), 1);  // as a share of the beam's
+  echo.energy = strength * diameter * diameter;
+  echo.width = pulse_;
+  return echo;
+}
+
+std::optional<Echo> Medium::strongest(const Draws& draws, size_t beam, const Line& line, const Bounded& far,
+                                      bool& doubt) const {
+  std::optional<Echo> best;
+  Bounded most = 0;
+  const auto consider = [&](const std::optional<Echo>& echo) {
+    if (!echo) return;
+    const Bounded power = received(echo->energy, echo->range, depthTo(line, echo->range));
+    if (!less(most, power, doubt)) return;
+    best = echo;
+    most = power;
+  };
+  const Bounded nearest = given(plan_.sensor.rangeMin);
+  if (plan_.has(gpu::kFog))
+    consider(scatter(fog_, kFogLidarRatio, nearest, far, draws.words(beam, 0, gpu::kFog),
+                     draws.words(beam, 1, gpu::kFog), doubt));
+  if (plan_.has(gpu::kRain)) consider(particle(rain_, far, draws.words(beam, 0, gpu::kRain), doubt));
+  if (plan_.has(gpu::kSnow)) consider(particle(snow_, far, draws.words(beam, 0, gpu::kSnow), doubt));
+  if (plan_.has(gpu::kVolumes))
+    for (uint32_t i = 0; i < plan_.effects.volumes.boxes.size(); ++i) {
+      const Effects::Volume& box = plan_.effects.volumes.boxes[i];
+      const Span span = within(box, line, far, doubt);
+      consider(scatter(box.extinction, kDustLidarRatio, max(span.near, nearest), span.far,
+                       draws.words(beam, 2 * i, gpu::kVolumes), draws.words(beam, 2 * i + 1, gpu::kVolumes), doubt));
+    }
+  return best;
+}
+
+}  // namespace gnosphere::reference

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference/receiver.hpp"
+
+#include <limits>
+
+namespace gnosphere::reference {
+
+/// An echo by the number that its draws know it by: the medium coming in between changes no surface's.
+struct Receiver::Numbered {
+  Echo echo;
+  uint32_t number = 0;
+  Bounded depth = {};
+
+  bool isSurface() const { return echo.hit.triangle != kNobody; }
+};
+
+std::array<Bounded, 2> Receiver::angleError(size_t beam) const {
+  constexpr double kCutOff = 4;  // sigmas
+  const auto [azimuth, elevation] = draws_.normals(beam, 0, gpu::kAngleNoise);
+  const auto& noise = plan_.effects.angleNoise;
+  return {given(noise.azimuth) * max(-kCutOff, min(azimuth, kCutOff)),
+          given(noise.elevation) * max(-kCutOff, min(elevation, kCutOff))};
+}
+
+/// A step at the threshold, or the logistic function of ln(power / threshold) / softness. A target a millionth below
+/// the threshold still counts as one at it.
+bool Receiver::detected(const Bounded& power, double chance, bool& doubt) const {
+  const Bounded threshold = given(thresholdOf(plan_.effects, plan_.sensor));
+  const double softness = plan_.effects.detection.softness;
+  if (!(power.value > 1e-37)) return false;
+  if (!(softness > 0)) return !less(power, threshold * Bounded(0.999999), doubt);
+  const Bounded steps = (log(power) - log(threshold)) / given(softness);
+  return less(chance, Bounded(1) / (Bounded(1) + exp(-max(steps, -80))), doubt);
+}
+
+/// The reflectance that a Lambertian target square to the beam would need at that range; or CARLA's.
+Bounded Receiver::unitIntensity(const Echo& echo, const Bounded& depth) const {
+  const Effects::Intensity& intensity = plan_.effects.intensity;
+  if (intensity.model == Effects::Intensity::Model::carla) return exp(-(given(intensity.attenuation) * echo.range));
+  return echo.energy * exp(Bounded(-2) * depth);
+}
+
+/// Bytes are 0..100 diffuse per cent; up to 255, at a gain of 1000, logarithmically for retro-reflectors.
+Bounded Receiver::scaled(const Bounded& unit, const Bounded& range) const {
+  const Effects::Intensity& intensity = plan_.effects.intensity;
+  switch (intensity.scale) {
+    case Effects::Intensity::Scale::raw:
+      return intensity.model == Effects::Intensity::Model::carla ? unit : received(unit, range, 0);
+    case Effects::Intensity::Scale::unit: return min(unit, 1);
+    case Effects::Intensity::Scale::byte: break;
+  }
+  const Bounded diffuse = Bounded(100) * unit;
+  const Bounded retro = Bounded(100) + given(155 / std::log(1000.0)) * log(max(unit, 1));
+  return nearestWhole(min(unit.value > 1 ? retro : diffuse, 255));
+}
+
+/// Entries of `powers`, in order of range, that the mode returns.
+std::vector<size_t> Receiver::chosen(const std::vector<Bounded>& powers, bool& doubt) const {
+  using Mode = Effects::Returns::Mode;
+  const Mode mode = plan_.has(gpu::kReturns) ? plan_.effects.returns.mode : Mode::strongest;
+  constexpr size_t kNone = static_cast<size_t>(-1);
+  const size_t count = powers.size();
+  const size_t first = count > 0 ? 0 : kNone, second = count > 1 ? 1 : kNone, last = count - 1;
+  // The strongest but one; of equal ones the nearer.
+  const auto strongest = [&](size_t but) {
+    size_t best = kNone;
+    for (size_t i = 0; i < count; ++i)
+      if (i != but && (best == kNone || less(powers[best], powers[i], doubt))) best = i;
+    return best;
+  };
+  const auto secondStrongest = [&] { return count > 1 ? strongest(strongest(kNone)) : kNone; };
+  std::vector<size_t> result;
+  switch (mode) {
+    case Mode::first: result = {first}; break;
+    case Mode::second: result = {second}; break;
+    case Mode::last: result = {last}; break;
+    case Mode::strongest: result = {strongest(kNone)}; break;
+    case Mode::secondStrongest: result = {secondStrongest()}; break;
+    case Mode::firstSecond: result = {first, second}; break;
+    case Mode::firstLast: result = {first, last}; break;
+    case Mode::firstStrongest: result = {first, strongest(kNone)}; break;
+    case Mode::lastStrongest: result = {last, strongest(kNone)}; break;
+    case Mode::strongestSecondStrongest: result = {strongest(kNone), secondStrongest()}; break;
+    case Mode::all:
+      for (size_t i = 0; i < count; ++i) result.push_back(i);
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  while (!result.empty() && result.back() == kNone) result.pop_back();
+  if (result.size() > plan_.returns) result.resize(plan_.returns);
+  return result;
+}
+
+/// What the sensor says of an echo that it returns.
+Return Receiver::measured(size_t beam, const Numbered& numbered, bool& doubt) const {
+  const auto& [echo, number, depth] = numbered;
+  Return result = {echo.range, echo.range.value, std::numeric_limits<double>::quiet_NaN(), echo.width, echo.hit};
+  if (plan_.has(gpu::kRangeNoise)) {
+    const Effects::RangeNoise& noise = plan_.effects.rangeNoise;
+    const Bounded sigma = given(noise.sigma) + given(noise.sigmaPerMetre) * echo.range;
+    Bounded range = echo.range + given(noise.bias) + sigma * draws_.normals(beam, number, gpu::kRangeNoise)[0];
+    if (noise.step > 0) range = nearestWhole(range / given(noise.step)) * given(noise.step);
+    result.range = max(range, 0);
+  }
+  if (plan_.has(gpu::kIntensity)) {
+    Bounded unit = unitIntensity(echo, depth);
+    if (plan_.has(gpu::kIntensityNoise))
+      unit = max(
+          unit + given(plan_.effects.intensityNoise.sigma) * draws_.normals(beam, number, gpu::kIntensityNoise)[0], 0);
+    const Bounded intensity = scaled(unit, echo.range);
+    doubt = doubt || (plan_.effects.intensity.scale == Effects::Intensity::Scale::byte && intensity.error > 0);
+    result.intensity = intensity.value;
+  }
+  return result;
+}
+
+Judgement Receiver::judge(size_t beam, const Line& axis, std::vector<Echo> surfaces, bool& doubt) const {
+  Judgement result;
+  const Effects::DropOut& dropOut = plan_.effects.dropOut;
+  if (plan_.has(gpu::kDropOut)) {
+    const auto& dead = dropOut.deadBeams;
+    if (std::find(dead.begin(), dead.end(), beam) != dead.end()) return {{}, Cause::dead};
+    if (less(draws_.uniform(beam, 0, gpu::kDropOut), given(dropOut.generalRate), doubt))
+      return {{}, surfaces.empty() ? Cause::noSurface : Cause::droppedOut};
+  }
+
+  std::vector<Numbered> echoes;
+  for (const Echo& echo : surfaces) echoes.push_back({echo, static_cast<uint32_t>(echoes.size())});
+  const bool inMedium = plan_.has(gpu::kMediumEffects);
+  if (inMedium) {
+    // Light that comes back from shortly before the last surface is one echo with it.
+    Bounded far = given(plan_.sensor.rangeMax);
+    if (!surfaces.empty()) far = surfaces.back().range - given(plan_.effects.returns.separation);
+    if (const std::optional<Echo> scatter = medium_.strongest(draws_, beam, axis, far, doubt)) {
+      size_t at = 0;
+      while (at < surfaces.size() && !less(scatter->range, surfaces[at].range, doubt)) ++at;
+      echoes.insert(echoes.begin() + static_cast<ptrdiff_t>(at), {*scatter, gpu::kScatterDraw});
+    }
+  }
+
+  std::vector<Numbered> found;
+  std::vector<Bounded> powers;
+  for (Numbered& numbered : echoes) {
+    const Echo& echo = numbered.echo;
+    numbered.depth = inMedium ? medium_.depthTo(axis, echo.range) : Bounded(0);
+    const Bounded power = received(echo.energy, echo.range, numbered.depth);
+    if (inMedium || plan_.has(gpu::kDetection)) {
+      const bool soft = plan_.effects.detection.softness > 0;
+      const double chance = soft ? draws_.uniform(beam, numbered.number, gpu::kDetection) : 0;
+      if (!detected(power, chance, doubt)) {
+        if (!numbered.isSurface()) continue;
+        const bool inClearAir = inMedium && detected(received(echo.energy, echo.range, 0), chance, doubt);
+        if (inClearAir && result.cause != Cause::droppedOut) result.cause = Cause::attenuated;
+        if (!inClearAir && result.cause == Cause::noSurface) result.cause = Cause::weak;
+        continue;
+      }
+    }
+    if (plan_.has(gpu::kDropOut) && dropOut.intensityLimit > 0 && dropOut.zeroIntensityRate > 0) {
+      const Bounded share = unitIntensity(echo, numbered.depth) / given(dropOut.intensityLimit);
+      const Bounded rate = given(dropOut.zeroIntensityRate) * (Bounded(1) - min(share, 1));
+      if (less(draws_.uniform(beam, numbered.number + 1, gpu::kDropOut), rate, doubt)) {
+        result.cause = Cause::droppedOut;
+        continue;
+      }
+    }
+    found.push_back(numbered);
+    powers.push_back(power);
+  }
+  for (const size_t i : chosen(powers, doubt)) result.returns.push_back(measured(beam, found[i], doubt));
+  if (!result.returns.empty()) result.cause = Cause::returned;
+  return result;
+}
+
+}  // namespace gnosphere::reference

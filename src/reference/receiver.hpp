@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a sensor makes of the echoes of a beam, in double: medium, detection, drop-out, choice of returns, noise.
+#pragma once
+
+#include "gnosphere/scan.hpp"
+#include "reference/medium.hpp"
+
+namespace gnosphere::reference {
+
+struct Return {
+  Bounded range;
+  double trueRange = 0, intensity = 0, width = 0;
+  Hit hit;  ///< none: the medium
+};
+
+struct Judgement {
+  std::vector<Return> returns;
+  Cause cause = Cause::noSurface;
+};
+
+class Receiver {
+ public:
+  Receiver(const SensorPlan& plan, const Shot& shot) : plan_(plan), draws_(plan, shot), medium_(plan, shot) {}
+
+  /// `surfaces` are the echoes of the beam in order of range.
+  Judgement judge(size_t beam, const Line& axis, std::vector<Echo> surfaces, bool& doubt) const;
+  /// How far the beam is astray: azimuth and elevation in radians.
+  std::array<Bounded, 2> angleError(size_t beam) const;
+
+ private:
+  struct Numbered;
+
+  bool detected(const Bounded& power, double chance, bool& doubt) const;
+  Bounded unitIntensity(const Echo& echo, const Bounded& depth) const;
+  Bounded scaled(const Bounded& unit, const Bounded& range) const;
+  std::vector<size_t> chosen(const std::vector<Bounded>& powers, bool& doubt) const;
+  Return measured(size_t beam, const Numbered& echo, bool& doubt) const;
+
+  const SensorPlan& plan_;
+  Draws draws_;
+  Medium medium_;
+};
+
+}  // namespace gnosphere::reference

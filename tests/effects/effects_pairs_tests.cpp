@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every effect with every other, standing and moving: the device against the reference in a scene that shows them all.
+#include <cstdlib>
+
+#include "effects/effect_table.hpp"
+#include "effects/scan_support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+constexpr double kPeriod = 0.1;
+
+/// Lasers that are away from the origin of their head, and few beams.
+Sensor smallSensor() {
+  Sensor sensor = gridSensor(90, 8, -18, 9, 60);
+  sensor.name = "small";
+  sensor.rangeMin = 0.5;
+  sensor.rotationPeriod = kPeriod;
+  sensor.divergenceHorizontal = 3e-3;
+  sensor.divergenceVertical = 1.5e-3;
+  sensor.maxReturns = 3;
+  for (size_t j = 0; j < sensor.channels.size(); ++j) {
+    sensor.channels[j].origin = {0.05, 0.02 * static_cast<double>(j % 3), 0.01 * static_cast<double>(j)};
+    sensor.channels[j].azimuthOffsetDeg = 0.7 * static_cast<double>(j % 4);
+  }
+  return sensor;
+}
+
+/// A room with a pane of glass, a grating with holes and a box that drives.
+Scene showroom() {
+  Scene scene;
+  scene.materials = {lambertian(0.4f, "plaster"), lambertian(0.1f, "glass"), lambertian(0.5f, "grating"),
+                     lambertian(0.7f, "car")};
+  scene.materials[1].transmission = 0.8f;
+  scene.materials[2].alphaMode = AlphaMode::mask;
+  scene.materials[2].alphaImage = 0;
+  scene.alphaImages = {{4, 4, {255, 0, 255, 0, 0, 255, 255, 0, 255, 0, 0, 255, 255, 255, 0, 255}}};
+  MeshBuilder walls, box;
+  walls.box({-22, -17, -2}, {25, 19, 9}, 3);
+  box.box({-1, -1, -1}, {1, 1, 1}, 2);
+  const auto add = [&](Mesh mesh, const Transform& place) {
+    scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size()), place});
+    scene.meshes.push_back(std::move(mesh));
+  };
+  add(walls.take(0), {});
+  add(plate(7, 4, 1), {});
+  Mesh grating = plate(0, 3, 2);
+  grating.uvs = {0, 0, 2, 0, 2, 2, 0, 2};
+  Transform aside;
+  aside.rows = {0, -1, 0, 0.5, 1, 0, 0, 6, 0, 0, 1, 0.5};
+  add(grating, aside);
+  add(box.take(3), translation(-6, 1, 0));
+  return scene;
+}
+
+/// What each effect is asked for by: all of them with numbers that show.
+Effects loud() {
+  Effects effects;
+  effects.seed = 42;
+  effects.detection.reflectance = 0.6;
+  effects.detection.range = 25;
+  effects.detection.softness = 0.2;
+  effects.dropOut = {Use::off, 0.1, 0.6, 0.3, {3, 77, 400}};
+  effects.rangeNoise = {Use::off, 0.05, 0.02, 1e-3, 0};
+  effects.angleNoise.azimuth = effects.angleNoise.elevation = 2e-3;
+  effects.intensityNoise.sigma = 0.05;
+  effects.divergence.subRays = 7;
+  effects.fog.visibility = 120;
+  effects.rain.rate = 30;
+  effects.snow.rate = 4;
+  effects.volumes.boxes = {{{2, -6, -1}, {5, 8, 2}, 0.15}, {{-12, -3, -2}, {-3, 6, 4}, 0.05}};
+  return effects;
+}
+
+SimulatorOptions optionsOf(size_t first, size_t second) {
+  SimulatorOptions options = optionsOn("vulkan");
+  options.effects = loud();
+  for (const EffectInfo& effect : effectTable()) effect.use(options.effects) = Use::off;
+  options.effects.intensity.use = Use::automatic;
+  for (const size_t i : {first, second}) effectTable()[i].use(options.effects) = Use::on;
+  options.effects.angleNoise.at = (first + second) % 2 ? Effects::AngleNoise::At::point : Effects::AngleNoise::At::beam;
+  options.effects.sensorMotion.deskew = second % 2 == 1;
+  options.fields = {Field::intensity, Field::trueRange, Field::width,   Field::label,
+                    Field::cause,     Field::normal,    Field::material};
+  if (options.effects.radialSpeed.use == Use::on) options.fields.push_back(Field::radialSpeed);
+  return options;
+}
+
+Shot shotOf(bool moving) {
+  Shot shot;
+  shot.frame = 3;
+  shot.pose = {{0.3, -0.2, 0.1}, {0.02, -0.03, 0.3, 0.95}};
+  if (!moving) return shot;
+  Pose end = shot.pose;
+  end.position = {1.9, 0.3, 0.2};
+  end.orientation = {0.04, -0.02, 0.42, 0.9};
+  shot.motion.stamps = {{0, shot.pose}, {kPeriod, end}};
+  shot.instanceMotions = {{3, translation(-6.5, 2.5, 0.2)}};
+  return shot;
+}
+
+void compare(size_t first, size_t second) {
+  static const Scene scene = showroom();
+  static const Sensor sensor = smallSensor();
+  SimulatorOptions options = optionsOf(first, second);
+  Simulator device(scene, sensor, options);
+  options.device = "reference";
+  Simulator reference(scene, sensor, options);
+  for (const bool moving : {false, true}) {
+    Scan expected, found;
+    reference.scan(shotOf(moving), expected);
+    device.scan(shotOf(moving), found);
+    const Differences result = differences(expected, found, {0, 1e-3, 2e-3});
+    INFO(effectNames()[first] << " and " << effectNames()[second] << (moving ? ", moving: " : ", standing: ")
+                              << result.all() << " differences, " << result.ties << " ties of " << result.beams
+                              << ", first: " << result.first);
+    CHECK(result.all() == 0);
+    CHECK(result.ties <= result.beams / 20);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("the scene of the pairs shows every effect") {
+  const Scene scene = showroom();
+  SimulatorOptions options = optionsOf(0, 0);
+  options.device = "reference";
+  const auto scanWith = [&](size_t effect) {
+    options.effects = optionsOf(0, effect).effects;
+    options.fields = {Field::intensity, Field::label};
+    if (effectNames()[effect] == "radial-speed") options.fields.push_back(Field::radialSpeed);
+    Scan scan;
+    Simulator(scene, smallSensor(), options).scan(shotOf(true), scan);
+    return scan;
+  };
+  const Scan bare = scanWith(0);
+  for (size_t effect = 1; effect < effectNames().size(); ++effect) {
+    INFO(effectNames()[effect]);
+    CHECK(!sameFields(bare, scanWith(effect)));
+  }
+}
+
+TEST_CASE("every effect with every other is that of the reference, standing and moving") {
+  const size_t count = effectNames().size();
+  REQUIRE(count == 17);
+  // All pairs are for the slow suite; the others run those five apart, in which each effect is twice.
+  for (size_t first = 0; first < count; ++first) {
+    if (!std::getenv("GNOSPHERE_SLOW"))
+      compare(first, (first + 5) % count);
+    else
+      for (size_t second = 0; second <= first; ++second) compare(first, second);
+  }
+}
+
+}  // namespace gnosphere::test
