@@ -172,6 +172,7 @@ TEST_CASE("drivers: effects of small shaders have the same bytes, each alone", "
     if (isLarge(name)) continue;
     INFO(name);
     SimulatorOptions options = vulkanOptions();
+    options.effects.intensity.use = Use::automatic;  // several need it
     addEffects(options.effects, name);
     if (name == "intensity") options.fields = {Field::intensity};
     requireSameBytes(options, false);

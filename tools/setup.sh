@@ -201,7 +201,7 @@ secondDriver() {
   download=$(mktemp -d "$root/build/download.XXXXXX")
   if (
     cd "$download" && apt-get download "$package" && dpkg-deb --fsys-tarfile "$package"_*.deb >files.tar &&
-      tar -xf files.tar --strip-components=4 ./usr/lib/chromium/libvk_swiftshader.so ./usr/lib/chromium/vk_swiftshader_icd.json &&
+      tar -xf files.tar --strip-components=4 ./usr/lib/chromium/{libvk_swiftshader.so,vk_swiftshader_icd.json} &&
       rm files.tar "$package"_*.deb
   ) >>"$log" 2>&1 </dev/null; then
     chmod 755 "$download"
