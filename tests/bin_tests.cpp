@@ -89,7 +89,7 @@ TEST_CASE("of triangles at equal range the lowest index owns the beam, whatever 
     if (scan.hit(b)) REQUIRE(scan.triangles[b] < 72);
 }
 
-TEST_CASE("a candidate list that is too small grows, the scan runs again and nothing is lost") {
+TEST_CASE("a candidate list that is too small grows, the scan runs again and nothing is lost", "[second-driver]") {
   needVulkan();
   MeshBuilder builder;
   for (int layer = 0; layer < 12; ++layer)

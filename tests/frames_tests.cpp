@@ -66,7 +66,7 @@ TEST_CASE("scanAll gives byte for byte what scan gives, whatever the sensor, whi
   }
 }
 
-TEST_CASE("a scan that the one before it outgrew is run again as well") {
+TEST_CASE("a scan that the one before it outgrew is run again as well", "[second-driver]") {
   needVulkan();
   SimulatorOptions options = vulkanOptions();
   options.binning = Binning::lists;

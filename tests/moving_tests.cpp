@@ -208,7 +208,7 @@ TEST_CASE("a run that was ended and a scene that has grown since do not meet") {
   CHECK(sameBytes(simulator.scan({}), scanOf(scene, sensor, {}, vulkanOptions())));
 }
 
-TEST_CASE("vertices that move into range are met") {
+TEST_CASE("vertices that move into range are met", "[second-driver]") {
   needVulkan();
   const Sensor sensor = gridSensor(360, 24, -40, 40, 25);
   const Mesh near = ball(12, 20, 1, {10, 0, 0});

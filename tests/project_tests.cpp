@@ -17,7 +17,7 @@ const Sensor kAround = gridSensor(360, 91, -90, 90);
 
 }  // namespace
 
-TEST_CASE("a triangle across the azimuth seam is seen on both sides of it") {
+TEST_CASE("a triangle across the azimuth seam is seen on both sides of it", "[second-driver]") {
   MeshBuilder builder;
   builder.triangle({-5, -2, -1}, {-5, 2, -1}, {-5, 0, 2});
   requireAsReference(sceneOf(builder.take()), kAround);
@@ -90,7 +90,7 @@ TEST_CASE("a triangle is not met by the beams that point away from it") {
   requireAsReference(sceneOf(soup(5, 150, 20, 8)), sensor);
 }
 
-TEST_CASE("every beam of a sensor in a closed box returns") {
+TEST_CASE("every beam of a sensor in a closed box returns", "[second-driver]") {
   needVulkan();
   MeshBuilder builder;
   builder.box({-7, -4, -2}, {9, 6, 5}, 5);

@@ -39,7 +39,8 @@ TEST_CASE("a point lies on its beam at its range") {
   }
 }
 
-TEST_CASE("the range window is tested per hit: what is nearer is looked through, what is farther is a miss") {
+TEST_CASE("the range window is tested per hit: what is nearer is looked through, what is farther is a miss",
+          "[second-driver]") {
   needVulkan();
   MeshBuilder builder;
   builder.quad({2, -50, -50}, {0, 100, 0}, {0, 0, 100});
@@ -54,7 +55,7 @@ TEST_CASE("the range window is tested per hit: what is nearer is looked through,
     if (scan.hit(b)) REQUIRE((scan.ranges[b] >= 3 && scan.ranges[b] <= 60));
 }
 
-TEST_CASE("owners are the instance and the triangle within its mesh") {
+TEST_CASE("owners are the instance and the triangle within its mesh", "[second-driver]") {
   needVulkan();
   Scene scene = sceneOf(ball(16, 32, 1));
   scene.instances.clear();

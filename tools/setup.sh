@@ -187,3 +187,27 @@ build() {
   step "Building ($preset)"
   quietly "the build failed" cmake --build "$root/build/$preset" "$@"
 }
+
+# A second Vulkan driver for the tests: SwiftShader, which shares no code with Mesa. A browser's package carries it; two
+# files of that package are kept in build/swiftshader, and nothing of it is installed. Without them lavapipe is alone.
+secondDriver() {
+  local folder=$root/build/swiftshader package=chromium-common download
+  [ -r "$folder/vk_swiftshader_icd.json" ] && return
+  if ! command -v apt-get >/dev/null || ! command -v dpkg-deb >/dev/null || [ -z "$(candidate "$package")" ]; then
+    step "No second Vulkan driver: this system has no package $package, which holds SwiftShader"
+    return
+  fi
+  step "Fetching a second Vulkan driver: SwiftShader, of the package $package"
+  download=$(mktemp -d "$root/build/download.XXXXXX")
+  if (
+    cd "$download" && apt-get download "$package" && dpkg-deb --fsys-tarfile "$package"_*.deb >files.tar &&
+      tar -xf files.tar --strip-components=4 ./usr/lib/chromium/{libvk_swiftshader.so,vk_swiftshader_icd.json} &&
+      rm files.tar "$package"_*.deb
+  ) >>"$log" 2>&1 </dev/null; then
+    chmod 755 "$download"
+    mv -T "$download" "$folder"
+  else
+    rm -rf "$download"
+    note "it could not be had, see ${log#"$root"/}; going on without it"
+  fi
+}
