@@ -4,6 +4,7 @@
 // subgroup owns a slab of columns, all boxes are tiles, listed slab by slab, and nothing has to be atomic.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -15,62 +16,56 @@
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#ifdef MOTION
-#include "effects/arithmetic.h"
-#include "effects/parameters.h"
-#include "effects_bindings.glsl"
 #include "motion.glsl"
-#endif
 #include "sphere.glsl"
 #include "bounds.glsl"
 #include "inside.glsl"
 #include "rows_between.glsl"
-#ifdef MOTION
 #include "seen.glsl"
-#endif
 
 layout(local_size_x = 64) in;
 #ifdef INT64_ATOMICS
-layout(std430, set = 0, binding = kBindWords) coherent buffer Words64Block { uint64_t words64[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer Words64 { uint64_t at[]; };
+Words64 words64 = Words64(words);
 #endif
 
-// Ranges are positive, so their bits order like numbers. Words only fall: so reading before an atomic would be safe, but
-// what is near comes first, and most that would be asked is answered with yes.
+// Ranges are positive, so their bits order like numbers. A word never grows, so a plain read could skip the atomic; but
+// near triangles come first, so most of the atomics that were asked for would have been needed anyway.
 void offerNearest(uint beam, uint rangeBits, uint id) {
 #ifdef INT64_ATOMICS
-  atomicMin(words64[beam], packUint2x32(uvec2(id, rangeBits)));
+  atomicMin(words64.at[beam], packUint2x32(uvec2(id, rangeBits)));
 #endif
 }
 
-// For the owner of the beam. Met or not, it is loaded and stored: lanes that branch at random cost a CPU more.
+// Only the owner of the beam may call this, so nothing has to be atomic.
 void keepNearer(uint beam, bool met, float range, uint id) {
 #ifdef INT64_ATOMICS
-  uint64_t word = packUint2x32(met ? uvec2(id, floatBitsToUint(range)) : uvec2(kNone));
-  words64[beam] = min(words64[beam], word);
+  if (!met) return;
+  uint64_t word = packUint2x32(uvec2(id, floatBitsToUint(range)));
+  words64.at[beam] = min(words64.at[beam], word);
 #endif
 }
 
 void offer(uint beam, float range, uint projected, uint id) {
   uint rangeBits = floatBitsToUint(range);
-  if (PASS == kPassNearest) {
+  if (BINNING == kBinningNearest) {
     offerNearest(beam, rangeBits, id);
-  } else if (PASS == kPassRange) {
-    if (rangeBits >= words[beam].y) return;
-    atomicMin(words[beam].y, rangeBits);
-    words[beam].x = kNone;  // what a still image had there is not the nearest any more
-  } else if (PASS == kPassOwner) {
-    if (rangeBits == words[beam].y) atomicMin(words[beam].x, id);
+  } else if (BINNING == kBinningNearest32 && PASS == kPassRange) {
+    if (rangeBits >= words.at[beam].y) return;
+    atomicMin(words.at[beam].y, rangeBits);
+    words.at[beam].x = kNone;  // what a still image had there is not the nearest any more
+  } else if (BINNING == kBinningNearest32) {
+    if (rangeBits == words.at[beam].y) atomicMin(words.at[beam].x, id);
   } else if (PASS == kPassCount) {
-    atomicAdd(listEnds[beam], 1);
+    atomicAdd(listEnds.at[beam], 1);
   } else {
-    uint slot = atomicAdd(listEnds[beam], 1);
-    if (slot < frame.candidateCapacity) candidates[slot] = projected;
+    uint slot = atomicAdd(listEnds.at[beam], 1);
+    if (slot < frame.candidateCapacity) candidates.at[slot] = projected;
   }
 }
 
 float farthestOf(uint index) {
-  bool lists = PASS == kPassCount || PASS == kPassFill;
-  return lists ? frame.rangeMax : min(uintBitsToFloat(min(words[index].y, 0x7f800000u)), frame.rangeMax);
+  return BINNING == kBinningLists ? frame.rangeMax : min(uintBitsToFloat(min(words.at[index].y, 0x7f800000u)), frame.rangeMax);
 }
 
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
@@ -80,53 +75,47 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   }
   float range;
   bool met = meet(triangle, prepared, turned, beam, index, range);
-  if (PASS == kPassSlabs)
+  if (BINNING == kBinningSlabs)
     keepNearer(index, met, range, triangle.id);
   else if (met)
     offer(index, range, projected, triangle.id);
 }
 
-#ifdef MOTION
 // `seen` is the triangle when the beam's column fires.
 void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
   seen = seenFrom(seen, index / frame.columns, beam.azimuth);
   tryBeam(seen, prepare(seen), turn(seen, beam.azimuth), beam, index, slot);
 }
-#endif
 
 // The beam in the k-th column of a box and in a row, and its index among the words. In a row with an offset of its own
 // that column is so many columns back: a beam then is the k-th of a box in every row where the box has its grid column,
 // and the slab that owns the grid column owns the beam.
 Beam beamAt(Box box, uint k, uint row, out uint index) {
-  vec4 angles = rows[row].angles;
-  vec4 offset = AZIMUTH_OFFSETS ? rows[row].offset : vec4(0.0);
-  uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? wholeOf(floor(offset.z)) : 0));
+  vec3 angles = rows.at[row].angles;
+  vec4 offset = AZIMUTH_OFFSETS ? rows.at[row].offset : vec4(0.0);
+  uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? int(floor(offset.z)) : 0));
   index = row * frame.columns + column;
-  return beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
+  return beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[column], offset) : columns.at[column], angles.x, angles.y);
 }
 
-Box boxOf(vec2 span, float packedRows) {
-  uint word = floatBitsToUint(packedRows);
-  return Box(span.x, span.y, word & 0xffff, word >> 16);
-}
+Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }
 
 // One invocation, all beams of a box. One loop, not two nested ones: lanes with boxes of other shapes then wait for the
 // largest box only, not for the most columns times the most rows.
 void trySmall(uint i) {
-  vec4 c = projectedC[i];
-  Triangle triangle = triangleOf(projectedA[i], projectedB[i], c);
-  Box box = boxOf(projectedColumns[i], c.w);
+  TaggedCorner c = projectedC.at[i];
+  Triangle triangle = triangleOf(projectedA.at[i], projectedB.at[i], c.corner);
+  Box box = boxOf(projectedColumns.at[i], c.tag);
   Prepared prepared = prepare(triangle);
   uint columnCount = boxColumnCount(box);
   uint k = 0;
   for (uint row = box.rowFirst; row <= box.rowLast;) {
     uint index;
     Beam beam = beamAt(box, k, row, index);
-#ifdef MOTION
-    tryMoving(seenFrom(triangle, i, index % frame.columns), beam, index, i);
-#else
-    tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, i);
-#endif
+    if (MOTION)
+      tryMoving(seenFrom(triangle, i, index % frame.columns), beam, index, i);
+    else
+      tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, i);
     if (++k == columnCount) {
       k = 0;
       ++row;
@@ -152,19 +141,21 @@ uint columnOf(Tile tile, uint k) {
 
 Tile tileAt(uint t) {
   uvec4 tile;
-  vec4 a, b, c;
+  TaggedCorner a, c;
+  vec4 b;
   vec2 span;
   if (gl_SubgroupInvocationID == 0) {
-    tile = tiles[t];
-    a = projectedA[tile.x];
-    b = projectedB[tile.x];
-    c = projectedC[tile.x];
-    span = projectedColumns[tile.x];
+    tile = tiles.at[t];
+    a = projectedA.at[tile.x];
+    b = projectedB.at[tile.x];
+    c = projectedC.at[tile.x];
+    span = projectedColumns.at[tile.x];
   }
   tile = subgroupBroadcast(tile, 0);
-  c = subgroupBroadcast(c, 0);
-  Box box = boxOf(subgroupBroadcast(span, 0), c.w);
-  return Tile(tile.x, triangleOf(subgroupBroadcast(a, 0), subgroupBroadcast(b, 0), c), box, tile.y,
+  a = TaggedCorner(subgroupBroadcast(a.corner, 0), subgroupBroadcast(a.tag, 0));
+  Box box = boxOf(subgroupBroadcast(span, 0), subgroupBroadcast(c.tag, 0));
+  Triangle triangle = triangleOf(a, subgroupBroadcast(b, 0), subgroupBroadcast(c.corner, 0));
+  return Tile(tile.x, triangle, box, tile.y,
               min(tile.y + tile.z, boxColumnCount(box)), wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
 }
 
@@ -173,18 +164,17 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   uint rowCount = boxRowCount(tile.box);
   from = 0;
   to = rowCount;
-#ifndef MOTION
   // Few rows are not worth it, nor does the paper ask.
   bool pays = rowCount * (tile.end - tile.first) > kFewBeams;
-  if (!pays || BOUNDS == kBoundsPaper) return;
+  if (MOTION || !pays || BOUNDS == kBoundsPaper) return;
   vec3 far = vec3(length(tile.triangle.a), length(tile.triangle.b), length(tile.triangle.c));
   float blur = blurOf(tile.triangle, prepared, far);
   if (angle + blur > 0.5) return;
   // With offsets, a beam lies between its grid column and the next.
   uint next = AZIMUTH_OFFSETS ? 1 : 0;
   float keyMin, keyMax;
-  keysBetween(turn(tile.triangle, columns[columnOf(tile, kFrom)]),
-              turn(tile.triangle, columns[columnOf(tile, kTo + next)]),
+  keysBetween(turn(tile.triangle, columns.at[columnOf(tile, kFrom)]),
+              turn(tile.triangle, columns.at[columnOf(tile, kTo + next)]),
               blur * max(max(far.x, far.y), far.z), keyMin, keyMax);
   // A box of all columns may hold a pole.
   if (boxColumnCount(tile.box) == frame.columns) {
@@ -195,7 +185,6 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   rowsBetween(keyMin - widening, keyMax + widening, from, to);
   from = max(from, tile.box.rowFirst) - tile.box.rowFirst;
   to = max(min(to, tile.box.rowLast + 1), tile.box.rowFirst) - tile.box.rowFirst;
-#endif
 }
 
 // One subgroup, one tile. Lanes stand side by side in `width` columns and, where the tile has fewer columns than the
@@ -210,7 +199,7 @@ void tryTile(Tile tile) {
   float angle = float(AZIMUTH_OFFSETS ? width + 1 : width) / frame.columnsPerRadian;
   uint stride = frame.columns;
   // Each lane has a row at hand; of most boxes these are all.
-  vec2 angles = rows[min(box.rowFirst + lane, box.rowLast)].angles.xy;
+  vec2 angles = rows.at[min(box.rowFirst + lane, box.rowLast)].angles.xy;
   uint loaded = 0;
   for (uint part = tile.first; part < tile.end; part += width * gl_SubgroupSize) {
     uint kFrom = min(part + lane * width, tile.end - 1), from, to;
@@ -221,15 +210,14 @@ void tryTile(Tile tile) {
       if (row >= rowEnd) continue;
       uint k = part + j * width + (lane & (width - 1));
       uint column = columnOf(tile, k);
-      vec2 azimuth = columns[column];
+      vec2 azimuth = columns.at[column];
       Turned turned = turn(tile.triangle, azimuth);
-#ifdef MOTION
-      Triangle seen = seenFrom(tile.triangle, tile.slot, column);
-#endif
+      Triangle seen = tile.triangle;
+      if (MOTION) seen = seenFrom(tile.triangle, tile.slot, column);
       uint mineEnd = k < tile.end ? rowEnd : 0;
       while (row < rowEnd) {
         uint base = row & ~(gl_SubgroupSize - 1);
-        if (base != loaded) angles = rows[min(box.rowFirst + base + lane, box.rowLast)].angles.xy;
+        if (base != loaded) angles = rows.at[min(box.rowFirst + base + lane, box.rowLast)].angles.xy;
         loaded = base;
         uint stop = min(rowEnd, base + gl_SubgroupSize);
         for (; row < stop; row += height) {
@@ -237,16 +225,13 @@ void tryTile(Tile tile) {
           vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
           // Not a continue: every lane must come to the next shuffle.
           bool here = mine < min(mineEnd, stop);
-#ifdef MOTION
-          if (here) {
+          if (here && MOTION) {
             uint index;
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
             // Another row's offset may make it another column.
-            tryMoving(AZIMUTH_OFFSETS ? seenFrom(tile.triangle, tile.slot, index % frame.columns) : seen, beam, index,
-                      tile.slot);
-          }
-#else
-          if (here && AZIMUTH_OFFSETS) {
+            if (AZIMUTH_OFFSETS) seen = seenFrom(tile.triangle, tile.slot, index % frame.columns);
+            tryMoving(seen, beam, index, tile.slot);
+          } else if (here && AZIMUTH_OFFSETS) {
             uint index;
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
             tryBeam(tile.triangle, prepared, turn(tile.triangle, beam.azimuth), beam, index, tile.slot);
@@ -254,7 +239,6 @@ void tryTile(Tile tile) {
             tryBeam(tile.triangle, prepared, turned, beamOf(azimuth, elevation.x, elevation.y),
                     (box.rowFirst + mine) * stride + column, tile.slot);
           }
-#endif
         }
         row = stop;
       }
@@ -270,7 +254,7 @@ void trySlabs() {
     if (gl_SubgroupInvocationID == 0) slab = atomicAdd(counters.nextSlab, 1);
     slab = subgroupBroadcast(slab, 0);
     if (slab >= slabs) return;
-    if (gl_SubgroupInvocationID == 0) t = atomicExchange(listEnds[slab], kNone);
+    if (gl_SubgroupInvocationID == 0) t = atomicExchange(listEnds.at[slab], kNone);
     t = subgroupBroadcast(t, 0);
     while (t != kNone) {
       Tile tile = tileAt(t);
@@ -286,12 +270,12 @@ void main() {
   if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
       counters.tiles > frame.tileCapacity)
     return;
-  if (PASS == kPassSlabs) {
+  if (BINNING == kBinningSlabs) {
     trySlabs();
     return;
   }
   // Shell by shell, or everything at once.
-  bool byShell = PASS == kPassNearest || PASS == kPassRange;
+  bool byShell = BINNING == kBinningNearest || (BINNING == kBinningNearest32 && PASS == kPassRange);
   uint first = byShell ? counters.binnedSmall : 0;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint i = first + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;

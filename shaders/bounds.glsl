@@ -99,13 +99,12 @@ uint boxRowCount(Box box) { return box.rowLast - box.rowFirst + 1; }
 
 // The first column of the box, to be wrapped. With offsets, a row's beam belongs to the grid column before it: it may
 // lie in the box when that one does not yet.
-int firstColumn(Box box) { return wholeOf(ceil(box.columnMin)) - (AZIMUTH_OFFSETS ? 1 : 0); }
+int firstColumn(Box box) { return int(ceil(box.columnMin)) - (AZIMUTH_OFFSETS ? 1 : 0); }
 
-// Columns that the box covers, wrapping: at most all of them.
+// Columns that the box covers, wrapping: at most all of them. Counted in integers: a float does not hold every whole
+// number beyond 2^24.
 uint boxColumnCount(Box box) {
-  float count = floor(box.columnMax) - ceil(box.columnMin) + 1.0;
-  if (AZIMUTH_OFFSETS) count += 1.0;
-  return uint(wholeOf(clamp(count, 0.0, float(frame.columns))));
+  return uint(min(max(int(floor(box.columnMax)) + 1 - firstColumn(box), 0), int(frame.columns)));
 }
 
 // Columns that the triangle may cover; false if it lies between two columns. Rounding turns into more azimuth towards
@@ -125,14 +124,4 @@ bool coverColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) {
   box.columnMin = (start + low + kPi) * frame.columnsPerRadian - slack;
   box.columnMax = box.columnMin + (high - low) * frame.columnsPerRadian + 2.0 * slack;
   return boxColumnCount(box) > 0;
-}
-
-// A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and it spans up to 1.
-uint wrapColumn(int column) {
-  int turnColumns = int(frame.columns);
-  if (column < 0) column += turnColumns;
-  if (column < 0) column += turnColumns;
-  if (column >= turnColumns) column -= turnColumns;
-  if (column >= turnColumns) column -= turnColumns;
-  return uint(column);
 }

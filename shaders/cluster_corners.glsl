@@ -6,35 +6,32 @@
 struct LoadedCluster {
   Instance instance;
   uint vertexFirst, vertexCount, triangleFirst, triangleCount;
-  bool doubleSided;
-  uint material;  // only with a footprint
-  uint number;  // its number; only with motion
+  uint doubleSided;
+  uint material;
+  uint number;  // of its instance
 };
 
 LoadedCluster loadCluster(uint i) {
   LoadedCluster loaded;
-  loaded.material = 0;
-  float vertices, triangles;
   if (gl_SubgroupInvocationID == 0) {
-    uvec2 pair = visible[i];
-    loaded.instance = instances[pair.x];
+    uvec2 pair = visible.at[i];
+    loaded.instance = instances.at[pair.x];
     loaded.number = pair.x;
-    vertices = clusters[pair.y].low.w;
-    triangles = clusters[pair.y].high.w;
-#ifdef FOOTPRINT
-    loaded.material = clusterMaterials[pair.y];
-#endif
+    loaded.vertexFirst = clusters.at[pair.y].vertexFirst;
+    loaded.triangleFirst = clusters.at[pair.y].triangleFirst;
+    loaded.vertexCount = clusters.at[pair.y].vertexCount;
+    loaded.triangleCount = clusters.at[pair.y].triangleCount;
+    loaded.doubleSided = clusters.at[pair.y].doubleSided;
+    loaded.material = clusters.at[pair.y].material;
   }
   loaded.material = subgroupBroadcast(loaded.material, 0);
   loaded.number = subgroupBroadcast(loaded.number, 0);
   loaded.instance = fromFirstLane(loaded.instance);
-  uint word = floatBitsToUint(subgroupBroadcast(vertices, 0));
-  loaded.vertexFirst = word & (kChunkVertices - 1);
-  loaded.vertexCount = word >> 25;
-  word = floatBitsToUint(subgroupBroadcast(triangles, 0));
-  loaded.triangleFirst = word & (kChunkTriangles - 1);
-  loaded.triangleCount = word >> 24 & 127;
-  loaded.doubleSided = (word >> 31) != 0;
+  loaded.vertexFirst = subgroupBroadcast(loaded.vertexFirst, 0);
+  loaded.triangleFirst = subgroupBroadcast(loaded.triangleFirst, 0);
+  loaded.vertexCount = subgroupBroadcast(loaded.vertexCount, 0);
+  loaded.triangleCount = subgroupBroadcast(loaded.triangleCount, 0);
+  loaded.doubleSided = subgroupBroadcast(loaded.doubleSided, 0);
   return loaded;
 }
 
@@ -42,12 +39,12 @@ LoadedCluster loadCluster(uint i) {
 // more than 6 times 8.
 const uint kVertexRounds = 6;
 struct Vertices {
-  vec3 at[kVertexRounds];
+  vec3 corners[kVertexRounds];
   uint count;
 };
 
 vec3 toSensor(LoadedCluster loaded, uint vertex) {
-  vec3 p = toSensor(loaded.instance, positions[loaded.vertexFirst + vertex]);
+  vec3 p = toSensor(loaded.instance, positions.at[loaded.vertexFirst + vertex]);
   return INSIDE == kInsideExact ? snapToLattice(p) : p;
 }
 
@@ -59,17 +56,17 @@ Vertices verticesOf(LoadedCluster loaded) {
   if (haveRoom(vertices.count)) {
     [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
       if (k * gl_SubgroupSize < vertices.count)
-        vertices.at[k] = toSensor(loaded, min(k * gl_SubgroupSize + gl_SubgroupInvocationID, vertices.count - 1));
+        vertices.corners[k] = toSensor(loaded, min(k * gl_SubgroupSize + gl_SubgroupInvocationID, vertices.count - 1));
   }
   return vertices;
 }
 
 vec3 cornerOf(Vertices vertices, uint number) {
   uint lane = number & (gl_SubgroupSize - 1), round = number / gl_SubgroupSize;
-  vec3 corner = subgroupShuffle(vertices.at[0], lane);
+  vec3 corner = subgroupShuffle(vertices.corners[0], lane);
   [[unroll]] for (uint k = 1; k < kVertexRounds; ++k)
     if (k * gl_SubgroupSize < vertices.count) {
-      vec3 other = subgroupShuffle(vertices.at[k], lane);
+      vec3 other = subgroupShuffle(vertices.corners[k], lane);
       corner = round == k ? other : corner;
     }
   return corner;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Can any beam see something of a box? Every answer errs towards yes: what is culled would not have been met.
 
-layout(push_constant) uniform PassBlock { Pass pass; };
 
 // The box of a group or cluster in the sensor's frame: centre and half extents of the turned box, a little widened.
 void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out vec3 high) {
   vec3 pivot = pivotOf(instance);
-  vec3 offset = instance.offset.xyz;
+  vec3 offset = instance.offset;
   vec3 middle = 0.5 * (minimum - pivot) + 0.5 * (maximum - pivot);
   vec3 extent = 0.5 * (maximum - minimum);
   vec3 centre = vec3(dot(instance.row0.xyz, middle), dot(instance.row1.xyz, middle), dot(instance.row2.xyz, middle)) +
@@ -23,13 +22,11 @@ void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out 
   high = centre + size + slack;
 }
 
-#ifdef MOTION
 void widenByMotion(uint instance, inout vec3 low, inout vec3 high) {
-  float bound = motion.instances != 0 ? instanceMotions[instance].bound.x : 0.0;
+  float bound = motion.instances != 0 ? instanceMotions.at[instance].bound.x : 0.0;
   low -= bound;
   high += bound;
 }
-#endif
 
 float farthestPoint(vec3 low, vec3 high) { return length(max(abs(low), abs(high))) * 1.000001; }
 
@@ -72,29 +69,24 @@ void coverAzimuths(vec3 low, vec3 high, float keyMin, float keyMax, inout Window
 // The largest range that any beam of the window has met so far is nearer than the box: nothing of it can be a hit.
 bool occluded(Window window, float nearest) {
   uint nearestBits = floatBitsToUint(nearest);
-  int from = int(ceil(window.from - frame.shiftMax)), to = int(floor(window.to - frame.shiftMin));
-  uvec2 tile = uvec2(kFineColumns, kFineRows);
+  int unwrapped = int(ceil(window.from - frame.shiftMax));
+  uint from = wrapColumn(unwrapped), to = uint(int(floor(window.to - frame.shiftMin)) + int(from) - unwrapped);
+  uvec2 shift = uvec2(findMSB(kFineColumns), findMSB(kFineRows));
   uint base = 0;
-  uint perRow = (frame.columns + tile.x - 1) / tile.x;
   for (uint level = 0; level < 2; ++level) {
-    int turn = int(perRow);
+    uint perRow = (frame.columns - 1 >> shift.x) + 1;
     // Columns that wrap come to entries that wrap: the last entry of a turn may be narrower, so one more is looked at.
-    int first = int(floor(float(from) / float(tile.x))), last = int(floor(float(to) / float(tile.x)));
-    if (from < 0) --first;
-    if (to >= int(frame.columns)) ++last;
-    uint rowFirst = window.first / tile.y, rowLast = (window.end - 1) / tile.y;
-    uint lookups = uint(min(last - first + 1, turn)) * (rowLast - rowFirst + 1);
+    uint first = from >> shift.x, last = (to >> shift.x) + uint(to >= frame.columns);
+    uint rowFirst = window.first >> shift.y, rowLast = window.end - 1 >> shift.y;
+    uint count = min(last - first + 1, perRow), lookups = count * (rowLast - rowFirst + 1);
     if (lookups <= kMaxLookups) {
       for (uint row = rowFirst; row <= rowLast; ++row)
-        for (int k = first; k <= last && k < first + turn; ++k) {
-          int wrapped = k - turn * int(floor(float(k) / float(turn)));
-          if (farthest[base + row * perRow + uint(wrapped)] >= nearestBits) return false;
-        }
+        for (uint k = first; k < first + count; ++k)
+          if (farthest.at[base + row * perRow + (k < perRow ? k : k - perRow)] >= nearestBits) return false;
       return true;
     }
-    base += perRow * ((frame.rows + tile.y - 1) / tile.y);
-    tile = uvec2(kCoarseColumns, kCoarseRows);
-    perRow = (frame.columns + tile.x - 1) / tile.x;
+    base += perRow * ((frame.rows - 1 >> shift.y) + 1);
+    shift = uvec2(findMSB(kCoarseColumns), findMSB(kCoarseRows));
   }
   return false;
 }
@@ -102,11 +94,11 @@ bool occluded(Window window, float nearest) {
 // Comparisons with NaN are false: such a box is seen.
 bool outOfSight(vec3 low, vec3 high) {
   float nearest = nearestPoint(low, high);
-#ifdef MOTION
-  seeming = seemingAngle(motion.shift, motion.turn, nearest);
-  nearest = max(nearest - motion.shift, 0.0);
-  if (seeming > 1.0) return (CULLING & kCullRange) != 0 && nearest > frame.rangeMax;
-#endif
+  if (MOTION) {
+    seeming = seemingAngle(motion.shift, motion.turn, nearest);
+    nearest = max(nearest - motion.shift, 0.0);
+    if (seeming > 1.0) return (CULLING & kCullRange) != 0 && nearest > frame.rangeMax;
+  }
   if ((CULLING & kCullRange) != 0 && nearest > frame.rangeMax) return true;
   float keyMin, keyMax;
   coverKeys(low, high, 0.0, keyMin, keyMax);

@@ -3,21 +3,17 @@
 // echoes. Without a footprint there is one, the nearest hit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-#define RESULTS_ARE_READ
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#include "effects/parameters.h"
 #include "effects/vector.h"
-#include "effects_bindings.glsl"
 #include "lattice.glsl"
 #include "beam.glsl"
 #include "effects/doppler.h"
-#ifdef MOTION
 #include "motion.glsl"
-#endif
 
 layout(local_size_x = 64) in;
 
@@ -34,7 +30,8 @@ layout(local_size_x = 64) in;
 uint beamIndex, columnIndex;
 vec2 beamAzimuth;
 vec3 beamDirection, pointDirection;
-vec4 hitPoint, hitSurface;
+vec4 hitPoint;
+SurfaceRecord hitSurface;
 uvec2 hitOwner;
 vec2 hitBarycentrics;
 uint causeCounts[kCauses];  // of this invocation
@@ -42,35 +39,33 @@ uint causeCounts[kCauses];  // of this invocation
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
 VolumeBox loadVolume(uint i) {
-  VolumeBox box = volumes[i];
-#ifdef MOTION
-  ColumnMotion at = columnMotions[columnIndex];
-  vec3 laser = originOf(gl_WorkGroupID.y, beamAzimuth);
-  box.row0 = seenPlane(at, laser, box.row0);
-  box.row1 = seenPlane(at, laser, box.row1);
-  box.row2 = seenPlane(at, laser, box.row2);
-#endif
+  VolumeBox box = volumes.at[i];
+  if (MOTION) {
+    ColumnMotion at = columnMotions.at[columnIndex];
+    vec3 laser = originOf(gl_WorkGroupID.y, beamAzimuth);
+    box.row0 = seenPlane(at, laser, box.row0);
+    box.row1 = seenPlane(at, laser, box.row1);
+    box.row2 = seenPlane(at, laser, box.row2);
+  }
   return box;
 }
 bool isDead(uint beam) {
-  return (deadBeams[beam / 32] >> (beam % 32) & 1) != 0;
+  return (deadBeams.at[beam / 32] >> (beam % 32) & 1) != 0;
 }
 
 #include "effects/signal.h"
 
 Echo loadEcho(uint k) {
   if (MANY_ECHOES) {
-    vec4 echo = echoes[beamIndex * kMaxEchoes + k];
+    vec4 echo = echoes.at[beamIndex * kMaxEchoes + k];
     return Echo(echo.x, echo.y, echo.z, echo.w, k);
   }
   float energy = 1.0, cosIncidence = 1.0;
   if (LOOKS_AT_MATERIALS) {
     vec3 direction = beamDirection;
-#ifdef MOTION
-    direction = reportedDirection(columnIndex, direction);
-#endif
-    cosIncidence = min(abs(dotOf(hitSurface.xyz, direction)), 1.0);
-    energy = reflected(optics[floatBitsToUint(hitSurface.w)], cosIncidence);
+    if (MOTION) direction = reportedDirection(columnIndex, direction);
+    cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
+    energy = reflected(optics.at[hitSurface.material], cosIncidence);
   }
   return Echo(hitPoint.w, energy, parameters.pulseWidth, cosIncidence, 0);
 }
@@ -79,55 +74,52 @@ Echo loadEcho(uint k) {
 void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;
-#ifdef MOTION
-  ColumnMotion now = columnMotions[columnIndex];
-  vec3 point = beamDirection * range + originOf(gl_WorkGroupID.y, beamAzimuth);
-  if (owner.x != kNone && motion.instances != 0) velocity = velocityAt(instanceMotions[owner.y], now, point);
-  radial = radialSpeed(beamDirection, velocity, now.velocity.xyz);
-  velocity = reportedDirection(columnIndex, velocity);
-#endif
-  motions[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());
+  if (MOTION) {
+    ColumnMotion now = columnMotions.at[columnIndex];
+    vec3 point = beamDirection * range + originOf(gl_WorkGroupID.y, beamAzimuth);
+    if (owner.x != kNone && motion.instances != 0) velocity = velocityAt(instanceMotions.at[owner.y], now, point);
+    radial = radialSpeed(beamDirection, velocity, now.velocity.xyz);
+    velocity = reportedDirection(columnIndex, velocity);
+  }
+  motions.at[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());
 }
 
 void storeReturn(uint j, Return value) {
   uint at = beamIndex * RETURNS + j;
   bool here = value.label != kLabelNone;
   uvec2 owner = uvec2(kNone);
-  vec4 surface = vec4(vec3(0.0), uintBitsToFloat(kNone));
+  SurfaceRecord surface = SurfaceRecord(vec3(0.0), kNone);
   vec2 weights = vec2(notANumber());
   if (value.label == kLabelSolid && MANY_ECHOES) {
     uint echo = beamIndex * kMaxEchoes + value.echo;
-    owner = echoOwners[echo];
-    if (SURFACES_MOVE) surface = echoSurfaces[echo];
+    owner = echoOwners.at[echo];
+    if (SURFACES_MOVE) surface = echoSurfaces.at[echo];
   } else if (value.label == kLabelSolid) {
     owner = hitOwner;
     surface = hitSurface;
     weights = hitBarycentrics;
   }
-#ifdef MOTION
-  vec3 place = reported(columnIndex, gl_WorkGroupID.y, beamAzimuth, pointDirection, value.range);
-#else
-  vec3 place = pointDirection * value.range;
-#endif
-  vec4 point = here ? vec4(place, value.range) : vec4(notANumber());
-  points[at] = point;
-  owners[at] = owner;
+  vec3 position = MOTION ? reported(columnIndex, gl_WorkGroupID.y, beamAzimuth, pointDirection, value.range)
+                         : pointDirection * value.range;
+  vec4 point = here ? vec4(position, value.range) : vec4(notANumber());
+  points.at[at] = point;
+  owners.at[at] = owner;
   if ((FIELDS & kFieldSignal) != 0)
-    signals[at] = vec4(value.intensity, value.trueRange, value.width,
-                       uintBitsToFloat(value.label | value.number << 16 | value.count << 24));
-  if (SURFACES_MOVE) surfaces[at] = surface;
-  if (BARYCENTRICS_MOVE) barycentrics[at] = weights;
+    signals.at[at] = SignalRecord(value.intensity, value.trueRange, value.width,
+                                  value.label | value.number << 16 | value.count << 24);
+  if (SURFACES_MOVE) surfaces.at[at] = surface;
+  if (BARYCENTRICS_MOVE) barycentrics.at[at] = weights;
   if (SPEEDS) storeMotion(at, owner, value.trueRange);
 }
 
 // The cause stands with the beam's first return.
 void judge(bool hit) {
   uint count = hit ? 1 : 0, returned;
-  if (MANY_ECHOES) count = echoCounts[beamIndex];
+  if (MANY_ECHOES) count = echoCounts.at[beamIndex];
   uint cause = signalsOf(parameters, beamIndex, beamDirection, count, returned);
   if ((FIELDS & kFieldSignal) != 0) {
     uint at = beamIndex * RETURNS;
-    signals[at].w = uintBitsToFloat(floatBitsToUint(signals[at].w) | cause << 8);
+    signals.at[at].word |= cause << 8;
   }
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] += cause == k ? 1 : 0;
 }
@@ -142,23 +134,24 @@ void countCauses() {
 
 void main() {
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] = 0;
-  vec4 angles = rows[gl_WorkGroupID.y].angles, offset = rows[gl_WorkGroupID.y].offset;
-  uint channel = uint(angles.w);
+  vec3 angles = rows.at[gl_WorkGroupID.y].angles;
+  vec4 offset = rows.at[gl_WorkGroupID.y].offset;
+  uint channel = rows.at[gl_WorkGroupID.y].channel;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x) {
     beamIndex = channel * frame.columns + columnIndex;
-    vec2 azimuth = AZIMUTH_OFFSETS ? shiftedAzimuth(columns[columnIndex], offset) : columns[columnIndex];
+    vec2 azimuth = AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[columnIndex], offset) : columns.at[columnIndex];
     beamAzimuth = azimuth;
     beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
     if (!MANY_ECHOES) {
-      hitPoint = points[beamIndex * RETURNS];
-      hitOwner = owners[beamIndex * RETURNS];
-      if (LOOKS_AT_MATERIALS || SURFACES_MOVE) hitSurface = surfaces[beamIndex * RETURNS];
-      if (BARYCENTRICS_MOVE) hitBarycentrics = barycentrics[beamIndex * RETURNS];
+      hitPoint = points.at[beamIndex * RETURNS];
+      hitOwner = owners.at[beamIndex * RETURNS];
+      if (LOOKS_AT_MATERIALS || SURFACES_MOVE) hitSurface = surfaces.at[beamIndex * RETURNS];
+      if (BARYCENTRICS_MOVE) hitBarycentrics = barycentrics.at[beamIndex * RETURNS];
     }
     pointDirection = beamDirection;
     if ((EFFECTS & kAngleNoise) != 0 && parameters.angleNoiseAt == kAngleAtPoint)
-      pointDirection = astray(beamDirection, angleError(parameters, parameters.firstBeam + beamIndex));
+      pointDirection = astray(beamDirection, angleError(parameters, beamIndex));
     if (SIGNALS)
       judge(hitOwner.x != kNone);
     else if (SPEEDS)

@@ -1,29 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage effects, first pass, in place of resolve. One invocation per beam: what its sub-rays meet among the candidates,
-// all of which they share, then what of it comes back as one echo. PASS 0 does the beams whose whole footprint lies on one
-// triangle, most of them, and lists the others for PASS 1: so no beam waits for a neighbour that is harder. Built for 1, 7, 19, 37 and 61 sub-rays; those that
-// a footprint has not carry no energy.
+// all of which they share, then what of it comes back as one echo. The first pass does the beams whose whole footprint
+// lies on one triangle, most of them, and lists the others for the second one: so no beam waits for a neighbour that is
+// harder. Built for 1, 7, 19 and 61 sub-rays; those that a footprint does not have carry no energy.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#include "effects/parameters.h"
 #include "effects/vector.h"
 #include "effects/intensity.h"
 #include "effects/noise.h"
 #include "effects/returns.h"
-#include "effects_bindings.glsl"
-#ifdef MOTION
 #include "motion.glsl"
-#endif
 #include "inside.glsl"
-#ifdef MOTION
 #include "seen.glsl"
-#endif
 #include "owner.glsl"
 #include "each_ray.glsl"
 #include "holes.glsl"
@@ -45,7 +40,7 @@ const uint kPieces = RAYS * kMaxLayers;
 float ranges[kPieces], energies[kPieces];
 uint metIds[kPieces], metCandidates[kPieces];
 
-uint idOf(uint projected) { return floatBitsToUint(projectedA[projected].w) & 0x7fffffffu; }
+uint idOf(uint projected) { return projectedA.at[projected].tag & 0x7fffffffu; }
 
 // A candidate in the beam's own frame: one component per corner.
 struct Candidate {
@@ -60,9 +55,7 @@ uint beamRow, beamColumn;
 // As the beam sees it.
 Triangle triangleAt(uint projected, vec2 azimuth) {
   Triangle triangle = loadProjected(projected);
-#ifdef MOTION
-  triangle = seenFrom(triangle, projected, beamColumn, beamRow, azimuth);
-#endif
+  if (MOTION) triangle = seenFrom(triangle, projected, beamColumn, beamRow, azimuth);
   return triangle;
 }
 
@@ -182,7 +175,7 @@ float consider(uint projected, Beam beam, uint layer) {
   vec3 side;
   Optics4 holed;
   if ((EFFECTS & kCutOuts) != 0) {
-    holed = optics[projectedMaterials[projected]];
+    holed = optics.at[projectedMaterials.at[projected]];
     mask = holed.passage.y > 0.0;
   }
 #define OFFER(s)                                                                       \
@@ -197,7 +190,7 @@ float consider(uint projected, Beam beam, uint layer) {
   taken = taken || mine;
   EACH_RAY(FARTHEST)
   if (!taken) return farthest;
-  Optics4 surface = optics[projectedMaterials[projected]];
+  Optics4 surface = optics.at[projectedMaterials.at[projected]];
   vec3 normal = unitTowardsOrigin(planeOf(candidate).xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
 #define SHARE(s) share(surface, normal, projected, layer, s);
   EACH_RAY(SHARE)
@@ -209,7 +202,7 @@ uint bestOf(uint start, uint end) {
   uint best = kNone;
   float bestRangeMin = kNothing;
   for (uint k = start; k < end; ++k) {
-    float nearest = projectedB[candidates[k]].w;
+    float nearest = projectedB.at[candidates.at[k]].w;
     if (best == kNone || nearest < bestRangeMin) {
       best = k;
       bestRangeMin = nearest;
@@ -234,8 +227,8 @@ void findLayer(uint start, uint end, Beam beam, uint layer) {
   forget(layer);
   uint best = bestOf(start, end), next = best, k = start;
   while (next < end) {
-    float farthest = consider(candidates[next], beam, layer);
-    while (k < end && (k == best || projectedB[candidates[k]].w > farthest)) ++k;
+    float farthest = consider(candidates.at[next], beam, layer);
+    while (k < end && (k == best || projectedB.at[candidates.at[k]].w > farthest)) ++k;
     next = k++;
   }
 }
@@ -245,8 +238,8 @@ bool findWithinOne(uint start, uint end, Beam beam) {
   forget(0);
   uint best = bestOf(start, end);
   if (best == kNone) return true;
-  uint projected = candidates[best];
-  Optics4 surface = optics[projectedMaterials[projected]];
+  uint projected = candidates.at[best];
+  Optics4 surface = optics.at[projectedMaterials.at[projected]];
   Candidate candidate = candidateOf(projected, beam);
   bool holed = (EFFECTS & kCutOuts) != 0 && surface.passage.y > 0.0, clear = LAYERS > 1 && transmitted(surface) > 0.0;
   if (holed || clear || !coversFootprint(candidate)) return false;
@@ -259,7 +252,7 @@ bool findWithinOne(uint start, uint end, Beam beam) {
   farthest = max(farthest, range);                                      \
   all_ = all_ && met;
   EACH_RAY(MEET)
-  for (uint k = start; k < end && all_; ++k) all_ = k == best || projectedB[candidates[k]].w > farthest;
+  for (uint k = start; k < end && all_; ++k) all_ = k == best || projectedB.at[candidates.at[k]].w > farthest;
   if (!all_) return false;
   vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
 #define SHARE_ONE(s) share(surface, normal, projected, 0, s);
@@ -324,15 +317,13 @@ vec3 echoOf(float first, vec3 sums) {
 }
 
 void storeEcho(uint slot, vec3 echo, uint projected, vec2 azimuth) {
-  echoes[slot] = vec4(echo, 1.0);
-  echoOwners[slot] = ownerOf(idOf(projected));
+  echoes.at[slot] = vec4(echo, 1.0);
+  echoOwners.at[slot] = ownerOf(idOf(projected));
   if ((FIELDS & kFieldSurface) != 0) {
     Triangle triangle = triangleAt(projected, azimuth);
     vec3 normal = normalOf(triangle.a, triangle.b, triangle.c);
-#ifdef MOTION
-    normal = reportedDirection(beamColumn, normal);
-#endif
-    echoSurfaces[slot] = vec4(normal, uintBitsToFloat(projectedMaterials[projected]));
+    if (MOTION) normal = reportedDirection(beamColumn, normal);
+    echoSurfaces.at[slot] = SurfaceRecord(normal, projectedMaterials.at[projected]);
   }
 }
 
@@ -364,7 +355,7 @@ void gatherEchoes(uint beam, vec2 azimuth) {
     ++count;
     first = nextRange(end);
   }
-  echoCounts[beam] = count;
+  echoCounts.at[beam] = count;
 }
 
 float lengthOf(float u, float v) {
@@ -374,7 +365,7 @@ float lengthOf(float u, float v) {
 
 // The footprint of every beam, and where that of a beam that goes astray lies.
 void loadSubRay(uint s) {
-  vec4 subRay = subRays[s];
+  vec4 subRay = subRays.at[s];
   left[s] = subRay.x;
   up[s] = subRay.y;
   weights[s] = subRay.z;
@@ -382,7 +373,7 @@ void loadSubRay(uint s) {
 }
 
 void shift(uint s, vec2 by) {
-  vec4 subRay = subRays[s];
+  vec4 subRay = subRays.at[s];
   left[s] = sumOf(subRay.x, by.x);
   up[s] = sumOf(subRay.y, by.y);
   lengths[s] = lengthOf(left[s], up[s]);
@@ -390,7 +381,7 @@ void shift(uint s, vec2 by) {
 
 void aim(uint beam, Beam axis) {
   if ((EFFECTS & kStrays) != 0) {
-    vec2 error = angleError(parameters, parameters.firstBeam + beam);
+    vec2 error = angleError(parameters, beam);
     error.x = product(error.x, axis.cosElevation);
 #define SHIFT(s) shift(s, error);
     EACH_RAY(SHIFT)
@@ -404,13 +395,14 @@ bool finish(uint index) {
   uint row = index / frame.columns, column = index % frame.columns;
   beamRow = row;
   beamColumn = column;
-  vec4 angles = rows[row].angles, offset = rows[row].offset;
-  uint beam = uint(angles.w) * frame.columns + column;
-  Beam axis = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
+  vec3 angles = rows.at[row].angles;
+  vec4 offset = rows.at[row].offset;
+  uint beam = rows.at[row].channel * frame.columns + column;
+  Beam axis = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[column], offset) : columns.at[column], angles.x, angles.y);
   // Lists that were too small end early: the host makes room and runs the scan again.
-  uint end = min(listEnds[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds[index - 1], end);
+  uint end = min(listEnds.at[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds.at[index - 1], end);
   aim(beam, axis);
-  if (PASS == 0) {
+  if (PASS == kPassWithinOne) {
     [[unroll]] for (uint layer = 1; layer < LAYERS; ++layer) forget(layer);
     if (!findWithinOne(start, end, axis)) return false;
   } else {
@@ -431,21 +423,21 @@ void main() {
   rangeMin = frame.rangeMin;
   rangeMax = frame.rangeMax;
   looksAtMaterials = (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical;
-  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x, count = PASS == 0 ? frame.beams : counters.hardBeams;
+  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x, count = PASS == kPassWithinOne ? frame.beams : counters.hardBeams;
   uint rounds = (count + stride - 1) / stride;
   for (uint round_ = 0; round_ < rounds; ++round_) {
     uint i = round_ * stride + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
     bool hard = false;
     uint index = 0;
     if (i < count) {
-      index = PASS == 0 ? i : hardBeams[i];
+      index = PASS == kPassWithinOne ? i : hardBeams.at[i];
       hard = !finish(index);
     }
-    if (PASS != 0) continue;
+    if (PASS != kPassWithinOne) continue;
     uvec4 ballot = subgroupBallot(hard);
     uint slot = 0;
     if (subgroupElect()) slot = atomicAdd(counters.hardBeams, subgroupBallotBitCount(ballot));
     slot = slotAfter(slot, ballot);
-    if (hard) hardBeams[slot] = index;
+    if (hard) hardBeams.at[slot] = index;
   }
 }

@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage effects, what was met: the surface under every hit of one chunk of the scene, from its owner. Neighbouring beams
+// Stage effects, what was met: the surface under every hit, from its owner. Neighbouring beams
 // mostly meet the same triangle: the first of them asks for all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#define RESULTS_ARE_READ
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#include "effects/parameters.h"
 #include "effects/vector.h"
-#include "effects_bindings.glsl"
 #include "to_sensor.glsl"
 #include "lattice.glsl"
 #include "beam.glsl"
-#ifdef MOTION
 #include "motion.glsl"
-#endif
 
 layout(local_size_x = 64) in;
 
@@ -26,14 +22,13 @@ struct Corners {
 };
 
 vec3 cornerOf(Instance instance, uint vertex) {
-  vec3 p = toSensor(instance, positions[vertex]);
+  vec3 p = toSensor(instance, positions.at[vertex]);
   return INSIDE == kInsideExact ? snapToLattice(p) : p;
 }
 
 Corners cornersOf(Instance instance, uint cluster, uint k) {
-  uint vertexFirst = floatBitsToUint(clusters[cluster].low.w) & (kChunkVertices - 1);
-  uint triangleFirst = floatBitsToUint(clusters[cluster].high.w) & (kChunkTriangles - 1);
-  uint packed = triangleCorners[triangleFirst + k].x;
+  uint vertexFirst = clusters.at[cluster].vertexFirst, triangleFirst = clusters.at[cluster].triangleFirst;
+  uint packed = triangleCorners.at[triangleFirst + k].x;
   return Corners(cornerOf(instance, vertexFirst + (packed & 0xff)), cornerOf(instance, vertexFirst + (packed >> 8 & 0xff)),
                  cornerOf(instance, vertexFirst + (packed >> 16 & 0xff)));
 }
@@ -56,62 +51,46 @@ vec2 barycentricsOf(Corners t, vec3 p) {
   return area > 0.0 ? vec2(quotient(second, area), quotient(third, area)) : vec2(0.0);
 }
 
-#ifdef MOTION
 vec2 azimuthAt(uint row, uint column) {
-  return AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], rows[row].offset) : columns[column];
+  return AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[column], rows.at[row].offset) : columns.at[column];
 }
 
 Corners seenFrom(Corners t, uint instance, uint column, uint row, vec2 azimuth) {
-  ColumnMotion at = columnMotions[column];
+  ColumnMotion at = columnMotions.at[column];
   vec3 origin = originOf(row, azimuth);
   if (motion.instances == 0)
     return Corners(inColumn(at, t.a) - origin, inColumn(at, t.b) - origin, inColumn(at, t.c) - origin);
-  InstanceMotion moving = instanceMotions[instance];
+  InstanceMotion moving = instanceMotions.at[instance];
   return Corners(inColumn(at, t.a, velocityOf(moving, t.a)) - origin, inColumn(at, t.b, velocityOf(moving, t.b)) - origin,
                  inColumn(at, t.c, velocityOf(moving, t.c)) - origin);
 }
-#endif
 
 struct Surface {
   Corners corners;
   vec3 normal;
   uint material;
-  bool known;  // false in another chunk
 };
 
 Surface surfaceOf(uint row, uint column, uvec2 owner) {
   Surface surface;
   surface.normal = vec3(0.0);
   surface.material = kNone;
-  surface.known = owner.x == kNone;
-  if (surface.known) return surface;
-  uint base = meshPlaces[instanceMeshes[owner.y]];
-  if (base == kNone) return surface;
-  uint place = trianglePlaces[base + owner.x];
-  if (place == kNone) return surface;
-  uint cluster = place / kClusterTriangles;
-  surface.corners = cornersOf(instances[owner.y], cluster, place % kClusterTriangles);
-#ifdef MOTION
-  surface.corners = seenFrom(surface.corners, owner.y, column, row, azimuthAt(row, column));
-  surface.normal = reportedDirection(column, normalOf(surface.corners));
-#else
+  if (owner.x == kNone) return surface;
+  uint slot = triangleSlots.at[meshTriangles.at[instanceMeshes.at[owner.y]] + owner.x];
+  uint cluster = slot / kClusterTriangles;
+  surface.corners = cornersOf(instances.at[owner.y], cluster, slot % kClusterTriangles);
+  if (MOTION) surface.corners = seenFrom(surface.corners, owner.y, column, row, azimuthAt(row, column));
   surface.normal = normalOf(surface.corners);
-#endif
-  surface.material = clusterMaterials[cluster];
-  surface.known = true;
+  if (MOTION) surface.normal = reportedDirection(column, surface.normal);
+  surface.material = clusters.at[cluster].material;
   return surface;
 }
 
 vec3 pointOf(uint row, uint column, uint at) {
-#ifdef MOTION
-  vec4 angles = rows[row].angles;
-  return beamOf(azimuthAt(row, column), angles.x, angles.y).direction * points[at].w;
-#else
-  return points[at].xyz;
-#endif
+  vec3 angles = rows.at[row].angles;
+  return MOTION ? beamOf(azimuthAt(row, column), angles.x, angles.y).direction * points.at[at].w : points.at[at].xyz;
 }
 
-#ifndef MOTION
 // Whether a lane is the first of those with its owner.
 bool leads(uvec2 owner) {
   uint lane = gl_SubgroupInvocationID;
@@ -132,33 +111,28 @@ uint leaderOf(bool leading) {
 Surface told(Surface surface, uint leader) {
   surface.normal = subgroupShuffle(surface.normal, leader);
   surface.material = subgroupShuffle(surface.material, leader);
-  surface.known = subgroupShuffle(uint(surface.known), leader) != 0;
   if ((FIELDS & kFieldBarycentrics) != 0)
     surface.corners = Corners(subgroupShuffle(surface.corners.a, leader), subgroupShuffle(surface.corners.b, leader),
                               subgroupShuffle(surface.corners.c, leader));
   return surface;
 }
-#endif
 
 void main() {
-  uint row = gl_WorkGroupID.y, channel = uint(rows[row].angles.w);
+  uint row = gl_WorkGroupID.y, channel = rows.at[row].channel;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   // No lane leaves before the others: they tell one another.
   for (uint from = first; from < end; from += gl_WorkGroupSize.x) {
     uint column = min(from + gl_LocalInvocationID.x, end - 1);
     uint at = (channel * frame.columns + column) * RETURNS;
-    uvec2 owner = owners[at];
-#ifdef MOTION
-    Surface surface = surfaceOf(row, column, owner);  // each sees it at a time of its own
-#else
-    bool leading = leads(owner);
+    uvec2 owner = owners.at[at];
+    // In motion each beam sees its triangle at a time of its own.
+    bool leading = MOTION || leads(owner);
     Surface surface;
     if (leading) surface = surfaceOf(row, column, owner);
-    surface = told(surface, leaderOf(leading));
-#endif
-    if (!surface.known || from + gl_LocalInvocationID.x >= end) continue;
-    surfaces[at] = vec4(surface.normal, uintBitsToFloat(surface.material));
+    if (!MOTION) surface = told(surface, leaderOf(leading));
+    if (from + gl_LocalInvocationID.x >= end) continue;
+    surfaces.at[at] = SurfaceRecord(surface.normal, surface.material);
     if ((FIELDS & kFieldBarycentrics) != 0 && owner.x != kNone)
-      barycentrics[at] = barycentricsOf(surface.corners, pointOf(row, column, at));
+      barycentrics.at[at] = barycentricsOf(surface.corners, pointOf(row, column, at));
   }
 }

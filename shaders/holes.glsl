@@ -13,22 +13,22 @@ float wrapped(float value, uint wrap) {
 }
 
 float alphaAt(uint image, vec2 uv) {
-  uvec4 at = alphaImages[image];
+  uvec4 at = alphaImages.at[image];
   precise vec2 place = vec2(wrapped(uv.x, at.w & 0xff), wrapped(uv.y, at.w >> 8)) * vec2(at.xy);
   uvec2 texel = min(uvec2(place), at.xy - 1);
   uint number = at.z + texel.y * at.x + texel.x;
-  return float(texels[number / 4] >> (8 * (number % 4)) & 0xff) * (1.0 / 255.0);
+  return float(texels.at[number / 4] >> (8 * (number % 4)) & 0xff) * (1.0 / 255.0);
 }
 
 // `weights` are those of the corners, not yet divided by their sum.
 bool isHole(Optics4 surface, uint projected, vec3 weights) {
   float alpha = surface.passage.z;
-  uint image = floatBitsToUint(surface.passage.w);
+  uint image = surface.alphaImage;
   if (image != kNone) {
     precise float sum = weights.x + weights.y + weights.z;
     precise vec3 w = weights * quotient(1.0, sum);
-    vec4 ab = projectedTexture[2 * projected];
-    vec2 c = projectedTexture[2 * projected + 1].xy;
+    vec4 ab = projectedTexture.at[2 * projected];
+    vec2 c = projectedTexture.at[2 * projected + 1].xy;
     precise vec2 uv = w.x * ab.xy + w.y * ab.zw + w.z * c;
     precise float product_ = alpha * alphaAt(image, uv);
     alpha = product_;

@@ -17,12 +17,11 @@ float farthestOf(uint index);
 #include "inside_exact.glsl"
 #include "beam.glsl"
 
-Triangle triangleOf(vec4 a, vec4 b, vec4 c) {
-  uint id = floatBitsToUint(a.w);
-  return Triangle(a.xyz, b.xyz, c.xyz, id & 0x7fffffffu, (id >> 31) != 0, b.w);
+Triangle triangleOf(TaggedCorner a, vec4 b, vec3 c) {
+  return Triangle(a.corner, b.xyz, c, a.tag & 0x7fffffffu, (a.tag >> 31) != 0, b.w);
 }
 
-Triangle loadProjected(uint i) { return triangleOf(projectedA[i], projectedB[i], projectedC[i]); }
+Triangle loadProjected(uint i) { return triangleOf(projectedA.at[i], projectedB.at[i], projectedC.at[i].corner); }
 
 // What the tests need of a triangle whatever the beam; what a pipeline does not use, it does not compute.
 struct Prepared {

@@ -28,7 +28,7 @@ vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
 
 // Where a laser of the row is: its head's origin turned to the beam's azimuth.
 vec3 originOf(uint row, vec2 azimuth) {
-  vec3 origin = rowOrigins[row].xyz;
+  vec3 origin = rowOrigins.at[row].xyz;
   precise vec3 turned = vec3(origin.x * azimuth.x - origin.y * azimuth.y, origin.x * azimuth.y + origin.y * azimuth.x,
                              origin.z);
   return turned;
@@ -36,7 +36,7 @@ vec3 originOf(uint row, vec2 azimuth) {
 
 // The point at a range along a beam, in the frame that points are reported in.
 vec3 reported(uint column, uint row, vec2 azimuth, vec3 direction, float range) {
-  ColumnMotion at = columnMotions[column];
+  ColumnMotion at = columnMotions.at[column];
   precise vec3 p = direction * range + originOf(row, azimuth);
   return through(at.report0, at.report1, at.report2, p);
 }
@@ -50,7 +50,7 @@ float seemingAngle(float shift, float turn, float distance) {
 
 // A direction of the column's frame in that frame.
 vec3 reportedDirection(uint column, vec3 direction) {
-  ColumnMotion at = columnMotions[column];
+  ColumnMotion at = columnMotions.at[column];
   return rotated(at.report0, at.report1, at.report2, direction);
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Number of a placed triangle -> whose it is.
 
-uint firstTriangleOf(uint instance) { return floatBitsToUint(instances[instance].offset.w) & 0x7fffffffu; }
+uint firstTriangleOf(uint instance) { return instances.at[instance].firstTriangle & 0x7fffffffu; }
 
 // The last instance whose first triangle is not above `id`.
 uint instanceOf(uint id) {
-  uvec2 range = ownerRanges[id / kOwnerBlock];
+  uvec2 range = ownerRanges.at[id / kOwnerBlock];
   while (range.x < range.y) {
     uint middle = (range.x + range.y + 1) / 2;
     if (firstTriangleOf(middle) <= id)

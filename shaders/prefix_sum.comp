@@ -3,6 +3,7 @@
 // no workgroup ever waits for another, so no forward progress between workgroups is assumed.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared.h"
 #include "options.glsl"
@@ -16,6 +17,9 @@ shared uint laneSums[kLanes];
 
 uint blockCount() { return (frame.beams + kPrefixBlock - 1) / kPrefixBlock; }
 
+// Sums that do not fit stay at the largest number: the host then knows that there are too many candidates.
+uint plus(uint a, uint b) { return a + b < a ? kNone : a + b; }
+
 // Sum of the lanes before this one; every lane must call.
 uint sumBefore(uint value, out uint total) {
   uint lane = gl_LocalInvocationID.x;
@@ -24,8 +28,8 @@ uint sumBefore(uint value, out uint total) {
   uint before = 0;
   total = 0;
   for (uint k = 0; k < kLanes; ++k) {
-    if (k < lane) before += laneSums[k];
-    total += laneSums[k];
+    if (k < lane) before = plus(before, laneSums[k]);
+    total = plus(total, laneSums[k]);
   }
   barrier();
   return before;
@@ -35,7 +39,7 @@ uint countsOfLane(uint block) {
   uint sum = 0;
   for (uint k = 0; k < kPerLane; ++k) {
     uint beam = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
-    if (beam < frame.beams) sum += listEnds[beam];
+    if (beam < frame.beams) sum = plus(sum, listEnds.at[beam]);
   }
   return sum;
 }
@@ -44,7 +48,7 @@ void reduceBlocks() {
   for (uint block = gl_WorkGroupID.x; block < blockCount(); block += gl_NumWorkGroups.x) {
     uint total;
     sumBefore(countsOfLane(block), total);
-    if (gl_LocalInvocationID.x == 0) blockSums[block] = total;
+    if (gl_LocalInvocationID.x == 0) blockSums.at[block] = total;
   }
 }
 
@@ -53,12 +57,12 @@ void scanBlocks() {
   uint run = (blockCount() + kLanes - 1) / kLanes;
   uint first = gl_LocalInvocationID.x * run;
   uint sum = 0;
-  for (uint k = first; k < min(first + run, blockCount()); ++k) sum += blockSums[k];
+  for (uint k = first; k < min(first + run, blockCount()); ++k) sum = plus(sum, blockSums.at[k]);
   uint total;
   uint start = sumBefore(sum, total);
   for (uint k = first; k < min(first + run, blockCount()); ++k) {
-    uint count = blockSums[k];
-    blockSums[k] = start;
+    uint count = blockSums.at[k];
+    blockSums.at[k] = start;
     start += count;
   }
   if (gl_LocalInvocationID.x == 0) counters.candidates = total;
@@ -67,19 +71,19 @@ void scanBlocks() {
 void applyBlocks() {
   for (uint block = gl_WorkGroupID.x; block < blockCount(); block += gl_NumWorkGroups.x) {
     uint total;
-    uint start = blockSums[block] + sumBefore(countsOfLane(block), total);
+    uint start = blockSums.at[block] + sumBefore(countsOfLane(block), total);
     for (uint k = 0; k < kPerLane; ++k) {
       uint beam = block * kPrefixBlock + gl_LocalInvocationID.x * kPerLane + k;
       if (beam >= frame.beams) break;
-      uint count = listEnds[beam];
-      listEnds[beam] = start;
+      uint count = listEnds.at[beam];
+      listEnds.at[beam] = start;
       start += count;
     }
   }
 }
 
 void main() {
-  if (PASS == kPrefixReduce) reduceBlocks();
-  if (PASS == kPrefixBlocks) scanBlocks();
-  if (PASS == kPrefixApply) applyBlocks();
+  if (PASS == kPassReduce) reduceBlocks();
+  if (PASS == kPassBlocks) scanBlocks();
+  if (PASS == kPassApply) applyBlocks();
 }

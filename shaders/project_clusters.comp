@@ -3,17 +3,13 @@
 // shell that a beam may meet. A cluster belongs to the shell that its nearest point lies in.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#ifdef MOTION
-#include "effects/arithmetic.h"
-#include "effects/parameters.h"
-#include "effects_bindings.glsl"
 #include "motion.glsl"
-#endif
 #include "sphere.glsl"
 #include "to_sensor.glsl"
 #include "cull.glsl"
@@ -23,17 +19,17 @@ layout(local_size_x = 64) in;
 
 // One lane loads for all.
 void loadGroup(uint i, out uvec2 pair, out Instance instance, out uint first, out uint count) {
-  vec2 run;
+  uvec2 run;
   if (gl_SubgroupInvocationID == 0) {
-    pair = visibleGroups[i];
-    instance = instances[pair.x];
-    run = vec2(groups[pair.y].low.w, groups[pair.y].high.w);
+    pair = visibleGroups.at[i];
+    instance = instances.at[pair.x];
+    run = uvec2(groups.at[pair.y].clusterFirst, groups.at[pair.y].clusterCount);
   }
   pair = subgroupBroadcast(pair, 0);
   instance = fromFirstLane(instance);
   run = subgroupBroadcast(run, 0);
-  first = floatBitsToUint(run.x);
-  count = floatBitsToUint(run.y);
+  first = run.x;
+  count = run.y;
 }
 
 // A turn, with or without one scale for all axes, and a pivot that is the sensor's place: the cone then holds.
@@ -42,34 +38,31 @@ bool keepsShape(Instance instance, vec3 distance) {
   float scale = dot(a, a);
   float skew = max(max(abs(dot(a, b)), abs(dot(b, c))), abs(dot(c, a)));
   float stretch = max(abs(dot(b, b) - scale), abs(dot(c, c) - scale));
-  return max(skew, stretch) <= 1e-3 * scale && dot(instance.offset.xyz, instance.offset.xyz) <=
+  return max(skew, stretch) <= 1e-3 * scale && dot(instance.offset, instance.offset) <=
                                                     1e-8 * scale * dot(distance, distance);
 }
 
 // Every triangle shows its back by so much that rounding cannot turn any round: the cone by 1e-3, and a corner rounded
 // to 1e-7 of its distance tilts a triangle by that over its height, 40 times over for what follows.
-bool showsItsBack(Instance instance, Cluster cluster) {
-  bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && (floatBitsToUint(cluster.high.w) >> 31) == 0);
+bool showsItsBack(Instance instance, uint cluster) {
+  bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && clusters.at[cluster].doubleSided == 0);
   if ((CULLING & kCullCones) == 0 || !oneSided) return false;
-  vec3 eye = pivotOf(instance);
-  vec3 towards = 0.5 * (cluster.low.xyz - eye) + 0.5 * (cluster.high.xyz - eye);
-  float radius = 0.5 * length(cluster.high.xyz - cluster.low.xyz), distance = length(towards);
-  vec2 cone = unpackHalf2x16(floatBitsToUint(cluster.cone.w));
+  vec3 eye = pivotOf(instance), low = clusters.at[cluster].low, high = clusters.at[cluster].high;
+  vec3 towards = 0.5 * (low - eye) + 0.5 * (high - eye);
+  float radius = 0.5 * length(high - low), distance = length(towards);
+  vec2 cone = unpackHalf2x16(clusters.at[cluster].cone);
   float sine = cone.x + 1e-3 + 4e-6 * (distance + radius) * cone.y;
-  return dot(towards, cluster.cone.xyz) >= sine * distance + radius * 1.00001 && keepsShape(instance, towards);
+  return dot(towards, clusters.at[cluster].coneAxis) >= sine * distance + radius * 1.00001 && keepsShape(instance, towards);
 }
 
-bool seen(uint number, Instance instance, Cluster cluster) {
+bool seen(uint number, Instance instance, uint cluster) {
   vec3 low, high;
-  sensorBox(instance, cluster.low.xyz, cluster.high.xyz, low, high);
-#ifdef MOTION
-  widenByMotion(number, low, high);
-#else
-  if (showsItsBack(instance, cluster)) return false;
-#endif
+  sensorBox(instance, clusters.at[cluster].low, clusters.at[cluster].high, low, high);
+  if (MOTION) widenByMotion(number, low, high);
   float nearest = nearestPoint(low, high);
   bool inShell = !(nearest < pass.shellMin) && !(nearest >= pass.shellMax);
-  return inShell && !outOfSight(low, high);
+  // The cone comes last: of most clusters it need not be loaded.
+  return inShell && !outOfSight(low, high) && (MOTION || !showsItsBack(instance, cluster));
 }
 
 void main() {
@@ -82,12 +75,12 @@ void main() {
     loadGroup(i, pair, instance, first, count);
     for (uint k = 0; k < count; k += gl_SubgroupSize) {
       uint cluster = first + k + gl_SubgroupInvocationID;
-      bool keep = k + gl_SubgroupInvocationID < count && seen(pair.x, instance, clusters[cluster]);
+      bool keep = k + gl_SubgroupInvocationID < count && seen(pair.x, instance, cluster);
       uvec4 ballot = subgroupBallot(keep);
       uint slot = 0;
       if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.visible, subgroupBallotBitCount(ballot));
       slot = slotAfter(slot, ballot);
-      if (keep) visible[slot] = uvec2(pair.x, cluster);
+      if (keep) visible.at[slot] = uvec2(pair.x, cluster);
     }
   }
 }

@@ -3,18 +3,14 @@
 // in the shell.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#ifdef MOTION
-#include "effects/arithmetic.h"
-#include "effects/parameters.h"
-#include "effects_bindings.glsl"
 #include "motion.glsl"
-#endif
 #include "sphere.glsl"
 #include "to_sensor.glsl"
 #include "cull.glsl"
@@ -26,9 +22,7 @@ layout(local_size_x = 64) in;
 void noteLater(vec3 low, vec3 high, inout uvec2 later) {
   bool occluders = (CULLING & kCullOccluded) != 0 && pass.shellMax < kCoordinateLimit;
   if (!occluders || farthestPoint(low, high) < pass.shellMax) return;
-#ifdef MOTION
-  seeming = seemingAngle(motion.shift, motion.turn, pass.shellMax);  // at most, so far away
-#endif
+  if (MOTION) seeming = seemingAngle(motion.shift, motion.turn, pass.shellMax);  // at most, so far away
   float keyMin, keyMax;
   coverKeys(low, high, pass.shellMax, keyMin, keyMax);
   uint first, end;
@@ -39,10 +33,8 @@ void noteLater(vec3 low, vec3 high, inout uvec2 later) {
 
 bool seen(uvec2 pair, inout uvec2 later) {
   vec3 low, high;
-  sensorBox(instances[pair.x], groups[pair.y].low.xyz, groups[pair.y].high.xyz, low, high);
-#ifdef MOTION
-  widenByMotion(pair.x, low, high);
-#endif
+  sensorBox(instances.at[pair.x], groups.at[pair.y].low, groups.at[pair.y].high, low, high);
+  if (MOTION) widenByMotion(pair.x, low, high);
   noteLater(low, high, later);
   return !(nearestPoint(low, high) >= pass.shellMax || farthestPoint(low, high) < pass.shellMin || outOfSight(low, high));
 }
@@ -56,14 +48,14 @@ void main() {
     uvec2 pair = uvec2(0);
     bool keep = false;
     if (i < pass.placedCount) {
-      pair = placed[pass.placedFirst + i];
+      pair = placed.at[pass.placedFirst + i];
       keep = seen(pair, later);
     }
     uvec4 ballot = subgroupBallot(keep);
     uint slot = 0;
     if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.visibleGroups, subgroupBallotBitCount(ballot));
     slot = slotAfter(slot, ballot);
-    if (keep) visibleGroups[slot] = pair;
+    if (keep) visibleGroups.at[slot] = pair;
   }
   later = uvec2(subgroupMax(later.x), subgroupMax(later.y));
   if (gl_SubgroupInvocationID == 0 && later.y > 0) {

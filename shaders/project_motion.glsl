@@ -3,15 +3,9 @@
 // bounded in the frame of the column that looks at it, and widened by what may move until the other columns of its box
 // fire. At the seam lie the scan's start and end, far apart in time: such a triangle gets a box on either side.
 
-// Bounded in the frame of column `at`, which is about where the triangle is; columns count from there on, unwrapped.
-// False where motion may bring it anywhere.
-bool boxAround(mat3 corners, mat3 velocities, uint at, float distance, float speed, out Outline outline, out Box box) {
-  ColumnMotion column = columnMotions[at];
-  vec3 a = inColumn(column, corners[0], velocities[0]), b = inColumn(column, corners[1], velocities[1]);
-  vec3 c = inColumn(column, corners[2], velocities[2]);
-  seeming = 0.0;
-  outline = outlineOf(a, b, c);
-  coverColumns(a, b, c, outline, box);
+// Widens the bounds of a triangle that were found in the frame of column `at`, which is about where the triangle is;
+// columns count from there on, unwrapped. False where motion may bring it anywhere.
+bool widenByMotion(uint at, float distance, float speed, inout Outline outline, inout Box box) {
   float turnColumns = float(frame.columns);
   if (box.columnMax - box.columnMin >= 0.5 * turnColumns) return false;
   float wrap = floor((float(at) - 0.5 * (box.columnMin + box.columnMax)) / turnColumns + 0.5) * turnColumns;
@@ -37,12 +31,9 @@ bool boxAround(mat3 corners, mat3 velocities, uint at, float distance, float spe
   return true;
 }
 
-// Bounded in the frame of the scan's middle, and widened by all that may move during the scan.
-uint widenedBox(mat3 corners, float seem, out Box box) {
-  seeming = seem;
-  Outline outline = outlineOf(corners[0], corners[1], corners[2]);
-  return coverRows(outline, box) && coverColumns(corners[0], corners[1], corners[2], outline, box) ? kKeep : kBetween;
-}
+// Whose frame a triangle is bounded in: that of the column that sees it, of the scan's first or last column where it is
+// at the seam, or of the scan's middle, widened by all that may move during the scan.
+const uint kItsColumn = 0, kEndColumn = 1, kMiddle = 2;
 
 uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float rangeMin) {
   vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
@@ -54,26 +45,42 @@ uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float 
   float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
   uint last = frame.columns - 1, at = min(uint(max(azimuth, 0.0)), last);
   // Once more from the column that sees it where it is then.
-  middle = inColumn(columnMotions[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
+  middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
   azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
   at = min(uint(max(azimuth, 0.0)), last);
-  float all = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));
   Outline outline;
-  bool bounded = boxAround(corners, velocities, at, distance, speed, outline, box);
-  // Where it is at the scan's start and at its end may lie on either side of the seam.
-  float apart = seemingAngle(2.0 * motion.shift + speed * motion.seconds, 2.0 * motion.turn, distance);
-  float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
-  bool shifted = AZIMUTH_OFFSETS && (box.columnMin - margin < frame.shiftMax ||
-                                     box.columnMax + margin > float(last) + frame.shiftMin);
-  if (!bounded || shifted) {
-    return side == 0 ? widenedBox(corners, all, box) : kNoTriangle;
+  // A loop, though each frame has its turn at most once: some compilers take gigabytes where bounds are inlined thrice.
+  uint from = kItsColumn;
+  while (true) {
+    vec3 a = corners[0], b = corners[1], c = corners[2];
+    seeming = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));
+    if (from != kMiddle) {
+      ColumnMotion column = columnMotions.at[at];
+      a = inColumn(column, a, velocities[0]);
+      b = inColumn(column, b, velocities[1]);
+      c = inColumn(column, c, velocities[2]);
+      seeming = 0.0;
+    }
+    outline = outlineOf(a, b, c);
+    bool any = coverColumns(a, b, c, outline, box);
+    if (from == kMiddle) return coverRows(outline, box) && any ? kKeep : kBetween;
+    bool bounded = widenByMotion(at, distance, speed, outline, box);
+    if (from == kEndColumn && bounded) break;
+    // Where it is at the scan's start and at its end may lie on either side of the seam.
+    float apart = seemingAngle(2.0 * motion.shift + speed * motion.seconds, 2.0 * motion.turn, distance);
+    float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
+    bool shifted = AZIMUTH_OFFSETS && (box.columnMin - margin < frame.shiftMax ||
+                                       box.columnMax + margin > float(last) + frame.shiftMin);
+    bool atSeam = box.columnMin < margin || box.columnMax > float(last) - margin;
+    // The two sides of the seam are told apart by columns as floats, which do not hold all of more than 2^24.
+    bool anywhere = !bounded || shifted || frame.columns > 1u << 24;
+    if (from == kItsColumn && side == 1 && (anywhere || !atSeam)) return kNoTriangle;
+    if (!anywhere && !atSeam) break;
+    from = anywhere ? kMiddle : kEndColumn;
+    at = side == 0 ? 0 : last;
   }
-  bool atSeam = box.columnMin < margin || box.columnMax > float(last) - margin;
-  if (!atSeam && side == 1) return kNoTriangle;
-  if (atSeam) {
+  if (from == kEndColumn) {
     float half_ = 0.5 * float(frame.columns);
-    uint end = side == 0 ? 0 : last;
-    if (!boxAround(corners, velocities, end, distance, speed, outline, box)) return widenedBox(corners, all, box);
     box.columnMin = max(box.columnMin, side == 0 ? 0.0 : ceil(half_));
     box.columnMax = min(box.columnMax, side == 0 ? ceil(half_) - 1.0 : float(last));
     if (box.columnMin > box.columnMax) return side == 0 ? kBetween : kNoTriangle;

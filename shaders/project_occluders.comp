@@ -4,6 +4,8 @@
 // entry would need barriers, which took lavapipe three times as long as all the rest.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shared.h"
@@ -11,7 +13,6 @@
 #include "bindings.glsl"
 
 layout(local_size_x = 64) in;
-layout(push_constant) uniform PassBlock { Pass pass; };
 
 // For the next shell, only the rows that it has something in; for a still image, all of them.
 bool worthKnowing(uvec2 entry) {
@@ -22,11 +23,12 @@ bool worthKnowing(uvec2 entry) {
 
 uint farthestIn(uvec2 entry) {
   uint result = 0;
-  uint rowEnd = min((entry.y + 1) * kFineRows, frame.rows), columnEnd = min((entry.x + 1) * kFineColumns, frame.columns);
+  uint rowEnd = min((entry.y + 1) * kFineRows, frame.rows), first = entry.x * kFineColumns;
+  uint last = min(kFineColumns, frame.columns - first) - 1;
   // A beam that met nothing hides nothing: no need to look further.
   for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row)
-    for (uint column = entry.x * kFineColumns; column < columnEnd; ++column)
-      result = max(result, words[row * frame.columns + column].y);
+    [[unroll]] for (uint k = 0; k < kFineColumns; ++k)
+      result = max(result, words.at[row * frame.columns + first + min(k, last)].y);
   return result;
 }
 
@@ -44,11 +46,11 @@ void main() {
       if (entry.x >= perRow || entry.y >= fineRows) continue;
       bool known = worthKnowing(entry);
       uint found = known ? farthestIn(entry) : kNone;
-      farthest[entry.y * perRow + entry.x] = found;
+      farthest.at[entry.y * perRow + entry.x] = found;
       if (known) largest = max(largest, found);
     }
     largest = subgroupMax(largest);
-    if (gl_SubgroupInvocationID == 0) farthest[perRow * fineRows + i] = largest > 0 ? largest : kNone;
+    if (gl_SubgroupInvocationID == 0) farthest.at[perRow * fineRows + i] = largest > 0 ? largest : kNone;
   }
   if (gl_WorkGroupID == uvec3(0) && gl_LocalInvocationID.x == 0) {
     counters.binnedSmall = counters.projectedSmall;

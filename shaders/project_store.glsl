@@ -2,21 +2,17 @@
 // What project_triangles.comp keeps, for stage bin: the triangle, and where it is to be tried.
 
 void store(uint slot, Projected projected, Box box, uint material) {
-  projectedA[slot] = projected.a;
-  projectedB[slot] = projected.b;
-  projectedC[slot] = projected.c;
-  projectedColumns[slot] = vec2(box.columnMin, box.columnMax);
-#ifdef FOOTPRINT
-  projectedMaterials[slot] = material;
+  projectedA.at[slot] = projected.a;
+  projectedB.at[slot] = projected.b;
+  projectedC.at[slot] = projected.c;
+  projectedColumns.at[slot] = vec2(box.columnMin, box.columnMax);
+  if ((EFFECTS & kFootprintEffects) != 0) projectedMaterials.at[slot] = material;
   if ((EFFECTS & kCutOuts) != 0) {
-    projectedTexture[2 * slot] = vec4(projected.uvA, projected.uvB);
-    projectedTexture[2 * slot + 1] = vec4(projected.uvC, 0.0, 0.0);
+    projectedTexture.at[2 * slot] = vec4(projected.uvA, projected.uvB);
+    projectedTexture.at[2 * slot + 1] = vec4(projected.uvC, 0.0, 0.0);
   }
-#endif
-#ifdef MOTION
-  if (motion.instances != 0)
-    for (uint k = 0; k < 3; ++k) projectedMotions[3 * slot + k] = vec4(projected.velocities[k], 0.0);
-#endif
+  if (MOTION && motion.instances != 0)
+    for (uint k = 0; k < 3; ++k) projectedMotions.at[3 * slot + k] = vec4(projected.velocities[k], 0.0);
 }
 
 // A large box is cut into tiles.
@@ -26,7 +22,7 @@ void storeTiles(uint slot, Box box) {
   uint count = (columnCount + columnsPerTile - 1) / columnsPerTile;
   uint first = atomicAdd(counters.tiles, count);
   for (uint k = 0; k < count && first + k < frame.tileCapacity; ++k)
-    tiles[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
+    tiles.at[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
 }
 
 // Each slab of columns that a box reaches into lists its part as a tile, after those it has. The first part's tile has
@@ -36,7 +32,7 @@ void storeSlabs(uint slot, Box box) {
   for (uint k = 0; k < count;) {
     uint slab = column >> frame.slabShift;
     uint run = min(min(slab + 1 << frame.slabShift, frame.columns) - column, count - k);
-    tiles[t] = uvec4(slot, k, run, atomicExchange(listEnds[slab], t));
+    tiles.at[t] = uvec4(slot, k, run, atomicExchange(listEnds.at[slab], t));
     k += run;
     column = column + run == frame.columns ? 0 : column + run;
     if (k == count) return;
@@ -47,12 +43,12 @@ void storeSlabs(uint slot, Box box) {
 }
 
 void storeKept(bool keep, Projected projected, Box box, uint material) {
-  bool small = PASS == kPassSlabs || boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
+  bool small = BINNING == kBinningSlabs || boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
   uvec4 smallOnes = subgroupBallot(keep && small);
   uint slot = 0;
   if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));
   slot = slotAfter(slot, smallOnes);
-  if (PASS != kPassSlabs) {
+  if (BINNING != kBinningSlabs) {
     uvec4 largeOnes = subgroupBallot(keep && !small);
     uint large = 0;
     if (gl_SubgroupInvocationID == 0) large = atomicAdd(counters.projectedLarge, subgroupBallotBitCount(largeOnes));
@@ -61,7 +57,7 @@ void storeKept(bool keep, Projected projected, Box box, uint material) {
   }
   if (keep && slot < frame.projectedCapacity) {
     store(slot, projected, box, material);
-    if (PASS == kPassSlabs)
+    if (BINNING == kBinningSlabs)
       storeSlabs(slot, box);
     else if (!small)
       storeTiles(slot, box);

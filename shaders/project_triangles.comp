@@ -4,6 +4,7 @@
 // Writes every triangle that a beam may meet, with a box that contains all such beams.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
@@ -13,14 +14,7 @@
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#if defined(FOOTPRINT) || defined(MOTION)
-#include "effects/arithmetic.h"
-#include "effects/parameters.h"
-#include "effects_bindings.glsl"
-#endif
-#ifdef MOTION
 #include "motion.glsl"
-#endif
 #include "sphere.glsl"
 #include "bounds.glsl"
 #include "lattice.glsl"
@@ -32,22 +26,16 @@
 layout(local_size_x = 64) in;
 
 // A moving sensor sees what is at the seam of its columns twice: at the scan's start and at its end.
-#ifdef MOTION
-const uint kSides = 2;
-#else
-const uint kSides = 1;
-#endif
+uint sideCount() { return MOTION ? 2 : 1; }
 const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4, kHidden = 5, kNoTriangle = 6;
 
 // As stored, see bindings.glsl.
 struct Projected {
-  vec4 a, b, c;
-#ifdef FOOTPRINT
-  vec2 uvA, uvB, uvC;
-#endif
-#ifdef MOTION
-  mat3 velocities;  // of the corners
-#endif
+  TaggedCorner a;
+  vec4 b;
+  TaggedCorner c;
+  vec2 uvA, uvB, uvC;  // only with cut-outs
+  mat3 velocities;     // of the corners; only with motion
 };
 
 // By bits: the compiler may assume that NaN does not occur.
@@ -106,9 +94,7 @@ uint boundedBox(vec3 a, vec3 b, vec3 c, out Box box, float rangeMin) {
   return hidden(box, rangeMin) ? kHidden : kKeep;
 }
 
-#ifdef MOTION
 #include "project_motion.glsl"
-#endif
 
 // Section 3 of the paper: n . v0 < 0 for faces of one side, the floor of the corners' angles.
 uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {
@@ -128,14 +114,12 @@ uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rang
   return kKeep;
 }
 
-bool isOneSided(LoadedCluster loaded) { return FACES == kFacesFront || (FACES == kFacesMaterial && !loaded.doubleSided); }
+bool isOneSided(LoadedCluster loaded) { return FACES == kFacesFront || (FACES == kFacesMaterial && loaded.doubleSided == 0); }
 
 uint cullOne(LoadedCluster loaded, mat3 corners) {
   vec3 a = corners[0], b = corners[1], c = corners[2];
   uint fate = kKeep;
-#ifndef MOTION
-  if (BOUNDS != kBoundsPaper) fate = culledEarly(a, b, c, isOneSided(loaded));
-#endif
+  if (!MOTION && BOUNDS != kBoundsPaper) fate = culledEarly(a, b, c, isOneSided(loaded));
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 
@@ -150,7 +134,7 @@ struct Survivor {
 
 // The k-th triangle of a cluster. Every lane must ask.
 Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
-  uvec2 triangle = triangleCorners[loaded.triangleFirst + k];
+  uvec2 triangle = triangleCorners.at[loaded.triangleFirst + k];
   uvec3 numbers = numbersOf(loaded, triangle.x);
   Survivor survivor;
   survivor.corners = cornersOf(loaded, vertices, numbers);
@@ -163,28 +147,28 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
 
 uint projectOne(Survivor survivor, uint side, out Projected projected, out Box box) {
   vec3 a = survivor.corners[0], b = survivor.corners[1], c = survivor.corners[2];
-#ifdef FOOTPRINT
   if ((EFFECTS & kCutOuts) != 0) {
-    projected.uvA = textureCoordinates[survivor.vertices.x];
-    projected.uvB = textureCoordinates[survivor.vertices.y];
-    projected.uvC = textureCoordinates[survivor.vertices.z];
+    projected.uvA = textureCoordinates.at[survivor.vertices.x];
+    projected.uvB = textureCoordinates.at[survivor.vertices.y];
+    projected.uvC = textureCoordinates.at[survivor.vertices.z];
   }
-#endif
   float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
-#ifdef MOTION
-  projected.velocities = mat3(0.0);
-  if (motion.instances != 0) {
-    InstanceMotion moving = instanceMotions[survivor.instance];
-    projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
+  uint fate;
+  if (MOTION) {
+    projected.velocities = mat3(0.0);
+    if (motion.instances != 0) {
+      InstanceMotion moving = instanceMotions.at[survivor.instance];
+      projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
+    }
+    fate = movingBox(survivor.corners, projected.velocities, side, box, rangeMin);
+  } else if (BOUNDS == kBoundsPaper) {
+    fate = paperBox(a, b, c, (survivor.id >> 31) != 0, box, rangeMin);
+  } else {
+    fate = boundedBox(a, b, c, box, rangeMin);
   }
-  uint fate = movingBox(survivor.corners, projected.velocities, side, box, rangeMin);
-#else
-  uint fate = BOUNDS == kBoundsPaper ? paperBox(a, b, c, (survivor.id >> 31) != 0, box, rangeMin)
-                                     : boundedBox(a, b, c, box, rangeMin);
-#endif
-  projected.a = vec4(a, uintBitsToFloat(survivor.id));
+  projected.a = TaggedCorner(a, survivor.id);
   projected.b = vec4(b, rangeMin);
-  projected.c = vec4(c, uintBitsToFloat(box.rowFirst | box.rowLast << 16));
+  projected.c = TaggedCorner(c, box.rowFirst | box.rowLast << 16);
   return fate;
 }
 
@@ -193,7 +177,7 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
 // The next visible cluster of a subgroup; false if there is none left. On few threads whoever is free
 // takes the next one; on many, each has its share from the start.
 bool nextCluster(inout uint i) {
-  if (PASS == kPassSlabs) {
+  if (BINNING == kBinningSlabs) {
     if (gl_SubgroupInvocationID == 0) i = atomicAdd(counters.nextCluster, 1);
     i = subgroupBroadcast(i, 0);
   } else {
@@ -218,7 +202,7 @@ uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, 
 
 // Every lane must call; `there`: it has a survivor.
 void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
-  for (uint side = 0; side < kSides; ++side) {
+  for (uint side = 0; side < sideCount(); ++side) {
     uint fate = kNoTriangle;
     Projected projected;
     Box box;
@@ -247,7 +231,7 @@ void main() {
       vertices = verticesOf(loaded);
       for (uint first = 0; first < loaded.triangleCount; first += gl_SubgroupSize) {
         uint k = first + lane;
-        uvec3 numbers = numbersOf(loaded, triangleCorners[loaded.triangleFirst + min(k, loaded.triangleCount - 1)].x);
+        uvec3 numbers = numbersOf(loaded, triangleCorners.at[loaded.triangleFirst + min(k, loaded.triangleCount - 1)].x);
         uint fate = cullOne(loaded, cornersOf(loaded, vertices, numbers));
         if (k >= loaded.triangleCount) fate = kNoTriangle;
         culled += countOf(fate);

@@ -3,22 +3,16 @@
 // nearest way only unpacks its words; the list way visits the beam's candidates, best first, skipping by depth.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
-#ifdef MOTION
-#include "effects/arithmetic.h"
-#include "effects/parameters.h"
-#include "effects_bindings.glsl"
 #include "motion.glsl"
-#endif
 #include "inside.glsl"
-#ifdef MOTION
 #include "seen.glsl"
-#endif
 #include "owner.glsl"
 
 layout(local_size_x = 64) in;
@@ -29,10 +23,8 @@ float farthestOf(uint index) { return nearestSoFar; }
 // Range bits above, placed triangle below: the smaller pair wins.
 void consider(uint candidate, uint index, Beam beam, inout uint rangeBits, inout uint id) {
   Triangle triangle = loadProjected(candidate);
-#ifdef MOTION
   uint row = index / frame.columns;
-  triangle = seenFrom(triangle, candidate, index - row * frame.columns, row, beam.azimuth);
-#endif
+  if (MOTION) triangle = seenFrom(triangle, candidate, index - row * frame.columns, row, beam.azimuth);
   nearestSoFar = min(uintBitsToFloat(min(rangeBits, 0x7f800000u)), frame.rangeMax);
   float range;
   if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, index, range)) return;
@@ -48,21 +40,21 @@ void consider(uint candidate, uint index, Beam beam, inout uint rangeBits, inout
 void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
   rangeBits = kNone;
   id = kNone;
-  uint start = index == 0 ? 0 : listEnds[index - 1];
-  uint end = min(listEnds[index], frame.candidateCapacity);
+  uint start = index == 0 ? 0 : listEnds.at[index - 1];
+  uint end = min(listEnds.at[index], frame.candidateCapacity);
   uint best = kNone;
   float bestRangeMin = 0.0;
   for (uint k = start; k < end; ++k) {
-    float rangeMin = projectedB[candidates[k]].w;
+    float rangeMin = projectedB.at[candidates.at[k]].w;
     if (best == kNone || rangeMin < bestRangeMin) {
       best = k;
       bestRangeMin = rangeMin;
     }
   }
-  if (best != kNone) consider(candidates[best], index, beam, rangeBits, id);
+  if (best != kNone) consider(candidates.at[best], index, beam, rangeBits, id);
   for (uint k = start; k < end; ++k)
-    if (k != best && floatBitsToUint(projectedB[candidates[k]].w) <= rangeBits)
-      consider(candidates[k], index, beam, rangeBits, id);
+    if (k != best && floatBitsToUint(projectedB.at[candidates.at[k]].w) <= rangeBits)
+      consider(candidates.at[k], index, beam, rangeBits, id);
 }
 
 void store(uint row, uint column, uint beam, Beam axis, uint rangeBits, uint id) {
@@ -70,28 +62,25 @@ void store(uint row, uint column, uint beam, Beam axis, uint rangeBits, uint id)
   float range = hit ? uintBitsToFloat(rangeBits) : uintBitsToFloat(0x7fc00000u);
   uvec2 owner = uvec2(kNone);
   if (hit) owner = ownerOf(id);
-#ifdef MOTION
-  vec3 point = reported(column, row, axis.azimuth, axis.direction, range);
-#else
-  vec3 point = axis.direction * range;
-#endif
-  points[beam * RETURNS] = hit ? vec4(point, range) : vec4(range);
-  owners[beam * RETURNS] = owner;
+  vec3 point = MOTION ? reported(column, row, axis.azimuth, axis.direction, range) : axis.direction * range;
+  points.at[beam * RETURNS] = hit ? vec4(point, range) : vec4(range);
+  owners.at[beam * RETURNS] = owner;
 }
 
 void main() {
-  vec4 angles = rows[gl_WorkGroupID.y].angles, offset = rows[gl_WorkGroupID.y].offset;
-  uint channel = uint(angles.w);
+  vec3 angles = rows.at[gl_WorkGroupID.y].angles;
+  vec4 offset = rows.at[gl_WorkGroupID.y].offset;
+  uint channel = rows.at[gl_WorkGroupID.y].channel;
   uint hits = 0;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
     uint index = gl_WorkGroupID.y * frame.columns + column;
-    Beam beam = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns[column], offset) : columns[column], angles.x, angles.y);
+    Beam beam = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[column], offset) : columns.at[column], angles.x, angles.y);
     uint rangeBits, id;
-    if (PASS == kBinningLists) {
+    if (BINNING == kBinningLists) {
       nearestOfList(index, beam, rangeBits, id);
     } else {
-      uvec2 word = words[index];
+      uvec2 word = words.at[index];
       rangeBits = word.y;
       id = word.x;
     }

@@ -3,11 +3,11 @@
 
 // When a column fires, in the column's frame.
 Triangle seenFrom(Triangle triangle, uint slot, uint column) {
-  ColumnMotion at = columnMotions[column];
+  ColumnMotion at = columnMotions.at[column];
   if (motion.instances != 0) {
-    triangle.a = inColumn(at, triangle.a, projectedMotions[3 * slot].xyz);
-    triangle.b = inColumn(at, triangle.b, projectedMotions[3 * slot + 1].xyz);
-    triangle.c = inColumn(at, triangle.c, projectedMotions[3 * slot + 2].xyz);
+    triangle.a = inColumn(at, triangle.a, projectedMotions.at[3 * slot].xyz);
+    triangle.b = inColumn(at, triangle.b, projectedMotions.at[3 * slot + 1].xyz);
+    triangle.c = inColumn(at, triangle.c, projectedMotions.at[3 * slot + 2].xyz);
   } else {
     triangle.a = inColumn(at, triangle.a);
     triangle.b = inColumn(at, triangle.b);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What host and device share: structs, constants and binding numbers. Included by GLSL, C++ and CUDA.
-// Members are float, uint and vec4 only, 16-byte members first, sizes a multiple of 16: so std430, C++ and CUDA agree.
-// What a shader reads together is one vec4: a software device pays per load, not per component. An integer in its last
-// component is stored as its bits.
+// What host and device share: structs and constants. Included by GLSL, C++ and CUDA. GLSL lays the structs out by the
+// scalar rules, so all three agree.
 #ifndef GNOSPHERE_SHARED_H
 #define GNOSPHERE_SHARED_H
 
@@ -12,6 +10,9 @@ namespace gnosphere::gpu {
 using uint = uint32_t;
 struct alignas(16) vec4 {
   float x, y, z, w;
+};
+struct vec3 {
+  float x, y, z;
 };
 struct vec2 {
   float x, y;
@@ -28,9 +29,6 @@ struct vec2 {
 GNO_CONST uint kClusterTriangles = 32;
 // Clusters per group: one subgroup goes through the clusters of a group.
 GNO_CONST uint kGroupClusters = 64;
-// Triangles and vertices per chunk: a cluster packs its first ones into 24 and 25 bits.
-GNO_CONST uint kChunkTriangles = 1u << 24;
-GNO_CONST uint kChunkVertices = 1u << 25;
 // A box of at most this many beams is worked off by one invocation; a larger one is cut into tiles, a subgroup each.
 GNO_CONST uint kSmallBoxBeams = 16;
 // Beams per tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
@@ -86,13 +84,6 @@ GNO_CONST uint kFacesMaterial = 0;
 GNO_CONST uint kFacesFront = 1;
 GNO_CONST uint kFacesBoth = 2;
 
-GNO_CONST uint kPassNearest = 0;  // 64-bit minimum of (range, triangle)
-GNO_CONST uint kPassRange = 1;    // 32-bit way, first pass: minimum of range
-GNO_CONST uint kPassOwner = 2;    // 32-bit way, second pass: minimum of triangle where the range is the minimum
-GNO_CONST uint kPassCount = 3;    // list way: candidates per beam
-GNO_CONST uint kPassFill = 4;     // list way: write them
-GNO_CONST uint kPassSlabs = 5;    // slab way: minimum of (range, triangle), each word with one owner
-
 // What is skipped before any triangle is read; bits of CULLING.
 GNO_CONST uint kCullRange = 1;     // out of range
 GNO_CONST uint kCullRows = 2;      // between two rows of beams, above or below the field of view
@@ -100,79 +91,22 @@ GNO_CONST uint kCullColumns = 4;   // between two columns of beams
 GNO_CONST uint kCullOccluded = 8;  // behind what every beam has met already
 GNO_CONST uint kCullCones = 16;    // whole clusters that show their back
 
-GNO_CONST uint kPrefixReduce = 0;
-GNO_CONST uint kPrefixBlocks = 1;
-GNO_CONST uint kPrefixApply = 2;
+// How triangles meet beams.
+GNO_CONST uint kBinningNearest = 0;    // one pass: 64-bit atomic minimum of (range, triangle)
+GNO_CONST uint kBinningNearest32 = 1;  // two passes: 32-bit minimum of the range, then of the triangle at that range
+GNO_CONST uint kBinningLists = 2;      // count and fill a list of candidates per beam
+GNO_CONST uint kBinningSlabs = 3;      // minimum of (range, triangle) without atomics: each word has one owner
 
-GNO_CONST uint kBinningNearest = 0;
-GNO_CONST uint kBinningNearest32 = 1;
-GNO_CONST uint kBinningLists = 2;
-GNO_CONST uint kBinningSlabs = 3;
-
-// --- Bindings --------------------------------------------------------------------------------------------------------
-
-// Set 0: the sensor and the work arrays of a scan.
-GNO_CONST uint kBindFrame = 0;
-GNO_CONST uint kBindCounters = 1;
-GNO_CONST uint kBindInstances = 2;
-GNO_CONST uint kBindRows = 3;
-GNO_CONST uint kBindRowLookup = 4;
-GNO_CONST uint kBindColumns = 5;
-GNO_CONST uint kBindVisibleGroups = 6;
-GNO_CONST uint kBindVisible = 7;
-GNO_CONST uint kBindFarthest = 8;
-GNO_CONST uint kBindProjectedA = 9;
-GNO_CONST uint kBindProjectedB = 10;
-GNO_CONST uint kBindProjectedC = 11;
-GNO_CONST uint kBindProjectedColumns = 12;
-GNO_CONST uint kBindTiles = 13;
-GNO_CONST uint kBindWords = 14;
-GNO_CONST uint kBindListEnds = 15;
-GNO_CONST uint kBindBlockSums = 16;
-GNO_CONST uint kBindCandidates = 17;
-GNO_CONST uint kBindPoints = 18;
-GNO_CONST uint kBindOwners = 19;
-GNO_CONST uint kBindPlaced = 20;
-GNO_CONST uint kBindOwnerRanges = 21;
-GNO_CONST uint kWorkBindingCount = 22;
-// Set 0 goes on where effects are planned:
-GNO_CONST uint kBindParameters = 22;
-GNO_CONST uint kBindOptics = 23;
-GNO_CONST uint kBindDeadBeams = 24;
-GNO_CONST uint kBindVolumes = 25;
-GNO_CONST uint kBindSurfaces = 26;
-GNO_CONST uint kBindSignals = 27;
-GNO_CONST uint kBindMotions = 28;
-GNO_CONST uint kBindBarycentrics = 29;
-GNO_CONST uint kBindInstanceMeshes = 30;
-GNO_CONST uint kBindInstanceMotions = 31;
-GNO_CONST uint kBindColumnMotions = 32;
-GNO_CONST uint kBindSubRays = 33;
-GNO_CONST uint kBindEchoes = 34;
-GNO_CONST uint kBindEchoOwners = 35;
-GNO_CONST uint kBindProjectedMaterials = 36;
-GNO_CONST uint kBindProjectedMotions = 37;
-GNO_CONST uint kBindAlphaImages = 38;
-GNO_CONST uint kBindTexels = 39;
-GNO_CONST uint kBindEchoCounts = 40;
-GNO_CONST uint kBindEchoSurfaces = 41;
-GNO_CONST uint kBindRowOrigins = 42;
-GNO_CONST uint kBindMotionBounds = 43;
-GNO_CONST uint kBindProjectedTexture = 44;
-GNO_CONST uint kBindHardBeams = 45;
-GNO_CONST uint kWorkBindingCountEffects = 46;
-// Set 1: one chunk of the scene.
-GNO_CONST uint kBindGroups = 0;
-GNO_CONST uint kBindClusters = 1;
-GNO_CONST uint kBindPositions = 2;
-GNO_CONST uint kBindTriangleCorners = 3;
-GNO_CONST uint kSceneBindingCount = 4;
-// Set 1 goes on where effects look at surfaces:
-GNO_CONST uint kBindClusterMaterials = 4;
-GNO_CONST uint kBindMeshPlaces = 5;
-GNO_CONST uint kBindTrianglePlaces = 6;
-GNO_CONST uint kBindTextureCoordinates = 7;
-GNO_CONST uint kSceneBindingCountEffects = 8;
+// Values of PASS, shader by shader: bin with nearest32, bin with lists, prefix_sum, effects_footprint.
+GNO_CONST uint kPassRange = 0;
+GNO_CONST uint kPassOwner = 1;
+GNO_CONST uint kPassCount = 0;
+GNO_CONST uint kPassFill = 1;
+GNO_CONST uint kPassReduce = 0;
+GNO_CONST uint kPassBlocks = 1;
+GNO_CONST uint kPassApply = 2;
+GNO_CONST uint kPassWithinOne = 0;  // beams whose footprint lies on one triangle
+GNO_CONST uint kPassOthers = 1;
 
 // --- Structs ---------------------------------------------------------------------------------------------------------
 
@@ -182,20 +116,47 @@ struct Instance {
   vec4 row0;  // xyz: linear part, w: pivot
   vec4 row1;
   vec4 row2;
-  vec4 offset;  // xyz: offset, w: index of its first placed triangle; the top bit says that the transform mirrors
+  vec3 offset;
+  uint firstTriangle;  // number of its first placed triangle; the top bit says that the transform mirrors
 };
 
 // At most kClusterTriangles triangles of one material, in the mesh frame.
 struct Cluster {
-  vec4 low;   // xyz: lower corner of its box, w: first vertex | vertices << 25
-  vec4 high;  // xyz: upper corner, w: first triangle | triangles << 24 | double-sided << 31
-  vec4 cone;  // see cone.hpp: xyz axis, w: sine in the low 16 bits, thinness in the high ones, both half floats
+  vec3 low;  // lower corner of its box
+  uint vertexFirst;
+  vec3 high;  // upper corner
+  uint triangleFirst;
+  vec3 coneAxis;  // see cone.hpp
+  uint cone;      // its sine in the low 16 bits, its thinness in the high ones, both half floats
+  uint vertexCount, triangleCount;
+  uint doubleSided;  // 0 or 1
+  uint material;     // index into the scene's materials
 };
 
 // At most kGroupClusters clusters of one mesh that lie together.
 struct Group {
-  vec4 low;   // xyz: lower corner of its box, w: first cluster
-  vec4 high;  // xyz: upper corner, w: clusters
+  vec3 low;  // lower corner of its box
+  uint clusterFirst;
+  vec3 high;  // upper corner
+  uint clusterCount;
+};
+
+// A corner of a projected triangle in the sensor's frame, and what arrays.h says of it.
+struct TaggedCorner {
+  vec3 corner;
+  uint tag;
+};
+
+// The surface under a return.
+struct SurfaceRecord {
+  vec3 normal;    // unit vector, towards the sensor
+  uint material;  // kNone: no surface
+};
+
+// What the receiver makes of a return.
+struct SignalRecord {
+  float intensity, trueRange, width;
+  uint word;  // label | cause << 8 | number << 16 | count << 24
 };
 
 // Everything about the sensor that is not a table.
@@ -220,7 +181,8 @@ struct Frame {
 
 // One channel, in order of elevation.
 struct Row {
-  vec4 angles;  // cos and sin of the elevation, elevation key (see elevationKey()), channel
+  vec3 angles;  // cos and sin of the elevation, elevation key (see elevationKey())
+  uint channel;
   vec4 offset;  // cos and sin of the azimuth offset, the offset in columns, 0
 };
 
@@ -232,8 +194,8 @@ struct Counters {
   uint triangles;  // read, of visible clusters
   uint nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden;
   uint integerSides, integerRanges;  // of `exact`: tests that floating point could not decide
-  uint visibleGroups, visible;       // of a chunk in a shell; set back for the next, with the two below
-  uint nextCluster, nextSlab;        // slab way: that no subgroup has taken yet
+  uint visibleGroups, visible;       // of a shell; set back for the next, with the four below
+  uint nextCluster, nextSlab;        // with slabs: that no subgroup has taken yet
   uint laterRowsDown, laterRowsUp;   // of a shell: what lies beyond it is in rows rows - down..up - 1
   uint causes[6];                    // beams by Cause, where effects judge them
   uint lostEchoes;                   // beyond kMaxEchoes of a beam
@@ -241,8 +203,7 @@ struct Counters {
   uint padding[3];
 };
 
-// Push constants of `project`: a chunk of the scene and a shell, which is what lies at distances
-// shellMin..shellMax.
+// Push constants of `project`: which instances, and a shell, which is what lies at distances shellMin..shellMax.
 struct Pass {
   uint placedFirst;  // its (instance, group) pairs among all
   uint placedCount;
@@ -278,7 +239,7 @@ struct MotionBounds {
 static_assert(sizeof(MotionBounds) == 32);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 48 && sizeof(Group) == 32 && sizeof(Frame) == 80 &&
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 80 &&
               sizeof(Row) == 32);
 static_assert(sizeof(Counters) == 128 && sizeof(Pass) == 32);
 }  // namespace gnosphere::gpu

@@ -33,11 +33,8 @@ float azimuthOf(float y, float x) {
 // Of a box: a lower bound of its distance.
 float nearestPoint(vec3 low, vec3 high) { return length(max(max(low, -high), vec3(0.0))) * 0.999999; }
 
-#ifdef MOTION
-float seeming = 0.0;  // radians that what is being bounded may seem to move by
-#else
-const float seeming = 0.0;
-#endif
+// Radians that what is being bounded may seem to move by. Without motion it stays 0.
+float seeming = 0.0;
 
 // A beam that spreads, strays or leaves from elsewhere meets more than its axis does.
 float footprint() { return ((EFFECTS & kFootprintEffects) != 0 ? frame.footprint : 0.0) + seeming; }
@@ -54,19 +51,24 @@ float columnSlack(float keyMin, float keyMax) {
   return spread > 0.5 ? float(frame.columns) : (frame.columnSlack * inverse + spread * frame.columnsPerRadian);
 }
 
-// Of a whole number, at most 2^22 either way: by its bits, since some devices convert lane by lane.
-int wholeOf(float x) {
-  precise float shifted = x + 12582912.0;
-  return floatBitsToInt(shifted) - 0x4b400000;
+// A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and it spans up to 1.
+uint wrapColumn(int column) {
+  int turnColumns = int(frame.columns);
+  if (column < 0) column += turnColumns;
+  if (column < 0) column += turnColumns;
+  if (column >= turnColumns) column -= turnColumns;
+  if (column >= turnColumns) column -= turnColumns;
+  return uint(column);
 }
 
 // Of any key, even one that is no number.
 uint lookupCell(float key) {
-  return min(uint(wholeOf(floor(clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1))))), kRowLookupCells - 1);
+  float cell = clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1));
+  return min(uint(int(cell)), kRowLookupCells - 1);
 }
 
 // The rows first..end - 1 contain all with keys in keyMin..keyMax, and few others: those of the cells at both ends.
 void rowsBetween(float keyMin, float keyMax, out uint first, out uint end) {
-  first = rowLookup[lookupCell(keyMin)] & 0xffff;
-  end = rowLookup[lookupCell(keyMax)] >> 16;
+  first = rowLookup.at[lookupCell(keyMin)] & 0xffff;
+  end = rowLookup.at[lookupCell(keyMax)] >> 16;
 }

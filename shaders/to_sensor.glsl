@@ -3,8 +3,8 @@
 
 // Where the sensor is in the mesh frame, as a float.
 vec3 pivotOf(Instance instance) { return vec3(instance.row0.w, instance.row1.w, instance.row2.w); }
-bool mirrors(Instance instance) { return (floatBitsToUint(instance.offset.w) >> 31) != 0; }
-uint placedFirstOf(Instance instance) { return floatBitsToUint(instance.offset.w) & 0x7fffffffu; }
+bool mirrors(Instance instance) { return (instance.firstTriangle >> 31) != 0; }
+uint placedFirstOf(Instance instance) { return instance.firstTriangle & 0x7fffffffu; }
 
 // The pivot is subtracted first: that is exact where it matters.
 vec3 toSensor(Instance to, vec3 position) {

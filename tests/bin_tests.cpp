@@ -126,20 +126,6 @@ TEST_CASE("more triangles and tiles than the lists were made for are all project
   requireSame(referenceOf(scene, sensor, {}), scan);
 }
 
-TEST_CASE("a scene cut into many chunks scans like one in a single chunk") {
-  needVulkan();
-  const Scene scene = makeTown({.triangles = 30'000});
-  const Sensor& sensor = builtinSensors()[0];
-  SimulatorOptions options = vulkanOptions();
-  options.culling.occlusion = Culling::Occlusion::always;
-  const Scan whole = scanOf(scene, sensor, {{0, 0, 1.8}, {}}, options);
-  options.maxBufferBytes = 1 << 19;  // the largest array of the sensor itself still fits
-  const Scan chunks = scanOf(scene, sensor, {{0, 0, 1.8}, {}}, options);
-  CHECK(sameBytes(whole, chunks));
-  // Nor is more of it looked at.
-  CHECK(chunks.counters.culledByCluster == whole.counters.culledByCluster);
-}
-
 TEST_CASE("the order of triangles and instances changes indices and nothing else") {
   needVulkan();
   const Mesh original = soup(7, 3000, 25, 5);
@@ -157,18 +143,5 @@ TEST_CASE("the order of triangles and instances changes indices and nothing else
     REQUIRE(sameBytes(scan.ranges, expected.ranges));
     for (size_t b = 0; b < scan.beamCount(); ++b)
       if (scan.hit(b)) REQUIRE(order[scan.triangles[b]] == expected.triangles[b]);
-  }
-}
-
-TEST_CASE("a device limit that a buffer cannot fit is an error that names the buffer") {
-  needVulkan();
-  SimulatorOptions options = vulkanOptions();
-  options.maxBufferBytes = 1 << 15;
-  try {
-    scanOf(sceneOf(soup(1, 100, 5, 1)), gridSensor(100, 4, -10, 10), {}, options);
-    FAIL("no error");
-  } catch (const Error& error) {
-    CHECK(error.code() == ErrorCode::outOfMemory);
-    CHECK(std::string(error.what()).find("rowLookup") != std::string::npos);
   }
 }

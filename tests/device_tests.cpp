@@ -6,7 +6,6 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdio>
 
-#include "prefix_sum.spv.h"
 #include "support.hpp"
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
@@ -29,7 +28,7 @@ DeviceInfo deviceOf(const char* name, const char* type, bool usable = true) {
 vulkan::Offer goodOffer() {
   vulkan::Offer offer;
   offer.compute = true;
-  offer.limits.maxPerStageDescriptorStorageBuffers = 1000;
+  offer.features12.bufferDeviceAddress = VK_TRUE;
   offer.features12.scalarBlockLayout = VK_TRUE;
   offer.subgroup.subgroupSize = 32;
   offer.subgroup.supportedStages = VK_SHADER_STAGE_COMPUTE_BIT;
@@ -98,12 +97,8 @@ void countCalls(VolkDeviceTable& vk) {
   vk.vkDestroyQueryPool = destroy<&Table::vkDestroyQueryPool>;
   vk.vkCreateFence = create<&Table::vkCreateFence>;
   vk.vkDestroyFence = destroy<&Table::vkDestroyFence>;
-  vk.vkCreateDescriptorSetLayout = create<&Table::vkCreateDescriptorSetLayout>;
-  vk.vkDestroyDescriptorSetLayout = destroy<&Table::vkDestroyDescriptorSetLayout>;
   vk.vkCreatePipelineLayout = create<&Table::vkCreatePipelineLayout>;
   vk.vkDestroyPipelineLayout = destroy<&Table::vkDestroyPipelineLayout>;
-  vk.vkCreateDescriptorPool = create<&Table::vkCreateDescriptorPool>;
-  vk.vkDestroyDescriptorPool = destroy<&Table::vkDestroyDescriptorPool>;
   vk.vkCreateShaderModule = create<&Table::vkCreateShaderModule>;
   vk.vkDestroyShaderModule = destroy<&Table::vkDestroyShaderModule>;
   vk.vkCreatePipelineCache = create<&Table::vkCreatePipelineCache>;
@@ -115,16 +110,21 @@ void countCalls(VolkDeviceTable& vk) {
 // One of everything that owns objects of a device.
 void makeEverything(const vulkan::Device& device) {
   const vulkan::PipelineCache cache(device, "off");
-  const vulkan::Layout layout(device, cache.handle(), 1, false);
-  std::vector<vulkan::Kernel> kernels;
-  for (uint32_t pass : {0, 1}) kernels.emplace_back(device, layout, "prefix_sum", prefix_sum, vulkan::Options{}, pass);
-  const vulkan::Commands commands(device, layout, 2);
-  vulkan::Uploader uploader(device);
+  vulkan::Kernels kernels(device, cache);
+  for (uint32_t pass : {0, 1}) {
+    Variant variant;
+    variant.kernel = Kernel::prefix_sum;
+    variant.options.PASS = pass;
+    kernels.of(variant);
+  }
+  const vulkan::Commands commands(device, 2);
+  vulkan::Transfer transfer(device);
   const std::vector<uint32_t> numbers = {1, 2, 3};
   std::vector<vulkan::Buffer> buffers;
-  buffers.push_back(uploader.upload("numbers", std::span(numbers)));
-  buffers.emplace_back(device, "upload", 1000, vulkan::Memory::upload);
-  buffers.front() = vulkan::Buffer(device, "others", 100, vulkan::Memory::readback);
+  buffers.emplace_back(device, "numbers", 12, MemoryKind::device);
+  transfer.write(buffers.front(), 0, std::as_bytes(std::span(numbers)));
+  buffers.emplace_back(device, "upload", 1000, MemoryKind::upload);
+  buffers.front() = vulkan::Buffer(device, "others", 100, MemoryKind::readback);
 }
 
 }  // namespace
@@ -180,7 +180,7 @@ TEST_CASE("memory that cannot be mapped is memory that cannot be had") {
   const auto fails = [&](PFN_vkMapMemory map) {
     functionsOf(device).vkMapMemory = map;
     try {
-      vulkan::Buffer(device, "numbers", 3 << 20, vulkan::Memory::upload);
+      vulkan::Buffer(device, "numbers", 3 << 20, MemoryKind::upload);
       return std::string("no error");
     } catch (const Error& error) {
       CHECK(error.code() == ErrorCode::outOfMemory);

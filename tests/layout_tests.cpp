@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared structs are compiled as C++ and as GLSL: every member's offset in every SPIR-V module must be that of C++.
+// Shared structs are compiled as C++ and as GLSL: every member's offset in every SPIR-V module must be that of C++. And
+// no module may need what vulkan/device.cpp does not ask a device for.
 #include <catch2/catch_test_macros.hpp>
 #include <cstddef>
 #include <cstring>
@@ -45,13 +46,17 @@ using Layouts = std::map<std::string, Layout>;
 
 /// All that shared.h and effects/parameters.h put into buffers, every member. What a module has beside it fails, too.
 const Layouts kShared = {
-    STRUCT(Instance, row0, row1, row2, offset),
-    STRUCT(Cluster, low, high, cone),
-    STRUCT(Group, low, high),
+    STRUCT(Instance, row0, row1, row2, offset, firstTriangle),
+    STRUCT(Cluster, low, vertexFirst, high, triangleFirst, coneAxis, cone, vertexCount, triangleCount, doubleSided,
+           material),
+    STRUCT(Group, low, clusterFirst, high, clusterCount),
+    STRUCT(TaggedCorner, corner, tag),
+    STRUCT(SurfaceRecord, normal, material),
+    STRUCT(SignalRecord, intensity, trueRange, width, word),
     STRUCT(Frame, columns, rows, beams, instanceCount, rangeMin, rangeMax, columnsPerRadian, columnSlack,
            projectedCapacity, tileCapacity, candidateCapacity, paperFirstElevation, paperRowsPerRadian, shiftMin,
            shiftMax, footprint, slabShift, padding),
-    STRUCT(Row, angles, offset),
+    STRUCT(Row, angles, channel, offset),
     STRUCT(Counters, projectedSmall, projectedLarge, tiles, candidates, binnedSmall, binnedTiles, hits, triangles,
            nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden, integerSides, integerRanges,
            visibleGroups, visible, nextCluster, nextSlab, laterRowsDown, laterRowsUp, causes, lostEchoes, hardBeams,
@@ -66,7 +71,7 @@ const Layouts kShared = {
            dropRate, dropLimit, dropSlope, dropAtZero, rangeBias, rangeSigma, rangeSigmaPerMetre, rangeStep,
            azimuthSigma, elevationSigma, intensitySigma, extinction, fogExtinction, fogScatter, separation, pulseWidth,
            tanHorizontal, tanVertical, spreadHorizontal, spreadVertical, rangeMin, rangeMax, padding0, padding1),
-    STRUCT(Optics4, reflection, passage),
+    STRUCT(Optics4, reflection, passage, alphaImage),
     STRUCT(VolumeBox, row0, row1, row2, extinction, scatter, padding0, padding1),
     STRUCT(Echo, range, energy, width, cosIncidence, index),
     STRUCT(Return, range, trueRange, intensity, width, label, echo, number, count),
@@ -125,18 +130,30 @@ std::string differences(const Layout& cpp, const Layout& shader) {
   return text;
 }
 
-}  // namespace
+using Words = std::vector<uint32_t>;
 
-TEST_CASE("shared structs have the same layout on the host and in every shader") {
-  std::set<std::string> seen;
+/// Calls use(file, words) for every SPIR-V module of the build.
+template <typename Use>
+void forEachModule(const Use& use) {
   std::ifstream list(GNOSPHERE_SPIRV_LIST);
-  for (std::string file; std::getline(list, file);) {
+  size_t modules = 0;
+  for (std::string file; std::getline(list, file); ++modules) {
     const std::string bytes = gnosphere::test::bytesOf(file);
-    std::vector<uint32_t> words(bytes.size() / 4);
+    Words words(bytes.size() / 4);
     std::memcpy(words.data(), bytes.data(), 4 * words.size());
     INFO(file);
     REQUIRE(words.size() > 5);
     REQUIRE(words[0] == 0x07230203);
+    use(std::filesystem::path(file).stem().string(), words);
+  }
+  CHECK(modules > 10);
+}
+
+}  // namespace
+
+TEST_CASE("shared structs have the same layout on the host and in every shader") {
+  std::set<std::string> seen;
+  forEachModule([&](const std::string&, const Words& words) {
     for (const auto& [name, layout] : layoutsIn(words)) {
       seen.insert(name);
       const auto shared = kShared.find(name);
@@ -146,7 +163,7 @@ TEST_CASE("shared structs have the same layout on the host and in every shader")
         FAIL_CHECK(name << ":\n" << text);
       }
     }
-  }
+  });
   for (const auto& [name, layout] : kShared) {
     INFO(name << " is in no shader");
     CHECK(seen.contains(name));
@@ -154,18 +171,10 @@ TEST_CASE("shared structs have the same layout on the host and in every shader")
 }
 
 TEST_CASE("the shaders need nothing that a device is not asked for") {
-  // Shader, GroupNonUniform with Vote, Arithmetic, Ballot and Shuffle.
-  const std::set<uint32_t> always = {1, 61, 62, 63, 64, 65};
+  // Shader; GroupNonUniform with Vote, Arithmetic, Ballot and Shuffle; PhysicalStorageBufferAddresses.
+  const std::set<uint32_t> always = {1, 61, 62, 63, 64, 65, 5347};
   const std::set<uint32_t> ofInt64 = {11, 12}, ofFloat64 = {10};
-  size_t modules = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(GNOSPHERE_SHADERS)) {
-    if (entry.path().extension() != ".spv") continue;
-    const std::string name = entry.path().stem().string();
-    std::ifstream file(entry.path(), std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-    std::vector<uint32_t> words(bytes.size() / 4);
-    std::memcpy(words.data(), bytes.data(), 4 * words.size());
-    ++modules;
+  forEachModule([&](const std::string& name, const Words& words) {
     for (size_t at = 5; at < words.size(); at += words[at] >> 16) {
       const uint32_t* word = &words[at];
       if ((word[0] & 0xffff) == 17) {  // OpCapability
@@ -178,6 +187,5 @@ TEST_CASE("the shaders need nothing that a device is not asked for") {
         CHECK((word[3] == 64 && word[4] == 1 && word[5] == 1));
       }
     }
-  }
-  CHECK(modules > 10);
+  });
 }

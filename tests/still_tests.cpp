@@ -162,13 +162,6 @@ TEST_CASE("a standing sensor that keeps what is still scans as one that does not
   standAndLook(options, 5, 20);
 }
 
-TEST_CASE("a standing sensor that keeps what is still scans as one that does not: in parts") {
-  needVulkan();
-  SimulatorOptions options = vulkanOptions();
-  options.maxBufferBytes = 1 << 17;  // the points of the first sensor take more
-  standAndLook(options, 6, 20);
-}
-
 TEST_CASE("nothing that stands still is read from the third scan on") {
   needVulkan();
   Pair pair = townLike();

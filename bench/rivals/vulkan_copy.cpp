@@ -11,8 +11,8 @@ namespace gnosphere::bench {
 double vulkanCopyRate(const std::string& name) try {
   constexpr uint64_t kBytes = uint64_t{256} << 20;
   RayDevice device({name}, VK_KHR_RAY_QUERY_EXTENSION_NAME);
-  const RayBuffer from(device, "copies", kBytes, vulkan::Memory::device);
-  const RayBuffer to(device, "copies", kBytes, vulkan::Memory::device);
+  const RayBuffer from(device, "copies", kBytes, MemoryKind::device);
+  const RayBuffer to(device, "copies", kBytes, MemoryKind::device);
   const VkBufferCopy copy = {0, 0, kBytes};
   double best = 0;
   for (int round = 0; round < 10; ++round) {

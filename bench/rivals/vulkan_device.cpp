@@ -19,13 +19,13 @@ int findMemory(const RayDevice& device, uint32_t bits, VkMemoryPropertyFlags wan
   return -1;
 }
 
-uint32_t chooseMemory(const RayDevice& device, uint32_t bits, vulkan::Memory memory) {
+uint32_t chooseMemory(const RayDevice& device, uint32_t bits, MemoryKind memory) {
   constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
   constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  const VkMemoryPropertyFlags best = memory == vulkan::Memory::device   ? kLocal
-                                     : memory == vulkan::Memory::upload ? kHost | kLocal
-                                                                        : kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
-  const VkMemoryPropertyFlags enough = memory == vulkan::Memory::device ? 0 : kHost;
+  const VkMemoryPropertyFlags best = memory == MemoryKind::device   ? kLocal
+                                     : memory == MemoryKind::upload ? kHost | kLocal
+                                                                    : kHost | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+  const VkMemoryPropertyFlags enough = memory == MemoryKind::device ? 0 : kHost;
   const int type = findMemory(device, bits, best);
   return static_cast<uint32_t>(type >= 0 ? type : findMemory(device, bits, enough));
 }
@@ -46,7 +46,7 @@ bool offers(VkPhysicalDevice physical, const char* extension) {
 
 }  // namespace
 
-RayBuffer::RayBuffer(const RayDevice& device, const char* name, uint64_t bytes, vulkan::Memory memory)
+RayBuffer::RayBuffer(const RayDevice& device, const char* name, uint64_t bytes, MemoryKind memory)
     : device_(device.handle()), bytes_(std::max<uint64_t>(bytes, 16)) {
   const auto refuse = [&] {
     throw Error(ErrorCode::outOfMemory, "cannot allocate " + inMebibytes(bytes_) + " for '" + name + "'; the device '" +
@@ -99,7 +99,7 @@ Slice Arena::take(uint64_t bytes) {
   const uint64_t padded = (bytes + kSliceAlignment - 1) / kSliceAlignment * kSliceAlignment;
   if (blocks_.empty() || used_ + padded > blocks_.back()->bytes()) {
     const uint64_t size = std::max(padded, std::min(kBlockBytes, device_.maxAllocationBytes()));
-    blocks_.push_back(std::make_unique<RayBuffer>(device_, name_, size, vulkan::Memory::device));
+    blocks_.push_back(std::make_unique<RayBuffer>(device_, name_, size, MemoryKind::device));
     used_ = 0;
   }
   const Slice slice = {blocks_.back().get(), used_, bytes};
@@ -229,7 +229,7 @@ void RayDevice::write(const Slice& to, const void* data, uint64_t bytes) {
     std::memcpy(static_cast<char*>(to.buffer->mapped()) + to.offset, from, bytes);
     return;
   }
-  if (!staging_.handle()) staging_ = RayBuffer(*this, "staging", kStagingBytes, vulkan::Memory::upload);
+  if (!staging_.handle()) staging_ = RayBuffer(*this, "staging", kStagingBytes, MemoryKind::upload);
   for (uint64_t done = 0; done < bytes; done += kStagingBytes) {
     const VkBufferCopy copy = {0, to.offset + done, std::min(bytes - done, kStagingBytes)};
     std::memcpy(staging_.mapped(), from + done, copy.size);

@@ -18,7 +18,7 @@ class RayBuffer {
  public:
   RayBuffer() = default;
   /// Throws Error(outOfMemory), `name` being what the buffer holds.
-  RayBuffer(const RayDevice& device, const char* name, uint64_t bytes, vulkan::Memory memory);
+  RayBuffer(const RayDevice& device, const char* name, uint64_t bytes, MemoryKind memory);
   ~RayBuffer();
   RayBuffer(RayBuffer&& other) noexcept { swap(other); }
   RayBuffer& operator=(RayBuffer&& other) noexcept {

@@ -69,7 +69,7 @@ class RayTracingPipeline final : public VulkanRival {
     const uint64_t stride = (handleBytes + alignment - 1) / alignment * alignment;
     std::vector<char> handles(kGroups * handleBytes);
     VK(vkGetRayTracingShaderGroupHandlesKHR(deviceHandle(), pipeline_, 0, kGroups, handles.size(), handles.data()));
-    table_ = RayBuffer(device(), "shader binding table", kGroups * stride + alignment, vulkan::Memory::upload);
+    table_ = RayBuffer(device(), "shader binding table", kGroups * stride + alignment, MemoryKind::upload);
     const VkDeviceAddress first = (table_.address() + alignment - 1) / alignment * alignment;
     for (uint32_t i = 0; i < kGroups; ++i) {
       regions_[i] = {first + i * stride, stride, stride};

@@ -125,10 +125,10 @@ void VulkanRival::prepare(const Sensor& sensor) {
     for (double value : {d.x, d.y, d.z}) directions.push_back(static_cast<float>(value));
   }
   const uint64_t bytes = directions.size() * sizeof(float);
-  directions_ = RayBuffer(device_, "directions", bytes, vulkan::Memory::device);
+  directions_ = RayBuffer(device_, "directions", bytes, MemoryKind::device);
   device_.write({&directions_, 0, bytes}, directions.data(), bytes);
-  hits_ = RayBuffer(device_, "hits", 3 * sizeof(uint32_t) * beams, vulkan::Memory::device);
-  readback_ = hits_.mapped() ? RayBuffer() : RayBuffer(device_, "read-back", hits_.bytes(), vulkan::Memory::readback);
+  hits_ = RayBuffer(device_, "hits", 3 * sizeof(uint32_t) * beams, MemoryKind::device);
+  readback_ = hits_.mapped() ? RayBuffer() : RayBuffer(device_, "read-back", hits_.bytes(), MemoryKind::readback);
 }
 
 Rays VulkanRival::raysOf(const Pose& pose) const {

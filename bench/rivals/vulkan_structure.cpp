@@ -42,7 +42,7 @@ RayStructure::RayStructure(RayDevice& device, const Scene& scene, const Vec3& or
   createParts();
   createTop(scene);
   // The address of a buffer need not be aligned as scratch must be.
-  scratch_ = RayBuffer(device_, "scratch", scratchBytes_ + device_.scratchAlignment(), vulkan::Memory::device);
+  scratch_ = RayBuffer(device_, "scratch", scratchBytes_ + device_.scratchAlignment(), MemoryKind::device);
   device_.throwOnMessages();
 }
 
@@ -121,10 +121,10 @@ void RayStructure::createTop(const Scene& scene) {
   }
   entryCount_ = static_cast<uint32_t>(placements.size());
   entries_ =
-      RayBuffer(device_, "instances", entryCount_ * sizeof(VkAccelerationStructureInstanceKHR), vulkan::Memory::upload);
+      RayBuffer(device_, "instances", entryCount_ * sizeof(VkAccelerationStructureInstanceKHR), MemoryKind::upload);
   for (size_t i = 0; i < scene.instances.size(); ++i) place(i, scene.instances[i].transform);
   const uint64_t bytes = placements.size() * sizeof(Placement);
-  placements_ = RayBuffer(device_, "placements", bytes, vulkan::Memory::device);
+  placements_ = RayBuffer(device_, "placements", bytes, MemoryKind::device);
   device_.write({&placements_, 0, bytes}, placements.data(), bytes);
   topGeometry_ = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
   topGeometry_.geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR;

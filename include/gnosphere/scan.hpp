@@ -71,14 +71,12 @@ enum class Label : uint8_t {
   scatter,  ///< the medium
 };
 
-/// What happened to the scene's triangles and the sensor's beams. Nothing is dropped without a count here. A sensor
-/// with more beams than one device buffer holds is scanned in parts, and each part goes through all triangles: their
-/// counts are of all parts together.
+/// What happened to the scene's triangles and the sensor's beams. Nothing is dropped without a count here.
 struct Counters {
   uint64_t beams = 0;
   uint64_t hits = 0;
   uint64_t misses = 0;              ///< beams - hits
-  uint64_t triangles = 0;           ///< placed in the scene, once per part
+  uint64_t triangles = 0;           ///< placed in the scene
   uint64_t nonFinite = 0;           ///< dropped: a vertex is NaN, infinite or beyond 1e9 m
   uint64_t degenerate = 0;          ///< dropped: two corners are the same point
   uint64_t culledByCluster = 0;     ///< in a cluster out of range or between the beams

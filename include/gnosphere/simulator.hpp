@@ -96,8 +96,10 @@ struct SimulatorOptions {
   Faces faces = Faces::material;
   Binning binning = Binning::automatic;
   Culling culling;
-  bool validation = false;      ///< Vulkan validation layer on; its messages are thrown as Error(device)
-  uint64_t maxBufferBytes = 0;  ///< cap on any one device buffer; 0 = what the device allows
+  bool validation = false;  ///< Vulkan validation layer on; its messages are thrown as Error(device)
+  /// Cap on any one buffer of a Vulkan device, below what it allows; 0: what it allows. An array that needs more is
+  /// Error(outOfMemory), from the constructor or from the scan that needs it; the simulator stays usable after it.
+  uint64_t maxBufferBytes = 0;
   /// Folder where compiled pipelines are kept; empty: gnosphere in $XDG_CACHE_HOME or ~/.cache; "off": nowhere. Where
   /// it cannot be read or written they are compiled each time.
   std::string cache;
@@ -112,10 +114,10 @@ struct SimulatorOptions {
 
 struct DeviceInfo {
   std::string name;
-  std::string type;        ///< discrete, integrated, virtual, cpu, other, cuda, reference
-  std::string driver;      ///< name and version
-  std::string apiVersion;  ///< Vulkan version; empty for the reference
-  uint64_t maxBufferBytes = 0;
+  std::string type;             ///< discrete, integrated, virtual, cpu, other, cuda, reference
+  std::string driver;           ///< name and version
+  std::string apiVersion;       ///< Vulkan version; empty for the reference
+  uint64_t maxBufferBytes = 0;  ///< of one buffer, at most
   uint32_t subgroupSize = 0;
   bool usable = false;
   std::string reason;  ///< why not, where it is not usable

@@ -82,7 +82,8 @@ struct EffectParameters {
 // Material and surface: what a table of them holds per material.
 struct Optics4 {
   vec4 reflection;  // reflectance, gloss, roughness, retro
-  vec4 passage;     // transmission, alpha cut-off, factor of the texture's alpha, bits of its alpha image or of kNone
+  vec3 passage;     // transmission, alpha cut-off, factor of the texture's alpha
+  uint alphaImage;  // kNone: there is none
 };
 
 // Dust or spray: box frame = rows * (sensor frame, 1), and the box is -1..1 there.

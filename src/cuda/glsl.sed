@@ -4,8 +4,6 @@
 
 # What only Vulkan needs.
 /^#version|^#extension|^layout\(local_size|^#define GNO_(CONST|INLINE)\b/d
-/^#define (WORK|CHUNK)/,+1d
-/^#define RESULTS/d
 s/__cplusplus/GNO_NEVER/
 s/GNOSPHERE_(\w+)_H\b/GNOSPHERE_CUDA_\1_H/
 s/\bprecise //g
@@ -13,11 +11,9 @@ s/\[\[dont_unroll\]\]/GNO_DONT_UNROLL/
 s/\[\[unroll\]\]/GNO_UNROLL/
 
 # Arrays, constants, memory of a workgroup.
-s/^layout\(.*set = ([01]), binding = (\w+)\).* buffer \w+ \{ (\w+) (\w+)\[\]; \};/GNO_ARRAY(\1, \2, \3, \4);/
-s/^layout\(.*binding = (\w+)\).* buffer \w+ \{ (\w+) (\w+); \};/GNO_BLOCK(\1, \2, \3);/
-s/^WORK\((\w+), *\w*, (\w+), (\w+)\);/GNO_ARRAY(0, \1, \2, \3);/
-s/^CHUNK\((\w+), (\w+), (\w+)\);/GNO_ARRAY(1, \1, \2, \3);/
-s/^layout\(push_constant\).*\{ (\w+) (\w+); \};/GNO_PUSH(\1, \2);/
+s/\.at\[/[/g
+/^layout\(buffer_reference.*Words64/d
+s/^Words64 words64 = Words64\(words\);/uint64_t* words64 = reinterpret_cast<uint64_t*>(words);/
 s/^layout\(constant_id = [0-9]+\) const (\w+) (\w+) = [^;]*;/GNO_OPTION(\1, \2);/
 s/^shared (\w+) (\w+)\[(\w+)\];/GNO_SHARED_ARRAY(\1, \2, \3);/
 s/^(const|GNO_CONST) /static constexpr /
@@ -34,3 +30,6 @@ s/([0-9.])lf\b/\1@/g
 s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*(e[-+]?[0-9]+)?|[0-9]+e[-+]?[0-9]+)([^0-9A-Za-z_.@]|$)/\1\2f\4/g
 s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*(e[-+]?[0-9]+)?|[0-9]+e[-+]?[0-9]+)([^0-9A-Za-z_.@]|$)/\1\2f\4/g
 s/([0-9.])@/\1/g
+
+# What is loaded as a whole, 16 bytes at a time.
+s/^struct (Instance|Cluster|Group|TaggedCorner|SurfaceRecord|SignalRecord) \{/struct alignas(16) \1 {/

@@ -16,9 +16,6 @@
   }
 #define INT64_ATOMICS
 #define FLOAT64
-#define GNO_ARRAY(set_, binding_, type_, name_) type_* name_ = static_cast<type_*>(job.arrays[set_][binding_])
-#define GNO_BLOCK(binding_, type_, name_) type_& name_ = *static_cast<type_*>(job.arrays[0][binding_])
-#define GNO_PUSH(type_, name_) type_ name_ = __builtin_bit_cast(type_, job.pass)
 #define GNO_OPTION(type_, name_) const type_ name_ = job.options.name_
 
 namespace gnosphere::cuda::GNO_MODE {
@@ -70,15 +67,15 @@ __global__ void __launch_bounds__(gl_WorkGroupSize.x) kernel(const __grid_consta
   Stage{job}.main();
 }
 
-template <typename Stage, typename Known = Nothing>
-void launch(const Job& job, uint32_t groupsX, uint32_t groupsY) {
+template <typename Stage, typename Known>
+void launchAs(const Job& job, uint32_t groupsX, uint32_t groupsY) {
   kernel<Stage, Known><<<dim3(groupsX, groupsY), gl_WorkGroupSize.x>>>(job);
 }
 
 #else
 
-template <typename Stage, typename Known = Nothing>
-void launch(const Job& given, uint32_t groupsX, uint32_t groupsY) {
+template <typename Stage, typename Known>
+void launchAs(const Job& given, uint32_t groupsX, uint32_t groupsY) {
   Job job = given;
   Known::fix(job.options);
   gl_NumWorkGroups = {groupsX, groupsY, 1};
@@ -91,9 +88,43 @@ void launch(const Job& given, uint32_t groupsX, uint32_t groupsY) {
 
 #endif
 
+template <typename Known, uint kMotion>
+struct Moving {
+  static GNO_DEVICE void fix(Options& options) {
+    Known::fix(options);
+    options.MOTION = kMotion;
+  }
+};
+
+template <typename Stage, typename Known = Nothing>
+void launch(const Job& job, uint32_t groupsX, uint32_t groupsY) {
+  job.options.MOTION ? launchAs<Stage, Moving<Known, 1>>(job, groupsX, groupsY)
+                     : launchAs<Stage, Moving<Known, 0>>(job, groupsX, groupsY);
+}
+
+struct project_groups {
+  const Job& job;
+#include "glsl/project_groups.comp"
+};
+
+struct project_clusters {
+  const Job& job;
+#include "glsl/project_clusters.comp"
+};
+
 struct project_occluders {
   const Job& job;
 #include "glsl/project_occluders.comp"
+};
+
+struct project_triangles {
+  const Job& job;
+#include "glsl/project_triangles.comp"
+};
+
+struct bin {
+  const Job& job;
+#include "glsl/bin.comp"
 };
 
 struct prefix_sum {
@@ -101,21 +132,71 @@ struct prefix_sum {
 #include "glsl/prefix_sum.comp"
 };
 
-namespace still {
-#include "cuda/stages.cuh"
+struct resolve {
+  const Job& job;
+#include "glsl/resolve.comp"
+};
+
+template <uint RAYS>
+struct effects_footprint {
+  const Job& job;
+  GNO_DEVICE explicit effects_footprint(const Job& given) : job(given) {}  // nothing of what a beam meets is zeroed
+#include "glsl/effects_footprint.comp"
+};
+
+struct effects_surfaces {
+  const Job& job;
+#include "glsl/effects_surfaces.comp"
+};
+
+struct effects {
+  const Job& job;
+#include "glsl/effects.comp"
+};
+
+// Every pair that exactnessOf() and validate(Exactness) allow.
+template <typename Stage>
+void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
+  const bool plane = job.options.RANGE == kRangePlane;
+  if (job.options.INSIDE == kInsideExact)
+    launch<Stage, Lines<kInsideExact, kRangeExact>>(job, groupsX, groupsY);
+  else if (job.options.INSIDE == kInsidePlain)
+    plane ? launch<Stage, Lines<kInsidePlain, kRangePlane>>(job, groupsX, groupsY)
+          : launch<Stage, Lines<kInsidePlain, kRangeEdgeWeights>>(job, groupsX, groupsY);
+  else
+    plane ? launch<Stage, Lines<kInsideWatertight, kRangePlane>>(job, groupsX, groupsY)
+          : launch<Stage, Lines<kInsideWatertight, kRangeEdgeWeights>>(job, groupsX, groupsY);
 }
 
-#define MOTION
-namespace moving {
-#include "cuda/stages.cuh"
+// With so many sub-rays, or room for some more.
+template <uint kRays>
+void launchFootprint(const Job& job, uint32_t groupsX, uint32_t groupsY) {
+  job.options.LAYERS == 1 ? launch<effects_footprint<kRays>, Layers<1>>(job, groupsX, groupsY)
+                          : launch<effects_footprint<kRays>, Layers<kMaxLayers>>(job, groupsX, groupsY);
 }
-#undef MOTION
 
 }  // namespace
 
 void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
   if (groupsX == 0 || groupsY == 0) return;
-  job.moving ? moving::launchStage(kernel, job, groupsX, groupsY) : still::launchStage(kernel, job, groupsX, groupsY);
+  const bool footprint = (job.options.EFFECTS & kFootprintEffects) != 0;
+  switch (kernel) {
+    case Kernel::project_groups: return launch<project_groups>(job, groupsX, groupsY);
+    case Kernel::project_clusters: return launch<project_clusters>(job, groupsX, groupsY);
+    case Kernel::project_occluders: return launch<project_occluders>(job, groupsX, groupsY);
+    case Kernel::project_triangles: return launch<project_triangles>(job, groupsX, groupsY);
+    case Kernel::bin:
+      return footprint ? launch<bin, Footprints>(job, groupsX, groupsY) : launchMeeting<bin>(job, groupsX, groupsY);
+    case Kernel::prefix_sum: return launch<prefix_sum>(job, groupsX, groupsY);
+    case Kernel::resolve: return launchMeeting<resolve>(job, groupsX, groupsY);
+    case Kernel::effects_footprint:
+      return job.subRays <= 1    ? launchFootprint<1>(job, groupsX, groupsY)
+             : job.subRays <= 7  ? launchFootprint<7>(job, groupsX, groupsY)
+             : job.subRays <= 19 ? launchFootprint<19>(job, groupsX, groupsY)
+                                 : launchFootprint<61>(job, groupsX, groupsY);
+    case Kernel::effects_surfaces: return launch<effects_surfaces>(job, groupsX, groupsY);
+    case Kernel::effects: return launch<effects>(job, groupsX, groupsY);
+  }
 }
 
 }  // namespace gnosphere::cuda::GNO_MODE

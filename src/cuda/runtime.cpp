@@ -98,7 +98,7 @@ void use(const Device& device) {
   CUDA(cudaSetDevice(device.index));
 }
 
-void* allocate(const char* name, uint64_t bytes) {
+std::byte* allocate(const char* name, uint64_t bytes) {
   void* memory = nullptr;
   const cudaError_t result = cudaMalloc(&memory, bytes);
   if (result == cudaErrorMemoryAllocation) {
@@ -109,7 +109,7 @@ void* allocate(const char* name, uint64_t bytes) {
     throw Error(ErrorCode::outOfMemory, text);
   }
   check(result, "cudaMalloc");
-  return memory;
+  return static_cast<std::byte*>(memory);
 }
 
 void release(void* memory) {
@@ -127,6 +127,10 @@ void copyToHost(void* to, const void* from, uint64_t bytes) {
 
 void fill(void* memory, uint8_t value, uint64_t bytes) {
   if (bytes > 0) CUDA(cudaMemsetAsync(memory, value, bytes));
+}
+
+void copy(void* to, const void* from, uint64_t bytes) {
+  if (bytes > 0) CUDA(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice));
 }
 
 Stopwatch::Stopwatch() = default;

@@ -6,26 +6,24 @@
 #include <span>
 #include <vector>
 
+#include "arrays.h"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
 
 namespace gnosphere {
 
-/// One of gpu::kBind..., with what it holds, or room for what the stages write.
+/// An array with what it holds, or room for what the stages write.
 struct EffectsArray {
-  uint32_t binding;
-  const char* name;
+  gpu::Array array;
   uint64_t bytes;
   std::vector<std::byte> content;  ///< of so many bytes, or empty
 };
 
-/// Arrays that live as long as the sensor, without the outputs. `rows` are those of the sensor or of a part of it whose
-/// beams begin at `firstBeam`.
-std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const gpu::Row> rows, uint64_t firstBeam);
+/// Arrays that live as long as the sensor, without the outputs. `rows` is as makeBeamTables() orders the channels.
+std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const gpu::Row> rows);
 /// Arrays of `count` projected triangles.
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count);
 /// Arrays that each scan has anew. `motion` is null where the scan stands still.
-std::vector<EffectsArray> shotArrays(const SensorPlan& plan, uint64_t firstBeam, const Shot& shot,
-                                     const ShotMotion* motion);
+std::vector<EffectsArray> shotArrays(const SensorPlan& plan, const Shot& shot, const ShotMotion* motion);
 
 }  // namespace gnosphere

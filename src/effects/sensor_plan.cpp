@@ -2,7 +2,6 @@
 #include "effects/sensor_plan.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "effects/decide.hpp"
@@ -66,8 +65,8 @@ void addOptics(const Scene& scene, const SimulatorOptions& options, MaterialArra
     const bool mask = material.alphaMode == AlphaMode::mask;
     gpu::Optics4 packed = {};
     packed.reflection = {optics.reflectance, optics.gloss, optics.roughness, optics.retro};
-    packed.passage = {optics.transmission, mask ? material.alphaCutoff : 0, material.baseColor[3],
-                      std::bit_cast<float>(mask ? material.alphaImage : gpu::kNone)};
+    packed.passage = {optics.transmission, mask ? material.alphaCutoff : 0, material.baseColor[3]};
+    packed.alphaImage = mask ? material.alphaImage : gpu::kNone;
     arrays.optics.push_back(packed);
   }
 }

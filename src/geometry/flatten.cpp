@@ -146,6 +146,13 @@ FlatScene flatten(const Scene& scene) {
   flat.triangles.reserve(triangles);
   flat.clusters.reserve(triangles / gpu::kClusterTriangles + scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) flat.meshes.push_back(MeshFlattener(mesh, scene.materials, flat).run());
+  FlatCluster endCluster;
+  endCluster.firstVertex = flat.vertices.size();
+  endCluster.firstTriangle = flat.triangles.size();
+  FlatGroup endGroup;
+  endGroup.firstCluster = static_cast<uint32_t>(flat.clusters.size());
+  flat.clusters.push_back(endCluster);
+  flat.groups.push_back(endGroup);
   return flat;
 }
 

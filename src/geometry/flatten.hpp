@@ -19,7 +19,7 @@ struct FlatMesh {
   uint32_t degenerate = 0;  ///< triangles with two corners at the same place
 };
 
-/// A cluster as it is built; chunks pack it into a gpu::Cluster.
+/// A cluster as it is built; PackedGeometry packs it into a gpu::Cluster.
 struct FlatCluster {
   float low[3], high[3];  ///< box of its usable triangles
   size_t firstVertex = 0, firstTriangle = 0;
@@ -45,7 +45,7 @@ Fate fateOf(const float* a, const float* b, const float* c);
 
 /// Arrays of every mesh, each once; instances refer to them. A cluster owns a run of `positions` (3 floats a vertex)
 /// and of `vertices`, and a run of `triangles`: the usable ones, then those that are not, which may become so when
-/// vertices move.
+/// vertices move. After the last cluster and the last group comes an empty one, where the next would begin.
 struct FlatScene {
   std::vector<FlatMesh> meshes;
   std::vector<FlatGroup> groups;

@@ -2,7 +2,6 @@
 #include "geometry/instance_table.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/quaternion.hpp>
@@ -34,7 +33,8 @@ void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dm
   out.row0 = row(0);
   out.row1 = row(1);
   out.row2 = row(2);
-  out.offset = {offset.x, offset.y, offset.z, std::bit_cast<float>(number)};
+  out.offset = {offset.x, offset.y, offset.z};
+  out.firstTriangle = number;
 }
 
 // By bits: zeros of either sign make different clouds.
@@ -50,7 +50,6 @@ const MeshSummary& InstanceTable::meshOf(const Placement& placement) const {
 }
 
 void InstanceTable::addMesh(MeshSummary mesh) {
-  for (const MeshSummary::Run& run : mesh.runs) chunkCount_ = std::max<size_t>(chunkCount_, run.chunk + 1);
   meshes_.push_back(std::move(mesh));
   instanceCounts_.push_back(0);
   reshaped_.push_back(0);
@@ -164,24 +163,18 @@ void InstanceTable::findVisible(const glm::dvec3& sensor, double reach, const Se
   }
 }
 
-// Pairs from `first` on; returns their end.
-uint32_t InstanceTable::reserve(const std::vector<uint32_t>& visible, uint32_t first,
-                                std::vector<PlacedGroups::Chunk>& to) const {
-  to.assign(chunkCount_, {});
-  for (uint32_t i : visible)
-    for (const MeshSummary::Run& run : meshOf(placements_[i]).runs) {
-      to[run.chunk].groups += run.count;
-      to[run.chunk].clusters += run.clusters;
-    }
-  for (PlacedGroups::Chunk& chunk : to) {
-    chunk.first = first;
-    first += chunk.groups;
+PlacedGroups::Run InstanceTable::runOf(const std::vector<uint32_t>& visible, uint32_t first) const {
+  PlacedGroups::Run run = {first};
+  for (uint32_t i : visible) {
+    const MeshSummary& mesh = meshOf(placements_[i]);
+    run.groups += mesh.groups;
+    run.clusters += mesh.clusters;
   }
-  return first;
+  return run;
 }
 
 void InstanceTable::writeNumbers(gpu::Instance* instances) const {
-  for (size_t i = 0; i < placements_.size(); ++i) instances[i].offset.w = std::bit_cast<float>(numberOf(i));
+  for (size_t i = 0; i < placements_.size(); ++i) instances[i].firstTriangle = numberOf(i);
 }
 
 void InstanceTable::findOwnerRanges() {
@@ -215,31 +208,23 @@ void InstanceTable::writeMeshes(uint32_t* meshes) const {
     *meshes++ = std::min(placement.mesh, static_cast<uint32_t>(meshes_.size()));
 }
 
-void InstanceTable::writePairs(const std::vector<uint32_t>& visible, const std::vector<PlacedGroups::Chunk>& chunks,
-                               uint32_t* pairs) const {
-  std::vector<uint32_t> next;
-  for (const PlacedGroups::Chunk& chunk : chunks) next.push_back(chunk.first);
-  for (uint32_t i : visible)
-    for (const MeshSummary::Run& run : meshOf(placements_[i]).runs) {
-      uint32_t* pair = pairs + 2 * size_t{next[run.chunk]};
-      next[run.chunk] += run.count;
-      for (uint32_t k = 0; k < run.count; ++k) {
-        *pair++ = i;
-        *pair++ = run.first + k;
+void InstanceTable::writePairs(uint32_t* pairs) const {
+  for (const std::vector<uint32_t>* visible : {&visibleStill_, &visibleMoving_})
+    for (uint32_t i : *visible) {
+      const MeshSummary& mesh = meshOf(placements_[i]);
+      for (uint32_t group = mesh.firstGroup; group < mesh.firstGroup + mesh.groups; ++group) {
+        *pairs++ = i;
+        *pairs++ = group;
       }
     }
 }
 
-void InstanceTable::writePairs(const PlacedGroups& placed, uint32_t* pairs) const {
-  writePairs(visibleStill_, placed.still, pairs);
-  writePairs(visibleMoving_, placed.moving, pairs);
-}
-
-void InstanceTable::choose(const Pose& pose, double reach, const Selection& selection, PlacedGroups& to) {
+PlacedGroups InstanceTable::choose(const Pose& pose, double reach, const Selection& selection) {
   number();
   moveSpheres();
   findVisible({pose.position.x, pose.position.y, pose.position.z}, reach, selection);
-  to.pairs = reserve(visibleMoving_, reserve(visibleStill_, 0, to.still), to.moving);
+  const PlacedGroups::Run still = runOf(visibleStill_, 0);
+  return {still, runOf(visibleMoving_, still.groups)};
 }
 
 void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) const {

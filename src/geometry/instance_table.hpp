@@ -14,11 +14,8 @@ namespace gnosphere {
 
 /// What placing a mesh needs to know of it.
 struct MeshSummary {
-  /// Groups first..first + count of a chunk, with so many clusters.
-  struct Run {
-    uint32_t chunk, first, count, clusters;
-  };
-  std::vector<Run> runs;
+  uint32_t firstGroup = 0, groups = 0;  ///< of clusters
+  uint32_t clusters = 0;                ///< in those groups
   Vec3 origin;
   glm::dvec3 low = {}, high = {};  ///< box of its triangles, relative to the origin
   uint32_t triangles = 0, nonFinite = 0, degenerate = 0;
@@ -32,12 +29,11 @@ struct Selection {
 
 /// What a scan places: the instances within reach, as groups of clusters.
 struct PlacedGroups {
-  /// What of the (instance, group) pairs belongs to a chunk: its first pair, how many, and the clusters in them.
-  struct Chunk {
-    uint32_t first, groups, clusters;
+  /// A run of (instance, group) pairs: the first one, how many, and the clusters in them.
+  struct Run {
+    uint32_t first = 0, groups = 0, clusters = 0;
   };
-  std::vector<Chunk> still, moving;  ///< the pairs of the still ones come first
-  uint32_t pairs = 0;
+  Run still, moving;  ///< the pairs of the still ones come first
 };
 
 /// Triangles are numbered instance by instance, so that a number tells its instance. A removed instance stays as one of
@@ -66,11 +62,11 @@ class InstanceTable {
   uint64_t usableTriangles(size_t instance) const;
 
   /// Chooses what a scan places: the selected instances within reach (metres). What is written below is of them.
-  void choose(const Pose& pose, double reach, const Selection& selection, PlacedGroups& to);
+  PlacedGroups choose(const Pose& pose, double reach, const Selection& selection);
   /// Their transforms to the sensor's frame, composed in double; `instances` has room for count().
   void writeTransforms(const Pose& pose, gpu::Instance* instances) const;
-  /// (instance, group) pairs, chunk by chunk.
-  void writePairs(const PlacedGroups& placed, uint32_t* pairs) const;
+  /// (instance, group) pairs.
+  void writePairs(uint32_t* pairs) const;
   /// Numbers of the triangles; the same for all scans with the same numbering().
   uint64_t numbering() const { return numbering_; }
   /// The first triangle of every instance, chosen or not.
@@ -114,9 +110,7 @@ class InstanceTable {
   void number();
   void findOwnerRanges();
   void findVisible(const glm::dvec3& sensor, double reach, const Selection& selection);
-  uint32_t reserve(const std::vector<uint32_t>& visible, uint32_t first, std::vector<PlacedGroups::Chunk>& to) const;
-  void writePairs(const std::vector<uint32_t>& visible, const std::vector<PlacedGroups::Chunk>& chunks,
-                  uint32_t* pairs) const;
+  PlacedGroups::Run runOf(const std::vector<uint32_t>& visible, uint32_t first) const;
 
   std::vector<MeshSummary> meshes_;
   std::vector<uint32_t> instanceCounts_;  // of each mesh
@@ -128,7 +122,6 @@ class InstanceTable {
   std::vector<uint32_t> firstTriangles_;                // of each of them
   std::vector<std::array<uint32_t, 2>> ownerRanges_;    // see writeOwnerRanges()
   Counters counters_;
-  size_t chunkCount_ = 0;
   uint64_t changes_ = 0, renumberedAt_ = 0;
   uint32_t numberCount_ = 0;
   uint64_t numbering_ = 0;  // goes up when numbers change

@@ -6,17 +6,14 @@
 #include <numbers>
 #include <numeric>
 
-#include "base/threads.hpp"
 #include "gnosphere/error.hpp"
+#include "pipeline/tuning.hpp"
 
 namespace gnosphere {
 namespace {
 
-// Column positions are floats and up to 2.5 turns: wholeOf() of sphere.glsl takes 2^22.
-constexpr uint32_t kMostColumns = 1 << 20;
-// Measured on towns with two threads: slabs of 64 columns take 1.03 of the time of 128, of 32 1.07; 256 gain no more.
-// So many for each thread share the work well enough.
-constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread = 8;
+// Beyond, neighbouring columns may have the same direction: it is held in floats.
+constexpr uint32_t kMostColumns = 1 << 25;
 constexpr double kRadians = std::numbers::pi / 180;
 
 // Directions are multiples of 2^-30: exact arithmetic on them then never underflows, and 5e-10 rad is nothing.
@@ -44,7 +41,8 @@ std::vector<gpu::Row> makeRows(const Sensor& sensor) {
     gpu::Row row = {};
     const double shift = std::remainder(offset / (2 * std::numbers::pi), 1.0) * double(sensor.columns);
     row.angles = {onLattice(std::cos(elevation)), onLattice(std::sin(elevation)),
-                  static_cast<float>(elevationKey(elevation)), static_cast<float>(channel)};
+                  static_cast<float>(elevationKey(elevation))};
+    row.channel = channel;
     row.offset = {onLattice(std::cos(offset)), onLattice(std::sin(offset)), static_cast<float>(shift), 0};
     rows.push_back(row);
   }
@@ -64,13 +62,6 @@ std::vector<uint32_t> makeLookup(const std::vector<gpu::Row>& rows) {
     lookup.push_back(first(low - 1e-6) | end(low + 2.0 / gpu::kRowLookupCells + 1e-6) << 16);
   }
   return lookup;
-}
-
-uint32_t slabShift(uint32_t columns) {
-  const uint32_t threads = threadCount();
-  uint32_t shift = kLargestSlabShift;
-  while (shift > kLeastSlabShift && columns >> shift < kSlabsPerThread * threads) --shift;
-  return shift;
 }
 
 }  // namespace
@@ -103,11 +94,10 @@ BeamTables makeBeamTables(const Sensor& sensor) {
   frame.rangeMin = static_cast<float>(sensor.rangeMin);
   frame.rangeMax = static_cast<float>(sensor.rangeMax);
   frame.columnsPerRadian = static_cast<float>(columnsPerRadian);
-  // Angle slack, plus the rounding of a column position: 3 roundings of a number up to twice the columns.
-  frame.columnSlack = static_cast<float>(gpu::kAzimuthSlack * columnsPerRadian + 4e-7 * sensor.columns);
-  const auto elevationOf = [&](const gpu::Row& row) {
-    return sensor.channels[static_cast<size_t>(row.angles.w)].elevationDeg * kRadians;
-  };
+  // Angle slack, plus the rounding of a column position: at most 7.5 times 2^-24 of the columns. That is what finding
+  // the last column of a box (project_triangles.comp, cull.glsl) takes with all roundings one way.
+  frame.columnSlack = static_cast<float>(gpu::kAzimuthSlack * columnsPerRadian + 5e-7 * sensor.columns);
+  const auto elevationOf = [&](const gpu::Row& row) { return sensor.channels[row.channel].elevationDeg * kRadians; };
   for (const gpu::Row& row : tables.rows) {
     frame.shiftMin = std::min(frame.shiftMin, row.offset.z);
     frame.shiftMax = std::max(frame.shiftMax, row.offset.z);

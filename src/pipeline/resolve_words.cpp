@@ -27,13 +27,14 @@ Azimuth shifted(Azimuth column, const gpu::vec4& offset, bool exact) {
 }  // namespace
 
 uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, const InstanceTable& instances,
-                      uint32_t first, uint32_t end, uint64_t firstBeam, Scan& scan) {
+                      uint32_t first, uint32_t end, Scan& scan) {
   const uint32_t columns = tables.frame.columns;
   uint64_t hits = 0;
   InstanceTable::Owner owner;  // neighbours mostly meet the same instance
   for (uint32_t row = first; row < end; ++row) {
-    const gpu::vec4 &angles = tables.rows[row].angles, &offset = tables.rows[row].offset;
-    const uint64_t begin = firstBeam + static_cast<uint64_t>(angles.w) * columns;
+    const gpu::vec3& angles = tables.rows[row].angles;
+    const gpu::vec4& offset = tables.rows[row].offset;
+    const uint64_t begin = uint64_t{tables.rows[row].channel} * columns;
     const Word* word = words + uint64_t{row} * columns;
     float *point = &scan.points[3 * begin], *range = &scan.ranges[begin];
     uint32_t *triangle = &scan.triangles[begin], *instance = &scan.instances[begin];

@@ -14,9 +14,9 @@ struct Word {
   uint32_t triangle, range;
 };
 
-/// `words`: one per beam, row by row. Writes points, ranges and owners of rows first..end - 1 from beam `firstBeam` of
-/// the scan on, the same bytes as resolve.comp. `exact`: azimuths that are offset lie on the lattice. Returns the hits.
+/// `words`: one per beam, row by row. Writes points, ranges and owners of rows first..end - 1, the same bytes as
+/// resolve.comp. `exact`: azimuths that are offset lie on the lattice. Returns the hits.
 uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, const InstanceTable& instances,
-                      uint32_t first, uint32_t end, uint64_t firstBeam, Scan& scan);
+                      uint32_t first, uint32_t end, Scan& scan);
 
 }  // namespace gnosphere

@@ -29,13 +29,13 @@ void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
 }
 
 // Row by row. Returns the hits.
-uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, uint64_t firstBeam, Scan& scan) {
+uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, Scan& scan) {
   const Clock::time_point start = Clock::now();
   const gpu::Frame& frame = device.tables.frame;
   std::atomic<uint64_t> hits = 0;
   inSlices(frame.rows, frame.columns, [&](uint64_t first, uint64_t end) {
     hits += resolveWords(device.words, device.tables, device.exact, instances, static_cast<uint32_t>(first),
-                         static_cast<uint32_t>(end), firstBeam, scan);
+                         static_cast<uint32_t>(end), scan);
   });
   scan.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   return hits;
@@ -62,14 +62,14 @@ void readCounters(const SensorPlan& plan, uint64_t beams, const gpu::Counters& d
   result.integerRanges += device.integerRanges;
 }
 
-void readSignals(const gpu::vec4* signals, uint64_t first, uint64_t count, uint32_t returns, Scan& scan) {
+void readSignals(const gpu::SignalRecord* signals, uint64_t first, uint64_t count, uint32_t returns, Scan& scan) {
   if (!signals) return;
   for (uint64_t i = 0; i < count; ++i) {
-    const gpu::vec4& signal = signals[i];
-    const auto word = std::bit_cast<uint32_t>(signal.w);
-    scan.intensities[first + i] = signal.x;
-    scan.trueRanges[first + i] = signal.y;
-    scan.widths[first + i] = signal.z;
+    const gpu::SignalRecord& signal = signals[i];
+    const uint32_t word = signal.word;
+    scan.intensities[first + i] = signal.intensity;
+    scan.trueRanges[first + i] = signal.trueRange;
+    scan.widths[first + i] = signal.width;
     scan.labels[first + i] = static_cast<uint8_t>(word & 0xff);
     if (i % returns == 0) scan.causes[(first + i) / returns] = static_cast<uint8_t>(word >> 8 & 0xff);
   }
@@ -115,15 +115,16 @@ class Directions {
   bool turned_, atPoint_;
 };
 
-void readSurfaces(const gpu::vec4* surfaces, const Directions& directions, uint64_t first, uint64_t count, Scan& scan) {
+void readSurfaces(const gpu::SurfaceRecord* surfaces, const Directions& directions, uint64_t first, uint64_t count,
+                  Scan& scan) {
   for (uint64_t i = 0; i < count; ++i) {
-    const gpu::vec4& surface = surfaces[i];
+    const gpu::SurfaceRecord& surface = surfaces[i];
     const bool hit = scan.triangles[first + i] != kNoTriangle;
-    const glm::vec3 normal = hit ? glm::vec3(surface.x, surface.y, surface.z) : glm::vec3(NAN);
+    const glm::vec3 normal = hit ? glm::vec3(surface.normal.x, surface.normal.y, surface.normal.z) : glm::vec3(NAN);
     std::copy_n(&normal.x, 3, &scan.normals[3 * (first + i)]);
     const float along = hit ? -glm::dot(normal, directions.of(first + i)) : NAN;
     scan.incidences[first + i] = std::acos(std::clamp(along, 0.0f, 1.0f));
-    scan.materials[first + i] = hit ? std::bit_cast<uint32_t>(surface.w) : kNoTriangle;
+    scan.materials[first + i] = hit ? surface.material : kNoTriangle;
   }
 }
 
@@ -147,7 +148,7 @@ void readMotions(const gpu::vec4* motions, uint64_t first, uint64_t count, Scan&
 
 }  // namespace
 
-void clearResult(const SensorPlan& plan, size_t parts, const InstanceTable& instances, Scan& scan) {
+void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& scan) {
   const size_t beams = plan.sensor.beamCount();
   const size_t count = beams * plan.returns;
   scan.returns = plan.returns;
@@ -173,34 +174,34 @@ void clearResult(const SensorPlan& plan, size_t parts, const InstanceTable& inst
   scan.counters = {};
   scan.counters.beams = beams;
   const Counters& placed = instances.counters();
-  scan.counters.triangles = parts * placed.triangles;
-  scan.counters.nonFinite = parts * placed.nonFinite;
-  scan.counters.degenerate = parts * placed.degenerate;
+  scan.counters.triangles = placed.triangles;
+  scan.counters.nonFinite = placed.nonFinite;
+  scan.counters.degenerate = placed.degenerate;
 }
 
 void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
-                 uint64_t firstBeam, Scan& scan) {
+                 Scan& scan) {
   const uint64_t beams = device.tables.frame.beams;
   if (device.words) {
     gpu::Counters counters = device.counters;
-    counters.hits = static_cast<uint32_t>(readWords(device, instances, firstBeam, scan));
+    counters.hits = static_cast<uint32_t>(readWords(device, instances, scan));
     return readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
   }
   const uint32_t returns = plan.returns;
   inSlices(beams, 1, [&](uint64_t beam, uint64_t beamEnd) {
-    const uint64_t first = beam * returns, count = (beamEnd - beam) * returns, to = firstBeam * returns + first;
+    const uint64_t first = beam * returns, count = (beamEnd - beam) * returns;
     const auto from = [&](const auto* output) { return output ? output + first : nullptr; };
     for (uint64_t i = 0; i < count; ++i) {
       const gpu::vec4& point = device.points[first + i];
-      std::copy_n(&point.x, 3, &scan.points[3 * (to + i)]);
-      scan.ranges[to + i] = point.w;
-      scan.triangles[to + i] = device.owners[first + i][0];
-      scan.instances[to + i] = device.owners[first + i][1];
+      std::copy_n(&point.x, 3, &scan.points[3 * (first + i)]);
+      scan.ranges[first + i] = point.w;
+      scan.triangles[first + i] = device.owners[first + i][0];
+      scan.instances[first + i] = device.owners[first + i][1];
     }
-    readSignals(from(device.signals), to, count, returns, scan);
-    if (device.surfaces) readSurfaces(from(device.surfaces), Directions(plan, shot, scan), to, count, scan);
-    readMotions(from(device.motions), to, count, scan);
-    readBarycentrics(from(device.barycentrics), to, count, scan);
+    readSignals(from(device.signals), first, count, returns, scan);
+    if (device.surfaces) readSurfaces(from(device.surfaces), Directions(plan, shot, scan), first, count, scan);
+    readMotions(from(device.motions), first, count, scan);
+    readBarycentrics(from(device.barycentrics), first, count, scan);
   });
   readCounters(plan, beams, device.counters, instances.usableTriangles(), scan.counters);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where each beam of a sensor points and when it fires, in double precision: for files, plots and comparisons. Beams are
-// numbered channel by channel.
+// Where each beam of a sensor points and when it fires, in double precision: for files, plots and comparisons. Beams
+// are numbered channel by channel.
 #pragma once
 
 #include "gnosphere/sensor.hpp"

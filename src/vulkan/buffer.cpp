@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <utility>
 
 namespace gnosphere::vulkan {
@@ -16,7 +17,7 @@ std::string mebibytes(uint64_t bytes) {
   return text;
 }
 
-int chooseMemory(const Device& device, uint32_t bits, Memory memory) {
+int chooseMemory(const Device& device, uint32_t bits, MemoryKind kind) {
   constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
   constexpr VkMemoryPropertyFlags kVisible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
   constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
@@ -24,7 +25,7 @@ int chooseMemory(const Device& device, uint32_t bits, Memory memory) {
   const VkMemoryPropertyFlags device0[] = {kLocal, 0};
   const VkMemoryPropertyFlags upload[] = {kLocal | kVisible | kCoherent, kVisible | kCoherent};
   const VkMemoryPropertyFlags readback[] = {kVisible | kCached, kVisible};
-  const auto& order = memory == Memory::device ? device0 : memory == Memory::upload ? upload : readback;
+  const auto& order = kind == MemoryKind::device ? device0 : kind == MemoryKind::upload ? upload : readback;
   for (VkMemoryPropertyFlags wanted : order)
     if (const int type = device.memoryType(bits, wanted); type >= 0) return type;
   throw Error(ErrorCode::device, "the device '" + device.capabilities().info.name + "' has no suitable memory");
@@ -32,7 +33,7 @@ int chooseMemory(const Device& device, uint32_t bits, Memory memory) {
 
 }  // namespace
 
-Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Memory memory)
+Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKind kind)
     : device_(&device), bytes_(std::max<uint64_t>(bytes, 16)), name_(name) {
   if (bytes_ > device.maxBufferBytes())
     throw Error(ErrorCode::outOfMemory, "'" + std::string(name) + "' needs one buffer of " + mebibytes(bytes_) +
@@ -40,16 +41,18 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Memory me
                                             mebibytes(device.maxBufferBytes()));
   VkBufferCreateInfo create = {VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   create.size = bytes_;
-  create.usage =
-      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
   const VolkDeviceTable& vk = device.vk();
   DeviceHandle<VkBuffer> buffer = device.make(vk.vkCreateBuffer, vk.vkDestroyBuffer, create);
   VkMemoryRequirements requirements;
   vk.vkGetBufferMemoryRequirements(device.handle(), buffer.get(), &requirements);
   // On a device that shares the host's memory everything may be read in place.
-  const Memory kind = device.unifiedMemory() && memory == Memory::device ? Memory::readback : memory;
-  const int type = chooseMemory(device, requirements.memoryTypeBits, kind);
-  VkMemoryAllocateInfo allocate = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+  const bool inPlace = device.unifiedMemory() && kind == MemoryKind::device;
+  const int type = chooseMemory(device, requirements.memoryTypeBits, inPlace ? MemoryKind::readback : kind);
+  VkMemoryAllocateFlagsInfo flags = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+  VkMemoryAllocateInfo allocate = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
   allocate.allocationSize = requirements.size;
   allocate.memoryTypeIndex = static_cast<uint32_t>(type);
   const auto need = [&](bool succeeded) {
@@ -63,6 +66,9 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Memory me
   memory_ = {memoryObject, vk.vkFreeMemory, device.handle()};
   buffer_ = std::move(buffer);
   VK(vk.vkBindBufferMemory(device.handle(), buffer_.get(), memory_.get(), 0));
+  VkBufferDeviceAddressInfo where = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
+  where.buffer = buffer_.get();
+  address_ = vk.vkGetBufferDeviceAddress(device.handle(), &where);
   coherent_ = device.isCoherent(type);
   if (!device.isHostVisible(type)) return;
   // Where the host has no room left, Mesa's lavapipe reports success and maps to null or to MAP_FAILED, which is -1. An
@@ -87,54 +93,54 @@ void Buffer::flush() const {
   VK(device_->vk().vkFlushMappedMemoryRanges(device_->handle(), 1, &range));
 }
 
-Uploader::Uploader(const Device& device) : device_(device) {
+Transfer::Transfer(const Device& device) : device_(device) {
   VkCommandPoolCreateInfo create = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   create.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   create.queueFamilyIndex = device.capabilities().queueFamily;
   pool_ = device.make(device.vk().vkCreateCommandPool, device.vk().vkDestroyCommandPool, create);
 }
 
-void Uploader::writeBytes(const void* data, Buffer& buffer, uint64_t offset, uint64_t bytes) {
-  if (bytes == 0) return;
+void Transfer::write(Buffer& buffer, uint64_t place, std::span<const std::byte> data) {
+  if (data.empty()) return;
   if (buffer.mapped()) {
-    std::memcpy(static_cast<char*>(buffer.mapped()) + offset, data, bytes);
+    std::memcpy(static_cast<std::byte*>(buffer.mapped()) + place, data.data(), data.size());
     buffer.flush();
     return;
   }
-  const uint64_t most = stage(Memory::upload);
-  for (uint64_t done = 0; done < bytes; done += most) {
-    const uint64_t size = std::min(bytes - done, most);
-    std::memcpy(staging_.mapped(), static_cast<const char*>(data) + done, size);
+  const uint64_t most = stage(MemoryKind::upload);
+  for (uint64_t done = 0; done < data.size(); done += most) {
+    const uint64_t size = std::min(data.size() - done, most);
+    std::memcpy(staging_.mapped(), data.data() + done, size);
     staging_.flush();
-    copy(staging_.handle(), buffer.handle(), {0, offset + done, size});
+    copy(staging_.handle(), buffer.handle(), {0, place + done, size});
   }
 }
 
-void Uploader::readBytes(const Buffer& buffer, uint64_t offset, uint64_t bytes, void* data) {
-  if (bytes == 0) return;
+void Transfer::read(const Buffer& buffer, uint64_t place, std::span<std::byte> data) {
+  if (data.empty()) return;
   if (buffer.mapped()) {
     buffer.invalidate();
-    std::memcpy(data, static_cast<const char*>(buffer.mapped()) + offset, bytes);
+    std::memcpy(data.data(), static_cast<const std::byte*>(buffer.mapped()) + place, data.size());
     return;
   }
-  const uint64_t most = stage(Memory::readback);
-  for (uint64_t done = 0; done < bytes; done += most) {
-    const uint64_t size = std::min(bytes - done, most);
-    copy(buffer.handle(), staging_.handle(), {offset + done, 0, size});
+  const uint64_t most = stage(MemoryKind::readback);
+  for (uint64_t done = 0; done < data.size(); done += most) {
+    const uint64_t size = std::min(data.size() - done, most);
+    copy(buffer.handle(), staging_.handle(), {place + done, 0, size});
     staging_.invalidate();
-    std::memcpy(static_cast<char*>(data) + done, staging_.mapped(), size);
+    std::memcpy(data.data() + done, staging_.mapped(), size);
   }
 }
 
 // Makes the staging buffer of that kind; its size.
-uint64_t Uploader::stage(Memory memory) {
+uint64_t Transfer::stage(MemoryKind kind) {
   const uint64_t bytes = std::min(kMostStagingBytes, device_.maxBufferBytes());
-  if (!staging_.handle() || stagingKind_ != memory) staging_ = Buffer(device_, "staging", bytes, memory);
-  stagingKind_ = memory;
+  if (!staging_.handle() || stagingKind_ != kind) staging_ = Buffer(device_, "staging", bytes, kind);
+  stagingKind_ = kind;
   return bytes;
 }
 
-void Uploader::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
+void Transfer::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
   VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   allocate.commandPool = pool_.get();
   allocate.commandBufferCount = 1;

@@ -5,8 +5,7 @@
 
 namespace gnosphere::vulkan {
 
-Commands::Commands(const Device& device, const Layout& layout, uint32_t stamps)
-    : device_(device), vk_(device.vk()), layout_(layout), stampLimit_(stamps) {
+Commands::Commands(const Device& device, uint32_t stamps) : device_(device), vk_(device.vk()), stampLimit_(stamps) {
   VkCommandPoolCreateInfo pool = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = device_.capabilities().queueFamily;
@@ -36,19 +35,11 @@ void Commands::begin() {
   stages_.clear();
 }
 
-void Commands::bindSet(uint32_t index, VkDescriptorSet set) {
-  vk_.vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.handle(), index, 1, &set, 0, nullptr);
-}
-
-void Commands::push(const gpu::Pass& pass) {
-  vk_.vkCmdPushConstants(commands_, layout_.handle(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof pass, &pass);
-}
-
-void Commands::dispatch(const Kernel& kernel, uint32_t groupsX, uint32_t groupsY) {
-  if (groupsX == 0 || groupsY == 0) return;
-  vk_.vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.handle());
+void Commands::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
+                        uint32_t groupsY) {
+  vk_.vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel);
+  vk_.vkCmdPushConstants(commands_, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
   vk_.vkCmdDispatch(commands_, groupsX, groupsY, 1);
-  barrier();
 }
 
 void Commands::fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value) {

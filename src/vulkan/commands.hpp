@@ -3,6 +3,7 @@
 #pragma once
 
 #include "gnosphere/scan.hpp"
+#include "vulkan/buffer.hpp"
 #include "vulkan/kernel.hpp"
 
 namespace gnosphere::vulkan {
@@ -10,20 +11,18 @@ namespace gnosphere::vulkan {
 class Commands {
  public:
   /// Room for `stamps` timestamps.
-  Commands(const Device& device, const Layout& layout, uint32_t stamps);
+  Commands(const Device& device, uint32_t stamps);
   ~Commands();
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
   /// What was submitted before must have been waited for.
   void begin();
-  void bindSet(uint32_t index, VkDescriptorSet set);
-  void push(const gpu::Pass& pass);
-  /// Followed by a barrier.
-  void dispatch(const Kernel& kernel, uint32_t groupsX, uint32_t groupsY = 1);
+  void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
+                uint32_t groupsY);
   void fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value);
   void copy(const Buffer& from, const Buffer& to);
-  /// One global barrier stands between any two steps: about ten per scan, and no step overlaps the next anyway.
+  /// What comes after it sees everything written before. About ten per scan: no step overlaps the next anyway.
   void barrier();
   /// Timestamps: a first stage starts here, and a part of `stage` ends here. What lies before a start is not counted.
   void start() { stamp(nullptr); }
@@ -41,7 +40,6 @@ class Commands {
 
   const Device& device_;
   const VolkDeviceTable& vk_;
-  const Layout& layout_;
   uint32_t stampLimit_;
   std::vector<const char*> stages_;  // that ended at each stamp
   bool pending_ = false;

@@ -203,7 +203,6 @@ std::string reasonAgainst(const Offer& offer) {
   constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
                                                VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
                                                VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
-  constexpr uint32_t kBuffers = gpu::kWorkBindingCount + gpu::kSceneBindingCount;
   if (!offer.compute) return "it has no compute queue";
   if (!(offer.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
       (offer.subgroup.supportedOperations & kSubgroup) != kSubgroup)
@@ -212,9 +211,7 @@ std::string reasonAgainst(const Offer& offer) {
     return "it cannot promise full subgroups, of at most " + std::to_string(kWorkgroupSize) +
            " lanes, by " VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME "; a newer driver may";
   if (!offer.features12.scalarBlockLayout) return "it lacks the scalar block layout";
-  if (offer.limits.maxPerStageDescriptorStorageBuffers < kBuffers)
-    return "it binds " + std::to_string(offer.limits.maxPerStageDescriptorStorageBuffers) +
-           " storage buffers per stage, " + std::to_string(kBuffers) + " are needed";
+  if (!offer.features12.bufferDeviceAddress) return "its shaders cannot find buffers by address";
   return {};
 }
 
@@ -242,7 +239,6 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   info.name = basic.deviceName;
   info.type = typeName(basic.deviceType);
   info.apiVersion = versionText(basic.apiVersion);
-  info.maxBufferBytes = basic.limits.maxStorageBufferRange;
   result.cpu = basic.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   if (basic.apiVersion < VK_API_VERSION_1_2) {
     info.reason = "it offers Vulkan " + info.apiVersion + ", 1.2 is needed";
@@ -251,7 +247,7 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   vkGetPhysicalDeviceProperties2(physical, &properties);
   vkGetPhysicalDeviceFeatures2(physical, &features);
   info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
-  info.maxBufferBytes = std::min<uint64_t>(info.maxBufferBytes, allocations.maxMemoryAllocationSize);
+  info.maxBufferBytes = allocations.maxMemoryAllocationSize;
   std::copy(std::begin(id.deviceUUID), std::end(id.deviceUUID), info.uuid.begin());
   uint32_t timestampBits = 0;
   const int family = computeFamily(physical, timestampBits);
@@ -327,6 +323,7 @@ Device::Device(const std::string& name, bool validation, uint64_t maxBufferBytes
   VkPhysicalDeviceVulkan12Features features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   features12.shaderBufferInt64Atomics = capabilities_.int64Atomics;
   features12.scalarBlockLayout = VK_TRUE;
+  features12.bufferDeviceAddress = VK_TRUE;
   VkPhysicalDeviceSubgroupSizeControlFeaturesEXT sizeControl = {
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT, &features12};
   sizeControl.subgroupSizeControl = capabilities_.subgroups.required;

@@ -19,8 +19,8 @@ Device chooseDevice(const std::string&) {
 
 void use(const Device&) {}
 
-void* allocate(const char*, uint64_t bytes) {
-  return ::operator new(bytes);
+std::byte* allocate(const char*, uint64_t bytes) {
+  return static_cast<std::byte*>(::operator new(bytes));
 }
 
 void release(void* memory) {
@@ -37,6 +37,10 @@ void copyToHost(void* to, const void* from, uint64_t bytes) {
 
 void fill(void* memory, uint8_t value, uint64_t bytes) {
   if (bytes > 0) std::memset(memory, value, bytes);
+}
+
+void copy(void* to, const void* from, uint64_t bytes) {
+  if (bytes > 0) std::memcpy(to, from, bytes);
 }
 
 Stopwatch::Stopwatch() = default;

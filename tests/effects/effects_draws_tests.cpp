@@ -86,14 +86,6 @@ TEST_CASE("scans in flight keep their own draws") {
   for (size_t i = 0; i < shots.size(); ++i) CHECK(sameFields(scansOf(simulator, {shots[i]})[0], inFlight[i]));
 }
 
-TEST_CASE("a sensor that is scanned in parts keeps its draws, dead beams and causes") {
-  needVulkan();
-  SimulatorOptions options = optionsFor("vulkan", noisy());
-  const Scan whole = scanOf(town(), narrow(), kPose, options);
-  options.maxBufferBytes = 1 << 17;
-  CHECK(sameFields(scanOf(town(), narrow(), kPose, options), whole));
-}
-
 TEST_CASE("an effect switched on or off changes no other's draws") {
   const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
   Effects effects = Effects::none();

@@ -98,7 +98,7 @@ TEST_CASE("an effect that is off is in no constant, and geometry alone is what i
   for (const Plan::Stage& stage : bare.stages) {
     CHECK(stage.name != "effects");
     for (const Plan::Pipeline& pipeline : stage.pipelines)
-      for (size_t constant : {8, 9}) CHECK(pipeline.constants.at(constant) == 0);  // EFFECTS, FIELDS
+      for (size_t constant : {9, 10}) CHECK(pipeline.constants.at(constant) == 0);  // EFFECTS, FIELDS
   }
   // Words are all that is read back.
   CHECK(bare.stages.back().name == "resolve");
@@ -136,7 +136,7 @@ TEST_CASE("each effect that is taken out of all takes its bit out of every pipel
     CHECK(!plan.has(effectNames()[i]));
     CHECK(plan.bytes() <= all.bytes());
     for (const Plan::Stage& stage : plan.stages)
-      for (const Plan::Pipeline& pipeline : stage.pipelines) CHECK((pipeline.constants.at(8) >> i & 1) == 0);
+      for (const Plan::Pipeline& pipeline : stage.pipelines) CHECK((pipeline.constants.at(9) >> i & 1) == 0);
   }
 }
 

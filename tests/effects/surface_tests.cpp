@@ -15,7 +15,7 @@ using Catch::Approx;
 namespace {
 
 gpu::Optics4 optics(float reflectance, float gloss = 0, float roughness = 1, float retro = 0) {
-  return {{reflectance, gloss, roughness, retro}, {0, 0, 0, 0}};
+  return {{reflectance, gloss, roughness, retro}, {0, 0, 0}, gpu::kNone};
 }
 
 Sensor sensorTo(double rangeMax) {

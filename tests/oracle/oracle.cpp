@@ -200,8 +200,7 @@ std::vector<Float3> seenBeams(const Sensor& sensor) {
         s = onLattice(s * row.offset.x + c * row.offset.y);
         c = onLattice(turned);
       }
-      beams[static_cast<size_t>(row.angles.w) * sensor.columns + column] = {row.angles.x * c, row.angles.x * s,
-                                                                            row.angles.y};
+      beams[size_t{row.channel} * sensor.columns + column] = {row.angles.x * c, row.angles.x * s, row.angles.y};
     }
   return beams;
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vulkan/still_image.hpp"
+#include "pipeline/still_image.hpp"
 
 #include <cstring>
 
-namespace gnosphere::vulkan {
+namespace gnosphere {
 
-StillImage::Use StillImage::next(const Pose& pose, const Instances& instances) {
+StillImage::Use StillImage::next(const Pose& pose, const InstanceTable& instances) {
   if (!on_) return Use::none;
   if (!pose_ || std::memcmp(&pose, &*pose_, sizeof pose) != 0) {
     pose_ = pose;
@@ -26,7 +26,7 @@ StillImage::Use StillImage::next(const Pose& pose, const Instances& instances) {
 }
 
 // Whether there are more of them than before.
-bool StillImage::findMoving(const Instances& instances) {
+bool StillImage::findMoving(const InstanceTable& instances) {
   if (moving_.size() == instances.count() && seen_ == instances.changes()) return false;
   moving_.resize(instances.count());
   bool found = false;
@@ -54,4 +54,4 @@ void StillImage::end(bool succeeded) {
   state_ = succeeded ? State::made : State::missing;
 }
 
-}  // namespace gnosphere::vulkan
+}  // namespace gnosphere

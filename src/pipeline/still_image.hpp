@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "vulkan/instances.hpp"
+#include "geometry/instance_table.hpp"
 
-namespace gnosphere::vulkan {
+namespace gnosphere {
 
 /// When the words of a sensor's beams are kept as the still instances alone leave them. They belong to a pose and a set
 /// of still instances; both must have been seen before they are kept, so that what is scanned once costs nothing. An
@@ -24,7 +24,7 @@ class StillImage {
   explicit StillImage(bool on) : on_(on) {}
 
   /// What the next scan of the sensor does. Nothing may be in the making.
-  Use next(const Pose& pose, const Instances& instances);
+  Use next(const Pose& pose, const InstanceTable& instances);
   /// As next() has told.
   Selection selection(Use use) const;
   /// Usable triangles of the still instances.
@@ -39,15 +39,15 @@ class StillImage {
  private:
   enum class State { missing, inMaking, made };
 
-  bool findMoving(const Instances& instances);
+  bool findMoving(const InstanceTable& instances);
 
   bool on_;
   State state_ = State::missing;
   size_t frame_ = 0;
   std::optional<Pose> pose_;     // of the last scan
   std::vector<uint8_t> moving_;  // by instance, since the first scan from there
-  uint64_t seen_ = 0;            // of Instances::changes()
+  uint64_t seen_ = 0;            // of InstanceTable::changes()
   uint64_t triangles_ = 0;
 };
 
-}  // namespace gnosphere::vulkan
+}  // namespace gnosphere

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels of a scan, and what each is specialised for.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <compare>
+#include <cstdint>
+
+namespace gnosphere {
+
+/// In the order of a scan, with the names of the shaders.
+enum class Kernel : uint32_t {
+  project_groups,
+  project_clusters,
+  project_occluders,
+  project_triangles,
+  bin,
+  prefix_sum,
+  resolve,
+  effects_footprint,
+  effects_surfaces,
+  effects
+};
+
+inline const char* nameOf(Kernel kernel) {
+  constexpr const char* kNames[] = {
+      "project_groups", "project_clusters", "project_occluders", "project_triangles", "bin",
+      "prefix_sum",     "resolve",          "effects_footprint", "effects_surfaces",  "effects"};
+  return kNames[static_cast<uint32_t>(kernel)];
+}
+
+/// As shaders/options.glsl names and orders them; AZIMUTH_OFFSETS and MOTION are 0 or 1.
+struct Options {
+  uint32_t BOUNDS = 0, CULL = 0, INSIDE = 0, RANGE = 0, AZIMUTH_OFFSETS = 0, FACES = 0, BINNING = 0, PASS = 0;
+  uint32_t CULLING = 0, EFFECTS = 0, FIELDS = 0, LAYERS = 1, RETURNS = 1, MOTION = 0;
+
+  auto operator<=>(const Options&) const = default;
+};
+
+using OptionWords = std::array<uint32_t, sizeof(Options) / sizeof(uint32_t)>;
+inline OptionWords wordsOf(const Options& options) {
+  return std::bit_cast<OptionWords>(options);
+}
+
+/// One compiled kernel.
+struct Variant {
+  Kernel kernel = Kernel::project_groups;
+  Options options;
+  uint32_t subRays = 1;  ///< of a footprint, at least
+  bool float64 = false;  ///< exact tests filter in double precision
+
+  auto operator<=>(const Variant&) const = default;
+};
+
+}  // namespace gnosphere

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/scene_arrays.hpp"
+
+#include <algorithm>
+
+namespace gnosphere {
+namespace {
+
+using gpu::Array;
+
+// Of a list with an entry, two numbers, per placed group or cluster.
+uint64_t listBytes(const PlacedGroups& placed, uint32_t PlacedGroups::Run::*count) {
+  return uint64_t{std::max(placed.still.*count, placed.moving.*count)} * 2 * sizeof(uint32_t);
+}
+
+bool holds(const std::unique_ptr<DeviceMemory>& memory, uint64_t bytes) {
+  return memory && memory->bytes() >= bytes;
+}
+
+}  // namespace
+
+void makeRoom(Machine& machine, gpu::Array array, uint64_t bytes, MemoryKind kind,
+              std::unique_ptr<DeviceMemory>& memory) {
+  if (holds(memory, bytes)) return;
+  const uint64_t limit = std::max(bytes, machine.traits().info.maxBufferBytes);
+  const uint64_t room = memory ? std::min(bytes + bytes / 4, limit) : bytes;
+  memory.reset();
+  memory = machine.allocate(gpu::nameOf(array), room, kind);
+}
+
+void PlacedArrays::bind(BoundArrays& arrays) const {
+  arrays[static_cast<size_t>(Array::instances)] = instances_.get();
+  arrays[static_cast<size_t>(Array::placed)] = placed_.get();
+  arrays[static_cast<size_t>(Array::instanceMeshes)] = meshes_.get();
+  arrays[static_cast<size_t>(Array::ownerRanges)] = ownerRanges_.get();
+}
+
+uint64_t PlacedArrays::bytes() const {
+  uint64_t sum = 0;
+  for (const auto* memory : {&instances_, &placed_, &meshes_, &ownerRanges_}) sum += *memory ? (*memory)->bytes() : 0;
+  return sum;
+}
+
+SceneArrays::SceneArrays(Machine& machine, const Scene& scene, bool surfaces, bool holes)
+    : machine_(machine), packed_(scene) {
+  const auto upload = [&](Array array, const auto& data) {
+    using T = typename std::decay_t<decltype(data)>::value_type;
+    of(array) = uploaded(machine, array, std::span<const T>(data));
+  };
+  upload(Array::groups, packed_.groups());
+  upload(Array::clusters, packed_.clusters());
+  upload(Array::positions, packed_.positions());
+  upload(Array::triangleCorners, packed_.triangleCorners());
+  if (surfaces) {
+    upload(Array::meshTriangles, packed_.meshTriangles());
+    upload(Array::triangleSlots, packed_.triangleSlots());
+  }
+  if (holes) upload(Array::textureCoordinates, packed_.textureCoordinates(scene));
+  packed_.dropArrays();
+  packed_.addTo(instances_, scene);
+}
+
+uint64_t SceneArrays::bytes() const {
+  uint64_t sum = 0;
+  for (const auto& memory : memory_) sum += memory ? memory->bytes() : 0;
+  return sum;
+}
+
+void SceneArrays::bind(BoundArrays& arrays) const {
+  for (size_t i = 0; i < memory_.size(); ++i)
+    if (memory_[i]) arrays[i] = memory_[i].get();
+}
+
+void SceneArrays::setPositions(size_t mesh, std::span<const float> positions) {
+  packed_.setPositions(mesh, positions, of(Array::triangleSlots) != nullptr, instances_, *this);
+}
+
+void SceneArrays::write(Array array, uint64_t place, std::span<const std::byte> data) {
+  of(array)->write(place, data);
+}
+
+void SceneArrays::read(Array array, uint64_t place, std::span<std::byte> data) const {
+  of(array)->read(place, data);
+}
+
+void SceneArrays::place(const Pose& pose, double reach, const Selection& selection, PlacedArrays& to) {
+  to.groups_ = instances_.choose(pose, reach, selection);
+  const uint64_t pairs = uint64_t{to.groups_.still.groups} + to.groups_.moving.groups;
+  const auto room = [&](Array array, uint64_t bytes, std::unique_ptr<DeviceMemory>& memory) {
+    makeRoom(machine_, array, bytes, MemoryKind::upload, memory);
+  };
+  room(Array::placed, pairs * 2 * sizeof(uint32_t), to.placed_);
+  const DeviceMemory* before = to.instances_.get();
+  room(Array::instances, instances_.count() * sizeof(gpu::Instance), to.instances_);
+  auto* instances = static_cast<gpu::Instance*>(to.instances_->host());
+  if (to.instances_.get() != before || to.numbering_ != instances_.numbering()) {
+    instances_.writeNumbers(instances);
+    room(Array::ownerRanges, instances_.ownerRangeCount() * 2 * sizeof(uint32_t), to.ownerRanges_);
+    instances_.writeOwnerRanges(static_cast<uint32_t*>(to.ownerRanges_->host()));
+    to.ownerRanges_->flush();
+    if (of(Array::triangleSlots)) {
+      room(Array::instanceMeshes, instances_.count() * sizeof(uint32_t), to.meshes_);
+      instances_.writeMeshes(static_cast<uint32_t*>(to.meshes_->host()));
+      to.meshes_->flush();
+    }
+    to.numbering_ = instances_.numbering();
+  }
+  instances_.writeTransforms(pose, instances);
+  instances_.writePairs(static_cast<uint32_t*>(to.placed_->host()));
+  to.instances_->flush();
+  to.placed_->flush();
+}
+
+bool SceneArrays::listsHold(const PlacedArrays& placed) const {
+  return holds(of(Array::visibleGroups), listBytes(placed.groups_, &PlacedGroups::Run::groups)) &&
+         holds(of(Array::visible), listBytes(placed.groups_, &PlacedGroups::Run::clusters));
+}
+
+void SceneArrays::growLists(const PlacedArrays& placed) {
+  const auto grow = [&](Array array, uint32_t PlacedGroups::Run::*count) {
+    makeRoom(machine_, array, listBytes(placed.groups_, count), MemoryKind::device, of(array));
+  };
+  grow(Array::visibleGroups, &PlacedGroups::Run::groups);
+  grow(Array::visible, &PlacedGroups::Run::clusters);
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/sensor_arrays.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "gnosphere/error.hpp"
+#include "pipeline/scene_arrays.hpp"
+
+namespace gnosphere {
+namespace {
+
+using gpu::Array;
+
+// Kernels hold indices in 32 bits, and the top one is a sign where an array is addressed.
+constexpr uint64_t kMostEntries = 0x7fffffffu;
+constexpr uint64_t kTileBytes = 4 * sizeof(uint32_t);
+
+// Entries of the table of what hides, of both levels.
+uint64_t farthestEntries(const gpu::Frame& frame) {
+  const auto entries = [&](uint64_t columns, uint64_t rows) {
+    return (frame.columns + columns - 1) / columns * ((frame.rows + rows - 1) / rows);
+  };
+  return entries(gpu::kFineColumns, gpu::kFineRows) + entries(gpu::kCoarseColumns, gpu::kCoarseRows);
+}
+
+uint64_t slabCount(const gpu::Frame& frame) {
+  return frame.columns == 0 ? 0 : ((frame.columns - 1) >> frame.slabShift) + 1;
+}
+
+// Triangles that a scan has projected, or would have with more room.
+uint64_t projectedCount(const gpu::Counters& counters) {
+  return uint64_t{counters.projectedSmall} + counters.projectedLarge;
+}
+
+// Room for `needed` entries and some more, within a limit.
+uint32_t grown(Array array, uint64_t needed, uint64_t limit) {
+  if (needed > kMostEntries)
+    throw Error(ErrorCode::outOfMemory, "'" + std::string(gpu::nameOf(array)) + "' needs more than " +
+                                            std::to_string(kMostEntries) + " entries, which no kernel can address");
+  return static_cast<uint32_t>(std::min(needed + needed / 8, std::max(needed, limit)));
+}
+
+}  // namespace
+
+SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options,
+                           uint64_t triangles)
+    : machine_(machine),
+      plan_(plan),
+      tables_(makeBeamTables(plan.sensor)),
+      binning_(chooseBinning(options, machine.traits(), plan.footprint())),
+      exact_(exactnessOf(options).inside == Exactness::Inside::exact),
+      keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
+      float64_(exact_ && options.float64 && machine.traits().float64 && machine.traits().int64Atomics),
+      options_(kernelOptions(options, plan, tables_.azimuthOffsets)),
+      shellEnds_(shellEnds(options, binning_, tables_.frame, triangles)),
+      reach_(reachOf(options, tables_.frame)),
+      triangles_(triangles),
+      outputs_(outputsOf(plan, leavesWords(binning_, plan))) {
+  options_.BINNING = binning_;
+  tables_.frame.footprint = plan.footprintRadius;
+  for (const bool motion : {false, true})
+    if (!motion || plan_.motion())
+      for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
+        if (still == StillImage::Use::make && !keepsStill_) continue;
+        for (const Step& step : steps(everything(), still, motion))
+          if (step.kind == Step::Kind::dispatch) machine.prepare(step.variant);
+      }
+
+  of(Array::rows) = uploaded<gpu::Row>(machine, Array::rows, tables_.rows);
+  of(Array::rowLookup) = uploaded<uint32_t>(machine, Array::rowLookup, tables_.rowLookup);
+  of(Array::columns) = uploaded<float>(machine, Array::columns, tables_.columns);
+  const uint64_t beams = tables_.frame.beams;
+  const bool lists = binning_ == gpu::kBinningLists;
+  allocate(Array::farthest, 4 * farthestEntries(tables_.frame));
+  if (!lists && !leavesWords(binning_, plan_)) allocate(Array::words, beams * sizeof(Word));
+  if (lists) allocate(Array::listEnds, beams * 4);
+  if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
+  if (binning_ == gpu::kBinningSlabs) allocate(Array::listEnds, slabCount(tables_.frame) * 4);
+  if (!plan_.bare())
+    for (const EffectsArray& array : lastingArrays(plan, tables_.rows)) {
+      allocate(array.array, array.bytes);
+      if (!array.content.empty()) of(array.array)->write(0, array.content);
+    }
+  const auto within = [](uint64_t count, uint64_t most) { return static_cast<uint32_t>(std::min(count, most)); };
+  Capacities room = firstCapacities(binning_, beams, triangles);
+  room.projected = within(room.projected, std::min(mostProjected(), limit(kTileBytes) / 2));
+  room.tiles = within(room.tiles, limit(kTileBytes) - tilesBehind(room));
+  room.candidates = within(room.candidates, limit(sizeof(uint32_t)));
+  makeLists(room);
+  addFrame();
+}
+
+void SensorArrays::allocate(Array array, uint64_t bytes) {
+  of(array).reset();
+  of(array) = machine_.allocate(gpu::nameOf(array), bytes, MemoryKind::device);
+}
+
+uint64_t SensorArrays::limit(uint64_t entryBytes) const {
+  return std::min(kMostEntries, machine_.traits().info.maxBufferBytes / entryBytes);
+}
+
+uint64_t SensorArrays::mostProjected() const {
+  uint64_t bytes = sizeof(gpu::vec4);
+  for (const EffectsArray& array : projectedArrays(plan_, 1)) bytes = std::max(bytes, array.bytes);
+  return limit(bytes);
+}
+
+// With slabs each projected triangle has one tile beside the others.
+uint64_t SensorArrays::tilesBehind(const Capacities& room) const {
+  return binning_ == gpu::kBinningSlabs ? room.projected : 0;
+}
+
+// Makes the lists whose room changes. Where memory ends on the way they have no room at all, and the next scan makes
+// those that it needs.
+void SensorArrays::makeLists(const Capacities& room) {
+  const Capacities had = std::exchange(capacities_, {});
+  if (room.projected != had.projected) {
+    const uint64_t count = room.projected;
+    allocate(Array::projectedA, count * sizeof(gpu::TaggedCorner));
+    allocate(Array::projectedB, count * sizeof(gpu::vec4));
+    allocate(Array::projectedC, count * sizeof(gpu::TaggedCorner));
+    allocate(Array::projectedColumns, count * sizeof(gpu::vec2));
+    for (const EffectsArray& array : projectedArrays(plan_, count)) allocate(array.array, array.bytes);
+  }
+  if (const uint64_t tiles = tilesBehind(room) + room.tiles; tiles != tilesBehind(had) + had.tiles)
+    allocate(Array::tiles, tiles * kTileBytes);
+  if (room.candidates != had.candidates) allocate(Array::candidates, uint64_t{room.candidates} * sizeof(uint32_t));
+  capacities_ = room;
+}
+
+PlacedGroups SensorArrays::everything() const {
+  return {{0, 1, 1}, {}};
+}
+
+std::vector<Step> SensorArrays::steps(const PlacedGroups& placed, StillImage::Use still, bool motion) const {
+  Variant variant;
+  variant.options = options_;
+  variant.options.MOTION = motion;
+  variant.subRays = static_cast<uint32_t>(plan_.subRays.size());
+  variant.float64 = float64_ && !motion;
+  const bool footprint = plan_.footprint();
+  return stepsOf(
+      {variant, tuningOf(machine_.traits(), binning_), tables_.frame, shellEnds_, footprint,
+       !footprint && !leavesWords(binning_, plan_), plan_.surfaces() && !footprint, plan_.signals() || plan_.speeds()},
+      placed, still);
+}
+
+void SensorArrays::addFrame() {
+  Frame frame;
+  const auto allocate = [&](Array array, uint64_t bytes, MemoryKind kind) {
+    frame.arrays[static_cast<size_t>(array)] = machine_.allocate(gpu::nameOf(array), bytes, kind);
+  };
+  for (const Output& output : outputs_)
+    allocate(output.array, uint64_t{beams()} * output.bytesPerBeam, MemoryKind::readback);
+  allocate(Array::counters, sizeof(gpu::Counters), MemoryKind::readback);
+  allocate(Array::frame, sizeof(gpu::Frame), MemoryKind::upload);
+  frames_.push_back(std::move(frame));
+}
+
+void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
+  for (const EffectsArray& array : arrays) {
+    std::unique_ptr<DeviceMemory>& memory = frame.arrays[static_cast<size_t>(array.array)];
+    makeRoom(machine_, array.array, array.bytes, MemoryKind::upload, memory);
+    std::copy(array.content.begin(), array.content.end(), static_cast<std::byte*>(memory->host()));
+    memory->flush();
+  }
+}
+
+std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, const ShotMotion* motion,
+                                        uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
+                                        BoundArrays& arrays) {
+  while (frames_.size() <= index) addFrame();
+  Frame& frame = frames_[index];
+  frame.capacities = capacities_;
+  if (still == StillImage::Use::make)
+    makeRoom(machine_, Array::stillWords, uint64_t{beams()} * sizeof(Word), MemoryKind::device, of(Array::stillWords));
+
+  gpu::Frame content = tables_.frame;
+  content.instanceCount = instanceCount;
+  content.projectedCapacity = capacities_.projected;
+  content.tileCapacity = capacities_.tiles;
+  content.candidateCapacity = capacities_.candidates;
+  const auto bytes = std::as_bytes(std::span(&content, 1));
+  load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
+  if (!plan_.bare()) load(frame, shotArrays(plan_, shot, motion));
+
+  for (const auto* own : {&arrays_, &frame.arrays})
+    for (size_t i = 0; i < own->size(); ++i)
+      if ((*own)[i]) arrays[i] = (*own)[i].get();
+  return steps(placed, still, motion != nullptr);
+}
+
+const gpu::Counters& SensorArrays::counters(Frame& frame) const {
+  DeviceMemory& memory = *frame.arrays[static_cast<size_t>(Array::counters)];
+  memory.invalidate();
+  return *static_cast<const gpu::Counters*>(memory.host());
+}
+
+bool SensorArrays::cutShort(size_t index) {
+  const gpu::Counters& needed = counters(frames_[index]);
+  const Capacities& had = frames_[index].capacities;
+  return projectedCount(needed) > had.projected || needed.tiles > had.tiles ||
+         (binning_ == gpu::kBinningLists && needed.candidates > had.candidates);
+}
+
+// A scan cut short has counted too few of what follows; the next run will tell.
+void SensorArrays::growLists(size_t index) {
+  const gpu::Counters needed = counters(frames_[index]);
+  const uint64_t projected = projectedCount(needed);
+  Capacities room = capacities_;
+  if (projected > room.projected) room.projected = grown(Array::projectedA, projected, mostProjected());
+  if (needed.tiles > room.tiles) room.tiles = grown(Array::tiles, needed.tiles, limit(kTileBytes));
+  if (binning_ == gpu::kBinningLists && needed.candidates > room.candidates)
+    room.candidates = grown(Array::candidates, needed.candidates, limit(sizeof(uint32_t)));
+  // Where both do not fit with what they may need later, they do with what is needed now.
+  if (tilesBehind(room) + room.tiles > limit(kTileBytes)) {
+    room.projected = static_cast<uint32_t>(projected);
+    room.tiles = needed.tiles;
+  }
+  makeLists(room);
+}
+
+DeviceResults SensorArrays::results(size_t index) {
+  Frame& frame = frames_[index];
+  return DeviceResults::from(tables_, exact_, counters(frame), [&](Array array) -> const void* {
+    const auto is = [&](const Output& output) { return output.array == array; };
+    if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
+    DeviceMemory& memory = *frame.arrays[static_cast<size_t>(array)];
+    memory.invalidate();
+    return memory.host();
+  });
+}
+
+void SensorArrays::addTo(MemoryUse& use) const {
+  for (size_t i = 0; i < arrays_.size(); ++i) {
+    const auto array = static_cast<Array>(i);
+    const bool table = array == Array::rows || array == Array::rowLookup || array == Array::columns;
+    (table ? use.sensor : use.work) += arrays_[i] ? arrays_[i]->bytes() : 0;
+  }
+  for (const Frame& frame : frames_)
+    for (const auto& memory : frame.arrays) use.work += memory ? memory->bytes() : 0;
+}
+
+Plan SensorArrays::plan() const {
+  Plan plan;
+  plan.effects = plan_.decisions;
+  plan.returns = plan_.returns;
+  plan.binning = nameOfBinning(binning_);
+  plan.stages = stagesOf(steps(everything(), StillImage::Use::none, plan_.motion()));
+  if (leavesWords(binning_, plan_)) plan.stages.push_back({"resolve", 0, {}});
+  for (size_t i = 0; i < arrays_.size(); ++i)
+    if (arrays_[i]) plan.buffers.push_back({gpu::kArrayNames[i], arrays_[i]->bytes()});
+  for (size_t i = 0; i < arrays_.size(); ++i)
+    if (const auto& memory = frames_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
+  return plan;
+}
+
+}  // namespace gnosphere

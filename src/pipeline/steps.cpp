@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/steps.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+namespace gnosphere {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+class Steps {
+ public:
+  explicit Steps(const StepsInput& input) : input_(input), binning_(input.variant.options.BINNING) {}
+
+  std::vector<Step> of(const PlacedGroups& placed, StillImage::Use still) {
+    clear(still);
+    add({Step::Kind::start});
+    if (still != StillImage::Use::use) scanShells(placed.still);
+    if (still == StillImage::Use::make) {
+      copy(gpu::Array::words, gpu::Array::stillWords);
+      findOccluders({0, 0, 0, kInfinity, 1});  // as long as the image is used, the table is kept as well
+    }
+    if (still != StillImage::Use::none) scanMoving(placed.moving);
+    if (input_.resolve) {
+      dispatchOnBeams("resolve", Kernel::resolve);
+      finish("resolve");
+    }
+    judge();
+    return std::move(steps_);
+  }
+
+ private:
+  void clear(StillImage::Use still) {
+    fill(gpu::Array::counters, 0);
+    if (still == StillImage::Use::use)
+      copy(gpu::Array::stillWords, gpu::Array::words);
+    else if (binning_ != gpu::kBinningLists)
+      fill(gpu::Array::words, gpu::kNone);
+    if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0);
+    if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::listEnds, gpu::kNone);
+  }
+
+  // Shell by shell: what is near first, since it hides much of what is far.
+  void scanShells(const PlacedGroups::Run& placed) {
+    float begin = 0;
+    for (const float end : input_.shellEnds) {
+      const bool last = end == kInfinity;
+      const gpu::Pass pass = {placed.first, placed.groups, begin, end, begin > 0};
+      project(placed, pass);
+      bin(last);
+      if (!last) findOccluders(pass);
+      begin = end;
+    }
+  }
+
+  void scanMoving(const PlacedGroups::Run& placed) {
+    if (placed.groups == 0) return;
+    project(placed, {placed.first, placed.groups, 0, kInfinity, 1});
+    bin(true);
+  }
+
+  void project(const PlacedGroups::Run& placed, const gpu::Pass& pass) {
+    if (pass.occluders)
+      add({Step::Kind::fill,
+           "",
+           gpu::Array::counters,
+           {},
+           offsetof(gpu::Counters, visibleGroups),
+           offsetof(gpu::Counters, causes) - offsetof(gpu::Counters, visibleGroups),
+           0});
+    const Tuning& tuning = input_.tuning;
+    dispatch("project", Kernel::project_groups, std::min(tuning.cullGroups, (placed.groups + 63) / 64), pass);
+    dispatch("project", Kernel::project_clusters, std::min(tuning.cullGroups, placed.groups), pass);
+    dispatch("project", Kernel::project_triangles, std::min(tuning.triangleGroups, placed.clusters), pass);
+    finish("project");
+  }
+
+  void bin(bool lastShell) {
+    const Tuning& tuning = input_.tuning;
+    const uint32_t blocks = std::min(tuning.groups, input_.frame.beams / gpu::kPrefixBlock + 1);
+    const auto pass = [&](Kernel kernel, uint32_t number, uint32_t groups) {
+      dispatch("bin", kernel, groups, {}, number);
+    };
+    pass(Kernel::bin, 0, tuning.triangleGroups);
+    if (lastShell && binning_ == gpu::kBinningNearest32) pass(Kernel::bin, gpu::kPassOwner, tuning.groups);
+    if (binning_ == gpu::kBinningLists) {
+      pass(Kernel::prefix_sum, gpu::kPassReduce, blocks);
+      pass(Kernel::prefix_sum, gpu::kPassBlocks, 1);
+      pass(Kernel::prefix_sum, gpu::kPassApply, blocks);
+      pass(Kernel::bin, gpu::kPassFill, tuning.groups);
+    }
+    finish("bin");
+  }
+
+  void findOccluders(const gpu::Pass& pass) {
+    dispatch("project", Kernel::project_occluders, input_.tuning.cullGroups, pass);
+  }
+
+  void judge() {
+    if (input_.footprint)
+      for (const uint32_t pass : {gpu::kPassWithinOne, gpu::kPassOthers})
+        dispatch("effects", Kernel::effects_footprint,
+                 std::min(input_.tuning.footprintGroups, input_.frame.beams / 64 + 1), {}, pass);
+    if (input_.surfaces) dispatchOnBeams("effects", Kernel::effects_surfaces);
+    if (input_.effects) dispatchOnBeams("effects", Kernel::effects);
+    if (input_.footprint || input_.surfaces || input_.effects) finish("effects");
+  }
+
+  // A row of workgroups per channel.
+  void dispatchOnBeams(const char* stage, Kernel kernel) {
+    dispatch(stage, kernel, (input_.frame.columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, {}, 0,
+             input_.frame.rows);
+  }
+
+  void dispatch(const char* stage, Kernel kernel, uint32_t groupsX, const gpu::Pass& pass, uint32_t number = 0,
+                uint32_t groupsY = 1) {
+    Step step = {Step::Kind::dispatch, stage};
+    step.variant = input_.variant;
+    step.variant.kernel = kernel;
+    step.variant.options.PASS = number;
+    step.variant.float64 = input_.variant.float64 && (kernel == Kernel::bin || kernel == Kernel::resolve);
+    if (kernel != Kernel::effects_footprint) step.variant.subRays = 1;
+    step.pass = pass;
+    step.groupsX = groupsX;
+    step.groupsY = groupsY;
+    if (groupsX > 0 && groupsY > 0) add(step);
+  }
+
+  void fill(gpu::Array array, uint32_t value) { add({Step::Kind::fill, "", array, {}, 0, 0, value}); }
+  void copy(gpu::Array from, gpu::Array to) { add({Step::Kind::copy, "", to, from}); }
+  void finish(const char* stage) { add({Step::Kind::finish, stage}); }
+  void add(const Step& step) { steps_.push_back(step); }
+
+  const StepsInput& input_;
+  uint32_t binning_;
+  std::vector<Step> steps_;
+};
+
+}  // namespace
+
+std::vector<Step> stepsOf(const StepsInput& input, const PlacedGroups& placed, StillImage::Use still) {
+  return Steps(input).of(placed, still);
+}
+
+std::vector<Plan::Stage> stagesOf(const std::vector<Step>& steps) {
+  std::vector<Plan::Stage> stages;
+  for (const Step& step : steps) {
+    if (step.kind != Step::Kind::dispatch) continue;
+    auto stage = std::find_if(stages.begin(), stages.end(), [&](const auto& s) { return s.name == step.stage; });
+    if (stage == stages.end()) stage = stages.insert(stages.end(), {step.stage, 0, {}});
+    ++stage->dispatches;
+    const OptionWords words = wordsOf(step.variant.options);
+    const Plan::Pipeline pipeline = {nameOf(step.variant.kernel), {words.begin(), words.end()}};
+    const auto same = [&](const Plan::Pipeline& other) {
+      return other.name == pipeline.name && other.constants == pipeline.constants;
+    };
+    if (std::none_of(stage->pipelines.begin(), stage->pipelines.end(), same)) stage->pipelines.push_back(pipeline);
+  }
+  return stages;
+}
+
+}  // namespace gnosphere

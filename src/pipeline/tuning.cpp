@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/tuning.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+#include "base/threads.hpp"
+#include "pipeline/machine.hpp"
+#include "pipeline/scan_options.hpp"
+
+namespace gnosphere {
+namespace {
+
+// Where shells end, as shares of the range. Measured on towns: from 0.3 on more hides little more. One more shell took
+// 0.95 of the time of a CPU with 0.6 million beams and more, 1.0 with an HDL-64E, and 1.07 with a VLP-16.
+constexpr float kTwoShells[] = {0.35f}, kThreeShells[] = {0.2f, 0.45f};
+constexpr uint32_t kThreeShellsBeams = 500'000;
+// What hides costs a look at every beam; that pays from so many triangles per beam on, and so many in all.
+constexpr double kTrianglesPerBeam = 0.125;
+constexpr uint64_t kShellTriangles = 100'000;
+// Measured on towns: one projected triangle for 8 beams of an HDL-64E, and fewer for more.
+constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
+constexpr uint32_t kFirstTiles = 1 << 12;
+constexpr uint64_t kCandidatesPerBeam = 2;
+// Measured on towns with two threads: slabs of 64 columns take 1.03 of the time of 128, of 32 1.07; 256 gain no more.
+// So many for each thread share the work well enough.
+constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread = 8;
+
+}  // namespace
+
+// A software device runs neighbouring workgroups on one thread: a stride over eight groups per thread spreads uneven
+// work over the threads, and four times as many took 1.05 of the time. Boxes and entries of a table are alike, so few
+// groups are balanced: 64 of them on two threads took 1.04 of all of `project`. With slabs subgroups take work from a
+// shared counter until it is empty: one workgroup per thread is enough, more only poll.
+Tuning tuningOf(const Traits& traits, uint32_t binning) {
+  if (!traits.cpu) return {traits.groups, traits.groups, traits.groups, 8 * traits.groups};
+  const uint32_t threads = threadCount(), groups = std::max(64u, 8 * threads);
+  return {groups, 4 * threads, binning == gpu::kBinningSlabs ? threads : groups, 8 * groups};
+}
+
+uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint) {
+  if (footprint) return gpu::kBinningLists;
+  bool slabs = traits.cpu;
+  switch (options.binning) {
+    case Binning::lists: return gpu::kBinningLists;
+    case Binning::nearest32: return gpu::kBinningNearest32;
+    case Binning::automatic:
+      // Candidates per beam, as the paper has it.
+      if (exactnessOf(options).bounds == Exactness::Bounds::paper) return gpu::kBinningLists;
+      break;
+    case Binning::slabs: slabs = true; break;
+    case Binning::nearest: slabs = false; break;
+  }
+  return !traits.int64Atomics ? gpu::kBinningNearest32 : slabs ? gpu::kBinningSlabs : gpu::kBinningNearest;
+}
+
+// Where every hit of a beam counts, nothing hides anything.
+std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t binning, const gpu::Frame& frame,
+                             uint64_t triangles) {
+  const bool pays = triangles >= kShellTriangles &&
+                    static_cast<double>(triangles) >= kTrianglesPerBeam * static_cast<double>(frame.beams);
+  const bool possible = binning != gpu::kBinningLists && (cullingBits(options) & gpu::kCullOccluded) != 0;
+  std::vector<float> ends;
+  if (possible && (pays || options.culling.occlusion == Culling::Occlusion::always)) {
+    const bool three = binning == gpu::kBinningSlabs && frame.beams >= kThreeShellsBeams;
+    for (const float share : three ? std::span<const float>(kThreeShells) : std::span<const float>(kTwoShells))
+      ends.push_back(frame.rangeMax * share);
+  }
+  ends.push_back(std::numeric_limits<float>::infinity());
+  return ends;
+}
+
+uint32_t slabShift(uint32_t columns) {
+  const uint32_t threads = threadCount();
+  uint32_t shift = kLargestSlabShift;
+  while (shift > kLeastSlabShift && columns >> shift < kSlabsPerThread * threads) --shift;
+  return shift;
+}
+
+// Only large boxes are cut into tiles; with slabs some boxes lie in more than one.
+Capacities firstCapacities(uint32_t binning, uint64_t beams, uint64_t triangles) {
+  const auto projected = static_cast<uint32_t>(
+      std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));
+  return {projected, binning == gpu::kBinningSlabs ? projected / 2 : kFirstTiles,
+          binning == gpu::kBinningLists
+              ? static_cast<uint32_t>(std::min<uint64_t>(beams * kCandidatesPerBeam, 0xffffffff))
+              : 0};
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a device allows: one buffer is no larger than it says, and within that nothing is too large.
+#include <algorithm>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "eval/sample.hpp"
+#include "support.hpp"
+#include "town/town.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
+
+constexpr uint64_t kMebibyte = 1 << 20;
+
+/// Channels neither in order of elevation nor all at the columns' azimuths.
+Sensor shuffledSensor() {
+  Sensor sensor = gridSensor(5000, 7, -50, 60);
+  std::swap(sensor.channels[0], sensor.channels[5]);
+  for (uint32_t j = 0; j < 7; ++j) sensor.channels[j].azimuthOffsetDeg = 1.7 * (j % 3);
+  return sensor;
+}
+
+/// Crowds of triangles side by side, so many metres apart.
+Scene crowds(int count, double apart) {
+  Scene scene = sceneOf(soup(5, 5000, 40, 1));
+  scene.instances.clear();
+  for (int i = 0; i < count; ++i) scene.instances.push_back({"", 0, translation(apart * i, 0, 0.1 * i)});
+  return scene;
+}
+
+uint64_t largestBuffer(const Simulator& simulator) {
+  uint64_t largest = 0;
+  for (const auto& buffer : simulator.plan().buffers) largest = std::max(largest, buffer.bytes);
+  return largest;
+}
+
+/// The message of the out-of-memory error that `work` ends with.
+template <typename Work>
+std::string outOfMemory(const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::outOfMemory);
+    return error.what();
+  }
+  FAIL("no error");
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("a cap on one buffer that all buffers keep changes no byte, whatever the way") {
+  needVulkan();
+  Scene scene = sceneOf(soup(5, 1500, 40, 5));
+  scene.instances.push_back({"", 0, rotationZ(2)});
+  const Pose pose = {{1, -2, 0.5}, {0, 0, std::sin(0.2), std::cos(0.2)}};
+  for (Accuracy accuracy : {Accuracy::standard, Accuracy::exact})
+    for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
+      INFO("accuracy " << int(accuracy) << ", binning " << int(binning));
+      SimulatorOptions options = vulkanOptions();
+      options.accuracy = accuracy;
+      options.binning = binning;
+      Simulator free(scene, shuffledSensor(), options);
+      const Scan expected = free.scan(pose);
+      REQUIRE(expected.counters.hits > expected.beamCount() / 2);
+      options.maxBufferBytes = largestBuffer(free);
+      REQUIRE(sameBytes(scanOf(scene, shuffledSensor(), pose, options), expected));
+    }
+}
+
+TEST_CASE("a cap on one buffer changes no byte of a scan with effects") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(5, 1500, 40, 5));
+  SimulatorOptions options = vulkanOptions();
+  options.effects = Effects();
+  for (const char* effect : {"detection.reflectance=0.1", "range-noise.sigma=0.02", "divergence.horizontal=0.003"})
+    assign(options.effects, effect);
+  options.fields = {Field::intensity, Field::normal};
+  Sensor sensor = shuffledSensor();
+  sensor.maxReturns = 3;
+  Simulator free(scene, sensor, options);
+  const Scan expected = free.scan({});
+  options.maxBufferBytes = largestBuffer(free);
+  const Scan capped = scanOf(scene, sensor, {}, options);
+  CHECK(sameBytes(capped, expected));
+  CHECK(sameBytes(capped.intensities, expected.intensities));
+  CHECK(sameBytes(capped.normals, expected.normals));
+}
+
+TEST_CASE("a cap that is too small for a sensor or a scene names the array, its need and the device's limit") {
+  needVulkan();
+  const auto errorOf = [](const Scene& scene, uint64_t cap) {
+    SimulatorOptions options = vulkanOptions();
+    options.maxBufferBytes = cap;
+    return outOfMemory([&] { Simulator(scene, gridSensor(100'000, 2, -10, 10), options); });
+  };
+  const Scene scene = sceneOf(soup(1, 100, 5, 1));
+  const std::string columns = errorOf(scene, kMebibyte / 2), words = errorOf(scene, kMebibyte);
+  CHECK_THAT(columns, StartsWith("'columns' needs one buffer of 0.8 MiB; the device '"));
+  CHECK_THAT(columns, ContainsSubstring("' allows 0.5 MiB"));
+  CHECK_THAT(words, StartsWith("'words' needs one buffer of 1.5 MiB; the device '"));
+  CHECK_THAT(errorOf(sceneOf(soup(1, 100'000, 5, 1)), kMebibyte), ContainsSubstring(" allows 1.0 MiB"));
+}
+
+TEST_CASE("a list that the cap does not hold ends that scan alone") {
+  needVulkan();
+  Scene scene = crowds(36, 0);
+  for (int i = 0; i < 4; ++i) scene.instances.push_back({"", 0, translation(1000, 0, 0.1 * i)});
+  const Sensor sensor = gridSensor(1000, 64, -30, 30, 100);
+  const Pose crowded = {{0, 0, 0.3}, {}}, other = {{1000, 1, 0.3}, {}};
+  for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
+    INFO("binning " << int(binning));
+    SimulatorOptions options = vulkanOptions();
+    options.binning = binning;
+    options.culling.occlusion = Culling::Occlusion::never;
+    Simulator free(scene, sensor, options);
+    options.maxBufferBytes = kMebibyte;
+    Simulator capped(scene, sensor, options);
+    const Scan expected = free.scan(other);
+    REQUIRE(free.scan(crowded).counters.projected * 16 > options.maxBufferBytes);
+    REQUIRE(expected.counters.hits > 0);
+    for (int round = 0; round < 2; ++round) {
+      const std::string message = outOfMemory([&] { capped.scan(crowded); });
+      CHECK_THAT(message, ContainsSubstring("' needs one buffer of "));
+      CHECK_THAT(message, ContainsSubstring("' allows 1.0 MiB"));
+      const Scan scan = capped.scan(other);
+      CHECK(scan.counters.retries > 0);
+      CHECK(sameBytes(scan, expected));
+      CHECK(sameBytes(capped.scan(other), expected));
+    }
+    // With others in flight before and behind.
+    const std::vector<Shot> shots = {{other}, {other}, {crowded}, {other}};
+    size_t received = 0;
+    outOfMemory(
+        [&] { capped.scanAll(shots, [&](size_t, const Scan& scan) { received += sameBytes(scan, expected); }); });
+    CHECK(received == 2);
+    CHECK(sameBytes(capped.scan(other), expected));
+  }
+}
+
+TEST_CASE("lists grow up to the cap, step by step, and change no byte") {
+  needVulkan();
+  const Scene scene = crowds(24, 12);
+  const Sensor sensor = gridSensor(1000, 64, -30, 30, 500);
+  std::vector<Shot> shots;
+  for (int i = 0; i < 8; ++i) shots.push_back({{{-200.0 + 30 * i, 1, 0.3}, {}}});
+  for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
+    INFO("binning " << int(binning));
+    SimulatorOptions options = vulkanOptions();
+    options.binning = binning;
+    options.culling.occlusion = Culling::Occlusion::never;
+    Simulator free(scene, sensor, options);
+    std::vector<Scan> expected;
+    free.scanAll(shots, [&](size_t, const Scan& scan) { expected.push_back(scan); });
+    // Just what the last and largest scan needs.
+    Simulator exactly(scene, sensor, options);
+    exactly.scan(shots.back().pose);
+    options.maxBufferBytes = std::max(16 * expected.back().counters.projected, 16 * sensor.beamCount());
+    if (binning == Binning::slabs) options.maxBufferBytes = largestBuffer(exactly);
+    Simulator capped(scene, sensor, options);
+    uint64_t retries = 0;
+    capped.scanAll(shots, [&](size_t i, const Scan& scan) {
+      INFO("shot " << i);
+      CHECK(sameBytes(scan, expected[i]));
+      retries += scan.counters.retries;
+    });
+    CHECK(retries >= 2);
+    CHECK(largestBuffer(capped) <= options.maxBufferBytes);
+  }
+}
+
+TEST_CASE("a town in two shells under a cap has the same bytes and is culled alike") {
+  needVulkan();
+  const Scene scene = makeTown({.triangles = 30'000});
+  SimulatorOptions options = vulkanOptions();
+  options.culling.occlusion = Culling::Occlusion::always;
+  const Pose pose = {{0, 0, 1.8}, {}};
+  const Scan whole = scanOf(scene, builtinSensors()[0], pose, options);
+  options.maxBufferBytes = kMebibyte / 2;
+  const Scan capped = scanOf(scene, builtinSensors()[0], pose, options);
+  CHECK(sameBytes(whole, capped));
+  CHECK(capped.counters.culledByCluster == whole.counters.culledByCluster);
+}
+
+TEST_CASE("more columns than directions can tell apart are an error that names the sensor") {
+  needVulkan();
+  CHECK_THROWS_WITH(scanOf(sceneOf(soup(1, 100, 5, 1)), gridSensor((1 << 25) + 1, 1, 0, 0), {}, vulkanOptions()),
+                    "sensor 'grid' has 33554433 columns; the limit is 33554432");
+}
+
+// Beyond 2^24 columns a float does not hold every column's number, and a triangle's columns are found in floats.
+TEST_CASE("20 million beams in one channel: no beam is lost", "[.slow]") {
+  needVulkan();
+  constexpr uint32_t kColumns = 20'000'000, kEvery = 4000;
+  SimulatorOptions options = vulkanOptions();
+  options.accuracy = Accuracy::exact;
+  const Scene crowd = sceneOf(soup(3, 20'000, 40, 3)), wall = sceneOf(ball(6, 50'000, 5));
+  for (double offset : {0.0, 1.7})
+    for (Binning binning : {Binning::slabs, Binning::nearest, Binning::lists}) {
+      INFO("offset " << offset << ", binning " << int(binning));
+      if (offset > 0 && binning != Binning::slabs) continue;
+      options.binning = binning;
+      Sensor sensor = gridSensor(kColumns, 1, 3, 3);
+      sensor.channels[0].azimuthOffsetDeg = offset;
+      const Scan scan = scanOf(crowd, sensor, {{1, 2, 0.5}, {}}, options);
+      Sensor few = sensor;
+      few.columns = kColumns / kEvery;
+      const Scan expected = scanOf(crowd, few, {{1, 2, 0.5}, {}}, options);
+      REQUIRE(expected.counters.hits > few.columns / 2);
+      size_t different = 0;
+      for (size_t i = 0; i < few.columns; ++i)
+        different += scan.triangles[i * kEvery] != expected.triangles[i] ||
+                     std::memcmp(&scan.points[3 * i * kEvery], &expected.points[3 * i], 3 * sizeof(float)) != 0;
+      CHECK(different == 0);
+      const BeamSample sample = sampleOf(sensor, 3000, 1);
+      requireSame(referenceOf(crowd, sample.sensor, {{1, 2, 0.5}, {}}), sample.of(scan));
+      // The columns at both ends of 50,000 triangles that stand side by side, all the way around.
+      CHECK(scanOf(wall, sensor, {{0.1, 0.2, 0.3}, {}}, options).counters.misses == 0);
+    }
+}
+
+}  // namespace gnosphere::test
