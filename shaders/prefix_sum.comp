@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage bin, list way: candidate counts per beam -> where each beam's list starts. Reduce, scan the block sums, apply;
+// Stage bin, with lists: candidate counts per beam -> where each beam's list starts. Reduce, scan the block sums, apply;
 // no workgroup ever waits for another, so no forward progress between workgroups is assumed.
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage resolve. One row of workgroups per channel: the nearest hit of every beam -> point, range and owner. The
-// nearest way only unpacks its words; the list way visits the beam's candidates, best first, skipping by depth.
+// Stage resolve. One row of workgroups per channel: the nearest hit of every beam -> point, range and owner.
+// Without lists it unpacks its words; with lists it visits the beam's candidates, best first, skipping by depth.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

@@ -127,7 +127,6 @@ TEST_CASE("cuda effects: surfaces of exact hits, after instances and positions h
   needVulkan();
   SimulatorOptions options = asking(Effects::none());
   options.accuracy = Accuracy::exact;
-  options.maxBufferBytes = 1 << 19;  // in several chunks
   Twins twins(town(), {unevenSensor()}, options);
   requireSame(twins, standing());
   const uint32_t mesh = town().instances[0].mesh;

@@ -71,12 +71,11 @@ TEST_CASE("cuda: a town by every way of binning and every accuracy that is not t
   requireParity(town(), options);
 }
 
-TEST_CASE("cuda: a town in two shells, in many chunks, one side of its triangles reflecting") {
+TEST_CASE("cuda: a town in two shells, one side of its triangles reflecting") {
   needVulkan();
   SimulatorOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
   options.culling.occlusion = Culling::Occlusion::always;
-  options.maxBufferBytes = 1 << 20;
   options.faces = GENERATE(Faces::front, Faces::both);
   requireParity(bake(town()), options);
 }

@@ -86,7 +86,7 @@ struct Counters {
   uint64_t culledBetweenBeams = 0;  ///< no beam within the triangle's angular bounds
   uint64_t culledHidden = 0;        ///< behind what all beams within its bounds have met
   uint64_t projected = 0;           ///< went on to binning
-  uint64_t candidates = 0;          ///< (beam, triangle) pairs whose inside test passed; only counted by the list way
+  uint64_t candidates = 0;          ///< (beam, triangle) pairs whose inside test passed, of lists
   uint64_t integerSides = 0;        ///< of `exact`: inside tests that floating point could not decide
   uint64_t integerRanges = 0;       ///< of `exact`: ranges that it could not round
   uint64_t lostEchoes = 0;  ///< of beams that met more echoes, or more panes one behind the other, than are kept
