@@ -82,12 +82,6 @@ void addTexels(const Scene& scene, MaterialArrays& arrays) {
 
 }  // namespace
 
-bool SensorPlan::sameStages(const SensorPlan& other) const {
-  return bits == other.bits && fields == other.fields && returns == other.returns &&
-         subRays.size() == other.subRays.size() && looksAtMaterials == other.looksAtMaterials &&
-         motion() == other.motion();
-}
-
 std::vector<SensorPlan> planSensors(const Scene& scene, const std::vector<Sensor>& sensors,
                                     const SimulatorOptions& options) {
   std::vector<SensorPlan> plans;

@@ -53,8 +53,6 @@ struct SensorPlan {
   uint32_t layers() const { return has(gpu::kTransmission) ? gpu::kMaxLayers : 1; }
   /// Nothing but geometry.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
-  /// Two sensors with the same stages can share their pipelines.
-  bool sameStages(const SensorPlan& other) const;
 };
 
 /// One plan per sensor. Throws Error(invalidArgument) as decide() and leaveOutUnsupported() do.

@@ -56,7 +56,6 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       options_(kernelOptions(options, plan, tables_.azimuthOffsets)),
       shellEnds_(shellEnds(options, binning_, tables_.frame, triangles)),
       reach_(reachOf(options, tables_.frame)),
-      triangles_(triangles),
       outputs_(outputsOf(plan, leavesWords(binning_, plan))) {
   options_.BINNING = binning_;
   tables_.frame.footprint = plan.footprintRadius;

@@ -66,7 +66,6 @@ class SensorArrays {
   Options options_;
   std::vector<float> shellEnds_;
   double reach_;
-  uint64_t triangles_;
   std::vector<Output> outputs_;
   Capacities capacities_;
   std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays_;

@@ -253,7 +253,6 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   const int family = computeFamily(physical, timestampBits);
   result.queueFamily = static_cast<uint32_t>(std::max(family, 0));
   offer.compute = family >= 0;
-  offer.limits = basic.limits;
   result.subgroups = fullSubgroupsOf(offer);
   info.subgroupSize = result.subgroups.size ? result.subgroups.size : offer.subgroup.subgroupSize;
   result.int64Atomics = features.features.shaderInt64 && offer.features12.shaderBufferInt64Atomics;

@@ -52,7 +52,6 @@ class ApiInstance {
 /// What a driver says of a device that decides whether it is used. The members' pNext count for nothing.
 struct Offer {
   bool compute = false;  ///< there is a queue for it
-  VkPhysicalDeviceLimits limits = {};
   VkPhysicalDeviceVulkan12Features features12 = {};
   VkPhysicalDeviceSubgroupProperties subgroup = {};
   /// These two are zeros without VK_EXT_subgroup_size_control.
