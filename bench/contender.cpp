@@ -8,8 +8,8 @@ namespace {
 
 class Ours : public Contender {
  public:
-  Ours(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options, const std::string& name)
-      : name_(name), accuracy_(options.accuracy), start_(cli::nowMs()), simulator_(scene, sensor, options) {
+  Ours(const Scene& scene, const SensorRequest& request, const SimulatorOptions& options, const std::string& name)
+      : name_(name), accuracy_(options.accuracy), start_(cli::nowMs()), simulator_(scene, request, options) {
     buildMs_ = cli::nowMs() - start_;
   }
 
@@ -20,7 +20,7 @@ class Ours : public Contender {
     const double start = cli::nowMs();
     for (const Moved& move : task.moved) simulator_.setTransform(move.instance, move.transform);
     const double moved = cli::nowMs();
-    simulator_.scan(task.shot, scan_);
+    simulator_.scanInto(task.shot, scan_);
     sample.renewMs = task.moved.empty() ? 0 : moved - start;
     sample.scanMs = cli::nowMs() - moved;
     sample.deviceMs = scan_.timings.gpuMs;
@@ -87,9 +87,9 @@ class Guest : public Contender {
 
 }  // namespace
 
-std::unique_ptr<Contender> makeOurs(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options,
+std::unique_ptr<Contender> makeOurs(const Scene& scene, const SensorRequest& request, const SimulatorOptions& options,
                                     const std::string& name) {
-  return std::make_unique<Ours>(scene, sensor, options, name.empty() ? nameOf(options.accuracy) : name);
+  return std::make_unique<Ours>(scene, request, options, name.empty() ? nameOf(options.accuracy) : name);
 }
 
 const Simulator& simulatorOf(const Contender& ours) {

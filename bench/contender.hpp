@@ -43,7 +43,7 @@ class Contender {
 
 /// GnoSphere itself. `options.accuracy` of paper is the paper's way, which is not judged. Its name is that of the
 /// accuracy unless it is given another.
-std::unique_ptr<Contender> makeOurs(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options,
+std::unique_ptr<Contender> makeOurs(const Scene& scene, const SensorRequest& request, const SimulatorOptions& options,
                                     const std::string& name = "");
 /// The device it runs on.
 const Simulator& simulatorOf(const Contender& ours);

@@ -121,10 +121,11 @@ class Contest {
     Scene scene = setting_.scene;
     for (const Moved& move : moved_) scene.instances[move.instance].transform = move.transform;
     SimulatorOptions options;
-    options.device = "reference";
+    options.device = DeviceChoice::Kind::reference;
     options.faces = Faces::material;
     const Comparison c =
-        compare(Simulator(scene, setting_.sensor, options).scan(setting_.shots[0].pose), contenders_[0]->answer());
+        compare(Simulator(scene, {setting_.sensor, Effects::none()}, options).scan(setting_.shots[0].pose),
+                contenders_[0]->answer());
     if (contenders_[0]->judged() && c.missed + c.falseHits + c.wrongRange > 0)
       refuse(contenders_[0]->name(), cli::grouped(c.missed) + " beams missed, " + cli::grouped(c.falseHits) +
                                          " false hits and " + cli::grouped(c.wrongRange) +

@@ -65,32 +65,33 @@ std::vector<Pose> Session::poses(const Scene& scene) const {
 
 SimulatorOptions Session::simulatorOptions() const {
   SimulatorOptions settings;
-  settings.device = options_.device;
+  settings.device = deviceByName(options_.device);
   settings.accuracy = cli::kAccuracies.at(options_.accuracy);
-  settings.faces = Faces::material;  // the rivals see both faces; that the answers agree is checked
-  settings.culling.still = false;    // scans are timed whole, even where a run has one pose only
+  settings.faces = Faces::material;   // the rivals see both faces; that the answers agree is checked
+  settings.tuning.keepStill = false;  // scans are timed whole, even where a run has one pose only
   return settings;
 }
 
 std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) {
   std::vector<std::unique_ptr<Contender>> contenders;
+  const SensorRequest request = {round.sensor, Effects::none()};
   SimulatorOptions settings = simulatorOptions();
-  contenders.push_back(makeOurs(round.scene, round.sensor, settings));
+  contenders.push_back(makeOurs(round.scene, request, settings));
   setDevice(simulatorOf(*contenders[0]).device());
   if (round.motion == Motion::none && settings.accuracy != Accuracy::paper) {
     settings.accuracy = Accuracy::paper;
-    contenders.push_back(makeOurs(round.scene, round.sensor, settings));
+    contenders.push_back(makeOurs(round.scene, request, settings));
   }
-  for (auto& rival : rivals(rivals_, round, simulatorOptions())) contenders.push_back(std::move(rival));
+  for (auto& rival : rivals(rivals_, round, request)) contenders.push_back(std::move(rival));
   return contenders;
 }
 
 std::vector<std::unique_ptr<Contender>> Session::rivals(const std::vector<std::string>& names, const Round& round,
-                                                        const SimulatorOptions& settings) {
+                                                        const SensorRequest& request) {
   const std::vector<Pose> drive = poses(round.scene);
   const Vec3 middle = drive[drive.size() / 2].position;
   std::vector<std::string> notes;
-  auto rivals = makeRivals(names, {round.scene, round.sensor, middle, round.motion, settings, device_}, notes);
+  auto rivals = makeRivals(names, {round.scene, request, middle, round.motion, simulatorOptions(), device_}, notes);
   for (const std::string& note : notes) addNote(note);
   return rivals;
 }
@@ -118,15 +119,13 @@ void Session::hold(const Round& round, std::vector<Outcome>& outcomes) {
   }
 }
 
-void Session::hold(const Round& round, const Request& request, std::vector<Outcome>& outcomes) {
+void Session::hold(const Round& round, const Request& asked, std::vector<Outcome>& outcomes) {
   if (std::find(rivals_.begin(), rivals_.end(), "cuda") == rivals_.end()) return;
-  SimulatorOptions settings = simulatorOptions();
-  settings.effects = request.effects;
-  settings.fields = request.fields;
-  std::vector<std::unique_ptr<Contender>> everyone = rivals({"cuda"}, round, settings);
+  const SensorRequest request = {round.sensor, asked.effects, asked.fields};
+  std::vector<std::unique_ptr<Contender>> everyone = rivals({"cuda"}, round, request);
   if (everyone.empty()) return;
-  everyone.insert(everyone.begin(), makeOurs(round.scene, round.sensor, settings));
-  Setting setting = {round.label, round.x, round.scene, round.sensor, request.shots, {}, options_.runs};
+  everyone.insert(everyone.begin(), makeOurs(round.scene, request, simulatorOptions()));
+  Setting setting = {round.label, round.x, round.scene, round.sensor, asked.shots, {}, options_.runs};
   setting.refereed = false;
   outcomes.push_back(bench::hold(setting, everyone, rates_));
 }

@@ -73,7 +73,7 @@ class Session {
 
  private:
   std::vector<std::unique_ptr<Contender>> rivals(const std::vector<std::string>& names, const Round& round,
-                                                 const SimulatorOptions& settings);
+                                                 const SensorRequest& request);
 
   Options options_;
   std::vector<std::string> rivals_;

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "effects/sensor_plan.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
+#include "scene/validate.hpp"
 
 namespace gnosphere {
 namespace {
@@ -45,16 +47,59 @@ void validate(const SensorMotion& motion, const std::string& which) {
   }
 }
 
-std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
-                                     const SimulatorOptions& options) {
-  validate(scene);
-  if (sensors.empty()) throw Error(ErrorCode::invalidArgument, "a simulator needs at least one sensor");
-  for (const Sensor& sensor : sensors) validate(sensor);
-  if (options.exactness) validate(*options.exactness);
-  if (options.device == "reference") return makeReferenceBackend(scene, sensors, options);
-  if (options.device.starts_with("cuda")) return cuda::makeBackend(scene, sensors, options);
+std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options) {
+  switch (options.device.kind) {
+    case DeviceChoice::Kind::reference: return makeReferenceBackend(scene, sensors, options);
+    case DeviceChoice::Kind::cuda:
+    case DeviceChoice::Kind::cudaFast: return cuda::makeBackend(scene, sensors, options);
+    case DeviceChoice::Kind::vulkan: break;
+  }
   return makeVulkanBackend(scene, sensors, options);
 }
+
+/// Which of the indices 0..size - 1 are in use, and how often. An index that was given back is the next one taken.
+class Slots {
+ public:
+  explicit Slots(const char* noun) : noun_(noun) {}
+
+  size_t size() const { return uses_.size(); }
+  bool has(size_t index) const { return index < uses_.size() && uses_[index] != kFree; }
+  /// The index that the next take() gives.
+  size_t next() const { return free_.empty() ? uses_.size() : free_.back(); }
+  void take() {
+    if (free_.empty())
+      uses_.push_back(0);
+    else {
+      uses_[free_.back()] = 0;
+      free_.pop_back();
+    }
+  }
+  void giveBack(size_t index) {
+    uses_[index] = kFree;
+    free_.push_back(index);
+  }
+  /// Throws Error(invalidArgument) that says whether it never was or has been removed.
+  void check(size_t index) const {
+    if (has(index)) return;
+    throw Error(ErrorCode::invalidArgument,
+                std::string(noun_) + " " + std::to_string(index) +
+                    (index < size() ? " has been removed" : " does not exist, there are " + std::to_string(size())));
+  }
+  uint64_t& uses(size_t index) { return uses_[index]; }
+  void checkUnused(size_t index, const char* users) const {
+    check(index);
+    if (uses_[index] > 0)
+      throw Error(ErrorCode::invalidArgument, std::string(noun_) + " " + std::to_string(index) + " is used by " +
+                                                  std::to_string(uses_[index]) + " " + users +
+                                                  "; remove them before it");
+  }
+
+ private:
+  static constexpr uint64_t kFree = ~uint64_t{0};
+  const char* noun_;
+  std::vector<uint64_t> uses_;
+  std::vector<size_t> free_;
+};
 
 }  // namespace
 
@@ -87,143 +132,325 @@ std::vector<DeviceInfo> listDevices(std::string* vulkanProblem) {
   return devices;
 }
 
-Simulator::Simulator(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-    : classes_(std::make_shared<std::vector<uint16_t>>()), backend_(makeBackend(scene, sensors, options)) {
-  for (const Sensor& sensor : sensors) sensors_.push_back(std::make_shared<const Sensor>(sensor));
-  for (const Instance& instance : scene.instances) classes_->push_back(instance.classId);
-  for (const Mesh& mesh : scene.meshes) meshes_.push_back({mesh.vertexCount(), mesh.triangleCount()});
-  for (const Instance& instance : scene.instances) instanceMeshes_.push_back(instance.mesh);
-  placedTriangles_ = scene.placedTriangleCount();
+DeviceChoice::DeviceChoice(const DeviceInfo& device)
+    : kind(device.type == "reference" ? Kind::reference
+           : device.type == "cuda"    ? Kind::cuda
+                                      : Kind::vulkan),
+      name(device.name),
+      uuid(device.uuid) {}
+
+DeviceChoice deviceByName(const std::string& text) {
+  using Kind = DeviceChoice::Kind;
+  if (text == "auto") return {};
+  if (text == "reference") return Kind::reference;
+  for (const auto& [prefix, kind] : {std::pair("cuda:", Kind::cuda), std::pair("cuda-fast:", Kind::cudaFast)})
+    if (text.starts_with(prefix)) return {kind, text.substr(std::string_view(prefix).size())};
+  if (text.empty() || text.starts_with("cuda"))
+    throw Error(ErrorCode::invalidArgument, "device '" + text +
+                                                "' is not auto, the number or a part of the name of a Vulkan device, "
+                                                "reference, cuda:N or cuda-fast:N");
+  return {Kind::vulkan, text};
 }
-Simulator::Simulator(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options)
-    : Simulator(scene, std::vector<Sensor>{sensor}, options) {}
+
+// What plans follow from is kept here, the rest of the scene by the backend.
+class Simulator::Impl {
+ public:
+  Impl(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
+      : options_(options), planner_(options_) {
+    validate(scene);
+    if (options.exactness) validate(*options.exactness);
+    scene_.materials = scene.materials;
+    scene_.alphaImages = scene.alphaImages;
+    for (size_t i = 0; i < scene.materials.size(); ++i) materials_.take();
+    for (const Mesh& mesh : scene.meshes) keep(mesh);
+    for (const Instance& instance : scene.instances) keep(instance.mesh, instance.classId);
+    for (const SensorRequest& request : sensors) {
+      validate(request.sensor);
+      plans_.push_back(planner_.plan(scene_, request, plans_.size(), false));
+      requests_.push_back(std::make_shared<const SensorRequest>(request));
+      sensors_.take();
+    }
+    stale_ = false;
+    backend_ = makeBackend(scene, plans_, options_);
+  }
+
+  void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
+    planAgain();
+    for (size_t i = 0; i < shots.size(); ++i)
+      check(shots[i], shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
+    backend_->scanAll(shots, result, [&](size_t i) {
+      const auto& request = requests_[shots[i].sensor];
+      result.model = std::shared_ptr<const Sensor>(request, &request->sensor);
+      result.classes = classes_;
+      result.sensor = request->sensor.name;
+      result.columns = request->sensor.columns;
+      result.channels = static_cast<uint32_t>(request->sensor.channels.size());
+      result.pose = shots[i].pose;
+      receive(i);
+    });
+  }
+
+  size_t addSensor(const SensorRequest& request) {
+    validate(request.sensor);
+    const size_t index = sensors_.next();
+    auto plan = planner_.plan(scene_, request, index, false);
+    backend_->setSensor(index, plan);
+    sensors_.take();
+    plans_.resize(sensors_.size());
+    requests_.resize(sensors_.size());
+    plans_[index] = std::move(plan);
+    requests_[index] = std::make_shared<const SensorRequest>(request);
+    return index;
+  }
+
+  void removeSensor(size_t index) {
+    sensors_.check(index);
+    backend_->setSensor(index, nullptr);
+    plans_[index].reset();
+    requests_[index].reset();
+    sensors_.giveBack(index);
+  }
+
+  size_t addMaterial(Material material, const AlphaImage* image) {
+    const size_t index = materials_.next();
+    material.alphaImage = kNoImage;
+    if (image) {
+      validate(*image, "the alpha image of the new material");
+      const auto unused = std::find_if(scene_.alphaImages.begin(), scene_.alphaImages.end(),
+                                       [](const AlphaImage& other) { return other.alpha.empty(); });
+      material.alphaImage = static_cast<uint32_t>(unused - scene_.alphaImages.begin());
+      if (unused == scene_.alphaImages.end()) scene_.alphaImages.emplace_back();
+      scene_.alphaImages[material.alphaImage] = *image;
+      planner_.forgetTextures();
+    }
+    materials_.take();
+    scene_.materials.resize(materials_.size());
+    scene_.materials[index] = std::move(material);
+    backend_->setMaterials(scene_.materials, scene_.alphaImages);
+    stale_ = true;
+    return index;
+  }
+
+  void removeMaterial(size_t index) {
+    materials_.checkUnused(index, "meshes");
+    Material& material = scene_.materials[index];
+    const auto shares = [&](const Material& other) { return other.alphaImage == material.alphaImage; };
+    if (material.alphaImage != kNoImage &&
+        std::count_if(scene_.materials.begin(), scene_.materials.end(), shares) == 1) {
+      scene_.alphaImages[material.alphaImage] = {};
+      planner_.forgetTextures();
+    }
+    material = {};
+    materials_.giveBack(index);
+    backend_->setMaterials(scene_.materials, scene_.alphaImages);
+    stale_ = true;
+  }
+
+  size_t addMesh(const Mesh& mesh) {
+    const size_t index = meshes_.next();
+    const std::string name = "the new mesh" + (mesh.name.empty() ? "" : " '" + mesh.name + "'");
+    validate(mesh, name, scene_.materials);
+    for (const MeshPart& part : mesh.parts) materials_.check(part.material);
+    backend_->setMesh(index, &mesh);
+    keep(mesh);
+    return index;
+  }
+
+  void removeMesh(size_t index) {
+    meshes_.checkUnused(index, "instances");
+    backend_->setMesh(index, nullptr);
+    for (const MeshPart& part : scene_.meshes[index].parts) --materials_.uses(part.material);
+    scene_.meshes[index] = {};
+    meshes_.giveBack(index);
+  }
+
+  void setPositions(size_t mesh, std::span<const float> positions) {
+    meshes_.check(mesh);
+    if (positions.size() != 3 * vertexCounts_[mesh])
+      throw Error(ErrorCode::invalidArgument,
+                  "mesh " + std::to_string(mesh) + " has " + std::to_string(vertexCounts_[mesh]) +
+                      " vertices of three numbers each; " + std::to_string(positions.size()) + " numbers were given");
+    backend_->setPositions(mesh, positions);
+  }
+
+  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId) {
+    meshes_.check(mesh);
+    const size_t index = instances_.next();
+    validate(transform, index);
+    const uint64_t placed = placedTriangles_ + trianglesOf(mesh);
+    if (placed > kMostPlacedTriangles)
+      throw Error(ErrorCode::invalidArgument, "the scene would place " + std::to_string(placed) +
+                                                  " triangles; the limit is " + std::to_string(kMostPlacedTriangles));
+    backend_->setInstance(index, mesh, transform);
+    return keep(mesh, classId);
+  }
+
+  void removeInstance(size_t index) {
+    instances_.check(index);
+    backend_->setInstance(index, kNoMesh, {});
+    uint32_t& mesh = scene_.instances[index].mesh;
+    placedTriangles_ -= trianglesOf(mesh);
+    stale_ |= --meshes_.uses(mesh) == 0;
+    mesh = kNoMesh;
+    instances_.giveBack(index);
+  }
+
+  void setTransform(size_t instance, const Transform& transform) {
+    instances_.check(instance);
+    validate(transform, instance);
+    backend_->setInstance(instance, scene_.instances[instance].mesh, transform);
+  }
+
+  Plan plan(size_t sensor) {
+    sensors_.check(sensor);
+    planAgain();
+    Plan plan = backend_->plan(sensor);
+    plan.effects = plans_[sensor]->decisions;
+    return plan;
+  }
+
+  const Backend& backend() const { return *backend_; }
+
+ private:
+  void check(const Shot& shot, const std::string& which) const {
+    validate(shot.pose, which);
+    validate(shot.motion, which);
+    for (const InstanceMotion& motion : shot.instanceMotions) {
+      instances_.check(motion.instance);
+      validate(motion.end, motion.instance);
+    }
+    if (!sensors_.has(shot.sensor))
+      throw Error(
+          ErrorCode::invalidArgument,
+          which + "sensor " + std::to_string(shot.sensor) +
+              (shot.sensor < sensors_.size() ? " has been removed"
+                                             : " does not exist, there are " + std::to_string(sensors_.size())));
+    if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);
+  }
+
+  // Sensors whose effects follow from the scene, after the scene shows another set of materials.
+  void planAgain() {
+    if (!stale_) return;
+    for (size_t i = 0; i < plans_.size(); ++i) {
+      if (!plans_[i]) continue;
+      auto plan = planner_.plan(scene_, *requests_[i], i, true);
+      if (!sameArrays(*plans_[i], *plan)) backend_->setSensor(i, plan);
+      plans_[i] = std::move(plan);
+    }
+    stale_ = false;
+  }
+
+  uint64_t trianglesOf(size_t mesh) const {
+    uint64_t sum = 0;
+    for (const MeshPart& part : scene_.meshes[mesh].parts) sum += part.triangleCount;
+    return sum;
+  }
+
+  void keep(const Mesh& mesh) {
+    const size_t index = meshes_.next();
+    meshes_.take();
+    scene_.meshes.resize(meshes_.size());
+    vertexCounts_.resize(meshes_.size());
+    scene_.meshes[index].parts = mesh.parts;
+    vertexCounts_[index] = mesh.vertexCount();
+    for (const MeshPart& part : mesh.parts) ++materials_.uses(part.material);
+  }
+
+  size_t keep(uint32_t mesh, uint16_t classId) {
+    const size_t index = instances_.next();
+    instances_.take();
+    scene_.instances.resize(instances_.size());
+    scene_.instances[index].mesh = mesh;
+    placedTriangles_ += trianglesOf(mesh);
+    stale_ |= meshes_.uses(mesh)++ == 0;
+    // Scans that were handed out keep the classes of their time.
+    if (classes_.use_count() > 1) classes_ = std::make_shared<std::vector<uint16_t>>(*classes_);
+    classes_->resize(instances_.size());
+    (*classes_)[index] = classId;
+    return index;
+  }
+
+  const SimulatorOptions options_;
+  SensorPlanner planner_;
+  Scene scene_;  // of meshes only the parts, of instances only the mesh
+  Slots materials_{"material"}, meshes_{"mesh"}, instances_{"instance"}, sensors_{"sensor"};
+  std::vector<size_t> vertexCounts_;  // by mesh
+  uint64_t placedTriangles_ = 0;
+  std::shared_ptr<std::vector<uint16_t>> classes_ = std::make_shared<std::vector<uint16_t>>();  // by instance
+  std::vector<std::shared_ptr<const SensorRequest>> requests_;                                  // by sensor
+  SensorPlans plans_;                                                                           // by sensor
+  bool stale_ = false;  // the scene may show other materials than when the sensors were planned
+  std::unique_ptr<Backend> backend_;
+};
+
+Simulator::Simulator(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
+    : impl_(std::make_unique<Impl>(scene, sensors, options)) {}
+Simulator::Simulator(const Scene& scene, const SensorRequest& sensor, const SimulatorOptions& options)
+    : Simulator(scene, std::vector{sensor}, options) {}
 Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 Scan Simulator::scan(const Pose& pose, size_t sensor) {
-  Scan result;
-  scan(pose, sensor, result);
-  return result;
-}
-
-void Simulator::scan(const Pose& pose, size_t sensor, Scan& result) {
   Shot shot;
   shot.pose = pose;
   shot.sensor = sensor;
-  scan(shot, result);
+  Scan result;
+  scanInto(shot, result);
+  return result;
 }
 
-void Simulator::scan(const Shot& shot, Scan& result) {
-  run({&shot, 1}, result, [](size_t) {});
+void Simulator::scanInto(const Shot& shot, Scan& result) {
+  impl_->run({&shot, 1}, result, [](size_t) {});
 }
 
 void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(size_t, const Scan&)>& receive) {
   Scan result;
-  run(shots, result, [&](size_t i) { receive(i, result); });
+  impl_->run(shots, result, [&](size_t i) { receive(i, result); });
 }
 
-void Simulator::run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
-  for (size_t i = 0; i < shots.size(); ++i) {
-    const std::string which = shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "";
-    validate(shots[i].pose, which);
-    validate(shots[i].motion, which);
-    for (const InstanceMotion& motion : shots[i].instanceMotions) {
-      checkInstance(motion.instance);
-      validate(motion.end, motion.instance);
-    }
-    if (shots[i].sensor >= sensors_.size())
-      throw Error(ErrorCode::invalidArgument, which + "sensor " + std::to_string(shots[i].sensor) +
-                                                  " does not exist, there are " + std::to_string(sensors_.size()));
-  }
-  backend_->scanAll(shots, result, [&](size_t i) {
-    const Sensor& sensor = *sensors_[shots[i].sensor];
-    result.model = sensors_[shots[i].sensor];
-    result.classes = classes_;
-    result.sensor = sensor.name;
-    result.columns = sensor.columns;
-    result.channels = static_cast<uint32_t>(sensor.channels.size());
-    result.pose = shots[i].pose;
-    receive(i);
-  });
+size_t Simulator::addSensor(const SensorRequest& request) {
+  return impl_->addSensor(request);
 }
-
-void Simulator::checkInstance(size_t instance) const {
-  if (instance >= instanceMeshes_.size() || instanceMeshes_[instance] == kNoMesh)
-    throw Error(ErrorCode::invalidArgument,
-                "instance " + std::to_string(instance) +
-                    (instance < instanceMeshes_.size()
-                         ? " has been removed"
-                         : " does not exist, there are " + std::to_string(instanceMeshes_.size())));
+void Simulator::removeSensor(size_t sensor) {
+  impl_->removeSensor(sensor);
 }
-
-void Simulator::setTransform(size_t instance, const Transform& transform) {
-  checkInstance(instance);
-  validate(transform, instance);
-  backend_->setInstance(instance, instanceMeshes_[instance], transform);
+size_t Simulator::addMaterial(const Material& material, const AlphaImage* image) {
+  return impl_->addMaterial(material, image);
 }
-
-size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId) {
-  if (mesh >= meshes_.size())
-    throw Error(ErrorCode::invalidArgument,
-                "mesh " + std::to_string(mesh) + " does not exist, the scene has " + std::to_string(meshes_.size()));
-  const size_t index = removed_.empty() ? instanceMeshes_.size() : removed_.back();
-  validate(transform, index);
-  const uint64_t placed = placedTriangles_ + meshes_[mesh].triangles;
-  if (placed > kMostPlacedTriangles)
-    throw Error(ErrorCode::invalidArgument, "the scene would place " + std::to_string(placed) +
-                                                " triangles; the limit is " + std::to_string(kMostPlacedTriangles));
-  backend_->setInstance(index, mesh, transform);
-  if (removed_.empty())
-    instanceMeshes_.push_back(mesh);
-  else
-    removed_.pop_back();
-  instanceMeshes_[index] = mesh;
-  placedTriangles_ = placed;
-  setClass(index, classId);
-  return index;
+void Simulator::removeMaterial(size_t material) {
+  impl_->removeMaterial(material);
 }
-
-// Scans that were handed out keep the classes of their time.
-void Simulator::setClass(size_t instance, uint16_t classId) {
-  if (classes_.use_count() > 1) classes_ = std::make_shared<std::vector<uint16_t>>(*classes_);
-  classes_->resize(std::max(classes_->size(), instance + 1));
-  (*classes_)[instance] = classId;
+size_t Simulator::addMesh(const Mesh& mesh) {
+  return impl_->addMesh(mesh);
 }
-
-void Simulator::removeInstance(size_t instance) {
-  checkInstance(instance);
-  backend_->setInstance(instance, kNoMesh, {});
-  placedTriangles_ -= meshes_[instanceMeshes_[instance]].triangles;
-  instanceMeshes_[instance] = kNoMesh;
-  removed_.push_back(instance);
+void Simulator::removeMesh(size_t mesh) {
+  impl_->removeMesh(mesh);
 }
-
 void Simulator::setPositions(size_t mesh, std::span<const float> positions) {
-  if (mesh >= meshes_.size())
-    throw Error(ErrorCode::invalidArgument,
-                "mesh " + std::to_string(mesh) + " does not exist, the scene has " + std::to_string(meshes_.size()));
-  if (positions.size() != 3 * meshes_[mesh].vertices)
-    throw Error(ErrorCode::invalidArgument,
-                "mesh " + std::to_string(mesh) + " has " + std::to_string(meshes_[mesh].vertices) +
-                    " vertices of three numbers each; " + std::to_string(positions.size()) + " numbers were given");
-  backend_->setPositions(mesh, positions);
+  impl_->setPositions(mesh, positions);
+}
+size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId) {
+  return impl_->addInstance(mesh, transform, classId);
+}
+void Simulator::removeInstance(size_t instance) {
+  impl_->removeInstance(instance);
+}
+void Simulator::setTransform(size_t instance, const Transform& transform) {
+  impl_->setTransform(instance, transform);
 }
 
 Plan Simulator::plan(size_t sensor) const {
-  if (sensor >= sensors_.size())
-    throw Error(ErrorCode::invalidArgument,
-                "sensor " + std::to_string(sensor) + " does not exist, there are " + std::to_string(sensors_.size()));
-  return backend_->plan(sensor);
+  return impl_->plan(sensor);
 }
 const DeviceInfo& Simulator::device() const {
-  return backend_->device();
+  return impl_->backend().device();
 }
 MemoryUse Simulator::memory() const {
-  return backend_->memory();
+  return impl_->backend().memory();
 }
 size_t Simulator::clusterCount() const {
-  return backend_->clusterCount();
+  return impl_->backend().clusterCount();
 }
 
 }  // namespace gnosphere

@@ -231,7 +231,7 @@ TEST_CASE("accuracy cannot be measured from nowhere, never, or against itself") 
   const Sensor sensor = gridSensor(36, 2, -10, 10);
   AccuracyOptions options = quick();
   CHECK_THROWS_MATCHES(measureAccuracy(scene, sensor, {}, options), Error, MessageMatches(ContainsSubstring("pose")));
-  options.simulator.device = "reference";
+  options.simulator.device = DeviceChoice::Kind::reference;
   CHECK_THROWS_MATCHES(measureAccuracy(scene, sensor, {Pose{}}, options), Error,
                        MessageMatches(ContainsSubstring("another device")));
   options.runs = 0;

@@ -11,8 +11,8 @@ using namespace gnosphere::test;
 namespace {
 
 Scan scanBy(Binning binning, const Scene& scene, const Sensor& sensor, const Pose& pose = {}) {
-  SimulatorOptions options = vulkanOptions();
-  options.binning = binning;
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = binning;
   return scanOf(scene, sensor, pose, options);
 }
 
@@ -115,9 +115,9 @@ TEST_CASE("more triangles and tiles than the lists were made for are all project
   scene.meshes.push_back(builder.take());
   scene.instances.push_back({"", 1, {}});
   const Sensor sensor = gridSensor(2000, 300, -80, 80);
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.validation = false;  // speed: the layer has seen this path in the smaller tests
-  Simulator simulator(scene, sensor, options);
+  Simulator simulator = makeSimulator(scene, sensor, options);
   const Scan scan = simulator.scan({});
   CHECK(scan.counters.retries >= 1);
   CHECK(scan.counters.projected > 1u << 18);

@@ -286,8 +286,8 @@ TEST_CASE("a simulator's scan knows its sensor and its instances' classes") {
   scene.meshes = {wall};
   scene.instances = {{"wall", 0, {}, 9}};
   SimulatorOptions options;
-  options.device = "reference";
-  Simulator simulator(scene, smallSensor(), options);
+  options.device = DeviceChoice::Kind::reference;
+  Simulator simulator(scene, {smallSensor(), Effects::none()}, options);
   const Scan before = simulator.scan({});
   REQUIRE(before.model);
   CHECK(before.model->rotationPeriod == 0.1);

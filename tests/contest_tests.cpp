@@ -63,14 +63,14 @@ class Spoiler : public Rival {
 /// The CUDA backend, its kernels on the host. There is no clock of a device: stages take what they are told to.
 class Cuda : public Contender {
  public:
-  Cuda(const Scene& scene, const SimulatorOptions& options) : scene_(scene), cuda_(scene, {sensorOf()}, options) {}
+  Cuda(const Scene& scene, const test::TestOptions& options) : scene_(scene), cuda_(scene, {sensorOf()}, options) {}
   std::string name() const override { return "cuda"; }
   double build() override { return 1; }
   Sample run(const Task& task) override {
     for (const Moved& move : task.moved)
       cuda_.backend().setInstance(move.instance, scene_.instances[move.instance].mesh, move.transform);
     const double start = cli::nowMs();
-    cuda_.scan(task.shot, scan_);
+    cuda_.scanInto(task.shot, scan_);
     return {0, cli::nowMs() - start, 6, {{"project", 1}, {"bin", 2}, {"resolve", 3}}};
   }
   const Scan& answer() const override { return scan_; }
@@ -83,10 +83,10 @@ class Cuda : public Contender {
 };
 
 Outcome holdAgainst(const Scene& scene, size_t spoilt, const std::vector<size_t>& moving) {
-  SimulatorOptions options = test::vulkanOptions();
+  test::TestOptions options = test::vulkanOptions();
   options.faces = Faces::both;
   std::vector<std::unique_ptr<Contender>> contenders;
-  contenders.push_back(makeOurs(scene, sensorOf(), options));
+  contenders.push_back(makeOurs(scene, {sensorOf(), Effects::none()}, options));
   contenders.push_back(makeGuest(std::make_unique<Spoiler>(scene, spoilt), sensorOf()));
   const std::vector<Pose> poses = {{{0, 0, 0}, {}}, {{1, 0, 0.5}, {}}};
   return hold({"balls", 7, scene, sensorOf(), shotsFrom(poses), moving, 3}, contenders, {100, 1000});
@@ -132,11 +132,11 @@ TEST_CASE("a contest refuses a rival whose answer is wrong") {
 TEST_CASE("a contest compares CUDA with Vulkan, stage by stage") {
   test::needVulkan();
   const Scene scene = balls();
-  SimulatorOptions options = test::vulkanOptions();
+  test::TestOptions options = test::vulkanOptions();
   options.faces = Faces::both;
   options.accuracy = Accuracy::exact;
   std::vector<std::unique_ptr<Contender>> contenders;
-  contenders.push_back(makeOurs(scene, sensorOf(), options));
+  contenders.push_back(makeOurs(scene, {sensorOf(), Effects::none()}, options));
   contenders.push_back(std::make_unique<Cuda>(scene, options));
   const std::vector<Pose> poses = {{{0, 0, 0}, {}}, {{1, 0, 0.5}, {}}};
   const Outcome outcome = hold({"balls", 7, scene, sensorOf(), shotsFrom(poses), {0, 3}, 2}, contenders, {});
@@ -154,7 +154,7 @@ TEST_CASE("a contest compares CUDA with Vulkan, stage by stage") {
 TEST_CASE("a contest with effects holds CUDA's labels and intensities against Vulkan's") {
   test::needVulkan();
   const Scene scene = balls();
-  SimulatorOptions options = test::vulkanOptions();
+  test::TestOptions options = test::vulkanOptions();
   options.faces = Faces::both;
   options.effects = Effects::none();
   for (const char* assignment : {"intensity=on", "fog.visibility=80", "range-noise.sigma=0.02"})
@@ -164,8 +164,8 @@ TEST_CASE("a contest with effects holds CUDA's labels and intensities against Vu
   shots[1].frame = 7;
   const auto contestWith = [&](uint64_t seed) {
     std::vector<std::unique_ptr<Contender>> contenders;
-    contenders.push_back(makeOurs(scene, sensorOf(), options));
-    SimulatorOptions other = options;
+    contenders.push_back(makeOurs(scene, {sensorOf(), options.effects, options.fields}, options));
+    test::TestOptions other = options;
     other.effects.seed = seed;
     contenders.push_back(std::make_unique<Cuda>(scene, other));
     return hold({"balls", 7, scene, sensorOf(), shots, {}, 1, false}, contenders, {});

@@ -55,8 +55,8 @@ Sensor unevenHead() {
   return sensor;
 }
 
-SimulatorOptions asking(const Effects& effects) {
-  SimulatorOptions options = vulkanOptions();
+TestOptions asking(const Effects& effects) {
+  TestOptions options = vulkanOptions();
   options.effects = effects;
   options.effects.intensity.use = options.effects.radialSpeed.use = Use::automatic;
   options.fields = effectFields();
@@ -125,7 +125,7 @@ TEST_CASE("cuda effects: all together, by seed, sensor and frame, standing and i
 
 TEST_CASE("cuda effects: surfaces of exact hits, after instances and positions have moved, too") {
   needVulkan();
-  SimulatorOptions options = asking(Effects::none());
+  TestOptions options = asking(Effects::none());
   options.accuracy = Accuracy::exact;
   Twins twins(town(), {unevenSensor()}, options);
   requireSame(twins, standing());
@@ -149,10 +149,10 @@ TEST_CASE("cuda effects: a plan names the stages and dispatches of Vulkan's, and
   Effects effects = Effects::none();
   effects.fog = {Use::on, 60};
   if (GENERATE(false, true)) effects.divergence = {Use::on, 7, Profile::gaussian, 3e-3, 1.5e-3};
-  SimulatorOptions options = asking(effects);
-  options.binning = Binning::nearest;  // as CUDA bins
+  TestOptions options = asking(effects);
+  options.tuning.binning = Binning::nearest;  // as CUDA bins
   const Sensor sensor = unevenSensor();
-  const Plan expected = Simulator(town(), sensor, options).plan();
+  const Plan expected = makeSimulator(town(), sensor, options).plan();
   const Plan plan = CudaOnHost(town(), {sensor}, options).backend().plan(0);
   CHECK(plan.binning == expected.binning);
   CHECK(plan.returns == expected.returns);

@@ -40,15 +40,15 @@ void requireSameCounts(const Counters& a, const Counters& b) {
   CHECK(a.candidates == b.candidates);
 }
 
-Scan truthOf(const Scene& scene, const Sensor& sensor, const Pose& pose, SimulatorOptions options) {
-  options.device = "reference";
+Scan truthOf(const Scene& scene, const Sensor& sensor, const Pose& pose, TestOptions options) {
+  options.device = DeviceChoice::Kind::reference;
   return scanOf(scene, sensor, pose, options);
 }
 
 /// The options' clouds of both sensors from both poses, of Vulkan and of CUDA on the host.
-void requireParity(const Scene& scene, SimulatorOptions options) {
+void requireParity(const Scene& scene, TestOptions options) {
   const std::vector<Sensor> sensors = {gridSensor(360, 24, -25, 15, 100), unevenSensor()};
-  Simulator vulkan(scene, sensors, options);
+  Simulator vulkan = makeSimulator(scene, sensors, options);
   CudaOnHost onHost(scene, sensors, options);
   for (size_t sensor = 0; sensor < sensors.size(); ++sensor)
     for (const Pose& pose : kPoses) {
@@ -65,17 +65,17 @@ void requireParity(const Scene& scene, SimulatorOptions options) {
 
 TEST_CASE("cuda: a town by every way of binning and every accuracy that is not the paper's") {
   needVulkan();
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
-  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs);
+  options.tuning.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs);
   requireParity(town(), options);
 }
 
 TEST_CASE("cuda: a town in two shells, one side of its triangles reflecting") {
   needVulkan();
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  options.culling.occlusion = Culling::Occlusion::always;
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
   options.faces = GENERATE(Faces::front, Faces::both);
   requireParity(bake(town()), options);
 }
@@ -83,9 +83,9 @@ TEST_CASE("cuda: a town in two shells, one side of its triangles reflecting") {
 TEST_CASE("cuda: lists that are too small grow and nothing is lost") {
   needVulkan();
   Scene scene = sceneOf(soup(3, 40'000, 20, 6));
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  options.binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
+  options.tuning.binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
   const Sensor sensor = gridSensor(360, 24, -40, 40);
   const Scan scan = CudaOnHost(scene, {sensor}, options).scan({});
   CHECK(scan.counters.retries > 0);
@@ -105,9 +105,9 @@ TEST_CASE("cuda: after instances and positions have moved a scan equals Vulkan's
   };
   for (uint32_t i = 0; i < 12; ++i) scene.instances.push_back({"", i % 2, somewhere()});
   const Sensor sensor = gridSensor(360, 24, -40, 40, 60);
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  Simulator vulkan(scene, sensor, options);
+  Simulator vulkan = makeSimulator(scene, sensor, options);
   CudaOnHost onHost(scene, {sensor}, options);
   const auto requireEqual = [&] { REQUIRE(sameBytes(vulkan.scan({}), onHost.scan({}))); };
   requireEqual();
@@ -146,30 +146,30 @@ TEST_CASE("cuda: no beams, no triangles") {
 TEST_CASE("cuda: a device that is not there is one line that says what is missing") {
   const Scene scene = sceneOf(ball(6, 8, 2));
   const Sensor sensor = gridSensor(36, 4, -40, 40);
-  SimulatorOptions options;
-  options.device = "cuda:99";
+  TestOptions options;
+  options.device = deviceByName("cuda:99");
   const std::string problem = cudaProblem();
   const char* line = problem == "CUDA is not built in" ? "device 'cuda:99': CUDA is not built in; configure the build"
                      : problem.empty()                 ? "device 'cuda:99': the last CUDA device here is cuda:"
                                                        : "device 'cuda:99': there is no CUDA device here (";
-  CHECK_THROWS_WITH(Simulator(scene, sensor, options), ContainsSubstring(line));
+  CHECK_THROWS_WITH(makeSimulator(scene, sensor, options), ContainsSubstring(line));
 }
 
 TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products no more than rounding") {
   needCuda();
   const Sensor sensor = unevenSensor();
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs);
+  options.tuning.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs);
   const Scan decided = CudaOnHost(town(), {sensor}, options).scan(kPoses[0]);
-  options.device = "cuda:0";
+  options.device = deviceByName("cuda:0");
   const Scan scan = scanOf(town(), sensor, kPoses[0], options);
   CHECK(sameBytes(decided, scan));
   CHECK(scan.timings.gpuMs > 0);
   options.accuracy = Accuracy::standard;
   const Scan reference = truthOf(town(), sensor, kPoses[0], options);
   requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
-  options.device = "cuda-fast:0";
+  options.device = deviceByName("cuda-fast:0");
   requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
 }
 
@@ -178,7 +178,7 @@ TEST_CASE("cuda: every scene of the folder GNOSPHERE_SCENES has Vulkan's bytes o
   const char* folder = std::getenv("GNOSPHERE_SCENES");
   if (folder == nullptr) SKIP("GNOSPHERE_SCENES names no folder of scenes");
   needVulkan();
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
   const Sensor sensor = gridSensor(360, 32, -40, 25, 200);
   size_t scenes = 0;
@@ -198,7 +198,7 @@ TEST_CASE("cuda: every scene of the folder GNOSPHERE_SCENES has Vulkan's bytes o
     const Pose pose = {{middle(bounds.min.x, bounds.max.x), middle(bounds.min.y, bounds.max.y),
                         bounds.min.z + 0.3 * (bounds.max.z - bounds.min.z)},
                        {0.02, 0.01, 0.3, 0.95}};
-    Simulator vulkan(scene, sensor, options);
+    Simulator vulkan = makeSimulator(scene, sensor, options);
     CudaOnHost onHost(scene, {sensor}, options);
     CHECK(sameBytes(vulkan.scan(pose), onHost.scan(pose, 0)));
     ++scenes;

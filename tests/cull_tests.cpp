@@ -14,7 +14,7 @@ using namespace gnosphere::test;
 namespace {
 
 Culling nothing() {
-  return {false, false, false, false, Culling::Occlusion::never, false};
+  return {false, false, false, false, Culling::Occlusion::never};
 }
 
 struct Switch {
@@ -31,9 +31,9 @@ std::vector<Switch> switches() {
 }
 
 Scan scanWith(const Scene& scene, const Sensor& sensor, const Pose& pose, Accuracy accuracy, Culling culling) {
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = accuracy;
-  options.culling = culling;
+  options.tuning.culling = culling;
   return scanOf(scene, sensor, pose, options);
 }
 
@@ -82,10 +82,10 @@ TEST_CASE("culling: three shells, which many beams are worth, leave the cloud of
   needVulkan();
   const Scene town = makeTown({60'000, 3});
   const Sensor sensor = gridSensor(2603, 200, -30, 30, 80);
-  SimulatorOptions options = vulkanOptions();
-  options.binning = Binning::slabs;
-  options.culling.occlusion = Culling::Occlusion::always;
-  Simulator shells(town, sensor, options);
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = Binning::slabs;
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
+  Simulator shells = makeSimulator(town, sensor, options);
   const std::vector<Plan::Stage> stages = shells.plan().stages;
   REQUIRE(stages[0].dispatches == 3 * 3 + 2);
   const Pose pose = {{-7.5, 1.25, 1.8}, {0.02, -0.03, 0.6, 0.8}};
@@ -169,11 +169,11 @@ TEST_CASE("culling: what hides is known for every row that a later shell has") {
   scene.instances[1].transform.rows = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0.2, -18};
   scene.instances.push_back({"", 2, {}});
   const Sensor sensor = gridSensor(700, 40, -24, 24, 100);
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.faces = Faces::both;
-  options.culling.occlusion = Culling::Occlusion::always;
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
   const Scan scan = scanOf(scene, sensor, {}, options);
   CHECK(scan.counters.culledByCluster > 19 * scene.meshes[0].triangleCount() / 10);
-  options.culling.occlusion = Culling::Occlusion::never;
+  options.tuning.culling.occlusion = Culling::Occlusion::never;
   CHECK(sameBytes(scanOf(scene, sensor, {}, options), scan));
 }

@@ -131,7 +131,7 @@ void makeEverything(const vulkan::Device& device) {
 
 TEST_CASE("a call of Vulkan that fails, whichever it is, leaves nothing behind") {
   needVulkan();
-  auto device = std::make_unique<vulkan::Device>("auto", vulkanOptions().validation, 0);
+  auto device = std::make_unique<vulkan::Device>(DeviceChoice(), vulkanOptions().validation, 0);
   const auto messages = device->messages();
   countCalls(functionsOf(*device));
   makeEverything(*device);
@@ -156,7 +156,7 @@ TEST_CASE("a call of Vulkan that fails, whichever it is, leaves nothing behind")
 TEST_CASE("what the validation layer says last goes to whoever asks, and not to the standard error") {
   needVulkan();
   if (!vulkanOptions().validation) SKIP("the validation layer is off");
-  auto device = std::make_unique<vulkan::Device>("auto", true, 0);
+  auto device = std::make_unique<vulkan::Device>(DeviceChoice(), true, 0);
   const auto messages = device->messages();
   const VkFenceCreateInfo info = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   VkFence lost;
@@ -176,7 +176,7 @@ TEST_CASE("what the validation layer says last goes to whoever asks, and not to 
 
 TEST_CASE("memory that cannot be mapped is memory that cannot be had") {
   needVulkan();
-  vulkan::Device device("auto", vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation, 0);
   const auto fails = [&](PFN_vkMapMemory map) {
     functionsOf(device).vkMapMemory = map;
     try {
@@ -206,7 +206,7 @@ TEST_CASE("memory that cannot be mapped is memory that cannot be had") {
 
 TEST_CASE("every pipeline asks for full subgroups, and the validation layer agrees") {
   needVulkan();
-  vulkan::Device device("auto", vulkanOptions().validation, 0);
+  vulkan::Device device({}, vulkanOptions().validation, 0);
   static std::vector<VkPipelineShaderStageCreateFlags> flags;
   flags.clear();
   calls = {device.vk()};
@@ -269,22 +269,26 @@ TEST_CASE("a number is a device's index, or else part of its name") {
   const std::vector<DeviceInfo> devices = {deviceOf("llvmpipe (LLVM 15.0.6, 256 bits)", "cpu"),
                                            deviceOf("NVIDIA GeForce RTX 4090", "discrete"),
                                            deviceOf("Old 3090", "discrete", false)};
-  CHECK(chooseDevice(devices, "auto") == 1);
-  CHECK(chooseDevice(devices, "0") == 0);
-  CHECK(chooseDevice(devices, "1") == 1);
-  CHECK(chooseDevice(devices, "4090") == 1);
-  CHECK(chooseDevice(devices, "256") == 0);
-  CHECK(chooseDevice(devices, "rtx") == 1);
-  CHECK_THROWS_WITH(chooseDevice(devices, "2"), "the device 'Old 3090' cannot be used: it is made of brass");
-  CHECK_THROWS_WITH(chooseDevice(devices, "3090"), "the device 'Old 3090' cannot be used: it is made of brass");
-  CHECK_THROWS_WITH(chooseDevice(devices, "7"),
+  CHECK(chooseDevice(devices, DeviceChoice()) == 1);
+  CHECK(chooseDevice(devices, deviceByName("0")) == 0);
+  CHECK(chooseDevice(devices, deviceByName("1")) == 1);
+  CHECK(chooseDevice(devices, deviceByName("4090")) == 1);
+  CHECK(chooseDevice(devices, deviceByName("256")) == 0);
+  CHECK(chooseDevice(devices, deviceByName("rtx")) == 1);
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("2")),
+                    "the device 'Old 3090' cannot be used: it is made of brass");
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("3090")),
+                    "the device 'Old 3090' cannot be used: it is made of brass");
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("7")),
                     ContainsSubstring("there is no device '7', neither with this number nor with these digits in its "
                                       "name; 0: llvmpipe") &&
                         ContainsSubstring("; 2: Old 3090 (it is made of brass); reference: the CPU in double"));
-  CHECK_THROWS_WITH(chooseDevice(devices, "99999999999999999999999"), ContainsSubstring("there is no device '999"));
-  CHECK_THROWS_WITH(chooseDevice(devices, "brass"), ContainsSubstring("there is no device 'brass'; 0: llvmpipe"));
-  CHECK_THROWS_WITH(chooseDevice(devices, ""), ContainsSubstring("there is no device ''; 0: llvmpipe"));
-  CHECK_THROWS_WITH(chooseDevice({}, "0"), ContainsSubstring("no Vulkan device was found"));
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("99999999999999999999999")),
+                    ContainsSubstring("there is no device '999"));
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("brass")),
+                    ContainsSubstring("there is no device 'brass'; 0: llvmpipe"));
+  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("")), ContainsSubstring("there is no device ''; 0: llvmpipe"));
+  CHECK_THROWS_WITH(chooseDevice({}, deviceByName("0")), ContainsSubstring("no Vulkan device was found"));
 }
 
 TEST_CASE("timestamps of fewer than 64 bits give the same times, even where they run over") {

@@ -44,7 +44,7 @@ struct Asked {
   std::vector<Field> fields;
   MaterialTable table;
 
-  std::vector<Plan::Decision> all() const { return decide(effects, sensor, scene, fields, table); }
+  std::vector<Plan::Decision> all() const { return decide({sensor, effects, fields}, scene, table); }
   Plan::Decision of(const std::string& effect) const {
     for (const Plan::Decision& decision : all())
       if (decision.effect == effect) return decision;

@@ -30,11 +30,11 @@ std::vector<Scan> requireExactEveryWay(const Family& family) {
   for (const Family::Visit& visit : family.visits)
     oracles.push_back(exactScan(family.scene, family.sensors[visit.sensor], visit.pose));
   for (const Way& way : kWays) {
-    SimulatorOptions options = vulkanOptions();
+    TestOptions options = vulkanOptions();
     options.accuracy = Accuracy::exact;
-    options.binning = way.binning;
-    options.float64 = way.float64;
-    Simulator simulator(family.scene, family.sensors, options);
+    options.tuning.binning = way.binning;
+    options.tuning.float64 = way.float64;
+    Simulator simulator = makeSimulator(family.scene, family.sensors, options);
     for (size_t i = 0; i < family.visits.size(); ++i) {
       INFO(family.name << ", world " << i << ", " << way.name);
       requireExact(oracles[i], simulator.scan(family.visits[i].pose, family.visits[i].sensor));
@@ -127,9 +127,10 @@ TEST_CASE("exact: a closed mesh before the sensor is met twice or not at all, it
   Family turned = family;
   for (Mesh& mesh : turned.scene.meshes)
     for (size_t t = 0; t < mesh.triangleCount(); ++t) std::swap(mesh.indices[3 * t], mesh.indices[3 * t + 1]);
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  Simulator fronts(family.scene, family.sensors, options), backs(turned.scene, turned.sensors, options);
+  Simulator fronts = makeSimulator(family.scene, family.sensors, options);
+  Simulator backs = makeSimulator(turned.scene, turned.sensors, options);
   for (const Family::Visit& visit : family.visits) {
     const Scan front = fronts.scan(visit.pose), back = backs.scan(visit.pose);
     requireExact(exactScan(family.scene, sensor, visit.pose), front);
@@ -157,9 +158,9 @@ TEST_CASE("exact: looking past the first range finds the next layer and none twi
     sensor.rangeMin = from;
     windows.push_back(sensor);
   }
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  Simulator simulator(scene, windows, options);
+  Simulator simulator = makeSimulator(scene, windows, options);
   for (uint32_t shell = 0; shell < 5; ++shell) {
     const Scan scan = simulator.scan({}, shell);
     CHECK(scan.counters.hits == (shell < 4 ? sensor.beamCount() : 0));

@@ -37,13 +37,13 @@ TEST_CASE("scanAll gives byte for byte what scan gives, whatever the sensor, whi
   const std::vector<Sensor> sensors = mixedSensors();
   const std::vector<Shot> shots = driveThrough(sensors.size(), 13);
   for (Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
-    SimulatorOptions options = vulkanOptions();
+    TestOptions options = vulkanOptions();
     options.accuracy = accuracy;
-    Simulator one(scene, sensors, options);
+    Simulator one = makeSimulator(scene, sensors, options);
     for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
       if (accuracy == Accuracy::exact && binning == Binning::nearest32) continue;  // bin_tests has it
-      options.binning = binning;
-      Simulator all(scene, sensors, options);
+      options.tuning.binning = binning;
+      Simulator all = makeSimulator(scene, sensors, options);
       size_t expected = 0;
       uint64_t retries = 0;
       all.scanAll(shots, [&](size_t i, const Scan& scan) {
@@ -68,11 +68,11 @@ TEST_CASE("scanAll gives byte for byte what scan gives, whatever the sensor, whi
 
 TEST_CASE("a scan that the one before it outgrew is run again as well", "[second-driver]") {
   needVulkan();
-  SimulatorOptions options = vulkanOptions();
-  options.binning = Binning::lists;
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = Binning::lists;
   const Scene scene = sceneOf(soup(11, 1500, 40, 20));
   const std::vector<Shot> shots(2, {poseAt(0, 0, 0), 0});
-  Simulator simulator(scene, gridSensor(400, 33, -60, 60), options);
+  Simulator simulator = makeSimulator(scene, gridSensor(400, 33, -60, 60), options);
   std::vector<Scan> scans;
   simulator.scanAll(shots, [&](size_t, const Scan& scan) { scans.push_back(scan); });
   REQUIRE(scans.size() == 2);
@@ -85,7 +85,7 @@ TEST_CASE("a scan that the one before it outgrew is run again as well", "[second
 TEST_CASE("an exception of the receiver ends the run, and the simulator goes on") {
   needVulkan();
   const Scene scene = sceneOf(soup(3, 500, 20, 5));
-  Simulator simulator(scene, gridSensor(200, 16, -30, 30), vulkanOptions());
+  Simulator simulator = makeSimulator(scene, gridSensor(200, 16, -30, 30), vulkanOptions());
   const std::vector<Shot> shots = driveThrough(1, 9);
   size_t received = 0;
   const auto stopAtThird = [&](size_t, const Scan&) {
@@ -100,15 +100,17 @@ TEST_CASE("an exception of the receiver ends the run, and the simulator goes on"
 TEST_CASE("a scan into arrays that are there moves none of them") {
   needVulkan();
   for (const char* device : {"auto", "reference"}) {
-    SimulatorOptions options = vulkanOptions();
-    options.device = device;
-    Simulator simulator(sceneOf(soup(3, 500, 20, 5)), gridSensor(200, 16, -30, 30), options);
+    TestOptions options = vulkanOptions();
+    options.device = deviceByName(device);
+    Simulator simulator = makeSimulator(sceneOf(soup(3, 500, 20, 5)), gridSensor(200, 16, -30, 30), options);
     Scan scan = simulator.scan(poseAt(0, 0, 0));
     const float* points = scan.points.data();
     const float* ranges = scan.ranges.data();
     const uint32_t* triangles = scan.triangles.data();
     const uint32_t* instances = scan.instances.data();
-    simulator.scan(poseAt(5, 1, 2), 0, scan);
+    Shot shot;
+    shot.pose = poseAt(5, 1, 2);
+    simulator.scanInto(shot, scan);
     CHECK(scan.points.data() == points);
     CHECK(scan.ranges.data() == ranges);
     CHECK(scan.triangles.data() == triangles);
@@ -123,7 +125,7 @@ TEST_CASE("a scan into arrays that are there moves none of them") {
 TEST_CASE("a second set of results is only there once scanAll has run") {
   needVulkan();
   const Sensor sensor = gridSensor(200, 16, -30, 30);
-  Simulator simulator(sceneOf(soup(3, 500, 20, 5)), sensor, vulkanOptions());
+  Simulator simulator = makeSimulator(sceneOf(soup(3, 500, 20, 5)), sensor, vulkanOptions());
   const uint64_t before = simulator.memory().work;
   simulator.scan(poseAt(0, 0, 0));
   simulator.scan(poseAt(1, 0, 0));
@@ -136,9 +138,9 @@ TEST_CASE("a second set of results is only there once scanAll has run") {
 }
 
 TEST_CASE("a bad shot is told before the first scan") {
-  SimulatorOptions options;
-  options.device = "reference";
-  Simulator simulator(sceneOf(soup(3, 5, 20, 5)), gridSensor(20, 4, -30, 30), options);
+  TestOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  Simulator simulator = makeSimulator(sceneOf(soup(3, 5, 20, 5)), gridSensor(20, 4, -30, 30), options);
   std::vector<Shot> shots(3);
   const auto never = [](size_t, const Scan&) { FAIL("a scan was received"); };
   shots[2].sensor = 1;

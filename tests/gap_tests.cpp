@@ -60,9 +60,9 @@ TEST_CASE("a hundred million beams at shared corners and edges of closed meshes:
   };
   uint64_t aimed = 0, beams = 0, gaps = 0, draftGaps = 0;
   for (const Mesh& mesh : meshes) {
-    SimulatorOptions options = vulkanOptions();
+    TestOptions options = vulkanOptions();
     options.validation = false;  // speed: the layer sees these paths in the smaller tests
-    Simulator simulator(sceneOf(Mesh(mesh)), aimedSensor(), options);
+    Simulator simulator = makeSimulator(sceneOf(Mesh(mesh)), aimedSensor(), options);
     options.accuracy = Accuracy::draft;
     draftGaps += scanOf(sceneOf(Mesh(mesh)), aimedSensor(), {}, options).counters.misses;
     for (uint32_t turn = 0; turn < 180; ++turn) {

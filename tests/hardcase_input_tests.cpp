@@ -13,8 +13,8 @@ namespace {
 constexpr int kWorlds = 60;
 
 Scan scanBy(Binning binning, Accuracy accuracy, const Scene& scene, const Sensor& sensor) {
-  SimulatorOptions options = vulkanOptions();
-  options.binning = binning;
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = binning;
   options.accuracy = accuracy;
   return scanOf(scene, sensor, {}, options);
 }
@@ -174,9 +174,9 @@ TEST_CASE("hard: twenty orders of the same triangles give the same bytes, indice
     family.add(sceneOf(std::move(shuffled)));
   }
   for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
-    SimulatorOptions options = vulkanOptions();
+    TestOptions options = vulkanOptions();
     options.accuracy = accuracy;
-    Simulator simulator(family.scene, family.sensors, options);
+    Simulator simulator = makeSimulator(family.scene, family.sensors, options);
     const Scan first = simulator.scan(family.visits[0].pose);
     for (size_t round = 1; round < orders.size(); ++round) {
       const Scan scan = simulator.scan(family.visits[round].pose);

@@ -22,9 +22,9 @@ Pose moved(Pose pose, const Vec3& by) {
 }
 
 Simulator simulatorOf(const Scene& scene, const Sensor& sensor, Accuracy accuracy) {
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = accuracy;
-  return Simulator(scene, sensor, options);
+  return makeSimulator(scene, sensor, options);
 }
 
 /// Everywhere but on ties the same hits, at ranges within 1e-4 m.
@@ -91,9 +91,9 @@ TEST_CASE("large worlds: a georeferenced town of the Netherlands is scanned as i
   Scene home = scene;
   for (Mesh& mesh : home.meshes) mesh.origin = {mesh.origin.x + back.x, mesh.origin.y + back.y, mesh.origin.z};
   const Sensor sensor = gridSensor(450, 32, -30, 15, 300);
-  SimulatorOptions options = vulkanOptions();
-  options.device = "reference";
-  Simulator reference(scene, sensor, options);
+  TestOptions options = vulkanOptions();
+  options.device = DeviceChoice::Kind::reference;
+  Simulator reference = makeSimulator(scene, sensor, options);
   uint64_t hits = 0;
   for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
     Simulator there = simulatorOf(scene, sensor, accuracy), here = simulatorOf(home, sensor, accuracy);

@@ -114,11 +114,11 @@ inline void report(const Family& family, const Verdict& verdict) {
 inline Verdict requireRight(const Family& family, Faces faces = Faces::material) {
   needVulkan();
   const auto simulator = [&](const char* device, Accuracy accuracy) {
-    SimulatorOptions options = vulkanOptions();
-    options.device = device;
+    TestOptions options = vulkanOptions();
+    options.device = deviceByName(device);
     options.accuracy = accuracy;
     options.faces = faces;
-    return Simulator(family.scene, family.sensors, options);
+    return makeSimulator(family.scene, family.sensors, options);
   };
   Simulator reference = simulator("reference", Accuracy::standard), standard = simulator("auto", Accuracy::standard);
   Simulator exact = simulator("auto", Accuracy::exact), paper = simulator("auto", Accuracy::paper);

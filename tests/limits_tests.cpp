@@ -60,13 +60,13 @@ TEST_CASE("a cap on one buffer that all buffers keep changes no byte, whatever t
   for (Accuracy accuracy : {Accuracy::standard, Accuracy::exact})
     for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
       INFO("accuracy " << int(accuracy) << ", binning " << int(binning));
-      SimulatorOptions options = vulkanOptions();
+      TestOptions options = vulkanOptions();
       options.accuracy = accuracy;
-      options.binning = binning;
-      Simulator free(scene, shuffledSensor(), options);
+      options.tuning.binning = binning;
+      Simulator free = makeSimulator(scene, shuffledSensor(), options);
       const Scan expected = free.scan(pose);
       REQUIRE(expected.counters.hits > expected.beamCount() / 2);
-      options.maxBufferBytes = largestBuffer(free);
+      options.tuning.maxBufferBytes = largestBuffer(free);
       REQUIRE(sameBytes(scanOf(scene, shuffledSensor(), pose, options), expected));
     }
 }
@@ -74,16 +74,16 @@ TEST_CASE("a cap on one buffer that all buffers keep changes no byte, whatever t
 TEST_CASE("a cap on one buffer changes no byte of a scan with effects") {
   needVulkan();
   const Scene scene = sceneOf(soup(5, 1500, 40, 5));
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.effects = Effects();
   for (const char* effect : {"detection.reflectance=0.1", "range-noise.sigma=0.02", "divergence.horizontal=0.003"})
     assign(options.effects, effect);
   options.fields = {Field::intensity, Field::normal};
   Sensor sensor = shuffledSensor();
   sensor.maxReturns = 3;
-  Simulator free(scene, sensor, options);
+  Simulator free = makeSimulator(scene, sensor, options);
   const Scan expected = free.scan({});
-  options.maxBufferBytes = largestBuffer(free);
+  options.tuning.maxBufferBytes = largestBuffer(free);
   const Scan capped = scanOf(scene, sensor, {}, options);
   CHECK(sameBytes(capped, expected));
   CHECK(sameBytes(capped.intensities, expected.intensities));
@@ -93,9 +93,9 @@ TEST_CASE("a cap on one buffer changes no byte of a scan with effects") {
 TEST_CASE("a cap that is too small for a sensor or a scene names the array, its need and the device's limit") {
   needVulkan();
   const auto errorOf = [](const Scene& scene, uint64_t cap) {
-    SimulatorOptions options = vulkanOptions();
-    options.maxBufferBytes = cap;
-    return outOfMemory([&] { Simulator(scene, gridSensor(100'000, 2, -10, 10), options); });
+    TestOptions options = vulkanOptions();
+    options.tuning.maxBufferBytes = cap;
+    return outOfMemory([&] { makeSimulator(scene, gridSensor(100'000, 2, -10, 10), options); });
   };
   const Scene scene = sceneOf(soup(1, 100, 5, 1));
   const std::string columns = errorOf(scene, kMebibyte / 2), words = errorOf(scene, kMebibyte);
@@ -113,14 +113,14 @@ TEST_CASE("a list that the cap does not hold ends that scan alone") {
   const Pose crowded = {{0, 0, 0.3}, {}}, other = {{1000, 1, 0.3}, {}};
   for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
     INFO("binning " << int(binning));
-    SimulatorOptions options = vulkanOptions();
-    options.binning = binning;
-    options.culling.occlusion = Culling::Occlusion::never;
-    Simulator free(scene, sensor, options);
-    options.maxBufferBytes = kMebibyte;
-    Simulator capped(scene, sensor, options);
+    TestOptions options = vulkanOptions();
+    options.tuning.binning = binning;
+    options.tuning.culling.occlusion = Culling::Occlusion::never;
+    Simulator free = makeSimulator(scene, sensor, options);
+    options.tuning.maxBufferBytes = kMebibyte;
+    Simulator capped = makeSimulator(scene, sensor, options);
     const Scan expected = free.scan(other);
-    REQUIRE(free.scan(crowded).counters.projected * 16 > options.maxBufferBytes);
+    REQUIRE(free.scan(crowded).counters.projected * 16 > options.tuning.maxBufferBytes);
     REQUIRE(expected.counters.hits > 0);
     for (int round = 0; round < 2; ++round) {
       const std::string message = outOfMemory([&] { capped.scan(crowded); });
@@ -149,18 +149,18 @@ TEST_CASE("lists grow up to the cap, step by step, and change no byte") {
   for (int i = 0; i < 8; ++i) shots.push_back({{{-200.0 + 30 * i, 1, 0.3}, {}}});
   for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
     INFO("binning " << int(binning));
-    SimulatorOptions options = vulkanOptions();
-    options.binning = binning;
-    options.culling.occlusion = Culling::Occlusion::never;
-    Simulator free(scene, sensor, options);
+    TestOptions options = vulkanOptions();
+    options.tuning.binning = binning;
+    options.tuning.culling.occlusion = Culling::Occlusion::never;
+    Simulator free = makeSimulator(scene, sensor, options);
     std::vector<Scan> expected;
     free.scanAll(shots, [&](size_t, const Scan& scan) { expected.push_back(scan); });
     // Just what the last and largest scan needs.
-    Simulator exactly(scene, sensor, options);
+    Simulator exactly = makeSimulator(scene, sensor, options);
     exactly.scan(shots.back().pose);
-    options.maxBufferBytes = std::max(16 * expected.back().counters.projected, 16 * sensor.beamCount());
-    if (binning == Binning::slabs) options.maxBufferBytes = largestBuffer(exactly);
-    Simulator capped(scene, sensor, options);
+    options.tuning.maxBufferBytes = std::max(16 * expected.back().counters.projected, 16 * sensor.beamCount());
+    if (binning == Binning::slabs) options.tuning.maxBufferBytes = largestBuffer(exactly);
+    Simulator capped = makeSimulator(scene, sensor, options);
     uint64_t retries = 0;
     capped.scanAll(shots, [&](size_t i, const Scan& scan) {
       INFO("shot " << i);
@@ -168,18 +168,18 @@ TEST_CASE("lists grow up to the cap, step by step, and change no byte") {
       retries += scan.counters.retries;
     });
     CHECK(retries >= 2);
-    CHECK(largestBuffer(capped) <= options.maxBufferBytes);
+    CHECK(largestBuffer(capped) <= options.tuning.maxBufferBytes);
   }
 }
 
 TEST_CASE("a town in two shells under a cap has the same bytes and is culled alike") {
   needVulkan();
   const Scene scene = makeTown({.triangles = 30'000});
-  SimulatorOptions options = vulkanOptions();
-  options.culling.occlusion = Culling::Occlusion::always;
+  TestOptions options = vulkanOptions();
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
   const Pose pose = {{0, 0, 1.8}, {}};
   const Scan whole = scanOf(scene, builtinSensors()[0], pose, options);
-  options.maxBufferBytes = kMebibyte / 2;
+  options.tuning.maxBufferBytes = kMebibyte / 2;
   const Scan capped = scanOf(scene, builtinSensors()[0], pose, options);
   CHECK(sameBytes(whole, capped));
   CHECK(capped.counters.culledByCluster == whole.counters.culledByCluster);
@@ -195,14 +195,14 @@ TEST_CASE("more columns than directions can tell apart are an error that names t
 TEST_CASE("20 million beams in one channel: no beam is lost", "[.slow]") {
   needVulkan();
   constexpr uint32_t kColumns = 20'000'000, kEvery = 4000;
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
   const Scene crowd = sceneOf(soup(3, 20'000, 40, 3)), wall = sceneOf(ball(6, 50'000, 5));
   for (double offset : {0.0, 1.7})
     for (Binning binning : {Binning::slabs, Binning::nearest, Binning::lists}) {
       INFO("offset " << offset << ", binning " << int(binning));
       if (offset > 0 && binning != Binning::slabs) continue;
-      options.binning = binning;
+      options.tuning.binning = binning;
       Sensor sensor = gridSensor(kColumns, 1, 3, 3);
       sensor.channels[0].azimuthOffsetDeg = offset;
       const Scan scan = scanOf(crowd, sensor, {{1, 2, 0.5}, {}}, options);

@@ -9,9 +9,9 @@ TEST_CASE("a town and an HDL-64E keep to their bytes per triangle, instance and 
   needVulkan();
   const Scene scene = makeTown({.triangles = 300'000});
   const Sensor sensor = findSensor("HDL-64E");
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.validation = false;  // speed
-  Simulator simulator(scene, sensor, options);
+  Simulator simulator = makeSimulator(scene, sensor, options);
   for (double x : {-40.0, 0.0, 40.0}) simulator.scan({{x, 0, 1.8}, {}});
   const MemoryUse use = simulator.memory();
   CHECK(use.scene <= 32 * scene.uniqueTriangleCount() + 64 * scene.instances.size());
@@ -24,7 +24,7 @@ TEST_CASE("what is listed as visible takes room for what is in range, once for a
   Scene scene = sceneOf(ball(40, 40, 5));
   for (int i = 1; i < 200; ++i) scene.instances.push_back({"", 0, translation(100.0 * i, 0, 0)});
   const Sensor near = gridSensor(100, 4, -10, 10, 30), far = gridSensor(100, 4, -10, 10, 1e5);
-  Simulator one(scene, {near, far}, vulkanOptions());
+  Simulator one = makeSimulator(scene, {near, far}, vulkanOptions());
   one.scan({}, 0);
   const uint64_t oneBall = one.memory().scene;
   one.scan({}, 1);

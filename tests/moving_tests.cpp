@@ -96,7 +96,7 @@ void change(Model& model, Simulator& simulator, Random& random) {
   }
 }
 
-void requireSameAsBuilt(const Scan& moved, const Model& model, const Sensor& sensor, const SimulatorOptions& options) {
+void requireSameAsBuilt(const Scan& moved, const Model& model, const Sensor& sensor, const TestOptions& options) {
   std::vector<uint32_t> index;
   const Scene built = model.compact(index);
   Scan fresh = scanOf(built, sensor, moved.pose, options);
@@ -113,7 +113,7 @@ void requireSameAsBuilt(const Scan& moved, const Model& model, const Sensor& sen
   CHECK(bounded(moved.counters) == bounded(fresh.counters));
 }
 
-void moveAbout(const SimulatorOptions& options, uint32_t seed, int rounds, uint32_t largeMesh = 0) {
+void moveAbout(const TestOptions& options, uint32_t seed, int rounds, uint32_t largeMesh = 0) {
   Random random(seed);
   Scene start = startingScene(random);
   if (largeMesh > 0) {
@@ -122,7 +122,7 @@ void moveAbout(const SimulatorOptions& options, uint32_t seed, int rounds, uint3
   }
   Model model(std::move(start));
   const Sensor sensor = gridSensor(360, 24, -40, 40, 60);
-  Simulator simulator(model.scene(), sensor, options);
+  Simulator simulator = makeSimulator(model.scene(), sensor, options);
   for (int round = 0; round < rounds; ++round) {
     INFO("seed " << seed << ", round " << round);
     const int changes = round == 0 ? 0 : 1 << (2 * round);
@@ -138,22 +138,22 @@ void moveAbout(const SimulatorOptions& options, uint32_t seed, int rounds, uint3
 
 TEST_CASE("after any changes a scan equals that of a simulator built from the changed scene: standard") {
   needVulkan();
-  SimulatorOptions options = vulkanOptions();
-  options.culling.occlusion = Culling::Occlusion::always;
+  TestOptions options = vulkanOptions();
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
   moveAbout(options, 1, 5);
 }
 
 TEST_CASE("after any changes a scan equals that of a simulator built from the changed scene: exact") {
   needVulkan();
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  options.binning = Binning::lists;
+  options.tuning.binning = Binning::lists;
   moveAbout(options, 2, 4, 18'000);
 }
 
 TEST_CASE("after any changes a scan equals that of a simulator built from the changed scene: reference") {
-  SimulatorOptions options;
-  options.device = "reference";
+  TestOptions options;
+  options.device = DeviceChoice::Kind::reference;
   for (uint32_t seed : {3u, 4u}) moveAbout(options, seed, 4);
 }
 
@@ -185,7 +185,7 @@ TEST_CASE("an instance that reaches into range from beyond it is met") {
   const Scan reference = referenceOf(scene, sensor, {});
   CHECK(reference.counters.hits > 500);
   requireSame(reference, scanOf(scene, sensor, {}, vulkanOptions()));
-  Simulator simulator(scene, sensor, vulkanOptions());
+  Simulator simulator = makeSimulator(scene, sensor, vulkanOptions());
   for (size_t i = 0; i < 24; ++i) simulator.setTransform(i, scene.instances[(i + 7) % 24].transform);
   CHECK(sameBytes(simulator.scan({}).ranges, scanOf(scene, sensor, {}, vulkanOptions()).ranges));
 }
@@ -194,7 +194,7 @@ TEST_CASE("a run that was ended and a scene that has grown since do not meet") {
   needVulkan();
   const Sensor sensor = gridSensor(360, 24, -40, 40, 25);
   Scene scene = sceneOf(ball(12, 20, 1));
-  Simulator simulator(scene, sensor, vulkanOptions());
+  Simulator simulator = makeSimulator(scene, sensor, vulkanOptions());
   const std::vector<Shot> shots(3);
   CHECK_THROWS_WITH(simulator.scanAll(shots, [](size_t, const Scan&) { throw std::runtime_error("enough"); }),
                     "enough");
@@ -211,7 +211,7 @@ TEST_CASE("vertices that move into range are met", "[second-driver]") {
   needVulkan();
   const Sensor sensor = gridSensor(360, 24, -40, 40, 25);
   const Mesh near = ball(12, 20, 1, {10, 0, 0});
-  Simulator simulator(sceneOf(ball(12, 20, 1, {100, 0, 0})), sensor, vulkanOptions());
+  Simulator simulator = makeSimulator(sceneOf(ball(12, 20, 1, {100, 0, 0})), sensor, vulkanOptions());
   CHECK(simulator.scan({}).counters.hits == 0);
   simulator.setPositions(0, near.positions);
   CHECK(simulator.scan({}).counters.hits > 0);
@@ -222,11 +222,11 @@ TEST_CASE("a change that cannot be made is refused and changes nothing") {
   using Catch::Matchers::ContainsSubstring;
   needVulkan();
   for (const char* device : {"auto", "reference"}) {
-    SimulatorOptions options = vulkanOptions();
-    options.device = device;
+    TestOptions options = vulkanOptions();
+    options.device = deviceByName(device);
     Scene scene = sceneOf(soup(3, 50, 10, 5));
     scene.instances.push_back({"", 0, translation(1, 0, 0)});
-    Simulator simulator(scene, gridSensor(100, 8, -30, 30), options);
+    Simulator simulator = makeSimulator(scene, gridSensor(100, 8, -30, 30), options);
     const Scan before = simulator.scan({});
     Transform bad;
     bad.rows[5] = NAN;

@@ -14,7 +14,7 @@ std::vector<fs::path> filesIn(const fs::path& path) {
 }
 
 Scan scanWith(const std::string& cache) {
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.cache = cache;
   return scanOf(sceneOf(soup(5, 200, 20, 8)), gridSensor(90, 8, -30, 30), {}, options);
 }

@@ -130,7 +130,7 @@ TEST_CASE("front faces alone reflect where one side is asked for, mirrored insta
   scene.instances.push_back({"turned", 0, translation(0, 6, 0) * rotationZ(1) * scaling(2, 1, 1)});
   scene.instances.push_back({"around", 0, scaling(50, 50, 50)});  // seen from inside: its back faces
   for (const Faces faces : {Faces::material, Faces::front, Faces::both}) {
-    SimulatorOptions options = vulkanOptions();
+    TestOptions options = vulkanOptions();
     options.faces = faces;
     const Scan reference = referenceOf(scene, kAround, {}, faces);
     const Scan scan = scanOf(scene, kAround, {}, options);

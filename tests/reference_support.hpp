@@ -10,6 +10,7 @@
 #include <numeric>
 #include <random>
 
+#include "effects/sensor_plan.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
 #include "reference/doubt.hpp"
@@ -111,10 +112,13 @@ inline Pose poseAt(const Vec3& position, double yaw = 0, double pitch = 0) {
 
 inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose = {}, Faces faces = Faces::material) {
   SimulatorOptions options;
+  options.device = DeviceChoice::Kind::reference;
   options.faces = faces;
   const Shot shot = {pose, 0};
   Scan result;
-  makeReferenceBackend(scene, {sensor}, options)->scanAll({&shot, 1}, result, [](size_t) {});
+  SensorPlanner planner(options);
+  const auto plan = planner.plan(scene, {sensor, Effects::none()}, 0, false);
+  makeReferenceBackend(scene, {plan}, options)->scanAll({&shot, 1}, result, [](size_t) {});
   return result;
 }
 

@@ -122,7 +122,7 @@ TEST_CASE("the paper's way loses returns on large triangles and says so by its m
   MeshBuilder builder;
   builder.quad({-200, -200, 0}, {400, 0, 0}, {0, 400, 0});
   const Scene scene = sceneOf(builder.take());
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::paper;
   const Pose pose = {{0.7, 0.3, 1.8}, {}};
   const Scan paper = scanOf(scene, builtinSensors()[2], pose, options);
@@ -135,13 +135,13 @@ TEST_CASE("exact counts how often integers had to decide") {
   MeshBuilder builder;
   builder.box({-4, -4, -4}, {4, 4, 4}, 4);  // corners and edges exactly on beams at 0, 45 and 90 degrees
   const Scene scene = sceneOf(builder.take());
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   CHECK(scanOf(scene, builtinSensors()[0], {}, options).counters.integerSides == 0);
   options.accuracy = Accuracy::exact;
   const Scan aligned = scanOf(scene, gridSensor(360, 37, -90, 90), {}, options);
   CHECK(aligned.counters.integerSides > 0);
   CHECK(aligned.counters.misses == 0);
-  options.float64 = false;
+  options.tuning.float64 = false;
   const Scan single = scanOf(scene, gridSensor(360, 37, -90, 90), {}, options);
   CHECK(single.counters.integerRanges >= single.counters.hits);
   CHECK(sameBytes(aligned, single));

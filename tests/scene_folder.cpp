@@ -48,9 +48,9 @@ Pose poseInside(Bounds box, int number) {
 
 Row compareScene(const Scene& scene) {
   const std::vector<Sensor> sensors = {findSensor("VLP-16"), findSensor("HDL-64E")};
-  SimulatorOptions reference;
-  reference.device = "reference";
-  Simulator truth(scene, sensors, reference), device(scene, sensors);
+  test::TestOptions reference;
+  reference.device = DeviceChoice::Kind::reference;
+  Simulator truth = test::makeSimulator(scene, sensors, reference), device = test::makeSimulator(scene, sensors);
   const Bounds box = worldBounds(scene);
   Row row;
   for (int k = 0; k < (box.empty() ? 1 : kPoses); ++k)

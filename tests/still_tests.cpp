@@ -31,10 +31,10 @@ std::vector<Sensor> sensors() {
 /// One that keeps and one that does not, told the same.
 class Pair {
  public:
-  Pair(const Scene& scene, SimulatorOptions options)
-      : scene_(scene), kept_(scene, sensors(), options), there_(scene.instances.size(), true) {
-    options.culling.still = false;
-    whole_ = std::make_unique<Simulator>(scene, sensors(), options);
+  Pair(const Scene& scene, TestOptions options)
+      : scene_(scene), kept_(makeSimulator(scene, sensors(), options)), there_(scene.instances.size(), true) {
+    options.tuning.keepStill = false;
+    whole_ = std::make_unique<Simulator>(makeSimulator(scene, sensors(), options));
   }
 
   void move(size_t instance, const Transform& transform) {
@@ -105,7 +105,7 @@ class Pair {
 };
 
 /// Stays where it is more often than not, and now and then nothing happens or one run has many shots.
-void standAndLook(const SimulatorOptions& options, uint32_t seed, int rounds) {
+void standAndLook(const TestOptions& options, uint32_t seed, int rounds) {
   Random random(seed);
   Pair pair(startingScene(random, 24), options);
   const Pose poses[] = {{{1, 2, 0}, {}}, {{-3, 1, 1}, {}}, {{-3, 1, 1}, {0, 0, 0.6, 0.8}}};
@@ -141,24 +141,24 @@ uint64_t read(const Counters& c) {
 
 TEST_CASE("a standing sensor that keeps what is still scans as one that does not: standard") {
   needVulkan();
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   standAndLook(options, 1, 20);
-  options.culling.occlusion = Culling::Occlusion::always;
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
   standAndLook(options, 3, 20);
 }
 
 TEST_CASE("a standing sensor that keeps what is still scans as one that does not: exact") {
   needVulkan();
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
   standAndLook(options, 4, 20);
 }
 
 TEST_CASE("a standing sensor that keeps what is still scans as one that does not: two passes of 32 bits") {
   needVulkan();
-  SimulatorOptions options = vulkanOptions();
-  options.binning = Binning::nearest32;
-  options.culling.occlusion = Culling::Occlusion::always;
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = Binning::nearest32;
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
   standAndLook(options, 5, 20);
 }
 
@@ -252,8 +252,8 @@ TEST_CASE("a still image that was cut short in a run that was ended is not used"
   scene.meshes.push_back(soup(12, 7000, 20, 0.2));
   scene.instances.push_back({"", 1, {}});
   scene.instances[0].transform = translation(1000, 0, 0);
-  SimulatorOptions options = vulkanOptions();
-  options.binning = Binning::nearest;  // its list of tiles is the shortest at first
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = Binning::nearest;  // its list of tiles is the shortest at first
   Pair pair(scene, options);
   const std::vector<Shot> shots = {{{}, 1}, at(1)};
   pair.requireSame(shots);

@@ -24,10 +24,25 @@ inline void needVulkan() {
   SKIP("no usable Vulkan device: " << problem);
 }
 
+/// What a test scans with: the options of a simulator, and what each of its sensors simulates and reports.
+struct TestOptions : SimulatorOptions {
+  Effects effects = Effects::none();
+  std::vector<Field> fields;
+};
+
+inline Simulator makeSimulator(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup = {}) {
+  std::vector<SensorRequest> requests;
+  for (const Sensor& sensor : sensors) requests.push_back({sensor, setup.effects, setup.fields});
+  return Simulator(scene, requests, setup);
+}
+inline Simulator makeSimulator(const Scene& scene, const Sensor& sensor, const TestOptions& setup = {}) {
+  return makeSimulator(scene, std::vector{sensor}, setup);
+}
+
 /// Options of every GPU test: nothing kept on disk, the validation layer on, any message of it throws.
 /// GNOSPHERE_NO_VALIDATION is for machines that have a GPU and not the layer.
-inline SimulatorOptions vulkanOptions() {
-  SimulatorOptions options;
+inline TestOptions vulkanOptions() {
+  TestOptions options;
   options.cache = "off";
   options.validation = std::getenv("GNOSPHERE_NO_VALIDATION") == nullptr;
   return options;
@@ -114,13 +129,13 @@ inline Sensor gridSensor(uint32_t columns, uint32_t channels, double lowDeg, dou
   return sensor;
 }
 
-inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose, const SimulatorOptions& options) {
-  return Simulator(scene, sensor, options).scan(pose);
+inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose, const TestOptions& options) {
+  return makeSimulator(scene, sensor, options).scan(pose);
 }
 
 inline Scan referenceOf(const Scene& scene, const Sensor& sensor, const Pose& pose, Faces faces = Faces::material) {
-  SimulatorOptions options;
-  options.device = "reference";
+  TestOptions options;
+  options.device = DeviceChoice::Kind::reference;
   options.faces = faces;
   return scanOf(scene, sensor, pose, options);
 }

@@ -60,11 +60,11 @@ TEST_CASE("simulators in several threads give what one gives in one thread") {
   const Scene scene = sceneOf(soup(7, 300, 30, 10));
   const std::vector<Sensor> sensors = {gridSensor(120, 8, -30, 30), gridSensor(60, 16, -20, 20)};
   const auto scans = [&](size_t turn) {
-    SimulatorOptions options = vulkanOptions();
+    TestOptions options = vulkanOptions();
     // The layer's own state is guarded by one lock, which would keep the threads apart.
     if (turn % 2 == 1) options.validation = false;
-    options.binning = turn % 3 == 0 ? Binning::lists : Binning::nearest;
-    Simulator simulator(scene, sensors, options);
+    options.tuning.binning = turn % 3 == 0 ? Binning::lists : Binning::nearest;
+    Simulator simulator = makeSimulator(scene, sensors, options);
     std::vector<Scan> results;
     for (size_t sensor = 0; sensor < sensors.size(); ++sensor) results.push_back(simulator.scan({}, sensor));
     return results;

@@ -19,7 +19,7 @@ std::unique_ptr<Rival> makeOrSkip(const Scene& scene, const Vec3& origin, Vulkan
                                   uint64_t maxAllocationBytes = 0) {
   test::needVulkan();
   try {
-    return makeVulkan(scene, origin, way, {"auto", motion, test::vulkanOptions().validation, maxAllocationBytes});
+    return makeVulkan(scene, origin, way, {{}, motion, test::vulkanOptions().validation, maxAllocationBytes});
   } catch (const Error& error) {
     if (std::strstr(error.what(), "lacks") == nullptr) throw;
     SKIP(error.what());

@@ -55,12 +55,12 @@ class Suite {
   /// `standard` and `exact`, outside ties; ties may go either way in all but `exact`.
   void judge(const std::string& name, const Scene& scene, const Sensor& sensor, const Pose& pose) {
     SimulatorOptions options = options_;
-    options.device = "reference";
-    const Scan truth = Simulator(scene, sensor, options).scan(pose);
+    options.device = DeviceChoice::Kind::reference;
+    const Scan truth = Simulator(scene, {sensor, Effects::none()}, options).scan(pose);
     options.device = options_.device;
     for (Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
       options.accuracy = accuracy;
-      Simulator simulator(scene, sensor, options);
+      Simulator simulator(scene, {sensor, Effects::none()}, options);
       session_.setDevice(simulator.device());
       const Scan scan = simulator.scan(pose);
       rows.push_back({name, nameOf(accuracy), compare(truth, scan), fingerprintOf(scan)});
@@ -72,10 +72,8 @@ class Suite {
   void print(const Variant& variant, const Scene& scene, const Sensor& sensor, const Pose& pose) {
     SimulatorOptions options = options_;
     options.accuracy = Accuracy::exact;
-    options.effects = variant.request;
-    options.fields = {Field::intensity, Field::label};
     try {
-      Simulator simulator(scene, sensor, options);
+      Simulator simulator(scene, {sensor, variant.request, {Field::intensity, Field::label}}, options);
       if (!variant.effect.empty() && !simulator.plan().has(variant.effect)) return;
       prints.push_back({variant.name, fingerprintOf(simulator.scan(pose))});
     } catch (const Error& error) {  // not every device has every effect

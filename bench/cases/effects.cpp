@@ -35,12 +35,12 @@ struct Runner {
   double run(size_t round) {
     Shot& shot = shots[round % shots.size()];
     shot.frame = round;
-    simulator.scan(shot, scan);
+    simulator.scanInto(shot, scan);
     double device = 0;
     std::map<std::string, double> stages;
     const double start = cli::nowMs();
     for (uint32_t i = 0; i < scans; ++i) {
-      simulator.scan(shot, scan);
+      simulator.scanInto(shot, scan);
       device += scan.timings.gpuMs;
       for (const StageTime& stage : scan.timings.stages) stages[stage.name] += stage.ms;
     }
@@ -134,7 +134,7 @@ class CostOfEffects {
       request.intensity.use = Use::off;
       assign(request, effect + "=off");
       Runner off = {effect + " off", effect, simulator(request, {}), shots};
-      off.simulator.scan(off.shots[0], off.scan);
+      off.simulator.scanInto(off.shots[0], off.scan);
       if (made(off.simulator) != plan) refuse(off.name, "its plan is not that of a bare scan");
       if (!sameBytes(off.scan.points, answer.points) || !sameBytes(off.scan.ranges, answer.ranges) ||
           !sameBytes(off.scan.triangles, answer.triangles) || !sameBytes(off.scan.instances, answer.instances))
@@ -179,10 +179,7 @@ class CostOfEffects {
 
  private:
   Simulator simulator(const Effects& effects, const std::vector<Field>& fields) const {
-    SimulatorOptions options = session_.simulatorOptions();
-    options.effects = effects;
-    options.fields = fields;
-    return Simulator(scene_, sensor_, options);
+    return Simulator(scene_, {sensor_, effects, fields}, session_.simulatorOptions());
   }
 
   std::vector<Shot> shotsOf(const Effects& effects) const {
@@ -200,7 +197,7 @@ class CostOfEffects {
   /// It has scanned from the first pose.
   Runner bare(const char* name) const {
     Runner bare = {name, "", simulator(Effects::none(), {}), shotsOf(Effects::none())};
-    bare.simulator.scan(bare.shots[0], bare.scan);
+    bare.simulator.scanInto(bare.shots[0], bare.scan);
     return bare;
   }
 
@@ -209,7 +206,7 @@ class CostOfEffects {
     std::vector<Field> fields = variant.fields;
     fields.insert(fields.end(), {Field::trueRange, Field::label});
     Scan scan;
-    simulator(variant.request, fields).scan(shot, scan);
+    simulator(variant.request, fields).scanInto(shot, scan);
     (variant.ranges == Ranges::same ? checkSame : checkNear)(variant.name, answer, scan);
   }
 

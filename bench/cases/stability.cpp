@@ -45,14 +45,15 @@ struct FamilyResult {
 
 Row measure(const HardCase& test, const std::string& device, DeviceInfo& info) {
   SimulatorOptions options;
-  options.device = "reference";
-  const Scan truth = Simulator(test.scene, test.sensor, options).scan(test.pose);
+  const SensorRequest request = {test.sensor, Effects::none()};
+  options.device = DeviceChoice::Kind::reference;
+  const Scan truth = Simulator(test.scene, request, options).scan(test.pose);
   if (truth.counters.misses > 0) throw std::logic_error("a hard case must be hit by every beam");
   Row row = {test.hardness, {}};
-  options.device = device;
+  options.device = deviceByName(device);
   for (Accuracy accuracy : kAccuracies) {
     options.accuracy = accuracy;
-    Simulator simulator(test.scene, test.sensor, options);
+    Simulator simulator(test.scene, request, options);
     info = simulator.device();
     row.outcomes.push_back({compare(truth, simulator.scan(test.pose))});
   }

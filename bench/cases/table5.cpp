@@ -25,9 +25,9 @@ struct Tally {
 
 std::vector<Tally> count(Session& session, const Scene& scene, const Sensor& sensor) {
   SimulatorOptions options;
-  options.device = "reference";
+  options.device = DeviceChoice::Kind::reference;
   options.faces = Faces::both;
-  Simulator reference(scene, sensor, options);
+  Simulator reference(scene, {sensor, Effects::none()}, options);
   const auto contenders = session.contenders({sensor.name, 0, scene, sensor});
   const std::vector<Shot> shots = shotsFrom(session.poses(scene));
   std::vector<Tally> tallies;

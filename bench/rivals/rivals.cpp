@@ -28,7 +28,7 @@ void addEmbree(const RivalSetting& setting, Contenders& contenders, std::vector<
     if (flat && setting.scene.placedTriangleCount() > kFlatTriangles)
       notes.push_back("embree: one tree over more than " + cli::grouped(kFlatTriangles) + " triangles is not tried");
     else
-      contenders.push_back(makeGuest(makeEmbree(setting.scene, setting.origin, way), setting.sensor));
+      contenders.push_back(makeGuest(makeEmbree(setting.scene, setting.origin, way), setting.request.sensor));
   }
 }
 
@@ -39,14 +39,14 @@ void addVulkan(VulkanWay way, const char* name, const RivalSetting& setting, Con
                std::vector<std::string>& notes) {
   if (setting.device.apiVersion.empty())
     throw Error(ErrorCode::device, std::string(name) + ": " + setting.device.name + " is no Vulkan device");
-  if (setting.device.type == "cpu" && setting.sensor.beamCount() > kSoftwareBeams) {
+  if (setting.device.type == "cpu" && setting.request.sensor.beamCount() > kSoftwareBeams) {
     notes.push_back(std::string(name) + ": more than " + cli::grouped(kSoftwareBeams) +
                     " beams on a CPU would take minutes per scan");
     return;
   }
   const auto add = [&](bool anew) {
     auto rival = makeVulkan(setting.scene, setting.origin, way, {setting.options.device, setting.motion});
-    contenders.push_back(makeGuest(std::move(rival), setting.sensor, anew));
+    contenders.push_back(makeGuest(std::move(rival), setting.request.sensor, anew));
   };
   add(false);
   if (setting.motion == Motion::everything) add(true);
@@ -67,10 +67,11 @@ void addCuda(const RivalSetting& setting, Contenders& contenders, std::vector<st
   std::string problem;
   const std::vector<DeviceInfo> devices = cuda::devices(problem);
   const std::string number = std::to_string(sameCard(setting.device, devices, problem));
-  for (const std::string name : {"cuda", "cuda-fast"}) {
+  using Kind = DeviceChoice::Kind;
+  for (const auto& [name, kind] : {std::pair("cuda", Kind::cuda), std::pair("cuda-fast", Kind::cudaFast)}) {
     SimulatorOptions options = setting.options;
-    options.device = name + ":" + number;
-    contenders.push_back(makeOurs(setting.scene, setting.sensor, options, name));
+    options.device = {kind, number};
+    contenders.push_back(makeOurs(setting.scene, setting.request, options, name));
   }
 }
 

@@ -15,7 +15,7 @@ std::vector<std::string> parseRivals(const std::string& text);
 
 struct RivalSetting {
   const Scene& scene;  ///< has to outlive the rivals
-  const Sensor& sensor;
+  const SensorRequest& request;
   Vec3 origin;  ///< near the sensor
   Motion motion = Motion::none;
   SimulatorOptions options;  ///< of ours

@@ -2,7 +2,7 @@
 // Vulkan's own ray tracing, on the device that we run on.
 #pragma once
 
-#include "gnosphere/scene.hpp"
+#include "gnosphere/simulator.hpp"
 #include "rivals/rival.hpp"
 
 namespace gnosphere::bench {
@@ -10,7 +10,7 @@ namespace gnosphere::bench {
 enum class VulkanWay { rayQuery, rayTracingPipeline };
 
 struct VulkanOptions {
-  std::string device = "auto";  ///< as SimulatorOptions::device
+  DeviceChoice device;
   Motion motion = Motion::none;
   bool validation = false;
   uint64_t maxAllocationBytes = 0;  ///< cap on any one allocation; 0 = what the device allows

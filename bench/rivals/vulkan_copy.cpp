@@ -10,7 +10,7 @@ namespace gnosphere::bench {
 
 double vulkanCopyRate(const std::string& name) try {
   constexpr uint64_t kBytes = uint64_t{256} << 20;
-  RayDevice device({name}, VK_KHR_RAY_QUERY_EXTENSION_NAME);
+  RayDevice device({deviceByName(name)}, VK_KHR_RAY_QUERY_EXTENSION_NAME);
   const RayBuffer from(device, "copies", kBytes, MemoryKind::device);
   const RayBuffer to(device, "copies", kBytes, MemoryKind::device);
   const VkBufferCopy copy = {0, 0, kBytes};

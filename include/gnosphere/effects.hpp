@@ -163,6 +163,14 @@ struct Effects {
   static Effects none();
 };
 
+/// The medium of one shot, with the units of Effects::Fog, Rain, Snow and Volumes. Zero and none: clear air.
+struct Weather {
+  double visibility = 0;  ///< m
+  double rainRate = 0;    ///< mm/h
+  double snowRate = 0;    ///< mm/h, melted
+  std::vector<Effects::Volume> volumes;
+};
+
 /// What an effect is called in a request, a plan and the docs: "intensity", "detection", "drop-out", "range-noise",
 /// "angle-noise", "intensity-noise", "divergence", "returns", "transmission", "cut-outs", "sensor-motion",
 /// "object-motion", "fog", "rain", "snow", "volumes", "radial-speed"; in this order.

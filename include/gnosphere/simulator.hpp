@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gnosphere/effects.hpp"
@@ -82,34 +83,19 @@ struct Culling {
   /// Behind what was met nearer to the sensor. It costs a look at every beam; automatic asks whether that pays.
   enum class Occlusion { automatic, always, never };
   Occlusion occlusion = Occlusion::automatic;
-  /// A sensor that scans again from the same pose keeps what the instances gave that have not moved since: 8 bytes per
-  /// beam, from its second scan from there on. Neither with Binning::lists nor with the paper's bounds.
-  bool still = true;
 };
 
-struct SimulatorOptions {
-  /// auto, an index or part of a name of a Vulkan device of listDevices(), "reference", or, where CUDA is built in,
-  /// "cuda:N": the CUDA device N with the shaders' arithmetic, or "cuda-fast:N" with what its compiler makes of it.
-  std::string device = "auto";
-  Accuracy accuracy = Accuracy::standard;
-  std::optional<Exactness> exactness;  ///< the parts one by one, instead of `accuracy`
-  Faces faces = Faces::material;
+/// How a scan is computed. Every choice gives the same cloud, in another time or with other memory.
+struct Tuning {
   Binning binning = Binning::automatic;
   Culling culling;
-  bool validation = false;  ///< Vulkan validation layer on; its messages are thrown as Error(device)
+  /// A sensor that scans again from the same pose keeps what the instances gave that have not moved since: 8 bytes per
+  /// beam, from its second scan from there on. Neither with Binning::lists nor with the paper's bounds.
+  bool keepStill = true;
+  bool float64 = true;  ///< off: as on a device without double precision
   /// Cap on any one buffer of a Vulkan device, below what it allows; 0: what it allows. An array that needs more is
-  /// Error(outOfMemory), from the constructor or from the scan that needs it; the simulator stays usable after it.
+  /// Error(outOfMemory), from the call that needs it; the simulator stays usable after it.
   uint64_t maxBufferBytes = 0;
-  /// Folder where compiled pipelines are kept; empty: gnosphere in $XDG_CACHE_HOME or ~/.cache; "off": nowhere. Where
-  /// it cannot be read or written they are compiled each time.
-  std::string cache;
-  /// What is simulated beside geometry: nothing, unless asked for. Effects{} is whatever the scene calls for.
-  Effects effects = Effects::none();
-  MaterialTable materials;  ///< reflectances by name, over what the scene says
-  /// What a scan holds beyond points, ranges and owners. Of no effect: x y z range ring beam triangle instance tie
-  /// tolerance time azimuth elevation return numbers and classId, which need nothing from the device.
-  std::vector<Field> fields;
-  bool float64 = true;  ///< off: as on a device without double precision; the answer is the same
 };
 
 struct DeviceInfo {
@@ -121,13 +107,68 @@ struct DeviceInfo {
   uint32_t subgroupSize = 0;
   bool usable = false;
   std::string reason;  ///< why not, where it is not usable
-  /// Of the card, the same by Vulkan and by CUDA; zeros where the driver tells none.
+  /// Identifies the card, the same by Vulkan and by CUDA; zeros where the driver tells none.
   std::array<uint8_t, 16> uuid = {};
 };
 
 /// Every Vulkan device of this machine, then every CUDA device where CUDA is built in, and the reference last. Never
 /// throws for lack of Vulkan: the list then holds the reference alone, and `vulkanProblem` says why.
 std::vector<DeviceInfo> listDevices(std::string* vulkanProblem = nullptr);
+
+/// Which device a simulator runs on; by default the best Vulkan device there is.
+struct DeviceChoice {
+  enum class Kind {
+    vulkan,
+    cuda,       ///< where CUDA is built in: with the arithmetic of the shaders, so with their bytes
+    cudaFast,   ///< with what CUDA's compiler makes of it
+    reference,  ///< every beam in double on the CPU: the truth that the others are judged by
+  };
+  Kind kind = Kind::vulkan;
+  /// A Vulkan device by its number in listDevices() or by a part of its name, or a CUDA device by its number. Empty:
+  /// the best one.
+  std::string name;
+  /// Of DeviceInfo. Zeros: any; else it decides, and `name` is not looked at.
+  std::array<uint8_t, 16> uuid = {};
+
+  DeviceChoice() = default;
+  DeviceChoice(Kind ofKind, std::string named = {}) : kind(ofKind), name(std::move(named)) {}
+  /// That device, if the machine still has it.
+  DeviceChoice(const DeviceInfo& device);
+};
+
+/// A choice as a command line names it: "auto", the number or a part of the name of a Vulkan device, "reference",
+/// "cuda:N" or "cuda-fast:N".
+DeviceChoice deviceByName(const std::string& text);
+
+struct SimulatorOptions {
+  DeviceChoice device;
+  Accuracy accuracy = Accuracy::standard;
+  std::optional<Exactness> exactness;  ///< the parts one by one, instead of `accuracy`
+  Faces faces = Faces::material;
+  MaterialTable materials;  ///< reflectances by name, over what the scene says
+  /// Folder where compiled pipelines are kept; empty: gnosphere in $XDG_CACHE_HOME or ~/.cache; "off": nowhere.
+  std::string cache;
+  /// Gets a sentence about what goes wrong without stopping anything: compiled pipelines that cannot be kept. It is
+  /// called on the thread that calls the simulator. The library itself prints nothing.
+  std::function<void(const std::string& message)> warn;
+  bool validation = false;  ///< Vulkan validation layer on; its messages are thrown as Error(device)
+  Tuning tuning;
+};
+
+/// A sensor, what its scans simulate and what they hold.
+struct SensorRequest {
+  Sensor sensor;
+  Effects effects;  ///< by default whatever the scene and the sensor call for; Effects::none(): geometry alone
+  /// What a scan holds beyond points, ranges and owners.
+  std::vector<Field> fields;
+  /// Shots bring their own weather: fog, rain, snow and volumes are in the plan, unless they are off, even if `effects`
+  /// states none.
+  bool variableWeather = false;
+
+  SensorRequest() = default;
+  SensorRequest(Sensor scanner, Effects simulated = {}, std::vector<Field> reported = {})
+      : sensor(std::move(scanner)), effects(std::move(simulated)), fields(std::move(reported)) {}
+};
 
 /// Bytes on the device, by what they hold.
 struct MemoryUse {
@@ -160,64 +201,71 @@ struct Shot {
   uint64_t frame = 0;  ///< keys the random numbers
   SensorMotion motion;
   std::vector<InstanceMotion> instanceMotions;
+  /// Instead of the fog, rain, snow and volumes of the sensor's Effects.
+  std::optional<Weather> weather;
 };
 
-class Backend;
-
-/// A scene and sensors on a device. Not thread-safe; use one per thread.
+/// A scene and sensors on a device. Materials, meshes, instances and sensors come and go between scans; only what is
+/// new is uploaded, and what is planned for a sensor follows the scene. Indices stay as they are: that of something
+/// removed is given to the next one added.
+///
+/// A call that throws Error(invalidArgument) or Error(outOfMemory) leaves the simulator as it was. One thread at a time
+/// may use a simulator; several simulators may be used by several threads at once.
 class Simulator {
  public:
   /// Uploads the scene and compiles the stages. Throws Error(device) if no device fits, with the reason per device.
-  Simulator(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options = {});
-  Simulator(const Scene& scene, const Sensor& sensor, const SimulatorOptions& options = {});
+  Simulator(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options = {});
+  Simulator(const Scene& scene, const SensorRequest& sensor, const SimulatorOptions& options = {});
   ~Simulator();
   Simulator(Simulator&&) noexcept;
   Simulator& operator=(Simulator&&) noexcept;
 
-  /// One scan of one sensor from a pose. Throws Error(invalidArgument) for a pose that is not finite, Error(device) or
-  /// Error(outOfMemory) if the device fails.
+  /// One scan of a sensor that stands at `pose`. Throws Error(invalidArgument) for a pose that is not finite,
+  /// Error(device) or Error(outOfMemory) if the device fails.
   Scan scan(const Pose& pose, size_t sensor = 0);
-  /// The same into a Scan that is there: its arrays are used again, so nothing is allocated once they have their size.
-  void scan(const Pose& pose, size_t sensor, Scan& result);
-  /// The same of a shot, which says more than where the sensor stands.
-  void scan(const Shot& shot, Scan& result);
+  /// One scan of a shot, which says more than where the sensor stands, into a Scan whose arrays are used again: nothing
+  /// is allocated once they have their size. Throws as scan() does, and Error(invalidArgument) for weather that the
+  /// sensor's plan has no place for.
+  void scanInto(const Shot& shot, Scan& result);
   /// Many scans, each the same as scan() gives, pipelined: while the host receives one, the device works on the next.
   /// `receive` gets the index into `shots` and the scan, in order and on this thread; the scan is overwritten after it
   /// returns, and wallMs includes the wait behind the scan before. Throws as scan() does, for a bad shot before the
   /// first scan; what `receive` throws ends the run. `receive` must not call this simulator.
   void scanAll(std::span<const Shot> shots, const std::function<void(size_t shot, const Scan& scan)>& receive);
 
-  /// Moving scenes: from the next scan on, and nothing is built anew. Each throws Error(invalidArgument) for an
-  /// instance or mesh that does not exist, a transform that is not finite, or more triangles than a scene may place.
-  void setTransform(size_t instance, const Transform& transform);
-  /// The instance's index, in Scan::instances too: that of one removed before, or the next.
-  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0);
-  void removeInstance(size_t instance);
+  /// Each of the following counts from the next scan on, and throws Error(invalidArgument) that names an index that
+  /// does not exist or was removed, or a value that does not fit.
+
+  /// Returns its index.
+  size_t addSensor(const SensorRequest& request);
+  void removeSensor(size_t sensor);
+
+  /// `image`: the alpha of its texture, for AlphaMode::mask; the material's own `alphaImage` is not looked at.
+  size_t addMaterial(const Material& material, const AlphaImage* image = nullptr);
+  /// No mesh may use it.
+  void removeMaterial(size_t material);
+
+  /// Its parts name materials by their index.
+  size_t addMesh(const Mesh& mesh);
+  /// No instance may place it.
+  void removeMesh(size_t mesh);
   /// New places for the vertices of a mesh, as many as it has: metres, relative to its origin. The triangles stay.
   void setPositions(size_t mesh, std::span<const float> positions);
 
-  /// What a scan of the sensor is made of.
+  /// Its index is that of Scan::instances, too.
+  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0);
+  void removeInstance(size_t instance);
+  void setTransform(size_t instance, const Transform& transform);
+
+  /// What a scan of the sensor is made of, and why.
   Plan plan(size_t sensor = 0) const;
   const DeviceInfo& device() const;
   MemoryUse memory() const;
-  size_t clusterCount() const;  ///< of the flattened scene; 0 on the reference
+  size_t clusterCount() const;  ///< of all meshes; 0 on the reference
 
  private:
-  void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive);
-
-  void checkInstance(size_t instance) const;
-  void setClass(size_t instance, uint16_t classId);
-
-  struct MeshSize {
-    size_t vertices, triangles;
-  };
-  std::vector<std::shared_ptr<const Sensor>> sensors_;
-  std::shared_ptr<std::vector<uint16_t>> classes_;  // by instance; scans share it
-  std::vector<MeshSize> meshes_;
-  std::vector<uint32_t> instanceMeshes_;  // kNoMesh where it was removed
-  std::vector<size_t> removed_;
-  uint64_t placedTriangles_ = 0;
-  std::unique_ptr<Backend> backend_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace gnosphere

@@ -5,9 +5,9 @@
 
 namespace gnosphere::cuda {
 
-std::unique_ptr<Backend> makeBackend(const Scene&, const std::vector<Sensor>&, const SimulatorOptions& options) {
+std::unique_ptr<Backend> makeBackend(const Scene&, const SensorPlans&, const SimulatorOptions&) {
   throw Error(ErrorCode::device,
-              "device '" + options.device + "': CUDA is not built in; configure the build with -DGNOSPHERE_CUDA=ON");
+              "CUDA is not built in, so there is no CUDA device; configure the build with -DGNOSPHERE_CUDA=ON");
 }
 
 std::vector<DeviceInfo> devices(std::string& problem) {

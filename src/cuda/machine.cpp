@@ -41,7 +41,7 @@ class CudaMachine final : public Machine {
   explicit CudaMachine(const SimulatorOptions& options) : device_(chooseDevice(options.device)) {
     use(device_);
     traits_.info = device_.info;
-    if (options.maxBufferBytes > 0) traits_.info.maxBufferBytes = options.maxBufferBytes;
+    if (options.tuning.maxBufferBytes > 0) traits_.info.maxBufferBytes = options.tuning.maxBufferBytes;
     traits_.int64Atomics = traits_.float64 = true;
     traits_.groups = device_.groups;
   }
@@ -93,8 +93,7 @@ class CudaMachine final : public Machine {
 
 }  // namespace
 
-std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
-                                     const SimulatorOptions& options) {
+std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options) {
   return makeDeviceBackend(std::make_unique<CudaMachine>(options), scene, sensors, options);
 }
 

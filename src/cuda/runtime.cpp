@@ -71,24 +71,28 @@ std::vector<DeviceInfo> devices(std::string& problem) {
   return result;
 }
 
-Device chooseDevice(const std::string& name) {
-  Device device;
-  device.groups = 4096;
-  device.index = indexAfter("cuda:", name);
-  device.launch = parity::launch;
-  if (device.index < 0) {
-    device.index = indexAfter("cuda-fast:", name);
-    device.launch = fast::launch;
-  }
-  if (device.index < 0)
-    throw Error(ErrorCode::device, "device '" + name + "' is neither cuda:N nor cuda-fast:N, with N from 0 on");
+Device chooseDevice(const DeviceChoice& choice) {
   std::string problem;
   const std::vector<DeviceInfo> all = devices(problem);
-  if (all.empty())
-    throw Error(ErrorCode::device, "device '" + name + "': there is no CUDA device here (" + problem + ")");
-  if (static_cast<size_t>(device.index) >= all.size())
-    throw Error(ErrorCode::device, "device '" + name + "': the last CUDA device here is " + all.back().name);
-  device.info = all[static_cast<size_t>(device.index)];
+  if (all.empty()) throw Error(ErrorCode::device, "there is no CUDA device here (" + problem + ")");
+  size_t index = 0;
+  if (choice.uuid != DeviceChoice().uuid) {
+    while (index < all.size() && all[index].uuid != choice.uuid) ++index;
+    if (index == all.size()) throw Error(ErrorCode::device, "the CUDA device with the chosen UUID is no longer there");
+  } else if (!choice.name.empty()) {
+    const char* end = choice.name.data() + choice.name.size();
+    const auto [ptr, error] = std::from_chars(choice.name.data(), end, index);
+    if (error != std::errc() || ptr != end)
+      throw Error(ErrorCode::device, "CUDA device '" + choice.name + "' is not a number from 0 on");
+  }
+  if (index >= all.size())
+    throw Error(ErrorCode::device,
+                "there is no CUDA device " + choice.name + ", the last one here is " + all.back().name);
+  Device device;
+  device.groups = 4096;
+  device.index = static_cast<int>(index);
+  device.launch = choice.kind == DeviceChoice::Kind::cudaFast ? fast::launch : parity::launch;
+  device.info = all[index];
   if (!device.info.usable)
     throw Error(ErrorCode::device, "device '" + device.info.name + "' cannot be used: " + device.info.reason);
   return device;

@@ -22,8 +22,8 @@ struct Device {
   Launch launch = nullptr;
 };
 
-/// The device that "cuda:N" names, or "cuda-fast:N" with the kernels of the other namespace of kernels.hpp.
-Device chooseDevice(const std::string& name);
+/// A device by its UUID or by its number; DeviceChoice::Kind says with which of the kernels of kernels.hpp.
+Device chooseDevice(const DeviceChoice& choice);
 /// Makes the device that of this thread's calls from here on.
 void use(const Device& device);
 

@@ -49,10 +49,10 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const 
     addRoom(gpu::Array::echoOwners, gpu::kMaxEchoes * 2 * sizeof(uint32_t));
     if (plan.asks(gpu::kFieldSurface)) addRoom(gpu::Array::echoSurfaces, gpu::kMaxEchoes * sizeof(gpu::SurfaceRecord));
   }
-  if (plan.looksAtSurfaces()) arrays.push_back(table(gpu::Array::optics, plan.materials->optics));
+  if (plan.looksAtSurfaces()) arrays.push_back(table(gpu::Array::optics, plan.optics));
   if (plan.has(gpu::kCutOuts)) {
-    arrays.push_back(table(gpu::Array::alphaImages, plan.materials->images));
-    arrays.push_back(table(gpu::Array::texels, plan.materials->texels));
+    arrays.push_back(table(gpu::Array::alphaImages, plan.textures->images));
+    arrays.push_back(table(gpu::Array::texels, plan.textures->texels));
   }
   if (!plan.deadBeams.empty()) arrays.push_back(table(gpu::Array::deadBeams, plan.deadBeams));
   // Surfaces that are looked at but not asked for stay on the device.
@@ -73,11 +73,14 @@ std::vector<EffectsArray> shotArrays(const SensorPlan& plan, const Shot& shot, c
   std::vector<EffectsArray> arrays;
   if (plan.signals()) {
     gpu::EffectParameters parameters = plan.parameters;
+    if (shot.weather) parameters = effectParameters(effectsOf(plan, shot), plan.sensor, plan.bits);
+    parameters.sensor = plan.parameters.sensor;
     parameters.frame = static_cast<uint32_t>(shot.frame);
     arrays.push_back(table(gpu::Array::parameters, std::vector{parameters}));
   }
   if (plan.has(gpu::kVolumes))
-    arrays.push_back(table(gpu::Array::volumes, volumeBoxes(plan.effects, motion ? motion->tables.middle : shot.pose)));
+    arrays.push_back(
+        table(gpu::Array::volumes, volumeBoxes(effectsOf(plan, shot), motion ? motion->tables.middle : shot.pose)));
   if (motion) {
     arrays.push_back(table(gpu::Array::columnMotions, motion->tables.columns));
     arrays.push_back(table(gpu::Array::motion, std::vector{motion->tables.bounds}));

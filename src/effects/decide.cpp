@@ -19,9 +19,9 @@ std::string named(const std::string& why, const Sensor& sensor) {
   throw Error(ErrorCode::invalidArgument, what);
 }
 
-void decideBy(const Answer& answer, const Sensor& sensor, Plan::Decision& decision) {
+void decideBy(const Answer& answer, const Sensor& sensor, bool lenient, Plan::Decision& decision) {
   if (decision.request == Use::on) {
-    if (!answer.shows && !answer.wayOut.empty()) {
+    if (!answer.shows && !answer.wayOut.empty() && !lenient) {
       refuse(decision.effect + " is on, but " + named(answer.why, sensor) + "; " + answer.wayOut +
              ", or leave it to auto");
     }
@@ -69,10 +69,11 @@ void leaveOut(Plan::Decision& decision, const std::string& reason) {
 
 }  // namespace
 
-std::vector<Plan::Decision> decide(const Effects& effects, const Sensor& sensor, const Scene& scene,
-                                   const std::vector<Field>& fields, const MaterialTable& materials) {
+std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& scene, const MaterialTable& materials,
+                                   bool lenient) {
+  const Effects& effects = request.effects;
   validate(effects);
-  const Question question = {effects, sensor, scene, fields, materials};
+  const Question question = {effects, request.sensor, scene, request.fields, materials, request.variableWeather};
   Effects asked = effects, defaults;
   std::vector<Plan::Decision> decisions;
   for (const EffectInfo& info : effectTable()) {
@@ -85,21 +86,21 @@ std::vector<Plan::Decision> decide(const Effects& effects, const Sensor& sensor,
                info.needsIntensity(effects)) {
       decision.reason = "intensity, which it needs, is off in the request";
     } else if (info.judge) {
-      decideBy(info.judge(question), sensor, decision);
+      decideBy(info.judge(question), request.sensor, lenient, decision);
     }
   }
   const std::vector<std::string> needIt = needIntensity(effects, decisions);
   for (size_t i = 0; i < decisions.size(); ++i) {
     if (effectTable()[i].judge || decisions[i].request == Use::off) continue;
     const bool on = decisions[i].request == Use::on;
-    decideBy(on ? Answer{false, ""} : judgeIntensity(question, needIt), sensor, decisions[i]);
+    decideBy(on ? Answer{false, ""} : judgeIntensity(question, needIt), request.sensor, lenient, decisions[i]);
   }
   checkOff(question, needIt);
   return decisions;
 }
 
 void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Decision>& decisions) {
-  if (options.device == "reference") return;
+  if (options.device.kind == DeviceChoice::Kind::reference) return;
   const Exactness parts = options.exactness.value_or(exactnessOf(options.accuracy));
   const Exactness standard = exactnessOf(Accuracy::standard);
   const bool bounded = parts.bounds == standard.bounds, watertight = bounded && parts.inside == standard.inside;

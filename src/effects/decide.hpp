@@ -10,11 +10,11 @@
 
 namespace gnosphere {
 
-/// One decision per effect, in the order of effectNames(). `fields` are those that the scan holds beyond point, range
-/// and owner; `materials` may make materials of the scene let light through. Throws Error(invalidArgument) as
-/// validate() does, and for an effect that is on and cannot be shown, or off and needed, with the way out.
-std::vector<Plan::Decision> decide(const Effects& effects, const Sensor& sensor, const Scene& scene,
-                                   const std::vector<Field>& fields, const MaterialTable& materials);
+/// One decision per effect, in the order of effectNames(). `materials` may make materials of the scene let light
+/// through. Throws Error(invalidArgument) as validate() does, and for an effect that is on and cannot be shown, or off
+/// and needed, with the way out; but an effect that is on may lack what would show it if `lenient`.
+std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& scene, const MaterialTable& materials,
+                                   bool lenient = false);
 
 /// Takes out what the options' device and accuracy cannot show; throws Error(invalidArgument) if it is on.
 void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Decision>& decisions);

@@ -23,6 +23,7 @@ std::string plural(size_t count, const char* noun, const char* nouns) {
 std::vector<bool> usedMaterials(const Scene& scene) {
   std::vector<bool> used(scene.materials.size());
   for (const Instance& instance : scene.instances) {
+    if (instance.mesh == kNoMesh) continue;
     for (const MeshPart& part : scene.meshes[instance.mesh].parts) {
       if (part.triangleCount > 0) used[part.material] = true;
     }
@@ -149,27 +150,32 @@ Answer judgeMotion(const Question& q) {
   return {true, format("the sensor takes %.6g s for a turn", q.sensor.rotationPeriod)};
 }
 
+/// Of an effect of the medium that the request gives no value.
+Answer withoutWeather(const Question& q, Answer otherwise) {
+  return q.variableWeather ? Answer{true, "shots bring their own weather"} : otherwise;
+}
+
 Answer judgeFog(const Question& q) {
   const double visibility = q.effects.fog.visibility;
-  if (visibility == 0) return {false, "no visibility is given", "give fog.visibility"};
+  if (visibility == 0) return withoutWeather(q, {false, "no visibility is given", "give fog.visibility"});
   return {true, format("visibility %.6g m", visibility)};
 }
 
 Answer judgeRain(const Question& q) {
   const double rate = q.effects.rain.rate;
-  if (rate == 0) return {false, "no rate is given", "give rain.rate"};
+  if (rate == 0) return withoutWeather(q, {false, "no rate is given", "give rain.rate"});
   return {true, format("%.6g mm/h", rate)};
 }
 
 Answer judgeSnow(const Question& q) {
   const double rate = q.effects.snow.rate;
-  if (rate == 0) return {false, "no rate is given", "give snow.rate"};
+  if (rate == 0) return withoutWeather(q, {false, "no rate is given", "give snow.rate"});
   return {true, format("%.6g mm/h, melted", rate)};
 }
 
 Answer judgeVolumes(const Question& q) {
   const auto& boxes = q.effects.volumes.boxes;
-  if (boxes.empty()) return {false, "no box is given", "give volumes.boxes"};
+  if (boxes.empty()) return withoutWeather(q, {false, "no box is given", "give volumes.boxes"});
   return {true, plural(boxes.size(), "box", "boxes")};
 }
 

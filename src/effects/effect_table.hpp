@@ -54,6 +54,7 @@ struct Question {
   const Scene& scene;
   const std::vector<Field>& fields;
   const MaterialTable& materials;
+  bool variableWeather = false;
 
   bool asksFor(Field field) const { return std::find(fields.begin(), fields.end(), field) != fields.end(); }
 };

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "effects/decide.hpp"
 #include "effects/noise.h"
+#include "gnosphere/error.hpp"
 
 namespace gnosphere {
 namespace {
@@ -36,67 +38,98 @@ float footprintRadiusOf(const SensorPlan& plan) {
   return static_cast<float>(most * 1.0001);
 }
 
-SensorPlan planSensor(const Scene& scene, const Sensor& sensor, uint32_t index, const SimulatorOptions& options) {
-  const Effects& effects = options.effects;
-  SensorPlan plan;
-  plan.sensor = sensor;
-  plan.effects = effects;
-  plan.decisions = decide(effects, sensor, scene, options.fields, options.materials);
-  leaveOutUnsupported(options, plan.decisions);
-  plan.bits = bitsOf(plan.decisions);
-  if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;
-  for (const Field field : options.fields) plan.fields |= bitOf(field);
-  plan.origins = std::any_of(sensor.channels.begin(), sensor.channels.end(), [](const Channel& channel) {
-    return channel.origin.x != 0 || channel.origin.y != 0 || channel.origin.z != 0;
-  });
-  plan.looksAtMaterials = plan.has(gpu::kIntensity) && effects.intensity.model == Effects::Intensity::Model::physical;
-  plan.parameters = effectParameters(effects, sensor, plan.bits);
-  plan.parameters.sensor = index;
-  plan.returns = plan.parameters.returnsPerBeam;
-  plan.subRays = subRays(effects, sensor, plan.bits);
-  if (plan.has(gpu::kDropOut)) plan.deadBeams = deadBeamBits(effects, sensor);
-  plan.footprintRadius = footprintRadiusOf(plan);
-  return plan;
-}
-
-void addOptics(const Scene& scene, const SimulatorOptions& options, MaterialArrays& arrays) {
-  for (const Optics& optics : opticsOf(scene, options.materials, options.effects.intensity.wavelength)) {
-    const Material& material = scene.materials[arrays.optics.size()];
+std::vector<gpu::Optics4> opticsArray(const Scene& scene, const MaterialTable& table, double wavelength) {
+  std::vector<gpu::Optics4> result;
+  for (const Optics& optics : opticsOf(scene, table, wavelength)) {
+    const Material& material = scene.materials[result.size()];
     const bool mask = material.alphaMode == AlphaMode::mask;
     gpu::Optics4 packed = {};
     packed.reflection = {optics.reflectance, optics.gloss, optics.roughness, optics.retro};
     packed.passage = {optics.transmission, mask ? material.alphaCutoff : 0, material.baseColor[3]};
     packed.alphaImage = mask ? material.alphaImage : gpu::kNone;
-    arrays.optics.push_back(packed);
+    result.push_back(packed);
   }
+  return result;
 }
 
-void addTexels(const Scene& scene, MaterialArrays& arrays) {
+std::shared_ptr<const TextureArrays> textureArrays(const Scene& scene) {
+  const auto arrays = std::make_shared<TextureArrays>();
   for (const AlphaImage& image : scene.alphaImages) {
     const auto wraps = static_cast<uint32_t>(image.wrapU) | static_cast<uint32_t>(image.wrapV) << 8;
-    arrays.images.push_back({image.width, image.height, static_cast<uint32_t>(arrays.texels.size()), wraps});
-    arrays.texels.insert(arrays.texels.end(), image.alpha.begin(), image.alpha.end());
+    arrays->images.push_back({image.width, image.height, static_cast<uint32_t>(arrays->texels.size()), wraps});
+    arrays->texels.insert(arrays->texels.end(), image.alpha.begin(), image.alpha.end());
   }
-  arrays.texels.resize((arrays.texels.size() + 3) / 4 * 4);
+  arrays->texels.resize((arrays->texels.size() + 3) / 4 * 4);
+  return arrays;
 }
 
 }  // namespace
 
-std::vector<SensorPlan> planSensors(const Scene& scene, const std::vector<Sensor>& sensors,
-                                    const SimulatorOptions& options) {
-  std::vector<SensorPlan> plans;
-  for (const Sensor& sensor : sensors)
-    plans.push_back(planSensor(scene, sensor, static_cast<uint32_t>(plans.size()), options));
-  if (options.device == "reference") return plans;
-  const auto arrays = std::make_shared<MaterialArrays>();
-  addOptics(scene, options, *arrays);
-  if (anyOf(plans, &SensorPlan::holes)) addTexels(scene, *arrays);
-  for (SensorPlan& plan : plans) plan.materials = arrays;
-  return plans;
+std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const SensorRequest& request, size_t index,
+                                                      bool changed) {
+  const Effects& effects = request.effects;
+  const Sensor& sensor = request.sensor;
+  const auto made = std::make_shared<SensorPlan>();
+  SensorPlan& plan = *made;
+  plan.sensor = sensor;
+  plan.effects = effects;
+  plan.decisions = decide(request, scene, options_.materials, changed);
+  leaveOutUnsupported(options_, plan.decisions);
+  plan.bits = bitsOf(plan.decisions);
+  if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;
+  for (const Field field : request.fields) plan.fields |= bitOf(field);
+  plan.origins = std::any_of(sensor.channels.begin(), sensor.channels.end(), [](const Channel& channel) {
+    return channel.origin.x != 0 || channel.origin.y != 0 || channel.origin.z != 0;
+  });
+  plan.looksAtMaterials = plan.has(gpu::kIntensity) && effects.intensity.model == Effects::Intensity::Model::physical;
+  plan.parameters = effectParameters(effects, sensor, plan.bits);
+  plan.parameters.sensor = static_cast<uint32_t>(index);
+  plan.returns = plan.parameters.returnsPerBeam;
+  plan.subRays = subRays(effects, sensor, plan.bits);
+  if (plan.has(gpu::kDropOut)) plan.deadBeams = deadBeamBits(effects, sensor);
+  plan.footprintRadius = footprintRadiusOf(plan);
+  if (options_.device.kind == DeviceChoice::Kind::reference) return made;
+  if (plan.looksAtSurfaces()) plan.optics = opticsArray(scene, options_.materials, effects.intensity.wavelength);
+  if (!plan.holes()) return made;
+  if (!textures_) textures_ = textureArrays(scene);
+  plan.textures = textures_;
+  return made;
 }
 
-bool anyOf(const std::vector<SensorPlan>& plans, bool (SensorPlan::*has)() const) {
-  return std::any_of(plans.begin(), plans.end(), [&](const SensorPlan& plan) { return (plan.*has)(); });
+bool sameArrays(const SensorPlan& before, const SensorPlan& after) {
+  return before.bits == after.bits && before.textures == after.textures &&
+         before.optics.size() == after.optics.size() &&
+         std::memcmp(before.optics.data(), after.optics.data(), after.optics.size() * sizeof(gpu::Optics4)) == 0;
+}
+
+Effects effectsOf(const SensorPlan& plan, const Shot& shot) {
+  Effects effects = plan.effects;
+  if (!shot.weather) return effects;
+  effects.fog.visibility = shot.weather->visibility;
+  effects.rain.rate = shot.weather->rainRate;
+  effects.snow.rate = shot.weather->snowRate;
+  effects.volumes.boxes = shot.weather->volumes;
+  return effects;
+}
+
+void checkWeather(const SensorPlan& plan, const Weather& weather, const std::string& which) {
+  const auto need = [&](bool brings, uint32_t bit, const char* effect) {
+    if (brings && !plan.has(bit))
+      throw Error(ErrorCode::invalidArgument,
+                  which + "it brings " + effect + ", which is not planned for sensor '" + plan.sensor.name +
+                      "'; set SensorRequest::variableWeather, and do not turn " + effect + " off");
+  };
+  need(weather.visibility > 0, gpu::kFog, "fog");
+  need(weather.rainRate > 0, gpu::kRain, "rain");
+  need(weather.snowRate > 0, gpu::kSnow, "snow");
+  need(!weather.volumes.empty(), gpu::kVolumes, "volumes");
+  Shot shot;
+  shot.weather = weather;
+  try {
+    validate(effectsOf(plan, shot));
+  } catch (const Error& error) {
+    throw Error(error.code(), which + error.what());
+  }
 }
 
 }  // namespace gnosphere

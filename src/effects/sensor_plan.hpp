@@ -12,11 +12,10 @@
 
 namespace gnosphere {
 
-/// What devices read of a scene's materials.
-struct MaterialArrays {
-  std::vector<gpu::Optics4> optics;             ///< per material
+/// The alpha images of a scene, as devices read them.
+struct TextureArrays {
   std::vector<std::array<uint32_t, 4>> images;  ///< width, height, first texel, wrapping of u | of v << 8
-  std::vector<uint8_t> texels;                  ///< alpha of all images, padded to four bytes; empty without cut-outs
+  std::vector<uint8_t> texels;                  ///< alpha of all images, padded to four bytes
 };
 
 struct SensorPlan {
@@ -30,11 +29,12 @@ struct SensorPlan {
   bool looksAtMaterials = false;  ///< the intensity depends on the surface that is met
 
   // For the device's formulas; the reference has its own.
-  gpu::EffectParameters parameters = {};  ///< of frame 0
-  std::vector<SubRay> subRays;            ///< of every footprint; one where divergence is out
-  std::vector<uint32_t> deadBeams;        ///< one bit per beam; empty where none is dead
-  float footprintRadius = 0;              ///< radians that light spreads or strays from a beam's axis, at most
-  std::shared_ptr<const MaterialArrays> materials;  ///< of the scene, shared by its sensors; null for the reference
+  gpu::EffectParameters parameters = {};          ///< of frame 0
+  std::vector<SubRay> subRays;                    ///< of every footprint; one where divergence is out
+  std::vector<uint32_t> deadBeams;                ///< one bit per beam; empty where none is dead
+  float footprintRadius = 0;                      ///< radians that light spreads or strays from a beam's axis, at most
+  std::vector<gpu::Optics4> optics;               ///< per material of the scene, at the wavelength of the sensor
+  std::shared_ptr<const TextureArrays> textures;  ///< shared by the sensors of a scene; null without cut-outs
 
   bool has(uint32_t anyOf) const { return (bits & anyOf) != 0; }
   bool asks(uint32_t anyOf) const { return (fields & anyOf) != 0; }
@@ -55,11 +55,30 @@ struct SensorPlan {
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
 };
 
-/// One plan per sensor. Throws Error(invalidArgument) as decide() and leaveOutUnsupported() do.
-std::vector<SensorPlan> planSensors(const Scene& scene, const std::vector<Sensor>& sensors,
-                                    const SimulatorOptions& options);
+/// Plans sensors for one scene after another, as a scene changes.
+class SensorPlanner {
+ public:
+  explicit SensorPlanner(const SimulatorOptions& options) : options_(options) {}
 
-/// Whether any of the plans has something: anyOf(plans, &SensorPlan::holes).
-bool anyOf(const std::vector<SensorPlan>& plans, bool (SensorPlan::*has)() const);
+  /// `scene` needs no vertices and no triangles. `index` is the sensor's own: it keys the random numbers. Throws
+  /// Error(invalidArgument) as decide() and leaveOutUnsupported() do; where the scene has changed since the sensor was
+  /// added, `changed`, an effect that is on stays in though the scene can no longer show it.
+  std::shared_ptr<const SensorPlan> plan(const Scene& scene, const SensorRequest& request, size_t index, bool changed);
+  /// After a change of the scene's images.
+  void forgetTextures() { textures_.reset(); }
+
+ private:
+  const SimulatorOptions& options_;
+  std::shared_ptr<const TextureArrays> textures_;
+};
+
+/// Whether scans after `before` can go on with its arrays and kernels though `after` is the plan now.
+bool sameArrays(const SensorPlan& before, const SensorPlan& after);
+
+/// The effects of a plan as one shot has them: with the shot's weather where it brings its own.
+Effects effectsOf(const SensorPlan& plan, const Shot& shot);
+/// Throws Error(invalidArgument) that begins with `which` for weather that the plan has no place for, or a value out of
+/// its range.
+void checkWeather(const SensorPlan& plan, const Weather& weather, const std::string& which);
 
 }  // namespace gnosphere

@@ -66,9 +66,9 @@ class Measurement {
       tell("set up", subjects_.size(), rows.size());
       SimulatorOptions settings = options.simulator;
       settings.exactness = row.exactness;
-      settings.culling.still = false;  // the times are those of whole scans
+      settings.tuning.keepStill = false;  // the times are those of whole scans
       subjects_.push_back({{row.name, row.exactness},
-                           Simulator(scene, sensor, settings),
+                           Simulator(scene, {sensor, Effects::none()}, settings),
                            ComparisonSum(sample_.sensor.beamCount() * poses.size(), 1e-3),
                            {}});
     }
@@ -97,9 +97,9 @@ class Measurement {
   /// Also the warm-up: afterwards every list on the device has the room that these poses need.
   void compareAll(const Scene& scene) {
     SimulatorOptions settings = options_.simulator;
-    settings.device = "reference";
+    settings.device = DeviceChoice::Kind::reference;
     settings.exactness.reset();
-    Simulator reference(scene, sample_.sensor, settings);
+    Simulator reference(scene, {sample_.sensor, Effects::none()}, settings);
     for (size_t p = 0; p < poses_.size(); ++p) {
       tell("compare pose", p + 1, poses_.size());
       const Scan truth = reference.scan(poses_[p]);
@@ -185,7 +185,7 @@ AccuracyReport measureAccuracy(const Scene& scene, const Sensor& sensor, const s
                                const AccuracyOptions& options) {
   if (poses.empty()) throw Error(ErrorCode::invalidArgument, "accuracy is measured from at least one pose");
   if (options.runs == 0) throw Error(ErrorCode::invalidArgument, "times need at least one run");
-  if (options.simulator.device == "reference") {
+  if (options.simulator.device.kind == DeviceChoice::Kind::reference) {
     throw Error(ErrorCode::invalidArgument,
                 "the reference is what accuracy is measured against; choose another device");
   }

@@ -12,19 +12,24 @@
 namespace gnosphere {
 namespace {
 
-// Writes the clusters of one mesh after those that are there.
 class MeshFlattener {
  public:
-  MeshFlattener(const Mesh& mesh, const std::vector<Material>& materials, FlatScene& flat)
-      : mesh_(mesh), materials_(materials), flat_(flat), cluster_(mesh.vertexCount()), number_(mesh.vertexCount()) {}
+  MeshFlattener(const Mesh& mesh, const std::vector<Material>& materials)
+      : mesh_(mesh), materials_(materials), cluster_(mesh.vertexCount()), number_(mesh.vertexCount()) {}
 
   FlatMesh run() {
-    result_.firstGroup = static_cast<uint32_t>(flat_.groups.size());
-    const size_t first = flat_.clusters.size();
+    flat_.triangles.reserve(mesh_.triangleCount());
+    flat_.clusters.reserve(mesh_.triangleCount() / gpu::kClusterTriangles + mesh_.parts.size() + 1);
     for (const MeshPart& part : mesh_.parts) flattenPart(part);
-    for (size_t from = first; from < flat_.clusters.size(); from += gpu::kGroupClusters) addGroup(from);
-    result_.groupCount = static_cast<uint32_t>(flat_.groups.size()) - result_.firstGroup;
-    return result_;
+    for (size_t from = 0; from < flat_.clusters.size(); from += gpu::kGroupClusters) addGroup(from);
+    FlatGroup endGroup;
+    endGroup.firstCluster = static_cast<uint32_t>(flat_.clusters.size());
+    flat_.groups.push_back(endGroup);
+    FlatCluster endCluster;
+    endCluster.firstVertex = flat_.vertices.size();
+    endCluster.firstTriangle = flat_.triangles.size();
+    flat_.clusters.push_back(endCluster);
+    return std::move(flat_);
   }
 
  private:
@@ -79,7 +84,7 @@ class MeshFlattener {
       }
       flat_.triangles.push_back({packed, triangles[i]});
     }
-    fit(cluster, &flat_.positions[3 * cluster.firstVertex], std::span(flat_.triangles).last(count), result_);
+    fit(cluster, &flat_.positions[3 * cluster.firstVertex], std::span(flat_.triangles).last(count), flat_);
     flat_.clusters.push_back(cluster);
   }
 
@@ -93,8 +98,7 @@ class MeshFlattener {
 
   const Mesh& mesh_;
   const std::vector<Material>& materials_;
-  FlatScene& flat_;
-  FlatMesh result_;
+  FlatMesh flat_;
   std::vector<uint32_t> cluster_;  // the last cluster a vertex went to, plus one
   std::vector<uint8_t> number_;    // and its number there
 };
@@ -140,20 +144,8 @@ void fit(FlatGroup& group, std::span<const FlatCluster> clusters) {
     }
 }
 
-FlatScene flatten(const Scene& scene) {
-  FlatScene flat;
-  const size_t triangles = scene.uniqueTriangleCount();
-  flat.triangles.reserve(triangles);
-  flat.clusters.reserve(triangles / gpu::kClusterTriangles + scene.meshes.size());
-  for (const Mesh& mesh : scene.meshes) flat.meshes.push_back(MeshFlattener(mesh, scene.materials, flat).run());
-  FlatCluster endCluster;
-  endCluster.firstVertex = flat.vertices.size();
-  endCluster.firstTriangle = flat.triangles.size();
-  FlatGroup endGroup;
-  endGroup.firstCluster = static_cast<uint32_t>(flat.clusters.size());
-  flat.clusters.push_back(endCluster);
-  flat.groups.push_back(endGroup);
-  return flat;
+FlatMesh flatten(const Mesh& mesh, const std::vector<Material>& materials) {
+  return MeshFlattener(mesh, materials).run();
 }
 
 }  // namespace gnosphere

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene -> clusters of a few triangles, in groups, as the arrays that a device reads.
+// Mesh -> clusters of a few triangles, in groups of clusters.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,6 @@
 #include "gnosphere/scene.hpp"
 
 namespace gnosphere {
-
-/// The clusters of one mesh, and what was left out of it.
-struct FlatMesh {
-  uint32_t firstGroup = 0;
-  uint32_t groupCount = 0;
-  uint32_t nonFinite = 0;   ///< triangles with a corner that is NaN, infinite or beyond 1e9 m
-  uint32_t degenerate = 0;  ///< triangles with two corners at the same place
-};
 
 /// A cluster as it is built; PackedGeometry packs it into a gpu::Cluster.
 struct FlatCluster {
@@ -43,19 +35,23 @@ enum class Fate {
 };
 Fate fateOf(const float* a, const float* b, const float* c);
 
-/// Arrays of every mesh, each once; instances refer to them. A cluster owns a run of `positions` (3 floats a vertex)
-/// and of `vertices`, and a run of `triangles`: the usable ones, then those that are not, which may become so when
-/// vertices move. After the last cluster and the last group comes an empty one, where the next would begin.
-struct FlatScene {
-  std::vector<FlatMesh> meshes;
+/// One mesh as clusters in groups. Places count from the mesh's own first entry. A cluster owns a run of `positions` (3
+/// floats a vertex) and of `vertices`, and a run of `triangles`: the usable ones, then the others, which may become
+/// usable when vertices move. The last cluster and the last group are empty: they say where the runs end.
+struct FlatMesh {
   std::vector<FlatGroup> groups;
   std::vector<FlatCluster> clusters;
   std::vector<float> positions;
-  std::vector<uint32_t> vertices;  ///< which of its mesh each is
+  std::vector<uint32_t> vertices;  ///< the vertex of the Mesh that each one is a copy of
   std::vector<FlatTriangle> triangles;
+  uint32_t nonFinite = 0;   ///< triangles with a corner that is NaN, infinite or beyond 1e9 m
+  uint32_t degenerate = 0;  ///< triangles with two corners at the same place
+
+  uint32_t groupCount() const { return static_cast<uint32_t>(groups.size()) - 1; }
+  uint32_t clusterCount() const { return static_cast<uint32_t>(clusters.size()) - 1; }
 };
 
-FlatScene flatten(const Scene& scene);
+FlatMesh flatten(const Mesh& mesh, const std::vector<Material>& materials);
 
 /// The box and the triangles of a cluster after its vertices have moved: usable ones first, counted. `positions` and
 /// `triangles` are the cluster's own, `dropped` counts the others.

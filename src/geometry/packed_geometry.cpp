@@ -3,176 +3,255 @@
 
 #include <algorithm>
 #include <glm/gtc/packing.hpp>
+#include <iterator>
+#include <utility>
+
+#include "base/threads.hpp"
 
 namespace gnosphere {
 namespace {
+
+using gpu::Array;
 
 gpu::vec3 vec3Of(const float* v) {
   return {v[0], v[1], v[2]};
 }
 
-gpu::Group packed(const FlatGroup& group) {
-  return {vec3Of(group.low), group.firstCluster, vec3Of(group.high), group.clusterCount};
-}
+/// Gathers what is written to an array in order: a transfer to a device costs the same for a few bytes as for many.
+class Writer {
+ public:
+  Writer(SceneMemory& memory, Array array) : memory_(memory), array_(array) {}
 
-// `next` is the cluster after it.
-gpu::Cluster packed(const FlatCluster& cluster, const FlatCluster& next) {
-  return {vec3Of(cluster.low),
-          static_cast<uint32_t>(cluster.firstVertex),
-          vec3Of(cluster.high),
-          static_cast<uint32_t>(cluster.firstTriangle),
-          {cluster.cone.axis[0], cluster.cone.axis[1], cluster.cone.axis[2]},
-          glm::packHalf2x16({cluster.cone.sine, cluster.cone.thinness}),
-          static_cast<uint32_t>(next.firstVertex - cluster.firstVertex),
-          cluster.triangleCount,
-          cluster.doubleSided,
-          cluster.material};
-}
+  /// `first` counts entries.
+  template <typename T>
+  void write(uint64_t first, const std::vector<T>& entries) {
+    const uint64_t place = first * sizeof(T);
+    if (place != place_ + pending_.size() || pending_.size() > kMost) flush();
+    if (pending_.empty()) place_ = place;
+    const auto bytes = std::as_bytes(std::span(entries));
+    pending_.insert(pending_.end(), bytes.begin(), bytes.end());
+  }
+  void flush() {
+    if (!pending_.empty()) memory_.write(array_, place_, pending_);
+    pending_.clear();
+  }
 
-template <typename T>
-std::span<const std::byte> bytesOf(const std::vector<T>& values) {
-  return std::as_bytes(std::span(values));
+ private:
+  static constexpr size_t kMost = 8 << 20;
+  SceneMemory& memory_;
+  Array array_;
+  uint64_t place_ = 0;
+  std::vector<std::byte> pending_;
+};
+
+MeshSummary summaryOf(const FlatMesh& flat, uint64_t firstGroup, const Vec3& origin) {
+  MeshSummary summary;
+  summary.origin = origin;
+  summary.triangles = static_cast<uint32_t>(flat.clusters.back().firstTriangle);
+  summary.firstGroup = static_cast<uint32_t>(firstGroup);
+  summary.groups = flat.groupCount();
+  summary.clusters = flat.clusterCount();
+  summary.nonFinite = flat.nonFinite;
+  summary.degenerate = flat.degenerate;
+  summary.low = glm::dvec3(gpu::kCoordinateLimit);
+  summary.high = -summary.low;
+  for (const FlatGroup& group : std::span(flat.groups).first(flat.groupCount()))
+    for (int axis = 0; axis < 3; ++axis) {
+      summary.low[axis] = std::min<double>(summary.low[axis], group.low[axis]);
+      summary.high[axis] = std::max<double>(summary.high[axis], group.high[axis]);
+    }
+  return summary;
 }
 
 }  // namespace
 
-std::vector<gpu::Group> PackedGeometry::groups() const {
+std::vector<gpu::Group> PackedGeometry::packedGroups(const Entry& entry) const {
   std::vector<gpu::Group> result;
-  for (size_t i = 0; i + 1 < flat_.groups.size(); ++i) result.push_back(packed(flat_.groups[i]));
+  for (const FlatGroup& group : std::span(entry.flat.groups).first(entry.flat.groupCount()))
+    result.push_back({vec3Of(group.low), static_cast<uint32_t>(entry.cluster + group.firstCluster), vec3Of(group.high),
+                      group.clusterCount});
   return result;
 }
 
-std::vector<gpu::Cluster> PackedGeometry::clusters() const {
+std::vector<gpu::Cluster> PackedGeometry::packedClusters(const Entry& entry) const {
   std::vector<gpu::Cluster> result;
-  for (size_t i = 0; i < clusterCount(); ++i) result.push_back(packed(flat_.clusters[i], flat_.clusters[i + 1]));
-  return result;
-}
-
-// One more than there are meshes: that of an instance that was removed.
-std::vector<uint32_t> PackedGeometry::meshTriangles() const {
-  std::vector<uint32_t> result = {0};
-  for (const FlatMesh& mesh : flat_.meshes) {
-    const size_t first = flat_.groups[mesh.firstGroup].firstCluster;
-    const size_t end = flat_.groups[mesh.firstGroup + mesh.groupCount].firstCluster;
-    result.push_back(
-        static_cast<uint32_t>(result.back() + flat_.clusters[end].firstTriangle - flat_.clusters[first].firstTriangle));
+  for (size_t i = 0; i < entry.flat.clusterCount(); ++i) {
+    const FlatCluster &cluster = entry.flat.clusters[i], &next = entry.flat.clusters[i + 1];
+    result.push_back({vec3Of(cluster.low),
+                      static_cast<uint32_t>(entry.vertex + cluster.firstVertex),
+                      vec3Of(cluster.high),
+                      static_cast<uint32_t>(entry.triangle + cluster.firstTriangle),
+                      {cluster.cone.axis[0], cluster.cone.axis[1], cluster.cone.axis[2]},
+                      glm::packHalf2x16({cluster.cone.sine, cluster.cone.thinness}),
+                      static_cast<uint32_t>(next.firstVertex - cluster.firstVertex),
+                      cluster.triangleCount,
+                      cluster.doubleSided,
+                      cluster.material});
   }
   return result;
 }
 
-std::vector<uint32_t> PackedGeometry::triangleSlots() const {
-  const std::vector<uint32_t> firsts = meshTriangles();
-  std::vector<uint32_t> result(firsts.back());
-  for (size_t i = 0; i < flat_.meshes.size(); ++i) {
-    const size_t cluster = flat_.groups[flat_.meshes[i].firstGroup].firstCluster, count = firsts[i + 1] - firsts[i];
-    findSlots(i, std::span(flat_.triangles).subspan(flat_.clusters[cluster].firstTriangle, count),
-              std::span(result).subspan(firsts[i], count));
-  }
-  return result;
-}
-
-std::vector<float> PackedGeometry::textureCoordinates(const Scene& scene) const {
-  std::vector<float> result(2 * flat_.vertices.size());
-  for (size_t i = 0; i < flat_.meshes.size(); ++i) {
-    const FlatMesh& mesh = flat_.meshes[i];
-    const std::vector<float>& uvs = scene.meshes[i].uvs;
-    if (uvs.empty()) continue;
-    const size_t first = flat_.clusters[flat_.groups[mesh.firstGroup].firstCluster].firstVertex;
-    const size_t end = flat_.clusters[flat_.groups[mesh.firstGroup + mesh.groupCount].firstCluster].firstVertex;
-    for (size_t k = first; k < end; ++k) std::copy_n(&uvs[2 * size_t{flat_.vertices[k]}], 2, &result[2 * k]);
-  }
-  return result;
-}
-
-// `triangles` are all those of the mesh, in the order of its clusters.
-void PackedGeometry::findSlots(size_t mesh, std::span<const FlatTriangle> triangles, std::span<uint32_t> slots) const {
-  size_t cluster = flat_.groups[flat_.meshes[mesh].firstGroup].firstCluster;
-  const size_t first = flat_.clusters[cluster].firstTriangle;
+// Per triangle of the mesh: cluster * kClusterTriangles + its number there.
+std::vector<uint32_t> PackedGeometry::slotsOf(const Entry& entry, std::span<const FlatTriangle> triangles) const {
+  std::vector<uint32_t> slots(triangles.size());
+  size_t cluster = 0;
   for (size_t i = 0; i < triangles.size(); ++i) {
-    if (first + i == flat_.clusters[cluster + 1].firstTriangle) ++cluster;
-    slots[triangles[i].index] =
-        static_cast<uint32_t>(cluster * gpu::kClusterTriangles + first + i - flat_.clusters[cluster].firstTriangle);
+    if (i == entry.flat.clusters[cluster + 1].firstTriangle) ++cluster;
+    const size_t number = i - entry.flat.clusters[cluster].firstTriangle;
+    slots[triangles[i].index] = static_cast<uint32_t>((entry.cluster + cluster) * gpu::kClusterTriangles + number);
+  }
+  return slots;
+}
+
+std::vector<FlatTriangle> PackedGeometry::trianglesOf(const Entry& entry) const {
+  std::vector<FlatTriangle> triangles(entry.flat.clusters.back().firstTriangle);
+  memory_.read(Array::triangleCorners, entry.triangle * sizeof(FlatTriangle),
+               std::as_writable_bytes(std::span(triangles)));
+  return triangles;
+}
+
+std::vector<float> PackedGeometry::textureCoordinates(const Entry& entry) const {
+  std::vector<float> result(2 * entry.flat.vertices.size());
+  if (!entry.uvs.empty())
+    for (size_t k = 0; k < entry.flat.vertices.size(); ++k)
+      std::copy_n(&entry.uvs[2 * size_t{entry.flat.vertices[k]}], 2, &result[2 * k]);
+  return result;
+}
+
+size_t PackedGeometry::clusterCount() const {
+  size_t count = 0;
+  for (const Entry& entry : meshes_) count += entry.flat.clusterCount();
+  return count;
+}
+
+void PackedGeometry::place(std::span<Entry> entries) {
+  for (Entry& entry : entries) {
+    entry.group = groups_.take(entry.flat.groupCount());
+    entry.cluster = clusters_.take(entry.flat.clusterCount());
+    entry.vertex = vertices_.take(entry.flat.vertices.size());
+    entry.triangle = triangles_.take(entry.flat.clusters.back().firstTriangle);
+  }
+  try {
+    reserve();
+  } catch (...) {
+    for (const Entry& entry : entries) giveBack(entry);
+    throw;
   }
 }
 
-void PackedGeometry::dropArrays() {
-  flat_.positions = {};
-  flat_.triangles = {};
+void PackedGeometry::giveBack(const Entry& entry) {
+  groups_.giveBack(entry.group, entry.flat.groupCount());
+  clusters_.giveBack(entry.cluster, entry.flat.clusterCount());
+  vertices_.giveBack(entry.vertex, entry.flat.vertices.size());
+  triangles_.giveBack(entry.triangle, entry.flat.clusters.back().firstTriangle);
 }
 
-void PackedGeometry::addTo(InstanceTable& instances, const Scene& scene) const {
-  for (size_t i = 0; i < scene.meshes.size(); ++i) {
-    const FlatMesh& mesh = flat_.meshes[i];
-    MeshSummary summary;
-    summary.origin = scene.meshes[i].origin;
-    summary.triangles = static_cast<uint32_t>(scene.meshes[i].triangleCount());
-    summary.firstGroup = mesh.firstGroup;
-    summary.groups = mesh.groupCount;
-    summary.clusters =
-        flat_.groups[mesh.firstGroup + mesh.groupCount].firstCluster - flat_.groups[mesh.firstGroup].firstCluster;
-    summarize(i, summary);
-    instances.addMesh(std::move(summary));
+void PackedGeometry::reserve() {
+  memory_.reserve(Array::groups, groups_.end() * sizeof(gpu::Group));
+  memory_.reserve(Array::clusters, clusters_.end() * sizeof(gpu::Cluster));
+  memory_.reserve(Array::positions, vertices_.end() * 3 * sizeof(float));
+  memory_.reserve(Array::triangleCorners, triangles_.end() * sizeof(FlatTriangle));
+  if (slots_) memory_.reserve(Array::triangleSlots, triangles_.end() * sizeof(uint32_t));
+  if (textured_) memory_.reserve(Array::textureCoordinates, vertices_.end() * 2 * sizeof(float));
+}
+
+// Positions and triangles leave the host: the memory has them from here on.
+void PackedGeometry::write(std::span<Entry> entries) {
+  Writer groups(memory_, Array::groups), clusters(memory_, Array::clusters), positions(memory_, Array::positions),
+      corners(memory_, Array::triangleCorners), slots(memory_, Array::triangleSlots),
+      coordinates(memory_, Array::textureCoordinates);
+  for (Entry& entry : entries) {
+    groups.write(entry.group, packedGroups(entry));
+    clusters.write(entry.cluster, packedClusters(entry));
+    positions.write(3 * entry.vertex, entry.flat.positions);
+    corners.write(entry.triangle, entry.flat.triangles);
+    if (slots_) slots.write(entry.triangle, slotsOf(entry, entry.flat.triangles));
+    if (textured_) coordinates.write(2 * entry.vertex, textureCoordinates(entry));
+    entry.flat.positions = {};
+    entry.flat.triangles = {};
   }
-  for (size_t i = 0; i < scene.instances.size(); ++i)
-    instances.set(i, scene.instances[i].mesh, scene.instances[i].transform);
+  for (Writer* writer : {&groups, &clusters, &positions, &corners, &slots, &coordinates}) writer->flush();
 }
 
-// What changes with the positions.
-void PackedGeometry::summarize(size_t index, MeshSummary& summary) const {
-  const FlatMesh& mesh = flat_.meshes[index];
-  summary.nonFinite = mesh.nonFinite;
-  summary.degenerate = mesh.degenerate;
-  summary.low = glm::dvec3(gpu::kCoordinateLimit);
-  summary.high = -summary.low;
-  for (size_t i = mesh.firstGroup; i < size_t{mesh.firstGroup} + mesh.groupCount; ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      summary.low[axis] = std::min<double>(summary.low[axis], flat_.groups[i].low[axis]);
-      summary.high[axis] = std::max<double>(summary.high[axis], flat_.groups[i].high[axis]);
+// Per mesh, its first entry in triangleSlots; and one more, for instances that were removed.
+void PackedGeometry::writeMeshTriangles() {
+  std::vector<uint32_t> firsts;
+  for (const Entry& entry : meshes_) firsts.push_back(static_cast<uint32_t>(entry.triangle));
+  firsts.push_back(0);
+  memory_.reserve(Array::meshTriangles, firsts.size() * sizeof(uint32_t));
+  memory_.write(Array::meshTriangles, 0, std::as_bytes(std::span(firsts)));
+}
+
+void PackedGeometry::add(std::span<const Mesh> meshes, const std::vector<Material>& materials) {
+  const size_t first = meshes_.size();
+  std::vector<Entry> entries(meshes.size());
+  inRuns(meshes.size(), 1, threadCount(), [&](size_t from, size_t end) {
+    for (size_t i = from; i < end; ++i) {
+      entries[i].flat = flatten(meshes[i], materials);
+      entries[i].origin = meshes[i].origin;
+      entries[i].uvs = meshes[i].uvs;
     }
+  });
+  place(entries);
+  std::move(entries.begin(), entries.end(), std::back_inserter(meshes_));
+  write(std::span(meshes_).subspan(first));
+  if (slots_) writeMeshTriangles();
+  for (const Entry& entry : std::span(meshes_).subspan(first))
+    instances_.addMesh(summaryOf(entry.flat, entry.group, entry.origin));
 }
 
-void PackedGeometry::setPositions(size_t index, std::span<const float> positions, bool slots, InstanceTable& instances,
-                                  SceneMemory& memory) {
-  MeshSummary summary = instances.mesh(index);
-  FlatMesh& mesh = flat_.meshes[index];
-  mesh.nonFinite = mesh.degenerate = 0;
-  const size_t groupEnd = mesh.firstGroup + mesh.groupCount;
-  const size_t first = flat_.groups[mesh.firstGroup].firstCluster, end = flat_.groups[groupEnd].firstCluster;
-  const size_t vertexFirst = flat_.clusters[first].firstVertex, triangleFirst = flat_.clusters[first].firstTriangle;
+void PackedGeometry::replace(size_t index, const Mesh& mesh, const std::vector<Material>& materials) {
+  Entry entry = {flatten(mesh, materials), 0, 0, 0, 0, mesh.origin, mesh.uvs};
+  place({&entry, 1});
+  meshes_[index] = std::move(entry);
+  write({&meshes_[index], 1});
+  if (slots_) writeMeshTriangles();
+  instances_.setMesh(index, summaryOf(meshes_[index].flat, meshes_[index].group, meshes_[index].origin));
+}
 
-  std::vector<float> moved;
-  for (size_t i = vertexFirst; i < flat_.clusters[end].firstVertex; ++i) {
-    const float* position = &positions[3 * size_t{flat_.vertices[i]}];
-    moved.insert(moved.end(), position, position + 3);
+void PackedGeometry::remove(size_t index) {
+  giveBack(meshes_[index]);
+  meshes_[index] = {flatten({}, {}), 0, 0, 0, 0, {}, {}};
+  instances_.setMesh(index, {});
+}
+
+void PackedGeometry::addSlots() {
+  if (slots_) return;
+  memory_.reserve(Array::triangleSlots, triangles_.end() * sizeof(uint32_t));
+  Writer slots(memory_, Array::triangleSlots);
+  for (const Entry& entry : meshes_) slots.write(entry.triangle, slotsOf(entry, trianglesOf(entry)));
+  slots.flush();
+  writeMeshTriangles();
+  slots_ = true;
+}
+
+void PackedGeometry::addTextureCoordinates() {
+  if (textured_) return;
+  memory_.reserve(Array::textureCoordinates, vertices_.end() * 2 * sizeof(float));
+  Writer coordinates(memory_, Array::textureCoordinates);
+  for (const Entry& entry : meshes_) coordinates.write(2 * entry.vertex, textureCoordinates(entry));
+  coordinates.flush();
+  textured_ = true;
+}
+
+void PackedGeometry::setPositions(size_t index, std::span<const float> positions) {
+  Entry& entry = meshes_[index];
+  FlatMesh& flat = entry.flat;
+  flat.nonFinite = flat.degenerate = 0;
+  flat.positions.clear();
+  for (const uint32_t vertex : flat.vertices)
+    flat.positions.insert(flat.positions.end(), &positions[3 * size_t{vertex}], &positions[3 * size_t{vertex}] + 3);
+  flat.triangles = trianglesOf(entry);
+  for (size_t i = 0; i < flat.clusterCount(); ++i) {
+    FlatCluster& cluster = flat.clusters[i];
+    const size_t count = flat.clusters[i + 1].firstTriangle - cluster.firstTriangle;
+    fit(cluster, &flat.positions[3 * cluster.firstVertex],
+        std::span(flat.triangles).subspan(cluster.firstTriangle, count), flat);
   }
-  std::vector<FlatTriangle> triangles(flat_.clusters[end].firstTriangle - triangleFirst);
-  const uint64_t trianglePlace = triangleFirst * sizeof(FlatTriangle);
-  memory.read(gpu::Array::triangleCorners, trianglePlace, std::as_writable_bytes(std::span(triangles)));
-  std::vector<gpu::Cluster> clusters;
-  for (size_t i = first; i < end; ++i) {
-    FlatCluster& cluster = flat_.clusters[i];
-    const size_t count = flat_.clusters[i + 1].firstTriangle - cluster.firstTriangle;
-    fit(cluster, &moved[3 * (cluster.firstVertex - vertexFirst)],
-        std::span(triangles).subspan(cluster.firstTriangle - triangleFirst, count), mesh);
-    clusters.push_back(packed(cluster, flat_.clusters[i + 1]));
-  }
-  std::vector<gpu::Group> groups;
-  for (size_t i = mesh.firstGroup; i < groupEnd; ++i) {
-    FlatGroup& group = flat_.groups[i];
-    fit(group, std::span(flat_.clusters).subspan(group.firstCluster, group.clusterCount));
-    groups.push_back(packed(group));
-  }
-  memory.write(gpu::Array::positions, 3 * sizeof(float) * vertexFirst, bytesOf(moved));
-  memory.write(gpu::Array::triangleCorners, trianglePlace, bytesOf(triangles));
-  memory.write(gpu::Array::clusters, sizeof(gpu::Cluster) * first, bytesOf(clusters));
-  memory.write(gpu::Array::groups, sizeof(gpu::Group) * mesh.firstGroup, bytesOf(groups));
-  if (slots) {
-    std::vector<uint32_t> found(triangles.size());
-    findSlots(index, triangles, found);
-    memory.write(gpu::Array::triangleSlots, sizeof(uint32_t) * meshTriangles()[index], bytesOf(found));
-  }
-  summarize(index, summary);
-  instances.setMesh(index, std::move(summary));
+  for (FlatGroup& group : std::span(flat.groups).first(flat.groupCount()))
+    fit(group, std::span(flat.clusters).subspan(group.firstCluster, group.clusterCount));
+  write({&entry, 1});
+  instances_.setMesh(index, summaryOf(flat, entry.group, entry.origin));
 }
 
 }  // namespace gnosphere

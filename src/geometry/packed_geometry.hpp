@@ -8,49 +8,68 @@
 #include "arrays.h"
 #include "geometry/flatten.hpp"
 #include "geometry/instance_table.hpp"
+#include "geometry/ranges.hpp"
 
 namespace gnosphere {
 
-/// The arrays of the scene, wherever they lie. Places count bytes.
+/// The arrays of the scene, wherever they lie. Places and sizes count bytes.
 class SceneMemory {
  public:
   virtual ~SceneMemory() = default;
+  /// Makes room for at least `bytes`; what the array holds stays.
+  virtual void reserve(gpu::Array array, uint64_t bytes) = 0;
   virtual void write(gpu::Array array, uint64_t place, std::span<const std::byte> data) = 0;
   virtual void read(gpu::Array array, uint64_t place, std::span<std::byte> data) const = 0;
 };
 
+/// The meshes share the arrays: each owns a run of every one of them, which it gives back when it is removed.
 class PackedGeometry {
  public:
-  explicit PackedGeometry(const Scene& scene) : flat_(flatten(scene)) {}
+  /// Writes into `memory` and tells `instances` of its meshes; both must outlive it.
+  PackedGeometry(SceneMemory& memory, InstanceTable& instances) : memory_(memory), instances_(instances) {}
 
-  size_t clusterCount() const { return flat_.clusters.size() - 1; }
+  /// Adds meshes after those that are there. Throws Error(outOfMemory), and then none is added.
+  void add(std::span<const Mesh> meshes, const std::vector<Material>& materials);
+  /// Puts a mesh where one was removed.
+  void replace(size_t index, const Mesh& mesh, const std::vector<Material>& materials);
+  /// No instance may place it.
+  void remove(size_t index);
+  /// New places for the vertices of a mesh, as many as it has.
+  void setPositions(size_t index, std::span<const float> positions);
 
-  /// Whole arrays, until dropArrays().
-  std::vector<gpu::Group> groups() const;
-  std::vector<gpu::Cluster> clusters() const;
-  std::span<const float> positions() const { return flat_.positions; }
-  std::span<const FlatTriangle> triangleCorners() const { return flat_.triangles; }
-  /// What leads from a triangle's owner to the triangle: per mesh, its first entry in triangleSlots(); and per triangle
-  /// of a mesh, cluster * kClusterTriangles + its number there.
-  std::vector<uint32_t> meshTriangles() const;
-  std::vector<uint32_t> triangleSlots() const;
-  /// 2 per vertex.
-  std::vector<float> textureCoordinates(const Scene& scene) const;
-  /// Frees positions and triangles, which the device has by then.
-  void dropArrays();
+  /// From now on with the arrays that lead from a triangle's owner to the triangle: meshTriangles and triangleSlots.
+  void addSlots();
+  /// From now on with the texture coordinates of every vertex.
+  void addTextureCoordinates();
 
-  /// Tells the instances of every mesh, and where the scene places them.
-  void addTo(InstanceTable& instances, const Scene& scene) const;
-  /// New places for the vertices of a mesh: in the memory, and in the table of instances. `slots`: the memory has
-  /// triangleSlots, too.
-  void setPositions(size_t mesh, std::span<const float> positions, bool slots, InstanceTable& instances,
-                    SceneMemory& memory);
+  size_t clusterCount() const;
+  size_t meshCount() const { return meshes_.size(); }  ///< removed ones, too
 
  private:
-  void summarize(size_t mesh, MeshSummary& summary) const;
-  void findSlots(size_t mesh, std::span<const FlatTriangle> triangles, std::span<uint32_t> slots) const;
+  /// A mesh, and where its runs begin.
+  struct Entry {
+    FlatMesh flat;  // positions and triangles are only in the memory
+    uint64_t group = 0, cluster = 0, vertex = 0, triangle = 0;
+    Vec3 origin;
+    std::vector<float> uvs;  // 2 per vertex of the Mesh; empty: none
+  };
 
-  FlatScene flat_;  // with an empty cluster and group at the end
+  void place(std::span<Entry> entries);
+  void giveBack(const Entry& entry);
+  void reserve();
+  void write(std::span<Entry> entries);
+  void writeMeshTriangles();
+  std::vector<uint32_t> slotsOf(const Entry& entry, std::span<const FlatTriangle> triangles) const;
+  std::vector<FlatTriangle> trianglesOf(const Entry& entry) const;
+  std::vector<gpu::Group> packedGroups(const Entry& entry) const;
+  std::vector<gpu::Cluster> packedClusters(const Entry& entry) const;
+  std::vector<float> textureCoordinates(const Entry& entry) const;
+
+  SceneMemory& memory_;
+  InstanceTable& instances_;
+  std::vector<Entry> meshes_;
+  Ranges groups_, clusters_, vertices_, triangles_;
+  bool slots_ = false, textured_ = false;
 };
 
 }  // namespace gnosphere

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/device_backend.hpp"
 
+#include <algorithm>
 #include <chrono>
-#include <deque>
 
 #include "gnosphere/error.hpp"
 #include "pipeline/scene_arrays.hpp"
@@ -15,18 +15,17 @@ using Clock = std::chrono::steady_clock;
 
 class DeviceBackend final : public Backend {
  public:
-  DeviceBackend(std::unique_ptr<Machine> machine, const Scene& scene, const std::vector<Sensor>& sensors,
+  DeviceBackend(std::unique_ptr<Machine> machine, const Scene& scene, const SensorPlans& sensors,
                 const SimulatorOptions& options)
-      : plans_(planSensors(scene, sensors, options)),
+      : options_(options),
         machine_(std::move(machine)),
-        scene_(*machine_, scene, anyOf(plans_, &SensorPlan::looksAtSurfaces), anyOf(plans_, &SensorPlan::holes)),
+        materials_(scene.materials),
+        scene_(*machine_),
         slots_(machine_->framesInFlight()) {
-    for (const SensorPlan& plan : plans_) {
-      sensors_.emplace_back(*machine_, plan, options, scene_.instances().counters().triangles);
-      stills_.emplace_back(sensors_.back().keepsStill());
-    }
-    machine_->prepared();
-    machine_->throwOnMessages();
+    scene_.geometry().add(scene.meshes, materials_);
+    for (size_t i = 0; i < scene.instances.size(); ++i)
+      scene_.instances().set(i, scene.instances[i].mesh, scene.instances[i].transform);
+    for (size_t i = 0; i < sensors.size(); ++i) setSensor(i, sensors[i]);
   }
 
   // A run that its receiver ended may have left a scan under way.
@@ -50,27 +49,64 @@ class DeviceBackend final : public Backend {
     }
   }
 
+  void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) override {
+    waitForAll();
+    std::unique_ptr<SensorState> sensor;
+    if (plan) {
+      if (plan->looksAtSurfaces()) scene_.geometry().addSlots();
+      if (plan->holes()) scene_.geometry().addTextureCoordinates();
+      sensor =
+          std::make_unique<SensorState>(*machine_, std::move(plan), options_, scene_.instances().counters().triangles);
+    }
+    sensors_.resize(std::max(sensors_.size(), index + 1));
+    sensors_[index] = std::move(sensor);
+    machine_->prepared();
+    machine_->throwOnMessages();
+  }
+
+  void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>&) override {
+    materials_ = materials;
+  }
+
+  void setMesh(size_t index, const Mesh* mesh) override {
+    waitForAll();
+    PackedGeometry& geometry = scene_.geometry();
+    if (!mesh) return geometry.remove(index);
+    if (index == geometry.meshCount()) return geometry.add({mesh, 1}, materials_);
+    geometry.replace(index, *mesh, materials_);
+  }
+
   void setInstance(size_t index, uint32_t mesh, const Transform& transform) override {
     scene_.instances().set(index, mesh, transform);
   }
 
   void setPositions(size_t mesh, std::span<const float> positions) override {
     waitForAll();
-    scene_.setPositions(mesh, positions);
+    scene_.geometry().setPositions(mesh, positions);
   }
 
-  Plan plan(size_t sensor) const override { return sensors_[sensor].plan(); }
+  Plan plan(size_t sensor) const override { return sensors_[sensor]->arrays.plan(); }
   const DeviceInfo& device() const override { return machine_->traits().info; }
-  size_t clusterCount() const override { return scene_.clusterCount(); }
+  size_t clusterCount() const override { return scene_.geometry().clusterCount(); }
   MemoryUse memory() const override {
     MemoryUse use;
     use.scene = scene_.bytes();
     for (const Slot& slot : slots_) use.scene += slot.placed.bytes();
-    for (const SensorArrays& sensor : sensors_) sensor.addTo(use);
+    for (const auto& sensor : sensors_)
+      if (sensor) sensor->arrays.addTo(use);
     return use;
   }
 
  private:
+  struct SensorState {
+    SensorState(Machine& machine, std::shared_ptr<const SensorPlan> sensorPlan, const SimulatorOptions& options,
+                uint64_t triangles)
+        : plan(std::move(sensorPlan)), arrays(machine, *plan, options, triangles), still(arrays.keepsStill()) {}
+    std::shared_ptr<const SensorPlan> plan;
+    SensorArrays arrays;
+    StillImage still;
+  };
+
   // What a frame in flight has of its own whatever the sensor.
   struct Slot {
     PlacedArrays placed;
@@ -99,9 +135,9 @@ class DeviceBackend final : public Backend {
 
   void run(size_t frame, const Shot& shot) {
     Slot& slot = slots_[frame];
-    SensorArrays& sensor = sensors_[shot.sensor];
+    SensorArrays& sensor = sensors_[shot.sensor]->arrays;
     if (sensor.beams() == 0) return;
-    StillImage& still = stills_[shot.sensor];
+    StillImage& still = sensors_[shot.sensor]->still;
     const StillImage::Use use = useStill(still, sensor, shot.pose);
     slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
     const std::optional<ShotMotion> motion = motionOf(sensor.sensorPlan(), shot, scene_.instances());
@@ -124,7 +160,7 @@ class DeviceBackend final : public Backend {
   // been cut short as well: that is seen when its turn comes, by the room it had when it was submitted.
   void finish(std::span<const Shot> shots, size_t i, Scan& result) {
     const size_t frame = i % slots_.size();
-    SensorArrays& sensor = sensors_[shots[i].sensor];
+    SensorArrays& sensor = sensors_[shots[i].sensor]->arrays;
     clearResult(sensor.sensorPlan(), scene_.instances(), result);
     if (sensor.beams() > 0) {
       machine_->wait(frame);
@@ -143,18 +179,18 @@ class DeviceBackend final : public Backend {
     result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - slots_[frame].start).count();
   }
 
-  const std::vector<SensorPlan> plans_;  // of every sensor
+  const SimulatorOptions options_;
   std::unique_ptr<Machine> machine_;
+  std::vector<Material> materials_;
   SceneArrays scene_;
-  std::deque<SensorArrays> sensors_;
-  std::vector<StillImage> stills_;  // of every sensor
+  std::vector<std::unique_ptr<SensorState>> sensors_;  // null where one was removed
   std::vector<Slot> slots_;
 };
 
 }  // namespace
 
 std::unique_ptr<Backend> makeDeviceBackend(std::unique_ptr<Machine> machine, const Scene& scene,
-                                           const std::vector<Sensor>& sensors, const SimulatorOptions& options) {
+                                           const SensorPlans& sensors, const SimulatorOptions& options) {
   return std::make_unique<DeviceBackend>(std::move(machine), scene, sensors, options);
 }
 

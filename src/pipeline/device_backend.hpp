@@ -8,6 +8,6 @@
 namespace gnosphere {
 
 std::unique_ptr<Backend> makeDeviceBackend(std::unique_ptr<Machine> machine, const Scene& scene,
-                                           const std::vector<Sensor>& sensors, const SimulatorOptions& options);
+                                           const SensorPlans& sensors, const SimulatorOptions& options);
 
 }  // namespace gnosphere

@@ -23,7 +23,7 @@ Exactness exactnessOf(const SimulatorOptions& options) {
 uint32_t cullingBits(const SimulatorOptions& options) {
   const Exactness parts = exactnessOf(options);
   if (parts.bounds == Exactness::Bounds::paper || parts.cull == Exactness::Cull::firstCorner) return 0;
-  const Culling& culling = options.culling;
+  const Culling& culling = options.tuning.culling;
   return (culling.range ? gpu::kCullRange : 0) | (culling.rows ? gpu::kCullRows : 0) |
          (culling.columns ? gpu::kCullColumns : 0) | (culling.cones ? gpu::kCullCones : 0) |
          (culling.occlusion != Culling::Occlusion::never ? gpu::kCullOccluded : 0);
@@ -56,7 +56,7 @@ bool leavesWords(uint32_t binning, const SensorPlan& plan) {
 
 // A kernel that looks at surfaces needs the transforms of what stands still, too.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
-  return options.culling.still && binning != gpu::kBinningLists &&
+  return options.tuning.keepStill && binning != gpu::kBinningLists &&
          exactnessOf(options).bounds != Exactness::Bounds::paper && !plan.surfaces() && !plan.motion();
 }
 

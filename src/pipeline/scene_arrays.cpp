@@ -41,25 +41,6 @@ uint64_t PlacedArrays::bytes() const {
   return sum;
 }
 
-SceneArrays::SceneArrays(Machine& machine, const Scene& scene, bool surfaces, bool holes)
-    : machine_(machine), packed_(scene) {
-  const auto upload = [&](Array array, const auto& data) {
-    using T = typename std::decay_t<decltype(data)>::value_type;
-    of(array) = uploaded(machine, array, std::span<const T>(data));
-  };
-  upload(Array::groups, packed_.groups());
-  upload(Array::clusters, packed_.clusters());
-  upload(Array::positions, packed_.positions());
-  upload(Array::triangleCorners, packed_.triangleCorners());
-  if (surfaces) {
-    upload(Array::meshTriangles, packed_.meshTriangles());
-    upload(Array::triangleSlots, packed_.triangleSlots());
-  }
-  if (holes) upload(Array::textureCoordinates, packed_.textureCoordinates(scene));
-  packed_.dropArrays();
-  packed_.addTo(instances_, scene);
-}
-
 uint64_t SceneArrays::bytes() const {
   uint64_t sum = 0;
   for (const auto& memory : memory_) sum += memory ? memory->bytes() : 0;
@@ -71,8 +52,20 @@ void SceneArrays::bind(BoundArrays& arrays) const {
     if (memory_[i]) arrays[i] = memory_[i].get();
 }
 
-void SceneArrays::setPositions(size_t mesh, std::span<const float> positions) {
-  packed_.setPositions(mesh, positions, of(Array::triangleSlots) != nullptr, instances_, *this);
+void SceneArrays::reserve(Array array, uint64_t bytes) {
+  std::unique_ptr<DeviceMemory>& memory = of(array);
+  if (holds(memory, bytes)) return;
+  const uint64_t had = memory ? memory->bytes() : 0;
+  const uint64_t most = std::max(bytes, machine_.traits().info.maxBufferBytes);
+  auto larger =
+      machine_.allocate(gpu::nameOf(array), had > 0 ? std::min(bytes + bytes / 2, most) : bytes, MemoryKind::device);
+  std::vector<std::byte> part(std::min<uint64_t>(had, 16 << 20));
+  for (uint64_t place = 0; place < had; place += part.size()) {
+    const std::span run = std::span(part).first(std::min<uint64_t>(part.size(), had - place));
+    memory->read(place, run);
+    larger->write(place, run);
+  }
+  memory = std::move(larger);
 }
 
 void SceneArrays::write(Array array, uint64_t place, std::span<const std::byte> data) {
@@ -93,12 +86,13 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
   const DeviceMemory* before = to.instances_.get();
   room(Array::instances, instances_.count() * sizeof(gpu::Instance), to.instances_);
   auto* instances = static_cast<gpu::Instance*>(to.instances_->host());
-  if (to.instances_.get() != before || to.numbering_ != instances_.numbering()) {
+  const bool slots = of(Array::triangleSlots) != nullptr;
+  if (to.instances_.get() != before || to.numbering_ != instances_.numbering() || (slots && !to.meshes_)) {
     instances_.writeNumbers(instances);
     room(Array::ownerRanges, instances_.ownerRangeCount() * 2 * sizeof(uint32_t), to.ownerRanges_);
     instances_.writeOwnerRanges(static_cast<uint32_t*>(to.ownerRanges_->host()));
     to.ownerRanges_->flush();
-    if (of(Array::triangleSlots)) {
+    if (slots) {
       room(Array::instanceMeshes, instances_.count() * sizeof(uint32_t), to.meshes_);
       instances_.writeMeshes(static_cast<uint32_t*>(to.meshes_->host()));
       to.meshes_->flush();

@@ -38,16 +38,15 @@ class PlacedArrays {
 
 class SceneArrays final : public SceneMemory {
  public:
-  /// `surfaces`: with the arrays that lead from a triangle's owner to the triangle. `holes`: with those of textures.
-  SceneArrays(Machine& machine, const Scene& scene, bool surfaces, bool holes);
+  explicit SceneArrays(Machine& machine) : machine_(machine), geometry_(*this, instances_) {}
 
   InstanceTable& instances() { return instances_; }
   const InstanceTable& instances() const { return instances_; }
-  size_t clusterCount() const { return packed_.clusterCount(); }
+  /// The device must not be using the scene while meshes change.
+  PackedGeometry& geometry() { return geometry_; }
+  const PackedGeometry& geometry() const { return geometry_; }
   uint64_t bytes() const;
   void bind(BoundArrays& arrays) const;
-  /// The device must not be using the mesh.
-  void setPositions(size_t mesh, std::span<const float> positions);
   /// Writes what a scan of the selected instances within reach (metres) reads.
   void place(const Pose& pose, double reach, const Selection& selection, PlacedArrays& to);
   /// Whether the lists of what a scan sees have room for all that is placed. All scans use them in turn.
@@ -55,6 +54,7 @@ class SceneArrays final : public SceneMemory {
   /// The device must not be using them.
   void growLists(const PlacedArrays& placed);
 
+  void reserve(gpu::Array array, uint64_t bytes) override;
   void write(gpu::Array array, uint64_t place, std::span<const std::byte> data) override;
   void read(gpu::Array array, uint64_t place, std::span<std::byte> data) const override;
 
@@ -63,9 +63,9 @@ class SceneArrays final : public SceneMemory {
   std::unique_ptr<DeviceMemory>& of(gpu::Array array) { return memory_[static_cast<size_t>(array)]; }
 
   Machine& machine_;
-  PackedGeometry packed_;
   InstanceTable instances_;
   std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> memory_;
+  PackedGeometry geometry_;
 };
 
 }  // namespace gnosphere

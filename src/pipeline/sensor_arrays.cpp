@@ -52,7 +52,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       binning_(chooseBinning(options, machine.traits(), plan.footprint())),
       exact_(exactnessOf(options).inside == Exactness::Inside::exact),
       keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
-      float64_(exact_ && options.float64 && machine.traits().float64 && machine.traits().int64Atomics),
+      float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
       options_(kernelOptions(options, plan, tables_.azimuthOffsets)),
       shellEnds_(shellEnds(options, binning_, tables_.frame, triangles)),
       reach_(reachOf(options, tables_.frame)),
@@ -141,7 +141,7 @@ std::vector<Step> SensorArrays::steps(const PlacedGroups& placed, StillImage::Us
   variant.float64 = float64_ && !motion;
   const bool footprint = plan_.footprint();
   return stepsOf(
-      {variant, tuningOf(machine_.traits(), binning_), tables_.frame, shellEnds_, footprint,
+      {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shellEnds_, footprint,
        !footprint && !leavesWords(binning_, plan_), plan_.surfaces() && !footprint, plan_.signals() || plan_.speeds()},
       placed, still);
 }

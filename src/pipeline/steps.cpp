@@ -70,39 +70,39 @@ class Steps {
            offsetof(gpu::Counters, visibleGroups),
            offsetof(gpu::Counters, causes) - offsetof(gpu::Counters, visibleGroups),
            0});
-    const Tuning& tuning = input_.tuning;
-    dispatch("project", Kernel::project_groups, std::min(tuning.cullGroups, (placed.groups + 63) / 64), pass);
-    dispatch("project", Kernel::project_clusters, std::min(tuning.cullGroups, placed.groups), pass);
-    dispatch("project", Kernel::project_triangles, std::min(tuning.triangleGroups, placed.clusters), pass);
+    const DispatchSizes& sizes = input_.sizes;
+    dispatch("project", Kernel::project_groups, std::min(sizes.cullGroups, (placed.groups + 63) / 64), pass);
+    dispatch("project", Kernel::project_clusters, std::min(sizes.cullGroups, placed.groups), pass);
+    dispatch("project", Kernel::project_triangles, std::min(sizes.triangleGroups, placed.clusters), pass);
     finish("project");
   }
 
   void bin(bool lastShell) {
-    const Tuning& tuning = input_.tuning;
-    const uint32_t blocks = std::min(tuning.groups, input_.frame.beams / gpu::kPrefixBlock + 1);
+    const DispatchSizes& sizes = input_.sizes;
+    const uint32_t blocks = std::min(sizes.groups, input_.frame.beams / gpu::kPrefixBlock + 1);
     const auto pass = [&](Kernel kernel, uint32_t number, uint32_t groups) {
       dispatch("bin", kernel, groups, {}, number);
     };
-    pass(Kernel::bin, 0, tuning.triangleGroups);
-    if (lastShell && binning_ == gpu::kBinningNearest32) pass(Kernel::bin, gpu::kPassOwner, tuning.groups);
+    pass(Kernel::bin, 0, sizes.triangleGroups);
+    if (lastShell && binning_ == gpu::kBinningNearest32) pass(Kernel::bin, gpu::kPassOwner, sizes.groups);
     if (binning_ == gpu::kBinningLists) {
       pass(Kernel::prefix_sum, gpu::kPassReduce, blocks);
       pass(Kernel::prefix_sum, gpu::kPassBlocks, 1);
       pass(Kernel::prefix_sum, gpu::kPassApply, blocks);
-      pass(Kernel::bin, gpu::kPassFill, tuning.groups);
+      pass(Kernel::bin, gpu::kPassFill, sizes.groups);
     }
     finish("bin");
   }
 
   void findOccluders(const gpu::Pass& pass) {
-    dispatch("project", Kernel::project_occluders, input_.tuning.cullGroups, pass);
+    dispatch("project", Kernel::project_occluders, input_.sizes.cullGroups, pass);
   }
 
   void judge() {
     if (input_.footprint)
       for (const uint32_t pass : {gpu::kPassWithinOne, gpu::kPassOthers})
         dispatch("effects", Kernel::effects_footprint,
-                 std::min(input_.tuning.footprintGroups, input_.frame.beams / 64 + 1), {}, pass);
+                 std::min(input_.sizes.footprintGroups, input_.frame.beams / 64 + 1), {}, pass);
     if (input_.surfaces) dispatchOnBeams("effects", Kernel::effects_surfaces);
     if (input_.effects) dispatchOnBeams("effects", Kernel::effects);
     if (input_.footprint || input_.surfaces || input_.effects) finish("effects");

@@ -36,7 +36,7 @@ struct Step {
 /// What decides the steps of a sensor's scans.
 struct StepsInput {
   Variant variant;  ///< what all kernels of the scan have in common
-  Tuning tuning;
+  DispatchSizes sizes;
   const gpu::Frame& frame;
   const std::vector<float>& shellEnds;  ///< see tuning.hpp
   bool footprint, resolve, surfaces, effects;

@@ -33,7 +33,7 @@ constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread =
 // work over the threads, and four times as many took 1.05 of the time. Boxes and entries of a table are alike, so few
 // groups are balanced: 64 of them on two threads took 1.04 of all of `project`. With slabs subgroups take work from a
 // shared counter until it is empty: one workgroup per thread is enough, more only poll.
-Tuning tuningOf(const Traits& traits, uint32_t binning) {
+DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning) {
   if (!traits.cpu) return {traits.groups, traits.groups, traits.groups, 8 * traits.groups};
   const uint32_t threads = threadCount(), groups = std::max(64u, 8 * threads);
   return {groups, 4 * threads, binning == gpu::kBinningSlabs ? threads : groups, 8 * groups};
@@ -42,7 +42,7 @@ Tuning tuningOf(const Traits& traits, uint32_t binning) {
 uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint) {
   if (footprint) return gpu::kBinningLists;
   bool slabs = traits.cpu;
-  switch (options.binning) {
+  switch (options.tuning.binning) {
     case Binning::lists: return gpu::kBinningLists;
     case Binning::nearest32: return gpu::kBinningNearest32;
     case Binning::automatic:
@@ -62,7 +62,7 @@ std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t binning, 
                     static_cast<double>(triangles) >= kTrianglesPerBeam * static_cast<double>(frame.beams);
   const bool possible = binning != gpu::kBinningLists && (cullingBits(options) & gpu::kCullOccluded) != 0;
   std::vector<float> ends;
-  if (possible && (pays || options.culling.occlusion == Culling::Occlusion::always)) {
+  if (possible && (pays || options.tuning.culling.occlusion == Culling::Occlusion::always)) {
     const bool three = binning == gpu::kBinningSlabs && frame.beams >= kThreeShellsBeams;
     for (const float share : three ? std::span<const float>(kThreeShells) : std::span<const float>(kTwoShells))
       ends.push_back(frame.rangeMax * share);

@@ -13,10 +13,10 @@ namespace gnosphere {
 struct Traits;
 
 /// Workgroups per dispatch, at most: kernels loop over however many items there are.
-struct Tuning {
+struct DispatchSizes {
   uint32_t groups, cullGroups, triangleGroups, footprintGroups;
 };
-Tuning tuningOf(const Traits& traits, uint32_t binning);
+DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning);
 
 /// gpu::kBinning...: how the options, the device and a footprint, which needs lists, let triangles meet beams.
 uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint);

@@ -3,7 +3,9 @@
 // from the mathematics and shares nothing with the shaders but the generator of random numbers.
 #include "pipeline/backend.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include "base/threads.hpp"
@@ -20,13 +22,9 @@ using namespace reference;
 
 class ReferenceBackend : public Backend {
  public:
-  ReferenceBackend(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-      : sensors_(sensors),
-        effects_(beamEffects(options, scene, sensors)),
-        faces_(options.faces),
-        scene_(scene),
-        device_(referenceDevice()) {
-    scene_.meshes.emplace_back();
+  ReferenceBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options)
+      : options_(options), scene_(scene), device_(referenceDevice()) {
+    for (size_t i = 0; i < sensors.size(); ++i) setSensor(i, sensors[i]);
     build();
   }
 
@@ -35,6 +33,9 @@ class ReferenceBackend : public Backend {
   const DeviceInfo& device() const override { return device_; }
   MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(PlacedMesh), 0, 0}; }
   size_t clusterCount() const override { return 0; }
+  void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) override;
+  void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) override;
+  void setMesh(size_t index, const Mesh* mesh) override;
   void setInstance(size_t index, uint32_t mesh, const Transform& transform) override;
   void setPositions(size_t mesh, std::span<const float> positions) override;
 
@@ -43,10 +44,9 @@ class ReferenceBackend : public Backend {
   void scan(const Shot& shot, Scan& result) const;
   Bvh movingTree(const Shot& shot) const;
 
-  std::vector<Sensor> sensors_;
-  std::vector<BeamEffects> effects_;  // of each sensor
-  Faces faces_;
-  Scene scene_;  // its last mesh is empty: that of instances that were removed
+  const SimulatorOptions options_;
+  std::vector<std::optional<BeamEffects>> sensors_;  // empty where one was removed
+  Scene scene_;                                      // removed instances have no mesh
   bool changed_ = false;
   Counters counters_;
   Bvh bvh_ = Bvh({});
@@ -56,22 +56,22 @@ class ReferenceBackend : public Backend {
 
 Plan ReferenceBackend::plan(size_t sensor) const {
   Plan plan;
-  plan.effects = effects_[sensor].plan.decisions;
-  plan.returns = effects_[sensor].plan.returns;
+  plan.effects = sensors_[sensor]->plan.decisions;
+  plan.returns = sensors_[sensor]->plan.returns;
   return plan;
 }
 
 void ReferenceBackend::build() {
   counters_ = {};
   Sweeps none;
-  bvh_ = Bvh(placeAll(scene_, faces_, {}, 0, none, counters_));
+  bvh_ = Bvh(placeAll(scene_, options_.faces, {}, 0, none, counters_));
   places_ = placedMeshesOf(scene_);
   changed_ = false;
 }
 
 /// Corners go in straight lines from where they are to the end of a turn.
 Bvh ReferenceBackend::movingTree(const Shot& shot) const {
-  const Sensor& sensor = sensors_[shot.sensor];
+  const Sensor& sensor = sensors_[shot.sensor]->plan.sensor;
   Sweeps sweeps;
   for (size_t channel = 0; channel < sensor.channels.size(); ++channel) {
     const size_t first = channel * sensor.columns;
@@ -80,14 +80,33 @@ Bvh ReferenceBackend::movingTree(const Shot& shot) const {
   }
   Counters again;
   std::vector<Triangle> triangles =
-      placeAll(scene_, faces_, shot.instanceMotions, sensor.rotationPeriod, sweeps, again);
+      placeAll(scene_, options_.faces, shot.instanceMotions, sensor.rotationPeriod, sweeps, again);
   return Bvh(std::move(triangles), std::move(sweeps));
+}
+
+void ReferenceBackend::setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) {
+  sensors_.resize(std::max(sensors_.size(), index + 1));
+  if (plan)
+    sensors_[index] = beamEffects(*plan, scene_, options_.materials);
+  else
+    sensors_[index].reset();
+}
+
+void ReferenceBackend::setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) {
+  scene_.materials = materials;
+  scene_.alphaImages = images;
+  for (std::optional<BeamEffects>& sensor : sensors_)
+    if (sensor) *sensor = beamEffects(sensor->plan, scene_, options_.materials);
+}
+
+void ReferenceBackend::setMesh(size_t index, const Mesh* mesh) {
+  scene_.meshes.resize(std::max(scene_.meshes.size(), index + 1));
+  scene_.meshes[index] = mesh ? *mesh : Mesh{};
 }
 
 void ReferenceBackend::setInstance(size_t index, uint32_t mesh, const Transform& transform) {
   if (index == scene_.instances.size()) scene_.instances.emplace_back();
-  const auto none = static_cast<uint32_t>(scene_.meshes.size() - 1);
-  scene_.instances[index] = {"", mesh == kNoMesh ? none : mesh, transform};
+  scene_.instances[index] = {"", mesh, transform};
   changed_ = true;
 }
 
@@ -106,14 +125,15 @@ void ReferenceBackend::scanAll(std::span<const Shot> shots, Scan& result, const 
 
 void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   const auto start = std::chrono::steady_clock::now();
-  const Sensor& sensor = sensors_.at(shot.sensor);
   const Pose& pose = shot.pose;
   const Quaternion& q = pose.orientation;
   if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 0))
     throw Error(ErrorCode::invalidArgument, "the pose's orientation has no length; use 0 0 0 1 for no rotation");
-  const size_t beams = sensor.beamCount();
-  const BeamEffects& effects = effects_[shot.sensor];
+  BeamEffects effects = *sensors_[shot.sensor];
+  effects.plan.effects = effectsOf(effects.plan, shot);
   const SensorPlan& plan = effects.plan;
+  const Sensor& sensor = plan.sensor;
+  const size_t beams = sensor.beamCount();
   clearResult(plan, beams, scan);
   scan.counters = counters_;
   scan.timings = {};
@@ -138,7 +158,7 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
 
 }  // namespace
 
-std::unique_ptr<Backend> makeReferenceBackend(const Scene& scene, const std::vector<Sensor>& sensors,
+std::unique_ptr<Backend> makeReferenceBackend(const Scene& scene, const SensorPlans& sensors,
                                               const SimulatorOptions& options) {
   return std::make_unique<ReferenceBackend>(scene, sensors, options);
 }

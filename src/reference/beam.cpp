@@ -171,15 +171,8 @@ std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
 
 }  // namespace
 
-std::vector<BeamEffects> beamEffects(const SimulatorOptions& options, const Scene& scene,
-                                     const std::vector<Sensor>& sensors) {
-  const std::vector<Optics> optics = opticsOf(scene, options.materials, options.effects.intensity.wavelength);
-  std::vector<BeamEffects> result;
-  for (SensorPlan& plan : planSensors(scene, sensors, options)) {
-    std::vector<FootprintRay> footprint = footprintOf(plan);
-    result.push_back({std::move(plan), optics, std::move(footprint)});
-  }
-  return result;
+BeamEffects beamEffects(const SensorPlan& plan, const Scene& scene, const MaterialTable& materials) {
+  return {plan, opticsOf(scene, materials, plan.effects.intensity.wavelength), footprintOf(plan)};
 }
 
 Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t index) {

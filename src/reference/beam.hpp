@@ -19,8 +19,7 @@ struct BeamEffects {
   std::vector<FootprintRay> footprint;
 };
 
-std::vector<BeamEffects> beamEffects(const SimulatorOptions& options, const Scene& scene,
-                                     const std::vector<Sensor>& sensors);
+BeamEffects beamEffects(const SensorPlan& plan, const Scene& scene, const MaterialTable& materials);
 
 struct Beam {
   Line axis;

@@ -54,18 +54,17 @@ Medium::Medium(const SensorPlan& plan, const Shot& shot)
 
   // Contrast falls to 5 % at the visibility: Koschmieder (1924), WMO-No. 8. Rain and dry snow: ITU-R P.1814 (2007).
   const double rain = effects.rain.rate, snow = effects.snow.rate;
-  if (plan.has(gpu::kFog)) still_ = fog_ = std::log(20) / effects.fog.visibility;
-  if (plan.has(gpu::kRain)) still_ += perMetre(1.076 * std::pow(rain, 0.67));
-  if (plan.has(gpu::kSnow))
-    still_ += perMetre((0.0000542 * effects.intensity.wavelength + 5.4958776) * std::pow(snow, 1.38));
+  if (plan.has(gpu::kFog) && effects.fog.visibility > 0) still_ = fog_ = std::log(20) / effects.fog.visibility;
+  const bool rains = plan.has(gpu::kRain) && rain > 0, snows = plan.has(gpu::kSnow) && snow > 0;
+  if (rains) still_ += perMetre(1.076 * std::pow(rain, 0.67));
+  if (snows) still_ += perMetre((0.0000542 * effects.intensity.wavelength + 5.4958776) * std::pow(snow, 1.38));
   // Drops: Marshall and Palmer (1948), 8000 /m^3/mm and 4.1 R^-0.21 /mm; geometric optics of water gives them 0.024 of
   // a disc. Flakes: Sekhon and Srivastava (1970), by melted diameter; a flake is 2.154 times as wide, a sphere of snow
   // that reflects 0.9, which is 2/3 of a disc.
-  if (plan.has(gpu::kRain)) rain_ = {8e6, 4100 * std::pow(rain, -0.21), 0.024, {}, {}, 0};
-  if (plan.has(gpu::kSnow))
-    snow_ = {2.5e6 * std::pow(snow, -0.94) / 2.154, 2290 * std::pow(snow, -0.45) / 2.154, 0.6, {}, {}, 0};
-  if (plan.has(gpu::kRain)) tabulate(rain_);
-  if (plan.has(gpu::kSnow)) tabulate(snow_);
+  if (rains) rain_ = {8e6, 4100 * std::pow(rain, -0.21), 0.024, {}, {}, 0};
+  if (snows) snow_ = {2.5e6 * std::pow(snow, -0.94) / 2.154, 2290 * std::pow(snow, -0.45) / 2.154, 0.6, {}, {}, 0};
+  if (rains) tabulate(rain_);
+  if (snows) tabulate(snow_);
 }
 
 Bounded Medium::beamArea(const Bounded& range) const {

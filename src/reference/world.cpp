@@ -111,7 +111,9 @@ void placeInstance(const Scene& scene, uint32_t index, Faces faces, const Transf
 std::vector<PlacedMesh> placedMeshesOf(const Scene& scene) {
   std::vector<PlacedMesh> places;
   for (const Instance& instance : scene.instances)
-    places.push_back({condition(instance.transform), instance.transform * scene.meshes[instance.mesh].origin});
+    places.push_back(instance.mesh == kNoMesh ? PlacedMesh{}
+                                              : PlacedMesh{condition(instance.transform),
+                                                           instance.transform * scene.meshes[instance.mesh].origin});
   return places;
 }
 
@@ -127,6 +129,7 @@ std::vector<Triangle> placeAll(const Scene& scene, Faces faces, std::span<const 
   std::vector<const Transform*> ends(scene.instances.size());
   for (const InstanceMotion& motion : motions) ends[motion.instance] = &motion.end;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (scene.instances[i].mesh == kNoMesh) continue;
     Transform velocity;
     if (ends[i]) velocity = velocityOf(scene.instances[i].transform, *ends[i], period);
     placeInstance(scene, i, faces, ends[i] ? &velocity : nullptr, triangles, sweeps, counters);

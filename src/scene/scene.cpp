@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gnosphere/scene.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "gnosphere/error.hpp"
+#include "scene/validate.hpp"
 
 namespace gnosphere {
 
@@ -36,7 +35,8 @@ size_t Scene::uniqueTriangleCount() const {
 
 size_t Scene::placedTriangleCount() const {
   size_t count = 0;
-  for (const Instance& instance : instances) count += meshes.at(instance.mesh).triangleCount();
+  for (const Instance& instance : instances)
+    if (instance.mesh != kNoMesh) count += meshes.at(instance.mesh).triangleCount();
   return count;
 }
 
@@ -57,15 +57,48 @@ Bounds worldBounds(const Scene& scene) {
   return bounds;
 }
 
-void validate(const Scene& scene) {
-  const auto fail = [](const std::string& what) { throw Error(ErrorCode::invalidArgument, what); };
-  for (size_t i = 0; i < scene.alphaImages.size(); ++i) {
-    const AlphaImage& image = scene.alphaImages[i];
-    if (image.alpha.empty() || image.alpha.size() != size_t{image.width} * image.height)
-      fail("alpha image " + std::to_string(i) + ": " + std::to_string(image.width) + " x " +
-           std::to_string(image.height) + " pixels need as many values, there are " +
-           std::to_string(image.alpha.size()));
+namespace {
+
+[[noreturn]] void fail(const std::string& what) {
+  throw Error(ErrorCode::invalidArgument, what);
+}
+
+}  // namespace
+
+void validate(const AlphaImage& image, const std::string& name) {
+  if (image.alpha.empty() || image.alpha.size() != size_t{image.width} * image.height)
+    fail(name + ": " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+         " pixels need as many values, there are " + std::to_string(image.alpha.size()));
+}
+
+void validate(const Mesh& mesh, const std::string& name, const std::vector<Material>& materials) {
+  if (mesh.positions.size() % 3 != 0) fail(name + ": positions must come in threes");
+  if (!mesh.uvs.empty() && mesh.uvs.size() != 2 * mesh.vertexCount())
+    fail(name + ": " + std::to_string(mesh.vertexCount()) + " vertices need two texture coordinates each or none, " +
+         "there are " + std::to_string(mesh.uvs.size()));
+  if (mesh.indices.size() % 3 != 0) fail(name + ": indices must come in threes");
+  for (uint32_t index : mesh.indices)
+    if (index >= mesh.vertexCount())
+      fail(name + ": index " + std::to_string(index) + " is out of range, the mesh has " +
+           std::to_string(mesh.vertexCount()) + " vertices");
+  size_t next = 0;
+  for (const MeshPart& part : mesh.parts) {
+    if (part.firstTriangle != next) fail(name + ": its parts must follow each other without a gap");
+    if (part.material >= materials.size())
+      fail(name + ": material " + std::to_string(part.material) + " does not exist, the scene has " +
+           std::to_string(materials.size()));
+    if (mesh.uvs.empty() && mesh.vertexCount() > 0 && materials[part.material].alphaImage != kNoImage)
+      fail(name + ": material " + std::to_string(part.material) + " has an alpha image, the mesh has no uvs for it");
+    next += part.triangleCount;
   }
+  if (next != mesh.triangleCount())
+    fail(name + ": its parts cover " + std::to_string(next) + " of " + std::to_string(mesh.triangleCount()) +
+         " triangles");
+}
+
+void validate(const Scene& scene) {
+  for (size_t i = 0; i < scene.alphaImages.size(); ++i)
+    validate(scene.alphaImages[i], "alpha image " + std::to_string(i));
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     const uint32_t image = scene.materials[i].alphaImage;
     if (image != kNoImage && image >= scene.alphaImages.size())
@@ -73,30 +106,8 @@ void validate(const Scene& scene) {
            " does not exist, the scene has " + std::to_string(scene.alphaImages.size()));
   }
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
-    const Mesh& mesh = scene.meshes[i];
-    const std::string name = "mesh " + std::to_string(i) + (mesh.name.empty() ? "" : " ('" + mesh.name + "')");
-    if (mesh.positions.size() % 3 != 0) fail(name + ": positions must come in threes");
-    if (!mesh.uvs.empty() && mesh.uvs.size() != 2 * mesh.vertexCount())
-      fail(name + ": " + std::to_string(mesh.vertexCount()) + " vertices need two texture coordinates each or none, " +
-           "there are " + std::to_string(mesh.uvs.size()));
-    if (mesh.indices.size() % 3 != 0) fail(name + ": indices must come in threes");
-    for (uint32_t index : mesh.indices)
-      if (index >= mesh.vertexCount())
-        fail(name + ": index " + std::to_string(index) + " is out of range, the mesh has " +
-             std::to_string(mesh.vertexCount()) + " vertices");
-    size_t next = 0;
-    for (const MeshPart& part : mesh.parts) {
-      if (part.firstTriangle != next) fail(name + ": its parts must follow each other without a gap");
-      if (part.material >= scene.materials.size())
-        fail(name + ": material " + std::to_string(part.material) + " does not exist, the scene has " +
-             std::to_string(scene.materials.size()));
-      if (mesh.uvs.empty() && mesh.vertexCount() > 0 && scene.materials[part.material].alphaImage != kNoImage)
-        fail(name + ": material " + std::to_string(part.material) + " has an alpha image, the mesh has no uvs for it");
-      next += part.triangleCount;
-    }
-    if (next != mesh.triangleCount())
-      fail(name + ": its parts cover " + std::to_string(next) + " of " + std::to_string(mesh.triangleCount()) +
-           " triangles");
+    const std::string& name = scene.meshes[i].name;
+    validate(scene.meshes[i], "mesh " + std::to_string(i) + (name.empty() ? "" : " ('" + name + "')"), scene.materials);
   }
   uint64_t placed = 0;
   for (size_t i = 0; i < scene.instances.size(); ++i) {

@@ -269,7 +269,9 @@ double Capabilities::elapsedMs(uint64_t from, uint64_t to) const {
   return static_cast<double>((to - from) & (~uint64_t{0} >> (64 - timestampBits))) * timestampMs;
 }
 
-size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& name) {
+size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& choice) {
+  const std::string& name = choice.name;
+  const bool any = name.empty(), byUuid = choice.uuid != DeviceChoice().uuid;
   size_t index = devices.size();
   const char* end = name.data() + name.size();
   const bool isNumber = !name.empty() && std::from_chars(name.data(), end, index).ptr == end;
@@ -279,14 +281,16 @@ size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& n
   for (size_t i = 0; i < devices.size(); ++i) {
     const DeviceInfo& info = devices[i];
     seen += "; " + std::to_string(i) + ": " + info.name + (info.usable ? "" : " (" + info.reason + ")");
-    if (name == "auto" ? info.usable : isIndex ? index == i : !name.empty() && containsWord(info.name, name))
+    if (byUuid ? info.uuid == choice.uuid : any ? info.usable : isIndex ? index == i : containsWord(info.name, name))
       matches.push_back(i);
   }
   if (devices.empty())
     throw Error(ErrorCode::device,
                 "no Vulkan device was found; install a driver (mesa-vulkan-drivers has a software "
                 "one) or use the device 'reference'");
-  if (matches.empty() && name == "auto") throw Error(ErrorCode::device, "no Vulkan device can be used" + seen);
+  if (matches.empty() && byUuid)
+    throw Error(ErrorCode::device, "the device with the chosen UUID is no longer there" + seen);
+  if (matches.empty() && any) throw Error(ErrorCode::device, "no Vulkan device can be used" + seen);
   if (matches.empty())
     throw Error(ErrorCode::invalidArgument,
                 "there is no device '" + name + "'" +
@@ -301,15 +305,15 @@ size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& n
   return best;
 }
 
-VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& name) {
+VkPhysicalDevice chooseDevice(const ApiInstance& instance, const DeviceChoice& choice) {
   const std::vector<VkPhysicalDevice> devices = instance.physicalDevices();
   std::vector<DeviceInfo> infos;
   for (VkPhysicalDevice device : devices) infos.push_back(capabilitiesOf(device).info);
-  return devices[chooseDevice(infos, name)];
+  return devices[chooseDevice(infos, choice)];
 }
 
-Device::Device(const std::string& name, bool validation, uint64_t maxBufferBytes) : instance_(validation) {
-  physical_ = chooseDevice(instance_, name);
+Device::Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBytes) : instance_(validation) {
+  physical_ = chooseDevice(instance_, choice);
   capabilities_ = capabilitiesOf(physical_);
   if (maxBufferBytes > 0)
     capabilities_.info.maxBufferBytes = std::min(maxBufferBytes, capabilities_.info.maxBufferBytes);

@@ -87,12 +87,12 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical);
 
 /// Which of the devices is meant by `name`: auto, an index, or part of a device's name, which a number that is no index
 /// may be, too. Throws Error(invalidArgument) or Error(device) with every device seen and why it was refused.
-size_t chooseDevice(const std::vector<DeviceInfo>& devices, const std::string& name);
-VkPhysicalDevice chooseDevice(const ApiInstance& instance, const std::string& name);
+size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& choice);
+VkPhysicalDevice chooseDevice(const ApiInstance& instance, const DeviceChoice& choice);
 
 class Device {
  public:
-  Device(const std::string& name, bool validation, uint64_t maxBufferBytes);
+  Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBytes);
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 

@@ -47,8 +47,9 @@ class VulkanMemory final : public DeviceMemory {
 class VulkanMachine final : public Machine {
  public:
   explicit VulkanMachine(const SimulatorOptions& options)
-      : device_(options.device, options.validation, options.maxBufferBytes),
+      : device_(options.device, options.validation, options.tuning.maxBufferBytes),
         cache_(device_, options.cache),
+        warn_(options.warn),
         kernels_(device_, cache_),
         transfer_(device_) {
     const Capabilities& capabilities = device_.capabilities();
@@ -60,7 +61,7 @@ class VulkanMachine final : public Machine {
     return std::make_unique<VulkanMemory>(device_, transfer_, name, bytes, kind);
   }
   void prepare(const Variant& variant) override { kernels_.of(variant); }
-  void prepared() override { cache_.save(); }
+  void prepared() override { cache_.save(warn_); }
   size_t framesInFlight() const override { return kFramesInFlight; }
   void wait(size_t frame) override {
     if (frame < frames_.size()) frames_[frame].commands.wait();
@@ -118,6 +119,7 @@ class VulkanMachine final : public Machine {
 
   Device device_;
   PipelineCache cache_;
+  std::function<void(const std::string&)> warn_;
   Kernels kernels_;
   Transfer transfer_;
   Traits traits_;
@@ -127,7 +129,7 @@ class VulkanMachine final : public Machine {
 }  // namespace
 }  // namespace vulkan
 
-std::unique_ptr<Backend> makeVulkanBackend(const Scene& scene, const std::vector<Sensor>& sensors,
+std::unique_ptr<Backend> makeVulkanBackend(const Scene& scene, const SensorPlans& sensors,
                                            const SimulatorOptions& options) {
   return makeDeviceBackend(std::make_unique<vulkan::VulkanMachine>(options), scene, sensors, options);
 }

@@ -86,7 +86,7 @@ PipelineCache::PipelineCache(const Device& device, const std::string& setting) :
   }
 }
 
-void PipelineCache::save() const {
+void PipelineCache::save(const std::function<void(const std::string&)>& warn) {
   if (file_.empty()) return;
   size_t size = 0;
   VK(device_.vk().vkGetPipelineCacheData(device_.handle(), cache_.get(), &size, nullptr));
@@ -101,7 +101,10 @@ void PipelineCache::save() const {
     file.write(checksum(bytes));
     file.write(bytes);
     file.commit();
-  } catch (const Error&) {  // compiled again next time
+    stored_ = bytes;
+  } catch (const Error& error) {
+    file_.clear();
+    if (warn) warn("compiled pipelines are not kept, each start compiles them again: " + std::string(error.what()));
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "vulkan/device.hpp"
 
@@ -12,15 +13,15 @@ namespace gnosphere::vulkan {
 std::string pipelinesIn(const std::string& file, const VkPhysicalDeviceProperties& properties);
 
 /// One file per device and driver version. A file that is damaged, or of another device, counts as none; a folder that
-/// cannot be read or written is no error either: it only means compiling again.
+/// cannot be read or written is no error either: the pipelines are compiled again.
 class PipelineCache {
  public:
   /// `setting`: SimulatorOptions::cache.
   PipelineCache(const Device& device, const std::string& setting);
 
   VkPipelineCache handle() const { return cache_.get(); }
-  /// Writes what has been compiled since; nothing if the file has it all.
-  void save() const;
+  /// Writes what has been compiled since; nothing if the file has it all. Where that fails it is told once.
+  void save(const std::function<void(const std::string& message)>& warn);
 
  private:
   const Device& device_;

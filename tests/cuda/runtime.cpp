@@ -7,7 +7,7 @@
 
 namespace gnosphere::cuda {
 
-Device chooseDevice(const std::string&) {
+Device chooseDevice(const DeviceChoice&) {
   Device device;
   device.info.name = "CUDA's kernels on the host";
   device.info.maxBufferBytes = uint64_t{1} << 32;

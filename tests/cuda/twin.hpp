@@ -2,12 +2,12 @@
 // CUDA's backend beside the others: its kernels on the host always, and on a CUDA device where there is one.
 #pragma once
 
+#include "effects/sensor_plan.hpp"
 #include "pipeline/backend.hpp"
 #include "support.hpp"
 
 namespace gnosphere::cuda_on_host {
-std::unique_ptr<Backend> makeBackend(const Scene& scene, const std::vector<Sensor>& sensors,
-                                     const SimulatorOptions& options);
+std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options);
 }
 
 namespace gnosphere::test {
@@ -34,18 +34,23 @@ inline void needCuda() {
 /// A scene on the host in place of a CUDA device: what Simulator does, without its checks.
 class CudaOnHost {
  public:
-  CudaOnHost(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-      : sensors_(sensors), backend_(cuda_on_host::makeBackend(scene, sensors, options)) {}
+  CudaOnHost(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup)
+      : sensors_(sensors), setup_(setup), planner_(setup_) {
+    SensorPlans plans;
+    for (const Sensor& sensor : sensors)
+      plans.push_back(planner_.plan(scene, {sensor, setup.effects, setup.fields}, plans.size(), false));
+    backend_ = cuda_on_host::makeBackend(scene, plans, setup_);
+  }
 
   Scan scan(const Pose& pose, size_t sensor = 0) {
     Shot shot;
     shot.pose = pose;
     shot.sensor = sensor;
     Scan result;
-    scan(shot, result);
+    scanInto(shot, result);
     return result;
   }
-  void scan(const Shot& shot, Scan& result) {
+  void scanInto(const Shot& shot, Scan& result) {
     backend_->scanAll({&shot, 1}, result, [](size_t) {});
     const Sensor& sensor = sensors_[shot.sensor];
     result.sensor = sensor.name;
@@ -57,6 +62,8 @@ class CudaOnHost {
 
  private:
   std::vector<Sensor> sensors_;
+  TestOptions setup_;
+  SensorPlanner planner_;
   std::unique_ptr<Backend> backend_;
 };
 
@@ -65,13 +72,13 @@ class CudaOnHost {
 class CudaTwin {
  public:
   CudaTwin(const Scene& scene, const std::vector<Sensor>& sensors, Faces faces = Faces::material) {
-    SimulatorOptions options;
+    TestOptions options;
     options.faces = faces;
     standardOnHost_.emplace(scene, sensors, options);
-    options.device = "cuda:0";
-    if (cudaProblem().empty()) standard_.emplace(scene, sensors, options);
+    options.device = deviceByName("cuda:0");
+    if (cudaProblem().empty()) standard_.emplace(makeSimulator(scene, sensors, options));
     options.accuracy = Accuracy::exact;
-    if (cudaProblem().empty()) exact_.emplace(scene, sensors, options);
+    if (cudaProblem().empty()) exact_.emplace(makeSimulator(scene, sensors, options));
     exactOnHost_.emplace(scene, sensors, options);
   }
 

@@ -13,8 +13,8 @@ using namespace gnosphere;
 namespace {
 
 /// All that draws or weighs, along a line or over a footprint.
-void addEffects(bool footprint, SimulatorOptions& options) {
-  Effects& effects = options.effects = {};
+void addEffects(bool footprint, SensorRequest& request) {
+  Effects& effects = request.effects = {};
   effects.detection = {Use::on, 0.1, 80, 0.2};
   effects.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700}};
   effects.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 0};
@@ -26,7 +26,7 @@ void addEffects(bool footprint, SimulatorOptions& options) {
   effects.volumes.boxes = {{{3, -5, -1}, {12, 4, 5}, 0.05}};
   effects.returns.count = 3;
   if (footprint) effects.divergence = {Use::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
-  options.fields = {Field::intensity, Field::width, Field::normal, Field::label};
+  request.fields = {Field::intensity, Field::width, Field::normal, Field::label};
 }
 
 const std::map<std::string, Binning> kWays = {{"nearest", Binning::nearest},
@@ -44,15 +44,16 @@ int main(int argc, char** argv) {
     for (int i = 2; i < (setting == "footprint" ? 3 : argc); ++i) {  // which has one way
       const std::string way = argv[i];
       SimulatorOptions options;
+      SensorRequest request = {builtinSensors()[0], Effects::none()};
       options.accuracy = setting == "exact" ? Accuracy::exact : Accuracy::standard;
-      if (setting == "effects" || setting == "footprint") addEffects(setting == "footprint", options);
-      options.binning = kWays.at(way);
-      Simulator simulator(town, builtinSensors()[0], options);
+      if (setting == "effects" || setting == "footprint") addEffects(setting == "footprint", request);
+      options.tuning.binning = kWays.at(way);
+      Simulator simulator(town, request, options);
       const DeviceInfo& device = simulator.device();
       if (setting == "standard" && i == 2)
         std::printf("%s, subgroups of %u\n", device.name.c_str(), device.subgroupSize);
       CloudOptions cloud = {defaultFields()};
-      cloud.fields.insert(cloud.fields.end(), options.fields.begin(), options.fields.end());
+      cloud.fields.insert(cloud.fields.end(), request.fields.begin(), request.fields.end());
       writeCloud(simulator.scan(pose), std::string(argv[1]) + "/" + setting + "-" + way + ".npy", cloud);
     }
   return 0;

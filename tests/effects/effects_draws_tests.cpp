@@ -40,8 +40,8 @@ Effects noisy() {
   return effects;
 }
 
-SimulatorOptions optionsFor(const std::string& device, const Effects& effects) {
-  SimulatorOptions options = optionsOn(device);
+TestOptions optionsFor(const std::string& device, const Effects& effects) {
+  TestOptions options = optionsOn(device);
   options.effects = effects;
   options.fields = effectFields();
   return options;
@@ -65,7 +65,7 @@ std::vector<Scan> scansOf(Simulator& simulator, const std::vector<Shot>& shots) 
 
 TEST_CASE("the same seed and frame give the same bytes, and no other does") {
   const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
-  Simulator simulator(town(), {narrow(), narrow()}, optionsFor(device, noisy()));
+  Simulator simulator = makeSimulator(town(), {narrow(), narrow()}, optionsFor(device, noisy()));
   const auto scans = scansOf(simulator, {shotOf(0), shotOf(1), shotOf(0), shotOf(0, 1)});
   CHECK(scans[0].counters.hits > 500);
   CHECK(sameFields(scans[0], scans[2]));
@@ -79,7 +79,7 @@ TEST_CASE("the same seed and frame give the same bytes, and no other does") {
 
 TEST_CASE("scans in flight keep their own draws") {
   needVulkan();
-  Simulator simulator(town(), narrow(), optionsFor("vulkan", noisy()));
+  Simulator simulator = makeSimulator(town(), narrow(), optionsFor("vulkan", noisy()));
   std::vector<Shot> shots;
   for (uint64_t frame = 0; frame < 5; ++frame) shots.push_back(shotOf(frame));
   const auto inFlight = scansOf(simulator, shots);
@@ -118,11 +118,12 @@ TEST_CASE("the device and the host give the same bytes for the same hits and see
   effects.volumes = {};
   effects.returns.use = Use::off;
   effects.intensity = {Use::on, Effects::Intensity::Model::carla, Effects::Intensity::Scale::unit};
-  const SimulatorOptions options = optionsFor("vulkan", effects);
-  SimulatorOptions bareOptions = optionsOn("vulkan");
+  const TestOptions options = optionsFor("vulkan", effects);
+  TestOptions bareOptions = optionsOn("vulkan");
   const Sensor sensor = narrow();
   const Scan bare = scanOf(town(), sensor, kPose, bareOptions), scan = scanOf(town(), sensor, kPose, options);
-  const SensorPlan plan = planSensors(town(), {sensor}, options)[0];
+  const auto planned = SensorPlanner(options).plan(town(), {sensor, options.effects, options.fields}, 0, false);
+  const SensorPlan& plan = *planned;
   const gpu::EffectParameters& parameters = plan.parameters;
   const auto bits = [](float value) { return std::bit_cast<uint32_t>(value); };
   for (uint32_t beam = 0; beam < bare.beamCount(); ++beam) {

@@ -56,7 +56,7 @@ Shot driving() {
 
 Scan scanned(const std::string& device, const Scene& scene, const Sensor& sensor, const Shot& shot,
              bool deskew = false) {
-  SimulatorOptions options = optionsOn(device);
+  TestOptions options = optionsOn(device);
   options.effects.radialSpeed.use = options.effects.sensorMotion.use = options.effects.objectMotion.use =
       Use::automatic;
   options.effects.sensorMotion.deskew = deskew;
@@ -79,7 +79,7 @@ double lengthWithin(const Effects::Volume& box, const Vec3& from, const Vec3& d,
 
 /// Relative powers of what is met through dust, without it where `dust` is false.
 Scan dusty(const std::string& device, const Sensor& sensor, const Shot& shot, const Effects::Volume& box, bool dust) {
-  SimulatorOptions options = optionsOn(device);
+  TestOptions options = optionsOn(device);
   options.effects = Effects::none();
   options.effects.intensity.use = options.effects.sensorMotion.use = Use::automatic;
   options.effects.intensity.scale = Effects::Intensity::Scale::raw;
@@ -250,7 +250,7 @@ TEST_CASE("what hides from a sensor in motion hides nothing that it sees") {
   needVulkan();
   Sensor sensor = gridSensor(1440, 256, -14, 40, 60);
   sensor.rotationPeriod = kPeriod;
-  SimulatorOptions options = vulkanOptions();
+  TestOptions options = vulkanOptions();
   options.effects = Effects::none();
   options.effects.sensorMotion.use = Use::on;
   Shot shot;
@@ -273,10 +273,10 @@ TEST_CASE("what hides from a sensor in motion hides nothing that it sees") {
     scene.meshes.push_back(boxOf({-0.05, -1, heightAt(25, 2.2 + lift)}, {0.05, 1, heightAt(25, 2.9 + lift)}));
     scene.instances.push_back({"", 1, rotationZ((180 + 8) * std::numbers::pi / 180) * translation(25, 0, 0)});
     Scan expected, scan;
-    options.culling.occlusion = Culling::Occlusion::never;
-    Simulator(scene, sensor, options).scan(shot, expected);
-    options.culling.occlusion = Culling::Occlusion::always;
-    Simulator(scene, sensor, options).scan(shot, scan);
+    options.tuning.culling.occlusion = Culling::Occlusion::never;
+    makeSimulator(scene, sensor, options).scanInto(shot, expected);
+    options.tuning.culling.occlusion = Culling::Occlusion::always;
+    makeSimulator(scene, sensor, options).scanInto(shot, scan);
     CHECK(sameBytes(expected, scan));
     for (uint32_t instance : expected.instances) seen += instance == 1;
   }

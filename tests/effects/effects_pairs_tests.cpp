@@ -72,8 +72,8 @@ Effects loud() {
   return effects;
 }
 
-SimulatorOptions optionsOf(size_t first, size_t second) {
-  SimulatorOptions options = optionsOn("vulkan");
+TestOptions optionsOf(size_t first, size_t second) {
+  TestOptions options = optionsOn("vulkan");
   options.effects = loud();
   for (const EffectInfo& effect : effectTable()) effect.use(options.effects) = Use::off;
   options.effects.intensity.use = Use::automatic;
@@ -102,14 +102,14 @@ Shot shotOf(bool moving) {
 void compare(size_t first, size_t second) {
   static const Scene scene = showroom();
   static const Sensor sensor = smallSensor();
-  SimulatorOptions options = optionsOf(first, second);
-  Simulator device(scene, sensor, options);
-  options.device = "reference";
-  Simulator reference(scene, sensor, options);
+  TestOptions options = optionsOf(first, second);
+  Simulator device = makeSimulator(scene, sensor, options);
+  options.device = DeviceChoice::Kind::reference;
+  Simulator reference = makeSimulator(scene, sensor, options);
   for (const bool moving : {false, true}) {
     Scan expected, found;
-    reference.scan(shotOf(moving), expected);
-    device.scan(shotOf(moving), found);
+    reference.scanInto(shotOf(moving), expected);
+    device.scanInto(shotOf(moving), found);
     const Differences result = differences(expected, found, {0, 1e-3, 2e-3});
     INFO(effectNames()[first] << " and " << effectNames()[second] << (moving ? ", moving: " : ", standing: ")
                               << result.all() << " differences, " << result.ties << " ties of " << result.beams
@@ -123,14 +123,14 @@ void compare(size_t first, size_t second) {
 
 TEST_CASE("the scene of the pairs shows every effect") {
   const Scene scene = showroom();
-  SimulatorOptions options = optionsOf(0, 0);
-  options.device = "reference";
+  TestOptions options = optionsOf(0, 0);
+  options.device = DeviceChoice::Kind::reference;
   const auto scanWith = [&](size_t effect) {
     options.effects = optionsOf(0, effect).effects;
     options.fields = {Field::intensity, Field::label};
     if (effectNames()[effect] == "radial-speed") options.fields.push_back(Field::radialSpeed);
     Scan scan;
-    Simulator(scene, smallSensor(), options).scan(shotOf(true), scan);
+    makeSimulator(scene, smallSensor(), options).scanInto(shotOf(true), scan);
     return scan;
   };
   const Scan bare = scanWith(0);

@@ -24,8 +24,8 @@ struct Setup {
       : device(std::move(name)), scene(std::move(what)), sensor(std::move(with)) {
     effects.intensity.use = effects.radialSpeed.use = Use::automatic;
   }
-  SimulatorOptions options() const {
-    SimulatorOptions result = optionsOn(device);
+  TestOptions options() const {
+    TestOptions result = optionsOn(device);
     result.effects = effects;
     result.fields = fields;
     return result;

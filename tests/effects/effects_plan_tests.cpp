@@ -74,9 +74,9 @@ Effects everything() {
 }
 
 Plan planOf(const Scene& scene, const Sensor& sensor, const Effects& effects) {
-  SimulatorOptions options = optionsOn("vulkan");
+  TestOptions options = optionsOn("vulkan");
   options.effects = effects;
-  return Simulator(scene, sensor, options).plan();
+  return makeSimulator(scene, sensor, options).plan();
 }
 
 Scene glassWithHoles() {

@@ -22,11 +22,11 @@ const Scene& town() {
 
 Differences compared(const Effects& effects, std::vector<Field> fields, const Sensor& sensor, const Slack& slack = {},
                      const Scene& scene = town()) {
-  SimulatorOptions options = optionsOn("vulkan");
+  TestOptions options = optionsOn("vulkan");
   options.effects = effects;
   options.fields = std::move(fields);
   const Scan other = scanOn(scene, sensor, kPose, options);
-  options.device = "reference";
+  options.device = DeviceChoice::Kind::reference;
   const Scan reference = scanOf(scene, sensor, kPose, options);
   REQUIRE(other.returns == reference.returns);
   const Differences result = differences(reference, other, slack);

@@ -9,10 +9,10 @@
 namespace gnosphere::test {
 
 /// "reference", or the Vulkan device with the validation layer on.
-inline SimulatorOptions optionsOn(const std::string& device) {
+inline TestOptions optionsOn(const std::string& device) {
   if (device != "reference") needVulkan();
-  SimulatorOptions options = vulkanOptions();
-  if (device == "reference") options.device = device;
+  TestOptions options = vulkanOptions();
+  options.device = deviceByName(device == "reference" ? device : "auto");
   return options;
 }
 
@@ -99,23 +99,23 @@ inline bool sameFields(const Scan& a, const Scan& b) {
 /// A simulator on Vulkan, and its twins of CUDA: the kernels on the host, and on a CUDA device where there is one.
 class Twins {
  public:
-  Twins(const Scene& scene, const std::vector<Sensor>& sensors, SimulatorOptions options)
-      : vulkan(scene, sensors, options), onHost(scene, sensors, options) {
+  Twins(const Scene& scene, const std::vector<Sensor>& sensors, TestOptions options)
+      : vulkan(makeSimulator(scene, sensors, options)), onHost(scene, sensors, options) {
     // Of `standard` a range is a quotient, which a GPU's Vulkan may round in its own way.
     decided_ = options.accuracy == Accuracy::exact || vulkan.device().type == "cpu";
-    options.device = "cuda:0";
-    if (cudaProblem().empty()) cuda.emplace(scene, sensors, options);
+    options.device = deviceByName("cuda:0");
+    if (cudaProblem().empty()) cuda.emplace(makeSimulator(scene, sensors, options));
   }
 
   /// Vulkan's scan, of which every twin must have the bytes.
   Scan scan(const Shot& shot) {
     INFO("CUDA, frame " << shot.frame);
     Scan result, other, onDevice;
-    vulkan.scan(shot, result);
-    onHost.scan(shot, other);
+    vulkan.scanInto(shot, result);
+    onHost.scanInto(shot, other);
     if (decided_) CHECK(firstBytes(result, other) == "none");
     if (!cuda) return result;
-    cuda->scan(shot, onDevice);
+    cuda->scanInto(shot, onDevice);
     CHECK(firstBytes(other, onDevice) == "none");
     return result;
   }
@@ -129,14 +129,14 @@ class Twins {
 };
 
 /// A scan on the device of the options, of which CUDA has the bytes if it is Vulkan's.
-inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Shot& shot, const SimulatorOptions& options) {
-  if (options.device != "reference") return Twins(scene, {sensor}, options).scan(shot);
+inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Shot& shot, const TestOptions& options) {
+  if (options.device.kind != DeviceChoice::Kind::reference) return Twins(scene, {sensor}, options).scan(shot);
   Scan result;
-  Simulator(scene, sensor, options).scan(shot, result);
+  makeSimulator(scene, sensor, options).scanInto(shot, result);
   return result;
 }
 
-inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Pose& pose, const SimulatorOptions& options) {
+inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Pose& pose, const TestOptions& options) {
   Shot shot;
   shot.pose = pose;
   return scanOn(scene, sensor, shot, options);

@@ -88,18 +88,17 @@ int runPlan(const PlanOptions& options) {
   checkScanning(options);
   SimulatorOptions settings = simulatorOptions(options);
   settings.accuracy = kAccuracies.at(options.accuracy);
-  settings.effects = effectsOf(options);
+  SensorRequest request = {findSensor(options.sensor), effectsOf(options)};
   settings.materials = materialsOf(options);
-  if (!options.fields.empty()) settings.fields = parseFields(options.fields);
-  const Sensor sensor = findSensor(options.sensor);
+  if (!options.fields.empty()) request.fields = parseFields(options.fields);
   const Scene scene = loadScene(options);
   warnAboutMaterials(options, scene, settings.materials);
-  const Simulator simulator(scene, sensor, settings);
+  const Simulator simulator(scene, request, settings);
   const Plan plan = simulator.plan();
   if (options.json)
     std::printf("%s", toJson(plan).c_str());
   else
-    print(options, simulator.device(), scene, sensor, plan);
+    print(options, simulator.device(), scene, request.sensor, plan);
   return 0;
 }
 

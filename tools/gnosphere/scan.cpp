@@ -71,14 +71,17 @@ void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& c
 /// With --repeat, one scan to warm up and then the timed ones; the last is the result.
 Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vector<Timings>& runs) {
   Progress progress("scan", repeat);
-  Scan scan = simulator.scan(pose);
+  Shot shot;
+  shot.pose = pose;
+  Scan scan;
+  simulator.scanInto(shot, scan);
   if (repeat == 0) {
     runs.push_back(scan.timings);
     return scan;
   }
   for (uint64_t run = 0; run < repeat; ++run) {
     progress.step(run + 1);
-    simulator.scan(pose, 0, scan);
+    simulator.scanInto(shot, scan);
     runs.push_back(scan.timings);
   }
   return scan;
@@ -154,11 +157,9 @@ int runScan(const ScanOptions& options) {
   start = nowMs();
   SimulatorOptions settings = simulatorOptions(options);
   settings.accuracy = kAccuracies.at(accuracy);
-  settings.effects = effects;
   settings.materials = materials;
-  settings.fields = cloud.fields;
-  settings.culling.still = options.repeat == 0;  // repeated scans are timed, each of them whole
-  Simulator simulator(scene, sensor, settings);
+  settings.tuning.keepStill = options.repeat == 0;  // repeated scans are timed, each of them whole
+  Simulator simulator(scene, {sensor, effects, cloud.fields}, settings);
   const double setUpMs = nowMs() - start;
 
   ScanReport result = {options.scene,   scene, sensor, simulator, {},      accuracy,

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/file.hpp"
+#include "console.hpp"
 
 namespace gnosphere::cli {
 
@@ -116,10 +117,11 @@ void checkScanning(const ScanningOptions& options) {
 
 SimulatorOptions simulatorOptions(const ScanningOptions& options) {
   SimulatorOptions settings;
-  settings.device = options.device;
+  settings.device = deviceByName(options.device);
   settings.faces = kFaces.at(options.faces);
-  settings.binning = kBinnings.at(options.binning);
+  settings.tuning.binning = kBinnings.at(options.binning);
   settings.validation = options.validation;
+  settings.warn = [](const std::string& message) { complain("warning: " + message); };
   return settings;
 }
 

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Checks of the parts of a scene that can be added one by one. Each throws Error(invalidArgument) that begins with
+// `name`.
+#pragma once
+
+#include "gnosphere/scene.hpp"
+
+namespace gnosphere {
+
+/// As many alpha values as pixels, and at least one.
+void validate(const AlphaImage& image, const std::string& name);
+/// Arrays of fitting sizes, indices within them, and parts that cover every triangle with materials that exist.
+void validate(const Mesh& mesh, const std::string& name, const std::vector<Material>& materials);
+
+}  // namespace gnosphere

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes whose materials, meshes, instances and sensors come and go between scans.
+#include <algorithm>
+#include <catch2/matchers/catch_matchers_exception.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <random>
+
+#include "support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+namespace {
+
+/// A scene that changes, kept beside a simulator that is told of each change.
+class Model {
+ public:
+  Model(Scene scene, const SensorRequest& request, TestOptions options)
+      : scene_(std::move(scene)),
+        request_(request),
+        options_(std::move(options)),
+        simulator_(scene_, request_, options_) {}
+
+  size_t add(Mesh mesh, const Transform& transform) {
+    const size_t index = simulator_.addMesh(mesh);
+    const size_t instance = simulator_.addInstance(static_cast<uint32_t>(index), transform);
+    scene_.meshes.resize(std::max(scene_.meshes.size(), index + 1));
+    scene_.instances.resize(std::max(scene_.instances.size(), instance + 1));
+    scene_.meshes[index] = std::move(mesh);
+    scene_.instances[instance] = {"", static_cast<uint32_t>(index), transform};
+    return instance;
+  }
+
+  void remove(size_t instance) {
+    const uint32_t mesh = scene_.instances[instance].mesh;
+    simulator_.removeInstance(instance);
+    simulator_.removeMesh(mesh);
+    scene_.meshes[mesh] = {};  // an instance of an empty mesh is what remains of a removed one
+  }
+
+  /// The simulator's scan has the bytes of one that a simulator gives that was made for the scene as it is now.
+  void requireFresh(const Pose& pose) {
+    const Scan scan = simulator_.scan(pose), fresh = Simulator(scene_, request_, options_).scan(pose);
+    REQUIRE(sameBytes(scan, fresh));
+    REQUIRE(scan.counters.triangles == fresh.counters.triangles);
+    REQUIRE(scan.counters.degenerate == fresh.counters.degenerate);
+  }
+
+  Simulator& simulator() { return simulator_; }
+  Scene& scene() { return scene_; }
+
+ private:
+  Scene scene_;
+  SensorRequest request_;
+  TestOptions options_;
+  Simulator simulator_;
+};
+
+SensorRequest bare(const Sensor& sensor) {
+  return {sensor, Effects::none()};
+}
+
+Mesh glassPane(uint32_t material) {
+  MeshBuilder builder;
+  builder.quad({5, -3, -2}, {0, 6, 0}, {0, 0, 4}, 2);
+  return builder.take(material);
+}
+
+Material glass() {
+  Material material;
+  material.name = "glass";
+  material.transmission = 0.9f;
+  return material;
+}
+
+}  // namespace
+
+TEST_CASE("a thousand meshes come and go between scans: each scan is a fresh simulator's, and memory stays flat") {
+  needVulkan();
+  for (const DeviceChoice& device : {DeviceChoice(), DeviceChoice(DeviceChoice::Kind::reference)}) {
+    const bool reference = device.kind == DeviceChoice::Kind::reference;
+    TestOptions options = vulkanOptions();
+    options.device = device;
+    Model model(sceneOf(soup(3, 300, 20, 5)), bare(gridSensor(120, 8, -30, 30)), options);
+    std::mt19937 random(7);
+    std::vector<size_t> there;
+    uint64_t most = 0;
+    const auto number = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+    const uint32_t rounds = reference ? 3 : 10, meshes = reference ? 20 : 100;
+    for (uint32_t round = 0; round < rounds; ++round) {
+      for (uint32_t i = 0; i < meshes; ++i)
+        there.push_back(model.add(soup(round * meshes + i, 20 + i, 2, 1),
+                                  translation(number(-30, 30), number(-30, 30), number(-5, 5))));
+      model.requireFresh({{double(round), 0, 1}, {}});
+      if (round == 1) most = model.simulator().memory().scene;
+      if (round > 1) CHECK(model.simulator().memory().scene <= most + most / 4);
+      std::shuffle(there.begin(), there.end(), random);
+      while (there.size() > 5) {
+        model.remove(there.back());
+        there.pop_back();
+      }
+      model.requireFresh({{0, double(round), 1}, {}});
+    }
+  }
+}
+
+TEST_CASE("a mesh in place of a larger and of a smaller one leaves the others as they were") {
+  needVulkan();
+  Model model(sceneOf(ball(8, 12, 1, {6, 0, 0})), bare(gridSensor(180, 12, -40, 40)), vulkanOptions());
+  const size_t first = model.add(ball(40, 40, 2, {0, 8, 0}), {});
+  model.add(ball(6, 8, 1, {0, -6, 0}), {});
+  model.remove(first);
+  model.requireFresh({});
+  const size_t small = model.add(ball(4, 6, 1, {-5, 0, 0}), {});
+  model.requireFresh({});
+  model.remove(small);
+  model.add(ball(60, 60, 3, {-9, 0, 2}), {});
+  model.requireFresh({});
+}
+
+TEST_CASE("glass that is added lets light through from the next scan on, and its removal ends that") {
+  needVulkan();
+  for (const DeviceChoice& device : {DeviceChoice(), DeviceChoice(DeviceChoice::Kind::reference)}) {
+    TestOptions options = vulkanOptions();
+    options.device = device;
+    MeshBuilder wall;
+    wall.quad({9, -9, -9}, {0, 18, 0}, {0, 0, 18}, 3);
+    Scene scene = sceneOf(wall.take());
+    const SensorRequest request = {gridSensor(90, 6, -10, 10), {}, {Field::intensity}};
+    Simulator simulator(scene, request, options);
+    CHECK_FALSE(simulator.plan().has("transmission"));
+    const Scan before = simulator.scan({});
+    const size_t material = simulator.addMaterial(glass());
+    const size_t mesh = simulator.addMesh(glassPane(static_cast<uint32_t>(material)));
+    CHECK_FALSE(simulator.plan().has("transmission"));  // nothing shows the material yet
+    const size_t instance = simulator.addInstance(static_cast<uint32_t>(mesh), {});
+    CHECK(simulator.plan().has("transmission"));
+    Scene withPane = scene;
+    withPane.materials.push_back(glass());
+    withPane.meshes.push_back(glassPane(1));
+    withPane.instances.push_back({"", 1, {}});
+    CHECK(sameBytes(simulator.scan({}), Simulator(withPane, request, options).scan({})));
+    simulator.removeInstance(instance);
+    simulator.removeMesh(mesh);
+    simulator.removeMaterial(material);
+    CHECK_FALSE(simulator.plan().has("transmission"));
+    CHECK(sameBytes(simulator.scan({}), before));
+  }
+}
+
+TEST_CASE("a cut-out material that is added brings its own image") {
+  needVulkan();
+  MeshBuilder wall;
+  wall.quad({9, -9, -9}, {0, 18, 0}, {0, 0, 18}, 3);
+  const Scene scene = sceneOf(wall.take());
+  const SensorRequest request = {gridSensor(180, 12, -10, 10)};
+  AlphaImage image = {4, 4, {}};
+  for (int i = 0; i < 16; ++i) image.alpha.push_back(i % 3 == 0 ? 255 : 0);
+  Material leaves;
+  leaves.alphaMode = AlphaMode::mask;
+  Mesh tree = glassPane(1);
+  for (size_t v = 0; v < tree.vertexCount(); ++v) {
+    tree.uvs.push_back(tree.positions[3 * v + 1]);
+    tree.uvs.push_back(tree.positions[3 * v + 2]);
+  }
+  Simulator simulator(scene, request, vulkanOptions());
+  simulator.scan({});
+  REQUIRE(simulator.addMaterial(leaves, &image) == 1);
+  simulator.addInstance(static_cast<uint32_t>(simulator.addMesh(tree)), {});
+  Scene planted = scene;
+  leaves.alphaImage = 0;
+  planted.alphaImages.push_back(image);
+  planted.materials.push_back(leaves);
+  planted.meshes.push_back(tree);
+  planted.instances.push_back({"", 1, {}});
+  CHECK(simulator.plan().has("cut-outs"));
+  CHECK(sameBytes(simulator.scan({}), Simulator(planted, request, vulkanOptions()).scan({})));
+}
+
+TEST_CASE("sensors of one scene have effects and fields of their own, and come and go") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(3, 500, 20, 5));
+  const Sensor sensor = gridSensor(120, 8, -30, 30);
+  Effects quiet = Effects::none(), noisy = Effects::none();
+  quiet.rangeNoise = {Use::on, 0, 0.01};
+  noisy.rangeNoise = {Use::on, 0, 0.2};
+  Simulator simulator(scene, {SensorRequest(sensor, quiet), SensorRequest(sensor, noisy, {Field::trueRange})},
+                      vulkanOptions());
+  const uint64_t sceneBytes = simulator.memory().scene, work = simulator.memory().work;
+  const Scan one = simulator.scan({}, 0), other = simulator.scan({}, 1);
+  double quietSum = 0, noisySum = 0;
+  for (size_t i = 0; i < one.ranges.size(); ++i) {
+    if (!one.hit(i)) continue;
+    quietSum += std::abs(one.ranges[i] - other.trueRanges[i]);
+    noisySum += std::abs(other.ranges[i] - other.trueRanges[i]);
+  }
+  CHECK(one.trueRanges.empty());
+  CHECK(noisySum > 10 * quietSum);
+
+  const size_t third = simulator.addSensor({sensor, Effects::none()});
+  CHECK(third == 2);
+  CHECK(sameBytes(simulator.scan({}, third), Simulator(scene, bare(sensor), vulkanOptions()).scan({})));
+  CHECK(sameBytes(simulator.scan({}, 1), other));
+  CHECK(simulator.memory().work > work);
+  simulator.removeSensor(0);
+  simulator.removeSensor(third);
+  CHECK(simulator.memory().scene < sceneBytes + sceneBytes / 4);
+  CHECK_THROWS_WITH(simulator.scan({}, 0), "sensor 0 has been removed");
+  CHECK(simulator.addSensor({sensor, quiet}) == third);
+  CHECK(simulator.addSensor({sensor, quiet}) == 0);
+  CHECK(sameBytes(simulator.scan({}, 0), one));
+}
+
+TEST_CASE("a fog that thickens shot by shot makes no pipeline and moves nothing of the scene") {
+  needVulkan();
+  for (const DeviceChoice& device : {DeviceChoice(), DeviceChoice(DeviceChoice::Kind::reference)}) {
+    TestOptions options = vulkanOptions();
+    options.device = device;
+    const Scene scene = sceneOf(ball(20, 30, 40));
+    const Sensor sensor = gridSensor(180, 16, -30, 30);
+    SensorRequest request = {sensor, {}, {Field::label}};
+    request.variableWeather = true;
+    Simulator simulator(scene, request, options);
+    const auto pipelines = [&] {
+      Plan plan = simulator.plan();
+      plan.buffers.clear();  // lists grow
+      return toJson(plan);
+    };
+    const std::string before = pipelines();
+    Shot shot;
+    Scan scan;
+    simulator.scanInto(shot, scan);
+    CHECK(scan.counters.hits == sensor.beamCount());  // clear air
+    const uint64_t sceneBytes = simulator.memory().scene;
+    uint64_t scattered = 0;
+    for (const double visibility : {400.0, 100.0, 25.0}) {
+      shot.weather = Weather{visibility, 0, 0, {}};
+      simulator.scanInto(shot, scan);
+      const auto now = static_cast<uint64_t>(
+          std::count(scan.labels.begin(), scan.labels.end(), static_cast<uint8_t>(Label::scatter)));
+      CHECK(now >= scattered);
+      scattered = now;
+      SensorRequest stated = request;  // the same fog, stated once for all
+      stated.effects.fog.visibility = visibility;
+      CHECK(sameBytes(scan, Simulator(scene, stated, options).scan({})));
+    }
+    CHECK(scattered > 0);
+    shot.weather = Weather{0, 20, 2, {{{-5, -5, -5}, {5, 5, 5}, 0.3}}};
+    simulator.scanInto(shot, scan);
+    CHECK(scan.counters.hits > 0);
+    CHECK(pipelines() == before);
+    CHECK(simulator.memory().scene == sceneBytes);
+  }
+}
+
+TEST_CASE("what does not fit is refused with its name, and the simulator goes on") {
+  needVulkan();
+  const Scene scene = sceneOf(soup(3, 100, 20, 5));
+  const Sensor sensor = gridSensor(60, 4, -30, 30);
+  Simulator simulator(scene, bare(sensor), vulkanOptions());
+  const Scan before = simulator.scan({});
+  Mesh mesh = glassPane(7);
+  CHECK_THROWS_WITH(simulator.addMesh(mesh), "the new mesh: material 7 does not exist, the scene has 1");
+  mesh = glassPane(0);
+  mesh.indices[0] = 99;
+  CHECK_THROWS_WITH(simulator.addMesh(mesh), "the new mesh: index 99 is out of range, the mesh has 9 vertices");
+  CHECK_THROWS_WITH(simulator.addInstance(5, {}), "mesh 5 does not exist, there are 1");
+  CHECK_THROWS_WITH(simulator.removeMesh(0), "mesh 0 is used by 1 instances; remove them before it");
+  CHECK_THROWS_WITH(simulator.removeMaterial(0), "material 0 is used by 1 meshes; remove them before it");
+  CHECK_THROWS_WITH(simulator.removeSensor(3), "sensor 3 does not exist, there are 1");
+  const size_t added = simulator.addMesh(glassPane(0));
+  simulator.removeMesh(added);
+  CHECK_THROWS_WITH(simulator.removeMesh(added), "mesh 1 has been removed");
+  CHECK_THROWS_WITH(simulator.addInstance(1, {}), "mesh 1 has been removed");
+  Sensor blind = sensor;
+  blind.columns = 0;
+  CHECK_THROWS_AS(simulator.addSensor(blind), Error);
+  Shot shot;
+  shot.weather = Weather{100, 0, 0, {}};
+  Scan scan;
+  CHECK_THROWS_WITH(simulator.scanInto(shot, scan),
+                    "it brings fog, which is not planned for sensor 'grid'; set SensorRequest::variableWeather, and do "
+                    "not turn fog off");
+  CHECK(sameBytes(simulator.scan({}), before));
+}
+
+TEST_CASE("a sensor whose arrays do not fit is refused, and the others go on") {
+  needVulkan();
+  TestOptions options = vulkanOptions();
+  options.tuning.maxBufferBytes = 1 << 20;
+  const Sensor sensor = gridSensor(60, 4, -30, 30);
+  Simulator simulator(sceneOf(soup(3, 100, 20, 5)), bare(sensor), options);
+  const Scan before = simulator.scan({});
+  CHECK_THROWS_AS(simulator.addSensor(bare(gridSensor(200'000, 4, -30, 30))), Error);
+  CHECK(sameBytes(simulator.scan({}), before));
+  CHECK(simulator.addSensor(bare(sensor)) == 1);
+  CHECK(sameBytes(simulator.scan({}, 1), before));
+}
