@@ -6,16 +6,14 @@
 
 #ifdef __cplusplus
 #include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 namespace gnosphere::gpu {
 using uint = uint32_t;
+using glm::vec2;
+using glm::vec3;
 struct alignas(16) vec4 {
   float x, y, z, w;
-};
-struct vec3 {
-  float x, y, z;
-};
-struct vec2 {
-  float x, y;
 };
 #define GNO_CONST inline constexpr
 #else
