@@ -26,7 +26,7 @@ GNO_INLINE vec3 onLattice(vec3 p) {
 
 // Cos and sin of a beam's azimuth: those of its column, turned by the offset of its channel if channels have offsets.
 // `exact` decides on azimuths that lie on the lattice.
-GNO_INLINE vec2 azimuthOf(vec2 column, vec4 offset, bool hasOffsets, bool exact) {
+GNO_INLINE vec2 azimuthOfBeam(vec2 column, vec4 offset, bool hasOffsets, bool exact) {
   if (!hasOffsets) return column;
   GNO_PRECISE float c = column.x * offset.x - column.y * offset.y;
   GNO_PRECISE float s = column.y * offset.x + column.x * offset.y;

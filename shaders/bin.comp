@@ -86,7 +86,7 @@ Beam beamAt(Box box, uint k, uint row, out uint index) {
   vec4 offset = AZIMUTH_OFFSETS ? rows.at[row].offset : vec4(0.0);
   uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? int(floor(offset.z)) : 0));
   index = row * frame.columns + column;
-  return beamOf(azimuthOf(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
+  return beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
 }
 
 Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }

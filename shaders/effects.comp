@@ -139,7 +139,7 @@ void main() {
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x) {
     beamIndex = channel * frame.columns + columnIndex;
-    vec2 azimuth = azimuthOf(columns.at[columnIndex], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
+    vec2 azimuth = azimuthOfBeam(columns.at[columnIndex], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
     beamAzimuth = azimuth;
     beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
     if (!MANY_ECHOES) {

@@ -51,7 +51,7 @@ vec2 barycentricsOf(Corners t, vec3 p) {
 }
 
 vec2 azimuthAt(uint row, uint column) {
-  return azimuthOf(columns.at[column], rows.at[row].offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
+  return azimuthOfBeam(columns.at[column], rows.at[row].offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
 }
 
 Corners seenFrom(Corners t, uint instance, uint column, uint row, vec2 azimuth) {

@@ -30,8 +30,8 @@ uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, c
         triangle[column] = instance[column] = gpu::kNone;
         continue;
       }
-      const gpu::vec2 azimuth = gpu::azimuthOf({tables.columns[2 * column], tables.columns[2 * column + 1]}, offset,
-                                               tables.azimuthOffsets, exact);
+      const gpu::vec2 azimuth = gpu::azimuthOfBeam({tables.columns[2 * column], tables.columns[2 * column + 1]}, offset,
+                                                   tables.azimuthOffsets, exact);
       const gpu::Beam beam = gpu::beamOf(azimuth, angles.x, angles.y);
       const float metres = std::bit_cast<float>(word->range);
       point[0] = beam.direction.x * metres;
