@@ -81,4 +81,8 @@ Effects effectsOf(const SensorPlan& plan, const Shot& shot);
 /// its range.
 void checkWeather(const SensorPlan& plan, const Weather& weather, const std::string& which);
 
+/// Every array that the plan asks for gets its size, the others none; `cleared`: and what says that nothing was met.
+/// Ties and tolerances are the reference's own.
+void resizeArrays(const SensorPlan& plan, Scan& scan, bool cleared = false);
+
 }  // namespace gnosphere
