@@ -4,23 +4,25 @@
 #include <iterator>
 #include <string>
 
+#include "arrays.h"
 #include "effects/effect_table.hpp"
+#include "pipeline/kernels.hpp"
 
 using namespace gnosphere;
 
 namespace {
 
 std::string textOf(const std::string& file) {
-  std::ifstream in(GNOSPHERE_DOCS "/effects/" + file);
+  std::ifstream in(GNOSPHERE_DOCS "/" + file);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace
 
 TEST_CASE("every effect has a page that names each of its parameters, and the index names the page") {
-  const std::string index = textOf("README.md");
+  const std::string index = textOf("effects/README.md");
   for (const EffectInfo& effect : effectTable()) {
-    const std::string name = effect.name, page = textOf(name + ".md");
+    const std::string name = effect.name, page = textOf("effects/" + name + ".md");
     INFO(name);
     CHECK(page.substr(0, 2 + name.size()) == "# " + name);
     CHECK(index.find("[" + name + "](" + name + ".md)") != std::string::npos);
@@ -28,5 +30,19 @@ TEST_CASE("every effect has a page that names each of its parameters, and the in
       INFO(parameter.name);
       CHECK(page.find("| `" + std::string(parameter.name) + "` |") != std::string::npos);
     }
+  }
+}
+
+TEST_CASE("docs/architecture.md names every array and every kernel") {
+  const std::string page = textOf("architecture.md");
+  const auto names = [&](const std::string& name) { return page.find("`" + name + "`") != std::string::npos; };
+  for (const char* array : gpu::kArrayNames) {
+    INFO(array);
+    CHECK(names(array));
+  }
+  for (auto kernel = Kernel::project_groups;; kernel = static_cast<Kernel>(static_cast<uint32_t>(kernel) + 1)) {
+    INFO(nameOf(kernel));
+    CHECK(names(nameOf(kernel)));
+    if (kernel == Kernel::effects) break;
   }
 }

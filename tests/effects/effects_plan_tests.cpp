@@ -125,7 +125,7 @@ TEST_CASE("each effect that is taken out of all takes its bit out of every pipel
   needVulkan();
   const Scene scene = glassWithHoles();
   const auto planOnHost = [&](const Effects& effects) {
-    SimulatorOptions options;
+    TestOptions options;
     options.effects = effects;
     return CudaOnHost(scene, {able()}, options).backend().plan(0);
   };
