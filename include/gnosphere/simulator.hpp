@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gnosphere/effects.hpp"
+#include "gnosphere/export.hpp"
 #include "gnosphere/plan.hpp"
 #include "gnosphere/scan.hpp"
 #include "gnosphere/scene.hpp"
@@ -55,7 +56,7 @@ struct Exactness {
 };
 
 /// The parts of a named setting.
-Exactness exactnessOf(Accuracy accuracy);
+GNOSPHERE_API Exactness exactnessOf(Accuracy accuracy);
 
 /// Which faces of a triangle reflect.
 enum class Faces {
@@ -127,7 +128,7 @@ struct DeviceInfo {
 
 /// Every Vulkan device of this machine, then every CUDA device where CUDA is built in, and the reference last. Never
 /// throws for lack of Vulkan: the list then holds the reference alone, and `vulkanProblem` says why.
-std::vector<DeviceInfo> listDevices(std::string* vulkanProblem = nullptr);
+GNOSPHERE_API std::vector<DeviceInfo> listDevices(std::string* vulkanProblem = nullptr);
 
 /// Bytes on the device, by what they hold.
 struct MemoryUse {
@@ -165,7 +166,7 @@ struct Shot {
 class Backend;
 
 /// A scene and sensors on a device. Not thread-safe; use one per thread.
-class Simulator {
+class GNOSPHERE_API Simulator {
  public:
   /// Uploads the scene and compiles the stages. Throws Error(device) if no device fits, with the reason per device.
   Simulator(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options = {});
