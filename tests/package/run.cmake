@@ -2,8 +2,8 @@
 # Installs the library into an empty prefix, then builds and runs a program against it in both ways people do.
 # Arguments: PROGRAM (the command line), WORK (a folder of our own), LIBDIR, CXX, LAUNCHER, and one of these
 #   BUILD   a build folder to install; its library is a shared one if SHARED is on, a static one if not
-#   SOURCE  the repository: another project builds a static library of it with BUILD_TYPE and CXX_FLAGS, and installs
-#           that; with CORE on, one without GNOSPHERE_IO, and the program is core.cpp
+#   SOURCE  the repository: another project builds a static library of it with BUILD_TYPE, CXX_FLAGS and
+#           WARNING_AS_ERROR, and installs that; with CORE on, one without GNOSPHERE_IO, and the program is core.cpp
 cmake_minimum_required(VERSION 3.25)
 set(prefix ${WORK}/prefix)
 file(REMOVE_RECURSE ${prefix} ${WORK}/build)
@@ -29,7 +29,8 @@ run(${PROGRAM} town --triangles 20000 -o town.glb)
 if(SOURCE)
   # With the flags of the build that runs this test, so that a compiler cache has most of it.
   set(BUILD ${WORK}/holder/build)
-  set(options -D BUILD_SHARED_LIBS=OFF -D CMAKE_INSTALL_LIBDIR=${LIBDIR} -D CMAKE_BUILD_TYPE=${BUILD_TYPE})
+  set(options -D BUILD_SHARED_LIBS=OFF -D CMAKE_INSTALL_LIBDIR=${LIBDIR} -D CMAKE_BUILD_TYPE=${BUILD_TYPE}
+    -D CMAKE_COMPILE_WARNING_AS_ERROR=${WARNING_AS_ERROR})
   if(CORE)
     # Whatever the core must do without fails to compile here, whether the machine has it or not.
     set(consumer core.cpp)
