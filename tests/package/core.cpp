@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene built by hand and scanned, by a library without GNOSPHERE_IO, which says what is not built in.
-#include <gnosphere/gnosphere.hpp>
 #include <functional>
+#include <gnosphere/gnosphere.hpp>
 #include <iostream>
 #include <string>
 
