@@ -176,7 +176,7 @@ configure() {
   case $compiler in 12 | 12.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac
   if command -v dpkg-query >/dev/null && ! atLeast "$(installed catch2)" 3; then
     note 'without Catch2 3 there are no tests'
-    options+=(-D BUILD_TESTING=OFF)
+    options+=(-D GNOSPHERE_TESTS=OFF)
   fi
   quietly "CMake could not configure the build" cmake -S "$root" --preset "$1" "${options[@]}"
 }

@@ -99,7 +99,7 @@ Slice Arena::take(uint64_t bytes) {
 }
 
 RayDevice::RayDevice(const VulkanOptions& options, const char* extension) : instance_(options.validation) {
-  // The library keeps its own pointers to Vulkan's functions to itself.
+  // The library loads the functions of instances alone and keeps those of its devices in tables of its own.
   VK(volkInitialize());
   volkLoadInstance(instance_.handle());
   physical_ = vulkan::chooseDevice(instance_, options.device);

@@ -6,13 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "gnosphere/export.hpp"
 #include "gnosphere/output.hpp"
 #include "gnosphere/simulator.hpp"
 
 namespace gnosphere {
 
 /// "paper", "draft", "standard", "exact".
-const char* nameOf(Accuracy accuracy);
+GNOSPHERE_API const char* nameOf(Accuracy accuracy);
 
 /// Times of many runs, in milliseconds.
 struct Spread {
@@ -21,7 +22,7 @@ struct Spread {
 };
 
 /// All zero for no values.
-Spread spreadOf(std::vector<double> values);
+GNOSPHERE_API Spread spreadOf(std::vector<double> values);
 
 /// Upper ends of the paper's bins (its Table 5), in metres; the last bin holds everything farther.
 inline constexpr std::array<double, 7> kNearestBins = {0.2, 0.4, 0.6, 0.8, 1.2, 1.6, 2.0};
@@ -29,7 +30,7 @@ using NearestHistogram = std::array<uint64_t, kNearestBins.size() + 1>;
 
 /// How far each point of `other` is from the nearest point of `reference`: an exact nearest neighbour. It says little
 /// of a beam's own error, since a point may lie near the point of another beam; it is what the paper reports.
-NearestHistogram nearestHistogram(const Scan& reference, const Scan& other);
+GNOSPHERE_API NearestHistogram nearestHistogram(const Scan& reference, const Scan& other);
 
 /// What one setting of the dial gets wrong, and what it costs.
 struct AccuracyRow {
@@ -37,9 +38,9 @@ struct AccuracyRow {
   Exactness exactness;
   Comparison error;  ///< against the double-precision reference, summed over the poses
   /// Beams of the reference that are lost, false or at another range, as a share of all beams; outside ties.
-  double wrongShare() const;
+  GNOSPHERE_API double wrongShare() const;
   /// No beam outside ties is missed or false, and no range is further off than this; infinite otherwise.
-  double errorBound() const;
+  GNOSPHERE_API double errorBound() const;
   NearestHistogram nearest{};  ///< only of all beams, not of a sample
   Spread wallMs;
   Spread gpuMs;                   ///< zero where the device has no timestamps
@@ -70,7 +71,7 @@ struct AccuracyOptions {
 
 /// Measures error and time of every setting from each of the poses, on one device. Throws Error(invalidArgument) for no
 /// pose or the reference as device; and what Simulator throws.
-AccuracyReport measureAccuracy(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses,
-                               const AccuracyOptions& options = {});
+GNOSPHERE_API AccuracyReport measureAccuracy(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses,
+                                             const AccuracyOptions& options = {});
 
 }  // namespace gnosphere

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gnosphere/export.hpp"
 #include "gnosphere/scene.hpp"
 
 namespace gnosphere {
@@ -160,7 +161,7 @@ struct Effects {
   } radialSpeed;
 
   /// Nothing but geometry.
-  static Effects none();
+  GNOSPHERE_API static Effects none();
 };
 
 /// The medium of one shot, with the units of Effects::Fog, Rain, Snow and Volumes. Zero and none: clear air.
@@ -174,22 +175,22 @@ struct Weather {
 /// What an effect is called in a request, a plan and the docs: "intensity", "detection", "drop-out", "range-noise",
 /// "angle-noise", "intensity-noise", "divergence", "returns", "transmission", "cut-outs", "sensor-motion",
 /// "object-motion", "fog", "rain", "snow", "volumes", "radial-speed"; in this order.
-const std::vector<std::string>& effectNames();
+GNOSPHERE_API const std::vector<std::string>& effectNames();
 
 /// Throws Error(invalidArgument) for a parameter out of its range, naming both.
-void validate(const Effects& effects);
+GNOSPHERE_API void validate(const Effects& effects);
 
 /// The ready ones: "clean" (geometry alone), "auto", "carla", "hdl-64e", "os1-rain".
-const std::vector<std::string>& effectPresets();
+GNOSPHERE_API const std::vector<std::string>& effectPresets();
 
 /// A preset by its name or a JSON file by its path. Throws Error(invalidArgument) with the names there are, Error(file)
 /// or Error(format) that names an unknown effect or parameter and those nearest to it.
-Effects findEffects(const std::string& nameOrFile);
-Effects effectsFromJson(std::string_view json, const std::string& source);
-std::string toJson(const Effects& effects);
+GNOSPHERE_API Effects findEffects(const std::string& nameOrFile);
+GNOSPHERE_API Effects effectsFromJson(std::string_view json, const std::string& source);
+GNOSPHERE_API std::string toJson(const Effects& effects);
 /// One assignment of a command line: "fog.visibility=200" sets a parameter and asks for the effect, "divergence=off" a
 /// Use. Throws Error(invalidArgument).
-void assign(Effects& effects, const std::string& assignment);
+GNOSPHERE_API void assign(Effects& effects, const std::string& assignment);
 
 /// How a material meets a laser. Reflectance is of the wavelength that the effects state.
 struct Optics {
@@ -201,7 +202,7 @@ struct Optics {
 };
 
 /// What a glTF material says: base colour (its red stands for near infrared), metallic, roughness, transmission, alpha.
-Optics opticsOf(const Material& material);
+GNOSPHERE_API Optics opticsOf(const Material& material);
 
 /// Reflectances per material name, over what the materials of a scene say themselves.
 struct MaterialTable {
@@ -215,10 +216,10 @@ struct MaterialTable {
 };
 
 /// JSON of ours, or ASAM OpenMATERIAL 3D (.xoma, .xomm or .xomp). Throws Error(file) or Error(format).
-MaterialTable loadMaterialTable(const std::filesystem::path& file);
+GNOSPHERE_API MaterialTable loadMaterialTable(const std::filesystem::path& file);
 
 /// Per material of the scene. A name of the table that no material has is told in `unused`, if given.
-std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, double wavelength,
-                             std::vector<std::string>* unused = nullptr);
+GNOSPHERE_API std::vector<Optics> opticsOf(const Scene& scene, const MaterialTable& table, double wavelength,
+                                           std::vector<std::string>* unused = nullptr);
 
 }  // namespace gnosphere

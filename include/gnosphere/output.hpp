@@ -5,14 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "gnosphere/export.hpp"
 #include "gnosphere/scan.hpp"
 
 namespace gnosphere {
 
 /// "x,y,z,range" -> fields; a vector is one name, "normal", and a column per component, normal_x normal_y normal_z.
 /// Throws Error(invalidArgument) that lists the names there are.
-std::vector<Field> parseFields(const std::string& names);
-const std::vector<Field>& defaultFields();  ///< x y z range ring beam triangle instance
+GNOSPHERE_API std::vector<Field> parseFields(const std::string& names);
+GNOSPHERE_API const std::vector<Field>& defaultFields();  ///< x y z range ring beam triangle instance
 
 struct CloudOptions {
   std::vector<Field> fields;  ///< none: defaultFields(), and the return numbers and counts where beams have several
@@ -25,16 +26,16 @@ struct CloudOptions {
 /// Writes .pcd, .ply, .bin (KITTI: x y z and the intensity, or 0; hits only), .npy or .csv; the ending decides. The
 /// file is written beside and renamed, so no half-written file is left. Throws Error(invalidArgument) for an ending or
 /// a field the scan does not have, Error(file) if it cannot be written.
-void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
+GNOSPHERE_API void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
 
 /// Range image over the columns and channels above a bird's-eye view coloured by height, as PNG. Of several returns it
 /// shows the first of each beam.
-void writePicture(const Scan& scan, const std::filesystem::path& file);
+GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& file);
 
 /// Reads a PCD, PLY, NPY or CSV cloud with the fields that writeCloud() gave it, but for those that follow from others
 /// (class, time, azimuth, elevation); organised by `beam`, and by `return` where beams have several, where the file has
 /// those fields. Throws Error(file) or Error(format), Error(invalidArgument) for an ending it does not read.
-Scan readCloud(const std::filesystem::path& file);
+GNOSPHERE_API Scan readCloud(const std::filesystem::path& file);
 
 /// How two clouds of the same beams differ, beam by beam, and return by return where there are several; `reference` is
 /// taken as the truth. Returns that the reference marks as ties are counted apart.
@@ -58,6 +59,6 @@ struct Comparison {
 
 /// `tolerance` in metres is used for beams where the reference states none. Throws Error(invalidArgument) if the
 /// clouds do not have the same beams.
-Comparison compare(const Scan& reference, const Scan& other, double tolerance = 1e-3);
+GNOSPHERE_API Comparison compare(const Scan& reference, const Scan& other, double tolerance = 1e-3);
 
 }  // namespace gnosphere

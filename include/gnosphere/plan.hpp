@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gnosphere/effects.hpp"
+#include "gnosphere/export.hpp"
 
 namespace gnosphere {
 
@@ -38,12 +39,12 @@ struct Plan {
   std::string binning;          ///< nearest, lists or slabs
   uint32_t returns = 1;         ///< per beam
 
-  uint64_t bytes() const;
-  uint32_t dispatches() const;
-  bool has(const std::string& effect) const;
+  GNOSPHERE_API uint64_t bytes() const;
+  GNOSPHERE_API uint32_t dispatches() const;
+  GNOSPHERE_API bool has(const std::string& effect) const;
 };
 
 /// JSON with the members above and their sums.
-std::string toJson(const Plan& plan);
+GNOSPHERE_API std::string toJson(const Plan& plan);
 
 }  // namespace gnosphere

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gnosphere/export.hpp"
 #include "gnosphere/scene.hpp"
 #include "gnosphere/sensor.hpp"
 
@@ -107,7 +108,7 @@ struct Timings {
   std::vector<StageTime> stages;
 
   /// More time of a stage.
-  void add(const std::string& stage, double ms);
+  GNOSPHERE_API void add(const std::string& stage, double ms);
 };
 
 /// What came back, one entry per return in every array (beam = channel * columns + column). A miss is NaN in `points`

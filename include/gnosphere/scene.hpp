@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "gnosphere/export.hpp"
+
 namespace gnosphere {
 
 /// Metres, or a direction without unit. Frames are right-handed: x forward, y left, z up (ROS REP-103).
@@ -25,8 +27,8 @@ struct Transform {
 };
 
 /// `a` after `b`: (a * b)(p) = a(b(p)).
-Transform operator*(const Transform& a, const Transform& b);
-Vec3 operator*(const Transform& a, const Vec3& p);
+GNOSPHERE_API Transform operator*(const Transform& a, const Transform& b);
+GNOSPHERE_API Vec3 operator*(const Transform& a, const Vec3& p);
 
 enum class AlphaMode { opaque, mask, blend };
 
@@ -96,8 +98,8 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
 
-  size_t uniqueTriangleCount() const;  ///< summed over meshes
-  size_t placedTriangleCount() const;  ///< summed over instances
+  GNOSPHERE_API size_t uniqueTriangleCount() const;  ///< summed over meshes
+  GNOSPHERE_API size_t placedTriangleCount() const;  ///< summed over instances
 };
 
 /// Axis-aligned box in world coordinates. Empty where min > max.
@@ -107,11 +109,11 @@ struct Bounds {
 };
 
 /// Box of every finite vertex of every instance.
-Bounds worldBounds(const Scene& scene);
+GNOSPHERE_API Bounds worldBounds(const Scene& scene);
 
 /// Throws Error(invalidArgument) that names the material, image, mesh, part or instance whose indices or sizes do not
 /// fit.
-void validate(const Scene& scene);
+GNOSPHERE_API void validate(const Scene& scene);
 
 enum class UpAxis { formatDefault, y, z };
 
@@ -123,9 +125,9 @@ struct LoadOptions {
 /// Reads .gltf, .glb, .obj, .ply or .stl; of textures, only glTF's PNG ones of cut-out materials. y-up files are turned
 /// so that (x, y, z) becomes (x, -z, y). Throws Error(file) if the file cannot be read, Error(format) if its content is
 /// not sound.
-Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
+GNOSPHERE_API Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
 
 /// Writes a binary glTF 2.0 file (y-up), meshes shared by their instances. Throws Error(file).
-void writeGlb(const Scene& scene, const std::filesystem::path& file);
+GNOSPHERE_API void writeGlb(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace gnosphere

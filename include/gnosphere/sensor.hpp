@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gnosphere/export.hpp"
 #include "gnosphere/scene.hpp"
 
 namespace gnosphere {
@@ -35,24 +36,24 @@ struct Sensor {
 
   size_t beamCount() const { return size_t{columns} * channels.size(); }
   /// Unit vector of a beam in the sensor's frame.
-  Vec3 direction(size_t beam) const;
+  GNOSPHERE_API Vec3 direction(size_t beam) const;
 };
 
 /// Throws Error(invalidArgument) that names the field: zero columns, angles or ranges that are not finite or out of
 /// bounds, divergences beyond 100 mrad, returns beyond 1..5, origins beyond 1 m, a rotation beyond 10 s, time offsets
 /// beyond 1 s, more beams than a 32-bit index holds. Zero channels are allowed: the cloud is empty.
-void validate(const Sensor& sensor);
+GNOSPHERE_API void validate(const Sensor& sensor);
 
 /// The five models of Table 2 of the GnoSphere360 paper.
-const std::vector<Sensor>& builtinSensors();
+GNOSPHERE_API const std::vector<Sensor>& builtinSensors();
 
 /// A built-in model by its name (case does not matter) or a JSON file by its path. Throws Error(invalidArgument) with
 /// the names there are, Error(file) or Error(format).
-Sensor findSensor(const std::string& nameOrFile);
+GNOSPHERE_API Sensor findSensor(const std::string& nameOrFile);
 
 /// JSON of a sensor; sensorFromJson(toJson(s)) has the same bytes in every field (a divergence, stated in milliradians,
 /// may lose its last bit).
-std::string toJson(const Sensor& sensor);
-Sensor sensorFromJson(std::string_view json, const std::string& source);
+GNOSPHERE_API std::string toJson(const Sensor& sensor);
+GNOSPHERE_API Sensor sensorFromJson(std::string_view json, const std::string& source);
 
 }  // namespace gnosphere

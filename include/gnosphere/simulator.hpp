@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gnosphere/effects.hpp"
+#include "gnosphere/export.hpp"
 #include "gnosphere/plan.hpp"
 #include "gnosphere/scan.hpp"
 #include "gnosphere/scene.hpp"
@@ -56,7 +57,7 @@ struct Exactness {
 };
 
 /// The parts of a named setting.
-Exactness exactnessOf(Accuracy accuracy);
+GNOSPHERE_API Exactness exactnessOf(Accuracy accuracy);
 
 /// Which faces of a triangle reflect.
 enum class Faces {
@@ -112,7 +113,7 @@ struct DeviceInfo {
 
 /// Every Vulkan device of this machine, then every CUDA device where CUDA is built in, and the reference last. Never
 /// throws for lack of Vulkan: the list then holds the reference alone, and `vulkanProblem` says why.
-std::vector<DeviceInfo> listDevices(std::string* vulkanProblem = nullptr);
+GNOSPHERE_API std::vector<DeviceInfo> listDevices(std::string* vulkanProblem = nullptr);
 
 /// Which device a simulator runs on; by default the best Vulkan device there is.
 struct DeviceChoice {
@@ -132,12 +133,12 @@ struct DeviceChoice {
   DeviceChoice() = default;
   DeviceChoice(Kind ofKind, std::string named = {}) : kind(ofKind), name(std::move(named)) {}
   /// That device, if the machine still has it.
-  DeviceChoice(const DeviceInfo& device);
+  GNOSPHERE_API DeviceChoice(const DeviceInfo& device);
 };
 
 /// A choice as a command line names it: "auto", the number or a part of the name of a Vulkan device, "reference",
 /// "cuda:N" or "cuda-fast:N".
-DeviceChoice deviceByName(const std::string& text);
+GNOSPHERE_API DeviceChoice deviceByName(const std::string& text);
 
 struct SimulatorOptions {
   DeviceChoice device;
@@ -210,7 +211,7 @@ struct Shot {
 ///
 /// A call that throws Error(invalidArgument) or Error(outOfMemory) leaves the simulator as it was. One thread at a time
 /// may use a simulator; several simulators may be used by several threads at once.
-class Simulator {
+class GNOSPHERE_API Simulator {
  public:
   /// Uploads the scene and compiles the stages. Throws Error(device) if no device fits, with the reason per device.
   Simulator(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options = {});

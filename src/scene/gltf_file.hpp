@@ -3,7 +3,7 @@
 // (gltf_read.cpp).
 #pragma once
 
-// The configuration of third_party.cpp, which holds tinygltf's implementation.
+// The configuration of third_party_files.cpp, which holds tinygltf's implementation.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_INCLUDE_JSON

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs the library into an empty prefix, then builds and runs main.cpp against it in both ways people do.
-# Arguments: BUILD (a build folder to install), or SOURCE (the repository: another project builds a static library of it,
-# and installs that) and PROGRAM (the command line); WORK (a folder of our own), LIBDIR, CXX, LAUNCHER.
+# Installs the library into an empty prefix, then builds and runs a program against it in both ways people do.
+# Arguments: PROGRAM (the command line), WORK (a folder of our own), LIBDIR, CXX, LAUNCHER, and one of these
+#   BUILD   a build folder to install; its library is a shared one if SHARED is on, a static one if not
+#   SOURCE  the repository: another project builds a static library of it and installs that; with CORE on, one without
+#           GNOSPHERE_IO, and the program is core.cpp
 cmake_minimum_required(VERSION 3.25)
 set(prefix ${WORK}/prefix)
 file(REMOVE_RECURSE ${prefix} ${WORK}/build)
 file(MAKE_DIRECTORY ${WORK})
 set(compilers -G Ninja -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+set(consumer main.cpp)
+set(static --static)
 
 function(run)
   execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${WORK} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
@@ -20,23 +24,53 @@ function(check_consumer program)
   endif()
 endfunction()
 
+run(${PROGRAM} town --triangles 20000 -o town.glb)
+
 if(SOURCE)
   # Without optimisation: what is tried is how it is packed, and this is the quickest.
   set(BUILD ${WORK}/holder/build)
+  set(options -D BUILD_SHARED_LIBS=OFF -D CMAKE_INSTALL_LIBDIR=${LIBDIR})
+  if(CORE)
+    # Whatever the core must do without fails to compile here, whether the machine has it or not.
+    set(consumer core.cpp)
+    set(absent ${WORK}/absent)
+    foreach(header IN ITEMS tiny_gltf.h tiny_obj_loader.h stb_image.h stb_image_write.h stb_easy_font.h
+        draco/compression/decode.h CLI/CLI.hpp catch2/catch_test_macros.hpp pugixml.hpp)
+      file(WRITE ${absent}/${header} "#error \"the library alone needs ${header}\"\n")
+    endforeach()
+    list(APPEND options -D GNOSPHERE_IO=OFF -D CMAKE_CXX_FLAGS=-I${absent}
+      -D CMAKE_DISABLE_FIND_PACKAGE_CLI11=ON -D CMAKE_DISABLE_FIND_PACKAGE_Catch2=ON
+      -D CMAKE_DISABLE_FIND_PACKAGE_pugixml=ON)
+  endif()
   file(WRITE ${WORK}/holder/CMakeLists.txt
     "cmake_minimum_required(VERSION 3.25)\nproject(holder LANGUAGES C CXX)\nadd_subdirectory(${SOURCE} gnosphere)\n")
-  run(${CMAKE_COMMAND} -S ${WORK}/holder -B ${BUILD} ${compilers} -D BUILD_SHARED_LIBS=OFF
-    -D CMAKE_INSTALL_LIBDIR=${LIBDIR})
+  run(${CMAKE_COMMAND} -S ${WORK}/holder -B ${BUILD} ${compilers} ${options})
   run(${CMAKE_COMMAND} --build ${BUILD})
-  set(static --static)
-else()
-  set(PROGRAM ${prefix}/bin/gnosphere)
+elseif(SHARED)
+  set(static)
 endif()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-run(${PROGRAM} town --triangles 20000 -o town.glb)
+
+# Installed files are moved: they name neither the build nor a library by its path.
+file(GLOB descriptions ${prefix}/${LIBDIR}/cmake/gnosphere/*.cmake ${prefix}/${LIBDIR}/pkgconfig/*.pc)
+foreach(description IN LISTS descriptions)
+  file(STRINGS ${description} lines REGEX "/usr/(lib|include)/|${WORK}/")
+  if(lines)
+    message(FATAL_ERROR "${description} names a path: ${lines}")
+  endif()
+endforeach()
+if(NOT descriptions)
+  message(FATAL_ERROR "nothing in ${prefix}/${LIBDIR} describes the library")
+endif()
+
+# The command line, where one is installed, runs from there.
+if(EXISTS ${prefix}/bin/gnosphere)
+  run(${prefix}/bin/gnosphere scan town.glb --pose 0,0,1.8 -o cloud.pcd)
+endif()
 
 # find_package(gnosphere)
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build ${compilers} -D CMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build ${compilers} -D CMAKE_BUILD_TYPE=Release
+  -D CMAKE_PREFIX_PATH=${prefix} -D CONSUMER=${consumer})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 check_consumer(${WORK}/build/consumer)
 
@@ -47,5 +81,10 @@ execute_process(
     ${PKG_CONFIG} --cflags --libs ${static} gnosphere
   OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 separate_arguments(flags UNIX_COMMAND "${flags}")
-run(${CXX} -std=c++20 -Wall -Wextra ${CMAKE_CURRENT_LIST_DIR}/main.cpp ${flags} -o ${WORK}/consumer)
+run(${CXX} -std=c++20 -O2 -Wall -Wextra ${CMAKE_CURRENT_LIST_DIR}/${consumer} ${flags} -o ${WORK}/consumer)
 check_consumer(${WORK}/consumer)
+
+# What a shared library exports.
+if(SHARED AND NOT SOURCE)
+  run(${CMAKE_CURRENT_LIST_DIR}/symbols ${prefix}/${LIBDIR}/libgnosphere.so)
+endif()

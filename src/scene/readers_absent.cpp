@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands in for the readers of glTF and OBJ in a library that is built without them.
+#include "scene/readers.hpp"
+
+namespace gnosphere {
+
+Scene readGltf(Bytes, const Source& source) {
+  source.fail("this library is built without the reader of glTF; build it with -D GNOSPHERE_IO=ON");
+}
+
+Scene readObj(Bytes, const Source& source) {
+  source.fail("this library is built without the reader of OBJ; build it with -D GNOSPHERE_IO=ON");
+}
+
+}  // namespace gnosphere
