@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gnosphere/error.hpp"
+#include "output/computed_columns.hpp"
 #include "pipeline/backend.hpp"
 
 namespace gnosphere {
@@ -88,9 +89,9 @@ std::vector<DeviceInfo> listDevices(std::string* vulkanProblem) {
 }
 
 Simulator::Simulator(const Scene& scene, const std::vector<Sensor>& sensors, const SimulatorOptions& options)
-    : classes_(std::make_shared<std::vector<uint16_t>>()), backend_(makeBackend(scene, sensors, options)) {
-  for (const Sensor& sensor : sensors) sensors_.push_back(std::make_shared<const Sensor>(sensor));
-  for (const Instance& instance : scene.instances) classes_->push_back(instance.classId);
+    : sensors_(sensors), backend_(makeBackend(scene, sensors, options)) {
+  for (const Sensor& sensor : sensors) computed_.emplace_back(sensor, options.fields);
+  for (const Instance& instance : scene.instances) classes_.push_back(instance.classId);
   for (const Mesh& mesh : scene.meshes) meshes_.push_back({mesh.vertexCount(), mesh.triangleCount()});
   for (const Instance& instance : scene.instances) instanceMeshes_.push_back(instance.mesh);
   placedTriangles_ = scene.placedTriangleCount();
@@ -137,13 +138,12 @@ void Simulator::run(std::span<const Shot> shots, Scan& result, const std::functi
                                                   " does not exist, there are " + std::to_string(sensors_.size()));
   }
   backend_->scanAll(shots, result, [&](size_t i) {
-    const Sensor& sensor = *sensors_[shots[i].sensor];
-    result.model = sensors_[shots[i].sensor];
-    result.classes = classes_;
+    const Sensor& sensor = sensors_[shots[i].sensor];
     result.sensor = sensor.name;
     result.columns = sensor.columns;
     result.channels = static_cast<uint32_t>(sensor.channels.size());
     result.pose = shots[i].pose;
+    computed_[shots[i].sensor].set(classes_, result);
     receive(i);
   });
 }
@@ -184,11 +184,9 @@ size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_
   return index;
 }
 
-// Scans that were handed out keep the classes of their time.
 void Simulator::setClass(size_t instance, uint16_t classId) {
-  if (classes_.use_count() > 1) classes_ = std::make_shared<std::vector<uint16_t>>(*classes_);
-  classes_->resize(std::max(classes_->size(), instance + 1));
-  (*classes_)[instance] = classId;
+  classes_.resize(std::max(classes_.size(), instance + 1));
+  classes_[instance] = classId;
 }
 
 void Simulator::removeInstance(size_t instance) {

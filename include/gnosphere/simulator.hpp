@@ -106,8 +106,7 @@ struct SimulatorOptions {
   /// What is simulated beside geometry: nothing, unless asked for. Effects{} is whatever the scene calls for.
   Effects effects = Effects::none();
   MaterialTable materials;  ///< reflectances by name, over what the scene says
-  /// What a scan holds beyond points, ranges and owners. Of no effect: x y z range ring beam triangle instance tie
-  /// tolerance time azimuth elevation return numbers and classId, which need nothing from the device.
+  /// What a scan holds beyond points, ranges and owners: the columns of Scan::column().
   std::vector<Field> fields;
   bool float64 = true;  ///< off: as on a device without double precision; the answer is the same
 };
@@ -163,6 +162,7 @@ struct Shot {
 };
 
 class Backend;
+class ComputedColumns;
 
 /// A scene and sensors on a device. Not thread-safe; use one per thread.
 class Simulator {
@@ -211,8 +211,9 @@ class Simulator {
   struct MeshSize {
     size_t vertices, triangles;
   };
-  std::vector<std::shared_ptr<const Sensor>> sensors_;
-  std::shared_ptr<std::vector<uint16_t>> classes_;  // by instance; scans share it
+  std::vector<Sensor> sensors_;
+  std::vector<ComputedColumns> computed_;  // by sensor
+  std::vector<uint16_t> classes_;          // by instance
   std::vector<MeshSize> meshes_;
   std::vector<uint32_t> instanceMeshes_;  // kNoMesh where it was removed
   std::vector<size_t> removed_;

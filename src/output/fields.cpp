@@ -2,6 +2,7 @@
 #include "output/fields.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <string>
 
@@ -18,40 +19,54 @@ std::string trimmed(const std::string& text) {
 
 }  // namespace
 
+const char* nameOf(ValueType type) {
+  constexpr const char* kNames[] = {"f32", "f64", "u8", "u16", "u32"};
+  return kNames[static_cast<size_t>(type)];
+}
+
+const char* cppNameOf(ValueType type) {
+  constexpr const char* kNames[] = {"float", "double", "uint8_t", "uint16_t", "uint32_t"};
+  return kNames[static_cast<size_t>(type)];
+}
+
+char letterOf(ValueType type) {
+  return type == ValueType::f32 || type == ValueType::f64 ? 'F' : 'U';
+}
+
 std::span<const ColumnInfo> allColumns() {
   static constexpr ColumnInfo kColumns[] = {
-      {Field::x, "x", 'F', 4, 0, 3},
-      {Field::y, "y", 'F', 4, 1, 3},
-      {Field::z, "z", 'F', 4, 2, 3},
-      {Field::range, "range", 'F', 4},
-      {Field::ring, "ring", 'U', 2},
-      {Field::beam, "beam", 'U', 4},
-      {Field::triangle, "triangle", 'U', 4},
-      {Field::instance, "instance", 'U', 4},
-      {Field::tie, "tie", 'U', 1},
-      {Field::tolerance, "tolerance", 'F', 4},
-      {Field::intensity, "intensity", 'F', 4},
-      {Field::trueRange, "true_range", 'F', 4},
-      {Field::cause, "cause", 'U', 1},
-      {Field::label, "label", 'U', 1},
-      {Field::returnNumber, "return", 'U', 1},
-      {Field::returnCount, "returns", 'U', 1},
-      {Field::width, "width", 'F', 4},
-      {Field::normal, "normal_x", 'F', 4, 0, 3, "normal"},
-      {Field::normal, "normal_y", 'F', 4, 1, 3, "normal"},
-      {Field::normal, "normal_z", 'F', 4, 2, 3, "normal"},
-      {Field::incidence, "incidence", 'F', 4},
-      {Field::material, "material", 'U', 4},
-      {Field::barycentrics, "u", 'F', 4, 0, 2, "barycentrics"},
-      {Field::barycentrics, "v", 'F', 4, 1, 2, "barycentrics"},
-      {Field::classId, "class", 'U', 2},
-      {Field::velocity, "velocity_x", 'F', 4, 0, 3, "velocity"},
-      {Field::velocity, "velocity_y", 'F', 4, 1, 3, "velocity"},
-      {Field::velocity, "velocity_z", 'F', 4, 2, 3, "velocity"},
-      {Field::radialSpeed, "radial_speed", 'F', 4},
-      {Field::time, "time", 'F', 4},
-      {Field::azimuth, "azimuth", 'F', 4},
-      {Field::elevation, "elevation", 'F', 4},
+      {Field::x, "x", ValueType::f32},
+      {Field::y, "y", ValueType::f32},
+      {Field::z, "z", ValueType::f32},
+      {Field::range, "range", ValueType::f32},
+      {Field::ring, "ring", ValueType::u16},
+      {Field::beam, "beam", ValueType::u32},
+      {Field::triangle, "triangle", ValueType::u32},
+      {Field::instance, "instance", ValueType::u32},
+      {Field::tie, "tie", ValueType::u8},
+      {Field::tolerance, "tolerance", ValueType::f32},
+      {Field::intensity, "intensity", ValueType::f32},
+      {Field::trueRange, "true_range", ValueType::f32},
+      {Field::cause, "cause", ValueType::u8},
+      {Field::label, "label", ValueType::u8},
+      {Field::returnNumber, "return", ValueType::u8},
+      {Field::returnCount, "returns", ValueType::u8},
+      {Field::width, "width", ValueType::f32},
+      {Field::normal, "normal_x", ValueType::f32, 0, "normal"},
+      {Field::normal, "normal_y", ValueType::f32, 1, "normal"},
+      {Field::normal, "normal_z", ValueType::f32, 2, "normal"},
+      {Field::incidence, "incidence", ValueType::f32},
+      {Field::material, "material", ValueType::u32},
+      {Field::barycentrics, "u", ValueType::f32, 0, "barycentrics"},
+      {Field::barycentrics, "v", ValueType::f32, 1, "barycentrics"},
+      {Field::classId, "class", ValueType::u16},
+      {Field::velocity, "velocity_x", ValueType::f32, 0, "velocity"},
+      {Field::velocity, "velocity_y", ValueType::f32, 1, "velocity"},
+      {Field::velocity, "velocity_z", ValueType::f32, 2, "velocity"},
+      {Field::radialSpeed, "radial_speed", ValueType::f32},
+      {Field::time, "time", ValueType::f32},
+      {Field::azimuth, "azimuth", ValueType::f32},
+      {Field::elevation, "elevation", ValueType::f32},
   };
   return kColumns;
 }
@@ -66,8 +81,16 @@ std::vector<ColumnInfo> columnsOf(const std::vector<Field>& fields) {
   return columns;
 }
 
-const char* fieldName(Field field) {
-  return columnsOf({field}).at(0).fieldName;
+FieldInfo fieldInfo(Field field) {
+  static const auto kInfos = [] {
+    std::array<FieldInfo, kFieldCount> infos = {};
+    for (const ColumnInfo& column : allColumns()) {
+      FieldInfo& info = infos[static_cast<size_t>(column.field)];
+      info = {column.fieldName, column.type, info.components + 1};
+    }
+    return infos;
+  }();
+  return kInfos.at(static_cast<size_t>(field));
 }
 
 const ColumnInfo* findColumn(std::string_view name) {
@@ -76,23 +99,6 @@ const ColumnInfo* findColumn(std::string_view name) {
     if (wanted == column.name) return &column;
   }
   return nullptr;
-}
-
-bool isAskedFor(Field field) {
-  switch (field) {
-    case Field::intensity:
-    case Field::trueRange:
-    case Field::cause:
-    case Field::label:
-    case Field::width:
-    case Field::normal:
-    case Field::incidence:
-    case Field::material:
-    case Field::barycentrics:
-    case Field::velocity:
-    case Field::radialSpeed: return true;
-    default: return false;
-  }
 }
 
 const std::vector<Field>& defaultFields() {

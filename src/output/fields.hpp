@@ -11,27 +11,31 @@
 
 namespace gnosphere {
 
-/// One column of a cloud file. Most fields are one column, a vector is one per component. `type` and `size` in PCD's
-/// letters: F4, U4, U2, U1.
+constexpr size_t sizeOf(ValueType type) {
+  constexpr size_t kSizes[] = {4, 8, 1, 2, 4};
+  return kSizes[static_cast<size_t>(type)];
+}
+/// "f32" and so on.
+const char* nameOf(ValueType type);
+/// "float" and so on.
+const char* cppNameOf(ValueType type);
+/// PCD's letter: F for a float, U for an unsigned integer.
+char letterOf(ValueType type);
+
+/// One column of a cloud file. Most fields are one column, a vector is one per component.
 struct ColumnInfo {
   Field field;
   const char* name;
-  char type;
-  uint8_t size;
-  uint8_t component = 0;  ///< of `components` that lie side by side in the scan's array
-  uint8_t components = 1;
+  ValueType type;
+  uint32_t component = 0;
   const char* fieldName = name;  ///< to ask for the field by
 };
 
 /// Every column there is, in the order of Field.
 std::span<const ColumnInfo> allColumns();
 std::vector<ColumnInfo> columnsOf(const std::vector<Field>& fields);
-const char* fieldName(Field field);
 /// By name, whatever the case; null for a name that is not one of ours.
 const ColumnInfo* findColumn(std::string_view name);
-
-/// Whether a scan holds the field only where SimulatorOptions::fields asks for it.
-bool isAskedFor(Field field);
 
 enum class CloudFormat { pcd, ply, kitti, npy, csv };
 /// By the ending. Throws Error(invalidArgument) with the endings there are.

@@ -130,7 +130,6 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   for (size_t i = 0; i < beams; ++i) {
     scan.counters.hits += causes[i] == Cause::returned;
     if (plan.signals()) ++scan.counters.causes[static_cast<size_t>(causes[i])];
-    if (!scan.causes.empty()) scan.causes[i] = static_cast<uint8_t>(causes[i]);
   }
   scan.counters.misses = beams - scan.counters.hits;
   scan.timings.wallMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
