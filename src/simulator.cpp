@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "gnosphere/error.hpp"
-#include "output/computed_columns.hpp"
 #include "pipeline/backend.hpp"
+#include "scan/computed_columns.hpp"
 
 namespace gnosphere {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "cloud_support.hpp"
 #include "output/cloud_table.hpp"
-#include "output/computed_columns.hpp"
+#include "scan/computed_columns.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "output/scan_columns.hpp"
+#include "scan/columns.hpp"
 
 namespace gnosphere::test {
 

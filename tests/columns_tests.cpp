@@ -9,7 +9,7 @@
 
 #include "cloud_support.hpp"
 #include "columns_example.hpp"
-#include "output/fields.hpp"
+#include "scan/fields.hpp"
 #include "support.hpp"
 
 using namespace gnosphere;

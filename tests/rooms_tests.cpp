@@ -21,13 +21,14 @@ const std::map<std::string, Names> kRooms = {
     {"base", {}},
     {"scene", {"base"}},
     {"sensor", {"base"}},
-    {"output", {"base", "sensor"}},
+    {"scan", {"base", "sensor"}},
+    {"output", {"base", "scan"}},
     {"geometry", {"base"}},
     {"effects", {"base", "sensor", "geometry"}},
-    {"pipeline", {"base", "sensor", "geometry", "effects"}},
+    {"pipeline", {"base", "sensor", "scan", "geometry", "effects"}},
     {"vulkan", {"base", "geometry", "effects", "pipeline"}},
     {"cuda", {"base", "geometry", "effects", "pipeline"}},
-    {"reference", {"base", "sensor", "effects", "pipeline/backend.hpp"}},
+    {"reference", {"base", "sensor", "scan", "effects", "pipeline/backend.hpp"}},
     {"eval", {"base", "output"}},
 };
 

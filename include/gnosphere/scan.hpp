@@ -189,8 +189,8 @@ struct Scan {
   Timings timings;
 
   /// The values of a field; T is float, uint32_t, uint16_t or uint8_t, as fieldInfo() says. Where an entry has no value
-  /// they are NaN, kNoTriangle in indices, and 0 in other integers. Throws Error(invalidArgument) for a field that the
-  /// scan does not have, for another type than the field's, and for a component that it does not have.
+  /// they are NaN, kNoTriangle in indices, and 0 in velocities and other integers. Throws Error(invalidArgument) for a
+  /// field that the scan does not have, for another type than the field's, and for a component that it does not have.
   template <typename T>
   ColumnView<T> column(Field field, uint32_t component = 0) const {
     const RawColumn raw = find(field, component, valueTypeOf<T>());

@@ -6,7 +6,7 @@
 #include "base/file.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_table.hpp"
-#include "output/scan_columns.hpp"
+#include "scan/columns.hpp"
 
 namespace gnosphere {
 namespace {

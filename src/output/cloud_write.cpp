@@ -4,8 +4,9 @@
 #include <cstring>
 
 #include "base/file.hpp"
-#include "output/fields.hpp"
+#include "output/cloud_format.hpp"
 #include "output/rows.hpp"
+#include "scan/fields.hpp"
 
 namespace gnosphere {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "base/threads.hpp"
 #include "gnosphere/error.hpp"
-#include "output/computed_columns.hpp"
-#include "output/fields.hpp"
-#include "output/scan_columns.hpp"
+#include "scan/columns.hpp"
+#include "scan/computed_columns.hpp"
+#include "scan/fields.hpp"
 
 namespace gnosphere {
 namespace {

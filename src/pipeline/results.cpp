@@ -10,8 +10,8 @@
 
 #include "base/threads.hpp"
 #include "effects/trajectory.hpp"
-#include "output/scan_columns.hpp"
 #include "pipeline/resolve_words.hpp"
+#include "scan/columns.hpp"
 
 namespace gnosphere {
 namespace {

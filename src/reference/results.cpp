@@ -2,7 +2,7 @@
 #include "reference/results.hpp"
 
 #include "effects/trajectory.hpp"
-#include "output/scan_columns.hpp"
+#include "scan/columns.hpp"
 
 namespace gnosphere::reference {
 

@@ -8,7 +8,7 @@
 #include "console.hpp"
 #include "effect_options.hpp"
 #include "max_error.hpp"
-#include "output/fields.hpp"
+#include "output/cloud_format.hpp"
 #include "scan_report.hpp"
 #include "scan_trajectory.hpp"
 #include "scanning.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "output/scan_columns.hpp"
+#include "scan/columns.hpp"
 
 #include "gnosphere/error.hpp"
-#include "output/fields.hpp"
+#include "scan/fields.hpp"
 
 namespace gnosphere {
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a cloud file may hold, and which kinds of file there are.
+// What a scan and a cloud file may hold, and how numbers are laid out.
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
+#include <cstddef>
 #include <span>
 #include <string_view>
 
@@ -36,14 +35,5 @@ std::span<const ColumnInfo> allColumns();
 std::vector<ColumnInfo> columnsOf(const std::vector<Field>& fields);
 /// By name, whatever the case; null for a name that is not one of ours.
 const ColumnInfo* findColumn(std::string_view name);
-
-enum class CloudFormat { pcd, ply, kitti, npy, csv };
-/// By the ending. Throws Error(invalidArgument) with the endings there are.
-CloudFormat cloudFormat(const std::filesystem::path& file);
-
-/// A cloud that keeps only some beams says in a comment of PCD and PLY which grid they come from, and how many returns
-/// a beam may have where that is more than one.
-inline constexpr const char* kGridComment = "gnosphere columns %u channels %u";
-inline constexpr const char* kGridCommentReturns = "gnosphere columns %u channels %u returns %u";
 
 }  // namespace gnosphere

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "output/computed_columns.hpp"
+#include "scan/computed_columns.hpp"
 
 #include "gnosphere/error.hpp"
-#include "output/scan_columns.hpp"
+#include "scan/columns.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "output/fields.hpp"
+#include "scan/fields.hpp"
 
 #include <algorithm>
 #include <array>
@@ -130,17 +130,6 @@ std::vector<Field> parseFields(const std::string& names) {
     begin = end + 1;
   }
   return fields;
-}
-
-CloudFormat cloudFormat(const std::filesystem::path& file) {
-  const std::string ending = lower(file.extension().string());
-  if (ending == ".pcd") return CloudFormat::pcd;
-  if (ending == ".ply") return CloudFormat::ply;
-  if (ending == ".bin") return CloudFormat::kitti;
-  if (ending == ".npy") return CloudFormat::npy;
-  if (ending == ".csv") return CloudFormat::csv;
-  throw Error(ErrorCode::invalidArgument, file.string() + ": the ending says which kind of cloud it is; there are " +
-                                              ".pcd, .ply, .bin (KITTI), .npy and .csv");
 }
 
 }  // namespace gnosphere
