@@ -149,7 +149,7 @@ TEST_CASE("an include that points upward is told with the rule it breaks") {
   CHECK(rule("base/file.hpp", "geometry/cone.hpp") == "base may include nothing");
   CHECK(rule("reference/beam.cpp", "pipeline/backend.hpp").empty());
   CHECK(rule("reference/beam.cpp", "pipeline/results.hpp") ==
-        "reference may include base, effects, pipeline/backend.hpp, sensor");
+        "reference may include base, effects, pipeline/backend.hpp, scan, sensor");
   CHECK(rule("vulkan/kernels.cpp", "bin.spv.h").empty());
   CHECK_FALSE(rule("effects/setup.cpp", "bin.spv.h").empty());
   CHECK_FALSE(rule("geometry/flatten.cpp", "cone.hpp").empty());
