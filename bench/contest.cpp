@@ -239,17 +239,24 @@ Agreement agreementOf(const Scan& ours, const Scan& other) {
     agreement.hits = agreement.beams;
     return agreement;
   }
-  const bool labels = !ours.labels.empty() && ours.labels.size() == other.labels.size();
-  const bool intensities = !ours.intensities.empty() && ours.intensities.size() == other.intensities.size();
+  const auto both = [&](Field field) { return ours.has(field) && other.has(field); };
+  ColumnView<uint8_t> labels, otherLabels;
+  if (both(Field::label))
+    labels = ours.column<uint8_t>(Field::label), otherLabels = other.column<uint8_t>(Field::label);
+  ColumnView<float> intensities, otherIntensities;
+  if (both(Field::intensity)) {
+    intensities = ours.column<float>(Field::intensity);
+    otherIntensities = other.column<float>(Field::intensity);
+  }
   for (size_t beam = 0; beam < ours.ranges.size(); ++beam) {
     const double a = ours.ranges[beam], b = other.ranges[beam];
     if (std::isnan(a) != std::isnan(b))
       ++agreement.hits;
     else if (!std::isnan(a) && !(std::abs(a - b) <= 1e-3 + 1e-4 * a))
       ++agreement.ranges;
-    else if (labels && ours.labels[beam] != other.labels[beam])
+    else if (!labels.empty() && labels[beam] != otherLabels[beam])
       ++agreement.signals;
-    else if (intensities && !near(ours.intensities[beam], other.intensities[beam]))
+    else if (!intensities.empty() && !near(intensities[beam], otherIntensities[beam]))
       ++agreement.signals;
   }
   return agreement;

@@ -8,6 +8,7 @@
 #include "effects/sensor_plan.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
+#include "scan/computed_columns.hpp"
 #include "scene/validate.hpp"
 
 namespace gnosphere {
@@ -166,8 +167,9 @@ class Simulator::Impl {
     for (const Instance& instance : scene.instances) keep(instance.mesh, instance.classId);
     for (const SensorRequest& request : sensors) {
       validate(request.sensor);
+      computed_.emplace_back(request.sensor, request.fields);
       plans_.push_back(planner_.plan(scene_, request, plans_.size(), false));
-      requests_.push_back(std::make_shared<const SensorRequest>(request));
+      requests_.push_back(request);
       sensors_.take();
     }
     stale_ = false;
@@ -179,13 +181,12 @@ class Simulator::Impl {
     for (size_t i = 0; i < shots.size(); ++i)
       check(shots[i], shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
     backend_->scanAll(shots, result, [&](size_t i) {
-      const auto& request = requests_[shots[i].sensor];
-      result.model = std::shared_ptr<const Sensor>(request, &request->sensor);
-      result.classes = classes_;
-      result.sensor = request->sensor.name;
-      result.columns = request->sensor.columns;
-      result.channels = static_cast<uint32_t>(request->sensor.channels.size());
+      const Sensor& sensor = requests_[shots[i].sensor].sensor;
+      result.sensor = sensor.name;
+      result.columns = sensor.columns;
+      result.channels = static_cast<uint32_t>(sensor.channels.size());
       result.pose = shots[i].pose;
+      computed_[shots[i].sensor].set(classes_, result);
       receive(i);
     });
   }
@@ -194,12 +195,15 @@ class Simulator::Impl {
     validate(request.sensor);
     const size_t index = sensors_.next();
     auto plan = planner_.plan(scene_, request, index, false);
+    ComputedColumns computed(request.sensor, request.fields);
     backend_->setSensor(index, plan);
     sensors_.take();
     plans_.resize(sensors_.size());
     requests_.resize(sensors_.size());
+    computed_.resize(sensors_.size());
     plans_[index] = std::move(plan);
-    requests_[index] = std::make_shared<const SensorRequest>(request);
+    requests_[index] = request;
+    computed_[index] = std::move(computed);
     return index;
   }
 
@@ -207,7 +211,8 @@ class Simulator::Impl {
     sensors_.check(index);
     backend_->setSensor(index, nullptr);
     plans_[index].reset();
-    requests_[index].reset();
+    requests_[index] = {};
+    computed_[index] = {};
     sensors_.giveBack(index);
   }
 
@@ -333,7 +338,7 @@ class Simulator::Impl {
     if (!stale_) return;
     for (size_t i = 0; i < plans_.size(); ++i) {
       if (!plans_[i]) continue;
-      auto plan = planner_.plan(scene_, *requests_[i], i, true);
+      auto plan = planner_.plan(scene_, requests_[i], i, true);
       if (!sameArrays(*plans_[i], *plan)) backend_->setSensor(i, plan);
       plans_[i] = std::move(plan);
     }
@@ -363,10 +368,8 @@ class Simulator::Impl {
     scene_.instances[index].mesh = mesh;
     placedTriangles_ += trianglesOf(mesh);
     stale_ |= meshes_.uses(mesh)++ == 0;
-    // Scans that were handed out keep the classes of their time.
-    if (classes_.use_count() > 1) classes_ = std::make_shared<std::vector<uint16_t>>(*classes_);
-    classes_->resize(instances_.size());
-    (*classes_)[index] = classId;
+    classes_.resize(instances_.size());
+    classes_[index] = classId;
     return index;
   }
 
@@ -376,9 +379,10 @@ class Simulator::Impl {
   Slots materials_{"material"}, meshes_{"mesh"}, instances_{"instance"}, sensors_{"sensor"};
   std::vector<size_t> vertexCounts_;  // by mesh
   uint64_t placedTriangles_ = 0;
-  std::shared_ptr<std::vector<uint16_t>> classes_ = std::make_shared<std::vector<uint16_t>>();  // by instance
-  std::vector<std::shared_ptr<const SensorRequest>> requests_;                                  // by sensor
-  SensorPlans plans_;                                                                           // by sensor
+  std::vector<uint16_t> classes_;          // by instance
+  std::vector<SensorRequest> requests_;    // by sensor
+  std::vector<ComputedColumns> computed_;  // by sensor
+  SensorPlans plans_;                      // by sensor
   bool stale_ = false;  // the scene may show other materials than when the sensors were planned
   std::unique_ptr<Backend> backend_;
 };

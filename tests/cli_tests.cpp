@@ -134,7 +134,7 @@ TEST_CASE("compare ends with 0 for the same cloud and 1 for another") {
 
   gnosphere::Scan scan = gnosphere::readCloud(place / "a.pcd");
   for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
-    if (!scan.hit(beam) || scan.ties[beam]) continue;
+    if (!scan.hit(beam) || scan.column<uint8_t>(gnosphere::Field::tie)[beam]) continue;
     scan.ranges[beam] += 1;
     break;
   }

@@ -4,11 +4,13 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <map>
 #include <numbers>
 #include <numeric>
 
 #include "cloud_support.hpp"
 #include "output/cloud_table.hpp"
+#include "scan/computed_columns.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -32,11 +34,13 @@ Sensor smallSensor() {
   return sensor;
 }
 
-/// Four columns, two channels; every array is filled. The return of beam 2 is of the medium.
+constexpr Field kFloats[] = {Field::tolerance, Field::intensity,    Field::trueRange, Field::width,      Field::normal,
+                             Field::incidence, Field::barycentrics, Field::velocity,  Field::radialSpeed};
+const std::vector<Field> kComputed = {Field::classId, Field::time, Field::azimuth, Field::elevation};
+
+/// Four columns, two channels; every column is there. The return of beam 2 is of the medium.
 Scan full(uint32_t returns) {
   Scan scan;
-  scan.model = std::make_shared<const Sensor>(smallSensor());
-  scan.classes = std::make_shared<const std::vector<uint16_t>>(std::vector<uint16_t>{500, 1, 65535});
   scan.sensor = "small";
   scan.columns = 4;
   scan.channels = 2;
@@ -46,26 +50,31 @@ Scan full(uint32_t returns) {
     for (size_t i = 0; i < count; ++i) to.push_back(is ? next += 1.7f : std::nanf(""));
   };
   constexpr uint32_t kCounts[] = {2, 0, 1, 5, 0, 1, 2, 1};
+  std::map<Field, std::vector<float>> floats;
+  std::vector<uint32_t> materials;
+  std::vector<uint8_t> ties, labels, causes;
   for (uint32_t beam = 0; beam < 8; ++beam) {
     const uint32_t count = std::min(kCounts[beam], returns);
-    scan.causes.push_back(static_cast<uint8_t>(count > 0 ? Cause::returned : Cause::weak));
     for (uint32_t k = 0; k < returns; ++k) {
       const bool is = k < count;
       const bool scattered = is && beam == 2;
       add(is, scan.points, 3);
-      for (auto* array : {&scan.ranges, &scan.tolerances, &scan.intensities, &scan.trueRanges, &scan.widths,
-                          &scan.incidences, &scan.radialSpeeds})
-        add(is, *array);
-      add(is, scan.normals, 3);
-      add(is, scan.velocities, 3);
-      add(is, scan.barycentrics, 2);
+      add(is, scan.ranges);
+      for (const Field field : kFloats) add(is, floats[field], fieldInfo(field).components);
       scan.triangles.push_back(is && !scattered ? 10 * beam + k : kNoTriangle);
       scan.instances.push_back(is && !scattered ? beam / 2 : kNoTriangle);
-      scan.materials.push_back(is && !scattered ? 3 : kNoTriangle);
-      scan.labels.push_back(static_cast<uint8_t>(!is ? Label::none : scattered ? Label::scatter : Label::solid));
-      scan.ties.push_back(is && beam == 5);
+      materials.push_back(is && !scattered ? 3 : kNoTriangle);
+      labels.push_back(static_cast<uint8_t>(!is ? Label::none : scattered ? Label::scatter : Label::solid));
+      causes.push_back(static_cast<uint8_t>(count > 0 ? Cause::returned : Cause::weak));
+      ties.push_back(is && beam == 5);
     }
   }
+  for (const auto& [field, values] : floats) setColumn(scan, field, values);
+  setColumn(scan, Field::material, materials);
+  setColumn(scan, Field::label, labels);
+  setColumn(scan, Field::cause, causes);
+  setColumn(scan, Field::tie, ties);
+  ComputedColumns(smallSensor(), kComputed).set({500, 1, 65535}, scan);
   return scan;
 }
 
@@ -96,13 +105,21 @@ TEST_CASE("every field and every return reads back to the same bits from every f
   CHECK(back.columns == 4);
   CHECK(back.channels == 2);
   CHECK(sameFloats(back.points, scan.points));
-  for (const auto array :
-       {&Scan::ranges, &Scan::tolerances, &Scan::intensities, &Scan::trueRanges, &Scan::widths, &Scan::normals,
-        &Scan::incidences, &Scan::barycentrics, &Scan::velocities, &Scan::radialSpeeds})
-    CHECK(sameFloats(back.*array, scan.*array));
-  for (const auto array : {&Scan::triangles, &Scan::instances, &Scan::materials}) CHECK(back.*array == scan.*array);
-  for (const auto array : {&Scan::ties, &Scan::labels}) CHECK(back.*array == scan.*array);
-  CHECK(back.causes == (returns == 1 ? scan.causes : std::vector<uint8_t>{}));
+  CHECK(sameFloats(back.ranges, scan.ranges));
+  for (const Field field : kFloats) CHECK(sameFloats(valuesOf<float>(back, field), valuesOf<float>(scan, field)));
+  for (const Field field : {Field::triangle, Field::instance, Field::material})
+    CHECK(valuesOf<uint32_t>(back, field) == valuesOf<uint32_t>(scan, field));
+  for (const Field field : {Field::tie, Field::label})
+    CHECK(valuesOf<uint8_t>(back, field) == valuesOf<uint8_t>(scan, field));
+  CHECK(valuesOf<uint16_t>(back, Field::classId) == valuesOf<uint16_t>(scan, Field::classId));
+  // A file of several returns has no rows of beams without any.
+  CHECK(back.has(Field::cause) == (returns == 1));
+  if (returns == 1) CHECK(valuesOf<uint8_t>(back, Field::cause) == valuesOf<uint8_t>(scan, Field::cause));
+  for (const Field field : {Field::time, Field::azimuth, Field::elevation})
+    for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
+      if (returns == 1 || scan.returned(entry))
+        CHECK(back.column<float>(field)[entry] == scan.column<float>(field)[entry]);
+    }
   CHECK(back.counters.hits == 6);
   CHECK(compare(scan, back).same());
 }
@@ -183,8 +200,8 @@ TEST_CASE("a KITTI file's fourth value is the intensity where there is one") {
   const std::string bytes = bytesOf(folder / "a.bin");
   REQUIRE(bytes.size() == 9 * 16);
   CHECK(at<float>(bytes, 16) == scan.points[3]);
-  CHECK(at<float>(bytes, 16 + 12) == scan.intensities[1]);
-  CHECK(at<float>(bytes, 2 * 16 + 12) == scan.intensities[4]);
+  CHECK(at<float>(bytes, 16 + 12) == scan.column<float>(Field::intensity)[1]);
+  CHECK(at<float>(bytes, 2 * 16 + 12) == scan.column<float>(Field::intensity)[4]);
 }
 
 TEST_CASE("Python reads the fields of an NPY cloud by the rules of the format") {
@@ -221,10 +238,9 @@ TEST_CASE("a field that the scan lacks is refused with the way to it") {
     return std::string("nothing was wrong");
   };
   for (const char* field : {"intensity", "true_range", "cause", "label", "width", "normal", "incidence", "material",
-                            "barycentrics", "velocity", "radial_speed"})
-    CHECK_THAT(problem(field), ContainsSubstring(std::string("'") + field + "'; it must be asked for before the scan"));
-  for (const char* field : {"class", "time", "azimuth", "elevation"})
-    CHECK_THAT(problem(field), ContainsSubstring("the scan has no field '" + std::string(field) + "'"));
+                            "barycentrics", "velocity", "radial_speed", "class", "time", "azimuth", "elevation"})
+    CHECK_THAT(problem(field), ContainsSubstring("the scan has no field '" + std::string(field) +
+                                                 "': it was not asked for; add it to the fields of the sensor"));
   CHECK(folder.fileCount() == 0);
 }
 
@@ -256,9 +272,9 @@ TEST_CASE("clouds are compared return by return") {
   other.ranges[4] += 0.5f;           // beam 2's first, of the medium
   other.ranges[13] = std::nanf("");  // beam 6's second
   other.triangles[13] = other.instances[13] = kNoTriangle;
-  other.tolerances = {};
+  ScanColumns(other).make(Field::tolerance, false);
   Scan exact = reference;
-  exact.tolerances = {};
+  ScanColumns(exact).make(Field::tolerance, false);
   const Comparison difference = compare(exact, other);
   CHECK(difference.beams == 8);
   CHECK(difference.wrongOwner == 1);
@@ -274,32 +290,4 @@ TEST_CASE("clouds are compared return by return") {
   first.triangles.resize(8), first.instances.resize(8), first.ranges.resize(8);
   CHECK(compare(reference, first).missed == 3);
   CHECK(compare(reference, first).wrongOwner == 0);
-}
-
-TEST_CASE("a simulator's scan knows its sensor and its instances' classes") {
-  Scene scene;
-  scene.materials.emplace_back();
-  Mesh wall;
-  wall.positions = {-5, -50, -50, -5, 50, -50, -5, 0, 80};
-  wall.indices = {0, 1, 2};
-  wall.parts = {{0, 1, 0}};
-  scene.meshes = {wall};
-  scene.instances = {{"wall", 0, {}, 9}};
-  SimulatorOptions options;
-  options.device = DeviceChoice::Kind::reference;
-  Simulator simulator(scene, {smallSensor(), Effects::none()}, options);
-  const Scan before = simulator.scan({});
-  REQUIRE(before.model);
-  CHECK(before.model->rotationPeriod == 0.1);
-  REQUIRE(before.classes);
-  CHECK(*before.classes == std::vector<uint16_t>{9});
-  const Transform further = {{1, 0, 0, -10, 0, 1, 0, 0, 0, 0, 1, 0}};
-  CHECK(simulator.addInstance(0, further, 4) == 1);
-  simulator.removeInstance(0);
-  CHECK(simulator.addInstance(0, further) == 0);
-  CHECK(*before.classes == std::vector<uint16_t>{9});
-  CHECK(*simulator.scan({}).classes == std::vector<uint16_t>{0, 4});
-  const Folder folder;
-  writeCloud(before, folder / "a.csv", withFields("class,instance"));
-  CHECK_THAT(bytesOf(folder / "a.csv"), ContainsSubstring("\n9,0\n"));
 }

@@ -79,8 +79,8 @@ TEST_CASE("ties and tolerances of the reference are written and read") {
   options.fields = parseFields("tolerance,tie,instance,triangle,beam,range");
   writeCloud(tiny(), folder / ("a." + ending), options);
   const Scan back = readCloud(folder / ("a." + ending));
-  CHECK(back.ties == tiny().ties);
-  CHECK(sameFloats(back.tolerances, tiny().tolerances));
+  CHECK(valuesOf<uint8_t>(back, Field::tie) == valuesOf<uint8_t>(tiny(), Field::tie));
+  CHECK(sameFloats(valuesOf<float>(back, Field::tolerance), valuesOf<float>(tiny(), Field::tolerance)));
   CHECK(back.points.empty());
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <string>
 
+#include "columns.hpp"
 #include "folder.hpp"
 #include "gnosphere/gnosphere.hpp"
 
@@ -26,6 +27,8 @@ inline Scan tiny() {
   scan.sensor = "tiny";
   scan.columns = 3;
   scan.channels = 2;
+  std::vector<uint8_t> ties;
+  std::vector<float> tolerances;
   for (uint32_t beam = 0; beam < 6; ++beam) {
     const auto f = static_cast<float>(beam);
     const bool hit = beam != 4;
@@ -34,9 +37,11 @@ inline Scan tiny() {
     scan.ranges.push_back(hit ? f + 1 : nan);
     scan.triangles.push_back(hit ? 100 + beam : kNoTriangle);
     scan.instances.push_back(hit ? 7 : kNoTriangle);
-    scan.ties.push_back(beam == 2);
-    scan.tolerances.push_back(hit ? 1e-5f : nan);
+    ties.push_back(beam == 2);
+    tolerances.push_back(hit ? 1e-5f : nan);
   }
+  setColumn(scan, Field::tie, ties);
+  setColumn(scan, Field::tolerance, tolerances);
   return scan;
 }
 

@@ -3,6 +3,7 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 
+#include "columns.hpp"
 #include "synthetic_scan.hpp"
 
 using namespace gnosphere;
@@ -69,7 +70,8 @@ TEST_CASE("every kind of difference is counted where it belongs") {
 
 TEST_CASE("beams that the reference marks as ties are counted apart") {
   Scan reference = street();
-  reference.ties.assign(reference.beamCount(), 0);
+  ScanColumns columns(reference);
+  columns.fill(Field::tie, uint8_t{0});
   Scan other = reference;
   const size_t missed = nthHit(reference, 0), invented = nthMiss(reference, 0), owner = nthHit(reference, 10),
                untouched = nthHit(reference, 11);
@@ -77,7 +79,7 @@ TEST_CASE("beams that the reference marks as ties are counted apart") {
   makeHit(other, invented, 5, 1);
   other.triangles[owner] += 1;
   other.ranges[owner] += 3;
-  for (size_t beam : {missed, invented, owner, untouched}) reference.ties[beam] = 1;
+  for (size_t beam : {missed, invented, owner, untouched}) columns.data<uint8_t>(Field::tie)[beam] = 1;
   const Comparison result = compare(reference, other);
   CHECK(result.same());
   CHECK(result.ties == 4);
@@ -97,11 +99,11 @@ TEST_CASE("the reference's tolerance of a beam goes before the constant one") {
   other.ranges[beam] += 0.01f;
   CHECK(compare(reference, other, 0.02).wrongRange == 0);
   CHECK(compare(reference, other, 0.005).wrongRange == 1);
-  reference.tolerances.assign(reference.beamCount(), 0.02f);
+  ScanColumns(reference).fill(Field::tolerance, 0.02f);
   CHECK(compare(reference, other, 0.005).wrongRange == 0);
-  reference.tolerances.assign(reference.beamCount(), 0.005f);
+  ScanColumns(reference).fill(Field::tolerance, 0.005f);
   CHECK(compare(reference, other, 0.02).wrongRange == 1);
-  reference.tolerances.assign(reference.beamCount(), std::nanf(""));  // states none
+  ScanColumns(reference).fill(Field::tolerance, std::nanf(""));  // states none
   CHECK(compare(reference, other, 0.02).wrongRange == 0);
   CHECK(compare(reference, other, 0.005).wrongRange == 1);
 }

@@ -4,6 +4,7 @@
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
+#include "columns.hpp"
 #include "console.hpp"
 #include "contest.hpp"
 #include "cuda/twin.hpp"
@@ -278,11 +279,11 @@ TEST_CASE("answers agree within 1 mm and a ten-thousandth of the range, hits and
 
 TEST_CASE("where both tell them, labels and intensities are compared, too") {
   Scan ours = scanWith({10, 10, 10, 10, kNaN}), other = ours;
-  ours.labels = {1, 1, 1, 1, 0};
-  ours.intensities = {0.5f, 0.5f, 0.5f, kNaN, kNaN};
+  test::setColumn<uint8_t>(ours, Field::label, {1, 1, 1, 1, 0});
+  test::setColumn<float>(ours, Field::intensity, {0.5f, 0.5f, 0.5f, kNaN, kNaN});
   CHECK(agreementOf(ours, other).differ() == 0);  // the other tells none
-  other.labels = {1, 2, 1, 1, 0};
-  other.intensities = {0.5014f, 0.5f, 0.5016f, 0, kNaN};
+  test::setColumn<uint8_t>(other, Field::label, {1, 2, 1, 1, 0});
+  test::setColumn<float>(other, Field::intensity, {0.5014f, 0.5f, 0.5016f, 0, kNaN});
   const Agreement agreement = agreementOf(ours, other);
   CHECK(agreement.signals == 3);
   CHECK(agreement.differ() == 3);

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "columns.hpp"
 #include "cuda/twin.hpp"
 #include "oracle/oracle.hpp"
 #include "support.hpp"
@@ -67,12 +68,14 @@ struct Verdict {
 };
 
 inline void addErrors(const Scan& reference, const Scan& standard, Verdict& verdict) {
+  const auto ties = reference.column<uint8_t>(Field::tie);
+  const auto tolerances = reference.column<float>(Field::tolerance);
   for (size_t b = 0; b < reference.beamCount(); ++b) {
     verdict.hits += reference.hit(b);
-    verdict.ties += reference.ties[b];
-    if (reference.ties[b] || !reference.hit(b)) continue;
+    verdict.ties += ties[b];
+    if (ties[b] || !reference.hit(b)) continue;
     const double error = std::abs(double(reference.ranges[b]) - standard.ranges[b]);
-    verdict.errorOfBound = std::max(verdict.errorOfBound, error / reference.tolerances[b]);
+    verdict.errorOfBound = std::max(verdict.errorOfBound, error / tolerances[b]);
     verdict.error = std::max(verdict.error, error);
     verdict.errorOfRange = std::max(verdict.errorOfRange, error / reference.ranges[b]);
   }
@@ -136,7 +139,7 @@ inline Verdict requireRight(const Family& family, Faces faces = Faces::material)
     twin.require(visit.pose, visit.sensor, truth, decided);
     addErrors(truth, rounded, verdict);
     Scan judge = truth;
-    if (family.everyHitTies) judge.ties.assign(judge.ties.size(), 0);
+    if (family.everyHitTies) ScanColumns(judge).fill(Field::tie, uint8_t{0});
     verdict.paperWrong += !compare(judge, paper.scan(visit.pose, visit.sensor)).same();
   }
   report(family, verdict);

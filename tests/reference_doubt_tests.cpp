@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the oracle calls doubtful: a plain single-precision simulator must stay within its ties and tolerances.
+#include "columns.hpp"
 #include "reference_support.hpp"
 
 using namespace gnosphere;
@@ -67,10 +68,11 @@ Scan singlePrecision(const Scene& scene, const Sensor& sensor, const Pose& pose)
 /// Every beam outside ties has the same owner, and its range within the tolerance.
 void requireAllowed(const Scan& truth, const Scan& other) {
   for (size_t i = 0; i < truth.beamCount(); ++i) {
-    if (truth.ties[i]) continue;
+    if (truth.column<uint8_t>(Field::tie)[i]) continue;
     INFO("beam " << i);
     REQUIRE(truth.triangles[i] == other.triangles[i]);
-    if (truth.hit(i)) REQUIRE(std::abs(double{truth.ranges[i]} - other.ranges[i]) <= truth.tolerances[i]);
+    if (truth.hit(i))
+      REQUIRE(std::abs(double{truth.ranges[i]} - other.ranges[i]) <= truth.column<float>(Field::tolerance)[i]);
   }
 }
 
@@ -100,7 +102,7 @@ TEST_CASE("a tree built by several tasks misses nothing") {
   const std::vector<QuadVector> corners = cornersOf(scene, pose);
   for (size_t i = 0; i < scan.beamCount(); ++i) {
     const Answer answer = bruteForce(corners, sensor.direction(i), sensor.rangeMax);
-    if (!scan.ties[i]) REQUIRE(scan.triangles[i] == answer.triangle);
+    if (!scan.column<uint8_t>(Field::tie)[i]) REQUIRE(scan.triangles[i] == answer.triangle);
   }
 }
 
@@ -129,7 +131,7 @@ TEST_CASE("corners moved as far as single precision may move them change no beam
       Scan moved;
       for (size_t i = 0; i < truth.beamCount(); ++i) {
         Answer answer;
-        if (!truth.ties[i] && i % 5 == static_cast<size_t>(round))
+        if (!truth.column<uint8_t>(Field::tie)[i] && i % 5 == static_cast<size_t>(round))
           answer = bruteForce(corners, sensor.direction(i), sensor.rangeMax);
         else if (truth.hit(i))
           answer = {truth.triangles[i], truth.ranges[i]};
@@ -149,7 +151,7 @@ TEST_CASE("ties are few and tolerances small on an ordinary scene") {
   const Scan wall =
       scanOf(sceneOf({100, -50, -50, 100, 50, -50, 100, 0, 80}, {0, 1, 2}), aimed({{100, 1, 2}, {100, -20, 9}}));
   REQUIRE(wall.counters.hits == 2);
-  for (float tolerance : wall.tolerances) {
+  for (float tolerance : wall.column<float>(Field::tolerance)) {
     CHECK(tolerance > 1e-6f);
     CHECK(tolerance < 3e-4f);
   }
@@ -165,8 +167,8 @@ TEST_CASE("a beam is a tie within single precision of an edge and not beyond") {
                                         {10, 2 + 0.9 * e, 2},
                                         {10, 2 + 4 * e, 2},
                                         {10, 2, -3}}));
-  CHECK(scan.ties == std::vector<uint8_t>{1, 1, 0, 0, 1, 0, 0});
+  CHECK(valuesOf<uint8_t>(scan, Field::tie) == std::vector<uint8_t>{1, 1, 0, 0, 1, 0, 0});
   CHECK(scan.triangles == std::vector<uint32_t>{kNoTriangle, 1, kNoTriangle, 1, 0, 0, 0});
-  CHECK(std::isnan(scan.tolerances[0]));
-  CHECK(scan.tolerances[1] > 0);
+  CHECK(std::isnan(scan.column<float>(Field::tolerance)[0]));
+  CHECK(scan.column<float>(Field::tolerance)[1] > 0);
 }

@@ -129,7 +129,8 @@ bool same(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 inline size_t tieCount(const Scan& scan) {
-  return static_cast<size_t>(std::count(scan.ties.begin(), scan.ties.end(), 1));
+  const auto ties = scan.column<uint8_t>(Field::tie);
+  return static_cast<size_t>(std::count(ties.begin(), ties.end(), 1));
 }
 
 struct QuadVector {

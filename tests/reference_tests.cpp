@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The oracle judged in its turn, by closed forms and by brute force in quadruple precision.
+#include "columns.hpp"
 #include "reference_support.hpp"
 
 using namespace gnosphere;
@@ -141,7 +142,7 @@ TEST_CASE("owners and ranges are those of brute force in quadruple precision") {
     const reference::SensorFrame frame(pose);
     for (size_t i = 0; i < scan.beamCount(); ++i) {
       const Answer answer = bruteForce(corners, sensor.direction(i), sensor.rangeMax);
-      if (scan.ties[i]) continue;
+      if (scan.column<uint8_t>(Field::tie)[i]) continue;
       REQUIRE(scan.triangles[i] == answer.triangle);
       if (answer.triangle == kNoTriangle) {
         REQUIRE(std::isnan(scan.ranges[i]));
@@ -150,7 +151,7 @@ TEST_CASE("owners and ranges are those of brute force in quadruple precision") {
       const auto range = static_cast<double>(answer.range);
       REQUIRE(scan.ranges[i] == static_cast<float>(range));
       // A beam that grazes makes any formula in double lose as many digits as the tolerance shows for single.
-      const double allowed = std::max(1e-12, 1e-8 * double{scan.tolerances[i]});
+      const double allowed = std::max(1e-12, 1e-8 * double{scan.column<float>(Field::tolerance)[i]});
       Vec3 c[3];
       for (size_t k = 0; k < 3; ++k) {
         const float* p = &scene.meshes[0].positions[9 * answer.triangle + 3 * k];
@@ -185,7 +186,7 @@ TEST_CASE("the range window is inclusive and nearer hits are passed through") {
     Sensor sensor = {"one", 1, {{0, 180}}, w.min, w.max};
     const Scan scan = scanOf(walls, sensor);
     CHECK(scan.triangles[0] == w.owner);
-    CHECK(scan.ties[0] == w.tie);
+    CHECK(scan.column<uint8_t>(Field::tie)[0] == w.tie);
     CHECK(scan.counters.misses == (w.owner == kNoTriangle));
   }
 }
@@ -254,7 +255,7 @@ TEST_CASE("broken triangles are dropped and counted and change nothing else") {
   CHECK(scan.counters.degenerate == 2);
   CHECK(same(scan.ranges, clean.ranges));
   CHECK(same(scan.triangles, clean.triangles));
-  CHECK(same(scan.ties, clean.ties));
+  CHECK(same(valuesOf<uint8_t>(scan, Field::tie), valuesOf<uint8_t>(clean, Field::tie)));
 
   Scene away = cube(1);
   away.instances.push_back({"too far", 0, {{1, 0, 0, 1.5e9, 0, 1, 0, 0, 0, 0, 1, 0}}});
@@ -284,11 +285,11 @@ TEST_CASE("two walls are a tie while their tolerances overlap") {
     return sceneOf({10, -5, -5, 10, 5, -5, 10, 0, 5, far, -5, -5, far, 5, -5, far, 0, 5}, {0, 1, 2, 3, 4, 5});
   };
   const Sensor sensor = aimed({{10, 1, 1}});
-  const float tolerance = scanOf(walls(1), sensor).tolerances[0];
+  const float tolerance = scanOf(walls(1), sensor).column<float>(Field::tolerance)[0];
   for (float overlap : {0.5f, 1.5f, 2.5f}) {
     const Scan scan = scanOf(walls(overlap * tolerance), sensor);
     CHECK(scan.triangles[0] == 0);
-    CHECK(int{scan.ties[0]} == (overlap < 2));
+    CHECK(int{scan.column<uint8_t>(Field::tie)[0]} == (overlap < 2));
   }
 }
 
@@ -306,10 +307,11 @@ TEST_CASE("the order of the triangles changes nothing but their numbers") {
       for (size_t k = 0; k < 3; ++k) mesh.indices[3 * t + k] = before[3 * order[t] + (k + t) % 3];
     const Scan shuffled = scanOf(scene, sensor, pose);
     CHECK(same(scan.ranges, shuffled.ranges));
-    CHECK(same(scan.ties, shuffled.ties));
+    CHECK(same(valuesOf<uint8_t>(scan, Field::tie), valuesOf<uint8_t>(shuffled, Field::tie)));
     for (size_t i = 0; i < scan.beamCount(); ++i) {
       REQUIRE(scan.hit(i) == shuffled.hit(i));
-      if (scan.hit(i) && !scan.ties[i]) REQUIRE(scan.triangles[i] == order[shuffled.triangles[i]]);
+      if (scan.hit(i) && !scan.column<uint8_t>(Field::tie)[i])
+        REQUIRE(scan.triangles[i] == order[shuffled.triangles[i]]);
     }
   }
 }

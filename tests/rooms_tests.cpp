@@ -21,13 +21,14 @@ const std::map<std::string, Names> kRooms = {
     {"base", {}},
     {"scene", {"base"}},
     {"sensor", {"base"}},
-    {"output", {"base", "sensor"}},
+    {"scan", {"base", "sensor"}},
+    {"output", {"base", "scan"}},
     {"geometry", {"base"}},
-    {"effects", {"base", "sensor", "geometry"}},
-    {"pipeline", {"base", "sensor", "geometry", "effects"}},
+    {"effects", {"base", "sensor", "scan", "geometry"}},
+    {"pipeline", {"base", "sensor", "scan", "geometry", "effects"}},
     {"vulkan", {"base", "geometry", "effects", "pipeline"}},
     {"cuda", {"base", "geometry", "effects", "pipeline"}},
-    {"reference", {"base", "sensor", "effects", "pipeline/backend.hpp"}},
+    {"reference", {"base", "sensor", "scan", "effects", "pipeline/backend.hpp"}},
     {"eval", {"base", "output"}},
 };
 
@@ -148,7 +149,7 @@ TEST_CASE("an include that points upward is told with the rule it breaks") {
   CHECK(rule("base/file.hpp", "geometry/cone.hpp") == "base may include nothing");
   CHECK(rule("reference/beam.cpp", "pipeline/backend.hpp").empty());
   CHECK(rule("reference/beam.cpp", "pipeline/results.hpp") ==
-        "reference may include base, effects, pipeline/backend.hpp, sensor");
+        "reference may include base, effects, pipeline/backend.hpp, scan, sensor");
   CHECK(rule("vulkan/kernels.cpp", "bin.spv.h").empty());
   CHECK_FALSE(rule("effects/setup.cpp", "bin.spv.h").empty());
   CHECK_FALSE(rule("geometry/flatten.cpp", "cone.hpp").empty());

@@ -141,16 +141,18 @@ inline Scan referenceOf(const Scene& scene, const Sensor& sensor, const Pose& po
 }
 
 inline std::string firstDifference(const Scan& reference, const Scan& other) {
+  const auto ties = reference.column<uint8_t>(Field::tie);
+  const auto tolerances = reference.column<float>(Field::tolerance);
   for (size_t b = 0; b < reference.beamCount(); ++b) {
-    if (reference.ties[b]) continue;
+    if (ties[b]) continue;
     if (reference.hit(b) == other.hit(b) &&
         (!reference.hit(b) || (reference.triangles[b] == other.triangles[b] &&
-                               std::abs(reference.ranges[b] - other.ranges[b]) <= reference.tolerances[b])))
+                               std::abs(reference.ranges[b] - other.ranges[b]) <= tolerances[b])))
       continue;
     return "beam " + std::to_string(b) + ": triangle " + std::to_string(int64_t(int32_t(reference.triangles[b]))) +
            " at " + std::to_string(reference.ranges[b]) + " m, got " +
            std::to_string(int64_t(int32_t(other.triangles[b]))) + " at " + std::to_string(other.ranges[b]) +
-           " m, tolerance " + std::to_string(reference.tolerances[b]);
+           " m, tolerance " + std::to_string(tolerances[b]);
   }
   return "none";
 }

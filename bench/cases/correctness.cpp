@@ -18,6 +18,12 @@ class Fingerprint {
     const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
     for (size_t i = 0; i < values.size() * sizeof(T); ++i) hash_ = (hash_ ^ bytes[i]) * 0x100000001b3ull;
   }
+  template <typename T>
+  void add(const Scan& scan, Field field) {
+    if (!scan.has(field)) return;
+    const auto column = scan.column<T>(field);
+    add(std::vector<T>(column.begin(), column.end()));
+  }
   std::string text() const { return cli::formatted("%016llx", static_cast<unsigned long long>(hash_)); }
 
  private:
@@ -30,9 +36,9 @@ std::string fingerprintOf(const Scan& scan) {
   print.add(scan.ranges);
   print.add(scan.triangles);
   print.add(scan.instances);
-  print.add(scan.intensities);
-  print.add(scan.labels);
-  print.add(scan.radialSpeeds);
+  print.add<float>(scan, Field::intensity);
+  print.add<uint8_t>(scan, Field::label);
+  print.add<float>(scan, Field::radialSpeed);
   return print.text();
 }
 

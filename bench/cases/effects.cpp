@@ -83,12 +83,14 @@ Json made(const Simulator& simulator) {
 /// The surfaces that `scan` returns are where the bare scan has them, bit by bit.
 void checkSame(const std::string& who, const Scan& bare, const Scan& scan) {
   size_t solid = 0;
-  for (size_t beam = 0; beam < scan.labels.size(); ++beam) {
-    if (scan.labels[beam] != static_cast<uint8_t>(Label::solid)) continue;
+  const auto labels = scan.column<uint8_t>(Field::label);
+  const auto trueRanges = scan.column<float>(Field::trueRange);
+  for (size_t beam = 0; beam < labels.size(); ++beam) {
+    if (labels[beam] != static_cast<uint8_t>(Label::solid)) continue;
     ++solid;
-    if (std::bit_cast<uint32_t>(scan.trueRanges[beam]) != std::bit_cast<uint32_t>(bare.ranges[beam]))
+    if (std::bit_cast<uint32_t>(trueRanges[beam]) != std::bit_cast<uint32_t>(bare.ranges[beam]))
       refuse(who, formatted("beam %zu meets a surface at %.9g m, a bare scan at %.9g m", beam,
-                            static_cast<double>(scan.trueRanges[beam]), static_cast<double>(bare.ranges[beam])));
+                            static_cast<double>(trueRanges[beam]), static_cast<double>(bare.ranges[beam])));
   }
   if (solid == 0) refuse(who, "no beam meets a surface");
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,31 @@ namespace gnosphere {
 /// Throws Error(invalidArgument) that lists the names there are.
 GNOSPHERE_API std::vector<Field> parseFields(const std::string& names);
 GNOSPHERE_API const std::vector<Field>& defaultFields();  ///< x y z range ring beam triangle instance
+
+/// How a row lies in memory: which values, and where.
+struct RecordLayout {
+  struct Value {
+    Field field = Field::x;
+    uint32_t component = 0;
+    size_t offset = 0;  ///< bytes from the start of the row; no alignment is needed
+    /// The field's own type, or one that holds each of its values: f64 holds all, f32 those of u8 and u16, and an
+    /// unsigned integer those of a shorter one.
+    ValueType type = ValueType::f32;
+  };
+  std::vector<Value> values;
+  size_t stride = 0;  ///< bytes from row to row; what no value covers is left as it is
+  /// A row per return that came back; otherwise a row per entry of the scan.
+  bool compact = false;
+};
+
+/// The fields one after the other without a gap, each component in the field's own type.
+GNOSPHERE_API RecordLayout layoutOf(const std::vector<Field>& fields);
+
+/// Writes rows of the scan from the start of `out`, and returns how many; ranges.size() * stride bytes always suffice.
+/// ring, beam, returnNumber and returnCount need not have been asked for. Throws Error(invalidArgument), before
+/// anything is written, for a field that the scan does not have, a type that does not hold it, values that overlap or
+/// reach beyond the stride, and for too small a buffer with the bytes that it needs.
+GNOSPHERE_API size_t pack(const Scan& scan, const RecordLayout& layout, std::span<std::byte> out);
 
 struct CloudOptions {
   std::vector<Field> fields;  ///< none: defaultFields(), and the return numbers and counts where beams have several
@@ -32,9 +59,10 @@ GNOSPHERE_API void writeCloud(const Scan& scan, const std::filesystem::path& fil
 /// shows the first of each beam.
 GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& file);
 
-/// Reads a PCD, PLY, NPY or CSV cloud with the fields that writeCloud() gave it, but for those that follow from others
-/// (class, time, azimuth, elevation); organised by `beam`, and by `return` where beams have several, where the file has
-/// those fields. Throws Error(file) or Error(format), Error(invalidArgument) for an ending it does not read.
+/// Reads a PCD, PLY, NPY or CSV cloud with the fields that writeCloud() gave it, but for ring, beam, returnNumber and
+/// returnCount, which follow from the index of an entry; organised by `beam`, and by `return` where beams have several,
+/// where the file has those fields. Of several returns it leaves out `cause`, as such a file says nothing of beams
+/// without any. Throws Error(file) or Error(format), Error(invalidArgument) for an ending it does not read.
 GNOSPHERE_API Scan readCloud(const std::filesystem::path& file);
 
 /// How two clouds of the same beams differ, beam by beam, and return by return where there are several; `reference` is

@@ -159,7 +159,7 @@ struct SimulatorOptions {
 struct SensorRequest {
   Sensor sensor;
   Effects effects;  ///< by default whatever the scene and the sensor call for; Effects::none(): geometry alone
-  /// What a scan holds beyond points, ranges and owners.
+  /// What a scan holds beyond points, ranges and owners: the columns of Scan::column().
   std::vector<Field> fields;
   /// Shots bring their own weather: fog, rain, snow and volumes are in the plan, unless they are off, even if `effects`
   /// states none.

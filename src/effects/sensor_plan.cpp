@@ -9,6 +9,7 @@
 #include "effects/decide.hpp"
 #include "effects/noise.h"
 #include "gnosphere/error.hpp"
+#include "scan/columns.hpp"
 
 namespace gnosphere {
 namespace {
@@ -135,26 +136,28 @@ void checkWeather(const SensorPlan& plan, const Weather& weather, const std::str
 
 void resizeArrays(const SensorPlan& plan, Scan& scan, bool cleared) {
   constexpr float kMiss = std::numeric_limits<float>::quiet_NaN();
-  const size_t beams = plan.sensor.beamCount(), count = beams * plan.returns;
-  const auto resize = [&](auto& array, bool asked, size_t size, auto nothing) {
+  const size_t count = plan.sensor.beamCount() * plan.returns;
+  const auto resize = [&](auto& array, size_t size, auto nothing) {
     if (cleared) array.clear();
-    array.resize(asked ? size : 0, nothing);
+    array.resize(size, nothing);
   };
   scan.returns = plan.returns;
-  resize(scan.points, true, 3 * count, kMiss);
-  resize(scan.ranges, true, count, kMiss);
-  resize(scan.triangles, true, count, kNoTriangle);
-  resize(scan.instances, true, count, kNoTriangle);
+  resize(scan.points, 3 * count, kMiss);
+  resize(scan.ranges, count, kMiss);
+  resize(scan.triangles, count, kNoTriangle);
+  resize(scan.instances, count, kNoTriangle);
+  ScanColumns columns(scan);
+  const auto make = [&](std::initializer_list<Field> fields, bool wanted, auto nothing) {
+    for (const Field field : fields) cleared ? columns.fill(field, nothing, wanted) : columns.make(field, wanted);
+  };
   const bool signal = plan.asks(gpu::kFieldSignal), surface = plan.asks(gpu::kFieldSurface);
-  for (auto* array : {&scan.intensities, &scan.trueRanges, &scan.widths}) resize(*array, signal, count, kMiss);
-  resize(scan.labels, signal, count, uint8_t{0});
-  resize(scan.causes, signal, beams, uint8_t{0});
-  resize(scan.normals, surface, 3 * count, kMiss);
-  resize(scan.incidences, surface, count, kMiss);
-  resize(scan.materials, surface, count, kNoTriangle);
-  resize(scan.velocities, plan.speeds(), 3 * count, 0.0f);
-  resize(scan.radialSpeeds, plan.speeds(), count, kMiss);
-  resize(scan.barycentrics, plan.asks(gpu::kFieldBarycentrics), 2 * count, kMiss);
+  make({Field::intensity, Field::trueRange, Field::width}, signal, kMiss);
+  make({Field::label, Field::cause}, signal, uint8_t{0});
+  make({Field::normal, Field::incidence}, surface, kMiss);
+  make({Field::material}, surface, kNoTriangle);
+  make({Field::velocity}, plan.speeds(), 0.0f);
+  make({Field::radialSpeed}, plan.speeds(), kMiss);
+  make({Field::barycentrics}, plan.asks(gpu::kFieldBarycentrics), kMiss);
 }
 
 }  // namespace gnosphere

@@ -6,6 +6,7 @@
 #include "base/file.hpp"
 #include "gnosphere/error.hpp"
 #include "output/cloud_table.hpp"
+#include "scan/columns.hpp"
 
 namespace gnosphere {
 namespace {
@@ -108,27 +109,54 @@ std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, 
   return entries;
 }
 
-/// Puts the columns of the table where they belong in the arrays of a scan; what no row is for stays as a miss has it.
+/// Puts the columns of the table where they belong in a scan; what no row is for stays as a miss has it.
 class Placer {
  public:
   Placer(const CloudTable& table, size_t entryCount, std::vector<size_t> entries)
       : table_(table), entryCount_(entryCount), entries_(std::move(entries)) {}
 
+  /// The column of that name, if the table has it, as every `step`-th value from `first` on.
   template <class T>
-  void place(Field field, std::vector<T>& out, T none) const {
-    for (const ColumnInfo& info : columnsOf({field})) {
-      const CloudColumn* column = table_.find(info.name);
-      if (!column) continue;
-      out.resize(entryCount_ * info.components, none);
-      for (size_t row = 0; row < table_.rows; ++row) {
-        const size_t entry = entries_.empty() ? row : entries_[row];
-        out[entry * info.components + info.component] = value<T>(*column, row);
-      }
+  void place(const char* name, std::vector<T>& out, T none, size_t first = 0, size_t step = 1) const {
+    const CloudColumn* column = table_.find(name);
+    if (!column) return;
+    out.resize(entryCount_ * step, none);
+    put(*column, out.data() + first, step);
+  }
+
+  /// The columns of a field, if the table has any of them, as that of the scan.
+  void placeField(Field field, ScanColumns& columns) const {
+    switch (fieldInfo(field).type) {
+      case ValueType::f32: return placeField(field, kNaN, columns);
+      case ValueType::u32: return placeField(field, kNoTriangle, columns);
+      case ValueType::u16: return placeField(field, uint16_t{0}, columns);
+      case ValueType::u8: return placeField(field, noneOf(field), columns);
+      case ValueType::f64: return;
     }
   }
-  void place(Field field, std::vector<float>& out) const { place(field, out, kNaN); }
 
  private:
+  static uint8_t noneOf(Field field) {
+    return field == Field::cause ? static_cast<uint8_t>(Cause::noSurface) : uint8_t{0};
+  }
+
+  template <class T>
+  void placeField(Field field, T none, ScanColumns& columns) const {
+    const std::vector<ColumnInfo> infos = columnsOf({field});
+    for (const ColumnInfo& info : infos) {
+      const CloudColumn* column = table_.find(info.name);
+      if (!column || entryCount_ == 0) continue;
+      if (!columns.data<T>(field)) columns.fill(field, none);
+      put(*column, columns.data<T>(field) + info.component, infos.size());
+    }
+  }
+
+  template <class T>
+  void put(const CloudColumn& column, T* out, size_t step) const {
+    for (size_t row = 0; row < table_.rows; ++row)
+      out[(entries_.empty() ? row : entries_[row]) * step] = value<T>(column, row);
+  }
+
   template <class T>
   T value(const CloudColumn& column, size_t row) const {
     if constexpr (std::is_same_v<T, float>) {
@@ -191,9 +219,11 @@ Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& so
   const size_t beamCount = size_t{grid.columns} * grid.channels, entryCount = beamCount * scan.returns;
   const Placer placer(table, entryCount, placeRows(table, beam, number, beamCount, scan.returns));
   if (hasPoints) {
-    for (Field field : {Field::x, Field::y, Field::z}) placer.place(field, scan.points);
+    placer.place("x", scan.points, kNaN, 0, 3);
+    placer.place("y", scan.points, kNaN, 1, 3);
+    placer.place("z", scan.points, kNaN, 2, 3);
   }
-  placer.place(Field::range, scan.ranges);
+  placer.place("range", scan.ranges, kNaN);
   if (scan.ranges.empty()) {
     scan.ranges.reserve(entryCount);
     for (size_t entry = 0; entry < entryCount; ++entry) {
@@ -201,22 +231,15 @@ Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& so
       scan.ranges.push_back(static_cast<float>(std::hypot(double{p[0]}, double{p[1]}, double{p[2]})));
     }
   }
-  placer.place(Field::triangle, scan.triangles, kNoTriangle);
-  placer.place(Field::instance, scan.instances, kNoTriangle);
-  placer.place(Field::tie, scan.ties, uint8_t{0});
-  placer.place(Field::tolerance, scan.tolerances);
-  placer.place(Field::intensity, scan.intensities);
-  placer.place(Field::trueRange, scan.trueRanges);
-  placer.place(Field::label, scan.labels, static_cast<uint8_t>(Label::none));
-  placer.place(Field::width, scan.widths);
-  placer.place(Field::normal, scan.normals);
-  placer.place(Field::incidence, scan.incidences);
-  placer.place(Field::material, scan.materials, kNoTriangle);
-  placer.place(Field::barycentrics, scan.barycentrics);
-  placer.place(Field::velocity, scan.velocities);
-  placer.place(Field::radialSpeed, scan.radialSpeeds);
+  placer.place("triangle", scan.triangles, kNoTriangle);
+  placer.place("instance", scan.instances, kNoTriangle);
+  ScanColumns columns(scan);
+  for (Field field : {Field::tie, Field::tolerance, Field::intensity, Field::trueRange, Field::label, Field::width,
+                      Field::normal, Field::incidence, Field::material, Field::barycentrics, Field::classId,
+                      Field::velocity, Field::radialSpeed, Field::time, Field::azimuth, Field::elevation})
+    placer.placeField(field, columns);
   // A file of several returns has no row for a beam without any, so it does not say what became of those.
-  if (scan.returns == 1) placer.place(Field::cause, scan.causes, static_cast<uint8_t>(Cause::noSurface));
+  if (scan.returns == 1) placer.placeField(Field::cause, columns);
 
   scan.counters.beams = beamCount;
   for (size_t b = 0; b < beamCount; ++b) {

@@ -107,9 +107,9 @@ void CloudTable::parseTextRows(size_t offset) {
     const ColumnInfo* info = column.count == 1 ? findColumn(column.name) : nullptr;
     words.resize(words.size() + column.count, {nullptr, 0});
     if (!info) continue;
-    ours.push_back({column.name, info->type, info->size});
+    ours.push_back({column.name, letterOf(info->type), sizeOf(info->type)});
     words.back() = {&ours.back(), stride};
-    stride += info->size;
+    stride += sizeOf(info->type);
   }
   // Every word takes at least two characters, so an absurd count is caught before memory is asked for.
   if (words.empty() || rows > (bytes.size() - offset + 1) / (2 * words.size())) {

@@ -8,7 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "output/fields.hpp"
+#include "output/cloud_format.hpp"
+#include "scan/fields.hpp"
 
 namespace gnosphere {
 

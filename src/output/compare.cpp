@@ -24,10 +24,6 @@ void checkFields(const Scan& scan, const char* which) {
   }
 }
 
-bool tieAt(const Scan& scan, size_t entry) {
-  return entry < scan.ties.size() && scan.ties[entry] != 0;
-}
-
 /// The beam's k-th return; none where the scan has fewer per beam. A surface without a range is a hit too.
 std::optional<size_t> returnAt(const Scan& scan, size_t beam, size_t k) {
   if (k >= scan.returns) return {};
@@ -53,6 +49,8 @@ void ComparisonSum::add(const Scan& reference, const Scan& other) {
   checkFields(reference, "the reference cloud");
   checkFields(other, "the other cloud");
   sum_.beams += reference.beamCount();
+  ties_ = reference.has(Field::tie) ? reference.column<uint8_t>(Field::tie) : ColumnView<uint8_t>();
+  tolerances_ = reference.has(Field::tolerance) ? reference.column<float>(Field::tolerance) : ColumnView<float>();
   const size_t returns = std::max(reference.returns, other.returns);
   for (size_t beam = 0; beam < reference.beamCount(); ++beam)
     for (size_t k = 0; k < returns; ++k) addReturn(reference, other, beam, k);
@@ -66,7 +64,7 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
   double error = both ? std::abs(double{reference.ranges[*expected]} - double{other.ranges[*found]}) : 0;
   if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // a hit without a range is no answer
   sum_.hits += expected.has_value();
-  if (k < reference.returns && tieAt(reference, beam * reference.returns + k)) {
+  if (k < reference.returns && !ties_.empty() && ties_[beam * reference.returns + k] != 0) {
     ++sum_.ties;
     sum_.tieMissed += expected && !found;
     sum_.tieFalseHits += found && !expected;
@@ -78,7 +76,7 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
   sum_.missed += expected && !found;
   sum_.falseHits += found && !expected;
   if (!both) return;
-  double allowed = *expected < reference.tolerances.size() ? double{reference.tolerances[*expected]} : tolerance_;
+  double allowed = tolerances_.empty() ? tolerance_ : double{tolerances_[*expected]};
   if (!(allowed >= 0)) allowed = tolerance_;
   sum_.wrongOwner += !sameOwner;
   sum_.wrongRange += error > allowed;

@@ -22,6 +22,8 @@ class ComparisonSum {
   void addReturn(const Scan& reference, const Scan& other, size_t beam, size_t k);
   void keep(double error);
 
+  ColumnView<uint8_t> ties_;  // of the reference that is being added; empty where it states none
+  ColumnView<float> tolerances_;
   Comparison sum_;
   double tolerance_;
   uint64_t errors_ = 0;

@@ -11,6 +11,7 @@
 #include "base/threads.hpp"
 #include "effects/trajectory.hpp"
 #include "pipeline/resolve_words.hpp"
+#include "scan/columns.hpp"
 
 namespace gnosphere {
 namespace {
@@ -64,14 +65,20 @@ void readCounters(const SensorPlan& plan, uint64_t beams, const gpu::Counters& d
 
 void readSignals(const gpu::SignalRecord* signals, uint64_t first, uint64_t count, uint32_t returns, Scan& scan) {
   if (!signals) return;
+  const ScanColumns columns(scan);
+  float* const intensities = columns.data<float>(Field::intensity) + first;
+  float* const trueRanges = columns.data<float>(Field::trueRange) + first;
+  float* const widths = columns.data<float>(Field::width) + first;
+  uint8_t* const labels = columns.data<uint8_t>(Field::label) + first;
+  uint8_t* const causes = columns.data<uint8_t>(Field::cause) + first;
   for (uint64_t i = 0; i < count; ++i) {
     const gpu::SignalRecord& signal = signals[i];
-    const uint32_t word = signal.word;
-    scan.intensities[first + i] = signal.intensity;
-    scan.trueRanges[first + i] = signal.trueRange;
-    scan.widths[first + i] = signal.width;
-    scan.labels[first + i] = static_cast<uint8_t>(word & 0xff);
-    if (i % returns == 0) scan.causes[(first + i) / returns] = static_cast<uint8_t>(word >> 8 & 0xff);
+    intensities[i] = signal.intensity;
+    trueRanges[i] = signal.trueRange;
+    widths[i] = signal.width;
+    labels[i] = static_cast<uint8_t>(signal.word & 0xff);
+    // The first return of a beam says what became of it.
+    causes[i] = i % returns == 0 ? static_cast<uint8_t>(signal.word >> 8 & 0xff) : causes[i - 1];
   }
 }
 
@@ -117,32 +124,40 @@ class Directions {
 
 void readSurfaces(const gpu::SurfaceRecord* surfaces, const Directions& directions, uint64_t first, uint64_t count,
                   Scan& scan) {
+  const ScanColumns columns(scan);
+  float* const normals = columns.data<float>(Field::normal) + 3 * first;
+  float* const incidences = columns.data<float>(Field::incidence) + first;
+  uint32_t* const materials = columns.data<uint32_t>(Field::material) + first;
   for (uint64_t i = 0; i < count; ++i) {
     const gpu::SurfaceRecord& surface = surfaces[i];
     const bool hit = scan.triangles[first + i] != kNoTriangle;
     const glm::vec3 normal = hit ? glm::vec3(surface.normal.x, surface.normal.y, surface.normal.z) : glm::vec3(NAN);
-    std::copy_n(&normal.x, 3, &scan.normals[3 * (first + i)]);
+    std::copy_n(&normal.x, 3, normals + 3 * i);
     const float along = hit ? -glm::dot(normal, directions.of(first + i)) : NAN;
-    scan.incidences[first + i] = std::acos(std::clamp(along, 0.0f, 1.0f));
-    scan.materials[first + i] = hit ? surface.material : kNoTriangle;
+    incidences[i] = std::acos(std::clamp(along, 0.0f, 1.0f));
+    materials[i] = hit ? surface.material : kNoTriangle;
   }
 }
 
 void readBarycentrics(const gpu::vec2* weights, uint64_t first, uint64_t count, Scan& scan) {
   if (!weights) return;
+  float* const barycentrics = ScanColumns(scan).data<float>(Field::barycentrics) + 2 * first;
   for (uint64_t i = 0; i < count; ++i) {
     const bool hit = scan.triangles[first + i] != kNoTriangle;
-    scan.barycentrics[2 * (first + i)] = hit ? weights[i].x : NAN;
-    scan.barycentrics[2 * (first + i) + 1] = hit ? weights[i].y : NAN;
+    barycentrics[2 * i] = hit ? weights[i].x : NAN;
+    barycentrics[2 * i + 1] = hit ? weights[i].y : NAN;
   }
 }
 
 void readMotions(const gpu::vec4* motions, uint64_t first, uint64_t count, Scan& scan) {
   if (!motions) return;
+  const ScanColumns columns(scan);
+  float* const velocities = columns.data<float>(Field::velocity) + 3 * first;
+  float* const radialSpeeds = columns.data<float>(Field::radialSpeed) + first;
   for (uint64_t i = 0; i < count; ++i) {
     const gpu::vec4& motion = motions[i];
-    std::copy_n(&motion.x, 3, &scan.velocities[3 * (first + i)]);
-    scan.radialSpeeds[first + i] = motion.w;
+    std::copy_n(&motion.x, 3, velocities + 3 * i);
+    radialSpeeds[i] = motion.w;
   }
 }
 
@@ -150,8 +165,8 @@ void readMotions(const gpu::vec4* motions, uint64_t first, uint64_t count, Scan&
 
 void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& scan) {
   resizeArrays(plan, scan);
-  scan.tolerances.clear();
-  scan.ties.clear();
+  ScanColumns columns(scan);
+  for (const Field field : {Field::tie, Field::tolerance}) columns.make(field, false);
   scan.timings.stages.clear();
   scan.timings.gpuMs = 0;
   scan.counters = {};

@@ -12,6 +12,7 @@
 #include "effects/trajectory.hpp"
 #include "gnosphere/error.hpp"
 #include "reference/results.hpp"
+#include "scan/columns.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere {
@@ -135,8 +136,9 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   const Sensor& sensor = plan.sensor;
   const size_t beams = sensor.beamCount();
   resizeArrays(plan, scan, true);
-  scan.ties.assign(scan.ranges.size(), 0);
-  scan.tolerances.assign(scan.ranges.size(), std::numeric_limits<float>::quiet_NaN());
+  ScanColumns columns(scan);
+  columns.fill(Field::tie, uint8_t{0});
+  columns.fill(Field::tolerance, std::numeric_limits<float>::quiet_NaN());
   scan.counters = counters_;
   scan.timings = {};
   const bool moves = plan.has(gpu::kObjectMotion) && !shot.instanceMotions.empty();
@@ -152,7 +154,6 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   for (size_t i = 0; i < beams; ++i) {
     scan.counters.hits += causes[i] == Cause::returned;
     if (plan.signals()) ++scan.counters.causes[static_cast<size_t>(causes[i])];
-    if (!scan.causes.empty()) scan.causes[i] = static_cast<uint8_t>(causes[i]);
   }
   scan.counters.misses = beams - scan.counters.hits;
   scan.timings.wallMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();

@@ -2,6 +2,7 @@
 #include "reference/results.hpp"
 
 #include "effects/trajectory.hpp"
+#include "scan/columns.hpp"
 
 namespace gnosphere::reference {
 
@@ -59,10 +60,13 @@ Cause Judge::judge(size_t index, Scan& scan) const {
     const auto [azimuth, elevation] = receiver_.angleError(index);
     reported.direction = turnedBy(reported.direction, azimuth.value, elevation.value);
   }
+  const ScanColumns columns(scan);
+  uint8_t* const causes = columns.data<uint8_t>(Field::cause);
   for (size_t k = 0; k < plan.returns; ++k) {
     const size_t at = index * plan.returns + k;
-    scan.ties[at] = doubt.tie;
-    if (!met.empty()) scan.tolerances[at] = static_cast<float>(doubt.tolerance);
+    columns.data<uint8_t>(Field::tie)[at] = doubt.tie;
+    if (!met.empty()) columns.data<float>(Field::tolerance)[at] = static_cast<float>(doubt.tolerance);
+    if (causes) causes[at] = static_cast<uint8_t>(judged.cause);
     if (k < judged.returns.size()) store(reported, judged.returns[k], at, scan);
   }
   return judged.cause;
@@ -73,42 +77,46 @@ void Judge::store(const Reported& reported, const Return& value, size_t at, Scan
   put(deskew_ ? reported.frame.toSensor(reported.column.position + reported.column.directionToWorld(point)) : point,
       &scan.points[3 * at]);
   scan.ranges[at] = static_cast<float>(value.range.value);
-  scan.tolerances[at] = static_cast<float>(value.range.error);
+  const ScanColumns columns(scan);
+  columns.data<float>(Field::tolerance)[at] = static_cast<float>(value.range.error);
   const bool solid = value.hit.triangle != kNobody;
-  if (!scan.labels.empty()) {
-    scan.intensities[at] = static_cast<float>(value.intensity);
-    scan.trueRanges[at] = static_cast<float>(value.trueRange);
-    scan.widths[at] = static_cast<float>(value.width);
-    scan.labels[at] = static_cast<uint8_t>(solid ? Label::solid : Label::scatter);
+  if (columns.data<uint8_t>(Field::label)) {
+    columns.data<float>(Field::intensity)[at] = static_cast<float>(value.intensity);
+    columns.data<float>(Field::trueRange)[at] = static_cast<float>(value.trueRange);
+    columns.data<float>(Field::width)[at] = static_cast<float>(value.width);
+    columns.data<uint8_t>(Field::label)[at] = static_cast<uint8_t>(solid ? Label::solid : Label::scatter);
   }
   if (!solid) return;
   const Triangle& triangle = view_.tree.triangles()[value.hit.triangle];
   scan.triangles[at] = triangle.index;
   scan.instances[at] = triangle.instance;
   storeSurface(reported, value.hit, at, scan);
-  if (!scan.radialSpeeds.empty()) storeMotion(reported, value.hit, at, scan);
+  if (columns.data<float>(Field::radialSpeed)) storeMotion(reported, value.hit, at, scan);
 }
 
 void Judge::storeSurface(const Reported& reported, const Hit& hit, size_t at, Scan& scan) const {
   const Line& axis = reported.beam.axis;
   const Triangle triangle = view_.tree.sweeps().at(view_.tree.triangles()[hit.triangle], axis.time);
-  if (!scan.normals.empty()) {
+  const ScanColumns columns(scan);
+  if (float* const normals = columns.data<float>(Field::normal)) {
     const Vec3 corners[3] = {axis.frame.toSensor(triangle.corners[0]), axis.frame.toSensor(triangle.corners[1]),
                              axis.frame.toSensor(triangle.corners[2])};
     const Vec3 normal = normalAgainst(axis.direction, corners);
-    put(reported.turned(normal, deskew_), &scan.normals[3 * at]);
-    scan.incidences[at] = static_cast<float>(std::acos(std::clamp(-dot(normal, axis.direction), 0.0, 1.0)));
-    scan.materials[at] = materialOf(view_.scene, triangle);
+    put(reported.turned(normal, deskew_), normals + 3 * at);
+    columns.data<float>(Field::incidence)[at] =
+        static_cast<float>(std::acos(std::clamp(-dot(normal, axis.direction), 0.0, 1.0)));
+    columns.data<uint32_t>(Field::material)[at] = materialOf(view_.scene, triangle);
   }
-  if (!scan.barycentrics.empty()) {
+  if (float* const barycentrics = columns.data<float>(Field::barycentrics)) {
     const auto [second, third] = barycentricsOf(triangle, hit.weights);
-    scan.barycentrics[2 * at] = static_cast<float>(second);
-    scan.barycentrics[2 * at + 1] = static_cast<float>(third);
+    barycentrics[2 * at] = static_cast<float>(second);
+    barycentrics[2 * at + 1] = static_cast<float>(third);
   }
 }
 
 void Judge::storeMotion(const Reported& reported, const Hit& hit, size_t at, Scan& scan) const {
   const Line& axis = reported.beam.axis;
+  const ScanColumns columns(scan);
   const auto inColumn = [&](const Vec3& world) {
     const auto& axes = reported.column.axes;
     return Vec3{dot(axes[0], world), dot(axes[1], world), dot(axes[2], world)};
@@ -119,8 +127,8 @@ void Judge::storeMotion(const Reported& reported, const Hit& hit, size_t at, Sca
     for (size_t k = 0; k < 3; ++k) velocity = velocity + hit.weights[k] * view_.tree.sweeps().velocities[sweep][k];
   // It counts without sensor-motion, too: a sensor that fires all beams at once reads its own speed.
   const Vec3 sensor = velocityAt(shot_.motion, axis.time);
-  scan.radialSpeeds[at] = static_cast<float>(dot(axis.direction, inColumn(velocity - sensor)));
-  put(reported.turned(inColumn(velocity), deskew_), &scan.velocities[3 * at]);
+  columns.data<float>(Field::radialSpeed)[at] = static_cast<float>(dot(axis.direction, inColumn(velocity - sensor)));
+  put(reported.turned(inColumn(velocity), deskew_), columns.data<float>(Field::velocity) + 3 * at);
 }
 
 }  // namespace gnosphere::reference

@@ -103,7 +103,7 @@ TEST_CASE("an effect switched on or off changes no other's draws") {
     if (!plain.hit(i) || !busy.hit(i)) continue;
     ++both;
     CHECK(busy.ranges[i] == plain.ranges[i]);
-    CHECK(busy.intensities[i] == plain.intensities[i]);
+    CHECK(busy.column<float>(Field::intensity)[i] == plain.column<float>(Field::intensity)[i]);
   }
   CHECK(both > 500);
   CHECK(lost > 200);
@@ -139,12 +139,12 @@ TEST_CASE("the device and the host give the same bytes for the same hits and see
     const uint32_t cause = signal.signalsOf(parameters, beam, glm::vec3(direction.x, direction.y, direction.z),
                                             static_cast<uint32_t>(signal.echoes.size()), count);
     INFO("beam " << beam);
-    REQUIRE(scan.causes[beam] == cause);
-    REQUIRE(scan.labels[beam] == result.label);
+    REQUIRE(scan.column<uint8_t>(Field::cause)[beam] == cause);
+    REQUIRE(scan.column<uint8_t>(Field::label)[beam] == result.label);
     REQUIRE(bits(scan.ranges[beam]) == bits(result.range));
-    REQUIRE(bits(scan.trueRanges[beam]) == bits(result.trueRange));
-    REQUIRE(bits(scan.intensities[beam]) == bits(result.intensity));
-    REQUIRE(bits(scan.widths[beam]) == bits(result.width));
+    REQUIRE(bits(scan.column<float>(Field::trueRange)[beam]) == bits(result.trueRange));
+    REQUIRE(bits(scan.column<float>(Field::intensity)[beam]) == bits(result.intensity));
+    REQUIRE(bits(scan.column<float>(Field::width)[beam]) == bits(result.width));
   }
   CHECK(scan.counters.hits > 500);
 }

@@ -110,7 +110,7 @@ TEST_CASE("every column is seen from where the sensor is when it fires") {
     CHECK(scan.points[3 * i + 1] == Approx(point.y).margin(1e-3));
     CHECK(scan.points[3 * i + 2] == Approx(point.z).margin(1e-3));
     // The walls stand still: only the drive counts, not the turn.
-    CHECK(scan.radialSpeeds[i] == Approx(-kSpeed * d.x).margin(1e-3));
+    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(-kSpeed * d.x).margin(1e-3));
   }
 }
 
@@ -124,7 +124,7 @@ TEST_CASE("dust stays where it is while the sensor drives and turns") {
   const Scan through = dusty(device, sensor, shot, kDust, true), clear = dusty(device, sensor, shot, kDust, false);
   size_t solid = 0, within = 0;
   for (size_t i = 0; i < through.beamCount(); ++i) {
-    if (through.labels[i] != uint8_t(Label::solid)) continue;
+    if (through.column<uint8_t>(Field::label)[i] != uint8_t(Label::solid)) continue;
     ++solid;
     const double time = timeOfColumn(sensor, i),
                  azimuth = 2 * M_PI * double(i % sensor.columns) / sensor.columns - M_PI;
@@ -133,7 +133,7 @@ TEST_CASE("dust stays where it is while the sensor drives and turns") {
     const double length = lengthWithin(kDust, from, d, through.ranges[i]);
     within += length > 0;
     INFO("beam " << i);
-    REQUIRE(through.intensities[i] / clear.intensities[i] ==
+    REQUIRE(through.column<float>(Field::intensity)[i] / clear.column<float>(Field::intensity)[i] ==
             Approx(std::exp(-2 * kDust.extinction * length)).epsilon(2e-5));
   }
   CHECK(solid > through.beamCount() / 2);
@@ -149,9 +149,10 @@ TEST_CASE("the length of a pose's quaternion means nothing, for dust either") {
   longer.pose.orientation = {s * q.x, s * q.y, s * q.z, s * q.w};
   const Scan first = dusty(device, spinning(), shot, kDust, true),
              second = dusty(device, spinning(), longer, kDust, true);
-  CHECK(first.labels == second.labels);
+  CHECK(valuesOf<uint8_t>(first, Field::label) == valuesOf<uint8_t>(second, Field::label));
   for (size_t i = 0; i < first.beamCount(); ++i)
-    REQUIRE(first.intensities[i] == Approx(second.intensities[i]).epsilon(1e-5));
+    REQUIRE(first.column<float>(Field::intensity)[i] ==
+            Approx(second.column<float>(Field::intensity)[i]).epsilon(1e-5));
 }
 
 TEST_CASE("a turning sensor reads no speed off a world that stands still") {
@@ -160,7 +161,7 @@ TEST_CASE("a turning sensor reads no speed off a world that stands still") {
   shot.motion.stamps = {{0, {}}, {kPeriod, {{}, yaw(3)}}};
   const Scan scan = scanned(device, room(), spinning(), shot);
   CHECK(scan.counters.hits == scan.beamCount());
-  for (float speed : scan.radialSpeeds) CHECK(speed == 0);
+  for (float speed : scan.column<float>(Field::radialSpeed)) CHECK(speed == 0);
 }
 
 TEST_CASE("a wall that comes nearer is slanted, and its speed is read off") {
@@ -178,9 +179,9 @@ TEST_CASE("a wall that comes nearer is slanted, and its speed is read off") {
     ++hits;
     const Vec3 d = sensor.direction(i);
     CHECK(scan.points[3 * i] == Approx(15 + speed * timeOfColumn(sensor, i)).epsilon(1e-5));
-    CHECK(scan.radialSpeeds[i] == Approx(speed * d.x).margin(1e-3));
-    CHECK(scan.velocities[3 * i] == Approx(speed).margin(1e-3));
-    CHECK(scan.normals[3 * i] == Approx(-1).margin(1e-5));
+    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(speed * d.x).margin(1e-3));
+    CHECK(scan.column<float>(Field::velocity)[i] == Approx(speed).margin(1e-3));
+    CHECK(scan.column<float>(Field::normal)[i] == Approx(-1).margin(1e-5));
   }
   CHECK(hits > 300);
 }
@@ -197,7 +198,7 @@ TEST_CASE("who moves with what is seen reads no speed, and sees it straight") {
   for (size_t i = 0; i < scan.beamCount(); ++i) {
     if (!scan.hit(i)) continue;
     CHECK(scan.points[3 * i] == Approx(15).epsilon(1e-5));
-    CHECK(scan.radialSpeeds[i] == Approx(0).margin(1e-4));
+    CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(0).margin(1e-4));
   }
 }
 

@@ -106,8 +106,8 @@ TEST_CASE("a Lambertian plate fades with the cosine of its tilt and the square o
     const double cosine = std::abs(std::cos(tilt) * d.x + std::sin(tilt) * d.y);
     const double range = 15 * std::cos(tilt) / cosine;
     CHECK(scan.ranges[i] == Approx(range).epsilon(1e-5));
-    CHECK(scan.incidences[i] == Approx(std::acos(cosine)).margin(1e-3));
-    CHECK(scan.intensities[i] == Approx((0.5 * cosine + kGloss) / (range * range)).epsilon(1e-4));
+    CHECK(scan.column<float>(Field::incidence)[i] == Approx(std::acos(cosine)).margin(1e-3));
+    CHECK(scan.column<float>(Field::intensity)[i] == Approx((0.5 * cosine + kGloss) / (range * range)).epsilon(1e-4));
   }
   CHECK(hits > 100);
 }
@@ -121,8 +121,8 @@ TEST_CASE("a target of a tenth is just detected where it is said to be") {
   const Scan scan = setup.scan();
   const size_t beam = ahead(setup.sensor);
   CHECK(scan.hit(beam) == (distance < 100));
-  CHECK(scan.causes[beam] == uint8_t(distance < 100 ? Cause::returned : Cause::weak));
-  CHECK(scan.causes[0] == uint8_t(Cause::noSurface));
+  CHECK(scan.column<uint8_t>(Field::cause)[beam] == uint8_t(distance < 100 ? Cause::returned : Cause::weak));
+  CHECK(scan.column<uint8_t>(Field::cause)[0] == uint8_t(Cause::noSurface));
 }
 
 TEST_CASE("fog hides a wall beyond the range where Koschmieder's law leaves too little of it") {
@@ -143,9 +143,9 @@ TEST_CASE("fog hides a wall beyond the range where Koschmieder's law leaves too 
   for (size_t channel = 0; channel < 9; ++channel)
     for (size_t k = 0; k < 21; ++k) {
       const size_t beam = ahead(setup.sensor, channel) + k - 10;
-      solid += scan.labels[beam] == uint8_t(Label::solid);
-      scatter += scan.labels[beam] == uint8_t(Label::scatter);
-      attenuated += scan.causes[beam] == uint8_t(Cause::attenuated);
+      solid += scan.column<uint8_t>(Field::label)[beam] == uint8_t(Label::solid);
+      scatter += scan.column<uint8_t>(Field::label)[beam] == uint8_t(Label::scatter);
+      attenuated += scan.column<uint8_t>(Field::cause)[beam] == uint8_t(Cause::attenuated);
     }
   CHECK(solid + attenuated + scatter == 9 * 21);
   if (share < 1) CHECK(attenuated == 0);
@@ -174,10 +174,11 @@ TEST_CASE("an edge splits a footprint in two, and each gets the energy of its ar
   CHECK(scan.ranges[second] == Approx(12).margin(2e-3));
   const double behind = std::acos(0.5) / std::numbers::pi - 0.5 * std::sqrt(0.75) / std::numbers::pi;
   const double all = 0.5 + kGloss;
-  CHECK(scan.intensities[first] == Approx((1 - behind) * all).margin(0.025));
-  CHECK(scan.intensities[second] == Approx(behind * all).margin(0.025));
-  CHECK(scan.intensities[first] + scan.intensities[second] == Approx(all).epsilon(1e-3));
-  CHECK(scan.widths[first] == Approx(5e-9 * 299792458 / 2).epsilon(1e-3));
+  CHECK(scan.column<float>(Field::intensity)[first] == Approx((1 - behind) * all).margin(0.025));
+  CHECK(scan.column<float>(Field::intensity)[second] == Approx(behind * all).margin(0.025));
+  CHECK(scan.column<float>(Field::intensity)[first] + scan.column<float>(Field::intensity)[second] ==
+        Approx(all).epsilon(1e-3));
+  CHECK(scan.column<float>(Field::width)[first] == Approx(5e-9 * 299792458 / 2).epsilon(1e-3));
 }
 
 TEST_CASE("a slanted plate makes an echo longer") {
@@ -194,7 +195,7 @@ TEST_CASE("a slanted plate makes an echo longer") {
   const double deviation = 20 * std::tan(1.4) * std::tan(0.01) / 2, pulse = 1e-9 * 299792458 / 2;
   const double width = std::sqrt(pulse * pulse + std::pow(2 * std::sqrt(2 * std::log(2.0)) * deviation, 2));
   CHECK(scan.ranges[ahead(setup.sensor)] == Approx(20).margin(0.1));
-  CHECK(scan.widths[ahead(setup.sensor)] == Approx(width).epsilon(0.03));
+  CHECK(scan.column<float>(Field::width)[ahead(setup.sensor)] == Approx(width).epsilon(0.03));
 }
 
 TEST_CASE("a pane of glass and the wall behind it share a beam") {
@@ -211,10 +212,10 @@ TEST_CASE("a pane of glass and the wall behind it share a beam") {
   CHECK(scan.ranges[first] == Approx(8).epsilon(1e-5));
   CHECK(scan.ranges[first + 1] == Approx(14).epsilon(1e-5));
   CHECK(!scan.hit(first + 2));
-  CHECK(scan.intensities[first] == Approx(0.5 * 0.2 + kGloss).epsilon(1e-4));
-  CHECK(scan.intensities[first + 1] == Approx(0.8 * 0.8 * (0.6 + kGloss)).epsilon(1e-4));
-  CHECK(scan.materials[first] == 0);
-  CHECK(scan.materials[first + 1] == 1);
+  CHECK(scan.column<float>(Field::intensity)[first] == Approx(0.5 * 0.2 + kGloss).epsilon(1e-4));
+  CHECK(scan.column<float>(Field::intensity)[first + 1] == Approx(0.8 * 0.8 * (0.6 + kGloss)).epsilon(1e-4));
+  CHECK(scan.column<uint32_t>(Field::material)[first] == 0);
+  CHECK(scan.column<uint32_t>(Field::material)[first + 1] == 1);
 }
 
 TEST_CASE("beams go through the holes of a texture, and only there") {
@@ -260,9 +261,10 @@ TEST_CASE("errors of range and intensity are normal, with the moments that were 
   std::vector<double> ranges, intensities;
   for (size_t i = 0; i < scan.beamCount(); ++i) {
     REQUIRE(scan.hit(i));
-    ranges.push_back(double{scan.ranges[i]} - scan.trueRanges[i]);
-    if (const double unit = 0.5 * std::cos(double{scan.incidences[i]}) + kGloss; unit > 0.2)  // far from 0
-      intensities.push_back(scan.intensities[i] - unit);
+    ranges.push_back(double{scan.ranges[i]} - scan.column<float>(Field::trueRange)[i]);
+    if (const double unit = 0.5 * std::cos(double{scan.column<float>(Field::incidence)[i]}) + kGloss;
+        unit > 0.2)  // far from 0
+      intensities.push_back(scan.column<float>(Field::intensity)[i] - unit);
   }
   requireNormal(momentsOf(ranges), 0.05, 0.02);
   requireNormal(momentsOf(intensities), 0, 0.03);
@@ -320,7 +322,7 @@ TEST_CASE("beams are lost at the rates that were asked for, and every beam has o
   const double beams = double(scan.beamCount());
   CHECK(std::abs(double(causes[size_t(Cause::droppedOut)]) - 0.3 * beams) < 4 * std::sqrt(0.21 * beams));
   CHECK(causes[size_t(Cause::dead)] == 2);
-  CHECK(scan.causes[77] == uint8_t(Cause::dead));
+  CHECK(scan.column<uint8_t>(Field::cause)[77] == uint8_t(Cause::dead));
   CHECK(causes[size_t(Cause::returned)] == scan.counters.hits);
   uint64_t sum = 0;
   for (uint64_t count : causes) sum += count;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "columns.hpp"
 #include "cuda/twin.hpp"
 
 namespace gnosphere::test {
@@ -77,17 +78,17 @@ inline std::string firstBytes(const Scan& a, const Scan& b) {
   compare("range", a.ranges, b.ranges);
   compare("triangle", a.triangles, b.triangles);
   compare("instance", a.instances, b.instances);
-  compare("intensity", a.intensities, b.intensities);
-  compare("true range", a.trueRanges, b.trueRanges);
-  compare("width", a.widths, b.widths);
-  compare("label", a.labels, b.labels);
-  compare("cause", a.causes, b.causes);
-  compare("normal", a.normals, b.normals);
-  compare("incidence", a.incidences, b.incidences);
-  compare("material", a.materials, b.materials);
-  compare("barycentric", a.barycentrics, b.barycentrics);
-  compare("velocity", a.velocities, b.velocities);
-  compare("radial speed", a.radialSpeeds, b.radialSpeeds);
+  compare("intensity", valuesOf<float>(a, Field::intensity), valuesOf<float>(b, Field::intensity));
+  compare("true range", valuesOf<float>(a, Field::trueRange), valuesOf<float>(b, Field::trueRange));
+  compare("width", valuesOf<float>(a, Field::width), valuesOf<float>(b, Field::width));
+  compare("label", valuesOf<uint8_t>(a, Field::label), valuesOf<uint8_t>(b, Field::label));
+  compare("cause", valuesOf<uint8_t>(a, Field::cause), valuesOf<uint8_t>(b, Field::cause));
+  compare("normal", valuesOf<float>(a, Field::normal), valuesOf<float>(b, Field::normal));
+  compare("incidence", valuesOf<float>(a, Field::incidence), valuesOf<float>(b, Field::incidence));
+  compare("material", valuesOf<uint32_t>(a, Field::material), valuesOf<uint32_t>(b, Field::material));
+  compare("barycentric", valuesOf<float>(a, Field::barycentrics), valuesOf<float>(b, Field::barycentrics));
+  compare("velocity", valuesOf<float>(a, Field::velocity), valuesOf<float>(b, Field::velocity));
+  compare("radial speed", valuesOf<float>(a, Field::radialSpeed), valuesOf<float>(b, Field::radialSpeed));
   compare("count of causes", a.counters.causes, b.counters.causes);
   return result.empty() ? "none" : result;
 }
@@ -169,27 +170,41 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
                   ", got " + std::to_string(got);
   };
   const uint32_t returns = reference.returns;
+  const auto ties = reference.column<uint8_t>(Field::tie);
+  const auto tolerances = reference.column<float>(Field::tolerance);
+  // The signals, what is told of surfaces, and the weights come and go together.
+  const auto bothOf = [&](Field field) {
+    return std::pair(valuesOf<float>(reference, field), valuesOf<float>(other, field));
+  };
+  const auto causes = std::pair(valuesOf<uint8_t>(reference, Field::cause), valuesOf<uint8_t>(other, Field::cause));
+  const auto labels = std::pair(valuesOf<uint8_t>(reference, Field::label), valuesOf<uint8_t>(other, Field::label));
+  const auto materials =
+      std::pair(valuesOf<uint32_t>(reference, Field::material), valuesOf<uint32_t>(other, Field::material));
+  const auto trueRanges = bothOf(Field::trueRange), intensities = bothOf(Field::intensity),
+             widths = bothOf(Field::width);
+  const auto normals = bothOf(Field::normal), incidences = bothOf(Field::incidence);
+  const auto barycentrics = bothOf(Field::barycentrics), radialSpeeds = bothOf(Field::radialSpeed);
   for (size_t beam = 0; beam < reference.beamCount(); ++beam) {
     ++sum.beams;
-    if (reference.ties[beam * returns]) {
+    if (ties[beam * returns]) {
       ++sum.ties;
       continue;
     }
-    if (!reference.causes.empty() && reference.causes[beam] != other.causes[beam]) {
-      note(sum.causes, beam, "cause", reference.causes[beam], other.causes[beam]);
+    if (!causes.first.empty() && causes.first[beam * returns] != causes.second[beam * returns]) {
+      note(sum.causes, beam, "cause", causes.first[beam * returns], causes.second[beam * returns]);
       continue;
     }
     for (size_t i = beam * returns; i < (beam + 1) * returns; ++i) {
-      const double range = reference.ranges[i], tolerance = reference.tolerances[i] + slack.range + 3e-7 * range;
-      const bool labelled = !reference.labels.empty();
-      if (std::isnan(range) != std::isnan(other.ranges[i]) || (labelled && reference.labels[i] != other.labels[i])) {
+      const double range = reference.ranges[i], tolerance = tolerances[i] + slack.range + 3e-7 * range;
+      const bool labelled = !labels.first.empty();
+      if (std::isnan(range) != std::isnan(other.ranges[i]) || (labelled && labels.first[i] != labels.second[i])) {
         note(sum.returns, i, "range", range, other.ranges[i]);
         break;
       }
       if (std::isnan(range)) continue;
       if (!near(range, other.ranges[i], tolerance)) note(sum.ranges, i, "range", range, other.ranges[i]);
-      if (labelled && !near(reference.trueRanges[i], other.trueRanges[i], tolerance))
-        note(sum.ranges, i, "true range", reference.trueRanges[i], other.trueRanges[i]);
+      if (labelled && !near(trueRanges.first[i], trueRanges.second[i], tolerance))
+        note(sum.ranges, i, "true range", trueRanges.first[i], trueRanges.second[i]);
       for (size_t k = 3 * i; k < 3 * i + 3; ++k)
         if (!near(reference.points[k], other.points[k], tolerance + 1e-6 * range))
           note(sum.points, k, "coordinate", reference.points[k], other.points[k]);
@@ -198,27 +213,27 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
         continue;
       }
       if (labelled) {
-        const double intensity = reference.intensities[i];
-        if (!near(intensity, other.intensities[i], slack.intensity * intensity + 1e-6))
-          note(sum.intensities, i, "intensity", intensity, other.intensities[i]);
-        if (!near(reference.widths[i], other.widths[i], tolerance + 1e-5))
-          note(sum.widths, i, "width", reference.widths[i], other.widths[i]);
+        const double intensity = intensities.first[i];
+        if (!near(intensity, intensities.second[i], slack.intensity * intensity + 1e-6))
+          note(sum.intensities, i, "intensity", intensity, intensities.second[i]);
+        if (!near(widths.first[i], widths.second[i], tolerance + 1e-5))
+          note(sum.widths, i, "width", widths.first[i], widths.second[i]);
       }
-      if (!reference.normals.empty()) {
+      if (!normals.first.empty()) {
         for (size_t k = 3 * i; k < 3 * i + 3; ++k)
-          if (!near(reference.normals[k], other.normals[k], 1e-3))
-            note(sum.surfaces, k, "normal", reference.normals[k], other.normals[k]);
-        if (!near(reference.incidences[i], other.incidences[i], slack.incidence))
-          note(sum.surfaces, i, "incidence", reference.incidences[i], other.incidences[i]);
-        if (reference.materials[i] != other.materials[i])
-          note(sum.surfaces, i, "material", reference.materials[i], other.materials[i]);
+          if (!near(normals.first[k], normals.second[k], 1e-3))
+            note(sum.surfaces, k, "normal", normals.first[k], normals.second[k]);
+        if (!near(incidences.first[i], incidences.second[i], slack.incidence))
+          note(sum.surfaces, i, "incidence", incidences.first[i], incidences.second[i]);
+        if (materials.first[i] != materials.second[i])
+          note(sum.surfaces, i, "material", materials.first[i], materials.second[i]);
       }
-      if (!reference.barycentrics.empty())
+      if (!barycentrics.first.empty())
         for (size_t k = 2 * i; k < 2 * i + 2; ++k)
-          if (!near(reference.barycentrics[k], other.barycentrics[k], 5e-3))
-            note(sum.surfaces, k, "weight", reference.barycentrics[k], other.barycentrics[k]);
-      if (!reference.radialSpeeds.empty() && !near(reference.radialSpeeds[i], other.radialSpeeds[i], 1e-3))
-        note(sum.speeds, i, "radial speed", reference.radialSpeeds[i], other.radialSpeeds[i]);
+          if (!near(barycentrics.first[k], barycentrics.second[k], 5e-3))
+            note(sum.surfaces, k, "weight", barycentrics.first[k], barycentrics.second[k]);
+      if (!radialSpeeds.first.empty() && !near(radialSpeeds.first[i], radialSpeeds.second[i], 1e-3))
+        note(sum.speeds, i, "radial speed", radialSpeeds.first[i], radialSpeeds.second[i]);
     }
   }
   return sum;

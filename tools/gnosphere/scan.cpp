@@ -8,7 +8,7 @@
 #include "console.hpp"
 #include "effect_options.hpp"
 #include "max_error.hpp"
-#include "output/fields.hpp"
+#include "output/cloud_format.hpp"
 #include "scan_report.hpp"
 #include "scan_trajectory.hpp"
 #include "scanning.hpp"
@@ -39,7 +39,7 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
     const bool fromReference = field == Field::tie || field == Field::tolerance;
     if (fromReference && options.device != "reference") {
       throw Error(ErrorCode::invalidArgument,
-                  "--fields: only --device reference gives '" + std::string(fieldName(field)) + "'");
+                  "--fields: only --device reference gives '" + std::string(fieldInfo(field).name) + "'");
     }
   }
   if (!options.image.empty() && std::filesystem::path(options.image).extension() != ".png") {

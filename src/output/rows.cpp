@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output/rows.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/threads.hpp"
+#include "gnosphere/error.hpp"
+#include "scan/columns.hpp"
+#include "scan/computed_columns.hpp"
+#include "scan/fields.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// Fewer rows are not worth a thread.
+constexpr uint64_t kRowsPerThread = 65536;
+
+/// Whether `to` has every value of `from`.
+constexpr bool holds(ValueType to, ValueType from) {
+  if (to == from || to == ValueType::f64) return true;
+  if (from == ValueType::f32) return false;
+  if (to == ValueType::f32) return from != ValueType::u32;
+  return sizeOf(to) > sizeOf(from);
+}
+
+/// Whether it can be written although no column has it.
+bool followsFromIndex(Field field) {
+  return field == Field::ring || field == Field::beam || field == Field::returnNumber || field == Field::returnCount;
+}
+
+/// Calls `use` with a function entry -> value, of the field's own type.
+template <typename Use>
+void withColumn(const Scan& scan, Field field, uint32_t component, const Use& use) {
+  const size_t returns = scan.returns;
+  switch (field) {
+    case Field::ring: return use([&](size_t e) { return static_cast<uint16_t>(e / returns / scan.columns); });
+    case Field::beam: return use([&](size_t e) { return static_cast<uint32_t>(e / returns); });
+    case Field::returnNumber: return use([&](size_t e) { return returnNumberOf(scan, e); });
+    case Field::returnCount: return use([&](size_t e) { return returnCountOf(scan, e); });
+    default: break;
+  }
+  const auto from = [&](const auto& view) { use([&](size_t e) { return view[e]; }); };
+  switch (fieldInfo(field).type) {
+    case ValueType::f32: return from(scan.column<float>(field, component));
+    case ValueType::u32: return from(scan.column<uint32_t>(field, component));
+    case ValueType::u16: return from(scan.column<uint16_t>(field, component));
+    case ValueType::u8: return from(scan.column<uint8_t>(field, component));
+    case ValueType::f64: break;  // no field has it
+  }
+}
+
+/// Calls `use` with a value of the C++ type.
+template <typename Use>
+void withType(ValueType type, const Use& use) {
+  switch (type) {
+    case ValueType::f32: return use(float{});
+    case ValueType::f64: return use(double{});
+    case ValueType::u8: return use(uint8_t{});
+    case ValueType::u16: return use(uint16_t{});
+    case ValueType::u32: return use(uint32_t{});
+  }
+}
+
+template <typename T>
+constexpr ValueType typeOf() {
+  if constexpr (std::is_same_v<T, double>)
+    return ValueType::f64;
+  else
+    return valueTypeOf<T>();
+}
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw Error(ErrorCode::invalidArgument, "the record layout: " + why);
+}
+
+std::string quoted(Field field) {
+  return std::string("'").append(fieldInfo(field).name).append("'");
+}
+
+std::string placeOf(const RecordLayout::Value& value) {
+  return quoted(value.field).append(" at bytes ") + std::to_string(value.offset) + " to " +
+         std::to_string(value.offset + sizeOf(value.type) - 1);
+}
+
+/// Values that a row has room for, each in a type that holds it.
+void checkLayout(const RecordLayout& layout) {
+  if (layout.values.empty()) refuse("has no values");
+  for (const RecordLayout::Value& value : layout.values) {
+    const FieldInfo info = fieldInfo(value.field);
+    const std::string name = quoted(value.field);
+    if (value.component >= info.components)
+      refuse(name + " has no component " + std::to_string(value.component) + "; it has " +
+             std::to_string(info.components) + ", counted from 0");
+    if (!holds(value.type, info.type))
+      refuse(nameOf(value.type) + std::string(" does not hold every value of ") + name + "; " + nameOf(info.type) +
+             " does");
+    if (layout.stride < sizeOf(value.type) || value.offset > layout.stride - sizeOf(value.type))
+      refuse(placeOf(value) + " reaches beyond the stride of " + std::to_string(layout.stride) + " bytes");
+  }
+  std::vector<RecordLayout::Value> values = layout.values;
+  std::stable_sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return a.offset < b.offset; });
+  for (size_t i = 1; i < values.size(); ++i)
+    if (values[i - 1].offset + sizeOf(values[i - 1].type) > values[i].offset)
+      refuse(placeOf(values[i]) + " overlaps " + placeOf(values[i - 1]));
+}
+
+}  // namespace
+
+void checkFields(const Scan& scan, const std::vector<Field>& fields) {
+  if (scan.returns == 0 || scan.returns > 255) {
+    throw Error(ErrorCode::invalidArgument,
+                "the scan has " + std::to_string(scan.returns) + " returns per beam; there must be 1 to 255");
+  }
+  const size_t beamCount = scan.beamCount();
+  if (size_t{scan.columns} * scan.channels != beamCount) {
+    throw Error(ErrorCode::invalidArgument, "the scan has " + std::to_string(beamCount) + " ranges for " +
+                                                std::to_string(scan.columns) + " columns x " +
+                                                std::to_string(scan.channels) + " channels");
+  }
+  for (Field field : fields) {
+    if (field == Field::ring) checkRings(scan.channels);
+    if (!followsFromIndex(field) && !scan.has(field)) refuseMissing(field);
+  }
+}
+
+Rows::Rows(const Scan& scan, bool compact) : scan_(scan), compact_(compact), count_(scan.ranges.size()) {
+  if (!compact) return;
+  for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
+    if (scan.returned(entry)) entries_.push_back(entry);
+  }
+  count_ = entries_.size();
+}
+
+// Value by value, so the inner loop has no branch on the field.
+void Rows::pack(const RecordLayout& layout, size_t first, size_t count, std::byte* out) const {
+  for (const RecordLayout::Value& value : layout.values) {
+    withColumn(scan_, value.field, value.component, [&](const auto& valueOf) {
+      withType(value.type, [&](auto zero) {
+        using From = decltype(valueOf(size_t{}));
+        using To = decltype(zero);
+        if constexpr (holds(typeOf<To>(), typeOf<From>())) {
+          std::byte* to = out + value.offset;
+          for (size_t row = first; row < first + count; ++row, to += layout.stride) {
+            const To converted = static_cast<To>(valueOf(entryOf(row)));
+            std::memcpy(to, &converted, sizeof(converted));
+          }
+        }
+      });
+    });
+  }
+}
+
+RecordLayout layoutOf(const std::vector<Field>& fields) {
+  RecordLayout layout;
+  for (Field field : fields) {
+    const FieldInfo info = fieldInfo(field);
+    for (uint32_t component = 0; component < info.components; ++component) {
+      layout.values.push_back({field, component, layout.stride, info.type});
+      layout.stride += sizeOf(info.type);
+    }
+  }
+  return layout;
+}
+
+size_t pack(const Scan& scan, const RecordLayout& layout, std::span<std::byte> out) {
+  checkLayout(layout);
+  std::vector<Field> fields;
+  for (const RecordLayout::Value& value : layout.values) fields.push_back(value.field);
+  checkFields(scan, fields);
+  const Rows rows(scan, layout.compact);
+  if (rows.count() > out.size() / layout.stride) {
+    throw Error(ErrorCode::invalidArgument, "the buffer has " + std::to_string(out.size()) + " bytes; " +
+                                                std::to_string(rows.count()) + " rows of " +
+                                                std::to_string(layout.stride) + " bytes need " +
+                                                std::to_string(rows.count() * layout.stride));
+  }
+  inRuns(rows.count(), kRowsPerThread, threadCount(), [&](uint64_t first, uint64_t end) {
+    rows.pack(layout, first, end - first, out.data() + first * layout.stride);
+  });
+  return rows.count();
+}
+
+}  // namespace gnosphere

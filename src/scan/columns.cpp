@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scan/columns.hpp"
+
+#include "gnosphere/error.hpp"
+#include "scan/fields.hpp"
+
+namespace gnosphere {
+
+void ScanColumns::make(Field field, bool wanted) {
+  const FieldInfo info = fieldInfo(field);
+  const size_t bytes = scan_.ranges.size() * info.components * sizeOf(info.type);
+  scan_.columns_[static_cast<size_t>(field)].resize(wanted ? bytes : 0);
+}
+
+void refuseMissing(Field field) {
+  const std::string name = std::string("the scan has no field '") + fieldInfo(field).name + "'";
+  if (field == Field::tie || field == Field::tolerance)
+    throw Error(ErrorCode::invalidArgument, name + ": only the device 'reference' gives it");
+  // These are missing only where the scan was read from a file.
+  constexpr Field kAlways[] = {Field::x, Field::y, Field::z, Field::triangle, Field::instance};
+  if (std::find(std::begin(kAlways), std::end(kAlways), field) != std::end(kAlways))
+    throw Error(ErrorCode::invalidArgument, name);
+  throw Error(ErrorCode::invalidArgument, name + ": it was not asked for; add it to the fields of the sensor");
+}
+
+bool Scan::has(Field field) const {
+  const size_t entries = ranges.size();
+  switch (field) {
+    case Field::x:
+    case Field::y:
+    case Field::z: return points.size() == 3 * entries;
+    case Field::range: return true;
+    case Field::triangle: return triangles.size() == entries;
+    case Field::instance: return instances.size() == entries;
+    default: break;
+  }
+  const FieldInfo info = fieldInfo(field);
+  return columns_[static_cast<size_t>(field)].size() == entries * info.components * sizeOf(info.type);
+}
+
+Scan::RawColumn Scan::find(Field field, uint32_t component, ValueType type) const {
+  const FieldInfo info = fieldInfo(field);
+  if (type != info.type) {
+    throw Error(ErrorCode::invalidArgument, std::string("the values of field '") + info.name + "' are " +
+                                                cppNameOf(info.type) + ", not " + cppNameOf(type));
+  }
+  if (component >= info.components) {
+    throw Error(ErrorCode::invalidArgument, std::string("field '") + info.name + "' has no component " +
+                                                std::to_string(component) + "; it has " +
+                                                std::to_string(info.components) + ", counted from 0");
+  }
+  if (!has(field)) refuseMissing(field);
+  switch (field) {
+    case Field::x: return {points.data(), 3};
+    case Field::y: return {points.data() + 1, 3};
+    case Field::z: return {points.data() + 2, 3};
+    case Field::range: return {ranges.data(), 1};
+    case Field::triangle: return {triangles.data(), 1};
+    case Field::instance: return {instances.data(), 1};
+    default: return {columns_[static_cast<size_t>(field)].data() + component * sizeOf(info.type), info.components};
+  }
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The columns of a scan, for those that fill them.
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+
+#include "gnosphere/scan.hpp"
+
+namespace gnosphere {
+
+/// Write access to the columns that a scan keeps, one value per entry of Scan::ranges; that one must have its size.
+class ScanColumns {
+ public:
+  explicit ScanColumns(Scan& scan) : scan_(scan) {}
+
+  /// Makes room for a column whose values are not set, or removes it. Memory that the scan has is used again.
+  void make(Field field, bool wanted = true);
+
+  /// Makes a column where every value is the same, or removes it.
+  template <typename T>
+  void fill(Field field, T value, bool wanted = true) {
+    make(field, wanted);
+    if (wanted) std::fill_n(data<T>(field), scan_.ranges.size() * fieldInfo(field).components, value);
+  }
+
+  /// The values, with the components of an entry side by side; null where the scan does not have the column.
+  template <typename T>
+  T* data(Field field) const {
+    assert(fieldInfo(field).type == valueTypeOf<T>());
+    auto& bytes = scan_.columns_[static_cast<size_t>(field)];
+    return bytes.empty() ? nullptr : reinterpret_cast<T*>(bytes.data());
+  }
+
+ private:
+  Scan& scan_;
+};
+
+/// Throws Error(invalidArgument) that names the field and says how a scan gets it.
+[[noreturn]] void refuseMissing(Field field);
+
+}  // namespace gnosphere

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scan/computed_columns.hpp"
+
+#include "gnosphere/error.hpp"
+#include "scan/columns.hpp"
+#include "sensor/beams.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// The column is `valueOf(entry)` where it is wanted.
+template <typename T, typename ValueOf>
+void setColumn(Scan& scan, Field field, bool wanted, const ValueOf& valueOf) {
+  ScanColumns columns(scan);
+  columns.make(field, wanted);
+  if (!wanted) return;
+  T* const to = columns.data<T>(field);
+  for (size_t entry = 0; entry < scan.ranges.size(); ++entry) to[entry] = static_cast<T>(valueOf(entry));
+}
+
+}  // namespace
+
+ComputedColumns::ComputedColumns(const Sensor& sensor, const std::vector<Field>& fields) : fields_(fields) {
+  if (asks(Field::ring)) checkRings(static_cast<uint32_t>(sensor.channels.size()));
+  const auto fill = [&](Field field, double (*of)(const Sensor&, size_t), std::vector<float>& values) {
+    if (!asks(field)) return;
+    values.resize(sensor.beamCount());
+    for (size_t beam = 0; beam < values.size(); ++beam) values[beam] = static_cast<float>(of(sensor, beam));
+  };
+  fill(Field::time, timeOf, times_);
+  fill(Field::azimuth, azimuthOf, azimuths_);
+  fill(Field::elevation, elevationOf, elevations_);
+}
+
+bool ComputedColumns::asks(Field field) const {
+  return std::find(fields_.begin(), fields_.end(), field) != fields_.end();
+}
+
+void ComputedColumns::set(const std::vector<uint16_t>& classes, Scan& scan) const {
+  const uint32_t returns = scan.returns;
+  const auto setBeams = [&](Field field, const std::vector<float>& values) {
+    setColumn<float>(scan, field, asks(field), [&](size_t entry) { return values[entry / returns]; });
+  };
+  setBeams(Field::time, times_);
+  setBeams(Field::azimuth, azimuths_);
+  setBeams(Field::elevation, elevations_);
+  setColumn<uint16_t>(scan, Field::classId, asks(Field::classId), [&](size_t entry) {
+    const uint32_t instance = scan.instances[entry];
+    return instance < classes.size() ? classes[instance] : uint16_t{0};
+  });
+  setColumn<uint16_t>(scan, Field::ring, asks(Field::ring),
+                      [&](size_t entry) { return entry / returns / scan.columns; });
+  setColumn<uint32_t>(scan, Field::beam, asks(Field::beam), [&](size_t entry) { return entry / returns; });
+  setColumn<uint8_t>(scan, Field::returnNumber, asks(Field::returnNumber),
+                     [&](size_t entry) { return returnNumberOf(scan, entry); });
+  setColumn<uint8_t>(scan, Field::returnCount, asks(Field::returnCount),
+                     [&](size_t entry) { return returnCountOf(scan, entry); });
+}
+
+void checkRings(uint32_t channels) {
+  if (channels > 65536) {
+    throw Error(ErrorCode::invalidArgument,
+                "field 'ring' is 16 bits wide, the scan has " + std::to_string(channels) + " channels; leave it out");
+  }
+}
+
+uint8_t returnNumberOf(const Scan& scan, size_t entry) {
+  return static_cast<uint8_t>(scan.returned(entry) ? entry % scan.returns + 1 : 0);
+}
+
+uint8_t returnCountOf(const Scan& scan, size_t entry) {
+  const size_t first = entry / scan.returns * scan.returns;
+  int count = 0;
+  for (size_t k = 0; k < scan.returns; ++k) count += scan.returned(first + k);
+  return static_cast<uint8_t>(count);
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scan/fields.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+
+#include "base/text.hpp"
+#include "gnosphere/error.hpp"
+
+namespace gnosphere {
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const size_t first = text.find_first_not_of(" \t");
+  return first == text.npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+}  // namespace
+
+const char* nameOf(ValueType type) {
+  constexpr const char* kNames[] = {"f32", "f64", "u8", "u16", "u32"};
+  return kNames[static_cast<size_t>(type)];
+}
+
+const char* cppNameOf(ValueType type) {
+  constexpr const char* kNames[] = {"float", "double", "uint8_t", "uint16_t", "uint32_t"};
+  return kNames[static_cast<size_t>(type)];
+}
+
+char letterOf(ValueType type) {
+  return type == ValueType::f32 || type == ValueType::f64 ? 'F' : 'U';
+}
+
+std::span<const ColumnInfo> allColumns() {
+  static constexpr ColumnInfo kColumns[] = {
+      {Field::x, "x", ValueType::f32},
+      {Field::y, "y", ValueType::f32},
+      {Field::z, "z", ValueType::f32},
+      {Field::range, "range", ValueType::f32},
+      {Field::ring, "ring", ValueType::u16},
+      {Field::beam, "beam", ValueType::u32},
+      {Field::triangle, "triangle", ValueType::u32},
+      {Field::instance, "instance", ValueType::u32},
+      {Field::tie, "tie", ValueType::u8},
+      {Field::tolerance, "tolerance", ValueType::f32},
+      {Field::intensity, "intensity", ValueType::f32},
+      {Field::trueRange, "true_range", ValueType::f32},
+      {Field::cause, "cause", ValueType::u8},
+      {Field::label, "label", ValueType::u8},
+      {Field::returnNumber, "return", ValueType::u8},
+      {Field::returnCount, "returns", ValueType::u8},
+      {Field::width, "width", ValueType::f32},
+      {Field::normal, "normal_x", ValueType::f32, 0, "normal"},
+      {Field::normal, "normal_y", ValueType::f32, 1, "normal"},
+      {Field::normal, "normal_z", ValueType::f32, 2, "normal"},
+      {Field::incidence, "incidence", ValueType::f32},
+      {Field::material, "material", ValueType::u32},
+      {Field::barycentrics, "u", ValueType::f32, 0, "barycentrics"},
+      {Field::barycentrics, "v", ValueType::f32, 1, "barycentrics"},
+      {Field::classId, "class", ValueType::u16},
+      {Field::velocity, "velocity_x", ValueType::f32, 0, "velocity"},
+      {Field::velocity, "velocity_y", ValueType::f32, 1, "velocity"},
+      {Field::velocity, "velocity_z", ValueType::f32, 2, "velocity"},
+      {Field::radialSpeed, "radial_speed", ValueType::f32},
+      {Field::time, "time", ValueType::f32},
+      {Field::azimuth, "azimuth", ValueType::f32},
+      {Field::elevation, "elevation", ValueType::f32},
+  };
+  return kColumns;
+}
+
+std::vector<ColumnInfo> columnsOf(const std::vector<Field>& fields) {
+  std::vector<ColumnInfo> columns;
+  for (Field field : fields) {
+    for (const ColumnInfo& column : allColumns()) {
+      if (column.field == field) columns.push_back(column);
+    }
+  }
+  return columns;
+}
+
+FieldInfo fieldInfo(Field field) {
+  static const auto kInfos = [] {
+    std::array<FieldInfo, kFieldCount> infos = {};
+    for (const ColumnInfo& column : allColumns()) {
+      FieldInfo& info = infos[static_cast<size_t>(column.field)];
+      info = {column.fieldName, column.type, info.components + 1};
+    }
+    return infos;
+  }();
+  return kInfos.at(static_cast<size_t>(field));
+}
+
+const ColumnInfo* findColumn(std::string_view name) {
+  const std::string wanted = lower(name);
+  for (const ColumnInfo& column : allColumns()) {
+    if (wanted == column.name) return &column;
+  }
+  return nullptr;
+}
+
+const std::vector<Field>& defaultFields() {
+  static const std::vector<Field> fields = {Field::x,    Field::y,    Field::z,        Field::range,
+                                            Field::ring, Field::beam, Field::triangle, Field::instance};
+  return fields;
+}
+
+std::vector<Field> parseFields(const std::string& names) {
+  std::vector<Field> fields;
+  for (size_t begin = 0; begin <= names.size();) {
+    const size_t end = std::min(names.find(',', begin), names.size());
+    const std::string name = lower(trimmed(names.substr(begin, end - begin)));
+    const auto columns = allColumns();
+    const auto known = std::find_if(columns.begin(), columns.end(),
+                                    [&](const ColumnInfo& column) { return name == column.fieldName; });
+    if (known == columns.end()) {
+      std::string list;
+      for (const ColumnInfo& column : columns) {
+        if (column.component == 0 || column.fieldName == column.name)
+          list.append(list.empty() ? "" : ", ").append(column.fieldName);
+      }
+      throw Error(ErrorCode::invalidArgument, "no field is called '" + name + "'; there are " + list);
+    }
+    if (std::find(fields.begin(), fields.end(), known->field) != fields.end()) {
+      throw Error(ErrorCode::invalidArgument, "field '" + name + "' is asked for twice");
+    }
+    fields.push_back(known->field);
+    begin = end + 1;
+  }
+  return fields;
+}
+
+}  // namespace gnosphere
