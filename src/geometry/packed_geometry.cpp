@@ -15,7 +15,7 @@ gpu::Group packed(const FlatGroup& group) {
   return {vec3Of(group.low), group.firstCluster, vec3Of(group.high), group.clusterCount};
 }
 
-// `next` is the cluster after it.
+// `next` is the cluster that follows it.
 gpu::Cluster packed(const FlatCluster& cluster, const FlatCluster& next) {
   return {vec3Of(cluster.low),
           static_cast<uint32_t>(cluster.firstVertex),
@@ -48,7 +48,7 @@ std::vector<gpu::Cluster> PackedGeometry::clusters() const {
   return result;
 }
 
-// One more than there are meshes: that of an instance that was removed.
+// Has one entry more than there are meshes: the empty mesh of removed instances.
 std::vector<uint32_t> PackedGeometry::meshTriangles() const {
   std::vector<uint32_t> result = {0};
   for (const FlatMesh& mesh : flat_.meshes) {
@@ -84,7 +84,7 @@ std::vector<float> PackedGeometry::textureCoordinates(const Scene& scene) const 
   return result;
 }
 
-// `triangles` are all those of the mesh, in the order of its clusters.
+// `triangles` are all triangles of the mesh, in the order of its clusters.
 void PackedGeometry::findSlots(size_t mesh, std::span<const FlatTriangle> triangles, std::span<uint32_t> slots) const {
   size_t cluster = flat_.groups[flat_.meshes[mesh].firstGroup].firstCluster;
   const size_t first = flat_.clusters[cluster].firstTriangle;
@@ -117,7 +117,7 @@ void PackedGeometry::addTo(InstanceTable& instances, const Scene& scene) const {
     instances.set(i, scene.instances[i].mesh, scene.instances[i].transform);
 }
 
-// What changes with the positions.
+// Updates the parts of a mesh's summary that depend on its positions.
 void PackedGeometry::summarize(size_t index, MeshSummary& summary) const {
   const FlatMesh& mesh = flat_.meshes[index];
   summary.nonFinite = mesh.nonFinite;

@@ -11,7 +11,7 @@
 
 namespace gnosphere {
 
-/// The arrays of the scene, wherever they lie. Places count bytes.
+/// The memory that holds the scene's arrays, on whichever device. Places count bytes.
 class SceneMemory {
  public:
   virtual ~SceneMemory() = default;
@@ -25,24 +25,24 @@ class PackedGeometry {
 
   size_t clusterCount() const { return flat_.clusters.size() - 1; }
 
-  /// Whole arrays, until dropArrays().
+  /// The whole arrays. They exist until dropArrays().
   std::vector<gpu::Group> groups() const;
   std::vector<gpu::Cluster> clusters() const;
   std::span<const float> positions() const { return flat_.positions; }
   std::span<const FlatTriangle> triangleCorners() const { return flat_.triangles; }
-  /// What leads from a triangle's owner to the triangle: per mesh, its first entry in triangleSlots(); and per triangle
-  /// of a mesh, cluster * kClusterTriangles + its number there.
+  /// Tables from (mesh, triangle number) to the stored triangle. meshTriangles(): per mesh, its first entry in
+  /// triangleSlots(). triangleSlots(): per triangle of a mesh, cluster * kClusterTriangles + its number in the cluster.
   std::vector<uint32_t> meshTriangles() const;
   std::vector<uint32_t> triangleSlots() const;
-  /// 2 per vertex.
+  /// Two floats per vertex.
   std::vector<float> textureCoordinates(const Scene& scene) const;
-  /// Frees positions and triangles, which the device has by then.
+  /// Frees positions and triangles once the device has them.
   void dropArrays();
 
-  /// Tells the instances of every mesh, and where the scene places them.
+  /// Adds every mesh and every instance of the scene to the table of instances.
   void addTo(InstanceTable& instances, const Scene& scene) const;
-  /// New places for the vertices of a mesh: in the memory, and in the table of instances. `slots`: the memory has
-  /// triangleSlots, too.
+  /// Moves the vertices of a mesh: updates the device memory and the table of instances. `slots` tells whether the
+  /// memory has triangleSlots.
   void setPositions(size_t mesh, std::span<const float> positions, bool slots, InstanceTable& instances,
                     SceneMemory& memory);
 
@@ -50,7 +50,7 @@ class PackedGeometry {
   void summarize(size_t mesh, MeshSummary& summary) const;
   void findSlots(size_t mesh, std::span<const FlatTriangle> triangles, std::span<uint32_t> slots) const;
 
-  FlatScene flat_;  // with an empty cluster and group at the end
+  FlatScene flat_;  // ends with an empty cluster and an empty group
 };
 
 }  // namespace gnosphere

@@ -13,15 +13,15 @@
 namespace gnosphere {
 namespace {
 
-/// Rows per block: a few megabytes, so a large cloud is neither held twice nor written value by value.
+/// Rows per block: a few megabytes, so that a large cloud is neither copied whole nor written value by value.
 constexpr size_t kBlockRows = size_t{1} << 16;
 
-/// The rows to be written: every beam in order, or what came back. A row is an entry of the scan's arrays.
+/// The rows to be written: every beam in order, or only the returns. A row is an entry of the scan's arrays.
 struct Rows {
   const Scan& scan;
   std::vector<ColumnInfo> columns;
   bool compact = false;
-  std::vector<size_t> entries;  ///< where `compact`
+  std::vector<size_t> entries;  ///< only if `compact`
   size_t count = 0;
 
   size_t entry(size_t row) const { return compact ? entries[row] : row; }
@@ -104,7 +104,7 @@ Rows makeRows(const Scan& scan, const std::vector<Field>& fields, bool compact) 
   return rows;
 }
 
-/// Counted from 1; 0 where nothing came back.
+/// Returns are counted from 1; an entry without a return has 0.
 uint8_t returnNumber(const Scan& scan, size_t entry) {
   return static_cast<uint8_t>(scan.returned(entry) ? entry % scan.returns + 1 : 0);
 }
@@ -120,7 +120,7 @@ uint16_t classOf(const Scan& scan, size_t entry) {
   return instance < scan.classes->size() ? (*scan.classes)[instance] : uint16_t{0};
 }
 
-/// Calls `use` with a function entry -> value, of the column's own type.
+/// Calls `use` with a function that maps an entry to its value, in the column's own type.
 template <class Use>
 void withColumn(const Scan& scan, const ColumnInfo& column, Use use) {
   const size_t returns = scan.returns;
@@ -159,7 +159,8 @@ void withColumn(const Scan& scan, const ColumnInfo& column, Use use) {
   }
 }
 
-/// Rows of packed little-endian values, `stride` bytes apart. Field by field, so the inner loop has no branch on it.
+/// Writes rows of packed little-endian values, `stride` bytes apart. The inner loop handles one field, without
+/// branches.
 void writeBinary(AtomicFile& file, const Rows& rows, size_t stride) {
   std::string block(kBlockRows * stride, '\0');
   for (size_t first = 0; first < rows.count; first += kBlockRows) {
@@ -181,12 +182,12 @@ void writeBinary(AtomicFile& file, const Rows& rows, size_t stride) {
 
 template <class Number>
 char* appendText(char* out, size_t room, Number value) {
-  // A NaN may carry a sign, and readers stumble over "-nan".
+  // A NaN may be negative, and readers reject "-nan".
   if (value != value) return std::copy_n("nan", 3, out);
   return std::to_chars(out, out + room, value).ptr;
 }
 
-/// One line per row; every float is the shortest text that reads back to the same bits.
+/// Writes one line per row; every float is the shortest text that reads back to the same bits.
 void writeText(AtomicFile& file, const Rows& rows, char separator) {
   constexpr size_t kWidest = 20;
   std::string block(kBlockRows / 16 * rows.columns.size() * kWidest, '\0');
@@ -218,7 +219,7 @@ std::string gridComment(const Scan& scan) {
   return comment;
 }
 
-/// The columns joined by `text(column)`, each after a space.
+/// Joins text(column) of all columns, each after a space.
 template <class Text>
 std::string joined(const std::vector<ColumnInfo>& columns, Text text) {
   std::string out;
@@ -306,7 +307,7 @@ void writeCloud(const Scan& scan, const std::filesystem::path& file, const Cloud
   } else if (options.ascii && (format == CloudFormat::pcd || format == CloudFormat::ply)) {
     writeText(out, rows, ' ');
   } else {
-    // KITTI's fourth value, the reflectance, stays the zero that the block is born with where there is no intensity.
+    // KITTI's fourth value is the reflectance; it stays 0 if the scan has no intensity.
     writeBinary(out, rows, kitti ? 4 * sizeof(float) : rowBytes(rows));
   }
   out.commit();

@@ -39,10 +39,10 @@ CloudColumn property(const CloudTable& table, const std::vector<std::string_view
   table.refuse("PLY header: a vertex has a list or a property of no known type");
 }
 
-/// What the header says on the way to the vertices.
+/// State while the header is read up to the vertices.
 struct Header {
   std::string format;
-  std::string element;  ///< the one that properties now belong to
+  std::string element;  ///< the element to which the next properties belong
   bool vertexSeen = false;
 };
 

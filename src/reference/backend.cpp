@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every beam against every triangle it may meet, in double: the oracle that judges the other backends. It is written
-// from the mathematics and shares nothing with the shaders but the generator of random numbers.
+// The reference: intersects every beam in double with every triangle that it may hit, and judges the other backends. It
+// is written from the mathematics and shares only the generator of random numbers with the shaders.
 #include "pipeline/backend.hpp"
 
 #include <chrono>
@@ -44,9 +44,9 @@ class ReferenceBackend : public Backend {
   Bvh movingTree(const Shot& shot) const;
 
   std::vector<Sensor> sensors_;
-  std::vector<BeamEffects> effects_;  // of each sensor
+  std::vector<BeamEffects> effects_;  // by sensor
   Faces faces_;
-  Scene scene_;  // its last mesh is empty: that of instances that were removed
+  Scene scene_;  // its last mesh is empty; removed instances use it
   bool changed_ = false;
   Counters counters_;
   Bvh bvh_ = Bvh({});
@@ -69,7 +69,7 @@ void ReferenceBackend::build() {
   changed_ = false;
 }
 
-/// Corners go in straight lines from where they are to the end of a turn.
+/// Builds the tree for a shot with motion. Corners move in straight lines from the start to the end of a turn.
 Bvh ReferenceBackend::movingTree(const Shot& shot) const {
   const Sensor& sensor = sensors_[shot.sensor];
   Sweeps sweeps;

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Echoes of a beam -> its entries in a Scan.
+// Converts the echoes of a beam to its entries in a Scan.
 #pragma once
 
 #include "reference/beam.hpp"
 
 namespace gnosphere::reference {
 
-/// Every array at its size and with nothing met.
+/// Sizes every array and fills it with the values of a miss.
 void clearResult(const SensorPlan& plan, size_t beams, Scan& scan);
 
-/// Judges the beams of one shot.
+/// Computes the results of the beams of one shot.
 class Judge {
  public:
   Judge(const View& view, const Shot& shot, const BeamEffects& effects);
-  /// Writes all entries of a beam, and says what became of it.
+  /// Writes all entries of a beam, and returns the cause of its result.
   Cause judge(size_t index, Scan& scan) const;
 
  private:
-  /// What entries of a beam have in common.
+  /// Properties that the entries of a beam share.
   struct Reported;
 
   void store(const Reported& beam, const Return& value, size_t at, Scan& scan) const;

@@ -6,7 +6,7 @@
 namespace gnosphere {
 namespace {
 
-/// `components` floats per vertex of an attribute.
+/// Returns an attribute as `components` floats per vertex.
 template <int components>
 std::vector<float> values(const draco::Mesh& mesh, int id, const char* what, const std::string& user,
                           const Source& source) {
