@@ -20,7 +20,7 @@ struct Options : ScanningOptions {
 
 constexpr uint64_t kPoses = 4;
 
-/// Evenly along a trajectory, its first pose among them.
+/// Takes `count` poses evenly along a trajectory, including its first.
 std::vector<Pose> thinned(const std::vector<Pose>& all, uint64_t count) {
   if (count >= all.size()) return all;
   std::vector<Pose> some;
@@ -64,7 +64,7 @@ int runAccuracy(const Options& options) {
   measure.sample = options.sample;
   measure.progress = stepProgress();
   const AccuracyReport report = measureAccuracy(scene, sensor, poses, measure);
-  measure.progress = nullptr;  // clears its line
+  measure.progress = nullptr;  // erases the progress line
 
   const AccuracyStory story = {options.scene, scene, sensor, poses, report};
   if (options.json == "-")

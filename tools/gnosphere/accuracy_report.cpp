@@ -10,7 +10,7 @@
 namespace gnosphere::cli {
 namespace {
 
-/// What `standard` has in the place of each of the parts.
+/// Names the part of `standard` that this row replaces.
 const char* insteadOf(const AccuracyRow& row) {
   const Exactness standard = exactnessOf(Accuracy::standard);
   if (row.exactness.bounds != standard.bounds) return "edge bulge, poles";
@@ -117,7 +117,7 @@ void printNearest(const AccuracyReport& report) {
   printTable(rows);
 }
 
-/// One look per setting: marker, colour (Okabe and Ito, distinct to the colour-blind, too).
+/// Marker and colour of a setting (colours of Okabe and Ito, distinct for colour-blind readers, too).
 PlotSeries look(size_t setting) {
   static const PlotSeries kLooks[] = {
       {"paper", Marker::cross, "#d55e00", "none", 6.5, {}},

@@ -8,7 +8,7 @@
 namespace gnosphere::cli {
 namespace {
 
-/// "'asphalt', 'brick', 'glass' and 12 more"
+/// Returns text such as "'asphalt', 'brick', 'glass' and 12 more".
 std::string quoted(const std::vector<std::string>& names) {
   constexpr size_t kShown = 3;
   std::string list;

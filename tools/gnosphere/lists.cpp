@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere devices, gnosphere sensors, gnosphere effects: what there is to choose from.
+// gnosphere devices, gnosphere sensors, gnosphere effects: list what can be chosen.
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -65,7 +65,7 @@ int runSensors(const std::string& name) {
   return 0;
 }
 
-/// Every effect with its parameters: name, default and what it may be.
+/// Lists every effect with its parameters: name, default and allowed values.
 int runEffects(const std::string& name) {
   if (!name.empty()) {
     std::printf("%s", toJson(findEffects(name)).c_str());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere COMMAND ...: exit status 0 done, 1 the work failed, 2 the call was wrong; errors are one line on stderr.
+// gnosphere COMMAND ...: exit status 0 for success, 1 if the work failed, 2 for a wrong call; errors are one line on
+// stderr.
 #include <new>
 #include <utility>
 #include <vector>

@@ -20,16 +20,16 @@ struct ScanOptions : ScanningOptions, EffectOptions {
   std::string trajectory, fields, image, stats, accuracy = "standard";
   std::vector<std::string> outputs;
   std::optional<double> maxError;
-  uint64_t repeat = 0;  ///< 0: one scan, and no warm-up before it
+  uint64_t repeat = 0;  ///< 0: one scan without a warm-up
   bool compact = false, ascii = false;
 };
 
-/// Where the scan goes, or scan `number` of a trajectory.
+/// Returns the output file of the scan, or of scan `number` of a trajectory.
 std::string fileOf(const ScanOptions& options, const std::string& file, size_t number) {
   return options.trajectory.empty() ? file : numbered(file, number);
 }
 
-/// Whatever can be known to fail is told before the scene is loaded, not after the scan.
+/// Checks before the scene is loaded all that can be known to fail later.
 CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
   CloudOptions cloud;
   cloud.compact = options.compact;
@@ -68,7 +68,7 @@ void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& c
   }
 }
 
-/// With --repeat, one scan to warm up and then the timed ones; the last is the result.
+/// With --repeat, scans once to warm up and then `repeat` times; the last scan is the result.
 Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vector<Timings>& runs) {
   Progress progress("scan", repeat);
   Scan scan = simulator.scan(pose);
@@ -111,7 +111,7 @@ void tell(const ScanOptions& options, const ScanReport& report) {
   if (!options.stats.empty()) say("wrote", options.stats + ", " + fileSize(options.stats));
 }
 
-/// With --max-error, the setting that it takes; none if no setting does.
+/// With --max-error, chooses the setting; empty if none is within the limit.
 std::optional<AccuracyChoice> choose(const ScanOptions& options, const Scene& scene, const Sensor& sensor,
                                      const Pose& pose) {
   if (!options.maxError) return {};
@@ -157,7 +157,7 @@ int runScan(const ScanOptions& options) {
   settings.effects = effects;
   settings.materials = materials;
   settings.fields = cloud.fields;
-  settings.culling.still = options.repeat == 0;  // repeated scans are timed, each of them whole
+  settings.culling.still = options.repeat == 0;  // --repeat times whole scans, without reuse of still instances
   Simulator simulator(scene, sensor, settings);
   const double setUpMs = nowMs() - start;
 

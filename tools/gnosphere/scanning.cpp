@@ -28,7 +28,7 @@ const std::map<std::string, Binning> kBinnings = {{"auto", Binning::automatic},
                                                   {"slabs", Binning::slabs}};
 const std::map<std::string, UpAxis> kUpAxes = {{"", UpAxis::formatDefault}, {"y", UpAxis::y}, {"z", UpAxis::z}};
 
-/// Finite numbers with one of `separators` between them (spaces apart); empty if the text is anything else.
+/// Parses finite numbers separated by `separator` (spaces around it are allowed); empty if the text is anything else.
 std::vector<double> parseNumbers(std::string_view text, char separator) {
   std::vector<double> numbers;
   const char* at = text.data();
@@ -50,7 +50,8 @@ std::vector<double> parseNumbers(std::string_view text, char separator) {
   return numbers;
 }
 
-/// Files are written with few digits; what is further from a unit quaternion is something else.
+/// Tolerance on a quaternion's length, because files have few digits; a larger deviation means that it is no unit
+/// quaternion.
 constexpr double kUnitTolerance = 0.01;
 
 Pose parsePose(const std::string& text) {
@@ -70,7 +71,7 @@ Pose parsePose(const std::string& text) {
   return pose;
 }
 
-/// a after b.
+/// The rotation b followed by the rotation a.
 Quaternion product(const Quaternion& a, const Quaternion& b) {
   return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};

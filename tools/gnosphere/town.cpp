@@ -16,7 +16,7 @@ struct TownCall {
   std::string file, xodr, drive;
 };
 
-/// Lines of time, position and orientation, as the TUM benchmarks have them.
+/// Writes lines of time, position and orientation in the format of the TUM benchmarks.
 void writeTum(const std::vector<Pose>& poses, const std::filesystem::path& file) {
   AtomicFile output(file);
   output.write("# t x y z qx qy qz qw\n");
@@ -37,7 +37,7 @@ int runTown(const TownCall& call) {
   if (call.drive == call.file) {
     throw Error(ErrorCode::invalidArgument, "--trajectory: " + call.drive + " is the town's own file");
   }
-  checkWritable(file);  // told before the work, not after it
+  checkWritable(file);  // fails before the work, not after it
   if (!call.drive.empty()) checkWritable(call.drive);
   const std::vector<Pose> drive = makeDrive(call.options);
   Scene town = makeTown(call.options);
