@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shared library keeps its pointers to Vulkan's functions to itself, so the rivals have their own.
+// The shared library does not export its pointers to Vulkan's functions, so the rivals load their own.
 #define VOLK_IMPLEMENTATION
 #include <volk.h>

@@ -109,7 +109,7 @@ Slice Arena::take(uint64_t bytes) {
 }
 
 RayDevice::RayDevice(const VulkanOptions& options, const char* extension) : instance_(options.validation) {
-  // The library keeps its own pointers to Vulkan's functions to itself.
+  // The library does not export its pointers to Vulkan's functions.
   VK(volkInitialize());
   volkLoadInstance(instance_.handle());
   physical_ = vulkan::chooseDevice(instance_, options.device);
@@ -148,7 +148,7 @@ void RayDevice::createDevice(const char* extension) {
   vkGetPhysicalDeviceFeatures2(physical_, &features);
   if (!structures.accelerationStructure || !features12.bufferDeviceAddress) refuse("acceleration structures");
   if (!(pipeline_ ? pipeline.rayTracingPipeline : query.rayQuery)) refuse(std::string("the feature of ") + extension);
-  // Only what is used.
+  // Only the features that are used are enabled.
   pipeline = {pipeline.sType};
   pipeline.rayTracingPipeline = VK_TRUE;
   structures = {structures.sType, structures.pNext};

@@ -102,7 +102,7 @@ std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, 
     const size_t entry = size_t{b} * returns + k - 1;
     if (taken[entry]) {
       table.refuse((returns > 1 ? "return " + std::to_string(k) + " of beam " : std::string("beam ")) +
-                   std::to_string(b) + " is there twice");
+                   std::to_string(b) + " occurs twice");
     }
     taken[entry] = true;
     entries.push_back(entry);

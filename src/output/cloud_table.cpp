@@ -89,7 +89,7 @@ void CloudTable::layRows(size_t offset) {
   for (CloudColumn& column : columns) column.step = stride;
   const size_t room = bytes.size() - std::min(offset, bytes.size());
   if (stride == 0 || rows > room / stride) {
-    refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(stride) + " bytes are announced, " +
+    refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(stride) + " bytes are stated, " +
            std::to_string(room) + " bytes are there");
   }
 }
@@ -114,7 +114,7 @@ void CloudTable::parseTextRows(size_t offset) {
   // Every word takes at least two characters, so an absurd count is refused before memory is allocated.
   if (words.empty() || rows > (bytes.size() - offset + 1) / (2 * words.size())) {
     refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(words.size()) +
-           " values are announced");
+           " values are stated");
   }
   std::string packed(rows * stride, '\0');
   const char* at = bytes.data() + offset;

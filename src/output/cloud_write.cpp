@@ -244,8 +244,12 @@ std::string plyHeader(const Rows& rows, bool ascii) {
   std::string header = "ply\nformat " + std::string(ascii ? "ascii" : "binary_little_endian") + " 1.0\ncomment " +
                        gridComment(rows.scan) + "\nelement vertex " + std::to_string(rows.count) + "\n";
   for (const ColumnInfo& info : rows.columns) {
-    const char* type = info.type == 'F' ? "float" : info.size == 4 ? "uint" : info.size == 2 ? "ushort" : "uchar";
-    header.append("property ").append(type).append(" ").append(info.name).append("\n");
+    // Open3D skips the types ushort and uint.
+    const std::string type = info.type == 'F' ? "float" : "uint" + std::to_string(8 * info.size);
+    std::string name = info.name;
+    for (const PlyName& other : kPlyNames)
+      if (name == other.name) name = other.inPly;
+    header.append("property ").append(type).append(" ").append(name).append("\n");
   }
   return header + "end_header\n";
 }

@@ -115,7 +115,7 @@ std::vector<Field> parseFields(const std::string& names) {
         if (column.component == 0 || column.fieldName == column.name)
           list.append(list.empty() ? "" : ", ").append(column.fieldName);
       }
-      throw Error(ErrorCode::invalidArgument, "no field is called '" + name + "'; there are " + list);
+      throw Error(ErrorCode::invalidArgument, "no field is called '" + name + "'; known are " + list);
     }
     if (std::find(fields.begin(), fields.end(), known->field) != fields.end()) {
       throw Error(ErrorCode::invalidArgument, "field '" + name + "' is asked for twice");
@@ -133,7 +133,7 @@ CloudFormat cloudFormat(const std::filesystem::path& file) {
   if (ending == ".bin") return CloudFormat::kitti;
   if (ending == ".npy") return CloudFormat::npy;
   if (ending == ".csv") return CloudFormat::csv;
-  throw Error(ErrorCode::invalidArgument, file.string() + ": the ending says which kind of cloud it is; there are " +
+  throw Error(ErrorCode::invalidArgument, file.string() + ": the ending says which kind of cloud it is; known are " +
                                               ".pcd, .ply, .bin (KITTI), .npy and .csv");
 }
 

@@ -33,6 +33,13 @@ const ColumnInfo* findColumn(std::string_view name);
 /// Returns whether a scan holds the field only if SimulatorOptions::fields names it.
 bool isAskedFor(Field field);
 
+/// Names in PLY files that differ from ours, because readers of PLY expect them.
+struct PlyName {
+  const char* name;
+  const char* inPly;
+};
+inline constexpr PlyName kPlyNames[] = {{"normal_x", "nx"}, {"normal_y", "ny"}, {"normal_z", "nz"}};
+
 enum class CloudFormat { pcd, ply, kitti, npy, csv };
 /// Returns the format for a file ending. Throws Error(invalidArgument) with the known endings.
 CloudFormat cloudFormat(const std::filesystem::path& file);

@@ -35,7 +35,7 @@ void readCounts(CloudTable& table, const Words& words) {
   checkLength(table, words);
   for (size_t i = 1; i < words.size(); ++i) {
     const uint64_t count = parseCount(table, words[i], "PCD header: COUNT");
-    if (count > 65536) table.refuse("PCD header: COUNT " + std::to_string(count) + " is absurd");
+    if (count > 65536) table.refuse("PCD header: COUNT " + std::to_string(count) + " is too large");
     table.columns[i - 1].count = count;
   }
 }
@@ -95,7 +95,7 @@ std::string decompressLzf(const CloudTable& table, std::string_view in, size_t s
     }
     if (out.size() > size) break;
   }
-  if (out.size() != size) table.refuse("compressed data does not have the length that it announces");
+  if (out.size() != size) table.refuse("compressed data does not have the stated length");
   return out;
 }
 

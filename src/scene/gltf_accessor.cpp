@@ -131,7 +131,7 @@ FileBytes GltfArrays::uriBytes(const std::string& uri, const std::string& user) 
   if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
     source_.fail(user + " has a data URI that is not base64");
   FileBytes bytes = decodeBase64(std::string_view(uri).substr(comma + 1));
-  if (bytes.size == 0 && comma + 1 < uri.size()) source_.fail(user + " has a data URI whose base64 is not sound");
+  if (bytes.size == 0 && comma + 1 < uri.size()) source_.fail(user + " has a data URI whose base64 is invalid");
   return bytes;
 }
 
@@ -188,7 +188,7 @@ Bytes GltfArrays::decompress(int index, const tinygltf::Value& extension, const 
   else
     source_.fail(who + ": mode " + inQuotes(mode) + " with " + std::to_string(count) + " elements of " +
                  std::to_string(stride) + " bytes is not one of the extension's");
-  if (problem != 0) source_.fail(who + ": its data is not sound");
+  if (problem != 0) source_.fail(who + ": its data is invalid");
 
   if (filter == "OCTAHEDRAL" && mode == "ATTRIBUTES" && (stride == 4 || stride == 8))
     meshopt_decodeFilterOct(bytes.data.get(), count, stride);

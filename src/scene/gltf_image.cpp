@@ -123,7 +123,7 @@ uint32_t ImageReader::decode(int index, AlphaImage::Wrap wrapU, AlphaImage::Wrap
 }
 
 uint32_t ImageReader::decodePng(Bytes bytes, AlphaImage image, const std::string& who) {
-  const auto fail = [&](const std::string& why) { source_.fail(who + " is not a sound PNG file: " + why); };
+  const auto fail = [&](const std::string& why) { source_.fail(who + " is not a valid PNG file: " + why); };
   if (bytes.size() > std::numeric_limits<int>::max()) fail("it is larger than 2 GiB");
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;

@@ -136,7 +136,7 @@ class Document {
     for (double value : matrix.rows)
       if (!std::isfinite(value))
         throw Error(ErrorCode::invalidArgument, "the origin of mesh " + std::to_string(instance.mesh) +
-                                                    " takes an instance of it out of the numbers");
+                                                    " moves an instance of it beyond finite numbers");
     Json columns = Json::array();
     for (size_t column = 0; column < 4; ++column)
       for (size_t row = 0; row < 4; ++row)

@@ -26,7 +26,7 @@ SceneFormat formatOf(const fs::path& file) {
   if (ending == ".ply") return SceneFormat::ply;
   if (ending == ".stl") return SceneFormat::stl;
   throw Error(ErrorCode::invalidArgument, std::string("'").append(file.string()) + "': unknown ending '" + ending +
-                                              "' for a scene; there are .gltf, .glb, .obj, .ply and .stl");
+                                              "' for a scene; known are .gltf, .glb, .obj, .ply and .stl");
 }
 
 /// Returns the transform above every instance: `scale`, and a rotation for y-up files. Vertices stay as the file has

@@ -193,7 +193,7 @@ Scene readObj(Bytes bytes, const Source& source) {
   std::string warnings, problems;
   if (!tinyobj::LoadObjWithCallback(stream, callbacks, &gathered, &libraries, &warnings, &problems))
     source.fail(problems.empty() ? "tinyobjloader refuses it" : trimmed(problems));
-  if (3 * gathered.vertexCount != coordinates.size()) source.fail("the OBJ file has lines that are not sound");
+  if (3 * gathered.vertexCount != coordinates.size()) source.fail("the OBJ file has invalid lines");
 
   std::vector<uint32_t> materialOfName;
   for (const std::string& name : gathered.names) materialOfName.push_back(libraries.find(name));

@@ -109,7 +109,7 @@ class PlyReader {
         element.name = nextWord(line);
         double count = -1;
         if (!parseNumber(nextWord(line), count) || !(count >= 0) || count != std::floor(count))
-          source_.fail("the PLY header gives no sound count for element " + inQuotes(element.name));
+          source_.fail("the PLY header gives no valid count for element " + inQuotes(element.name));
         // Every item takes at least one byte (an empty list has its count), so the file cannot hold more.
         if (count > static_cast<double>(rest_.size()))
           source_.fail("the PLY header claims more items of " + inQuotes(element.name) + " than the file has bytes");

@@ -151,7 +151,7 @@ Sensor findSensor(const std::string& nameOrFile) {
   std::error_code ignored;
   if (nameOrFile.empty() || !std::filesystem::exists(nameOrFile, ignored)) {
     throw Error(ErrorCode::invalidArgument,
-                "no sensor or file is called '" + nameOrFile + "'; there are " + names + ", or a JSON file");
+                "no sensor or file is called '" + nameOrFile + "'; known are " + names + ", or a JSON file");
   }
   return sensorFromJson(readWholeFile(nameOrFile, kMaxFileBytes), nameOrFile);
 }

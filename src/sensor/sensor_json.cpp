@@ -102,7 +102,7 @@ std::vector<Channel> channelsFromLists(const Source& source, const json& root) {
 
 std::vector<Channel> channelsFromObjects(const Source& source, const json& root) {
   for (const char* key : {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset"}) {
-    if (root.contains(key)) source.refuse("'channels' and '" + std::string(key) + "' say the same thing; keep one");
+    if (root.contains(key)) source.refuse("'channels' and '" + std::string(key) + "' are alternatives; keep one");
   }
   const json& list = root["channels"];
   if (!list.is_array()) source.refuse("'channels' must be a list");

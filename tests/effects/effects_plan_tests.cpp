@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is not planned is not there: no pipeline, constant, buffer or dispatch knows of it.
+// Effects that are not planned appear in no pipeline, constant, buffer or dispatch.
 #include <catch2/catch_test_macros.hpp>
 
 #include "effects/bits.h"
@@ -13,7 +13,7 @@ bool operator==(const Plan::Pipeline& a, const Plan::Pipeline& b) {
   return a.name == b.name && a.constants == b.constants;
 }
 
-/// Stages, pipelines with their specialisation, buffers with their bytes, dispatches.
+/// Whether two plans have the same steps, pipelines with their constants, buffers with their sizes, and dispatches.
 bool sameWork(const Plan& a, const Plan& b) {
   const auto sameStage = [](const Plan::Stage& x, const Plan::Stage& y) {
     return x.name == y.name && x.dispatches == y.dispatches &&
@@ -28,7 +28,7 @@ bool sameWork(const Plan& a, const Plan& b) {
          a.bytes() == b.bytes() && a.dispatches() == b.dispatches() && a.binning == b.binning && a.returns == b.returns;
 }
 
-/// A wall, of a material that may be glass or have holes.
+/// A wall whose material may be transparent or have holes.
 Scene wall(float transmission, AlphaMode mode) {
   Scene scene;
   Mesh mesh;
@@ -48,7 +48,7 @@ Scene wall(float transmission, AlphaMode mode) {
   return scene;
 }
 
-/// One that states everything that an effect may ask of a sensor.
+/// A sensor that states all properties that effects may need.
 Sensor able() {
   Sensor sensor = findSensor("VLP-16");
   sensor.columns = 360;
@@ -59,7 +59,7 @@ Sensor able() {
   return sensor;
 }
 
-/// Everything, all at once.
+/// A request with all effects.
 Effects everything() {
   Effects effects;
   for (const char* assignment :
@@ -91,7 +91,7 @@ Scene glassWithHoles() {
 
 }  // namespace
 
-TEST_CASE("an effect that is off is in no constant, and geometry alone is what it always was") {
+TEST_CASE("an effect that is off changes no constant, and a scan of geometry alone is unchanged") {
   needVulkan();
   const Scene scene = glassWithHoles();
   const Plan bare = planOf(scene, able(), Effects::none());
@@ -100,7 +100,7 @@ TEST_CASE("an effect that is off is in no constant, and geometry alone is what i
     for (const Plan::Pipeline& pipeline : stage.pipelines)
       for (size_t constant : {9, 10}) CHECK(pipeline.constants.at(constant) == 0);  // EFFECTS, FIELDS
   }
-  // Words are all that is read back.
+  // Only words are read back.
   CHECK(bare.stages.back().name == "resolve");
   CHECK(bare.stages.back().dispatches == 0);
   CHECK(bare.stages.back().pipelines.empty());
@@ -112,14 +112,14 @@ TEST_CASE("an effect that is off is in no constant, and geometry alone is what i
   }
 }
 
-TEST_CASE("an effect that cannot be shown costs what one that is off costs") {
+TEST_CASE("an effect that the scene does not need costs as little as one that is off") {
   needVulkan();
   const Scene plain = wall(0, AlphaMode::opaque);
   const Sensor sensor = findSensor("VLP-16");
   CHECK(sameWork(planOf(plain, sensor, Effects{}), planOf(plain, sensor, Effects::none())));
 }
 
-TEST_CASE("each effect that is taken out of all takes its bit out of every pipeline") {
+TEST_CASE("removing an effect from all effects clears its bit in every pipeline") {
   needVulkan();
   const Scene scene = glassWithHoles();
   const Plan all = planOf(scene, able(), everything());
@@ -129,7 +129,7 @@ TEST_CASE("each effect that is taken out of all takes its bit out of every pipel
   }
   for (size_t i = 0; i < effectNames().size(); ++i) {
     INFO(effectNames()[i]);
-    if (effectNames()[i] == "intensity") continue;  // the others need it
+    if (effectNames()[i] == "intensity") continue;  // the other effects need it
     Effects effects = everything();
     assign(effects, effectNames()[i] + "=off");
     const Plan plan = planOf(scene, able(), effects);
@@ -140,7 +140,7 @@ TEST_CASE("each effect that is taken out of all takes its bit out of every pipel
   }
 }
 
-TEST_CASE("auto plans what the scene calls for: glass, holes and neither give three pipelines") {
+TEST_CASE("auto plans the effects that the scene needs: glass, holes and neither give three sets of pipelines") {
   needVulkan();
   const Sensor sensor = findSensor("VLP-16");
   const Plan glass = planOf(wall(0.5f, AlphaMode::opaque), sensor, Effects{});

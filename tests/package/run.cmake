@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs the library into an empty prefix, then builds and runs main.cpp against it in both ways people do.
-# Arguments: BUILD (a build folder to install), or SOURCE (the repository: another project builds a static library of it,
-# and installs that) and PROGRAM (the command line); WORK (a folder of our own), LIBDIR, CXX, LAUNCHER.
+# Installs the library into an empty prefix, then builds and runs main.cpp with find_package and with pkg-config.
+# Arguments: BUILD (a build folder to install), or SOURCE (the repository: another project builds and installs a static
+# library from it) and PROGRAM (the command line); WORK (a temporary folder), LIBDIR, CXX, LAUNCHER.
 cmake_minimum_required(VERSION 3.25)
 set(prefix ${WORK}/prefix)
 file(REMOVE_RECURSE ${prefix} ${WORK}/build)
@@ -21,7 +21,7 @@ function(check_consumer program)
 endfunction()
 
 if(SOURCE)
-  # Without optimisation: what is tried is how it is packed, and this is the quickest.
+  # Without optimisation, because it builds fastest, and only the packaging is tested.
   set(BUILD ${WORK}/holder/build)
   file(WRITE ${WORK}/holder/CMakeLists.txt
     "cmake_minimum_required(VERSION 3.25)\nproject(holder LANGUAGES C CXX)\nadd_subdirectory(${SOURCE} gnosphere)\n")

@@ -110,8 +110,9 @@ Action addPlan(CLI::App& app) {
   addScanningOptions(app, *options);
   addEffectOptions(app, *options);
   addAccuracyOption(app, options->accuracy);
-  app.add_option("--fields", options->fields, "What would be written, as of gnosphere scan");
+  app.add_option("--fields", options->fields, "Fields that would be written, as in gnosphere scan");
   app.add_flag("--json", options->json, "Print JSON");
+  app.footer("Example: gnosphere plan town.glb --effect fog.visibility=200");
   return [options] { return runPlan(*options); };
 }
 

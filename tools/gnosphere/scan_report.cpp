@@ -178,7 +178,7 @@ void printSummary(const ScanReport& report) {
   printTimes(report);
   if (moves)
     say("rate", formatted("%.1f scans a second", 1000 * static_cast<double>(report.runs.size()) / report.totalMs) +
-                    ", files written, in " + milliseconds(report.totalMs));
+                    " with writing files, in " + milliseconds(report.totalMs));
 }
 
 std::string statsJson(const ScanReport& report) {

@@ -84,26 +84,28 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   app.add_option("--sensor", options.sensor, "A built-in name (gnosphere sensors) or a JSON file")
       ->capture_default_str();
   app.add_option("--pose", options.pose,
-                 "X,Y,Z[,QX,QY,QZ,QW]: where the sensor stands and how it is turned, in metres (default: 1.8 m above "
+                 "Position in metres and orientation of the sensor, X,Y,Z[,QX,QY,QZ,QW] (default: 1.8 m above "
                  "the origin, or above the middle of a scene that is elsewhere)");
-  app.add_option("--faces", options.faces, "Which faces reflect")->check(CLI::IsMember(kFaces))->capture_default_str();
-  app.add_option("--binning", options.binning, "How triangles meet beams; every way gives the same cloud")
+  app.add_option("--faces", options.faces, "Faces that reflect light")
+      ->check(CLI::IsMember(kFaces))
+      ->capture_default_str();
+  app.add_option("--binning", options.binning, "How triangles are assigned to beams; every choice gives the same cloud")
       ->check(CLI::IsMember(kBinnings))
       ->capture_default_str();
-  app.add_option("--up", options.up, "The scene's upward axis (default: what its format says)")
+  app.add_option("--up", options.up, "The scene's upward axis (default: that of its format)")
       ->check(CLI::IsMember({"y", "z"}));
   app.add_option("--scale", options.scale, "Scene units in metres")->capture_default_str();
   app.add_option("--device", options.device,
                  "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
       ->capture_default_str();
-  app.add_flag("--validation", options.validation, "Vulkan validation layer on; its messages are errors");
+  app.add_flag("--validation", options.validation, "Enable the Vulkan validation layer; its messages are errors");
 }
 
 CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy) {
   return app
       .add_option("--accuracy", accuracy,
-                  "paper: the published method to the letter; draft: without its gaps between boxes; standard: "
-                  "watertight; exact: the same bytes everywhere")
+                  "paper: exactly as published; draft: without gaps between boxes; standard: watertight; exact: the "
+                  "same bytes on every device")
       ->check(CLI::IsMember(kAccuracies))
       ->capture_default_str();
 }
@@ -191,10 +193,10 @@ void checkOutputFiles(const std::vector<std::string>& files, const std::string& 
   for (const std::string& file : files) {
     std::error_code absent;
     if (std::filesystem::equivalent(file, scene, absent)) {
-      throw Error(ErrorCode::invalidArgument, file + " is the scene itself; write to another file");
+      throw Error(ErrorCode::invalidArgument, file + " is the scene itself; choose another output file");
     }
     if (!seen.insert(file).second) {
-      throw Error(ErrorCode::invalidArgument, file + " is to be written twice");
+      throw Error(ErrorCode::invalidArgument, file + " is given as two outputs; use different names");
     }
     checkWritable(file);
   }

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "gnosphere/error.hpp"
 #include "town/opendrive/plan.hpp"
 #include "town/plan.hpp"
 
@@ -88,6 +89,10 @@ struct NetworkTown {
 }  // namespace
 
 Scene makeTown(const TownOptions& options) {
+  if (options.triangles < kSmallestTown)
+    throw Error(ErrorCode::invalidArgument, "--triangles: " + std::to_string(options.triangles) +
+                                                " are too few for a town; the smallest has " +
+                                                std::to_string(kSmallestTown));
   const Detail detail = detailOf(options.triangles);
   std::optional<NetworkTown> network;
   if (!options.xodr.empty()) network.emplace(options, detail);

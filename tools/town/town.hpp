@@ -10,6 +10,8 @@
 
 namespace gnosphere {
 
+inline constexpr uint64_t kSmallestTown = 1'000;  ///< triangles; the crossing at the origin alone has about 500
+
 struct TownOptions {
   uint64_t triangles = 300'000;  ///< placed triangles to aim for, within about 10 %
   uint32_t seed = 1;

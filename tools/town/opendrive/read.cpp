@@ -310,7 +310,7 @@ Network readNetwork(const std::filesystem::path& file) {
   pugi::xml_document document;
   const pugi::xml_parse_result result = document.load_buffer(text.data(), text.size());
   if (!result)
-    reader.fail("line " + std::to_string(lineOf(text, result.offset)) + ": not sound XML: " + result.description());
+    reader.fail("line " + std::to_string(lineOf(text, result.offset)) + ": invalid XML: " + result.description());
   const Node root = document.child("OpenDRIVE");
   if (!root) reader.fail("it is not OpenDRIVE: there is no element <OpenDRIVE>");
 
