@@ -36,7 +36,7 @@ double copyRate(Workers& workers) {
   return best;
 }
 
-/// As wide as the widest vector units; narrower ones process it in parts.
+/// A vector as wide as the widest vector units; narrower ones process it in parts.
 using Wide = float __attribute__((vector_size(64)));
 constexpr size_t kChains = 8;  ///< independent sums, so that no unit waits for a result
 

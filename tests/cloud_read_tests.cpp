@@ -84,6 +84,26 @@ TEST_CASE("ties and tolerances of the reference are written and read") {
   CHECK(back.points.empty());
 }
 
+TEST_CASE("PLY is read with either spelling of types and normals") {
+  const Folder folder;
+  Scan scan = tiny();
+  scan.normals.assign(3 * scan.beamCount(), 0.5f);
+  CloudOptions options;
+  options.fields = parseFields("x,y,z,range,ring,beam,triangle,instance,tie,normal");
+  writeCloud(scan, folder / "a.ply", options);
+  std::string bytes = bytesOf(folder / "a.ply");
+  for (const auto& [name, other] : {std::pair("uint16 ", "ushort "), std::pair("uint32 ", "uint "),
+                                    std::pair("uint8 ", "uchar "), std::pair(" nx", " normal_x")}) {
+    REQUIRE(bytes.find(name) != bytes.npos);
+    for (size_t at = bytes.find(name); at != bytes.npos; at = bytes.find(name))
+      bytes.replace(at, std::string(name).size(), other);
+  }
+  const Scan back = readCloudBytes(CloudFormat::ply, bytes, "a.ply");
+  CHECK(back.triangles == scan.triangles);
+  CHECK(back.ties == scan.ties);
+  CHECK(back.normals == scan.normals);
+}
+
 TEST_CASE("a range that a file lacks is computed from the point") {
   const Folder folder;
   put(folder / "a.csv", "x,y,z\n3,4,0\n0,0,-2\n");

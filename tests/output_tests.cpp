@@ -76,7 +76,9 @@ TEST_CASE("a PLY file has packed rows, and the names and types that other reader
   const Folder folder;
   CloudOptions options;
   options.fields = parseFields("x,ring,tie,tolerance,instance,normal");
-  writeCloud(tiny(), folder / "a.ply", options);
+  Scan scan = tiny();
+  scan.normals.assign(3 * scan.beamCount(), 0.5f);
+  writeCloud(scan, folder / "a.ply", options);
   const std::string bytes = bytesOf(folder / "a.ply");
   const std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment gnosphere columns 3 channels 2 sensor tiny\nelement vertex 6\n"
@@ -86,6 +88,7 @@ TEST_CASE("a PLY file has packed rows, and the names and types that other reader
   REQUIRE(bytes.size() == header.size() + 6 * 27);
   CHECK(at<uint8_t>(bytes, header.size() + 2 * 27 + 6) == 1);
   CHECK(at<uint32_t>(bytes, header.size() + 2 * 27 + 11) == 7);
+  CHECK(at<float>(bytes, header.size() + 2 * 27 + 15) == 0.5f);
 }
 
 TEST_CASE("a KITTI file holds x, y, z and a zero reflectance of the hits") {

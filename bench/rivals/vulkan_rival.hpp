@@ -52,7 +52,7 @@ class VulkanRival : public Rival {
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
-  Sensor sensor_;  // the sensor of the directions
+  Sensor sensor_;  // the sensor whose directions are uploaded
   std::vector<float> directionsOnHost_;
   RayBuffer directions_, hits_, readback_;
   double deviceMs_ = 0;

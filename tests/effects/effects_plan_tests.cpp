@@ -100,7 +100,7 @@ TEST_CASE("an effect that is off changes no constant, and a scan of geometry alo
     for (const Plan::Pipeline& pipeline : stage.pipelines)
       for (size_t constant : {9, 10}) CHECK(pipeline.constants.at(constant) == 0);  // EFFECTS, FIELDS
   }
-  // Only words are read back.
+  // The host reads back only the packed word of each beam.
   CHECK(bare.stages.back().name == "resolve");
   CHECK(bare.stages.back().dispatches == 0);
   CHECK(bare.stages.back().pipelines.empty());

@@ -196,7 +196,7 @@ void checkOutputFiles(const std::vector<std::string>& files, const std::string& 
       throw Error(ErrorCode::invalidArgument, file + " is the scene itself; choose another output file");
     }
     if (!seen.insert(file).second) {
-      throw Error(ErrorCode::invalidArgument, file + " is given as two outputs; use different names");
+      throw Error(ErrorCode::invalidArgument, file + " is given twice; use different names");
     }
     checkWritable(file);
   }
