@@ -360,8 +360,7 @@ GltfFile parseGltf(Bytes bytes, const Source& source) {
     try {
       json = Json::parse(container.json);
     } catch (const Json::exception& error) {
-      source.fail(std::string(isGlb ? "its JSON is invalid" : "it is neither glTF text nor GLB") + ": " +
-                  error.what());
+      source.fail(std::string(isGlb ? "its JSON is invalid" : "it is neither glTF text nor GLB") + ": " + error.what());
     }
     checkVersion(json, source);
     Tidying(source).root(json);

@@ -108,7 +108,7 @@ Action addEffects(CLI::App& app) {
   app.add_option("NAME", *name, "Print this preset (or JSON file) as JSON that `gnosphere scan --effects FILE` reads");
   app.footer(
       "`gnosphere scan --effect NAME.PARAMETER=VALUE` sets a parameter; NAME=on, off or auto sets the whole effect.\n"
-      "Example: gnosphere effects PRESET > effects.json");
+      "Example: gnosphere effects os1-rain > effects.json");
   return [name] { return runEffects(*name); };
 }
 
