@@ -55,7 +55,7 @@ class MeshReader {
   std::unordered_map<int, std::vector<float>> sharedPositions_;  ///< key: accessor; only those that several meshes use
   std::unordered_map<int, std::vector<float>> uvs_;              ///< key: accessor
   std::vector<Run> runs_;                                        ///< runs of the mesh being read
-  std::vector<DracoMesh> draco_;  ///< Draco primitives of the mesh being read; index i has the number -2 - i
+  std::vector<DracoMesh> draco_;  ///< of the mesh being read; Vertices::positions is -2 - i for entry i
 };
 
 /// Returns the index of a material. A primitive without one gets glTF's default material, which is added once, as the
