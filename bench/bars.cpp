@@ -12,10 +12,10 @@ namespace {
 
 using cli::formatted;
 
-// Pixels: names to the left of the axis, values to the right of their bars.
+// Pixels: names are to the left of the axis, values to the right of their bars.
 constexpr double kLeft = 190, kBars = 500, kValues = 70, kRow = 19, kBar = 13, kFoot = 44;
 
-/// 1, 2 and 5 times every power of ten between the two.
+/// Returns 1, 2 and 5 times every power of ten between `low` and `high`.
 std::vector<double> ticksOf(double low, double high) {
   std::vector<double> ticks;
   for (int e = static_cast<int>(std::floor(std::log10(low))); e <= std::log10(high); ++e)
@@ -44,7 +44,7 @@ std::string toSvg(const BarChart& chart) {
     least = std::min(least, bar.value);
     most = std::max({most, bar.value, bar.high});
   }
-  least *= 0.9;  // some air; whiskers may be cut off there
+  least *= 0.9;  // leaves a margin; whiskers may be clipped there
   most *= 1.01;
   const double top = 40 + 14 * static_cast<double>(chart.notes.size());
   const double bottom = top + kRow * static_cast<double>(bars.size());

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Horizontal bars as self-contained SVG, over a logarithmic axis: what is compared has a name rather than a place on
-// another one.
+// Horizontal bars over a logarithmic axis as self-contained SVG.
 #pragma once
 
 #include <string>
@@ -10,15 +9,15 @@ namespace gnosphere::bench {
 
 struct Bar {
   std::string name;
-  double value = 0;          ///< positive; what is not is left out
-  double low = 0, high = 0;  ///< a whisker, where they differ; cut off at the axis' end
+  double value = 0;          ///< positive; other values are left out
+  double low = 0, high = 0;  ///< ends of a whisker, if they differ; clipped at the end of the axis
 };
 
 struct BarChart {
   std::string title;
   std::vector<std::string> notes;  ///< lines under the title
   std::string xLabel;
-  double mark = 1;  ///< where bars begin: the value that they are measured by; positive
+  double mark = 1;  ///< positive value at which bars begin, with which the others are compared
   std::vector<Bar> bars;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere-bench CASE ...: exit status 0 done, 1 the work failed or an answer was wrong, 2 the call was wrong.
+// gnosphere-bench CASE ...: exit status 0 for success, 1 if the work failed or a result was wrong, 2 for a wrong call.
 #include <utility>
 #include <vector>
 
@@ -37,7 +37,7 @@ std::string plotOf(const Case& entry, Report report, const DeviceInfo& device) {
   return toSvg(report.bars);
 }
 
-/// These cases, one after the other, into one result.
+/// Runs these cases one after the other and writes their results to one file.
 int run(const std::vector<Case>& cases, const Options& options) {
   checkResult(options.json);
   checkResult(options.plot);
@@ -63,20 +63,21 @@ int run(const std::vector<Case>& cases, const Options& options) {
   return 0;
 }
 
-/// The cases of the table and all of them at once.
+/// Adds a sub-command for each case, and one that runs all of them.
 std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
   std::vector<std::pair<const CLI::App*, Action>> actions;
   const auto add = [&](const char* name, const char* description, const std::vector<Case>& cases) {
     CLI::App* command = app.add_subcommand(name, description);
     const auto options = std::make_shared<Options>();
     addOptions(*command, *options);
+    command->footer("Example: gnosphere-bench " + std::string(name) + " --device 0 --json results.json");
     actions.emplace_back(command, [cases, options] { return run(cases, *options); });
     return command;
   };
   for (const Case& entry : kCases) add(entry.name, entry.description, {entry});
-  CLI::App* all = add("all", "All of these", {std::begin(kCases), std::end(kCases)});
+  CLI::App* all = add("all", "All of these cases", {std::begin(kCases), std::end(kCases)});
   all->remove_option(all->get_option("--plot"));
-  CLI::App* stability = app.add_subcommand("stability", "Error of every accuracy over the hardness of a case");
+  CLI::App* stability = app.add_subcommand("stability", "Error of every accuracy as cases get harder");
   actions.emplace_back(stability, addStability(*stability));
   return actions;
 }
@@ -84,7 +85,7 @@ std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("The benches of GnoSphere: answers are compared before a time is printed", "gnosphere-bench");
+  CLI::App app("Benchmarks of GnoSphere; results are compared before any time is printed", "gnosphere-bench");
   app.set_version_flag("--version", std::string("gnosphere-bench ") + GNOSPHERE_VERSION);
   app.require_subcommand(1);
   const auto cases = addCases(app);
@@ -93,7 +94,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
-    cli::complain(std::string(error.what()) + " (gnosphere-bench --help says more)");
+    cli::complain(std::string(error.what()) + " (see gnosphere-bench --help)");
     return 2;
   }
   for (const auto& [command, action] : cases) {

@@ -58,7 +58,7 @@ class Guest : public Contender {
     Sample sample;
     if (!task.moved.empty()) {
       sample.renewMs = rival_->update(task.moved);
-      if (anew_) sample.renewMs = rival_->build();  // what has moved is known by now, and that is not counted
+      if (anew_) sample.renewMs = rival_->build();  // moves were applied above, which is not counted
       sample.deviceMs = rival_->deviceMs();
       sample.stages.push_back({"renew", sample.renewMs});
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ours, the paper's way and the rivals behind one interface, so that a contest treats them alike.
+// A common interface for GnoSphere, the paper's method and the rivals, so that a contest treats them alike.
 #pragma once
 
 #include <memory>
@@ -12,16 +12,16 @@
 
 namespace gnosphere::bench {
 
-/// One scan of a contest: what has moved since the one before, and from where to look.
+/// One scan of a contest: the instances that have moved since the previous scan, and the pose.
 struct Task {
   const Shot& shot;
   std::span<const Moved> moved;
 };
 
-/// What a task took, in milliseconds. `deviceMs` is 0 where the device has no clock.
+/// Times of a task in milliseconds. `deviceMs` is 0 if the device has no clock.
 struct Sample {
-  double renewMs = 0;  ///< to take in what has moved
-  double scanMs = 0;   ///< to have the results on the host
+  double renewMs = 0;  ///< time to apply the movements
+  double scanMs = 0;   ///< time until the results are on the host
   double deviceMs = 0;
   std::vector<StageTime> stages;
   double totalMs() const { return renewMs + scanMs; }
@@ -31,24 +31,24 @@ class Contender {
  public:
   virtual ~Contender() = default;
   virtual std::string name() const = 0;
-  /// What has to be done once, before the first task; milliseconds.
+  /// Does the work needed once before the first task; returns milliseconds.
   virtual double build() = 0;
   virtual Sample run(const Task& task) = 0;
-  /// Of the last task. Points and counters are there only if they are ours.
+  /// Results of the last task. Only GnoSphere's have points and counters.
   virtual const Scan& answer() const = 0;
   virtual uint64_t memoryBytes() const = 0;
-  /// Whether its answers have to agree with ours and the reference.
+  /// Whether its results must agree with GnoSphere's and the reference.
   virtual bool judged() const { return true; }
 };
 
-/// GnoSphere itself. `options.accuracy` of paper is the paper's way, which is not judged. Its name is that of the
-/// accuracy unless it is given another.
+/// GnoSphere itself. With `options.accuracy` = paper it is the paper's method, which is not judged. By default its name
+/// is that of the accuracy.
 std::unique_ptr<Contender> makeOurs(const Scene& scene, const SensorRequest& request, const SimulatorOptions& options,
                                     const std::string& name = "");
-/// The device it runs on.
+/// Returns the simulator of a contender made by makeOurs().
 const Simulator& simulatorOf(const Contender& ours);
 
-/// `anew`: for every task that moves anything it is built from scratch, instead of updated.
+/// `anew`: it is built from scratch for every task that moves anything, instead of updated.
 std::unique_ptr<Contender> makeGuest(std::unique_ptr<Rival> rival, const Sensor& sensor, bool anew = false);
 
 }  // namespace gnosphere::bench

@@ -13,22 +13,22 @@
 namespace gnosphere::bench {
 namespace {
 
-/// Up to this many triangles and beams the reference is asked, too: it takes some seconds and gigabytes then.
+/// Limits up to which the reference is computed, too; at the limits it takes some seconds and gigabytes.
 constexpr uint64_t kReferenceTriangles = 2'000'000, kReferenceBeams = 1'000'000;
 
-/// Forth and back along x by up to 0.1 m, with every task elsewhere than with the one before.
+/// Moves back and forth along x by up to 0.1 m, with a different place for every task.
 Transform movedBy(const Transform& transform, size_t task) {
   Transform moved = transform;
   moved.rows[3] += 0.02 * (static_cast<double>(task % 10) - 5);
   return moved;
 }
 
-/// A contender that takes longer than this in all takes part no more, but in kLeastSamples at the least.
+/// A contender that takes longer than this in total stops, but not before kLeastSamples samples.
 constexpr double kPatienceMs = 5000;
 constexpr size_t kLeastSamples = 3;
 constexpr std::chrono::milliseconds kPause(5);
 
-/// What a contender took, and ours in the same frame of the same run.
+/// Times of a contender, and GnoSphere's in the same frame of the same run.
 struct Pair {
   uint32_t run = 0;
   size_t frame = 0;
@@ -41,7 +41,7 @@ class Contest {
   Contest(const Setting& setting, std::vector<std::unique_ptr<Contender>>& contenders)
       : setting_(setting), contenders_(contenders) {}
 
-  /// Builds them all and compares what they answer. One that is out of memory is left out, with a note.
+  /// Builds all contenders and compares their results. One that runs out of memory is left out, with a note.
   std::vector<Standing> check(std::vector<std::string>& notes) {
     std::vector<Standing> standings;
     for (auto contender = contenders_.begin(); contender != contenders_.end();) {
@@ -64,7 +64,7 @@ class Contest {
     return standings;
   }
 
-  /// Ours, the others, ours, the others, ... `counters`: ours, of every frame.
+  /// Times GnoSphere and the others in turn. `counters` are GnoSphere's, of every frame.
   std::vector<Pairs> time(std::vector<Counters>& counters) {
     std::vector<Pairs> pairs(contenders_.size());
     std::vector<double> spentMs(contenders_.size());
@@ -88,7 +88,8 @@ class Contest {
   }
 
  private:
-  /// Once the threads of the one before have gone to sleep: TBB's, which Embree has, look for work for a while.
+  /// Runs a task after a pause, so that the threads of the previous contender sleep: those of TBB, which Embree uses,
+  /// search for work for a while.
   Sample runAlone(size_t contender, const Task& task) {
     std::this_thread::sleep_for(kPause);
     return contenders_[contender]->run(task);
@@ -111,7 +112,7 @@ class Contest {
   }
 
   [[noreturn]] void refuse(const std::string& who, const std::string& why) const {
-    throw Error(ErrorCode::device, setting_.label + ": the answer of " + who + " is not right: " + why);
+    throw Error(ErrorCode::device, setting_.label + ": the result of " + who + " is wrong: " + why);
   }
 
   std::optional<Comparison> againstReference() const {
@@ -138,7 +139,7 @@ class Contest {
   std::vector<Moved> moved_;
 };
 
-/// Intensities; both may be absent.
+/// Whether two intensities agree; both may be absent.
 bool near(double a, double b) {
   return std::isnan(a) || std::isnan(b) ? std::isnan(a) == std::isnan(b) : std::abs(a - b) <= 1e-3 + 1e-3 * a;
 }
@@ -168,7 +169,7 @@ double device(const Sample& s) {
   return s.deviceMs;
 }
 
-/// Of the contender's to ours; 0 if one of them has no such time.
+/// Median ratio of the contender's times to GnoSphere's; 0 if one of them has no such time.
 template <class Get>
 double medianRatio(const Pairs& pairs, Get get) {
   std::vector<double> ratios;
@@ -179,7 +180,7 @@ double medianRatio(const Pairs& pairs, Get get) {
   return spreadOf(ratios).median;
 }
 
-/// The variance of the means of those that have the same key.
+/// Variance of the means of the samples that share a key.
 template <class Key>
 double varianceOfMeans(const Pairs& pairs, Key key) {
   std::map<size_t, std::vector<double>> groups;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ours and its rivals over the same scene from the same poses: answers compared first, then timed in turn.
+// Runs GnoSphere and its rivals on the same scene from the same poses: compares their results first, then times them in
+// turn.
 #pragma once
 
 #include <optional>
@@ -11,27 +12,26 @@
 
 namespace gnosphere::bench {
 
-/// What one contest is about.
+/// The input of one contest.
 struct Setting {
-  std::string label;  ///< of its rows
-  double x = 0;       ///< its place on a plot
+  std::string label;  ///< label of its rows
+  double x = 0;       ///< its x value on a plot
   const Scene& scene;
   Sensor sensor;
-  std::vector<Shot> shots;          ///< of the frames, in order
+  std::vector<Shot> shots;          ///< one per frame, in order
   std::vector<size_t> moving = {};  ///< instances that have moved before each frame
   uint32_t runs = 1;
-  bool refereed = true;  ///< ours is held against the reference, which sees geometry alone
+  bool refereed = true;  ///< whether GnoSphere is compared with the reference, which sees only geometry
 };
 std::vector<Shot> shotsFrom(const std::vector<Pose>& poses);
 
-/// How often a contender's answer is another than ours. Both compute in single precision, so a beam that grazes an edge
-/// may go either way: up to kAgreement of the beams may.
+/// How often a contender's result differs from GnoSphere's. Both compute in single precision, so a beam that grazes an
+/// edge may differ: a share of up to kAgreement of the beams is accepted.
 struct Agreement {
   uint64_t beams = 0;
-  uint64_t hits = 0;    ///< one hits and the other does not
-  uint64_t ranges = 0;  ///< both hit, more than 1 mm and 1/10,000 of the range apart
-  /// The range is the same, and what else both tell is not: the label, or the intensity by more than 1/1,000 of it and
-  /// of full scale.
+  uint64_t hits = 0;    ///< one hits and the other misses
+  uint64_t ranges = 0;  ///< both hit, with ranges more than 1 mm and 1/10,000 of the range apart
+  /// The ranges agree, but the label differs, or the intensity by more than 1/1,000 of it and of full scale.
   uint64_t signals = 0;
   uint64_t differ() const { return hits + ranges + signals; }
   bool good() const;
@@ -39,21 +39,21 @@ struct Agreement {
 inline constexpr double kAgreement = 1e-4;
 Agreement agreementOf(const Scan& ours, const Scan& other);
 
-/// A contender's figures.
+/// Results of one contender.
 struct Standing {
   std::string name;
-  size_t samples = 0;  ///< a contender that takes too long does not take part in every frame and run
+  size_t samples = 0;  ///< fewer than runs times frames if the contender took too long
   double buildMs = 0;
   Spread renewMs, scanMs, deviceMs, totalMs;  ///< over all frames and runs; the device's is 0 if it has no clock
   double meanMs = 0;
-  double frameVariance = 0;       ///< of the frames' means over the runs, in ms^2
-  double runVariance = 0;         ///< of the runs' means over the frames, in ms^2
+  double frameVariance = 0;       ///< variance of the frames' means over the runs, in ms^2
+  double runVariance = 0;         ///< variance of the runs' means over the frames, in ms^2
   std::vector<StageTime> stages;  ///< medians
-  double ratio = 1;               ///< its total time to ours: the median of the ratios frame by frame, run by run
-  double deviceRatio = 0;         ///< the same of device times; 0 where one has none
+  double ratio = 1;               ///< median ratio of its total time to GnoSphere's in the same frame and run
+  double deviceRatio = 0;         ///< the same for device times; 0 if one has none
   uint64_t memoryBytes = 0;
   Agreement agreement;
-  std::optional<Comparison> error;  ///< ours from the first pose, against the reference, if that was affordable
+  std::optional<Comparison> error;  ///< GnoSphere's from the first pose against the reference, if that was computed
 };
 
 struct Outcome {
@@ -62,16 +62,16 @@ struct Outcome {
   Sensor sensor;
   size_t frames = 0, moving = 0, uniqueTriangles = 0, placedTriangles = 0, instances = 0, meshes = 0;
   uint32_t runs = 0;
-  std::vector<Standing> standings;  ///< ours first
-  std::vector<std::string> notes;   ///< who was left out, and why
-  uint64_t hits = 0;                ///< of the last frame
+  std::vector<Standing> standings;  ///< GnoSphere's first
+  std::vector<std::string> notes;   ///< contenders that were left out, and why
+  uint64_t hits = 0;                ///< in the last frame
   MemoryUse memory;
   Floor floor;  ///< mean over the frames
   double floorShare() const { return floor.ms / standings[0].totalMs.median; }
 };
 
-/// `contenders`: ours first. Throws Error(device) that names the one whose answer is not right, before anything is
-/// timed.
+/// `contenders` begins with GnoSphere. Throws Error(device) that names a contender whose result is wrong, before
+/// anything is timed.
 Outcome hold(const Setting& setting, std::vector<std::unique_ptr<Contender>>& contenders, const Rates& rates);
 
 }  // namespace gnosphere::bench

@@ -13,12 +13,12 @@
 namespace gnosphere::bench {
 namespace {
 
-/// Per beam: a word of 8 bytes written and read, 24 bytes of results written.
+/// Least traffic per beam: a word of 8 bytes is written and read, 24 bytes of results are written.
 constexpr double kBeamBytes = 8 + 8 + 24;
-/// Per triangle: three corners turned and moved (9 multiplications, 9 additions, 3 subtractions each) and told from
-/// which side it is seen (8, Table 1 of the paper).
+/// Operations per triangle: three corners are transformed (9 multiplications, 9 additions, 3 subtractions each), and
+/// the facing side is determined (8, Table 1 of the paper).
 constexpr double kTriangleOperations = 3 * 21 + 8;
-/// Per hit: one inside test (15) and one range (9), of Table 1.
+/// Operations per hit: one inside test (15) and one range (9), of Table 1.
 constexpr double kHitOperations = 15 + 9;
 
 constexpr int kRounds = 5;
@@ -27,7 +27,7 @@ double copyRate(Workers& workers) {
   constexpr size_t kBlock = size_t{4} << 20, kBlocks = 64;
   const auto from = std::make_unique<char[]>(kBlock * kBlocks), to = std::make_unique<char[]>(kBlock * kBlocks);
   double best = 0;
-  for (int round = 0; round <= kRounds; ++round) {  // the first one meets memory that is not there yet
+  for (int round = 0; round <= kRounds; ++round) {  // the first round also allocates the memory
     const double start = cli::nowMs();
     workers.run(kBlocks,
                 [&](size_t block) { std::memcpy(to.get() + block * kBlock, from.get() + block * kBlock, kBlock); });
@@ -36,9 +36,9 @@ double copyRate(Workers& workers) {
   return best;
 }
 
-/// As wide as vector units come; narrower ones take it in parts.
+/// A vector as wide as the widest vector units; narrower ones process it in parts.
 using Wide = float __attribute__((vector_size(64)));
-constexpr size_t kChains = 8;  ///< independent, so that no unit waits for a result
+constexpr size_t kChains = 8;  ///< independent sums, so that no unit waits for a result
 
 float multiplyAndAdd(size_t steps, float seed) {
   const Wide factor = Wide{} + 0.999f, term = Wide{} + seed;
@@ -60,7 +60,7 @@ double operationRate(Workers& workers) {
     constexpr double kOperations = 2.0 * sizeof(Wide) / sizeof(float) * kChains * kSteps * kTasks;
     best = std::max(best, kOperations / (cli::nowMs() - start));
   }
-  volatile float seen = sums[0];  // or there would be nothing to compute
+  volatile float seen = sums[0];  // keeps the compiler from removing the computation
   static_cast<void>(seen);
   return best;
 }

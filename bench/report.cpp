@@ -25,7 +25,7 @@ std::string times(double ratio) {
   return ratio > 0 ? formatted("%.2f", ratio) : "-";
 }
 
-/// A time that is all over the place is marked.
+/// Formats a median; a star marks a large spread.
 std::string medianCell(const Spread& spread) {
   const bool unsteady = spread.p90 - spread.p10 > 0.1 * spread.median;
   return bareMs(spread.median) + (unsteady ? " *" : "");
@@ -35,11 +35,11 @@ void addNew(const std::string& name, std::vector<std::string>& names) {
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
 }
 
-/// Beside the stages.
+/// Names of the columns after the steps.
 constexpr const char* kDevice = "device";
 constexpr const char* kTotal = "total";
 
-/// The median; 0 where there is none.
+/// Returns the median; 0 if there is none.
 double stageMs(const Standing& standing, const std::string& name) {
   if (name == kDevice) return standing.deviceMs.median;
   if (name == kTotal) return standing.totalMs.median;
@@ -81,7 +81,7 @@ Json errorJson(const Comparison& c) {
           {"range_error_max_m", rounded(c.rangeErrorMax)}};
 }
 
-/// Medians, but for the total, which is the one to be judged.
+/// Medians, except for the total, which has its whole spread.
 Json standingJson(const Standing& s) {
   Json stages = Json::object();
   for (const StageTime& stage : s.stages) stages[stage.name] = rounded(stage.ms);
@@ -153,8 +153,8 @@ Table timesTable(const std::vector<Outcome>& outcomes) {
     }
   }
   table.note =
-      "Medians of all frames and runs, ours and the others in turn; total: renew + scan, results on the host; differ: "
-      "beams whose answer is not ours; *: more than 10 % between the 10th and the 90th percentile";
+      "Medians of all frames and runs; contenders are timed in turn; total: renew + scan, with results on the host; "
+      "differ: beams with another result than ours; *: 10th and 90th percentile differ by more than 10 %";
   return table;
 }
 
@@ -212,9 +212,9 @@ Table cudaTable(const std::vector<Outcome>& outcomes) {
     }
   }
   table.note =
-      "Ours on one card by Vulkan and by CUDA, in turn; cuda: without fused products, which gives exact the same "
-      "bytes; "
-      "cuda-fast: as nvcc makes it";
+      "GnoSphere by Vulkan and by CUDA on the same card, timed in turn; cuda: without fused products, so that exact "
+      "has "
+      "the same bytes; cuda-fast: with the defaults of nvcc";
   return table;
 }
 
@@ -233,7 +233,7 @@ Table floorTable(const std::vector<Outcome>& outcomes) {
          formatted("%.1f", perTriangle(outcome)), formatted("%.0f %%", 100 * scene / std::max(1.0, limit)),
          formatted("%.1f", perBeam(outcome))});
   }
-  table.note = "Ours. The floor is what must move or be computed at the least, at this machine's measured rates";
+  table.note = "GnoSphere. The floor is the least data traffic and computation, at this machine's measured rates";
   return table;
 }
 

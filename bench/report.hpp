@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Outcomes as tables, JSON and plots.
+// Formats outcomes as tables, JSON and plots.
 #pragma once
 
 #include <string>
@@ -14,36 +14,36 @@
 namespace gnosphere::bench {
 
 struct Table {
-  std::string note;  ///< under it
+  std::string note;  ///< printed below it
   std::vector<cli::TableRow> rows;
 };
 
-/// What a case has found.
+/// The results of a case.
 struct Report {
   std::vector<Outcome> outcomes;
   std::vector<Table> tables;
-  std::string xLabel;                    ///< of a plot
-  BarChart bars = {};                    ///< its plot, where it has no outcomes
-  cli::Json more = cli::Json::object();  ///< what it has measured besides
+  std::string xLabel;                    ///< label of the plot's x axis
+  BarChart bars = {};                    ///< its plot if it has no outcomes
+  cli::Json more = cli::Json::object();  ///< further measurements
 };
 
-/// Every contender in every outcome: build, renew, scan, device, total, how many times as fast ours is, what differs.
+/// Every contender in every outcome: build, update, scan, device, total, the speed relative to GnoSphere, differences.
 Table timesTable(const std::vector<Outcome>& outcomes);
-/// Mean, and variances across frames and runs, as the paper's Tables 3 and 4.
+/// Mean, and variances across frames and runs, as in Tables 3 and 4 of the paper.
 Table varianceTable(const std::vector<Outcome>& outcomes);
-/// Medians of what the time is made of.
+/// Medians of the steps.
 Table stagesTable(const std::vector<Outcome>& outcomes);
-/// Ours by Vulkan and by CUDA, stage by stage; no rows where CUDA has not taken part.
+/// GnoSphere by Vulkan and by CUDA, step by step; empty without CUDA.
 Table cudaTable(const std::vector<Outcome>& outcomes);
-/// Ours alone: the floor and memory.
+/// GnoSphere alone: least possible time and memory.
 Table floorTable(const std::vector<Outcome>& outcomes);
 
 cli::Json toJson(const Report& report);
-/// To five digits, which is more than a clock is good for.
+/// Rounds to five digits, more than a clock resolves.
 double rounded(double value);
-/// JSON for people, too: what fits a line stands on one.
+/// JSON that people can read, too: values that fit a line are written on one line.
 std::string compact(const cli::Json& json);
-/// Times of all contenders over the outcomes' x.
+/// Plots the times of all contenders over the outcomes' x.
 cli::Plot plotOf(const Report& report, const std::string& title, const DeviceInfo& device);
 
 }  // namespace gnosphere::bench

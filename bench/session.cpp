@@ -11,21 +11,23 @@ namespace gnosphere::bench {
 
 void addOptions(CLI::App& app, Options& options) {
   const auto count = CLI::Range(uint32_t{1}, uint32_t{1'000'000});
-  app.add_option("--device", options.device, "As gnosphere scan --device")->capture_default_str();
-  app.add_option("--accuracy", options.accuracy, "Ours, as gnosphere scan --accuracy")
+  app.add_option("--device", options.device, "A device, as in gnosphere scan --device")->capture_default_str();
+  app.add_option("--accuracy", options.accuracy, "Accuracy of GnoSphere, as in gnosphere scan --accuracy")
       ->check(CLI::IsMember(cli::kAccuracies))
       ->capture_default_str();
-  app.add_option("--sensor", options.sensor, "A built-in name or a JSON file, instead of the case's own");
-  app.add_option("--scene", options.scenes, "A scene file, instead of the built-in town; several for figure6-towns");
-  app.add_option("--triangles", options.triangles, "Of the built-in town; the most of them in scaling-triangles")
+  app.add_option("--sensor", options.sensor, "A built-in sensor or a JSON file (default: those of the case)");
+  app.add_option("--scene", options.scenes, "A scene file instead of the built-in town; several for figure6-towns");
+  app.add_option("--triangles", options.triangles,
+                 "Triangles of the built-in town; of the largest one in scaling-triangles")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000'000}));
   app.add_option("--trajectory", options.trajectory,
-                 "Poses as lines t x y z qx qy qz qw (default: along the town's street)");
-  app.add_option("--frames", options.frames, "Poses of the drive")->check(count);
-  app.add_option("--runs", options.runs, "Timed drives")->check(count);
-  app.add_option("--rivals", options.rivals, "all, none, or names with commas between")->capture_default_str();
-  app.add_option("--json", options.json, "A JSON file of the results, or - for stdout");
-  app.add_option("--plot", options.plot, "An .svg of the times");
+                 "Poses from a TUM file: lines of t x y z qx qy qz qw (default: along the town's street)");
+  app.add_option("--frames", options.frames, "Number of poses")->check(count);
+  app.add_option("--runs", options.runs, "Number of timed runs over all poses")->check(count);
+  app.add_option("--rivals", options.rivals, "Rivals to compare with: all, none, or names separated by commas")
+      ->capture_default_str();
+  app.add_option("--json", options.json, "Write the results to a JSON file, or - for stdout");
+  app.add_option("--plot", options.plot, "Write a plot of the times to an .svg file");
 }
 
 Session::Session(const Options& options, const Defaults& defaults)
@@ -67,8 +69,8 @@ SimulatorOptions Session::simulatorOptions() const {
   SimulatorOptions settings;
   settings.device = deviceByName(options_.device);
   settings.accuracy = cli::kAccuracies.at(options_.accuracy);
-  settings.faces = Faces::material;   // the rivals see both faces; that the answers agree is checked
-  settings.tuning.keepStill = false;  // scans are timed whole, even where a run has one pose only
+  settings.faces = Faces::material;   // rivals see both faces; the check of their results proves it
+  settings.tuning.keepStill = false;  // whole scans are timed, even if a run has only one pose
   return settings;
 }
 

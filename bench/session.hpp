@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every case has in common: its options, its scenes and poses, and a contest among all that were asked for.
+// Shared by all cases: options, scenes and poses, and a contest among the selected contenders.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,11 +14,11 @@ namespace gnosphere::bench {
 struct Options {
   std::string device = "auto", accuracy = "standard", sensor, trajectory, rivals = "all", json, plot;
   std::vector<std::string> scenes;
-  uint64_t triangles = 0;  ///< 0: the case's own default, as below
+  uint64_t triangles = 0;  ///< 0: the default of the case
   uint32_t runs = 0, frames = 0;
 };
 
-/// Of a case, where the options say nothing.
+/// Defaults of a case for options that are not given.
 struct Defaults {
   uint64_t triangles = 1'000'000;
   uint32_t runs = 10, frames = 1;
@@ -26,17 +26,17 @@ struct Defaults {
 
 void addOptions(CLI::App& app, Options& options);
 
-/// What a case asks to be measured.
+/// One measurement of a case.
 struct Round {
   std::string label;
   double x = 0;
   const Scene& scene;
   Sensor sensor;
   Motion motion = Motion::none;
-  size_t moving = 0;  ///< so many instances, spread evenly over the scene
+  size_t moving = 0;  ///< number of moving instances, spread evenly over the scene
 };
 
-/// What only ours can do: scans with effects.
+/// Scans with effects, which only GnoSphere supports.
 struct Request {
   Effects effects;
   std::vector<Field> fields;
@@ -45,30 +45,30 @@ struct Request {
 
 class Session {
  public:
-  /// Throws Error(invalidArgument) for options that make no sense.
+  /// Throws Error(invalidArgument) for invalid options.
   Session(const Options& options, const Defaults& defaults);
 
   const Options& options() const { return options_; }
-  /// --scene, or a town of `triangles`.
+  /// Returns --scene, or a town of `triangles`.
   Scene scene(uint64_t triangles) const;
   Scene scene() const { return scene(options_.triangles); }
-  /// --sensor alone, or these built-in ones.
+  /// Returns --sensor alone, or these built-in ones.
   std::vector<Sensor> sensors(const std::vector<std::string>& names) const;
-  /// --trajectory, or a drive along the town's street (x from -60 to 60 m, heading along x), or round the place where
-  /// one would stand in a scene of one's own; --frames of them, spread evenly.
+  /// Returns --frames poses, spread evenly along --trajectory; by default along the town's street (x from -60 to 60 m,
+  /// heading along x), or around the default pose of --scene.
   std::vector<Pose> poses(const Scene& scene) const;
 
   SimulatorOptions simulatorOptions() const;
   std::vector<std::unique_ptr<Contender>> contenders(const Round& round);
-  /// Adds what a contest comes to; a round that our own device cannot hold is left out, with a note.
+  /// Runs a contest and adds its outcome; a round that does not fit GnoSphere's device is left out, with a note.
   void hold(const Round& round, std::vector<Outcome>& outcomes);
-  /// The same of a request, among ours by Vulkan and by CUDA. Nothing where CUDA takes no part.
+  /// Runs a request on GnoSphere by Vulkan and by CUDA; does nothing without CUDA.
   void hold(const Round& round, const Request& request, std::vector<Outcome>& outcomes);
 
-  const DeviceInfo& device() const { return device_; }  ///< known after the first contest
-  void setDevice(const DeviceInfo& device);             ///< where there is no contest
+  const DeviceInfo& device() const { return device_; }  ///< valid after the first contest
+  void setDevice(const DeviceInfo& device);             ///< for cases without a contest
   const Rates& rates() const { return rates_; }
-  const std::vector<std::string>& notes() const { return notes_; }  ///< what was left out, and why
+  const std::vector<std::string>& notes() const { return notes_; }  ///< reasons for what was left out
   void addNote(const std::string& note);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere accuracy, scan --max-error, gnosphere-bench: as a person or a script meets them.
+// gnosphere accuracy, scan --max-error and gnosphere-bench as command lines.
 #include <nlohmann/json.hpp>
 
 #include "cli_support.hpp"
@@ -15,20 +15,20 @@ namespace {
 
 const std::string kSmall = " --sensor s.json ";
 
-/// A sensor of few beams that sees the floor, and the floor on one quad of 400 m: enough to tell paper from the rest.
+/// A sensor of few beams that sees the floor, and a floor that is one quad of 400 m: `paper` loses beams on it.
 void putSmall(const Workplace& place) {
   place.put("s.json", gnosphere::toJson(gridSensor(360, 8, -25, -4, 120)));
   place.put("wide.obj", "v -200 -190 -1.8\nv 200 -190 -1.8\nv 200 210 -1.8\nv -200 210 -1.8\nf 1 2 3\nf 1 3 4\n");
 }
 
-/// A label of a plot, as SVG has it.
+/// A label of a plot as it stands in the SVG.
 std::string label(const std::string& name) {
   return std::string(">").append(name).append("<");
 }
 
 }  // namespace
 
-TEST_CASE("accuracy refuses what it cannot measure") {
+TEST_CASE("accuracy refuses invalid calls") {
   checkRefused("accuracy", 2, "SCENE");
   checkRefused("accuracy floor.obj --device reference", 2, "another device");
   checkRefused("accuracy floor.obj --plot a.png", 2, ".svg");
@@ -40,7 +40,7 @@ TEST_CASE("accuracy refuses what it cannot measure") {
   checkRefused("accuracy none.obj --json a.json", 1, "none.obj");
 }
 
-TEST_CASE("a trajectory that is not sound is refused with the line") {
+TEST_CASE("a malformed trajectory is refused with the number of the line") {
   const Workplace place;
   const auto refused = [&](const std::string& text, const std::string& words) {
     INFO(text);
@@ -92,7 +92,7 @@ TEST_CASE("accuracy prints a table, JSON with the names of --stats, and a plot o
     CHECK_THAT(svg, ContainsSubstring(label(name)));
 }
 
-TEST_CASE("max-error that is no length, or does not go with the rest, is refused") {
+TEST_CASE("an invalid --max-error, or one that contradicts other options, is refused") {
   checkRefused("scan floor.obj --max-error -0.1", 2, "--max-error");
   checkRefused("scan floor.obj --max-error nan -o a.pcd", 2, "--max-error");
   checkRefused("scan floor.obj --max-error inf", 2, "--max-error");
@@ -101,7 +101,7 @@ TEST_CASE("max-error that is no length, or does not go with the rest, is refused
   checkRefused("scan floor.obj --max-error 1 --device reference", 2, "--device");
 }
 
-TEST_CASE("max-error takes a setting that is right enough, and says so") {
+TEST_CASE("scan --max-error chooses a setting within the limit and explains the choice") {
   needVulkan();
   const Workplace place;
   putSmall(place);
@@ -117,7 +117,7 @@ TEST_CASE("max-error takes a setting that is right enough, and says so") {
   CHECK(place.get("a.pcd").size() > 1000);
 }
 
-TEST_CASE("max-error that nothing reaches ends with 1, the best there is, and no cloud") {
+TEST_CASE("a --max-error that no setting reaches ends with status 1, names the best setting and writes no cloud") {
   needVulkan();
   const Workplace place;
   putSmall(place);
@@ -130,7 +130,7 @@ TEST_CASE("max-error that nothing reaches ends with 1, the best there is, and no
   CHECK(place.files() == std::vector<std::string>{"floor.obj", "s.json", "wide.obj"});
 }
 
-TEST_CASE("the bench checks its calls and plots stability") {
+TEST_CASE("gnosphere-bench refuses invalid calls and plots stability") {
   const Workplace place;
   CHECK(place.run("", "", GNOSPHERE_BENCH_BINARY).status == 2);
   CHECK(place.run("stability --family none", "", GNOSPHERE_BENCH_BINARY).status == 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report on the accuracy dial: its errors, its histogram, its sample.
+// The accuracy report: its errors, its histogram, its sample.
 #include <catch2/catch_approx.hpp>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -60,7 +60,7 @@ double distance(const Scan& a, size_t i, const Scan& b, size_t j) {
 
 }  // namespace
 
-TEST_CASE("standard and exact lose no beam of a town, each part alone says what it costs") {
+TEST_CASE("standard and exact lose no beam of a town, and each part of standard is reported alone") {
   needVulkan();
   const Scene town = makeTown({20'000, 1});
   const Sensor sensor = gridSensor(720, 64, -25, 2, 120);
@@ -105,10 +105,10 @@ TEST_CASE("paper loses returns on a ground of large quads") {
   CHECK(std::isinf(rowOf(report.settings, "paper").errorBound()));
 }
 
-TEST_CASE("a sample of the beams is a part of the whole comparison") {
+TEST_CASE("errors on a sample of the beams are part of those on all beams") {
   needVulkan();
   const Scene scene = sceneOf(soup(3, 400, 20, 6));
-  const Sensor sensor = gridSensor(333, 16, -40, 30, 100);  // 333 has no divisor near any wanted step
+  const Sensor sensor = gridSensor(333, 16, -40, 30, 100);  // 333 has no common divisor with the steps tried
   AccuracyOptions options = quick();
   options.runs = 1;
   options.parts = false;
@@ -122,7 +122,7 @@ TEST_CASE("a sample of the beams is a part of the whole comparison") {
   CHECK(rowOf(report.settings, "standard").nearest == NearestHistogram{});
 }
 
-TEST_CASE("the sensor of a sample points where the whole sensor does") {
+TEST_CASE("the sensor of a sample has the directions of the sampled beams") {
   Sensor sensor = gridSensor(77, 5, -30, 30);
   for (size_t j = 0; j < 5; ++j) sensor.channels[j].azimuthOffsetDeg = 90.0 * static_cast<double>(j) - 170;
   const BeamSample sample = sampleOf(sensor, 60, 9);
@@ -137,7 +137,7 @@ TEST_CASE("the sensor of a sample points where the whole sensor does") {
   CHECK(sampleOf(sensor, 385, 9).beams.empty());
 }
 
-TEST_CASE("the histogram of nearest neighbours is the one of brute force") {
+TEST_CASE("the histogram of nearest neighbours equals that of brute force") {
   Random uniform(5);
   std::vector<Vec3> ours, theirs;
   std::vector<bool> hits, theirHits;
@@ -165,13 +165,13 @@ TEST_CASE("the histogram of nearest neighbours is the one of brute force") {
   CHECK(expected.back() > 0);
 }
 
-TEST_CASE("a histogram against no points at all holds all in its last bin") {
+TEST_CASE("against a cloud without points, every point falls into the histogram's last bin") {
   const Scan nothing = cloudOf({{1, 0, 0}}, {false});
   CHECK(nearestHistogram(nothing, cloudOf({{1, 0, 0}})).back() == 1);
   CHECK(nearestHistogram(nothing, nothing) == NearestHistogram{});
 }
 
-TEST_CASE("a comparison summed over scans is the comparison of all beams at once") {
+TEST_CASE("a comparison summed over scans equals the comparison of all beams at once") {
   Random uniform(11);
   Scan all[2];
   std::vector<uint8_t> allTies;
@@ -221,7 +221,7 @@ TEST_CASE("a comparison summed over scans is the comparison of all beams at once
   CHECK(a.rangeError9999 == errors[static_cast<size_t>(rank) - 1]);
 }
 
-TEST_CASE("spreads are medians, minima and percentiles") {
+TEST_CASE("spreads have the median, minimum and percentiles of their values") {
   const Spread spread = spreadOf({9, 1, 8, 2, 7, 3, 6, 4, 5, 10});
   CHECK(spread.median == 5.5);
   CHECK(spread.min == 1);
@@ -231,7 +231,7 @@ TEST_CASE("spreads are medians, minima and percentiles") {
   CHECK(spreadOf({3}).p90 == 3);
 }
 
-TEST_CASE("accuracy cannot be measured from nowhere, never, or against itself") {
+TEST_CASE("measuring accuracy without poses, without runs or on the reference is refused") {
   const Scene scene = sceneOf(soup(1, 10, 5, 2));
   const Sensor sensor = gridSensor(36, 2, -10, 10);
   AccuracyOptions options = quick();

@@ -9,7 +9,7 @@
 using namespace gnosphere::bench;
 using Catch::Matchers::ContainsSubstring;
 
-TEST_CASE("bars are well-formed, whatever their values, and those that have none are left out") {
+TEST_CASE("bars are well-formed SVG for any values, and values that cannot be drawn are left out") {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   const std::string svg =
       toSvg({"a < b & c", {"note"}, "times", 1, {{"one", 1}, {"lost", nan}, {"far", infinity}, {"<&>", 70, 60, 90}}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every case of gnosphere-bench, tiny.
+// Runs every case of gnosphere-bench on tiny scenes.
 #include <catch2/generators/catch_generators.hpp>
 #include <nlohmann/json.hpp>
 
@@ -27,7 +27,7 @@ json casesOf(const Workplace& place, const std::string& call) {
 
 }  // namespace
 
-TEST_CASE("each case of the bench gives a table, results and a plot") {
+TEST_CASE("each case of gnosphere-bench gives a table, results and a plot") {
   needVulkan();
   const std::string name = GENERATE("table3", "table4", "figure5", "figure6-range", "figure6-towns", "figure7",
                                     "dynamic", "scaling-triangles");
@@ -47,7 +47,7 @@ TEST_CASE("each case of the bench gives a table, results and a plot") {
   }
 }
 
-TEST_CASE("the bench compares nearest neighbours as the paper does") {
+TEST_CASE("table5 compares nearest neighbours as the paper does") {
   needVulkan();
   const Workplace place;
   const json contenders = casesOf(place, "table5" + kTiny + " --json r.json").at("table5").at("contenders");
@@ -56,8 +56,8 @@ TEST_CASE("the bench compares nearest neighbours as the paper does") {
   CHECK(contenders.at(1).at("name") == "paper");
 }
 
-// Compiles every effect's pipelines.
-TEST_CASE("the bench tells what each effect costs, and that what is off costs nothing", "[.slow]") {
+// Slow, because it compiles the pipelines of every effect.
+TEST_CASE("the case effects times each effect, and checks that switched-off effects cost nothing", "[.slow]") {
   needVulkan();
   const Workplace place;
   const json effects =
@@ -67,7 +67,7 @@ TEST_CASE("the bench tells what each effect costs, and that what is off costs no
   CHECK(effects.at("off_requests") == 17);
   CHECK(effects.at("left_out").at(0) == "cut-outs: no material that is seen has holes");
   const json& rows = effects.at("rows");
-  CHECK(rows.size() + effects.at("left_out").size() == 2 + 22 + 2);  // bare, off; one by one; all, many scans
+  CHECK(rows.size() + effects.at("left_out").size() == 2 + 22 + 2);  // bare, off; each effect; all, many scans
   const json &bare = rows.at(0), &off = rows.at(1);
   CHECK(bare.at("times_bare").at("median") == 1);
   CHECK(off.at("bytes") == bare.at("bytes"));
@@ -83,7 +83,7 @@ TEST_CASE("the bench tells what each effect costs, and that what is off costs no
   CHECK(rows.back().at("dispatches") == 19 * bare.at("dispatches").get<int>());
 }
 
-TEST_CASE("the bench takes a scene and a drive of one's own, and refuses what makes no sense") {
+TEST_CASE("gnosphere-bench takes a scene and a trajectory, and refuses invalid calls") {
   const Workplace place;
   CHECK(place.run("table3 --rivals optix", "", kBench).status == 2);
   CHECK(place.run("table3 --runs 0", "", kBench).status == 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage bin: the ways of giving triangles to beams agree to the byte, and no list overflows unseen.
+// Step bin: all ways of binning give the same bytes, and lists that overflow are detected.
 #include <algorithm>
 
 #include "support.hpp"
@@ -24,20 +24,20 @@ void requireWaysAgree(const Scene& scene, const Sensor& sensor, const Pose& pose
 
 }  // namespace
 
-TEST_CASE("lists, slabs and atomic minima give the same bytes on a soup of triangles") {
+TEST_CASE("lists, slabs ways atomic binning give the same bytes on random triangles") {
   needVulkan();
   for (uint32_t seed : {1u, 2u, 3u}) requireWaysAgree(sceneOf(soup(seed, 4000, 30, 4)), gridSensor(700, 40, -40, 40));
 }
 
-TEST_CASE("lists, slabs and atomic minima give the same bytes in a town") {
+TEST_CASE("lists, slabs ways atomic binning give the same bytes in a town") {
   needVulkan();
   requireWaysAgree(makeTown({.triangles = 60'000}), builtinSensors()[0], {{0, 0, 1.8}, {}});
 }
 
-TEST_CASE("the rows that a triangle has between two columns leave out none of its beams") {
+TEST_CASE("the rows of a triangle between two columns include all its beams") {
   needVulkan();
-  // From columns of half a radian to more than a subgroup's in a degree; edges in the columns' own planes, over the
-  // poles, through the sensor; channels with and without offsets of their own.
+  // The columns are from half a radian wide to less than a degree per subgroup. Some edges lie in the planes of
+  // columns, over the poles or through the sensor; channels are with and without azimuth offsets.
   MeshBuilder room;
   room.box({-7, -5, -2}, {9, 6, 3}, 3);
   room.box({-40, -40, -30}, {40, 40, 30}, 1);
@@ -56,7 +56,7 @@ TEST_CASE("the rows that a triangle has between two columns leave out none of it
     }
 }
 
-TEST_CASE("triangles with a corner on the sensor's axis, or next to it, leave out none of their beams") {
+TEST_CASE("triangles with a corner on or near the sensor's axis keep all their beams") {
   needVulkan();
   for (double aside : {0.0, 1e-5, 1e-3})
     for (double height : {-2.0, -1e-4, 2.0})
@@ -76,7 +76,7 @@ TEST_CASE("triangles with a corner on the sensor's axis, or next to it, leave ou
       }
 }
 
-TEST_CASE("of triangles at equal range the lowest index owns the beam, whatever their order in space") {
+TEST_CASE("among triangles at equal range, the one with the lowest index owns the beam, in any spatial order") {
   needVulkan();
   MeshBuilder builder;
   for (int copy = 0; copy < 5; ++copy) builder.quad({4, -3, -3}, {0, 6, 0}, {0, 0, 6}, 6);
@@ -88,7 +88,7 @@ TEST_CASE("of triangles at equal range the lowest index owns the beam, whatever 
     if (scan.hit(b)) REQUIRE(scan.triangles[b] < 72);
 }
 
-TEST_CASE("a candidate list that is too small grows, the scan runs again and nothing is lost", "[second-driver]") {
+TEST_CASE("a candidate list that is too small grows, the scan runs again, and no hit is lost", "[second-driver]") {
   needVulkan();
   MeshBuilder builder;
   for (int layer = 0; layer < 12; ++layer)
@@ -102,7 +102,7 @@ TEST_CASE("a candidate list that is too small grows, the scan runs again and not
   CHECK(sameBytes(lists, scanBy(Binning::nearest, scene, sensor)));
 }
 
-TEST_CASE("more triangles and tiles than the lists were made for are all projected") {
+TEST_CASE("more triangles and tiles than the lists had room for are all projected") {
   needVulkan();
   // 500,000 triangles that each cover a beam, and 5,000 that each cover most of the sensor.
   Scene scene = sceneOf(ball(500, 500, 20));
@@ -115,7 +115,7 @@ TEST_CASE("more triangles and tiles than the lists were made for are all project
   scene.instances.push_back({"", 1, {}});
   const Sensor sensor = gridSensor(2000, 300, -80, 80);
   TestOptions options = vulkanOptions();
-  options.validation = false;  // speed: the layer has seen this path in the smaller tests
+  options.validation = false;  // for speed; smaller tests run this path with the layer
   Simulator simulator = makeSimulator(scene, sensor, options);
   const Scan scan = simulator.scan({});
   CHECK(scan.counters.retries >= 1);
@@ -125,7 +125,7 @@ TEST_CASE("more triangles and tiles than the lists were made for are all project
   requireSame(referenceOf(scene, sensor, {}), scan);
 }
 
-TEST_CASE("the order of triangles and instances changes indices and nothing else") {
+TEST_CASE("the order of triangles and instances changes only indices") {
   needVulkan();
   const Mesh original = soup(7, 3000, 25, 5);
   const Sensor sensor = gridSensor(500, 40, -40, 40);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the program as a script would run it.
+// Runs the program as a script would.
 #pragma once
 
 #include <sys/wait.h>
@@ -21,7 +21,7 @@ struct Result {
   std::string out, err;
 };
 
-/// A folder to run the program in, with a scene: a floor of 20 m, two triangles.
+/// A temporary folder in which the program runs, with a scene: a floor of 20 m, made of two triangles.
 class Workplace {
  public:
   Workplace() { put("floor.obj", "v -10 -10 0\nv 10 -10 0\nv 10 10 0\nv -10 10 0\nf 1 2 3\nf 1 3 4\n"); }
@@ -29,7 +29,7 @@ class Workplace {
   fs::path operator/(const std::string& name) const { return folder_ / name; }
   void put(const std::string& name, const std::string& bytes) const { test::put(folder_ / name, bytes); }
   std::string get(const std::string& name) const { return bytesOf(folder_ / name); }
-  /// Names of the files, without those that run() itself makes.
+  /// Names of the files, except those that run() itself writes.
   std::vector<std::string> files() const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder_.path())) {
@@ -47,7 +47,7 @@ class Workplace {
     REQUIRE(WIFEXITED(status));
     return {WEXITSTATUS(status), get("out"), get("err")};
   }
-  /// A call that must succeed, and what it writes to stdout.
+  /// Runs a call that must succeed, and parses its output as JSON.
   nlohmann::json runJson(const std::string& arguments, const std::string& before = "",
                          const std::string& program = GNOSPHERE_BINARY) const {
     const Result result = run(arguments, before, program);
@@ -63,7 +63,7 @@ class Workplace {
 
 inline const std::string kQuick = " --device reference --sensor VLP-16 ";
 
-/// The call fails with this status and one line that holds these words, and leaves the folder as it was.
+/// Checks that the call fails with this status and a single line that contains these words, and leaves no files.
 inline void checkRefused(const std::string& arguments, int status, const std::string& words) {
   INFO("gnosphere " << arguments);
   const Workplace place;

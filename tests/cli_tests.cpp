@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program as a person or a script meets it: exit status, one-line errors, nothing half-written.
+// The command line as people and scripts see it: exit status, one-line errors, no incomplete files.
 #include <catch2/generators/catch_generators.hpp>
 #include <nlohmann/json.hpp>
 
@@ -11,7 +11,7 @@ using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 using namespace gnosphere::test;
 
-TEST_CASE("a call that is wrong ends with status 2 and says what there is") {
+TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects or town");
   checkRefused("look", 2, "look");
   checkRefused("scan", 2, "SCENE");
@@ -38,17 +38,17 @@ TEST_CASE("a call that is wrong ends with status 2 and says what there is") {
   checkRefused("town", 2, "--output");
 }
 
-TEST_CASE("work that fails ends with status 1 and leaves nothing half-written") {
+TEST_CASE("work that fails ends with status 1 and leaves no incomplete file") {
   checkRefused("scan none.glb -o a.pcd --image a.png --stats a.json", 1, "none.glb");
   checkRefused("scan floor.obj -o no/such/folder/a.pcd", 1, "No such file or directory");
-  checkRefused("scan none.glb -o no/a.pcd", 1, "no/a.pcd");  // told before anything is loaded
+  checkRefused("scan none.glb -o no/a.pcd", 1, "no/a.pcd");  // fails before the scene is loaded
   checkRefused("scan floor.obj -o /a.pcd/a.pcd", 1, "/a.pcd/a.pcd");
   checkRefused("scan floor.obj --sensor floor.obj -o a.pcd", 1, "floor.obj: is not JSON");
   checkRefused("compare a.pcd b.pcd", 1, "a.pcd: cannot be read: No such file or directory");
   checkRefused("town -o no/town.glb", 1, "No such file or directory");
 }
 
-TEST_CASE("a scan writes what it is asked for and says so") {
+TEST_CASE("a scan writes the requested files and lists them") {
   const Workplace place;
   const Result result = place.run("scan -o a.pcd -o b.npy floor.obj --image a.png --stats a.json" + kQuick);
   CHECK(result.err == "");
@@ -62,13 +62,13 @@ TEST_CASE("a scan writes what it is asked for and says so") {
   CHECK(scan.sensor == "VLP-16");
 }
 
-TEST_CASE("the pose may begin with a minus and need not be normalised") {
+TEST_CASE("a pose may begin with a minus, and its quaternion need not be normalised") {
   const auto pose = Workplace().runJson("scan floor.obj --pose -1,2.5,3e0,0,0,2,0 --stats -" + kQuick).at("pose");
   CHECK(pose.at("position") == nlohmann::json({-1.0, 2.5, 3.0}));
   CHECK(pose.at("orientation_xyzw") == nlohmann::json({0.0, 0.0, 1.0, 0.0}));
 }
 
-TEST_CASE("a scene that is elsewhere is scanned from its middle") {
+TEST_CASE("a scene away from the origin is scanned from its middle by default") {
   const Workplace place;
   place.put("far.obj", "v 100 200 50\nv 140 200 50\nv 100 260 50\nf 1 2 3\n");
   const Result result = place.run("scan far.obj" + kQuick);
@@ -76,7 +76,7 @@ TEST_CASE("a scene that is elsewhere is scanned from its middle") {
   CHECK_THAT(result.out, ContainsSubstring("at 120, 230, 51.8"));
 }
 
-TEST_CASE("statistics are JSON with the names of the design, on stdout alone if asked") {
+TEST_CASE("scan --stats - prints only JSON, with the documented names") {
   const auto stats = Workplace().runJson("scan floor.obj --repeat 3 --stats -" + kQuick);
   CHECK(stats.at("device").at("type") == "reference");
   for (const char* key : {"triangles", "unique_triangles", "instances", "meshes", "clusters", "bytes"}) {
@@ -97,7 +97,7 @@ TEST_CASE("statistics are JSON with the names of the design, on stdout alone if 
   }
 }
 
-TEST_CASE("a scene with no triangle gives a cloud of misses and a warning") {
+TEST_CASE("a scene without triangles gives a cloud of misses and a warning") {
   const Workplace place;
   place.put("empty.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})");
   const Result result = place.run("scan empty.gltf -o a.pcd" + kQuick);
@@ -107,7 +107,7 @@ TEST_CASE("a scene with no triangle gives a cloud of misses and a warning") {
   CHECK(gnosphere::readCloud(place / "a.pcd").beamCount() == 28800);
 }
 
-TEST_CASE("fields that follow from the sensor are written without being asked for before the scan") {
+TEST_CASE("fields that can be derived from the sensor need no request before the scan") {
   const Workplace place;
   REQUIRE(place.run("scan floor.obj -o a.csv --fields beam,return,class,time,azimuth,elevation" + kQuick).status == 0);
   const std::string text = place.get("a.csv");
@@ -115,7 +115,7 @@ TEST_CASE("fields that follow from the sensor are written without being asked fo
   CHECK(std::count(text.begin(), text.end(), '\n') == 28801);
 }
 
-TEST_CASE("cut-out materials without their images are warned of") {
+TEST_CASE("cut-out materials whose images are missing cause a warning") {
   const Workplace place;
   place.put("leaf.gltf", R"({"asset": {"version": "2.0"}, "materials": [{"alphaMode": "MASK", "pbrMetallicRoughness":
       {"baseColorTexture": {"index": 0}}}], "textures": [{"source": 0}], "images": [{"uri": "leaf.png"}]})");
@@ -124,7 +124,7 @@ TEST_CASE("cut-out materials without their images are warned of") {
   CHECK_THAT(result.err, ContainsSubstring("1 images of cut-out materials of leaf.gltf are not there"));
 }
 
-TEST_CASE("compare ends with 0 for the same cloud and 1 for another") {
+TEST_CASE("compare ends with status 0 for equal clouds and 1 for different ones") {
   const Workplace place;
   REQUIRE(place.run("scan floor.obj -o a.pcd -o b.csv --fields beam,range,triangle,instance,tie,tolerance" + kQuick)
               .status == 0);
@@ -154,7 +154,7 @@ TEST_CASE("compare ends with 0 for the same cloud and 1 for another") {
   CHECK_THAT(poor.err, ContainsSubstring("triangle, instance"));
 }
 
-TEST_CASE("a printed sensor is a file that --sensor reads") {
+TEST_CASE("a printed sensor is a valid file for --sensor") {
   const Workplace place;
   const Result printed = place.run("sensors hdl-64e");
   REQUIRE(printed.status == 0);
@@ -164,11 +164,11 @@ TEST_CASE("a printed sensor is a file that --sensor reads") {
   CHECK_THAT(place.run("sensors").out, ContainsSubstring("Hypothetical-350") && ContainsSubstring("6,300,000"));
 }
 
-TEST_CASE("a CUDA device that is not there is one line, built in or not") {
+TEST_CASE("an unknown CUDA device is a one-line error, with or without CUDA in the build") {
   checkRefused("scan floor.obj --device cuda:99", 1, "device 'cuda:99': ");
 }
 
-TEST_CASE("devices end with the reference, which needs no Vulkan") {
+TEST_CASE("the list of devices ends with the reference, which needs no Vulkan") {
   const Workplace place;
   const auto devices =
       place.runJson("devices --json", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent").at("devices");
@@ -178,10 +178,10 @@ TEST_CASE("devices end with the reference, which needs no Vulkan") {
   CHECK(place.run("devices").status == 0);
 }
 
-TEST_CASE("a disk that fills up leaves the old file and no part") {
+TEST_CASE("if the disk fills up, the old file stays and no partial file is left") {
   const Workplace place;
   place.put("a.pcd", "before");
-  // A limit on the size of files stands for the full disk; the signal it sends is ignored, so that writing fails.
+  // A limit on file sizes simulates the full disk; its signal is ignored, so that writing fails.
   const Result result = place.run("scan floor.obj -o a.pcd" + kQuick, "trap '' XFSZ; ulimit -f 64;");
   CHECK(result.status == 1);
   CHECK_THAT(result.err, ContainsSubstring("a.pcd: cannot be written: File too large"));
@@ -197,10 +197,18 @@ TEST_CASE("a town is written and can be scanned") {
   CHECK(result.err == "");
 }
 
-TEST_CASE("help and version are answers, not errors") {
+TEST_CASE("help and version succeed, and every help text ends with an example") {
   const Workplace place;
   CHECK_THAT(place.run("--help").out, ContainsSubstring("scan") && ContainsSubstring("town"));
   CHECK_THAT(place.run("scan --help").out, ContainsSubstring("--pose") && ContainsSubstring("1.8 m"));
+  for (const std::string command :
+       {"", "scan", "plan", "accuracy", "compare", "devices", "sensors", "effects", "town"}) {
+    const std::string help = place.run(command + " --help").out;
+    INFO(help);
+    const size_t example = help.find("\nExample: gnosphere ");
+    REQUIRE(example != help.npos);
+    CHECK(help.find_first_not_of('\n', help.find('\n', example + 1)) == help.npos);  // it is the last line
+  }
   const Result version = place.run("--version");
   CHECK(version.status == 0);
   CHECK_THAT(version.out, StartsWith("gnosphere "));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What effects add to a cloud: more fields, and several returns per beam.
+// Fields that effects add to a cloud, and several returns per beam.
 #include <bit>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -38,7 +38,7 @@ constexpr Field kFloats[] = {Field::tolerance, Field::intensity,    Field::trueR
                              Field::incidence, Field::barycentrics, Field::velocity,  Field::radialSpeed};
 const std::vector<Field> kComputed = {Field::classId, Field::time, Field::azimuth, Field::elevation};
 
-/// Four columns, two channels; every column is there. The return of beam 2 is of the medium.
+/// A scan of four columns and two channels with every column is there. The return of beam 2 comes from the medium.
 Scan full(uint32_t returns) {
   Scan scan;
   scan.sensor = "small";
@@ -124,7 +124,7 @@ TEST_CASE("every field and every return reads back to the same bits from every f
   CHECK(compare(scan, back).same());
 }
 
-TEST_CASE("a field is one column, a vector one per component") {
+TEST_CASE("a field is one column, a vector has one column per component") {
   const Folder folder;
   writeCloud(full(1), folder / "a.csv", withFields(kEveryField));
   const std::string text = bytesOf(folder / "a.csv");
@@ -150,12 +150,12 @@ TEST_CASE("times, angles and classes follow from the sensor and the instances") 
     CHECK(std::abs(std::remainder(turned, 2 * std::numbers::pi)) < 1e-6);
     CHECK(std::abs(value("elevation") - std::asin(d.z)) < 1e-6);
     CHECK(value("time") == static_cast<float>(0.1 * static_cast<double>(b % 4) / 4 + (b < 4 ? 0 : 0.001)));
-    // Beam b meets instance b / 2, if any; number 3 has no class.
+    // Beam b hits instance b / 2 if it hits any; instance 3 has no class.
     CHECK(value("class") == (b == 0 ? 500 : b == 3 ? 1 : b == 5 ? 65535 : 0));
   }
 }
 
-TEST_CASE("several returns are rows of their own: no grid, no misses, numbered and counted") {
+TEST_CASE("a cloud of several returns has a row per return, without grid and misses") {
   const Folder folder;
   const Scan scan = full(2);
   writeCloud(scan, folder / "a.pcd");
@@ -170,7 +170,7 @@ TEST_CASE("several returns are rows of their own: no grid, no misses, numbered a
   CHECK_NOTHROW(writePicture(scan, folder / "a.png"));
 }
 
-TEST_CASE("the picture of several returns is that of the first ones") {
+TEST_CASE("the picture of several returns shows the first ones") {
   const Folder folder;
   const Scan two = full(2);
   Scan one = full(2);
@@ -185,7 +185,7 @@ TEST_CASE("the picture of several returns is that of the first ones") {
   CHECK(bytesOf(folder / "two.png") == bytesOf(folder / "one.png"));
 }
 
-TEST_CASE("a grid keeps its misses, numbered 0 of 0") {
+TEST_CASE("a cloud on a grid keeps its misses, with return number 0 of 0") {
   const Folder folder;
   writeCloud(full(1), folder / "a.csv", withFields("beam,return,returns,cause"));
   CHECK_THAT(bytesOf(folder / "a.csv"), ContainsSubstring("\n0,1,1,0\n1,0,0,2\n"));
@@ -193,7 +193,7 @@ TEST_CASE("a grid keeps its misses, numbered 0 of 0") {
   CHECK_THAT(bytesOf(folder / "a.pcd"), ContainsSubstring("WIDTH 4\nHEIGHT 2\n"));
 }
 
-TEST_CASE("a KITTI file's fourth value is the intensity where there is one") {
+TEST_CASE("a KITTI file's fourth value is the intensity if the scan has it") {
   const Folder folder;
   const Scan scan = full(2);
   writeCloud(scan, folder / "a.bin");
@@ -204,7 +204,7 @@ TEST_CASE("a KITTI file's fourth value is the intensity where there is one") {
   CHECK(at<float>(bytes, 2 * 16 + 12) == scan.column<float>(Field::intensity)[4]);
 }
 
-TEST_CASE("Python reads the fields of an NPY cloud by the rules of the format") {
+TEST_CASE("Python reads the fields of an NPY cloud according to the format") {
   if (std::system("python3 -c pass >/dev/null 2>&1") != 0) SKIP("there is no python3");
   const Folder folder;
   writeCloud(full(2), folder / "a.npy", withFields("beam,return,intensity,normal,class,label,time"));
@@ -225,7 +225,7 @@ assert abs(rows[6][8] - 0.051) < 1e-7
   CHECK(std::system(("python3 " + (folder / "read.py").string() + " " + (folder / "a.npy").string()).c_str()) == 0);
 }
 
-TEST_CASE("a field that the scan lacks is refused with the way to it") {
+TEST_CASE("a field that the scan lacks is refused with advice") {
   const Folder folder;
   const Scan scan = tiny();
   const auto problem = [&](const std::string& fields) {
@@ -244,7 +244,7 @@ TEST_CASE("a field that the scan lacks is refused with the way to it") {
   CHECK(folder.fileCount() == 0);
 }
 
-TEST_CASE("unsound returns are refused") {
+TEST_CASE("invalid return numbers are refused") {
   const Folder folder;
   const auto problem = [&](const std::string& rows) {
     put(folder / "a.csv", "range,beam,return\n" + rows);
@@ -256,8 +256,8 @@ TEST_CASE("unsound returns are refused") {
     }
     return std::string();
   };
-  CHECK_THAT(problem("1,7,2\n1,7,2\n"), ContainsSubstring("return 2 of beam 7 is there twice"));
-  CHECK_THAT(problem("1,7,1\n1,7,0\n"), ContainsSubstring("beam 7 is there twice"));
+  CHECK_THAT(problem("1,7,2\n1,7,2\n"), ContainsSubstring("return 2 of beam 7 occurs twice"));
+  CHECK_THAT(problem("1,7,1\n1,7,0\n"), ContainsSubstring("beam 7 occurs twice"));
   CHECK_THAT(problem("1,7,200\n"), ContainsSubstring("return number 200"));
   CHECK_THAT(problem("1,4294967290,2\n"), ContainsSubstring("4294967291 beams"));
 }
@@ -268,9 +268,9 @@ TEST_CASE("clouds are compared return by return") {
   CHECK(compare(reference, reference).same());
 
   Scan other = reference;
-  other.triangles[1] = 77;           // beam 0's second
-  other.ranges[4] += 0.5f;           // beam 2's first, of the medium
-  other.ranges[13] = std::nanf("");  // beam 6's second
+  other.triangles[1] = 77;           // second return of beam 0
+  other.ranges[4] += 0.5f;           // first return of beam 2, from the medium
+  other.ranges[13] = std::nanf("");  // second return of beam 6
   other.triangles[13] = other.instances[13] = kNoTriangle;
   ScanColumns(other).make(Field::tolerance, false);
   Scan exact = reference;
@@ -282,7 +282,7 @@ TEST_CASE("clouds are compared return by return") {
   CHECK(difference.missed == 1);
   CHECK(difference.falseHits == 0);
 
-  Scan first = full(2);  // one return per beam: the second ones are missed
+  Scan first = full(2);  // one return per beam, so that the second returns are missed
   first.returns = 1;
   for (auto* array : {&first.triangles, &first.instances})
     for (size_t beam = 0; beam < 8; ++beam) (*array)[beam] = (*array)[2 * beam];

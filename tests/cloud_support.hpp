@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cloud small enough to count by hand.
+// A cloud small enough to be checked by hand.
 #pragma once
 
 #include <catch2/catch_test_macros.hpp>
@@ -21,7 +21,7 @@ T at(const std::string& bytes, size_t offset) {
   return value;
 }
 
-/// Three columns, two channels, one miss; every array filled.
+/// A scan of three columns and two channels with one miss and every array filled.
 inline Scan tiny() {
   Scan scan;
   scan.sensor = "tiny";
@@ -32,7 +32,7 @@ inline Scan tiny() {
   for (uint32_t beam = 0; beam < 6; ++beam) {
     const auto f = static_cast<float>(beam);
     const bool hit = beam != 4;
-    const float nan = -std::nanf("");  // with a sign, as some machines make them
+    const float nan = -std::nanf("");  // negative, as some machines produce it
     for (float value : {f + 0.1f, -f, f * 1e-20f}) scan.points.push_back(hit ? value : nan);
     scan.ranges.push_back(hit ? f + 1 : nan);
     scan.triangles.push_back(hit ? 100 + beam : kNoTriangle);

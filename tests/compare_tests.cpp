@@ -40,7 +40,7 @@ void makeHit(Scan& scan, size_t beam, float range, uint32_t triangle) {
 
 }  // namespace
 
-TEST_CASE("a cloud is the same as itself") {
+TEST_CASE("a cloud equals itself") {
   const Scan scan = street();
   const Comparison result = compare(scan, scan);
   CHECK(result.same());
@@ -49,7 +49,7 @@ TEST_CASE("a cloud is the same as itself") {
   CHECK(result.rangeErrorMax == 0);
 }
 
-TEST_CASE("every kind of difference is counted where it belongs") {
+TEST_CASE("every kind of difference has its own count") {
   const Scan reference = street();
   Scan other = reference;
   makeMiss(other, nthHit(reference, 0));
@@ -68,7 +68,7 @@ TEST_CASE("every kind of difference is counted where it belongs") {
   CHECK(std::abs(result.rangeErrorMax - 0.25) < 1e-6);
 }
 
-TEST_CASE("beams that the reference marks as ties are counted apart") {
+TEST_CASE("beams that the reference marks as ties are counted separately") {
   Scan reference = street();
   ScanColumns columns(reference);
   columns.fill(Field::tie, uint8_t{0});
@@ -86,13 +86,13 @@ TEST_CASE("beams that the reference marks as ties are counted apart") {
   CHECK(result.tieDifferences == 3);
   CHECK(result.rangeErrorMax == 0);
 
-  // The other's own ties excuse nothing.
+  // Ties of the other cloud do not count.
   const Comparison swapped = compare(other, reference);
   CHECK(swapped.ties == 0);
   CHECK_FALSE(swapped.same());
 }
 
-TEST_CASE("the reference's tolerance of a beam goes before the constant one") {
+TEST_CASE("the reference's tolerance of a beam replaces the constant tolerance") {
   Scan reference = street();
   Scan other = reference;
   const size_t beam = nthHit(reference, 5);
@@ -103,12 +103,12 @@ TEST_CASE("the reference's tolerance of a beam goes before the constant one") {
   CHECK(compare(reference, other, 0.005).wrongRange == 0);
   ScanColumns(reference).fill(Field::tolerance, 0.005f);
   CHECK(compare(reference, other, 0.02).wrongRange == 1);
-  ScanColumns(reference).fill(Field::tolerance, std::nanf(""));  // states none
+  ScanColumns(reference).fill(Field::tolerance, std::nanf(""));  // no tolerance is stated
   CHECK(compare(reference, other, 0.02).wrongRange == 0);
   CHECK(compare(reference, other, 0.005).wrongRange == 1);
 }
 
-TEST_CASE("range errors have their maximum, 99.99th percentile and root mean square") {
+TEST_CASE("range errors have a maximum, a 99.99th percentile and a root mean square") {
   Scan reference;
   reference.columns = 20000;
   reference.channels = 1;
@@ -120,21 +120,21 @@ TEST_CASE("range errors have their maximum, 99.99th percentile and root mean squ
   Scan other = reference;
   other.ranges[7] = 68;   // error 4
   other.ranges[9] = 62;   // error 2
-  other.ranges[11] = 65;  // error 1: rank 19998 of 20000 is the 99.99th percentile
+  other.ranges[11] = 65;  // error 1; rank 19998 of 20000 is the 99.99th percentile
   const Comparison result = compare(reference, other);
   CHECK(result.rangeErrorMax == 4);
   CHECK(result.rangeError9999 == 1);
   CHECK(std::abs(result.rangeErrorRms - std::sqrt(21.0 / 20000)) < 1e-15);
 }
 
-TEST_CASE("a hit without a range is not a right answer") {
+TEST_CASE("a hit without a range counts as wrong") {
   const Scan reference = street();
   Scan other = reference;
   other.ranges[nthHit(reference, 3)] = std::nanf("");
   CHECK_FALSE(compare(reference, other).same());
 }
 
-TEST_CASE("clouds of other beams, or without what a comparison needs, are refused") {
+TEST_CASE("clouds of different beams, or without the arrays to compare, are refused") {
   const Scan reference = street();
   CHECK_THROWS_WITH(compare(reference, syntheticScan(findSensor("VLP-32"))),
                     ContainsSubstring("28800") && ContainsSubstring("115200"));
@@ -145,6 +145,6 @@ TEST_CASE("clouds of other beams, or without what a comparison needs, are refuse
   CHECK_THROWS_WITH(compare(reference, reference, std::nan("")), ContainsSubstring("tolerance"));
 }
 
-TEST_CASE("clouds of no beam are the same") {
+TEST_CASE("two clouds without beams are equal") {
   CHECK(compare(Scan{}, Scan{}).same());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the benches are made of: who answers wrongly is caught before any time is taken, and figures add up.
+// Parts of the bench: wrong results are detected before anything is timed, and figures are consistent.
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -35,7 +35,7 @@ Scene balls() {
   return scene;
 }
 
-/// Knows the answer, and spoils so many beams of it.
+/// A rival with correct results, except for a number of spoilt beams.
 class Spoiler : public Rival {
  public:
   Spoiler(const Scene& scene, size_t spoilt) : scene_(scene), spoilt_(spoilt) {}
@@ -61,7 +61,7 @@ class Spoiler : public Rival {
   size_t spoilt_;
 };
 
-/// The CUDA backend, its kernels on the host. There is no clock of a device: stages take what they are told to.
+/// The CUDA backend with its kernels on the host. As it has no device clock, the times of its steps are given.
 class Cuda : public Contender {
  public:
   Cuda(const Scene& scene, const test::TestOptions& options) : scene_(scene), cuda_(scene, {sensorOf()}, options) {}
@@ -101,7 +101,7 @@ Scan scanWith(std::vector<float> ranges) {
 
 }  // namespace
 
-TEST_CASE("a contest takes the times of those whose answers are right") {
+TEST_CASE("a contest times contenders whose results are right") {
   test::needVulkan();
   const Outcome outcome = holdAgainst(balls(), 0, {0, 3});
   REQUIRE(outcome.standings.size() == 2);
@@ -115,22 +115,21 @@ TEST_CASE("a contest takes the times of those whose answers are right") {
   CHECK(rival.meanMs == 5);
   CHECK(rival.frameVariance == 0);
   CHECK(rival.runVariance == 0);
-  // The ratio is a median of ratios, so it lies between those of the extremes.
+  // The ratio is a median of ratios, so it lies between the ratios of the extremes.
   CHECK(rival.ratio <= 5 / ours.totalMs.min);
   CHECK(rival.ratio >= 5 / (2 * ours.totalMs.p90 + 1000));
   CHECK(rival.agreement.differ() == 0);
   CHECK(outcome.floor.ms > 0);
 }
 
-TEST_CASE("a contest refuses a rival whose answer is wrong") {
+TEST_CASE("a contest refuses a rival whose result is wrong") {
   test::needVulkan();
-  // 7,200 beams: not one may differ by more than rounding does.
-  CHECK_THROWS_MATCHES(
-      holdAgainst(balls(), 1, {}), Error,
-      MessageMatches(ContainsSubstring("balls: the answer of spoiler is not right: 1 of 7,200 beams")));
+  // Of 7,200 beams, none may differ by more than rounding.
+  CHECK_THROWS_MATCHES(holdAgainst(balls(), 1, {}), Error,
+                       MessageMatches(ContainsSubstring("balls: the result of spoiler is wrong: 1 of 7,200 beams")));
 }
 
-TEST_CASE("a contest compares CUDA with Vulkan, stage by stage") {
+TEST_CASE("a contest compares CUDA with Vulkan step by step") {
   test::needVulkan();
   const Scene scene = balls();
   test::TestOptions options = test::vulkanOptions();
@@ -143,7 +142,7 @@ TEST_CASE("a contest compares CUDA with Vulkan, stage by stage") {
   const Outcome outcome = hold({"balls", 7, scene, sensorOf(), shotsFrom(poses), {0, 3}, 2}, contenders, {});
   CHECK(outcome.hits > 100);
   CHECK(simulatorOf(*contenders[0]).device().uuid != decltype(DeviceInfo::uuid){});
-  CHECK(test::sameBytes(contenders[0]->answer(), contenders[1]->answer()));  // of the last frame
+  CHECK(test::sameBytes(contenders[0]->answer(), contenders[1]->answer()));  // results of the last frame
   const Table table = cudaTable({outcome});
   REQUIRE(table.rows.size() == 1 + 5);
   for (const cli::TableRow& row : table.rows) CHECK(row.size() == 5);
@@ -152,7 +151,7 @@ TEST_CASE("a contest compares CUDA with Vulkan, stage by stage") {
   CHECK(table.rows[4][3] == cli::bareMs(6));
 }
 
-TEST_CASE("a contest with effects holds CUDA's labels and intensities against Vulkan's") {
+TEST_CASE("a contest with effects compares CUDA's labels and intensities with Vulkan's") {
   test::needVulkan();
   const Scene scene = balls();
   test::TestOptions options = test::vulkanOptions();
@@ -175,10 +174,10 @@ TEST_CASE("a contest with effects holds CUDA's labels and intensities against Vu
   CHECK(outcome.hits > 100);
   CHECK(outcome.standings[1].agreement.differ() == 0);
   CHECK_THROWS_MATCHES(contestWith(options.effects.seed + 1), Error,
-                       MessageMatches(ContainsSubstring("balls: the answer of cuda is not right")));
+                       MessageMatches(ContainsSubstring("balls: the result of cuda is wrong")));
 }
 
-TEST_CASE("Vulkan and CUDA side by side: who is how many times as fast, and only where CUDA has taken part") {
+TEST_CASE("the table of Vulkan and CUDA has speed ratios, and no rows without CUDA") {
   Outcome outcome;
   outcome.label = "HDL-64E";
   Standing vulkan, cuda, fast, rival;
@@ -217,7 +216,7 @@ TEST_CASE("Vulkan and CUDA side by side: who is how many times as fast, and only
         cli::TableRow{"HDL-64E", "total", eight, cli::bareMs(10), "1.25", dash, dash});
 }
 
-TEST_CASE("the same card by CUDA is the one with the same UUID, or else of the same name") {
+TEST_CASE("the same card by CUDA has the same UUID, or else the same name") {
   const auto card = [](const std::string& name, uint8_t uuid) {
     DeviceInfo info;
     info.name = name;
@@ -239,7 +238,7 @@ TEST_CASE("the same card by CUDA is the one with the same UUID, or else of the s
   CHECK_THROWS_WITH(sameCard(card("NVIDIA A", 1), old, ""), "cuda: cuda:0 NVIDIA A cannot be used: it is old");
 }
 
-TEST_CASE("CUDA stands beside Vulkan on a card, and is left out with a line elsewhere") {
+TEST_CASE("CUDA is compared only with Vulkan on the same card, and otherwise left out with a note") {
   const Scene scene = balls();
   const Sensor sensor = sensorOf();
   const auto noteOf = [&](const char* type, const char* apiVersion) {
@@ -252,15 +251,16 @@ TEST_CASE("CUDA stands beside Vulkan on a card, and is left out with a line else
     REQUIRE(notes.size() == 1);
     return notes[0];
   };
-  CHECK(noteOf("cpu", "1.3") == "cuda: beside Vulkan on a card only, and ours runs on a device of brass");
-  CHECK(noteOf("cuda", "") == "cuda: beside Vulkan on a card only, and ours runs on a device of brass");
+  CHECK(noteOf("cpu", "1.3") ==
+        "cuda is compared with Vulkan on the same card, but GnoSphere runs on a device of brass");
+  CHECK(noteOf("cuda", "") == "cuda is compared with Vulkan on the same card, but GnoSphere runs on a device of brass");
   std::string problem;
   const bool none = cuda::devices(problem).empty();
   CHECK(noteOf("discrete", "1.3") ==
         (none ? "cuda: " + problem : "cuda: no CUDA device is the card 'a device of brass'"));
 }
 
-TEST_CASE("answers agree within 1 mm and a ten-thousandth of the range, hits and misses each by each") {
+TEST_CASE("results agree within 1 mm and a ten-thousandth of the range, and hits with hits") {
   const Scan ours = scanWith({10, 10, kNaN, kNaN, 100, 100});
   const Agreement agreement = agreementOf(ours, scanWith({10.0019f, kNaN, kNaN, 1, 100.0109f, 100.0111f}));
   CHECK(agreement.beams == 6);
@@ -277,17 +277,17 @@ TEST_CASE("answers agree within 1 mm and a ten-thousandth of the range, hits and
   CHECK_FALSE(agreementOf(scanWith(many), scanWith(other)).good());
 }
 
-TEST_CASE("where both tell them, labels and intensities are compared, too") {
+TEST_CASE("labels and intensities are compared if both contenders have them") {
   Scan ours = scanWith({10, 10, 10, 10, kNaN}), other = ours;
   test::setColumn<uint8_t>(ours, Field::label, {1, 1, 1, 1, 0});
   test::setColumn<float>(ours, Field::intensity, {0.5f, 0.5f, 0.5f, kNaN, kNaN});
-  CHECK(agreementOf(ours, other).differ() == 0);  // the other tells none
+  CHECK(agreementOf(ours, other).differ() == 0);  // the other has none
   test::setColumn<uint8_t>(other, Field::label, {1, 2, 1, 1, 0});
   test::setColumn<float>(other, Field::intensity, {0.5014f, 0.5f, 0.5016f, 0, kNaN});
   const Agreement agreement = agreementOf(ours, other);
   CHECK(agreement.signals == 3);
   CHECK(agreement.differ() == 3);
-  other.ranges[1] = 11;  // counted once
+  other.ranges[1] = 11;  // a beam counts only once
   CHECK(agreementOf(ours, other).differ() == 3);
 }
 
@@ -306,14 +306,14 @@ TEST_CASE("the floor counts visible geometry once, and beams") {
   CHECK(floorOf(counters, {2400, 0, 0}, 50, {}).ms == 0);
 }
 
-TEST_CASE("rivals are asked for by name") {
+TEST_CASE("rivals are selected by name") {
   CHECK(parseRivals("none").empty());
   CHECK(parseRivals("all").size() == 4);
   CHECK(parseRivals("embree,cuda") == std::vector<std::string>{"embree", "cuda"});
-  CHECK_THROWS_MATCHES(parseRivals("embree,optix"), Error, MessageMatches(ContainsSubstring("no 'optix'")));
+  CHECK_THROWS_MATCHES(parseRivals("embree,optix"), Error, MessageMatches(ContainsSubstring("'optix' is unknown")));
 }
 
-TEST_CASE("Embree meets what the reference meets, however it is kept") {
+TEST_CASE("Embree hits the same triangles as the reference, with every kind of structure") {
   if (!haveEmbree()) SKIP("Embree is not built in");
   const Vec3 far = {5e5, -3e5, 100};
   Scene scene = balls();
@@ -321,7 +321,7 @@ TEST_CASE("Embree meets what the reference meets, however it is kept") {
     instance.transform = test::translation(far.x, far.y, far.z) * instance.transform * test::scaling(1, 1.5, 0.5);
   Sensor sensor = sensorOf();
   sensor.rangeMin = 3;
-  sensor.columns = 441;  // the last packet of a row is not full
+  sensor.columns = 441;  // leaves the last packet of each row incomplete
   const Pose pose = {{far.x + 1.5, far.y - 0.5, far.z + 0.2}, {0, 0, std::sin(0.2), std::cos(0.2)}};
   for (EmbreeWay way :
        {EmbreeWay::flat, EmbreeWay::instanced, EmbreeWay::rebuilt, EmbreeWay::placed, EmbreeWay::refitted}) {
@@ -353,14 +353,14 @@ TEST_CASE("Embree meets what the reference meets, however it is kept") {
   }
 }
 
-TEST_CASE("rates are those of memory and cores") {
+TEST_CASE("rates are measured on memory and cores") {
   const Rates host = ratesOf({.type = "cpu"}, "auto");
   CHECK(host.bytesPerMs > 1e5);  // 100 MB/s
   CHECK(host.bytesPerMs < 1e10);
   CHECK(host.operationsPerMs > 1e5);
   CHECK(host.operationsPerMs < 1e11);
   test::needVulkan();
-  const double copies = ratesOf({.type = "discrete"}, "auto").bytesPerMs;  // none without ray tracing
+  const double copies = ratesOf({.type = "discrete"}, "auto").bytesPerMs;  // 0 without ray tracing
   CHECK((copies == 0 || (copies > 1e5 && copies < 1e11)));
   CHECK(ratesOf({.type = "discrete"}, "no such device").known() == false);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Effects on the CUDA backend have the bytes of those on Vulkan. Every scan of tests/effects asks the same, see
-// scanOn(); here is what none of them has.
+// Effects on the CUDA backend have the same bytes as on Vulkan. Every scan of tests/effects checks this, too (see
+// scanOn()); these tests add the remaining cases.
 #include <algorithm>
 #include <catch2/generators/catch_generators.hpp>
 
@@ -13,11 +13,11 @@ namespace {
 using Profile = Effects::Divergence::Profile;
 using Mode = Effects::Returns::Mode;
 
-constexpr double kPeriod = 0.1;  // seconds for a turn
+constexpr double kPeriod = 0.1;  // seconds of a rotation
 
 const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
-/// A town of which every other material is a pane, with a fence that has holes.
+/// A town in which every other material is transparent, with a fence that has holes.
 Scene glazedTown() {
   Scene scene = makeTown({.triangles = 20'000});
   for (size_t i = 0; i < scene.materials.size(); i += 2) scene.materials[i].transmission = 0.5f;
@@ -40,7 +40,7 @@ const Scene& town() {
   return scene;
 }
 
-/// Columns that no workgroup divides, and lasers with azimuths of their own.
+/// A sensor whose columns no workgroup size divides, and whose lasers have azimuth offsets.
 Sensor unevenSensor() {
   Sensor sensor = gridSensor(181, 12, -25, 15, 80);
   for (size_t j = 0; j < sensor.channels.size(); j += 2) sensor.channels[j].azimuthOffsetDeg = 1.7 * double(j) - 9;
@@ -48,7 +48,7 @@ Sensor unevenSensor() {
   return sensor;
 }
 
-/// And places of their own.
+/// The same sensor with lasers at different origins.
 Sensor unevenHead() {
   Sensor sensor = unevenSensor();
   for (size_t j = 0; j < sensor.channels.size(); ++j) sensor.channels[j].origin = {0.03, 0.02 * double(j % 3), -0.01};
@@ -76,14 +76,14 @@ Shot standing(uint64_t frame = 0, size_t sensor = 0) {
   return shot;
 }
 
-/// 20 m/s ahead and 2 rad/s to the left.
+/// A shot in which the sensor moves ahead at 20 m/s and turns left at 2 rad/s.
 Shot driving() {
   Shot shot = standing(3);
   shot.motion.stamps = {{0, kPose}, {kPeriod, {{3.3, 0.4, 1.8}, {0, 0, std::sin(0.3), std::cos(0.3)}}}};
   return shot;
 }
 
-/// The fence comes nearer and turns, and what is first in the town goes away.
+/// Adds motion: the fence approaches and turns, and the town's first instance moves away.
 Shot traffic(Shot shot) {
   shot.instanceMotions = {{town().instances.size() - 1, translation(-1.5, 0.5, 2) * rotationZ(0.2)},
                           {0, translation(0.5, 1, 0) * rotationZ(0.1) * town().instances[0].transform}};
@@ -92,7 +92,7 @@ Shot traffic(Shot shot) {
 
 }  // namespace
 
-TEST_CASE("cuda effects: a footprint of as many sub-rays as there may be") {
+TEST_CASE("cuda effects: the largest number of sub-rays has Vulkan's bytes") {
   needVulkan();
   Effects effects = Effects::none();
   effects.divergence = {Use::on, 61, Profile::gaussian, 9e-3, 4e-3};
@@ -101,7 +101,7 @@ TEST_CASE("cuda effects: a footprint of as many sub-rays as there may be") {
   requireSame(twins, standing());
 }
 
-TEST_CASE("cuda effects: all together, by seed, sensor and frame, standing and in motion") {
+TEST_CASE("cuda effects: all together have Vulkan's bytes by seed, sensor and frame, with and without motion") {
   needVulkan();
   Effects e = Effects::none();
   e.seed = 5;
@@ -123,7 +123,7 @@ TEST_CASE("cuda effects: all together, by seed, sensor and frame, standing and i
     requireSame(twins, shot);
 }
 
-TEST_CASE("cuda effects: surfaces of exact hits, after instances and positions have moved, too") {
+TEST_CASE("cuda effects: surface fields of exact have Vulkan's bytes, also after changes of the scene") {
   needVulkan();
   TestOptions options = asking(Effects::none());
   options.accuracy = Accuracy::exact;
@@ -144,13 +144,13 @@ TEST_CASE("cuda effects: surfaces of exact hits, after instances and positions h
   requireSame(twins, standing());
 }
 
-TEST_CASE("cuda effects: a plan names the stages and dispatches of Vulkan's, and the arrays there are") {
+TEST_CASE("cuda effects: a plan names Vulkan's steps and dispatches, and the arrays of CUDA") {
   needVulkan();
   Effects effects = Effects::none();
   effects.fog = {Use::on, 60};
   if (GENERATE(false, true)) effects.divergence = {Use::on, 7, Profile::gaussian, 3e-3, 1.5e-3};
   TestOptions options = asking(effects);
-  options.tuning.binning = Binning::nearest;  // as CUDA bins
+  options.tuning.binning = Binning::nearest;  // the only binning of CUDA
   const Sensor sensor = unevenSensor();
   const Plan expected = makeSimulator(town(), sensor, options).plan();
   const Plan plan = CudaOnHost(town(), {sensor}, options).backend().plan(0);

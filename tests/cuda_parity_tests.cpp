@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CUDA backend gives the clouds of the Vulkan one: its kernels on the host, one invocation after another, and on a
-// CUDA device where there is one. The hard cases ask the same, see requireRight().
+// The CUDA backend gives the same clouds as Vulkan. Its kernels run on the host, one invocation after another, and on a
+// CUDA device if there is one. The hard cases check this, too, see requireRight().
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdlib>
@@ -30,7 +30,7 @@ Sensor unevenSensor() {
 
 const Pose kPoses[] = {{{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}}, {{-20, 3, 2.5}, {}}};
 
-/// The same clouds and, list orders apart, the same counts.
+/// Checks that clouds have the same counts, except those that depend on the order of lists.
 void requireSameCounts(const Counters& a, const Counters& b) {
   CHECK(a.hits == b.hits);
   CHECK(a.misses == b.misses);
@@ -45,7 +45,7 @@ Scan truthOf(const Scene& scene, const Sensor& sensor, const Pose& pose, TestOpt
   return scanOf(scene, sensor, pose, options);
 }
 
-/// The options' clouds of both sensors from both poses, of Vulkan and of CUDA on the host.
+/// Checks that Vulkan and CUDA on the host give the same clouds of both sensors from both poses.
 void requireParity(const Scene& scene, TestOptions options) {
   const std::vector<Sensor> sensors = {gridSensor(360, 24, -25, 15, 100), unevenSensor()};
   Simulator vulkan = makeSimulator(scene, sensors, options);
@@ -63,7 +63,7 @@ void requireParity(const Scene& scene, TestOptions options) {
 
 }  // namespace
 
-TEST_CASE("cuda: a town by every way of binning and every accuracy that is not the paper's") {
+TEST_CASE("cuda: a town has Vulkan's bytes with every binning and every accuracy except paper") {
   needVulkan();
   TestOptions options = vulkanOptions();
   options.accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
@@ -71,7 +71,7 @@ TEST_CASE("cuda: a town by every way of binning and every accuracy that is not t
   requireParity(town(), options);
 }
 
-TEST_CASE("cuda: a town in two shells, one side of its triangles reflecting") {
+TEST_CASE("cuda: a town in two shells with one-sided triangles has Vulkan's bytes") {
   needVulkan();
   TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
@@ -80,7 +80,7 @@ TEST_CASE("cuda: a town in two shells, one side of its triangles reflecting") {
   requireParity(bake(town()), options);
 }
 
-TEST_CASE("cuda: lists that are too small grow and nothing is lost") {
+TEST_CASE("cuda: lists that are too small grow without losing hits") {
   needVulkan();
   Scene scene = sceneOf(soup(3, 40'000, 20, 6));
   TestOptions options = vulkanOptions();
@@ -92,14 +92,14 @@ TEST_CASE("cuda: lists that are too small grow and nothing is lost") {
   CHECK(sameBytes(scan, scanOf(scene, sensor, {}, options)));
 }
 
-TEST_CASE("cuda: after instances and positions have moved a scan equals Vulkan's of the same changes") {
+TEST_CASE("cuda: after instances and positions have changed, a scan equals Vulkan's after the same changes") {
   needVulkan();
   Random random(5);
   Scene scene;
   scene.materials = {material(true), material(false)};
   scene.meshes = {ball(12, 20, 2), soup(4, 700, 6, 1.5)};
   scene.meshes[1].parts = {{0, 300, 0}, {300, 400, 1}};
-  const auto somewhere = [&] {  // or out of range
+  const auto somewhere = [&] {  // some of them out of range
     const double far = random() > 0.5 ? 3000 : 30;
     return translation(far * random(), far * random(), 5 * random()) * rotationZ(3 * random());
   };
@@ -134,7 +134,7 @@ TEST_CASE("cuda: after instances and positions have moved a scan equals Vulkan's
   requireEqual();
 }
 
-TEST_CASE("cuda: no beams, no triangles") {
+TEST_CASE("cuda: sensors without beams and scenes without triangles are scanned") {
   Sensor blind = gridSensor(360, 24, -40, 40);
   blind.channels.clear();
   const Scene scene = sceneOf(ball(6, 8, 2)), empty;
@@ -143,7 +143,7 @@ TEST_CASE("cuda: no beams, no triangles") {
   CHECK(scan.counters.misses == 144);
 }
 
-TEST_CASE("cuda: a device that is not there is one line that says what is missing") {
+TEST_CASE("cuda: a missing device is an error with one line that gives the reason") {
   const Scene scene = sceneOf(ball(6, 8, 2));
   const Sensor sensor = gridSensor(36, 4, -40, 40);
   TestOptions options;
@@ -155,7 +155,7 @@ TEST_CASE("cuda: a device that is not there is one line that says what is missin
   CHECK_THROWS_WITH(makeSimulator(scene, sensor, options), ContainsSubstring(line));
 }
 
-TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products no more than rounding") {
+TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products it differs only by rounding") {
   needCuda();
   const Sensor sensor = unevenSensor();
   TestOptions options = vulkanOptions();
@@ -173,8 +173,8 @@ TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products no 
   requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
 }
 
-// Minutes long with a folder of real scenes.
-TEST_CASE("cuda: every scene of the folder GNOSPHERE_SCENES has Vulkan's bytes on CUDA's kernels") {
+// This takes minutes with a folder of real scenes.
+TEST_CASE("cuda: every scene of the folder GNOSPHERE_SCENES has Vulkan's bytes") {
   const char* folder = std::getenv("GNOSPHERE_SCENES");
   if (folder == nullptr) SKIP("GNOSPHERE_SCENES names no folder of scenes");
   needVulkan();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever is skipped, the cloud has the same bytes.
+// Culling: every culling switch leaves the bytes of the cloud unchanged.
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <cmath>
@@ -37,12 +37,12 @@ Scan scanWith(const Scene& scene, const Sensor& sensor, const Pose& pose, Accura
   return scanOf(scene, sensor, pose, options);
 }
 
-// A round wall of `segments` quads across, `rings` of them above each other, with one segment left out.
+// A round wall of `segments` quads, in `rings` rows, without the segment `leftOut`.
 Mesh wallAround(double radius, uint32_t segments, uint32_t rings, uint32_t leftOut) {
   Mesh mesh;
   for (uint32_t i = 0; i < segments; ++i)
     for (uint32_t j = 0; j <= rings; ++j) {
-      // Segment i is centred on the azimuth of column i of as many.
+      // Segment i is centred on the azimuth of column i of a sensor with `segments` columns.
       const double azimuth = -std::numbers::pi + 2 * std::numbers::pi * (i - 0.5) / segments;
       mesh.positions.push_back(static_cast<float>(radius * std::cos(azimuth)));
       mesh.positions.push_back(static_cast<float>(radius * std::sin(azimuth)));
@@ -59,12 +59,12 @@ Mesh wallAround(double radius, uint32_t segments, uint32_t rings, uint32_t leftO
 
 }  // namespace
 
-TEST_CASE("culling: every switch leaves the cloud of a town as it is") {
+TEST_CASE("culling: every switch leaves the cloud of a town unchanged") {
   needVulkan();
   const Scene town = makeTown({60'000, 3});
   const Accuracy accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
   const Pose pose = {{-7.5, 1.25, 1.8}, {0.02, -0.03, 0.6, 0.8}};
-  // Channels with azimuth offsets, and columns that do not fill the last entry of the farthest-range table.
+  // The channels have azimuth offsets, and the columns do not fill the last entry of the farthest-range table.
   Sensor shifted = findSensor("VLP-16");
   shifted.columns = 1237;
   for (size_t j = 0; j < shifted.channels.size(); ++j) shifted.channels[j].azimuthOffsetDeg = 37.0 * double(j % 5) - 60;
@@ -78,7 +78,7 @@ TEST_CASE("culling: every switch leaves the cloud of a town as it is") {
   }
 }
 
-TEST_CASE("culling: three shells, which many beams are worth, leave the cloud of a town as it is") {
+TEST_CASE("culling: three shells leave the cloud of a town unchanged") {
   needVulkan();
   const Scene town = makeTown({60'000, 3});
   const Sensor sensor = gridSensor(2603, 200, -30, 30, 80);
@@ -94,7 +94,7 @@ TEST_CASE("culling: three shells, which many beams are worth, leave the cloud of
   CHECK(sameBytes(scan, scanWith(town, sensor, pose, Accuracy::standard, nothing())));
 }
 
-TEST_CASE("culling: what is hidden, out of range or between the beams is skipped") {
+TEST_CASE("culling: hidden triangles, and those out of range or between beams, are skipped") {
   needVulkan();
   const Scene town = makeTown({200'000, 1});
   const Sensor sensor = findSensor("HDL-64E");
@@ -114,7 +114,7 @@ TEST_CASE("culling: what is hidden, out of range or between the beams is skipped
   CHECK(hidden(O::never) == 0);
 }
 
-TEST_CASE("culling: the far side of a one-sided ball is skipped, wherever it is seen from and however it is placed") {
+TEST_CASE("culling: the far side of a one-sided ball is skipped from any side and with any transform") {
   needVulkan();
   const Sensor sensor = gridSensor(720, 90, -89, 89, 60);
   const Culling cones = {false, false, false, true, Culling::Occlusion::never};
@@ -125,10 +125,10 @@ TEST_CASE("culling: the far side of a one-sided ball is skipped, wherever it is 
     const Scan full = scanWith(scene, sensor, {}, Accuracy::standard, nothing());
     const Scan scan = scanWith(scene, sensor, {}, Accuracy::standard, cones);
     CHECK(sameBytes(full, scan));
-    // From inside, every triangle shows its back, and from its centre a cluster's whole cone does.
+    // From inside every triangle is back-facing, and from the centre the cone of every cluster tells so.
     CHECK(scan.counters.culledByCluster > scene.placedTriangleCount() / 4);
   }
-  // Stretched, it would show another face than its cone says: no cone is trusted.
+  // A stretched instance has other normals than its cone assumes, so the cone is not used.
   Scene stretched = sceneOf(ball(60, 90, 3), false);
   stretched.instances[0].transform = translation(9, 1, 0.5) * scaling(1, 2, 1);
   const Scan scan = scanWith(stretched, sensor, {}, Accuracy::standard, cones);
@@ -136,12 +136,12 @@ TEST_CASE("culling: the far side of a one-sided ball is skipped, wherever it is 
   requireSame(referenceOf(stretched, sensor, {}), scan);
 }
 
-TEST_CASE("culling: what one column shows behind a wall is seen, at the seam as elsewhere") {
+TEST_CASE("culling: geometry visible through one column of a wall is seen, also at the azimuth seam") {
   needVulkan();
-  // Columns that do not fill the table's last entry: what wraps lies across a narrower one.
+  // The columns do not fill the table's last entry, so what wraps around lies across a narrower entry.
   const uint32_t columns = 101;
   const Sensor sensor = gridSensor(columns, 5, -8, 8, 40);
-  // The clusters of the far wall are narrower or wider than the last entry.
+  // The clusters of the far wall are narrower or wider than the last entry of the table.
   const uint32_t segments = GENERATE(404u, 120u);
   for (uint32_t gap : {0u, 3u, 4u, 7u, 50u, 95u, 96u, 100u}) {
     INFO("column " << gap);
@@ -158,7 +158,7 @@ TEST_CASE("culling: what one column shows behind a wall is seen, at the seam as 
   }
 }
 
-TEST_CASE("culling: what hides is known for every row that a later shell has") {
+TEST_CASE("culling: a near wall hides geometry in every row of a later shell") {
   needVulkan();
   // A near wall hides two far ones, one above the horizon and one below it.
   Scene scene = sceneOf(wallAround(60, 720, 20, 720));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which device is chosen, and what is made on it.
+// The choice of a device, and the objects created on it.
 #include <unistd.h>
 
 #include <catch2/matchers/catch_matchers.hpp>
@@ -38,11 +38,11 @@ vulkan::Offer goodOffer() {
   return offer;
 }
 
-// What the functions of a device do in place of the driver's own: objects are counted, and one call may fail. Those
-// that allocate from a pool are counted as calls alone: what they give goes with the pool.
+// Wraps a device's functions: objects are counted, and one call may be made to fail. Functions that allocate from a
+// pool only count as calls, because their objects are destroyed with the pool.
 struct Calls {
   VolkDeviceTable real;
-  int failing = -1;  // which call, from 0
+  int failing = -1;  // number of the call that fails, from 0
   int made = 0;      // calls so far
   int alive = 0;     // objects created and not destroyed
   bool fails() { return made++ == failing; }
@@ -76,7 +76,7 @@ VKAPI_ATTR VkResult VKAPI_CALL createPipelines(VkDevice device, VkPipelineCache 
   return result;
 }
 
-// The device's own functions, to be changed.
+// The table of the device's functions, writable.
 VolkDeviceTable& functionsOf(vulkan::Device& device) {
   return const_cast<VolkDeviceTable&>(device.vk());
 }
@@ -107,7 +107,7 @@ void countCalls(VolkDeviceTable& vk) {
   vk.vkDestroyPipeline = destroy<&Table::vkDestroyPipeline>;
 }
 
-// One of everything that owns objects of a device.
+// Creates one of every class that owns objects of a device.
 void makeEverything(const vulkan::Device& device) {
   const vulkan::PipelineCache cache(device, "off");
   vulkan::Kernels kernels(device, cache);
@@ -129,7 +129,7 @@ void makeEverything(const vulkan::Device& device) {
 
 }  // namespace
 
-TEST_CASE("a call of Vulkan that fails, whichever it is, leaves nothing behind") {
+TEST_CASE("a failing Vulkan call, whichever it is, leaks no object") {
   needVulkan();
   auto device = std::make_unique<vulkan::Device>(DeviceChoice(), vulkanOptions().validation, 0);
   const auto messages = device->messages();
@@ -142,7 +142,7 @@ TEST_CASE("a call of Vulkan that fails, whichever it is, leaves nothing behind")
     INFO("call " << failing);
     calls.made = 0;
     calls.failing = failing;
-    // Without a file, what the cache's first attempt cannot do the second one can.
+    // Without a file, a failed first attempt of the cache is followed by a second one.
     if (failing == 0)
       makeEverything(*device);
     else
@@ -153,7 +153,7 @@ TEST_CASE("a call of Vulkan that fails, whichever it is, leaves nothing behind")
   CHECK_NOTHROW(messages->throwIfAny());
 }
 
-TEST_CASE("what the validation layer says last goes to whoever asks, and not to the standard error") {
+TEST_CASE("the validation layer's last message goes to the caller, not to stderr") {
   needVulkan();
   if (!vulkanOptions().validation) SKIP("the validation layer is off");
   auto device = std::make_unique<vulkan::Device>(DeviceChoice(), true, 0);
@@ -174,7 +174,7 @@ TEST_CASE("what the validation layer says last goes to whoever asks, and not to 
   CHECK_NOTHROW(messages->throwIfAny());
 }
 
-TEST_CASE("memory that cannot be mapped is memory that cannot be had") {
+TEST_CASE("memory that cannot be mapped is reported as out of memory") {
   needVulkan();
   vulkan::Device device({}, vulkanOptions().validation, 0);
   const auto fails = [&](PFN_vkMapMemory map) {
@@ -204,7 +204,7 @@ TEST_CASE("memory that cannot be mapped is memory that cannot be had") {
              expected);
 }
 
-TEST_CASE("every pipeline asks for full subgroups, and the validation layer agrees") {
+TEST_CASE("every pipeline requires full subgroups, without a message of the validation layer") {
   needVulkan();
   vulkan::Device device({}, vulkanOptions().validation, 0);
   static std::vector<VkPipelineShaderStageCreateFlags> flags;
@@ -223,7 +223,7 @@ TEST_CASE("every pipeline asks for full subgroups, and the validation layer agre
   CHECK_NOTHROW(device.throwOnMessages());
 }
 
-TEST_CASE("subgroups are full, whatever size the device has, or the device is refused") {
+TEST_CASE("subgroups are full for every size that the device has, or the device is refused") {
   const auto chosen = [](uint32_t size, uint32_t least, bool full, bool sizes = true, VkShaderStageFlags stages = ~0u) {
     vulkan::Offer offer = goodOffer();
     offer.subgroup.subgroupSize = size;
@@ -245,7 +245,7 @@ TEST_CASE("subgroups are full, whatever size the device has, or the device is re
   CHECK(chosen(32, 8, false).first == 0);
 }
 
-TEST_CASE("a device that lacks anything is refused with what it lacks") {
+TEST_CASE("a device that lacks a feature is refused with the name of the feature") {
   const auto reason = [](auto change) {
     vulkan::Offer offer = goodOffer();
     change(offer);
@@ -265,7 +265,7 @@ TEST_CASE("a device that lacks anything is refused with what it lacks") {
                ContainsSubstring("it lacks subgroup"));
 }
 
-TEST_CASE("a number is a device's index, or else part of its name") {
+TEST_CASE("a number selects a device by index, any other text by part of its name") {
   const std::vector<DeviceInfo> devices = {deviceOf("llvmpipe (LLVM 15.0.6, 256 bits)", "cpu"),
                                            deviceOf("NVIDIA GeForce RTX 4090", "discrete"),
                                            deviceOf("Old 3090", "discrete", false)};
@@ -291,7 +291,7 @@ TEST_CASE("a number is a device's index, or else part of its name") {
   CHECK_THROWS_WITH(chooseDevice({}, deviceByName("0")), ContainsSubstring("no Vulkan device was found"));
 }
 
-TEST_CASE("timestamps of fewer than 64 bits give the same times, even where they run over") {
+TEST_CASE("timestamps of fewer than 64 bits give the same times, also after a wrap-around") {
   vulkan::Capabilities capabilities;
   capabilities.timestampMs = 0.5;
   CHECK(capabilities.elapsedMs(10, 30) == 0);

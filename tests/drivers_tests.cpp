@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vulkan drivers that have no code in common give the same bytes: of geometry, of each effect, and of all together.
+// Vulkan drivers without common code give the same bytes: for geometry, for each effect, and for all effects together.
 #include <catch2/generators/catch_generators.hpp>
 
 #include "effects/scan_support.hpp"
@@ -7,11 +7,11 @@
 namespace gnosphere::test {
 namespace {
 
-constexpr double kPeriod = 0.1;  // seconds for a turn
+constexpr double kPeriod = 0.1;  // seconds of a rotation
 
 const Pose kPose = {{0.4, -0.3, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
-/// Ground and walls, a pane, a fence with holes, balls that shine, reflect the light back, and hide one another.
+/// A scene with ground, walls, a pane, a fence with holes, and glossy and retro-reflecting balls that hide one another.
 Scene courtyard() {
   Scene scene;
   scene.materials = {lambertian(0.2f, "ground"), lambertian(0.7f, "wall"), lambertian(0.9f, "pane"),
@@ -39,7 +39,7 @@ Scene courtyard() {
   return scene;
 }
 
-/// Columns that no workgroup divides; lasers with azimuths of their own, and places of their own, too.
+/// A sensor whose columns no workgroup size divides; lasers have azimuth offsets and, if `places`, different origins.
 Sensor unevenHead(bool places) {
   Sensor sensor = gridSensor(181, 12, -25, 15, 80);
   sensor.rotationPeriod = kPeriod;
@@ -50,7 +50,7 @@ Sensor unevenHead(bool places) {
   return sensor;
 }
 
-/// The sensor stands; it drives at 20 m/s and turns at 2 rad/s; pane and balls move; both.
+/// Shots without motion, with the sensor moving at 20 m/s and 2 rad/s, with the pane and balls moving, and with both.
 std::vector<Shot> shots() {
   Shot standing, driving;
   standing.pose = driving.pose = kPose;
@@ -65,7 +65,7 @@ std::vector<Shot> shots() {
   return result;
 }
 
-/// Every effect with numbers that show it.
+/// Every effect with parameters for which it is visible.
 const std::vector<std::pair<std::string, std::vector<std::string>>> kEffects = {
     {"intensity", {"intensity.scale=byte"}},
     {"detection", {"detection.range=60", "detection.softness=0.2"}},
@@ -82,14 +82,14 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> kEffects = {
     {"fog", {"fog.visibility=60"}},
     {"rain", {"rain.rate=20"}},
     {"snow", {"snow.rate=2"}},
-    {"volumes", {}},  // the box below
+    {"volumes", {}},  // parameters are set below
     {"radial-speed", {"radial-speed=on"}}};
 
 bool isOfMotion(const std::string& name) {
   return name == "sensor-motion" || name == "object-motion" || name == "radial-speed";
 }
 
-/// Adds an effect by its name, "all", or "all small", which have no footprint of several sub-rays.
+/// Enables an effect by name, "all", or "all small", which are those without a footprint of several sub-rays.
 void addEffects(Effects& effects, const std::string& which) {
   for (const auto& [name, assignments] : kEffects)
     if (which == name || which == "all" || (which == "all small" && name != "divergence"))
@@ -98,7 +98,7 @@ void addEffects(Effects& effects, const std::string& which) {
   effects.volumes = {Use::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
 }
 
-/// Software devices of different drivers: only they are bound to round quotients and roots alike.
+/// Returns the software devices of different drivers. Only these must round quotients and roots equally.
 std::vector<DeviceInfo> softwareDevices() {
   std::vector<DeviceInfo> result;
   for (const DeviceInfo& device : listDevices())
@@ -107,7 +107,7 @@ std::vector<DeviceInfo> softwareDevices() {
   return result;
 }
 
-/// One shot, or in motion all of them by lasers with places of their own, on every software device.
+/// Scans one shot or, `inMotion`, all shots with lasers at different origins, on every software device.
 void requireSameBytes(const TestOptions& request, bool inMotion) {
   const std::vector<DeviceInfo> devices = softwareDevices();
   std::vector<Scan> expected;
@@ -145,14 +145,14 @@ TEST_CASE("drivers: standard and exact have the same bytes", "[second-driver]") 
   requireSameBytes(options, false);
 }
 
-TEST_CASE("drivers: effects of small shaders have the same bytes, all together in motion", "[second-driver]") {
+TEST_CASE("drivers: all effects with small shaders have the same bytes together and in motion", "[second-driver]") {
   TestOptions options = vulkanOptions();
   addEffects(options.effects, "all small");
   options.fields = allFields(true);
   requireSameBytes(options, true);
 }
 
-TEST_CASE("drivers: effects of small shaders have the same bytes, each alone", "[slow]") {
+TEST_CASE("drivers: each effect with small shaders has the same bytes alone", "[slow]") {
   std::vector<std::string> names;
   for (const auto& [name, assignments] : kEffects) names.push_back(name);
   REQUIRE(names == effectNames());
@@ -160,7 +160,7 @@ TEST_CASE("drivers: effects of small shaders have the same bytes, each alone", "
     if (name == "divergence") continue;
     INFO(name);
     TestOptions options = vulkanOptions();
-    options.effects.intensity.use = Use::automatic;  // several need it
+    options.effects.intensity.use = Use::automatic;  // several effects need it
     addEffects(options.effects, name);
     if (name == "intensity") options.fields = {Field::intensity};
     if (name == "radial-speed") options.fields = {Field::radialSpeed, Field::velocity};
@@ -168,8 +168,8 @@ TEST_CASE("drivers: effects of small shaders have the same bytes, each alone", "
   }
 }
 
-// SwiftShader's compiler takes more than 5 GB and minutes for several sub-rays, and has not been seen to end: hidden,
-// so that only who names the tag runs them.
+// For several sub-rays, SwiftShader's compiler takes more than 5 GB and did not end within minutes. These tests are
+// hidden, so that they run only if their tag is given.
 TEST_CASE("drivers: footprints have the same bytes", "[.large]") {
   TestOptions options = vulkanOptions();
   addEffects(options.effects, "all small");

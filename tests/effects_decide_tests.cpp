@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every effect in, out and refused, each with its reason.
+// Every effect planned, left out and refused, each with its reason.
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 
@@ -11,7 +11,7 @@ using namespace gnosphere;
 
 namespace {
 
-/// Two triangles of two materials; a third material is on no triangle, a fourth on a mesh that is placed nowhere.
+/// Two triangles of two materials; a third material is on no triangle, a fourth on a mesh without instances.
 Scene sampleScene() {
   Scene scene;
   scene.materials.resize(4);
@@ -36,7 +36,7 @@ Sensor plainSensor() {
   return sensor;
 }
 
-/// What the tests turn one thing of at a time.
+/// Inputs of a decision, of which each test changes one.
 struct Asked {
   Effects effects;
   Sensor sensor = plainSensor();
@@ -73,7 +73,7 @@ void checkRefused(const Asked& asked, const std::string& message) {
 
 }  // namespace
 
-TEST_CASE("the bits are in the order of the names") {
+TEST_CASE("the bits of effects are in the order of the names") {
   CHECK(effectNames().size() == gpu::kEffectCount);
   Asked asked;
   asked.effects.fog.visibility = 200;
@@ -101,7 +101,7 @@ TEST_CASE("a plain sensor in a plain scene is planned with geometry alone") {
   checkOut(asked, "radial-speed", "no field asks for it");
 }
 
-TEST_CASE("nothing is planned where nothing but geometry is wanted") {
+TEST_CASE("Effects::none() plans geometry alone") {
   Asked asked;
   asked.effects = Effects::none();
   asked.effects.fog.visibility = 200;
@@ -113,7 +113,7 @@ TEST_CASE("nothing is planned where nothing but geometry is wanted") {
   checkOut(asked, "range-noise", "not asked for");
 }
 
-TEST_CASE("what the sensor states brings its effects in") {
+TEST_CASE("properties that the sensor states enable effects") {
   Asked asked;
   asked.sensor.divergenceHorizontal = 3e-3;
   asked.sensor.divergenceVertical = 1.5e-3;
@@ -125,14 +125,14 @@ TEST_CASE("what the sensor states brings its effects in") {
   checkIn(asked, "object-motion", "the sensor takes 0.1 s for a turn");
   checkIn(asked, "intensity", "needed by divergence, returns");
 
-  asked.effects.returns.count = 3;  // over what the sensor states
+  asked.effects.returns.count = 3;  // replaces the number that the sensor states
   checkIn(asked, "returns", "the request takes up to 3 returns per beam");
   asked.effects.divergence.vertical = 2e-3;
   asked.effects.divergence.use = Use::on;
   checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad, 19 sub-rays");
 }
 
-TEST_CASE("what the seen materials are made of brings transmission and cut-outs in") {
+TEST_CASE("materials that are visible enable transmission and cut-outs") {
   Asked asked;
   asked.scene.materials[2].transmission = 1;
   asked.scene.materials[3].transmission = 1;
@@ -157,7 +157,7 @@ TEST_CASE("what the seen materials are made of brings transmission and cut-outs 
   checkOut(asked, "cut-outs", "no material that is seen has holes");
 }
 
-TEST_CASE("what the request gives brings its effects in") {
+TEST_CASE("parameters of the request enable effects") {
   Asked asked;
   Effects& effects = asked.effects;
   effects.fog.visibility = 200;
@@ -188,7 +188,7 @@ TEST_CASE("what the request gives brings its effects in") {
   checkIn(asked, "intensity", "needed by detection, drop-out, intensity-noise, fog, rain, snow, volumes");
 }
 
-TEST_CASE("noise left to auto is in where it has a size") {
+TEST_CASE("noise left to auto is planned if its size is not 0") {
   Asked asked;
   asked.effects.rangeNoise.use = asked.effects.dropOut.use = Use::automatic;
   checkOut(asked, "range-noise", "its bias, sigma and step are 0");
@@ -197,10 +197,10 @@ TEST_CASE("noise left to auto is in where it has a size") {
   asked.effects.dropOut.generalRate = 0.1;
   checkIn(asked, "range-noise", "sigma 0 m, steps of 0.004 m");
   checkIn(asked, "drop-out", "10 % at random");
-  checkOut(asked, "intensity", "nothing asks for it");  // 10 % of all are lost whatever their strength
+  checkOut(asked, "intensity", "nothing asks for it");  // 10 % of all returns are lost, whatever their strength
 }
 
-TEST_CASE("fields bring in what they hold") {
+TEST_CASE("requested fields enable the effects that compute them") {
   Asked asked;
   asked.fields = {Field::intensity, Field::radialSpeed};
   checkIn(asked, "intensity", "the field intensity asks for it");
@@ -210,7 +210,7 @@ TEST_CASE("fields bring in what they hold") {
   checkIn(asked, "radial-speed", "asked for: the field radial_speed asks for it");
 }
 
-TEST_CASE("what is on and cannot be shown is refused with the way out") {
+TEST_CASE("an effect that is on but cannot be simulated is refused with advice") {
   const auto refused = [](Use& (*use)(Effects&), const std::string& message) {
     Asked asked;
     use(asked.effects) = Use::on;
@@ -258,7 +258,7 @@ TEST_CASE("what is on and cannot be shown is refused with the way out") {
                "to 19, or leave it to auto");
 }
 
-TEST_CASE("what is off and needed is refused or takes its dependents out") {
+TEST_CASE("an effect that is off but needed is refused, or disables the effects that need it") {
   Asked asked;
   asked.effects.intensity.use = Use::off;
   asked.sensor.maxReturns = 2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a request may say: JSON, presets and assignments, and one clear line for everything else.
+// Requests of effects: JSON, presets and assignments, and one-line errors.
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -23,7 +23,7 @@ Effects read(const std::string& json) {
   return effectsFromJson(json, "r.json");
 }
 
-/// The message names the file and says this.
+/// Checks that the message names the file and states this reason.
 void refused(const std::string& json, const std::string& why) {
   INFO(json);
   CHECK_THROWS_MATCHES(read(json), Error, Message("r.json: " + why));
@@ -61,7 +61,7 @@ Effects everything() {
 
 }  // namespace
 
-TEST_CASE("a request says what differs from the default") {
+TEST_CASE("a request in JSON states only differences from the defaults") {
   const Effects effects =
       read(R"({"seed": 7, "fog": {"use": "on", "visibility": 200}, "divergence": "off", "rain": {"rate": 5},
                "snow": {"use": "auto", "rate": 2}, "returns": {"mode": "first-last"}, "volumes": {"boxes":
@@ -83,13 +83,13 @@ TEST_CASE("a request says what differs from the default") {
   CHECK(toJson(read("{}")) == toJson(Effects()));
 }
 
-TEST_CASE("JSON of a request reads back to the same request") {
+TEST_CASE("the JSON of a request reads back to the same request") {
   const std::string json = toJson(everything());
   CHECK(toJson(read(json)) == json);
   CHECK(read(json).seed == everything().seed);
   CHECK(read(json).rain.rate == everything().rain.rate);
   CHECK(read(json).rangeNoise.use == Use::automatic);
-  // Every parameter differs from its default, so that none can be left out on the way.
+  // Every parameter differs from its default, so that a missing one is detected.
   Effects all = everything(), defaults;
   const auto parsed = nlohmann::json::parse(json), plain = nlohmann::json::parse(toJson(defaults));
   for (const EffectInfo& info : effectTable())
@@ -99,7 +99,7 @@ TEST_CASE("JSON of a request reads back to the same request") {
     }
 }
 
-TEST_CASE("every preset is sound and reads back") {
+TEST_CASE("every preset is valid and reads back") {
   CHECK(effectPresets() == std::vector<std::string>{"clean", "auto", "carla", "hdl-64e", "os1-rain"});
   for (const std::string& name : effectPresets()) {
     INFO(name);
@@ -117,7 +117,7 @@ TEST_CASE("every preset is sound and reads back") {
   CHECK(findEffects("os1-rain").rain.rate == 10);
 }
 
-TEST_CASE("a request is found by its preset or its file") {
+TEST_CASE("a request is found by the name of a preset or of a file") {
   CHECK_THROWS_MATCHES(findEffects("os1-fog"), Error,
                        Message("no effects or file are called 'os1-fog'; there are clean, auto, carla, hdl-64e, "
                                "os1-rain, or a JSON file"));
@@ -130,7 +130,7 @@ TEST_CASE("a request is found by its preset or its file") {
   std::filesystem::remove(file);
 }
 
-TEST_CASE("what is unknown is named with the nearest that are known") {
+TEST_CASE("unknown names are refused with the nearest known names") {
   refused(R"({"fogg": {}})", "no effect is called 'fogg'; the nearest are fog, rain, snow");
   refused(R"({"range_noise": {}})",
           "no effect is called 'range_noise'; the nearest are range-noise, angle-noise, intensity");
@@ -140,7 +140,7 @@ TEST_CASE("what is unknown is named with the nearest that are known") {
   refused(R"({"cut-outs": {"texture": 7}})", "cut-outs has no 'texture', nor any other parameter");
 }
 
-TEST_CASE("what is out of range is refused with the range and the unit") {
+TEST_CASE("values out of range are refused with the range and the unit") {
   refused(R"({"fog": {"visibility": -1}})", "fog.visibility must be 0..1000000 m, is -1");
   refused(R"({"rain": {"rate": 501}})", "rain.rate must be 0..500 mm/h, is 501");
   refused(R"({"divergence": {"sub_rays": 62}})", "divergence.sub_rays must be a whole number, 1..61, is 62");
@@ -154,7 +154,7 @@ TEST_CASE("what is out of range is refused with the range and the unit") {
           "volumes.boxes[0].extinction must be 0..1000 1/m, is 1001");
 }
 
-TEST_CASE("what is of another type is refused with the type") {
+TEST_CASE("values of a wrong type are refused with the right type") {
   refused("[]", "a request is a JSON object");
   refused(R"({"fog": 200})", "fog must be off, on or auto, is 200");
   refused(R"({"fog": "yes"})", "fog must be off, on or auto, is \"yes\"");
@@ -181,7 +181,7 @@ TEST_CASE("what is of another type is refused with the type") {
           "volumes.boxes[0]: unknown key 'density'; known are min, max, extinction");
 }
 
-TEST_CASE("what is said twice or is not JSON is refused") {
+TEST_CASE("duplicate keys and invalid JSON are refused") {
   refused(R"({"fog": "on", "fog": "off"})", "'fog' is there twice; keep one");
   refused(R"({"fog": {"visibility": 1, "visibility": 2}})", "'visibility' is there twice; keep one");
   CHECK_THROWS_MATCHES(
@@ -192,7 +192,7 @@ TEST_CASE("what is said twice or is not JSON is refused") {
   CHECK_THROWS_AS(read(""), Error);
 }
 
-TEST_CASE("what is set by hand is judged as what is read") {
+TEST_CASE("values set in C++ are checked like values read from JSON") {
   Effects effects;
   effects.fog.visibility = NAN;
   CHECK_THROWS_MATCHES(validate(effects), Error, Message("fog.visibility must be 0..1000000 m, is nan"));
@@ -207,7 +207,7 @@ TEST_CASE("what is set by hand is judged as what is read") {
   CHECK_THROWS_MATCHES(validate(effects), Error, Message("snow must be off, on or automatic"));
 }
 
-TEST_CASE("an assignment sets a parameter and asks for its effect, or sets a use") {
+TEST_CASE("an assignment sets a parameter and enables its effect, or sets a use") {
   Effects effects = Effects::none();
   assign(effects, "fog.visibility=2e2");
   CHECK(effects.fog.visibility == 200);
@@ -235,7 +235,7 @@ TEST_CASE("an assignment sets a parameter and asks for its effect, or sets a use
   refusedAssignment("fog.visibility=\"\xff\"", "fog.visibility must be 0..1000000 m, is \"\\\"\\ufffd\\\"\"");
 }
 
-TEST_CASE("a plan adds up and says so in JSON") {
+TEST_CASE("a plan's totals are the sums of its parts, also in JSON") {
   Plan plan;
   plan.effects = {{"fog", Use::on, true, "visibility 200 m"}, {"rain", Use::automatic, false, "no rate is given"}};
   plan.fields = {"intensity"};

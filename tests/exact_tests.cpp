@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `exact` against exact arithmetic: every owner and every bit of every range, ties included, by every way of binning,
-// with and without double precision on the device.
+// `exact` compared with exact arithmetic: every owner and every bit of every range, including ties, with every binning,
+// and with and without double precision on the device.
 #include <algorithm>
 
 #include "hardcases.hpp"
@@ -21,7 +21,7 @@ constexpr Way kWays[] = {{"nearest", Binning::nearest, true},
                          {"nearest without doubles", Binning::nearest, false},
                          {"lists without doubles", Binning::lists, false}};
 
-/// Every world of the family by every way, and CUDA's way. Returns the oracle's clouds.
+/// Checks every world of the family with every binning, and on CUDA. Returns the clouds of the exact oracle.
 std::vector<Scan> requireExactEveryWay(const Family& family) {
   needVulkan();
   std::vector<Scan> oracles;
@@ -47,14 +47,14 @@ std::vector<Scan> requireExactEveryWay(const Family& family) {
   return oracles;
 }
 
-/// Columns and channels at the axes and the diagonals among them.
+/// A sensor with columns and channels along the axes and the diagonals between them.
 Sensor axisSensor() {
   Sensor sensor{"axes", 24, {}, 0, 500};
   for (int elevation = -90; elevation <= 90; elevation += 15) sensor.channels.push_back({double(elevation), 0});
   return sensor;
 }
 
-/// Grids on the faces of a box around the sensor, cut where beams go: at multiples of its half size.
+/// Grids on the faces of a box around the sensor, cut along beams: at multiples of its half size.
 Mesh alignedBox(uint32_t cuts, double half, Random& random, bool turnSome) {
   MeshBuilder builder;
   builder.box({-half, -half, -half}, {half, half, half}, cuts);
@@ -64,7 +64,7 @@ Mesh alignedBox(uint32_t cuts, double half, Random& random, bool turnSome) {
   return mesh;
 }
 
-/// Triangles with corners on a small whole grid: many coplanar with the sensor, many of no area, many that touch.
+/// Triangles with corners on a small integer grid: many are coplanar with the sensor, have no area, or touch.
 Mesh wholeSoup(Random& random, int count, int reach) {
   MeshBuilder builder;
   const auto whole = [&] { return double(int(random.bits() % (2 * reach + 1)) - reach); };
@@ -77,7 +77,7 @@ Mesh wholeSoup(Random& random, int count, int reach) {
 
 }  // namespace
 
-TEST_CASE("exact: corners on the whole metres around the sensor, through it, on the axes and on one another") {
+TEST_CASE("exact: corners at integer metres, on the axes, at equal places, and triangles through the sensor") {
   Family family("whole soups", {axisSensor()});
   Random random(31);
   for (int i = 0; i < rounds(300); ++i) {
@@ -87,7 +87,7 @@ TEST_CASE("exact: corners on the whole metres around the sensor, through it, on 
   requireExactEveryWay(family);
 }
 
-TEST_CASE("exact: a closed mesh whose corners and edges lie on the beams has one hit per beam, whatever its winding") {
+TEST_CASE("exact: a closed mesh with corners and edges on beams has one hit per beam, with any winding") {
   const Sensor sensor = axisSensor();
   Family family("aligned boxes and balls", {sensor});
   Random random(32);
@@ -107,7 +107,7 @@ TEST_CASE("exact: a closed mesh whose corners and edges lie on the beams has one
   }
 }
 
-TEST_CASE("exact: a closed mesh before the sensor is met twice or not at all, its outline included") {
+TEST_CASE("exact: beams hit a closed mesh in front of the sensor twice or not at all, also at its outline") {
   needVulkan();
   const Sensor sensor = axisSensor();
   Family family("boxes in front", {sensor});
@@ -121,7 +121,8 @@ TEST_CASE("exact: a closed mesh before the sensor is met twice or not at all, it
     if (low.x <= 0 && low.y <= 0 && low.z <= 0 && low.x + 3 >= 0 && low.y + 2 >= 0 && low.z + 1 >= 0) continue;
     family.add(world);
   }
-  // Fronts alone and, of the mesh turned inside out, backs alone: a beam meets both or neither, the back behind.
+  // Front faces alone and, with the mesh turned inside out, back faces alone: a beam hits both or neither, the back
+  // face behind the front face.
   Family turned = family;
   for (Mesh& mesh : turned.scene.meshes)
     for (size_t t = 0; t < mesh.triangleCount(); ++t) std::swap(mesh.indices[3 * t], mesh.indices[3 * t + 1]);
@@ -143,9 +144,10 @@ TEST_CASE("exact: a closed mesh before the sensor is met twice or not at all, it
   }
 }
 
-TEST_CASE("exact: looking past the first range finds the next layer and none twice") {
+TEST_CASE("exact: a range window beyond the first hit finds the next layer, and each layer once") {
   needVulkan();
-  // Shells around the sensor, corners on the beams: one hit per shell, told apart by the range window.
+  // Shells around the sensor have corners on the beams: each beam hits each shell once, and the range window selects
+  // one.
   Sensor sensor = axisSensor();
   Scene scene = sceneOf(aimedMesh(sensor, 1, [](const Vec3&) { return 1.0; }));
   scene.instances.clear();
@@ -166,7 +168,7 @@ TEST_CASE("exact: looking past the first range finds the next layer and none twi
   }
 }
 
-TEST_CASE("exact: soups, slivers and duplicates from any pose, through instances of any kind") {
+TEST_CASE("exact: random triangles, slivers and duplicates from any pose, with any kind of instance") {
   Sensor uneven = gridSensor(61, 17, -60, 80);
   for (size_t j = 0; j < uneven.channels.size(); j += 2) uneven.channels[j].azimuthOffsetDeg = 1.7 * double(j) - 9;
   Family family("soups from any pose", {axisSensor(), gridSensor(77, 16, -25, 25), uneven});
@@ -174,7 +176,7 @@ TEST_CASE("exact: soups, slivers and duplicates from any pose, through instances
   for (int i = 0; i < rounds(200); ++i) {
     const double size = logUniform(random, 0.02, 30);
     Mesh mesh = soup(random.bits(), 50, size, size * logUniform(random, 0.01, 2));
-    for (size_t v = 2; v + 3 < mesh.vertexCount(); v += 9)  // slivers: the third corner nearly between the others
+    for (size_t v = 2; v + 3 < mesh.vertexCount(); v += 9)  // slivers: the third corner nearly on an edge
       for (size_t k = 0; k < 3; ++k)
         mesh.positions[3 * v + k] = 0.5f * (mesh.positions[3 * (v - 1) + k] + mesh.positions[3 * (v - 2) + k]);
     Scene world = sceneOf(std::move(mesh), i % 4 != 0);
@@ -186,7 +188,7 @@ TEST_CASE("exact: soups, slivers and duplicates from any pose, through instances
 }
 
 TEST_CASE("exact: ranges down to the last bit of the lattice") {
-  // Planes that pass the sensor by less than a femtometre: only the integers know on which side.
+  // Planes that pass the sensor by less than a femtometre: only integer arithmetic decides on which side.
   Family family("planes through almost nothing", {axisSensor()});
   Random random(35);
   for (int i = 0; i < rounds(300); ++i) {
@@ -202,8 +204,8 @@ TEST_CASE("exact: ranges down to the last bit of the lattice") {
   requireExactEveryWay(family);
 }
 
-TEST_CASE("exact: edges that all but pass through the sensor") {
-  // Half a great circle in sight: a rounding of a corner turns its highest point all the way around.
+TEST_CASE("exact: edges that nearly pass through the sensor") {
+  // Such an edge spans half a great circle: rounding a corner moves its highest point all the way around.
   Family family("edges through almost the sensor", {axisSensor(), gridSensor(77, 48, -80, 80)});
   Random random(36);
   for (int i = 0; i < rounds(300); ++i) {
@@ -218,8 +220,9 @@ TEST_CASE("exact: edges that all but pass through the sensor") {
   requireExactEveryWay(family);
 }
 
-TEST_CASE("exact: the highest point of an edge of almost half a turn") {
-  // Found by search among a billion beams: one beam each in the crescent that a rounding of the edge's plane hides.
+TEST_CASE("exact: the highest point of an edge that spans almost half a turn") {
+  // Found by a search over a billion beams: in each case one beam lies between the exact and the rounded plane of an
+  // edge.
   struct Found {
     uint32_t seed;
     int world;
@@ -242,7 +245,7 @@ TEST_CASE("exact: the highest point of an edge of almost half a turn") {
   requireExactEveryWay(family);
 }
 
-TEST_CASE("exact: a plane that passes the sensor by less than a femtometre is met, doubles or not") {
+TEST_CASE("exact: a plane that passes the sensor by less than a femtometre is hit, with and without double precision") {
   Family family("a femtometre", {axisSensor()});
   for (int i = 0; i < 8; ++i) {
     const double n = 16777215 - 1000 * i, half = std::floor(n / 2) + i, unit = 0x1p-30;
@@ -255,8 +258,8 @@ TEST_CASE("exact: a plane that passes the sensor by less than a femtometre is me
   CHECK(hits > 0);
 }
 
-TEST_CASE("exact: a range halfway between two floats goes to the even one") {
-  // Walls a rounding out of square, so that the beam along the x axis meets them in the middle of two floats.
+TEST_CASE("exact: a range halfway between two floats is rounded to even") {
+  // The walls are slightly tilted, so that the beam along the x axis hits them halfway between two floats.
   Family family("halfway", {axisSensor()});
   std::vector<float> evens;
   for (int i = 0; i < 40; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files for a test in a folder of its own.
+// Temporary folders and files for tests.
 #pragma once
 
 #include <catch2/catch_test_macros.hpp>
@@ -13,7 +13,7 @@ namespace gnosphere::test {
 
 namespace fs = std::filesystem;
 
-/// A temporary folder, gone when the test is.
+/// A temporary folder that is removed at the end of the test.
 class Folder {
  public:
   Folder() {
@@ -41,7 +41,7 @@ inline std::string bytesOf(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Writes a file, and gives its path back.
+/// Writes a file and returns its path.
 inline fs::path put(const fs::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
   return file;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many scans in flight give what one scan at a time gives.
+// Many scans in flight give the same results as single scans.
 #include <catch2/matchers/catch_matchers.hpp>
 
 #include "support.hpp"
@@ -11,7 +11,7 @@ Pose poseAt(double x, double y, double yaw) {
   return {{x, y, 0}, {0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}};
 }
 
-// One with offsets (other pipelines), one that sees nothing far, one without a beam.
+// Four sensors: a plain one, one with azimuth offsets (other pipelines), one with a short range, one without beams.
 std::vector<Sensor> mixedSensors() {
   std::vector<Sensor> sensors = {gridSensor(400, 33, -60, 60), gridSensor(300, 20, -30, 10),
                                  gridSensor(100, 7, -20, 20, 10), gridSensor(10, 0, 0, 0)};
@@ -19,7 +19,7 @@ std::vector<Sensor> mixedSensors() {
   return sensors;
 }
 
-// From out of range into the middle of the scene and out of it: the lists have to grow on the way.
+// Shots from out of range into the middle of the scene and out again, so that the lists must grow.
 std::vector<Shot> driveThrough(size_t sensorCount, size_t count) {
   std::vector<Shot> shots;
   for (size_t i = 0; i < count; ++i) {
@@ -31,7 +31,7 @@ std::vector<Shot> driveThrough(size_t sensorCount, size_t count) {
 
 }  // namespace
 
-TEST_CASE("scanAll gives byte for byte what scan gives, whatever the sensor, while lists grow") {
+TEST_CASE("scanAll gives the same bytes as scan, for every sensor and while lists grow") {
   needVulkan();
   const Scene scene = sceneOf(soup(11, 1500, 40, 20));
   const std::vector<Sensor> sensors = mixedSensors();
@@ -65,7 +65,7 @@ TEST_CASE("scanAll gives byte for byte what scan gives, whatever the sensor, whi
   }
 }
 
-TEST_CASE("a scan that the one before it outgrew is run again as well", "[second-driver]") {
+TEST_CASE("a scan in flight while the previous one enlarges the lists is repeated, too", "[second-driver]") {
   needVulkan();
   TestOptions options = vulkanOptions();
   options.tuning.binning = Binning::lists;
@@ -76,12 +76,12 @@ TEST_CASE("a scan that the one before it outgrew is run again as well", "[second
   simulator.scanAll(shots, [&](size_t, const Scan& scan) { scans.push_back(scan); });
   REQUIRE(scans.size() == 2);
   CHECK(scans[0].counters.retries > 0);
-  CHECK(scans[1].counters.retries > 0);  // it was on its way with too little room
+  CHECK(scans[1].counters.retries > 0);  // it was in flight when the lists were too small
   CHECK(scans[0].counters.hits > 0);
   CHECK(sameBytes(scans[0], scans[1]));
 }
 
-TEST_CASE("an exception of the receiver ends the run, and the simulator goes on") {
+TEST_CASE("an exception of the callback ends the run, and the simulator stays usable") {
   needVulkan();
   const Scene scene = sceneOf(soup(3, 500, 20, 5));
   Simulator simulator = makeSimulator(scene, gridSensor(200, 16, -30, 30), vulkanOptions());
@@ -96,7 +96,7 @@ TEST_CASE("an exception of the receiver ends the run, and the simulator goes on"
   CHECK(sameBytes(simulator.scan(pose), scanOf(scene, gridSensor(200, 16, -30, 30), pose, vulkanOptions())));
 }
 
-TEST_CASE("a scan into arrays that are there moves none of them") {
+TEST_CASE("a scan into existing arrays does not reallocate them") {
   needVulkan();
   for (const char* device : {"auto", "reference"}) {
     TestOptions options = vulkanOptions();
@@ -121,7 +121,7 @@ TEST_CASE("a scan into arrays that are there moves none of them") {
   }
 }
 
-TEST_CASE("a second set of results is only there once scanAll has run") {
+TEST_CASE("the second set of results is allocated by the first scanAll") {
   needVulkan();
   const Sensor sensor = gridSensor(200, 16, -30, 30);
   Simulator simulator = makeSimulator(sceneOf(soup(3, 500, 20, 5)), sensor, vulkanOptions());
@@ -136,7 +136,7 @@ TEST_CASE("a second set of results is only there once scanAll has run") {
   CHECK(simulator.memory().work - before < 25 * sensor.beamCount());
 }
 
-TEST_CASE("a bad shot is told before the first scan") {
+TEST_CASE("an invalid shot is refused before the first scan") {
   TestOptions options;
   options.device = DeviceChoice::Kind::reference;
   Simulator simulator = makeSimulator(sceneOf(soup(3, 5, 20, 5)), gridSensor(20, 4, -30, 30), options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hundred million beams aimed at the shared corners and edges of closed meshes around the sensor: `standard` lets
-// none through. Minutes long on a CPU: label slow, not in the default suite.
+// Aims a hundred million beams at shared corners and edges of closed meshes around the sensor: `standard` must lose
+// none. This takes minutes on a CPU and has the label slow.
 #include <algorithm>
 #include <cstdio>
 
@@ -17,8 +17,8 @@ double ringElevation(uint32_t ring) {
   return -84 + 168.0 * ring / (kRings - 1) + 0.3 * std::sin(7.0 * ring);
 }
 
-/// Channels through the rings, through the middles of the rings' edges, which bulge, and between the rings. Even
-/// columns run along the meridians of the mesh, odd ones between them.
+/// Channels point through the rings, the middles of the rings' edges (which bulge), and between rings. Even columns run
+/// along the meridians of the mesh, odd ones between them.
 Sensor aimedSensor() {
   constexpr double kRadian = 180 / std::numbers::pi;
   Sensor sensor{"aimed", 2 * kSegments, {}, 0, 1000};
@@ -31,7 +31,7 @@ Sensor aimedSensor() {
   }
   return sensor;
 }
-// Per scan: corners and middles on every ring, and every channel of the even columns along an edge.
+// Beams per scan that are aimed at corners and middles of edges on every ring, and along edges in even columns.
 constexpr uint64_t kAimedBeams = uint64_t{kSegments} * (3 * kRings + kRings);
 
 template <typename RangeOf>
@@ -46,12 +46,12 @@ Mesh aimedBall(const RangeOf& rangeOf) {
 
 }  // namespace
 
-TEST_CASE("a hundred million beams at shared corners and edges of closed meshes: none slips through") {
+TEST_CASE("a hundred million beams at shared corners and edges of closed meshes are all hits") {
   needVulkan();
   Random random(41);
   const Mesh meshes[] = {
       aimedBall([](const Vec3&) { return 20.0; }),
-      aimedBall([&](const Vec3&) { return 20 * (1.5 + random()); }),  // a star
+      aimedBall([&](const Vec3&) { return 20 * (1.5 + random()); }),  // a star-shaped mesh
       aimedBall([](const Vec3& d) {
         return 7 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
       }),  // a box
@@ -61,12 +61,12 @@ TEST_CASE("a hundred million beams at shared corners and edges of closed meshes:
   uint64_t aimed = 0, beams = 0, gaps = 0, draftGaps = 0;
   for (const Mesh& mesh : meshes) {
     TestOptions options = vulkanOptions();
-    options.validation = false;  // speed: the layer sees these paths in the smaller tests
+    options.validation = false;  // for speed; smaller tests run these paths with the layer
     Simulator simulator = makeSimulator(sceneOf(Mesh(mesh)), aimedSensor(), options);
     options.accuracy = Accuracy::draft;
     draftGaps += scanOf(sceneOf(Mesh(mesh)), aimedSensor(), {}, options).counters.misses;
     for (uint32_t turn = 0; turn < 180; ++turn) {
-      // Turned by whole segments and a few roundings, so that every corner comes out beside its beam in another way.
+      // Rotated by whole segments and a few roundings, so that every corner lies beside its beam in a different way.
       const double yaw = std::numbers::pi / kSegments * (random.bits() % kSegments);
       const Pose pose = {{}, {3e-8 * random(), 3e-8 * random(), std::sin(yaw) + 3e-8 * random(), std::cos(yaw)}};
       const Scan scan = simulator.scan(pose);
@@ -80,5 +80,5 @@ TEST_CASE("a hundred million beams at shared corners and edges of closed meshes:
               static_cast<unsigned long long>(gaps), static_cast<unsigned long long>(draftGaps));
   CHECK(aimed >= 100'000'000);
   CHECK(gaps == 0);
-  CHECK(draftGaps > 0);  // the beams are aimed well: without watertight edges some pass
+  CHECK(draftGaps > 0);  // checks that the beams are aimed well: without watertight edges some pass
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hard cases of what is put in: broken corners, far worlds, odd instances, odd sensors, nothing at all.
+// Hard cases of inputs: invalid corners, far worlds, unusual instances and sensors, empty scenes.
 #include <algorithm>
 
 #include "hardcases.hpp"
@@ -46,7 +46,8 @@ TEST_CASE("hard: worlds 1e5 to 1e7 m from the origin") {
   for (int i = 0; i < kWorlds; ++i) {
     const Vec3 far = {logUniform(random, 1e5, 1e7), -logUniform(random, 1e5, 1e7), logUniform(random, 1e2, 1e5)};
     Scene world = sceneOf(soup(random.bits(), 120, 20, 6));
-    // Far by its instance, by the origin of its mesh, or half by each; and by its corners, as far as floats carry.
+    // The offset comes from the instance, from the mesh's origin or half from each; corners are moved as far as floats
+    // allow.
     const double share = 0.5 * (i % 3);
     const Vec3 corners = i % 2 ? Vec3{-9000, 5000, 300} : Vec3{};
     world.meshes[0].origin = along(far, share);
@@ -82,7 +83,7 @@ TEST_CASE("hard: inverted normals, one side reflecting") {
   for (int i = 0; i < kWorlds; ++i) {
     Scene world = sceneOf(ball(5 + random.bits() % 8, 6 + random.bits() % 12, logUniform(random, 1, 20)), false);
     Mesh& mesh = world.meshes[0];
-    for (size_t t = 0; t < mesh.triangleCount(); ++t)  // all, or some, turned inside out
+    for (size_t t = 0; t < mesh.triangleCount(); ++t)  // all or some triangles turned inside out
       if (i % 2 || random() < 0) std::swap(mesh.indices[3 * t], mesh.indices[3 * t + 1]);
     family.add(world, {anywhere(random, 8), anyTurn(random)});
   }
@@ -98,7 +99,7 @@ TEST_CASE("hard: uneven channels with azimuth offsets, columns that do not divid
   for (const uint32_t columns : {1u, 7u, 113u, 360u}) {
     Sensor sensor{"uneven", columns, {}, 0.3, 60};
     for (int j = 0; j < 24; ++j) {
-      // Clustered, doubled, at both poles, in no order.
+      // Channels are clustered, duplicated, at both poles, and unsorted.
       const double elevation = j < 4 ? 12.5 : j == 5 ? 90 : j == 6 ? -90 : j % 2 ? 3 * random() : 89 * random();
       sensor.channels.push_back({elevation, j % 3 == 0 ? 0 : j % 3 == 1 ? 200 * random() : 3 * random()});
     }
@@ -110,9 +111,9 @@ TEST_CASE("hard: uneven channels with azimuth offsets, columns that do not divid
   CHECK(requireRight(family).paperWrong > 0);
 }
 
-TEST_CASE("hard: an empty scene, one triangle, zero beams") {
+TEST_CASE("hard: an empty scene, one triangle, a sensor without beams") {
   needVulkan();
-  // `paper` cannot fail on nothing; on one triangle it fails in the families of shape.
+  // `paper` cannot fail without triangles; for single triangles see the families of shape.
   const Sensor sensor = allAround(90, 19);
   Sensor blind = sensor;
   blind.channels.clear();
@@ -135,7 +136,7 @@ TEST_CASE("hard: an empty scene, one triangle, zero beams") {
 
 TEST_CASE("hard: more candidates than the buffer holds") {
   needVulkan();
-  // `paper` has no lists of its own to overflow: it fails on these shells by its bounds, as everywhere.
+  // `paper` has no lists that could overflow; on these shells it fails by its bounds as everywhere.
   Scene scene = sceneOf(ball(12, 24, 1));
   scene.instances.clear();
   for (int shell = 0; shell < 40; ++shell) scene.instances.push_back({"", 0, scaling(3 + shell, 3 + shell, 3 + shell)});
@@ -151,9 +152,9 @@ TEST_CASE("hard: more candidates than the buffer holds") {
   CHECK_FALSE(compare(reference, scanBy(Binning::nearest, Accuracy::paper, scene, sensor)).same());
 }
 
-TEST_CASE("hard: twenty orders of the same triangles give the same bytes, indices mapped back") {
+TEST_CASE("hard: twenty orders of the same triangles give the same bytes after mapping indices back") {
   needVulkan();
-  // `paper` keeps the order of its answers too: order is not what it gets wrong.
+  // `paper` is not affected by the order, so it is not tested here.
   const Sensor sensor = allAround(96, 25);
   Mesh original = aimedMesh(sensor, 2, [](const Vec3&) { return 8.0; });
   const Mesh loose = soup(3, 400, 12, 4);
@@ -181,7 +182,8 @@ TEST_CASE("hard: twenty orders of the same triangles give the same bytes, indice
     for (size_t round = 1; round < orders.size(); ++round) {
       const Scan scan = simulator.scan(family.visits[round].pose);
       REQUIRE(sameBytes(scan.ranges, first.ranges));
-      // Where `standard` meets two triangles on their common edge at one range, the lower index of the day owns it.
+      // If two triangles are hit at one range on their common edge, `standard` chooses the lower index, which depends
+      // on the order.
       if (accuracy == Accuracy::standard) continue;
       for (size_t b = 0; b < scan.beamCount(); ++b) REQUIRE(orders[round][scan.triangles[b]] == first.triangles[b]);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hard cases of where a triangle lies around the sensor. Every family holds dozens of seeded worlds; `standard` and
-// `exact` must get every beam of every world right, and `paper` must not: so the family is hard.
+// Hard cases of a triangle's position around the sensor. Every family has dozens of seeded worlds; `standard` and
+// `exact` must compute every beam of every world right, and `paper` must fail, which shows that the family is hard.
 #include "hardcases.hpp"
 
 using namespace gnosphere;
@@ -16,7 +16,7 @@ Scene oneTriangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   return sceneOf(builder.take());
 }
 
-/// Sensors whose columns hit the axes and diagonals, miss them, and do not divide a turn.
+/// Sensors whose columns hit the axes and diagonals, miss them, or do not divide a turn.
 std::vector<Sensor> sensorsAround() {
   return {allAround(96, 25), allAround(77, 24), gridSensor(131, 16, -30, 30)};
 }
@@ -36,7 +36,7 @@ TEST_CASE("hard: a triangle across the azimuth seam") {
   CHECK(requireRight(family).paperWrong > 0);
 }
 
-TEST_CASE("hard: the pole inside a triangle") {
+TEST_CASE("hard: a triangle with the pole inside") {
   Family family("pole inside a triangle", sensorsAround());
   Random random(2);
   for (int i = 0; i < kWorlds; ++i) {
@@ -57,17 +57,17 @@ TEST_CASE("hard: a triangle around the sensor's axis, its edge or corner on the 
     const Vec3 onAxis = {0, 0, coarse(4 * random())};
     const double nudge = i % 4 == 3 ? std::ldexp(1.0, -8 - int(random.bits() % 22)) : 0;
     Vec3 a = coarse(anywhere(random, 5)), b = coarse(anywhere(random, 5)), c = coarse(anywhere(random, 5));
-    if (i % 4 == 0) a = onAxis;                                      // a corner on it
-    if (i % 4 != 0) b = {-a.x + nudge, -a.y, coarse(onAxis.z)};      // an edge through it
-    if (i % 4 == 2) c = {-2 * a.x, -2 * a.y, coarse(3 * random())};  // a wall through it
+    if (i % 4 == 0) a = onAxis;                                      // a corner on the axis
+    if (i % 4 != 0) b = {-a.x + nudge, -a.y, coarse(onAxis.z)};      // an edge through the axis
+    if (i % 4 == 2) c = {-2 * a.x, -2 * a.y, coarse(3 * random())};  // a wall that contains the axis
     family.add(oneTriangle(a, b, c), {}, random.bits() % 2);
   }
   CHECK(requireRight(family).paperWrong > 0);
 }
 
-TEST_CASE("hard: the sensor on a plane, an edge or a corner") {
+TEST_CASE("hard: the sensor on a triangle's plane, edge or corner") {
   Family family("sensor on plane, edge, corner", sensorsAround());
-  family.everyHitTies = true;  // a triangle through the sensor may be met at any range
+  family.everyHitTies = true;  // a triangle through the sensor may be hit at any range
   Random random(4);
   for (int i = 0; i < kWorlds; ++i) {
     Vec3 a = coarse(anywhere(random, 3)), b = coarse(anywhere(random, 3));
@@ -75,8 +75,8 @@ TEST_CASE("hard: the sensor on a plane, an edge or a corner") {
     const double s = 1 + random.bits() % 3, t = 1 + random.bits() % 3;
     MeshBuilder builder;
     if (i % 3 == 0) builder.triangle(a, b, {-s * a.x - t * b.x, -s * a.y - t * b.y, -s * a.z - t * b.z});  // its plane
-    if (i % 3 == 1) builder.triangle(a, b, {-s * a.x, -s * a.y, -s * a.z});                                // its edge
-    if (i % 3 == 2) builder.triangle(a, b, {});                                                            // its corner
+    if (i % 3 == 1) builder.triangle(a, b, {-s * a.x, -s * a.y, -s * a.z});  // on its edge
+    if (i % 3 == 2) builder.triangle(a, b, {});                              // on its corner
     builder.box({-7, -4, -2}, {9, 6, 5}, 2);
     family.add(sceneOf(builder.take()), {}, random.bits() % 3);
   }
@@ -118,11 +118,11 @@ TEST_CASE("hard: beams through shared edges and corners") {
       return i % 4 == 0 ? size : i % 4 == 1 ? size * std::ldexp(1.0, int(random.bits() % 3)) : size * (1.5 + random());
     });
     Scene world = sceneOf(mesh);
-    if (i % 8 >= 4)  // seen from the front, else from the back
+    if (i % 8 >= 4)  // seen from the front in half of the worlds, from the back in the others
       for (size_t t = 0; t < mesh.triangleCount(); ++t)
         std::swap(world.meshes[0].indices[3 * t], world.meshes[0].indices[3 * t + 1]);
     Pose pose;
-    if (i % 4 == 3) {  // the same, turned and turned back in single precision: beside the beams by a rounding
+    if (i % 4 == 3) {  // mesh and sensor rotated in single precision, so that corners are off the beams by rounding
       const double angle = 3 * random();
       Mesh& turned = world.meshes[0];
       for (size_t v = 0; v < turned.vertexCount(); ++v) {
@@ -165,7 +165,7 @@ TEST_CASE("hard: grazing below 0.1 degrees") {
     MeshBuilder builder;
     builder.quad({-30, -30, 0}, {90, 0, 0}, {0, 70, 0}, 1 + random.bits() % 3);
     Scene world = sceneOf(builder.take());
-    // Ground seen from just above, or a wall turned through edge-on.
+    // Either ground just below the sensor, or a wall seen nearly edge-on.
     if (i % 2)
       family.add(world, {{0, 0, 40 * tilt}, {std::sin(tilt / 2), 0, 0, std::cos(tilt / 2)}}, 0);
     else {
@@ -176,7 +176,7 @@ TEST_CASE("hard: grazing below 0.1 degrees") {
   CHECK(requireRight(family).paperWrong > 0);
 }
 
-TEST_CASE("hard: nearer than 0.1 m") {
+TEST_CASE("hard: triangles nearer than 0.1 m") {
   Family family("range below 0.1 m", sensorsAround());
   Random random(9);
   for (int i = 0; i < kWorlds; ++i) {
@@ -187,7 +187,7 @@ TEST_CASE("hard: nearer than 0.1 m") {
   CHECK(requireRight(family).paperWrong > 0);
 }
 
-TEST_CASE("hard: one ground triangle of kilometres") {
+TEST_CASE("hard: one ground triangle several kilometres wide") {
   Family family("one ground triangle of kilometres",
                 {gridSensor(90, 24, -25, 2, 5000), gridSensor(77, 24, -80, -0.05, 5000)}, 0x1p19);
   Random random(10);
@@ -210,7 +210,7 @@ TEST_CASE("hard: triangles much smaller than a beam") {
     const size_t sensor = random.bits() % 2;
     const Sensor& beams = family.sensors[sensor];
     MeshBuilder builder;
-    for (int k = 0; k < 150; ++k) {  // about some beams: on them and beside them
+    for (int k = 0; k < 150; ++k) {  // on and next to some beams
       const Vec3 d = along(beams.direction(random.bits() % beams.beamCount()), 20 * (1.5 + random()));
       const double size = logUniform(random, 1e-5, 0.05);
       const auto corner = [&] { return Vec3{d.x + size * random(), d.y + size * random(), d.z + size * random()}; };

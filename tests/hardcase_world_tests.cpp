@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Large worlds: what is seen does not depend on where in the world it stands.
+// Large worlds: results do not depend on the position in the world.
 #include <fstream>
 #include <sstream>
 
@@ -27,7 +27,7 @@ Simulator simulatorOf(const Scene& scene, const Sensor& sensor, Accuracy accurac
   return makeSimulator(scene, sensor, options);
 }
 
-/// Everywhere but on ties the same hits, at ranges within 1e-4 m.
+/// Requires the same hits with ranges within 1e-4 m, except on ties.
 void requireNear(const Scan& reference, const Scan& here, const Scan& there) {
   const auto ties = reference.column<uint8_t>(Field::tie);
   size_t differences = 0;
@@ -84,7 +84,7 @@ TEST_CASE("large worlds: a scene moved by 5,000 km gives the same bytes, or rang
   }
 }
 
-TEST_CASE("large worlds: a georeferenced town of the Netherlands is scanned as if it stood at the origin") {
+TEST_CASE("large worlds: a georeferenced town in the Netherlands gives the same scan as at the origin") {
   needVulkan();
   const Scene scene = loadScene(dataFile("3dfier-nl/lod1.obj"));
   const Bounds bounds = worldBounds(scene);
@@ -116,12 +116,12 @@ TEST_CASE("large worlds: a georeferenced town of the Netherlands is scanned as i
   CHECK(hits > 0);
 }
 
-TEST_CASE("large worlds: a drive in UTM coordinates sees what the same drive at the origin sees") {
+TEST_CASE("large worlds: a drive in UTM coordinates gives the same scans as at the origin") {
   needVulkan();
   const std::vector<Pose> poses = readTum(dataFile("../trajectories/evo/georeferenced.tum"));
   REQUIRE(poses.size() > 100);
   const Vec3 far = {std::round(poses[0].position.x), std::round(poses[0].position.y), 0};
-  // Steps of 2^-16 m have the same bits here and there.
+  // Multiples of 2^-16 m are exact at both places.
   const auto stepped = [](double value) { return std::round(value * 0x1p16) * 0x1p-16; };
   Scene town = makeTown({.triangles = 60'000});
   for (Instance& instance : town.instances)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thousands of small worlds, seeded, and the one question asked of each: is every beam right?
+// Thousands of small seeded worlds; the tests check that every beam in each is right.
 //
-// The worlds of a family stand in one scene, so far apart that none sees another, and each is scanned from its own
-// pose. So a family costs a few pipelines, not thousands.
+// The worlds of a family are placed in one scene, too far apart to see each other, and each is scanned from its own
+// pose. So a family needs few pipelines instead of thousands.
 #pragma once
 
 #include <cstdio>
@@ -16,18 +16,18 @@
 
 namespace gnosphere::test {
 
-/// Of so many worlds those that are tried: all by `ctest -L slow`, a third of them otherwise.
+/// Number of worlds to test: all with `ctest -L slow`, a third otherwise.
 inline int rounds(int worlds) {
   return std::getenv("GNOSPHERE_SLOW") ? worlds : worlds / 3;
 }
 
 class Family {
  public:
-  /// `spacing` between worlds: a power of two, above twice the reach of a world.
+  /// `spacing` between worlds must be a power of two, and more than twice the reach of a world.
   Family(std::string title, std::vector<Sensor> familySensors, double spacing = 4096)
       : name(std::move(title)), sensors(std::move(familySensors)), spacing_(spacing) {}
 
-  /// A world near the origin and a pose in it.
+  /// Adds a world near the origin and a pose in it.
   void add(const Scene& world, const Pose& pose = {}, size_t sensor = 0) {
     const double x = spacing_ * static_cast<double>(visits.size() % 32);
     const double y = spacing_ * static_cast<double>(visits.size() / 32);
@@ -51,20 +51,20 @@ class Family {
   std::vector<Sensor> sensors;
   Scene scene;
   std::vector<Visit> visits;
-  bool everyHitTies = false;  ///< `paper` is then judged by its ties too
+  bool everyHitTies = false;  ///< whether `paper` is also judged by ties
 
  private:
   double spacing_;
 };
 
-/// What was seen of a family.
+/// Results of a family.
 struct Verdict {
   uint64_t beams = 0, hits = 0, ties = 0;
-  uint64_t misses = 0;      ///< of `standard`, ties or not
-  uint64_t paperWrong = 0;  ///< worlds of which `paper` gets a beam wrong
-  double errorOfBound = 0;  ///< of `standard`: the largest |range error| / tolerance outside ties
+  uint64_t misses = 0;      ///< of `standard`, including ties
+  uint64_t paperWrong = 0;  ///< worlds in which `paper` has a wrong beam
+  double errorOfBound = 0;  ///< of `standard`: the largest |range error| / tolerance, without ties
   double error = 0;         ///< of `standard`, metres
-  double errorOfRange = 0;  ///< of `standard`, per metre
+  double errorOfRange = 0;  ///< of `standard`: relative to the range
 };
 
 inline void addErrors(const Scan& reference, const Scan& standard, Verdict& verdict) {
@@ -83,7 +83,7 @@ inline void addErrors(const Scan& reference, const Scan& standard, Verdict& verd
   verdict.misses += standard.counters.misses;
 }
 
-/// The cloud of `exact` has the owners and the very bits of the exact answer.
+/// Requires that the cloud of `exact` has the owners and the bits of the exact oracle.
 inline void requireExact(const Scan& oracle, const Scan& exact) {
   for (size_t b = 0; b < oracle.beamCount(); ++b) {
     if (oracle.triangles[b] == exact.triangles[b] && oracle.instances[b] == exact.instances[b] &&
@@ -97,7 +97,7 @@ inline void requireExact(const Scan& oracle, const Scan& exact) {
   }
 }
 
-/// One line per family into the file that GNOSPHERE_TEST_REPORT names: what docs/accuracy.md quotes.
+/// Appends a line per family to the file that GNOSPHERE_TEST_REPORT names; docs/accuracy.md quotes these lines.
 inline void report(const Family& family, const Verdict& verdict) {
   const char* file = std::getenv("GNOSPHERE_TEST_REPORT");
   std::FILE* out = file ? std::fopen(file, "a") : nullptr;
@@ -112,8 +112,8 @@ inline void report(const Family& family, const Verdict& verdict) {
   std::fclose(out);
 }
 
-/// `standard` against the reference, `exact` against the reference and the oracle, world by world: 0 missed, 0 false,
-/// 0 wrong owners, 0 wrong ranges; both on CUDA as well. And how many worlds `paper` gets wrong.
+/// Compares `standard` with the reference, and `exact` with the reference and the oracle, in every world: 0 missed, 0
+/// false, 0 wrong owners, 0 wrong ranges, also on CUDA. Counts the worlds in which `paper` is wrong.
 inline Verdict requireRight(const Family& family, Faces faces = Faces::material) {
   needVulkan();
   const auto simulator = [&](const char* device, Accuracy accuracy) {
@@ -146,9 +146,9 @@ inline Verdict requireRight(const Family& family, Faces faces = Faces::material)
   return verdict;
 }
 
-// --- What worlds are made of ----------------------------------------------------------------------------------------
+// --- Parts of worlds -----------------------------------------------------------------------------------------------
 
-/// Rounded to a multiple of 2^-20 m: such corners reach the sensor's frame of an unturned pose without rounding.
+/// Rounds to a multiple of 2^-20 m: such corners are transformed by an unrotated pose without rounding.
 inline double coarse(double value) {
   return std::round(value * 0x1p20) * 0x1p-20;
 }
@@ -163,12 +163,12 @@ inline Vec3 directionOf(double azimuth, double elevation) {
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
 }
 
-/// A rotation that takes no axis to another.
+/// A random rotation that maps no axis to another.
 inline Quaternion anyTurn(Random& random) {
   return {random(), random(), random(), random()};
 }
 
-/// A corner at a random place within `reach`, far enough from the middle not to be on it.
+/// A random point within `reach` of the origin.
 inline Vec3 anywhere(Random& random, double reach) {
   return {reach * random(), reach * random(), reach * random()};
 }
@@ -177,8 +177,9 @@ inline double logUniform(Random& random, double low, double high) {
   return low * std::pow(high / low, 0.5 * (random() + 1));
 }
 
-/// A closed mesh around the origin. Ring 0 is one corner, the bottom, ring `rings` another, the top; the rings between
-/// have `segments` corners each, counter-clockwise seen from above. `cornerOf(ring, segment)` is called ring by ring.
+/// A closed mesh around the origin. Ring 0 is one corner at the bottom, ring `rings` another at the top; the rings
+/// between have `segments` corners each, counter-clockwise seen from above. `cornerOf(ring, segment)` is called ring by
+/// ring.
 template <typename CornerOf>
 Mesh closedShell(uint32_t rings, uint32_t segments, const CornerOf& cornerOf) {
   MeshBuilder builder;
@@ -199,8 +200,8 @@ Mesh closedShell(uint32_t rings, uint32_t segments, const CornerOf& cornerOf) {
   return builder.take();
 }
 
-/// A closed shell whose corners lie on the beams of every `step`-th column and channel of `sensor`, at the ranges that
-/// `rangeOf(direction)` gives. The lowest and the highest channel must point down and up.
+/// A closed shell with corners on the beams of every `step`-th column and channel of `sensor`, at the ranges given by
+/// `rangeOf(direction)`. The lowest and the highest channel must point straight down and up.
 template <typename RangeOf>
 Mesh aimedMesh(const Sensor& sensor, uint32_t step, const RangeOf& rangeOf) {
   const std::vector<Float3> beams = seenBeams(sensor);
@@ -212,7 +213,7 @@ Mesh aimedMesh(const Sensor& sensor, uint32_t step, const RangeOf& rangeOf) {
   });
 }
 
-/// From -90 to 90 degrees, both included.
+/// Elevations from -90 to 90 degrees, both included.
 inline Sensor allAround(uint32_t columns, uint32_t channels, double rangeMax = 200) {
   return gridSensor(columns, channels, -90, 90, rangeMax);
 }

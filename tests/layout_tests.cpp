@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared structs are compiled as C++ and as GLSL: every member's offset in every SPIR-V module must be that of C++. And
-// no module may need what vulkan/device.cpp does not ask a device for.
+// Shared structs are compiled as C++ and as GLSL: every member must have the same offset in every SPIR-V module as in
+// C++. No module may need a feature that vulkan/device.cpp does not require.
 #include <catch2/catch_test_macros.hpp>
 #include <cstddef>
 #include <cstring>
@@ -19,15 +19,15 @@ namespace {
 
 using namespace gnosphere::gpu;
 
-/// A struct as one of the two languages lays it out.
+/// Layout of a struct in one of the two languages.
 struct Layout {
-  size_t size = 0;  ///< the distance of two neighbours in an array; 0: there is no array of them
+  size_t size = 0;  ///< distance of neighbours in an array; 0: no array uses it
   std::map<std::string, size_t> offsets;
 };
 using Layouts = std::map<std::string, Layout>;
 
 // STRUCT(type, a, b) becomes {"type", {sizeof(type), {{"a", offsetof(type, a)}, {"b", offsetof(type, b)}}}}. A macro
-// cannot name itself, so MEMBER calls itself by a detour, and EXPAND reads the outcome over again, 64 times and more.
+// cannot expand itself, so MEMBER names itself indirectly by AGAIN, and EXPAND rescans the result more than 64 times.
 #define NOTHING()
 #define MEMBER(type, member, ...) {#member, offsetof(type, member)}, __VA_OPT__(AGAIN NOTHING()()(type, __VA_ARGS__))
 #define AGAIN() MEMBER
@@ -44,7 +44,8 @@ using Layouts = std::map<std::string, Layout>;
     }                                     \
   }
 
-/// All that shared.h and effects/parameters.h put into buffers, every member. What a module has beside it fails, too.
+/// Every struct of shared.h and effects/parameters.h that is stored in buffers. A module with another struct fails the
+/// test.
 const Layouts kShared = {
     STRUCT(Instance, row0, row1, row2, offset, firstTriangle),
     STRUCT(Cluster, low, vertexFirst, high, triangleFirst, coneAxis, cone, vertexCount, triangleCount, doubleSided,
@@ -77,8 +78,8 @@ const Layouts kShared = {
     STRUCT(Return, range, trueRange, intensity, width, label, echo, number, count),
 };
 
-/// The structs that a SPIR-V module keeps in buffers, the blocks around them apart. After five header words come
-/// instructions; the first word of each is its length above its opcode.
+/// The structs that a SPIR-V module stores in buffers, without the enclosing blocks. A module has five header words,
+/// then instructions; the first word of each holds its length and its opcode.
 Layouts layoutsIn(const std::vector<uint32_t>& words) {
   std::map<uint32_t, std::string> names;
   std::map<uint32_t, std::map<uint32_t, std::string>> members;
@@ -112,7 +113,7 @@ Layouts layoutsIn(const std::vector<uint32_t>& words) {
   return layouts;
 }
 
-/// Every difference of a module's struct from C++, one line each.
+/// Lists the differences between a module's struct and C++, one per line.
 std::string differences(const Layout& cpp, const Layout& shader) {
   std::string text;
   if (shader.size != 0 && shader.size != cpp.size)
@@ -170,8 +171,9 @@ TEST_CASE("shared structs have the same layout on the host and in every shader")
   }
 }
 
-TEST_CASE("the shaders need nothing that a device is not asked for") {
-  // Shader; GroupNonUniform with Vote, Arithmetic, Ballot and Shuffle; PhysicalStorageBufferAddresses.
+TEST_CASE("the shaders need only features that a device must have") {
+  // The capabilities are Shader; GroupNonUniform with Vote, Arithmetic, Ballot and Shuffle;
+  // PhysicalStorageBufferAddresses.
   const std::set<uint32_t> always = {1, 61, 62, 63, 64, 65, 5347};
   const std::set<uint32_t> ofInt64 = {11, 12}, ofFloat64 = {10};
   forEachModule([&](const std::string& name, const Words& words) {

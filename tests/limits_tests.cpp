@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a device allows: one buffer is no larger than it says, and within that nothing is too large.
+// Limits of a device: no buffer exceeds its limit, and everything within the limit works.
 #include <algorithm>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
@@ -16,7 +16,7 @@ using Catch::Matchers::StartsWith;
 
 constexpr uint64_t kMebibyte = 1 << 20;
 
-/// Channels neither in order of elevation nor all at the columns' azimuths.
+/// A sensor with unsorted elevations, and azimuth offsets on some channels.
 Sensor shuffledSensor() {
   Sensor sensor = gridSensor(5000, 7, -50, 60);
   std::swap(sensor.channels[0], sensor.channels[5]);
@@ -24,7 +24,7 @@ Sensor shuffledSensor() {
   return sensor;
 }
 
-/// Crowds of triangles side by side, so many metres apart.
+/// Groups of triangles side by side, `apart` metres from each other.
 Scene crowds(int count, double apart) {
   Scene scene = sceneOf(soup(5, 5000, 40, 1));
   scene.instances.clear();
@@ -38,7 +38,7 @@ uint64_t largestBuffer(const Simulator& simulator) {
   return largest;
 }
 
-/// The message of the out-of-memory error that `work` ends with.
+/// Returns the message of the out-of-memory error that `work` throws.
 template <typename Work>
 std::string outOfMemory(const Work& work) {
   try {
@@ -53,7 +53,7 @@ std::string outOfMemory(const Work& work) {
 
 }  // namespace
 
-TEST_CASE("a cap on one buffer that all buffers keep changes no byte, whatever the way") {
+TEST_CASE("a buffer limit that all buffers keep changes no byte, with every accuracy and binning") {
   needVulkan();
   Scene scene = sceneOf(soup(5, 1500, 40, 5));
   scene.instances.push_back({"", 0, rotationZ(2)});
@@ -72,7 +72,7 @@ TEST_CASE("a cap on one buffer that all buffers keep changes no byte, whatever t
     }
 }
 
-TEST_CASE("a cap on one buffer changes no byte of a scan with effects") {
+TEST_CASE("a buffer limit changes no byte of a scan with effects") {
   needVulkan();
   const Scene scene = sceneOf(soup(5, 1500, 40, 5));
   TestOptions options = vulkanOptions();
@@ -91,7 +91,7 @@ TEST_CASE("a cap on one buffer changes no byte of a scan with effects") {
     CHECK(sameBytes(valuesOf<float>(capped, field), valuesOf<float>(expected, field)));
 }
 
-TEST_CASE("a cap that is too small for a sensor or a scene names the array, its need and the device's limit") {
+TEST_CASE("a buffer limit too small for a sensor or a scene is an error that names the array, its size and the limit") {
   needVulkan();
   const auto errorOf = [](const Scene& scene, uint64_t cap) {
     TestOptions options = vulkanOptions();
@@ -106,7 +106,7 @@ TEST_CASE("a cap that is too small for a sensor or a scene names the array, its 
   CHECK_THAT(errorOf(sceneOf(soup(1, 100'000, 5, 1)), kMebibyte), ContainsSubstring(" allows 1.0 MiB"));
 }
 
-TEST_CASE("a list that the cap does not hold ends that scan alone") {
+TEST_CASE("a list that exceeds the limit fails only that scan") {
   needVulkan();
   Scene scene = crowds(36, 0);
   for (int i = 0; i < 4; ++i) scene.instances.push_back({"", 0, translation(1000, 0, 0.1 * i)});
@@ -132,7 +132,7 @@ TEST_CASE("a list that the cap does not hold ends that scan alone") {
       CHECK(sameBytes(scan, expected));
       CHECK(sameBytes(capped.scan(other), expected));
     }
-    // With others in flight before and behind.
+    // Scans in flight before and after it must succeed.
     const std::vector<Shot> shots = {{other}, {other}, {crowded}, {other}};
     size_t received = 0;
     outOfMemory(
@@ -142,7 +142,7 @@ TEST_CASE("a list that the cap does not hold ends that scan alone") {
   }
 }
 
-TEST_CASE("lists grow up to the cap, step by step, and change no byte") {
+TEST_CASE("lists grow step by step up to the limit and change no byte") {
   needVulkan();
   const Scene scene = crowds(24, 12);
   const Sensor sensor = gridSensor(1000, 64, -30, 30, 500);
@@ -156,7 +156,7 @@ TEST_CASE("lists grow up to the cap, step by step, and change no byte") {
     Simulator free = makeSimulator(scene, sensor, options);
     std::vector<Scan> expected;
     free.scanAll(shots, [&](size_t, const Scan& scan) { expected.push_back(scan); });
-    // Just what the last and largest scan needs.
+    // The limit is exactly what the last and largest scan needs.
     Simulator exactly = makeSimulator(scene, sensor, options);
     exactly.scan(shots.back().pose);
     options.tuning.maxBufferBytes = std::max(16 * expected.back().counters.projected, 16 * sensor.beamCount());
@@ -173,7 +173,7 @@ TEST_CASE("lists grow up to the cap, step by step, and change no byte") {
   }
 }
 
-TEST_CASE("a town in two shells under a cap has the same bytes and is culled alike") {
+TEST_CASE("a town in two shells with a buffer limit has the same bytes and is culled equally") {
   needVulkan();
   const Scene scene = makeTown({.triangles = 30'000});
   TestOptions options = vulkanOptions();
@@ -186,14 +186,14 @@ TEST_CASE("a town in two shells under a cap has the same bytes and is culled ali
   CHECK(capped.counters.culledByCluster == whole.counters.culledByCluster);
 }
 
-TEST_CASE("more columns than directions can tell apart are an error that names the sensor") {
+TEST_CASE("more columns than directions can distinguish are an error that names the sensor") {
   needVulkan();
   CHECK_THROWS_WITH(scanOf(sceneOf(soup(1, 100, 5, 1)), gridSensor((1 << 25) + 1, 1, 0, 0), {}, vulkanOptions()),
                     "sensor 'grid' has 33554433 columns; the limit is 33554432");
 }
 
-// Beyond 2^24 columns a float does not hold every column's number, and a triangle's columns are found in floats.
-TEST_CASE("20 million beams in one channel: no beam is lost", "[.slow]") {
+// Above 2^24 columns a float cannot represent every column number, and a triangle's columns are computed in floats.
+TEST_CASE("20 million beams in one channel lose no beam", "[.slow]") {
   needVulkan();
   constexpr uint32_t kColumns = 20'000'000, kEvery = 4000;
   TestOptions options = vulkanOptions();
@@ -218,7 +218,7 @@ TEST_CASE("20 million beams in one channel: no beam is lost", "[.slow]") {
       CHECK(different == 0);
       const BeamSample sample = sampleOf(sensor, 3000, 1);
       requireSame(referenceOf(crowd, sample.sensor, {{1, 2, 0.5}, {}}), sample.of(scan));
-      // The columns at both ends of 50,000 triangles that stand side by side, all the way around.
+      // The columns at both sides of 50,000 triangles that stand side by side around the sensor.
       CHECK(scanOf(wall, sensor, {{0.1, 0.2, 0.3}, {}}, options).counters.misses == 0);
     }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials as a laser meets them, and tables over them.
+// Optical properties of materials, and tables of materials.
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_exception.hpp>
@@ -30,7 +30,7 @@ Material material(const std::string& name) {
   return one;
 }
 
-// Two rows are near enough to 905 nm and to the normal; the nearest of them has 0.1 / pi.
+// Two rows are near 905 nm and normal incidence; the nearest has 0.1 / pi.
 const char* const kBrdf = R"({"metadata": {"name": "grey", "typicalSensorTechnology": "lidar"},
   "brdf": {"wavelengths": [9.05e-07, 5.5e-07], "lookupTable": [
     [5.5e-07, 0.0, 0.0, 0.0, 0.3], [9.05e-07, 0.05, 0.05, 3.14159, 0.2], [9.05e-07, 0.05, 0.05, 0.0, 0.0318309886],
@@ -45,7 +45,7 @@ std::string xomp(const std::string& properties) {
 
 }  // namespace
 
-TEST_CASE("a glTF material's parts are shares of the light") {
+TEST_CASE("a glTF material is split into shares of the light") {
   Material plain;
   plain.baseColor = {0.5f, 1, 1, 1};
   CHECK(opticsOf(plain).reflectance == 0.5f);
@@ -65,7 +65,7 @@ TEST_CASE("a glTF material's parts are shares of the light") {
   CHECK(opticsOf(pane).transmission == 0.75f);
   CHECK(opticsOf(pane).reflectance == 0.125f);
   CHECK(opticsOf(pane).gloss == 0.01f);
-  pane.alphaMode = AlphaMode::mask;  // a hole or none, not a share
+  pane.alphaMode = AlphaMode::mask;  // a hole is present or absent, it does not share the light
   CHECK(opticsOf(pane).transmission == 0);
 
   Material glass = plain;
@@ -74,7 +74,7 @@ TEST_CASE("a glTF material's parts are shares of the light") {
   CHECK(opticsOf(glass).reflectance == 0.25f);
 }
 
-TEST_CASE("a table stands over the materials of its names") {
+TEST_CASE("a table replaces the properties of the materials that it names") {
   const Folder folder;
   const MaterialTable table = loadMaterialTable(put(folder / "t.json", R"({"materials": [
     {"name": "ASPHALT", "reflectance_905": 0.1, "reflectance_1550": 0.2, "roughness": 0.9},
@@ -88,13 +88,13 @@ TEST_CASE("a table stands over the materials of its names") {
   CHECK(optics[2].reflectance == 0.1f);
   CHECK(optics[0].roughness == 0.9f);
   CHECK(optics[1].retro == 300);
-  CHECK(optics[1].reflectance == 1);  // not stated: as the scene has it
+  CHECK(optics[1].reflectance == 1);  // not stated, so the scene's value is used
   CHECK(optics[3].reflectance == 1);
   CHECK(unused == std::vector<std::string>{"brick"});
   CHECK(opticsOf(scene, table, 1550)[0].reflectance == 0.2f);
 }
 
-TEST_CASE("a table that is not sound is refused") {
+TEST_CASE("an invalid table is refused") {
   const Folder folder;
   refused(folder, "t.json", "[]", "is neither {\"materials\"");
   refused(folder, "t.json", R"({"materials": [], "version": 1})", "holds more than 'materials'");
@@ -109,7 +109,7 @@ TEST_CASE("a table that is not sound is refused") {
   CHECK_THROWS_MATCHES(loadMaterialTable("none.json"), Error, MessageMatches(ContainsSubstring("none.json")));
 }
 
-TEST_CASE("an OpenMATERIAL BRDF is read near the normal, back to the sensor") {
+TEST_CASE("an OpenMATERIAL BRDF is read near normal incidence, for light that returns to the sensor") {
   const Folder folder;
   put(folder / "b.xompt", kBrdf);
   const auto rows = loadMaterialTable(put(folder / "m.xomp", xomp(R"("brdfUris": ["b.xompt"])"))).rows;
@@ -120,7 +120,7 @@ TEST_CASE("an OpenMATERIAL BRDF is read near the normal, back to the sensor") {
   CHECK(rows[0].roughness < 0);
 }
 
-TEST_CASE("an OpenMATERIAL conductor reflects as Fresnel says") {
+TEST_CASE("an OpenMATERIAL conductor reflects according to Fresnel") {
   const Folder folder;
   put(folder / "metal.xompt", kMetal);
   const auto row = loadMaterialTable(put(folder / "m.xomp", xomp(R"("opticalPropertiesUri": "metal.xompt")"))).rows[0];
@@ -128,7 +128,7 @@ TEST_CASE("an OpenMATERIAL conductor reflects as Fresnel says") {
   CHECK(row.reflectance1550 == Approx((0.25 + 225) / (6.25 + 225)));
 }
 
-TEST_CASE("an OpenMATERIAL mapping and asset lead to the same rows") {
+TEST_CASE("an OpenMATERIAL mapping and an asset give the same rows") {
   const Folder folder;
   put(folder / "b.xompt", kBrdf);
   put(folder / "metal.xompt", kMetal);
@@ -153,7 +153,7 @@ TEST_CASE("an OpenMATERIAL mapping and asset lead to the same rows") {
   refused(folder, "m.xomm", R"({"materialMapping": [["Tyre", "tyre.xomp"]]})", "states no reflectance for a laser");
 }
 
-TEST_CASE("an OpenMATERIAL file that tells no laser's reflectance is refused") {
+TEST_CASE("an OpenMATERIAL file without a reflectance for lasers is refused") {
   const Folder folder;
   put(folder / "glass.xompt", kGlass);
   const std::string none = "m.xomp: states no reflectance for a laser";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene that has moved scans like one that was built that way.
+// A scene that was changed is scanned like a new scene with the same content.
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <limits>
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint32_t kRemoved = 0xffffffffu;
 
-/// What a simulator has been told, and a scene that says the same.
+/// The state that a simulator should have, and the equivalent scene.
 class Model {
  public:
   explicit Model(Scene scene) : scene_(std::move(scene)) {}
@@ -19,7 +19,7 @@ class Model {
   bool isThere(size_t instance) const { return scene_.instances[instance].mesh != kRemoved; }
   size_t count() const { return scene_.instances.size(); }
 
-  /// Without the removed instances; `index[i]` is what instance i of it is called here.
+  /// Returns the scene without removed instances; `index[i]` is the number of its instance i in this model.
   Scene compact(std::vector<uint32_t>& index) const {
     Scene result;
     result.materials = scene_.materials;
@@ -62,14 +62,14 @@ Scene startingScene(Random& random) {
   scene.meshes = {ball(12, 20, 2), soup(4, 700, 6, 1.5), soup(5, 3, 1, 1)};
   scene.meshes[1].parts = {{0, 300, 0}, {300, 400, 1}};
   scene.meshes[0].origin = {1, -2, 0.5};
-  // Not usable from the start, and so in a cluster of its own.
+  // These triangles are unusable at first, and therefore in a cluster of their own.
   scene.meshes[2].positions[4] = std::numeric_limits<float>::quiet_NaN();
   std::fill_n(scene.meshes[2].positions.begin() + 9, 6, 1.0f);
   for (uint32_t i = 0; i < 12; ++i) scene.instances.push_back({"", i % 3, somewhere(random)});
   return scene;
 }
 
-/// One change, told to both.
+/// Makes one change, in the model and in the simulator.
 void change(Model& model, Simulator& simulator, Random& random) {
   const size_t instance = random.bits() % model.count();
   const double kind = random();
@@ -89,7 +89,7 @@ void change(Model& model, Simulator& simulator, Random& random) {
   } else {
     const size_t mesh = random.bits() % scene.meshes.size();
     scene.meshes[mesh].positions = bent(scene.meshes[mesh], random);
-    // What is broken stays so in the next change, or not.
+    // Some invalid values become valid in the next change.
     for (float& value : scene.meshes[mesh].positions)
       if (!(std::abs(value) < 1e9f) && random() > 0.5) value = static_cast<float>(random());
     simulator.setPositions(mesh, scene.meshes[mesh].positions);
@@ -108,7 +108,7 @@ void requireSameAsBuilt(const Scan& moved, const Model& model, const Sensor& sen
   CHECK(moved.counters.triangles == fresh.counters.triangles);
   CHECK(moved.counters.nonFinite == fresh.counters.nonFinite);
   CHECK(moved.counters.degenerate == fresh.counters.degenerate);
-  // Which of the two is told by the shell that a cluster lies in, and clusters stay as they were built.
+  // Which of the two counts a triangle depends on the shell of its cluster, and clusters stay as they were built.
   const auto bounded = [](const Counters& c) { return c.projected + c.culledHidden; };
   CHECK(bounded(moved.counters) == bounded(fresh.counters));
 }
@@ -136,14 +136,14 @@ void moveAbout(const TestOptions& options, uint32_t seed, int rounds, uint32_t l
 
 }  // namespace
 
-TEST_CASE("after any changes a scan equals that of a simulator built from the changed scene: standard") {
+TEST_CASE("after any changes a scan equals that of a new simulator of the changed scene: standard") {
   needVulkan();
   TestOptions options = vulkanOptions();
   options.tuning.culling.occlusion = Culling::Occlusion::always;
   moveAbout(options, 1, 5);
 }
 
-TEST_CASE("after any changes a scan equals that of a simulator built from the changed scene: exact") {
+TEST_CASE("after any changes a scan equals that of a new simulator of the changed scene: exact") {
   needVulkan();
   TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
@@ -151,13 +151,13 @@ TEST_CASE("after any changes a scan equals that of a simulator built from the ch
   moveAbout(options, 2, 4, 18'000);
 }
 
-TEST_CASE("after any changes a scan equals that of a simulator built from the changed scene: reference") {
+TEST_CASE("after any changes a scan equals that of a new simulator of the changed scene: reference") {
   TestOptions options;
   options.device = DeviceChoice::Kind::reference;
   for (uint32_t seed : {3u, 4u}) moveAbout(options, seed, 4);
 }
 
-TEST_CASE("instances out of range change nothing but what they are counted as") {
+TEST_CASE("instances out of range change only counters") {
   needVulkan();
   Random random(9);
   Scene near = startingScene(random);
@@ -173,7 +173,7 @@ TEST_CASE("instances out of range change nothing but what they are counted as") 
   CHECK(crowd.counters.culledByCluster == alone.counters.culledByCluster + 30 * 700);
 }
 
-TEST_CASE("an instance that reaches into range from beyond it is met") {
+TEST_CASE("an instance that extends into the range from beyond it is hit") {
   needVulkan();
   Scene scene = sceneOf(ball(12, 20, 2));
   scene.instances.clear();
@@ -190,7 +190,7 @@ TEST_CASE("an instance that reaches into range from beyond it is met") {
   CHECK(sameBytes(simulator.scan({}).ranges, scanOf(scene, sensor, {}, vulkanOptions()).ranges));
 }
 
-TEST_CASE("a run that was ended and a scene that has grown since do not meet") {
+TEST_CASE("after an aborted run and added instances, scans are right") {
   needVulkan();
   const Sensor sensor = gridSensor(360, 24, -40, 40, 25);
   Scene scene = sceneOf(ball(12, 20, 1));
@@ -207,7 +207,7 @@ TEST_CASE("a run that was ended and a scene that has grown since do not meet") {
   CHECK(sameBytes(simulator.scan({}), scanOf(scene, sensor, {}, vulkanOptions())));
 }
 
-TEST_CASE("vertices that move into range are met", "[second-driver]") {
+TEST_CASE("vertices that move into range are hit", "[second-driver]") {
   needVulkan();
   const Sensor sensor = gridSensor(360, 24, -40, 40, 25);
   const Mesh near = ball(12, 20, 1, {10, 0, 0});
@@ -218,7 +218,7 @@ TEST_CASE("vertices that move into range are met", "[second-driver]") {
   CHECK(sameBytes(simulator.scan({}), scanOf(sceneOf(near), sensor, {}, vulkanOptions())));
 }
 
-TEST_CASE("a change that cannot be made is refused and changes nothing") {
+TEST_CASE("an invalid change is refused and has no effect") {
   using Catch::Matchers::ContainsSubstring;
   needVulkan();
   for (const char* device : {"auto", "reference"}) {

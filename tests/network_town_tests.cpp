@@ -31,7 +31,7 @@ bool isVehicle(const std::string& name) {
          name.starts_with("van") || name.starts_with("bus ");
 }
 
-/// The ground as seen from above, by plain sums over its triangles: heights and materials at a point.
+/// The ground seen from above, by plain sums over its triangles: heights and materials at a point.
 class GroundView {
  public:
   explicit GroundView(const Scene& scene) {
@@ -56,7 +56,7 @@ class GroundView {
     double z;
     Surface surface;
   };
-  /// The highest face over or under a point.
+  /// The highest face above or below a point.
   std::optional<Hit> at(double x, double y) const {
     std::optional<Hit> hit;
     const auto found = faces_.find(cell(x));
@@ -64,7 +64,7 @@ class GroundView {
     for (const Face& face : found->second) {
       const Vec3 &a = face.corners[0], &b = face.corners[1], &c = face.corners[2];
       const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-      if (area < 1e-9) continue;  // upright, or seen from below
+      if (area < 1e-9) continue;  // vertical, or seen from below
       const double u = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
       const double v = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
       if (u < 0 || v < 0 || u + v > 1) continue;
@@ -83,7 +83,7 @@ class GroundView {
   std::map<int, std::vector<Face>> faces_;
 };
 
-/// The sum of area times centroid of each material, which no order of triangles changes, and the areas.
+/// Sums of area times centroid and of area by material, which do not depend on the order of triangles.
 std::vector<std::array<double, 4>> moments(const Scene& scene) {
   std::vector<std::array<double, 4>> sums(scene.materials.size());
   for (const Instance& instance : scene.instances) {
@@ -113,7 +113,7 @@ double headingOf(const Pose& pose) {
 
 }  // namespace
 
-TEST_CASE("a town on a network has as many triangles as asked for, within ten percent") {
+TEST_CASE("a town on a road network has the requested number of triangles within ten percent") {
   const uint64_t triangles = GENERATE(10'000u, 100'000u, 1'000'000u, 8'000'000u);
   const Scene scene = makeTown({triangles, 1, kJunction});
   const double placed = static_cast<double>(scene.placedTriangleCount());
@@ -126,7 +126,7 @@ TEST_CASE("a town on a network has as many triangles as asked for, within ten pe
   CHECK(unsound == 0);
 }
 
-TEST_CASE("every lane is there, at its height, and asphalt where one drives") {
+TEST_CASE("every lane exists at its height, with asphalt on driving lanes") {
   const GroundView ground(makeTown({600'000, 1, kJunction}));
   const Network network = readNetwork(kJunction);
   size_t points = 0, missing = 0, off = 0, wrong = 0;
@@ -158,7 +158,7 @@ TEST_CASE("every lane is there, at its height, and asphalt where one drives") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("nothing but vehicles stands on a carriageway") {
+TEST_CASE("only vehicles stand on a carriageway") {
   const Scene scene = makeTown({600'000, 1, kJunction});
   const GroundView ground(scene);
   size_t things = 0, vehicles = 0;
@@ -170,7 +170,7 @@ TEST_CASE("nothing but vehicles stands on a carriageway") {
     for (size_t v = 0; v < mesh.vertexCount() && !onRoad; ++v) {
       const float* q = &mesh.positions[3 * v];
       const Vec3 p = instance.transform * Vec3{q[0], q[1], q[2]};
-      if (p.z > base + 1) continue;  // crowns and balconies may be over it
+      if (p.z > base + 1) continue;  // tree crowns and balconies may be above it
       const auto hit = ground.at(p.x, p.y);
       onRoad = hit && (hit->surface == Surface::asphalt || hit->surface == Surface::roadPaint);
     }
@@ -185,7 +185,7 @@ TEST_CASE("nothing but vehicles stands on a carriageway") {
   CHECK(vehicles > 5);
 }
 
-TEST_CASE("a drive is even, smooth, in the right lane, 1.8 m above the road, and nothing is in its way") {
+TEST_CASE("a drive has even steps, is smooth, stays in the right lane 1.8 m above the road, and is free of obstacles") {
   const bool onNetwork = GENERATE(true, false);
   const TownOptions options = {600'000, 1, onNetwork ? kJunction : fs::path()};
   const std::vector<Pose> drive = makeDrive(options);
@@ -206,12 +206,12 @@ TEST_CASE("a drive is even, smooth, in the right lane, 1.8 m above the road, and
       REQUIRE(below);
       REQUIRE((below->surface == Surface::asphalt || below->surface == Surface::roadPaint));
       REQUIRE(std::abs(pose.position.z - below->z - 1.8) < 0.03);
-      // The lane is 3.5 m wide: kerb or verge is to the right within 4 m, and more road to the left.
+      // The lane is 3.5 m wide: kerb or verge is at most 4 m to the right, and more road is to the left.
       const double heading = headingOf(pose);
       const auto left = ground.at(pose.position.x - 1.6 * std::sin(heading), pose.position.y + 1.6 * std::cos(heading));
       REQUIRE((left && (left->surface == Surface::asphalt || left->surface == Surface::roadPaint)));
     }
-  // A vehicle is 4 m long and 1.8 m wide or more: its middle keeps away from every pose.
+  // A vehicle is at least 4 m long and 1.8 m wide, so its middle keeps a distance from every pose.
   for (const Instance& instance : scene.instances) {
     if (!isVehicle(instance.name)) continue;
     const auto& rows = instance.transform.rows;
@@ -225,7 +225,7 @@ TEST_CASE("a drive is even, smooth, in the right lane, 1.8 m above the road, and
   }
 }
 
-TEST_CASE("an offset of the header moves the town, and no vertex") {
+TEST_CASE("an offset in the header moves the town without changing vertices") {
   std::ostringstream text;
   text << std::ifstream(kJunction).rdbuf();
   std::string moved = text.str();
@@ -248,7 +248,7 @@ TEST_CASE("an offset of the header moves the town, and no vertex") {
   CHECK(std::abs(far[200].position.y - drive[200].position.y - 5400000) < 1e-8);
 }
 
-TEST_CASE("from a million triangles on a larger town has the same neighbourhood") {
+TEST_CASE("towns of a million triangles and more have the same centre") {
   const fs::path xodr = GENERATE(fs::path(), kJunction);
   const Scene small = makeTown({1'000'000, 1, xodr}), large = makeTown({12'000'000, 1, xodr});
   const Vec3 start = makeDrive({1'000'000, 1, xodr}).front().position;
@@ -286,7 +286,7 @@ TEST_CASE("baking keeps every triangle, in tiles") {
   }
 }
 
-TEST_CASE("what is too much to bake is refused before it is tried") {
+TEST_CASE("a town too large to bake is refused before the work") {
   Scene scene;
   scene.materials.resize(1);
   Mesh mesh;

@@ -32,7 +32,7 @@ std::string textOf(const fs::path& file) {
   return text.str();
 }
 
-/// A file that is removed again.
+/// A temporary file that the destructor removes.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& text) : path(fs::temp_directory_path() / name()) {
@@ -51,7 +51,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-/// The end of a curve with this heading, by Simpson's rule and the platform's sines.
+/// End of a curve with this heading, by Simpson's rule with the platform's sine.
 Vec3 integrated(const std::function<double(double)>& heading, double length) {
   constexpr int kSteps = 20'000;
   const double step = length / kSteps;
@@ -73,7 +73,7 @@ Geometry curve(Shape shape, double length, double from = 0, double to = 0) {
   return geometry;
 }
 
-/// Every road's own .xodr under the folder of the environment, or nothing.
+/// All .xodr files under the folder GNOSPHERE_SCENES; none if it is not set.
 std::vector<fs::path> sharedNetworks() {
   std::vector<fs::path> files;
   if (const char* folder = std::getenv("GNOSPHERE_SCENES"))
@@ -82,8 +82,8 @@ std::vector<fs::path> sharedNetworks() {
   return files;
 }
 
-/// The largest jump in a road: of its reference line where two geometries meet, and of driving lanes' edges where two
-/// sections do.
+/// The largest jump in a road: of its reference line between two geometries, and of driving lanes' edges between two
+/// sections.
 double largestJump(const Road& road) {
   double largest = 0;
   for (size_t i = 0; i + 1 < road.geometries.size(); ++i) {
@@ -106,15 +106,15 @@ double largestJump(const Road& road) {
 
 }  // namespace
 
-TEST_CASE("an arc ends where its closed form says") {
+TEST_CASE("an arc ends at the point of its closed form") {
   const double k = -0.037, length = 61;
   const CurvePoint end = curve(Shape::arc, length, k, k).at(length);
   CHECK(distance(end.at, {std::sin(k * length) / k, (1 - std::cos(k * length)) / k, 0}) < 1e-9);
   CHECK(distance(end.along, {std::cos(k * length), std::sin(k * length), 0}) < 1e-10);
 }
 
-TEST_CASE("a clothoid ends where Fresnel's integrals and an integration of its heading say") {
-  // Curvature pi s over a length of 1: C(1) and S(1), Abramowitz and Stegun, table 7.7.
+TEST_CASE("a clothoid ends at the point of Fresnel's integrals and of an integration of its heading") {
+  // With curvature pi s over a length of 1 it ends at C(1), S(1): Abramowitz and Stegun, table 7.7.
   const CurvePoint fresnel = curve(Shape::spiral, 1, 0, M_PI).at(1);
   CHECK(distance(fresnel.at, {0.7798934003768228, 0.4382591473903548, 0}) < 1e-10);
 
@@ -127,7 +127,7 @@ TEST_CASE("a clothoid ends where Fresnel's integrals and an integration of its h
   }
 }
 
-TEST_CASE("a cubic is followed by its length, a parametric one by its parameter") {
+TEST_CASE("a poly3 is followed by its length, a paramPoly3 by its parameter") {
   Geometry cubic = curve(Shape::poly3, 40);
   cubic.v = {0, 0, 0.003, -0.00003};
   cubic.start = {5, -2, 0};
@@ -152,16 +152,16 @@ TEST_CASE("a cubic is followed by its length, a parametric one by its parameter"
   CHECK(distance(parametric.at(3).along, {du / std::hypot(du, dv), dv / std::hypot(du, dv), 0}) < 1e-12);
 }
 
-TEST_CASE("roads have no jumps: their geometries meet, and so do the edges of their sections") {
+TEST_CASE("geometries and lane edges of a road join without jumps") {
   for (const Road& road : readNetwork(kJunction).roads) {
     INFO("road " << road.id);
     CHECK(largestJump(road) < 1e-6);
   }
 }
 
-TEST_CASE("lanes that are linked share their edges") {
+TEST_CASE("linked lanes share their edges") {
   const Network network = readNetwork(kJunction);
-  // Lane -1 of connecting road 14 comes from lane 1 of road 2 and leads to lane -1 of road 3.
+  // Lane -1 of connecting road 14 links lane 1 of road 2 with lane -1 of road 3.
   const auto edges = [&](const char* id, double s, size_t lane) {
     const Road& road = *network.road(id);
     const std::vector<double> t = laneEdges(road, road.sectionAt(s), s);
@@ -172,15 +172,15 @@ TEST_CASE("lanes that are linked share their edges") {
   CHECK(distance(edges("14", 0, 1).second, edges("2", 0, 1).first) < 1e-6);
   CHECK(distance(edges("14", length, 1).first, edges("3", 0, 3).first) < 1e-6);
   CHECK(distance(edges("14", length, 1).second, edges("3", 0, 3).second) < 1e-6);
-  // Roads 2 and 4 meet end to end: left is right.
+  // Roads 2 and 4 meet end to end, so left and right are swapped.
   const double end2 = network.road("2")->length, end4 = network.road("4")->length;
   CHECK(distance(edges("2", end2, 0).first, edges("4", end4, 4).second) < 1e-6);
 }
 
-TEST_CASE("superelevation turns a road about its reference line, lane offsets move it sideways") {
+TEST_CASE("superelevation rotates a road about its reference line, lane offsets shift it sideways") {
   const Network network = readNetwork(kJunction);
   const Road& road = *network.road("3");
-  const RoadFrame frame = road.frame(70);  // it goes to the south: left is east
+  const RoadFrame frame = road.frame(70);  // it runs south, so left is east
   const double ds = 10, offset = 0.0075 * ds * ds - 0.00025 * ds * ds * ds;
   const std::vector<double> edges = laneEdges(road, road.sectionAt(70), 70);
   CHECK(std::abs(edges[2] - offset) < 1e-12);
@@ -189,7 +189,7 @@ TEST_CASE("superelevation turns a road about its reference line, lane offsets mo
   CHECK(distance(left, {3.5 * std::cos(0.08), 0, 3.5 * std::sin(0.08)}) < 1e-9);
 }
 
-TEST_CASE("a lane offset that jumps between two sections counts for the one it belongs to") {
+TEST_CASE("at a jump between two sections, the lane offset of the own section is used") {
   Road road;
   road.length = 100;
   road.laneOffset = {{0, 0}, {50, 3.5}};
@@ -198,13 +198,14 @@ TEST_CASE("a lane offset that jumps between two sections counts for the one it b
   outer.id = -2;
   inner.width = outer.width = {{0, 3.5}};
   road.sections = {{0, 50, {centre, inner}}, {50, 100, {centre, inner, outer}}};
-  // A lane is added on the left: what was lane -1 is lane -2, and stays where it is.
+  // A lane is added on the left: lane -1 becomes lane -2 and keeps its position.
   CHECK(laneEdges(road, road.sections[0], 50) == std::vector<double>{0, 0, -3.5});
   CHECK(laneEdges(road, road.sections[1], 50) == std::vector<double>{3.5, 3.5, 0, -3.5});
 }
 
-TEST_CASE("markings have the area of their kind: solid, broken, double") {
-  // 90 m, straight; a shoulder outside, so that both halves of the edge line have room. Dashes are 3 m in every 9.
+TEST_CASE("road marks have the area of their kind: solid, broken, double") {
+  // The road is straight and 90 m long, with a shoulder that has room for both halves of the edge line. Dashes are 3 m
+  // in every 9.
   Road road;
   road.length = 90;
   road.geometries = {curve(Shape::line, 90)};
@@ -231,7 +232,7 @@ TEST_CASE("markings have the area of their kind: solid, broken, double") {
           for (size_t k = 0; k < 3; ++k) p[k] = &piece.mesh.positions[3 * piece.mesh.indices[3 * t + k]];
           const double area =
               ((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1])) / 2;
-          CHECK(area > -1e-6);  // it faces upwards, or is upright
+          CHECK(area > -1e-6);  // it faces upwards or is vertical
           (static_cast<Surface>(part.material) == Surface::roadPaint ? painted : asphalt) += area;
         }
     CHECK(std::abs(painted - 0.15 * expected.metres) < 1e-3);
@@ -239,7 +240,7 @@ TEST_CASE("markings have the area of their kind: solid, broken, double") {
   }
 }
 
-TEST_CASE("a network is centred, and an offset of the header leads back to the world") {
+TEST_CASE("a network is centred, and the header's offset transforms back to the world") {
   const Network plain = readNetwork(kJunction);
   const TemporaryFile moved(
       replaced(textOf(kJunction), "version=\"1\"/>",
@@ -253,7 +254,7 @@ TEST_CASE("a network is centred, and an offset of the header leads back to the w
   CHECK(distance(plain.toFile * plain.road("1")->frame(0).at, {0, 0, 0}) < 1e-9);
 }
 
-TEST_CASE("what is wrong with a file is one line that names the file, the road and the fault") {
+TEST_CASE("a mistake in a file is reported in one line with the file, the road and the mistake") {
   const std::string sound = textOf(kJunction);
   struct Fault {
     const char *from, *to;
@@ -280,7 +281,7 @@ TEST_CASE("what is wrong with a file is one line that names the file, the road a
        "road 2: its reference line is known up to 50 m, and the next <geometry> begins at 5 m"},
       {"length=\"80\" id", "length=\"90\" id", "road 1: its reference line is known up to 80 m, and it ends at 90 m"},
       {"elementType=\"road\"", "elementType=\"rail\"", "road 2: it is linked to a \"rail\""},
-      {"</OpenDRIVE>", "", "not sound XML"},
+      {"</OpenDRIVE>", "", "invalid XML"},
       {"<laneLink from=\"-1\"", "<laneLink from=\"\"", "junction 100: <laneLink> has from=\"\""},
   };
   for (const Fault& fault : faults) {
@@ -303,7 +304,7 @@ TEST_CASE("what is wrong with a file is one line that names the file, the road a
   CHECK_THROWS_AS(readNetwork("nowhere.xodr"), Error);
 }
 
-TEST_CASE("damaged files end in an Error or in a town, never in a crash") {
+TEST_CASE("damaged files give an Error or a town without a crash") {
   const std::string sound = textOf(kJunction);
   size_t read = 0;
   for (uint32_t seed = 0; seed < 60; ++seed) {
@@ -311,7 +312,7 @@ TEST_CASE("damaged files end in an Error or in a town, never in a crash") {
     std::string text = sound;
     const size_t count = 1 + random() % 3;
     for (size_t i = 0; i < count; ++i) {
-      // Digits become other digits, signs or exponents: what the XML parser does not stop.
+      // Digits become other digits, signs or exponents, which the XML parser accepts.
       constexpr char kOthers[] = "0123456789-.e";
       size_t at = random() % text.size();
       while (at < text.size() && !std::isdigit(static_cast<unsigned char>(text[at]))) ++at;
@@ -332,7 +333,7 @@ TEST_CASE("damaged files end in an Error or in a town, never in a crash") {
   CHECK(read > 10);
 }
 
-TEST_CASE("every road of the networks under GNOSPHERE_SCENES is read and covered") {
+TEST_CASE("every road of the networks in GNOSPHERE_SCENES is read and built") {
   const std::vector<fs::path> files = sharedNetworks();
   if (files.empty()) SKIP("GNOSPHERE_SCENES names no folder with .xodr files");
   for (const fs::path& file : files) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is written, byte by byte; cloud_read_tests.cpp reads it back.
+// Checks written files byte by byte; cloud_read_tests.cpp reads them back.
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -12,7 +12,7 @@ using namespace gnosphere;
 using namespace gnosphere::test;
 using Catch::Matchers::ContainsSubstring;
 
-TEST_CASE("field names are parsed in order, and an unknown one lists those there are") {
+TEST_CASE("field names are parsed in order, and an unknown one is refused with the list of names") {
   CHECK(parseFields("z, ring,TRIANGLE") == std::vector<Field>{Field::z, Field::ring, Field::triangle});
   CHECK_THROWS_WITH(parseFields("x,colour"), ContainsSubstring("'colour'") && ContainsSubstring("x, y, z, range"));
   CHECK_THROWS_WITH(parseFields(""), ContainsSubstring("''"));
@@ -20,7 +20,7 @@ TEST_CASE("field names are parsed in order, and an unknown one lists those there
   CHECK_THROWS_WITH(parseFields("x,y,x"), ContainsSubstring("twice"));
 }
 
-TEST_CASE("a PCD file is organised, binary and exactly as its header says") {
+TEST_CASE("a PCD file is organised and binary, and matches its header") {
   const Folder folder;
   const Scan scan = tiny();
   writeCloud(scan, folder / "a.pcd");
@@ -59,7 +59,7 @@ TEST_CASE("a PCD file is organised, binary and exactly as its header says") {
   }
 }
 
-TEST_CASE("ascii PCD and CSV are readable text, one line per beam") {
+TEST_CASE("ASCII PCD and CSV are readable text with one line per beam") {
   const Folder folder;
   CloudOptions options;
   options.ascii = true;
@@ -72,23 +72,26 @@ TEST_CASE("ascii PCD and CSV are readable text, one line per beam") {
   CHECK(bytesOf(folder / "a.csv") == "beam,x,triangle\n0,0.1,100\n1,1.1,101\n2,2.1,102\n3,3.1,103\n5,5.1,105\n");
 }
 
-TEST_CASE("a PLY file states its types and packs its rows") {
+TEST_CASE("a PLY file has packed rows, and the names and types that other readers know") {
   const Folder folder;
   CloudOptions options;
-  options.fields = parseFields("x,ring,tie,tolerance,instance");
-  writeCloud(tiny(), folder / "a.ply", options);
+  options.fields = parseFields("x,ring,tie,tolerance,instance,normal");
+  Scan scan = tiny();
+  scan.normals.assign(3 * scan.beamCount(), 0.5f);
+  writeCloud(scan, folder / "a.ply", options);
   const std::string bytes = bytesOf(folder / "a.ply");
   const std::string header =
       "ply\nformat binary_little_endian 1.0\ncomment gnosphere columns 3 channels 2 sensor tiny\nelement vertex 6\n"
-      "property float x\nproperty ushort ring\nproperty uchar tie\nproperty float tolerance\nproperty uint instance\n"
-      "end_header\n";
+      "property float x\nproperty uint16 ring\nproperty uint8 tie\nproperty float tolerance\n"
+      "property uint32 instance\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n";
   REQUIRE(bytes.substr(0, header.size()) == header);
-  REQUIRE(bytes.size() == header.size() + 6 * 15);
-  CHECK(at<uint8_t>(bytes, header.size() + 2 * 15 + 6) == 1);
-  CHECK(at<uint32_t>(bytes, header.size() + 2 * 15 + 11) == 7);
+  REQUIRE(bytes.size() == header.size() + 6 * 27);
+  CHECK(at<uint8_t>(bytes, header.size() + 2 * 27 + 6) == 1);
+  CHECK(at<uint32_t>(bytes, header.size() + 2 * 27 + 11) == 7);
+  CHECK(at<float>(bytes, header.size() + 2 * 27 + 15) == 0.5f);
 }
 
-TEST_CASE("a KITTI file is x, y, z and a zero reflectance of the hits") {
+TEST_CASE("a KITTI file holds x, y, z and a zero reflectance of the hits") {
   const Folder folder;
   writeCloud(tiny(), folder / "a.bin");
   const std::string bytes = bytesOf(folder / "a.bin");
@@ -98,7 +101,7 @@ TEST_CASE("a KITTI file is x, y, z and a zero reflectance of the hits") {
   for (size_t row = 0; row < 5; ++row) CHECK(at<float>(bytes, row * 16 + 12) == 0);
 }
 
-TEST_CASE("an NPY file starts its data at a multiple of 64 bytes and has the sensor's shape") {
+TEST_CASE("the data of an NPY file starts at a multiple of 64 bytes and has the sensor's shape") {
   const Folder folder;
   CloudOptions options;
   options.fields = parseFields(GENERATE("x", "x,ring,tie", "x,y,z,range,ring,beam,triangle,instance,tie,tolerance"));
@@ -116,7 +119,7 @@ TEST_CASE("an NPY file starts its data at a multiple of 64 bytes and has the sen
   CHECK(bytes.size() == 10 + length + (options.compact ? 5 : 6) * rowBytes);
 }
 
-TEST_CASE("Python reads an NPY cloud by the rules of the format") {
+TEST_CASE("Python reads an NPY cloud according to the format") {
   if (std::system("python3 -c pass >/dev/null 2>&1") != 0) SKIP("there is no python3");
   const Folder folder;
   writeCloud(tiny(), folder / "a.npy");
@@ -138,7 +141,7 @@ assert rows[4][3] != rows[4][3] and rows[4][6] == 0xffffffff and rows[5][3] == 6
   CHECK(std::system(("python3 " + (folder / "read.py").string() + " " + (folder / "a.npy").string()).c_str()) == 0);
 }
 
-TEST_CASE("an empty cloud and a cloud of misses are files like any other") {
+TEST_CASE("an empty cloud and a cloud of misses are valid files") {
   const Folder folder;
   const std::string ending = GENERATE("pcd", "ply", "npy", "csv", "bin");
   CloudOptions options;
@@ -160,7 +163,7 @@ TEST_CASE("an empty cloud and a cloud of misses are files like any other") {
   CHECK_NOTHROW(writePicture(misses, folder / "misses.png"));
 }
 
-TEST_CASE("a cloud that cannot be written leaves nothing behind") {
+TEST_CASE("a cloud that cannot be written leaves no file behind") {
   const Folder folder;
   Scan scan = tiny();
   CHECK_THROWS_WITH(writeCloud(scan, folder / "no" / "a.pcd"), ContainsSubstring("No such file or directory"));
@@ -174,10 +177,10 @@ TEST_CASE("a cloud that cannot be written leaves nothing behind") {
   CHECK_THROWS_WITH(writeCloud(scan, folder / "kept.pcd", options),
                     ContainsSubstring("only the device 'reference' gives it"));
   CHECK(bytesOf(folder / "kept.pcd") == "before");
-  CHECK(folder.fileCount() == 2);  // folder.pcd and kept.pcd, no .part
+  CHECK(folder.fileCount() == 2);  // folder.pcd and kept.pcd, without a .part file
 }
 
-TEST_CASE("a picture is a PNG of a sensible size, whatever the grid") {
+TEST_CASE("a picture is a PNG of a reasonable size for every grid") {
   const Folder folder;
   Sensor sensor = findSensor("VLP-16");
   sensor.columns = GENERATE(1u, 7u, 1800u, 5001u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled pipelines on disk: used if they are sound, never trusted, never a reason to fail.
+// Compiled pipelines on disk: used if valid, checked first, and never a reason to fail.
 #include <functional>
 
 #include "folder.hpp"
@@ -19,7 +19,7 @@ Scan scanWith(const std::string& cache) {
   return scanOf(sceneOf(soup(5, 200, 20, 8)), gridSensor(90, 8, -30, 30), {}, options);
 }
 
-// The file's own checksum, made right again after a change: FNV-1a over what follows it.
+// Updates the file's own checksum after a change: FNV-1a over the rest of the file.
 std::string sealed(std::string bytes) {
   uint64_t hash = 0xcbf29ce484222325u;
   for (size_t i = 8; i < bytes.size(); ++i) hash = (hash ^ static_cast<unsigned char>(bytes[i])) * 0x100000001b3u;
@@ -29,7 +29,7 @@ std::string sealed(std::string bytes) {
 
 }  // namespace
 
-TEST_CASE("pipelines are kept in the folder that is asked for, and a sound file is left alone") {
+TEST_CASE("pipelines are stored in the requested folder, and a valid file is not rewritten") {
   needVulkan();
   const Folder folder;
   const Scan first = scanWith(folder / "deep");
@@ -43,7 +43,7 @@ TEST_CASE("pipelines are kept in the folder that is asked for, and a sound file 
   if (bytesOf(file) == bytes) CHECK(fs::last_write_time(file) == old);
 }
 
-TEST_CASE("only a whole file of the same driver and device counts") {
+TEST_CASE("only an intact file of the same driver and device is accepted") {
   VkPhysicalDeviceProperties properties = {};
   properties.vendorID = 0x10de;
   properties.deviceID = 0x2335;
@@ -64,7 +64,7 @@ TEST_CASE("only a whole file of the same driver and device counts") {
   }
 }
 
-TEST_CASE("a damaged file of pipelines is replaced without a word") {
+TEST_CASE("a damaged pipeline file is replaced silently") {
   needVulkan();
   const Folder folder;
   const Scan first = scanWith(folder / "deep");
@@ -79,7 +79,7 @@ TEST_CASE("a damaged file of pipelines is replaced without a word") {
   CHECK(now != bad);
 }
 
-TEST_CASE("a folder for pipelines that cannot be written, or none, is no error") {
+TEST_CASE("a missing or read-only folder for pipelines is not an error") {
   needVulkan();
   const Folder folder;
   const Scan first = scanWith("off");
@@ -96,7 +96,7 @@ TEST_CASE("the default folder follows the XDG specification") {
     const std::string oldCache = std::getenv("XDG_CACHE_HOME") ? std::getenv("XDG_CACHE_HOME") : "";
     const std::string oldHome = std::getenv("HOME") ? std::getenv("HOME") : "";
     setenv("MESA_SHADER_CACHE_DIR", (oldCache.empty() ? oldHome + "/.cache" : oldCache).c_str(),
-           0);  // stays, it is slow
+           0);  // unchanged, because filling it is slow
     cache ? setenv("XDG_CACHE_HOME", cache, 1) : unsetenv("XDG_CACHE_HOME");
     home ? setenv("HOME", home, 1) : unsetenv("HOME");
     work();

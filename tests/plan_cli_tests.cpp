@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere plan, and the options that say what is simulated beside geometry.
+// gnosphere plan, and the options for effects.
 #include <nlohmann/json.hpp>
 
 #include "cli_support.hpp"
@@ -9,7 +9,7 @@ using namespace gnosphere::test;
 
 namespace {
 
-/// The decision on one effect of a plan's JSON.
+/// Returns the decision on one effect from a plan in JSON.
 nlohmann::json decision(const Workplace& place, const std::string& arguments, const std::string& effect) {
   const auto plan = place.runJson("plan floor.obj --json " + arguments);
   for (const auto& one : plan.at("effects"))
@@ -20,7 +20,7 @@ nlohmann::json decision(const Workplace& place, const std::string& arguments, co
 
 }  // namespace
 
-TEST_CASE("a plan tells what is in and what is out, with the reasons") {
+TEST_CASE("a plan lists planned and omitted effects with the reasons") {
   const Workplace place;
   const Result result = place.run("plan floor.obj --effect fog.visibility=200 --effect range-noise.sigma=0.02");
   CHECK(result.err == "");
@@ -35,7 +35,7 @@ TEST_CASE("a plan tells what is in and what is out, with the reasons") {
   CHECK(place.files() == std::vector<std::string>{"floor.obj"});
 }
 
-TEST_CASE("a plan is JSON if asked, of every effect") {
+TEST_CASE("plan --json lists every effect") {
   const auto plan = Workplace().runJson("plan floor.obj --json");
   CHECK(plan.at("effects").size() == 17);
   CHECK(plan.at("dispatches") > 0);
@@ -43,7 +43,7 @@ TEST_CASE("a plan is JSON if asked, of every effect") {
   for (const char* key : {"fields", "returns", "stages", "dispatches", "buffers", "bytes"}) CHECK(plan.contains(key));
 }
 
-TEST_CASE("effects are a preset or a file, and assignments stand over them in order") {
+TEST_CASE("plan --effects takes a preset or a file, and assignments override it in order") {
   const Workplace place;
   place.put("e.json", R"({"fog": {"visibility": 50}})");
   CHECK(decision(place, "--effects e.json", "fog").at("reason") == "asked for: visibility 50 m");
@@ -55,7 +55,7 @@ TEST_CASE("effects are a preset or a file, and assignments stand over them in or
   CHECK(decision(place, "", "divergence").at("request") == "auto");
 }
 
-TEST_CASE("effects are listed, and a printed preset is a file that --effects reads") {
+TEST_CASE("effects are listed, and a printed preset is a valid file for --effects") {
   const Workplace place;
   CHECK_THAT(place.run("effects").out, ContainsSubstring("presets: clean auto carla hdl-64e os1-rain\n") &&
                                            ContainsSubstring("\nrange-noise (off)\n") &&
@@ -67,7 +67,7 @@ TEST_CASE("effects are listed, and a printed preset is a file that --effects rea
   CHECK(place.run("plan floor.obj --effects e.json").out == place.run("plan floor.obj --effects os1-rain").out);
 }
 
-TEST_CASE("a table of materials is read, and what of it fits nothing is told") {
+TEST_CASE("a table of materials is read, and rows without effect cause warnings") {
   const Workplace place;
   place.put("floor.obj", "mtllib floor.mtl\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nusemtl pane\nf 1 2 3\n");
   place.put("floor.mtl", "newmtl pane\nKd 1 1 1\n");
@@ -79,11 +79,11 @@ TEST_CASE("a table of materials is read, and what of it fits nothing is told") {
   const Result result = place.run("plan floor.obj --materials m.json");
   CHECK(result.status == 0);
   CHECK(result.err ==
-        "gnosphere: warning: m.json has 'wood', 'snow', but no material of the scene is called so\n"
-        "gnosphere: warning: m.json states nothing of 'wood'\n");
+        "gnosphere: warning: m.json has 'wood', 'snow', but the scene has no material of that name\n"
+        "gnosphere: warning: m.json gives no values for 'wood'\n");
 }
 
-TEST_CASE("effects that cannot be are refused in one line") {
+TEST_CASE("invalid requests of effects are refused in one line") {
   for (const std::string command : {"plan floor.obj ", "scan floor.obj --device reference "}) {
     checkRefused(command + "--effects os1-fog", 2, "clean, auto, carla, hdl-64e, os1-rain");
     checkRefused(command + "--effect fogg=on", 2, "--effect: no effect is called 'fogg'; the nearest are fog");

@@ -21,7 +21,7 @@ Plot plotOf(std::vector<PlotPoint> points) {
 
 }  // namespace
 
-TEST_CASE("a plot is well-formed, whatever its values") {
+TEST_CASE("a plot is well-formed SVG for any values") {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const Plot& plot :
        {plotOf({}), plotOf({{1, 0, 0, 0, "zero"}}), plotOf({{1, 1, 0, 0, "one"}}),
@@ -34,12 +34,12 @@ TEST_CASE("a plot is well-formed, whatever its values") {
   }
 }
 
-TEST_CASE("what is 0 stands in a band of its own") {
+TEST_CASE("zeros are drawn in a separate band") {
   CHECK_THAT(toSvg(plotOf({{1, 0, 0, 0, "zero"}, {2, 1, 0, 0, "one"}})), ContainsSubstring("#f0f0ea"));
   CHECK_THAT(toSvg(plotOf({{2, 1, 0, 0, "one"}})), !ContainsSubstring("#f0f0ea"));
 }
 
-TEST_CASE("a legend that is too wide goes on in the next line") {
+TEST_CASE("a legend that is too wide continues on the next line") {
   Plot plot = plotOf({{1, 1, 0, 0, ""}});
   const auto heightOf = [](const std::string& svg) {
     const size_t at = svg.find("height='") + 8;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project: nothing that a beam may meet is culled, whatever its shape and place.
+// Step project: no triangle that a beam can hit is culled, whatever its shape and position.
 #include "support.hpp"
 
 using namespace gnosphere;
@@ -23,7 +23,7 @@ TEST_CASE("a triangle across the azimuth seam is seen on both sides of it", "[se
   requireAsReference(sceneOf(builder.take()), kAround);
 }
 
-TEST_CASE("ground under the sensor and a roof above it hold the poles") {
+TEST_CASE("ground below the sensor and a roof above it contain the poles") {
   MeshBuilder builder;
   builder.triangle({-10, -10, -1.8}, {10, -10, -1.8}, {0, 15, -1.8});
   builder.triangle({-10, -10, 3}, {0, 15, 3}, {10, -10, 3});
@@ -36,8 +36,8 @@ TEST_CASE("an edge above the sensor bulges above both of its ends") {
   requireAsReference(sceneOf(builder.take()), gridSensor(720, 200, -10, 70));
 }
 
-TEST_CASE("an edge whose bulge alone reaches a row is met there, whatever it spans") {
-  // The middle of each edge lies a twentieth of its bulge beyond a row, its ends and the third corner on the near side.
+TEST_CASE("an edge of which only the bulge reaches a row is hit there, for every span") {
+  // The middle of each edge lies beyond a row by a twentieth of its bulge; its ends and the third corner do not.
   MeshBuilder builder;
   Sensor sensor = gridSensor(7200, 3, 0, 0);
   const double rows[] = {-0.9, -0.3, 0.15, 0.6, 0.95, 1.2};
@@ -62,14 +62,14 @@ TEST_CASE("an edge whose bulge alone reaches a row is met there, whatever it spa
   CHECK(scanOf(scene, sensor, {}, vulkanOptions()).counters.hits > 500);
 }
 
-TEST_CASE("one ground triangle of kilometres is seen wherever the beams go") {
+TEST_CASE("one ground triangle several kilometres wide is seen by all beams that point at it") {
   MeshBuilder builder;
   builder.triangle({-20000, -20000, -1.8}, {30000, -20000, -1.8}, {0, 30000, -1.8});
   Sensor sensor = gridSensor(900, 64, -25, 2, 5000);
   requireAsReference(sceneOf(builder.take()), sensor);
 }
 
-TEST_CASE("a triangle whose corners are all out of range is seen where its middle is near") {
+TEST_CASE("a triangle with all corners out of range is seen where its middle is near") {
   MeshBuilder builder;
   builder.triangle({-3000, -3000, -2}, {3000, -3000, -2}, {0, 4000, -2});
   const Scene scene = sceneOf(builder.take());
@@ -79,12 +79,12 @@ TEST_CASE("a triangle whose corners are all out of range is seen where its middl
   CHECK(scan.counters.hits > 0);
 }
 
-TEST_CASE("a triangle is not met by the beams that point away from it") {
-  // A corner so near the axis that all columns are tried, above and below the horizon.
+TEST_CASE("a triangle is not hit by beams that point away from it") {
+  // One corner is so near the axis that all columns are tried, above and below the horizon.
   MeshBuilder builder;
   builder.triangle({1e-5, 0, 3}, {5, 1, -3}, {5, -1, -3});
   requireAsReference(sceneOf(builder.take()), kAround);
-  // And a sensor of one column, whose neighbours all round the turn are itself.
+  // In a sensor of one column, the column is its own neighbour around the turn.
   Sensor sensor = gridSensor(1, 31, -60, 60);
   for (Channel& channel : sensor.channels) channel.azimuthOffsetDeg = 5 * channel.elevationDeg;
   requireAsReference(sceneOf(soup(5, 150, 20, 8)), sensor);
@@ -101,7 +101,7 @@ TEST_CASE("every beam of a sensor in a closed box returns", "[second-driver]") {
   }
 }
 
-TEST_CASE("a sensor in the plane of a triangle, on its edge and on its corner sees what is behind") {
+TEST_CASE("a sensor in the plane of a triangle, on its edge or on its corner sees what is behind") {
   for (const Vec3& corner : {Vec3{0, 3, 0}, Vec3{3, 0, 0}, Vec3{0, 0, 0}}) {
     MeshBuilder builder;
     builder.triangle({-2, -3, 0}, {2, -3, 0}, corner);
@@ -110,7 +110,7 @@ TEST_CASE("a sensor in the plane of a triangle, on its edge and on its corner se
   }
 }
 
-TEST_CASE("a wall in a vertical plane through the axis costs and shows nothing") {
+TEST_CASE("a wall in a vertical plane through the axis costs little and is not hit") {
   needVulkan();
   MeshBuilder builder;
   builder.quad({0, 2, -3}, {0, 40, 0}, {0, 0, 6}, 40);
@@ -118,17 +118,17 @@ TEST_CASE("a wall in a vertical plane through the axis costs and shows nothing")
   const Scene scene = sceneOf(builder.take());
   requireAsReference(scene, kAround);
   const Scan scan = scanOf(scene, kAround, {}, vulkanOptions());
-  // Seen edge-on the wall lies within one column or between two: never a box around the whole sensor.
+  // Seen edge-on the wall lies within one column or between two; its bounds never cover the whole sensor.
   CHECK(scan.counters.culledBetweenBeams + scan.counters.projected >= 3200);
 }
 
-TEST_CASE("front faces alone reflect where one side is asked for, mirrored instances included") {
+TEST_CASE("only front faces reflect if one side is requested, also on mirrored instances") {
   needVulkan();
   Scene scene = sceneOf(ball(12, 24, 1), false);
   scene.instances[0].transform = translation(5, 0, 0);
   scene.instances.push_back({"mirrored", 0, translation(-5, 1, 0) * scaling(-1, 1.5, 0.7)});
   scene.instances.push_back({"turned", 0, translation(0, 6, 0) * rotationZ(1) * scaling(2, 1, 1)});
-  scene.instances.push_back({"around", 0, scaling(50, 50, 50)});  // seen from inside: its back faces
+  scene.instances.push_back({"around", 0, scaling(50, 50, 50)});  // seen from inside, where its faces are back-facing
   for (const Faces faces : {Faces::material, Faces::front, Faces::both}) {
     TestOptions options = vulkanOptions();
     options.faces = faces;
@@ -144,7 +144,7 @@ TEST_CASE("front faces alone reflect where one side is asked for, mirrored insta
   }
 }
 
-TEST_CASE("a corner that is not finite or far too far drops its triangle, counts it and changes nothing else") {
+TEST_CASE("a corner that is not finite or too far drops its triangle, which is counted, and changes nothing else") {
   needVulkan();
   MeshBuilder builder;
   builder.box({-7, -4, -2}, {9, 6, 5}, 4);
@@ -163,7 +163,7 @@ TEST_CASE("a corner that is not finite or far too far drops its triangle, counts
   }
 }
 
-TEST_CASE("an instance scaled out of the world is dropped and counted on the device") {
+TEST_CASE("an instance scaled beyond the coordinate limit is dropped and counted on the device") {
   needVulkan();
   MeshBuilder builder;
   builder.box({-1, -1, -1}, {1, 1, 1});
@@ -174,7 +174,7 @@ TEST_CASE("an instance scaled out of the world is dropped and counted on the dev
   requireSame(referenceOf(scene, kAround, {}), scan);
 }
 
-TEST_CASE("an instance flattened to a plane is scanned like any other") {
+TEST_CASE("an instance flattened to a plane is scanned correctly") {
   MeshBuilder builder;
   builder.box({-1, -1, -1}, {1, 1, 1}, 3);
   Scene scene = sceneOf(builder.take());

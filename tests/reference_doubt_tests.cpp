@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the oracle calls doubtful: a plain single-precision simulator must stay within its ties and tolerances.
+// Doubtful beams of the reference: a plain single-precision simulator must stay within its ties and tolerances.
 #include "columns.hpp"
 #include "reference_support.hpp"
 
@@ -8,8 +8,8 @@ using namespace gnosphere::test;
 
 namespace {
 
-/// A single-precision simulator as plain as can be: corners by x - pivot and a rounded matrix, turned into the beam's
-/// column and then its row, edge products, weighted depths. First instance only, a translation at most.
+/// A plain single-precision simulator: corners by x - pivot and a rounded matrix, rotated into the beam's column and
+/// then its row, edge products, weighted depths. It handles only the first instance, at most translated.
 Scan singlePrecision(const Scene& scene, const Sensor& sensor, const Pose& pose) {
   const Mesh& mesh = scene.meshes[0];
   const auto& m = scene.instances[0].transform.rows;
@@ -65,7 +65,7 @@ Scan singlePrecision(const Scene& scene, const Sensor& sensor, const Pose& pose)
   return scan;
 }
 
-/// Every beam outside ties has the same owner, and its range within the tolerance.
+/// Requires that every beam except ties has the same owner, and a range within the tolerance.
 void requireAllowed(const Scan& truth, const Scan& other) {
   for (size_t i = 0; i < truth.beamCount(); ++i) {
     if (truth.column<uint8_t>(Field::tie)[i]) continue;
@@ -76,7 +76,7 @@ void requireAllowed(const Scan& truth, const Scan& other) {
   }
 }
 
-/// Scenes that are hard on single precision: grazing ground, boxes, slivers, corners close to the sensor.
+/// Scenes that are difficult in single precision: grazing ground, boxes, slivers, corners close to the sensor.
 std::vector<std::pair<Scene, Pose>> hardScenes() {
   std::vector<std::pair<Scene, Pose>> scenes;
   scenes.emplace_back(yard(20, 9), poseAt({0.31, 0.17, 1.73}, 0.3));
@@ -94,7 +94,7 @@ std::vector<std::pair<Scene, Pose>> hardScenes() {
 
 }  // namespace
 
-TEST_CASE("a tree built by several tasks misses nothing") {
+TEST_CASE("a tree built by several tasks finds all hits") {
   const Scene scene = yard(100, 9);
   const Sensor sensor = grid(20, 4, -20, 1);
   const Pose pose = poseAt({0.31, 0.17, 1.73}, 0.3);
@@ -113,14 +113,14 @@ TEST_CASE("a plain single-precision simulator stays within ties and tolerances")
   }
 }
 
-TEST_CASE("corners moved as far as single precision may move them change no beam outside ties") {
+TEST_CASE("moving corners as far as single precision may changes only ties") {
   std::mt19937 random(17);
   std::normal_distribution<double> normal;
   for (const auto& [scene, pose] : hardScenes()) {
     const Sensor sensor = grid(400, 16, -25, 15);
     const Scan truth = scanOf(scene, sensor, pose);
     for (int round = 0; round < 3; ++round) {
-      // Every triangle gets corners of its own, so cracks open too: in the tested beams that must not show.
+      // Every triangle gets its own corners, so that cracks open, too; beams other than ties must not be affected.
       std::vector<QuadVector> corners = cornersOf(scene, pose);
       for (QuadVector& c : corners) {
         const Vec3 to = {normal(random), normal(random), normal(random)};
@@ -143,7 +143,7 @@ TEST_CASE("corners moved as far as single precision may move them change no beam
   }
 }
 
-TEST_CASE("ties are few and tolerances small on an ordinary scene") {
+TEST_CASE("an ordinary scene has few ties and small tolerances") {
   const Sensor sensor = grid(1800, 16, -15, 15, 100);
   const Scan scan = scanOf(yard(100, 17), sensor, poseAt({0.31, 0.17, 1.73}, 0.3));
   CHECK(scan.counters.hits > sensor.beamCount() / 2);
@@ -159,7 +159,7 @@ TEST_CASE("ties are few and tolerances small on an ordinary scene") {
 
 TEST_CASE("a beam is a tie within single precision of an edge and not beyond") {
   const Scene wall = sceneOf({10, -5, -5, 10, 5, -5, 10, 5, 5, 10, -5, 5}, {0, 1, 2, 0, 2, 3});
-  const double e = 1e-5;  // metres at 10 m: about 1e-6 rad; nine tenths is doubtful, twice is not
+  const double e = 1e-5;  // metres at 10 m, about 1e-6 rad: 0.9 of it is doubtful, twice of it is not
   const Scan scan = scanOf(wall, aimed({{10, 2, 5 + 0.9 * e},
                                         {10, 2, 5 - 0.9 * e},
                                         {10, 2, 5 + 2 * e},

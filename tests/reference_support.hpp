@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes, sensors and a quadruple-precision brute force to judge the reference by.
+// Scenes, sensors and a brute-force solution in quadruple precision to check the reference.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +28,7 @@ inline Sensor grid(uint32_t columns, uint32_t channels, double low, double high,
   return sensor;
 }
 
-/// One column: every channel has a direction of its own.
+/// A sensor of one column, in which every channel has its own direction.
 inline Sensor aimed(const std::vector<Vec3>& targets, double rangeMax = 1e4) {
   Sensor sensor{"aimed", 1, {}, 0, rangeMax};
   for (const Vec3& p : targets)
@@ -47,7 +47,7 @@ inline Scene sceneOf(std::vector<float> positions, std::vector<uint32_t> indices
   return scene;
 }
 
-/// A box with its front outside.
+/// Adds a box whose front faces are outside.
 inline void addBox(Mesh& mesh, const Vec3& centre, const Vec3& half) {
   const auto base = static_cast<uint32_t>(mesh.vertexCount());
   for (int i = 0; i < 8; ++i)
@@ -82,7 +82,7 @@ inline Scene soup(uint32_t seed, int count, double spread, double size) {
   return sceneOf(std::move(positions), std::move(indices));
 }
 
-/// A 2 m ground grid with boxes that stand on it.
+/// A ground grid with cells of 2 m, and boxes on it.
 inline Scene yard(int cells, double boxEvery) {
   Scene scene = sceneOf({}, {});
   Mesh& mesh = scene.meshes[0];
@@ -122,7 +122,7 @@ inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose = 
   return result;
 }
 
-/// Equal bits, NaN included.
+/// Whether the bits are equal, including NaN.
 template <typename T>
 bool same(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
@@ -146,7 +146,7 @@ inline QuadVector cross(const QuadVector& a, const QuadVector& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// The corners of every triangle of the first instance in the sensor frame, in quadruple precision.
+/// Returns the corners of every triangle of the first instance in the sensor frame, in quadruple precision.
 inline std::vector<QuadVector> cornersOf(const Scene& scene, const Pose& pose) {
   const Mesh& mesh = scene.meshes[0];
   const auto& m = scene.instances[0].transform.rows;
@@ -173,7 +173,7 @@ struct Answer {
   Quad range = 0;
 };
 
-/// Moller and Trumbore 1997, with a division, in quadruple precision.
+/// Intersection by Moller and Trumbore 1997, with a division, in quadruple precision.
 inline Answer bruteForce(const std::vector<QuadVector>& corners, const Vec3& direction, double rangeMax) {
   const QuadVector d = {direction.x, direction.y, direction.z};
   Answer answer;

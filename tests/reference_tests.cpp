@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The oracle judged in its turn, by closed forms and by brute force in quadruple precision.
+// Checks the reference by closed forms and by brute force in quadruple precision.
 #include "columns.hpp"
 #include "reference_support.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
 
-TEST_CASE("the ground is as far as its height over the sine of the depression") {
+TEST_CASE("the range of flat ground is the height over the sine of the depression") {
   const Scene ground = sceneOf({-400, -400, 0, 400, -400, 0, 400, 400, 0, -400, 400, 0}, {0, 1, 2, 0, 2, 3});
   const Sensor sensor = grid(360, 24, -25, -2);
   const Scan scan = scanOf(ground, sensor, poseAt({0.3, -0.2, 1.75}, 0.7));
@@ -36,8 +36,8 @@ TEST_CASE("every beam of every sensor returns from inside a closed cube with the
   }
 }
 
-TEST_CASE("no beam slips through the corners and edges of a closed mesh") {
-  // A geodesic sphere of 20 * 4^4 triangles around a sensor that stands and looks askew.
+TEST_CASE("no beam passes the corners and edges of a closed mesh") {
+  // A geodesic sphere of 20 * 4^4 triangles around a sensor with a general position and orientation.
   const double g = (1 + std::sqrt(5.0)) / 2;
   std::vector<Vec3> corners = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                                {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
@@ -81,7 +81,7 @@ TEST_CASE("no beam slips through the corners and edges of a closed mesh") {
 }
 
 TEST_CASE("beams exactly on edges and corners return") {
-  // At elevation 0 sine and height are exact zeros: every beam of the ring lies in the plane of the equator.
+  // At elevation 0 sine and height are exactly 0, so that every beam of the ring lies in the plane of the equator.
   const Scene octahedron = sceneOf({3, 0, 0, -3, 0, 0, 0, 3, 0, 0, -3, 0, 0, 0, 3, 0, 0, -3},
                                    {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5});
   const Sensor sensor = grid(360, 1, 0, 0);
@@ -100,13 +100,13 @@ TEST_CASE("beams exactly on edges and corners return") {
       const reference::Pierce hit = reference::pierce(target, c[0], c[1], c[2]);
       if (hit.inside && hit.range > 0) (hit.facing > 0 ? positive : negative) += 1;
     }
-    CHECK(positive >= 2);  // every triangle that has the edge or the corner, all seen from within
+    CHECK(positive >= 2);  // all triangles at the edge or corner, seen from inside
     CHECK(negative == 0);
   }
 }
 
 TEST_CASE("the inside test has the exact sign where double arithmetic loses it") {
-  // Small steps about points on one line through the origin: products differ from the 106th bit on.
+  // Small steps about points on one line through the origin, so that products differ only from the 106th bit on.
   std::mt19937 random(5);
   std::uniform_int_distribution<int> step(-3, 3);
   size_t filtered = 0;
@@ -115,8 +115,8 @@ TEST_CASE("the inside test has the exact sign where double arithmetic loses it")
     const Vec3 d = {nudged(0.3), nudged(0.7), nudged(0.9)};
     const Vec3 a = 7 * Vec3{nudged(0.3), nudged(0.7), nudged(0.9)},
                b = 90 * Vec3{nudged(0.3), nudged(0.7), nudged(0.9)};
-    // Scaled to integers of 54 bits the products need 162: summed here as integers of 128 in two halves would be
-    // another program; quadruple precision decides all but the last few, which are skipped.
+    // Exact products of integers of 54 bits would need 162 bits. Quadruple precision decides all but the last few
+    // cases, which are skipped.
     const QuadVector qa = {a.x, a.y, a.z}, qb = {b.x, b.y, b.z}, qd = {d.x, d.y, d.z};
     const Quad truth = dot(qd, cross(qa, qb));
     if ((truth < 0 ? -truth : truth) < Quad(1e-30)) continue;
@@ -130,7 +130,7 @@ TEST_CASE("the inside test has the exact sign where double arithmetic loses it")
   CHECK(reference::edge({1, 2, 3}, {2, 4, 6}, {7, 1, 5}) == 0);
 }
 
-TEST_CASE("owners and ranges are those of brute force in quadruple precision") {
+TEST_CASE("owners and ranges equal brute force in quadruple precision") {
   for (uint32_t seed = 1; seed <= 6; ++seed) {
     INFO("seed " << seed);
     Scene scene = soup(seed, 300, seed % 2 ? 20 : 3, seed % 3 ? 4 : 0.8);
@@ -150,7 +150,7 @@ TEST_CASE("owners and ranges are those of brute force in quadruple precision") {
       }
       const auto range = static_cast<double>(answer.range);
       REQUIRE(scan.ranges[i] == static_cast<float>(range));
-      // A beam that grazes makes any formula in double lose as many digits as the tolerance shows for single.
+      // On a grazing beam every formula in double loses as many digits as the tolerance shows for single precision.
       const double allowed = std::max(1e-12, 1e-8 * double{scan.column<float>(Field::tolerance)[i]});
       Vec3 c[3];
       for (size_t k = 0; k < 3; ++k) {
@@ -164,7 +164,7 @@ TEST_CASE("owners and ranges are those of brute force in quadruple precision") {
   }
 }
 
-TEST_CASE("the range window is inclusive and nearer hits are passed through") {
+TEST_CASE("the range window is inclusive, and nearer hits are ignored") {
   const Scene walls = sceneOf({5, -9, -9, 5, 9, -9, 5, 0, 9, 8, -9, -9, 8, 9, -9, 8, 0, 9}, {0, 1, 2, 3, 4, 5});
   struct Window {
     double min, max;
@@ -191,7 +191,7 @@ TEST_CASE("the range window is inclusive and nearer hits are passed through") {
   }
 }
 
-TEST_CASE("one-sided triangles reflect from their front, also where the instance is mirrored") {
+TEST_CASE("one-sided triangles reflect from their front, also on mirrored instances") {
   const Sensor sensor = grid(36, 5, -40, 40);
   for (bool mirrored : {false, true})
     for (bool byMaterial : {false, true}) {
@@ -212,7 +212,7 @@ TEST_CASE("one-sided triangles reflect from their front, also where the instance
 }
 
 TEST_CASE("a world 5,000 km from the origin has the same ranges") {
-  // All of these are short binary fractions, so moving the world loses nothing, and nothing may be lost after that.
+  // All coordinates are short binary fractions, so that moving the world adds no rounding error.
   const Vec3 far = {4.0e6, -3.0e6, 1.5e5};
   const Sensor sensor = grid(500, 16, -25, 15);
   const Pose pose = poseAt({0.25, 0.75, 1.625}, 0.6, 0.1);
@@ -234,7 +234,7 @@ TEST_CASE("a world 5,000 km from the origin has the same ranges") {
   CHECK((q.x == r.x && q.y == r.y && q.z == r.z));
 }
 
-TEST_CASE("broken triangles are dropped and counted and change nothing else") {
+TEST_CASE("invalid triangles are dropped and counted and change nothing else") {
   const Sensor sensor = grid(200, 16, -60, 60);
   Scene scene = soup(21, 200, 20, 4);
   const Scan clean = scanOf(scene, sensor);
@@ -293,7 +293,7 @@ TEST_CASE("two walls are a tie while their tolerances overlap") {
   }
 }
 
-TEST_CASE("the order of the triangles changes nothing but their numbers") {
+TEST_CASE("the order of the triangles changes only their numbers") {
   const Sensor sensor = grid(300, 16, -60, 60);
   for (Scene scene : {soup(31, 500, 15, 3), yard(100, 6)}) {
     const Pose pose = poseAt({0.2, 0.1, 1.4}, 0.8);
@@ -303,7 +303,7 @@ TEST_CASE("the order of the triangles changes nothing but their numbers") {
     std::iota(order.begin(), order.end(), 0u);
     std::shuffle(order.begin(), order.end(), std::mt19937(1));
     const std::vector<uint32_t> before = mesh.indices;
-    for (size_t t = 0; t < order.size(); ++t)  // turned as well: the first corner is another one
+    for (size_t t = 0; t < order.size(); ++t)  // also rotated, so that another corner is the first
       for (size_t k = 0; k < 3; ++k) mesh.indices[3 * t + k] = before[3 * order[t] + (k + t) % 3];
     const Scan shuffled = scanOf(scene, sensor, pose);
     CHECK(same(scan.ranges, shuffled.ranges));
@@ -316,7 +316,7 @@ TEST_CASE("the order of the triangles changes nothing but their numbers") {
   }
 }
 
-TEST_CASE("nothing to see is a cloud of misses") {
+TEST_CASE("a scene without visible triangles gives a cloud of misses") {
   const Sensor sensor = grid(10, 2, -10, 10);
   const Scan empty = scanOf({}, sensor);
   CHECK(empty.counters.misses == 20);
@@ -325,7 +325,7 @@ TEST_CASE("nothing to see is a cloud of misses") {
   CHECK(scanOf(cube(1), Sensor{"blind", 10, {}, 0, 1}).beamCount() == 0);
   CHECK_THROWS_AS(scanOf(cube(1), sensor, {{}, {0, 0, 0, 0}}), Error);
   const Scan on = scanOf(sceneOf({0, -1, -1, 0, 1, -1, 0, 0, 1}, {0, 1, 2}), sensor);
-  // On the triangle itself: the range is 0 but for rounding, so whether it is a hit is in doubt on every beam.
+  // The sensor is on the triangle: the range is 0 up to rounding, so every beam is in doubt.
   for (float range : on.ranges) CHECK_FALSE(range > 1e-12f);
   CHECK(tieCount(on) == 20);
   CHECK(referenceDevice().usable);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage resolve: range, point and owner of every beam, against closed forms and the double-precision reference.
+// Step resolve: range, point and owner of every beam, compared with closed forms and the double-precision reference.
 #include "support.hpp"
 #include "town/town.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
 
-TEST_CASE("the range of flat ground is height over the sine of the beam's depression") {
+TEST_CASE("the device's range of flat ground is the height over the sine of the depression") {
   needVulkan();
   MeshBuilder builder;
   builder.quad({-100, -100, 0}, {200, 0, 0}, {0, 200, 0}, 64);
@@ -39,8 +39,7 @@ TEST_CASE("a point lies on its beam at its range") {
   }
 }
 
-TEST_CASE("the range window is tested per hit: what is nearer is looked through, what is farther is a miss",
-          "[second-driver]") {
+TEST_CASE("the range window applies to each hit: nearer hits are ignored, farther ones are misses", "[second-driver]") {
   needVulkan();
   MeshBuilder builder;
   builder.quad({2, -50, -50}, {0, 100, 0}, {0, 0, 100});
@@ -69,7 +68,7 @@ TEST_CASE("owners are the instance and the triangle within its mesh", "[second-d
   requireSame(referenceOf(scene, sensor, {}), scanOf(scene, sensor, {}, vulkanOptions()));
 }
 
-TEST_CASE("seeded soups with odd sensors and poses match the reference") {
+TEST_CASE("random triangles with unusual sensors and poses match the reference") {
   needVulkan();
   for (uint32_t seed = 1; seed <= 6; ++seed) {
     Random uniform(seed);
@@ -105,9 +104,9 @@ TEST_CASE("a world moved by 5,000 km gives the same ranges") {
   CHECK(sameBytes(near, far));
 }
 
-TEST_CASE("beams aimed at the corners and edges of closed meshes never slip through") {
+TEST_CASE("beams aimed at the corners and edges of closed meshes all hit") {
   needVulkan();
-  // A sensor whose beams pass through the ball's own corners: same rings, same segments, and the half steps between.
+  // The sensor's beams pass through the ball's own corners: same rings, same segments, and half steps between.
   for (uint32_t segments : {36u, 100u}) {
     const Scene scene = sceneOf(ball(36, segments, 10));
     Sensor sensor{"aimed", segments * 2, {}, 0, 100};
@@ -117,7 +116,7 @@ TEST_CASE("beams aimed at the corners and edges of closed meshes never slip thro
   }
 }
 
-TEST_CASE("the paper's way loses returns on large triangles and says so by its misses") {
+TEST_CASE("paper loses returns on large triangles and counts them as misses") {
   needVulkan();
   MeshBuilder builder;
   builder.quad({-200, -200, 0}, {400, 0, 0}, {0, 400, 0});
@@ -130,7 +129,7 @@ TEST_CASE("the paper's way loses returns on large triangles and says so by its m
   CHECK(paper.counters.hits * 2 < standard.counters.hits);
 }
 
-TEST_CASE("exact counts how often integers had to decide") {
+TEST_CASE("exact counts how often integers were needed") {
   needVulkan();
   MeshBuilder builder;
   builder.box({-4, -4, -4}, {4, 4, 4}, 4);  // corners and edges exactly on beams at 0, 45 and 90 degrees

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rooms of src, read from its #include lines: each room includes only what lies below it.
+// The folders ("rooms") of src, checked by their #include lines: each includes only those below it.
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
-/// What each room may include beside itself: other rooms, or single files of them.
+/// What each room may include besides itself: other rooms, or single files of them.
 const std::map<std::string, Names> kRooms = {
     {"base", {}},
     {"scene", {"base"}},
@@ -32,10 +32,10 @@ const std::map<std::string, Names> kRooms = {
     {"eval", {"base", "output"}},
 };
 
-/// The files of src that lie in no room. simulator.cpp stands above all rooms and may include any of them.
+/// Files of src outside rooms. simulator.cpp is above all rooms and may include any of them.
 const Names kLoose = {"simulator.cpp", "third_party.cpp", "third_party_files.cpp"};
 
-/// Quoted includes that the build writes: compiled shaders, and the shaders translated to CUDA.
+/// Quoted includes that the build generates: compiled shaders, and the shaders translated to CUDA.
 const std::map<std::string, std::regex> kGenerated = {{"vulkan", std::regex(R"([a-z0-9_]+\.spv\.h)")},
                                                       {"cuda", std::regex(R"(glsl/[a-z0-9_/]+\.(h|comp))")}};
 
@@ -49,7 +49,7 @@ std::string list(const Names& names) {
   return text.empty() ? "nothing" : text;
 }
 
-/// The rule that an include breaks, or an empty text. `file` is relative to src; `system` stands for <...>.
+/// Returns the rule that an include violates, or an empty text. `file` is relative to src; `system` is true for <...>.
 std::string brokenRule(const Tree& tree, const std::string& file, const std::string& include, bool system) {
   const size_t slash = file.find('/');
   const std::string room = slash == std::string::npos ? "" : file.substr(0, slash);
@@ -78,7 +78,7 @@ Tree readTree(const fs::path& root) {
   return {filesIn(root / "src"), filesIn(root / "shaders")};
 }
 
-/// Every line of C++ and CUDA in src, as callback(file, number, line).
+/// Calls callback(file, number, line) for every line of C++ and CUDA in src.
 template <class Callback>
 void eachLine(const Tree& tree, Callback callback) {
   static const Names kEndings = {".cpp", ".hpp", ".h", ".cu", ".cuh"};
@@ -92,7 +92,7 @@ void eachLine(const Tree& tree, Callback callback) {
 
 }  // namespace
 
-TEST_CASE("every file of src lies in a room, or is one of the few that may lie loose") {
+TEST_CASE("every file of src lies in a room or is an allowed exception") {
   for (const std::string& file : readTree(GNOSPHERE_SOURCES).sources) {
     const size_t slash = file.find('/');
     if (slash == std::string::npos ? kLoose.contains(file) : kRooms.contains(file.substr(0, slash))) continue;
@@ -111,10 +111,10 @@ TEST_CASE("a room includes only the rooms below it") {
     const std::string rule = brokenRule(tree, file, match[2], match[1] == "<");
     if (!rule.empty()) FAIL_CHECK("src/" << file << ":" << number << ": includes " << match[2] << ", but " << rule);
   });
-  CHECK(count > 500);  // so that a pattern which matches nothing fails
+  CHECK(count > 500);  // fails if the pattern matches nothing
 }
 
-TEST_CASE("the words of Vulkan's API stay in src/vulkan") {
+TEST_CASE("names of Vulkan's API occur only in src/vulkan") {
   static const std::regex kWords(R"(\b(Vk[A-Z]|volk))");
   const Tree tree = readTree(GNOSPHERE_SOURCES);
   eachLine(tree, [&](const std::string& file, int number, const std::string& line) {
@@ -125,7 +125,7 @@ TEST_CASE("the words of Vulkan's API stay in src/vulkan") {
   });
 }
 
-TEST_CASE("no two files are told apart by src and shaders alone") {
+TEST_CASE("no two files of src and shaders have the same path") {
   const Tree tree = readTree(GNOSPHERE_SOURCES);
   std::map<std::string, std::string> shaders;  // path without its ending -> path
   for (const std::string& file : tree.shaders) shaders[fs::path(file).replace_extension().generic_string()] = file;
@@ -136,7 +136,7 @@ TEST_CASE("no two files are told apart by src and shaders alone") {
   }
 }
 
-TEST_CASE("an include that points upward is told with the rule it breaks") {
+TEST_CASE("an include of a higher room is reported with the rule") {
   const Tree tree = {{"geometry/cone.hpp", "pipeline/backend.hpp", "pipeline/results.hpp"}, {"shared.h"}};
   const auto rule = [&](const std::string& file, const std::string& include, bool system = false) {
     return brokenRule(tree, file, include, system);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// scene_folder FOLDER...: every scene below the folders, scanned from poses inside it with VLP-16 and HDL-64E on the
-// Vulkan device and by the reference; prints a row per scene and fails on any difference outside ties.
+// scene_folder FOLDER...: scans every scene in the folders from poses inside it with VLP-16 and HDL-64E, on the Vulkan
+// device and by the reference; prints a row per scene and fails on any difference except ties.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -34,8 +34,8 @@ struct Row {
   }
 };
 
-// Near the middle of the scene, then seeded places inside its box with seeded turns. The box of a flat scene is given
-// some depth: a sensor in the plane of all there is would see nothing but ties.
+// A pose near the middle of the scene, or at a random place in its box with a random rotation. The box of a flat scene
+// is extended, because a sensor in the plane of all triangles would see only ties.
 Pose poseInside(Bounds box, int number) {
   test::Random random(static_cast<uint32_t>(number));
   const double depth = 0.05 * std::max({box.max.x - box.min.x, box.max.y - box.min.y, box.max.z - box.min.z});

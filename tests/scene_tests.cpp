@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loading and writing as a whole; the formats have their own files in scene/.
+// Loading and writing scenes; each format has its own tests in scene/.
 #include <cstdlib>
 #include <iterator>
 
@@ -11,7 +11,7 @@ using namespace gnosphere::test;
 
 namespace {
 
-/// Two meshes, three placements, four parts, an origin, and numbers that do not come out even.
+/// A scene with two meshes, three instances, four parts, an origin, and numbers that are not exact in binary.
 Scene sampleScene() {
   Scene scene;
   scene.materials = {{"red", {1, 0.1f, 0.2f, 1}, 0.3f, 0.7f, 0, AlphaMode::opaque},
@@ -35,7 +35,7 @@ Scene sampleScene() {
 
 }  // namespace
 
-TEST_CASE("what writeGlb writes, loadScene reads back bit for bit") {
+TEST_CASE("loadScene reads back the output of writeGlb bit for bit") {
   const Scene scene = sampleScene();
   const Folder folder;
   writeGlb(scene, folder / "a.glb");
@@ -60,7 +60,7 @@ TEST_CASE("what writeGlb writes, loadScene reads back bit for bit") {
   }
   CHECK(read.instances[1].transform.rows == scene.instances[1].transform.rows);
   CHECK(read.instances[2].transform.rows == scene.instances[2].transform.rows);
-  // The origin has moved into the transform, which is a double as well.
+  // The origin becomes part of the transform, which is double, too.
   CHECK(at(read.instances[0].transform, 0, 0, 0) == std::array<double, 3>{843217, 5206124, 170});
   REQUIRE(read.materials.size() == 3);
   for (size_t m = 0; m < 3; ++m) {
@@ -76,7 +76,7 @@ TEST_CASE("what writeGlb writes, loadScene reads back bit for bit") {
   }
 }
 
-TEST_CASE("empty scenes and empty meshes survive a round trip") {
+TEST_CASE("empty scenes and empty meshes are kept by writing and reading") {
   const Folder folder;
   writeGlb({}, folder / "a.glb");
   CHECK(loadScene(folder / "a.glb").instances.empty());
@@ -91,7 +91,7 @@ TEST_CASE("empty scenes and empty meshes survive a round trip") {
   CHECK(read.placedTriangleCount() == scene.placedTriangleCount());
 }
 
-TEST_CASE("writeGlb says why it cannot write and leaves nothing behind") {
+TEST_CASE("a failed writeGlb gives the reason and leaves no file") {
   const Folder folder;
   CHECK_THROWS_AS(writeGlb(sampleScene(), folder / "missing" / "a.glb"), Error);
   fs::create_directory(folder / "taken.glb");
@@ -109,7 +109,7 @@ TEST_CASE("writeGlb says why it cannot write and leaves nothing behind") {
   CHECK_FALSE(fs::exists(folder / "bad.glb.part"));
 }
 
-TEST_CASE("files that are not there, folders and unknown endings are named") {
+TEST_CASE("missing files, folders and unknown endings are errors that name them") {
   const Folder folder;
   const auto failure = [&](const std::string& name, ErrorCode code) -> std::string {
     try {
@@ -124,12 +124,12 @@ TEST_CASE("files that are not there, folders and unknown endings are named") {
   fs::create_directory(folder / "folder.glb");
   CHECK_THAT(failure("folder.glb", ErrorCode::file), ContainsSubstring("it is a folder"));
   CHECK_THAT(failure("a.fbx", ErrorCode::invalidArgument),
-             ContainsSubstring("unknown ending '.fbx' for a scene; there are .gltf, .glb, .obj, .ply and .stl"));
+             ContainsSubstring("unknown ending '.fbx' for a scene; known are .gltf, .glb, .obj, .ply and .stl"));
   put(folder / "a.obj", "v 0 0 0\n");
   CHECK_THROWS_AS(loadScene(folder / "a.obj", {UpAxis::z, 0}), Error);
 }
 
-TEST_CASE("buffers and libraries are found beside the file, whatever it is called") {
+TEST_CASE("buffers and libraries are found beside the file, whatever its name") {
   const Folder folder;
   GltfFileMaker file = triangleFile();
   file.text();
@@ -138,7 +138,7 @@ TEST_CASE("buffers and libraries are found beside the file, whatever it is calle
   CHECK(loadScene(put(folder / "❤.gltf", file.json.dump())).uniqueTriangleCount() == 1);
 }
 
-TEST_CASE("every scene of the folder GNOSPHERE_SCENES loads or ends in an Error") {
+TEST_CASE("every scene of the folder GNOSPHERE_SCENES loads or gives an Error") {
   const char* folder = std::getenv("GNOSPHERE_SCENES");
   if (folder == nullptr) SKIP("GNOSPHERE_SCENES names no folder of scenes");
   size_t loaded = 0, refused = 0;
@@ -160,7 +160,7 @@ TEST_CASE("every scene of the folder GNOSPHERE_SCENES loads or ends in an Error"
   CHECK(loaded + refused > 0);
 }
 
-TEST_CASE("the corpus of the fuzzer leaves the readers standing") {
+TEST_CASE("the fuzzer's corpus does not crash the readers") {
   size_t count = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(GNOSPHERE_FUZZ_CORPUS)) {
     std::ifstream stream(entry.path(), std::ios::binary);

@@ -83,7 +83,7 @@ TEST_CASE("the built-in sensors are those of Table 2 of the paper") {
   }
 }
 
-TEST_CASE("a model that is symmetric about the horizon has exactly opposite channels") {
+TEST_CASE("a sensor that is symmetric about the horizon has exactly opposite channels") {
   for (const char* name : {"VLP-16", "Hypothetical-256", "Hypothetical-350"}) {
     const Sensor sensor = findSensor(name);
     const size_t count = sensor.channels.size();
@@ -93,13 +93,13 @@ TEST_CASE("a model that is symmetric about the horizon has exactly opposite chan
   }
 }
 
-TEST_CASE("directions follow the convention: column 0 looks back, columns turn counter-clockwise") {
+TEST_CASE("directions follow the convention: column 0 points back, columns turn counter-clockwise") {
   Sensor sensor = small();
   sensor.channels = {{0, 0}};
   const Vec3 expected[] = {{-1, 0, 0}, {0, -1, 0}, {1, 0, 0}, {0, 1, 0}};
   for (size_t i = 0; i < 4; ++i) {
     const Vec3 d = sensor.direction(i);
-    CHECK(d.x == expected[i].x);  // exactly, not to within a rounding
+    CHECK(d.x == expected[i].x);  // equal without any rounding error
     CHECK(d.y == expected[i].y);
     CHECK(d.z == 0);
   }
@@ -108,9 +108,9 @@ TEST_CASE("directions follow the convention: column 0 looks back, columns turn c
 TEST_CASE("directions agree with the textbook formula and have unit length") {
   Sensor sensor = findSensor("HDL-64E");
   for (size_t j = 0; j < sensor.channels.size(); ++j) {
-    sensor.channels[j].azimuthOffsetDeg = 7.5 - static_cast<double>(j) * 4.25;  // beyond one turn at the seam
+    sensor.channels[j].azimuthOffsetDeg = 7.5 - static_cast<double>(j) * 4.25;  // exceeds one turn at the seam
   }
-  // Column and offset are each rounded once at up to 360 degrees (5e-16 rad), sine and cosine at 1e-16.
+  // Column and offset are rounded once each at up to 360 degrees (5e-16 rad), sine and cosine by 1e-16.
   const double bound = 1e-15;
   for (size_t beam = 0; beam < sensor.beamCount(); beam += 37) {
     const long double toRadians = std::numbers::pi_v<long double> / 180;
@@ -127,9 +127,9 @@ TEST_CASE("directions agree with the textbook formula and have unit length") {
   }
 }
 
-TEST_CASE("directions of opposite columns and of straight up and down are exactly opposite") {
+TEST_CASE("opposite columns, and straight up and down, have exactly opposite directions") {
   Sensor sensor = small();
-  sensor.columns = 3600;  // a tenth of a degree is not a double
+  sensor.columns = 3600;  // a tenth of a degree is not exact in a double
   sensor.channels = {{-90, 0}, {33, 0}, {90, 0}};
   for (size_t i = 1; i < 1800; ++i) {
     const Vec3 left = sensor.direction(3600 + 1800 + i), right = sensor.direction(3600 + 1800 - i);
@@ -141,7 +141,7 @@ TEST_CASE("directions of opposite columns and of straight up and down are exactl
   CHECK(sensor.direction(7200 + 17).z == 1);
 }
 
-TEST_CASE("a sensor survives JSON with the same bits in every field") {
+TEST_CASE("JSON keeps the bits of every field of a sensor") {
   Sensor sensor = small();
   sensor.name = "odd \"name\" \\ with Ünïcode\n";
   sensor.rangeMin = 0.1;
@@ -163,7 +163,7 @@ TEST_CASE("a sensor survives JSON with the same bits in every field") {
   }
 }
 
-TEST_CASE("what a sensor states beyond geometry survives JSON with the same bits") {
+TEST_CASE("JSON keeps the bits of the optional properties of a sensor") {
   Sensor sensor = small();
   sensor.divergenceHorizontal = 3e-3;
   sensor.maxReturns = 3;
@@ -206,7 +206,7 @@ TEST_CASE("channel objects may state origins and time offsets") {
   CHECK(sensor.channels[1].origin.x == 0);
 }
 
-TEST_CASE("every built-in sensor survives JSON with the same bits") {
+TEST_CASE("JSON keeps the bits of every built-in sensor") {
   for (const Sensor& sensor : builtinSensors()) {
     const Sensor back = sensorFromJson(toJson(sensor), sensor.name);
     REQUIRE(back.channels.size() == sensor.channels.size());
@@ -229,14 +229,14 @@ TEST_CASE("channels may be written as objects instead of lists") {
   CHECK(sensor.rangeMin == 0);
 }
 
-TEST_CASE("a sensor of no channel is a sensor of no beam") {
+TEST_CASE("a sensor without channels has no beams") {
   const Sensor sensor =
       sensorFromJson(R"({"name": "none", "columns": 8, "range": {"max": 5}, "elevation_deg": []})", "test");
   CHECK(sensor.beamCount() == 0);
   CHECK(sensorFromJson(toJson(sensor), "test").channels.empty());
 }
 
-TEST_CASE("an unsound sensor file is refused with the culprit named") {
+TEST_CASE("an invalid sensor file is refused with the cause") {
   const auto file = [](const std::string& rest) { return R"({"name": "a", "range": {"min": 0, "max": 5}, )" + rest; };
   CHECK_THAT(problemOf(file(R"("columns": 8, "elevation_deg": [1, 2, 3], "azimuth_offset_deg": [1, 2]})")),
              ContainsSubstring("has 3 entries") && ContainsSubstring("has 2;"));
@@ -278,7 +278,7 @@ TEST_CASE("an unsound sensor file is refused with the culprit named") {
   CHECK_THAT(more(R"("channels": [], "origin": [])"), ContainsSubstring("keep one"));
 }
 
-TEST_CASE("validate refuses what no beam can be") {
+TEST_CASE("validate refuses invalid sensors") {
   const double bad = GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
   Sensor sensor = small();
   CHECK_NOTHROW(validate(sensor));
@@ -306,7 +306,7 @@ TEST_CASE("validate refuses what no beam can be") {
   CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
 }
 
-TEST_CASE("a sensor is found by its name in any case, and an unknown name lists those there are") {
+TEST_CASE("a sensor is found by its name in any case, and an unknown name lists the known ones") {
   CHECK(findSensor("hdl-64e").name == "HDL-64E");
   CHECK(codeOf([] { findSensor("HDL-65"); }) == ErrorCode::invalidArgument);
   CHECK_THROWS_WITH(findSensor("HDL-65"), ContainsSubstring("HDL-65") && ContainsSubstring("VLP-16, VLP-32"));

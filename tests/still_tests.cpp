@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a standing sensor keeps of the scans before changes no byte.
+// Reusing the still part of earlier scans changes no byte.
 #include "support.hpp"
 
 namespace gnosphere::test {
@@ -17,7 +17,7 @@ Scene startingScene(Random& random, uint32_t instances) {
   scene.materials = {material(false)};
   scene.meshes = {ball(10, 16, 2), soup(4, 500, 6, 1.5), soup(5, 3, 2, 1)};
   for (uint32_t i = 0; i < instances; ++i) scene.instances.push_back({"", i % kMeshes, somewhere(random)});
-  // Both sides of the ties that copies make count by their numbers.
+  // Copies make ties between instances before and after them in the numbering.
   for (uint32_t i = 0; i < 3; ++i) scene.instances.push_back(scene.instances[2 * i]);
   return scene;
 }
@@ -28,7 +28,7 @@ std::vector<Sensor> sensors() {
   return sensors;
 }
 
-/// One that keeps and one that does not, told the same.
+/// A simulator that reuses the still part and one that does not, with the same changes.
 class Pair {
  public:
   Pair(const Scene& scene, TestOptions options)
@@ -76,7 +76,7 @@ class Pair {
       bend(random.bits() % kMeshes, random);
   }
 
-  /// Every scan is the same from both; returns the counters of those that keep.
+  /// Requires that every scan is the same in both; returns the counters of the one that reuses.
   std::vector<Counters> requireSame(std::span<const Shot> shots) {
     std::vector<Scan> expected;
     whole_->scanAll(shots, [&](size_t, const Scan& scan) { expected.push_back(scan); });
@@ -104,7 +104,7 @@ class Pair {
   std::vector<bool> there_;
 };
 
-/// Stays where it is more often than not, and now and then nothing happens or one run has many shots.
+/// Random changes and scans: the sensor mostly stays, some rounds have no change, and some runs have many shots.
 void standAndLook(const TestOptions& options, uint32_t seed, int rounds) {
   Random random(seed);
   Pair pair(startingScene(random, 24), options);
@@ -139,7 +139,7 @@ uint64_t read(const Counters& c) {
 
 }  // namespace
 
-TEST_CASE("a standing sensor that keeps what is still scans as one that does not: standard") {
+TEST_CASE("a standing sensor that reuses the still image gives the same scans: standard") {
   needVulkan();
   TestOptions options = vulkanOptions();
   standAndLook(options, 1, 20);
@@ -147,14 +147,14 @@ TEST_CASE("a standing sensor that keeps what is still scans as one that does not
   standAndLook(options, 3, 20);
 }
 
-TEST_CASE("a standing sensor that keeps what is still scans as one that does not: exact") {
+TEST_CASE("a standing sensor that reuses the still image gives the same scans: exact") {
   needVulkan();
   TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
   standAndLook(options, 4, 20);
 }
 
-TEST_CASE("nothing that stands still is read from the third scan on") {
+TEST_CASE("nothing that instances are not read from the third scan on") {
   needVulkan();
   Pair pair = townLike();
   const std::vector<Shot> shots(4, at(0));
@@ -170,7 +170,7 @@ TEST_CASE("nothing that stands still is read from the third scan on") {
   }
 }
 
-TEST_CASE("only what moves is read, and all that is hidden behind it comes back when it has gone") {
+TEST_CASE("only moving instances are read, and geometry hidden behind them reappears when they have gone") {
   needVulkan();
   Pair pair = townLike();
   const std::vector<Shot> shots(1, at(0));
@@ -178,15 +178,15 @@ TEST_CASE("only what moves is read, and all that is hidden behind it comes back 
     pair.move(0, translation(x, 0, 0));
     return pair.requireSame(shots)[0];
   };
-  for (double x : {3.0, 3.1, 3.2}) CHECK(step(x).reused == 0);  // seen, found to move, made
+  for (double x : {3.0, 3.1, 3.2}) CHECK(step(x).reused == 0);  // seen, found to move, image made
   for (double x : {3.3, 9.0, 900.0, 4.0}) {
     const Counters counters = step(x);
     CHECK(counters.reused > counters.triangles / 2);
-    CHECK(read(counters) <= 288);  // the ball
+    CHECK(read(counters) <= 288);  // the triangles of the ball
   }
-  CHECK(step(4.0).reused > 0);  // moved to where it is
+  CHECK(step(4.0).reused > 0);  // moved to its current place
   pair.move(1, translation(5, 0, 0));
-  CHECK(step(4).reused == 0);  // another one
+  CHECK(step(4).reused == 0);  // another instance moved
   CHECK(step(4).reused == 0);
   CHECK(step(4).reused > 0);
   pair.add(0, translation(6, 0, 0));
@@ -195,7 +195,7 @@ TEST_CASE("only what moves is read, and all that is hidden behind it comes back 
   CHECK(step(4).reused > 0);
 }
 
-TEST_CASE("the still image ends with the pose, the vertices and the numbers that it was made with") {
+TEST_CASE("the still image is dropped when the pose, vertices or numbers change") {
   needVulkan();
   Random random(8);
   Pair pair = townLike();
@@ -208,14 +208,14 @@ TEST_CASE("the still image ends with the pose, the vertices and the numbers that
   pair.bend(2, random);
   CHECK(isUsed());
   for (uint32_t mesh : {1u, 2u, 0u}) {
-    pair.remove(0);  // the first: every other gets another number
+    pair.remove(0);  // the first, so that all others get new numbers
     CHECK(isUsed());
     pair.add(mesh, somewhere(random));
     CHECK(isUsed());
   }
 }
 
-TEST_CASE("where most of the scene moves everything is scanned at once") {
+TEST_CASE("if most of the scene moves, everything is scanned at once") {
   needVulkan();
   Random random(3);
   Pair pair = townLike();
@@ -226,10 +226,10 @@ TEST_CASE("where most of the scene moves everything is scanned at once") {
   }
 }
 
-TEST_CASE("a still image that was cut short is not used") {
+TEST_CASE("an incomplete still image is not used") {
   needVulkan();
-  // More large triangles than the lists have room for at first. The second scan makes the image before the first is
-  // known to be short.
+  // There are more large triangles than the lists first have room for. The second scan makes the still image before the
+  // first is known to have overflowed.
   Pair pair(sceneOf(soup(11, 6000, 20, 30)), vulkanOptions());
   const std::vector<Counters> counters = pair.requireSame(std::vector<Shot>(5, at(1)));
   CHECK(counters[0].retries > 0);
@@ -237,7 +237,7 @@ TEST_CASE("a still image that was cut short is not used") {
   CHECK(counters[4].reused > 0);
 }
 
-TEST_CASE("a still image that was cut short in a run that was ended is not used") {
+TEST_CASE("an incomplete still image of an aborted run is not used") {
   needVulkan();
   Random random(5);
   Scene scene = sceneOf(soup(11, 6000, 20, 10));
@@ -245,7 +245,7 @@ TEST_CASE("a still image that was cut short in a run that was ended is not used"
   scene.instances.push_back({"", 1, {}});
   scene.instances[0].transform = translation(1000, 0, 0);
   TestOptions options = vulkanOptions();
-  options.tuning.binning = Binning::nearest;  // its list of tiles is the shortest at first
+  options.tuning.binning = Binning::nearest;  // its list of tiles has the least room at first
   Pair pair(scene, options);
   const std::vector<Shot> shots = {{{}, 1}, at(1)};
   pair.requireSame(shots);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small scenes and the comparison that most tests end with.
+// Small scenes, and the comparison at the end of most tests.
 #pragma once
 
 #include <catch2/catch_test_macros.hpp>
@@ -14,7 +14,7 @@
 
 namespace gnosphere::test {
 
-/// Skips the test where no Vulkan device is usable; fails it where GNOSPHERE_REQUIRE names vulkan.
+/// Skips the test if no Vulkan device is usable; fails it if GNOSPHERE_REQUIRE names vulkan.
 inline void needVulkan() {
   std::string problem;
   for (const DeviceInfo& device : listDevices(&problem))
@@ -39,8 +39,8 @@ inline Simulator makeSimulator(const Scene& scene, const Sensor& sensor, const T
   return makeSimulator(scene, std::vector{sensor}, setup);
 }
 
-/// Options of every GPU test: nothing kept on disk, the validation layer on, any message of it throws.
-/// GNOSPHERE_NO_VALIDATION is for machines that have a GPU and not the layer.
+/// Options of every GPU test: no files on disk, the validation layer on, and an exception for any of its messages.
+/// GNOSPHERE_NO_VALIDATION is for machines with a GPU and without the layer.
 inline TestOptions vulkanOptions() {
   TestOptions options;
   options.cache = "off";
@@ -67,7 +67,7 @@ class MeshBuilder {
     vertex(c);
     triangle(first, first + 1, first + 2);
   }
-  /// A grid of n x n quads from `origin` along `u` and `v`; its front is where u x v points.
+  /// Adds a grid of n x n quads from `origin` along `u` and `v`; its front faces u x v.
   void quad(const Vec3& origin, const Vec3& u, const Vec3& v, uint32_t n = 1) {
     const uint32_t first = static_cast<uint32_t>(mesh_.vertexCount());
     for (uint32_t i = 0; i <= n; ++i)
@@ -82,7 +82,7 @@ class MeshBuilder {
         triangle(p + 1, q, q + 1);
       }
   }
-  /// A closed box, front faces outward.
+  /// Adds a closed box with front faces outward.
   void box(const Vec3& low, const Vec3& high, uint32_t n = 1) {
     const double x = high.x - low.x, y = high.y - low.y, z = high.z - low.z;
     quad(low, {0, y, 0}, {x, 0, 0}, n);
@@ -102,7 +102,7 @@ class MeshBuilder {
   Mesh mesh_;
 };
 
-/// One mesh, placed once.
+/// A scene of one mesh with one instance.
 inline Scene sceneOf(Mesh mesh, bool doubleSided = true) {
   Scene scene;
   scene.materials.push_back(material(doubleSided));
@@ -157,7 +157,7 @@ inline std::string firstDifference(const Scan& reference, const Scan& other) {
   return "none";
 }
 
-/// 0 missed, 0 false, 0 wrong owner, 0 wrong range outside ties.
+/// Requires 0 missed, 0 false, 0 wrong owner and 0 wrong range, except for ties.
 inline void requireSame(const Scan& reference, const Scan& other) {
   const Comparison difference = compare(reference, other);
   INFO("missed " << difference.missed << ", false " << difference.falseHits << ", wrong owner " << difference.wrongOwner
@@ -176,7 +176,7 @@ inline bool sameBytes(const Scan& a, const Scan& b) {
          sameBytes(a.instances, b.instances);
 }
 
-/// Seeded numbers in -1..1, the same with every standard library.
+/// Seeded random numbers in -1..1, the same with every standard library.
 class Random {
  public:
   explicit Random(uint32_t seed) : engine_(seed) {}
@@ -187,7 +187,7 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// Loose triangles of all sizes around the sensor.
+/// Random triangles of all sizes around the sensor.
 inline Mesh soup(uint32_t seed, uint32_t count, double spread, double size) {
   Random uniform(seed);
   MeshBuilder builder;
@@ -200,7 +200,7 @@ inline Mesh soup(uint32_t seed, uint32_t count, double spread, double size) {
   return builder.take();
 }
 
-/// A closed ball of triangles that share every corner, front faces outward.
+/// A closed ball of triangles that share all corners, with front faces outward.
 inline Mesh ball(uint32_t rings, uint32_t segments, double radius, const Vec3& centre = {}) {
   MeshBuilder builder;
   const auto point = [&](uint32_t ring, uint32_t segment) {

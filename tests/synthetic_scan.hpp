@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scan worked out with a pencil: a street with a ground, two walls, poles and a box, no triangle needed.
+// A scan computed from formulas without triangles: a street with a ground, two walls, poles and a box.
 #pragma once
 
 #include <cmath>
@@ -20,7 +20,7 @@ struct Candidate {
 inline Candidate hitStreet(const Vec3& d) {
   Candidate best;
   if (d.z < 0) best.offer(-1.8 / d.z, 0);
-  for (uint32_t side = 0; side < 2; ++side) {  // walls at y = -9 and 12, of changing height
+  for (uint32_t side = 0; side < 2; ++side) {  // walls at y = -9 and 12, of varying height
     const double y = side == 0 ? -9 : 12;
     const double t = y / d.y;
     if (t > 0 && t * d.z < 4 + 3 * std::sin(std::floor(t * d.x / 11) * 2.3 + side)) best.offer(t, 1 + side);

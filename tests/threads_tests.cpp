@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work that is shared among threads, and simulators in several threads.
+// Work shared among threads, and simulators in several threads.
 #include <pthread.h>
 
 #include <thread>
@@ -10,7 +10,7 @@
 namespace gnosphere::test {
 namespace {
 
-// While it lives, the system starts no thread: none has room for its stack.
+// While an object of this class exists, the system can start no thread, for lack of memory for its stack.
 class NoMoreThreads {
  public:
   NoMoreThreads() {
@@ -34,7 +34,7 @@ class NoMoreThreads {
 
 }  // namespace
 
-TEST_CASE("all runs are worked on by however many threads the system starts") {
+TEST_CASE("all runs are completed by however many threads the system starts") {
   const auto runsOf = [](uint64_t threads) {
     std::vector<std::atomic<int>> done(1000);
     inRuns(done.size(), 7, threads, [&](uint64_t first, uint64_t end) {
@@ -48,20 +48,20 @@ TEST_CASE("all runs are worked on by however many threads the system starts") {
   CHECK(runsOf(4));
 }
 
-TEST_CASE("the reference gives the same without any thread but the caller's") {
+TEST_CASE("the reference gives the same result with only the caller's thread") {
   const Scene scene = sceneOf(soup(3, 20'000, 40, 2));
   const Scan with = referenceOf(scene, gridSensor(200, 16, -30, 30), {});
   const NoMoreThreads none;
   CHECK(sameBytes(with, referenceOf(scene, gridSensor(200, 16, -30, 30), {})));
 }
 
-TEST_CASE("simulators in several threads give what one gives in one thread") {
+TEST_CASE("simulators in several threads give the same results as in one thread") {
   needVulkan();
   const Scene scene = sceneOf(soup(7, 300, 30, 10));
   const std::vector<Sensor> sensors = {gridSensor(120, 8, -30, 30), gridSensor(60, 16, -20, 20)};
   const auto scans = [&](size_t turn) {
     TestOptions options = vulkanOptions();
-    // The layer's own state is guarded by one lock, which would keep the threads apart.
+    // One lock guards the layer's own state, which would serialise the threads.
     if (turn % 2 == 1) options.validation = false;
     options.tuning.binning = turn % 3 == 0 ? Binning::lists : Binning::nearest;
     Simulator simulator = makeSimulator(scene, sensors, options);

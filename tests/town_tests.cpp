@@ -16,7 +16,7 @@ using town::Surface;
 
 namespace {
 
-// FNV-1a over everything that ends up in a file.
+// FNV-1a over all content that is written to a file.
 class Hash {
  public:
   template <typename T>
@@ -53,10 +53,10 @@ Vec3 normalTimesTwiceArea(const Mesh& mesh, size_t triangle) {
   return cross(corner(mesh, triangle, 1) - a, corner(mesh, triangle, 2) - a);
 }
 
-/// The bodies of a mesh: triangles of single-sided materials that hang together by shared vertices. Bodies that merely
-/// touch may count as one, which changes neither of the sums below.
+/// The bodies of a mesh: triangles of single-sided materials that are connected by shared vertices. Bodies that only
+/// touch may count as one, which does not affect the sums below.
 struct Body {
-  std::map<std::pair<uint32_t, uint32_t>, int> edges;  ///< how often each is walked forwards less backwards
+  std::map<std::pair<uint32_t, uint32_t>, int> edges;  ///< number of forward minus backward uses of each edge
   double volume = 0;
 };
 
@@ -88,7 +88,7 @@ std::vector<Body> bodiesOf(const Mesh& mesh, const std::vector<Material>& materi
   return list;
 }
 
-/// One of everything that has an inside.
+/// One of every object that has an inside.
 std::vector<town::Thing> solidThings() {
   using namespace town;
   std::vector<Thing> things;
@@ -118,7 +118,7 @@ std::vector<town::Thing> solidThings() {
 
 }  // namespace
 
-TEST_CASE("a town has as many triangles as asked for, within ten percent") {
+TEST_CASE("a town has the requested number of triangles within ten percent") {
   const uint64_t triangles = GENERATE(10'000u, 30'000u, 100'000u, 300'000u, 1'000'000u, 3'000'000u, 10'000'000u);
   const uint32_t seed = GENERATE(1u, 2u, 77u);
   const double placed = static_cast<double>(makeTown({triangles, seed}).placedTriangleCount());
@@ -126,7 +126,7 @@ TEST_CASE("a town has as many triangles as asked for, within ten percent") {
   CHECK(std::abs(placed - static_cast<double>(triangles)) <= 0.1 * static_cast<double>(triangles));
 }
 
-TEST_CASE("a town is sound: indices fit, every number is finite, no triangle is degenerate") {
+TEST_CASE("a town is valid: indices are in range, every number is finite, no triangle is degenerate") {
   const uint64_t triangles = GENERATE(10'000u, 300'000u, 1'000'000u);
   const Scene scene = makeTown({triangles, 3});
   CHECK_NOTHROW(validate(scene));
@@ -149,11 +149,11 @@ TEST_CASE("a town is sound: indices fit, every number is finite, no triangle is 
 TEST_CASE("the same seed gives the same town, another seed another one") {
   const uint64_t first = hashOf(makeTown({300'000, 1}));
   CHECK(first == hashOf(makeTown({300'000, 1})));
-  CHECK(first == 0xe05653182e3a47ddu);  // on every machine; a change of the town changes it, knowingly
+  CHECK(first == 0xe05653182e3a47ddu);  // the same on every machine; changes only with an intended change of the town
   CHECK(first != hashOf(makeTown({300'000, 2})));
 }
 
-TEST_CASE("a sensor stands on the street at the origin, with the town around it") {
+TEST_CASE("the origin is on a street with room for a sensor, with the town around it") {
   const Scene scene = makeTown();
   const Bounds bounds = worldBounds(scene);
   CHECK(bounds.min.x < -90);
@@ -175,7 +175,7 @@ TEST_CASE("a sensor stands on the street at the origin, with the town around it"
   CHECK(isStreet);
 }
 
-TEST_CASE("solid things are closed and face outwards") {
+TEST_CASE("solid objects are closed and face outwards") {
   const std::vector<Material> materials = town::townMaterials();
   for (const town::Thing& thing : solidThings()) {
     const Mesh mesh = town::meshOf(thing);
@@ -202,7 +202,7 @@ TEST_CASE("ground faces upwards") {
   }
 }
 
-TEST_CASE("glass lets light through, and sheets have two sides") {
+TEST_CASE("glass is transparent, and thin sheets are double-sided") {
   const std::vector<Material> materials = town::townMaterials();
   CHECK(materials[static_cast<size_t>(Surface::windowGlass)].transmission > 0.5f);
   CHECK(materials[static_cast<size_t>(Surface::carGlass)].transmission > 0.5f);

@@ -15,7 +15,7 @@ const std::string kThree = "# t x y z qx qy qz qw\n0 0 0 1.8 0 0 0 1\n1 2 0 1.8 
 
 }  // namespace
 
-TEST_CASE("a trajectory gives the files that its poses give one by one") {
+TEST_CASE("a trajectory gives the same files as its poses one by one") {
   const Workplace place;
   place.put("t.tum", kThree);
   const Result result = place.run("scan floor.obj --trajectory t.tum -o a.csv --image i.png --stats s.json" + kQuick);
@@ -42,7 +42,7 @@ TEST_CASE("a trajectory gives the files that its poses give one by one") {
   }
 }
 
-TEST_CASE("a sensor that takes time for a turn goes on along the trajectory meanwhile, and each scan draws anew") {
+TEST_CASE("a rotating sensor moves along the trajectory during a scan, and each scan draws new random numbers") {
   const Workplace place;
   place.put("t.tum", "0 0 0 1.8 0 0 0 1\n0.05 1 0 1.8 0 0 0 1\n0.1 2 0 1.8 0 0 0 1\n5 2 0 1.8 0 0 0 1\n");
   auto sensor = place.runJson("sensors VLP-16");
@@ -52,14 +52,14 @@ TEST_CASE("a sensor that takes time for a turn goes on along the trajectory mean
   REQUIRE(place.run("scan floor.obj --trajectory t.tum -o a.csv" + quick).status == 0);
   REQUIRE(place.run("scan floor.obj --trajectory t.tum -o b.csv --effect sensor-motion=off" + quick).status == 0);
   CHECK(place.get("a-000000.csv") != place.get("b-000000.csv"));
-  CHECK(place.get("a-000003.csv") == place.get("b-000003.csv"));  // nothing comes after the last pose
+  CHECK(place.get("a-000003.csv") == place.get("b-000003.csv"));  // nothing follows the last pose
 
   REQUIRE(
       place
           .run("scan floor.obj --trajectory t.tum -o n.csv --effect sensor-motion=off --effect range-noise.sigma=0.1" +
                quick)
           .status == 0);
-  CHECK(place.get("n-000002.csv") != place.get("n-000003.csv"));  // the same pose, another frame
+  CHECK(place.get("n-000002.csv") != place.get("n-000003.csv"));  // the same pose but another frame
 
   place.put("back.tum", "1 0 0 1.8 0 0 0 1\n0.5 1 0 1.8 0 0 0 1\n");
   const Result result = place.run("scan floor.obj --trajectory back.tum -o c.csv" + quick);
@@ -67,7 +67,7 @@ TEST_CASE("a sensor that takes time for a turn goes on along the trajectory mean
   CHECK_THAT(result.err, ContainsSubstring("0.5 does not come after 1"));
 }
 
-TEST_CASE("statistics of a trajectory are alone on stdout if asked for") {
+TEST_CASE("scan --stats - with a trajectory prints only JSON") {
   const Workplace place;
   place.put("t.tum", kThree);
   const Result result = place.run("scan floor.obj --trajectory t.tum --stats -" + kQuick);
@@ -76,7 +76,7 @@ TEST_CASE("statistics of a trajectory are alone on stdout if asked for") {
   CHECK(nlohmann::json::parse(result.out).at("frames").size() == 3);
 }
 
-TEST_CASE("a call with a trajectory that cannot work is refused before it writes") {
+TEST_CASE("an invalid call with a trajectory is refused before anything is written") {
   checkRefused("scan floor.obj --pose 1,2,3 --trajectory t.tum", 2, "--trajectory");
   checkRefused("scan floor.obj --repeat 3 --trajectory t.tum", 2, "--trajectory");
   checkRefused("scan floor.obj --max-error 0.1 --trajectory t.tum", 2, "--trajectory");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vulkan's ray tracing as the benches use it, against the reference: a race between answers of different questions
-// would say nothing.
+// Vulkan's ray tracing as the bench uses it, compared with the reference: a benchmark is meaningful only if the results
+// agree.
 #include <algorithm>
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -49,7 +49,7 @@ Quaternion turned() {
 
 }  // namespace
 
-TEST_CASE("ray tracing meets what the reference meets") {
+TEST_CASE("ray tracing hits the same triangles as the reference") {
   const auto way = GENERATE(VulkanWay::rayQuery, VulkanWay::rayTracingPipeline);
   const auto motion = GENERATE(Motion::none, Motion::everything);
   const Scene town = makeTown({20'000, 1});
@@ -61,7 +61,7 @@ TEST_CASE("ray tracing meets what the reference meets") {
   CHECK(reference.counters.hits > 1000);
   CHECK(reference.counters.misses > 1000);
   test::requireSame(reference, scanOf(*rival, streetSensor(), pose));
-  // Another sensor in its place.
+  // A different sensor in the same place.
   const Sensor other = test::gridSensor(77, 3, -10, 10, 100);
   test::requireSame(test::referenceOf(town, other, pose, Faces::both), scanOf(*rival, other, pose));
 }
@@ -111,7 +111,7 @@ TEST_CASE("ray tracing splits a mesh that is too large for one structure") {
   test::requireSame(test::referenceOf(moved, streetSensor(), {}, Faces::both), scanOf(*rival, streetSensor(), {}));
 }
 
-TEST_CASE("ray tracing of nothing meets nothing") {
+TEST_CASE("ray tracing of an empty scene gives misses") {
   const auto way = GENERATE(VulkanWay::rayQuery, VulkanWay::rayTracingPipeline);
   const Scene empty;
   const auto rival = makeOrSkip(empty, {}, way, Motion::none);
@@ -122,7 +122,7 @@ TEST_CASE("ray tracing of nothing meets nothing") {
   CHECK(std::all_of(scan.ranges.begin(), scan.ranges.end(), [](float range) { return std::isnan(range); }));
 }
 
-TEST_CASE("ray tracing says what there is no room for") {
+TEST_CASE("ray tracing reports which buffer does not fit") {
   const auto way = GENERATE(VulkanWay::rayQuery, VulkanWay::rayTracingPipeline);
   const Scene scene = test::sceneOf(test::ball(50, 100, 8));
   REQUIRE_THROWS_WITH(makeOrSkip(scene, {}, way, Motion::none, 1 << 16),

@@ -7,7 +7,7 @@
 
 namespace gnosphere::test {
 
-/// What is not well-formed about this XML (elements, quoted attributes and the named entities only), or nothing.
+/// Returns what is malformed in this XML (elements, quoted attributes and the named entities only), or nothing.
 inline std::string xmlProblem(const std::string& xml) {
   std::vector<std::string> open;
   bool rooted = false;

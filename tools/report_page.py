@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reports of tools/report as one page that needs nothing else: tables, plots as inline SVG, pictures as data URIs."""
+"""Formats a report of tools/report as one self-contained page: tables, inline SVG plots, pictures as data URIs."""
 import array
 import base64
 import html
@@ -29,7 +29,7 @@ def escaped(value):
 
 
 def table(rows, marks=None, kind=""):
-    """`marks`: (row, column) -> class of a cell; rows count from below the head. `kind`: text, where words prevail."""
+    """`marks`: (row, column) -> class of a cell; rows count from below the head. `kind`: "text" for tables of words."""
     marks = marks or {}
     head, *body = rows
     lines = ["<tr>" + "".join(f"<th>{escaped(cell)}</th>" for cell in head) + "</tr>"]
@@ -40,7 +40,7 @@ def table(rows, marks=None, kind=""):
 
 
 def figure(value, digits=3):
-    """Digits that mean something, thousands apart."""
+    """Formats a number with significant digits and thousands separators."""
     if value is None:
         return "-"
     if value >= 10 ** (digits - 1):
@@ -51,7 +51,7 @@ def figure(value, digits=3):
 # Pictures.
 
 def png(width, height, rows, palette):
-    """Eight bits per pixel: places in a palette of (red, green, blue)."""
+    """PNG with eight bits per pixel, which are indices into a palette of (red, green, blue)."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     colours = b"".join(bytes(colour) for colour in palette)
@@ -61,7 +61,7 @@ def png(width, height, rows, palette):
 
 
 def ramp(anchors):
-    """255 colours between the anchors, in even steps."""
+    """Interpolates 255 evenly spaced colours between the anchors."""
     colours = []
     for i in range(255):
         place = i / 254 * (len(anchors) - 1)
@@ -71,7 +71,7 @@ def ramp(anchors):
     return colours
 
 
-# Place 0 is for what there is no number of. The ranges' anchors are those of viridis (van der Walt and Smith).
+# Colour 0 is for missing values. The anchors for ranges are those of viridis (van der Walt and Smith).
 RANGES = [(0, 0, 0)] + ramp([(253, 231, 37), (94, 201, 98), (33, 145, 140), (59, 82, 139), (68, 1, 84)])
 DIFFERENCES = [(255, 255, 255)] + ramp([(255, 235, 160), (240, 120, 30), (120, 0, 60)])
 
@@ -84,7 +84,7 @@ def unpacked(ranges):
 
 
 def image(pixels, ranges, palette, words):
-    """Every beam a pixel; the sensor's lowest channel comes first, a picture's highest."""
+    """One pixel per beam. Flips rows: a sensor's lowest channel comes first, a picture's top row."""
     columns, channels = ranges["columns"], ranges["channels"]
     rows = [pixels[row * columns:(row + 1) * columns] for row in reversed(range(channels))]
     data = base64.b64encode(png(columns, channels, rows, palette)).decode()
@@ -99,7 +99,7 @@ def range_image(device):
 
 
 def difference(first, other):
-    """(beams that differ, the most that ranges do, pixels): from a micrometre to a metre, by the logarithm."""
+    """Returns (beams that differ, largest difference, pixels); the colours are logarithmic from 1e-6 m to 1 m."""
     differ, most, pixels = 0, 0.0, bytearray()
     for a, b in zip(unpacked(first["ranges"]), unpacked(other["ranges"])):
         if a == b or (math.isnan(a) and math.isnan(b)):
@@ -132,7 +132,7 @@ def judged(devices, names):
 
 
 def prints_of(devices):
-    """What `exact` answers, by name and by the device's place."""
+    """Returns the results of `exact`, by name and by index of the device."""
     prints = {}
     for column, device in enumerate(devices):
         case = device["cases"].get("correctness", {"rows": [], "effects": []})
@@ -142,13 +142,13 @@ def prints_of(devices):
 
 
 def base_of(devices):
-    """Whom the others are compared with: the first CPU, which is where tests have run, or else the first of all."""
+    """Returns the device to compare with: the first CPU, where the tests have run, or else the first device."""
     columns = [i for i, device in enumerate(devices) if device["type"] != "reference"]
     return next((i for i in columns if devices[i]["type"] == "cpu"), columns[0] if columns else None)
 
 
 def fingerprints(devices, names):
-    """Which devices give the same bytes: a letter for each answer that there is."""
+    """Shows which devices give the same bytes: equal letters stand for equal bytes."""
     columns = [i for i, device in enumerate(devices) if device["type"] != "reference"]
     base = base_of(devices)
     rows, marks = [["exact", *(names[i] for i in columns)]], {}
@@ -165,7 +165,7 @@ def fingerprints(devices, names):
 
 
 def equality(devices, names):
-    """A line per device: equal, or where it first is not."""
+    """A line per device: equal, or the first difference."""
     base, prints, lines = base_of(devices), prints_of(devices), []
     for column, device in enumerate(devices):
         if device["type"] == "reference" or column == base:
@@ -220,7 +220,7 @@ def times(case):
 
 
 def stage_of(contender, stage):
-    """Its median in milliseconds, and how many times ours; None where there is none."""
+    """Returns the median in milliseconds and as a multiple of GnoSphere's; None if it is missing."""
     if stage == "total":
         return contender["total_ms"]["median"], contender["ratio_to_ours"]
     if stage == "device":
@@ -229,8 +229,8 @@ def stage_of(contender, stage):
 
 
 def by_cuda(case):
-    """Ours on one card by Vulkan and by CUDA, stage by stage; nothing where CUDA has taken no part. Marked: one is more
-    than 5 % faster."""
+    """Compares Vulkan and CUDA on the same card, step by step; empty without CUDA. Marks differences of more than
+    5 %."""
     outcomes = [(outcome["label"], outcome["contenders"][0],
                  {who["name"]: who for who in outcome["contenders"] if who["name"].startswith("cuda")})
                 for outcome in case.get("outcomes", [])]

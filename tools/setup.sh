@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# What tools/quickstart and tools/check share: steps, failures, and the packages of this machine. To be sourced.
+# Shared by tools/quickstart and tools/check: steps, failures, and the packages of this machine. It is to be sourced.
 
-# Everything the build, the tests and a scan without a GPU need.
+# Packages that the build, the tests and a scan without a GPU need.
 packages=(
   g++ cmake ninja-build pkg-config
   libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools mesa-vulkan-drivers vulkan-validationlayers
   libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libboost-dev libnanoflann-dev
   libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libpolyclipping-dev catch2
 )
-# A rival of the bench, which does without it where there is none for this architecture.
+# Needed for one contender of the bench, which is left out if this architecture lacks the package.
 optional=(libembree-dev)
-# Debian 12 has these too old; its backports have them.
+# Debian 12 has older versions of these; its backports have the versions needed.
 backported=("catch2 3" "mesa-vulkan-drivers 25")
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -26,14 +26,14 @@ fail() {
   exit 1
 }
 
-# quietly WHAT COMMAND...: runs it with its output in the log, of which the end is shown if it fails.
+# quietly WHAT COMMAND...: runs the command with its output in the log; if it fails, shows the end of the log.
 quietly() {
   local what=$1
   shift
   printf '\n$ %s\n' "$*" >>"$log"
   "$@" >>"$log" 2>&1 </dev/null && return
   tail -n 40 "$log" >&2
-  fail "$what; the whole story is in ${log#"$root"/}"
+  fail "$what; the full output is in ${log#"$root"/}"
 }
 
 asRoot() {
@@ -46,7 +46,7 @@ aptGet() {
     >>"$log" 2>&1 </dev/null
 }
 
-# The installed version of a package; nothing if it is not installed.
+# Prints the installed version of a package; nothing if it is not installed.
 installed() {
   local status
   status=$(dpkg-query -W -f '${db:Status-Status} ${Version}' "$1" 2>/dev/null) || true
@@ -55,7 +55,7 @@ installed() {
 
 candidate() { LC_ALL=C apt-cache policy "$1" | sed -n 's/^  Candidate: //p' | grep -vx '(none)' || true; }
 
-# atLeast VERSION MINIMUM
+# atLeast VERSION MINIMUM: whether VERSION is at least MINIMUM.
 atLeast() { [ -n "$1" ] && dpkg --compare-versions "$1" ge "$2"; }
 
 checkDistribution() {
@@ -69,7 +69,7 @@ checkDistribution() {
     *) return 0 ;;
   esac
   [ "$version" = 0 ] || atLeast "$version" "$minimum" ||
-    fail "$name is too old; Debian 12, Debian 13 or Ubuntu 24.04 is needed, a container of one will do"
+    fail "$name is too old; Debian 12, Debian 13 or Ubuntu 24.04 is needed; a container will do"
 }
 
 mayInstall() {
@@ -80,13 +80,13 @@ mayInstall() {
     fail "${#missing[@]} packages are missing and sudo was refused; $ask"
 }
 
-# Every release that apt reads: "URI release" per line.
+# Prints every release that apt reads, as "URI release" per line.
 repositories() {
   # shellcheck disable=SC2016
   apt-get indextargets --format '$(REPO_URI) $(RELEASE)' 'Created-By: Packages' 2>/dev/null | sort -u
 }
 
-# Adds bookworm-backports from the mirror that bookworm itself comes from, unless it is there. Fails if it is not to be had.
+# Adds bookworm-backports from the mirror of bookworm unless apt has it. Fails if the mirror lacks it.
 addBackports() {
   local uri list=/etc/apt/sources.list.d/gnosphere-backports.sources
   repositories | grep ' bookworm-backports$' >/dev/null && return
@@ -96,12 +96,12 @@ addBackports() {
     'Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg' | asRoot tee "$list" >/dev/null
   aptGet update || true
   repositories | grep ' bookworm-backports$' >/dev/null && return
-  note 'there are no backports on this mirror, or there is no network: taking that away again'
+  note 'there are no backports on this mirror, or there is no network; removing the entry again'
   asRoot rm -f "$list"
   return 1
 }
 
-# Of the missing ones, on Debian 12, those that are too old there: from backports, as far as these are to be had.
+# On Debian 12, installs those of the missing packages that are too old there from backports, if available.
 installBackported() {
   local entry name minimum
   repositories | grep ' bookworm$' >/dev/null || return 0
@@ -113,7 +113,7 @@ installBackported() {
   done
 }
 
-# An old Mesa that is installed stays as it is: the library works on 22.3, and drivers are their owner's business.
+# An old Mesa that is installed stays: the library works with 22.3, and the machine's owner chooses the drivers.
 isMissing() {
   case $1 in
     catch2) ! atLeast "$(installed catch2)" 3 ;;
@@ -121,7 +121,7 @@ isMissing() {
   esac
 }
 
-# Adds to the missing ones what is optional and to be had.
+# Adds the optional packages that apt can install to the missing ones.
 addOptional() {
   local name
   for name in "${optional[@]}"; do
@@ -130,7 +130,7 @@ addOptional() {
   done
 }
 
-# Installs what is missing, and nothing else; touches nothing if all is there.
+# Installs the missing packages; does nothing if there are none.
 setUp() {
   local name minimum entry missing=()
   mkdir -p "$root/build"
@@ -159,7 +159,7 @@ setUp() {
   installBackported
   aptGet install --no-install-recommends --no-upgrade "${missing[@]}" || {
     tail -n 5 "$log" >&2
-    fail "the packages could not be installed; is the network up? The whole story is in ${log#"$root"/}"
+    fail "the packages could not be installed; is the network up? The full output is in ${log#"$root"/}"
   }
   for entry in "${backported[@]}"; do
     read -r name minimum <<<"$entry"
@@ -167,8 +167,8 @@ setUp() {
   done
 }
 
-# Warnings are errors with the compiler that the sources are kept clean for, and news with any other.
-# configure PRESET OPTION...
+# Warnings are errors only with the compiler for which the sources are kept free of warnings.
+# configure PRESET OPTION...: runs cmake.
 configure() {
   local options=("${@:2}") compiler
   step "Configuring ($1)"
@@ -188,8 +188,8 @@ build() {
   quietly "the build failed" cmake --build "$root/build/$preset" "$@"
 }
 
-# A second Vulkan driver for the tests: SwiftShader, which shares no code with Mesa. A browser's package carries it; two
-# files of that package are kept in build/swiftshader, and nothing of it is installed. Without them lavapipe is alone.
+# A second Vulkan driver for the tests: SwiftShader, which shares no code with Mesa. It is part of a browser's package;
+# two files of that package are kept in build/swiftshader, and nothing is installed. Without it the tests use lavapipe.
 secondDriver() {
   local folder=$root/build/swiftshader package=chromium-common download
   [ -r "$folder/vk_swiftshader_icd.json" ] && return
@@ -208,6 +208,6 @@ secondDriver() {
     mv -T "$download" "$folder"
   else
     rm -rf "$download"
-    note "it could not be had, see ${log#"$root"/}; going on without it"
+    note "SwiftShader could not be downloaded, see ${log#"$root"/}; going on without it"
   fi
 }

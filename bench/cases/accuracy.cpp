@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What accuracy costs, as `gnosphere accuracy` has it: here so that one file holds all results.
+// Runs the measurement of `gnosphere accuracy`, so that one file holds all results.
 #include "cases.hpp"
 
 namespace gnosphere::bench {
@@ -41,7 +41,7 @@ Report accuracy(Session& session) {
                  {"poses", poses.size()},
                  {"beams", found.beams},
                  {"runs", found.runs}};
-  Table table = {"`standard` with one of its parts taken away stands below the settings", {}};
+  Table table = {"Below the settings: `standard` without one of its parts", {}};
   table.rows = {{"setting", "ms", "ratio", "missed", "false", "wrong range", "largest range error, m"}};
   for (const auto& [name, rows] : {std::pair("settings", &found.settings), std::pair("parts", &found.parts)}) {
     for (const AccuracyRow& row : *rows) {

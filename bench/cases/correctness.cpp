@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a device is right: hard cases and a town against the reference, and fingerprints of what it answers, to be
-// held against those of other devices on other machines.
+// Checks a device: compares hard cases and a town with the reference, and prints fingerprints of its results to compare
+// with other devices and machines.
 #include "cases.hpp"
 #include "hardness.hpp"
 #include "variants.hpp"
@@ -58,7 +58,7 @@ class Suite {
  public:
   explicit Suite(Session& session) : session_(session), options_(session.simulatorOptions()) {}
 
-  /// `standard` and `exact`, outside ties; ties may go either way in all but `exact`.
+  /// Compares `standard` and `exact` with the reference; ties may differ except in `exact`.
   void judge(const std::string& name, const Scene& scene, const Sensor& sensor, const Pose& pose) {
     SimulatorOptions options = options_;
     options.device = DeviceChoice::Kind::reference;
@@ -73,8 +73,8 @@ class Suite {
     }
   }
 
-  /// What an effect that can be shown comes to: the same everywhere, since its formulas are made of what every device
-  /// rounds alike.
+  /// Adds the fingerprint of an effect with `exact`. It is the same everywhere, because the effects use only operations
+  /// that every device rounds equally.
   void print(const Variant& variant, const Scene& scene, const Sensor& sensor, const Pose& pose) {
     SimulatorOptions options = options_;
     options.accuracy = Accuracy::exact;
@@ -82,7 +82,7 @@ class Suite {
       Simulator simulator(scene, {sensor, variant.request, {Field::intensity, Field::label}}, options);
       if (!variant.effect.empty() && !simulator.plan().has(variant.effect)) return;
       prints.push_back({variant.name, fingerprintOf(simulator.scan(pose))});
-    } catch (const Error& error) {  // not every device has every effect
+    } catch (const Error& error) {  // not every device supports every effect
       session_.addNote(variant.name + ": " + error.what());
     }
   }
@@ -109,7 +109,7 @@ void scanTown(Session& session, Suite& suite) {
   sensor.maxReturns = 3;
   const Vec3 at = poses[0].position;
   for (Variant variant : variantsOf({at.x + 15, at.y, at.z})) {
-    // Motion within a scan is not to be had with `exact`.
+    // Motion within a scan cannot be combined with `exact`.
     variant.request.sensorMotion.use = variant.request.objectMotion.use = Use::off;
     suite.print(variant, town, sensor, poses[0]);
   }
@@ -143,7 +143,7 @@ Report correctness(Session& session) {
 
   Report report;
   uint64_t wrong = 0;
-  Table judged = {"Outside ties nothing may be missed, false or beyond its tolerance", {}};
+  Table judged = {"Except ties, no beam may be missed, false or beyond its tolerance", {}};
   judged.rows = {{"case", "accuracy", "beams", "missed", "false", "wrong range", "largest error, m", "fingerprint"}};
   report.more["effects"] = Json::array();
   for (const Row& row : suite.rows) {
@@ -154,7 +154,8 @@ Report correctness(Session& session) {
                            cli::grouped(c.falseHits), cli::grouped(c.wrongRange),
                            cli::formatted("%.2g", c.rangeErrorMax), row.fingerprint});
   }
-  Table printed = {"Of points, owners, intensities and labels; the same on every device", {{"effects", "fingerprint"}}};
+  Table printed = {"Fingerprints of points, owners, intensities and labels, which are equal on every device",
+                   {{"effects", "fingerprint"}}};
   for (const Print& print : suite.prints) {
     report.more["effects"].push_back({{"name", print.name}, {"fingerprint", print.fingerprint}});
     printed.rows.push_back({print.name, print.fingerprint});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What effects cost: every request beside a scan of nothing but geometry, in turn.
+// Measures the time of effects: every request in turn with a scan of geometry alone.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -17,21 +17,21 @@ using cli::formatted;
 using cli::Json;
 
 constexpr const char* kManyScans = "19 bare scans";
-/// Of every kind one: a signal, a footprint, lists, motion, weather, and all at once.
+/// One variant of each kind: signal, footprint, lists, motion, weather, and all at once.
 constexpr std::string_view kBesideCuda[] = {"intensity",  "19 sub-rays", "transmission", "sensor motion, 15 m/s",
                                             "fog, 200 m", "all of them"};
 
-/// A request that takes part, and what its scans took.
+/// A request that is measured, and the times of its scans.
 struct Runner {
   std::string name, effect;  ///< of effectNames(), or empty
   Simulator simulator;
   std::vector<Shot> shots;  ///< one per pose
-  uint32_t scans = 1;       ///< of one go
+  uint32_t scans = 1;       ///< per timed round
   Scan scan = {};
-  std::vector<double> totalMs = {}, deviceMs = {}, ratios = {};  ///< per go; ratios are to the bare scan's before it
+  std::vector<double> totalMs = {}, deviceMs = {}, ratios = {};  ///< per round; ratios to the bare scan just before it
   std::map<std::string, std::vector<double>> stageMs = {};
 
-  /// What has not run for a while finds nothing of its own in the caches, so the first scan is not timed.
+  /// Scans once untimed first, because data that was not used for a while is no longer in the caches.
   double run(size_t round) {
     Shot& shot = shots[round % shots.size()];
     shot.frame = round;
@@ -51,7 +51,8 @@ struct Runner {
   }
 };
 
-/// The first is the bare one, which has its turn before each of the others: what else the machine does falls on both.
+/// Times all in turn. The first is the bare scan, which runs before each of the others, so that other load affects
+/// both.
 void race(std::vector<Runner>& runners, const char* what, uint32_t rounds) {
   const auto progress = cli::stepProgress();
   runners[0].ratios = {1};
@@ -73,14 +74,14 @@ bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
   throw Error(ErrorCode::device, who + ": " + why);
 }
 
-/// A plan without its reasons. Once both have scanned: buffers have grown to what is in range.
+/// A plan without its reasons. Both simulators must have scanned before, because buffers grow with the scene in range.
 Json made(const Simulator& simulator) {
   Json plan = Json::parse(toJson(simulator.plan()));
   plan.erase("effects");
   return plan;
 }
 
-/// The surfaces that `scan` returns are where the bare scan has them, bit by bit.
+/// Checks that the surfaces in `scan` have the same ranges as in the bare scan, bit by bit.
 void checkSame(const std::string& who, const Scan& bare, const Scan& scan) {
   size_t solid = 0;
   const auto labels = scan.column<uint8_t>(Field::label);
@@ -95,7 +96,7 @@ void checkSame(const std::string& who, const Scan& bare, const Scan& scan) {
   if (solid == 0) refuse(who, "no beam meets a surface");
 }
 
-/// The nearest returns of its beams are those of the bare scan, but for some that graze an edge.
+/// Checks that nearest returns have the ranges of the bare scan, except for some beams that graze an edge.
 void checkNear(const std::string& who, const Scan& bare, const Scan& scan) {
   Scan first;
   for (size_t entry = 0; entry < scan.ranges.size(); entry += scan.returns) first.ranges.push_back(scan.ranges[entry]);
@@ -105,7 +106,7 @@ void checkNear(const std::string& who, const Scan& bare, const Scan& scan) {
                     " beams differ from a bare scan");
 }
 
-/// One scene, one sensor, and what is asked of them.
+/// The measurement for one scene and one sensor.
 class CostOfEffects {
  public:
   explicit CostOfEffects(Session& session)
@@ -124,7 +125,7 @@ class CostOfEffects {
   const Scene& scene() const { return scene_; }
   const Sensor& sensor() const { return sensor_; }
 
-  /// The bare scan, and every effect with its parameters given and switched off. Their plans and clouds are the same.
+  /// Measures every effect switched off but with parameters given. Plans and clouds must equal the bare scan's.
   std::vector<Runner> off() const {
     std::vector<Runner> runners;
     runners.push_back(bare("bare"));
@@ -132,21 +133,21 @@ class CostOfEffects {
     const Scan answer = runners[0].scan;
     for (const std::string& effect : effectNames()) {
       Effects request = requestOf(effect);
-      const std::vector<Shot> shots = shotsOf(request);  // what moves is told, too
+      const std::vector<Shot> shots = shotsOf(request);  // includes motion if the request has it
       request.intensity.use = Use::off;
       assign(request, effect + "=off");
       Runner off = {effect + " off", effect, simulator(request, {}), shots};
       off.simulator.scanInto(off.shots[0], off.scan);
-      if (made(off.simulator) != plan) refuse(off.name, "its plan is not that of a bare scan");
+      if (made(off.simulator) != plan) refuse(off.name, "its plan differs from a bare scan's");
       if (!sameBytes(off.scan.points, answer.points) || !sameBytes(off.scan.ranges, answer.ranges) ||
           !sameBytes(off.scan.triangles, answer.triangles) || !sameBytes(off.scan.instances, answer.instances))
-        refuse(off.name, "its cloud is not that of a bare scan");
+        refuse(off.name, "its cloud differs from a bare scan's");
       runners.push_back(std::move(off));
     }
     return runners;
   }
 
-  /// The bare scan, every variant that can be shown here, and last as many bare scans as one beam has sub-rays.
+  /// Measures every supported variant, and at last as many bare scans as one beam has sub-rays.
   std::vector<Runner> on() const {
     std::vector<Runner> runners;
     runners.push_back(bare("bare"));
@@ -166,7 +167,7 @@ class CostOfEffects {
     return runners;
   }
 
-  /// The same by CUDA on the same card, where it can be had there.
+  /// Measures some variants by CUDA on the same card, if available.
   void besideCuda(std::vector<Outcome>& outcomes) const {
     for (const Variant& variant : variants_) {
       if (std::find(std::begin(kBesideCuda), std::end(kBesideCuda), variant.name) == std::end(kBesideCuda)) continue;
@@ -196,7 +197,7 @@ class CostOfEffects {
     return shots;
   }
 
-  /// It has scanned from the first pose.
+  /// Returns the bare scan, which has scanned from the first pose.
   Runner bare(const char* name) const {
     Runner bare = {name, "", simulator(Effects::none(), {}), shotsOf(Effects::none())};
     bare.simulator.scanInto(bare.shots[0], bare.scan);
@@ -215,7 +216,7 @@ class CostOfEffects {
   Effects requestOf(const std::string& effect) const {
     for (const Variant& variant : variants_)
       if (variant.effect == effect) return variant.request;
-    refuse(effect, "there is no request for it");
+    refuse(effect, "no request of the bench uses it");
   }
 
   static std::string reasonOf(const Plan& plan, const std::string& effect) {
@@ -231,7 +232,7 @@ class CostOfEffects {
   std::vector<Variant> variants_;
 };
 
-/// What the goes of one runner, or of several that do the same, come to.
+/// Summary of the rounds of one runner, or of several equal ones.
 struct Row {
   std::string name, effect;
   Spread totalMs, deviceMs, ratio;
@@ -249,7 +250,7 @@ Row rowOf(const Runner& runner) {
   return row;
 }
 
-/// All effects off, one by one, as one row.
+/// Combines all switched-off effects in one row.
 Row offRow(std::vector<Runner>& runners) {
   Runner& all = runners[1];
   all.name = "off";
@@ -306,7 +307,7 @@ Table tableOf(const std::vector<Row>& rows, const std::string& note) {
   return table;
 }
 
-/// How long `a` takes beside `b`: the median of the rounds.
+/// Returns the median ratio of `a` to `b` over the rounds.
 double ratioOf(const std::vector<Runner>& runners, const std::string& a, const std::string& b) {
   const auto find = [&](const std::string& name) -> const Runner& {
     return *std::find_if(runners.begin(), runners.end(), [&](const Runner& runner) { return runner.name == name; });
@@ -348,9 +349,10 @@ Report effects(Session& session) {
   }
   report.bars.xLabel = "times a bare scan: median, 10th to 90th percentile";
   report.tables = {tableOf(
-      rows, formatted("%zu effects were off one by one: their plans and clouds are those of a bare scan. 19 sub-rays "
-                      "take %.2f of the time of 19 scans. Stages in ms by the device's clock",
-                      effectNames().size(), share))};
+      rows,
+      formatted("%zu effects were switched off one by one: plans and clouds equal a bare scan's. 19 sub-rays take "
+                "%.2f of the time of 19 scans. Steps are in ms by the device's clock",
+                effectNames().size(), share))};
   return report;
 }
 

@@ -9,8 +9,7 @@ namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
 
-/// A turn about all three axes by angles of no special kind: without it, planes along the axes would come out better
-/// than they are.
+/// A rotation about all three axes. Without it, planes along the axes would have smaller errors than usual planes.
 Transform generalTurn() {
   const double a = 0.7, b = 0.4, c = 1.1;
   const Transform x = {{1, 0, 0, 0, 0, std::cos(a), -std::sin(a), 0, 0, std::sin(a), std::cos(a), 0}};
@@ -26,7 +25,7 @@ Transform transposed(const Transform& t) {
 
 class Builder {
  public:
-  /// Its mesh holds the points turned, its instance turns them back: neither is exact in single precision.
+  /// The mesh holds rotated points and the instance rotates them back, so neither is exact in single precision.
   explicit Builder(const Transform& turn = generalTurn()) : turn_(turn) {}
 
   uint32_t vertex(const Vec3& p) {
@@ -37,7 +36,7 @@ class Builder {
   void quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
     mesh_.indices.insert(mesh_.indices.end(), {a, b, c, a, c, d});
   }
-  /// Vertices at every pair of coordinates, `point` puts them in space.
+  /// Adds a vertex for every pair of coordinates; `point` maps the pair to space.
   template <class Point>
   void grid(const std::vector<double>& us, const std::vector<double>& vs, Point point) {
     const uint32_t first = static_cast<uint32_t>(mesh_.vertexCount()), width = static_cast<uint32_t>(vs.size());
@@ -85,7 +84,7 @@ Scene ballScene(double radius) {
   return builder.take();
 }
 
-/// Inside a ball of 20 m whose instance stands far from the world's origin.
+/// The sensor is inside a ball of 20 m that is far from the world's origin.
 HardCase worldOffset(double offset) {
   HardCase test = {offset, ballScene(20), sensorOf(1800, evenly(-60, 60, 31), 200), {}};
   const Vec3 at = {0.61 * offset, -0.77 * offset, 0.18 * offset};
@@ -97,8 +96,8 @@ HardCase worldOffset(double offset) {
   return test;
 }
 
-/// A prism of 36 walls around the sensor, 10 m away, each with a vertical sliver in its middle at which a column of
-/// beams is aimed; the walls overlap behind their meeting lines.
+/// A prism of 36 walls around the sensor, 10 m away. Each wall has a vertical sliver in its middle, at which a column
+/// of beams is aimed; neighbouring walls overlap behind their common line.
 HardCase sliverWidth(double width) {
   constexpr uint32_t kWalls = 36;
   constexpr double kDistance = 10;
@@ -116,7 +115,7 @@ HardCase sliverWidth(double width) {
   return test;
 }
 
-/// Above a plane that the beams meet 25 to 50 m away under angles of 1 to 2 times the one given.
+/// The sensor is above a plane, which the beams hit 25 to 50 m away under 1 to 2 times the given angle.
 HardCase grazingAngle(double degrees) {
   const double height = 50 * std::sin(degrees * kRadians);
   Builder builder;
@@ -124,7 +123,7 @@ HardCase grazingAngle(double degrees) {
   return {degrees, builder.take(), sensorOf(1800, evenly(-2 * degrees, -degrees, 15), 200), {}};
 }
 
-/// Above a ground of square quads, at least 140 m wide, so large that at last one quad is all of it.
+/// The sensor is above a ground of square quads, at least 140 m wide; the largest quad is the whole ground.
 HardCase quadSize(double size) {
   const uint32_t count = std::max(1u, static_cast<uint32_t>(std::ceil(140 / size)));
   const double low = count == 1 ? -0.47 * size : -0.5 * count * size + 0.37, high = low + count * size;
@@ -135,7 +134,7 @@ HardCase quadSize(double size) {
   return {size, builder.take(), sensorOf(1800, evenly(-25, -2, 31), 120), {}};
 }
 
-/// Inside a ball of this radius, off its middle.
+/// The sensor is inside a ball of this radius, not at its centre.
 HardCase range(double radius) {
   HardCase test = {radius, ballScene(radius), sensorOf(1800, evenly(-60, 60, 31), 4 * radius), {}};
   test.pose.position = {0.21 * radius, -0.13 * radius, 0.08 * radius};

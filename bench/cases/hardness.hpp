@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Families of cases that grow harder in one thing. In each, the beams meet one continuous surface and every beam hits
-// it, so that a beam that is lost is lost, and the true range does not depend on who owns a shared edge.
+// Families of cases of growing difficulty. In each, the beams meet one continuous surface that every beam hits: a beam
+// without a hit is therefore an error, and the true range does not depend on which triangle owns a shared edge.
 #pragma once
 
 #include <string>
@@ -11,15 +11,15 @@
 namespace gnosphere::bench {
 
 struct HardCase {
-  double hardness = 1;  ///< what the family's `unit` counts
+  double hardness = 1;  ///< in the family's `unit`
   Scene scene;
   Sensor sensor;
   Pose pose;
 };
 
 struct Family {
-  const char* name;   ///< for programs
-  const char* title;  ///< for people
+  const char* name;   ///< for JSON
+  const char* title;  ///< for tables and plots
   const char* unit;
   std::vector<double> hardness;  ///< from easy to hard
   HardCase (*make)(double hardness);

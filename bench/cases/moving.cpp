@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes that move: what a structure costs when it has to be renewed for every scan.
+// Scenes with moving objects: the time to update a structure before every scan.
 #include "cases.hpp"
 
 namespace gnosphere::bench {
@@ -17,7 +17,7 @@ Report dynamic(Session& session) {
     const double x = static_cast<double>(all);
     const std::string label = sensor.name + ", all " + cli::grouped(all) + " instances move";
     session.hold({label, x, scene, sensor, Motion::transforms, all}, report.outcomes);
-    const std::string any = sensor.name + ", everything may move";
+    const std::string any = sensor.name + ", all vertices may move";
     session.hold({any, x, scene, sensor, Motion::everything, all}, report.outcomes);
   }
   report.tables = {timesTable(report.outcomes), floorTable(report.outcomes)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's tables and figures.
+// The tables and figures of the paper.
 #include "cases.hpp"
 
 namespace gnosphere::bench {
@@ -8,7 +8,7 @@ namespace {
 const std::vector<std::string> kPhysical = {"HDL-64E"};
 const std::vector<std::string> kHypothetical = {"Hypothetical-256", "Hypothetical-350"};
 
-/// A contest per sensor over one scene.
+/// Runs one contest per sensor over one scene.
 std::vector<Outcome> overSensors(Session& session, const std::vector<std::string>& names, Motion motion) {
   const Scene scene = session.scene();
   std::vector<Outcome> outcomes;
@@ -63,7 +63,8 @@ Report figure6Range(Session& session) {
 Report figure6Towns(Session& session) {
   Report report;
   report.xLabel = "triangles of the town";
-  Table densities = {"Of the box around the town, seen from above", {{"town", "triangles", "triangles per km2"}}};
+  Table densities = {"Triangles per area of the town's bounding box, seen from above",
+                     {{"town", "triangles", "triangles per km2"}}};
   const auto measure = [&](const std::string& name, const Scene& scene) {
     densities.rows.push_back({name, cli::grouped(scene.placedTriangleCount()), perSquareKilometre(scene)});
     const double triangles = static_cast<double>(scene.placedTriangleCount());

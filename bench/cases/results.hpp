@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every case says of itself, and where it says it.
+// The header of every result, and writing result files.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace gnosphere::bench {
 
-/// Command, version and device: results without these are worth nothing later.
+/// Command, version and device, without which results cannot be interpreted later.
 inline cli::Json resultsHead(const DeviceInfo& device) {
   return {{"command", cli::commandLine()}, {"version", GNOSPHERE_VERSION}, {"device", cli::toJson(device)}};
 }
@@ -21,7 +21,7 @@ inline void printHead(const DeviceInfo& device) {
   cli::say("command", cli::commandLine());
 }
 
-/// To stdout for "-", nowhere for "".
+/// Writes to stdout if `file` is "-", and nothing if it is empty.
 inline void writeResult(const std::string& file, const std::string& bytes) {
   if (file.empty()) return;
   if (file == "-") {
@@ -33,7 +33,7 @@ inline void writeResult(const std::string& file, const std::string& bytes) {
   output.commit();
 }
 
-/// Told before the work: throws if a file cannot be written.
+/// Checks the file before the work: throws if it cannot be written.
 inline void checkResult(const std::string& file) {
   if (!file.empty() && file != "-") checkWritable(file);
 }

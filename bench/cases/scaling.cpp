@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the time grows with the scene and with the beams.
+// Measures how the time grows with the number of triangles and of beams.
 #include "cases.hpp"
 
 namespace gnosphere::bench {
 namespace {
 
-/// A grid over the hypothetical sensors' field of view.
+/// A sensor with this grid over the field of view of the hypothetical sensors.
 Sensor grid(uint32_t channels, uint32_t columns) {
   Sensor sensor = findSensor("Hypothetical-256");
   sensor.name = std::to_string(channels) + " x " + std::to_string(columns);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere-bench stability: how the error of each accuracy grows as a case grows harder.
+// gnosphere-bench stability: measures how the error of each accuracy grows with the difficulty of a case.
 #include "cases/stability.hpp"
 
 #include <algorithm>
@@ -23,19 +23,19 @@ struct Options {
   bool ends = false;
 };
 
-/// One accuracy on one case. Ties count like any beam: see hardness.hpp.
+/// One accuracy on one case. Ties count like any other beam: see hardness.hpp.
 struct Verdict {
   Comparison comparison;
   uint64_t lost() const { return comparison.missed + comparison.tieMissed; }
   double lostShare() const { return static_cast<double>(lost()) / static_cast<double>(comparison.hits); }
   double error() const { return std::max(comparison.hitErrorMax, comparison.tieErrorMax); }
-  /// There may be nothing left to measure.
+  /// False if every beam is lost, so that there is no error to measure.
   bool anyHit() const { return lost() < comparison.hits; }
 };
 
 struct Row {
   double hardness;
-  std::vector<Verdict> outcomes;  ///< of kAccuracies
+  std::vector<Verdict> outcomes;  ///< in the order of kAccuracies
 };
 
 struct FamilyResult {
@@ -62,7 +62,7 @@ Row measure(const HardCase& test, const std::string& device, DeviceInfo& info) {
 
 std::vector<FamilyResult> measureAll(const Options& options, DeviceInfo& info) {
   uint64_t total = 0, done = 0;
-  for (const Family& family : families()) total += family.hardness.size();  // a bound: some may be left out
+  for (const Family& family : families()) total += family.hardness.size();  // an upper bound, as some may be left out
   const auto progress = cli::stepProgress();
   std::vector<FamilyResult> results;
   for (const Family& family : families()) {
@@ -113,7 +113,7 @@ cli::Json familiesJson(const std::vector<FamilyResult>& results) {
   return {{"families", families}};
 }
 
-/// The looks of the four lines: they often lie on each other, so the markers nest.
+/// Markers of the four lines. They are nested, because the lines often coincide.
 cli::PlotSeries look(size_t setting) {
   static const cli::PlotSeries kLooks[] = {
       {"paper", cli::Marker::cross, "#d55e00", "2 3", 4, {}},
@@ -147,8 +147,8 @@ std::string toSvg(const std::vector<FamilyResult>& results, const DeviceInfo& in
   cli::Plot plot;
   plot.title = "How stable each accuracy is";
   plot.notes = {
-      "Every beam meets one continuous surface; ranges against the double-precision reference, ties counted "
-      "like any beam. " +
+      "Every beam hits one continuous surface; errors are relative to the double-precision reference, and ties "
+      "count like any beam. " +
       info.name};
   plot.legend = true;
   plot.columns = results.size();
@@ -188,11 +188,12 @@ std::function<int()> addStability(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   std::vector<std::string> names;
   for (const Family& family : families()) names.push_back(family.name);
-  app.add_option("--device", options->device, "As gnosphere scan --device")->capture_default_str();
-  app.add_option("--family", options->family, "Only one of the families")->check(CLI::IsMember(names));
-  app.add_flag("--ends", options->ends, "Only the easiest and the hardest case of each family");
-  app.add_option("--plot", options->plot, "An .svg: two panels per family");
-  app.add_option("--json", options->json, "A JSON file of everything measured, or - for stdout");
+  app.add_option("--device", options->device, "A device, as in gnosphere scan --device")->capture_default_str();
+  app.add_option("--family", options->family, "Run only this family of cases")->check(CLI::IsMember(names));
+  app.add_flag("--ends", options->ends, "Run only the easiest and the hardest case of each family");
+  app.add_option("--plot", options->plot, "Write an .svg plot with two panels per family");
+  app.add_option("--json", options->json, "Write all measurements to a JSON file, or - for stdout");
+  app.footer("Example: gnosphere-bench stability --ends --plot stability.svg");
   return [options] { return run(*options); };
 }
 

@@ -9,10 +9,10 @@
 
 namespace gnosphere::bench {
 
-/// Adds its options to `app` and returns what runs it: the result is the exit status.
+/// Adds its options to `app` and returns the action that runs it; the result is the exit status.
 std::function<int()> addStability(CLI::App& app);
 
-/// The results of all families, for a file with those of other cases.
+/// Returns the results of all families, for a file that holds other cases, too.
 cli::Json stabilityOf(const std::string& device);
 
 }  // namespace gnosphere::bench

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's Table 5: how far each point is from the nearest of the reference's. It says little of a beam's own error,
-// so that stands beside it.
+// Table 5 of the paper: the distance from each point to the nearest point of the reference. It says little about a
+// beam's own error, which is therefore listed, too.
 #include "cases.hpp"
 
 namespace gnosphere::bench {
 namespace {
 
-/// Ranges along the beams, where a contender gives no points.
+/// Computes points from ranges if a contender returns none.
 Scan withPoints(Scan scan, const Sensor& sensor) {
   if (!scan.points.empty()) return scan;
   scan.points.reserve(3 * scan.ranges.size());
@@ -50,7 +50,7 @@ std::vector<Tally> count(Session& session, const Scene& scene, const Sensor& sen
       tallies[c].wrongRange += comparison.wrongRange;
       if (c == 0 && contenders[c]->judged() && comparison.missed + comparison.falseHits + comparison.wrongRange > 0)
         throw Error(ErrorCode::device,
-                    "table5: the answer differs from the reference in frame " + std::to_string(frame + 1));
+                    "table5: the result differs from the reference in frame " + std::to_string(frame + 1));
     }
   }
   return tallies;
@@ -69,7 +69,7 @@ Report table5(Session& session) {
   const Sensor sensor = session.sensors({"HDL-64E"})[0];
   const std::vector<Tally> tallies = count(session, scene, sensor);
   Report report;
-  Table table = {"Points whose nearest neighbour in the reference's cloud is so far away; beams: outside ties", {}};
+  Table table = {"Points by the distance to their nearest neighbour in the reference's cloud; beams: without ties", {}};
   table.rows = {{"m"}};
   for (const Tally& tally : tallies) table.rows[0].push_back(tally.name);
   for (size_t bin = 0; bin <= kNearestBins.size(); ++bin) {

@@ -16,7 +16,7 @@ struct Row {
   Ranges ranges = Ranges::other;
 };
 
-// 0.00087 rad are 0.05 degrees. `auto` where it depends on the scene whether there is anything to be shown.
+// 0.00087 rad are 0.05 degrees. `auto` is used where the scene decides whether the effect applies.
 const std::vector<Row> kRows = {
     {"intensity", "intensity", {"intensity=on"}, {Field::intensity}, Ranges::same},
     {"detection, 10 % at 50 m", "detection", {"detection.reflectance=0.1", "detection.range=50"}, {}, Ranges::same},
@@ -76,7 +76,7 @@ SensorMotion drivenFrom(const Pose& pose, double seconds) {
   Pose end = pose;
   end.position = {pose.position.x + metres * forward.x, pose.position.y + metres * forward.y,
                   pose.position.z + metres * forward.z};
-  const double c = std::cos(half), s = std::sin(half);  // about the sensor's own z axis
+  const double c = std::cos(half), s = std::sin(half);  // rotation about the sensor's z axis
   end.orientation = {x * c + y * s, y * c - x * s, z * c + w * s, w * c - z * s};
   return {{{0, pose}, {seconds, end}}};
 }

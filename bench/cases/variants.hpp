@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The requests whose cost is measured: each effect alone, with figures that a user would ask for.
+// The requests whose time is measured: each effect alone, with typical parameters.
 #pragma once
 
 #include <string>
@@ -9,28 +9,28 @@
 
 namespace gnosphere::bench {
 
-/// Where the surfaces are that are returned, beside those that a bare scan sees.
+/// How the ranges of returned surfaces compare with those of a bare scan.
 enum class Ranges {
-  same,   ///< there, bit by bit
-  near,   ///< as agreementOf() has it: a line of sight of its own, along the beam
-  other,  ///< elsewhere
+  same,   ///< equal, bit by bit
+  near,   ///< equal up to agreementOf(), because the effect traces its own line along the beam
+  other,  ///< different
 };
 
 struct Variant {
   std::string name;
-  std::string effect;  ///< of effectNames(); empty: several
-  Effects request;     ///< nothing else, but for intensity where it is needed
+  std::string effect;  ///< of effectNames(); empty: several effects
+  Effects request;     ///< this effect alone, plus intensity where the effect needs it
   std::vector<Field> fields = {};
   Ranges ranges = Ranges::other;
 };
 
-/// Every effect alone and last all of them at once. `dust`: where a box of it stands, world.
+/// Returns every effect alone, and at last all at once. `dust` is the place of a box of dust in the world.
 std::vector<Variant> variantsOf(const Vec3& dust);
 
-/// From `pose` on, at 15 m/s along the sensor's x axis and turning by 30 degrees a second.
+/// A motion from `pose` on at 15 m/s along the sensor's x axis, with a rotation of 30 degrees a second.
 SensorMotion drivenFrom(const Pose& pose, double seconds);
 
-/// The vehicles of the town at 10 m/s along their own x axis; in another scene whatever there is.
+/// Moves the town's vehicles at 10 m/s along their own x axis; in another scene, all instances.
 std::vector<InstanceMotion> drivenVehicles(const Scene& scene, double seconds);
 
 }  // namespace gnosphere::bench

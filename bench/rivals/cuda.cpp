@@ -11,7 +11,7 @@ namespace {
 bool same(const DeviceInfo& vulkan, const DeviceInfo& cuda) {
   constexpr decltype(DeviceInfo::uuid) kUntold = {};
   if (vulkan.uuid != kUntold && cuda.uuid != kUntold) return vulkan.uuid == cuda.uuid;
-  return cuda.name.ends_with(" " + vulkan.name);  // after "cuda:0"
+  return cuda.name.ends_with(" " + vulkan.name);  // CUDA names begin with "cuda:0"
 }
 
 }  // namespace

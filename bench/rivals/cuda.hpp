@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same card by CUDA.
+// Finds the CUDA device that is the same card as a Vulkan device.
 #pragma once
 
 #include <string>
@@ -9,8 +9,9 @@
 
 namespace gnosphere::bench {
 
-/// Which of the CUDA devices is the card of a Vulkan one: by its UUID where the drivers tell one, else the first of its
-/// name. Throws Error(device) that says why there is none; `problem` is what it says where the list is empty.
+/// Returns the index of the CUDA device that is the card of a Vulkan device: by UUID if both drivers report one, else
+/// the first with the same name. Throws Error(device) with the reason if there is none; `problem` is the reason if the
+/// list is empty.
 size_t sameCard(const DeviceInfo& vulkan, const std::vector<DeviceInfo>& cuda, const std::string& problem);
 
 }  // namespace gnosphere::bench

@@ -16,7 +16,7 @@
 namespace gnosphere::bench {
 namespace {
 
-/// Mesh frame -> the scene's frame: relative to `origin`, the mesh's own origin included.
+/// Transform from the mesh frame to the scene's frame: relative to `origin`, including the mesh's own origin.
 Transform relativeTo(const Vec3& origin, const Transform& transform, const Vec3& meshOrigin) {
   Transform from, to;
   from.rows = {1, 0, 0, meshOrigin.x, 0, 1, 0, meshOrigin.y, 0, 0, 1, meshOrigin.z};
@@ -24,7 +24,7 @@ Transform relativeTo(const Vec3& origin, const Transform& transform, const Vec3&
   return to * (transform * from);
 }
 
-/// Embree reads 16 bytes at every vertex: the last one, too.
+/// Embree reads 16 bytes at every vertex, beyond the end of the last one.
 constexpr size_t kPadding = 1;
 
 class Embree : public Rival {
@@ -94,10 +94,10 @@ class Embree : public Rival {
                              static_cast<float>(pose.position.z - origin_.z)};
     const float near = static_cast<float>(sensor.rangeMin), far = static_cast<float>(sensor.rangeMax);
     const std::vector<Packet>& packets = table_.packets();
-    constexpr size_t kShare = 32;  // packets: a share takes some 10 us
+    constexpr size_t kShare = 32;  // packets: a share takes about 10 us
     workers_.run((packets.size() + kShare - 1) / kShare, [&](size_t share) {
 #ifdef __SSE3__
-      _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // as Embree's manual asks for
+      _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // required by Embree's manual
       _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 #endif
       const size_t end = std::min(packets.size(), (share + 1) * kShare);
@@ -144,7 +144,7 @@ class Embree : public Rival {
     return scene;
   }
 
-  /// The vertices of a set: of a mesh as they are, or of an instance in the scene's frame.
+  /// Fills the vertices of a set: a mesh's own, or those of an instance in the scene's frame.
   void fill(size_t set) {
     const Mesh& mesh = scene_.meshes[instanced() ? set : scene_.instances[set].mesh];
     std::vector<float>& vertices = vertices_[set];
@@ -163,7 +163,7 @@ class Embree : public Rival {
     }
   }
 
-  /// A set of vertices as geometry number `set` of `scene`; number 0 of a mesh's own scene.
+  /// Attaches a set of vertices as geometry number `set` of `scene`, or as number 0 of a mesh's own scene.
   void attach(RTCScene scene, size_t set, size_t meshIndex) {
     const Mesh& mesh = scene_.meshes[meshIndex];
     const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -7,20 +7,20 @@
 
 namespace gnosphere::bench {
 
-/// How Embree is asked to hold a scene. Always robust, on all cores.
+/// How Embree stores a scene. It always uses the robust mode and all cores.
 enum class EmbreeWay {
-  flat,       ///< every instance's triangles in one tree, made to be traced
-  instanced,  ///< a tree per mesh and one over the instances, made to be traced
-  rebuilt,    ///< one tree of low quality, built anew when anything has moved
-  placed,     ///< as `instanced`, but the tree over the instances is of low quality and built anew when they have moved
-  refitted,   ///< a tree per instance in world space, its boxes adapted when vertices have moved
+  flat,       ///< all instances' triangles in one tree, optimised for tracing
+  instanced,  ///< a tree per mesh and one over the instances, optimised for tracing
+  rebuilt,    ///< one tree of low quality, rebuilt when anything has moved
+  placed,     ///< as `instanced`, but the tree over the instances has low quality and is rebuilt when they have moved
+  refitted,   ///< a tree per instance in world space, whose boxes are updated when vertices have moved
 };
 
-/// Whether it was there when the bench was built.
+/// Whether the bench was built with Embree.
 bool haveEmbree();
 
-/// Vertices are handed over in single precision relative to `origin`, which should be near the sensor. Nothing is
-/// built yet. The scene must outlive the rival. Throws Error(device) without Embree.
+/// Vertices are stored in single precision relative to `origin`, which should be near the sensor. build() must be
+/// called first. The scene must outlive the rival. Throws Error(device) without Embree.
 std::unique_ptr<Rival> makeEmbree(const Scene& scene, const Vec3& origin, EmbreeWay way);
 
 }  // namespace gnosphere::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// In the place of embree.cpp where there is no Embree.
+// Replaces embree.cpp in builds without Embree.
 #include "gnosphere/error.hpp"
 #include "rivals/embree.hpp"
 

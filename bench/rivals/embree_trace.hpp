@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One packet through Embree, the same for versions 3 and 4.
+// Traces one packet with Embree 3 or 4.
 #pragma once
 
 #if GNOSPHERE_EMBREE >= 4
@@ -31,7 +31,7 @@ inline void intersect(RTCScene scene, const int* valid, RTCRayHit16& packet) {
 #endif
 }
 
-/// `origin`: of the rays, in the scene's frame.
+/// `origin` is that of the rays, in the scene's frame.
 inline void tracePacket(RTCScene scene, const Packet& packet, const float (&origin)[3], float rangeMin, float rangeMax,
                         bool instanced, Hits& hits) {
   alignas(64) int valid[kPacketBeams];

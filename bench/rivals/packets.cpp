@@ -6,7 +6,7 @@
 namespace gnosphere::bench {
 namespace {
 
-/// v turned by q: v + 2 w (u x v) + 2 u x (u x v), u being q's vector part.
+/// Rotates v by q: v + 2 w (u x v) + 2 u x (u x v), with q's vector part u.
 Vec3 turn(const Quaternion& q, const Vec3& v) {
   const Vec3 t = {2 * (q.y * v.z - q.z * v.y), 2 * (q.z * v.x - q.x * v.z), 2 * (q.x * v.y - q.y * v.x)};
   return {v.x + q.w * t.x + q.y * t.z - q.z * t.y, v.y + q.w * t.y + q.z * t.x - q.x * t.z,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Beams in packets of 16 neighbours, as ray tracers like them.
+// Packets of 16 neighbouring beams, which suit ray tracers.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,17 @@ namespace gnosphere::bench {
 
 inline constexpr uint32_t kPacketBeams = 16;
 
-/// Neighbours in a row: `count` beams from number `first` on, their directions in the world. (Packets of 2, 4, 8 and 16
-/// channels were slower to trace with every sensor tried.)
+/// `count` neighbouring beams of a channel from number `first` on, with directions in the world. (Packets of 2, 4, 8
+/// and 16 channels were slower to trace with every sensor tried.)
 struct alignas(64) Packet {
   float x[kPacketBeams] = {}, y[kPacketBeams] = {}, z[kPacketBeams] = {};
   uint32_t first = 0, count = 0;
 };
 
-/// The packets of a sensor, turned as it stands. Computed in double precision.
+/// The packets of a sensor, rotated to its orientation. Computed in double precision.
 class PacketTable {
  public:
-  /// Does nothing if the table is of this sensor and orientation already.
+  /// Does nothing if the table already has this sensor and orientation.
   void prepare(const Sensor& sensor, const Quaternion& orientation);
   const std::vector<Packet>& packets() const { return packets_; }
 
@@ -32,7 +32,7 @@ class PacketTable {
 
   std::string sensor_;                  ///< as JSON
   std::vector<Vec3> directions_;        ///< of the beams, in the sensor's frame
-  Quaternion orientation_{0, 0, 0, 0};  ///< of packets_
+  Quaternion orientation_{0, 0, 0, 0};  ///< orientation of packets_
   std::vector<Packet> packets_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One invocation is one beam: the nearest triangle of either face, by a ray query. A workgroup is a tile of the grid of
-// beams, so that its rays stay together.
+// Finds the nearest triangle of either face by a ray query; one invocation per beam. A workgroup is a tile of the grid
+// of beams, so that its rays are close together.
 #version 460
 #extension GL_EXT_ray_query : require
 #extension GL_GOOGLE_include_directive : require

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One invocation is a beam that has met nothing.
+// Reports that a beam hit nothing.
 #version 460
 #extension GL_EXT_ray_tracing : require
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a ray shader is told (struct Rays of vulkan_rival.hpp) and what it answers.
+// Inputs (struct Rays of vulkan_rival.hpp) and outputs of the ray shaders.
 #extension GL_EXT_buffer_reference : require
 
 layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer Floats { float at[]; };
@@ -9,7 +9,7 @@ layout(buffer_reference, std430, buffer_reference_align = 4) writeonly buffer Wo
 layout(push_constant) uniform Rays {
   vec4 toScene[3];        // sensor frame -> the structure's frame
   Floats directions;      // 3 per beam, unit, sensor frame
-  Placements placements;  // per entry of the top structure: its first triangle, its instance
+  Placements placements;  // per entry of the top structure: its first triangle and its instance
   Words hits;             // ranges, then triangles, then instances
   float rangeMin, rangeMax;
   uint columns, channels;

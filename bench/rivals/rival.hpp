@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every rival offers, so that the cases can treat them alike: a structure to build, to keep and to trace.
+// The common interface of the rivals: a structure to build, update and trace.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace gnosphere::bench {
 
-/// An instance at its new place.
+/// The new transform of an instance.
 struct Moved {
   size_t instance = 0;
   Transform transform;
@@ -23,7 +23,7 @@ struct Moved {
 
 /// One entry per beam, as in Scan: a miss is NaN in `points` and `ranges`, kNoTriangle in `triangles` and `instances`.
 struct Hits {
-  std::vector<float> points;  ///< x, y, z: metres from the sensor, in any axes; everybody delivers a cloud
+  std::vector<float> points;  ///< x, y, z in metres from the sensor, along any axes; every contender delivers a cloud
   std::vector<float> ranges;  ///< metres
   std::vector<uint32_t> triangles, instances;
 
@@ -35,30 +35,31 @@ struct Hits {
   }
 };
 
-/// A way to answer what every beam meets: both faces of a triangle reflect, within the sensor's range. Times are
-/// milliseconds of wall time, from the call to its end; `deviceMs` is the same on the device's own clock.
+/// A method to find the nearest hit of every beam: both faces of a triangle reflect, within the sensor's range. Times
+/// are milliseconds of wall time of the whole call; `deviceMs` is measured by the device's own clock.
 class Rival {
  public:
   virtual ~Rival() = default;
   virtual std::string name() const = 0;
-  /// The whole structure from the scene, from scratch. The scene was given to the constructor.
+  /// Builds the whole structure from scratch, from the scene given to the constructor.
   virtual double build() = 0;
-  /// What has to be done after instances have moved, as the structure was made for it (Motion): moving the vertices
-  /// themselves is not counted where they are held in the scene's frame.
+  /// Updates the structure after instances have moved, in the way that its Motion selects. The time to move vertices
+  /// that are stored in the scene's frame is not counted.
   virtual double update(std::span<const Moved> moved) = 0;
-  /// The nearest hit of every beam. What depends on the beams alone (directions) is prepared before the clock starts.
+  /// Finds the nearest hit of every beam. Data that depends only on the beams (directions) is prepared before the clock
+  /// starts.
   virtual double trace(const Sensor& sensor, const Pose& pose, Hits& hits) = 0;
-  /// Of the last of the calls above; 0 where the device has no clock or there is none.
+  /// Device time of the last of these calls; 0 if there is none.
   virtual double deviceMs() const { return 0; }
-  /// Device memory, or the host's where that is the device, that the structure and its inputs occupy; 0: not known.
+  /// Memory of the structure and its inputs, on the device or on the host if that is the device; 0: not known.
   virtual uint64_t memoryBytes() const { return 0; }
 };
 
-/// What a structure is made for.
+/// The kind of motion for which a structure is made.
 enum class Motion {
-  none,        ///< the fastest to trace, however long it takes to build
-  transforms,  ///< instances move: what is above them is renewed, meshes are kept
-  everything,  ///< any vertex may move: the fastest to build, from scratch each time
+  none,        ///< none: fastest to trace, however long it takes to build
+  transforms,  ///< instances move: the tree above the meshes is updated, meshes are kept
+  everything,  ///< any vertex may move: fastest to build, from scratch each time
 };
 
 }  // namespace gnosphere::bench

@@ -16,7 +16,7 @@ namespace {
 
 using Contenders = std::vector<std::unique_ptr<Contender>>;
 
-/// Beyond this many placed triangles one tree over all of them is not tried: it would take more than 5 GB.
+/// Most placed triangles for which one tree over all is built: more would need over 5 GB.
 constexpr uint64_t kFlatTriangles = 30'000'000;
 
 void addEmbree(const RivalSetting& setting, Contenders& contenders, std::vector<std::string>& notes) {
@@ -26,19 +26,20 @@ void addEmbree(const RivalSetting& setting, Contenders& contenders, std::vector<
   for (EmbreeWay way : ways) {
     const bool flat = way != EmbreeWay::instanced && way != EmbreeWay::placed;
     if (flat && setting.scene.placedTriangleCount() > kFlatTriangles)
-      notes.push_back("embree: one tree over more than " + cli::grouped(kFlatTriangles) + " triangles is not tried");
+      notes.push_back("embree: one tree over more than " + cli::grouped(kFlatTriangles) +
+                      " triangles would take too much memory");
     else
       contenders.push_back(makeGuest(makeEmbree(setting.scene, setting.origin, way), setting.request.sensor));
   }
 }
 
-/// On a CPU, Vulkan's ray tracing takes minutes per scan beyond this many beams.
+/// Most beams for Vulkan's ray tracing on a CPU, which would take minutes per scan with more.
 constexpr size_t kSoftwareBeams = 500'000;
 
 void addVulkan(VulkanWay way, const char* name, const RivalSetting& setting, Contenders& contenders,
                std::vector<std::string>& notes) {
   if (setting.device.apiVersion.empty())
-    throw Error(ErrorCode::device, std::string(name) + ": " + setting.device.name + " is no Vulkan device");
+    throw Error(ErrorCode::device, std::string(name) + ": " + setting.device.name + " is not a Vulkan device");
   if (setting.device.type == "cpu" && setting.request.sensor.beamCount() > kSoftwareBeams) {
     notes.push_back(std::string(name) + ": more than " + cli::grouped(kSoftwareBeams) +
                     " beams on a CPU would take minutes per scan");
@@ -60,10 +61,11 @@ void addRayTracing(const RivalSetting& setting, Contenders& contenders, std::vec
   addVulkan(VulkanWay::rayTracingPipeline, "raytracing", setting, contenders, notes);
 }
 
-/// Our own stages, as exact as Vulkan's and as nvcc makes them.
+/// GnoSphere by CUDA: with the same accuracy as by Vulkan, and with nvcc's faster arithmetic.
 void addCuda(const RivalSetting& setting, Contenders& contenders, std::vector<std::string>&) {
   if (setting.device.type == "cpu" || setting.device.apiVersion.empty())
-    throw Error(ErrorCode::device, "cuda: beside Vulkan on a card only, and ours runs on " + setting.device.name);
+    throw Error(ErrorCode::device,
+                "cuda is compared with Vulkan on the same card, but GnoSphere runs on " + setting.device.name);
   std::string problem;
   const std::vector<DeviceInfo> devices = cuda::devices(problem);
   const std::string number = std::to_string(sameCard(setting.device, devices, problem));
@@ -95,7 +97,7 @@ std::vector<std::string> parseRivals(const std::string& text) {
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       std::string list;
       for (const std::string& other : known) list += ", " + other;
-      throw Error(ErrorCode::invalidArgument, "--rivals: there is no '" + name + "'; there are all, none" + list);
+      throw Error(ErrorCode::invalidArgument, "--rivals: '" + name + "' is unknown; known are all, none" + list);
     }
     names.push_back(name);
   }

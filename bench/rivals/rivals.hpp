@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of rivals.
+// The list of rivals.
 #pragma once
 
 #include <memory>
@@ -10,19 +10,20 @@
 
 namespace gnosphere::bench {
 
-/// "all", "none" or names with commas between -> names. Throws Error(invalidArgument) that lists those there are.
+/// Parses "all", "none" or names separated by commas. Throws Error(invalidArgument) that lists the known names.
 std::vector<std::string> parseRivals(const std::string& text);
 
 struct RivalSetting {
-  const Scene& scene;  ///< has to outlive the rivals
+  const Scene& scene;  ///< must outlive the rivals
   const SensorRequest& request;
   Vec3 origin;  ///< near the sensor
   Motion motion = Motion::none;
-  SimulatorOptions options;  ///< of ours
-  DeviceInfo device;         ///< that ours runs on
+  SimulatorOptions options;  ///< GnoSphere's options
+  DeviceInfo device;         ///< the device that GnoSphere uses
 };
 
-/// Every way of these rivals that suits the motion. Those that cannot be had here are left out, and `notes` says why.
+/// Makes every variant of these rivals that suits the motion. `notes` gets the reasons for those that are not
+/// available.
 std::vector<std::unique_ptr<Contender>> makeRivals(const std::vector<std::string>& names, const RivalSetting& setting,
                                                    std::vector<std::string>& notes);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vulkan's own ray tracing, on the device that we run on.
+// Vulkan's ray tracing, on the device that GnoSphere uses.
 #pragma once
 
 #include "gnosphere/simulator.hpp"
@@ -13,13 +13,13 @@ struct VulkanOptions {
   DeviceChoice device;
   Motion motion = Motion::none;
   bool validation = false;
-  uint64_t maxAllocationBytes = 0;  ///< cap on any one allocation; 0 = what the device allows
+  uint64_t maxAllocationBytes = 0;  ///< limit on any one allocation; 0: the device's own
 };
 
-/// Meshes are shared by their instances, as in the scene, and placed in single precision relative to `origin`, which
-/// should be near the sensor. Nothing is built yet. update() renews what is above the meshes; with Motion::everything
-/// it also refits every mesh, while build() builds them anew. Drivers compile at the first call of each: warm up.
-/// Throws Error(device) that says what the device lacks, Error(outOfMemory).
+/// Instances share meshes as in the scene, and are placed in single precision relative to `origin`, which should be
+/// near the sensor. build() must be called first. update() rebuilds the top structure; with Motion::everything it also
+/// refits every mesh, while build() rebuilds them. Drivers compile at the first call of each function, so warm up.
+/// Throws Error(device) with the feature that the device lacks, or Error(outOfMemory).
 std::unique_ptr<Rival> makeVulkan(const Scene& scene, const Vec3& origin, VulkanWay way,
                                   const VulkanOptions& options = {});
 

@@ -5,8 +5,8 @@
 
 namespace gnosphere::bench {
 
-/// Bytes read and written per millisecond by copies within the device's memory, by its own clock, at best; 0 for a
-/// device that has none or does not trace rays. `device`: as SimulatorOptions::device.
+/// Returns the highest rate of copies within the device's memory, in bytes read and written per millisecond by its own
+/// clock; 0 if it has no clock or does not trace rays. `device` is a value for SimulatorOptions::device.
 double vulkanCopyRate(const std::string& device);
 
 }  // namespace gnosphere::bench

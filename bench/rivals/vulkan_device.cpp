@@ -138,7 +138,7 @@ void RayDevice::createDevice(const char* extension) {
   vkGetPhysicalDeviceFeatures2(physical_, &features);
   if (!structures.accelerationStructure || !features12.bufferDeviceAddress) refuse("acceleration structures");
   if (!(pipeline_ ? pipeline.rayTracingPipeline : query.rayQuery)) refuse(std::string("the feature of ") + extension);
-  // Only what is used.
+  // Only the features that are used are enabled.
   pipeline = {pipeline.sType};
   pipeline.rayTracingPipeline = VK_TRUE;
   structures = {structures.sType, structures.pNext};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Vulkan device that traces rays: its memory, and commands that are run and timed.
+// A Vulkan device with ray tracing: its memory, and commands that are run and timed.
 #pragma once
 
 #include <functional>
@@ -13,11 +13,11 @@ namespace gnosphere::bench {
 
 class RayDevice;
 
-/// A buffer whose memory shaders and builds may address. Host-visible memory is coherent.
+/// A buffer that shaders and builds access by address. Host-visible memory is coherent.
 class RayBuffer {
  public:
   RayBuffer() = default;
-  /// Throws Error(outOfMemory), `name` being what the buffer holds.
+  /// `name` describes the content. Throws Error(outOfMemory).
   RayBuffer(const RayDevice& device, const char* name, uint64_t bytes, MemoryKind memory);
   ~RayBuffer();
   RayBuffer(RayBuffer&& other) noexcept { swap(other); }
@@ -29,7 +29,7 @@ class RayBuffer {
   VkBuffer handle() const { return buffer_; }
   uint64_t bytes() const { return bytes_; }
   VkDeviceAddress address() const { return address_; }
-  void* mapped() const { return mapped_; }  ///< null where the host cannot see it
+  void* mapped() const { return mapped_; }  ///< null if the memory is not host-visible
 
  private:
   void swap(RayBuffer& other) noexcept;
@@ -49,19 +49,19 @@ struct Slice {
   VkDeviceAddress address() const { return buffer->address() + offset; }
 };
 
-/// Many slices in few allocations, of which a device has only some thousands.
+/// Many slices in few allocations, because a device supports only some thousands of allocations.
 class Arena {
  public:
   Arena(const RayDevice& device, const char* name) : device_(device), name_(name) {}
-  /// At a multiple of 256 bytes, as acceleration structures need it.
+  /// Returns a slice at a multiple of 256 bytes, which acceleration structures require.
   Slice take(uint64_t bytes);
-  uint64_t bytes() const { return bytes_; }  ///< taken
+  uint64_t bytes() const { return bytes_; }  ///< bytes taken
 
  private:
   const RayDevice& device_;
   const char* name_;
   std::vector<std::unique_ptr<RayBuffer>> blocks_;
-  uint64_t used_ = 0;  // of the last block
+  uint64_t used_ = 0;  // bytes used in the last block
   uint64_t bytes_ = 0;
 };
 
@@ -69,8 +69,8 @@ using Record = std::function<void(VkCommandBuffer)>;
 
 class RayDevice {
  public:
-  /// The device that the options mean to the library too, with acceleration structures and `extension` (ray query or
-  /// ray-tracing pipeline). Throws Error(device) that says what it lacks.
+  /// Opens the device that the library would choose, with acceleration structures and `extension` (ray query or
+  /// ray-tracing pipeline). Throws Error(device) with the feature that it lacks.
   RayDevice(const VulkanOptions& options, const char* extension);
   ~RayDevice();
   RayDevice(const RayDevice&) = delete;
@@ -87,7 +87,7 @@ class RayDevice {
   /// Runs `timed`, then `rest`, and waits. Returns the milliseconds of `timed` by the device's clock, 0 if it has none.
   double run(const Record& timed, const Record& rest = {});
   void write(const Slice& to, const void* data, uint64_t bytes);
-  /// Throws Error(device) with what the validation layer has said.
+  /// Throws Error(device) with the messages of the validation layer.
   void throwOnMessages() { instance_.throwOnMessages(); }
 
  private:
@@ -108,7 +108,7 @@ class RayDevice {
   RayBuffer staging_;
 };
 
-/// Everything before is done, and seen by everything after.
+/// A full barrier: later commands wait for earlier ones and see their writes.
 void barrier(VkCommandBuffer commands);
 
 }  // namespace gnosphere::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays from a compute shader, by VK_KHR_ray_query.
+// Traces rays from a compute shader, by VK_KHR_ray_query.
 #include <cstdint>
 
 #include "ray_query.spv.h"
@@ -8,7 +8,7 @@
 namespace gnosphere::bench {
 namespace {
 
-constexpr uint32_t kTile = 8;  // local size of ray_query.comp, both ways
+constexpr uint32_t kTile = 8;  // local size of ray_query.comp in x and y
 
 class RayQuery final : public VulkanRival {
  public:

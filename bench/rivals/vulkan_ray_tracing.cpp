@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays from a ray-generation shader, by VK_KHR_ray_tracing_pipeline.
+// Traces rays from a ray-generation shader, by VK_KHR_ray_tracing_pipeline.
 #include <cstdint>
 #include <cstring>
 
@@ -59,7 +59,7 @@ class RayTracingPipeline final : public VulkanRival {
     VK(result);
   }
 
-  // The shader binding table: one handle per group, each at the start of a region of its own.
+  // Makes the shader binding table: one handle per group, each at the start of its own region.
   void makeTable() {
     VkPhysicalDeviceRayTracingPipelinePropertiesKHR limits = {
         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};

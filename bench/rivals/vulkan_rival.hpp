@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What both ways of tracing rays with Vulkan share: all but the pipeline.
+// Shared by both ways of tracing rays with Vulkan: all but the pipeline.
 #pragma once
 
 #include "rivals/vulkan.hpp"
@@ -29,7 +29,7 @@ class VulkanRival : public Rival {
   uint64_t memoryBytes() const override { return structure_.bytes(); }
 
  protected:
-  /// The pipeline is bound and the rays are cast; descriptors and push constants are there.
+  /// Binds the pipeline and traces the rays; descriptors and push constants are set before.
   virtual void recordRays(VkCommandBuffer commands, uint32_t columns, uint32_t channels) const = 0;
 
   VkShaderModule makeShader(std::span<const uint32_t> spirv) const;
@@ -52,7 +52,7 @@ class VulkanRival : public Rival {
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
-  Sensor sensor_;  // the one of the directions
+  Sensor sensor_;  // the sensor whose directions are uploaded
   std::vector<float> directionsOnHost_;
   RayBuffer directions_, hits_, readback_;
   double deviceMs_ = 0;

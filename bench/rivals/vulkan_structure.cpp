@@ -9,7 +9,8 @@ namespace {
 constexpr VkAccelerationStructureTypeKHR kBottom = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
 constexpr VkAccelerationStructureTypeKHR kTop = VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR;
 
-/// Meshes are built together until their scratch takes this much: enough to fill a device, little beside its memory.
+/// Meshes are built in batches up to this much scratch memory: it fills a device but is little compared with its
+/// memory.
 constexpr uint64_t kScratchBytes = 256 << 20;
 
 VkBuildAccelerationStructureFlagsKHR flagsOf(VkAccelerationStructureTypeKHR type, Motion motion) {
@@ -41,7 +42,7 @@ RayStructure::RayStructure(RayDevice& device, const Scene& scene, const Vec3& or
   for (const Mesh& mesh : scene.meshes) addMesh(mesh);
   createParts();
   createTop(scene);
-  // The address of a buffer need not be aligned as scratch must be.
+  // The address of a buffer may be less aligned than scratch memory must be.
   scratch_ = RayBuffer(device_, "scratch", scratchBytes_ + device_.scratchAlignment(), MemoryKind::device);
   device_.throwOnMessages();
 }
@@ -85,7 +86,7 @@ bool RayStructure::fits(Part& part) const {
   const VkAccelerationStructureBuildSizesInfoKHR sizes = sizesOf(kBottom, part.geometry, part.triangleCount);
   part.structureBytes = sizes.accelerationStructureSize;
   part.scratchBytes = std::max(sizes.buildScratchSize, sizes.updateScratchSize);
-  // Half, so that neither alignment nor the neighbours in a batch take it beyond the limit.
+  // Half of the limit leaves room for alignment and for the other parts of a batch.
   return std::max(part.structureBytes, part.scratchBytes) <= device_.maxAllocationBytes() / 2 ||
          part.triangleCount == 1;
 }
@@ -142,7 +143,7 @@ void RayStructure::move(std::span<const Moved> moved) {
 
 void RayStructure::place(size_t instance, const Transform& transform) {
   const MeshParts& parts = meshes_[instances_[instance].mesh];
-  const Vec3 at = transform * parts.origin;  // where the mesh's vertices count from
+  const Vec3 at = transform * parts.origin;  // the origin of the mesh's vertices
   const double translation[3] = {at.x - origin_.x, at.y - origin_.y, at.z - origin_.z};
   VkAccelerationStructureInstanceKHR entry = {};
   for (int row = 0; row < 3; ++row) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene as acceleration structures: one or more per mesh, and one over the instances.
+// A scene as acceleration structures: one or more per mesh, and one over the instances (the top structure).
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace gnosphere::bench {
 
-/// Destroys what it holds.
+/// Destroys the structures that it holds.
 struct StructureHandles {
   ~StructureHandles();
   VkDevice device;
@@ -19,28 +19,28 @@ struct StructureHandles {
 
 class RayStructure {
  public:
-  /// Uploads the geometry and makes room for the structures and their scratch; nothing is built yet. Instances are
-  /// placed relative to `origin`, in single precision. Throws Error(outOfMemory).
+  /// Uploads the geometry and allocates the structures and their scratch, without building them. Instances are placed
+  /// relative to `origin`, in single precision. Throws Error(outOfMemory).
   RayStructure(RayDevice& device, const Scene& scene, const Vec3& origin, Motion motion);
 
   void move(std::span<const Moved> moved);
   void recordMeshes(VkCommandBuffer commands) const {
     recordMeshes(commands, VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR);
   }
-  /// Adapts the boxes to where the vertices are now; only for Motion::everything, and after recordMeshes().
+  /// Updates the boxes after vertices have moved; only for Motion::everything, and after recordMeshes().
   void recordRefit(VkCommandBuffer commands) const {
     recordMeshes(commands, VK_BUILD_ACCELERATION_STRUCTURE_MODE_UPDATE_KHR);
   }
-  /// What is above the meshes. It has few leaves: always built anew, never refitted.
+  /// Rebuilds the top structure. It has few leaves, so it is never refitted.
   void recordTop(VkCommandBuffer commands) const;
 
   VkAccelerationStructureKHR top() const { return top_; }
-  /// Per entry of the top structure the first of its triangles within the mesh, and the scene's instance.
+  /// Per entry of the top structure: the number of its first triangle within the mesh, and the scene's instance.
   VkDeviceAddress placements() const { return placements_.address(); }
   uint64_t bytes() const;
 
  private:
-  // A run of a mesh's triangles: the whole mesh, unless its structure would be larger than one allocation may be.
+  // A run of a mesh's triangles: the whole mesh, unless its structure would exceed the largest allocation.
   struct Part {
     VkAccelerationStructureGeometryKHR geometry;
     uint32_t firstTriangle, triangleCount;
@@ -49,7 +49,7 @@ class RayStructure {
     uint64_t scratchOffset;
     VkDeviceAddress address;
   };
-  // Parts that are built at once, each with scratch of its own.
+  // Parts that are built at once, each with its own scratch memory.
   struct Batch {
     size_t firstPart, partCount;
   };

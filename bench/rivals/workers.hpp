@@ -10,7 +10,7 @@
 
 namespace gnosphere::bench {
 
-/// A thread per core, asleep between the calls.
+/// One thread per core, which sleep between calls.
 class Workers {
  public:
   Workers() {
@@ -28,7 +28,7 @@ class Workers {
     for (std::thread& thread : threads_) thread.join();
   }
 
-  /// task(0) .. task(count - 1), each once, whoever is free taking the next; returns when all are done.
+  /// Calls task(0) .. task(count - 1), each once, on the next free thread; returns when all are done.
   void run(size_t count, const std::function<void(size_t)>& task) {
     {
       const std::lock_guard lock(mutex_);

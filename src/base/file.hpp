@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files, whole: read at once, or written beside and renamed when complete.
+// Reads whole files, and writes files that appear only when they are complete.
 #pragma once
 
 #include <cerrno>
@@ -14,7 +14,8 @@
 
 namespace gnosphere {
 
-/// Throws Error(file) with the system's reason, Error(format) beyond `maxBytes`.
+/// Returns the content of a file. Throws Error(file) with the system's reason, or Error(format) if it exceeds
+/// `maxBytes`.
 inline std::string readWholeFile(const std::filesystem::path& file, uint64_t maxBytes = UINT64_MAX) {
   const auto refuse = [&] {
     const int reason = errno;
@@ -42,8 +43,8 @@ inline std::string readWholeFile(const std::filesystem::path& file, uint64_t max
   return bytes;
 }
 
-/// A file that exists complete or not at all: written as NAME.part, renamed by commit(), removed without it.
-/// Every member throws Error(file) with the system's reason.
+/// An output file that appears only when it is complete: it is written as NAME.part, which commit() renames and the
+/// destructor removes. Every member throws Error(file) with the system's reason.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path file) : file_(std::move(file)), part_(file_) {
@@ -81,7 +82,7 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// Throws Error(file) if `file` cannot be written, before there is anything to write. Leaves nothing behind.
+/// Throws Error(file) if `file` cannot be written, before any work is done for it. No file is left behind.
 inline void checkWritable(const std::filesystem::path& file) {
   const AtomicFile probe(file);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words in ASCII, compared without regard to case.
+// ASCII text without regard to case.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace gnosphere {
 
-/// The character in lower case; one that is not an ASCII letter stays as it is, whatever the locale.
+/// Returns the character in lower case. Only ASCII letters change, whatever the locale.
 constexpr char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
@@ -23,7 +23,7 @@ inline bool sameWord(std::string_view a, std::string_view b) {
   return lower(a) == lower(b);
 }
 
-/// Whether `part` occurs in `text`.
+/// Returns whether `part` occurs in `text`.
 inline bool containsWord(std::string_view text, std::string_view part) {
   return lower(text).find(lower(part)) != std::string::npos;
 }

@@ -10,15 +10,15 @@
 
 namespace gnosphere {
 
-/// Threads that this machine runs at once, at least one. Asked once: the C library opens a file for it.
+/// Number of threads that this machine runs at once, at least one. Cached, because the C library opens a file for it.
 inline unsigned threadCount() {
   static const unsigned count = std::max(1u, std::thread::hardware_concurrency());
   return count;
 }
 
-/// work(first, end) for 0..count - 1 in runs of `run`, on at most so many threads at once, the caller's among them.
-/// Whoever is free takes the next run: a thread starts late. Where the system starts no more threads, those that run do
-/// all the work.
+/// Calls work(first, end) for 0..count - 1 in runs of `run`, on at most `threads` threads, the caller's among them.
+/// Each thread takes the next run when it is done with one, because a thread may start late. If the system starts fewer
+/// threads, those that run do all the work.
 template <typename Work>
 void inRuns(uint64_t count, uint64_t run, uint64_t threads, const Work& work) {
   std::atomic<uint64_t> next = 0;

@@ -12,7 +12,7 @@
 namespace gnosphere {
 namespace {
 
-/// Nearest rank in sorted values.
+/// Percentile by nearest rank in sorted values.
 double rankOf(const std::vector<double>& sorted, double share) {
   const double rank = std::ceil(share * static_cast<double>(sorted.size()));
   return sorted[static_cast<size_t>(std::max(rank, 1.0)) - 1];
@@ -30,9 +30,9 @@ std::vector<NamedExactness> settings() {
   return list;
 }
 
-constexpr size_t kStandard = 2;  ///< among the settings
+constexpr size_t kStandard = 2;  ///< index of `standard` in the list of settings
 
-/// Each from `standard`, one thing changed.
+/// Settings that differ from `standard` in one part each.
 std::vector<NamedExactness> parts() {
   std::vector<NamedExactness> list(4, {"", exactnessOf(Accuracy::standard)});
   list[0].name = "corner bounds";
@@ -46,7 +46,7 @@ std::vector<NamedExactness> parts() {
   return list;
 }
 
-/// One row while it is measured.
+/// One row of the table while it is measured.
 struct Subject {
   AccuracyRow row;
   Simulator simulator;
@@ -66,7 +66,7 @@ class Measurement {
       tell("set up", subjects_.size(), rows.size());
       SimulatorOptions settings = options.simulator;
       settings.exactness = row.exactness;
-      settings.tuning.keepStill = false;  // the times are those of whole scans
+      settings.tuning.keepStill = false;  // the times are those of whole scans, without reuse of still instances
       subjects_.push_back({{row.name, row.exactness},
                            Simulator(scene, {sensor, Effects::none()}, settings),
                            ComparisonSum(sample_.sensor.beamCount() * poses.size(), 1e-3),
@@ -94,7 +94,8 @@ class Measurement {
     if (options_.progress) options_.progress(step, done, total);
   }
 
-  /// Also the warm-up: afterwards every list on the device has the room that these poses need.
+  /// Compares every row with the reference. This also warms up: afterwards every list on the device is large enough for
+  /// these poses.
   void compareAll(const Scene& scene) {
     SimulatorOptions settings = options_.simulator;
     settings.device = DeviceChoice::Kind::reference;
@@ -113,8 +114,8 @@ class Measurement {
     }
   }
 
-  /// One scan of each in turn, so that whatever else the machine does falls on all alike. The poses are spread over
-  /// the runs.
+  /// Scans once with each row in turn, so that other load of the machine affects all rows alike. The poses are spread
+  /// over the runs.
   void timeAll() {
     for (uint32_t run = 0; run < options_.runs; ++run) {
       tell("time run", run + 1, options_.runs);

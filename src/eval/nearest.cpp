@@ -7,7 +7,7 @@
 namespace gnosphere {
 namespace {
 
-/// The hits of a scan, as the k-d tree wants to see them.
+/// The hits of a scan in the form that the k-d tree reads.
 struct Points {
   explicit Points(const Scan& scan) : scan_(scan) {
     for (uint32_t beam = 0; beam < scan.beamCount(); ++beam)
@@ -37,13 +37,13 @@ size_t binOf(double distance) {
 
 NearestHistogram nearestHistogram(const Scan& reference, const Scan& other) {
   const Points points(reference);
-  std::unique_ptr<Tree> tree;  // made when first needed: it seldom is
+  std::unique_ptr<Tree> tree;  // made when first needed, which is rare
   NearestHistogram histogram{};
   for (size_t beam = 0; beam < other.beamCount(); ++beam) {
     if (!other.hit(beam)) continue;
     const float* p = &other.points[3 * beam];
     const double query[3] = {p[0], p[1], p[2]};
-    // The beam's own point is the nearest or there is a nearer one: in the first bin either way.
+    // The nearest point is the beam's own or a nearer one; both fall into the first bin.
     if (beam < reference.beamCount() && reference.hit(beam)) {
       const float* own = &reference.points[3 * beam];
       if (binOf(std::hypot(query[0] - own[0], query[1] - own[1], query[2] - own[2])) == 0) {

@@ -34,7 +34,7 @@ BeamSample sampleOf(const Sensor& sensor, uint64_t count, uint32_t seed) {
     const uint64_t first = all * i / count, last = all * (i + 1) / count;
     const uint64_t beam = first + random() % (last - first);
     const Channel& channel = sensor.channels[beam / sensor.columns];
-    // A sensor of one column looks to -180 degrees; the rest of the way is the channel's own offset.
+    // A sensor of one column points to -180 degrees; the channel's own offset turns it to the beam's azimuth.
     const double column = 360.0 * static_cast<double>(beam % sensor.columns) / sensor.columns;
     sample.sensor.channels.push_back({channel.elevationDeg, std::remainder(column + channel.azimuthOffsetDeg, 360.0)});
     sample.beams.push_back(beam);

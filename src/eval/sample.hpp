@@ -6,14 +6,17 @@
 
 namespace gnosphere {
 
-/// Some beams of a sensor, as a sensor of their own: the reference answers for these alone.
+/// Some beams of a sensor as a sensor of their own, so that the reference traces only these.
 struct BeamSample {
   Sensor sensor;
-  std::vector<size_t> beams;  ///< of the whole sensor, in the order of the sample's; empty: it is the whole sensor
-  Scan of(Scan scan) const;   ///< what a scan of the whole sensor says of them
+  /// The beams' numbers in the whole sensor, in the sample's order; empty: the sample is the whole sensor.
+  std::vector<size_t> beams;
+  /// Selects the sampled beams from a scan of the whole sensor.
+  Scan of(Scan scan) const;
 };
 
-/// About `count` beams, one at a random place in each of as many equal runs of beams; all of them if 0 or so few.
+/// Samples about `count` beams, one at a random place in each of `count` equal runs of beams. Takes all beams if
+/// `count` is 0 or not less than their number.
 BeamSample sampleOf(const Sensor& sensor, uint64_t count, uint32_t seed);
 
 }  // namespace gnosphere

@@ -12,7 +12,7 @@
 namespace gnosphere {
 namespace {
 
-// Of the corner opposite to the longest edge; 0 for slivers that have no area in single precision.
+// Height over the longest edge; 0 for slivers that have no area in single precision.
 float smallestHeight(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const float longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
   return longest > 0 ? glm::length(glm::cross(b - a, c - a)) / longest : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From where does a whole cluster show its back?
+// Back-face cone of a cluster: the eye positions from which all its triangles are back-facing.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@ namespace gnosphere {
 /// A triangle of a cluster.
 struct FlatTriangle {
   uint32_t corners;  ///< vertex numbers within the cluster, 8 bits each, in winding order
-  uint32_t index;    ///< within the mesh
+  uint32_t index;    ///< number of the triangle within the mesh
 };
 
-/// With c and r the middle and half diagonal of the cluster's box, and o the eye, in the mesh frame: every triangle
-/// shows its back if dot(c - o, axis) >= sine * |c - o| + r. (The sphere of a cone of normals, as in meshoptimizer.)
+/// Let c and r be the middle and half diagonal of the cluster's box, and o the eye, in the mesh frame: every triangle
+/// is back-facing if dot(c - o, axis) >= sine * |c - o| + r. (This is the normal cone of meshoptimizer.)
 struct Cone {
   float axis[3] = {0, 0, 1};  ///< unit vector about which the triangles' normals lie
-  float sine = 1;             ///< of the widest angle between a normal and the axis; 1 where there is no such eye
-  float thinness = 0;         ///< 1 / smallest height of a triangle: what a rounded corner tilts it by, per distance
+  float sine = 1;      ///< of the widest angle between a normal and the axis; 1 if no eye position sees only back faces
+  float thinness = 0;  ///< 1 / smallest height of a triangle: how far rounding of a corner can tilt it, per distance
 };
 
 Cone coneOf(const float* positions, std::span<const FlatTriangle> triangles);

@@ -40,7 +40,7 @@ class MeshFlattener {
     return fateOf(position(corner[0]), position(corner[1]), position(corner[2])) == Fate::usable;
   }
 
-  // Triangles that lie together in space share a cluster: sorted along a space-filling curve, then cut.
+  // Triangles that lie close together share a cluster: they are sorted along a space-filling curve, which is then cut.
   void flattenPart(const MeshPart& part) {
     std::vector<uint32_t> triangles, others;
     triangles.reserve(part.triangleCount);
@@ -99,8 +99,8 @@ class MeshFlattener {
   const Mesh& mesh_;
   const std::vector<Material>& materials_;
   FlatMesh flat_;
-  std::vector<uint32_t> cluster_;  // the last cluster a vertex went to, plus one
-  std::vector<uint8_t> number_;    // and its number there
+  std::vector<uint32_t> cluster_;  // by vertex: the last cluster that uses it, plus one
+  std::vector<uint8_t> number_;    // by vertex: its number in that cluster
 };
 
 }  // namespace

@@ -18,9 +18,10 @@ glm::dmat3 linear(const Transform& t) {
 
 void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dmat3& toWorld,
              const glm::dmat3& fromWorld, const glm::dvec3& position, uint32_t number, gpu::Instance& out) {
-  // The world subtraction comes first, in double: what is left is small wherever in the world the scene lies.
+  // World positions are subtracted first, in double: the difference is small wherever in the world the scene lies.
   const glm::dvec3 translation = position - sensor;
-  // The pivot is the sensor's place in the mesh frame. A transform that flattens the mesh has none: zero then.
+  // The pivot is the sensor's position in the mesh frame. A transform that flattens the mesh has no inverse; its pivot
+  // is zero.
   const glm::vec3 rounded(-(fromWorld * translation));
   const bool usable = glm::all(glm::lessThanEqual(glm::abs(rounded), glm::vec3(gpu::kCoordinateLimit)));
   const glm::vec3 pivot = usable ? rounded : glm::vec3(0);
@@ -37,7 +38,7 @@ void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dm
   out.firstTriangle = number;
 }
 
-// By bits: zeros of either sign make different clouds.
+// Compares bits, because zeros of different sign make different clouds.
 template <typename T>
 bool same(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
@@ -114,7 +115,7 @@ void InstanceTable::moveSpheres() {
   anyReshaped_ = false;
 }
 
-// Around the box of the mesh, turned with it.
+// Sphere in the world around the transformed box of the mesh.
 InstanceTable::Sphere InstanceTable::sphereOf(const Placement& placement) const {
   const MeshSummary& mesh = meshOf(placement);
   const glm::dvec3 centre = 0.5 * (mesh.low + mesh.high), half = 0.5 * (mesh.high - mesh.low);
@@ -123,7 +124,7 @@ InstanceTable::Sphere InstanceTable::sphereOf(const Placement& placement) const 
   return {placement.position + m * centre, glm::length(reach)};
 }
 
-// So many more instances of a mesh.
+// Adds `instances` (may be negative) times the mesh's triangles to the scene's counters.
 void InstanceTable::count(uint32_t mesh, int64_t instances) {
   if (mesh == kNoMesh) return;
   const MeshSummary& summary = meshes_[mesh];
@@ -156,7 +157,8 @@ void InstanceTable::findVisible(const glm::dvec3& sensor, double reach, const Se
     if (!moving && !selection.still) continue;
     const Sphere& sphere = spheres_[i];
     const glm::dvec3 away = sphere.centre - sensor;
-    // Wider than single precision errs on the device. What is not finite stays: comparisons with NaN are false.
+    // The margin exceeds the rounding errors on the device. Spheres that are not finite stay: comparisons with NaN are
+    // false.
     const double limit = (reach + sphere.radius) * 1.00001;
     if (glm::dot(away, away) > limit * limit) continue;
     if (usableTriangles(i) > 0) (moving ? visibleMoving_ : visibleStill_).push_back(i);
@@ -194,7 +196,7 @@ void InstanceTable::writeOwnerRanges(uint32_t* ranges) const {
   for (const auto& range : ownerRanges_) ranges = std::copy(range.begin(), range.end(), ranges);
 }
 
-// The last instance whose first triangle is not above the number.
+// Finds the last instance whose first triangle number is at most `number`.
 InstanceTable::Owner InstanceTable::ownerOf(uint32_t number) const {
   const auto [from, to] = ownerRanges_[number / gpu::kOwnerBlock];
   const auto firsts = firstTriangles_.begin();
@@ -238,7 +240,7 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
     }
 }
 
-// v = V x for a point x of the mesh at the start, and x = M^-1 (p - m) for that point p of the world.
+// With v = V x for a point x of the mesh at the start of the scan, and x = M^-1 (p - m) for that point p in the world.
 double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMotion> motions, double period,
                                    gpu::InstanceMotion* to) const {
   std::fill(to, to + count(), gpu::InstanceMotion{});

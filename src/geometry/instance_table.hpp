@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the meshes are placed: what may move between two scans.
+// The instances of a scene: where the meshes are placed, and which of them a scan sees.
 #pragma once
 
 #include <array>
@@ -12,83 +12,85 @@
 
 namespace gnosphere {
 
-/// What placing a mesh needs to know of it.
+/// Properties of a mesh that its instances need.
 struct MeshSummary {
-  uint32_t firstGroup = 0, groups = 0;  ///< of clusters
-  uint32_t clusters = 0;                ///< in those groups
+  uint32_t firstGroup = 0, groups = 0;  ///< groups of clusters
+  uint32_t clusters = 0;                ///< clusters in those groups
   Vec3 origin;
   glm::dvec3 low = {}, high = {};  ///< box of its triangles, relative to the origin
   uint32_t triangles = 0, nonFinite = 0, degenerate = 0;
 };
 
-/// Which instances a scan places: the moving ones, and the others if `still` says so.
+/// Which instances a scan places: the moving ones, and the still ones if `still` is set.
 struct Selection {
-  std::span<const uint8_t> moving;  ///< by instance: 1 if it moves; empty: none
+  std::span<const uint8_t> moving;  ///< by instance: 1 if it moves; empty: no instance moves
   bool still = true;
 };
 
-/// What a scan places: the instances within reach, as groups of clusters.
+/// The instances within reach that a scan places, as groups of clusters.
 struct PlacedGroups {
   /// A run of (instance, group) pairs: the first one, how many, and the clusters in them.
   struct Run {
     uint32_t first = 0, groups = 0, clusters = 0;
   };
-  Run still, moving;  ///< the pairs of the still ones come first
+  Run still, moving;  ///< the pairs of the still instances come first
 };
 
-/// Triangles are numbered instance by instance, so that a number tells its instance. A removed instance stays as one of
-/// an empty mesh.
+/// Triangles are numbered instance by instance, so that a triangle's number leads to its instance. A removed instance
+/// stays in the table with an empty mesh.
 class InstanceTable {
  public:
-  /// Meshes come before what places them.
+  /// A mesh must be added before the instances that place it.
   void addMesh(MeshSummary mesh);
   const MeshSummary& mesh(size_t mesh) const { return meshes_[mesh]; }
-  /// After the mesh's positions have changed.
+  /// Updates a mesh after its positions have changed.
   void setMesh(size_t mesh, MeshSummary summary);
-  /// Adds the next instance, or moves or replaces one that is there; kNoMesh removes it.
+  /// Adds the next instance, or moves or replaces an existing one; kNoMesh removes it.
   void set(size_t index, uint32_t mesh, const Transform& transform);
 
   uint32_t count() const { return static_cast<uint32_t>(placements_.size()); }
-  /// Triangles placed, and dropped while flattening.
+  /// Counts of triangles placed, and of triangles dropped while flattening.
   const Counters& counters() const { return counters_; }
 
   /// Goes up with every change of an instance or of a mesh's positions.
   uint64_t changes() const { return changes_; }
-  /// changes() after the last change of the instance or its mesh, and of any triangle's number.
+  /// Value of changes() after the last change of the instance or its mesh, and after the last change of any triangle's
+  /// number.
   uint64_t changedAt(size_t instance) const;
   uint64_t renumberedAt() const { return renumberedAt_; }
-  /// Neither degenerate nor with a vertex that is not finite: of all instances, or of one.
+  /// Number of triangles with area and finite corners: of all instances, or of one.
   uint64_t usableTriangles() const { return counters_.triangles - counters_.nonFinite - counters_.degenerate; }
   uint64_t usableTriangles(size_t instance) const;
 
-  /// Chooses what a scan places: the selected instances within reach (metres). What is written below is of them.
+  /// Chooses what a scan places: the selected instances within reach (metres). The writers below write the chosen ones.
   PlacedGroups choose(const Pose& pose, double reach, const Selection& selection);
-  /// Their transforms to the sensor's frame, composed in double; `instances` has room for count().
+  /// Writes the transforms to the sensor's frame, composed in double; `instances` has room for count().
   void writeTransforms(const Pose& pose, gpu::Instance* instances) const;
-  /// (instance, group) pairs.
+  /// Writes the (instance, group) pairs.
   void writePairs(uint32_t* pairs) const;
-  /// Numbers of the triangles; the same for all scans with the same numbering().
+  /// Version of the triangle numbers: scans with the same numbering() have the same triangle numbers.
   uint64_t numbering() const { return numbering_; }
-  /// The first triangle of every instance, chosen or not.
+  /// Writes the first triangle number of every instance, chosen or not.
   void writeNumbers(gpu::Instance* instances) const;
-  /// Per kOwnerBlock placed triangles: the first and the last instance among them.
+  /// For each block of kOwnerBlock placed triangles: the first and the last instance in it.
   size_t ownerRangeCount() const { return size_t{numberCount_} / gpu::kOwnerBlock + 1; }
   void writeOwnerRanges(uint32_t* ranges) const;
-  /// Whose a placed triangle is: the instance that has the numbers first..first + triangles - 1.
+  /// The instance to which a placed triangle belongs. Its triangles are numbered first..first + triangles - 1.
   struct Owner {
     uint32_t first = 0, triangles = 0, instance = 0;
   };
   Owner ownerOf(uint32_t number) const;
-  /// Of every instance: how it moves in the sensor's frame during `period` seconds to where `motions` says; those it
-  /// does not name stand still. Returns how far any point goes, in metres.
+  /// Writes for every instance how it moves in the sensor's frame during `period` seconds to the transform that
+  /// `motions` gives; instances that it does not name stand still. Returns the largest distance that any point moves,
+  /// in metres.
   double writeMotions(const Pose& pose, std::span<const InstanceMotion> motions, double period,
                       gpu::InstanceMotion* to) const;
-  /// The mesh of every instance; that of a removed one is the one after the last.
+  /// Writes the mesh index of every instance; a removed instance gets the index after the last mesh.
   void writeMeshes(uint32_t* meshes) const;
 
  private:
   struct Placement {
-    glm::dmat3 toWorld = {}, fromWorld = {};  ///< fromWorld is zero where the transform flattens the mesh
+    glm::dmat3 toWorld = {}, fromWorld = {};  ///< fromWorld is zero if the transform flattens the mesh
     glm::dvec3 position = {};                 ///< of the mesh's origin
     uint64_t changedAt = 0;
     uint32_t mesh = 0;
@@ -99,7 +101,7 @@ class InstanceTable {
     double radius;
   };
 
-  /// Of its first triangle, as gpu::Instance has it.
+  /// First triangle number of an instance in the form of gpu::Instance: bit 31 tells that it is mirrored.
   uint32_t numberOf(size_t instance) const {
     return firstTriangles_[instance] | (placements_[instance].mirrored ? 1u << 31 : 0u);
   }
@@ -113,18 +115,18 @@ class InstanceTable {
   PlacedGroups::Run runOf(const std::vector<uint32_t>& visible, uint32_t first) const;
 
   std::vector<MeshSummary> meshes_;
-  std::vector<uint32_t> instanceCounts_;  // of each mesh
-  std::vector<uint8_t> reshaped_;         // meshes whose instances' spheres are to be made anew
-  std::vector<uint64_t> reshapedAt_;      // changes() after the last change of each mesh's positions
+  std::vector<uint32_t> instanceCounts_;  // by mesh
+  std::vector<uint8_t> reshaped_;         // by mesh: 1 if the spheres of its instances must be recomputed
+  std::vector<uint64_t> reshapedAt_;      // by mesh: changes() after the last change of its positions
   std::vector<Placement> placements_;
-  std::vector<Sphere> spheres_;                         // around each of them, in the world
-  std::vector<uint32_t> visibleStill_, visibleMoving_;  // of the last scan
-  std::vector<uint32_t> firstTriangles_;                // of each of them
+  std::vector<Sphere> spheres_;                         // bounding sphere of each instance, in the world
+  std::vector<uint32_t> visibleStill_, visibleMoving_;  // instances chosen for the last scan
+  std::vector<uint32_t> firstTriangles_;                // by instance
   std::vector<std::array<uint32_t, 2>> ownerRanges_;    // see writeOwnerRanges()
   Counters counters_;
   uint64_t changes_ = 0, renumberedAt_ = 0;
   uint32_t numberCount_ = 0;
-  uint64_t numbering_ = 0;  // goes up when numbers change
+  uint64_t numbering_ = 0;  // increases when numbers change
   bool numbered_ = false, anyReshaped_ = false;
 };
 

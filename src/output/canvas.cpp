@@ -54,7 +54,7 @@ void Canvas::fill(int x, int y, int w, int h, const Colour& colour) {
 }
 
 void Canvas::circle(float x, float y, float radius, const Colour& colour, float alpha) {
-  // One soft pixel on either side of the line; row by row, so only the ring itself is visited.
+  // The line has one soft pixel on either side. Only the ring itself is visited, row by row.
   const int last = static_cast<int>(y + radius + 2);
   for (int j = static_cast<int>(y - radius - 2); j <= last; ++j) {
     const float dy = static_cast<float>(j) - y;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels to draw on, and the colours of the pictures.
+// An image to draw on, and the colours of the pictures.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ inline Colour operator+(const Colour& a, const Colour& b) {
   return {a.r + b.r, a.g + b.g, a.b + b.b};
 }
 
-/// Blue over green to red for 0..1: Turbo, Anton Mikhailov 2019, in the polynomial form published with it.
+/// Colour map Turbo (Anton Mikhailov 2019) for 0..1, blue over green to red, in the polynomial form published with it.
 Colour turbo(float t);
 
-/// Row 0 is the top. Drawing outside is cut off.
+/// An RGB image whose row 0 is the top. Drawing outside is clipped.
 class Canvas {
  public:
   Canvas(int width, int height, const Colour& background);

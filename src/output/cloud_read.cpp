@@ -11,15 +11,17 @@
 namespace gnosphere {
 namespace {
 
-/// Beams that a file which holds only some of them may spread over: it bounds what a small, unsound file can make us
-/// allocate (450 MiB). Twice the largest model we know; more where the file has a point for one beam in 64.
+/// Limit on the grid of a file that holds only some of its beams. It bounds the memory (450 MiB) that a small, invalid
+/// file can make us allocate: twice the largest sensor model we know, or more if the file has a point for one beam in
+/// 64.
 uint64_t maxSparseBeams(const CloudTable& table) {
   return std::max(uint64_t{1} << 24, uint64_t{64} * table.rows);
 }
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// More returns than any sensor gives: it bounds what one value of an unsound file can make us allocate.
+/// Limit on returns per beam, more than any sensor gives. It bounds the memory that one invalid value can make us
+/// allocate.
 constexpr uint32_t kMostReturns = 16;
 
 struct Grid {
@@ -34,7 +36,7 @@ uint32_t whole(const CloudTable& table, const CloudColumn& column, size_t row) {
   return static_cast<uint32_t>(value);
 }
 
-/// Without a word about the grid, the rings may tell: every beam of ring j lies in row j.
+/// If the file does not state its grid, the rings may define one: every beam of ring j must lie in row j.
 Grid gridFromRings(const CloudTable& table, const CloudColumn& beam, uint64_t beams) {
   const Grid line{static_cast<uint32_t>(beams), 1};
   const CloudColumn* ring = table.find("ring");
@@ -49,7 +51,7 @@ Grid gridFromRings(const CloudTable& table, const CloudColumn& beam, uint64_t be
   return {static_cast<uint32_t>(columns), static_cast<uint32_t>(channels)};
 }
 
-/// Returns per beam: as the file says, or as its rows need.
+/// Returns per beam: the number that the file states, or the largest that its rows need.
 uint32_t findReturns(const CloudTable& table, const CloudColumn* number) {
   if (!number) return 1;
   uint32_t returns = std::max(1u, table.gridReturns);
@@ -60,10 +62,10 @@ uint32_t findReturns(const CloudTable& table, const CloudColumn* number) {
   return returns;
 }
 
-/// `returns`: per beam, at most.
+/// `returns` is the largest number of returns per beam.
 Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns) {
   if (table.rows > 0xfffffffeu) table.refuse("has more points than a 32-bit index holds");
-  const uint64_t fewest = (table.rows + returns - 1) / returns;  // beams that can have these rows
+  const uint64_t fewest = (table.rows + returns - 1) / returns;  // least number of beams that can have these rows
   if (table.gridColumns > 0) {
     const uint64_t beams = uint64_t{table.gridColumns} * table.gridChannels;
     if (beams < fewest || (beams > fewest && beams * returns > maxSparseBeams(table))) {
@@ -71,7 +73,7 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns
                    std::to_string(table.gridChannels) + " channels does not suit " + std::to_string(table.rows) +
                    " points");
     }
-    // Fewer points than beams have their place only with `beam`.
+    // If there are fewer points than beams, only the column `beam` tells which beam a point belongs to.
     if (beam || beams == table.rows) return {table.gridColumns, table.gridChannels};
   }
   if (table.height > 1) return {table.width, table.height};
@@ -84,7 +86,7 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns
   return gridFromRings(table, *beam, beams);
 }
 
-/// Which entry of the scan's arrays each row is; empty if entry = row. A miss may have the return number 0.
+/// Returns the entry in the scan's arrays for each row; empty if entry = row. A miss may have the return number 0.
 std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, const CloudColumn* number,
                               size_t beamCount, uint32_t returns) {
   std::vector<size_t> entries;
@@ -101,7 +103,7 @@ std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, 
     const size_t entry = size_t{b} * returns + k - 1;
     if (taken[entry]) {
       table.refuse((returns > 1 ? "return " + std::to_string(k) + " of beam " : std::string("beam ")) +
-                   std::to_string(b) + " is there twice");
+                   std::to_string(b) + " occurs twice");
     }
     taken[entry] = true;
     entries.push_back(entry);
@@ -109,7 +111,7 @@ std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, 
   return entries;
 }
 
-/// Puts the columns of the table where they belong in a scan; what no row is for stays as a miss has it.
+/// Copies columns of the table into a scan; entries without a row keep the values of a miss.
 class Placer {
  public:
   Placer(const CloudTable& table, size_t entryCount, std::vector<size_t> entries)
@@ -238,7 +240,7 @@ Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& so
                       Field::normal, Field::incidence, Field::material, Field::barycentrics, Field::classId,
                       Field::velocity, Field::radialSpeed, Field::time, Field::azimuth, Field::elevation})
     placer.placeField(field, columns);
-  // A file of several returns has no row for a beam without any, so it does not say what became of those.
+  // A file of several returns has no rows for beams without any return, so it cannot say why they are empty.
   if (scan.returns == 1) placer.placeField(Field::cause, columns);
 
   scan.counters.beams = beamCount;
@@ -252,7 +254,7 @@ Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& so
 
 Scan readCloud(const std::filesystem::path& file) {
   const CloudFormat format = cloudFormat(file);
-  // Not a byte is read of a cloud that cannot be placed.
+  // The sensor's grid is unknown in KITTI files, so such a file is refused before it is read.
   std::string bytes = format == CloudFormat::kitti ? "" : readWholeFile(file);
   return readCloudBytes(format, std::move(bytes), file.string());
 }

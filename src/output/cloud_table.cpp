@@ -22,14 +22,14 @@ bool isSeparator(char c) {
   return c == ' ' || c == '\t' || c == ',' || c == '\n' || c == '\r';
 }
 
-/// One value of a text file into its packed place. Floats are read as floats, so that no second rounding happens.
+/// Parses one word of a text file into its packed place. Floats are parsed as floats, to avoid a second rounding.
 bool storeText(std::string_view word, const CloudColumn& column, char* out) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   const char* end = word.data() + word.size();
   if (column.type == 'F') {
     float value = 0;
     const auto result = std::from_chars(word.data(), end, value);
-    // Out of range is what a float calls infinite or zero.
+    // A value out of range becomes infinity or zero, as in a float.
     if (result.ptr != end || result.ec == std::errc::invalid_argument) return false;
     std::memcpy(out, &value, sizeof(value));
     return true;
@@ -89,14 +89,14 @@ void CloudTable::layRows(size_t offset) {
   for (CloudColumn& column : columns) column.step = stride;
   const size_t room = bytes.size() - std::min(offset, bytes.size());
   if (stride == 0 || rows > room / stride) {
-    refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(stride) + " bytes are announced, " +
+    refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(stride) + " bytes are stated, " +
            std::to_string(room) + " bytes are there");
   }
 }
 
 void CloudTable::parseTextRows(size_t offset) {
   struct Word {
-    const CloudColumn* target;  ///< null: not a field of ours, skipped
+    const CloudColumn* target;  ///< null: a field that we do not read, skipped
     size_t offset;
   };
   std::vector<CloudColumn> ours;
@@ -111,10 +111,10 @@ void CloudTable::parseTextRows(size_t offset) {
     words.back() = {&ours.back(), stride};
     stride += sizeOf(info->type);
   }
-  // Every word takes at least two characters, so an absurd count is caught before memory is asked for.
+  // Every word takes at least two characters, so an absurd count is refused before memory is allocated.
   if (words.empty() || rows > (bytes.size() - offset + 1) / (2 * words.size())) {
     refuse("is cut short: " + std::to_string(rows) + " points of " + std::to_string(words.size()) +
-           " values are announced");
+           " values are stated");
   }
   std::string packed(rows * stride, '\0');
   const char* at = bytes.data() + offset;

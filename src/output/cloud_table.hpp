@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rows of a cloud file as they lie in memory: the one form that every reader produces and readCloud() places by
-// beam.
+// The rows of a cloud file in memory. Every reader produces this form, and readCloud() sorts it by beam.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +17,8 @@ struct CloudColumn {
   char type = 'F';  ///< PCD's letters: F float, U unsigned, I signed
   size_t size = 4;  ///< bytes of one value
   size_t count = 1;
-  size_t offset = 0;  ///< of the first row, from the start of `bytes`
-  size_t step = 0;    ///< from row to row
+  size_t offset = 0;  ///< of the first value, from the start of `bytes`
+  size_t step = 0;    ///< from one row to the next
 };
 
 struct CloudTable {
@@ -27,9 +26,9 @@ struct CloudTable {
   std::string bytes;
   std::vector<CloudColumn> columns;
   size_t rows = 0;
-  /// How the rows lie, where the file says so: width x height = rows.
+  /// The organisation of the rows, if the file states one: width x height = rows.
   uint32_t width = 0, height = 0;
-  /// The sensor's grid, where a comment of ours says so.
+  /// The sensor's grid, if the file has the comment that writeCloud() writes.
   uint32_t gridColumns = 0, gridChannels = 0, gridReturns = 1;
   std::string sensor;
 
@@ -37,12 +36,12 @@ struct CloudTable {
   const CloudColumn* find(std::string_view name) const;
   double value(const CloudColumn& column, size_t row) const;
 
-  /// Packed rows of `columns` from `offset` on. Refuses if the bytes do not suffice.
+  /// Lays out packed rows of `columns` from `offset` on. Refuses the file if it has too few bytes.
   void layRows(size_t offset);
-  /// Text rows from `offset` on, separated by spaces, tabs or commas: replaces bytes and columns by those of our
+  /// Parses text rows from `offset` on, separated by spaces, tabs or commas. Replaces bytes and columns by those of our
   /// fields.
   void parseTextRows(size_t offset);
-  /// Takes the grid from a comment line, if it is one that we write.
+  /// Takes the grid from a comment line if writeCloud() wrote it.
   void readGridComment(std::string_view line);
 };
 
@@ -51,13 +50,15 @@ CloudTable readPly(std::string bytes, const std::string& source);
 CloudTable readNpy(std::string bytes, const std::string& source);
 CloudTable readCsv(std::string bytes, const std::string& source);
 
-/// readCloud() of a file's content; `source` names it in messages. Throws Error(format).
+/// Does the work of readCloud() on a file's content; `source` names it in messages. Throws Error(format).
 Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& source);
 
-/// The next line from `position` on without its end, which may be \n or \r\n. False at the end of the text.
+/// Reads the next line from `position` on without its end,
+///  or \r
+/// . Returns false at the end of the text.
 bool nextLine(std::string_view text, size_t& position, std::string_view& line);
 std::vector<std::string_view> splitWords(std::string_view line);
-/// The whole word as a count. Refuses anything else.
+/// Parses the whole word as a count. Refuses the file if it is anything else.
 uint64_t parseCount(const CloudTable& table, std::string_view word, const char* what);
 
 }  // namespace gnosphere

@@ -24,14 +24,14 @@ void checkFields(const Scan& scan, const char* which) {
   }
 }
 
-/// The beam's k-th return; none where the scan has fewer per beam. A surface without a range is a hit too.
+/// Returns the entry of the beam's k-th return, or nothing if the beam has fewer. A hit without a range counts, too.
 std::optional<size_t> returnAt(const Scan& scan, size_t beam, size_t k) {
   if (k >= scan.returns) return {};
   const size_t entry = beam * scan.returns + k;
   return scan.hit(entry) || scan.returned(entry) ? std::optional(entry) : std::nullopt;
 }
 
-/// The percentile among the errors: 99.99 %, in ten thousandths.
+/// The percentile of the errors that is reported: 99.99 %, in ten thousandths.
 constexpr uint64_t kTenThousandths = 9999;
 
 }  // namespace
@@ -62,7 +62,7 @@ void ComparisonSum::addReturn(const Scan& reference, const Scan& other, size_t b
   const bool sameOwner = both && reference.triangles[*expected] == other.triangles[*found] &&
                          reference.instances[*expected] == other.instances[*found];
   double error = both ? std::abs(double{reference.ranges[*expected]} - double{other.ranges[*found]}) : 0;
-  if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // a hit without a range is no answer
+  if (std::isnan(error)) error = std::numeric_limits<double>::infinity();  // a hit without a range is wrong
   sum_.hits += expected.has_value();
   if (k < reference.returns && !ties_.empty() && ties_[beam * reference.returns + k] != 0) {
     ++sum_.ties;

@@ -9,10 +9,11 @@
 
 namespace gnosphere {
 
-/// A Comparison over many scans, in memory that hardly grows with them.
+/// Accumulates a Comparison over many scans in little memory.
 class ComparisonSum {
  public:
-  /// `beams`: how many there will be in all; decides how many of the largest errors the percentile needs kept.
+  /// `beams` is the number of beams in all scans; it decides how many of the largest errors are kept for the
+  /// percentile.
   ComparisonSum(uint64_t beams, double tolerance);
   /// Throws as compare() does.
   void add(const Scan& reference, const Scan& other);

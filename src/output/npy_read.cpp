@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// NPY 1.0 to 3.0 with a structured type, as numpy.save() and writeCloud() write it.
+// Reads NPY 1.0 to 3.0 with a structured type, as numpy.save() and writeCloud() write it.
 #include <cstring>
 #include <limits>
 
@@ -8,7 +8,7 @@
 namespace gnosphere {
 namespace {
 
-/// The header is a Python dictionary; this reads the few forms that NumPy writes into it.
+/// Parser of the header, a Python dictionary, for the few forms that NumPy writes.
 class Dictionary {
  public:
   Dictionary(const CloudTable& table, std::string_view text) : table_(table), text_(text) {}

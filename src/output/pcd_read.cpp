@@ -10,7 +10,7 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-/// One entry of SIZE, TYPE or COUNT per entry of FIELDS.
+/// Checks that SIZE, TYPE or COUNT has as many entries as FIELDS.
 void checkLength(const CloudTable& table, const Words& words) {
   if (words.size() != table.columns.size() + 1) {
     table.refuse("PCD header: " + std::string(words[0]) + " has " + std::to_string(words.size() - 1) +
@@ -35,7 +35,7 @@ void readCounts(CloudTable& table, const Words& words) {
   checkLength(table, words);
   for (size_t i = 1; i < words.size(); ++i) {
     const uint64_t count = parseCount(table, words[i], "PCD header: COUNT");
-    if (count > 65536) table.refuse("PCD header: COUNT " + std::to_string(count) + " is absurd");
+    if (count > 65536) table.refuse("PCD header: COUNT " + std::to_string(count) + " is too large");
     table.columns[i - 1].count = count;
   }
 }
@@ -69,11 +69,11 @@ void checkHeader(CloudTable& table, bool pointsGiven) {
   }
 }
 
-/// LZF, the compression of PCL's binary_compressed (Marc Lehmann's liblzf format): a control byte below 32 announces
-/// that many literals plus one; otherwise three bits of length and thirteen of distance back.
+/// Decompresses LZF, which PCL's binary_compressed uses (Marc Lehmann's liblzf format): a control byte below 32 starts
+/// that many literals plus one; any other holds three bits of length and thirteen bits of distance back.
 std::string decompressLzf(const CloudTable& table, std::string_view in, size_t size) {
   std::string out;
-  // No control sequence yields more than 264 bytes from its three.
+  // A control sequence has at least three bytes and yields at most 264.
   if (size / 264 > in.size()) table.refuse("compressed data is cut short");
   out.reserve(size);
   const auto byte = [&](size_t i) -> size_t {
@@ -95,11 +95,11 @@ std::string decompressLzf(const CloudTable& table, std::string_view in, size_t s
     }
     if (out.size() > size) break;
   }
-  if (out.size() != size) table.refuse("compressed data does not have the length that it announces");
+  if (out.size() != size) table.refuse("compressed data does not have the stated length");
   return out;
 }
 
-/// Compressed and full length, then the fields one after another.
+/// Reads binary_compressed data: compressed size, full size, then the fields one after another.
 void readCompressed(CloudTable& table, size_t offset) {
   uint32_t sizes[2];
   if (table.bytes.size() - offset < sizeof(sizes)) table.refuse("is cut short after its header");

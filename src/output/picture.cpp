@@ -19,7 +19,7 @@ constexpr Colour kFaint = {0.45f, 0.49f, 0.56f};
 constexpr int kMargin = 24;
 constexpr int kTitle = 56;  ///< the strip of text above each picture
 
-/// The value below which `share` of the values lie. `values` is reordered.
+/// Returns the value below which `share` of the values lie. Reorders `values`.
 float quantile(std::vector<float>& values, double share) {
   if (values.empty()) return 0;
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -33,7 +33,7 @@ std::string metres(float value) {
   return text;
 }
 
-/// How the columns and channels become pixels: large grids are grouped, small ones stretched.
+/// How columns and channels map to pixels: large grids are grouped, small ones are stretched.
 struct RangeImage {
   uint32_t columnsPerPixel = 1, channelsPerPixel = 1;
   int pixelsPerColumn = 1, pixelsPerChannel = 1;
@@ -46,7 +46,7 @@ struct RangeImage {
     channelsPerPixel = std::max(1u, (scan.channels + kHighest - 1) / kHighest);
     const int columns = static_cast<int>((scan.columns + columnsPerPixel - 1) / columnsPerPixel);
     const int channels = static_cast<int>((scan.channels + channelsPerPixel - 1) / channelsPerPixel);
-    // Only a grid of very few columns is stretched sideways; the usual one is wide enough as it is.
+    // Only a grid of very few columns is stretched sideways; any other is wide enough.
     pixelsPerColumn = std::max(1, kNarrowest / std::max(columns, 1));
     pixelsPerChannel = std::clamp(kLowest / std::max(channels, 1), 1, 40);
     width = std::max(columns * pixelsPerColumn, kNarrowest);
@@ -54,7 +54,7 @@ struct RangeImage {
   }
 };
 
-/// The nearest range of each pixel, so that a thin pole survives the grouping. Infinite: no hit.
+/// The nearest range of each pixel, so that a thin pole stays visible when columns are grouped. Infinite: no hit.
 std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image, int columns, int channels) {
   std::vector<float> nearest(static_cast<size_t>(columns) * static_cast<size_t>(channels),
                              std::numeric_limits<float>::infinity());
@@ -69,15 +69,15 @@ std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image, int 
   return nearest;
 }
 
-/// The two ends of a scale as positions in the colours. Turbo's own ends are too dark to be seen on our background.
+/// The part of the colour map that a scale uses. The ends of Turbo are too dark for our background.
 struct Shades {
   float low, high;
   Colour at(float t) const { return turbo(low + (high - low) * t); }
 };
-constexpr Shades kRangeShades = {0.95f, 0.08f};  // near is warm
+constexpr Shades kRangeShades = {0.95f, 0.08f};  // near points get warm colours
 constexpr Shades kHeightShades = {0.1f, 0.88f};
 
-/// A bar of colours with its two ends named, right-aligned at `right`.
+/// Draws a colour bar with its two ends labelled, right-aligned at `right`.
 void drawScale(Canvas& canvas, int right, int top, const std::string& low, const std::string& high,
                const Shades& shades) {
   constexpr int kBar = 220, kGap = 10;
@@ -87,20 +87,20 @@ void drawScale(Canvas& canvas, int right, int top, const std::string& low, const
   for (int i = 0; i < kBar; ++i) canvas.fill(bar + i, top + 1, 1, 13, shades.at(static_cast<float>(i) / (kBar - 1)));
 }
 
-/// Pixels of the range image; infinite where nothing was hit.
+/// Ranges of the pixels; infinite if no beam hit.
 struct Ranges {
   int columns, channels;
   std::vector<float> nearest;
-  /// The columns close a circle, the channels do not.
+  /// The columns wrap around, the channels do not.
   float at(int column, int channel) const {
     const size_t wrapped = static_cast<size_t>((column + columns) % columns);
     return nearest[static_cast<size_t>(channel) * static_cast<size_t>(columns) + wrapped];
   }
 };
 
-/// Light of a pixel, 0..1: dark where a neighbour is much nearer, so that things stand out from what is behind them
-/// (after eye-dome lighting, Boucheny 2009). Ground recedes from channel to channel without an edge, so upwards only
-/// what exceeds the recession below counts.
+/// Brightness of a pixel, 0..1: dark if a neighbour is much nearer, so that objects stand out from their background
+/// (after eye-dome lighting, Boucheny 2009). Ground recedes steadily from channel to channel, so upwards only the
+/// recession in excess of the one below counts.
 float edgeLight(const Ranges& ranges, int column, int channel) {
   const float own = std::log(ranges.at(column, channel));
   const auto behind = [&](int i, int j) {
@@ -115,8 +115,8 @@ float edgeLight(const Ranges& ranges, int column, int channel) {
   return 0.35f + 0.65f * std::exp(-8 * std::max(depth - 0.02f, 0.0f));
 }
 
-/// A panorama as the sensor sees it: forward in the middle, the sensor's left at the left, channel 0 at the bottom.
-/// Columns run counter-clockwise seen from above, so they are drawn from right to left.
+/// Draws the panorama that the sensor sees: forward is in the middle, the sensor's left at the left, channel 0 at the
+/// bottom. Columns run counter-clockwise seen from above, so they are drawn from right to left.
 void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, int left, int top) {
   canvas.fill(left, top, image.width, image.height, kMiss);
   std::vector<float> hits;
@@ -134,7 +134,7 @@ void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, i
     for (int i = 0; i < columns; ++i) {
       const float range = ranges.at(i, j);
       if (!std::isfinite(range) || range <= 0) continue;
-      // Equal ratios of range look equally far apart: near things keep their shape, far ones their order.
+      // The scale is logarithmic: it shows the shape of near objects and still orders far ones.
       const float t = std::log(std::max(range, near) / near) / std::log(far / near);
       canvas.fill(left + (columns - 1 - i) * image.pixelsPerColumn, top + (channels - 1 - j) * image.pixelsPerChannel,
                   image.pixelsPerColumn, image.pixelsPerChannel,
@@ -144,7 +144,8 @@ void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, i
   drawScale(canvas, left + image.width, top - 26, metres(near), metres(far), kRangeShades);
 }
 
-/// The bird's-eye view: x (forward) up, y to the left, `radius` metres from the middle to the edge.
+/// Geometry of the bird's-eye view: x (forward) is up, y to the left, `radius` metres lie between the middle and the
+/// edge.
 struct BirdsEye {
   int side = 0;
   float radius = 1;
@@ -185,13 +186,14 @@ void drawRings(Canvas& canvas, const BirdsEye& view, int left, int top) {
   }
 }
 
-/// Per pixel: how many soft dots lie on it, and the highest of them, for that is what a bird sees.
+/// For each pixel of the bird's-eye view: how many soft dots cover it, and the height of the highest, which hides the
+/// others.
 struct Splats {
   std::vector<float> weight;
   std::vector<float> height;
 };
 
-/// Dots of few points are larger, so that a sparse cloud is still seen.
+/// Sparse clouds get larger dots, so that they are still visible.
 float dotRadius(size_t hits, int side) {
   const double pixelsPerHit = static_cast<double>(side) * side / static_cast<double>(std::max<size_t>(hits, 1));
   return static_cast<float>(std::clamp(0.15 * std::sqrt(pixelsPerHit), 0.62, 1.1));
@@ -221,7 +223,7 @@ Splats splat(const Scan& scan, const BirdsEye& view, float radius) {
   return dots;
 }
 
-/// The sensor: a dot with a nose that points forward.
+/// Draws the sensor: a dot with a line that points forward.
 void drawSensor(Canvas& canvas, int x, int y) {
   for (int radius = 0; radius <= 4; ++radius) {
     canvas.circle(static_cast<float>(x), static_cast<float>(y), static_cast<float>(radius), {1, 1, 1}, 1);
@@ -249,14 +251,14 @@ void drawBirdsEye(Canvas& canvas, const Scan& scan, int left, int top, int side)
   drawScale(canvas, left + side, top - 26, metres(view.low), metres(view.high), kHeightShades);
 }
 
-/// The letters there are to draw with are ASCII.
+/// The font has only ASCII.
 std::string printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 32 || c > 126; }, '?');
   return text.substr(0, 40);
 }
 
-/// What the picture shows of the first return of every beam.
+/// Keeps the first return of every beam, which is all that the picture shows.
 Scan firstReturns(const Scan& scan) {
   Scan first;
   first.sensor = scan.sensor;

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "output/cloud_table.hpp"
+#include "output/fields.hpp"
 
 namespace gnosphere {
 namespace {
@@ -33,16 +34,20 @@ constexpr std::array<PlyType, 16> kTypes = {{{"char", 'I', 1},
 CloudColumn property(const CloudTable& table, const std::vector<std::string_view>& words) {
   if (words.size() == 3) {
     for (const PlyType& known : kTypes) {
-      if (words[1] == known.name) return {std::string(words[2]), known.type, known.size};
+      if (words[1] != known.name) continue;
+      std::string name(words[2]);
+      for (const PlyName& other : kPlyNames)
+        if (name == other.inPly) name = other.name;
+      return {name, known.type, known.size};
     }
   }
   table.refuse("PLY header: a vertex has a list or a property of no known type");
 }
 
-/// What the header says on the way to the vertices.
+/// State while the header is read up to the vertices.
 struct Header {
   std::string format;
-  std::string element;  ///< the one that properties now belong to
+  std::string element;  ///< the element to which the next properties belong
   bool vertexSeen = false;
 };
 

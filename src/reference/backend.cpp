@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every beam against every triangle it may meet, in double: the oracle that judges the other backends. It is written
-// from the mathematics and shares nothing with the shaders but the generator of random numbers.
+// The reference: intersects every beam in double with every triangle that it may hit, and judges the other backends. It
+// is written from the mathematics and shares only the generator of random numbers with the shaders.
 #include "pipeline/backend.hpp"
 
 #include <algorithm>
@@ -70,7 +70,7 @@ void ReferenceBackend::build() {
   changed_ = false;
 }
 
-/// Corners go in straight lines from where they are to the end of a turn.
+/// Builds the tree for a shot with motion. Corners move in straight lines from the start to the end of a turn.
 Bvh ReferenceBackend::movingTree(const Shot& shot) const {
   const Sensor& sensor = sensors_[shot.sensor]->plan.sensor;
   Sweeps sweeps;

@@ -10,26 +10,26 @@ namespace gnosphere::reference {
 
 namespace {
 
-/// Surfaces that light goes on behind, and the one that stops it.
+/// Most surfaces that one sub-ray meets: all but the last let light pass.
 constexpr size_t kLayers = 4;
-/// Echoes of one beam; what is farther is lost.
+/// Most echoes of one beam; farther ones are dropped.
 constexpr size_t kEchoes = 6;
 
-/// What one sub-ray met in one layer.
+/// One hit of one sub-ray.
 struct Piece {
   double range;
   Bounded energy;
-  size_t order;  ///< layer by layer, sub-ray by sub-ray
+  size_t order;  ///< position in the order layer by layer, then sub-ray by sub-ray
   Hit hit;
 };
 
-/// Shares of the energy that hits it: thrown back, and going on behind.
+/// Shares of the incident energy: reflected (`back`), and transmitted to what lies behind (`on`).
 struct Shares {
   Bounded back = 1, on = 0;
 };
 
-/// Cosine of the incidence. Corners that are moved by d tilt a triangle of height h by 2 d / h at most; and the cross
-/// product of two edges has an error of 10 u of the product of their lengths.
+/// Cosine of the angle of incidence. Moving corners by d tilts a triangle of height h by at most 2 d / h, and the cross
+/// product of two edges has an error of 10 u times the product of their lengths.
 Bounded cosineOf(const View& view, const Line& line, const Triangle& triangle) {
   const Vec3 corners[3] = {line.frame.toSensor(triangle.corners[0]), line.frame.toSensor(triangle.corners[1]),
                            line.frame.toSensor(triangle.corners[2])};
@@ -45,9 +45,9 @@ Bounded cosineOf(const View& view, const Line& line, const Triangle& triangle) {
   return rounded(cosine, std::min(sine * tilt + tilt * tilt / 2, 1.0), 8 * kUnitRoundoff);
 }
 
-/// What a surface throws back, a Lambertian of reflectance 1 its cosine: the diffuse part, the retro-reflector, and a
-/// glossy lobe as seen from where the light comes from: GGX (Walter et al., EGSR 2007) with Smith's shadowing (Heitz,
-/// JCGT 2014), alpha = roughness^2 and at least 0.05.
+/// Energy that a surface reflects, as a multiple of what a white Lambertian surface at normal incidence reflects: the
+/// diffuse part, the retro-reflector, and a glossy lobe in the direction of the light source: GGX (Walter et al., EGSR
+/// 2007) with Smith's shadowing (Heitz, JCGT 2014), alpha = roughness^2, at least 0.05.
 Bounded reflected(const Optics& optics, const Bounded& cosine) {
   const Bounded result = Bounded(double{optics.reflectance} + optics.retro) * cosine;
   if (!(optics.gloss > 0)) return result;
@@ -63,12 +63,12 @@ Shares sharesOf(const View& view, const Line& line, const BeamEffects& effects, 
   const Optics& optics = effects.optics[materialOf(view.scene, triangle)];
   Shares shares;
   if (effects.plan.looksAtMaterials) shares.back = reflected(optics, cosineOf(view, line, triangle));
-  // Light goes through it twice, there and back.
+  // Light passes the surface twice, on its way there and back.
   if (effects.plan.has(gpu::kTransmission)) shares.on = Bounded(double{optics.transmission} * optics.transmission);
   return shares;
 }
 
-/// A sub-ray through all that lets light pass.
+/// Follows a sub-ray through all surfaces that let light pass.
 void trace(const View& view, const Line& line, const BeamEffects& effects, size_t subRay, std::vector<Piece>& pieces,
            BeamDoubt& doubt) {
   std::vector<Hit> hits;
@@ -79,7 +79,7 @@ void trace(const View& view, const Line& line, const BeamEffects& effects, size_
     const Shares shares = sharesOf(view, line, effects, hit);
     const Bounded back = shares.back.error > 0 ? energy * shares.back : Bounded(energy.value * shares.back.value);
     energy = shares.on.value > 0 ? energy * shares.on : Bounded(0);
-    // What lets all light pass gives no echo.
+    // A surface that lets all light pass gives no echo.
     if (back.value > 0 || energy.value == 0)
       pieces.push_back({hit.range, back, hits.size() * effects.footprint.size() + subRay, hit});
     hits.push_back(hit);
@@ -92,8 +92,8 @@ Line lineOf(const Beam& beam, double u, double v) {
   return {beam.axis.frame, (1 / norm(along)) * along, beam.axis.time};
 }
 
-/// Sorted pieces that follow each other within the separation. Pieces of two surfaces that are as strong leave in doubt
-/// which of them stands for the echo.
+/// Merges sorted pieces that follow each other within the separation. If pieces of two surfaces are equally strong, it
+/// is in doubt which surface represents the echo.
 Echo echoOf(std::span<const Piece> pieces, double pulseWidth, BeamDoubt& doubt) {
   const double first = pieces.front().range;
   Bounded energy = 0;
@@ -137,9 +137,9 @@ std::vector<Echo> gather(std::vector<Piece>& pieces, const Effects& request, Bea
   return echoes;
 }
 
-/// Lines that stand for equal areas of the unit disc, each in the middle of its own: rings of 6, 12, 18 ... around one,
-/// turned against each other by half a step; where that does not come out, Vogel's spiral (1979). The weights are those
-/// of the profile, exp(-2 radius^2) for a Gaussian one.
+/// Sub-rays that represent equal areas of the unit disc, each from the middle of its area: rings of 6, 12, 18 ...
+/// around a centre, each rotated by half a step; for other numbers Vogel's spiral (1979). The weights follow the beam's
+/// profile, exp(-2 radius^2) for a Gaussian one.
 std::vector<FootprintRay> footprintOf(const SensorPlan& plan) {
   if (!plan.has(gpu::kDivergence)) return {FootprintRay{}};
   const Effects::Divergence& asked = plan.effects.divergence;
@@ -204,7 +204,7 @@ std::vector<Echo> echoesOf(const View& view, const Beam& beam, const BeamEffects
     const Bounded energy = plan.looksAtMaterials ? sharesOf(view, beam.axis, effects, hit).back : Bounded(1);
     return {{{hit.range, doubt.tolerance}, energy, pulseLength(plan.effects), hit}};
   }
-  double left = 0, up = 0, astray = 0;  // tangents of how far the beam is astray, and their error
+  double left = 0, up = 0, astray = 0;  // tangents of the angular error of the beam, and their bound
   if (plan.has(gpu::kStrays)) {
     const auto [azimuth, elevation] = receiver.angleError(index);
     left = azimuth.value * std::hypot(beam.axis.direction.x, beam.axis.direction.y);

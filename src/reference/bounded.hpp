@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers in double that know how far single precision may be from them: running error analysis (Higham, Accuracy and
-// Stability of Numerical Algorithms, 2002, 3.3). What is computed of them carries its bound along, and a comparison
-// that the bound does not decide says so.
+// Numbers in double with a bound on their error in single precision: running error analysis (Higham, Accuracy and
+// Stability of Numerical Algorithms, 2002, 3.3). Results of arithmetic carry a bound, too, and a comparison reports if
+// the bounds do not decide it.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace gnosphere::reference {
 
-/// Relative error that a simulator's quotients, roots, exponentials and logarithms may have: the 3e-7 that the device's
-/// arithmetic promises.
+/// Relative error that the device's quotients, roots, exponentials and logarithms may have: its arithmetic promises
+/// 3e-7.
 inline constexpr double kFunctionError = 3e-7;
 
 struct Bounded {
@@ -20,22 +20,22 @@ struct Bounded {
   double error = 0;
 
   Bounded() = default;
-  /// Exact in single precision too: whole numbers, random multiples of 2^-24.
-  Bounded(double exact) : value(exact) {}  // NOLINT: a plain number is one without an error
+  /// For values that are exact in single precision: whole numbers, random multiples of 2^-24.
+  Bounded(double exact) : value(exact) {}  // NOLINT: implicit on purpose
   Bounded(double of, double bound) : value(of), error(bound) {}
 
   double low() const { return value - error; }
   double high() const { return value + error; }
 };
 
-/// A number of a request, which single precision rounds.
+/// A number of the request, which single precision rounds.
 inline Bounded given(double value) {
   return {value, kUnitRoundoff * std::abs(value)};
 }
 inline Bounded rounded(double value, double error, double relative = kUnitRoundoff) {
   return {value, error + relative * std::abs(value)};
 }
-/// What an increasing function makes of a number.
+/// Applies an increasing function.
 template <typename Function>
 Bounded increasing(const Function& f, const Bounded& x) {
   const double value = f(x.value);
@@ -54,7 +54,7 @@ inline Bounded operator-(const Bounded& a, const Bounded& b) {
 inline Bounded operator*(const Bounded& a, const Bounded& b) {
   return rounded(a.value * b.value, std::abs(a.value) * b.error + std::abs(b.value) * a.error + a.error * b.error);
 }
-/// The divisor must be well away from 0.
+/// The divisor must be far from 0.
 inline Bounded operator/(const Bounded& a, const Bounded& b) {
   const double result = a.value / b.value, least = std::max(std::abs(b.value) - b.error, 1e-300);
   return rounded(result, (a.error + std::abs(result) * b.error) / least, kFunctionError);
@@ -78,13 +78,13 @@ inline Bounded min(const Bounded& a, const Bounded& b) {
 inline Bounded max(const Bounded& a, const Bounded& b) {
   return -min(-a, -b);
 }
-/// The nearest whole number, which may be the next one where that is in doubt.
+/// The nearest whole number; its error covers the next one if the bound does not decide.
 inline Bounded nearestWhole(const Bounded& x) {
   return increasing([](double v) { return std::floor(v + 0.5); },
                     {x.value, x.error + kUnitRoundoff * std::abs(x.value)});
 }
 
-/// Comparisons note in `doubt` when single precision may decide otherwise.
+/// Comparisons set `doubt` if single precision may decide otherwise.
 inline bool less(const Bounded& a, const Bounded& b, bool& doubt) {
   const double error = a.error + b.error;
   doubt = doubt || (error > 0 && std::abs(a.value - b.value) <= error);

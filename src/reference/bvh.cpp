@@ -11,11 +11,11 @@ namespace {
 
 constexpr size_t kLeafSize = 4;
 constexpr int kBins = 16;
-/// Subtrees of more triangles than this are built on a thread of their own in the first levels.
+/// In the first levels, subtrees of more triangles than this are built on a thread of their own.
 constexpr size_t kTaskSize = 5000;
 constexpr int kTaskDepth = 3;
 
-/// Single precision is enough to choose a split by; the boxes of the nodes are made from the triangles.
+/// Choosing a split needs only single precision; the boxes of the nodes are computed from the triangles in double.
 struct RoughBox {
   float min[3] = {3e38f, 3e38f, 3e38f};
   float max[3] = {-3e38f, -3e38f, -3e38f};
@@ -42,8 +42,8 @@ struct Bvh::Item {
 
 namespace {
 
-/// The cheapest of the planes between bins along the longest axis of the centres, as the first item behind it; the
-/// middle where there is no such plane.
+/// Finds the cheapest plane between bins along the longest axis of the centres, and returns the first item behind it;
+/// returns the middle if no plane separates the items.
 template <typename Iterator>
 Iterator split(Iterator begin, Iterator end, bool halve) {
   RoughBox centres;
@@ -116,7 +116,7 @@ Box boxOf(const Triangle& triangle, const Sweeps& sweeps) {
 
 Ray::Ray(const Vec3& from, const Vec3& direction, double spread_, double floor_)
     : origin(from), spread(spread_), floor(floor_) {
-  // A finite inverse keeps 0 * infinity out of the box test.
+  // A finite inverse avoids 0 * infinity in the box test.
   const auto invert = [](double c) { return 1 / (std::abs(c) < 1e-30 ? std::copysign(1e-30, c) : c); };
   inverse = {invert(direction.x), invert(direction.y), invert(direction.z)};
 }
@@ -162,7 +162,7 @@ void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, s
         build(items, middle, end, depth + 1, branch);
         return branch;
       });
-    } catch (const std::system_error&) {  // The system starts no more threads: this one builds both branches.
+    } catch (const std::system_error&) {  // The system starts no more threads, so this one builds both branches.
     }
   }
   build(items, begin, middle, depth + 1, nodes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes over triangles. Says which triangles a beam may meet, never which it does.
+// A tree of boxes over triangles. It tells which triangles a beam may hit; the hits themselves are computed elsewhere.
 #pragma once
 
 #include <algorithm>
@@ -26,12 +26,12 @@ struct Box {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };
 
-/// Triangles that move: their corners go in straight lines.
+/// The motion of moving triangles: their corners move in straight lines.
 struct Sweeps {
   std::vector<std::array<Vec3, 3>> velocities;  ///< m/s of the corners
-  double first = 0, last = 0;                   ///< seconds: the span that boxes must cover
+  double first = 0, last = 0;                   ///< seconds: the time span that the boxes must cover
 
-  /// Where the triangle is at a time.
+  /// Returns the triangle at a time.
   Triangle at(Triangle triangle, double time) const {
     if (triangle.sweep == Triangle::kStill) return triangle;
     const auto& velocity = velocities[triangle.sweep];
@@ -41,14 +41,14 @@ struct Sweeps {
 };
 
 Box boxOf(const Triangle& triangle);
-/// Wherever it goes.
+/// The box of all its positions.
 Box boxOf(const Triangle& triangle, const Sweeps& sweeps);
 
-/// A beam in the world, fattened: a box counts as met if the beam passes within `spread` times the distance of the
-/// box's farthest corner (in the 1-norm, which is no less than the true distance) plus `floor` metres.
+/// A beam in the world, widened: a box counts as hit if the beam passes within `spread` times the distance of the box's
+/// farthest corner (in the 1-norm, which is no less than the true distance) plus `floor` metres.
 struct Ray {
   Ray(const Vec3& from, const Vec3& direction, double spread, double floor);
-  /// Where the ray enters the box, 0 if it starts inside; infinity if it never does.
+  /// Returns where the ray enters the box: 0 if it starts inside, infinity if it misses.
   double enter(const Box& box) const {
     const Vec3 low = box.min - origin;
     const Vec3 high = box.max - origin;
@@ -68,7 +68,7 @@ struct Ray {
   double floor;
 };
 
-/// A binary tree, split by the surface area heuristic over 16 bins (Wald 2007, On fast Construction of SAH-based
+/// A binary tree, split by the surface area heuristic with 16 bins (Wald 2007, On fast Construction of SAH-based
 /// Bounding Volume Hierarchies). The same triangles in the same order give the same tree on any number of threads.
 class Bvh {
  public:
@@ -79,22 +79,22 @@ class Bvh {
   Box bounds() const { return nodes_.empty() ? Box{} : nodes_.front().box; }
   size_t bytes() const { return triangles_.size() * sizeof(Triangle) + nodes_.size() * sizeof(Node); }
 
-  /// Calls `limit = visit(index of triangle, limit)` for every triangle in a box that the ray enters at no more than
-  /// `limit`, nearer boxes first. A visitor ends the walk with a negative limit.
+  /// Calls `limit = visit(index of triangle, limit)` for every triangle in a box that the ray enters within `limit`,
+  /// nearer boxes first. A visitor ends the walk by returning a negative limit.
   template <typename Visit>
   void walk(const Ray& ray, double limit, Visit&& visit) const;
 
  private:
-  /// An inner node's first child follows it.
+  /// The first child of an inner node follows it in the array.
   struct Node {
     Box box;
     uint32_t next = 0;   ///< the second child, or a leaf's first triangle
-    uint32_t count = 0;  ///< of triangles; 0 in an inner node
+    uint32_t count = 0;  ///< triangles of a leaf; 0 in an inner node
   };
   struct Item;
   void build(std::vector<Item>& items, size_t begin, size_t end, int depth, std::vector<Node>& nodes) const;
 
-  /// Splits are halvings from this depth on, so that 32-bit counts bound the depth to kMaxDepth.
+  /// From this depth on, splits halve the triangles, so that their 32-bit count bounds the depth to kMaxDepth.
   static constexpr int kHalvingDepth = 48;
   static constexpr int kMaxDepth = kHalvingDepth + 32;
 

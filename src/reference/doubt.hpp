@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a single-precision simulator may get wrong on one beam and one triangle: the definition of ties and tolerances.
+// Defines ties and tolerances: how a single-precision simulator may deviate on one beam and one triangle.
 //
 // The model. Let u = 2^-24, the unit roundoff of single precision. A correct simulator sees corner i at most
 //   d_i = 16 u c |v_i| + f            metres from its true place v_i in the sensor frame, and
@@ -33,17 +33,17 @@
 namespace gnosphere::reference {
 
 inline constexpr double kUnitRoundoff = 0x1p-24;
-inline constexpr double kCornerError = 16 * kUnitRoundoff;     ///< of the corner's distance
+inline constexpr double kCornerError = 16 * kUnitRoundoff;     ///< relative to the corner's distance
 inline constexpr double kDirectionError = 2 * kUnitRoundoff;   ///< radians
-inline constexpr double kArithmeticError = 4 * kUnitRoundoff;  ///< of the terms of the weighted mean
+inline constexpr double kArithmeticError = 4 * kUnitRoundoff;  ///< relative to the terms of the weighted mean
 
-/// How far a single-precision simulator may misplace a corner: `relative` of its distance plus `absolute` metres.
+/// Error of a corner's position in a single-precision simulator: `relative` times its distance plus `absolute` metres.
 struct CornerError {
   double relative = kCornerError;
   double absolute = 0;
 };
 
-/// Two unit vectors across a direction.
+/// Two unit vectors perpendicular to a direction.
 struct Across {
   explicit Across(const Vec3& direction) : d(direction) {
     const Vec3 other = std::abs(d.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
@@ -54,24 +54,24 @@ struct Across {
   Vec3 d, u, v;
 };
 
-/// Which ranges a single-precision simulator may report for this beam and triangle.
+/// The ranges that a single-precision simulator may report for this beam and triangle.
 struct Doubt {
   bool possible = false;  ///< it may report a hit
   bool certain = false;   ///< it must report a hit
-  double nearest = 0;     ///< of the ranges it may report
+  double nearest = 0;     ///< the least range that it may report
   double farthest = 0;
 };
 
-/// A corner as seen along the beam.
+/// A corner in coordinates along and across the beam.
 struct SeenCorner {
   double x, y;      ///< across the beam
   double depth;     ///< along the beam
-  double place;     ///< d_i: error of its place
+  double place;     ///< d_i: error of its position
   double distance;  ///< from the beam
-  double reach;     ///< r_i: error of its place across the beam
+  double reach;     ///< r_i: error of its position across the beam
 };
 
-/// std::hypot() guards against overflow, which 1e9 m cannot reach, and is slow.
+/// Faster than std::hypot(), which guards against overflow; coordinates up to 1e9 m cannot overflow.
 inline double length(double x, double y) {
   return std::sqrt(x * x + y * y);
 }
@@ -80,8 +80,8 @@ inline double cross(const SeenCorner& a, const SeenCorner& b) {
   return a.x * b.y - a.y * b.x;
 }
 
-/// Is some point Q of the edge closer to the beam than its error? With Q = a + s (b - a) that is a parabola in s,
-/// |Q|^2 - r(Q)^2 <= 0, whose lowest point is looked at where it lies on the edge.
+/// Returns whether a point Q of the edge is closer to the beam than its error. With Q = a + s (b - a), |Q|^2 - r(Q)^2
+/// is a parabola in s; its minimum is tested if it lies on the edge, besides the ends.
 inline bool near(const SeenCorner& a, const SeenCorner& b) {
   if (a.distance <= a.reach || b.distance <= b.reach) return true;
   const double x = b.x - a.x, y = b.y - a.y, r = b.reach - a.reach;
@@ -92,7 +92,7 @@ inline bool near(const SeenCorner& a, const SeenCorner& b) {
   return length(a.x + s * x, a.y + s * y) <= a.reach + s * r;
 }
 
-/// The interval of ranges, by the plane where the triangle is wide enough and by the corners' depths in any case.
+/// Bounds the ranges: by the triangle's plane if it is wide enough, and always by the depths of its corners.
 inline void depths(const SeenCorner (&c)[3], double area, double thinness, Doubt& doubt) {
   const double place = std::max({c[0].place, c[1].place, c[2].place});
   doubt.nearest = std::min({c[0].depth, c[1].depth, c[2].depth}) - place;
@@ -116,7 +116,7 @@ inline void depths(const SeenCorner (&c)[3], double area, double thinness, Doubt
   doubt.farthest = std::min(doubt.farthest, range + spread);
 }
 
-/// Corners in the sensor frame; `front` as in Triangle.
+/// `corners` are in the sensor frame; `front` is Triangle::front.
 inline Doubt doubtOf(const Across& beam, const Vec3 (&corners)[3], int front, const CornerError& error,
                      const Sensor& sensor) {
   SeenCorner c[3];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One beam against one triangle, in double: the inside test has the exact sign, the range is a convex combination.
+// Intersects one beam with one triangle in double: the inside test has the exact sign, the range is a convex
+// combination.
 #pragma once
 
 #include <array>
@@ -14,19 +15,19 @@ namespace gnosphere::reference {
 inline double norm(const Vec3& a) {
   return std::sqrt(dot(a, a));
 }
-/// A total order of points. It only has to be the same for every triangle that shares a corner.
+/// A total order of points. Any order will do that is the same for all triangles that share a corner.
 inline bool before(const Vec3& a, const Vec3& b) {
   if (a.x != b.x) return a.x < b.x;
   if (a.y != b.y) return a.y < b.y;
   return a.z < b.z;
 }
 
-/// A pose as a matrix. World coordinates are subtracted before anything is rotated, so that a world far from its
-/// origin loses no more than the rounding of its own coordinates.
+/// A pose as a matrix. Positions are subtracted before anything is rotated, so that a world far from its origin adds
+/// only the rounding error of its own coordinates.
 struct SensorFrame {
   explicit SensorFrame(const Pose& pose) : position(pose.position) {
     const Quaternion& q = pose.orientation;
-    const double s = 2 / (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);  // Shoemake 1985; normalises on the way
+    const double s = 2 / (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);  // Shoemake 1985; also normalises
     axes[0] = {1 - s * (q.y * q.y + q.z * q.z), s * (q.x * q.y + q.w * q.z), s * (q.x * q.z - q.w * q.y)};
     axes[1] = {s * (q.x * q.y - q.w * q.z), 1 - s * (q.x * q.x + q.z * q.z), s * (q.y * q.z + q.w * q.x)};
     axes[2] = {s * (q.x * q.z + q.w * q.y), s * (q.y * q.z - q.w * q.x), 1 - s * (q.x * q.x + q.y * q.y)};
@@ -41,21 +42,21 @@ struct SensorFrame {
   Vec3 axes[3];  ///< of the sensor, in the world
 };
 
-/// A triangle in the world, its corners in the order of before(): a shared edge is then walked in the same direction
-/// by every triangle that has it, and a triangle gives the same bits however its indices are turned.
+/// A triangle in the world. Its corners are sorted by before(): every triangle then walks a shared edge in the same
+/// direction, and any rotation of its indices gives the same bits.
 struct Triangle {
   Vec3 corners[3];
   uint32_t instance = 0;
   uint32_t index = 0;  ///< within the instance's mesh
-  int8_t front = 0;    ///< sign of normal . direction for a beam that meets the reflecting side; 0: both sides do
-  uint8_t order[3] = {0, 1, 2};  ///< number of each corner in the mesh's triangle
+  int8_t front = 0;    ///< sign of normal . direction for a beam that hits the reflecting side; 0: both sides reflect
+  uint8_t order[3] = {0, 1, 2};  ///< index of each corner in the mesh's triangle
   uint32_t sweep = kStill;       ///< entry of Sweeps::velocities
   static constexpr uint32_t kStill = 0xffffffffu;
 };
 
-/// d . (a x b), rounded only at the end: its sign is exact. Positive where the edge a -> b passes the direction d
-/// counter-clockwise as seen against d. The 24 parts of the six products are summed without loss (two-term products
-/// and grow-expansion of Shewchuk 1997, Adaptive Precision Floating-Point Arithmetic).
+/// d . (a x b), rounded only at the end, so that its sign is exact. It is positive if the edge a -> b passes the
+/// direction d counter-clockwise, seen against d. The 24 parts of the six products are summed without loss (two-term
+/// products and grow-expansion of Shewchuk 1997, Adaptive Precision Floating-Point Arithmetic).
 inline double edgeExact(const Vec3& d, const Vec3& a, const Vec3& b) {
   std::array<double, 24> parts = {};
   size_t count = 0;
@@ -82,14 +83,14 @@ inline double edgeExact(const Vec3& d, const Vec3& a, const Vec3& b) {
   addProduct(-d.y, a.x, b.z);
   addProduct(d.z, a.x, b.y);
   addProduct(-d.z, a.y, b.x);
-  double value = 0;  // the parts do not overlap and grow in size: the last that is not zero has the sign
+  double value = 0;  // parts do not overlap and grow in size, so the last non-zero one has the sign
   for (double part : parts) value += part;
   return value;
 }
 
-/// As edgeExact(), but in plain double where that is safe. As b is first made relative to a, the error is below
-/// 6 * 2^-53 of the sum of absolute products (Shewchuk's "A" bound for one subtraction, two products, a difference and
-/// a sum of three); 8 leaves room.
+/// As edgeExact(), but in plain double if its error bound decides the sign. As b is first made relative to a, the error
+/// is below 6 * 2^-53 of the sum of absolute products (Shewchuk's "A" bound for one subtraction, two products, a
+/// difference and a sum of three); the factor 8 leaves a margin.
 inline double edge(const Vec3& d, const Vec3& a, const Vec3& b) {
   constexpr double kBound = 8 * 0x1p-53;
   const Vec3 e = b - a;
@@ -100,18 +101,19 @@ inline double edge(const Vec3& d, const Vec3& a, const Vec3& b) {
   return std::abs(value) > kBound * size ? value : edgeExact(d, a, b);
 }
 
-/// Where the line of a beam pierces a triangle.
+/// The intersection of a beam's line with a triangle's plane.
 struct Pierce {
   bool inside = false;
   double range = 0;                    ///< along the beam; negative behind the sensor
-  double facing = 0;                   ///< normal . direction, not normalised; the normal of corners 0, 1, 2
-  std::array<double, 3> weights = {};  ///< of the corners, their sum 1
+  double facing = 0;                   ///< normal . direction, not normalised; the normal is that of corners 0, 1, 2
+  std::array<double, 3> weights = {};  ///< barycentric coordinates
 };
 
-/// Corners in the sensor frame, ordered as in Triangle. Points on an edge or a corner are inside, so no beam slips
-/// between triangles that share an edge. A triangle seen exactly edge-on is never pierced.
-/// The doubled areas of the three parts of the triangle, seen along the beam, weigh the corners' depths (barycentric
-/// coordinates; Moller and Trumbore 1997 in homogeneous form): the range cannot leave the triangle's depth interval.
+/// Corners are in the sensor frame, ordered as in Triangle. Points on an edge or a corner are inside, so no beam slips
+/// between triangles that share an edge. A triangle seen exactly edge-on is never hit.
+/// The depth is the mean of the corners' depths, weighted by the doubled areas of the triangle's three parts seen along
+/// the beam (barycentric coordinates; Moller and Trumbore 1997 in homogeneous form), so the range cannot leave the
+/// triangle's depth interval.
 inline Pierce pierce(const Vec3& d, const Vec3& a, const Vec3& b, const Vec3& c) {
   const double ab = edge(d, a, b);
   const double bc = edge(d, b, c);

@@ -9,14 +9,14 @@ constexpr double kLightSpeed = 299792458;  // m/s
 /// Back-scatter is extinction / lidar ratio (sr). Water droplets at 905 nm: O'Connor et al., J. Atmos. Oceanic Technol.
 /// 21 (2004). Mineral dust at 532 nm: Mueller et al., J. Geophys. Res. 112 (2007).
 constexpr double kFogLidarRatio = 18.8, kDustLidarRatio = 55;
-/// Nearer than this the receiver gets (range / this)^2 of what the medium throws back.
+/// At a range nearer than this, the receiver gets only (range / kFocus)^2 of what the medium scatters back.
 constexpr double kFocus = 5;           // m
 constexpr double kAperture = 0.01;     // m, diameter of the beam where it leaves the sensor
-constexpr double kUsualSpread = 3e-3;  // rad, where neither request nor sensor states one
-/// Of a point's place and of a direction, as for corners: see doubt.hpp.
+constexpr double kUsualSpread = 3e-3;  // rad, if neither the request nor the sensor states a divergence
+/// Relative error of a position and of a direction, as for corners: see doubt.hpp.
 constexpr double kPlaceError = kCornerError;
 
-/// 10 / ln 10 decibels are one optical depth.
+/// Converts dB/km to 1/m: 10 / ln 10 decibels are one optical depth.
 double perMetre(double decibelsPerKilometre) {
   return decibelsPerKilometre / (10 / std::numbers::ln10) / 1000;
 }
@@ -58,9 +58,9 @@ Medium::Medium(const SensorPlan& plan, const Shot& shot)
   const bool rains = plan.has(gpu::kRain) && rain > 0, snows = plan.has(gpu::kSnow) && snow > 0;
   if (rains) still_ += perMetre(1.076 * std::pow(rain, 0.67));
   if (snows) still_ += perMetre((0.0000542 * effects.intensity.wavelength + 5.4958776) * std::pow(snow, 1.38));
-  // Drops: Marshall and Palmer (1948), 8000 /m^3/mm and 4.1 R^-0.21 /mm; geometric optics of water gives them 0.024 of
-  // a disc. Flakes: Sekhon and Srivastava (1970), by melted diameter; a flake is 2.154 times as wide, a sphere of snow
-  // that reflects 0.9, which is 2/3 of a disc.
+  // Drops: Marshall and Palmer (1948), 8000 /m^3/mm and 4.1 R^-0.21 /mm; by geometric optics a water drop reflects
+  // 0.024 of what a disc does. Flakes: Sekhon and Srivastava (1970), by melted diameter; a flake is 2.154 times as
+  // wide, and as a sphere of snow that reflects 0.9 it gives 2/3 of a disc's echo.
   if (rains) rain_ = {8e6, 4100 * std::pow(rain, -0.21), 0.024, {}, {}, 0};
   if (snows) snow_ = {2.5e6 * std::pow(snow, -0.94) / 2.154, 2290 * std::pow(snow, -0.45) / 2.154, 0.6, {}, {}, 0};
   if (rains) tabulate(rain_);
@@ -71,19 +71,20 @@ Bounded Medium::beamArea(const Bounded& range) const {
   return (given(kAperture) + given(horizontal_) * range) * (given(kAperture) + given(vertical_) * range);
 }
 
-/// Particles per metre of the beam whose echo, (diameter / beam)^2 of what a disc of their reflectance would give, is
-/// detected.
+/// Particles per metre of the beam whose echo is detected. The echo of a particle is (diameter / beam)^2 times that of
+/// a disc of the same reflectance that fills the beam.
 Bounded Medium::density(const Particles& particles, double range) const {
   const Bounded r = range, area = beamArea(r);
-  const Bounded share = given(threshold_) * r * r * exp(Bounded(2) * given(still_) * r) /
-                        (given(particles.reflectance) * focus(r));  // of the beam's area, at least
+  // Least area of a detected particle, as a share of the beam's.
+  const Bounded share =
+      given(threshold_) * r * r * exp(Bounded(2) * given(still_) * r) / (given(particles.reflectance) * focus(r));
   if (!(share.value < 1)) return 0;
   const Bounded diameter = sqrt(share * area);
   return given(particles.intercept / particles.slope) * exp(-given(particles.slope) * diameter) *
          Bounded(std::numbers::pi / 4) * area;
 }
 
-/// Summed in 4096 steps of equal ratio. The table ends where a ten thousandth of all is left.
+/// Integrates in 4096 steps of equal ratio. The table ends where only a ten thousandth of the sum remains.
 void Medium::tabulate(Particles& particles) const {
   constexpr size_t kSteps = 4096;
   const double first = std::max(plan_.sensor.rangeMin, 0.01), ratio = std::max(plan_.sensor.rangeMax / first, 1.0);
@@ -131,14 +132,14 @@ double Medium::Counts::rangeWith(double count) const {
   return rangeOf(entry - 1) + (rangeOf(entry) - rangeOf(entry - 1)) * std::clamp(share, 0.0, 1.0);
 }
 
-/// Where a line is within a box, nearer than `far`.
+/// Returns the part of a line inside a box, up to `far`.
 Medium::Span Medium::within(const Effects::Volume& box, const Line& line, const Bounded& far, bool& doubt) const {
   const Vec3 from = line.frame.position, direction = line.frame.directionToWorld(line.direction);
   Span span = {0, far};
   const auto clip = [&](double at, double speed, double low, double high) {
     const double half = std::max((high - low) / 2, 5e-7), place = at - (low + high) / 2;
     const double offset = kPlaceError * (std::abs(place) + half + travel_);
-    if (std::abs(speed) <= 2 * kPlaceError) {  // along the faces: within them or beside the box
+    if (std::abs(speed) <= 2 * kPlaceError) {  // parallel to these faces: between them or outside the box
       doubt = doubt || (std::abs(std::abs(place) - half) <= offset + 3 * kPlaceError * far.value);
       if (std::abs(place) > half) span.far = 0;
       return;
@@ -170,8 +171,8 @@ Bounded Medium::depthTo(const Line& line, const Bounded& range) const {
   return depth;
 }
 
-/// Single scattering: light that comes back was scattered at a depth that falls as exp(-2 extinction depth). How much
-/// of it: pi * back-scatter * pulse length at 1 m, uneven by a gamma distribution of shape 4 and mean 1.
+/// Single scattering: the scattering depth of returning light is distributed as exp(-2 extinction depth). Its energy is
+/// pi * back-scatter * pulse length at 1 m, varied by a gamma distribution of shape 4 and mean 1.
 std::optional<Echo> Medium::scatter(double extinction, double lidarRatio, const Bounded& near, const Bounded& far,
                                     const std::array<uint32_t, 4>& words, const std::array<uint32_t, 4>& more,
                                     bool& doubt) const {
@@ -189,8 +190,8 @@ std::optional<Echo> Medium::scatter(double extinction, double lidarRatio, const 
   return echo;
 }
 
-/// Particles are a Poisson process along the beam: the expected number up to the first is exponential. Their diameters
-/// beyond the least that is detected are, too.
+/// Particles are a Poisson process along the beam, so the expected number up to the first one is exponentially
+/// distributed, and so is the excess of their diameters over the least detectable one.
 std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& far,
                                      const std::array<uint32_t, 4>& words, bool& doubt) const {
   Bounded count = -log(Draws::aboveZero(words[0]));
@@ -210,7 +211,7 @@ std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& 
   const Bounded least =
       echo.range * exp(given(still_) * echo.range) * sqrt(given(threshold_) / max(strength, given(1e-30)));
   const Bounded larger = -log(Draws::aboveZero(words[1])) / given(particles.slope);
-  const Bounded diameter = min(least + larger / sqrt(beamArea(echo.range)), 1);  // as a share of the beam's
+  const Bounded diameter = min(least + larger / sqrt(beamArea(echo.range)), 1);  // as a share of the beam's diameter
   echo.energy = strength * diameter * diameter;
   echo.width = pulse_;
   return echo;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fog, rain, snow and dust, in double and in the world: what they take of light and what they throw back.
+// Fog, rain, snow and dust, in double and in world coordinates: how they attenuate light, and their own echoes.
 #pragma once
 
 #include <optional>
@@ -9,36 +9,36 @@
 
 namespace gnosphere::reference {
 
-/// What comes back from one depth of a beam.
+/// Light that returns from one depth along a beam.
 struct Echo {
   Bounded range;
-  Bounded energy = 1;  ///< share of the beam's, times what the surface throws back
+  Bounded energy = 1;  ///< share of the beam's energy that arrives, times the share that the surface reflects
   double width = 0;
-  Hit hit = {};  ///< of several the strongest; none: of the medium
+  Hit hit = {};  ///< the strongest hit if there are several; none: the echo is the medium's
 };
 
-/// Power received, relative to a Lambertian target of reflectance 1, square to the beam, at 1 m: the lidar equation for
-/// a target that catches the whole beam, behind a medium of that optical depth.
+/// Received power relative to a Lambertian target of reflectance 1 at 1 m and normal incidence: the lidar equation for
+/// a target that fills the beam, behind a medium of the given optical depth.
 Bounded received(const Bounded& energy, const Bounded& range, const Bounded& depth);
 
-/// The least power that is detected: that of the stated target at the stated range.
+/// Returns the least detectable power: that of the stated target at the stated range.
 double thresholdOf(const Effects& effects, const Sensor& sensor);
-/// Metres of a pulse, there and back.
+/// Half the length of a pulse in metres, because light travels there and back.
 double pulseLength(const Effects& effects);
 
 class Medium {
  public:
   Medium(const SensorPlan& plan, const Shot& shot);
 
-  /// Optical depth along a line up to a range.
+  /// Returns the optical depth along a line up to a range.
   Bounded depthTo(const Line& line, const Bounded& range) const;
-  /// The echo of the medium that has most power of those nearer than `far`.
+  /// Returns the medium's strongest echo nearer than `far`.
   std::optional<Echo> strongest(const Draws& draws, size_t beam, const Line& line, const Bounded& far,
                                 bool& doubt) const;
 
  private:
-  /// Expected number of drops or flakes up to a range that are strong enough to be detected: a table of eight ranges
-  /// that lie closer where they are near, and straight lines between them.
+  /// Expected number of detectable drops or flakes up to a range: a table of eight ranges, denser near the sensor, with
+  /// linear interpolation.
   struct Counts {
     static constexpr size_t kSize = 8;
     double first = 0, last = 0;
@@ -50,8 +50,8 @@ class Medium {
   struct Particles {
     double intercept = 0;    ///< 1/m^4: intercept * exp(-slope D) per m^3 and metre of diameter D
     double slope = 0;        ///< 1/m
-    double reflectance = 0;  ///< of one, as a Lambertian disc of its diameter
-    Counts counts, others;   ///< two tables where rounding decides where the table ends
+    double reflectance = 0;  ///< of one particle, as a Lambertian disc of its diameter
+    Counts counts, others;   ///< two tables if rounding decides at which range the table ends
     double countError = 0;
   };
   struct Span {
@@ -71,7 +71,7 @@ class Medium {
   const SensorPlan& plan_;
   double fog_ = 0, still_ = 0;  // 1/m: of fog; of fog, rain and snow together
   double threshold_, pulse_, horizontal_, vertical_;
-  double travel_ = 0;  // metres that the sensor moves within the scan, at most
+  double travel_ = 0;  // longest distance in metres that the sensor moves within the scan
   Particles rain_, snow_;
 };
 

@@ -5,7 +5,8 @@
 
 namespace gnosphere::reference {
 
-/// An echo by the number that its draws know it by: the medium coming in between changes no surface's.
+/// An echo with the number that keys its random draws. Surfaces keep their numbers whether or not the medium adds an
+/// echo.
 struct Receiver::Numbered {
   Echo echo;
   uint32_t number = 0;
@@ -15,15 +16,15 @@ struct Receiver::Numbered {
 };
 
 std::array<Bounded, 2> Receiver::angleError(size_t beam) const {
-  constexpr double kCutOff = 4;  // sigmas
+  constexpr double kCutOff = 4;  // in standard deviations
   const auto [azimuth, elevation] = draws_.normals(beam, 0, gpu::kAngleNoise);
   const auto& noise = plan_.effects.angleNoise;
   return {given(noise.azimuth) * max(-kCutOff, min(azimuth, kCutOff)),
           given(noise.elevation) * max(-kCutOff, min(elevation, kCutOff))};
 }
 
-/// A step at the threshold, or the logistic function of ln(power / threshold) / softness. A target a millionth below
-/// the threshold still counts as one at it.
+/// Detection is a step at the threshold, or the logistic function of ln(power / threshold) / softness. A power within a
+/// millionth of the threshold counts as equal to it.
 bool Receiver::detected(const Bounded& power, double chance, bool& doubt) const {
   const Bounded threshold = given(thresholdOf(plan_.effects, plan_.sensor));
   const double softness = plan_.effects.detection.softness;
@@ -33,14 +34,16 @@ bool Receiver::detected(const Bounded& power, double chance, bool& doubt) const 
   return less(chance, Bounded(1) / (Bounded(1) + exp(-max(steps, -80))), doubt);
 }
 
-/// The reflectance that a Lambertian target square to the beam would need at that range; or CARLA's.
+/// Reflectance of the Lambertian target that would give this power at this range and normal incidence; or CARLA's
+/// intensity.
 Bounded Receiver::unitIntensity(const Echo& echo, const Bounded& depth) const {
   const Effects::Intensity& intensity = plan_.effects.intensity;
   if (intensity.model == Effects::Intensity::Model::carla) return exp(-(given(intensity.attenuation) * echo.range));
   return echo.energy * exp(Bounded(-2) * depth);
 }
 
-/// Bytes are 0..100 diffuse per cent; up to 255, at a gain of 1000, logarithmically for retro-reflectors.
+/// Bytes up to 100 are per cent of a diffuse target; 100..255 is a logarithmic scale for retro-reflectors, up to a gain
+/// of 1000.
 Bounded Receiver::scaled(const Bounded& unit, const Bounded& range) const {
   const Effects::Intensity& intensity = plan_.effects.intensity;
   switch (intensity.scale) {
@@ -54,14 +57,14 @@ Bounded Receiver::scaled(const Bounded& unit, const Bounded& range) const {
   return nearestWhole(min(unit.value > 1 ? retro : diffuse, 255));
 }
 
-/// Entries of `powers`, in order of range, that the mode returns.
+/// Returns the indices of the `powers` (in order of range) that the mode selects.
 std::vector<size_t> Receiver::chosen(const std::vector<Bounded>& powers, bool& doubt) const {
   using Mode = Effects::Returns::Mode;
   const Mode mode = plan_.has(gpu::kReturns) ? plan_.effects.returns.mode : Mode::strongest;
   constexpr size_t kNone = static_cast<size_t>(-1);
   const size_t count = powers.size();
   const size_t first = count > 0 ? 0 : kNone, second = count > 1 ? 1 : kNone, last = count - 1;
-  // The strongest but one; of equal ones the nearer.
+  // The strongest except `but`; among equals the nearest.
   const auto strongest = [&](size_t but) {
     size_t best = kNone;
     for (size_t i = 0; i < count; ++i)
@@ -91,7 +94,7 @@ std::vector<size_t> Receiver::chosen(const std::vector<Bounded>& powers, bool& d
   return result;
 }
 
-/// What the sensor says of an echo that it returns.
+/// Applies noise and scaling to a returned echo.
 Return Receiver::measured(size_t beam, const Numbered& numbered, bool& doubt) const {
   const auto& [echo, number, depth] = numbered;
   Return result = {echo.range, echo.range.value, std::numeric_limits<double>::quiet_NaN(), echo.width, echo.hit};
@@ -128,7 +131,7 @@ Judgement Receiver::judge(size_t beam, const Line& axis, std::vector<Echo> surfa
   for (const Echo& echo : surfaces) echoes.push_back({echo, static_cast<uint32_t>(echoes.size())});
   const bool inMedium = plan_.has(gpu::kMediumEffects);
   if (inMedium) {
-    // Light that comes back from shortly before the last surface is one echo with it.
+    // Light from the medium just in front of the last surface merges with the surface's echo.
     Bounded far = given(plan_.sensor.rangeMax);
     if (!surfaces.empty()) far = surfaces.back().range - given(plan_.effects.returns.separation);
     if (const std::optional<Echo> scatter = medium_.strongest(draws_, beam, axis, far, doubt)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a sensor makes of the echoes of a beam, in double: medium, detection, drop-out, choice of returns, noise.
+// Turns a beam's echoes into returns, in double: medium, detection, drop-out, choice of returns, noise.
 #pragma once
 
 #include "gnosphere/scan.hpp"
@@ -10,7 +10,7 @@ namespace gnosphere::reference {
 struct Return {
   Bounded range;
   double trueRange = 0, intensity = 0, width = 0;
-  Hit hit;  ///< none: the medium
+  Hit hit;  ///< none: the echo is the medium's
 };
 
 struct Judgement {
@@ -22,9 +22,9 @@ class Receiver {
  public:
   Receiver(const SensorPlan& plan, const Shot& shot) : plan_(plan), draws_(plan, shot), medium_(plan, shot) {}
 
-  /// `surfaces` are the echoes of the beam in order of range.
+  /// `surfaces` are the beam's echoes from surfaces, in order of range.
   Judgement judge(size_t beam, const Line& axis, std::vector<Echo> surfaces, bool& doubt) const;
-  /// How far the beam is astray: azimuth and elevation in radians.
+  /// Returns the angular error of the beam: azimuth and elevation in radians.
   std::array<Bounded, 2> angleError(size_t beam) const;
 
  private:

@@ -14,7 +14,7 @@ void put(const Vec3& value, float* to) {
   to[2] = static_cast<float>(value.z);
 }
 
-/// A direction turned about the vertical axis and away from the horizon, by radians.
+/// Rotates a direction about the vertical axis and away from the horizon, by radians.
 Vec3 turnedBy(const Vec3& direction, double azimuth, double elevation) {
   const double az = std::atan2(direction.y, direction.x) + azimuth;
   const double el = std::atan2(direction.z, std::hypot(direction.x, direction.y)) + elevation;
@@ -27,7 +27,7 @@ struct Judge::Reported {
   Beam beam;
   Vec3 direction;      ///< in which points are reported, in the beam's frame
   SensorFrame frame;   ///< in which everything is reported
-  SensorFrame column;  ///< of the sensor as the beam is fired
+  SensorFrame column;  ///< of the sensor when the beam is fired
 
   Vec3 turned(const Vec3& v, bool deskew) const {
     if (!deskew) return v;
@@ -125,7 +125,8 @@ void Judge::storeMotion(const Reported& reported, const Hit& hit, size_t at, Sca
   const uint32_t sweep = view_.tree.triangles()[hit.triangle].sweep;
   if (sweep != Triangle::kStill)
     for (size_t k = 0; k < 3; ++k) velocity = velocity + hit.weights[k] * view_.tree.sweeps().velocities[sweep][k];
-  // It counts without sensor-motion, too: a sensor that fires all beams at once reads its own speed.
+  // The sensor's velocity counts even without sensor-motion: a sensor that fires all beams at once measures its own
+  // speed.
   const Vec3 sensor = velocityAt(shot_.motion, axis.time);
   columns.data<float>(Field::radialSpeed)[at] = static_cast<float>(dot(axis.direction, inColumn(velocity - sensor)));
   put(reported.turned(inColumn(velocity), deskew_), columns.data<float>(Field::velocity) + 3 * at);

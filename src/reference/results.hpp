@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Echoes of a beam -> its entries in a Scan.
+// Converts the echoes of a beam to its entries in a Scan.
 #pragma once
 
 #include "reference/beam.hpp"
@@ -10,11 +10,11 @@ namespace gnosphere::reference {
 class Judge {
  public:
   Judge(const View& view, const Shot& shot, const BeamEffects& effects);
-  /// Writes all entries of a beam, and says what became of it.
+  /// Writes all entries of a beam, and returns the cause of its result.
   Cause judge(size_t index, Scan& scan) const;
 
  private:
-  /// What entries of a beam have in common.
+  /// Properties that the entries of a beam share.
   struct Reported;
 
   void store(const Reported& beam, const Return& value, size_t at, Scan& scan) const;

@@ -10,11 +10,11 @@ namespace {
 double wrapped(double value, AlphaImage::Wrap wrap) {
   if (wrap == AlphaImage::Wrap::clamp) return std::clamp(value, 0.0, 1.0);
   if (wrap == AlphaImage::Wrap::repeat) return value - std::floor(value);
-  const double turn = value - 2 * std::floor(value / 2);  // 0..2, there and back
+  const double turn = value - 2 * std::floor(value / 2);  // 0..2: a period of the mirrored image, forward and back
   return turn > 1 ? 2 - turn : turn;
 }
 
-/// 0..1, of the pixel that holds the point.
+/// Alpha 0..1 of the pixel that contains the point.
 double alphaAt(const AlphaImage& image, double u, double v) {
   if (image.alpha.empty()) return 1;
   const auto pixel = [](double place, uint32_t count) {

@@ -7,7 +7,7 @@ namespace gnosphere::reference {
 
 namespace {
 
-/// Corners in the frame of a line, when it is fired.
+/// Corners in the frame of a line at the time when it is fired.
 std::array<Vec3, 3> seenFrom(const Line& line, const Triangle& triangle) {
   return {line.frame.toSensor(triangle.corners[0]), line.frame.toSensor(triangle.corners[1]),
           line.frame.toSensor(triangle.corners[2])};
@@ -27,7 +27,7 @@ View viewOf(const Scene& scene, const Bvh& tree, const std::vector<PlacedMesh>& 
   const Box bounds = tree.bounds();
   if (tree.triangles().empty()) return view;
   const Vec3 low = bounds.min - pose.position, high = bounds.max - pose.position;
-  // The distance bounds every coordinate in any orientation; half as far is safe without a look at each triangle.
+  // The distance bounds every coordinate in any orientation; within half the limit no triangle need be checked.
   if (norm({std::max(-low.x, high.x), std::max(-low.y, high.y), std::max(-low.z, high.z)}) < 0.5 * kFarthest)
     return view;
   const SensorFrame frame(pose);
@@ -40,7 +40,7 @@ View viewOf(const Scene& scene, const Bvh& tree, const std::vector<PlacedMesh>& 
 }
 
 Hit nearest(const View& view, const Line& line, double behind) {
-  // The double rounding of the ray, of the corners' way into the sensor frame and of the range.
+  // Bounds the rounding in double of the ray, of the corners' transformation and of the range.
   constexpr double kRounding = 0x1p-46;
   const Ray ray(line.frame.position, line.frame.directionToWorld(line.direction), kRounding, 0);
   const auto rank = [&](uint32_t i, double range) {
@@ -82,7 +82,7 @@ bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool
     if (!goesOn && &hit == &hits.back()) farthest = std::min(farthest, owner.farthest);
   }
   if (doubt) return true;
-  // Twice the reach and the place error: across the beam and along it.
+  // Widened by twice the errors of a corner, across the beam and along it.
   const auto fat = [&](const CornerError& error) {
     return Ray(line.frame.position, line.frame.directionToWorld(line.direction),
                2 * (error.relative + kDirectionError + line.astray), 2 * error.absolute);
@@ -98,7 +98,7 @@ bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool
   view.tree.walk(fat({view.spread, view.floor}), farthest, [&](uint32_t i, double limit) {
     if (isHit(i) || view.isDropped(i)) return limit;
     const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[i], line.time);
-    // Its own box as well, so that the answer does not depend on what else shares the leaf.
+    // The triangle's own box is tested, too, so that the answer does not depend on the other triangles of the leaf.
     if (fat(view.errors[triangle.instance]).enter(boxOf(triangle)) > limit) return limit;
     if (view.cutOuts && isOpen(triangle)) return limit;
     const Doubt other = look(triangle);

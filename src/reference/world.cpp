@@ -9,9 +9,10 @@ namespace gnosphere::reference {
 
 namespace {
 
-/// Further out in the world a double no longer resolves a decimetre; broken from whatever pose.
+/// Beyond this, a double does not resolve a decimetre; such a coordinate is invalid from any pose.
 constexpr double kFarthestWorld = 1e15;
-/// A matrix worse than this is for no single-precision simulator; more would only fatten every beam.
+/// Limit on the condition of a matrix: no single-precision simulator can use a worse one, and a larger error bound
+/// would only widen every beam.
 constexpr double kWorstCondition = 1e3;
 
 double determinant(const Transform& t) {
@@ -19,9 +20,9 @@ double determinant(const Transform& t) {
   return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
 }
 
-/// How much larger than for a rotation the error of matrix * (x - pivot) may be, for a given distance of the result.
-/// Rounding is relative to each column's contribution, so scaling along the mesh's own axes is harmless and only the
-/// angles between the columns count: with unit columns in B it is |B| |B^-1| / 3 in Frobenius norms, 1 for a rotation.
+/// Factor by which the error of matrix * (x - pivot) may exceed that of a rotation, at a given distance of the result.
+/// Rounding is relative to each column's contribution, so scaling along the mesh's own axes is harmless, and only the
+/// angles between columns count: with unit columns in B it is |B| |B^-1| / 3 in Frobenius norms, 1 for a rotation.
 double condition(const Transform& t) {
   Vec3 columns[3];
   int empty = -1, emptyCount = 0;
@@ -35,7 +36,7 @@ double condition(const Transform& t) {
       ++emptyCount;
     }
   }
-  if (emptyCount > 1) return 1;  // a line or a point: nothing to hit
+  if (emptyCount > 1) return 1;  // a line or a point, which cannot be hit
   if (emptyCount == 1) {         // a flattened mesh: the missing column adds no error
     const Vec3 n = cross(columns[(empty + 1) % 3], columns[(empty + 2) % 3]);
     columns[empty] = (1 / std::max(norm(n), 1e-30)) * n;
@@ -49,7 +50,7 @@ double condition(const Transform& t) {
   return std::clamp(std::sqrt(squares / 3) / std::max(volume, 1e-30), 1.0, kWorstCondition);
 }
 
-/// The triangles of one instance, put in the world. `velocity`: of its points, if it moves.
+/// Transforms the triangles of one instance to the world. `velocity` is that of its points, or null if it stands still.
 void placeInstance(const Scene& scene, uint32_t index, Faces faces, const Transform* velocity,
                    std::vector<Triangle>& triangles, Sweeps& sweeps, Counters& counters) {
   const Instance& instance = scene.instances[index];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene -> triangles in the world, each checked.
+// Transforms the triangles of a scene to the world and checks each.
 #pragma once
 
 #include <vector>
@@ -9,15 +9,15 @@
 
 namespace gnosphere::reference {
 
-/// Further out, in the mesh's or in the sensor's frame, a coordinate counts as broken.
+/// A coordinate beyond this, in the mesh's or in the sensor's frame, counts as invalid.
 inline constexpr double kFarthest = 1e9;
 
-/// False for NaN.
+/// False if a coordinate is NaN.
 inline bool within(const Vec3& p, double limit) {
   return std::abs(p.x) <= limit && std::abs(p.y) <= limit && std::abs(p.z) <= limit;
 }
 
-/// What is known of an instance before there is a pose.
+/// Properties of an instance that do not depend on the pose.
 struct PlacedMesh {
   double condition = 1;
   Vec3 origin;  ///< of the mesh, in the world
@@ -25,13 +25,12 @@ struct PlacedMesh {
 
 std::vector<PlacedMesh> placedMeshesOf(const Scene& scene);
 
-/// The absolute part of a corner's error, seen from `position`: 1e-9 m, some roundings of the world's doubles (2^-53
-/// each), and what is left of a pivot that is split into a float and a float remainder (2^-48) and moved through a
-/// rounded matrix.
+/// Absolute part of a corner's error, seen from `position`: 1e-9 m, some roundings of the world's doubles (2^-53 each),
+/// and the remainder of a pivot that is split into two floats (2^-48) and transformed by a rounded matrix.
 double absoluteError(const PlacedMesh& place, const Vec3& position);
 
-/// All triangles of the scene. Those of instances that move get their velocities into `sweeps`, over a turn of `period`
-/// seconds. What is dropped is counted.
+/// Returns all triangles of the scene. For instances that move, `sweeps` gets the corner velocities over a turn of
+/// `period` seconds. Dropped triangles are counted.
 std::vector<Triangle> placeAll(const Scene& scene, Faces faces, std::span<const InstanceMotion> motions, double period,
                                Sweeps& sweeps, Counters& counters);
 

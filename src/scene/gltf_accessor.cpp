@@ -35,7 +35,7 @@ T loadAs(const uint8_t* bytes) {
   return value;
 }
 
-/// glTF 2.0, 3.11: how normalised integers become reals.
+/// Converts normalised integers as in glTF 2.0, section 3.11.
 template <typename T>
 double decoded(const uint8_t* bytes, bool normalized) {
   const double value = loadAs<T>(bytes);
@@ -72,7 +72,7 @@ std::string decodedUri(const std::string& uri) {
   return path;
 }
 
-/// Base64 up to its padding; a size of 0 with `text` not empty means that a character does not belong.
+/// Decodes Base64 up to its padding. A result of size 0 for non-empty `text` means that it has an invalid character.
 FileBytes decodeBase64(std::string_view text) {
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
   FileBytes bytes;
@@ -131,7 +131,7 @@ FileBytes GltfArrays::uriBytes(const std::string& uri, const std::string& user) 
   if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
     source_.fail(user + " has a data URI that is not base64");
   FileBytes bytes = decodeBase64(std::string_view(uri).substr(comma + 1));
-  if (bytes.size == 0 && comma + 1 < uri.size()) source_.fail(user + " has a data URI whose base64 is not sound");
+  if (bytes.size == 0 && comma + 1 < uri.size()) source_.fail(user + " has a data URI whose base64 is invalid");
   return bytes;
 }
 
@@ -178,7 +178,7 @@ Bytes GltfArrays::decompress(int index, const tinygltf::Value& extension, const 
   bytes.data = std::make_unique<uint8_t[]>(count * stride);
   bytes.size = count * stride;
   int problem = 0;
-  // The decoders assert what is checked here.
+  // The conditions are those that the decoders assert.
   if (mode == "ATTRIBUTES" && stride % 4 == 0 && stride > 0 && stride <= 256)
     problem = meshopt_decodeVertexBuffer(bytes.data.get(), count, stride, packed.data(), packed.size());
   else if (mode == "TRIANGLES" && (stride == 2 || stride == 4) && count % 3 == 0)
@@ -188,7 +188,7 @@ Bytes GltfArrays::decompress(int index, const tinygltf::Value& extension, const 
   else
     source_.fail(who + ": mode " + inQuotes(mode) + " with " + std::to_string(count) + " elements of " +
                  std::to_string(stride) + " bytes is not one of the extension's");
-  if (problem != 0) source_.fail(who + ": its data is not sound");
+  if (problem != 0) source_.fail(who + ": its data is invalid");
 
   if (filter == "OCTAHEDRAL" && mode == "ATTRIBUTES" && (stride == 4 || stride == 8))
     meshopt_decodeFilterOct(bytes.data.get(), count, stride);

@@ -8,34 +8,34 @@
 
 namespace gnosphere {
 
-/// The arrays of a glTF file: accessors over bufferViews over buffers, checked before every use. `user` is who asks
-/// ("mesh 3 'wall'"), and what messages name.
+/// The arrays of a glTF file: accessors into bufferViews into buffers, checked before every use. `user` is the object
+/// that needs the array ("mesh 3 'wall'"); messages name it.
 class GltfArrays {
  public:
   GltfArrays(GltfFile& file, Bytes bytes, const Source& source);
 
-  /// Elements of an accessor; throws unless all of them lie inside its bufferView.
+  /// Number of elements of an accessor. Throws unless all of them lie inside its bufferView.
   size_t count(int accessor, const std::string& user);
-  /// VEC3 of any component type; normalised integers become -1..1 or 0..1.
+  /// Reads VEC3 of any component type; normalised integers become -1..1 or 0..1.
   std::vector<float> positions(int accessor, const std::string& user);
-  /// VEC2 likewise.
+  /// Reads VEC2 in the same way.
   std::vector<float> uvs(int accessor, const std::string& user);
-  /// SCALAR of unsigned integers, appended.
+  /// Reads SCALAR of unsigned integers and appends them to `indices`.
   void appendIndices(int accessor, const std::string& user, std::vector<uint32_t>& indices);
-  /// Instance attributes: `components` doubles per element.
+  /// Reads instance attributes: `components` doubles per element.
   std::vector<double> vectors(int accessor, int components, const std::string& user);
-  /// Bytes of a bufferView, decompressed where it is EXT_meshopt_compression's.
+  /// Bytes of a bufferView, decompressed if it uses EXT_meshopt_compression.
   Bytes view(int bufferView, const std::string& user);
 
-  /// The whole of a data URI or of a file beside this one. Throws Error(file) where there is none.
+  /// Reads the whole of a data URI or of a file beside the glTF file. Throws Error(file) if the file does not exist.
   FileBytes uriBytes(const std::string& uri, const std::string& user);
 
-  /// Accounts for bytes that the file makes us allocate. A few kilobytes of compressed, sparse or shared data can ask
-  /// for terabytes: beyond 256 MiB + 256 times the size of the file it is an error.
+  /// Counts bytes that the file makes us allocate. A few kilobytes of compressed, sparse or shared data can ask for
+  /// terabytes: more than 256 MiB + 256 times the size of the file is an error.
   void charge(uint64_t count, uint64_t bytesEach, const std::string& user);
 
  private:
-  /// Where the elements of an accessor are. `first` is null where all are zero (no bufferView).
+  /// Location of the elements of an accessor. `first` is null if all are zero (no bufferView).
   struct Layout {
     const uint8_t* first = nullptr;
     size_t stride = 0;
@@ -50,46 +50,46 @@ class GltfArrays {
                           const std::string& user);
   Bytes bufferRange(int buffer, size_t byteOffset, size_t byteLength, const std::string& user);
   void load(GltfBuffer& buffer, const std::string& user);
-  /// Elements of `components` floats; `what` they are, for messages.
+  /// Reads elements of `components` floats; `what` names them in messages.
   std::vector<float> floats(int accessor, size_t components, const char* what, const std::string& user);
   Bytes decompress(int bufferView, const tinygltf::Value& extension, const std::string& user);
-  /// Calls set(element, component, value) for every component, sparse ones included.
+  /// Calls set(element, component, value) for every component, including sparse ones.
   template <typename Set>
   void forEachValue(int accessor, const Layout& layout, const std::string& user, Set&& set);
 
   GltfFile& file_;
   const Source& source_;
-  std::map<int, FileBytes> decompressed_;  ///< by bufferView
+  std::map<int, FileBytes> decompressed_;  ///< key: index of the bufferView
   uint64_t inputBytes_;
   uint64_t charged_ = 0;
 };
 
-/// One primitive of KHR_draco_mesh_compression.
+/// A decoded primitive of KHR_draco_mesh_compression.
 struct DracoMesh {
   std::vector<float> positions;
-  std::vector<float> uvs;  ///< empty: not asked for
+  std::vector<float> uvs;  ///< empty: not requested
   std::vector<uint32_t> indices;
 };
-/// The ids are those of Draco's attributes; `uvId` is negative where no texture coordinates are wanted.
+/// The ids are those of Draco's attributes; a negative `uvId` requests no texture coordinates.
 DracoMesh decodeDraco(Bytes bytes, int positionId, int uvId, const std::string& user, const Source& source);
 
-/// How a material lays its alpha image over a mesh: u v of TEXCOORD_n through KHR_texture_transform's 2x3 matrix, in
-/// rows.
+/// Maps texture coordinates to a material's alpha image: u v of TEXCOORD_n times the 2x3 matrix (row-major) of
+/// KHR_texture_transform.
 struct GltfTexture {
   int texCoord = 0;
   std::array<double, 6> transform = {1, 0, 0, 0, 1, 0};
 };
-/// One per material of the file, none where it has no alpha image. Fills the scene's alpha images.
+/// Returns an entry per material of the file, empty if it has no alpha image. Fills the scene's alpha images.
 std::vector<std::optional<GltfTexture>> readGltfImages(const GltfFile& file, GltfArrays& arrays, const Source& source,
                                                        Scene& scene);
 
-/// The meshes that are used, in the order of the file. Adds glTF's default material if a primitive has none.
+/// Reads the meshes that are used, in the order of the file. Adds glTF's default material if a primitive has none.
 std::vector<Mesh> readGltfMeshes(const tinygltf::Model& model, GltfArrays& arrays, const Source& source,
                                  const std::vector<bool>& isUsed,
                                  const std::vector<std::optional<GltfTexture>>& textures,
                                  std::vector<Material>& materials);
 
-/// "mesh 3 'wall'", for messages.
+/// Returns a label such as "mesh 3 'wall'" for messages.
 std::string gltfLabel(const char* what, size_t index, const std::string& name);
 
 }  // namespace gnosphere

@@ -6,7 +6,7 @@
 namespace gnosphere {
 namespace {
 
-/// `components` floats per vertex of an attribute.
+/// Returns an attribute as `components` floats per vertex.
 template <int components>
 std::vector<float> values(const draco::Mesh& mesh, int id, const char* what, const std::string& user,
                           const Source& source) {
@@ -30,7 +30,7 @@ DracoMesh decodeDraco(Bytes bytes, int positionId, int uvId, const std::string& 
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Decoder decoder;
   auto result = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!result.ok()) source.fail(user + ": its Draco data is not sound (" + result.status().error_msg_string() + ")");
+  if (!result.ok()) source.fail(user + ": its Draco data is invalid (" + result.status().error_msg_string() + ")");
   const std::unique_ptr<draco::Mesh> mesh = std::move(result).value();
 
   DracoMesh decoded;

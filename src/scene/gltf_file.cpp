@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Container and JSON of a glTF file, checked and stripped before tinygltf sees it.
+// Parses the container and the JSON of a glTF file, checks them and removes what tinygltf need not see.
 #include "scene/gltf_file.hpp"
 
 #include <cmath>
@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 constexpr uint32_t kGlbMagic = 0x46546C67;  // "glTF"
 constexpr uint32_t kJsonChunk = 0x4E4F534A;
 constexpr uint32_t kBinaryChunk = 0x004E4942;
-// Parsers recurse once per level; a real file nests about ten.
+// Limit on nesting, because parsers recurse once per level; real files have about ten.
 constexpr int kMaximumDepth = 64;
 
 struct Container {
@@ -80,10 +80,10 @@ enum class Kind { object, array, text, boolean, number, numbers, count, index, i
 struct Key {
   const char* name;
   Kind kind;
-  size_t size = 0;  ///< of an array of numbers, where it matters
+  size_t size = 0;  ///< required length of an array of numbers; 0: any
 };
 
-/// Some exporters write 3.0 for 3.
+/// Converts 3.0 to 3, because some exporters write integers so.
 bool makeWhole(Json& value, double maximum) {
   if (value.is_number_float()) {
     const double number = value.get<double>();
@@ -94,7 +94,7 @@ bool makeWhole(Json& value, double maximum) {
 }
 
 bool fits(Json& value, const Key& key) {
-  constexpr double kMaximumCount = 9007199254740992.0;  // 2^53: a double still counts exactly
+  constexpr double kMaximumCount = 9007199254740992.0;  // 2^53: up to here a double represents every integer
   constexpr double kMaximumIndex = std::numeric_limits<int>::max();
   const auto all = [&](auto&& test) {
     if (!value.is_array() || (key.size != 0 && value.size() != key.size)) return false;
@@ -131,7 +131,7 @@ std::string described(const Key& key) {
   return "something else";
 }
 
-/// Walks the JSON, dropping what the reader does not use and checking the type of what it uses.
+/// Walks through the JSON, removes what the reader does not use and checks the type of the rest.
 class Tidying {
  public:
   explicit Tidying(const Source& source) : source_(source) {}
@@ -160,7 +160,7 @@ class Tidying {
       keep(o, where, {{"uri", Kind::text}, {"byteLength", Kind::count}}, {"byteLength"});
     });
     each(json, "materials", [&](Json& o, const std::string& where) { material(o, where); });
-    // What no hole needs does not matter, sound or not.
+    // Without alpha cut-outs the textures are not needed, so errors in them do not matter.
     if (!hasHoles_)
       for (const char* name : {"textures", "samplers", "images"}) json.erase(name);
     each(json, "textures", [&](Json& o, const std::string& where) {
@@ -198,7 +198,7 @@ class Tidying {
     for (Json& item : *found) visit(item, prefix + name + "[" + std::to_string(i++) + "]");
   }
 
-  /// Keeps one of the extensions of an object.
+  /// Keeps one extension of an object.
   template <typename Visit>
   void extension(Json& object, const std::string& where, const char* name, Visit&& visit) {
     const auto found = object.find("extensions");
@@ -247,7 +247,7 @@ class Tidying {
     });
   }
 
-  /// Positions, and every set of texture coordinates that there is.
+  /// Keeps POSITION and every TEXCOORD set.
   static std::vector<Key> vertexKeys(const Json& attributes) {
     std::vector<Key> keys = {{"POSITION", Kind::index}};
     for (auto item = attributes.begin(); item != attributes.end(); ++item)
@@ -311,7 +311,7 @@ class Tidying {
     });
   }
 
-  /// Of textures only the holes matter.
+  /// Keeps the properties of a surface; of its textures, only those that cut holes.
   void surface(Json& o, const std::string& where, const std::string& alphaMode) {
     keep(o, where + ".pbrMetallicRoughness",
          {{"baseColorFactor", Kind::numbers, 4},
@@ -360,8 +360,7 @@ GltfFile parseGltf(Bytes bytes, const Source& source) {
     try {
       json = Json::parse(container.json);
     } catch (const Json::exception& error) {
-      source.fail(std::string(isGlb ? "its JSON is not sound" : "it is neither glTF text nor GLB") + ": " +
-                  error.what());
+      source.fail(std::string(isGlb ? "its JSON is invalid" : "it is neither glTF text nor GLB") + ": " + error.what());
     }
     checkVersion(json, source);
     Tidying(source).root(json);

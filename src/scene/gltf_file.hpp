@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The inside of the glTF reader: file -> GltfFile (gltf_file.cpp) -> arrays (gltf_accessor.cpp) -> Scene
-// (gltf_read.cpp).
+// Stages of the glTF reader: file -> GltfFile (gltf_file.cpp) -> arrays (gltf_accessor.cpp) -> Scene (gltf_read.cpp).
 #pragma once
 
-// The configuration of third_party_files.cpp, which holds tinygltf's implementation.
+// This configuration must be the one in third_party_files.cpp, which compiles tinygltf's implementation.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_INCLUDE_JSON
@@ -15,32 +14,32 @@
 
 namespace gnosphere {
 
-/// A buffer that is read when something in it is needed.
+/// A buffer, read when it is first needed.
 struct GltfBuffer {
-  std::string uri;        ///< empty: the binary chunk of a GLB, or bytes that nothing may need (meshopt's fallback)
-  size_t byteLength = 0;  ///< as declared
-  Bytes bytes;            ///< what is there, once loaded
+  std::string uri;        ///< empty: the binary chunk of a GLB, or a fallback of meshopt that nobody may read
+  size_t byteLength = 0;  ///< the length that the file states
+  Bytes bytes;            ///< the content, once loaded
   FileBytes owned;
   bool loaded = false;
 };
 
-/// Where a picture is: a file or data URI, or a bufferView.
+/// Location of an image: a file, a data URI or a bufferView.
 struct GltfImage {
   std::string uri;
   int bufferView = -1;
 };
 
-/// tinygltf's model, without what only pictures need and without the buffers and images. tinygltf would copy the binary
-/// chunk and refuse whole files for a missing texture, for a buffer without `uri` (which EXT_meshopt_compression asks
-/// for) and for indices without bufferView (which KHR_draco_mesh_compression asks for). Every property kept has its
-/// right type.
+/// tinygltf's model, without the properties that only renderers need and without buffers and images. tinygltf would
+/// copy the binary chunk and refuse whole files for a missing texture, for a buffer without `uri` (which
+/// EXT_meshopt_compression requires) and for indices without bufferView (which KHR_draco_mesh_compression requires).
+/// The types of all kept properties have been checked.
 struct GltfFile {
   tinygltf::Model model;
   std::vector<GltfBuffer> buffers;
   std::vector<GltfImage> images;
 };
 
-/// Where parseGltf puts the accessor of a primitive's indices: among its attributes.
+/// Name of the attribute under which parseGltf stores the accessor of a primitive's indices.
 inline constexpr const char* kIndicesAttribute = "_GNOSPHERE_INDICES";
 
 GltfFile parseGltf(Bytes bytes, const Source& source);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The holes of cut-out materials: the alpha of their base colour's texture.
+// Reads the alpha images of cut-out materials from their base colour textures.
 #include <stb_image.h>
 
 #include <algorithm>
@@ -13,7 +13,8 @@
 namespace gnosphere {
 namespace {
 
-/// Per side. It bounds what a small file can make us allocate: 1 GiB while one image is decoded.
+/// Limit on the pixels per side. It bounds the memory that a small file can make us allocate: 1 GiB to decode one
+/// image.
 constexpr int kMostPixels = 16384;
 
 bool startsWith(Bytes bytes, std::string_view magic) {
@@ -27,7 +28,8 @@ AlphaImage::Wrap wrapOf(int mode) {
                                                          : AlphaImage::Wrap::repeat;
 }
 
-/// KHR_texture_transform: scaled, then turned, then moved. Rotations are counter-clockwise as seen with v downwards.
+/// Matrix of KHR_texture_transform: scale, then rotation, then offset. Rotations are counter-clockwise with v
+/// downwards.
 std::array<double, 6> transformOf(const tinygltf::Value& extension) {
   const auto number = [&](const char* key, int i, double otherwise) {
     return extension.Has(key) ? extension.Get(key).Get(i).GetNumberAsDouble() : otherwise;
@@ -43,7 +45,7 @@ class ImageReader {
   ImageReader(const GltfFile& file, GltfArrays& arrays, const Source& source, Scene& scene)
       : file_(file), arrays_(arrays), source_(source), scene_(scene) {}
 
-  /// None where the material is as solid as its alpha factor says.
+  /// Returns nothing if the material has no alpha image.
   std::optional<GltfTexture> read(size_t material);
 
  private:
@@ -92,13 +94,13 @@ uint32_t ImageReader::imageOf(const tinygltf::Texture& texture, const std::strin
   return found->second;
 }
 
-/// The index of the new image; kNoImage where it has no alpha, or none that we can read, which is counted.
+/// Returns the index of the new image; kNoImage if it has no alpha channel or cannot be read, which is counted.
 uint32_t ImageReader::decode(int index, AlphaImage::Wrap wrapU, AlphaImage::Wrap wrapV, const std::string& user) {
   const auto unread = [&] {
     ++scene_.unreadImages;
     return kNoImage;
   };
-  if (index < 0) return unread();  // only an extension says where it is: KTX2, WebP
+  if (index < 0) return unread();  // only an extension gives its source: KTX2, WebP
   const std::string who = user + ": image " + std::to_string(index);
   if (static_cast<size_t>(index) >= file_.images.size()) source_.fail(who + " does not exist");
   const GltfImage& from = file_.images[static_cast<size_t>(index)];
@@ -121,7 +123,7 @@ uint32_t ImageReader::decode(int index, AlphaImage::Wrap wrapU, AlphaImage::Wrap
 }
 
 uint32_t ImageReader::decodePng(Bytes bytes, AlphaImage image, const std::string& who) {
-  const auto fail = [&](const std::string& why) { source_.fail(who + " is not a sound PNG file: " + why); };
+  const auto fail = [&](const std::string& why) { source_.fail(who + " is not a valid PNG file: " + why); };
   if (bytes.size() > std::numeric_limits<int>::max()) fail("it is larger than 2 GiB");
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;

@@ -10,8 +10,8 @@
 namespace gnosphere {
 namespace {
 
-/// Where vertices come from: the accessor of their positions (or one Draco primitive, then negative) and that of their
-/// texture coordinates, with the material that lays them over its image. Most have none.
+/// The sources of a run of vertices: the accessor of the positions (negative: a Draco primitive) and that of the
+/// texture coordinates, with the material whose transform applies to them. Most vertices have no texture coordinates.
 struct Vertices {
   int positions = 0;
   int uvs = -1;
@@ -51,14 +51,15 @@ class MeshReader {
   const std::vector<std::optional<GltfTexture>>& textures_;  ///< by material
   std::vector<Material>& materials_;
   uint32_t defaultMaterial_ = std::numeric_limits<uint32_t>::max();
-  std::unordered_map<int, int> meshesOfAccessor_;                ///< how many meshes use a POSITION accessor
-  std::unordered_map<int, std::vector<float>> sharedPositions_;  ///< those of more than one
-  std::unordered_map<int, std::vector<float>> uvs_;              ///< by accessor
-  std::vector<Run> runs_;                                        ///< of the mesh being read
-  std::vector<DracoMesh> draco_;                                 ///< of the mesh being read; run -2 - i
+  std::unordered_map<int, int> meshesOfAccessor_;  ///< key: accessor of POSITION; value: how many meshes use it
+  std::unordered_map<int, std::vector<float>> sharedPositions_;  ///< key: accessor; only those that several meshes use
+  std::unordered_map<int, std::vector<float>> uvs_;              ///< key: accessor
+  std::vector<Run> runs_;                                        ///< runs of the mesh being read
+  std::vector<DracoMesh> draco_;  ///< of the mesh being read; Vertices::positions is -2 - i for entry i
 };
 
-/// A primitive without material has the specification's default one, which is added once and last.
+/// Returns the index of a material. A primitive without one gets glTF's default material, which is added once, as the
+/// last.
 uint32_t MeshReader::materialIndex(int material, const std::string& who) {
   if (material >= 0) {
     if (static_cast<size_t>(material) >= model_.materials.size())
@@ -104,12 +105,12 @@ Mesh MeshReader::readMesh(size_t index) {
   return mesh;
 }
 
-/// Appends the triangles of a primitive, still indexing the vertices of its own accessor.
+/// Appends the triangles of a primitive, with indices into its own accessor.
 void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, const std::string& who, Mesh& mesh) {
   if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
     source_.fail(who + ": mode " + std::to_string(primitive.mode) + " does not exist");
   const auto position = primitive.attributes.find("POSITION");
-  // Points and lines have no area, and without positions there is nothing to see.
+  // Points and lines have no area, and a primitive without positions has no surface.
   if (primitive.mode < TINYGLTF_MODE_TRIANGLES || position == primitive.attributes.end()) return;
 
   Run run;
@@ -150,7 +151,7 @@ void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, const std::
       appendTriangles(primitive.mode, std::move(list), mesh.indices);
     }
   }
-  // What is left of an incomplete last triangle is not drawn, as on a GPU.
+  // An incomplete last triangle is dropped, as on a GPU.
   run.indexCount = (mesh.indices.size() - run.firstIndex) / 3 * 3;
   mesh.indices.resize(run.firstIndex + run.indexCount);
   checkRange(mesh, run, vertexCount, who);
@@ -160,7 +161,8 @@ void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, const std::
                         materialIndex(primitive.material, who)});
 }
 
-/// glTF 2.0, 3.7.2.1: every second triangle of a strip is turned round so that all face the same way.
+/// Appends a list, strip or fan as single triangles. Every second triangle of a strip is reversed so that all face the
+/// same way (glTF 2.0, 3.7.2.1).
 void MeshReader::appendTriangles(int mode, std::vector<uint32_t>&& list, std::vector<uint32_t>& indices) const {
   if (mode == TINYGLTF_MODE_TRIANGLES) {
     if (indices.empty()) {
@@ -191,14 +193,14 @@ void MeshReader::checkRange(const Mesh& mesh, const Run& run, size_t vertexCount
                    " has " + std::to_string(vertexCount) + " vertices");
 }
 
-/// How the image of the primitive's material lies on it; null where the material has none.
+/// Returns how the alpha image of the primitive's material is mapped; null if it has none.
 const GltfTexture* MeshReader::textureOf(const tinygltf::Primitive& primitive) const {
   const auto material = static_cast<size_t>(primitive.material);
   return primitive.material >= 0 && material < textures_.size() && textures_[material] ? &*textures_[material]
                                                                                        : nullptr;
 }
 
-/// Primitives that share accessors share their vertices, which are in the mesh once.
+/// Appends the vertices of all runs. Primitives that share accessors share their vertices.
 void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
   std::map<Vertices, uint32_t> firstVertex;
   for (const Run& run : runs_) {
@@ -227,7 +229,7 @@ void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
   if (!mesh.uvs.empty()) mesh.uvs.resize(2 * mesh.vertexCount());
 }
 
-/// The texture coordinates of an accessor, as the file has them. Empty where there is none.
+/// Returns the texture coordinates of an accessor as the file has them; empty if there is none.
 const std::vector<float>& MeshReader::uvsOf(const Vertices& vertices, size_t vertexCount, const std::string& who) {
   static const std::vector<float> kNone;
   if (vertices.uvs < 0) return kNone;
@@ -240,8 +242,8 @@ const std::vector<float>& MeshReader::uvsOf(const Vertices& vertices, size_t ver
   return uvs;
 }
 
-/// For the last vertices of the mesh, through the transform of their material. As on a GPU, they are 0 for vertices
-/// that have none.
+/// Sets texture coordinates of the last vertices of the mesh, transformed by their material. Vertices without any get
+/// 0, as on a GPU.
 void MeshReader::appendUvs(Mesh& mesh, const Vertices& vertices, std::span<const float> uvs) {
   const std::array<double, 6>& m = textures_[static_cast<size_t>(vertices.material)]->transform;
   mesh.uvs.resize(2 * mesh.vertexCount());
@@ -253,8 +255,8 @@ void MeshReader::appendUvs(Mesh& mesh, const Vertices& vertices, std::span<const
   }
 }
 
-/// Some exporters put the vertices of every mesh into one accessor. Each mesh then takes those that it uses: a thousand
-/// meshes must not hold a thousand copies of all.
+/// Copies only the vertices that the mesh uses. Some exporters put the vertices of all meshes into one accessor, and a
+/// thousand meshes must not hold a thousand copies of it.
 void MeshReader::appendUsedVertices(Mesh& mesh, const Vertices& vertices, const std::string& who) {
   const int accessor = vertices.positions;
   const auto cached = sharedPositions_.find(accessor);

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kNone = -1;
 
-/// Extensions that change what geometry there is, and that we read. Those that only change how a surface looks may be
-/// required as well: they cannot move a triangle.
+/// Refuses a required extension that changes the geometry unless we read it. Extensions that only change how a surface
+/// looks are accepted, because they move no triangle.
 void checkRequiredExtensions(const tinygltf::Model& model, const Source& source) {
   const auto known = [](const std::string& name) {
     static constexpr const char* kRead[] = {"KHR_mesh_quantization", "KHR_draco_mesh_compression",
@@ -27,7 +27,7 @@ void checkRequiredExtensions(const tinygltf::Model& model, const Source& source)
                   ", which GnoSphere does not read; export it without that extension");
 }
 
-/// Translation after rotation after scale. The quaternion need not be of unit length: it may be quantised.
+/// Composes translation * rotation * scale. The quaternion may have any length, because it may be quantised.
 Transform composed(const double* t, const double* q, const double* s) {
   const double x = q[0], y = q[1], z = q[2], w = q[3];
   const double norm = x * x + y * y + z * z + w * w;
@@ -111,7 +111,7 @@ std::vector<int> Reader::parents() const {
                      " is listed as a child twice, by nodes " + std::to_string(parent) + " and " + std::to_string(i));
       parent = static_cast<int>(i);
     }
-  // With one parent each, walking up either ends at a root or comes round.
+  // Every node has at most one parent, so a walk upwards ends at a root or returns to its start (a cycle).
   std::vector<size_t> walk(count, 0);
   for (size_t i = 0; i < count; ++i) {
     int at = static_cast<int>(i);
@@ -150,7 +150,7 @@ std::vector<int> Reader::roots(const std::vector<int>& parents) const {
 }
 
 void Reader::readNodes() {
-  // An own stack: a chain of a million nodes must not end ours.
+  // An explicit stack: recursion through a chain of a million nodes would overflow the call stack.
   struct Visit {
     int node;
     Transform parent;
@@ -210,7 +210,7 @@ void Reader::place(size_t index, const Transform& transform) {
         who + ", instance " + std::to_string(i));
 }
 
-/// Only the meshes that the scene places, in the order of the file.
+/// Reads only the meshes that the scene places, in the order of the file.
 void Reader::readMeshes() {
   std::vector<uint32_t> newIndex(model_.meshes.size(), 0);
   std::vector<bool> isUsed(model_.meshes.size());

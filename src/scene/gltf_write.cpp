@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by hand: tinygltf would hold every byte twice more before the first reaches the disk.
+// The file is written without tinygltf, which would hold two more copies of every byte in memory.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -40,7 +40,7 @@ Json toJson(const Material& material) {
   return json;
 }
 
-/// The accessor's bounds, which glTF asks for; over the finite coordinates, for JSON has no other numbers.
+/// Adds the bounds of the positions, which glTF requires. They ignore NaN and infinity, which JSON cannot express.
 void addBounds(Json& accessor, const Mesh& mesh) {
   constexpr float kHuge = std::numeric_limits<float>::max();
   std::array<float, 3> low = {kHuge, kHuge, kHuge}, high = {-kHuge, -kHuge, -kHuge};
@@ -77,7 +77,7 @@ class Document {
   }
 
   uint64_t byteLength() const { return byteLength_; }
-  /// Padded to whole words with spaces, as GLB wants.
+  /// The JSON text, padded with spaces to whole words as GLB requires.
   std::string text() const {
     std::string text = json_.dump(-1, ' ', false, Json::error_handler_t::replace);
     text.resize((text.size() + 3) / 4 * 4, ' ');
@@ -116,7 +116,8 @@ class Document {
             {{"attributes", {{"POSITION", vertices}}}, {"indices", indices}, {"material", part.material}});
       }
     } else {
-      // glTF has no empty mesh. One point, which has no area, keeps the numbers of meshes and instances.
+      // glTF has no empty mesh. A single point, which has no area, takes its place, so that mesh and instance numbers
+      // stay.
       const Json zero = {0, 0, 0};
       const size_t point =
           push("accessors", {{"componentType", kFloat}, {"type", "VEC3"}, {"count", 1}, {"min", zero}, {"max", zero}});
@@ -135,7 +136,7 @@ class Document {
     for (double value : matrix.rows)
       if (!std::isfinite(value))
         throw Error(ErrorCode::invalidArgument, "the origin of mesh " + std::to_string(instance.mesh) +
-                                                    " takes an instance of it out of the numbers");
+                                                    " moves an instance of it beyond finite numbers");
     Json columns = Json::array();
     for (size_t column = 0; column < 4; ++column)
       for (size_t row = 0; row < 4; ++row)
@@ -149,7 +150,7 @@ class Document {
   uint64_t byteLength_ = 0;
 };
 
-/// Writes to `file.part`, which becomes `file` when it is whole and is removed when it is not.
+/// A file that is written as `file.part`, renamed to `file` when it is complete and removed if it is not.
 class PartFile {
  public:
   explicit PartFile(const fs::path& file) : file_(file), part_(file) {

@@ -26,10 +26,11 @@ SceneFormat formatOf(const fs::path& file) {
   if (ending == ".ply") return SceneFormat::ply;
   if (ending == ".stl") return SceneFormat::stl;
   throw Error(ErrorCode::invalidArgument, std::string("'").append(file.string()) + "': unknown ending '" + ending +
-                                              "' for a scene; there are .gltf, .glb, .obj, .ply and .stl");
+                                              "' for a scene; known are .gltf, .glb, .obj, .ply and .stl");
 }
 
-/// `scale` and the turn of y-up files, as the one transform above every instance. Vertices stay as the file has them.
+/// Returns the transform above every instance: `scale`, and a rotation for y-up files. Vertices stay as the file has
+/// them.
 Transform rootTransform(SceneFormat format, const LoadOptions& options) {
   const bool yUp = options.up == UpAxis::y || (options.up == UpAxis::formatDefault && format == SceneFormat::gltf);
   const double s = options.scale;
@@ -44,7 +45,7 @@ FileBytes readFile(const fs::path& file) {
   const fs::file_status status = fs::status(file, problem);
   if (!fs::exists(status)) failFile(file, problem ? problem.message() : "there is no such file");
   if (fs::is_directory(status)) failFile(file, "it is a folder");
-  // A pipe or a device may never end.
+  // Reading a pipe or a device may never end.
   if (!fs::is_regular_file(status)) failFile(file, "it is not a regular file");
 
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), &std::fclose);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words and numbers of text formats.
+// Parses words and numbers of text formats.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace gnosphere {
 
-/// The next word, cut off `text`; empty at the end.
+/// Removes the next word from `text` and returns it; empty at the end.
 inline std::string_view nextWord(std::string_view& text) {
   constexpr std::string_view kBlank = " \t\r\n\v\f";
   text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
@@ -18,8 +18,8 @@ inline std::string_view nextWord(std::string_view& text) {
   return word;
 }
 
-/// The nearest double. Reads nan and inf; what is too large becomes infinite and what is too small 0. False where the
-/// word is not a number.
+/// Parses the nearest double. Reads nan and inf; values too large become infinity, values too small 0. Returns false if
+/// the word is not a number.
 inline bool parseNumber(std::string_view word, double& value) {
   if (word.starts_with('+')) word.remove_prefix(1);
   const char* end = word.data() + word.size();

@@ -18,7 +18,7 @@ namespace {
 
 constexpr uint32_t kNoMaterial = std::numeric_limits<uint32_t>::max();
 
-/// Reads bytes where they are.
+/// A stream buffer over existing bytes, without a copy.
 class MemoryBuffer : public std::streambuf {
  public:
   explicit MemoryBuffer(std::string_view text) {
@@ -33,8 +33,8 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin));
 }
 
-/// Every `v` line, by the rules by which tinyobjloader finds them. Its own numbers are not used: they miss the nearest
-/// double by a few units, and make 0 of nan and inf.
+/// Reads every `v` line, by the rules by which tinyobjloader finds them. tinyobjloader's own numbers are not used: they
+/// miss the nearest double by a few units in the last place, and nan and inf become 0.
 std::vector<double> readVertices(std::string_view text, const Source& source) {
   std::vector<double> coordinates;
   while (!text.empty()) {
@@ -62,9 +62,9 @@ Material toMaterial(const tinyobj::material_t& from) {
   material.baseColor = {unit(from.diffuse[0]), unit(from.diffuse[1]), unit(from.diffuse[2]), unit(from.dissolve)};
   if (from.dissolve < 1) material.alphaMode = AlphaMode::blend;
   material.metallic = unit(from.metallic);
-  // Without the PBR extension the highlight tells: Blinn-Phong exponent n is about roughness sqrt(2 / (n + 2)).
+  // Without the PBR extension, roughness follows from the Blinn-Phong exponent n: about sqrt(2 / (n + 2)).
   material.roughness = unit(from.roughness > 0 ? from.roughness : std::sqrt(2 / (std::max(from.shininess, 0.0) + 2)));
-  // Exporters write the filter Tf = 1 1 1 for brick as well: it counts only under the models that are glass.
+  // Exporters write the filter Tf = 1 1 1 even for brick, so it counts only in the illumination models of glass.
   const bool isGlass = from.illum == 4 || from.illum == 6 || from.illum == 7 || from.illum == 9;
   const auto& filter = from.transmittance;
   if (isGlass) {
@@ -74,7 +74,7 @@ Material toMaterial(const tinyobj::material_t& from) {
   return material;
 }
 
-/// Material libraries beside the OBJ file. One that is missing is common and leaves materials with a name only.
+/// Reads material libraries beside the OBJ file. A missing one is common; its materials then have only a name.
 class Libraries : public tinyobj::MaterialReader {
  public:
   explicit Libraries(const Source& source) : source_(source) {}
@@ -93,14 +93,14 @@ class Libraries : public tinyobj::MaterialReader {
     tinyobj::LoadMtl(indices, materials, &stream, warnings, problems);
     for (size_t i = known; i < materials->size(); ++i) {
       Material material = toMaterial((*materials)[i]);
-      if (material.name.empty()) continue;  // tinyobjloader's own default
+      if (material.name.empty()) continue;  // the default material that tinyobjloader adds
       if (index_.emplace(material.name, static_cast<uint32_t>(materials_.size())).second)
         materials_.push_back(std::move(material));
     }
     return true;
   }
 
-  /// The material of a name; one that no library defines has its defaults.
+  /// Returns the material of a name; one that no library defines gets default properties.
   uint32_t find(const std::string& name) {
     const auto [found, isNew] = index_.emplace(name, static_cast<uint32_t>(materials_.size()));
     if (isNew) materials_.emplace_back().name = name;
@@ -115,8 +115,8 @@ class Libraries : public tinyobj::MaterialReader {
   std::map<std::string, uint32_t> index_;
 };
 
-/// What tinyobjloader's callbacks gather. Its other interface cuts polygons itself, with 8-bit corner counts, and drops
-/// those that it cannot cut.
+/// The faces as tinyobjloader's callbacks report them. Its other interface triangulates polygons itself, with 8-bit
+/// corner counts, and drops those that it cannot triangulate.
 struct Faces {
   struct Face {
     uint32_t cornerCount = 0;
@@ -127,11 +127,11 @@ struct Faces {
   size_t vertexCount = 0;
   std::vector<uint32_t> corners;
   std::vector<Face> faces;
-  std::vector<std::string> names;  ///< of materials, in the order of their first use
+  std::vector<std::string> names;  ///< material names, in the order of their first use
   std::map<std::string, uint32_t> nameIndex;
   uint32_t name = kNoMaterial;
 
-  /// OBJ counts from 1, or backwards from the last vertex so far with -1.
+  /// OBJ counts vertices from 1, or backwards with -1 as the latest vertex.
   void addFace(const tinyobj::index_t* indices, int count) {
     for (int i = 0; i < count; ++i) {
       const int64_t stated = indices[i].vertex_index;
@@ -157,7 +157,7 @@ void checkText(std::string_view text, const Source& source) {
   if (text.find('\0') != text.npos) source.fail("it is not OBJ: it holds binary data");
 }
 
-/// Triangles sorted by material, in the order of the file where that is the same, so that each part is one run.
+/// Sorts triangles by material, keeping the order of the file within each, so that every part is one run.
 void addParts(Mesh& mesh, const std::vector<uint32_t>& materials, size_t materialCount) {
   std::vector<uint32_t> next(materialCount + 1, 0);
   for (uint32_t material : materials) ++next[material + 1];
@@ -193,7 +193,7 @@ Scene readObj(Bytes bytes, const Source& source) {
   std::string warnings, problems;
   if (!tinyobj::LoadObjWithCallback(stream, callbacks, &gathered, &libraries, &warnings, &problems))
     source.fail(problems.empty() ? "tinyobjloader refuses it" : trimmed(problems));
-  if (3 * gathered.vertexCount != coordinates.size()) source.fail("the OBJ file has lines that are not sound");
+  if (3 * gathered.vertexCount != coordinates.size()) source.fail("the OBJ file has invalid lines");
 
   std::vector<uint32_t> materialOfName;
   for (const std::string& name : gathered.names) materialOfName.push_back(libraries.find(name));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the formats of doubles and polygons share: positions relative to an origin, and polygons into triangles.
+// Shared by the formats with doubles and polygons: positions relative to an origin, and triangulation.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +18,7 @@ double area(const Point& a, const Point& b, const Point& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// The polygon in the plane that it covers most, counter-clockwise (Newell's normal). All zero if it covers none.
+/// Projects the polygon to its plane (Newell's normal), counter-clockwise. All points are zero if it has no area.
 std::vector<Point> flattened(std::span<const uint32_t> corners, std::span<const double> coordinates) {
   const auto at = [&](size_t i) { return &coordinates[3 * size_t{corners[i % corners.size()]}]; };
   std::array<double, 3> normal = {};
@@ -46,7 +46,7 @@ bool isEar(const std::vector<Point>& points, const std::vector<size_t>& left, si
     if (j == i || j == (i + 1) % n || j == (i + n - 1) % n) continue;
     const Point& p = points[left[j]];
     ++work;
-    // Corners may coincide (a slit to a hole): those do not stand in the way.
+    // Corners may coincide with those of the ear (a slit to a hole); such corners do not block it.
     if (p == a || p == b || p == c) continue;
     if (area(a, b, p) >= 0 && area(b, c, p) >= 0 && area(c, a, p) >= 0) return false;
   }
@@ -72,8 +72,8 @@ void appendPolygon(std::vector<uint32_t>& indices, std::span<const uint32_t> cor
   bool convex = true;
   for (size_t k = 0; k < points.size(); ++k)
     convex = convex && area(points[k], points[(k + 1) % points.size()], points[(k + 2) % points.size()]) >= 0;
-  // Ears are mostly near each other, which makes the search about as long as the square of the corners. A polygon that
-  // is made to take longer, crosses itself or is not finite gets a fan of what is left: as good as anything else.
+  // Ears are mostly near each other, so the search takes about the square of the number of corners. A polygon that
+  // takes longer, crosses itself or is not finite is finished as a fan, since no triangulation of it is correct.
   constexpr size_t kMaximumCorners = 2000;
   const size_t limit = 20 * corners.size() * corners.size();
   size_t work = 0, i = 0, tried = 0;
@@ -105,7 +105,7 @@ void storePositions(Mesh& mesh, std::span<const double> coordinates) {
   }
   std::array<double, 3> origin = {};
   for (size_t c = 0; c < 3 && !exact; ++c)
-    // Beyond a million kilometres it is a broken coordinate and not a place, and an origin there would spoil the rest.
+    // A coordinate beyond a million kilometres is an error and not a place; an origin there would spoil the others.
     if (low[c] <= high[c] && std::max(-low[c], high[c]) < 1e12) origin[c] = std::round(low[c] / 2 + high[c] / 2);
   mesh.origin = {origin[0], origin[1], origin[2]};
   mesh.positions.resize(coordinates.size());

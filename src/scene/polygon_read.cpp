@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY and STL, read by hand. CGAL 5.5, the one packaged library besides assimp, gives up on 16-bit face lists and on
-// nan, ends the process on integer coordinates, allocates what a hostile list asks for, and welds the corners of an STL
-// by <, so that a corner that is nan silently becomes another one. assimp rounds to float.
+// Reads PLY and STL without a library. CGAL 5.5, the only packaged one besides assimp, fails on 16-bit face lists and
+// on nan, aborts on integer coordinates, allocates whatever a hostile list asks for, and merges the corners of an STL
+// by operator<, so that a nan corner silently becomes another one. assimp rounds to float.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -109,8 +109,8 @@ class PlyReader {
         element.name = nextWord(line);
         double count = -1;
         if (!parseNumber(nextWord(line), count) || !(count >= 0) || count != std::floor(count))
-          source_.fail("the PLY header gives no sound count for element " + inQuotes(element.name));
-        // Every item takes at least a byte (an empty list has its count), so more cannot be there.
+          source_.fail("the PLY header gives no valid count for element " + inQuotes(element.name));
+        // Every item takes at least one byte (an empty list has its count), so the file cannot hold more.
         if (count > static_cast<double>(rest_.size()))
           source_.fail("the PLY header claims more items of " + inQuotes(element.name) + " than the file has bytes");
         element.count = static_cast<size_t>(count);
@@ -132,7 +132,8 @@ class PlyReader {
     if (!formatKnown) source_.fail("the PLY header names no format");
   }
 
-  /// In text every item has its own line, which may hold more than the header says (VCGLIB's wedge colours).
+  /// Skips to the next line of a text file: an item may have more values than the header states (VCGLIB's wedge
+  /// colours).
   void endItem() {
     if (isText_) rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size()));
   }
@@ -144,7 +145,7 @@ class PlyReader {
       if (word.empty()) source_.fail(std::string("the PLY file is cut off in its ") + what);
       if (!parseNumber(word, value))
         source_.fail(std::string("the PLY file has ") + inQuotes(word) + " where its " + what + " need a number");
-      // Text may have more digits than the type it states.
+      // Text may have more digits than the declared type.
       return type == PlyType::float32 ? static_cast<float>(value) : value;
     }
     const size_t size = kPlySizes[static_cast<size_t>(type)];
@@ -243,7 +244,7 @@ class PlyReader {
     }
   }
 
-  /// Faces may come before the vertices, so they are cut into triangles last.
+  /// Triangulates the faces last, because they may come before the vertices in the file.
   Scene finish() {
     const size_t vertexCount = coordinates_.size() / 3;
     Mesh mesh;
@@ -289,7 +290,7 @@ struct CornerBits {
   bool operator()(const Corner& a, const Corner& b) const { return std::memcmp(&a, &b, sizeof a) == 0; }
 };
 
-/// STL has no indices: corners with the same bits are one vertex.
+/// A mesh built from corners. STL has no indices: corners with the same bits become one vertex.
 class StlMesh {
  public:
   explicit StlMesh(size_t triangles) {
@@ -332,7 +333,7 @@ Scene readTextStl(Bytes bytes, const Source& source) {
   bool ended = false;
   for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
     if (word == "solid" || word == "endsolid") {
-      // A name follows, which may hold any word.
+      // A name follows, which may contain any word.
       rest.remove_prefix(std::min(rest.find('\n'), rest.size()));
       ended = word == "endsolid";
     } else if (word == "vertex") {
@@ -342,7 +343,7 @@ Scene readTextStl(Bytes bytes, const Source& source) {
         if (!parseNumber(number, value))
           source.fail("triangle " + std::to_string(triangles) + " of the STL file has " + inQuotes(number) +
                       " where a coordinate should be");
-        value = static_cast<float>(value);  // STL coordinates are floats in either of its forms
+        value = static_cast<float>(value);  // STL coordinates are floats in both of its forms
       }
       if (++corners > 3)
         source.fail("facet " + std::to_string(triangles) + " of the STL file has more than 3 vertices");
@@ -364,7 +365,7 @@ Scene readPly(Bytes bytes, const Source& source) {
 }
 
 Scene readStl(Bytes bytes, const Source& source) {
-  // Some binary files begin with the word of the text ones, so the size decides.
+  // Some binary files begin with "solid", the first word of text files, so the file size decides.
   size_t triangles = 0;
   if (bytes.size() >= kStlHeader) {
     uint32_t count;
@@ -378,7 +379,7 @@ Scene readStl(Bytes bytes, const Source& source) {
   if ((bytes.size() - kStlHeader) / kStlTriangle < triangles)
     source.fail("the STL file is cut off or not STL: its header claims " + std::to_string(triangles) +
                 " triangles, it has room for " + std::to_string((bytes.size() - kStlHeader) / kStlTriangle));
-  return readBinaryStl(bytes, triangles);  // with something after the last triangle
+  return readBinaryStl(bytes, triangles);  // there may be bytes after the last triangle
 }
 
 }  // namespace gnosphere

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the scene readers share. Readers work on bytes in memory, so that the fuzzer reaches them without a file system.
+// Shared by the scene readers. They read bytes in memory, so that the fuzzer can call them without a file system.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@ namespace gnosphere {
 
 using Bytes = std::span<const uint8_t>;
 
-/// The whole content of a file. Not a vector, which would write every byte twice.
+/// The whole content of a file. A vector would also zero every byte first.
 struct FileBytes {
   std::unique_ptr<uint8_t[]> data;
   size_t size = 0;
   operator Bytes() const { return {data.get(), size}; }
 };
 
-/// Throws Error(file) with the system's reason.
+/// Reads a file. Throws Error(file) with the system's reason.
 FileBytes readFile(const std::filesystem::path& file);
 
-/// Where the bytes come from: the name that messages begin with, and the files beside it (buffers, material libraries).
-/// `sibling` throws Error(file) where there is none.
+/// Origin of the bytes: the name that starts every message, and access to files beside it (buffers, material
+/// libraries). `sibling` throws Error(file) if a file does not exist.
 struct Source {
   std::string name;
   std::function<FileBytes(const std::string& relativePath)> sibling;
@@ -37,24 +37,26 @@ struct Source {
 
 enum class SceneFormat { gltf, obj, ply, stl };
 
-/// Scene as the file states it: no turn, no scale. glTF text and GLB are told apart by their first bytes.
+/// These return the scene as the file states it, without rotation and scale. glTF text and GLB differ in their first
+/// bytes.
 Scene readGltf(Bytes bytes, const Source& source);
 Scene readObj(Bytes bytes, const Source& source);
 Scene readPly(Bytes bytes, const Source& source);
 Scene readStl(Bytes bytes, const Source& source);
 
-/// The reader of a format; whatever third-party code throws becomes Error(format), want of memory Error(outOfMemory).
+/// Calls the reader of a format. Exceptions of third-party code become Error(format), lack of memory
+/// Error(outOfMemory).
 Scene readScene(SceneFormat format, Bytes bytes, const Source& source);
 
-/// Fills positions (and origin) from x y z doubles. The origin is 0 where floats hold every coordinate exactly, else
-/// the centre of the finite coordinates rounded to a metre, so that a georeferenced file keeps its millimetres.
+/// Sets positions and origin from doubles x y z. The origin is 0 if floats hold every coordinate exactly, else the
+/// centre of the finite coordinates rounded to a metre, so that a georeferenced file keeps its millimetres.
 void storePositions(Mesh& mesh, std::span<const double> coordinates);
 
-/// Appends the triangles of one polygon, counter-clockwise as its corners are. Concave polygons are cut by their ears.
+/// Appends the triangles of one polygon, in the orientation of its corners. Concave polygons are cut by ear clipping.
 void appendPolygon(std::vector<uint32_t>& indices, std::span<const uint32_t> corners,
                    std::span<const double> coordinates);
 
-/// `text` for a message: at most 60 characters, control characters replaced.
+/// Returns `text` in quotes for a message: at most 60 characters, control characters replaced.
 std::string inQuotes(std::string_view text);
 
 }  // namespace gnosphere

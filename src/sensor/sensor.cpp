@@ -21,7 +21,7 @@ struct SinCos {
   double sin, cos;
 };
 
-/// Reduced in degrees, where 90 is a number: the axes and diagonals come out exact and every quadrant has the same
+/// Reduces the angle in degrees, where 90 is exact: axes and diagonals come out exact, and every quadrant has the same
 /// bits.
 SinCos sinCosDegrees(double degrees) {
   int quadrant = 0;
@@ -36,8 +36,8 @@ SinCos sinCosDegrees(double degrees) {
   }
 }
 
-/// Table 2 of the GnoSphere360 paper: elevations evenly spread, both ends included. One rounding per angle, so a model
-/// that is symmetric about the horizon has exactly opposite channels.
+/// Sensors of Table 2 of the GnoSphere360 paper: elevations are evenly spaced, both ends included. Every angle is
+/// rounded once, so a model that is symmetric about the horizon has exactly opposite channels.
 Sensor evenSensor(const char* name, double lowestDeg, double highestDeg, uint32_t columns, uint32_t channels,
                   double rangeMax) {
   Sensor sensor;
@@ -56,7 +56,7 @@ Sensor evenSensor(const char* name, double lowestDeg, double highestDeg, uint32_
               "sensor " + (sensor.name.empty() ? "without a name" : sensor.name) + ": " + why);
 }
 
-/// The angle lists of the largest models take a few megabytes; far more than that is not a sensor file.
+/// Size limit. The angle lists of the largest sensor models take a few megabytes.
 constexpr size_t kMaxFileBytes = size_t{64} << 20;
 
 }  // namespace
@@ -64,7 +64,7 @@ constexpr size_t kMaxFileBytes = size_t{64} << 20;
 Vec3 Sensor::direction(size_t beam) const {
   const Channel& channel = channels[beam / columns];
   const auto column = static_cast<double>(beam % columns);
-  // -180 + 360 i / columns with one rounding, then brought back into one turn before it becomes radians.
+  // -180 + 360 i / columns is rounded once, then reduced to one turn before it becomes radians.
   const double columnDeg = (360.0 * column - 180.0 * columns) / columns;
   const SinCos azimuth = sinCosDegrees(std::remainder(columnDeg + channel.azimuthOffsetDeg, 360.0));
   const SinCos elevation = sinCosDegrees(channel.elevationDeg);
@@ -151,7 +151,7 @@ Sensor findSensor(const std::string& nameOrFile) {
   std::error_code ignored;
   if (nameOrFile.empty() || !std::filesystem::exists(nameOrFile, ignored)) {
     throw Error(ErrorCode::invalidArgument,
-                "no sensor or file is called '" + nameOrFile + "'; there are " + names + ", or a JSON file");
+                "no sensor or file is called '" + nameOrFile + "'; known are " + names + ", or a JSON file");
   }
   return sensorFromJson(readWholeFile(nameOrFile, kMaxFileBytes), nameOrFile);
 }

@@ -2,9 +2,9 @@
 // {"name": "...", "columns": N, "range": {"min": m, "max": m}, "divergence_mrad": [h, v], "max_returns": N,
 //  "rotation_period": s, "elevation_deg": [...], "azimuth_offset_deg": [...], "origin": [[x, y, z], ...],
 //  "time_offset": [...]}
-// All after the range but the elevations may be left out, and "channels": [{"elevation_deg": d, "azimuth_offset_deg":
-// d, "origin": [x, y, z], "time_offset": s}, ...] may stand for the lists. toJson() writes the lists, and nothing that
-// is 0.
+// Required are the name, columns, range and elevations. Instead of the lists, "channels": [{"elevation_deg": d,
+// "azimuth_offset_deg": d, "origin": [x, y, z], "time_offset": s}, ...] may be given. toJson() writes the lists, and
+// leaves out all that is 0.
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The JSON under work, for messages: "FILE: 'range' ...".
+/// The name of the JSON that is read, for messages such as "FILE: 'range' ...".
 struct Source {
   const std::string& name;
   [[noreturn]] void refuse(const std::string& why) const { throw Error(ErrorCode::format, name + ": " + why); }
@@ -57,7 +57,7 @@ std::vector<double> numbers(const Source& source, const json& value, const std::
   return list;
 }
 
-/// `count` of them.
+/// Reads a list of exactly `count` numbers.
 std::vector<double> numbers(const Source& source, const json& value, const std::string& what, size_t count) {
   const std::vector<double> list = numbers(source, value, what);
   if (list.size() != count) {
@@ -71,7 +71,7 @@ Vec3 vector(const Source& source, const json& value, const std::string& what) {
   return {list[0], list[1], list[2]};
 }
 
-/// Calls read(channel, entry, "KEY[j]") for the entries of an optional list with one per channel.
+/// Calls read(channel, entry, "KEY[j]") for the entries of an optional list that has one entry per channel.
 template <class Read>
 void eachChannel(const Source& source, const json& root, const std::string& key, std::vector<Channel>& channels,
                  Read read) {
@@ -102,7 +102,7 @@ std::vector<Channel> channelsFromLists(const Source& source, const json& root) {
 
 std::vector<Channel> channelsFromObjects(const Source& source, const json& root) {
   for (const char* key : {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset"}) {
-    if (root.contains(key)) source.refuse("'channels' and '" + std::string(key) + "' say the same thing; keep one");
+    if (root.contains(key)) source.refuse("'channels' and '" + std::string(key) + "' are alternatives; keep one");
   }
   const json& list = root["channels"];
   if (!list.is_array()) source.refuse("'channels' must be a list");
@@ -129,7 +129,7 @@ std::vector<Channel> channelsFromObjects(const Source& source, const json& root)
 
 constexpr double kMilli = 1000;
 
-/// What a sensor may state beyond geometry.
+/// Reads the optional properties beyond geometry.
 void readPulses(const Source& source, const json& root, Sensor& sensor) {
   if (const auto divergence = root.find("divergence_mrad"); divergence != root.end()) {
     const std::vector<double> angles = numbers(source, *divergence, "divergence_mrad", 2);
@@ -174,7 +174,7 @@ Sensor sensorFromRoot(const Source& source, const json& root) {
   return sensor;
 }
 
-/// Shortest text that reads back to the same bits. JSON readers take "-0" for the integer 0, so that one has a point.
+/// Returns the shortest text that reads back to the same bits. JSON readers take "-0" for the integer 0, hence "-0.0".
 std::string text(double value) {
   if (value == 0 && std::signbit(value)) return "-0.0";
   char buffer[32];
@@ -185,8 +185,8 @@ std::string text(const Vec3& v) {
   return std::string("[").append(text(v.x)).append(", ").append(text(v.y)).append(", ").append(text(v.z)).append("]");
 }
 
-/// The milliradians that divided by 1000 give the radians again: the product, or one of its neighbours where rounding
-/// went the other way. (Where even they do not, no double does: one bit is lost.)
+/// Returns the milliradians that divided by 1000 give the same radians: the product or one of its neighbours, in case
+/// rounding went the other way. (If none does, no double does, and the last bit is lost.)
 double milliradians(double radians) {
   const double product = radians * kMilli;
   for (double candidate : {product, std::nextafter(product, 0.0), std::nextafter(product, 1e9)}) {
@@ -202,7 +202,7 @@ bool isZero(const Vec3& v) {
   return isZero(v.x) && isZero(v.y) && isZero(v.z);
 }
 
-/// `member` of every channel.
+/// Lists `member` of every channel.
 template <class Member>
 std::string listText(const std::vector<Channel>& channels, Member Channel::*member) {
   constexpr size_t kLineWidth = 100;
@@ -220,7 +220,7 @@ std::string listText(const std::vector<Channel>& channels, Member Channel::*memb
   return all + "\n    " + line + "\n  ]";
 }
 
-/// A member of the JSON that is left out where every channel has 0.
+/// Lists a member, or returns nothing if it is 0 in every channel.
 template <class Member>
 std::string optionalList(const char* key, const std::vector<Channel>& channels, Member Channel::*member) {
   const bool stated =
@@ -259,7 +259,7 @@ Sensor sensorFromJson(std::string_view text, const std::string& source) {
     sensor = sensorFromRoot({source}, json::parse(text));
     validate(sensor);
   } catch (const json::exception& problem) {
-    // "[json.exception.parse_error.101] parse error at line 1, ...": the part for people comes after the bracket.
+    // "[json.exception.parse_error.101] parse error at line 1, ...": the readable part follows the bracket.
     const std::string what = problem.what();
     const size_t bracket = what.find("] ");
     throw Error(ErrorCode::format, source + ": is not JSON: " + what.substr(bracket == what.npos ? 0 : bracket + 2));

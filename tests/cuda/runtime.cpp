@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host in place of a CUDA device.
+// CUDA's runtime functions, implemented on the host for tests without a CUDA device.
 #include "cuda/runtime.hpp"
 
 #include <cstring>

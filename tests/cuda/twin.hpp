@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CUDA's backend beside the others: its kernels on the host always, and on a CUDA device where there is one.
+// Compares CUDA's backend with the others: its kernels always run on the host, and on a CUDA device if there is one.
 #pragma once
 
 #include "effects/sensor_plan.hpp"
@@ -12,7 +12,7 @@ std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sens
 
 namespace gnosphere::test {
 
-/// Empty where a CUDA device is usable, else why not.
+/// Returns an empty text if a CUDA device is usable, else the reason.
 inline std::string cudaProblem() {
   std::string problem;
   for (const DeviceInfo& device : cuda::devices(problem)) {
@@ -22,7 +22,7 @@ inline std::string cudaProblem() {
   return problem;
 }
 
-/// Skips the test where no CUDA device is usable; fails it where GNOSPHERE_REQUIRE names cuda.
+/// Skips the test if no CUDA device is usable; fails it if GNOSPHERE_REQUIRE names cuda.
 inline void needCuda() {
   const std::string problem = cudaProblem();
   if (problem.empty()) return;
@@ -31,7 +31,7 @@ inline void needCuda() {
   SKIP("no usable CUDA device: " << problem);
 }
 
-/// A scene on the host in place of a CUDA device: what Simulator does, without its checks.
+/// The CUDA backend on the host for one scene: does the work of Simulator without its checks.
 class CudaOnHost {
  public:
   CudaOnHost(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup)
@@ -67,8 +67,8 @@ class CudaOnHost {
   std::unique_ptr<Backend> backend_;
 };
 
-/// `exact` has the bytes of `decided`, and `standard` differs from the reference nowhere outside ties: on the host, and
-/// on cuda:0 where that is.
+/// Checks that `exact` has the bytes of `decided`, and that `standard` differs from the reference only in ties: on the
+/// host, and on cuda:0 if it exists.
 class CudaTwin {
  public:
   CudaTwin(const Scene& scene, const std::vector<Sensor>& sensors, Faces faces = Faces::material) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scans a town with `standard`, with `exact`, and with `standard` and effects, by each of the given ways of binning,
-// and writes one cloud each into a folder. The script beside it runs this under other thread counts and subgroup sizes
-// and compares the bytes.
+// and writes a cloud of each into a folder. The script next to it runs this with different thread counts and subgroup
+// sizes and compares the bytes.
 #include <cstdio>
 #include <map>
 
@@ -12,7 +12,7 @@ using namespace gnosphere;
 
 namespace {
 
-/// All that draws or weighs, along a line or over a footprint.
+/// Requests all effects that draw random numbers or sum weights, along a line or over a footprint.
 void addEffects(bool footprint, SensorRequest& request) {
   Effects& effects = request.effects = {};
   effects.detection = {Use::on, 0.1, 80, 0.2};
@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   const Scene town = makeTown({.triangles = 60'000});
   const Pose pose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
   for (const std::string setting : {"standard", "exact", "effects", "footprint"})
-    for (int i = 2; i < (setting == "footprint" ? 3 : argc); ++i) {  // which has one way
+    for (int i = 2; i < (setting == "footprint" ? 3 : argc); ++i) {  // a footprint supports one way of binning
       const std::string way = argv[i];
       SimulatorOptions options;
       SensorRequest request = {builtinSensors()[0], Effects::none()};

@@ -19,7 +19,7 @@ double relativeError(float got, double expected) {
   return std::abs(double(got) - expected) / std::abs(expected);
 }
 
-/// `steps` values from `first` to `last`, their ratio always the same.
+/// Calls `call` with values from `first` to `last` in `steps` steps of equal ratio.
 template <typename Call>
 void sweep(double first, double last, int steps, Call&& call) {
   for (int i = 0; i <= steps; ++i) call(float(first * std::pow(last / first, double(i) / steps)));
@@ -27,7 +27,7 @@ void sweep(double first, double last, int steps, Call&& call) {
 
 }  // namespace
 
-TEST_CASE("quotients err by 3e-7 at most, over the whole range and with any sign") {
+TEST_CASE("quotients have errors of at most 3e-7 over the whole range and with any sign") {
   double worst = 0;
   sweep(1e-36, 1e36, 2000000, [&](float b) {
     for (const float a : {1.0f, -0.7f}) worst = std::max(worst, relativeError(gpu::quotient(a, b), double(a) / b));
@@ -38,7 +38,7 @@ TEST_CASE("quotients err by 3e-7 at most, over the whole range and with any sign
   CHECK(gpu::quotient(0, 5) == 0);
 }
 
-TEST_CASE("square roots err by 3e-7 at most, and 0 has one") {
+TEST_CASE("square roots have errors of at most 3e-7, also of 0") {
   double worst = 0;
   sweep(1e-36, 1e36, 2000000,
         [&](float x) { worst = std::max(worst, relativeError(gpu::squareRoot(x), std::sqrt(double(x)))); });
@@ -49,7 +49,7 @@ TEST_CASE("square roots err by 3e-7 at most, and 0 has one") {
   CHECK(gpu::squareRoot(-1) == 0);
 }
 
-TEST_CASE("exponentials err by 3e-7 at most, and end in 0") {
+TEST_CASE("exponentials have errors of at most 3e-7, and underflow to 0") {
   double worst = 0;
   for (int i = -870000; i <= 870000; ++i) {
     const float x = float(i) * 1e-4f;
@@ -62,7 +62,7 @@ TEST_CASE("exponentials err by 3e-7 at most, and end in 0") {
   CHECK(std::isfinite(gpu::exponential(1e30f)));
 }
 
-TEST_CASE("logarithms err by 3e-7 of themselves at most, near 1 too") {
+TEST_CASE("logarithms have relative errors of at most 3e-7, also near 1") {
   double worst = 0;
   const auto check = [&](float x) {
     if (x != 1.0f) worst = std::max(worst, relativeError(gpu::naturalLog(x), std::log(double(x))));
@@ -74,7 +74,7 @@ TEST_CASE("logarithms err by 3e-7 of themselves at most, near 1 too") {
   CHECK(gpu::naturalLog(1) == 0);
 }
 
-TEST_CASE("cosine and sine of turns err by 2e-7 at most, in every quadrant and before the first turn") {
+TEST_CASE("cosines and sines have errors of at most 2e-7, in every quadrant and for negative turns") {
   double worst = 0;
   for (int i = -4000000; i <= 4000000; ++i) {
     const float turns = float(i) * 0x1p-20f;
@@ -88,9 +88,9 @@ TEST_CASE("cosine and sine of turns err by 2e-7 at most, in every quadrant and b
   CHECK(gpu::cosSinOfTurn(0.25f).y == 1);
 }
 
-// What Vulkan may round or fuse as it likes is not in the formulas. SPIR-V: five header words, then instructions; the
-// first word of each is its length above its opcode.
-TEST_CASE("the formulas as SPIR-V hold sums and products alone, none of them to be fused") {
+// The formulas must use no operation that Vulkan may round or fuse freely. A SPIR-V module has five header words, then
+// instructions; the first word of each holds its length and its opcode.
+TEST_CASE("the SPIR-V of the formulas has only sums and products, none of which may be fused") {
   const std::span<const uint32_t> words = every_formula;
   std::set<uint32_t> unfused;
   for (size_t at = 5; at < words.size(); at += words[at] >> 16)

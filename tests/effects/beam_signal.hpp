@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The formulas of the device for one beam, on the host.
+// Evaluates the device's formulas for one beam on the host.
 #pragma once
 
 #include <span>
@@ -12,13 +12,13 @@
 
 namespace gnosphere::gpu {
 
-/// Fill in the spans and call signalsOf(parameters, beam, direction, echoes.size(), count).
+/// Set the spans and call signalsOf(parameters, beam, direction, echoes.size(), count).
 struct BeamSignal {
   uint EFFECTS = 0;                    ///< bits of effects/bits.h
   std::span<const Echo> echoes;        ///< of the beam, in order of range
-  std::span<Return> returns;           ///< EffectParameters::returnsPerBeam of them, written
+  std::span<Return> returns;           ///< output: EffectParameters::returnsPerBeam of them
   std::span<const VolumeBox> volumes;  ///< of the scan
-  std::span<const uint> deadBeams;     ///< as bits: 32 beams a word
+  std::span<const uint> deadBeams;     ///< bit mask: 32 beams per word
 
   Echo loadEcho(uint k) const { return echoes[k]; }
   void storeReturn(uint j, const Return& value) const { returns[j] = value; }

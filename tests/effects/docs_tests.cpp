@@ -19,7 +19,7 @@ std::string textOf(const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("every effect has a page that names each of its parameters, and the index names the page") {
+TEST_CASE("every effect has a page with each of its parameters, and the index links the page") {
   const std::string index = textOf("effects/README.md");
   for (const EffectInfo& effect : effectTable()) {
     const std::string name = effect.name, page = textOf("effects/" + name + ".md");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random numbers belong to a seed, a sensor, a frame, a beam and an effect, and to nothing else.
+// Random numbers depend only on a seed, a sensor, a frame, a beam and an effect.
 #include <catch2/generators/catch_generators.hpp>
 
 #include "effects/beam_signal.hpp"
@@ -24,7 +24,7 @@ Sensor narrow() {
   return sensor;
 }
 
-/// Everything that draws, and several returns.
+/// All effects that draw random numbers, with several returns.
 Effects noisy() {
   Effects effects;
   effects.detection = {Use::on, 0.1, 80, 0.2};
@@ -63,7 +63,7 @@ std::vector<Scan> scansOf(Simulator& simulator, const std::vector<Shot>& shots) 
 
 }  // namespace
 
-TEST_CASE("the same seed and frame give the same bytes, and no other does") {
+TEST_CASE("the same seed and frame give the same bytes, and different ones different bytes") {
   const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
   Simulator simulator = makeSimulator(town(), {narrow(), narrow()}, optionsFor(device, noisy()));
   const auto scans = scansOf(simulator, {shotOf(0), shotOf(1), shotOf(0), shotOf(0, 1)});
@@ -77,7 +77,7 @@ TEST_CASE("the same seed and frame give the same bytes, and no other does") {
   CHECK(!sameFields(scans[0], scanOf(town(), narrow(), kPose, optionsFor(device, other))));
 }
 
-TEST_CASE("scans in flight keep their own draws") {
+TEST_CASE("scans in flight keep their own random numbers") {
   needVulkan();
   Simulator simulator = makeSimulator(town(), narrow(), optionsFor("vulkan", noisy()));
   std::vector<Shot> shots;
@@ -86,7 +86,7 @@ TEST_CASE("scans in flight keep their own draws") {
   for (size_t i = 0; i < shots.size(); ++i) CHECK(sameFields(scansOf(simulator, {shots[i]})[0], inFlight[i]));
 }
 
-TEST_CASE("an effect switched on or off changes no other's draws") {
+TEST_CASE("switching an effect on or off does not change the random numbers of others") {
   const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
   Effects effects = Effects::none();
   effects.intensity.use = effects.radialSpeed.use = Use::automatic;
@@ -109,7 +109,7 @@ TEST_CASE("an effect switched on or off changes no other's draws") {
   CHECK(lost > 200);
 }
 
-// The formulas are one text. Here the device runs it on what it hit, and the host on the same hits.
+// The device and the host use the same source of the formulas. The host runs it on the device's hits.
 TEST_CASE("the device and the host give the same bytes for the same hits and seed") {
   needVulkan();
   Effects effects = noisy();

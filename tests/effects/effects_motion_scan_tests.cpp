@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sensors and things that move while a scan is taken.
+// Scans while the sensor and instances move.
 #include <catch2/catch_approx.hpp>
 #include <catch2/generators/catch_generators.hpp>
 
@@ -11,7 +11,7 @@ namespace {
 
 using Catch::Approx;
 
-constexpr double kPeriod = 0.1;  // seconds for a turn
+constexpr double kPeriod = 0.1;  // seconds of a rotation
 
 Sensor spinning(uint32_t columns = 360) {
   Sensor sensor = gridSensor(columns, 5, -20, 20, 100);
@@ -30,7 +30,7 @@ Scene room() {
   return scene;
 }
 
-/// Where a line from a point within the room leaves it.
+/// Distance at which a line from a point in the room hits its walls.
 double toWalls(const Vec3& from, const Vec3& d) {
   const auto wall = [](double at, double speed, double half) {
     return speed > 0 ? (half - at) / speed : speed < 0 ? (-half - at) / speed : 1e9;
@@ -46,7 +46,7 @@ Vec3 turned(double angle, const Vec3& v) {
   return {c * v.x - s * v.y, s * v.x + c * v.y, v.z};
 }
 
-/// 20 m/s ahead and 2 rad/s to the left.
+/// A shot in which the sensor moves ahead at 20 m/s and turns left at 2 rad/s.
 const double kSpeed = 20, kTurn = 2;
 Shot driving() {
   Shot shot;
@@ -64,7 +64,7 @@ Scan scanned(const std::string& device, const Scene& scene, const Sensor& sensor
   return scanOn(scene, sensor, shot, options);
 }
 
-/// Metres of a line that lie within a box, up to a range.
+/// Metres of a line inside a box, up to a range.
 double lengthWithin(const Effects::Volume& box, const Vec3& from, const Vec3& d, double range) {
   double first = 0, last = range;
   const auto clip = [&](double at, double speed, double low, double high) {
@@ -77,7 +77,7 @@ double lengthWithin(const Effects::Volume& box, const Vec3& from, const Vec3& d,
   return std::max(last - first, 0.0);
 }
 
-/// Relative powers of what is met through dust, without it where `dust` is false.
+/// Scans through dust, or without it if `dust` is false, and returns relative powers.
 Scan dusty(const std::string& device, const Sensor& sensor, const Shot& shot, const Effects::Volume& box, bool dust) {
   TestOptions options = optionsOn(device);
   options.effects = Effects::none();
@@ -94,7 +94,7 @@ const Effects::Volume kDust = {{3, -6, -1}, {9, 8, 4}, 0.01};
 
 #define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
 
-TEST_CASE("every column is seen from where the sensor is when it fires") {
+TEST_CASE("every column is seen from the sensor's position when it fires") {
   const std::string device = ON_EVERY_DEVICE;
   const bool deskew = GENERATE(false, true);
   const Sensor sensor = spinning();
@@ -109,12 +109,12 @@ TEST_CASE("every column is seen from where the sensor is when it fires") {
     CHECK(scan.points[3 * i] == Approx(point.x).margin(1e-3));
     CHECK(scan.points[3 * i + 1] == Approx(point.y).margin(1e-3));
     CHECK(scan.points[3 * i + 2] == Approx(point.z).margin(1e-3));
-    // The walls stand still: only the drive counts, not the turn.
+    // The walls are still, so radial speeds come from the sensor's velocity, and not from its rotation.
     CHECK(scan.column<float>(Field::radialSpeed)[i] == Approx(-kSpeed * d.x).margin(1e-3));
   }
 }
 
-TEST_CASE("dust stays where it is while the sensor drives and turns") {
+TEST_CASE("dust stays in place while the sensor moves and turns") {
   const std::string device = ON_EVERY_DEVICE;
   const bool lasersAside = GENERATE(false, true);
   Sensor sensor = spinning();
@@ -140,7 +140,7 @@ TEST_CASE("dust stays where it is while the sensor drives and turns") {
   CHECK(within > 100);
 }
 
-TEST_CASE("the length of a pose's quaternion means nothing, for dust either") {
+TEST_CASE("the length of a pose's quaternion has no influence, also on dust") {
   const std::string device = ON_EVERY_DEVICE;
   Shot shot, longer;
   shot.pose.orientation = {0.1, -0.2, 0.3, std::sqrt(0.86)};
@@ -155,7 +155,7 @@ TEST_CASE("the length of a pose's quaternion means nothing, for dust either") {
             Approx(second.column<float>(Field::intensity)[i]).epsilon(1e-5));
 }
 
-TEST_CASE("a turning sensor reads no speed off a world that stands still") {
+TEST_CASE("a turning sensor measures no speed in a still world") {
   const std::string device = ON_EVERY_DEVICE;
   Shot shot;
   shot.motion.stamps = {{0, {}}, {kPeriod, {{}, yaw(3)}}};
@@ -164,7 +164,7 @@ TEST_CASE("a turning sensor reads no speed off a world that stands still") {
   for (float speed : scan.column<float>(Field::radialSpeed)) CHECK(speed == 0);
 }
 
-TEST_CASE("a wall that comes nearer is slanted, and its speed is read off") {
+TEST_CASE("an approaching wall appears slanted, and its speed is measured") {
   const std::string device = ON_EVERY_DEVICE;
   Scene scene = sceneOf(plate(0, 12));
   scene.instances[0].transform = translation(15, 0, 0);
@@ -186,7 +186,7 @@ TEST_CASE("a wall that comes nearer is slanted, and its speed is read off") {
   CHECK(hits > 300);
 }
 
-TEST_CASE("who moves with what is seen reads no speed, and sees it straight") {
+TEST_CASE("a sensor that moves with its target measures no speed and no distortion") {
   const std::string device = ON_EVERY_DEVICE;
   Scene scene = sceneOf(plate(0, 12));
   scene.instances[0].transform = translation(15, 0, 0);
@@ -202,11 +202,11 @@ TEST_CASE("who moves with what is seen reads no speed, and sees it straight") {
   }
 }
 
-TEST_CASE("channels that fire late see the world later, from where their laser is") {
+TEST_CASE("channels that fire later see the world later, from the origin of their laser") {
   const std::string device = ON_EVERY_DEVICE;
   Sensor sensor = gridSensor(360, 2, 0, 0, 100);
   sensor.rotationPeriod = kPeriod;
-  // All lasers of a column see from one place on the device.
+  // On the device all lasers of a column share one origin.
   const double offset = device == "reference" ? 1e-3 : 0;
   sensor.channels[1].timeOffset = offset;
   sensor.channels[1].origin = {0.1, 0, 0.05};
@@ -220,7 +220,7 @@ TEST_CASE("channels that fire late see the world later, from where their laser i
   CHECK(scan.points[3 * late + 2] == Approx(0.05).epsilon(1e-4));
 }
 
-TEST_CASE("a drive through a town with traffic is that of the reference") {
+TEST_CASE("a drive through a town with traffic equals the reference") {
   needVulkan();
   const bool deskew = GENERATE(false, true);
   const Scene scene = makeTown({.triangles = 20'000});
@@ -245,9 +245,9 @@ TEST_CASE("a drive through a town with traffic is that of the reference") {
   CHECK(found.all() <= found.beams / 500);
 }
 
-// A pane behind a fence, seen over it only from where the sensor is while it turns by; from the scan's middle the fence
-// hides it. So the rows that it is seen in are others than those that it is in.
-TEST_CASE("what hides from a sensor in motion hides nothing that it sees") {
+// A pane behind a fence is visible over it only from the sensor's position when it fires; from the position in the
+// middle of the scan, the fence hides it. So the pane is seen in other rows than it has from there.
+TEST_CASE("culling hidden geometry hides nothing from a moving sensor") {
   needVulkan();
   Sensor sensor = gridSensor(1440, 256, -14, 40, 60);
   sensor.rotationPeriod = kPeriod;
@@ -268,8 +268,8 @@ TEST_CASE("what hides from a sensor in motion hides nothing that it sees") {
   uint64_t seen = 0;
   for (int i = 0; i < 6; ++i) {
     INFO("lifted " << i);
-    const double lift = 0.15 * i - 0.4;  // against the tiles of the table of what hides
-    // Where the sensor's columns begin, 8 degrees from straight behind it.
+    const double lift = 0.15 * i - 0.4;  // relative to the tiles of the table of farthest ranges
+    // At the azimuth where the sensor's columns begin, 8 degrees from straight behind it.
     Scene scene = sceneOf(boxOf({-15.1, -8, -3}, {-15, 8, heightAt(15, 3.9 + lift) - 0.8}));
     scene.meshes.push_back(boxOf({-0.05, -1, heightAt(25, 2.2 + lift)}, {0.05, 1, heightAt(25, 2.9 + lift)}));
     scene.instances.push_back({"", 1, rotationZ((180 + 8) * std::numbers::pi / 180) * translation(25, 0, 0)});

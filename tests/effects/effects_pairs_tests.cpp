@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every effect with every other, standing and moving: the device against the reference in a scene that shows them all.
+// Every pair of effects, without and with motion: the device against the reference, in a scene in which all are
+// visible.
 #include <cstdlib>
 
 #include "effects/effect_table.hpp"
@@ -10,7 +11,7 @@ namespace {
 
 constexpr double kPeriod = 0.1;
 
-/// Lasers that are away from the origin of their head, and few beams.
+/// A sensor with few beams, whose lasers are away from the sensor's origin.
 Sensor smallSensor() {
   Sensor sensor = gridSensor(90, 8, -18, 9, 60);
   sensor.name = "small";
@@ -26,7 +27,7 @@ Sensor smallSensor() {
   return sensor;
 }
 
-/// A room with a pane of glass, a grating with holes and a box that drives.
+/// A room with a pane of glass, a grating with holes and a moving box.
 Scene showroom() {
   Scene scene;
   scene.materials = {lambertian(0.4f, "plaster"), lambertian(0.1f, "glass"), lambertian(0.5f, "grating"),
@@ -53,7 +54,7 @@ Scene showroom() {
   return scene;
 }
 
-/// What each effect is asked for by: all of them with numbers that show.
+/// Requests all effects with parameters for which they are visible.
 Effects loud() {
   Effects effects;
   effects.seed = 42;
@@ -121,7 +122,7 @@ void compare(size_t first, size_t second) {
 
 }  // namespace
 
-TEST_CASE("the scene of the pairs shows every effect") {
+TEST_CASE("every effect changes the scan of the scene for the pairs") {
   const Scene scene = showroom();
   TestOptions options = optionsOf(0, 0);
   options.device = DeviceChoice::Kind::reference;
@@ -140,10 +141,10 @@ TEST_CASE("the scene of the pairs shows every effect") {
   }
 }
 
-TEST_CASE("every effect with every other is that of the reference, standing and moving") {
+TEST_CASE("every pair of effects equals the reference, without and with motion") {
   const size_t count = effectNames().size();
   REQUIRE(count == 17);
-  // All pairs are for the slow suite; the other one runs nine, which hold every effect.
+  // The slow tests run all pairs; otherwise other one runs nine, which hold every effect.
   if (!std::getenv("GNOSPHERE_SLOW")) {
     for (size_t first = 0; first <= count / 2; ++first) compare(first, (first + 9) % count);
     return;

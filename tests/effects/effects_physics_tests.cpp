@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole scans with effects against what a physicist writes down, on the device and on the reference.
+// Whole scans with effects compared with closed formulas of physics, on the device and on the reference.
 #include <catch2/catch_approx.hpp>
 #include <catch2/generators/catch_generators.hpp>
 
@@ -10,7 +10,7 @@ namespace {
 
 using Catch::Approx;
 
-/// Of a glTF surface as rough as can be: what its 4 % of gloss add to the diffuse part, whatever the angle.
+/// Bound on what the 4 % gloss of the roughest glTF surface adds to the diffuse part, at any angle.
 constexpr double kGloss = 0.01;
 
 struct Setup {
@@ -35,7 +35,7 @@ struct Setup {
 
 #define ON_EVERY_DEVICE GENERATE(as<std::string>{}, "reference", "vulkan")
 
-/// Plates of one reflectance (diffuse part) each, square to the x axis.
+/// A plate perpendicular to the x axis, with one (diffuse) reflectance.
 struct Plate {
   double distance, half;
   float reflectance;
@@ -66,7 +66,7 @@ Moments momentsOf(const std::vector<double>& values) {
   return result;
 }
 
-/// A normal variable's mean and deviation, within what `sigmas` of their own errors allow.
+/// Checks that values have a normal variable's mean and deviation, within `sigmas` of the estimates' own errors.
 void requireNormal(const Moments& found, double mean, double deviation) {
   const double root = std::sqrt(static_cast<double>(found.count));
   REQUIRE(found.count > 1000);
@@ -74,7 +74,7 @@ void requireNormal(const Moments& found, double mean, double deviation) {
   CHECK(std::abs(found.deviation - deviation) < 4 * deviation / (std::sqrt(2.0) * root));
 }
 
-/// All around the sensor, out of reach of none of its beams.
+/// A room around the sensor, within the range of all beams.
 Scene room(float reflectance) {
   MeshBuilder builder;
   builder.box({-20, -20, -20}, {20, 20, 20});
@@ -89,7 +89,7 @@ Sensor everywhere(uint32_t columns = 200) {
 
 }  // namespace
 
-TEST_CASE("a Lambertian plate fades with the cosine of its tilt and the square of its range") {
+TEST_CASE("a Lambertian plate's power falls with the cosine of its tilt and the square of its range") {
   const std::string device = ON_EVERY_DEVICE;
   const double tilt = GENERATE(0.0, 0.7, 1.3);
   Scene scene = platesOf({{0, 4, 0.5f}});
@@ -112,7 +112,7 @@ TEST_CASE("a Lambertian plate fades with the cosine of its tilt and the square o
   CHECK(hits > 100);
 }
 
-TEST_CASE("a target of a tenth is just detected where it is said to be") {
+TEST_CASE("a target of 10 % reflectance is just detected at the stated range") {
   const std::string device = ON_EVERY_DEVICE;
   const double distance = GENERATE(99.9, 100.1);
   Setup setup(device, platesOf({{distance, 10, 0.1f - float(kGloss)}}), fan(3600, 1, 0, 200));
@@ -125,7 +125,7 @@ TEST_CASE("a target of a tenth is just detected where it is said to be") {
   CHECK(scan.column<uint8_t>(Field::cause)[0] == uint8_t(Cause::noSurface));
 }
 
-TEST_CASE("fog hides a wall beyond the range where Koschmieder's law leaves too little of it") {
+TEST_CASE("fog hides a wall beyond the range that Koschmieder's law gives") {
   const std::string device = ON_EVERY_DEVICE;
   const double share = GENERATE(0.99, 1.01);
   const double visibility = 100, extinction = std::log(20.0) / visibility, threshold = 0.1 / (150.0 * 150.0);
@@ -153,9 +153,9 @@ TEST_CASE("fog hides a wall beyond the range where Koschmieder's law leaves too 
   CHECK((share < 1 ? solid : attenuated) > 9 * 21 / 4);
 }
 
-TEST_CASE("an edge splits a footprint in two, and each gets the energy of its area") {
+TEST_CASE("an edge splits a footprint in two, and each part gets the energy of its area") {
   const std::string device = ON_EVERY_DEVICE;
-  // The left of the near plate ends where half the radius of the footprint is: a segment of the disc goes on.
+  // The left edge of the near plate is at half the radius of the footprint: a segment of the disc passes it.
   const double tangent = std::tan(0.01 / 2), edge = 10 * tangent / 2;
   MeshBuilder builder;
   builder.quad({10, edge, -5}, {0, -5, 0}, {0, 0, 10});
@@ -191,7 +191,8 @@ TEST_CASE("a slanted plate makes an echo longer") {
   setup.effects.returns.pulseWidth = 1e-9;
   setup.fields = {Field::intensity, Field::width};
   const Scan scan = setup.scan();
-  // Lines to the left by t meet the plate at 20 / (1 + tan(tilt) t): deviation of t over a disc is half its radius.
+  // A sub-ray t to the left hits the plate at 20 / (1 + tan(tilt) t); the deviation of t over a disc is half its
+  // radius.
   const double deviation = 20 * std::tan(1.4) * std::tan(0.01) / 2, pulse = 1e-9 * 299792458 / 2;
   const double width = std::sqrt(pulse * pulse + std::pow(2 * std::sqrt(2 * std::log(2.0)) * deviation, 2));
   CHECK(scan.ranges[ahead(setup.sensor)] == Approx(20).margin(0.1));
@@ -218,18 +219,18 @@ TEST_CASE("a pane of glass and the wall behind it share a beam") {
   CHECK(scan.column<uint32_t>(Field::material)[first + 1] == 1);
 }
 
-TEST_CASE("beams go through the holes of a texture, and only there") {
+TEST_CASE("beams pass exactly the holes of a texture") {
   const std::string device = ON_EVERY_DEVICE;
   using Wrap = AlphaImage::Wrap;
   const Wrap wrap = GENERATE(Wrap::repeat, Wrap::mirror, Wrap::clamp);
-  // A row of four squares along y, twice over the plate: alpha is 0, 100, 180 and 255 of 255.
+  // The image is a row of four pixels along y, mapped twice over the plate: alpha is 0, 100, 180 and 255 of 255.
   Scene scene = platesOf({{10, 4, 0.5f}, {20, 20, 0.5f}});
   scene.alphaImages.push_back({4, 1, {0, 100, 180, 255}, wrap, wrap});
   scene.materials[0].alphaMode = AlphaMode::mask;
   scene.materials[0].alphaImage = 0;
   scene.materials[0].baseColor[3] = 0.8f;
   scene.materials[0].alphaCutoff = 0.5f;
-  scene.meshes[0].uvs = {0, 0, 0, 1, 2, 0, 2, 1};  // u goes from the left, y = 4, to y = -4
+  scene.meshes[0].uvs = {0, 0, 0, 1, 2, 0, 2, 1};  // u runs from the left, y = 4, to y = -4
   Setup setup(device, scene, fan(3600, 3, 5, 50));
   setup.effects.cutOuts.use = Use::on;
   const Scan scan = setup.scan();
@@ -241,8 +242,8 @@ TEST_CASE("beams go through the holes of a texture, and only there") {
     double place = u > 1 ? u - 1 : u;
     if (wrap == Wrap::mirror && u > 1) place = 2 - u;
     if (wrap == Wrap::clamp && u > 1) place = 1;
-    if (std::abs(place - 0.5) < 1e-4 || std::abs(u - 1) < 1e-4) continue;  // on an edge of a hole
-    const bool hole = place < 0.5;  // 0.8 * 180 / 255 is above the cut-off, 0.8 * 100 / 255 below
+    if (std::abs(place - 0.5) < 1e-4 || std::abs(u - 1) < 1e-4) continue;  // at the edge of a hole
+    const bool hole = place < 0.5;  // 0.8 * 180 / 255 is above the cut-off, 0.8 * 100 / 255 is below
     ++onPlate;
     through += hole;
     CHECK(scan.instances[i] == (hole ? 1 : 0));
@@ -251,7 +252,7 @@ TEST_CASE("beams go through the holes of a texture, and only there") {
   CHECK(through > 100);
 }
 
-TEST_CASE("errors of range and intensity are normal, with the moments that were asked for") {
+TEST_CASE("errors of range and intensity are normal, with the requested moments") {
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.5f), everywhere());
   setup.fields = {Field::intensity, Field::trueRange, Field::incidence};
@@ -270,14 +271,14 @@ TEST_CASE("errors of range and intensity are normal, with the moments that were 
   requireNormal(momentsOf(intensities), 0, 0.03);
 }
 
-TEST_CASE("ranges come in steps") {
+TEST_CASE("quantised ranges are multiples of the step") {
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.5f), everywhere(60));
   setup.effects.rangeNoise = {Use::on, 0, 0, 0, 0.25};
   for (float range : setup.scan().ranges) CHECK(std::remainder(range, 0.25f) == 0);
 }
 
-TEST_CASE("angles astray have the deviations that were asked for, at the point and at the beam") {
+TEST_CASE("angular errors have the requested deviations, at the point and at the beam") {
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.5f), everywhere());
   setup.effects.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::point};
@@ -292,7 +293,7 @@ TEST_CASE("angles astray have the deviations that were asked for, at the point a
   requireNormal(momentsOf(azimuths), 0, 2e-3);
   requireNormal(momentsOf(elevations), 0, 1e-3);
 
-  // Beams that stray in azimuth alone meet a wall at 20 / cos(azimuth + error).
+  // Beams with an azimuth error hit a wall at 20 / cos(azimuth + error).
   setup.scene = platesOf({{20, 20, 0.5f}});
   setup.sensor = fan(4000, 1, 0, 60);
   setup.effects.angleNoise = {Use::on, 2e-3, 0, Effects::AngleNoise::At::beam};
@@ -301,7 +302,7 @@ TEST_CASE("angles astray have the deviations that were asked for, at the point a
   for (size_t i = 0; i < strays.beamCount(); ++i) {
     const Vec3 d = setup.sensor.direction(i);
     const double azimuth = std::atan2(d.y, d.x);
-    if (!strays.hit(i) || std::abs(azimuth) < 0.1) continue;  // too square to tell
+    if (!strays.hit(i) || std::abs(azimuth) < 0.1) continue;  // near normal incidence
     const float* p = &strays.points[3 * i];
     CHECK(p[1] == Approx(strays.ranges[i] * d.y).margin(1e-4));
     errors.push_back((std::acos(20.0 / strays.ranges[i]) - std::abs(azimuth)) * (azimuth < 0 ? -1 : 1));
@@ -312,7 +313,7 @@ TEST_CASE("angles astray have the deviations that were asked for, at the point a
   CHECK(moments.deviation == Approx(2e-3).epsilon(0.12));
 }
 
-TEST_CASE("beams are lost at the rates that were asked for, and every beam has one cause") {
+TEST_CASE("beams are lost at the requested rates, and every beam has one cause") {
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.29f), everywhere());
   setup.effects.dropOut = {Use::on, 0.3, 0.8, 0, {5, 77}};
@@ -330,7 +331,7 @@ TEST_CASE("beams are lost at the rates that were asked for, and every beam has o
 
   setup.effects.dropOut = {Use::on, 0, 1, 0.8, {}};
   const Scan weak = setup.scan();
-  // Of a return of unit intensity u, 0.8 (1 - u).
+  // A return of unit intensity u is lost with probability 0.8 (1 - u).
   double expected = 0;
   for (size_t i = 0; i < weak.beamCount(); ++i) {
     const Vec3 d = setup.sensor.direction(i);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is not planned is not there: no pipeline, constant, buffer or dispatch knows of it.
+// Effects that are not planned appear in no pipeline, constant, buffer or dispatch.
 #include <catch2/catch_test_macros.hpp>
 
 #include "cuda/twin.hpp"
@@ -14,7 +14,7 @@ bool operator==(const Plan::Pipeline& a, const Plan::Pipeline& b) {
   return a.name == b.name && a.constants == b.constants;
 }
 
-/// Stages, pipelines with their specialisation, buffers with their bytes, dispatches.
+/// Whether two plans have the same steps, pipelines with their constants, buffers with their sizes, and dispatches.
 bool sameWork(const Plan& a, const Plan& b) {
   const auto sameStage = [](const Plan::Stage& x, const Plan::Stage& y) {
     return x.name == y.name && x.dispatches == y.dispatches &&
@@ -29,7 +29,7 @@ bool sameWork(const Plan& a, const Plan& b) {
          a.bytes() == b.bytes() && a.dispatches() == b.dispatches() && a.binning == b.binning && a.returns == b.returns;
 }
 
-/// A wall, of a material that may be glass or have holes.
+/// A wall whose material may be transparent or have holes.
 Scene wall(float transmission, AlphaMode mode) {
   Scene scene;
   Mesh mesh;
@@ -49,7 +49,7 @@ Scene wall(float transmission, AlphaMode mode) {
   return scene;
 }
 
-/// One that states everything that an effect may ask of a sensor.
+/// A sensor that states all properties that effects may need.
 Sensor able() {
   Sensor sensor = findSensor("VLP-16");
   sensor.columns = 360;
@@ -60,7 +60,7 @@ Sensor able() {
   return sensor;
 }
 
-/// Everything, all at once.
+/// A request with all effects.
 Effects everything() {
   Effects effects;
   for (const char* assignment :
@@ -92,7 +92,7 @@ Scene glassWithHoles() {
 
 }  // namespace
 
-TEST_CASE("an effect that is off is in no constant, and geometry alone is what it always was") {
+TEST_CASE("an effect that is off changes no constant, and a scan of geometry alone is unchanged") {
   needVulkan();
   const Scene scene = glassWithHoles();
   const Plan bare = planOf(scene, able(), Effects::none());
@@ -101,7 +101,7 @@ TEST_CASE("an effect that is off is in no constant, and geometry alone is what i
     for (const Plan::Pipeline& pipeline : stage.pipelines)
       for (size_t constant : {9, 10}) CHECK(pipeline.constants.at(constant) == 0);  // EFFECTS, FIELDS
   }
-  // Words are all that is read back.
+  // The host reads back only the packed word of each beam.
   CHECK(bare.stages.back().name == "resolve");
   CHECK(bare.stages.back().dispatches == 0);
   CHECK(bare.stages.back().pipelines.empty());
@@ -113,7 +113,7 @@ TEST_CASE("an effect that is off is in no constant, and geometry alone is what i
   }
 }
 
-TEST_CASE("an effect that cannot be shown costs what one that is off costs") {
+TEST_CASE("an effect that the scene does not need costs as little as one that is off") {
   needVulkan();
   const Scene plain = wall(0, AlphaMode::opaque);
   const Sensor sensor = findSensor("VLP-16");
@@ -121,7 +121,7 @@ TEST_CASE("an effect that cannot be shown costs what one that is off costs") {
 }
 
 // What has no pipelines to compile plans the scans without each: the steps are the same on every kind of device.
-TEST_CASE("each effect that is taken out of all takes its bit out of every pipeline") {
+TEST_CASE("removing an effect from all effects clears its bit in every pipeline") {
   needVulkan();
   const Scene scene = glassWithHoles();
   const auto planOnHost = [&](const Effects& effects) {
@@ -139,7 +139,7 @@ TEST_CASE("each effect that is taken out of all takes its bit out of every pipel
   }
   for (size_t i = 0; i < effectNames().size(); ++i) {
     INFO(effectNames()[i]);
-    if (effectNames()[i] == "intensity") continue;  // the others need it
+    if (effectNames()[i] == "intensity") continue;  // the other effects need it
     Effects effects = everything();
     assign(effects, effectNames()[i] + "=off");
     const Plan plan = planOnHost(effects);
@@ -150,7 +150,7 @@ TEST_CASE("each effect that is taken out of all takes its bit out of every pipel
   }
 }
 
-TEST_CASE("auto plans what the scene calls for: glass, holes and neither give three pipelines") {
+TEST_CASE("auto plans the effects that the scene needs: glass, holes and neither give three sets of pipelines") {
   needVulkan();
   const Sensor sensor = findSensor("VLP-16");
   const Plan glass = planOf(wall(0.5f, AlphaMode::opaque), sensor, Effects{});

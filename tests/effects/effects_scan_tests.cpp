@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Effects on the device against effects on the reference: the same draws, and what single precision may differ by.
+// Effects on the device compared with the reference: equal random numbers, and differences only by single precision.
 #include "effects/scan_support.hpp"
 #include "town/town.hpp"
 
@@ -8,7 +8,7 @@ namespace {
 
 const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
-/// A VLP-16 of fewer columns.
+/// A VLP-16 with fewer columns.
 Sensor coarse(uint32_t columns) {
   Sensor sensor = findSensor("VLP-16");
   sensor.columns = columns;
@@ -44,11 +44,11 @@ std::string listed(const Differences& found) {
          std::to_string(found.beams) + " beams; first: " + found.first;
 }
 
-/// Nothing at all differs.
+/// Requires equality except for rounding.
 void requireSame(const Effects& effects) {
   std::vector<Field> fields = effectFields();
   fields.push_back(Field::barycentrics);
-  // Small triangles' normals are as uncertain as their corners.
+  // Normals of small triangles are as uncertain as their corners.
   const Differences found = compared(effects, fields, coarse(180), {0, 5e-4, 2e-3});
   INFO(listed(found));
   CHECK(found.ties < found.beams / 50);
@@ -57,7 +57,7 @@ void requireSame(const Effects& effects) {
 
 Effects nothing() {
   Effects effects = Effects::none();
-  effects.intensity.use = effects.radialSpeed.use = Use::automatic;  // fields ask for them
+  effects.intensity.use = effects.radialSpeed.use = Use::automatic;  // requested by fields
   return effects;
 }
 
@@ -73,8 +73,8 @@ Effects physical() {
   return withIntensity(Effects::Intensity::Model::physical, Effects::Intensity::Scale::unit);
 }
 
-/// Echoes may differ where the pieces of one lie just about as far apart as two echoes do, and in which of two
-/// triangles reflects more.
+/// Echoes may differ if pieces of one are about as far apart as separate echoes, and in the choice between two
+/// triangles of nearly equal power.
 void requireAlmostSame(const Effects& effects, const Scene& scene = town()) {
   const Differences found = compared(effects, effectFields(), coarse(120), {2e-3, 1e-3, 2e-3}, scene);
   INFO(listed(found));
@@ -84,7 +84,7 @@ void requireAlmostSame(const Effects& effects, const Scene& scene = town()) {
 
 }  // namespace
 
-TEST_CASE("intensities and surfaces are those of the reference") {
+TEST_CASE("intensities and surfaces equal the reference") {
   using Model = Effects::Intensity::Model;
   using Scale = Effects::Intensity::Scale;
   requireSame(physical());
@@ -92,7 +92,7 @@ TEST_CASE("intensities and surfaces are those of the reference") {
   requireSame(withIntensity(Model::carla, Scale::unit));
 }
 
-TEST_CASE("what is not detected or lost at random is lost on every device") {
+TEST_CASE("undetected and randomly dropped returns are the same on every device") {
   Effects effects = physical();
   effects.detection = {Use::on, 0.1, 60, 0};
   requireSame(effects);
@@ -103,7 +103,7 @@ TEST_CASE("what is not detected or lost at random is lost on every device") {
   requireSame(effects);
 }
 
-TEST_CASE("errors of measurement are the same draws") {
+TEST_CASE("measurement errors use the same random numbers") {
   Effects effects = physical();
   effects.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 0};
   requireSame(effects);
@@ -115,7 +115,7 @@ TEST_CASE("errors of measurement are the same draws") {
   requireSame(effects);
 }
 
-TEST_CASE("the air throws back and takes the same on every device") {
+TEST_CASE("scattering and attenuation of the medium are the same on every device") {
   Effects effects = physical();
   effects.fog = {Use::on, 60};
   requireSame(effects);
@@ -138,7 +138,7 @@ TEST_CASE("several returns of one beam keep their order and their surfaces") {
   requireSame(effects);
 }
 
-TEST_CASE("footprints meet the same surfaces") {
+TEST_CASE("footprints hit the same surfaces") {
   Effects effects = physical();
   effects.divergence = {Use::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
   effects.returns.use = Use::on;
@@ -146,13 +146,13 @@ TEST_CASE("footprints meet the same surfaces") {
   requireAlmostSame(effects);
 }
 
-TEST_CASE("beams astray meet the same surfaces") {
+TEST_CASE("beams with angular errors hit the same surfaces") {
   Effects effects = physical();
   effects.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
   requireAlmostSame(effects);
 }
 
-TEST_CASE("light passes the same panes") {
+TEST_CASE("transmitted light passes the same panes on every device") {
   Scene scene = town();
   for (Material& one : scene.materials) one.transmission = 0.5f;
   Effects effects = physical();
@@ -161,7 +161,7 @@ TEST_CASE("light passes the same panes") {
   requireAlmostSame(effects, scene);
 }
 
-TEST_CASE("all effects together are those of the reference") {
+TEST_CASE("all effects together equal the reference") {
   Effects effects = physical();
   effects.detection = {Use::on, 0.1, 80, 0};
   effects.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700, 701}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When beams fire, and where sensor and instances are then.
+// Firing times of beams, and positions of sensor and instances at those times.
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
@@ -28,7 +28,7 @@ SensorMotion drive() {
 
 }  // namespace
 
-TEST_CASE("beams fire column by column, each channel with its own delay") {
+TEST_CASE("beams fire column by column, and each channel has its own delay") {
   Sensor sensor{"spinning", 10, {}, 0, 100};
   sensor.channels.resize(2);
   sensor.channels[1].timeOffset = 2e-6;
@@ -41,7 +41,7 @@ TEST_CASE("beams fire column by column, each channel with its own delay") {
   CHECK(timeOf(sensor, 5) == 0);
 }
 
-TEST_CASE("a sensor without stamps stands, and is held before the first and after the last") {
+TEST_CASE("a sensor without stamps stays at its pose, and stamps are held before the first and after the last") {
   CHECK(poseAt({}, kStanding, 0.3).position.x == 7);
   CHECK(velocityAt({}, 0.3).x == 0);
   CHECK(poseAt(drive(), kStanding, 0).position.x == 1);
@@ -53,7 +53,7 @@ TEST_CASE("a sensor without stamps stands, and is held before the first and afte
   CHECK(velocityAt(one, 0.5).x == 0);
 }
 
-TEST_CASE("between stamps positions go in straight lines and orientations turn evenly") {
+TEST_CASE("between stamps positions are interpolated linearly and orientations at constant angular speed") {
   const Pose pose = poseAt(drive(), kStanding, 0.125);
   CHECK(pose.position.x == Approx(1.5));
   CHECK(pose.position.y == Approx(0.25));
@@ -64,7 +64,7 @@ TEST_CASE("between stamps positions go in straight lines and orientations turn e
   CHECK(poseAt(drive(), kStanding, 0.2).position.x == 3);
 }
 
-TEST_CASE("orientations turn the shorter way, whatever their signs and lengths") {
+TEST_CASE("orientations are interpolated along the shorter arc, whatever the quaternions' signs and lengths") {
   const auto turned = [](const Quaternion& from, const Quaternion& to) {
     return poseAt({{{0, {{}, from}}, {1, {{}, to}}}}, {}, 0.5).orientation;
   };
@@ -76,7 +76,7 @@ TEST_CASE("orientations turn the shorter way, whatever their signs and lengths")
   CHECK(yawOf(turned(yaw(1), yaw(1))) == Approx(1));
 }
 
-TEST_CASE("points of an instance go in straight lines to its end") {
+TEST_CASE("points of an instance move in straight lines to its end position") {
   const Transform start = {{1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 0}};
   const Transform end = {{0, -1, 0, 12, 1, 0, 0, 0, 0, 0, 1, 1}};
   const Vec3 corner = {1, 2, 3};

@@ -25,7 +25,7 @@ Sensor sensorWith(double horizontal, double vertical) {
 
 }  // namespace
 
-TEST_CASE("range noise has the bias and the sigma asked for, which grows with range") {
+TEST_CASE("range noise has the requested bias and sigma, and sigma grows with range") {
   Effects effects;
   effects.rangeNoise.bias = 0.05;
   effects.rangeNoise.sigma = 0.02;
@@ -44,7 +44,7 @@ TEST_CASE("range noise has the bias and the sigma asked for, which grows with ra
   }
 }
 
-TEST_CASE("a range step makes ranges whole multiples of it, and none is below 0") {
+TEST_CASE("quantised ranges are multiples of the step, and none is negative") {
   gpu::EffectParameters p = {};
   p.rangeStep = 0.004f;
   for (float range = 0.1f; range < 100; range *= 1.1f) {
@@ -56,7 +56,7 @@ TEST_CASE("a range step makes ranges whole multiples of it, and none is below 0"
   CHECK(gpu::noisyRange(p, 5, 0) == 0);
 }
 
-TEST_CASE("angles are astray by the sigmas asked for, and by 4 of them at most") {
+TEST_CASE("angular errors have the requested sigma and are at most 4 sigma") {
   Effects effects;
   effects.angleNoise.azimuth = 0.01;
   effects.angleNoise.elevation = 0.002;
@@ -74,10 +74,10 @@ TEST_CASE("angles are astray by the sigmas asked for, and by 4 of them at most")
   CHECK(std::sqrt(squares[1] / kDraws) == Approx(0.002).epsilon(0.005));
   CHECK(std::abs(product / kDraws) < 5 * 0.01 * 0.002 / std::sqrt(kDraws));
   CHECK(widest <= 0.04f);
-  CHECK(widest > 0.035f);  // a million draws reach beyond, and are held
+  CHECK(widest > 0.035f);  // some of a million draws would be larger and are clamped
 }
 
-TEST_CASE("a beam astray is turned by its angles and stays a unit vector, at the poles too") {
+TEST_CASE("a beam with angular errors is turned by its angles and stays a unit vector, also at the poles") {
   for (double elevation = -90; elevation <= 90; elevation += 7.5)
     for (double azimuth = -180; azimuth < 180; azimuth += 15) {
       const double e = elevation * std::numbers::pi / 180, a = azimuth * std::numbers::pi / 180;
@@ -92,7 +92,7 @@ TEST_CASE("a beam astray is turned by its angles and stays a unit vector, at the
     }
 }
 
-TEST_CASE("intensity noise has the sigma asked for, and makes no intensity negative") {
+TEST_CASE("intensity noise has the requested sigma, and no intensity becomes negative") {
   gpu::EffectParameters p = {};
   p.intensitySigma = 0.05f;
   double squares = 0;
@@ -105,13 +105,13 @@ TEST_CASE("intensity noise has the sigma asked for, and makes no intensity negat
   CHECK(gpu::noisyIntensity(p, 0.1f, -3) == 0);
 }
 
-TEST_CASE("the radial speed is positive for what goes away, whichever of the two moves") {
+TEST_CASE("the radial speed is positive if the distance grows, whether sensor or target moves") {
   CHECK(gpu::radialSpeed({1, 0, 0}, {3, 5, 7}, {0, 0, 0}) == 3);
   CHECK(gpu::radialSpeed({1, 0, 0}, {0, 0, 0}, {3, 5, 7}) == -3);
   CHECK(gpu::radialSpeed({0, 0.6f, 0.8f}, {9, 10, 0}, {0, 0, 5}) == Approx(2));
 }
 
-TEST_CASE("sub-rays fill the footprint evenly: weights add up to 1, their middle is the beam") {
+TEST_CASE("sub-rays fill the footprint evenly: their weights sum to 1 and their mean is the beam") {
   for (const auto profile : {Effects::Divergence::Profile::uniform, Effects::Divergence::Profile::gaussian})
     for (uint32_t count = 1; count <= 61; ++count) {
       INFO(count << " sub-rays");
@@ -136,7 +136,7 @@ TEST_CASE("sub-rays fill the footprint evenly: weights add up to 1, their middle
       CHECK(std::abs(u) < off);
       CHECK(std::abs(v) < off);
       if (count < 19) continue;
-      // Second moments of a disc: 1/4, and within the 1/e^2 radius of a normal beam (1 - 3 e^-2) / (1 - e^-2) / 4.
+      // Second moment of a disc: 1/4; within the 1/e^2 radius of a Gaussian beam: (1 - 3 e^-2) / (1 - e^-2) / 4.
       const double e2 = std::exp(-2.0);
       const double moment = profile == Effects::Divergence::Profile::uniform ? 0.25 : (1 - 3 * e2) / (1 - e2) / 4;
       CHECK(uu == Approx(moment).epsilon(0.07));
@@ -144,7 +144,7 @@ TEST_CASE("sub-rays fill the footprint evenly: weights add up to 1, their middle
     }
 }
 
-TEST_CASE("without divergence there is one line along the beam") {
+TEST_CASE("without divergence there is one sub-ray along the beam") {
   const auto rays = subRays({}, sensorWith(3e-3, 3e-3), 0);
   REQUIRE(rays.size() == 1);
   CHECK(rays[0].u == 0);

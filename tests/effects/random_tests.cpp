@@ -18,7 +18,7 @@ gpu::EffectParameters seeded(uint64_t seed) {
   return p;
 }
 
-/// How far counts are from even ones, in standard deviations of chi-square.
+/// Deviation of counts from equal ones, in standard deviations of chi-square.
 double unevenness(const std::vector<double>& counts) {
   double sum = 0, chiSquare = 0;
   for (const double count : counts) sum += count;
@@ -30,7 +30,7 @@ double unevenness(const std::vector<double>& counts) {
 
 }  // namespace
 
-// kat_vectors of Random123 1.14, philox4x32 with 10 rounds.
+// Test vectors: kat_vectors of Random123 1.14, philox4x32 with 10 rounds.
 TEST_CASE("Philox gives the published words") {
   struct Row {
     glm::uvec4 counter;
@@ -52,7 +52,7 @@ TEST_CASE("Philox gives the published words") {
   }
 }
 
-TEST_CASE("uniform numbers are even, from 0 up to but not including 1") {
+TEST_CASE("uniform numbers are evenly distributed in 0 <= u < 1") {
   const gpu::EffectParameters p = seeded(7);
   std::vector<double> counts(100, 0.0);
   for (uint32_t beam = 0; beam < kDraws; ++beam) {
@@ -89,7 +89,7 @@ TEST_CASE("normal numbers have the moments and the distribution of the normal di
   CHECK(std::abs(unevenness(counts)) < 5);
 }
 
-TEST_CASE("neighbouring beams, sub-rays, frames, sensors and effects have nothing in common") {
+TEST_CASE("random numbers of neighbouring beams, sub-rays, frames, sensors and effects are uncorrelated") {
   const gpu::EffectParameters p = seeded(1);
   gpu::EffectParameters frame = p, sensor = p;
   frame.frame = 1;
@@ -108,6 +108,6 @@ TEST_CASE("neighbouring beams, sub-rays, frames, sensors and effects have nothin
     products[5] += x * first(seeded(2), beam, 0, gpu::kRangeNoise);
     products[6] += x * first(seeded(uint64_t{1} << 32 | 1), beam, 0, gpu::kRangeNoise);
   }
-  // The product of two independent ones has mean 0 and standard deviation 1 / 12.
+  // The product of two independent numbers has mean 0 and standard deviation 1 / 12.
   for (const double product : products) CHECK(std::abs(product / kDraws) < 5.0 / 12 / std::sqrt(kDraws));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans with effects: small scenes, a device against the reference, and CUDA beside Vulkan.
+// Support for scans with effects: small scenes, a device compared with the reference, and CUDA compared with Vulkan.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace gnosphere::test {
 
-/// "reference", or the Vulkan device with the validation layer on.
+/// Options for "reference", or for the Vulkan device with the validation layer.
 inline TestOptions optionsOn(const std::string& device) {
   if (device != "reference") needVulkan();
   TestOptions options = vulkanOptions();
@@ -17,20 +17,20 @@ inline TestOptions optionsOn(const std::string& device) {
   return options;
 }
 
-/// Every field that a device computes for the sake of effects.
+/// Every field that a device computes for effects.
 inline std::vector<Field> effectFields() {
   return {Field::intensity, Field::trueRange, Field::width,    Field::label,      Field::cause,
           Field::normal,    Field::incidence, Field::material, Field::radialSpeed};
 }
 
-/// A plate square to the x axis at a distance, `half` metres to each side, of one material.
+/// A plate of one material, perpendicular to the x axis at a distance, `half` metres to each side.
 inline Mesh plate(double distance, double half, uint32_t material = 0) {
   MeshBuilder builder;
   builder.quad({distance, half, -half}, {0, -2 * half, 0}, {0, 0, 2 * half});
   return builder.take(material);
 }
 
-/// Dull, both sides, of a reflectance.
+/// A diffuse, two-sided material with a reflectance.
 inline Material lambertian(float reflectance, const char* name = "dull") {
   Material result;
   result.name = name;
@@ -38,7 +38,7 @@ inline Material lambertian(float reflectance, const char* name = "dull") {
   return result;
 }
 
-/// One row states the reflectance, without the 4 % that a glTF surface reflects beside it.
+/// A table with one row that states the reflectance, without the 4 % gloss of a glTF surface.
 inline MaterialTable tableOf(const std::string& name, float reflectance) {
   MaterialTable table;
   MaterialTable::Row row;
@@ -49,7 +49,7 @@ inline MaterialTable tableOf(const std::string& name, float reflectance) {
   return table;
 }
 
-/// Beams within a narrow fan around the x axis: the middle columns of a fine sensor.
+/// A sensor with beams in a narrow fan around the x axis: the middle columns of a fine sensor.
 inline Sensor fan(uint32_t columns, uint32_t channels, double degrees, double rangeMax) {
   Sensor sensor{"fan", columns, {}, 0, rangeMax};
   for (uint32_t j = 0; j < channels; ++j)
@@ -57,12 +57,12 @@ inline Sensor fan(uint32_t columns, uint32_t channels, double degrees, double ra
   return sensor;
 }
 
-/// The beam straight ahead of a channel.
+/// Index of a channel's beam straight ahead.
 inline size_t ahead(const Sensor& sensor, size_t channel = 0) {
   return channel * sensor.columns + sensor.columns / 2;
 }
 
-/// Which arrays differ, of all that a scan holds beside ties and tolerances, and where they do first.
+/// Returns which arrays differ, except ties and tolerances, and the first place in each.
 inline std::string firstBytes(const Scan& a, const Scan& b) {
   std::string result;
   const auto compare = [&](const char* name, const auto& first, const auto& second) {
@@ -97,18 +97,18 @@ inline bool sameFields(const Scan& a, const Scan& b) {
   return firstBytes(a, b) == "none";
 }
 
-/// A simulator on Vulkan, and its twins of CUDA: the kernels on the host, and on a CUDA device where there is one.
+/// A simulator on Vulkan, and the same with CUDA: its kernels on the host, and on a CUDA device if there is one.
 class Twins {
  public:
   Twins(const Scene& scene, const std::vector<Sensor>& sensors, TestOptions options)
       : vulkan(makeSimulator(scene, sensors, options)), onHost(scene, sensors, options) {
-    // Of `standard` a range is a quotient, which a GPU's Vulkan may round in its own way.
+    // With `standard` a range is a quotient, which a GPU's Vulkan driver may round differently.
     decided_ = options.accuracy == Accuracy::exact || vulkan.device().type == "cpu";
     options.device = deviceByName("cuda:0");
     if (cudaProblem().empty()) cuda.emplace(makeSimulator(scene, sensors, options));
   }
 
-  /// Vulkan's scan, of which every twin must have the bytes.
+  /// Returns Vulkan's scan, after checking that CUDA's scans have the same bytes.
   Scan scan(const Shot& shot) {
     INFO("CUDA, frame " << shot.frame);
     Scan result, other, onDevice;
@@ -129,7 +129,7 @@ class Twins {
   bool decided_;
 };
 
-/// A scan on the device of the options, of which CUDA has the bytes if it is Vulkan's.
+/// Scans on the options' device; if that is Vulkan's, checks that CUDA gives the same bytes.
 inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Shot& shot, const TestOptions& options) {
   if (options.device.kind != DeviceChoice::Kind::reference) return Twins(scene, {sensor}, options).scan(shot);
   Scan result;
@@ -143,18 +143,18 @@ inline Scan scanOn(const Scene& scene, const Sensor& sensor, const Pose& pose, c
   return scanOn(scene, sensor, shot, options);
 }
 
-/// How two scans of the same differ, beams in doubt apart.
+/// Counts of differences between two scans of the same shot; doubtful beams are only counted.
 struct Differences {
   size_t beams = 0, ties = 0, causes = 0, returns = 0, owners = 0, ranges = 0, points = 0, intensities = 0, widths = 0;
   size_t surfaces = 0, speeds = 0;
-  std::string first = "none";  ///< of causes, returns, owners and so on
+  std::string first = "none";  ///< description of the first difference
 
   size_t all() const { return causes + returns + owners + ranges + points + intensities + widths + surfaces + speeds; }
 };
 
-/// What may differ.
+/// Allowed differences.
 struct Slack {
-  double range = 0;         ///< m, beside the reference's own tolerance
+  double range = 0;         ///< m, besides the reference's own tolerance
   double intensity = 1e-4;  ///< relative
   double incidence = 2e-3;  ///< rad
 };

@@ -29,7 +29,7 @@ struct Beam {
   std::vector<gpu::Return> returns;
 };
 
-/// An echo of a Lambertian target of that reflectance.
+/// An echo of a Lambertian target of this reflectance.
 gpu::Echo echoAt(float range, float reflectance, uint32_t index) {
   return {range, reflectance, 0.5f, 1, index};
 }
@@ -53,8 +53,8 @@ Beam run(const Effects& effects, uint32_t planned, const std::vector<gpu::Echo>&
 
 }  // namespace
 
-TEST_CASE("every mode returns the echoes that its name says, in order of range") {
-  // By strength: 2, 0, 3, 1.
+TEST_CASE("every mode returns the echoes of its name, in order of range") {
+  // The order of strength is 2, 0, 3, 1.
   const std::vector<gpu::Echo> echoes = {echoAt(10, 0.2f, 7), echoAt(20, 0.1f, 8), echoAt(30, 5, 9), echoAt(40, 1, 10)};
   struct Row {
     Mode mode;
@@ -89,7 +89,7 @@ TEST_CASE("every mode returns the echoes that its name says, in order of range")
   }
 }
 
-TEST_CASE("one echo is returned once, whatever pair is asked for, and the rest says that it is nothing") {
+TEST_CASE("a single echo is returned once in every mode of two returns, and the other return is empty") {
   for (const Mode mode : {Mode::firstLast, Mode::lastStrongest, Mode::strongestSecondStrongest, Mode::all}) {
     Effects effects;
     effects.returns.mode = mode;
@@ -107,12 +107,12 @@ TEST_CASE("one echo is returned once, whatever pair is asked for, and the rest s
   CHECK(run(effects, gpu::kReturns, {echoAt(10, 0.2f, 0)}).count == 0);
 }
 
-TEST_CASE("of two echoes as strong the nearer is the stronger; without `returns` the strongest is returned") {
+TEST_CASE("of two equally strong echoes the nearer is returned; without `returns` the strongest is returned") {
   CHECK(run({}, gpu::kDivergence, {echoAt(10, 1, 0), echoAt(20, 4, 1)}).returns[0].echo == 0);
   CHECK(run({}, gpu::kDivergence, {echoAt(10, 1, 0), echoAt(20, 4.1f, 1)}).returns[0].echo == 1);
 }
 
-TEST_CASE("every cause") {
+TEST_CASE("every cause occurs as documented") {
   Effects effects;
   effects.dropOut.deadBeams = {3, 40};
   const std::vector<gpu::Echo> good = {echoAt(50, 0.5f, 0)}, weak = {echoAt(90, 0.05f, 0)};
@@ -141,14 +141,14 @@ TEST_CASE("every cause") {
     const Beam seen = run(fog, gpu::kFog, good, beam), unseen = run(fog, gpu::kFog, weak, beam);
     attenuated += seen.cause == gpu::kCauseAttenuated;
     weakInFog += unseen.cause == gpu::kCauseWeak;
-    // Only the fog itself can be seen.
+    // Only the fog itself is visible.
     if (seen.cause == gpu::kCauseReturned) CHECK(seen.returns[0].label == gpu::kLabelScatter);
   }
   CHECK(attenuated > 0);
   CHECK(weakInFog > 0);
 }
 
-TEST_CASE("an echo of the medium is returned as one, in its place before the surface") {
+TEST_CASE("an echo of the medium is returned as its own return, in order of range before the surface") {
   Effects effects;
   effects.fog.visibility = 60;
   effects.returns.mode = Mode::all;
@@ -178,7 +178,7 @@ TEST_CASE("an echo of the medium is returned as one, in its place before the sur
   CHECK(scattered > 100);
 }
 
-TEST_CASE("a beam that meets nothing may still see the fog") {
+TEST_CASE("a beam that hits no surface may return an echo of the fog") {
   Effects effects;
   effects.fog.visibility = 30;
   int seen = 0;
@@ -190,7 +190,7 @@ TEST_CASE("a beam that meets nothing may still see the fog") {
   CHECK(seen > 100);
 }
 
-TEST_CASE("noise moves the range and leaves the true one") {
+TEST_CASE("noise changes the range and keeps the true range") {
   Effects effects;
   effects.rangeNoise.sigma = 0.1;
   int moved = 0;
@@ -202,7 +202,7 @@ TEST_CASE("noise moves the range and leaves the true one") {
   CHECK(moved > 95);
 }
 
-TEST_CASE("switching one effect on or off leaves the draws of the others as they were") {
+TEST_CASE("the formulas draw the same random numbers for an effect, whether others are on or off") {
   Effects effects;
   effects.rangeNoise.sigma = 0.1;
   effects.intensityNoise.sigma = 0.05;

@@ -24,8 +24,8 @@ Sensor sensorTo(double rangeMax) {
   return sensor;
 }
 
-/// Radiometry of a hemisphere in double: the share of the light from `incidence` that the lobe sends anywhere, which
-/// for every direction is more than 0 and at most 1. GGX, Smith, no Fresnel.
+/// Share of the incident light that the lobe reflects in a direction, in double: GGX with Smith shadowing, without
+/// Fresnel. For every direction it is positive and at most 1.
 double lobeTowards(double alpha, double cosineIn, double cosineOut, double azimuth) {
   const double sineIn = std::sqrt(1 - cosineIn * cosineIn), sineOut = std::sqrt(1 - cosineOut * cosineOut);
   const double x = sineIn + sineOut * std::cos(azimuth), y = sineOut * std::sin(azimuth), z = cosineIn + cosineOut;
@@ -48,16 +48,16 @@ TEST_CASE("a tilted Lambertian plate returns reflectance * cosine / range^2, wit
         const float energy = gpu::reflected(optics(float(reflectance)), float(cosine));
         const double expected = reflectance * cosine / (range * range);
         REQUIRE(gpu::received(energy, float(range), 0) == Approx(expected).epsilon(1e-6));
-        // Its back is as bright.
+        // The back is equally bright.
         REQUIRE(gpu::reflected(optics(float(reflectance)), float(-cosine)) == energy);
       }
 }
 
-TEST_CASE("a Lambertian of reflectance 1, square to the beam at 1 m, is 1") {
+TEST_CASE("a Lambertian surface of reflectance 1 at normal incidence and 1 m returns 1") {
   CHECK(gpu::received(gpu::reflected(optics(1), 1), 1, 0) == Approx(1).epsilon(1e-6));
 }
 
-TEST_CASE("the glossy lobe is GGX seen from the light, brightest square to the beam") {
+TEST_CASE("the glossy lobe is GGX in the direction of the light source, brightest at normal incidence") {
   for (const double roughness : {0.3, 0.5, 0.8, 1.0}) {
     const double alpha = std::max(roughness * roughness, double(gpu::kLeastGloss));
     for (double degrees = 0; degrees <= 85; degrees += 5) {
@@ -67,7 +67,7 @@ TEST_CASE("the glossy lobe is GGX seen from the light, brightest square to the b
       CHECK(got == Approx(expected).epsilon(1e-4));
       CHECK(got <= gpu::glossyLobe(1, float(roughness)) * 1.00001f);
     }
-    // And the lobe that this is one direction of makes no light.
+    // The lobe must not reflect more light than arrives.
     double sent = 0;
     const int steps = 400;
     for (int i = 0; i < steps; ++i)
@@ -82,11 +82,11 @@ TEST_CASE("the glossy lobe is GGX seen from the light, brightest square to the b
   CHECK(std::isfinite(gpu::glossyLobe(0, 0)));
 }
 
-TEST_CASE("a retro-reflector is as many times a Lambertian as its gain says") {
+TEST_CASE("a retro-reflector is brighter than a Lambertian surface by its gain") {
   CHECK(gpu::reflected(optics(0, 0, 1, 300), 0.5f) == Approx(300 * gpu::reflected(optics(1), 0.5f)));
 }
 
-TEST_CASE("the scales of intensity") {
+TEST_CASE("the scales of intensity have the documented values") {
   gpu::EffectParameters p = {};
   p.intensityScale = gpu::kScaleRaw;
   CHECK(gpu::scaled(p, 0.2f, 10) == Approx(0.002));
@@ -102,7 +102,7 @@ TEST_CASE("the scales of intensity") {
   CHECK(gpu::scaled(p, 1e6f, 10) == 255);
 }
 
-TEST_CASE("CARLA's intensity is exp(-attenuation * range), whatever the surface") {
+TEST_CASE("CARLA's intensity is exp(-attenuation * range) for every surface") {
   Effects effects;
   effects.intensity.model = Effects::Intensity::Model::carla;
   const gpu::EffectParameters p = effectParameters(effects, sensorTo(100), gpu::kIntensity);
@@ -111,7 +111,7 @@ TEST_CASE("CARLA's intensity is exp(-attenuation * range), whatever the surface"
       CHECK(gpu::unitIntensity(p, energy, range, 0) == Approx(std::exp(-0.004 * range)).epsilon(1e-6));
 }
 
-TEST_CASE("a target of 10 % at the sensor's range is just detected, one of 9.9 % and one farther are not") {
+TEST_CASE("a target of 10 % at the sensor's range is just detected; one of 9.9 % or farther away is not") {
   for (const double rangeMax : {30.0, 100.0, 120.0, 173.0, 200.0}) {
     const gpu::EffectParameters p = effectParameters({}, sensorTo(rangeMax), gpu::kDetection);
     const auto seen = [&](float reflectance, double range) {
@@ -125,7 +125,7 @@ TEST_CASE("a target of 10 % at the sensor's range is just detected, one of 9.9 %
   }
 }
 
-TEST_CASE("a soft threshold is a logistic curve in ln power: half of the targets at it are detected") {
+TEST_CASE("a soft threshold is a logistic curve in ln power: half of the targets at the threshold are detected") {
   Effects effects;
   effects.detection.softness = 0.3;
   const gpu::EffectParameters p = effectParameters(effects, sensorTo(100), gpu::kDetection);

@@ -24,7 +24,7 @@ Sensor sensorTo(double rangeMax) {
   return sensor;
 }
 
-/// Integral over first..last in many steps.
+/// Integrates over first..last in many steps.
 template <typename Call>
 double integral(double first, double last, Call&& call) {
   const int steps = 20000;
@@ -33,7 +33,7 @@ double integral(double first, double last, Call&& call) {
   return sum * (last - first) / steps;
 }
 
-/// Expected number of drops of `rate` up to a range, integrated over sizes too, straight from what is detected.
+/// Expected number of detected drops at a rain rate up to a range, integrated over range and drop size.
 double dropsSeen(const gpu::EffectParameters& p, const DropSizes& sizes, double range) {
   return integral(p.rangeMin, range, [&](double r) {
     const double across = gpu::kApertureDiameter + p.spreadHorizontal * r;
@@ -53,13 +53,13 @@ TEST_CASE("contrast falls to 5 % at the visibility") {
   CHECK(fogExtinction(0) == 0);
 }
 
-TEST_CASE("rain and snow take what ITU-R P.1814 says, in dB per km") {
+TEST_CASE("rain and snow attenuate as ITU-R P.1814 states, in dB per km") {
   const auto decibels = [](double extinction) { return extinction * 1000 * 10 / std::numbers::ln10; };
   CHECK(decibels(rainExtinction(1)) == Approx(1.076));
   CHECK(decibels(rainExtinction(25)) == Approx(9.30).epsilon(0.001));
   CHECK(decibels(snowExtinction(1, 1550)) == Approx(5.5799).epsilon(1e-4));
   CHECK(decibels(snowExtinction(2, 905)) == Approx(14.433).epsilon(1e-3));
-  // Marshall and Palmer's drops, twice their own area each, agree within the spread of such laws.
+  // The drops of Marshall and Palmer, which extinguish twice their area, agree within the spread of such laws.
   for (const double rate : {2.0, 10.0, 50.0}) {
     const DropSizes drops = rainDrops(rate);
     const double area = 2 * std::numbers::pi / 4 * drops.intercept * 2 / std::pow(drops.slope, 3);
@@ -68,7 +68,7 @@ TEST_CASE("rain and snow take what ITU-R P.1814 says, in dB per km") {
   }
 }
 
-TEST_CASE("a surface in fog loses exp(-2 extinction range)") {
+TEST_CASE("the power of a surface in fog falls by exp(-2 extinction range)") {
   Effects effects;
   effects.fog.visibility = 100;
   const gpu::EffectParameters p = effectParameters(effects, sensorTo(200), gpu::kFog);
@@ -80,9 +80,7 @@ TEST_CASE("a surface in fog loses exp(-2 extinction range)") {
   }
 }
 
-TEST_CASE(
-    "what fog throws back comes from depths that fall as exp(-2 extinction depth), and is as strong as the lidar "
-    "equation says") {
+TEST_CASE("echoes of fog have depths distributed as exp(-2 extinction depth), and the lidar equation's power") {
   Effects effects;
   effects.fog.visibility = 80;
   const gpu::EffectParameters p = effectParameters(effects, sensorTo(150), gpu::kFog);
@@ -114,14 +112,14 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("fog without an extent or an extinction throws nothing back") {
+TEST_CASE("fog without an extent or an extinction returns no echo") {
   const gpu::EffectParameters p = {};
   const glm::uvec4 words = gpu::draw(p, 0, 0, gpu::kFog);
   CHECK(gpu::scatterEcho(p, 0.01f, 0.01f, 5, 5, words, words).range == gpu::kNever);
   CHECK(gpu::scatterEcho(p, 0, 0.01f, 1, 5, words, words).range == gpu::kNever);
 }
 
-TEST_CASE("rain and snow are Poisson processes: the first echo is where the expected number says") {
+TEST_CASE("rain and snow are Poisson processes: the first echo is distributed by the expected number") {
   struct Weather {
     double rain, snow;
   };
@@ -145,7 +143,7 @@ TEST_CASE("rain and snow are Poisson processes: the first echo is where the expe
     CHECK(weak <= int(ranges.size() / 1000));
     CHECK(ranges.size() > kBeams / 100);
     std::sort(ranges.begin(), ranges.end());
-    // At the entries of the table the distribution is that of the physics; between them it is interpolated.
+    // At the entries of the table the distribution is exact; between them it is interpolated.
     for (uint32_t i = 1; i <= gpu::kParticleRanges; ++i) {
       const float range = gpu::rangeOf(particles, i);
       const double expected = kBeams * (1 - std::exp(-dropsSeen(p, sizes, range)));
@@ -156,7 +154,7 @@ TEST_CASE("rain and snow are Poisson processes: the first echo is where the expe
   }
 }
 
-TEST_CASE("drops and flakes are larger than the least that is detected by an exponential distribution") {
+TEST_CASE("sizes of detected drops and flakes exceed the least detectable size by an exponential distribution") {
   Effects effects;
   effects.snow.rate = 1;
   const gpu::EffectParameters p = effectParameters(effects, sensorTo(120), gpu::kSnow);
@@ -176,7 +174,7 @@ TEST_CASE("drops and flakes are larger than the least that is detected by an exp
   CHECK(sum / count == Approx(1 / snowFlakes(1).slope).epsilon(0.03));
 }
 
-TEST_CASE("rain lets most beams through, and thickens") {
+TEST_CASE("most beams pass the rain, and fewer at higher rates") {
   const auto seen = [](double rate) {
     Effects effects;
     effects.rain.rate = rate;
@@ -187,11 +185,11 @@ TEST_CASE("rain lets most beams through, and thickens") {
   CHECK(seen(10) < 0.2);
 }
 
-TEST_CASE("dust takes light along the way within its box, wherever the sensor stands and looks") {
+TEST_CASE("dust attenuates light along its path in the box, for any sensor position and orientation") {
   Effects effects;
   effects.volumes.boxes = {{{10, -2, -1}, {16, 2, 3}, 0.2}};
   const double half = std::sqrt(0.5);
-  // The second sensor stands behind the box, turned to look back at it; the third stands inside.
+  // The second sensor is behind the box and looks back at it; the third is inside.
   struct Place {
     Pose pose;
     double first, last;

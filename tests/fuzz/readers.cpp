@@ -21,7 +21,7 @@ namespace {
 void fuzzScene(SceneFormat format, Bytes bytes) {
   Source source;
   source.name = "'fuzz'";
-  // Every file beside this one is this one, so that buffers and material libraries are read too.
+  // Every file beside this one has the same content, so that readers of buffers and material libraries are tested, too.
   source.sibling = [bytes](const std::string&) {
     FileBytes copy;
     copy.data = std::make_unique_for_overwrite<uint8_t[]>(bytes.size());
@@ -43,7 +43,7 @@ void fuzzScene(SceneFormat format, Bytes bytes) {
   }
 }
 
-/// The Draco decoder without the GLB around it, which mutations break first.
+/// Calls the Draco decoder without the GLB around it, because mutations break the GLB first.
 void fuzzDraco(Bytes bytes) {
   try {
     decodeDraco(bytes, 0, -1, "primitive", {"'fuzz'", nullptr});

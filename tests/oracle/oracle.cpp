@@ -22,7 +22,7 @@ float onLattice(float value) {
   return std::abs(value) < 0.015625f ? std::nearbyint(value * 0x1p30f) * 0x1p-30f : value;
 }
 
-/// The single-precision map of an instance into the sensor's frame (src/geometry/instance_table.cpp, compose).
+/// The single-precision transform of an instance to the sensor's frame (src/geometry/instance_table.cpp, compose).
 struct Placed {
   float rows[3][3];
   float pivot[3];
@@ -75,7 +75,7 @@ bool samePoint(const float* p, const float* q) {
   return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
 }
 
-/// Surely out of range, by a ball around the whole mesh.
+/// Whether a ball around the whole mesh is certainly out of range.
 bool outOfReach(const Mesh& mesh, const Transform& transform, const Pose& pose, double rangeMax) {
   double radius = 0, stretch = 0;
   for (float p : mesh.positions)
@@ -88,7 +88,7 @@ bool outOfReach(const Mesh& mesh, const Transform& transform, const Pose& pose, 
   return distance > 1.001 * (rangeMax + radius * std::sqrt(stretch)) + 1;
 }
 
-/// A float times 2^scale; it must be whole.
+/// Returns a float times 2^scale, which must be an integer.
 int64_t wholeOf(float value, int scale) {
   return static_cast<int64_t>(std::ldexp(static_cast<double>(value), scale));
 }
@@ -112,7 +112,8 @@ int signOf(const std::array<__int128, 3>& n, const Wide& side) {
   return 0;
 }
 
-/// numerator / denominator * 2^30, to nearest even; both positive. Nearer than 2^-60 m nothing is a hit: 0.
+/// Returns numerator / denominator * 2^30, rounded to nearest even; both are positive. Returns 0 below 2^-60 m, where
+/// no hit is possible.
 float roundedQuotient(boost::multiprecision::cpp_int numerator, boost::multiprecision::cpp_int denominator) {
   const int shift = 26 + static_cast<int>(msb(denominator)) - static_cast<int>(msb(numerator));
   if (shift > 0)
@@ -130,10 +131,10 @@ float roundedQuotient(boost::multiprecision::cpp_int numerator, boost::multiprec
   return range > 0x1p-60 && range < 0x1p30 ? static_cast<float>(range) : 0;
 }
 
-/// What tells in double, and proves it, that a beam passes a triangle by.
+/// Tests in double, with error bounds, that a beam certainly misses a triangle.
 struct Filter {
   double ab[3], bc[3], ca[3];
-  double abBound, bcBound, caBound;  // 5 roundings on any path; 8 leaves room
+  double abBound, bcBound, caBound;  // 5 roundings on any path; a factor of 8 leaves a margin
 };
 
 Filter filterOf(const SeenTriangle& t) {
@@ -212,7 +213,7 @@ float exactRange(const SeenTriangle& triangle, const Float3& beam) {
   const Wide sideC = dot(ab, r), sideA = dot(bc, r), sideB = dot(ca, r);
   const int sign = signOf(ab, sideC);
   if (sign == 0 || signOf(bc, sideA) != sign || signOf(ca, sideB) != sign) return 0;
-  // Sides are positive where the corners turn counter-clockwise about the beam: the back of the triangle.
+  // Sides are positive if the corners turn counter-clockwise about the beam, which then hits the back of the triangle.
   if (triangle.oneSided && sign > 0) return 0;
   Wide volume = dot(bc, a), spread = sideA + sideB + sideC;
   if (spread < 0) {
@@ -243,7 +244,7 @@ Scan exactScan(const Scene& scene, const Sensor& sensor, const Pose& pose, Faces
       const float range = exactRange(triangles[t], beams[beam]);
       if (!(range > 0 && range >= rangeMin && range <= rangeMax)) continue;
       if (layers) ++(*layers)[beam];
-      if (scan.hit(beam) && !(range < scan.ranges[beam])) continue;  // the lower index came first
+      if (scan.hit(beam) && !(range < scan.ranges[beam])) continue;  // the lower index was tested first
       scan.ranges[beam] = range;
       scan.triangles[beam] = triangles[t].index;
       scan.instances[beam] = triangles[t].instance;

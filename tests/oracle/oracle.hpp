@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `exact` must answer, by integers of any size: every beam against every triangle. It shares with the shaders the
-// tables of beam directions and the documented way of a corner into the sensor's frame, and nothing after that.
+// Computes what `exact` must return, with integers of any size: every beam against every triangle. It shares the tables
+// of beam directions and the documented transformation of corners with the shaders, and nothing else.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace gnosphere::test {
 
 using Float3 = std::array<float, 3>;
 
-/// A triangle as the device sees it: single precision, sensor frame, on the lattice of 2^-30 m.
+/// A triangle as the device sees it: single precision, in the sensor frame, on the lattice of 2^-30 m.
 struct SeenTriangle {
   Float3 a, b, c;
   uint32_t instance = 0;
@@ -20,20 +20,20 @@ struct SeenTriangle {
   bool oneSided = false;
 };
 
-/// Corners as the shaders document them: rows * (position - pivot) + offset, in single precision, left to right.
-/// In order of the placed triangle. What is broken, degenerate or cannot be reached from the pose is left out.
+/// Transforms corners as the shaders document it: rows * (position - pivot) + offset, in single precision, from left to
+/// right. The order is that of placed triangles; invalid, degenerate and unreachable ones are left out.
 std::vector<SeenTriangle> seenTriangles(const Scene& scene, const Pose& pose, double rangeMax,
                                         Faces faces = Faces::material);
 
-/// Direction of every beam, as the shaders have it.
+/// Directions of all beams as the shaders use them.
 std::vector<Float3> seenBeams(const Sensor& sensor);
 
-/// The correctly rounded range of a beam on a triangle, 0 for a miss. The three sides must have one sign, the beam
-/// being moved by e up, e^2 left and e^3 forward for a vanishing e; a triangle seen exactly edge-on is a miss.
+/// Returns the correctly rounded range of a beam on a triangle, 0 for a miss. The three sides must have one sign, with
+/// the beam moved by e up, e^2 left and e^3 forward for an infinitesimal e; a triangle seen exactly edge-on is missed.
 float exactRange(const SeenTriangle& triangle, const Float3& beam);
 
-/// The cloud of `exact`: ranges, triangles and instances of every beam; no points, no counters but hits.
-/// `layers`, if given, receives how many triangles each beam meets within the range window.
+/// Returns the cloud of `exact`: ranges, triangles and instances of every beam, and the number of hits; no points and
+/// no other counters. If given, `layers` receives the number of triangles that each beam hits within the range window.
 Scan exactScan(const Scene& scene, const Sensor& sensor, const Pose& pose, Faces faces = Faces::material,
                std::vector<uint32_t>* layers = nullptr);
 

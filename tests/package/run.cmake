@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs the library into an empty prefix, then builds and runs a program against it in both ways people do.
+# Installs the library into an empty prefix, then builds and runs a program with find_package and with pkg-config.
 # Arguments: PROGRAM (the command line), WORK (a folder of our own), LIBDIR, CXX, LAUNCHER, and one of these
 #   BUILD   a build folder to install; its library is a shared one if SHARED is on, a static one if not
 #   SOURCE  the repository: another project builds a static library of it and installs that; with CORE on, one without
@@ -27,7 +27,7 @@ endfunction()
 run(${PROGRAM} town --triangles 20000 -o town.glb)
 
 if(SOURCE)
-  # Without optimisation: what is tried is how it is packed, and this is the quickest.
+  # Without optimisation, because it builds fastest, and only the packaging is tested.
   set(BUILD ${WORK}/holder/build)
   set(options -D BUILD_SHARED_LIBS=OFF -D CMAKE_INSTALL_LIBDIR=${LIBDIR})
   if(CORE)

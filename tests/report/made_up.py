@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reports as tools/report makes them, of machines that there are not: a card by Vulkan and by CUDA, and a CPU."""
+"""Reports in the format of tools/report from two fictitious machines: a GPU by Vulkan and by CUDA, and a CPU."""
 import array
 import base64
 import zlib
@@ -35,7 +35,7 @@ def report(devices):
 
 
 def machines():
-    """One with a card by Vulkan and by CUDA in both arithmetics, and one with lavapipe and the reference."""
+    """Returns a machine with a GPU by Vulkan and by CUDA in both arithmetics, and one with lavapipe and the reference."""
     prints = {"sliver": "aaaa", "town": "bbbb"}
     card = device("0", "NVIDIA A", "discrete", prints)
     card["cases"]["figure7"] = case_of("VLP-16", [

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bad glTF gets: an Error that names the culprit.
+// Invalid glTF gives an Error that names the cause.
 #include "support.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
 
-TEST_CASE("glTF that is empty, something else or cut off is an error") {
+TEST_CASE("glTF that is empty, of another format or cut off is an error") {
   CHECK_THAT(loadFailure("a.gltf", ""), ContainsSubstring("a.gltf': the file is empty"));
   CHECK_THAT(loadFailure("a.gltf", "hello"), ContainsSubstring("it is neither glTF text nor GLB"));
   CHECK_THAT(loadFailure("a.gltf", "[]"), ContainsSubstring("has no asset.version"));
@@ -27,7 +27,7 @@ TEST_CASE("every prefix of a GLB ends in an Error") {
   for (size_t size = 0; size < glb.size(); size += 7) loadFailure("a.glb", glb.substr(0, size));
 }
 
-TEST_CASE("an index out of range names mesh, index and accessor") {
+TEST_CASE("an index out of range is an error that names mesh, index and accessor") {
   GltfFileMaker file = triangleFile();
   const int indices = file.accessor(std::vector<uint16_t>{0, 1, 9}, "SCALAR");
   file.json["meshes"][0]["primitives"][0]["indices"] = indices;
@@ -35,7 +35,7 @@ TEST_CASE("an index out of range names mesh, index and accessor") {
              ContainsSubstring("mesh 0 'tri', primitive 0: index 9 is out of range, accessor 0 has 3 vertices"));
 }
 
-TEST_CASE("an accessor past its bufferView names both") {
+TEST_CASE("an accessor that exceeds its bufferView is an error that names both") {
   GltfFileMaker file = triangleFile();
   file.json["accessors"][0]["count"] = 4;
   CHECK_THAT(file.failure(),
@@ -46,7 +46,7 @@ TEST_CASE("an accessor past its bufferView names both") {
   CHECK_THAT(file.failure(), ContainsSubstring("end past bufferView 0"));
 }
 
-TEST_CASE("a bufferView past its buffer and a buffer shorter than it says are errors") {
+TEST_CASE("a bufferView that exceeds its buffer, and a buffer shorter than stated, are errors") {
   GltfFileMaker file = triangleFile();
   file.json["bufferViews"][0]["byteLength"] = 4000;
   CHECK_THAT(file.failure(), ContainsSubstring("bufferView 0: a bufferView ends past the 42 bytes of buffer 0"));
@@ -56,7 +56,7 @@ TEST_CASE("a bufferView past its buffer and a buffer shorter than it says are er
   CHECK_THAT(loadFailure("a.gltf", file.json.dump()), ContainsSubstring("buffer 0 is cut off: it should have 5000"));
 }
 
-TEST_CASE("references to what does not exist are errors") {
+TEST_CASE("references to missing objects are errors") {
   const auto failure = [](const char* pointer, const Json& value) {
     GltfFileMaker file = triangleFile();
     file.json[Json::json_pointer(pointer)] = value;
@@ -75,7 +75,7 @@ TEST_CASE("references to what does not exist are errors") {
   CHECK_THAT(failure((primitive + "/mode").c_str(), 7), ContainsSubstring("mode 7 does not exist"));
 }
 
-TEST_CASE("properties of the wrong type or size are errors that name them") {
+TEST_CASE("properties of a wrong type or size are errors that name them") {
   const auto failure = [](const char* pointer, const Json& value) {
     GltfFileMaker file = triangleFile();
     file.json[Json::json_pointer(pointer)] = value;
@@ -100,13 +100,13 @@ TEST_CASE("properties of the wrong type or size are errors that name them") {
   CHECK_THAT(failure("/accessors/0", Json::object()), ContainsSubstring("accessors[0]: componentType is missing"));
 }
 
-TEST_CASE("whole numbers may be written with a decimal point") {
+TEST_CASE("integers may be written with a decimal point") {
   GltfFileMaker file = triangleFile();
   file.json["accessors"][0]["count"] = 3.0;
   CHECK(file.load().uniqueTriangleCount() == 1);
 }
 
-TEST_CASE("a node cycle, a node with two parents and a listed child are errors") {
+TEST_CASE("a node cycle, a node with two parents and a scene with a child node are errors") {
   GltfFileMaker file = triangleFile();
   file.json["nodes"] = {{{"children", {1}}, {"name", "loop"}}, {{"children", {0}}}};
   CHECK_THAT(file.failure(), ContainsSubstring("node 0 'loop' is its own ancestor"));
@@ -119,13 +119,13 @@ TEST_CASE("a node cycle, a node with two parents and a listed child are errors")
   CHECK_THAT(file.failure(), ContainsSubstring("node 1 is not a root, it is a child of node 0"));
 }
 
-TEST_CASE("a transform that leaves the numbers is an error") {
+TEST_CASE("a transform that is not finite is an error") {
   GltfFileMaker file = triangleFile();
   file.json["nodes"] = {{{"children", {1}}, {"scale", {1e200, 1, 1}}}, {{"mesh", 0}, {"scale", {1e200, 1, 1}}}};
   CHECK_THAT(file.failure(), ContainsSubstring("node 1: its transform is not finite"));
 }
 
-TEST_CASE("a required extension that is not read is named, and one that only changes looks is not in the way") {
+TEST_CASE("an unsupported required extension is named, and one that changes only the appearance is accepted") {
   GltfFileMaker file = triangleFile();
   file.json["extensionsRequired"] = {"KHR_materials_unlit", "KHR_texture_basisu", "EXT_made_up"};
   CHECK_THAT(file.failure(), ContainsSubstring("it requires the extension 'EXT_made_up'"));
@@ -133,7 +133,7 @@ TEST_CASE("a required extension that is not read is named, and one that only cha
   CHECK(file.load().uniqueTriangleCount() == 1);
 }
 
-TEST_CASE("missing pictures and unused buffers are no errors, a missing buffer in use is") {
+TEST_CASE("missing images and unused buffers are accepted, a missing buffer in use is an error") {
   GltfFileMaker file = triangleFile();
   file.json["images"] = {{{"uri", "nowhere.png"}}, 3, {{"bufferView", 99}}};
   file.json["textures"] = {{{"source", 0}}};
@@ -147,7 +147,7 @@ TEST_CASE("missing pictures and unused buffers are no errors, a missing buffer i
   file.json["buffers"][0].erase("uri");
   CHECK_THAT(loadFailure("a.gltf", file.json.dump()), ContainsSubstring("buffer 0 has no uri"));
   file.json["buffers"][0]["uri"] = "data:application/octet-stream;base64,a*b";
-  CHECK_THAT(loadFailure("a.gltf", file.json.dump()), ContainsSubstring("whose base64 is not sound"));
+  CHECK_THAT(loadFailure("a.gltf", file.json.dump()), ContainsSubstring("whose base64 is invalid"));
 }
 
 TEST_CASE("sparse indices out of range are errors") {
@@ -161,7 +161,7 @@ TEST_CASE("sparse indices out of range are errors") {
   CHECK_THAT(file.failure(), ContainsSubstring("(sparse), indices: 2 elements of 1 bytes"));
 }
 
-TEST_CASE("a small file cannot ask for more memory than it could fill") {
+TEST_CASE("a small file cannot allocate much more memory than its size") {
   GltfFileMaker file = triangleFile();
   file.json["accessors"][0] = {{"componentType", 5126}, {"type", "VEC3"}, {"count", 4'000'000'000u}};
   CHECK_THAT(file.failure(), ContainsSubstring("4000000000 elements are more than a file of"));

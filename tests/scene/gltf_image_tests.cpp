@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The alpha of cut-out materials' textures, and where it lies on a mesh.
+// The alpha of cut-out textures, and its mapping to a mesh.
 #include <catch2/generators/catch_generators.hpp>
 
 #include "support.hpp"
@@ -18,7 +18,7 @@ const std::string kSolid =
     "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR42mPg"
     "5OQEAAA6ABzT9UgiAAAAAElFTkSuQmCC";
 
-/// A triangle of a material that the image cuts holes into.
+/// A triangle with a material that has holes.
 GltfFileMaker cutOut(const std::string& uri = kHoles) {
   GltfFileMaker file = triangleFile();
   Json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
@@ -38,7 +38,7 @@ Json& textureOf(GltfFileMaker& file) {
 }
 
 std::vector<uint8_t> unpacked(const std::string& uri) {
-  // Only for sound base64.
+  // Decodes valid base64 only.
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::vector<uint8_t> bytes;
   uint32_t bits = 0;
@@ -57,7 +57,7 @@ std::string packed(const std::vector<uint8_t>& bytes) {
 
 }  // namespace
 
-TEST_CASE("the alpha of a cut-out material's texture is read, with its sampler and coordinates") {
+TEST_CASE("the alpha of a cut-out texture is read with its sampler and coordinates") {
   const Scene scene = cutOut().load();
   validate(scene);
   REQUIRE(scene.alphaImages.size() == 1);
@@ -72,7 +72,7 @@ TEST_CASE("the alpha of a cut-out material's texture is read, with its sampler a
   CHECK(scene.unreadImages == 0);
 }
 
-TEST_CASE("an image may lie in a bufferView, and samplers may be left out") {
+TEST_CASE("an image may be in a bufferView, and samplers may be omitted") {
   GltfFileMaker file = cutOut();
   const int view = file.view(bytesOf(unpacked(kHoles)));
   file.json["images"][0] = {{"bufferView", view}, {"mimeType", "image/png"}};
@@ -95,11 +95,11 @@ TEST_CASE("materials share an image that is sampled in the same way") {
   CHECK(scene.materials[2].alphaImage == 1);
 }
 
-TEST_CASE("another set of coordinates, quantised, and KHR_texture_transform are followed") {
+TEST_CASE("other sets of coordinates, quantisation and KHR_texture_transform are supported") {
   GltfFileMaker file = cutOut();
   textureOf(file)["texCoord"] = 1;
   CHECK(file.load().meshes[0].uvs == Floats{0, 0, 1, 0, 0.2f, 1});
-  // The extension's example: the lower left quadrant of the image, turned clockwise by 90 degrees.
+  // The extension's example: the lower left quadrant of the image, rotated clockwise by 90 degrees.
   textureOf(file)["extensions"]["KHR_texture_transform"] = {
       {"offset", {0, 1}}, {"rotation", 1.57079632679}, {"scale", {0.5, 0.5}}, {"texCoord", 0}};
   const Floats uvs = file.load().meshes[0].uvs;
@@ -108,7 +108,7 @@ TEST_CASE("another set of coordinates, quantised, and KHR_texture_transform are 
   for (size_t i = 0; i < 6; ++i) CHECK(std::abs(uvs[i] - expected[i]) < 1e-6f);
 }
 
-TEST_CASE("primitives that share vertices but not their coordinates are told apart") {
+TEST_CASE("primitives that share positions but not texture coordinates get separate vertices") {
   GltfFileMaker file = cutOut();
   Json& primitives = file.json["meshes"][0]["primitives"];
   const bool sharedByMeshes = GENERATE(false, true);
@@ -134,7 +134,7 @@ TEST_CASE("primitives that share vertices but not their coordinates are told apa
     for (size_t c = 0; c < 3; ++c) CHECK(mesh.positions[3 * v + c] == mesh.positions[3 * (v % 3) + c]);
 }
 
-TEST_CASE("textures that cut no holes are not read") {
+TEST_CASE("textures without holes are not read") {
   GltfFileMaker file = cutOut();
   SECTION("opaque") {
     file.json["materials"][0]["alphaMode"] = "OPAQUE";
@@ -156,7 +156,7 @@ TEST_CASE("textures that cut no holes are not read") {
   CHECK(scene.unreadImages == 0);
 }
 
-TEST_CASE("images that are not there or in another format are counted, and leave the material solid") {
+TEST_CASE("images that are missing or of another format are counted, and the material has no holes") {
   GltfFileMaker file = cutOut();
   SECTION("no such file") {
     file = cutOut("missing.png");
@@ -177,19 +177,19 @@ TEST_CASE("images that are not there or in another format are counted, and leave
 TEST_CASE("a broken image is an error that names it") {
   std::vector<uint8_t> png = unpacked(kHoles);
   std::vector<uint8_t> huge = png, cut = png;
-  huge[18] = 0x7f;  // the width
+  huge[18] = 0x7f;  // the image's width
   cut.resize(45);
   CHECK_THAT(cutOut(packed(huge)).failure(), ContainsSubstring("material 0 'leaf': image 0 has 32514 x 2 pixels"));
-  CHECK_THAT(cutOut(packed(cut)).failure(), ContainsSubstring("material 0 'leaf': image 0 is not a sound PNG file"));
+  CHECK_THAT(cutOut(packed(cut)).failure(), ContainsSubstring("material 0 'leaf': image 0 is not a valid PNG file"));
   for (size_t length = 8; length < png.size() - 12; ++length) {
     INFO(length << " bytes");
     CHECK_THAT(cutOut(packed({png.begin(), png.begin() + static_cast<ptrdiff_t>(length)})).failure(),
-               ContainsSubstring("not a sound PNG"));
+               ContainsSubstring("not a valid PNG"));
   }
   CHECK_THAT(cutOut("data:image/png,abc").failure(), ContainsSubstring("image 0 has a data URI that is not base64"));
 }
 
-TEST_CASE("indices of textures that do not fit are errors that name them") {
+TEST_CASE("invalid texture indices are errors that name them") {
   GltfFileMaker file = cutOut();
   textureOf(file)["index"] = 1;
   CHECK_THAT(file.failure(), ContainsSubstring("material 0 'leaf': texture 1 does not exist"));
@@ -206,11 +206,11 @@ TEST_CASE("indices of textures that do not fit are errors that name them") {
   file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 0;
   CHECK_THAT(file.failure(), ContainsSubstring("accessor 0 of texture coordinates is not VEC2"));
   file = cutOut();
-  textureOf(file)["texCoord"] = 2;  // there is none: all 0, as on a GPU
+  textureOf(file)["texCoord"] = 2;  // the set is missing, so all coordinates are 0 as on a GPU
   CHECK(file.load().meshes[0].uvs == Floats(6, 0));
 }
 
-TEST_CASE("validate refuses images and coordinates that do not fit") {
+TEST_CASE("validate refuses invalid images and coordinates") {
   const Scene good = cutOut().load();
   Scene scene = good;
   scene.alphaImages[0].alpha.pop_back();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compressed glTF: packed here with the codecs' own encoders.
+// Compressed glTF, compressed in the tests by the codecs' own encoders.
 #include <draco/compression/encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <meshoptimizer.h>
@@ -13,7 +13,7 @@ using namespace gnosphere::test;
 
 namespace {
 
-/// A wavy grid, so that the codecs have something to do.
+/// A wavy grid, so that the compression is not trivial.
 void makeGrid(Floats& positions, Indices& indices) {
   constexpr uint32_t kSide = 5;
   for (uint32_t y = 0; y < kSide; ++y)
@@ -28,7 +28,7 @@ void makeGrid(Floats& positions, Indices& indices) {
 
 }  // namespace
 
-TEST_CASE("EXT_meshopt_compression is decoded in every mode, past a fallback buffer without bytes") {
+TEST_CASE("EXT_meshopt_compression is decoded in every mode, with a fallback buffer that has no bytes") {
   Floats positions;
   Indices indices;
   makeGrid(positions, indices);
@@ -83,7 +83,7 @@ TEST_CASE("EXT_meshopt_compression is decoded in every mode, past a fallback buf
 
   const Scene scene = loadText("made.gltf", text);
   CHECK(scene.meshes.at(0).positions == positions);
-  // The triangle codec may turn a triangle's corners round.
+  // The triangle codec may rotate a triangle's corners.
   const Indices& read = scene.meshes.at(0).indices;
   REQUIRE(read.size() == indices.size());
   for (size_t t = 0; t < read.size(); t += 3) {
@@ -97,7 +97,7 @@ TEST_CASE("EXT_meshopt_compression is decoded in every mode, past a fallback buf
   CHECK_THAT(loadFailure("made.gltf", file.json.dump()), ContainsSubstring("bufferView 0 (meshopt)"));
 }
 
-TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors than its own") {
+TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors") {
   Floats positions;
   Indices indices;
   makeGrid(positions, indices);
@@ -110,7 +110,7 @@ TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors than it
                                       &positions[3 * indices[3 * t + 2]]);
   const auto mesh = builder.Finalize();
   draco::Encoder encoder;
-  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);  // keeps order and bits
+  encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);  // keeps the order and the bits
   draco::EncoderBuffer buffer;
   REQUIRE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
 
@@ -130,5 +130,5 @@ TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors than it
     for (size_t c = 0; c < 3; ++c) CHECK(read.positions[3 * read.indices[i] + c] == positions[3 * indices[i] + c]);
 
   file.json["bufferViews"][0]["byteLength"] = buffer.size() / 2;
-  CHECK_THAT(file.failure(), ContainsSubstring("mesh 0, primitive 0: its Draco data is not sound"));
+  CHECK_THAT(file.failure(), ContainsSubstring("mesh 0, primitive 0: its Draco data is invalid"));
 }

@@ -21,16 +21,16 @@ TEST_CASE("an indexed triangle is read as it is stored") {
   validate(scene);
 }
 
-TEST_CASE("a GLB holds the same as its text") {
+TEST_CASE("a GLB and glTF text give the same scene") {
   GltfFileMaker file = triangleFile();
   const Scene scene = loadText("made.glb", file.glb());
   CHECK(scene.meshes.at(0).positions == Floats{0, 0, 0, 1, 0, 0, 0, 1, 0});
   CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2});
-  // The content decides, not the ending.
+  // The content decides about the format, not the file ending.
   CHECK(loadText("made.gltf", file.glb()).meshes.size() == 1);
 }
 
-TEST_CASE("glTF is turned from y-up to z-up unless told otherwise") {
+TEST_CASE("glTF is rotated from y-up to z-up by default") {
   GltfFileMaker file = triangleFile();
   const Transform turned = file.load({}).instances.at(0).transform;
   CHECK(at(turned, 1, 2, 3) == std::array<double, 3>{1, -3, 2});
@@ -42,7 +42,8 @@ TEST_CASE("glTF is turned from y-up to z-up unless told otherwise") {
 
 TEST_CASE("node transforms are composed in double from matrix and from TRS") {
   GltfFileMaker file = triangleFile();
-  // Turn by 90 degrees about z, twice the size along x, then moved; below it a matrix that moves far away.
+  // A rotation by 90 degrees about z, a scale of 2 along x, then a translation; a child with a matrix that moves far
+  // away.
   const double half = std::sqrt(0.5);
   file.json["nodes"] = {
       {{"children", {1}}, {"translation", {1, 2, 3}}, {"rotation", {0, 0, half, half}}, {"scale", {2, 1, 1}}},
@@ -77,7 +78,7 @@ TEST_CASE("nodes that share a mesh become instances of one mesh, in tree order")
   CHECK(scene.instances[2].name == "c");
 }
 
-TEST_CASE("the chosen scene is read, else the first, else every root") {
+TEST_CASE("the default scene is read, else the first, else every root") {
   GltfFileMaker file = triangleFile();
   file.json["nodes"] = {{{"name", "a"}, {"mesh", 0}}, {{"name", "b"}, {"mesh", 0}}};
   CHECK(file.load().instances.size() == 2);
@@ -105,19 +106,19 @@ TEST_CASE("strips and fans become triangles with glTF's winding") {
   CHECK(file.load().meshes.at(0).indices == Indices{0, 1, 2, 1, 3, 2, 2, 3, 4});
   file.json["meshes"][0]["primitives"][0]["mode"] = 6;
   CHECK(file.load().meshes.at(0).indices == Indices{1, 2, 0, 2, 3, 0, 3, 4, 0});
-  // Indexed, and with too few corners for a triangle.
+  // The first is indexed, the second has too few corners for a triangle.
   file.json["meshes"][0]["primitives"][0]["indices"] = file.accessor(std::vector<uint8_t>{4, 3, 2, 1}, "SCALAR");
   CHECK(file.load().meshes.at(0).indices == Indices{3, 2, 4, 2, 1, 4});
   file.json["meshes"][0]["primitives"][0]["indices"] = file.accessor(std::vector<uint8_t>{4, 3}, "SCALAR");
   CHECK(file.load().meshes.at(0).indices.empty());
 }
 
-TEST_CASE("triangles without indices take their vertices in order, and points and lines are skipped") {
+TEST_CASE("triangles without indices use their vertices in order, and points and lines are skipped") {
   GltfFileMaker file;
   const int positions = file.accessor(kSquare, "VEC3");
   file.mesh({{"attributes", {{"POSITION", positions}}}});
   file.node({{"mesh", 0}});
-  CHECK(file.load().meshes.at(0).indices == Indices{0, 1, 2});  // the fourth vertex begins a triangle that never ends
+  CHECK(file.load().meshes.at(0).indices == Indices{0, 1, 2});  // the fourth vertex begins an incomplete triangle
   for (int mode : {0, 1, 2, 3}) {
     file.json["meshes"][0]["primitives"][0]["mode"] = mode;
     CHECK(file.load().uniqueTriangleCount() == 0);
@@ -133,7 +134,7 @@ TEST_CASE("indices of every width are read") {
   CHECK(file.load().meshes.at(0).indices == Indices{1, 2, 0});
 }
 
-TEST_CASE("quantised positions of every type are decoded as the specification says") {
+TEST_CASE("quantised positions of every type are decoded as specified") {
   GltfFileMaker file = triangleFile();
   file.json["extensionsRequired"] = {"KHR_mesh_quantization"};
   const auto positions = [&](int accessor) {
@@ -165,7 +166,7 @@ TEST_CASE("interleaved vertices are read with their byteStride and byteOffset") 
   CHECK(file.load().meshes.at(0).positions == Floats{1, 2, 3, 4, 5, 6, 7, 8, 9});
 }
 
-TEST_CASE("sparse accessors change what is below them, or zeros") {
+TEST_CASE("sparse accessors replace elements of their bufferView, or zeros") {
   GltfFileMaker file = triangleFile();
   const int which = file.view(bytesOf(std::vector<uint8_t>{1, 2})),
             values = file.view(bytesOf(Floats{5, 6, 7, 8, 9, 10}));
@@ -178,7 +179,7 @@ TEST_CASE("sparse accessors change what is below them, or zeros") {
   CHECK(file.load().meshes.at(0).positions == Floats{0, 0, 0, 5, 6, 7, 8, 9, 10, 0, 0, 0});
 }
 
-TEST_CASE("primitives become parts, and share the vertices of an accessor that they share") {
+TEST_CASE("primitives become parts, and share the vertices of a shared accessor") {
   GltfFileMaker file = triangleFile();
   const int more = file.accessor(Floats{7, 7, 7, 8, 8, 8, 9, 9, 9}, "VEC3");
   const Json first = file.json["meshes"][0]["primitives"][0];
@@ -195,14 +196,14 @@ TEST_CASE("primitives become parts, and share the vertices of an accessor that t
   CHECK(mesh.parts[0].material == 1);
   CHECK(mesh.parts[1].material == 0);
   CHECK(mesh.parts[1].firstTriangle == 1);
-  // The third has none, so it has glTF's default, which is single-sided.
+  // The third primitive has no material, so it gets glTF's default, which is single-sided.
   REQUIRE(scene.materials.size() == 3);
   CHECK(mesh.parts[2].material == 2);
   CHECK_FALSE(scene.materials[2].doubleSided);
   CHECK(scene.materials[2].metallic == 1);
 }
 
-TEST_CASE("meshes that share one accessor take the vertices that they use") {
+TEST_CASE("meshes that share an accessor copy only the vertices that they use") {
   GltfFileMaker file;
   const int positions = file.accessor(kSquare, "VEC3");
   const int a = file.accessor(std::vector<uint16_t>{3, 1, 2}, "SCALAR"),
@@ -254,7 +255,7 @@ TEST_CASE("EXT_mesh_gpu_instancing places the mesh once per element") {
   CHECK(scene.meshes.size() == 1);
   REQUIRE(scene.instances.size() == 2);
   CHECK(at(scene.instances[0].transform, 1, 0, 0) == std::array<double, 3>{2, 0, 10});
-  const auto turned = at(scene.instances[1].transform, 1, 0, 0);  // stretched to 3, turned to y, moved by 2
+  const auto turned = at(scene.instances[1].transform, 1, 0, 0);  // scaled by 3, rotated to y, moved by 2
   CHECK(turned[0] == Approx(0).margin(1e-12));
   CHECK(turned[1] == Approx(5));
   CHECK(turned[2] == 10);
@@ -262,7 +263,7 @@ TEST_CASE("EXT_mesh_gpu_instancing places the mesh once per element") {
   CHECK_THAT(file.failure(), ContainsSubstring("node 0: SCALE has 1 instances, another attribute has 2"));
 }
 
-TEST_CASE("nan, infinity and huge positions pass through") {
+TEST_CASE("nan, infinity and huge positions are kept") {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   GltfFileMaker file = triangleFile();
   file.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ, PLY and STL.
+// Readers of OBJ, PLY and STL.
 #include <algorithm>
 #include <catch2/catch_approx.hpp>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 
 const char* const kSquareObj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-/// Area in the x y plane. Without signs, triangles beyond the outline show.
+/// Area in the x y plane. Without signs, triangles outside the outline increase the sum.
 double area(const Mesh& mesh, bool withSign = false) {
   double sum = 0;
   for (size_t t = 0; t < mesh.indices.size(); t += 3) {
@@ -66,7 +66,7 @@ TEST_CASE("OBJ can be y-up and in millimetres") {
   CHECK(p[2] == Approx(2));
 }
 
-TEST_CASE("polygons are cut so that they keep their area, concave ones too") {
+TEST_CASE("triangulation keeps the area of polygons, also of concave ones") {
   const Scene quad = loadText("a.obj", std::string(kSquareObj) + "f 1 2 3 4\n");
   CHECK(quad.meshes.at(0).indices == Indices{0, 1, 2, 0, 2, 3});
   const Scene dart = loadText("a.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\nv 0 4 0\nf 1 2 3 4 5\n");
@@ -74,7 +74,7 @@ TEST_CASE("polygons are cut so that they keep their area, concave ones too") {
   CHECK(area(dart.meshes.at(0)) == Approx(10));
   const Scene turned = loadText("a.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\nv 0 4 0\nf 5 4 3 2 1\n");
   CHECK(area(turned.meshes.at(0)) == Approx(10));
-  CHECK(area(turned.meshes.at(0), true) == Approx(-10));  // clockwise stays clockwise
+  CHECK(area(turned.meshes.at(0), true) == Approx(-10));  // clockwise polygons stay clockwise
   const Scene comb = loadText("a.obj",
                               "v 0 0 0\nv 7 0 0\nv 7 5 0\nv 6 1 0\nv 5 5 0\nv 4 1 0\nv 3 5 0\nv 2 1 0\nv 1 5 0\n"
                               "f 1 2 3 4 5 6 7 8 9\n");
@@ -82,14 +82,14 @@ TEST_CASE("polygons are cut so that they keep their area, concave ones too") {
   CHECK(area(comb.meshes.at(0)) == Approx(area(comb.meshes.at(0), true)));
   CHECK(area(comb.meshes.at(0)) == Approx(20.5));
   std::ostringstream vertices, face;
-  for (int i = 0; i < 400; ++i) {  // more corners than a byte counts
+  for (int i = 0; i < 400; ++i) {  // more corners than fit a byte
     vertices << "v " << std::cos(i * 0.015707963) << " " << std::sin(i * 0.015707963) << " 0\n";
     face << " " << i + 1;
   }
   CHECK(loadText("a.obj", vertices.str() + "f" + face.str() + "\n").uniqueTriangleCount() == 398);
 }
 
-TEST_CASE("OBJ materials come from the library beside it, and parts are runs of one material") {
+TEST_CASE("OBJ materials come from the library beside the file, and parts are runs of one material") {
   const Folder folder;
   put(folder / "m.mtl",
       "newmtl red\nKd 1 0.5 0\nPr 0.25\nPm 0.75\nTf 1 1 1\nillum 2\n\nnewmtl glass\nd 0.25\nTf 0.5 0.5 0.5\nillum 4\n");
@@ -102,7 +102,7 @@ TEST_CASE("OBJ materials come from the library beside it, and parts are runs of 
   CHECK(scene.materials[0].baseColor == std::array<float, 4>{1, 0.5f, 0, 1});
   CHECK(scene.materials[0].roughness == 0.25f);
   CHECK(scene.materials[0].metallic == 0.75f);
-  CHECK(scene.materials[0].transmission == 0);  // Tf does not count for what is not glass
+  CHECK(scene.materials[0].transmission == 0);  // Tf is ignored for materials that are not glass
   CHECK(scene.materials[0].alphaMode == AlphaMode::opaque);
   CHECK(scene.materials[1].name == "glass");
   CHECK(scene.materials[1].alphaMode == AlphaMode::blend);
@@ -119,13 +119,13 @@ TEST_CASE("OBJ materials come from the library beside it, and parts are runs of 
   validate(scene);
 }
 
-TEST_CASE("a missing material library leaves the names") {
+TEST_CASE("without its material library an OBJ keeps the material names") {
   const Scene scene = loadText("a.obj", std::string("mtllib gone.mtl\nusemtl brick\n") + kSquareObj + "f 1 2 3\n");
   REQUIRE(scene.materials.size() == 1);
   CHECK(scene.materials[0].name == "brick");
 }
 
-TEST_CASE("georeferenced coordinates keep their millimetres through an origin") {
+TEST_CASE("georeferenced coordinates keep their millimetres by an origin") {
   const Scene scene = loadText("a.obj",
                                "v 843216.123 5206123.456 170.25\nv 843218.123 5206123.456 170.25\n"
                                "v 843216.123 5206125.456 170.25\nf 1 2 3\n");
@@ -134,11 +134,11 @@ TEST_CASE("georeferenced coordinates keep their millimetres through an origin") 
   CHECK(mesh.origin.y == 5206124);
   CHECK(mesh.origin.z == 170);
   CHECK(std::abs(mesh.origin.y + mesh.positions[1] - 5206123.456) < 1e-7);
-  // Where floats hold every coordinate there is none.
+  // The origin is 0 if floats represent every coordinate exactly.
   CHECK(loadText("a.obj", "v 1000000 0.5 0\nv 1000001 0 0\nv 0 0 1\nf 1 2 3\n").meshes.at(0).origin.x == 0);
 }
 
-TEST_CASE("OBJ passes nan and infinity through") {
+TEST_CASE("OBJ keeps nan and infinity") {
   const Mesh mesh = loadText("a.obj", "v nan 0 0\nv -inf 0 0\nv 1e30 0 0\nv 1e999 0.1 0\nf 1 2 3\n").meshes.at(0);
   CHECK(std::isnan(mesh.positions[0]));
   CHECK(mesh.positions[3] == -std::numeric_limits<float>::infinity());
@@ -146,7 +146,7 @@ TEST_CASE("OBJ passes nan and infinity through") {
   CHECK(mesh.positions[9] == std::numeric_limits<float>::infinity());
 }
 
-TEST_CASE("bad OBJ is an error, and one without faces is a scene without triangles") {
+TEST_CASE("invalid OBJ is an error, and one without faces is a scene without triangles") {
   CHECK_THAT(loadFailure("a.obj", ""), ContainsSubstring("a.obj': the file is empty"));
   CHECK_THAT(loadFailure("a.obj", std::string("\xFF\xFEv\0 \0", 6)), ContainsSubstring("is UTF-16; save it as UTF-8"));
   CHECK_THAT(loadFailure("a.obj", std::string("v 0 0 0\0\n", 9)), ContainsSubstring("it holds binary data"));
@@ -187,7 +187,7 @@ TEST_CASE("PLY is read as text and as binary of either byte order, with any type
   CHECK(integers.meshes.at(0).positions == Floats{0, 0, 0, 5, 0, 0, 0, 7, 0});
 }
 
-TEST_CASE("PLY skips what it does not need, in any order") {
+TEST_CASE("PLY skips unknown properties and elements, in any order") {
   const Scene scene = loadText("a.ply",
                                "ply\r\nformat ascii 1.0\r\nobj_info x\r\nelement face 1\r\nproperty uchar "
                                "red\r\nproperty list uchar int vertex_index\r\n"
@@ -208,7 +208,7 @@ TEST_CASE("PLY of points is a scene without triangles") {
   validate(scene);
 }
 
-TEST_CASE("bad PLY is an error") {
+TEST_CASE("invalid PLY is an error") {
   const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
   CHECK_THAT(loadFailure("a.ply", "plx\n"), ContainsSubstring("its first line is not 'ply'"));
   CHECK_THAT(loadFailure("a.ply", "ply\nformat ascii 1.0\n"), ContainsSubstring("cut off in its header"));
@@ -228,7 +228,7 @@ TEST_CASE("bad PLY is an error") {
              ContainsSubstring("have no y"));
 }
 
-TEST_CASE("STL corners with the same bits are one vertex, in text and in binary") {
+TEST_CASE("STL corners with the same bits become one vertex, in text and in binary") {
   const std::string text =
       "solid facet of vertex\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1.5e0 "
       "0\n  endloop\n endfacet\n"
@@ -237,14 +237,14 @@ TEST_CASE("STL corners with the same bits are one vertex, in text and in binary"
   const Scene scene = loadText("a.stl", text);
   CHECK(scene.meshes.at(0).positions == positions);
   CHECK(scene.meshes.at(0).indices == Indices{0, 1, 2, 2, 1, 3});
-  // The name of a binary file may begin like a text file.
+  // The header of a binary file may begin like a text file.
   std::string binary = "solid" + std::string(75, ' ') + bytesOf(Indices{2}) +
                        stlTriangle({0, 0, 0, 1, 0, 0, 0, 1.5f, 0}) + stlTriangle({0, 1.5f, 0, 1, 0, 0, 1, 1, 0});
   CHECK(loadText("a.stl", binary).meshes.at(0).positions == positions);
   CHECK(loadText("a.stl", binary).meshes.at(0).indices == Indices{0, 1, 2, 2, 1, 3});
 }
 
-TEST_CASE("a corner of an STL that is nan is welded to nothing else") {
+TEST_CASE("an STL corner that is nan is not merged with others") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const Scene scene =
       loadText("a.stl", std::string(80, ' ') + bytesOf(Indices{2}) + stlTriangle({0, 0, 0, 1, 0, 0, 0, 1, 0}) +
@@ -253,7 +253,7 @@ TEST_CASE("a corner of an STL that is nan is welded to nothing else") {
   CHECK(std::isnan(scene.meshes.at(0).positions[9]));
 }
 
-TEST_CASE("bad STL is an error") {
+TEST_CASE("invalid STL is an error") {
   const std::string binary = std::string(80, 'x') + bytesOf(Indices{2}) + stlTriangle({0, 0, 0, 1, 0, 0, 0, 1, 0});
   CHECK_THAT(loadFailure("a.stl", binary), ContainsSubstring("its header claims 2 triangles, it has room for 1"));
   CHECK_THAT(loadFailure("a.stl", "hello"), ContainsSubstring("it is not STL"));

@@ -21,7 +21,7 @@ using Json = nlohmann::json;
 using Floats = std::vector<float>;
 using Indices = std::vector<uint32_t>;
 
-/// The file's own frame: no turn.
+/// Keeps the file's own axes, without rotation.
 inline const LoadOptions kAsStored = {UpAxis::z, 1};
 
 inline Scene loadText(const std::string& name, const std::string& content, const LoadOptions& options = kAsStored) {
@@ -29,7 +29,7 @@ inline Scene loadText(const std::string& name, const std::string& content, const
   return loadScene(put(folder / name, content), options);
 }
 
-/// The message of the Error(code) that loading ends with.
+/// Returns the message of the Error(code) that loading throws.
 inline std::string loadFailure(const std::string& name, const std::string& content,
                                ErrorCode code = ErrorCode::format) {
   try {
@@ -68,7 +68,7 @@ constexpr int componentType() {
   if constexpr (std::is_same_v<T, float>) return 5126;
 }
 
-/// A glTF file under construction; `json` may be bent before it is used.
+/// A glTF file under construction; tests may change `json` before they use it.
 struct GltfFileMaker {
   Json json = {{"asset", {{"version", "2.0"}}}};
   std::string bytes;
@@ -114,10 +114,10 @@ struct GltfFileMaker {
   std::string failure(ErrorCode code = ErrorCode::format) { return loadFailure("made.gltf", text(), code); }
 };
 
-/// (0,0,0) (1,0,0) (0,1,0) (1,1,0): two triangles as a strip.
+/// The square (0,0,0) (1,0,0) (0,1,0) (1,1,0): two triangles as a strip.
 inline const Floats kSquare = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
 
-/// One mesh of one indexed triangle, placed once.
+/// A file with one mesh of one indexed triangle, and one instance.
 inline GltfFileMaker triangleFile() {
   GltfFileMaker file;
   const int positions = file.accessor(Floats{0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3");

@@ -20,7 +20,7 @@ struct Options : ScanningOptions {
 
 constexpr uint64_t kPoses = 4;
 
-/// Evenly along a trajectory, its first pose among them.
+/// Takes `count` poses evenly along a trajectory, including its first.
 std::vector<Pose> thinned(const std::vector<Pose>& all, uint64_t count) {
   if (count >= all.size()) return all;
   std::vector<Pose> some;
@@ -32,7 +32,7 @@ void check(const Options& options) {
   checkScanning(options);
   if (options.device == "reference") {
     throw Error(ErrorCode::invalidArgument,
-                "--device: the reference is what accuracy is measured against; choose another device");
+                "--device: the reference cannot be measured against itself; choose another device");
   }
   std::vector<std::string> files;
   for (const std::string& file : {options.json, options.plot})
@@ -64,7 +64,7 @@ int runAccuracy(const Options& options) {
   measure.sample = options.sample;
   measure.progress = stepProgress();
   const AccuracyReport report = measureAccuracy(scene, sensor, poses, measure);
-  measure.progress = nullptr;  // clears its line
+  measure.progress = nullptr;  // erases the progress line
 
   const AccuracyStory story = {options.scene, scene, sensor, poses, report};
   if (options.json == "-")
@@ -85,19 +85,20 @@ Action addAccuracy(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   addScanningOptions(app, *options);
   app.add_option("--poses", options->poses,
-                 "So many poses: around the default pose or --pose, from a seed (default: 4), or evenly along the "
+                 "Number of poses: random around the default pose or --pose (default: 4), or evenly along the "
                  "trajectory (default: all of it)")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}));
   CLI::Option* trajectory =
       app.add_option("--trajectory", options->trajectory, "Poses from a TUM file: lines of t x y z qx qy qz qw");
   trajectory->excludes(app.get_option("--pose"));
-  app.add_option("--runs", options->runs, "Timed scans of every row")
+  app.add_option("--runs", options->runs, "Timed scans of every setting")
       ->check(CLI::Range(uint32_t{1}, uint32_t{1'000'000}))
       ->capture_default_str();
-  app.add_option("--sample", options->sample, "Compare about so many beams of each pose with the reference, not all")
+  app.add_option("--sample", options->sample, "Compare only about this many beams of each pose with the reference")
       ->check(CLI::Range(uint64_t{1}, uint64_t{0xffffffff}));
-  app.add_option("--json", options->json, "A JSON file of everything measured, or - for stdout");
-  app.add_option("--plot", options->plot, "An .svg of error over time");
+  app.add_option("--json", options->json, "Write all measurements to a JSON file, or - for stdout");
+  app.add_option("--plot", options->plot, "Write a plot of error over time to an .svg file");
+  app.footer("Example: gnosphere accuracy town.glb --sensor HDL-64E --poses 8 --plot accuracy.svg");
   return [options] { return runAccuracy(*options); };
 }
 

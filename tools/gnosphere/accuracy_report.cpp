@@ -10,7 +10,7 @@
 namespace gnosphere::cli {
 namespace {
 
-/// What `standard` has in the place of each of the parts.
+/// Names the part of `standard` that this row replaces.
 const char* insteadOf(const AccuracyRow& row) {
   const Exactness standard = exactnessOf(Accuracy::standard);
   if (row.exactness.bounds != standard.bounds) return "edge bulge, poles";
@@ -117,7 +117,7 @@ void printNearest(const AccuracyReport& report) {
   printTable(rows);
 }
 
-/// One look per setting: marker, colour (Okabe and Ito, distinct to the colour-blind, too).
+/// Marker and colour of a setting (colours of Okabe and Ito, distinct for colour-blind readers, too).
 PlotSeries look(size_t setting) {
   static const PlotSeries kLooks[] = {
       {"paper", Marker::cross, "#d55e00", "none", 6.5, {}},
@@ -157,15 +157,17 @@ void printTables(const AccuracyStory& story) {
                     grouped(story.poses.size()) + (story.poses.size() == 1 ? " pose" : " poses"));
   say("compared", grouped(report.beams) + " beams" + (report.sampled ? ", a sample," : "") +
                       " with the double-precision reference; " + grouped(report.settings[0].error.hits) +
-                      " of them hit, " + grouped(report.settings[0].error.ties) + " are ties and set apart");
+                      " of them hit, " + grouped(report.settings[0].error.ties) +
+                      " are ties, which are counted separately");
   say("timed", std::string(stamped(report) ? "device time" : "wall time") + ", median of " + grouped(report.runs) +
                    " runs of each, in turn; ratio to standard, run by run");
   std::printf("\n");
   printErrors(report);
   std::printf(
-      "\nmissed, false: only the reference hits, only the setting does; owner, range: both hit, but another triangle,\n"
-      "or further apart than single precision explains; wrong: share of beams missed, false or at a wrong range\n"
-      "max: whoever the owner; 99.99 %% and RMS: of beams with the right owner; all without ties\n");
+      "\nmissed, false: only the reference hits, only the setting hits; owner: both hit, but different triangles;\n"
+      "range: both hit, but at ranges that differ by more than single precision explains;\n"
+      "wrong: share of beams that are missed, false or at a wrong range; max: largest range error of any beam;\n"
+      "99.99 %%, RMS: range errors of beams with the right triangle; ties are excluded\n");
   printTimes(report);
   printTies(report);
   printNearest(report);

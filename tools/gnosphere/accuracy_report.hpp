@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What gnosphere accuracy tells: tables for people, JSON for programs, a plot for both.
+// Output of `gnosphere accuracy`: tables for people, JSON for programs, and a plot.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace gnosphere::cli {
 
-/// Everything there is to tell.
+/// All data of the report.
 struct AccuracyStory {
   std::string sceneFile;
   const Scene& scene;

@@ -43,11 +43,15 @@ int runCompare(const CompareOptions& options) {
 
 Action addCompare(CLI::App& app) {
   const auto options = std::make_shared<CompareOptions>();
-  app.add_option("A", options->reference, "The cloud taken as the truth (.pcd, .ply, .npy or .csv)")->required();
-  app.add_option("B", options->other, "The other cloud of the same beams")->required();
-  app.add_option("--tolerance", options->tolerance, "Metres, for beams where A states none")->capture_default_str();
+  app.add_option("A", options->reference, "The cloud to compare with (.pcd, .ply, .npy or .csv)")->required();
+  app.add_option("B", options->other, "Another cloud of the same beams")->required();
+  app.add_option("--tolerance", options->tolerance,
+                 "Largest accepted range difference in metres, for beams without a tolerance in A")
+      ->capture_default_str();
   app.add_flag("--json", options->json, "Print JSON");
-  app.footer("Exit status 0 if no beam differs outside A's ties, else 1.");
+  app.footer(
+      "Exit status 0 if no beam differs except A's ties, else 1.\n"
+      "Example: gnosphere compare reference.pcd cloud.pcd");
   return [options] { return runCompare(*options); };
 }
 

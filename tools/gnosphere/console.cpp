@@ -14,7 +14,7 @@ namespace gnosphere::cli {
 void complain(const std::string& message) {
   std::string line = message;
   std::replace(line.begin(), line.end(), '\n', ' ');
-  std::fflush(stdout);  // so that the two streams keep their order on a terminal
+  std::fflush(stdout);  // keeps the order of the two streams on a terminal
   std::fprintf(stderr, "gnosphere: %s\n", line.c_str());
 }
 
@@ -95,7 +95,7 @@ std::function<void(const char*, uint64_t, uint64_t)> stepProgress() {
   return [state = std::make_shared<State>()](const char* step, uint64_t done, uint64_t total) {
     if (state->name != step) {
       state->name = step;
-      state->progress = nullptr;  // clears its line before the next begins
+      state->progress = nullptr;  // erases the line before the next step writes its own
       state->progress = std::make_unique<Progress>(state->name.c_str(), total);
     }
     state->progress->step(done);

@@ -8,7 +8,7 @@
 namespace gnosphere::cli {
 namespace {
 
-/// "'asphalt', 'brick', 'glass' and 12 more"
+/// Returns text such as "'asphalt', 'brick', 'glass' and 12 more".
 std::string quoted(const std::vector<std::string>& names) {
   constexpr size_t kShown = 3;
   std::string list;
@@ -21,12 +21,12 @@ std::string quoted(const std::vector<std::string>& names) {
 void addEffectOptions(CLI::App& app, EffectOptions& options) {
   std::string presets;
   for (const std::string& name : effectPresets()) presets += (presets.empty() ? "" : ", ") + name;
-  app.add_option("--effects", options.effects, "What is simulated beside geometry: " + presets + " or a JSON file")
+  app.add_option("--effects", options.effects, "Effects to simulate besides geometry: " + presets + " or a JSON file")
       ->capture_default_str();
   app.add_option("--effect", options.assignments,
-                 "NAME=VALUE over that, as fog.visibility=200 or divergence=off; may be given more than once")
+                 "Change --effects by NAME=VALUE, as fog.visibility=200 or divergence=off; may be given more than once")
       ->allow_extra_args(false);
-  app.add_option("--seed", options.seed, "Of every random number: the same seed, the same scan");
+  app.add_option("--seed", options.seed, "Seed of all random numbers: the same seed gives the same scan");
   app.add_option("--materials", options.materials,
                  "A JSON file of reflectances by material, or ASAM OpenMATERIAL 3D (.xoma, .xomm, .xomp)");
 }
@@ -59,9 +59,9 @@ void warnAboutMaterials(const EffectOptions& options, const Scene& scene, const 
   }
   if (!unused.empty()) {
     complain("warning: " + options.materials + " has " + quoted(unused) +
-             ", but no material of the scene is called so");
+             ", but the scene has no material of that name");
   }
-  if (!empty.empty()) complain("warning: " + options.materials + " states nothing of " + quoted(empty));
+  if (!empty.empty()) complain("warning: " + options.materials + " gives no values for " + quoted(empty));
 }
 
 }  // namespace gnosphere::cli

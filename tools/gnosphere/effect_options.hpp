@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is simulated beside geometry, as the command line says it.
+// The command line's options for effects and materials.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,16 +15,17 @@ struct EffectOptions {
   std::vector<std::string> assignments;
 };
 
-/// --effects, --effect, --seed, --materials.
+/// Adds --effects, --effect, --seed and --materials.
 void addEffectOptions(CLI::App& app, EffectOptions& options);
 
-/// The preset or file, then the assignments in their order, then the seed. Throws Error as findEffects() and assign().
+/// Combines the preset or file, the assignments in their order, and the seed. Throws Error as findEffects() and
+/// assign() do.
 Effects effectsOf(const EffectOptions& options);
 
-/// Empty without --materials. Throws Error(file) or Error(format).
+/// Reads --materials; empty without it. Throws Error(file) or Error(format).
 MaterialTable materialsOf(const EffectOptions& options);
 
-/// On stderr: rows of the table that no material of the scene has the name of, and rows that state nothing.
+/// Warns on stderr about rows of the table whose name no material of the scene has, and about rows without any value.
 void warnAboutMaterials(const EffectOptions& options, const Scene& scene, const MaterialTable& table);
 
 }  // namespace gnosphere::cli

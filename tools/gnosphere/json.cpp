@@ -33,7 +33,7 @@ const char* nameOf(Exactness::Range range) {
   return "exact";
 }
 
-/// JSON has no infinity; null stands for it.
+/// JSON has no infinity; it is written as null.
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }

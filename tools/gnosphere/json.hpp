@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same names for the same things in every JSON that the tools write.
+// Parts that several JSON outputs share, so that they use the same names.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -16,9 +16,9 @@ Json toJson(const Comparison& comparison);
 Json toJson(const Spread& spread);
 Json sensorJson(const Sensor& sensor);
 Json sceneJson(const Scene& scene);
-/// A row of the accuracy report: its plan, frame (times) and error.
+/// Returns a row of the accuracy report: its plan, times and error.
 Json toJson(const AccuracyRow& row, uint32_t runs, bool nearest);
 
-std::string dump(const Json& json);  ///< with a line feed at the end; what is not UTF-8 is replaced
+std::string dump(const Json& json);  ///< ends with a line feed; invalid UTF-8 is replaced
 
 }  // namespace gnosphere::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere devices, gnosphere sensors, gnosphere effects: what there is to choose from.
+// gnosphere devices, gnosphere sensors, gnosphere effects: list what can be chosen.
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -46,7 +46,7 @@ int runDevices(bool json) {
     std::printf("%2zu  %-*s  %-10s  %s\n", i, static_cast<int>(nameWidth), device.name.c_str(), device.type.c_str(),
                 about.c_str());
   }
-  if (!problem.empty()) complain("no Vulkan here: " + problem);
+  if (!problem.empty()) complain("Vulkan cannot be used: " + problem);
   return 0;
 }
 
@@ -65,7 +65,7 @@ int runSensors(const std::string& name) {
   return 0;
 }
 
-/// Every effect with its parameters: name, default and what it may be.
+/// Lists every effect with its parameters: name, default and allowed values.
 int runEffects(const std::string& name) {
   if (!name.empty()) {
     std::printf("%s", toJson(findEffects(name)).c_str());
@@ -90,20 +90,25 @@ int runEffects(const std::string& name) {
 Action addDevices(CLI::App& app) {
   const auto json = std::make_shared<bool>(false);
   app.add_flag("--json", *json, "Print JSON");
-  app.footer("`gnosphere scan --device` takes the number, a part of the name, or `reference`.");
+  app.footer(
+      "`gnosphere scan --device` takes the number, a part of the name, or `reference`.\n"
+      "Example: gnosphere devices --json");
   return [json] { return runDevices(*json); };
 }
 
 Action addSensors(CLI::App& app) {
   const auto name = std::make_shared<std::string>();
   app.add_option("NAME", *name, "Print this sensor (or JSON file) as JSON that `gnosphere scan --sensor FILE` reads");
+  app.footer("Example: gnosphere sensors HDL-64E > sensor.json");
   return [name] { return runSensors(*name); };
 }
 
 Action addEffects(CLI::App& app) {
   const auto name = std::make_shared<std::string>();
   app.add_option("NAME", *name, "Print this preset (or JSON file) as JSON that `gnosphere scan --effects FILE` reads");
-  app.footer("`gnosphere scan --effect NAME.PARAMETER=VALUE` sets one, `--effect NAME=off`, on or auto the effect.");
+  app.footer(
+      "`gnosphere scan --effect NAME.PARAMETER=VALUE` sets a parameter; NAME=on, off or auto sets the whole effect.\n"
+      "Example: gnosphere effects os1-rain > effects.json");
   return [name] { return runEffects(*name); };
 }
 

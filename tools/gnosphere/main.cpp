@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere COMMAND ...: exit status 0 done, 1 the work failed, 2 the call was wrong; errors are one line on stderr.
+// gnosphere COMMAND ...: exit status 0 for success, 1 if the work failed, 2 for a wrong call; errors are one line on
+// stderr.
 #include <new>
 #include <utility>
 #include <vector>
@@ -38,7 +39,8 @@ int run(const std::vector<Command>& commands) {
     return 1;
   }
   cli::complain(
-      "which command? scan, plan, accuracy, compare, devices, sensors, effects or town; gnosphere --help says more");
+      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects or town (see gnosphere "
+      "--help)");
   return 2;
 }
 
@@ -48,12 +50,13 @@ int main(int argc, char** argv) {
   CLI::App app("GnoSphere, a LiDAR simulator that never casts a ray", "gnosphere");
   app.set_version_flag("--version", std::string("gnosphere ") + GNOSPHERE_VERSION);
   app.require_subcommand(0, 1);
+  app.footer("Example: gnosphere scan town.glb -o cloud.pcd");
   const std::vector<Command> commands = {
-      addCommand(app, "scan", "Scan a scene: triangles in, a cloud out", cli::addScan),
-      addCommand(app, "plan", "What a scan would be made of, and why", cli::addPlan),
-      addCommand(app, "accuracy", "What accuracy costs on this scene and device", cli::addAccuracy),
-      addCommand(app, "compare", "Tell two clouds apart, beam by beam", cli::addCompare),
-      addCommand(app, "devices", "List every device, usable or why not", cli::addDevices),
+      addCommand(app, "scan", "Scan a scene and write point clouds", cli::addScan),
+      addCommand(app, "plan", "Show which steps a scan would have, and why", cli::addPlan),
+      addCommand(app, "accuracy", "Measure error and time of every accuracy setting", cli::addAccuracy),
+      addCommand(app, "compare", "Compare two clouds of the same beams", cli::addCompare),
+      addCommand(app, "devices", "List every device, and why one is unusable", cli::addDevices),
       addCommand(app, "sensors", "List the built-in sensors, or print one as JSON", cli::addSensors),
       addCommand(app, "effects", "List every effect and its parameters, or print a preset as JSON", cli::addEffects),
       addCommand(app, "town", "Write a synthetic town", cli::addTown),
@@ -64,8 +67,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
     const auto chosen = app.get_subcommands();
-    cli::complain(std::string(error.what()) + " (gnosphere " + (chosen.empty() ? "" : chosen[0]->get_name() + " ") +
-                  "--help says more)");
+    cli::complain(std::string(error.what()) + " (see gnosphere " + (chosen.empty() ? "" : chosen[0]->get_name() + " ") +
+                  "--help)");
     return 2;
   }
   return run(commands);

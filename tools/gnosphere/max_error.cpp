@@ -9,9 +9,9 @@
 namespace gnosphere::cli {
 namespace {
 
-/// Enough to see one wrong beam in some thousands; the reference answers for so many in a fraction of a second.
+/// Enough to find one wrong beam in some thousands; the reference traces as many in a fraction of a second.
 constexpr uint64_t kSample = 20'000;
-/// Settings that differ by less than noise may then change places, but each is within the limit.
+/// Settings whose times differ by less than noise may then swap ranks, but the chosen one is within the limit.
 constexpr uint32_t kRuns = 5;
 
 std::string errorOf(const AccuracyRow& row) {
@@ -20,7 +20,7 @@ std::string errorOf(const AccuracyRow& row) {
   return grouped(error.missed) + " beams missed and " + grouped(error.falseHits) + " false";
 }
 
-/// No beam lost is better than any, and then the smaller error is.
+/// A setting that loses fewer beams is better; among equals, the one with the smaller error.
 bool better(const AccuracyRow& a, const AccuracyRow& b) {
   const auto key = [](const AccuracyRow& row) {
     return std::pair(row.error.missed + row.error.falseHits, row.error.hitErrorMax);

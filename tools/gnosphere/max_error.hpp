@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// scan --max-error: the cheapest setting that is right enough.
+// scan --max-error: chooses the fastest setting whose error is within a limit.
 #pragma once
 
 #include <optional>
@@ -9,18 +9,18 @@
 
 namespace gnosphere::cli {
 
-/// What was chosen and the figures that say why.
+/// The chosen setting and the figures behind the choice.
 struct AccuracyChoice {
   std::optional<AccuracyRow> chosen;  ///< none: no setting is within the limit
   AccuracyReport report;
   double limit = 0;  ///< metres
-  std::string why;   ///< a line for people, whether one was chosen or not
+  std::string why;   ///< a line that explains the result, whether a setting was chosen or not
 };
 
 /// Throws Error(invalidArgument) for a limit that is negative or not finite.
 void checkMaxError(double limit);
 
-/// Measures every setting on a sample of the beams and goes from the cheapest to the dearest.
+/// Measures every setting on a sample of the beams and tries them from the fastest to the slowest.
 AccuracyChoice chooseAccuracy(const Scene& scene, const Sensor& sensor, const Pose& pose,
                               const SimulatorOptions& options, double limit);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere plan: what a scan would be made of, and why. Nothing is scanned.
+// gnosphere plan: prints which steps a scan would have, and why, without scanning.
 #include <algorithm>
 #include <memory>
 
@@ -22,7 +22,7 @@ std::string bytesText(uint64_t bytes) {
   return kib < 1024 ? formatted("%.1f KiB", kib) : formatted("%.1f MiB", kib / 1024);
 }
 
-/// Effects that are in first, then those that are not, each with its reason.
+/// Prints the planned effects, then the others, each with its reason.
 void printEffects(const Plan& plan) {
   for (bool in : {true, false}) {
     std::vector<const Plan::Decision*> decisions;
@@ -39,7 +39,7 @@ void printEffects(const Plan& plan) {
   }
 }
 
-/// "bin x 2, scan x 3": how many specialisations of each shader.
+/// Returns text such as "bin x 2, scan x 3": the number of specialisations of each shader.
 std::string pipelinesText(const Plan::Stage& stage) {
   if (stage.pipelines.empty()) return "(the host)";
   std::string text;
@@ -109,8 +109,9 @@ Action addPlan(CLI::App& app) {
   addScanningOptions(app, *options);
   addEffectOptions(app, *options);
   addAccuracyOption(app, options->accuracy);
-  app.add_option("--fields", options->fields, "What would be written, as of gnosphere scan");
+  app.add_option("--fields", options->fields, "Fields that would be written, as in gnosphere scan");
   app.add_flag("--json", options->json, "Print JSON");
+  app.footer("Example: gnosphere plan town.glb --effect fog.visibility=200");
   return [options] { return runPlan(*options); };
 }
 

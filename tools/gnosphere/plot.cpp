@@ -41,8 +41,8 @@ std::string markerAt(const PlotSeries& s, double x, double y) {
 struct Axis {
   double low = 1, high = 10, from = 0, to = 1;
 
-  /// Around the positive values of `values`, with some air, and over `span` at least: what hardly changes shall look
-  /// so.
+  /// Covers the positive values of `values` with a margin, and at least a ratio of `span`, so that small variations
+  /// look small.
   Axis(std::vector<double> values, double span, double begin, double end) : from(begin), to(end) {
     values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !(v > 0) || !std::isfinite(v); }),
                  values.end());
@@ -71,7 +71,7 @@ struct Axis {
   }
 
  private:
-  /// Where the axis is so short that it is as good as linear.
+  /// Ticks for an axis so short that it is nearly linear.
   std::vector<double> linearTicks() const {
     const double rough = (high - low) / 5, decade = std::pow(10, std::floor(std::log10(rough)));
     const double step = decade * (rough / decade < 2 ? 2 : rough / decade < 5 ? 5 : 10);
@@ -88,7 +88,7 @@ std::string tickLabel(double value) {
   return formatted("10<tspan dy='-4' font-size='8'>%.0f</tspan>", exponent);
 }
 
-/// Places that are taken, so that no label lies on another or on a marker.
+/// Keeps track of occupied areas, so that no label covers another or a marker.
 class Labels {
  public:
   Labels(double left, double top, double right, double bottom) : frame_{left, top, right, bottom} {}
@@ -97,7 +97,7 @@ class Labels {
     taken_.push_back({left - reach, y - reach, right + reach, y + reach});
   }
 
-  /// Beside the marker and its bar if there is room, else farther off with a thin line to it.
+  /// Places a label beside the marker and its bar if there is room, else farther away with a thin line to it.
   std::string put(double x, double y, double low, double high, double reach, const std::string& text) {
     const bool bold = reach > 5;
     const double width = kLetter * static_cast<double>(text.size()) * (bold ? 1.06 : 1) + 2;
@@ -134,7 +134,7 @@ class Labels {
   std::vector<Box> taken_;
 };
 
-/// One panel with its corner at (left, top).
+/// Draws one panel with its corner at (left, top).
 class PanelDrawing {
  public:
   PanelDrawing(const PlotPanel& panel, double left, double top, double width, double height)
@@ -243,7 +243,7 @@ double legendWidth(const PlotSeries& series) {
   return 76 + kLetter * static_cast<double>(series.name.size());
 }
 
-// Where each entry of the legend stands, line by line within the width.
+// Positions of the legend's entries, broken into lines of the given width.
 std::vector<std::array<double, 2>> legendPlaces(const PlotPanel& panel, double width) {
   std::vector<std::array<double, 2>> places;
   double x = 18, y = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Logarithmic plots as self-contained SVG, readable without colour: markers and dashes differ, too. What is 0 has no
-// place on a logarithmic axis and gets a band of its own below it.
+// Logarithmic plots as self-contained SVG, readable without colour because markers and dashes differ, too. A
+// logarithmic axis has no 0, so zeros are drawn in a separate band below it.
 #pragma once
 
 #include <limits>
@@ -11,20 +11,20 @@ namespace gnosphere::cli {
 
 struct PlotPoint {
   double x = 0;                ///< positive
-  double y = 0;                ///< 0 goes to the band; what is not finite is left out
-  double xLow = 0, xHigh = 0;  ///< a bar across the point, where they differ
+  double y = 0;                ///< 0 is drawn in the band; values that are not finite are left out
+  double xLow = 0, xHigh = 0;  ///< a bar across the point, if they differ
   std::string label;
 };
 
 enum class Marker { cross, triangle, circle, square, diamond };
 
-/// What one name stands for.
+/// Points that share a name in the legend.
 struct PlotSeries {
   std::string name;
   Marker marker = Marker::circle;
   std::string colour = "#222222";
-  std::string dash;  ///< of the line that joins the points, as SVG writes it: "4 2"; "none": no line
-  double size = 5;   ///< of the marker: half its width in pixels
+  std::string dash;  ///< of the line that joins the points, as in SVG: "4 2"; "none": no line
+  double size = 5;   ///< half the width of the marker in pixels
   std::vector<PlotPoint> points;
 };
 
@@ -39,12 +39,12 @@ struct Plot {
   std::vector<PlotPanel> panels;   ///< row by row
   size_t columns = 1;
   double panelWidth = 760, panelHeight = 300;
-  bool legend = false;  ///< names of the first panel's series
+  bool legend = false;  ///< whether to list the names of the first panel's series
 };
 
 std::string toSvg(const Plot& plot);
 
-/// As XML wants it; control characters, which it has no place for, are left out.
+/// Escapes text for XML; control characters, which XML does not allow, are left out.
 std::string escaped(const std::string& text);
 
 }  // namespace gnosphere::cli

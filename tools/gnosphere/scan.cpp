@@ -20,16 +20,16 @@ struct ScanOptions : ScanningOptions, EffectOptions {
   std::string trajectory, fields, image, stats, accuracy = "standard";
   std::vector<std::string> outputs;
   std::optional<double> maxError;
-  uint64_t repeat = 0;  ///< 0: one scan, and no warm-up before it
+  uint64_t repeat = 0;  ///< 0: one scan without a warm-up
   bool compact = false, ascii = false;
 };
 
-/// Where the scan goes, or scan `number` of a trajectory.
+/// Returns the output file of the scan, or of scan `number` of a trajectory.
 std::string fileOf(const ScanOptions& options, const std::string& file, size_t number) {
   return options.trajectory.empty() ? file : numbered(file, number);
 }
 
-/// Whatever can be known to fail is told before the scene is loaded, not after the scan.
+/// Checks before the scene is loaded all that can be known to fail later.
 CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
   CloudOptions cloud;
   cloud.compact = options.compact;
@@ -57,18 +57,19 @@ CloudOptions checkOutputs(const ScanOptions& options, size_t scans) {
 }
 
 void warnAbout(const ScanOptions& options, const Scene& scene, const Counters& counters) {
-  if (scene.placedTriangleCount() == 0) complain("warning: " + options.scene + " has no triangle, every beam misses");
+  if (scene.placedTriangleCount() == 0)
+    complain("warning: " + options.scene + " has no triangle, so every beam misses");
   if (scene.unreadImages > 0) {
     complain("warning: " + grouped(scene.unreadImages) + " images of cut-out materials of " + options.scene +
              " are not there or not PNG; these materials have no holes");
   }
   if (counters.nonFinite > 0) {
     complain("warning: " + grouped(counters.nonFinite) + " triangles of " + options.scene +
-             " dropped, a corner is NaN, infinite or beyond 1e9 m");
+             " are dropped because a corner is NaN, infinite or beyond 1e9 m");
   }
 }
 
-/// With --repeat, one scan to warm up and then the timed ones; the last is the result.
+/// With --repeat, scans once to warm up and then `repeat` times; the last scan is the result.
 Scan runScans(Simulator& simulator, const Pose& pose, uint64_t repeat, std::vector<Timings>& runs) {
   Progress progress("scan", repeat);
   Shot shot;
@@ -114,7 +115,7 @@ void tell(const ScanOptions& options, const ScanReport& report) {
   if (!options.stats.empty()) say("wrote", options.stats + ", " + fileSize(options.stats));
 }
 
-/// With --max-error, the setting that it takes; none if no setting does.
+/// With --max-error, chooses the setting; empty if none is within the limit.
 std::optional<AccuracyChoice> choose(const ScanOptions& options, const Scene& scene, const Sensor& sensor,
                                      const Pose& pose) {
   if (!options.maxError) return {};
@@ -129,7 +130,7 @@ void check(const ScanOptions& options) {
   checkMaxError(*options.maxError);
   if (options.device == "reference") {
     throw Error(ErrorCode::invalidArgument,
-                "--max-error is measured against the reference; choose another --device than that");
+                "--max-error compares the device with the reference; choose another --device");
   }
 }
 
@@ -158,7 +159,7 @@ int runScan(const ScanOptions& options) {
   SimulatorOptions settings = simulatorOptions(options);
   settings.accuracy = kAccuracies.at(accuracy);
   settings.materials = materials;
-  settings.tuning.keepStill = options.repeat == 0;  // repeated scans are timed, each of them whole
+  settings.tuning.keepStill = options.repeat == 0;  // --repeat times whole scans, without reuse of still instances
   Simulator simulator(scene, {sensor, effects, cloud.fields}, settings);
   const double setUpMs = nowMs() - start;
 
@@ -183,8 +184,8 @@ int runScan(const ScanOptions& options) {
 void addAccuracyOptions(CLI::App& app, ScanOptions& options) {
   CLI::Option* accuracy = addAccuracyOption(app, options.accuracy);
   app.add_option("--max-error", options.maxError,
-                 "Metres: the cheapest accuracy on this device that loses no beam and is nowhere further off, measured "
-                 "from this pose on a sample of the beams")
+                 "Choose the fastest accuracy on this device that loses no beam and has no larger error (metres), "
+                 "measured from this pose on a sample of the beams")
       ->excludes(accuracy);
 }
 
@@ -197,23 +198,25 @@ Action addScan(CLI::App& app) {
   addAccuracyOptions(app, *options);
   CLI::Option* trajectory =
       app.add_option("--trajectory", options->trajectory,
-                     "A scan from every pose of a TUM file, lines of t x y z qx qy qz qw; files are numbered, a.pcd "
-                     "becomes a-000000.pcd and so on");
+                     "Scan from every pose of a TUM file, lines of t x y z qx qy qz qw; output files are numbered: "
+                     "a.pcd becomes a-000000.pcd and so on");
   trajectory->excludes(app.get_option("--pose"))->excludes(app.get_option("--max-error"));
   app.add_option("-o,--output", options->outputs,
-                 "A cloud to write: .pcd, .ply, .bin (KITTI), .npy or .csv; may be given more than once")
+                 "Cloud file to write: .pcd, .ply, .bin (KITTI), .npy or .csv; may be given more than once")
       ->allow_extra_args(false);
-  app.add_option("--fields", options->fields,
-                 "What to write, in this order: x,y,z,range,ring,beam,triangle,instance (default, with return,returns "
-                 "where beams have several), tie, tolerance, intensity, true_range, cause, label, width, normal, "
-                 "incidence, material, barycentrics (u, v), class, velocity, radial_speed, time, azimuth, elevation");
-  app.add_flag("--compact", options->compact, "Write the hits only, not every beam");
+  app.add_option(
+      "--fields", options->fields,
+      "Fields to write, in this order: x,y,z,range,ring,beam,triangle,instance (default, plus "
+      "return,returns if beams have several), tie, tolerance, intensity, true_range, cause, label, width, normal, "
+      "incidence, material, barycentrics (u, v), class, velocity, radial_speed, time, azimuth, elevation");
+  app.add_flag("--compact", options->compact, "Write only hits instead of every beam");
   app.add_flag("--ascii", options->ascii, "Write PCD and PLY as text");
-  app.add_option("--image", options->image, "A .png of the scan: as the sensor sees it, and from above");
-  app.add_option("--stats", options->stats, "A JSON file of times and counters, or - for stdout");
-  app.add_option("--repeat", options->repeat, "Scan this often after a warm-up, and report the median time")
+  app.add_option("--image", options->image, "Write a .png picture of the scan, as the sensor sees it and from above");
+  app.add_option("--stats", options->stats, "Write times and counters to a JSON file, or - for stdout");
+  app.add_option("--repeat", options->repeat, "Number of timed scans after a warm-up; reports their median time")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}))
       ->excludes(trajectory);
+  app.footer("Example: gnosphere scan town.glb --sensor HDL-64E -o cloud.pcd --image cloud.png");
   return [options] { return runScan(*options); };
 }
 

@@ -21,7 +21,7 @@ struct Stage {
   double medianMs;
 };
 
-/// Medians over the runs, in the order of the pipeline; empty where the device has no timestamps.
+/// Medians over the runs, in the order of the steps; empty if the device has no timestamps.
 std::vector<Stage> stages(const ScanReport& report) {
   std::vector<Stage> list;
   for (size_t s = 0; s < report.scan.timings.stages.size(); ++s) {
@@ -74,7 +74,7 @@ constexpr NamedCount kCounters[] = {
     {"retries", &Counters::retries},
 };
 
-/// By Cause.
+/// Names in the order of Cause.
 constexpr const char* kCauses[kCauseCount] = {"returned", "no_surface", "weak", "attenuated", "dropped_out", "dead"};
 
 Json countersJson(const Counters& counters) {
@@ -130,7 +130,7 @@ void printTimes(const ScanReport& report) {
   say("time", text);
 }
 
-/// Beams without a return, by cause; empty where no effect can lose one.
+/// Beams without a return, by cause; empty if no effect can lose one.
 std::string lostText(const Counters& counters) {
   constexpr const char* kWords[kCauseCount] = {"", "met nothing", "too weak", "attenuated", "dropped out", "dead"};
   std::string text;
@@ -141,8 +141,8 @@ std::string lostText(const Counters& counters) {
   return text;
 }
 
-/// "transmission (3 of 48 materials let light through), intensity (needed by transmission)"; empty where geometry is
-/// all.
+/// Returns text such as "transmission (3 of 48 materials let light through), intensity (needed by transmission)"; empty
+/// if only geometry is simulated.
 std::string effectsIn(const Plan& plan) {
   std::string text;
   for (const Plan::Decision& decision : plan.effects)
@@ -178,7 +178,7 @@ void printSummary(const ScanReport& report) {
   printTimes(report);
   if (moves)
     say("rate", formatted("%.1f scans a second", 1000 * static_cast<double>(report.runs.size()) / report.totalMs) +
-                    ", files written, in " + milliseconds(report.totalMs));
+                    " with writing files, in " + milliseconds(report.totalMs));
 }
 
 std::string statsJson(const ScanReport& report) {
@@ -205,12 +205,12 @@ std::string statsJson(const ScanReport& report) {
   const auto gpu = collect(report.runs, [](const Timings& run) { return run.gpuMs; });
   stats["frame"] = {{"runs", report.runs.size()},
                     {"wall_ms", medianAndMin(wall)},
-                    {"gpu_ms", times.empty() ? Json() : medianAndMin(gpu)},  // null: the device has no timestamps
+                    {"gpu_ms", times.empty() ? Json() : medianAndMin(gpu)},  // null if the device has no timestamps
                     {"stages_ms", times}};
   if (report.trajectory.empty()) {
     stats["counters"] = countersJson(report.scan.counters);
   } else {
-    stats["frame"]["total_ms"] = report.totalMs;  // of all scans, files written
+    stats["frame"]["total_ms"] = report.totalMs;  // all scans, including writing files
     for (const TrajectoryScan& scan : report.trajectory) stats["frames"].push_back(frameJson(scan));
   }
   return dump(stats);

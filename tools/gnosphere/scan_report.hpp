@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scan tells about itself: a summary for people, --stats for programs.
+// The report of a scan: a summary for people, --stats for programs.
 #pragma once
 
 #include <filesystem>
@@ -12,19 +12,19 @@
 
 namespace gnosphere::cli {
 
-/// Everything there is to tell after the last run.
+/// All data of the report, after the last run.
 struct ScanReport {
   std::string sceneFile;
   const Scene& scene;
   const Sensor& sensor;
   const Simulator& simulator;
-  Scan scan;                      ///< the last, or summaryOf() a trajectory
-  std::string accuracy, binning;  ///< as asked for
+  Scan scan;                      ///< the last scan, or summaryOf() a trajectory
+  std::string accuracy, binning;  ///< as requested
   std::vector<Timings> runs;
-  std::vector<TrajectoryScan> trajectory;  ///< of --trajectory, where it was given
+  std::vector<TrajectoryScan> trajectory;  ///< only with --trajectory
   double loadMs = 0, setUpMs = 0;
-  const AccuracyChoice* choice = nullptr;  ///< of --max-error, where it was given
-  double totalMs = 0;                      ///< all scans, files written
+  const AccuracyChoice* choice = nullptr;  ///< only with --max-error
+  double totalMs = 0;                      ///< all scans, including writing files
 };
 
 void printSummary(const ScanReport& report);

@@ -16,7 +16,7 @@ std::string numbered(const std::string& file, size_t number) {
 
 namespace {
 
-/// The poses around a scan that starts with number `first`, at times after its start.
+/// Returns the poses around a scan that starts at number `first`, with times relative to its start.
 SensorMotion motionFrom(const std::vector<SensorMotion::Stamp>& trajectory, size_t first, double period) {
   SensorMotion motion;
   const double start = trajectory[first].time;

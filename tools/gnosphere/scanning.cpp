@@ -26,7 +26,7 @@ const std::map<std::string, Binning> kBinnings = {
     {"auto", Binning::automatic}, {"nearest", Binning::nearest}, {"lists", Binning::lists}, {"slabs", Binning::slabs}};
 const std::map<std::string, UpAxis> kUpAxes = {{"", UpAxis::formatDefault}, {"y", UpAxis::y}, {"z", UpAxis::z}};
 
-/// Finite numbers with one of `separators` between them (spaces apart); empty if the text is anything else.
+/// Parses finite numbers separated by `separator` (spaces around it are allowed); empty if the text is anything else.
 std::vector<double> parseNumbers(std::string_view text, char separator) {
   std::vector<double> numbers;
   const char* at = text.data();
@@ -48,7 +48,8 @@ std::vector<double> parseNumbers(std::string_view text, char separator) {
   return numbers;
 }
 
-/// Files are written with few digits; what is further from a unit quaternion is something else.
+/// Tolerance on a quaternion's length, because files have few digits; a larger deviation means that it is no unit
+/// quaternion.
 constexpr double kUnitTolerance = 0.01;
 
 Pose parsePose(const std::string& text) {
@@ -68,7 +69,7 @@ Pose parsePose(const std::string& text) {
   return pose;
 }
 
-/// a after b.
+/// The rotation b followed by the rotation a.
 Quaternion product(const Quaternion& a, const Quaternion& b) {
   return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
@@ -81,26 +82,28 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   app.add_option("--sensor", options.sensor, "A built-in name (gnosphere sensors) or a JSON file")
       ->capture_default_str();
   app.add_option("--pose", options.pose,
-                 "X,Y,Z[,QX,QY,QZ,QW]: where the sensor stands and how it is turned, in metres (default: 1.8 m above "
+                 "Position in metres and orientation of the sensor, X,Y,Z[,QX,QY,QZ,QW] (default: 1.8 m above "
                  "the origin, or above the middle of a scene that is elsewhere)");
-  app.add_option("--faces", options.faces, "Which faces reflect")->check(CLI::IsMember(kFaces))->capture_default_str();
-  app.add_option("--binning", options.binning, "How triangles meet beams; every way gives the same cloud")
+  app.add_option("--faces", options.faces, "Faces that reflect light")
+      ->check(CLI::IsMember(kFaces))
+      ->capture_default_str();
+  app.add_option("--binning", options.binning, "How triangles are assigned to beams; every choice gives the same cloud")
       ->check(CLI::IsMember(kBinnings))
       ->capture_default_str();
-  app.add_option("--up", options.up, "The scene's upward axis (default: what its format says)")
+  app.add_option("--up", options.up, "The scene's upward axis (default: that of its format)")
       ->check(CLI::IsMember({"y", "z"}));
   app.add_option("--scale", options.scale, "Scene units in metres")->capture_default_str();
   app.add_option("--device", options.device,
                  "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
       ->capture_default_str();
-  app.add_flag("--validation", options.validation, "Vulkan validation layer on; its messages are errors");
+  app.add_flag("--validation", options.validation, "Enable the Vulkan validation layer; its messages are errors");
 }
 
 CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy) {
   return app
       .add_option("--accuracy", accuracy,
-                  "paper: the published method to the letter; draft: without its gaps between boxes; standard: "
-                  "watertight; exact: the same bytes everywhere")
+                  "paper: exactly as published; draft: without gaps between boxes; standard: watertight; exact: the "
+                  "same bytes on every device")
       ->check(CLI::IsMember(kAccuracies))
       ->capture_default_str();
 }
@@ -189,10 +192,10 @@ void checkOutputFiles(const std::vector<std::string>& files, const std::string& 
   for (const std::string& file : files) {
     std::error_code absent;
     if (std::filesystem::equivalent(file, scene, absent)) {
-      throw Error(ErrorCode::invalidArgument, file + " is the scene itself; write to another file");
+      throw Error(ErrorCode::invalidArgument, file + " is the scene itself; choose another output file");
     }
     if (!seen.insert(file).second) {
-      throw Error(ErrorCode::invalidArgument, file + " is to be written twice");
+      throw Error(ErrorCode::invalidArgument, file + " is given twice; use different names");
     }
     checkWritable(file);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every command that scans a scene has in common: its options, the scene, the poses.
+// Shared by all commands that scan: their options, the scene, the poses.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -20,30 +20,30 @@ struct ScanningOptions {
   bool validation = false;
 };
 
-/// SCENE and --sensor, --pose, --faces, --binning, --up, --scale, --device, --validation.
+/// Adds SCENE and --sensor, --pose, --faces, --binning, --up, --scale, --device, --validation.
 void addScanningOptions(CLI::App& app, ScanningOptions& options);
 
-/// --accuracy, one of kAccuracies.
+/// Adds --accuracy, one of kAccuracies.
 CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy);
 
-/// Throws Error(invalidArgument) for what can be told before the scene is loaded.
+/// Throws Error(invalidArgument) for mistakes that can be found before the scene is loaded.
 void checkScanning(const ScanningOptions& options);
 SimulatorOptions simulatorOptions(const ScanningOptions& options);
 Scene loadScene(const ScanningOptions& options);
 
-/// --pose, or the default: standing at the world's origin if the scene is there, else in the middle of the scene;
-/// 1.8 m up, as on a car's roof.
+/// Returns --pose. The default is 1.8 m (as on a car's roof) above the ground at the world's origin if the scene is
+/// there, else in the middle of the scene.
 Pose poseOf(const ScanningOptions& options, const Scene& scene);
 
-/// `count` poses: `around` itself, then others up to 10 m to its sides, turned about the upward axis, from a seed.
+/// Returns `count` poses: `around` itself, then random ones up to 10 m beside it, rotated about the vertical axis.
 std::vector<Pose> posesAround(const Pose& around, size_t count);
 
-/// Lines `t x y z qx qy qz qw` (TUM); # begins a comment, more numbers on a line are not looked at. Throws
-/// Error(format) that names the first line that is not sound, Error(file) if the file cannot be read.
+/// Reads lines `t x y z qx qy qz qw` (TUM); # begins a comment, further numbers on a line are ignored. Throws
+/// Error(format) that names the first invalid line, or Error(file) if the file cannot be read.
 std::vector<SensorMotion::Stamp> loadStampedTrajectory(const std::filesystem::path& file);
 std::vector<Pose> loadTrajectory(const std::filesystem::path& file);
 
-/// Told before the work that writes them: throws if one cannot be written, is the scene itself or is there twice.
+/// Checks output files before the work: throws if one cannot be written, is the scene itself or occurs twice.
 void checkOutputFiles(const std::vector<std::string>& files, const std::string& scene);
 
 }  // namespace gnosphere::cli

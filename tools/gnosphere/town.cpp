@@ -16,7 +16,7 @@ struct TownCall {
   std::string file, xodr, drive;
 };
 
-/// Lines of time, position and orientation, as the TUM benchmarks have them.
+/// Writes lines of time, position and orientation in the format of the TUM benchmarks.
 void writeTum(const std::vector<Pose>& poses, const std::filesystem::path& file) {
   AtomicFile output(file);
   output.write("# t x y z qx qy qz qw\n");
@@ -32,12 +32,13 @@ void writeTum(const std::vector<Pose>& poses, const std::filesystem::path& file)
 int runTown(const TownCall& call) {
   const std::filesystem::path file = call.file;
   if (file.extension() != ".glb") {
-    throw Error(ErrorCode::invalidArgument, file.string() + ": a town is written as .glb");
+    throw Error(ErrorCode::invalidArgument, file.string() + ": the name must end in .glb");
   }
   if (call.drive == call.file) {
-    throw Error(ErrorCode::invalidArgument, "--trajectory: " + call.drive + " is the town's own file");
+    throw Error(ErrorCode::invalidArgument,
+                "--trajectory: " + call.drive + " is the --output file, too; use different names");
   }
-  checkWritable(file);  // told before the work, not after it
+  checkWritable(file);  // fails before the work, not after it
   if (!call.drive.empty()) checkWritable(call.drive);
   const std::vector<Pose> drive = makeDrive(call.options);
   Scene town = makeTown(call.options);
@@ -63,11 +64,15 @@ int runTown(const TownCall& call) {
 Action addTown(CLI::App& app) {
   const auto call = std::make_shared<TownCall>();
   app.add_option("-o,--output", call->file, "The .glb file to write")->required();
-  app.add_option("--xodr", call->xodr, "An OpenDRIVE file whose roads it stands along; else a grid of streets");
-  app.add_option("--triangles", call->options.triangles, "Placed triangles to aim for")->capture_default_str();
-  app.add_option("--seed", call->options.seed, "Another number, another town")->capture_default_str();
-  app.add_flag("--bake", call->baked, "Unique geometry in tiles of 64 m, nothing instanced");
-  app.add_option("--trajectory", call->drive, "Write a drive of 400 poses through it as TUM: t x y z qx qy qz qw");
+  app.add_option("--xodr", call->xodr,
+                 "Build the town along the roads of an OpenDRIVE file instead of a grid of streets");
+  app.add_option("--triangles", call->options.triangles, "Placed triangles to aim for, at least 1000")
+      ->capture_default_str();
+  app.add_option("--seed", call->options.seed, "Seed of the town")->capture_default_str();
+  app.add_flag("--bake", call->baked, "Write unique geometry in tiles of 64 m instead of instances");
+  app.add_option("--trajectory", call->drive,
+                 "Write a drive of 400 poses through the town to a TUM file: t x y z qx qy qz qw");
+  app.footer("Example: gnosphere town --triangles 1000000 -o town.glb");
   return [call] {
     call->options.xodr = call->xodr;
     return runTown(*call);

@@ -13,8 +13,8 @@ namespace {
 using namespace town;
 
 constexpr double kTile = 64;                   ///< metres
-constexpr size_t kMostTriangles = 1'000'000;   ///< of one mesh, but for instances that have more by themselves
-constexpr uint64_t kMostBytes = 0xF000'0000u;  ///< of vertices and indices: GLB ends at 2^32 bytes
+constexpr size_t kMostTriangles = 1'000'000;   ///< of one mesh, except for instances that have more by themselves
+constexpr uint64_t kMostBytes = 0xF000'0000u;  ///< of vertices and indices, because a GLB ends at 2^32 bytes
 
 uint64_t bytesOf(const Mesh& mesh) {
   return mesh.positions.size() * sizeof(float) + mesh.indices.size() * sizeof(uint32_t);
@@ -32,7 +32,7 @@ void checkSize(const Scene& scene) {
                   std::to_string(static_cast<int>(millions)) + " million, or leave them instanced");
 }
 
-/// The instances of one mesh in the making.
+/// The instances that become one mesh.
 using Tile = std::vector<const Instance*>;
 
 Mesh merged(const Scene& scene, const Tile& tile, const Vec3& centre) {
@@ -47,7 +47,7 @@ Mesh merged(const Scene& scene, const Tile& tile, const Vec3& centre) {
   }
   mesh.positions.reserve(coordinates);
   mesh.indices.resize(indices);
-  std::vector<size_t> next(counts.size());  // where the next index of each material goes
+  std::vector<size_t> next(counts.size());  // by material: the position of its next index
   size_t first = 0;
   for (size_t material = 0; material < counts.size(); ++material) {
     next[material] = 3 * first;

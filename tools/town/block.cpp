@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands inside a block: rows of houses, gardens, offices, a market, a park.
+// Fills a block: rows of houses, gardens, offices, a market, a park.
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +24,7 @@ Use useOf(const Site& site, Dice& dice) {
   return pick < 98 ? Use::park : Use::church;
 }
 
-/// The land inside the sidewalks, and what is put on it.
+/// The land of a block inside its sidewalks, and the objects placed on it.
 class Land {
  public:
   Land(Plan& plan, const Site& site, const Detail& detail, Dice& dice)
@@ -51,7 +51,7 @@ class Land {
   void row(double from, double to, int side, int depth, bool corners);
   void garden(double from, double to, int side, double depth);
   void carPark(double left, double low, double right, double high);
-  /// A point by distance along a side (0 = south, counter-clockwise) and distance inwards.
+  /// Returns the point at a distance along a side (0 = south, counter-clockwise) and a distance inwards.
   Vec3 onSide(int side, double along, double inward) const;
   double lengthOf(int side) const { return side % 2 == 0 ? x1 - x0 : y1 - y0; }
 
@@ -91,7 +91,7 @@ void Land::row(double from, double to, int side, int depth, bool corners) {
     while (width > to - along) width -= 2;
     const bool last = to - along - width < 8;
     const Building building = anyRowBuilding(dice_, width, depth, corners && (first || last));
-    // The last one stands at the end of the row: what is left over becomes a passage before it.
+    // The last house ends with the row; the remaining gap becomes a passage before it.
     const double start = last ? to - width : along;
     const int passage = static_cast<int>(start - along);
     if (passage >= 2 && !first) {
@@ -123,7 +123,7 @@ void Land::terrace() {
   }
 }
 
-/// One garden with its house, from the street `depth` metres inwards.
+/// Places one garden with its house, `depth` metres deep from the street.
 void Land::garden(double from, double to, int side, double depth) {
   const Building house = anyHouse(dice_);
   const double turns = 0.25 * side, middle = from + 0.7 + house.width / 2.0;
@@ -211,7 +211,7 @@ void Land::market() {
   hall.wall = dice_.chance(50) ? Surface::concrete : Surface::brick;
   hall.cover = Surface::roofSlate;
   hall.style = dice_.below(6);
-  put(hall, (x0 + x1) / 2, y1 - 2 - hall.depth);  // its front looks at the cars
+  put(hall, (x0 + x1) / 2, y1 - 2 - hall.depth);  // its front faces the cars
   carPark(x0 + 3, y0 + 3, x1 - 3, y1 - hall.depth - 6);
   for (double x = x0 + 3; x < x1 - 2; x += 10) tree(x, y0 + 1.2);
 }

@@ -9,11 +9,11 @@
 namespace gnosphere::town {
 namespace {
 
-/// The measures that tell one kind from another, in metres.
+/// The dimensions of a kind of building, in metres.
 struct Measures {
   double groundHeight, floorHeight;
   double sill, windowHeight, windowWidth;
-  double bay;  ///< one window per this much wall
+  double bay;  ///< width of wall per window
 };
 
 Measures measuresOf(const Building& building) {
@@ -64,7 +64,7 @@ Opening plainOpening(const Building& building, int column, int row) {
   return (column * 7 + row * 3 + building.style) % 11 == 0 ? Opening::shuttered : Opening::window;
 }
 
-/// The four walls and the floor. Returns the upper edge of the walls, counter-clockwise from above.
+/// Adds the four walls and the floor. Returns the upper edge of the walls, counter-clockwise from above.
 Loop addWalls(MeshBuilder& builder, const Building& building, const Measures& m) {
   const double halfWidth = building.width / 2.0;
   const double width = building.width, depth = building.depth;
@@ -133,7 +133,7 @@ void addShopFront(MeshBuilder& builder, const Building& building, const Measures
   builder.box(board, {-halfWidth * 0.6, -0.12, z + 0.2}, {halfWidth * 0.6, 0, z + 0.75});
 }
 
-/// A square tower with a spire beside the nave of a church.
+/// Adds a square tower with a spire beside the nave of a church.
 void addTower(MeshBuilder& builder, const Building& building, double eaves) {
   const double x0 = -building.width / 2.0 - 5.2, x1 = x0 + 5.4, y0 = 0.5, y1 = 5.9, top = eaves + 11;
   builder.box(building.wall, {x0, y0, 0}, {x1, y1, top});

@@ -5,7 +5,7 @@
 
 namespace gnosphere::town {
 
-// What the dice choose, the same for streets of the grid and for roads of a network.
+// Random choices shared by the streets of the grid and the roads of a network.
 
 Building anyRowBuilding(Dice& dice, int width, int depth, bool corner);
 Building anyHouse(Dice& dice);

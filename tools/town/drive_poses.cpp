@@ -12,9 +12,9 @@ namespace {
 using namespace town;
 
 constexpr double kSensorHeight = 1.8;
-constexpr double kBaseline = 0.4;  ///< metres before and after a pose over which its heading is taken
+constexpr double kBaseline = 0.4;  ///< metres before and after a pose that define its heading
 
-/// Points of a way by their distance along it.
+/// Points of a path by their distance along it.
 class Way {
  public:
   explicit Way(const std::vector<Vec3>& points) : points_(points), distances_{0} {
@@ -37,7 +37,7 @@ class Way {
   std::vector<double> distances_;
 };
 
-/// A turn about z that takes x to a level unit vector.
+/// Returns the rotation about z that maps x to a level unit vector.
 Quaternion headingAlong(const Vec3& x) {
   const double w = std::sqrt(std::max(0.0, (1 + x.x) / 2)), z = std::sqrt(std::max(0.0, (1 - x.x) / 2));
   return {0, 0, x.y < 0 ? -z : z, w};

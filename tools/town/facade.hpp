@@ -8,11 +8,11 @@
 
 namespace gnosphere::town {
 
-/// What fills one field of a facade.
+/// The content of one field of a facade.
 enum class Opening : uint8_t { none, window, shuttered, door, display };
 
-/// A vertical wall cut into fields. Rows and columns are distances along the wall and heights; openings are recessed,
-/// and neighbours with the same opening run into each other.
+/// A vertical wall divided into fields. Rows and columns are distances along the wall and heights; openings are
+/// recessed, and neighbouring fields with the same opening merge.
 struct Facade {
   Vec3 corner;  ///< lower left, seen from outside
   Vec3 along;   ///< unit vector to the right, seen from outside
@@ -26,8 +26,8 @@ struct Facade {
 
 void addFacade(MeshBuilder& builder, const Facade& facade);
 
-/// Edges of `count` openings of one width along a length: 0, left, right, left, right, ..., length. Odd fields are
-/// openings.
+/// Returns the edges of `count` openings of equal width along a length: 0, left, right, left, right, ..., length. The
+/// fields with odd index are openings.
 std::vector<double> evenFields(double length, int count, double width);
 
 }  // namespace gnosphere::town

@@ -6,7 +6,7 @@
 namespace gnosphere::town {
 namespace {
 
-// sin(turns * 360 degrees) for 0 <= turns <= 1/4, by its power series: off by less than 1e-12.
+// sin(turns * 360 degrees) for 0 <= turns <= 1/4 by its power series, with an error below 1e-12.
 double firstQuarter(double turns) {
   const double x = turns * 6.283185307179586;
   const double s = x * x;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Placements and dice whose results are the same bits on every machine: only + - * / sqrt and integers.
+// Placements and random numbers that have the same bits on every machine: they use only + - * / sqrt and integers.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@ Vec3 normalized(const Vec3& a);
 double sine(double turns);
 double cosine(double turns);
 
-/// Scale, then turn about z, then move.
+/// Scales, then rotates about z, then translates.
 Transform place(const Vec3& position, double turns = 0, double scale = 1);
 
-/// The same with the direction of the x axis, a level unit vector, instead of an angle.
+/// As place(), with the direction of the x axis (a level unit vector) instead of an angle.
 Transform placeAlong(const Vec3& position, const Vec3& x, double scale = 1);
 
-/// A stream of random numbers. Streams with other keys are independent.
+/// A stream of random numbers. Streams with different keys are independent.
 class Dice {
  public:
   explicit Dice(uint64_t seed, uint64_t a = 0, uint64_t b = 0, uint64_t c = 0);
@@ -29,7 +29,7 @@ class Dice {
   double between(double low, double high) { return low + (high - low) * uniform(); }
   int below(int count) { return static_cast<int>((next() >> 33) * static_cast<uint64_t>(count) >> 31); }
   bool chance(int percent) { return below(100) < percent; }
-  Vec3 direction();  ///< a unit vector, all directions alike
+  Vec3 direction();  ///< a unit vector, uniform over all directions
 
  private:
   uint64_t state_;

@@ -7,14 +7,14 @@
 namespace gnosphere::town {
 namespace {
 
-/// A street of the grid: the line across an axis at `at`.
+/// A street of the grid, which crosses an axis at `at`.
 struct Line {
   double at;
-  double half;  ///< of the carriageway
+  double half;  ///< half the width of the carriageway
   bool avenue;
 };
 
-/// Lines across one axis. Line 0 is at 0; the others do not depend on how many there are.
+/// The streets across one axis. Street 0 is at 0; the positions do not depend on the number of streets.
 class Lines {
  public:
   Lines(uint32_t seed, int axis, int avenuePhase, double extent) : phase_(avenuePhase) {
@@ -33,7 +33,7 @@ class Lines {
   const Line& operator[](int i) const { return lines_[static_cast<size_t>(i - first_)]; }
 
  private:
-  // Between line i - 1 and line i, in whole metres.
+  // Distance between street i - 1 and street i, in whole metres.
   static double gap(uint32_t seed, int axis, int i) {
     return 62 + Dice(seed, 1, axis, static_cast<uint64_t>(i + 4096)).below(37);
   }
@@ -52,7 +52,7 @@ int centimetres(double metres) {
 }
 
 constexpr double kCorner = kCornerRadius / 100.0;
-constexpr double kSettled = 55;  ///< metres: the four blocks around the origin, and the streets between, come first
+constexpr double kSettled = 55;  ///< metres: the four blocks around the origin and their streets are built first
 
 double reachOf(double x, double y) {
   return std::max(0.0, std::max(std::abs(x), std::abs(y)) - kSettled);
@@ -65,7 +65,7 @@ void addCrossing(Plan& plan, const Line& x, const Line& y) {
                  {x.at - reachX, y.at - reachY, 0}, {x.at + reachX, y.at + reachY, 0});
 }
 
-/// The carriageway along an axis between two lines across it.
+/// Adds the carriageway along an axis between two streets that cross it.
 void addRoad(Plan& plan, Dice dice, const Line& from, const Line& to, const Line& line, bool alongY,
              const Detail& detail) {
   const double start = from.at + from.half + kCorner, end = to.at - to.half - kCorner;
@@ -98,13 +98,13 @@ Lines linesAcrossY(uint32_t seed, double extent) {
   return {seed, 1, 0, extent};
 }
 
-/// The lines around a clearing; none where i0 = i1.
+/// The streets around a clearing; there is no clearing if i0 = i1.
 struct Hole {
   int i0 = 0, j0 = 0, i1 = 0, j1 = 0;
 };
 
 Hole holeAround(const Area& clearing, const Lines& xs, const Lines& ys) {
-  const auto last = [](const Lines& lines, double at) {  // the last line before it
+  const auto last = [](const Lines& lines, double at) {  // the last street before it
     int i = lines.begin();
     while (i + 1 < lines.end() && lines[i + 1].at + lines[i + 1].half <= at) ++i;
     return i;
@@ -117,7 +117,7 @@ Hole holeAround(const Area& clearing, const Lines& xs, const Lines& ys) {
   return {last(xs, clearing.x0), last(ys, clearing.y0), first(xs, clearing.x1), first(ys, clearing.y1)};
 }
 
-/// The way through corners, rounded, by points half a metre apart.
+/// Path through corners, which are rounded, as points half a metre apart.
 std::vector<Vec3> roundedWay(const std::vector<Vec3>& corners) {
   constexpr double kRadius = 6, kStep = 0.5;
   std::vector<Vec3> points;
@@ -166,7 +166,7 @@ Plan planGrid(uint32_t seed, double extent, const Detail& detail, const std::opt
   for (int i = xs.begin(); i < xs.end(); ++i)
     for (int j = ys.begin(); j < ys.end(); ++j) {
       const uint64_t column = static_cast<uint64_t>(i + 4096), row = static_cast<uint64_t>(j + 4096);
-      const bool inX = i >= hole.i0 && i < hole.i1, inY = j >= hole.j0 && j < hole.j1;  // what begins at this line
+      const bool inX = i >= hole.i0 && i < hole.i1, inY = j >= hole.j0 && j < hole.j1;  // for what begins here
       const bool crossingX = inX && i > hole.i0, crossingY = inY && j > hole.j0;
       if (!(crossingX && crossingY)) addCrossing(plan, xs[i], ys[j]);
       if (i + 1 < xs.end() && !(inX && crossingY))

@@ -7,11 +7,11 @@
 namespace gnosphere::town {
 namespace {
 
-constexpr int kArcSteps = 6;  ///< of the kerb around a corner
+constexpr int kArcSteps = 6;  ///< segments of the kerb around a corner
 
 enum class Paint : uint8_t { none, dashed, solid };
 
-/// A strip of carriageway that ends at `edge`, seen across the road from right to left.
+/// A strip of carriageway that ends at `edge`; strips go across the road from right to left.
 struct Strip {
   double edge;
   Paint paint;
@@ -37,13 +37,13 @@ std::vector<Strip> stripsOf(const Road& road) {
           {half - 2.1, Paint::none},  {half - 2.0, Paint::solid},  {half, Paint::none}};
 }
 
-/// (x, y) turned by quarter turns about the origin.
+/// Rotates (x, y) by quarter turns about the origin.
 Vec3 quarterTurned(double x, double y, int quarters) {
   const double c = cosine(0.25 * quarters), s = sine(0.25 * quarters);
   return {c * x - s * y, s * x + c * y, 0};
 }
 
-/// One arm of a crossing, along +x before it is turned: zebra, stop line. Returns where it was cut along x.
+/// Adds one arm of a crossing, along +x before its rotation: zebra, stop line. Returns where it was cut along x.
 std::vector<double> addArm(MeshBuilder& builder, double start, double half, int quarters) {
   const std::vector<double> cuts = {start,       start + 0.5, start + 3.1,
                                     start + 3.5, start + 3.9, start + kCornerRadius / 100.0};
@@ -59,7 +59,8 @@ std::vector<double> addArm(MeshBuilder& builder, double start, double half, int 
   return cuts;
 }
 
-/// The asphalt between two arms and the rounded kerb between them. Both chains turn about the arc's centre together.
+/// Adds the asphalt between two arms and the rounded kerb. Its two chains of points run around the arc's centre in
+/// step.
 void addCorner(MeshBuilder& builder, const std::vector<double>& xCuts, const std::vector<double>& yCuts, int quarters) {
   const double radius = kCornerRadius / 100.0;
   const Vec3 centre = {xCuts.back(), yCuts.back(), 0};
@@ -97,7 +98,7 @@ void addCorner(MeshBuilder& builder, const std::vector<double>& xCuts, const std
   add(outer[i], outer[i + 1], arc[j]);
 }
 
-/// The block's outline moved inwards: four rounded corners, straight sides cut every ten metres or so.
+/// Outline of the block, moved inwards: four rounded corners, straight sides cut about every ten metres.
 Loop outline(const Block& block, double inset, double z) {
   const double width = block.width / 100.0, depth = block.depth / 100.0;
   const double radius = std::max(kCornerRadius / 100.0 - inset, 0.3), r = radius + inset;

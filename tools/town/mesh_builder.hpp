@@ -16,23 +16,23 @@ using Loop = std::vector<Vec3>;
 /// A circle in a plane of constant z, counter-clockwise from above.
 Loop circle(const Vec3& centre, double radius, int segments, double turns = 0);
 
-/// Collects triangles, joins equal vertices and hands out a Mesh with one part per surface. Solids are closed, with
-/// counter-clockwise faces seen from outside.
+/// Collects triangles, merges equal vertices and returns a Mesh with one part per surface. Solids are closed; their
+/// faces are counter-clockwise seen from outside.
 class MeshBuilder {
  public:
   void triangle(Surface surface, const Vec3& a, const Vec3& b, const Vec3& c);
   void quad(Surface surface, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-  /// A flat face: a convex loop around a point inside it.
+  /// Adds a flat face: a convex loop around a point inside it.
   void fan(Surface surface, const Loop& loop, const Vec3& centre);
-  /// A flat face: a convex loop without three corners in line.
+  /// Adds a flat face: a convex loop without collinear corners.
   void face(Surface surface, const Loop& loop);
 
   void box(Surface surface, const Vec3& min, const Vec3& max);
-  /// Rings of equal size, each counter-clockwise seen from the ring after it; both ends are closed.
+  /// Joins rings of equal size, each counter-clockwise seen from the next; both ends are closed.
   void loft(Surface side, Surface cap, const std::vector<Loop>& rings);
-  /// A loop (counter-clockwise seen against `along`) pulled along a vector.
+  /// Extrudes a loop (counter-clockwise seen against `along`) along a vector.
   void extrude(Surface side, Surface cap, const Loop& loop, const Vec3& along);
-  /// A round rod from one point to another.
+  /// Adds a round rod from one point to another.
   void rod(Surface surface, const Vec3& from, const Vec3& to, double radiusFrom, double radiusTo, int segments);
   void ellipsoid(Surface surface, const Vec3& centre, const Vec3& radii, int segments, int rings);
 

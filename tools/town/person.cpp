@@ -4,7 +4,7 @@
 namespace gnosphere::town {
 namespace {
 
-/// A limb of two rods and a knee, from a joint.
+/// Adds a limb of two rods that meet in a knee or an elbow.
 void addLimb(MeshBuilder& builder, Surface surface, const Vec3& joint, const Vec3& knee, const Vec3& end, double radius,
              int sides) {
   builder.rod(surface, joint, knee, radius, 0.78 * radius, sides);
@@ -19,7 +19,7 @@ Loop ellipse(double z, double forward, double side, int sides) {
 
 }  // namespace
 
-// Facing +x, 1.75 m tall; even variants walk, odd ones stand.
+// A person 1.75 m tall that faces +x; even variants walk, odd ones stand.
 Mesh personMesh(int variant, bool fine) {
   const int sides = fine ? 10 : 5;
   MeshBuilder builder;

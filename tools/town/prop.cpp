@@ -4,7 +4,7 @@
 namespace gnosphere::town {
 namespace {
 
-/// A thin plate that looks along +x, double-sided by its surface.
+/// Adds a thin plate that faces +x; its surface is double-sided.
 void addPlate(MeshBuilder& builder, Surface surface, const Vec3& centre, double radius, int corners, double turns) {
   Loop loop;
   for (const Vec3& p : circle({}, radius, corners, turns)) loop.push_back(centre + Vec3{0, p.x, p.y});
@@ -70,7 +70,7 @@ void addSmall(MeshBuilder& builder, PropKind kind) {
   }
 }
 
-/// A shelter, 4 m along y, open towards +x.
+/// Adds a shelter, 4 m along y, open towards +x.
 void addBusStop(MeshBuilder& builder) {
   for (double y : {-2.0, 0.0, 2.0}) builder.box(Surface::metalDark, {-0.75, y - 0.04, -0.02}, {-0.67, y + 0.04, 2.4});
   for (double y : {-2.0, 2.0}) builder.box(Surface::metalDark, {0.55, y - 0.04, -0.02}, {0.63, y + 0.04, 2.4});
@@ -90,7 +90,7 @@ void addKiosk(MeshBuilder& builder) {
   builder.box(Surface::paintYellow, {-1.4, -1.8, 2.48}, {1.7, 1.8, 2.66});
 }
 
-/// Pickets between two rails, loose sheets.
+/// Adds a fence of pickets between two rails, as loose sheets.
 void addFence(MeshBuilder& builder, int length) {
   const double end = length;
   for (int i = 0; i <= length / 2; ++i) {
@@ -107,7 +107,7 @@ void addFence(MeshBuilder& builder, int length) {
   }
 }
 
-/// A clipped hedge: loose leaves in the skin of a box around a darker core.
+/// Adds a clipped hedge: loose leaves around a box, which is a darker core.
 void addHedge(MeshBuilder& builder, int length) {
   Dice dice(length, 17);
   builder.box(Surface::bark, {0.1, -0.2, -0.05}, {length - 0.1, 0.2, 0.95});

@@ -25,7 +25,7 @@ enum class PropKind : uint8_t {
   bicycle,
 };
 
-/// Street furniture and people. Stands on z = 0; what has a front looks along +x.
+/// Street furniture and people. They stand on z = 0; their front, if any, faces +x.
 struct Prop {
   PropKind kind = PropKind::lamp;
   int variant = 0;
@@ -36,6 +36,6 @@ struct Prop {
 };
 
 Mesh propMesh(const Prop& prop);
-Mesh personMesh(int variant, bool fine);  ///< of person.cpp
+Mesh personMesh(int variant, bool fine);  ///< in person.cpp
 
 }  // namespace gnosphere::town

@@ -29,7 +29,7 @@ void addPlant(MeshBuilder& builder, const Building& building, double z) {
     const double size = dice.between(0.6, 1.1);
     builder.box(Surface::metal, {x - size, y - 0.6, z - 0.02}, {x + size, y + 0.6, z + dice.between(0.8, 1.5)});
   }
-  if (building.floors >= 4)  // the head of the stairs
+  if (building.floors >= 4)  // the top of the staircase
     builder.box(building.wall, {-1.6, depth - 5.2, z - 0.02}, {1.6, depth - 1.8, z + 2.5});
 }
 
@@ -57,7 +57,7 @@ void addGableRoof(MeshBuilder& builder, const Building& building, const Loop& ea
   const double slope = building.kind == BuildingKind::church ? 1.1 : building.kind == BuildingKind::hall ? 0.2 : 0.75;
   const double rise = slope * depth / 2;
   builder.fan(building.wall, eaves, {0, depth / 2, z});
-  // The attic: a prism a little inside the walls, then the roof over it, both seen from the right end.
+  // The attic is a prism just inside the walls; the roof lies over it. Both loops are seen from the right end.
   const double right = halfWidth - 0.02;
   const Loop attic = {{right, 0.02, z - 0.05}, {right, depth - 0.02, z - 0.05}, {right, depth / 2, z + rise - 0.02}};
   builder.extrude(building.wall, building.wall, Loop(attic.rbegin(), attic.rend()), {-2 * right, 0, 0});

@@ -5,9 +5,9 @@
 
 namespace gnosphere::town {
 
-// Each takes the upper edge of the walls (counter-clockwise from above) and closes the building over it.
+// Each function takes the upper edge of the walls (counter-clockwise from above) and closes the building above it.
 
-void addFlatRoof(MeshBuilder& builder, const Building& building, const Loop& eaves);  ///< parapet and plant
+void addFlatRoof(MeshBuilder& builder, const Building& building, const Loop& eaves);  ///< has a parapet
 void addGableRoof(MeshBuilder& builder, const Building& building, const Loop& eaves);
 void addHipRoof(MeshBuilder& builder, const Building& building, const Loop& eaves);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands on sidewalks and carriageways.
+// Places the objects on sidewalks and carriageways.
 #include <algorithm>
 #include <cmath>
 
@@ -8,11 +8,11 @@
 namespace gnosphere::town {
 namespace {
 
-/// One side of a block: points by distance along it and distance from the kerb, z on the sidewalk.
+/// One side of a block: points by distance along it and from the kerb, with z on the sidewalk.
 struct Side {
   Vec3 corner, along, inward;
   double length;
-  double turns;  ///< of what looks at the road
+  double turns;  ///< heading of objects that face the road
   Vec3 at(double distance, double depth) const {
     return corner + distance * along + depth * inward + Vec3{0, 0, kKerbHeight};
   }
@@ -29,7 +29,7 @@ Side sideOf(const Site& site, int side) {
 }
 
 void planCorner(Plan& plan, Dice& dice, const Side& side, bool lights) {
-  // The end of a side, before the crossing. Traffic on the right comes along the side's direction.
+  // The end of a side, just before the crossing. With traffic on the right, vehicles arrive along the side's direction.
   if (lights) {
     plan.add(Prop{PropKind::trafficLight}, side.at(side.length - 5.2, 0.6), side.turns - 0.25);
   } else if (dice.chance(60)) {
@@ -101,7 +101,7 @@ void planTraffic(Plan& plan, Dice& dice, const Vec3& start, bool alongY, double 
     const Vec3 at = alongY ? Vec3{start.x - across, start.y + along, 0} : Vec3{start.x + along, start.y + across, 0};
     plan.add(vehicle, at, turns + (alongY ? 0.25 : 0));
   };
-  for (double side : {-1.0, 1.0}) {  // traffic keeps to the right: -1 goes along the axis
+  for (double side : {-1.0, 1.0}) {  // traffic keeps to the right: side -1 drives along the axis
     const double heading = side < 0 ? 0 : 0.5;
     if (!avenue)
       for (double along = 4; along < length - 4; along += 6.1) {

@@ -8,7 +8,7 @@
 
 namespace gnosphere::town {
 
-/// What things are made of: the index of the material in the town's Scene::materials.
+/// Materials of the town's objects: the value is the index in the town's Scene::materials.
 enum class Surface : uint8_t {
   asphalt,
   roadPaint,

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "gnosphere/error.hpp"
 #include "town/opendrive/plan.hpp"
 #include "town/plan.hpp"
 
@@ -15,17 +16,17 @@ namespace {
 
 using namespace town;
 
-constexpr double kDensity = 3.0;            ///< placed triangles per square metre, a first guess
-constexpr uint64_t kCoarseBelow = 100'000;  ///< triangles: below, trees have fewer leaves
-constexpr uint64_t kFineFrom = 1'000'000;   ///< triangles: from here on, trees, cars and people are finer
-constexpr double kMargin = 60;              ///< metres: streets come that much before what stands beside them
+constexpr double kDensity = 3.0;            ///< placed triangles per square metre, as a first estimate
+constexpr uint64_t kCoarseBelow = 100'000;  ///< triangles: smaller towns have trees with fewer leaves
+constexpr uint64_t kFineFrom = 1'000'000;   ///< triangles: towns from here on have finer trees, cars and people
+constexpr double kMargin = 60;              ///< metres by which streets come before the objects beside them
 
-/// Places things and makes each mesh the first time it is needed.
+/// Places objects and builds each mesh when it is first needed.
 class Builder {
  public:
   explicit Builder(Scene& scene) : scene_(scene) {}
 
-  /// Places it unless the town would then hold more than `limit` triangles.
+  /// Places an object unless the town would then have more than `limit` triangles.
   bool add(const Plan& plan, const Placement& placement, uint64_t limit) {
     const auto [entry, isNew] = meshes_.try_emplace(placement.thing, static_cast<uint32_t>(scene_.meshes.size()));
     if (isNew) scene_.meshes.push_back(plan.meshOf(placement.thing));
@@ -58,9 +59,9 @@ Detail detailOf(uint64_t triangles) {
   return detail;
 }
 
-/// Adds a plan from the middle outwards, up to a reach. True if the town is full then.
+/// Adds the placements of a plan in the order of their reach, up to `reach`. Returns true if the town is then full.
 bool fill(Builder& builder, Plan& plan, double reach, uint64_t triangles) {
-  constexpr int kPatience = 400;  // things in a row that are too large for what is left
+  constexpr int kPatience = 400;  // number of consecutive objects that do not fit before it gives up
   std::stable_sort(plan.placements.begin(), plan.placements.end(),
                    [](const Placement& a, const Placement& b) { return a.reach < b.reach; });
   int refused = 0;
@@ -72,7 +73,7 @@ bool fill(Builder& builder, Plan& plan, double reach, uint64_t triangles) {
   return builder.placed() >= triangles;
 }
 
-/// A network with what stands along it, and the land it takes.
+/// A road network, the objects along it, and its area.
 struct NetworkTown {
   NetworkTown(const TownOptions& options, const Detail& detail) {
     const opendrive::Network network = opendrive::readNetwork(options.xodr);
@@ -88,10 +89,14 @@ struct NetworkTown {
 }  // namespace
 
 Scene makeTown(const TownOptions& options) {
+  if (options.triangles < kSmallestTown)
+    throw Error(ErrorCode::invalidArgument, "--triangles: " + std::to_string(options.triangles) +
+                                                " are too few for a town; the smallest has " +
+                                                std::to_string(kSmallestTown));
   const Detail detail = detailOf(options.triangles);
   std::optional<NetworkTown> network;
   if (!options.xodr.empty()) network.emplace(options, detail);
-  // Streets and blocks stay where they are when the extent grows: a larger town contains the smaller one.
+  // Streets and blocks do not move when the extent grows: a larger town contains the smaller one.
   constexpr double kEverything = std::numeric_limits<double>::infinity();
   double extent = 60 + std::sqrt(static_cast<double>(options.triangles) / kDensity) / 2;
   std::optional<Area> clearing;

@@ -10,29 +10,31 @@
 
 namespace gnosphere {
 
+inline constexpr uint64_t kSmallestTown = 1'000;  ///< triangles; the crossing at the origin alone has about 500
+
 struct TownOptions {
   uint64_t triangles = 300'000;  ///< placed triangles to aim for, within about 10 %
   uint32_t seed = 1;
   std::filesystem::path xodr;  ///< an OpenDRIVE file; empty: a grid of streets
 };
 
-/// A procedural town, z up: roads, kerbs, buildings, trees, poles, cars, people. On a grid of streets it has a crossing
-/// at the origin and its ground at z = 0. Along the roads of an OpenDRIVE file it stands in that file's frame, begins
-/// where makeDrive() does, and once its roads are complete a grid of streets goes on around it. From a million
-/// triangles on a larger town has the same neighbourhood and more outskirts. The same options give the same bytes on
-/// every machine. Throws Error(file) or Error(format) that names the file, the road and what is wrong with it.
+/// Makes a procedural town, z up: roads, kerbs, buildings, trees, poles, cars, people. On a grid of streets it has a
+/// crossing at the origin, and its ground is at z = 0. Along the roads of an OpenDRIVE file it uses that file's
+/// coordinates, begins where makeDrive() does, and once its roads are complete it continues with a grid of streets
+/// around them. From a million triangles on, a larger town has the same centre and more outskirts. The same options
+/// give the same bytes on every machine. Throws Error(file) or Error(format) that names the file, the road and the
+/// mistake.
 Scene makeTown(const TownOptions& options = {});
 
 inline constexpr size_t kDrivePoses = 400;
 inline constexpr double kDriveInterval = 0.1;  ///< seconds between two poses
 
-/// A drive through that town: 400 poses, 10 a second at 8 m/s (slower where the roads end before), 1.8 m above the
-/// road, x along it. On the network's lanes by their links; on the grid along the middle of its streets. No traffic in
-/// the way.
+/// A drive through that town: 400 poses, 10 a second at 8 m/s (slower if the roads are too short), 1.8 m above the
+/// road, x forward. It follows the network's linked lanes, or the middle of the grid's streets. No traffic blocks it.
 std::vector<Pose> makeDrive(const TownOptions& options = {});
 
-/// Every instance written out: meshes for squares of 64 m, each sorted by material, as engines export them. Throws
-/// Error(invalidArgument) if that is more than a .glb file holds.
+/// Converts instances to unique geometry: meshes for squares of 64 m, each sorted by material, as engines export them.
+/// Throws Error(invalidArgument) if that exceeds the size of a .glb file.
 Scene bake(const Scene& scene);
 
 }  // namespace gnosphere

@@ -6,7 +6,8 @@
 namespace gnosphere::town {
 namespace {
 
-/// One triangle, some 15 cm long, any way round. Fewer leaves are larger ones, so that a crown stays as dense.
+/// Adds a triangle about 15 cm long with random orientation. Crowns with fewer leaves have larger ones, so that they
+/// are equally dense.
 void addLeaf(MeshBuilder& builder, Dice& dice, Surface surface, const Vec3& at, double size) {
   const Vec3 along = dice.direction();
   Vec3 across = cross(along, dice.direction());

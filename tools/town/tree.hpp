@@ -9,7 +9,7 @@ namespace gnosphere::town {
 
 enum class TreeKind : uint8_t { broadleaf, poplar, conifer, bush };
 
-/// Trunk, branches and a crown of loose leaves. Stands on z = 0.
+/// A tree with trunk, branches and a crown of loose leaves, standing on z = 0.
 struct Tree {
   TreeKind kind = TreeKind::broadleaf;
   int leaves = 1000;

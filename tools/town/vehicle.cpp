@@ -11,7 +11,8 @@ struct Point {
   double x, z;
 };
 
-/// The side view of a vehicle, rear to front, in metres. `belt` is the upper edge of the body; the cabin stands on it.
+/// Side view of a vehicle from rear to front, in metres. `belt` is the upper edge of the body, on which the cabin
+/// stands.
 struct Shape {
   const char* name;
   double halfWidth;
@@ -81,7 +82,7 @@ double beltAt(const std::vector<Point>& belt, double x) {
   return belt.back().z;
 }
 
-/// Where the body is cut: the corners of its belt, and the arches of its wheels.
+/// Positions along the body where its cross-section changes: the corners of its belt and its wheel arches.
 std::vector<double> stationsOf(const Shape& shape, bool fine) {
   constexpr double kArch[] = {-1, -0.75, 0, 0.75, 1};
   const double reach = shape.wheelRadius + 0.07;
@@ -128,7 +129,7 @@ void addBody(MeshBuilder& builder, const Shape& shape, Surface paint, bool fine)
   builder.loft(paint, paint, rings);
 }
 
-/// Roof, pillars and glass: a closed solid that stands in the body.
+/// Adds roof, pillars and glass as a closed solid that stands in the body.
 void addCabin(MeshBuilder& builder, const Shape& shape, Surface paint, bool blind) {
   const double foot = 0.90 * shape.halfWidth, roof = 0.78 * shape.halfWidth + (shape.halfWidth > 0.95 ? 0.1 : 0);
   const auto at = [&](double along, double up, double side) {  // along 0..1 rear to front, up 0..1 foot to roof
@@ -175,7 +176,7 @@ void addWheels(MeshBuilder& builder, const Shape& shape, bool fine) {
   for (double x : {shape.rearAxle, shape.frontAxle})
     for (double side : {-1.0, 1.0}) {
       const double outside = side * (shape.halfWidth - 0.02), inside = outside - side * width;
-      // Tread, and a side wall that draws in towards the rim.
+      // The tread, and a side wall that narrows towards the rim.
       std::vector<Loop> rings(3);
       for (const Vec3& p : circle({}, 1, fine ? 12 : 8)) {
         rings[0].push_back({x + side * radius * p.x, inside, radius + radius * p.y});

@@ -9,7 +9,7 @@ namespace gnosphere::town {
 
 enum class VehicleKind : uint8_t { hatchback, saloon, estate, van, bus };
 
-/// A road vehicle that stands on z = 0, centred, and looks along +x.
+/// A road vehicle that stands on z = 0, centred, and faces +x.
 struct Vehicle {
   VehicleKind kind = VehicleKind::saloon;
   Surface paint = Surface::paintSilver;

@@ -9,7 +9,7 @@
 namespace gnosphere::town::opendrive {
 namespace {
 
-/// A lane of one section, driven in one direction.
+/// A lane of one section, with its driving direction.
 struct Stretch {
   const Road* road;
   size_t section;
@@ -24,7 +24,7 @@ class Search {
  public:
   Search(const Network& network, uint32_t seed, double metres) : network_(network), dice_(seed, 31), metres_(metres) {}
 
-  /// True if there is a way of that many metres from here on; the longest is kept in any case.
+  /// Returns whether a path of that many metres starts here; the longest path found is kept in any case.
   bool from(const Stretch& start) {
     way_ = {start};
     length_ = start.length();
@@ -114,7 +114,7 @@ void addPoints(const Stretch& stretch, std::vector<Vec3>& points) {
   }
 }
 
-/// Every lane that may be driven, in the direction of its traffic, the nearest to the origin first.
+/// Returns every drivable lane in the direction of its traffic, the nearest to the origin first.
 std::vector<Stretch> starts(const Network& network) {
   std::vector<std::pair<double, Stretch>> list;
   for (const Road& road : network.roads)

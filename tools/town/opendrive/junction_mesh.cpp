@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connecting roads overlap; what they cover is one surface, by Clipper's polygons in whole millimetres.
+// Merges the overlapping connecting roads of a junction into one surface, with Clipper polygons in whole millimetres.
 #include <algorithm>
 #include <cmath>
 #include <polyclipping/clipper.hpp>
@@ -14,8 +14,8 @@ using ClipperLib::Path;
 using ClipperLib::Paths;
 
 constexpr double kUnit = 1000;  ///< per metre
-constexpr double kCell = 4;     ///< metres: no triangle is larger, so that they follow the heights
-constexpr double kHeal = 0.4;   ///< metres: gaps up to twice as wide, and sharp corners, are closed
+constexpr double kCell = 4;     ///< metres: the largest triangle, so that triangles follow the heights
+constexpr double kHeal = 0.4;   ///< metres: gaps up to twice as wide are closed, and so are sharp corners
 constexpr double kKerbStone = 0.18;
 constexpr double kSmallest = 1e-3;  ///< square metres
 
@@ -41,7 +41,7 @@ double cornerProduct(const IntPoint& a, const IntPoint& b, const IntPoint& c) {
   return static_cast<double>((b.X - a.X) * (c.Y - a.Y) - (b.Y - a.Y) * (c.X - a.X));
 }
 
-/// A simple polygon, counter-clockwise, as triangles: ears are cut off one by one.
+/// Triangulates a simple counter-clockwise polygon by ear clipping.
 template <typename Emit>
 void cutEars(Path polygon, Emit&& emit) {
   const auto isEar = [&](size_t i) {
@@ -57,7 +57,7 @@ void cutEars(Path polygon, Emit&& emit) {
   while (polygon.size() >= 3) {
     size_t ear = 0;
     while (ear < polygon.size() && !isEar(ear)) ++ear;
-    if (ear == polygon.size()) {  // corners in line, or touching each other: such a corner has no area of its own
+    if (ear == polygon.size()) {  // corners are collinear or touch each other: such a corner has no area
       ear = 0;
       while (ear < polygon.size() && cornerProduct(polygon[(ear + polygon.size() - 1) % polygon.size()], polygon[ear],
                                                    polygon[(ear + 1) % polygon.size()]) > 0)
@@ -75,7 +75,7 @@ Path boxPath(const IntPoint& low, const IntPoint& high) {
   return {low, {high.X, low.Y}, high, {low.X, high.Y}};
 }
 
-/// Polygons in a box as triangles. A box with a hole in it is halved through the hole until none is left.
+/// Triangulates polygons in a box. A box that contains a hole is halved through the hole until no part contains one.
 template <typename Emit>
 void triangulate(const Paths& paths, const IntPoint& low, const IntPoint& high, Emit&& emit) {
   const auto hole =
@@ -87,7 +87,7 @@ void triangulate(const Paths& paths, const IntPoint& low, const IntPoint& high, 
   const auto [left, right] =
       std::minmax_element(hole->begin(), hole->end(), [](const IntPoint& a, const IntPoint& b) { return a.X < b.X; });
   const ClipperLib::cInt middle = (left->X + right->X) / 2;
-  if (middle <= low.X || middle >= high.X) return;  // a hole of less than a millimetre
+  if (middle <= low.X || middle >= high.X) return;  // the hole is narrower than a millimetre
   const IntPoint top = {middle, high.Y}, bottom = {middle, low.Y};
   triangulate(combined(ClipperLib::ctIntersection, paths, {boxPath(low, top)}), low, top, emit);
   triangulate(combined(ClipperLib::ctIntersection, paths, {boxPath(bottom, high)}), bottom, high, emit);
@@ -107,7 +107,7 @@ Box boxOf(const Paths& paths) {
   return box;
 }
 
-/// A region as triangles no larger than a cell of a grid.
+/// Triangulates a region with triangles no larger than a grid cell.
 template <typename Emit>
 void cutIntoCells(const Paths& region, Emit&& emit) {
   const Box box = boxOf(region);
@@ -122,7 +122,7 @@ void cutIntoCells(const Paths& region, Emit&& emit) {
   }
 }
 
-/// One junction in the making: its connecting roads, the roads that meet there, and the heights of both.
+/// Data to build one junction: its connecting roads, the roads that meet there, and the heights of both.
 class JunctionSurface {
  public:
   JunctionSurface(const Network& network, const std::string& id) : network_(network), id_(id) {
@@ -161,7 +161,7 @@ class JunctionSurface {
     return {std::llround((p.x - origin_.x) * kUnit), std::llround((p.y - origin_.y) * kUnit)};
   }
 
-  /// The outline of what a road covers between two edges at each station.
+  /// Adds the outline of a road's surface between two edges at each station.
   template <typename Edges>
   void addStrip(const Road& road, double from, double to, Paths& strips, Edges&& edgesAt) {
     Path outline, back;
@@ -180,7 +180,7 @@ class JunctionSurface {
 
   void addConnecting(const Road& road) {
     addStrip(road, 0, road.length, covered_, [&](double s) {
-      // Shoulders are of the type none here: narrow lanes count, wide ones stand for sidewalks and lawns.
+      // Shoulders have the lane type `none` here: narrow lanes count as road, wide ones stand for sidewalks and lawns.
       constexpr double kShoulder = 1.5;
       const LaneSection& section = road.sectionAt(s);
       const std::vector<double> edges = laneEdges(road, section, s);
@@ -201,7 +201,7 @@ class JunctionSurface {
   }
 
   void addMeeting(const Road& road, bool atStart) {
-    constexpr double kReach = 30;  // metres of it that the junction's sidewalks may run into
+    constexpr double kReach = 30;  // metres of the road into which the junction's sidewalks may reach
     const double from = atStart ? 0 : std::max(0.0, road.length - kReach);
     const double to = atStart ? std::min(kReach, road.length) : road.length;
     addStrip(road, from, to, footprints_, [&](double s) {
@@ -218,7 +218,7 @@ class JunctionSurface {
     });
   }
 
-  /// The height by the fourth power of the inverse distance: exact at the edges of roads.
+  /// Interpolates heights by the fourth power of the inverse distance: exact at the edges of roads.
   double heightAt(double x, double y) const {
     double sum = 0, weights = 0;
     for (const Vec3& p : heights_) {

@@ -7,9 +7,9 @@
 namespace gnosphere::town::opendrive {
 namespace {
 
-constexpr double kWidest = 100;  ///< metres: a cubic that grows beyond that was meant for a shorter road
+constexpr double kWidest = 100;  ///< metres: a cubic that grows beyond this was meant for a shorter road
 
-/// The width of a lane; `inner` is how far its inner edge is from the reference line, without sign.
+/// Returns the width of a lane; `inner` is the absolute distance of its inner edge from the reference line.
 double widthOf(const Lane& lane, double ds, double inner) {
   const double width = lane.border.empty() ? valueAt(lane.width, ds) : std::abs(valueAt(lane.border, ds)) - inner;
   return std::clamp(width, 0.0, kWidest);
@@ -57,7 +57,7 @@ double Road::largestCurvature(double from, double to) const {
 }
 
 std::vector<double> laneEdges(const Road& road, const LaneSection& section, double s) {
-  // Lane offsets jump where sections change lanes: at a section's ends the one inside it counts.
+  // Lane offsets jump where sections change, so at a section's end the offset just inside it is used.
   const double inset = std::min(1e-6, (section.end - section.s) / 2);
   const double inside = std::max(section.s + inset, std::min(s, section.end - inset));
   const double offset = valueAt(road.laneOffset, inside), ds = s - section.s;

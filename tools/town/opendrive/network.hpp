@@ -10,35 +10,35 @@
 namespace gnosphere::town::opendrive {
 
 enum class LaneUse : uint8_t {
-  carriageway,  ///< driving, parking, shoulders, ...: asphalt
+  carriageway,  ///< asphalt: driving, parking, shoulders, ...
   sidewalk,     ///< raised behind a kerb
-  verge,        ///< borders, medians: grass
-  none,         ///< asphalt if it lies between other lanes, nothing if it does not
+  verge,        ///< grass: borders, medians
+  none,         ///< asphalt between other lanes, else nothing
 };
 
 enum class MarkKind : uint8_t { none, solid, broken };
 
-/// A <roadMark> from `start` metres into its lane section on. Double lines have a kind for each of the two.
+/// A <roadMark>, from `start` metres into its lane section. Double lines have a kind for each of the two lines.
 struct RoadMark {
   double start = 0;
   MarkKind kind = MarkKind::none, second = MarkKind::none;  ///< from the inner line outwards
   double width = 0.12;
 };
 
-/// Everything along s is measured from the start of the lane section, in metres.
+/// A lane of a section. Distances along s are measured from the start of the section, in metres.
 struct Lane {
   int id = 0;  ///< negative to the right of the reference line
   LaneUse use = LaneUse::none;
   bool driving = false, parking = false;
   Profile width;
-  Profile border;          ///< instead of the width: the distance of its outer edge from the reference line
-  Profile inner, outer;    ///< heights over the road
-  bool hasHeight = false;  ///< the file states those two
+  Profile border;          ///< replaces the width: distance of the outer edge from the reference line
+  Profile inner, outer;    ///< heights above the road
+  bool hasHeight = false;  ///< whether the file states these two heights
   std::vector<RoadMark> marks;
   std::optional<int> predecessor, successor;
 };
 
-/// From left to right; lane 0, of no width, carries the mark of the centre.
+/// The lanes of a stretch of road, from left to right; lane 0 has no width and carries the centre mark.
 struct LaneSection {
   double s = 0, end = 0;
   std::vector<Lane> lanes;
@@ -46,23 +46,23 @@ struct LaneSection {
   const Lane* find(int id) const;
 };
 
-/// What a road's end is joined to: nothing, another road's start or end, or a junction.
+/// The neighbour of a road's end: none, another road's start or end, or a junction.
 struct RoadLink {
   enum Kind : uint8_t { nothing, road, junction } kind = nothing;
   std::string id;
   bool atStart = true;
 };
 
-/// A point of a road's reference line with its surface: `left` is level, or inclined by the superelevation.
+/// A point of a road's reference line with the road's axes there: `left` is level, or inclined by the superelevation.
 struct RoadFrame {
   Vec3 at, along, left;  ///< `along` is level
   Vec3 point(double t, double height = 0) const { return at + t * left + Vec3{0, 0, height}; }
 };
 
 struct Road {
-  std::string id, junction;  ///< junction: empty for a road of its own
+  std::string id, junction;  ///< junction: empty for a road outside junctions
   double length = 0;
-  bool leftHand = false;  ///< traffic keeps to the left
+  bool leftHand = false;  ///< traffic drives on the left
   std::vector<Geometry> geometries;
   Profile elevation, superelevation, laneOffset;
   std::vector<LaneSection> sections;
@@ -73,8 +73,8 @@ struct Road {
   double largestCurvature(double from, double to) const;
 };
 
-/// The edges of a section's lanes at `s`, in metres to the left of the reference line, from left to right: edge i is
-/// the left one of lane i (lane 0 has both edges alike), the last is the right one of the last lane.
+/// Returns the edges of a section's lanes at `s`, in metres to the left of the reference line, from left to right: edge
+/// i is the left edge of lane i (both edges of lane 0 are equal), the last is the right edge of the last lane.
 std::vector<double> laneEdges(const Road& road, const LaneSection& section, double s);
 
 struct LaneLink {
@@ -83,7 +83,7 @@ struct LaneLink {
 
 struct Connection {
   std::string incoming, connecting;
-  bool atStart = true;  ///< of the connecting road
+  bool atStart = true;  ///< which end of the connecting road is linked
   std::vector<LaneLink> lanes;
 };
 
@@ -92,7 +92,8 @@ struct Junction {
   std::vector<Connection> connections;
 };
 
-/// Roads in a frame of their own, whose origin is in the middle of them; `toFile` leads to the file's, offset included.
+/// Roads in local coordinates with the origin in their middle; `toFile` transforms to the file's coordinates, offset
+/// included.
 struct Network {
   std::string file;
   std::vector<Road> roads;
@@ -103,8 +104,8 @@ struct Network {
   const Junction* junction(const std::string& id) const;
 };
 
-/// Reads OpenDRIVE 1.x: plan view, elevation, superelevation, lanes and links. Objects, signals and shapes are not
-/// read. Throws Error(file), or Error(format) that names the file, the road and what is wrong with it.
+/// Reads OpenDRIVE 1.x: plan view, elevation, superelevation, lanes and links. Objects, signals and shapes are ignored.
+/// Throws Error(file), or Error(format) that names the file, the road and the mistake.
 Network readNetwork(const std::filesystem::path& file);
 
 }  // namespace gnosphere::town::opendrive

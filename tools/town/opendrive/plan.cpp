@@ -33,7 +33,7 @@ Plan planNetwork(const Network& network, const Area& land, const Drive& drive, u
     roadside.addGround(roadPieces(road));
   }
   roadside.addGround(terrain.tiles());
-  uint64_t number = 0;  // ids may be any words
+  uint64_t number = 0;  // ids are arbitrary text, so roads are numbered
   for (const Road& road : network.roads) {
     Dice dice(seed, 32, number++);
     if (!road.junction.empty()) continue;

@@ -6,11 +6,11 @@
 
 namespace gnosphere::town::opendrive {
 
-/// The land that a network needs, a margin for houses and gardens included.
+/// Returns the area that a network needs, with a margin for houses and gardens.
 Area landOf(const Network& network);
 
-/// Roads, junctions, the ground between them, and what stands along them. Things near the start of the drive come
-/// first, and its lanes are free of traffic.
+/// Plans roads, junctions, the ground between them, and the objects beside them. Objects near the start of the drive
+/// come first, and the lanes of the drive are free of traffic.
 Plan planNetwork(const Network& network, const Area& land, const Drive& drive, uint32_t seed, const Detail& detail);
 
 }  // namespace gnosphere::town::opendrive

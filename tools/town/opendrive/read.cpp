@@ -15,11 +15,11 @@ namespace {
 
 using Node = pugi::xml_node;
 
-// Beyond these a number is a mistake: what is sampled every metre or two must end.
+// Numbers beyond these limits are mistakes; without limits, sampling every metre or two might not end.
 constexpr double kLongestRoad = 2e4, kLongestNetwork = 1e6, kWidestNetwork = 2e4, kFarthest = 1e8, kSharpest = 10,
                  kLargestFactor = 1e8;
 
-/// Who is being read, for messages: the file, and the road or junction in it.
+/// The file and the road or junction in it that is being read, for messages.
 struct Reader {
   std::string file, who;
 
@@ -61,7 +61,7 @@ struct Reader {
   }
 };
 
-/// The cubics of one profile, whose distances are in the attribute `start`.
+/// Reads the cubics of one profile; the attribute `start` holds their distances.
 Profile readProfile(const Reader& reader, const Node& parent, const char* name, const char* start) {
   Profile profile;
   for (const Node& node : parent.children(name)) {
@@ -117,7 +117,7 @@ std::string metres(double value) {
   return text;
 }
 
-/// Each must begin where the one before it ends, and the last end with the road.
+/// Checks that each geometry begins where the one before it ends, and that the last ends with the road.
 void checkOrder(const Reader& reader, const std::vector<Geometry>& geometries, double length) {
   constexpr double kTolerance = 1;  // metres
   double end = 0;
@@ -146,7 +146,7 @@ std::vector<Geometry> readPlanView(const Reader& reader, const Node& road, doubl
     });
     if (!shape) reader.fail("a <geometry> without a shape");
     readShape(reader, shape, geometry);
-    geometry.length = std::max(geometry.length, 1e-9);  // exporters leave such crumbs, and link roads by them
+    geometry.length = std::max(geometry.length, 1e-9);  // some exporters link roads by geometries of length 0
     for (double ds : {geometry.length / 2, geometry.length}) {
       const Vec3 end = geometry.at(ds).at - geometry.start;
       if (!(dot(end, end) <= kLongestRoad * kLongestRoad))
@@ -258,7 +258,7 @@ Junction readJunction(Reader& reader, const Node& node) {
   reader.who = "junction " + junction.id;
   for (const Node& item : node.children("connection")) {
     Connection connection;
-    if (!item.attribute("incomingRoad") || !item.attribute("connectingRoad")) continue;  // virtual and direct ones
+    if (!item.attribute("incomingRoad") || !item.attribute("connectingRoad")) continue;  // virtual or direct
     connection.incoming = reader.text(item, "incomingRoad");
     connection.connecting = reader.text(item, "connectingRoad");
     connection.atStart = std::strcmp(item.attribute("contactPoint").as_string("start"), "end") != 0;
@@ -269,13 +269,13 @@ Junction readJunction(Reader& reader, const Node& node) {
   return junction;
 }
 
-/// Where the line of a text that holds byte `offset` is, counted from 1.
+/// Returns the line of a text that contains byte `offset`, counted from 1.
 size_t lineOf(const std::string& text, ptrdiff_t offset) {
   return 1 + static_cast<size_t>(
                  std::count(text.begin(), text.begin() + std::min<ptrdiff_t>(offset, std::ssize(text)), '\n'));
 }
 
-/// Whole metres, half way between the ends of the roads' geometries.
+/// Returns the centre of the box around the roads' geometries, in whole metres.
 Vec3 middleOf(Reader& reader, const std::vector<Road>& roads) {
   Vec3 low = roads[0].frame(0).at, high = low;
   for (const Road& road : roads) {
@@ -291,7 +291,7 @@ Vec3 middleOf(Reader& reader, const std::vector<Road>& roads) {
   return {std::round((low.x + high.x) / 2), std::round((low.y + high.y) / 2), std::round((low.z + high.z) / 2)};
 }
 
-/// Moves the network's middle to the origin of its frame.
+/// Moves the middle of the network to the origin.
 void centre(Reader& reader, Network& network) {
   const Vec3 middle = middleOf(reader, network.roads);
   for (Road& road : network.roads) {
@@ -310,7 +310,7 @@ Network readNetwork(const std::filesystem::path& file) {
   pugi::xml_document document;
   const pugi::xml_parse_result result = document.load_buffer(text.data(), text.size());
   if (!result)
-    reader.fail("line " + std::to_string(lineOf(text, result.offset)) + ": not sound XML: " + result.description());
+    reader.fail("line " + std::to_string(lineOf(text, result.offset)) + ": invalid XML: " + result.description());
   const Node root = document.child("OpenDRIVE");
   if (!root) reader.fail("it is not OpenDRIVE: there is no element <OpenDRIVE>");
 
@@ -327,7 +327,7 @@ Network readNetwork(const std::filesystem::path& file) {
   if (network.roads.empty()) reader.fail("it has no roads");
   if (const Node offset = root.child("header").child("offset")) {
     reader.who = "header";
-    // The data set is moved by x, y, z, then turned by hdg about the new origin.
+    // The data set is translated by x, y, z, then rotated by hdg about the new origin.
     network.toFile =
         place({}, reader.number(offset, "hdg", 0) / 6.283185307179586) *
         place({reader.number(offset, "x", 0), reader.number(offset, "y", 0), reader.number(offset, "z", 0)});

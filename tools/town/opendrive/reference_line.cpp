@@ -7,13 +7,13 @@
 namespace gnosphere::town::opendrive {
 namespace {
 
-constexpr double kTurn = 6.283185307179586;  ///< radians
+constexpr double kTurn = 6.283185307179586;  ///< radians of a full turn
 
 Vec3 direction(double radians) {
   return {cosine(radians / kTurn), sine(radians / kTurn), 0};
 }
 
-/// The integral over [0, end] by Gauss and Legendre's rule with five points on each of `pieces` equal parts.
+/// Integrates over [0, end] by Gauss-Legendre quadrature with five points on each of `pieces` equal parts.
 template <typename Function>
 auto integral(double end, int pieces, Function&& function) {
   constexpr double kNodes[] = {0, 0.5384693101056831, 0.9061798459386640};
@@ -29,7 +29,7 @@ auto integral(double end, int pieces, Function&& function) {
   return sum;
 }
 
-/// Parts of a curve that turns by `turned` radians, such that the rule above is good to better than a micrometre.
+/// Number of parts of a curve that turns by `turned` radians for which integral() is accurate to a micrometre.
 int piecesFor(double turned) {
   return 1 + static_cast<int>(std::min(2.0 * std::abs(turned), 1e4));
 }
@@ -43,20 +43,20 @@ double derivative(const std::array<double, 4>& k, double x) {
 
 CurvePoint onArc(const Geometry& arc, double ds) {
   const double turned = arc.curvature * ds;
-  // The chord: ds sin(turned / 2) / (turned / 2), in the direction half way.
+  // The chord is ds sin(turned / 2) / (turned / 2) long and points along the heading at half the arc.
   const double chord = std::abs(turned) < 1e-6 ? ds : ds * sine(turned / 2 / kTurn) / (turned / 2);
   return {arc.start + chord * direction(arc.heading + turned / 2), direction(arc.heading + turned)};
 }
 
 CurvePoint onSpiral(const Geometry& spiral, double ds) {
-  // The curvature grows in proportion to the distance: heading = heading0 + k0 ds + k' ds^2 / 2.
+  // The curvature is linear in the distance: heading = heading0 + k0 ds + k' ds^2 / 2.
   const double rate = (spiral.curvatureAtEnd - spiral.curvature) / spiral.length;
   const auto along = [&](double s) { return direction(spiral.heading + s * (spiral.curvature + s * rate / 2)); };
   const double turned = ds * std::max(std::abs(spiral.curvature), std::abs(spiral.curvatureAtEnd));
   return {spiral.start + integral(ds, piecesFor(turned), along), along(ds)};
 }
 
-/// The u of a poly3 at which the curve is `ds` metres long (Newton).
+/// Returns the u of a poly3 where the curve is `ds` metres long (Newton's method).
 double abscissa(const Geometry& poly, double ds) {
   const auto speed = [&](double u) { return std::sqrt(1 + derivative(poly.v, u) * derivative(poly.v, u)); };
   double u = ds / speed(0);
@@ -84,11 +84,11 @@ CurvePoint onPolynomials(const Geometry& poly, double ds) {
   }
   const Vec3 forward = direction(poly.heading), left = {-forward.y, forward.x, 0};
   const Vec3 along = du * forward + dv * left;
-  // Where a curve stands still (all slopes 0) its direction is that of its start.
+  // Where all derivatives are 0, the curve has the direction of its start.
   return {poly.start + u * forward + v * left, dot(along, along) > 0 ? normalized(along) : forward};
 }
 
-/// The one that `s` belongs to; all zero before the first.
+/// Returns the cubic that applies at `s`; all zero before the first.
 Cubic cubicAt(const Profile& profile, double s) {
   const auto next = std::upper_bound(profile.begin(), profile.end(), s,
                                      [](double value, const Cubic& cubic) { return value < cubic.start; });
@@ -121,7 +121,7 @@ CurvePoint Geometry::at(double ds) const {
 double Geometry::largestCurvature() const {
   if (shape == Shape::line) return 0;
   if (shape == Shape::arc || shape == Shape::spiral) return std::max(std::abs(curvature), std::abs(curvatureAtEnd));
-  double largest = 0;  // how far the direction turns from one sample to the next
+  double largest = 0;  // largest change of direction between two samples
   constexpr int kSamples = 16;
   Vec3 before = at(0).along;
   for (int i = 1; i <= kSamples; ++i) {

@@ -8,25 +8,25 @@ namespace gnosphere::town::opendrive {
 namespace {
 
 constexpr double kPanel = 3;       ///< metres: a dash is one panel long, the gap after it two
-constexpr double kPiece = 48;      ///< metres
-constexpr double kSagitta = 0.02;  ///< metres that a chord may be off its bend
+constexpr double kPiece = 48;      ///< metres: the longest piece of a mesh
+constexpr double kSagitta = 0.02;  ///< metres: the largest distance of a chord from its curve
 constexpr double kKerbStone = 0.18;
-constexpr double kNarrow = 1e-3;  ///< metres: a lane that is not wider is not there
+constexpr double kNarrow = 1e-3;  ///< metres: a lane that is not wider than this is ignored
 
-/// One cut across the road.
+/// A cross-section of the road.
 struct Cut {
   double s;
   RoadFrame frame;
   std::vector<double> edges;
 };
 
-/// A line along an edge: from..to metres away from it, on one side.
+/// A line along an edge: it covers from..to metres away from the edge, on one side.
 struct Line {
   double from = 0, to = 0;
   bool painted = false;
 };
 
-/// The mark of a lane at `s`; nothing before the first.
+/// Returns the mark of a lane at `ds`; null before the first.
 const RoadMark* markAt(const Lane& lane, double ds) {
   const RoadMark* mark = nullptr;
   for (const RoadMark& candidate : lane.marks)
@@ -34,8 +34,8 @@ const RoadMark* markAt(const Lane& lane, double ds) {
   return mark && (mark->kind != MarkKind::none || mark->second != MarkKind::none) ? mark : nullptr;
 }
 
-/// The part of a lane's mark on one side of its edge: towards the reference line, or away from it (lane 0: to its left,
-/// or to its right).
+/// Returns the part of a lane's mark on one side of its edge: towards the reference line, or away from it (lane 0: to
+/// its left, or to its right).
 Line lineOf(const Lane& lane, double s, double ds, bool outwards) {
   const RoadMark* mark = markAt(lane, ds);
   if (!mark) return {};
@@ -57,7 +57,7 @@ Surface surfaceOf(LaneUse use) {
   return use == LaneUse::sidewalk ? Surface::paving : use == LaneUse::verge ? Surface::grass : Surface::asphalt;
 }
 
-/// The surface between two cuts of one lane section.
+/// The surface between two cross-sections of one lane section.
 class Panel {
  public:
   Panel(MeshBuilder& builder, const Vec3& origin, const LaneSection& section, const Cut& from, const Cut& to)
@@ -85,7 +85,7 @@ class Panel {
   }
   Vec3 point(int end, double t, double height) const { return cuts_[end]->frame.point(t, height) - origin_; }
 
-  /// The marks along the left or right edge of a lane, as far as they are in it.
+  /// Returns the part of the mark along the left or right edge of a lane that lies in this lane.
   Line line(const VisibleLane& visible, bool atLeft) const {
     const int id = lane(visible).id, inner = id > 0 ? id - 1 : id + 1;
     const bool isOuter = (id > 0) == atLeft;
@@ -94,7 +94,7 @@ class Panel {
     return lineOf(*owner, middle(), middle() - section_.s, owner->id == 0 ? id < 0 : !isOuter);
   }
 
-  /// Between two distances from the lane's left edge at each end, height in proportion.
+  /// Adds the surface between two relative distances from the lane's left edge at each end, with interpolated height.
   void addBand(const VisibleLane& visible, Surface surface, const double (&left)[2], const double (&right)[2]) {
     Vec3 corners[2][2];
     for (int end = 0; end < 2; ++end) {
@@ -108,14 +108,14 @@ class Panel {
     addPatch(builder_, surface, corners[0][1], corners[1][1], corners[1][0], corners[0][0]);
   }
 
-  /// A part of a lane that ends `distance` from its left or right edge.
+  /// A strip of a lane, which ends `distance` from the lane's left or right edge.
   struct Band {
     double distance;
     bool fromLeft;
     Surface surface;
   };
 
-  /// From left to right: the surface between the lines along its edges, or behind the kerb.
+  /// Returns the strips from left to right: the surface between the marks along its edges, or behind the kerb.
   std::vector<Band> bandsOf(const VisibleLane& visible) const {
     const Surface surface = surfaceOf(visible.use);
     if (visible.use == LaneUse::sidewalk && lane(visible).id < 0)
@@ -138,12 +138,12 @@ class Panel {
         const double distance = std::min(band.distance, width / 2);
         here[end] = band.fromLeft ? distance : width - distance;
       }
-      addBand(visible, band.surface, before, here);  // nothing where it has no width
+      addBand(visible, band.surface, before, here);  // adds nothing where the strip has no width
       std::copy(here, here + 2, before);
     }
   }
 
-  /// The upright face between two neighbours of different heights.
+  /// Adds the vertical face between two neighbours of different heights.
   void addStep(const VisibleLane& left, const VisibleLane& right) {
     Vec3 high[2], low[2];
     for (int end = 0; end < 2; ++end) {
@@ -177,7 +177,7 @@ class Panel {
   const Cut* cuts_[2];
 };
 
-/// Closes the end of a road that leads nowhere, so that nobody sees its surface from below.
+/// Closes the end of a road without a successor, so that its surface cannot be seen from below.
 void addCap(MeshBuilder& builder, const Vec3& origin, const Cut& cut, bool atStart) {
   const double left = cut.edges.front(), right = cut.edges.back();
   const Vec3 a = cut.frame.point(left) - origin, b = cut.frame.point(right) - origin, down = {0, 0, -kSkirt};
@@ -191,7 +191,7 @@ void addCap(MeshBuilder& builder, const Vec3& origin, const Cut& cut, bool atSta
 
 std::vector<VisibleLane> visibleLanes(const LaneSection& section, const std::vector<double>& edges) {
   std::vector<VisibleLane> lanes;
-  size_t sound = 0;  // lanes up to the last that is more than a gap
+  size_t sound = 0;  // lanes up to the last one that is not a gap
   for (size_t i = 0; i < section.lanes.size(); ++i) {
     const LaneUse use = section.lanes[i].use;
     if (edges[i] - edges[i + 1] <= kNarrow || (use == LaneUse::none && lanes.empty())) continue;

@@ -6,35 +6,35 @@
 
 namespace gnosphere::town::opendrive {
 
-inline constexpr double kCurbHeight = 0.12;  ///< of sidewalks for which the file states no height
-inline constexpr double kSkirt = 0.6;        ///< metres that the edges of roads reach down
+inline constexpr double kCurbHeight = 0.12;  ///< height of sidewalks if the file states none
+inline constexpr double kSkirt = 0.6;        ///< metres by which the edges of roads extend downwards
 
-/// A mesh that stands at `at` (whole metres), unturned.
+/// A mesh placed at `at` (whole metres), without rotation.
 struct GroundPiece {
   Mesh mesh;
   Vec3 at;
 };
 
-/// A lane that is there to be seen, with its edges in laneEdges().
+/// A lane with a visible surface, with its edges in laneEdges().
 struct VisibleLane {
   size_t index;  ///< in the section
-  LaneUse use;   ///< `none` between others has become carriageway
+  LaneUse use;   ///< lanes of type `none` between others become carriageway
 };
 
-/// The lanes of a section with a surface at `s`, from left to right, without gaps between them.
+/// Returns the lanes of a section that have a surface at `s`, from left to right, without gaps between them.
 std::vector<VisibleLane> visibleLanes(const LaneSection& section, const std::vector<double>& edges);
 
-/// Where a road is cut across for triangles: every three metres, more often in bends, and at `from` and `to`.
+/// Returns where a road is cut into cross-sections: every three metres, more often in bends, and at `from` and `to`.
 std::vector<double> stations(const Road& road, double from, double to);
 
-/// Adds a quad, or what is left of it where corners coincide.
+/// Adds a quad, or a triangle or nothing if corners coincide.
 void addPatch(MeshBuilder& builder, Surface surface, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-/// Pieces of at most 48 m of a road of its own (not of a junction): carriageway, markings, kerbs, sidewalks.
+/// Returns pieces of at most 48 m of a road outside junctions: carriageway, markings, kerbs, sidewalks.
 std::vector<GroundPiece> roadPieces(const Road& road);
 
-/// What the junction's connecting roads cover, as one surface, with sidewalks around it if the roads that meet there
-/// have any.
+/// Returns the area of a junction's connecting roads as one surface, with sidewalks around it if the roads that meet
+/// there have any.
 std::vector<GroundPiece> junctionPieces(const Network& network, const std::string& junction);
 
 }  // namespace gnosphere::town::opendrive

@@ -13,7 +13,8 @@ double blend(double own, double block) {
   return 0.4 * own + 0.6 * block;
 }
 
-/// The reach of what is that far from the middle: as in the grid, the surroundings come first.
+/// Returns the priority (Placement::reach) of an object at a distance from the middle: as in the grid, nearby objects
+/// come first.
 double reachOf(double distance, double ahead) {
   constexpr double kSettled = 55;
   return blend(std::max(0.0, distance - ahead), std::max(0.0, distance - kSettled));
@@ -26,10 +27,10 @@ Vec3 turned(const Vec3& v, double turns) {
 
 }  // namespace
 
-/// A place beside a road: at the edge of it, or at the kerb of its sidewalk.
+/// A place beside a road: at the road's edge, or at the kerb of its sidewalk.
 struct Roadside::Spot {
   Vec3 at;
-  Vec3 along;        ///< level; the way the traffic on this side goes, in countries that drive on the right
+  Vec3 along;        ///< level; the direction of traffic on this side in countries that drive on the right
   Vec3 outward;      ///< level, away from the road
   double width = 0;  ///< of the sidewalk
   Vec3 point(double forward, double out) const { return at + forward * along + out * outward; }
@@ -43,7 +44,7 @@ void Roadside::put(const Thing& thing, const Transform& where) {
 
 void Roadside::addGround(std::vector<GroundPiece> pieces) {
   for (GroundPiece& piece : pieces) {
-    // From the nearest of its vertices, and a little ahead of what stands on it.
+    // The distance of the piece's nearest vertex, slightly reduced so that ground comes before the objects on it.
     double nearest = 1e9;
     for (size_t v = 0; v < piece.mesh.vertexCount(); ++v) {
       const float* p = &piece.mesh.positions[3 * v];
@@ -93,7 +94,7 @@ bool Roadside::addBuilding(const Spot& spot, const Building& building, double se
       const Vec3 corner = spot.point(u, setback + v);
       at.z = std::min(at.z, terrain_.at(corner.x, corner.y));
     }
-  put(building, placeAlong(at, -1 * turned(spot.outward, 0.25)));  // its front looks at the road
+  put(building, placeAlong(at, -1 * turned(spot.outward, 0.25)));  // its front faces the road
   return true;
 }
 
@@ -160,7 +161,7 @@ void Roadside::build(const Road& road, bool left, Dice& dice) {
     if (gardens) {
       addGarden(spot, building.width, dice);
     } else if (!addBuilding(spot, building, 1.2)) {
-      from += 3;  // a bend, or another house: try a little further on
+      from += 3;  // there is a bend or another house: try a little further on
       continue;
     }
     from += building.width + gap;
@@ -213,7 +214,7 @@ void Roadside::furnish(const Road& road, bool left, Dice& dice) {
 }
 
 void Roadside::addTraffic(const Road& road, Dice& dice) {
-  constexpr double kCar = 5;  // metres of lane
+  constexpr double kCar = 5;  // metres of lane per car
   for (const LaneSection& section : road.sections)
     for (size_t i = 0; i < section.lanes.size(); ++i) {
       const Lane& lane = section.lanes[i];
@@ -231,7 +232,7 @@ void Roadside::addTraffic(const Road& road, Dice& dice) {
 }
 
 void Roadside::plant(Dice& dice) {
-  constexpr double kStep = 7.5, kMost = 1e6;  // metres between trees, more if there would be more than so many
+  constexpr double kStep = 7.5, kMost = 1e6;  // metres between trees, more if there would be more than kMost
   const double step = std::max(kStep, std::sqrt((land_.x1 - land_.x0) * (land_.y1 - land_.y0) / kMost));
   for (double y = land_.y0 + step; y < land_.y1 - step / 2; y += step)
     for (double x = land_.x0 + step; x < land_.x1 - step / 2; x += step) {

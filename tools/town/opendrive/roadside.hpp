@@ -7,7 +7,7 @@
 
 namespace gnosphere::town::opendrive {
 
-/// Puts things along the roads of a network into a plan, none of them on a road but vehicles.
+/// Places objects along the roads of a network; only vehicles stand on a road.
 class Roadside {
  public:
   Roadside(Plan& plan, const Network& network, const Terrain& terrain, const Area& land, const Drive& drive,
@@ -24,7 +24,7 @@ class Roadside {
   void build(const Road& road, bool left, Dice& dice);    ///< houses on one side
   void furnish(const Road& road, bool left, Dice& dice);  ///< sidewalks: lamps, trees, signs, people
   void addTraffic(const Road& road, Dice& dice);          ///< driving and parking vehicles
-  void plant(Dice& dice);                                 ///< trees where there is nothing else
+  void plant(Dice& dice);                                 ///< trees on free ground
 
  private:
   struct Spot;

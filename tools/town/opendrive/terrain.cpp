@@ -10,11 +10,11 @@ namespace {
 constexpr double kStep = 4;  ///< metres between heights, more if there would be more than kMostNodes
 constexpr double kMostNodes = 1e6;
 constexpr double kBelow = 0.15;  ///< metres that the ground lies below a road
-constexpr double kShoulder = 5;  ///< metres beside a road where it still does
-constexpr double kBorder = 8;    ///< metres that are level
+constexpr double kShoulder = 5;  ///< metres beside a road where the ground keeps that distance
+constexpr double kBorder = 8;    ///< metres at the border that are level
 constexpr double kBelowBorder = 0.05;
 
-/// Visits points of everything that a road covers, `step` metres apart, with the road's frame there.
+/// Visits points of a road's surface, `step` metres apart, with the road's frame there.
 template <typename Visit>
 void forEachPoint(const Road& road, double step, double beside, Visit&& visit) {
   const int count = std::max(1, static_cast<int>(std::ceil(road.length / step)));
@@ -66,7 +66,7 @@ void Terrain::pinBorder() {
 }
 
 void Terrain::pinUnder(const Road& road) {
-  // The four heights around each point follow the slope of the road, so that it may be steep.
+  // The four heights around each point follow the slope of the road, which may be steep.
   forEachPoint(road, std::min(stepX_, stepY_) / 2, kShoulder,
                [&](double s, const RoadFrame& frame, double t, double on) {
                  const Vec3 p = frame.point(t);
@@ -83,7 +83,7 @@ void Terrain::pinUnder(const Road& road) {
 }
 
 void Terrain::stretch() {
-  // Laplace's equation by successive over-relaxation: each free height becomes the mean of its neighbours.
+  // Solves Laplace's equation by successive over-relaxation: each free height becomes the mean of its neighbours.
   constexpr int kRounds = 400;
   constexpr double kOver = 1.9, kSettled = 1e-3;
   for (int round = 0; round < kRounds; ++round) {
@@ -109,7 +109,7 @@ double Terrain::at(double x, double y) const {
   const double fx = u - static_cast<double>(i), fy = v - static_cast<double>(j);
   const double a = heights_[node(i, j)], c = heights_[node(i + 1, j + 1)];
   const double b = heights_[node(i + 1, j)], d = heights_[node(i, j + 1)];
-  // The cell is cut from its lower left to its upper right corner.
+  // The diagonal of the cell runs from its lower left to its upper right corner.
   return fx >= fy ? a + fx * (b - a) + fy * (c - b) : a + fy * (d - a) + fx * (c - d);
 }
 

@@ -9,8 +9,8 @@
 
 namespace gnosphere::town::opendrive {
 
-/// The ground between the roads: a grid of heights, a little lower than every road on it, and stretched like a skin in
-/// between. At its border it is level, at z = 0.
+/// The ground between the roads: a grid of heights, slightly below every road on it and smooth in between. Its border
+/// is level, at z = 0.
 class Terrain {
  public:
   Terrain(const Network& network, const Area& area);
@@ -25,19 +25,19 @@ class Terrain {
   void stretch();
 
   Area area_;
-  size_t columns_, rows_;  ///< of cells
+  size_t columns_, rows_;  ///< cells in each direction
   double stepX_, stepY_;
   std::vector<double> heights_;
   std::vector<bool> pinned_;
 };
 
-/// Which ground is taken, in squares of half a metre or so.
+/// Marks occupied ground, in squares of about half a metre.
 class Occupancy {
  public:
   enum Use : uint8_t { nothing, road, thing };
 
   Occupancy(const Network& network, const Area& area);
-  /// A rectangle around `at`, `x` being the unit vector along its first side.
+  /// The rectangle around `at`, whose first side has the direction `x` (a unit vector).
   bool isFree(const Vec3& at, const Vec3& x, double halfLength, double halfWidth) const;
   void take(const Vec3& at, const Vec3& x, double halfLength, double halfWidth);
 
