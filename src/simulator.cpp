@@ -383,7 +383,7 @@ class Simulator::Impl {
   std::vector<SensorRequest> requests_;    // by sensor
   std::vector<ComputedColumns> computed_;  // by sensor
   SensorPlans plans_;                      // by sensor
-  bool stale_ = false;  // the scene may show other materials than when the sensors were planned
+  bool stale_ = false;                     // the scene may show other materials than when the sensors were planned
   std::unique_ptr<Backend> backend_;
 };
 

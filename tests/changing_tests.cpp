@@ -188,13 +188,14 @@ TEST_CASE("sensors of one scene have effects and fields of their own, and come a
                       vulkanOptions());
   const uint64_t sceneBytes = simulator.memory().scene, work = simulator.memory().work;
   const Scan one = simulator.scan({}, 0), other = simulator.scan({}, 1);
+  const auto truth = other.column<float>(Field::trueRange);
   double quietSum = 0, noisySum = 0;
   for (size_t i = 0; i < one.ranges.size(); ++i) {
     if (!one.hit(i)) continue;
-    quietSum += std::abs(one.ranges[i] - other.trueRanges[i]);
-    noisySum += std::abs(other.ranges[i] - other.trueRanges[i]);
+    quietSum += std::abs(one.ranges[i] - truth[i]);
+    noisySum += std::abs(other.ranges[i] - truth[i]);
   }
-  CHECK(one.trueRanges.empty());
+  CHECK_FALSE(one.has(Field::trueRange));
   CHECK(noisySum > 10 * quietSum);
 
   const size_t third = simulator.addSensor({sensor, Effects::none()});
@@ -236,8 +237,8 @@ TEST_CASE("a fog that thickens shot by shot makes no pipeline and moves nothing 
     for (const double visibility : {400.0, 100.0, 25.0}) {
       shot.weather = Weather{visibility, 0, 0, {}};
       simulator.scanInto(shot, scan);
-      const auto now = static_cast<uint64_t>(
-          std::count(scan.labels.begin(), scan.labels.end(), static_cast<uint8_t>(Label::scatter)));
+      const auto labels = scan.column<uint8_t>(Field::label);
+      const auto now = static_cast<uint64_t>(std::count(labels.begin(), labels.end(), uint8_t(Label::scatter)));
       CHECK(now >= scattered);
       scattered = now;
       SensorRequest stated = request;  // the same fog, stated once for all

@@ -35,9 +35,9 @@ Scene floorScene() {
   return scene;
 }
 
-SimulatorOptions asking(std::vector<Field> fields) {
-  SimulatorOptions options;
-  options.device = "reference";
+TestOptions asking(std::vector<Field> fields) {
+  TestOptions options;
+  options.device = DeviceChoice::Kind::reference;
   options.fields = std::move(fields);
   return options;
 }
@@ -114,7 +114,7 @@ TEST_CASE("what follows from the sensor, the beam and the instances is a column 
   const std::vector<Field> fields = {Field::time, Field::azimuth,      Field::elevation,   Field::classId, Field::ring,
                                      Field::beam, Field::returnNumber, Field::returnCount, Field::normal};
   const Sensor sensor = smallSensor();
-  Simulator simulator(floorScene(), sensor, asking(fields));
+  Simulator simulator = makeSimulator(floorScene(), sensor, asking(fields));
   Scan scan = simulator.scan({});
   REQUIRE(scan.counters.hits == 2);
   for (size_t i = 0; i < 4; ++i) {
@@ -133,7 +133,7 @@ TEST_CASE("what follows from the sensor, the beam and the instances is a column 
     if (hit) CHECK(scan.column<float>(Field::normal, 2)[i] == 1);
   }
   // Into the same scan from another simulator: what that one was not asked for is gone.
-  Simulator(floorScene(), sensor, asking({Field::beam})).scan({}, 0, scan);
+  makeSimulator(floorScene(), sensor, asking({Field::beam})).scanInto({}, scan);
   CHECK(scan.has(Field::beam));
   for (const Field field : fields) CHECK(scan.has(field) == (field == Field::beam));
 }
@@ -141,10 +141,10 @@ TEST_CASE("what follows from the sensor, the beam and the instances is a column 
 TEST_CASE("several returns of a beam share its time, its cause and the number of them") {
   Sensor sensor = smallSensor();
   sensor.maxReturns = 2;
-  SimulatorOptions options = asking({Field::time, Field::cause, Field::beam, Field::returnNumber, Field::returnCount});
+  TestOptions options = asking({Field::time, Field::cause, Field::beam, Field::returnNumber, Field::returnCount});
   options.effects.returns.use = options.effects.intensity.use = Use::on;
   options.effects.returns.count = 2;
-  const Scan scan = Simulator(floorScene(), sensor, options).scan({});
+  const Scan scan = makeSimulator(floorScene(), sensor, options).scan({});
   REQUIRE(scan.returns == 2);
   const auto beams = scan.column<uint32_t>(Field::beam);
   CHECK(std::vector(beams.begin(), beams.end()) == std::vector<uint32_t>{0, 0, 1, 1, 2, 2, 3, 3});
@@ -159,7 +159,7 @@ TEST_CASE("several returns of a beam share its time, its cause and the number of
 }
 
 TEST_CASE("the class of a scan is the one that its instances had when it was made") {
-  Simulator simulator(floorScene(), smallSensor(), asking({Field::classId}));
+  Simulator simulator = makeSimulator(floorScene(), smallSensor(), asking({Field::classId}));
   const Scan before = simulator.scan({});
   const Transform further = translation(0, 0, -0.5);
   CHECK(simulator.addInstance(0, further, 4) == 1);
@@ -171,11 +171,11 @@ TEST_CASE("the class of a scan is the one that its instances had when it was mad
 }
 
 TEST_CASE("columns are used again: a second scan allocates none") {
-  Simulator simulator(floorScene(), smallSensor(), asking({Field::normal, Field::time, Field::beam}));
+  Simulator simulator = makeSimulator(floorScene(), smallSensor(), asking({Field::normal, Field::time, Field::beam}));
   Scan scan = simulator.scan({});
   const auto* normals = scan.column<float>(Field::normal).data();
   const auto* times = scan.column<float>(Field::time).data();
-  simulator.scan({}, 0, scan);
+  simulator.scanInto({}, scan);
   CHECK(scan.column<float>(Field::normal).data() == normals);
   CHECK(scan.column<float>(Field::time).data() == times);
 }

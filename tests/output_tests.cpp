@@ -77,7 +77,7 @@ TEST_CASE("a PLY file has packed rows, and the names and types that other reader
   CloudOptions options;
   options.fields = parseFields("x,ring,tie,tolerance,instance,normal");
   Scan scan = tiny();
-  scan.normals.assign(3 * scan.beamCount(), 0.5f);
+  setColumn(scan, Field::normal, std::vector<float>(3 * scan.beamCount(), 0.5f));
   writeCloud(scan, folder / "a.ply", options);
   const std::string bytes = bytesOf(folder / "a.ply");
   const std::string header =

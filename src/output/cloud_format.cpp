@@ -13,7 +13,7 @@ CloudFormat cloudFormat(const std::filesystem::path& file) {
   if (ending == ".bin") return CloudFormat::kitti;
   if (ending == ".npy") return CloudFormat::npy;
   if (ending == ".csv") return CloudFormat::csv;
-  throw Error(ErrorCode::invalidArgument, file.string() + ": the ending says which kind of cloud it is; there are " +
+  throw Error(ErrorCode::invalidArgument, file.string() + ": the ending says which kind of cloud it is; known are " +
                                               ".pcd, .ply, .bin (KITTI), .npy and .csv");
 }
 

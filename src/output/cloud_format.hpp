@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which kinds of cloud file there are, and what they say of the grid of a sensor.
+// The kinds of cloud files, and the names and comments in them.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,18 @@
 namespace gnosphere {
 
 enum class CloudFormat { pcd, ply, kitti, npy, csv };
-/// By the ending. Throws Error(invalidArgument) with the endings there are.
+/// Returns the format for a file ending. Throws Error(invalidArgument) with the known endings.
 CloudFormat cloudFormat(const std::filesystem::path& file);
 
-/// A cloud that keeps only some beams says in a comment of PCD and PLY which grid they come from, and how many returns
-/// a beam may have where that is more than one.
+/// Names in PLY files that differ from ours, because readers of PLY expect them.
+struct PlyName {
+  const char* name;
+  const char* inPly;
+};
+inline constexpr PlyName kPlyNames[] = {{"normal_x", "nx"}, {"normal_y", "ny"}, {"normal_z", "nz"}};
+
+/// Comments of PCD and PLY files. A cloud that keeps only some beams states the grid they come from, and the number of
+/// returns per beam if it is more than one.
 inline constexpr const char* kGridComment = "gnosphere columns %u channels %u";
 inline constexpr const char* kGridCommentReturns = "gnosphere columns %u channels %u returns %u";
 

@@ -122,8 +122,12 @@ std::string plyHeader(const Table& table, bool ascii) {
                        gridComment(table.rows.scan()) + "\nelement vertex " + std::to_string(table.rows.count()) + "\n";
   for (const ColumnInfo& info : table.columns) {
     const size_t size = sizeOf(info.type);
-    const char* type = letterOf(info.type) == 'F' ? "float" : size == 4 ? "uint" : size == 2 ? "ushort" : "uchar";
-    header.append("property ").append(type).append(" ").append(info.name).append("\n");
+    // Open3D skips the types ushort and uint.
+    const std::string type = letterOf(info.type) == 'F' ? "float" : "uint" + std::to_string(8 * size);
+    std::string name = info.name;
+    for (const PlyName& other : kPlyNames)
+      if (name == other.name) name = other.inPly;
+    header.append("property ").append(type).append(" ").append(name).append("\n");
   }
   return header + "end_header\n";
 }

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <array>
 
+#include "output/cloud_format.hpp"
 #include "output/cloud_table.hpp"
-#include "output/fields.hpp"
 
 namespace gnosphere {
 namespace {

@@ -121,7 +121,7 @@ std::vector<Field> parseFields(const std::string& names) {
         if (column.component == 0 || column.fieldName == column.name)
           list.append(list.empty() ? "" : ", ").append(column.fieldName);
       }
-      throw Error(ErrorCode::invalidArgument, "no field is called '" + name + "'; there are " + list);
+      throw Error(ErrorCode::invalidArgument, "no field is called '" + name + "'; known are " + list);
     }
     if (std::find(fields.begin(), fields.end(), known->field) != fields.end()) {
       throw Error(ErrorCode::invalidArgument, "field '" + name + "' is asked for twice");
