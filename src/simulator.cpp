@@ -153,6 +153,16 @@ DeviceChoice deviceByName(const std::string& text) {
   return {Kind::vulkan, text};
 }
 
+std::string nameOf(const DeviceChoice& choice) {
+  switch (choice.kind) {
+    case DeviceChoice::Kind::cuda: return "cuda:" + choice.name;
+    case DeviceChoice::Kind::cudaFast: return "cuda-fast:" + choice.name;
+    case DeviceChoice::Kind::reference: return "reference";
+    case DeviceChoice::Kind::vulkan: break;
+  }
+  return choice.name.empty() ? "auto" : choice.name;
+}
+
 // What plans follow from is kept here, the rest of the scene by the backend.
 class Simulator::Impl {
  public:

@@ -197,7 +197,7 @@ TEST_CASE("a column that is not there, of another type or of no such component i
              Equals("the scan has no field 'tie': only the device 'reference' gives it"));
   Sensor tall = smallSensor();
   tall.channels.resize(65537);
-  CHECK_THAT(problemOf([&] { Simulator(floorScene(), tall, asking({Field::ring})); }),
+  CHECK_THAT(problemOf([&] { makeSimulator(floorScene(), tall, asking({Field::ring})); }),
              ContainsSubstring("field 'ring' is 16 bits wide"));
 }
 

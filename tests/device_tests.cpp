@@ -287,7 +287,9 @@ TEST_CASE("a number selects a device by index, any other text by part of its nam
                     ContainsSubstring("there is no device '999"));
   CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("brass")),
                     ContainsSubstring("there is no device 'brass'; 0: llvmpipe"));
-  CHECK_THROWS_WITH(chooseDevice(devices, deviceByName("")), ContainsSubstring("there is no device ''; 0: llvmpipe"));
+  CHECK_THROWS_WITH(deviceByName(""), ContainsSubstring("device '' is not auto, the number or a part of the name"));
+  CHECK_THROWS_WITH(deviceByName("cuda"), ContainsSubstring("device 'cuda' is not auto"));
+  for (const char* name : {"auto", "reference", "cuda:3", "cuda-fast:0", "rtx"}) CHECK(nameOf(deviceByName(name)) == name);
   CHECK_THROWS_WITH(chooseDevice({}, deviceByName("0")), ContainsSubstring("no Vulkan device was found"));
 }
 

@@ -232,10 +232,10 @@ TEST_CASE("an invalid change is refused and has no effect") {
     bad.rows[5] = NAN;
     CHECK_THROWS_WITH(simulator.setTransform(2, {}), "instance 2 does not exist, there are 2");
     CHECK_THROWS_WITH(simulator.setTransform(1, bad), "instance 1: its transform is not finite");
-    CHECK_THROWS_WITH(simulator.addInstance(1, {}), "mesh 1 does not exist, the scene has 1");
+    CHECK_THROWS_WITH(simulator.addInstance(1, {}), "mesh 1 does not exist, there are 1");
     CHECK_THROWS_WITH(simulator.addInstance(0, bad), "instance 2: its transform is not finite");
     CHECK_THROWS_WITH(simulator.removeInstance(7), "instance 7 does not exist, there are 2");
-    CHECK_THROWS_WITH(simulator.setPositions(1, {}), "mesh 1 does not exist, the scene has 1");
+    CHECK_THROWS_WITH(simulator.setPositions(1, {}), "mesh 1 does not exist, there are 1");
     const std::vector<float> few(3);
     CHECK_THROWS_WITH(simulator.setPositions(0, few), ContainsSubstring("150 vertices") && ContainsSubstring("; 3 "));
     CHECK(sameBytes(simulator.scan({}), before));

@@ -139,6 +139,8 @@ struct DeviceChoice {
 /// A choice as a command line names it: "auto", the number or a part of the name of a Vulkan device, "reference",
 /// "cuda:N" or "cuda-fast:N".
 GNOSPHERE_API DeviceChoice deviceByName(const std::string& text);
+/// The text that deviceByName() makes this choice of.
+GNOSPHERE_API std::string nameOf(const DeviceChoice& choice);
 
 struct SimulatorOptions {
   DeviceChoice device;

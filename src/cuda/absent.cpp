@@ -5,9 +5,10 @@
 
 namespace gnosphere::cuda {
 
-std::unique_ptr<Backend> makeBackend(const Scene&, const SensorPlans&, const SimulatorOptions&) {
+std::unique_ptr<Backend> makeBackend(const Scene&, const SensorPlans&, const SimulatorOptions& options) {
   throw Error(ErrorCode::device,
-              "CUDA is not built in, so there is no CUDA device; configure the build with -DGNOSPHERE_CUDA=ON");
+              "device '" + nameOf(options.device) +
+                                     "': CUDA is not built in; configure the build with -DGNOSPHERE_CUDA=ON");
 }
 
 std::vector<DeviceInfo> devices(std::string& problem) {

@@ -5,7 +5,7 @@
 
 #include <charconv>
 #include <cstdio>
-#include <string_view>
+#include <string>
 
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
@@ -43,16 +43,6 @@ DeviceInfo infoOf(int index) {
   info.usable = info.reason.empty();
   return info;
 }
-
-// The number after `prefix`; -1 where the name is another.
-int indexAfter(std::string_view prefix, std::string_view name) {
-  if (!name.starts_with(prefix)) return -1;
-  name.remove_prefix(prefix.size());
-  int index = -1;
-  const auto result = std::from_chars(name.data(), name.data() + name.size(), index);
-  return result.ec == std::errc() && result.ptr == name.data() + name.size() ? index : -1;
-}
-
 }  // namespace
 
 std::vector<DeviceInfo> devices(std::string& problem) {
@@ -74,7 +64,8 @@ std::vector<DeviceInfo> devices(std::string& problem) {
 Device chooseDevice(const DeviceChoice& choice) {
   std::string problem;
   const std::vector<DeviceInfo> all = devices(problem);
-  if (all.empty()) throw Error(ErrorCode::device, "there is no CUDA device here (" + problem + ")");
+  const std::string which = "device '" + nameOf(choice) + "': ";
+  if (all.empty()) throw Error(ErrorCode::device, which + "there is no CUDA device here (" + problem + ")");
   size_t index = 0;
   if (choice.uuid != DeviceChoice().uuid) {
     while (index < all.size() && all[index].uuid != choice.uuid) ++index;
@@ -83,11 +74,9 @@ Device chooseDevice(const DeviceChoice& choice) {
     const char* end = choice.name.data() + choice.name.size();
     const auto [ptr, error] = std::from_chars(choice.name.data(), end, index);
     if (error != std::errc() || ptr != end)
-      throw Error(ErrorCode::device, "CUDA device '" + choice.name + "' is not a number from 0 on");
+      throw Error(ErrorCode::device, which + "a CUDA device is named by a number from 0 on");
   }
-  if (index >= all.size())
-    throw Error(ErrorCode::device,
-                "there is no CUDA device " + choice.name + ", the last one here is " + all.back().name);
+  if (index >= all.size()) throw Error(ErrorCode::device, which + "the last CUDA device here is " + all.back().name);
   Device device;
   device.groups = 4096;
   device.index = static_cast<int>(index);
