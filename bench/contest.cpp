@@ -123,7 +123,7 @@ class Contest {
     for (const Moved& move : moved_) scene.instances[move.instance].transform = move.transform;
     SimulatorOptions options;
     options.device = DeviceChoice::Kind::reference;
-    options.faces = Faces::material;
+    options.faces = ReflectingFaces::material;
     const Comparison c =
         compare(Simulator(scene, {setting_.sensor, Effects::none()}, options).scan(setting_.shots[0].pose),
                 contenders_[0]->answer());

@@ -9,6 +9,7 @@
 
 #include "contender.hpp"
 #include "floor.hpp"
+#include "gnosphere/eval/accuracy.hpp"
 
 namespace gnosphere::bench {
 

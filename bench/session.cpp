@@ -43,9 +43,9 @@ Scene Session::scene(uint64_t triangles) const {
 }
 
 std::vector<Sensor> Session::sensors(const std::vector<std::string>& names) const {
-  if (!options_.sensor.empty()) return {findSensor(options_.sensor)};
+  if (!options_.sensor.empty()) return {cli::sensorOf(options_.sensor)};
   std::vector<Sensor> sensors;
-  for (const std::string& name : names) sensors.push_back(findSensor(name));
+  for (const std::string& name : names) sensors.push_back(builtinSensor(name));
   return sensors;
 }
 
@@ -69,8 +69,8 @@ SimulatorOptions Session::simulatorOptions() const {
   SimulatorOptions settings;
   settings.device = deviceByName(options_.device);
   settings.accuracy = cli::kAccuracies.at(options_.accuracy);
-  settings.faces = Faces::material;   // rivals see both faces; the check of their results proves it
-  settings.tuning.keepStill = false;  // whole scans are timed, even if a run has only one pose
+  settings.faces = ReflectingFaces::material;  // rivals see both faces; the check of their results proves it
+  settings.tuning.keepStill = false;           // whole scans are timed, even if a run has only one pose
   return settings;
 }
 

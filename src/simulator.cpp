@@ -17,8 +17,8 @@ namespace {
 // As validate(scene) has it: the top bit of a triangle's number is taken.
 constexpr uint64_t kMostPlacedTriangles = (uint64_t{1} << 31) - 1;
 
-void validate(const Exactness& parts) {
-  if ((parts.range == Exactness::Range::exact) != (parts.inside == Exactness::Inside::exact))
+void validate(const AccuracyParts& parts) {
+  if ((parts.range == AccuracyParts::Range::exact) != (parts.inside == AccuracyParts::Inside::exact))
     throw Error(ErrorCode::invalidArgument, "an exact range needs the exact inside test, and the other way round");
 }
 
@@ -113,8 +113,18 @@ void Timings::add(const std::string& stage, double ms) {
     found->ms += ms;
 }
 
-Exactness exactnessOf(Accuracy accuracy) {
-  using E = Exactness;
+const char* nameOf(Accuracy accuracy) {
+  switch (accuracy) {
+    case Accuracy::paper: return "paper";
+    case Accuracy::draft: return "draft";
+    case Accuracy::standard: return "standard";
+    case Accuracy::exact: break;
+  }
+  return "exact";
+}
+
+AccuracyParts accuracyPartsOf(Accuracy accuracy) {
+  using E = AccuracyParts;
   switch (accuracy) {
     case Accuracy::paper: return {E::Bounds::paper, E::Cull::firstCorner, E::Inside::plain, E::Range::plane};
     case Accuracy::draft: return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::plain, E::Range::plane};
@@ -169,7 +179,7 @@ class Simulator::Impl {
   Impl(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
       : options_(options), planner_(options_) {
     validate(scene);
-    if (options.exactness) validate(*options.exactness);
+    if (options.accuracyParts) validate(*options.accuracyParts);
     scene_.materials = scene.materials;
     scene_.alphaImages = scene.alphaImages;
     for (size_t i = 0; i < scene.materials.size(); ++i) materials_.take();

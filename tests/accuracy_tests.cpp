@@ -6,7 +6,7 @@
 
 #include "columns.hpp"
 #include "eval/sample.hpp"
-#include "gnosphere/accuracy.hpp"
+#include "gnosphere/eval/accuracy.hpp"
 #include "output/comparison_sum.hpp"
 #include "support.hpp"
 #include "town/town.hpp"

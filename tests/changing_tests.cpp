@@ -182,8 +182,8 @@ TEST_CASE("sensors of one scene have effects and fields of their own, and come a
   const Scene scene = sceneOf(soup(3, 500, 20, 5));
   const Sensor sensor = gridSensor(120, 8, -30, 30);
   Effects quiet = Effects::none(), noisy = Effects::none();
-  quiet.rangeNoise = {Use::on, 0, 0.01};
-  noisy.rangeNoise = {Use::on, 0, 0.2};
+  quiet.rangeNoise = {EffectUse::on, 0, 0.01};
+  noisy.rangeNoise = {EffectUse::on, 0, 0.2};
   Simulator simulator(scene, {SensorRequest(sensor, quiet), SensorRequest(sensor, noisy, {Field::trueRange})},
                       vulkanOptions());
   const uint64_t sceneBytes = simulator.memory().scene, work = simulator.memory().work;

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "api_example.hpp"
 #include "cloud_support.hpp"
-#include "columns_example.hpp"
 #include "scan/fields.hpp"
 #include "support.hpp"
 
@@ -142,7 +142,7 @@ TEST_CASE("several returns of a beam share its time, its cause and the number of
   Sensor sensor = smallSensor();
   sensor.maxReturns = 2;
   TestOptions options = asking({Field::time, Field::cause, Field::beam, Field::returnNumber, Field::returnCount});
-  options.effects.returns.use = options.effects.intensity.use = Use::on;
+  options.effects.returns.use = options.effects.intensity.use = EffectUse::on;
   options.effects.returns.count = 2;
   const Scan scan = makeSimulator(floorScene(), sensor, options).scan({});
   REQUIRE(scan.returns == 2);
@@ -299,15 +299,22 @@ TEST_CASE("a layout or a buffer that does not do is refused, and nothing is writ
   CHECK(bytes == std::vector<std::byte>(96, std::byte{0xee}));
 }
 
-TEST_CASE("the example of docs/api.md is compiled, and does what it says") {
+TEST_CASE("the examples of docs/api.md are compiled, and do what they say") {
   const auto textOf = [](const char* file) {
     std::ifstream in(std::string(GNOSPHERE_SOURCES "/") + file);
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
-  const std::string source = textOf("tests/columns_example.hpp"), last = "using namespace gnosphere;\n\n";
+  const std::string source = textOf("tests/api_example.hpp"), last = "using namespace gnosphere;\n\n";
+  const std::string page = textOf("docs/api.md"), begin = "```cpp\n", end = "```\n";
   REQUIRE(source.find(last) != std::string::npos);
-  const std::string example = source.substr(source.find(last) + last.size());
-  CHECK_THAT(textOf("docs/api.md"), ContainsSubstring("```cpp\n" + example + "```\n"));
+  std::string blocks;
+  for (size_t at = page.find(begin); at != std::string::npos; at = page.find(begin, at)) {
+    const size_t first = at + begin.size();
+    at = page.find(end, first);
+    if (!blocks.empty()) blocks += '\n';
+    blocks += page.substr(first, at - first);
+  }
+  CHECK(blocks == source.substr(source.find(last) + last.size()));
 
   Scan scan = tiny();
   setColumn<float>(scan, Field::intensity, {1, 2, 3, 4, std::nanf(""), 5});
@@ -316,4 +323,18 @@ TEST_CASE("the example of docs/api.md is compiled, and does what it says") {
   REQUIRE(rows.size() == 5 * 32);
   CHECK(read<float>(rows, 4 * 32) == scan.points[15]);
   CHECK(read<float>(rows, 4 * 32 + 16) == 5);
+
+  SensorRequest foggy(smallSensor());
+  foggy.variableWeather = true;
+  TestOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  Simulator simulator(floorScene(), foggy, options);
+  size_t scans = 0;
+  thickeningFog(simulator, [&](const Scan& fog) { scans += fog.counters.beams == 4; });
+  CHECK(scans == 4);
+  MeshBuilder car;
+  car.quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0});
+  const Scan with = withCar(simulator, car.take(), {}), without = simulator.scan({});
+  CHECK(with.counters.triangles == without.counters.triangles + 2);
+  CHECK(twoLidars(floorScene()).plan(1).has("intensity") == false);
 }

@@ -12,7 +12,7 @@ using Catch::Matchers::ContainsSubstring;
 namespace {
 
 Scan street() {
-  return syntheticScan(findSensor("VLP-16"));
+  return syntheticScan(builtinSensor("VLP-16"));
 }
 
 size_t nthHit(const Scan& scan, size_t n) {
@@ -136,7 +136,7 @@ TEST_CASE("a hit without a range counts as wrong") {
 
 TEST_CASE("clouds of different beams, or without the arrays to compare, are refused") {
   const Scan reference = street();
-  CHECK_THROWS_WITH(compare(reference, syntheticScan(findSensor("VLP-32"))),
+  CHECK_THROWS_WITH(compare(reference, syntheticScan(builtinSensor("VLP-32"))),
                     ContainsSubstring("28800") && ContainsSubstring("115200"));
   Scan poor = reference;
   poor.triangles.clear();

@@ -46,7 +46,7 @@ class Spoiler : public Rival {
     return 2;
   }
   double trace(const Sensor& sensor, const Pose& pose, Hits& hits) override {
-    const Scan scan = test::referenceOf(scene_, sensor, pose, Faces::both);
+    const Scan scan = test::referenceOf(scene_, sensor, pose, ReflectingFaces::both);
     hits = {scan.points, scan.ranges, scan.triangles, scan.instances};
     for (size_t beam = 0, left = spoilt_; left > 0; ++beam) {
       if (!scan.hit(beam)) continue;
@@ -85,7 +85,7 @@ class Cuda : public Contender {
 
 Outcome holdAgainst(const Scene& scene, size_t spoilt, const std::vector<size_t>& moving) {
   test::TestOptions options = test::vulkanOptions();
-  options.faces = Faces::both;
+  options.faces = ReflectingFaces::both;
   std::vector<std::unique_ptr<Contender>> contenders;
   contenders.push_back(makeOurs(scene, {sensorOf(), Effects::none()}, options));
   contenders.push_back(makeGuest(std::make_unique<Spoiler>(scene, spoilt), sensorOf()));
@@ -133,7 +133,7 @@ TEST_CASE("a contest compares CUDA with Vulkan step by step") {
   test::needVulkan();
   const Scene scene = balls();
   test::TestOptions options = test::vulkanOptions();
-  options.faces = Faces::both;
+  options.faces = ReflectingFaces::both;
   options.accuracy = Accuracy::exact;
   std::vector<std::unique_ptr<Contender>> contenders;
   contenders.push_back(makeOurs(scene, {sensorOf(), Effects::none()}, options));
@@ -155,7 +155,7 @@ TEST_CASE("a contest with effects compares CUDA's labels and intensities with Vu
   test::needVulkan();
   const Scene scene = balls();
   test::TestOptions options = test::vulkanOptions();
-  options.faces = Faces::both;
+  options.faces = ReflectingFaces::both;
   options.effects = Effects::none();
   for (const char* assignment : {"intensity=on", "fog.visibility=80", "range-noise.sigma=0.02"})
     assign(options.effects, assignment);
@@ -335,7 +335,7 @@ TEST_CASE("Embree hits the same triangles as the reference, with every kind of s
       scan.ranges = hits.ranges;
       scan.triangles = hits.triangles;
       scan.instances = hits.instances;
-      const Scan reference = test::referenceOf(truth, sensor, pose, Faces::both);
+      const Scan reference = test::referenceOf(truth, sensor, pose, ReflectingFaces::both);
       CHECK(reference.counters.hits > 300);
       const Comparison c = compare(reference, scan, 1e-4);
       CHECK(c.missed + c.falseHits + c.wrongOwner == 0);

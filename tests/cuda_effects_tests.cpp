@@ -58,7 +58,7 @@ Sensor unevenHead() {
 TestOptions asking(const Effects& effects) {
   TestOptions options = vulkanOptions();
   options.effects = effects;
-  options.effects.intensity.use = options.effects.radialSpeed.use = Use::automatic;
+  options.effects.intensity.use = options.effects.radialSpeed.use = EffectUse::automatic;
   options.fields = effectFields();
   options.fields.insert(options.fields.end(), {Field::barycentrics, Field::velocity});
   return options;
@@ -95,8 +95,8 @@ Shot traffic(Shot shot) {
 TEST_CASE("cuda effects: the largest number of sub-rays has Vulkan's bytes") {
   needVulkan();
   Effects effects = Effects::none();
-  effects.divergence = {Use::on, 61, Profile::gaussian, 9e-3, 4e-3};
-  effects.returns = {Use::on, Mode::strongestSecondStrongest};
+  effects.divergence = {EffectUse::on, 61, Profile::gaussian, 9e-3, 4e-3};
+  effects.returns = {EffectUse::on, Mode::strongestSecondStrongest};
   Twins twins(town(), {unevenSensor()}, asking(effects));
   requireSame(twins, standing());
 }
@@ -105,19 +105,19 @@ TEST_CASE("cuda effects: all together have Vulkan's bytes by seed, sensor and fr
   needVulkan();
   Effects e = Effects::none();
   e.seed = 5;
-  e.detection = {Use::on, 0.1, 80, 0};
-  e.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700, 701}};
-  e.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 4e-3};
-  e.intensityNoise = {Use::on, 0.05};
-  e.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
-  e.divergence = {Use::on, 5, Profile::uniform, 3e-3, 1.5e-3};
-  e.returns = {Use::on, Mode::lastStrongest};
-  e.transmission.use = e.cutOuts.use = e.sensorMotion.use = e.objectMotion.use = Use::on;
+  e.detection = {EffectUse::on, 0.1, 80, 0};
+  e.dropOut = {EffectUse::on, 0.1, 0.8, 0.4, {3, 700, 701}};
+  e.rangeNoise = {EffectUse::on, 0.01, 0.02, 1e-4, 4e-3};
+  e.intensityNoise = {EffectUse::on, 0.05};
+  e.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+  e.divergence = {EffectUse::on, 5, Profile::uniform, 3e-3, 1.5e-3};
+  e.returns = {EffectUse::on, Mode::lastStrongest};
+  e.transmission.use = e.cutOuts.use = e.sensorMotion.use = e.objectMotion.use = EffectUse::on;
   e.sensorMotion.deskew = true;
-  e.fog = {Use::on, 100};
-  e.rain = {Use::on, 20};
-  e.snow = {Use::on, 2};
-  e.volumes = {Use::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
+  e.fog = {EffectUse::on, 100};
+  e.rain = {EffectUse::on, 20};
+  e.snow = {EffectUse::on, 2};
+  e.volumes = {EffectUse::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
   Twins twins(town(), {unevenHead(), unevenHead()}, asking(e));
   for (const Shot& shot : {standing(), standing(1), standing(1, 1), driving(), traffic(standing()), traffic(driving())})
     requireSame(twins, shot);
@@ -147,8 +147,8 @@ TEST_CASE("cuda effects: surface fields of exact have Vulkan's bytes, also after
 TEST_CASE("cuda effects: a plan names Vulkan's steps and dispatches, and the arrays of CUDA") {
   needVulkan();
   Effects effects = Effects::none();
-  effects.fog = {Use::on, 60};
-  if (GENERATE(false, true)) effects.divergence = {Use::on, 7, Profile::gaussian, 3e-3, 1.5e-3};
+  effects.fog = {EffectUse::on, 60};
+  if (GENERATE(false, true)) effects.divergence = {EffectUse::on, 7, Profile::gaussian, 3e-3, 1.5e-3};
   TestOptions options = asking(effects);
   options.tuning.binning = Binning::nearest;  // the only binning of CUDA
   const Sensor sensor = unevenSensor();

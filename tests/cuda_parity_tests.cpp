@@ -76,7 +76,7 @@ TEST_CASE("cuda: a town in two shells with one-sided triangles has Vulkan's byte
   TestOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
   options.tuning.culling.occlusion = Culling::Occlusion::always;
-  options.faces = GENERATE(Faces::front, Faces::both);
+  options.faces = GENERATE(ReflectingFaces::front, ReflectingFaces::both);
   requireParity(bake(town()), options);
 }
 

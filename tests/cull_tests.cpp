@@ -65,10 +65,10 @@ TEST_CASE("culling: every switch leaves the cloud of a town unchanged") {
   const Accuracy accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
   const Pose pose = {{-7.5, 1.25, 1.8}, {0.02, -0.03, 0.6, 0.8}};
   // The channels have azimuth offsets, and the columns do not fill the last entry of the farthest-range table.
-  Sensor shifted = findSensor("VLP-16");
+  Sensor shifted = builtinSensor("VLP-16");
   shifted.columns = 1237;
   for (size_t j = 0; j < shifted.channels.size(); ++j) shifted.channels[j].azimuthOffsetDeg = 37.0 * double(j % 5) - 60;
-  for (const Sensor& sensor : {findSensor("VLP-32"), shifted}) {
+  for (const Sensor& sensor : {builtinSensor("VLP-32"), shifted}) {
     const Scan full = scanWith(town, sensor, pose, accuracy, nothing());
     CHECK(full.counters.culledByCluster == 0);
     for (const auto& [name, culling] : switches()) {
@@ -97,7 +97,7 @@ TEST_CASE("culling: three shells leave the cloud of a town unchanged") {
 TEST_CASE("culling: hidden triangles, and those out of range or between beams, are skipped") {
   needVulkan();
   const Scene town = makeTown({200'000, 1});
-  const Sensor sensor = findSensor("HDL-64E");
+  const Sensor sensor = builtinSensor("HDL-64E");
   const Pose pose = {{0, 0, 1.8}, {}};
   const auto culled = [&](Culling culling) {
     return scanWith(town, sensor, pose, Accuracy::standard, culling).counters.culledByCluster;
@@ -170,7 +170,7 @@ TEST_CASE("culling: a near wall hides geometry in every row of a later shell") {
   scene.instances.push_back({"", 2, {}});
   const Sensor sensor = gridSensor(700, 40, -24, 24, 100);
   TestOptions options = vulkanOptions();
-  options.faces = Faces::both;
+  options.faces = ReflectingFaces::both;
   options.tuning.culling.occlusion = Culling::Occlusion::always;
   const Scan scan = scanOf(scene, sensor, {}, options);
   CHECK(scan.counters.culledByCluster > 19 * scene.meshes[0].triangleCount() / 10);

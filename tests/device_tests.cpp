@@ -289,7 +289,8 @@ TEST_CASE("a number selects a device by index, any other text by part of its nam
                     ContainsSubstring("there is no device 'brass'; 0: llvmpipe"));
   CHECK_THROWS_WITH(deviceByName(""), ContainsSubstring("device '' is not auto, the number or a part of the name"));
   CHECK_THROWS_WITH(deviceByName("cuda"), ContainsSubstring("device 'cuda' is not auto"));
-  for (const char* name : {"auto", "reference", "cuda:3", "cuda-fast:0", "rtx"}) CHECK(nameOf(deviceByName(name)) == name);
+  for (const char* name : {"auto", "reference", "cuda:3", "cuda-fast:0", "rtx"})
+    CHECK(nameOf(deviceByName(name)) == name);
   CHECK_THROWS_WITH(chooseDevice({}, deviceByName("0")), ContainsSubstring("no Vulkan device was found"));
 }
 

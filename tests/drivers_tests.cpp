@@ -95,7 +95,7 @@ void addEffects(Effects& effects, const std::string& which) {
     if (which == name || which == "all" || (which == "all small" && name != "divergence"))
       for (const std::string& assignment : assignments) assign(effects, assignment);
   if (which != "volumes" && which.find("all") != 0) return;
-  effects.volumes = {Use::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
+  effects.volumes = {EffectUse::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
 }
 
 /// Returns the software devices of different drivers. Only these must round quotients and roots equally.
@@ -160,7 +160,7 @@ TEST_CASE("drivers: each effect with small shaders has the same bytes alone", "[
     if (name == "divergence") continue;
     INFO(name);
     TestOptions options = vulkanOptions();
-    options.effects.intensity.use = Use::automatic;  // several effects need it
+    options.effects.intensity.use = EffectUse::automatic;  // several effects need it
     addEffects(options.effects, name);
     if (name == "intensity") options.fields = {Field::intensity};
     if (name == "radial-speed") options.fields = {Field::radialSpeed, Field::velocity};

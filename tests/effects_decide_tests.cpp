@@ -128,7 +128,7 @@ TEST_CASE("properties that the sensor states enable effects") {
   asked.effects.returns.count = 3;  // replaces the number that the sensor states
   checkIn(asked, "returns", "the request takes up to 3 returns per beam");
   asked.effects.divergence.vertical = 2e-3;
-  asked.effects.divergence.use = Use::on;
+  asked.effects.divergence.use = EffectUse::on;
   checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad, 19 sub-rays");
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("parameters of the request enable effects") {
   effects.snow.rate = 2.5;
   effects.volumes.boxes.resize(2);
   effects.detection.use = effects.dropOut.use = effects.rangeNoise.use = effects.angleNoise.use =
-      effects.intensityNoise.use = effects.radialSpeed.use = Use::on;
+      effects.intensityNoise.use = effects.radialSpeed.use = EffectUse::on;
   effects.dropOut.generalRate = 0.45;
   effects.dropOut.zeroIntensityRate = 0.4;
   effects.dropOut.intensityLimit = 0.8;
@@ -190,7 +190,7 @@ TEST_CASE("parameters of the request enable effects") {
 
 TEST_CASE("noise left to auto is planned if its size is not 0") {
   Asked asked;
-  asked.effects.rangeNoise.use = asked.effects.dropOut.use = Use::automatic;
+  asked.effects.rangeNoise.use = asked.effects.dropOut.use = EffectUse::automatic;
   checkOut(asked, "range-noise", "its bias, sigma and step are 0");
   checkOut(asked, "drop-out", "no rate and no dead beam is given");
   asked.effects.rangeNoise.step = 0.004;
@@ -205,53 +205,53 @@ TEST_CASE("requested fields enable the effects that compute them") {
   asked.fields = {Field::intensity, Field::radialSpeed};
   checkIn(asked, "intensity", "the field intensity asks for it");
   checkIn(asked, "radial-speed", "the field radial_speed asks for it");
-  asked.effects.intensity.use = asked.effects.radialSpeed.use = Use::on;
+  asked.effects.intensity.use = asked.effects.radialSpeed.use = EffectUse::on;
   checkIn(asked, "intensity", "asked for");
   checkIn(asked, "radial-speed", "asked for: the field radial_speed asks for it");
 }
 
 TEST_CASE("an effect that is on but cannot be simulated is refused with advice") {
-  const auto refused = [](Use& (*use)(Effects&), const std::string& message) {
+  const auto refused = [](EffectUse& (*use)(Effects&), const std::string& message) {
     Asked asked;
-    use(asked.effects) = Use::on;
+    use(asked.effects) = EffectUse::on;
     checkRefused(asked, message);
   };
-  refused([](Effects& e) -> Use& { return e.divergence.use; },
+  refused([](Effects& e) -> EffectUse& { return e.divergence.use; },
           "divergence is on, but sensor 'plain' states no divergence; give divergence.horizontal and "
           "divergence.vertical, or leave it to auto");
-  refused([](Effects& e) -> Use& { return e.transmission.use; },
+  refused([](Effects& e) -> EffectUse& { return e.transmission.use; },
           "transmission is on, but no material that is seen lets light through; give a material transmission, or "
           "leave it to auto");
-  refused([](Effects& e) -> Use& { return e.cutOuts.use; },
+  refused([](Effects& e) -> EffectUse& { return e.cutOuts.use; },
           "cut-outs is on, but no material that is seen has holes; give a material alphaMode MASK and a texture with "
           "alpha, or leave it to auto");
-  refused([](Effects& e) -> Use& { return e.sensorMotion.use; },
+  refused([](Effects& e) -> EffectUse& { return e.sensorMotion.use; },
           "sensor-motion is on, but sensor 'plain' fires all beams at once; give the sensor a rotation period, or "
           "leave it to auto");
-  refused([](Effects& e) -> Use& { return e.objectMotion.use; },
+  refused([](Effects& e) -> EffectUse& { return e.objectMotion.use; },
           "object-motion is on, but sensor 'plain' fires all beams at once; give the sensor a rotation period, or "
           "leave it to auto");
-  refused([](Effects& e) -> Use& { return e.fog.use; },
+  refused([](Effects& e) -> EffectUse& { return e.fog.use; },
           "fog is on, but no visibility is given; give fog.visibility, or leave it to auto");
-  refused([](Effects& e) -> Use& { return e.rain.use; },
+  refused([](Effects& e) -> EffectUse& { return e.rain.use; },
           "rain is on, but no rate is given; give rain.rate, or leave it to auto");
-  refused([](Effects& e) -> Use& { return e.snow.use; },
+  refused([](Effects& e) -> EffectUse& { return e.snow.use; },
           "snow is on, but no rate is given; give snow.rate, or leave it to auto");
-  refused([](Effects& e) -> Use& { return e.volumes.use; },
+  refused([](Effects& e) -> EffectUse& { return e.volumes.use; },
           "volumes is on, but no box is given; give volumes.boxes, or leave it to auto");
-  refused([](Effects& e) -> Use& { return e.rangeNoise.use; },
+  refused([](Effects& e) -> EffectUse& { return e.rangeNoise.use; },
           "range-noise is on, but its bias, sigma and step are 0; give range-noise.sigma, or leave it to auto");
-  refused([](Effects& e) -> Use& { return e.angleNoise.use; },
+  refused([](Effects& e) -> EffectUse& { return e.angleNoise.use; },
           "angle-noise is on, but its sigmas are 0; give angle-noise.azimuth or angle-noise.elevation, or leave it to "
           "auto");
-  refused([](Effects& e) -> Use& { return e.intensityNoise.use; },
+  refused([](Effects& e) -> EffectUse& { return e.intensityNoise.use; },
           "intensity-noise is on, but its sigma is 0; give intensity-noise.sigma, or leave it to auto");
-  refused([](Effects& e) -> Use& { return e.dropOut.use; },
+  refused([](Effects& e) -> EffectUse& { return e.dropOut.use; },
           "drop-out is on, but no rate and no dead beam is given; give drop-out.general_rate, "
           "drop-out.zero_intensity_rate or drop-out.dead_beams, or leave it to auto");
 
   Asked asked;
-  asked.effects.dropOut.use = Use::on;
+  asked.effects.dropOut.use = EffectUse::on;
   asked.effects.dropOut.deadBeams = {0, 20};
   checkRefused(asked,
                "drop-out is on, but sensor 'plain' has no beam 20, it has 20; give drop-out.dead_beams from 0 "
@@ -260,15 +260,15 @@ TEST_CASE("an effect that is on but cannot be simulated is refused with advice")
 
 TEST_CASE("an effect that is off but needed is refused, or disables the effects that need it") {
   Asked asked;
-  asked.effects.intensity.use = Use::off;
+  asked.effects.intensity.use = EffectUse::off;
   asked.sensor.maxReturns = 2;
   checkOut(asked, "returns", "intensity, which it needs, is off in the request");
   checkOut(asked, "intensity", "off in the request");
-  asked.effects.returns.use = Use::on;
+  asked.effects.returns.use = EffectUse::on;
   checkRefused(asked, "intensity is off, but returns needs it; leave intensity to auto");
   asked.fields = {Field::intensity};
   checkRefused(asked, "intensity is off, but the field intensity is asked for; leave it to auto");
-  asked.effects.radialSpeed.use = Use::off;
+  asked.effects.radialSpeed.use = EffectUse::off;
   asked.fields = {Field::radialSpeed};
   checkRefused(asked, "radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");
   asked.effects.fog.visibility = -1;

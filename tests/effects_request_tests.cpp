@@ -39,23 +39,23 @@ void refusedAssignment(const std::string& assignment, const std::string& why) {
 Effects everything() {
   Effects e;
   e.seed = 18446744073709551615u;
-  e.intensity = {Use::on, Effects::Intensity::Model::carla, Effects::Intensity::Scale::byte, 1550, 0.01};
-  e.detection = {Use::on, 0.2, 80, 0.1};
-  e.dropOut = {Use::on, 0.1, 0.2, 0.3, {0, 7, 4294967295u}};
-  e.rangeNoise = {Use::automatic, -0.01, 0.02, 1e-4, 0.004};
-  e.angleNoise = {Use::on, 1e-4, 2e-4, Effects::AngleNoise::At::point};
-  e.intensityNoise = {Use::on, 0.05};
-  e.divergence = {Use::on, 37, Effects::Divergence::Profile::uniform, 3e-3, 1.5e-3};
-  e.returns = {Use::on, Effects::Returns::Mode::strongestSecondStrongest, 2, 0.5, 6e-9};
-  e.transmission.use = e.cutOuts.use = Use::off;
-  e.sensorMotion = {Use::on, true};
-  e.objectMotion.use = Use::off;
-  e.fog = {Use::on, 200.1};
-  e.rain = {Use::off, 1.0 / 3};
-  e.snow = {Use::on, 2.5};
-  e.volumes.use = Use::on;
+  e.intensity = {EffectUse::on, Effects::Intensity::Model::carla, Effects::Intensity::Scale::byte, 1550, 0.01};
+  e.detection = {EffectUse::on, 0.2, 80, 0.1};
+  e.dropOut = {EffectUse::on, 0.1, 0.2, 0.3, {0, 7, 4294967295u}};
+  e.rangeNoise = {EffectUse::automatic, -0.01, 0.02, 1e-4, 0.004};
+  e.angleNoise = {EffectUse::on, 1e-4, 2e-4, Effects::AngleNoise::At::point};
+  e.intensityNoise = {EffectUse::on, 0.05};
+  e.divergence = {EffectUse::on, 37, Effects::Divergence::Profile::uniform, 3e-3, 1.5e-3};
+  e.returns = {EffectUse::on, Effects::Returns::Mode::strongestSecondStrongest, 2, 0.5, 6e-9};
+  e.transmission.use = e.cutOuts.use = EffectUse::off;
+  e.sensorMotion = {EffectUse::on, true};
+  e.objectMotion.use = EffectUse::off;
+  e.fog = {EffectUse::on, 200.1};
+  e.rain = {EffectUse::off, 1.0 / 3};
+  e.snow = {EffectUse::on, 2.5};
+  e.volumes.use = EffectUse::on;
   e.volumes.boxes = {{{-1, -2, -3}, {1, 2, 3}, 0.1}, {{0, 0, 0}, {0.1, 0, 0}, 0}};
-  e.radialSpeed.use = Use::on;
+  e.radialSpeed.use = EffectUse::on;
   return e;
 }
 
@@ -67,19 +67,19 @@ TEST_CASE("a request in JSON states only differences from the defaults") {
                "snow": {"use": "auto", "rate": 2}, "returns": {"mode": "first-last"}, "volumes": {"boxes":
                [{"min": [0, 1, 2], "max": [3, 4, 5], "extinction": 0.1}]}, "drop-out": {"dead_beams": [3, 1]}})");
   CHECK(effects.seed == 7);
-  CHECK(effects.fog.use == Use::on);
+  CHECK(effects.fog.use == EffectUse::on);
   CHECK(effects.fog.visibility == 200);
-  CHECK(effects.divergence.use == Use::off);
-  CHECK(effects.rain.use == Use::on);
+  CHECK(effects.divergence.use == EffectUse::off);
+  CHECK(effects.rain.use == EffectUse::on);
   CHECK(effects.rain.rate == 5);
-  CHECK(effects.snow.use == Use::automatic);
+  CHECK(effects.snow.use == EffectUse::automatic);
   CHECK(effects.snow.rate == 2);
   CHECK(effects.returns.mode == Effects::Returns::Mode::firstLast);
   REQUIRE(effects.volumes.boxes.size() == 1);
   CHECK(effects.volumes.boxes[0].max.y == 4);
   CHECK(effects.volumes.boxes[0].extinction == 0.1);
   CHECK(effects.dropOut.deadBeams == std::vector<uint32_t>{3, 1});
-  CHECK(effects.intensity.use == Use::automatic);
+  CHECK(effects.intensity.use == EffectUse::automatic);
   CHECK(toJson(read("{}")) == toJson(Effects()));
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("the JSON of a request reads back to the same request") {
   CHECK(toJson(read(json)) == json);
   CHECK(read(json).seed == everything().seed);
   CHECK(read(json).rain.rate == everything().rain.rate);
-  CHECK(read(json).rangeNoise.use == Use::automatic);
+  CHECK(read(json).rangeNoise.use == EffectUse::automatic);
   // Every parameter differs from its default, so that a missing one is detected.
   Effects all = everything(), defaults;
   const auto parsed = nlohmann::json::parse(json), plain = nlohmann::json::parse(toJson(defaults));
@@ -103,29 +103,29 @@ TEST_CASE("every preset is valid and reads back") {
   CHECK(effectPresets() == std::vector<std::string>{"clean", "auto", "carla", "hdl-64e", "os1-rain"});
   for (const std::string& name : effectPresets()) {
     INFO(name);
-    const Effects effects = findEffects(name);
+    const Effects effects = effectPreset(name);
     validate(effects);
     CHECK(toJson(read(toJson(effects))) == toJson(effects));
   }
-  CHECK(toJson(findEffects("clean")) == toJson(Effects::none()));
-  CHECK(toJson(findEffects("AUTO")) == toJson(Effects()));
-  const Effects carla = findEffects("carla");
+  CHECK(toJson(effectPreset("clean")) == toJson(Effects::none()));
+  CHECK(toJson(effectPreset("AUTO")) == toJson(Effects()));
+  const Effects carla = effectPreset("carla");
   CHECK(carla.intensity.model == Effects::Intensity::Model::carla);
   CHECK(carla.dropOut.generalRate == 0.45);
-  CHECK(carla.divergence.use == Use::off);
-  CHECK(findEffects("hdl-64e").detection.range == 50);
-  CHECK(findEffects("os1-rain").rain.rate == 10);
+  CHECK(carla.divergence.use == EffectUse::off);
+  CHECK(effectPreset("hdl-64e").detection.range == 50);
+  CHECK(effectPreset("os1-rain").rain.rate == 10);
 }
 
-TEST_CASE("a request is found by the name of a preset or of a file") {
-  CHECK_THROWS_MATCHES(findEffects("os1-fog"), Error,
-                       Message("no effects or file are called 'os1-fog'; there are clean, auto, carla, hdl-64e, "
-                               "os1-rain, or a JSON file"));
+TEST_CASE("a request is found by the name of a preset, or loaded from a file") {
+  CHECK_THROWS_MATCHES(effectPreset("os1-fog"), Error,
+                       Message("no preset of effects is called 'os1-fog'; known are clean, auto, carla, hdl-64e, "
+                               "os1-rain"));
   const auto file = std::filesystem::temp_directory_path() / "gnosphere-request-test.json";
   std::ofstream(file) << R"({"fog": {"visibility": 50}})";
-  CHECK(findEffects(file.string()).fog.visibility == 50);
+  CHECK(loadEffects(file).fog.visibility == 50);
   std::ofstream(file) << R"({"fig": {}})";
-  CHECK_THROWS_MATCHES(findEffects(file.string()), Error,
+  CHECK_THROWS_MATCHES(loadEffects(file), Error,
                        Catch::Matchers::MessageMatches(ContainsSubstring(file.string() + ": no effect is called")));
   std::filesystem::remove(file);
 }
@@ -203,7 +203,7 @@ TEST_CASE("values set in C++ are checked like values read from JSON") {
   effects.volumes.boxes.push_back({{0, 0, INFINITY}, {1, 1, INFINITY}, 1});
   CHECK_THROWS_MATCHES(validate(effects), Error, Message("volumes.boxes[0]: its corners must be finite"));
   effects = {};
-  effects.snow.use = static_cast<Use>(3);
+  effects.snow.use = static_cast<EffectUse>(3);
   CHECK_THROWS_MATCHES(validate(effects), Error, Message("snow must be off, on or automatic"));
 }
 
@@ -211,9 +211,9 @@ TEST_CASE("an assignment sets a parameter and enables its effect, or sets a use"
   Effects effects = Effects::none();
   assign(effects, "fog.visibility=2e2");
   CHECK(effects.fog.visibility == 200);
-  CHECK(effects.fog.use == Use::on);
+  CHECK(effects.fog.use == EffectUse::on);
   assign(effects, "fog=auto");
-  CHECK(effects.fog.use == Use::automatic);
+  CHECK(effects.fog.use == EffectUse::automatic);
   assign(effects, "intensity.model=carla");
   CHECK(effects.intensity.model == Effects::Intensity::Model::carla);
   assign(effects, "drop-out.dead_beams=[1, 2]");
@@ -237,7 +237,8 @@ TEST_CASE("an assignment sets a parameter and enables its effect, or sets a use"
 
 TEST_CASE("a plan's totals are the sums of its parts, also in JSON") {
   Plan plan;
-  plan.effects = {{"fog", Use::on, true, "visibility 200 m"}, {"rain", Use::automatic, false, "no rate is given"}};
+  plan.effects = {{"fog", EffectUse::on, true, "visibility 200 m"},
+                  {"rain", EffectUse::automatic, false, "no rate is given"}};
   plan.fields = {"intensity"};
   plan.stages = {{"project", 2, {{"project_groups", {1, 2}}}}, {"effects", 3, {}}};
   plan.buffers = {{"hits", 8}, {"returns", 34}};

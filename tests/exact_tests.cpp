@@ -102,7 +102,7 @@ TEST_CASE("exact: a closed mesh with corners and edges on beams has one hit per 
   requireExactEveryWay(family);
   for (const Family::Visit& visit : family.visits) {
     std::vector<uint32_t> layers;
-    exactScan(family.scene, sensor, visit.pose, Faces::material, &layers);
+    exactScan(family.scene, sensor, visit.pose, ReflectingFaces::material, &layers);
     for (uint32_t count : layers) REQUIRE(count == 1);
   }
 }
@@ -135,7 +135,7 @@ TEST_CASE("exact: beams hit a closed mesh in front of the sensor twice or not at
     requireExact(exactScan(family.scene, sensor, visit.pose), front);
     requireExact(exactScan(turned.scene, sensor, visit.pose), back);
     std::vector<uint32_t> layers;
-    exactScan(family.scene, sensor, visit.pose, Faces::both, &layers);
+    exactScan(family.scene, sensor, visit.pose, ReflectingFaces::both, &layers);
     for (size_t b = 0; b < front.beamCount(); ++b) {
       REQUIRE(front.hit(b) == back.hit(b));
       REQUIRE(layers[b] == (front.hit(b) ? 2 : 0));

@@ -87,8 +87,8 @@ TEST_CASE("hard: inverted normals, one side reflecting") {
       if (i % 2 || random() < 0) std::swap(mesh.indices[3 * t], mesh.indices[3 * t + 1]);
     family.add(world, {anywhere(random, 8), anyTurn(random)});
   }
-  for (const Faces faces : {Faces::material, Faces::both}) {
-    family.name = faces == Faces::both ? "inverted normals, both sides" : "inverted normals, one-sided";
+  for (const ReflectingFaces faces : {ReflectingFaces::material, ReflectingFaces::both}) {
+    family.name = faces == ReflectingFaces::both ? "inverted normals, both sides" : "inverted normals, one-sided";
     CHECK(requireRight(family, faces).paperWrong > 0);
   }
 }

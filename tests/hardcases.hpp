@@ -114,7 +114,7 @@ inline void report(const Family& family, const Verdict& verdict) {
 
 /// Compares `standard` with the reference, and `exact` with the reference and the oracle, in every world: 0 missed, 0
 /// false, 0 wrong owners, 0 wrong ranges, also on CUDA. Counts the worlds in which `paper` is wrong.
-inline Verdict requireRight(const Family& family, Faces faces = Faces::material) {
+inline Verdict requireRight(const Family& family, ReflectingFaces faces = ReflectingFaces::material) {
   needVulkan();
   const auto simulator = [&](const char* device, Accuracy accuracy) {
     TestOptions options = vulkanOptions();

@@ -8,7 +8,7 @@ namespace gnosphere::test {
 TEST_CASE("a town and an HDL-64E stay within their bytes per triangle, instance and beam") {
   needVulkan();
   const Scene scene = makeTown({.triangles = 300'000});
-  const Sensor sensor = findSensor("HDL-64E");
+  const Sensor sensor = builtinSensor("HDL-64E");
   TestOptions options = vulkanOptions();
   options.validation = false;  // for speed
   Simulator simulator = makeSimulator(scene, sensor, options);

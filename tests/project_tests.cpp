@@ -129,18 +129,18 @@ TEST_CASE("only front faces reflect if one side is requested, also on mirrored i
   scene.instances.push_back({"mirrored", 0, translation(-5, 1, 0) * scaling(-1, 1.5, 0.7)});
   scene.instances.push_back({"turned", 0, translation(0, 6, 0) * rotationZ(1) * scaling(2, 1, 1)});
   scene.instances.push_back({"around", 0, scaling(50, 50, 50)});  // seen from inside, where its faces are back-facing
-  for (const Faces faces : {Faces::material, Faces::front, Faces::both}) {
+  for (const ReflectingFaces faces : {ReflectingFaces::material, ReflectingFaces::front, ReflectingFaces::both}) {
     TestOptions options = vulkanOptions();
     options.faces = faces;
     const Scan reference = referenceOf(scene, kAround, {}, faces);
     const Scan scan = scanOf(scene, kAround, {}, options);
     requireSame(reference, scan);
-    if (faces == Faces::both)
+    if (faces == ReflectingFaces::both)
       CHECK(scan.counters.misses == 0);
     else
       CHECK(scan.counters.culledByFace > 0);
     for (size_t b = 0; b < scan.beamCount(); ++b)
-      if (faces != Faces::both && scan.hit(b)) REQUIRE(scan.instances[b] != 3);
+      if (faces != ReflectingFaces::both && scan.hit(b)) REQUIRE(scan.instances[b] != 3);
   }
 }
 

@@ -110,7 +110,8 @@ inline Pose poseAt(const Vec3& position, double yaw = 0, double pitch = 0) {
            std::sin(yaw / 2) * std::cos(pitch / 2), std::cos(yaw / 2) * std::cos(pitch / 2)}};
 }
 
-inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose = {}, Faces faces = Faces::material) {
+inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose = {},
+                   ReflectingFaces faces = ReflectingFaces::material) {
   SimulatorOptions options;
   options.device = DeviceChoice::Kind::reference;
   options.faces = faces;

@@ -197,12 +197,13 @@ TEST_CASE("one-sided triangles reflect from their front, also on mirrored instan
     for (bool byMaterial : {false, true}) {
       Scene scene = cube(3, !byMaterial);
       if (mirrored) scene.instances[0].transform.rows = {-1, 0.2, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0};
-      const Faces faces = byMaterial ? Faces::material : Faces::front;
+      const ReflectingFaces faces = byMaterial ? ReflectingFaces::material : ReflectingFaces::front;
       CHECK(scanOf(scene, sensor, {}, faces).counters.hits == 0);
       CHECK(tieCount(scanOf(scene, sensor, {}, faces)) == 0);
-      CHECK(scanOf(scene, sensor, {}, Faces::both).counters.misses == 0);
+      CHECK(scanOf(scene, sensor, {}, ReflectingFaces::both).counters.misses == 0);
       const Pose outside = poseAt({-30, 4, 1});
-      const Scan front = scanOf(scene, sensor, outside, faces), both = scanOf(scene, sensor, outside, Faces::both);
+      const Scan front = scanOf(scene, sensor, outside, faces),
+                 both = scanOf(scene, sensor, outside, ReflectingFaces::both);
       CHECK(front.counters.hits > 0);
       CHECK(same(front.triangles, both.triangles));
       std::vector<uint32_t>& indices = scene.meshes[0].indices;

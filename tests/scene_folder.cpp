@@ -47,7 +47,7 @@ Pose poseInside(Bounds box, int number) {
 }
 
 Row compareScene(const Scene& scene) {
-  const std::vector<Sensor> sensors = {findSensor("VLP-16"), findSensor("HDL-64E")};
+  const std::vector<Sensor> sensors = {builtinSensor("VLP-16"), builtinSensor("HDL-64E")};
   test::TestOptions reference;
   reference.device = DeviceChoice::Kind::reference;
   Simulator truth = test::makeSimulator(scene, sensors, reference), device = test::makeSimulator(scene, sensors);

@@ -85,7 +85,7 @@ TEST_CASE("the built-in sensors are those of Table 2 of the paper") {
 
 TEST_CASE("a sensor that is symmetric about the horizon has exactly opposite channels") {
   for (const char* name : {"VLP-16", "Hypothetical-256", "Hypothetical-350"}) {
-    const Sensor sensor = findSensor(name);
+    const Sensor sensor = builtinSensor(name);
     const size_t count = sensor.channels.size();
     for (size_t j = 0; j < count; ++j) {
       CHECK(sensor.channels[j].elevationDeg == -sensor.channels[count - 1 - j].elevationDeg);
@@ -106,7 +106,7 @@ TEST_CASE("directions follow the convention: column 0 points back, columns turn 
 }
 
 TEST_CASE("directions agree with the textbook formula and have unit length") {
-  Sensor sensor = findSensor("HDL-64E");
+  Sensor sensor = builtinSensor("HDL-64E");
   for (size_t j = 0; j < sensor.channels.size(); ++j) {
     sensor.channels[j].azimuthOffsetDeg = 7.5 - static_cast<double>(j) * 4.25;  // exceeds one turn at the seam
   }
@@ -307,9 +307,9 @@ TEST_CASE("validate refuses invalid sensors") {
 }
 
 TEST_CASE("a sensor is found by its name in any case, and an unknown name lists the known ones") {
-  CHECK(findSensor("hdl-64e").name == "HDL-64E");
-  CHECK(codeOf([] { findSensor("HDL-65"); }) == ErrorCode::invalidArgument);
-  CHECK_THROWS_WITH(findSensor("HDL-65"), ContainsSubstring("HDL-65") && ContainsSubstring("VLP-16, VLP-32"));
-  CHECK(codeOf([] { findSensor("/"); }) == ErrorCode::file);
-  CHECK(codeOf([] { findSensor(""); }) == ErrorCode::invalidArgument);
+  CHECK(builtinSensor("hdl-64e").name == "HDL-64E");
+  CHECK(codeOf([] { builtinSensor("HDL-65"); }) == ErrorCode::invalidArgument);
+  CHECK_THROWS_WITH(builtinSensor("HDL-65"), ContainsSubstring("HDL-65") && ContainsSubstring("VLP-16, VLP-32"));
+  CHECK(codeOf([] { loadSensor("/"); }) == ErrorCode::file);
+  CHECK(codeOf([] { builtinSensor(""); }) == ErrorCode::invalidArgument);
 }

@@ -133,7 +133,8 @@ inline Scan scanOf(const Scene& scene, const Sensor& sensor, const Pose& pose, c
   return makeSimulator(scene, sensor, options).scan(pose);
 }
 
-inline Scan referenceOf(const Scene& scene, const Sensor& sensor, const Pose& pose, Faces faces = Faces::material) {
+inline Scan referenceOf(const Scene& scene, const Sensor& sensor, const Pose& pose,
+                        ReflectingFaces faces = ReflectingFaces::material) {
   TestOptions options;
   options.device = DeviceChoice::Kind::reference;
   options.faces = faces;

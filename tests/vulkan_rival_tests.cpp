@@ -57,13 +57,13 @@ TEST_CASE("ray tracing hits the same triangles as the reference") {
   CAPTURE(rival->name(), static_cast<int>(motion));
   CHECK(rival->build() > 0);
   const Pose pose = {{2.5, 0.5, 1.8}, turned()};
-  const Scan reference = test::referenceOf(town, streetSensor(), pose, Faces::both);
+  const Scan reference = test::referenceOf(town, streetSensor(), pose, ReflectingFaces::both);
   CHECK(reference.counters.hits > 1000);
   CHECK(reference.counters.misses > 1000);
   test::requireSame(reference, scanOf(*rival, streetSensor(), pose));
   // A different sensor in the same place.
   const Sensor other = test::gridSensor(77, 3, -10, 10, 100);
-  test::requireSame(test::referenceOf(town, other, pose, Faces::both), scanOf(*rival, other, pose));
+  test::requireSame(test::referenceOf(town, other, pose, ReflectingFaces::both), scanOf(*rival, other, pose));
 }
 
 TEST_CASE("ray tracing follows instances that move") {
@@ -82,7 +82,7 @@ TEST_CASE("ray tracing follows instances that move") {
   }
   CHECK(rival->update(moved) > 0);
   const Pose pose = {{1.5, -0.5, 0.2}, turned()};
-  const Scan reference = test::referenceOf(scene, streetSensor(), pose, Faces::both);
+  const Scan reference = test::referenceOf(scene, streetSensor(), pose, ReflectingFaces::both);
   CHECK(reference.counters.hits > 500);
   test::requireSame(reference, scanOf(*rival, streetSensor(), pose));
 }
@@ -95,7 +95,8 @@ TEST_CASE("ray tracing keeps its precision far from the world's origin") {
   const Pose pose = {{5e6 + 1001, -3e6 + 2001, 1e5 + 3000.5}, turned()};
   const auto rival = makeOrSkip(scene, pose.position, way, Motion::none);
   rival->build();
-  test::requireSame(test::referenceOf(scene, streetSensor(), pose, Faces::both), scanOf(*rival, streetSensor(), pose));
+  test::requireSame(test::referenceOf(scene, streetSensor(), pose, ReflectingFaces::both),
+                    scanOf(*rival, streetSensor(), pose));
 }
 
 TEST_CASE("ray tracing splits a mesh that is too large for one structure") {
@@ -104,11 +105,13 @@ TEST_CASE("ray tracing splits a mesh that is too large for one structure") {
   scene.instances.push_back({"", 0, test::translation(1, 2, 3)});
   const auto rival = makeOrSkip(scene, {}, way, Motion::everything, 1 << 20);
   rival->build();
-  test::requireSame(test::referenceOf(scene, streetSensor(), {}, Faces::both), scanOf(*rival, streetSensor(), {}));
+  test::requireSame(test::referenceOf(scene, streetSensor(), {}, ReflectingFaces::both),
+                    scanOf(*rival, streetSensor(), {}));
   Scene moved = scene;
   moved.instances[1].transform = test::translation(-2, 1, 0);
   rival->update(std::vector<Moved>{{1, moved.instances[1].transform}});
-  test::requireSame(test::referenceOf(moved, streetSensor(), {}, Faces::both), scanOf(*rival, streetSensor(), {}));
+  test::requireSame(test::referenceOf(moved, streetSensor(), {}, ReflectingFaces::both),
+                    scanOf(*rival, streetSensor(), {}));
 }
 
 TEST_CASE("ray tracing of an empty scene gives misses") {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the measurement of `gnosphere accuracy`, so that one file holds all results.
+#include "gnosphere/eval/accuracy.hpp"
+
 #include "cases.hpp"
 
 namespace gnosphere::bench {
@@ -28,7 +30,7 @@ Report accuracy(Session& session) {
   const Sensor sensor = session.sensors({"HDL-64E"})[0];
   AccuracyOptions options;
   options.simulator = session.simulatorOptions();
-  options.simulator.faces = Faces::material;
+  options.simulator.faces = ReflectingFaces::material;
   options.runs = session.options().runs;
   options.nearest = false;
   options.progress = cli::stepProgress();

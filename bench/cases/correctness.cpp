@@ -110,7 +110,7 @@ void scanTown(Session& session, Suite& suite) {
   const Vec3 at = poses[0].position;
   for (Variant variant : variantsOf({at.x + 15, at.y, at.z})) {
     // Motion within a scan cannot be combined with `exact`.
-    variant.request.sensorMotion.use = variant.request.objectMotion.use = Use::off;
+    variant.request.sensorMotion.use = variant.request.objectMotion.use = EffectUse::off;
     suite.print(variant, town, sensor, poses[0]);
   }
 }

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "cases.hpp"
+#include "gnosphere/eval/accuracy.hpp"
 #include "variants.hpp"
 
 namespace gnosphere::bench {
@@ -134,7 +135,7 @@ class CostOfEffects {
     for (const std::string& effect : effectNames()) {
       Effects request = requestOf(effect);
       const std::vector<Shot> shots = shotsOf(request);  // includes motion if the request has it
-      request.intensity.use = Use::off;
+      request.intensity.use = EffectUse::off;
       assign(request, effect + "=off");
       Runner off = {effect + " off", effect, simulator(request, {}), shots};
       off.simulator.scanInto(off.shots[0], off.scan);
@@ -190,8 +191,9 @@ class CostOfEffects {
     for (const Pose& pose : poses_) {
       Shot shot;
       shot.pose = pose;
-      if (effects.sensorMotion.use != Use::off) shot.motion = drivenFrom(pose, sensor_.rotationPeriod);
-      if (effects.objectMotion.use != Use::off) shot.instanceMotions = drivenVehicles(scene_, sensor_.rotationPeriod);
+      if (effects.sensorMotion.use != EffectUse::off) shot.motion = drivenFrom(pose, sensor_.rotationPeriod);
+      if (effects.objectMotion.use != EffectUse::off)
+        shot.instanceMotions = drivenVehicles(scene_, sensor_.rotationPeriod);
       shots.push_back(shot);
     }
     return shots;

@@ -7,7 +7,7 @@ namespace {
 
 /// A sensor with this grid over the field of view of the hypothetical sensors.
 Sensor grid(uint32_t channels, uint32_t columns) {
-  Sensor sensor = findSensor("Hypothetical-256");
+  Sensor sensor = builtinSensor("Hypothetical-256");
   sensor.name = std::to_string(channels) + " x " + std::to_string(columns);
   sensor.columns = columns;
   sensor.channels.clear();

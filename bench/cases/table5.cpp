@@ -2,6 +2,7 @@
 // Table 5 of the paper: the distance from each point to the nearest point of the reference. It says little about a
 // beam's own error, which is therefore listed, too.
 #include "cases.hpp"
+#include "gnosphere/eval/accuracy.hpp"
 
 namespace gnosphere::bench {
 namespace {
@@ -26,7 +27,7 @@ struct Tally {
 std::vector<Tally> count(Session& session, const Scene& scene, const Sensor& sensor) {
   SimulatorOptions options;
   options.device = DeviceChoice::Kind::reference;
-  options.faces = Faces::both;
+  options.faces = ReflectingFaces::both;
   Simulator reference(scene, {sensor, Effects::none()}, options);
   const auto contenders = session.contenders({sensor.name, 0, scene, sensor});
   const std::vector<Shot> shots = shotsFrom(session.poses(scene));

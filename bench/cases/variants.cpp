@@ -52,7 +52,7 @@ const std::vector<Row> kRows = {
 
 std::vector<Variant> variantsOf(const Vec3& dust) {
   Effects none = Effects::none();
-  none.intensity.use = Use::automatic;
+  none.intensity.use = EffectUse::automatic;
   none.volumes.boxes = {{{dust.x - 5, dust.y - 5, dust.z - 5}, {dust.x + 5, dust.y + 5, dust.z + 5}, 0.1}};
   std::vector<Variant> variants;
   Variant all = {"all of them", "", none, {Field::intensity, Field::radialSpeed}, Ranges::other};

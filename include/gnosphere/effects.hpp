@@ -15,7 +15,7 @@ namespace gnosphere {
 
 /// Whether an effect is wanted. `automatic` takes it where the scene, the sensor and the request can show it, and
 /// leaves it out, with the reason in the Plan, where they cannot.
-enum class Use { off, on, automatic };
+enum class EffectUse { off, on, automatic };
 
 /// What a scan simulates beside geometry, each effect a value with its parameters. What is not planned is neither
 /// compiled into a pipeline nor allocated nor dispatched. Units: metres, radians, seconds, 1/m; powers are relative to
@@ -27,7 +27,7 @@ struct Effects {
 
   /// How strong a return is: reflectance, incidence, range. Automatic: where a field or another effect asks for it.
   struct Intensity {
-    Use use = Use::automatic;
+    EffectUse use = EffectUse::automatic;
     enum class Model {
       physical,  ///< reflectance * lobe(incidence) / range^2 * exp(-2 extinction range)
       carla,     ///< exp(-attenuation * range), whatever the surface
@@ -44,7 +44,7 @@ struct Effects {
 
   /// A return must be strong enough: as strong as that of `reflectance` square to the beam at `range`.
   struct Detection {
-    Use use = Use::off;
+    EffectUse use = EffectUse::off;
     double reflectance = 0.1;
     double range = 0;     ///< metres; 0: the sensor's rangeMax
     double softness = 0;  ///< relative width of the probability curve (logistic in ln power); 0: a sharp threshold
@@ -52,7 +52,7 @@ struct Effects {
 
   /// Returns lost at random, as CARLA's dropoff_*, and beams that are broken.
   struct DropOut {
-    Use use = Use::off;
+    EffectUse use = EffectUse::off;
     double generalRate = 0;           ///< 0..1, whatever the return
     double intensityLimit = 1;        ///< unit intensity above which none is lost for weakness
     double zeroIntensityRate = 0;     ///< 0..1, at intensity 0; linear up to the limit
@@ -60,7 +60,7 @@ struct Effects {
   } dropOut;
 
   struct RangeNoise {
-    Use use = Use::off;
+    EffectUse use = EffectUse::off;
     double bias = 0;           ///< m
     double sigma = 0;          ///< m
     double sigmaPerMetre = 0;  ///< added to sigma, times the range
@@ -68,7 +68,7 @@ struct Effects {
   } rangeNoise;
 
   struct AngleNoise {
-    Use use = Use::off;
+    EffectUse use = EffectUse::off;
     double azimuth = 0;    ///< rad, sigma; cut off at 4 sigma
     double elevation = 0;  ///< rad, sigma; cut off at 4 sigma
     enum class At {
@@ -78,13 +78,13 @@ struct Effects {
   } angleNoise;
 
   struct IntensityNoise {
-    Use use = Use::off;
+    EffectUse use = EffectUse::off;
     double sigma = 0;  ///< of unit intensity
   } intensityNoise;
 
   /// An elliptical footprint of sub-rays that share their beam's candidates.
   struct Divergence {
-    Use use = Use::automatic;
+    EffectUse use = EffectUse::automatic;
     uint32_t subRays = 19;  ///< 1..61; 1 + 6 + 12 + ... lie on rings
     enum class Profile { uniform, gaussian } profile = Profile::gaussian;
     double horizontal = 0, vertical = 0;  ///< rad, full angle (1/e^2 of gaussian); both 0: what the sensor states
@@ -92,7 +92,7 @@ struct Effects {
 
   /// Which echoes of a beam are returned. Automatic: where the sensor states more than one.
   struct Returns {
-    Use use = Use::automatic;
+    EffectUse use = EffectUse::automatic;
     enum class Mode {
       first,
       second,
@@ -113,36 +113,36 @@ struct Effects {
 
   /// What glass lets through: alpha BLEND and KHR_materials_transmission.
   struct Transmission {
-    Use use = Use::automatic;
+    EffectUse use = EffectUse::automatic;
   } transmission;
 
   /// Holes in surfaces: alpha MASK with its texture.
   struct CutOuts {
-    Use use = Use::automatic;
+    EffectUse use = EffectUse::automatic;
   } cutOuts;
 
   /// The sensor moves while it turns: Shot::motion. Automatic: where the shot says so and the sensor takes time.
   struct SensorMotion {
-    Use use = Use::automatic;
+    EffectUse use = EffectUse::automatic;
     bool deskew = false;  ///< points are reported from the pose of the shot, not from that of their own column
   } sensorMotion;
 
   /// Instances move while the sensor turns: Shot::instanceMotions.
   struct ObjectMotion {
-    Use use = Use::automatic;
+    EffectUse use = EffectUse::automatic;
   } objectMotion;
 
   struct Fog {
-    Use use = Use::automatic;  ///< automatic: where there is a visibility
-    double visibility = 0;     ///< m, meteorological optical range (5 % contrast, Koschmieder); 0: none
+    EffectUse use = EffectUse::automatic;  ///< automatic: where there is a visibility
+    double visibility = 0;                 ///< m, meteorological optical range (5 % contrast, Koschmieder); 0: none
   } fog;
   struct Rain {
-    Use use = Use::automatic;  ///< automatic: where there is a rate
-    double rate = 0;           ///< mm/h
+    EffectUse use = EffectUse::automatic;  ///< automatic: where there is a rate
+    double rate = 0;                       ///< mm/h
   } rain;
   struct Snow {
-    Use use = Use::automatic;  ///< automatic: where there is a rate
-    double rate = 0;           ///< mm/h, melted
+    EffectUse use = EffectUse::automatic;  ///< automatic: where there is a rate
+    double rate = 0;                       ///< mm/h, melted
   } snow;
   /// Dust or spray that stands in a box.
   struct Volume {
@@ -150,14 +150,14 @@ struct Effects {
     double extinction = 0;  ///< 1/m
   };
   struct Volumes {
-    Use use = Use::automatic;  ///< automatic: where there are any
+    EffectUse use = EffectUse::automatic;  ///< automatic: where there are any
     std::vector<Volume> boxes;
   } volumes;
 
   /// How fast the surface comes nearer or goes away along the beam (FMCW), m/s, positive going away. Automatic: where
   /// the field is asked for.
   struct RadialSpeed {
-    Use use = Use::automatic;
+    EffectUse use = EffectUse::automatic;
   } radialSpeed;
 
   /// Nothing but geometry.
@@ -183,9 +183,12 @@ GNOSPHERE_API void validate(const Effects& effects);
 /// The ready ones: "clean" (geometry alone), "auto", "carla", "hdl-64e", "os1-rain".
 GNOSPHERE_API const std::vector<std::string>& effectPresets();
 
-/// A preset by its name or a JSON file by its path. Throws Error(invalidArgument) with the names there are, Error(file)
-/// or Error(format) that names an unknown effect or parameter and those nearest to it.
-GNOSPHERE_API Effects findEffects(const std::string& nameOrFile);
+/// The preset of that name; case does not matter. Throws Error(invalidArgument) with the names that are known.
+GNOSPHERE_API Effects effectPreset(const std::string& name);
+/// Reads effects from a JSON file. Throws Error(file), or Error(format) that names an unknown effect or parameter and
+/// those nearest to it.
+GNOSPHERE_API Effects loadEffects(const std::filesystem::path& file);
+/// As loadEffects(), of a text; `source` names it in messages.
 GNOSPHERE_API Effects effectsFromJson(std::string_view json, const std::string& source);
 GNOSPHERE_API std::string toJson(const Effects& effects);
 /// One assignment of a command line: "fog.visibility=200" sets a parameter and asks for the effect, "divergence=off" a

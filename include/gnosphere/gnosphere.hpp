@@ -2,7 +2,6 @@
 // GnoSphere: a LiDAR simulator that never casts a ray. Everything public, in one include.
 #pragma once
 
-#include "gnosphere/accuracy.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"

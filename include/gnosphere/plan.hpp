@@ -14,7 +14,7 @@ namespace gnosphere {
 struct Plan {
   struct Decision {
     std::string effect;  ///< of effectNames()
-    Use request = Use::automatic;
+    EffectUse request = EffectUse::automatic;
     bool in = false;
     std::string reason;  ///< "the sensor states 3.0 x 1.5 mrad"
   };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,9 +48,11 @@ GNOSPHERE_API void validate(const Sensor& sensor);
 /// The five models of Table 2 of the GnoSphere360 paper.
 GNOSPHERE_API const std::vector<Sensor>& builtinSensors();
 
-/// A built-in model by its name (case does not matter) or a JSON file by its path. Throws Error(invalidArgument) with
-/// the names there are, Error(file) or Error(format).
-GNOSPHERE_API Sensor findSensor(const std::string& nameOrFile);
+/// The built-in model of that name; case does not matter. Throws Error(invalidArgument) with the names that are known.
+GNOSPHERE_API Sensor builtinSensor(const std::string& name);
+
+/// Reads a sensor from a JSON file. Throws Error(file) or Error(format).
+GNOSPHERE_API Sensor loadSensor(const std::filesystem::path& file);
 
 /// JSON of a sensor; sensorFromJson(toJson(s)) has the same bytes in every field (a divergence, stated in milliradians,
 /// may lose its last bit).

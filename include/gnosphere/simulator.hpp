@@ -28,8 +28,11 @@ enum class Accuracy {
   exact,     ///< decided by exact predicates, one owner per layer, range correctly rounded: equal bytes everywhere
 };
 
+/// "paper", "draft", "standard", "exact".
+GNOSPHERE_API const char* nameOf(Accuracy accuracy);
+
 /// What a setting of the dial is made of. Turn one part at a time to see what it costs and what it saves.
-struct Exactness {
+struct AccuracyParts {
   /// Which beams a triangle is tried on.
   enum class Bounds {
     paper,    ///< floor of the corners' angles, by GLSL's own asin and atan
@@ -57,10 +60,10 @@ struct Exactness {
 };
 
 /// The parts of a named setting.
-GNOSPHERE_API Exactness exactnessOf(Accuracy accuracy);
+GNOSPHERE_API AccuracyParts accuracyPartsOf(Accuracy accuracy);
 
 /// Which faces of a triangle reflect.
-enum class Faces {
+enum class ReflectingFaces {
   material,  ///< Material::doubleSided decides
   front,
   both,
@@ -145,8 +148,8 @@ GNOSPHERE_API std::string nameOf(const DeviceChoice& choice);
 struct SimulatorOptions {
   DeviceChoice device;
   Accuracy accuracy = Accuracy::standard;
-  std::optional<Exactness> exactness;  ///< the parts one by one, instead of `accuracy`
-  Faces faces = Faces::material;
+  std::optional<AccuracyParts> accuracyParts;  ///< the parts one by one, instead of `accuracy`
+  ReflectingFaces faces = ReflectingFaces::material;
   MaterialTable materials;  ///< reflectances by name, over what the scene says
   /// Folder where compiled pipelines are kept; empty: gnosphere in $XDG_CACHE_HOME or ~/.cache; "off": nowhere.
   std::string cache;

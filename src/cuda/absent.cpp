@@ -6,8 +6,7 @@
 namespace gnosphere::cuda {
 
 std::unique_ptr<Backend> makeBackend(const Scene&, const SensorPlans&, const SimulatorOptions& options) {
-  throw Error(ErrorCode::device,
-              "device '" + nameOf(options.device) +
+  throw Error(ErrorCode::device, "device '" + nameOf(options.device) +
                                      "': CUDA is not built in; configure the build with -DGNOSPHERE_CUDA=ON");
 }
 

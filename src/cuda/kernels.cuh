@@ -155,7 +155,7 @@ struct effects {
 #include "glsl/effects.comp"
 };
 
-// Every pair that exactnessOf() and validate(Exactness) allow.
+// Every pair that accuracyPartsOf() and validate(AccuracyParts) allow.
 template <typename Stage>
 void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
   const bool plane = job.options.RANGE == kRangePlane;

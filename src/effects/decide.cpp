@@ -20,7 +20,7 @@ std::string named(const std::string& why, const Sensor& sensor) {
 }
 
 void decideBy(const Answer& answer, const Sensor& sensor, bool lenient, Plan::Decision& decision) {
-  if (decision.request == Use::on) {
+  if (decision.request == EffectUse::on) {
     if (!answer.shows && !answer.wayOut.empty() && !lenient) {
       refuse(decision.effect + " is on, but " + named(answer.why, sensor) + "; " + answer.wayOut +
              ", or leave it to auto");
@@ -29,7 +29,7 @@ void decideBy(const Answer& answer, const Sensor& sensor, bool lenient, Plan::De
   } else {
     decision.reason = answer.why;
   }
-  decision.in = decision.request == Use::on || answer.shows;
+  decision.in = decision.request == EffectUse::on || answer.shows;
 }
 
 /// Effects that are in and need intensity, by name.
@@ -50,10 +50,10 @@ Answer judgeIntensity(const Question& q, const std::vector<std::string>& needIt)
 
 /// Refuses a request that turns off what a field or another effect needs.
 void checkOff(const Question& q, const std::vector<std::string>& needIntensity) {
-  if (q.effects.radialSpeed.use == Use::off && q.asksFor(Field::radialSpeed)) {
+  if (q.effects.radialSpeed.use == EffectUse::off && q.asksFor(Field::radialSpeed)) {
     refuse("radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");
   }
-  if (q.effects.intensity.use != Use::off) return;
+  if (q.effects.intensity.use != EffectUse::off) return;
   if (q.asksFor(Field::intensity)) refuse("intensity is off, but the field intensity is asked for; leave it to auto");
   if (!needIntensity.empty()) {
     refuse("intensity is off, but " + needIntensity.front() + " needs it; leave intensity to auto");
@@ -62,7 +62,7 @@ void checkOff(const Question& q, const std::vector<std::string>& needIntensity) 
 
 void leaveOut(Plan::Decision& decision, const std::string& reason) {
   if (!decision.in) return;
-  if (decision.request == Use::on) refuse(decision.effect + " is on, but " + reason);
+  if (decision.request == EffectUse::on) refuse(decision.effect + " is on, but " + reason);
   decision.in = false;
   decision.reason = reason;
 }
@@ -80,9 +80,9 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
     Plan::Decision& decision = decisions.emplace_back();
     decision.effect = info.name;
     decision.request = info.use(asked);
-    if (decision.request == Use::off) {
-      decision.reason = info.use(defaults) == Use::off ? "not asked for" : "off in the request";
-    } else if (effects.intensity.use == Use::off && decision.request == Use::automatic &&
+    if (decision.request == EffectUse::off) {
+      decision.reason = info.use(defaults) == EffectUse::off ? "not asked for" : "off in the request";
+    } else if (effects.intensity.use == EffectUse::off && decision.request == EffectUse::automatic &&
                info.needsIntensity(effects)) {
       decision.reason = "intensity, which it needs, is off in the request";
     } else if (info.judge) {
@@ -91,8 +91,8 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
   }
   const std::vector<std::string> needIt = needIntensity(effects, decisions);
   for (size_t i = 0; i < decisions.size(); ++i) {
-    if (effectTable()[i].judge || decisions[i].request == Use::off) continue;
-    const bool on = decisions[i].request == Use::on;
+    if (effectTable()[i].judge || decisions[i].request == EffectUse::off) continue;
+    const bool on = decisions[i].request == EffectUse::on;
     decideBy(on ? Answer{false, ""} : judgeIntensity(question, needIt), request.sensor, lenient, decisions[i]);
   }
   checkOff(question, needIt);
@@ -101,8 +101,8 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
 
 void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Decision>& decisions) {
   if (options.device.kind == DeviceChoice::Kind::reference) return;
-  const Exactness parts = options.exactness.value_or(exactnessOf(options.accuracy));
-  const Exactness standard = exactnessOf(Accuracy::standard);
+  const AccuracyParts parts = options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
+  const AccuracyParts standard = accuracyPartsOf(Accuracy::standard);
   const bool bounded = parts.bounds == standard.bounds, watertight = bounded && parts.inside == standard.inside;
   for (size_t i = 0; i < decisions.size(); ++i) {
     const uint32_t bit = effectTable()[i].bit;

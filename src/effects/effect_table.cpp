@@ -223,7 +223,7 @@ bool dropsByIntensity(const Effects& effects) {
 template <auto kGroup>
 EffectInfo effect(const char* name, uint32_t bit, Judge judge, bool (*needsIntensity)(const Effects&),
                   std::vector<Parameter> parameters) {
-  const auto use = [](Effects& effects) -> Use& { return (effects.*kGroup).use; };
+  const auto use = [](Effects& effects) -> EffectUse& { return (effects.*kGroup).use; };
   return {name, bit, use, judge, needsIntensity, std::move(parameters)};
 }
 
@@ -315,7 +315,7 @@ const std::vector<std::string>& effectNames() {
 
 Effects Effects::none() {
   Effects effects;
-  for (const EffectInfo& info : effectTable()) info.use(effects) = Use::off;
+  for (const EffectInfo& info : effectTable()) info.use(effects) = EffectUse::off;
   return effects;
 }
 

@@ -71,7 +71,7 @@ using Judge = Answer (*)(const Question&);
 struct EffectInfo {
   const char* name;
   uint32_t bit;  ///< of effects/bits.h
-  Use& (*use)(Effects&);
+  EffectUse& (*use)(Effects&);
   Judge judge;  ///< null: intensity, which is in where another effect or a field needs it
   bool (*needsIntensity)(const Effects&);
   std::vector<Parameter> parameters;

@@ -57,21 +57,20 @@ const std::vector<std::string>& effectPresets() {
   return names;
 }
 
-Effects findEffects(const std::string& nameOrFile) {
+Effects effectPreset(const std::string& name) {
   std::string names;
   for (const Preset& preset : presets()) {
     names += (names.empty() ? "" : ", ") + std::string(preset.name);
-    if (!sameWord(preset.name, nameOrFile)) continue;
+    if (!sameWord(preset.name, name)) continue;
     Effects effects = preset.base;
     for (const char* assignment : preset.assignments) assign(effects, assignment);
     return effects;
   }
-  std::error_code ignored;
-  if (nameOrFile.empty() || !std::filesystem::exists(nameOrFile, ignored)) {
-    throw Error(ErrorCode::invalidArgument,
-                "no effects or file are called '" + nameOrFile + "'; there are " + names + ", or a JSON file");
-  }
-  return effectsFromJson(readWholeFile(nameOrFile, kMaxFileBytes), nameOrFile);
+  throw Error(ErrorCode::invalidArgument, "no preset of effects is called '" + name + "'; known are " + names);
+}
+
+Effects loadEffects(const std::filesystem::path& file) {
+  return effectsFromJson(readWholeFile(file, kMaxFileBytes), file.string());
 }
 
 }  // namespace gnosphere

@@ -178,9 +178,9 @@ const Parameter& findParameter(const EffectInfo& info, const std::string& name) 
   refuse(std::string(info.name) + " has no '" + name + "'; " + nearestText(name, names));
 }
 
-Use useOf(const json& value, const std::string& effect) {
+EffectUse useOf(const json& value, const std::string& effect) {
   for (size_t i = 0; i < std::size(kUseWords); ++i)
-    if (value == kUseWords[i]) return static_cast<Use>(i);
+    if (value == kUseWords[i]) return static_cast<EffectUse>(i);
   refuse(effect + " must be off, on or auto, is " + shown(value));
 }
 
@@ -198,7 +198,7 @@ void readEffect(Effects& effects, const EffectInfo& info, const json& value) {
   for (const auto& [name, parameter] : value.items()) {
     if (name == "use") continue;
     readParameter(effects, info, name, parameter);
-    info.use(effects) = Use::on;
+    info.use(effects) = EffectUse::on;
   }
   if (value.contains("use")) info.use(effects) = useOf(value["use"], info.name + std::string(".use"));
 }
@@ -213,7 +213,7 @@ void readSeed(Effects& effects, const json& value) {
 void validate(const Effects& effects) {
   Effects checked = effects;  // members are found in what can be written to
   for (const EffectInfo& info : effectTable()) {
-    if (info.use(checked) > Use::automatic) refuse(std::string(info.name) + " must be off, on or automatic");
+    if (info.use(checked) > EffectUse::automatic) refuse(std::string(info.name) + " must be off, on or automatic");
     for (const Parameter& parameter : info.parameters) {
       const std::string what = std::string(info.name) + "." + parameter.name;
       std::visit(Checker{checked, parameter, what}, parameter.kind);
@@ -275,7 +275,7 @@ void assign(Effects& effects, const std::string& assignment) {
   } else {
     const EffectInfo& info = findEffect(name.substr(0, dot));
     readParameter(changed, info, name.substr(dot + 1), value);
-    info.use(changed) = Use::on;
+    info.use(changed) = EffectUse::on;
   }
   validate(changed);
   effects = std::move(changed);

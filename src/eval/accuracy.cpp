@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gnosphere/accuracy.hpp"
+#include "gnosphere/eval/accuracy.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,31 +18,31 @@ double rankOf(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<size_t>(std::max(rank, 1.0)) - 1];
 }
 
-struct NamedExactness {
+struct NamedParts {
   const char* name;
-  Exactness exactness;
+  AccuracyParts accuracyParts;
 };
 
-std::vector<NamedExactness> settings() {
-  std::vector<NamedExactness> list;
+std::vector<NamedParts> settings() {
+  std::vector<NamedParts> list;
   for (Accuracy accuracy : {Accuracy::paper, Accuracy::draft, Accuracy::standard, Accuracy::exact})
-    list.push_back({nameOf(accuracy), exactnessOf(accuracy)});
+    list.push_back({nameOf(accuracy), accuracyPartsOf(accuracy)});
   return list;
 }
 
 constexpr size_t kStandard = 2;  ///< index of `standard` in the list of settings
 
 /// Settings that differ from `standard` in one part each.
-std::vector<NamedExactness> parts() {
-  std::vector<NamedExactness> list(4, {"", exactnessOf(Accuracy::standard)});
+std::vector<NamedParts> parts() {
+  std::vector<NamedParts> list(4, {"", accuracyPartsOf(Accuracy::standard)});
   list[0].name = "corner bounds";
-  list[0].exactness.bounds = Exactness::Bounds::corners;
+  list[0].accuracyParts.bounds = AccuracyParts::Bounds::corners;
   list[1].name = "first-corner cull";
-  list[1].exactness.cull = Exactness::Cull::firstCorner;
+  list[1].accuracyParts.cull = AccuracyParts::Cull::firstCorner;
   list[2].name = "plain edges";
-  list[2].exactness.inside = Exactness::Inside::plain;
+  list[2].accuracyParts.inside = AccuracyParts::Inside::plain;
   list[3].name = "range by plane";
-  list[3].exactness.range = Exactness::Range::plane;
+  list[3].accuracyParts.range = AccuracyParts::Range::plane;
   return list;
 }
 
@@ -58,16 +58,16 @@ class Measurement {
  public:
   Measurement(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses, const AccuracyOptions& options)
       : poses_(poses), options_(options), sample_(sampleOf(sensor, options.sample, options.seed)) {
-    std::vector<NamedExactness> rows = settings();
+    std::vector<NamedParts> rows = settings();
     if (options.parts)
-      for (const NamedExactness& part : parts()) rows.push_back(part);
+      for (const NamedParts& part : parts()) rows.push_back(part);
     subjects_.reserve(rows.size());
-    for (const NamedExactness& row : rows) {
+    for (const NamedParts& row : rows) {
       tell("set up", subjects_.size(), rows.size());
       SimulatorOptions settings = options.simulator;
-      settings.exactness = row.exactness;
+      settings.accuracyParts = row.accuracyParts;
       settings.tuning.keepStill = false;  // the times are those of whole scans, without reuse of still instances
-      subjects_.push_back({{row.name, row.exactness},
+      subjects_.push_back({{row.name, row.accuracyParts},
                            Simulator(scene, {sensor, Effects::none()}, settings),
                            ComparisonSum(sample_.sensor.beamCount() * poses.size(), 1e-3),
                            {}});
@@ -99,7 +99,7 @@ class Measurement {
   void compareAll(const Scene& scene) {
     SimulatorOptions settings = options_.simulator;
     settings.device = DeviceChoice::Kind::reference;
-    settings.exactness.reset();
+    settings.accuracyParts.reset();
     Simulator reference(scene, {sample_.sensor, Effects::none()}, settings);
     for (size_t p = 0; p < poses_.size(); ++p) {
       tell("compare pose", p + 1, poses_.size());
@@ -154,16 +154,6 @@ class Measurement {
 };
 
 }  // namespace
-
-const char* nameOf(Accuracy accuracy) {
-  switch (accuracy) {
-    case Accuracy::paper: return "paper";
-    case Accuracy::draft: return "draft";
-    case Accuracy::standard: return "standard";
-    case Accuracy::exact: break;
-  }
-  return "exact";
-}
 
 Spread spreadOf(std::vector<double> values) {
   if (values.empty()) return {};

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nanoflann.hpp>
 
-#include "gnosphere/accuracy.hpp"
+#include "gnosphere/eval/accuracy.hpp"
 
 namespace gnosphere {
 namespace {

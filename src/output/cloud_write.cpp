@@ -22,8 +22,8 @@ struct Table {
 };
 
 /// Calls `use` with the packed rows, block by block, and their number.
-template <class Use>
-void forBlocks(const Table& table, size_t blockRows, const Use& use) {
+template <class EffectUse>
+void forBlocks(const Table& table, size_t blockRows, const EffectUse& use) {
   const size_t count = table.rows.count();
   std::vector<std::byte> block(std::min(blockRows, count) * table.layout.stride);
   for (size_t first = 0; first < count; first += blockRows) {

@@ -30,8 +30,8 @@ bool followsFromIndex(Field field) {
 }
 
 /// Calls `use` with a function entry -> value, of the field's own type.
-template <typename Use>
-void withColumn(const Scan& scan, Field field, uint32_t component, const Use& use) {
+template <typename EffectUse>
+void withColumn(const Scan& scan, Field field, uint32_t component, const EffectUse& use) {
   const size_t returns = scan.returns;
   switch (field) {
     case Field::ring: return use([&](size_t e) { return static_cast<uint16_t>(e / returns / scan.columns); });
@@ -51,8 +51,8 @@ void withColumn(const Scan& scan, Field field, uint32_t component, const Use& us
 }
 
 /// Calls `use` with a value of the C++ type.
-template <typename Use>
-void withType(ValueType type, const Use& use) {
+template <typename EffectUse>
+void withType(ValueType type, const EffectUse& use) {
   switch (type) {
     case ValueType::f32: return use(float{});
     case ValueType::f64: return use(double{});

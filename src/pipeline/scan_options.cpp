@@ -7,22 +7,22 @@ namespace gnosphere {
 namespace {
 
 // The enumerations of the public API and the constants of shared.h count alike.
-static_assert(static_cast<uint32_t>(Exactness::Bounds::exact) == gpu::kBoundsExact);
-static_assert(static_cast<uint32_t>(Exactness::Cull::nearestPoint) == gpu::kCullNearestPoint);
-static_assert(static_cast<uint32_t>(Exactness::Inside::exact) == gpu::kInsideExact);
-static_assert(static_cast<uint32_t>(Exactness::Range::exact) == gpu::kRangeExact);
-static_assert(static_cast<uint32_t>(Faces::both) == gpu::kFacesBoth);
+static_assert(static_cast<uint32_t>(AccuracyParts::Bounds::exact) == gpu::kBoundsExact);
+static_assert(static_cast<uint32_t>(AccuracyParts::Cull::nearestPoint) == gpu::kCullNearestPoint);
+static_assert(static_cast<uint32_t>(AccuracyParts::Inside::exact) == gpu::kInsideExact);
+static_assert(static_cast<uint32_t>(AccuracyParts::Range::exact) == gpu::kRangeExact);
+static_assert(static_cast<uint32_t>(ReflectingFaces::both) == gpu::kFacesBoth);
 
 }  // namespace
 
-Exactness exactnessOf(const SimulatorOptions& options) {
-  return options.exactness.value_or(exactnessOf(options.accuracy));
+AccuracyParts accuracyPartsOf(const SimulatorOptions& options) {
+  return options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
 }
 
 // The paper culls triangle by triangle.
 uint32_t cullingBits(const SimulatorOptions& options) {
-  const Exactness parts = exactnessOf(options);
-  if (parts.bounds == Exactness::Bounds::paper || parts.cull == Exactness::Cull::firstCorner) return 0;
+  const AccuracyParts parts = accuracyPartsOf(options);
+  if (parts.bounds == AccuracyParts::Bounds::paper || parts.cull == AccuracyParts::Cull::firstCorner) return 0;
   const Culling& culling = options.tuning.culling;
   return (culling.range ? gpu::kCullRange : 0) | (culling.rows ? gpu::kCullRows : 0) |
          (culling.columns ? gpu::kCullColumns : 0) | (culling.cones ? gpu::kCullCones : 0) |
@@ -30,7 +30,7 @@ uint32_t cullingBits(const SimulatorOptions& options) {
 }
 
 Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, bool azimuthOffsets) {
-  const Exactness parts = exactnessOf(options);
+  const AccuracyParts parts = accuracyPartsOf(options);
   Options result;
   result.BOUNDS = static_cast<uint32_t>(parts.bounds);
   result.CULL = static_cast<uint32_t>(parts.cull);
@@ -57,7 +57,7 @@ bool leavesWords(uint32_t binning, const SensorPlan& plan) {
 // A kernel that looks at surfaces needs the transforms of what stands still, too.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.tuning.keepStill && binning != gpu::kBinningLists &&
-         exactnessOf(options).bounds != Exactness::Bounds::paper && !plan.surfaces() && !plan.motion();
+         accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper && !plan.surfaces() && !plan.motion();
 }
 
 const char* nameOfBinning(uint32_t binning) {

@@ -9,7 +9,7 @@
 
 namespace gnosphere {
 
-Exactness exactnessOf(const SimulatorOptions& options);
+AccuracyParts accuracyPartsOf(const SimulatorOptions& options);
 /// gpu::kCull... bits.
 uint32_t cullingBits(const SimulatorOptions& options);
 /// Of a sensor's kernels; BINNING, PASS and MOTION are left to the caller.

@@ -50,7 +50,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       plan_(plan),
       tables_(makeBeamTables(plan.sensor)),
       binning_(chooseBinning(options, machine.traits(), plan.footprint())),
-      exact_(exactnessOf(options).inside == Exactness::Inside::exact),
+      exact_(accuracyPartsOf(options).inside == AccuracyParts::Inside::exact),
       keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
       options_(kernelOptions(options, plan, tables_.azimuthOffsets)),

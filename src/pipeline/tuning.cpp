@@ -46,7 +46,7 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
     case Binning::lists: return gpu::kBinningLists;
     case Binning::automatic:
       // Candidates per beam, as the paper has it.
-      if (exactnessOf(options).bounds == Exactness::Bounds::paper) return gpu::kBinningLists;
+      if (accuracyPartsOf(options).bounds == AccuracyParts::Bounds::paper) return gpu::kBinningLists;
       break;
     case Binning::slabs: slabs = true; break;
     case Binning::nearest: slabs = false; break;

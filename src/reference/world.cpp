@@ -51,7 +51,7 @@ double condition(const Transform& t) {
 }
 
 /// Transforms the triangles of one instance to the world. `velocity` is that of its points, or null if it stands still.
-void placeInstance(const Scene& scene, uint32_t index, Faces faces, const Transform* velocity,
+void placeInstance(const Scene& scene, uint32_t index, ReflectingFaces faces, const Transform* velocity,
                    std::vector<Triangle>& triangles, Sweeps& sweeps, Counters& counters) {
   const Instance& instance = scene.instances[index];
   const Mesh& mesh = scene.meshes[instance.mesh];
@@ -84,8 +84,9 @@ void placeInstance(const Scene& scene, uint32_t index, Faces faces, const Transf
     }
     while (part < mesh.parts.size() && t >= size_t{mesh.parts[part].firstTriangle} + mesh.parts[part].triangleCount)
       ++part;
-    const bool oneSided = faces == Faces::front || (faces == Faces::material && part < mesh.parts.size() &&
-                                                    !scene.materials[mesh.parts[part].material].doubleSided);
+    const bool oneSided =
+        faces == ReflectingFaces::front || (faces == ReflectingFaces::material && part < mesh.parts.size() &&
+                                            !scene.materials[mesh.parts[part].material].doubleSided);
     Triangle placed = {{world[corner[0]], world[corner[1]], world[corner[2]]}, index, static_cast<uint32_t>(t), 0};
     int8_t turn = outside;
     const auto order = [&](size_t a, size_t b) {
@@ -122,8 +123,8 @@ double absoluteError(const PlacedMesh& place, const Vec3& position) {
   return 1e-9 + 0x1p-48 * (norm(place.origin) + norm(position)) + 0x1p-45 * norm(place.origin - position);
 }
 
-std::vector<Triangle> placeAll(const Scene& scene, Faces faces, std::span<const InstanceMotion> motions, double period,
-                               Sweeps& sweeps, Counters& counters) {
+std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, std::span<const InstanceMotion> motions,
+                               double period, Sweeps& sweeps, Counters& counters) {
   std::vector<Triangle> triangles;
   counters.triangles = scene.placedTriangleCount();
   triangles.reserve(counters.triangles);

@@ -31,7 +31,7 @@ double absoluteError(const PlacedMesh& place, const Vec3& position);
 
 /// Returns all triangles of the scene. For instances that move, `sweeps` gets the corner velocities over a turn of
 /// `period` seconds. Dropped triangles are counted.
-std::vector<Triangle> placeAll(const Scene& scene, Faces faces, std::span<const InstanceMotion> motions, double period,
-                               Sweeps& sweeps, Counters& counters);
+std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, std::span<const InstanceMotion> motions,
+                               double period, Sweeps& sweeps, Counters& counters);
 
 }  // namespace gnosphere::reference

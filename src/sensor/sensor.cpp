@@ -142,18 +142,17 @@ double elevationOf(const Sensor& sensor, size_t beam) {
   return kDegree * sensor.channels[beam / sensor.columns].elevationDeg;
 }
 
-Sensor findSensor(const std::string& nameOrFile) {
+Sensor builtinSensor(const std::string& name) {
   std::string names;
   for (const Sensor& sensor : builtinSensors()) {
-    if (sameWord(sensor.name, nameOrFile)) return sensor;
+    if (sameWord(sensor.name, name)) return sensor;
     names += (names.empty() ? "" : ", ") + sensor.name;
   }
-  std::error_code ignored;
-  if (nameOrFile.empty() || !std::filesystem::exists(nameOrFile, ignored)) {
-    throw Error(ErrorCode::invalidArgument,
-                "no sensor or file is called '" + nameOrFile + "'; known are " + names + ", or a JSON file");
-  }
-  return sensorFromJson(readWholeFile(nameOrFile, kMaxFileBytes), nameOrFile);
+  throw Error(ErrorCode::invalidArgument, "no built-in sensor is called '" + name + "'; known are " + names);
+}
+
+Sensor loadSensor(const std::filesystem::path& file) {
+  return sensorFromJson(readWholeFile(file, kMaxFileBytes), file.string());
 }
 
 }  // namespace gnosphere

@@ -71,7 +71,7 @@ class CudaOnHost {
 /// host, and on cuda:0 if it exists.
 class CudaTwin {
  public:
-  CudaTwin(const Scene& scene, const std::vector<Sensor>& sensors, Faces faces = Faces::material) {
+  CudaTwin(const Scene& scene, const std::vector<Sensor>& sensors, ReflectingFaces faces = ReflectingFaces::material) {
     TestOptions options;
     options.faces = faces;
     standardOnHost_.emplace(scene, sensors, options);

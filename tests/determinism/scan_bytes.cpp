@@ -15,17 +15,17 @@ namespace {
 /// Requests all effects that draw random numbers or sum weights, along a line or over a footprint.
 void addEffects(bool footprint, SensorRequest& request) {
   Effects& effects = request.effects = {};
-  effects.detection = {Use::on, 0.1, 80, 0.2};
-  effects.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700}};
-  effects.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 0};
-  effects.intensityNoise = {Use::on, 0.05};
-  effects.angleNoise = {Use::on, 1e-3, 1e-3,
+  effects.detection = {EffectUse::on, 0.1, 80, 0.2};
+  effects.dropOut = {EffectUse::on, 0.1, 0.8, 0.4, {3, 700}};
+  effects.rangeNoise = {EffectUse::on, 0.01, 0.02, 1e-4, 0};
+  effects.intensityNoise = {EffectUse::on, 0.05};
+  effects.angleNoise = {EffectUse::on, 1e-3, 1e-3,
                         footprint ? Effects::AngleNoise::At::beam : Effects::AngleNoise::At::point};
   effects.fog.visibility = 60;
   effects.rain.rate = 20;
   effects.volumes.boxes = {{{3, -5, -1}, {12, 4, 5}, 0.05}};
   effects.returns.count = 3;
-  if (footprint) effects.divergence = {Use::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
+  if (footprint) effects.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
   request.fields = {Field::intensity, Field::width, Field::normal, Field::label};
 }
 

@@ -19,7 +19,7 @@ const Scene& town() {
 }
 
 Sensor narrow() {
-  Sensor sensor = findSensor("VLP-16");
+  Sensor sensor = builtinSensor("VLP-16");
   sensor.columns = 180;
   return sensor;
 }
@@ -27,11 +27,11 @@ Sensor narrow() {
 /// All effects that draw random numbers, with several returns.
 Effects noisy() {
   Effects effects;
-  effects.detection = {Use::on, 0.1, 80, 0.2};
-  effects.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700}};
-  effects.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 0};
-  effects.angleNoise = {Use::on, 1e-3, 1e-3, Effects::AngleNoise::At::point};
-  effects.intensityNoise = {Use::on, 0.05};
+  effects.detection = {EffectUse::on, 0.1, 80, 0.2};
+  effects.dropOut = {EffectUse::on, 0.1, 0.8, 0.4, {3, 700}};
+  effects.rangeNoise = {EffectUse::on, 0.01, 0.02, 1e-4, 0};
+  effects.angleNoise = {EffectUse::on, 1e-3, 1e-3, Effects::AngleNoise::At::point};
+  effects.intensityNoise = {EffectUse::on, 0.05};
   effects.fog.visibility = 60;
   effects.rain.rate = 20;
   effects.snow.rate = 2;
@@ -89,13 +89,13 @@ TEST_CASE("scans in flight keep their own random numbers") {
 TEST_CASE("switching an effect on or off does not change the random numbers of others") {
   const std::string device = GENERATE(as<std::string>{}, "reference", "vulkan");
   Effects effects = Effects::none();
-  effects.intensity.use = effects.radialSpeed.use = Use::automatic;
-  effects.rangeNoise = {Use::on, 0, 0.02, 0, 0};
-  effects.intensityNoise = {Use::on, 0.05};
+  effects.intensity.use = effects.radialSpeed.use = EffectUse::automatic;
+  effects.rangeNoise = {EffectUse::on, 0, 0.02, 0, 0};
+  effects.intensityNoise = {EffectUse::on, 0.05};
   const Scan plain = scanOf(town(), narrow(), kPose, optionsFor(device, effects));
-  effects.dropOut = {Use::on, 0.3, 0.8, 0.4, {}};
-  effects.detection = {Use::on, 0.1, 60, 0.2};
-  effects.angleNoise = {Use::on, 1e-3, 1e-3, Effects::AngleNoise::At::point};
+  effects.dropOut = {EffectUse::on, 0.3, 0.8, 0.4, {}};
+  effects.detection = {EffectUse::on, 0.1, 60, 0.2};
+  effects.angleNoise = {EffectUse::on, 1e-3, 1e-3, Effects::AngleNoise::At::point};
   const Scan busy = scanOf(town(), narrow(), kPose, optionsFor(device, effects));
   size_t both = 0, lost = 0;
   for (size_t i = 0; i < plain.beamCount(); ++i) {
@@ -113,11 +113,11 @@ TEST_CASE("switching an effect on or off does not change the random numbers of o
 TEST_CASE("the device and the host give the same bytes for the same hits and seed") {
   needVulkan();
   Effects effects = noisy();
-  effects.transmission.use = effects.cutOuts.use = effects.divergence.use = Use::off;
+  effects.transmission.use = effects.cutOuts.use = effects.divergence.use = EffectUse::off;
   effects.angleNoise = {};
   effects.volumes = {};
-  effects.returns.use = Use::off;
-  effects.intensity = {Use::on, Effects::Intensity::Model::carla, Effects::Intensity::Scale::unit};
+  effects.returns.use = EffectUse::off;
+  effects.intensity = {EffectUse::on, Effects::Intensity::Model::carla, Effects::Intensity::Scale::unit};
   const TestOptions options = optionsFor("vulkan", effects);
   TestOptions bareOptions = optionsOn("vulkan");
   const Sensor sensor = narrow();

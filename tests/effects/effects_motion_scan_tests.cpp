@@ -58,7 +58,7 @@ Scan scanned(const std::string& device, const Scene& scene, const Sensor& sensor
              bool deskew = false) {
   TestOptions options = optionsOn(device);
   options.effects.radialSpeed.use = options.effects.sensorMotion.use = options.effects.objectMotion.use =
-      Use::automatic;
+      EffectUse::automatic;
   options.effects.sensorMotion.deskew = deskew;
   options.fields = {Field::radialSpeed, Field::velocity, Field::normal};
   return scanOn(scene, sensor, shot, options);
@@ -81,9 +81,9 @@ double lengthWithin(const Effects::Volume& box, const Vec3& from, const Vec3& d,
 Scan dusty(const std::string& device, const Sensor& sensor, const Shot& shot, const Effects::Volume& box, bool dust) {
   TestOptions options = optionsOn(device);
   options.effects = Effects::none();
-  options.effects.intensity.use = options.effects.sensorMotion.use = Use::automatic;
+  options.effects.intensity.use = options.effects.sensorMotion.use = EffectUse::automatic;
   options.effects.intensity.scale = Effects::Intensity::Scale::raw;
-  options.effects.volumes = {dust ? Use::on : Use::off, {box}};
+  options.effects.volumes = {dust ? EffectUse::on : EffectUse::off, {box}};
   options.fields = {Field::intensity, Field::label};
   return scanOn(room(), sensor, shot, options);
 }
@@ -224,7 +224,7 @@ TEST_CASE("a drive through a town with traffic equals the reference") {
   needVulkan();
   const bool deskew = GENERATE(false, true);
   const Scene scene = makeTown({.triangles = 20'000});
-  Sensor sensor = findSensor("VLP-16");
+  Sensor sensor = builtinSensor("VLP-16");
   sensor.columns = 180;
   sensor.rotationPeriod = kPeriod;
   for (Channel& channel : sensor.channels) channel.origin = {0.04, 0.01, 0.02};
@@ -253,7 +253,7 @@ TEST_CASE("culling hidden geometry hides nothing from a moving sensor") {
   sensor.rotationPeriod = kPeriod;
   TestOptions options = vulkanOptions();
   options.effects = Effects::none();
-  options.effects.sensorMotion.use = Use::on;
+  options.effects.sensorMotion.use = EffectUse::on;
   Shot shot;
   shot.pose = {{0, 0, -0.8}, {}};
   shot.motion.stamps = {{0, shot.pose}, {kPeriod, {{0, 0, 0.8}, {}}}};

@@ -61,8 +61,8 @@ Effects loud() {
   effects.detection.reflectance = 0.6;
   effects.detection.range = 25;
   effects.detection.softness = 0.2;
-  effects.dropOut = {Use::off, 0.1, 0.6, 0.3, {3, 77, 400}};
-  effects.rangeNoise = {Use::off, 0.05, 0.02, 1e-3, 0};
+  effects.dropOut = {EffectUse::off, 0.1, 0.6, 0.3, {3, 77, 400}};
+  effects.rangeNoise = {EffectUse::off, 0.05, 0.02, 1e-3, 0};
   effects.angleNoise.azimuth = effects.angleNoise.elevation = 2e-3;
   effects.intensityNoise.sigma = 0.05;
   effects.divergence.subRays = 7;
@@ -76,14 +76,14 @@ Effects loud() {
 TestOptions optionsOf(size_t first, size_t second) {
   TestOptions options = optionsOn("vulkan");
   options.effects = loud();
-  for (const EffectInfo& effect : effectTable()) effect.use(options.effects) = Use::off;
-  options.effects.intensity.use = Use::automatic;
-  for (const size_t i : {first, second}) effectTable()[i].use(options.effects) = Use::on;
+  for (const EffectInfo& effect : effectTable()) effect.use(options.effects) = EffectUse::off;
+  options.effects.intensity.use = EffectUse::automatic;
+  for (const size_t i : {first, second}) effectTable()[i].use(options.effects) = EffectUse::on;
   options.effects.angleNoise.at = (first + second) % 2 ? Effects::AngleNoise::At::point : Effects::AngleNoise::At::beam;
   options.effects.sensorMotion.deskew = second % 2 == 1;
   options.fields = {Field::intensity, Field::trueRange, Field::width,   Field::label,
                     Field::cause,     Field::normal,    Field::material};
-  if (options.effects.radialSpeed.use == Use::on) options.fields.push_back(Field::radialSpeed);
+  if (options.effects.radialSpeed.use == EffectUse::on) options.fields.push_back(Field::radialSpeed);
   return options;
 }
 

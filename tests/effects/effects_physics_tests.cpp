@@ -22,7 +22,7 @@ struct Setup {
 
   Setup(std::string name, Scene what, Sensor with)
       : device(std::move(name)), scene(std::move(what)), sensor(std::move(with)) {
-    effects.intensity.use = effects.radialSpeed.use = Use::automatic;
+    effects.intensity.use = effects.radialSpeed.use = EffectUse::automatic;
   }
   TestOptions options() const {
     TestOptions result = optionsOn(device);
@@ -116,7 +116,7 @@ TEST_CASE("a target of 10 % reflectance is just detected at the stated range") {
   const std::string device = ON_EVERY_DEVICE;
   const double distance = GENERATE(99.9, 100.1);
   Setup setup(device, platesOf({{distance, 10, 0.1f - float(kGloss)}}), fan(3600, 1, 0, 200));
-  setup.effects.detection = {Use::on, 0.1, 100, 0};
+  setup.effects.detection = {EffectUse::on, 0.1, 100, 0};
   setup.fields = {Field::cause};
   const Scan scan = setup.scan();
   const size_t beam = ahead(setup.sensor);
@@ -135,8 +135,8 @@ TEST_CASE("fog hides a wall beyond the range that Koschmieder's law gives") {
     (0.5 / (range * range) * std::exp(-2 * extinction * range) > threshold ? near : far) = range;
   }
   Setup setup(device, platesOf({{share * near, 10, 0.5f - float(kGloss)}}), fan(36000, 9, 0.2, 150));
-  setup.effects.fog = {Use::on, visibility};
-  setup.effects.detection = {Use::on, 0.1, 150, 0};
+  setup.effects.fog = {EffectUse::on, visibility};
+  setup.effects.detection = {EffectUse::on, 0.1, 150, 0};
   setup.fields = {Field::cause, Field::label};
   const Scan scan = setup.scan();
   size_t solid = 0, attenuated = 0, scatter = 0;
@@ -163,8 +163,8 @@ TEST_CASE("an edge splits a footprint in two, and each part gets the energy of i
   Scene scene = sceneOf(builder.take());
   scene.materials[0] = lambertian(0.5f);
   Setup setup(device, scene, fan(3600, 1, 0, 50));
-  setup.effects.divergence = {Use::on, 19, Effects::Divergence::Profile::uniform, 0.01, 0.01};
-  setup.effects.returns.use = Use::on;
+  setup.effects.divergence = {EffectUse::on, 19, Effects::Divergence::Profile::uniform, 0.01, 0.01};
+  setup.effects.returns.use = EffectUse::on;
   setup.effects.returns.count = 2;
   setup.fields = {Field::intensity, Field::width};
   const Scan scan = setup.scan();
@@ -186,7 +186,7 @@ TEST_CASE("a slanted plate makes an echo longer") {
   Scene scene = platesOf({{0, 30, 0.5f}});
   scene.instances[0].transform = translation(20, 0, 0) * rotationZ(1.4);
   Setup setup(device, scene, fan(3600, 1, 0, 60));
-  setup.effects.divergence = {Use::on, 19, Effects::Divergence::Profile::uniform, 0.02, 0};
+  setup.effects.divergence = {EffectUse::on, 19, Effects::Divergence::Profile::uniform, 0.02, 0};
   setup.effects.returns.separation = 5;
   setup.effects.returns.pulseWidth = 1e-9;
   setup.fields = {Field::intensity, Field::width};
@@ -204,7 +204,7 @@ TEST_CASE("a pane of glass and the wall behind it share a beam") {
   Scene scene = platesOf({{8, 5, 0.5f}, {14, 8, 0.6f}});
   scene.materials[0].transmission = 0.8f;
   Setup setup(device, scene, fan(3600, 1, 0, 50));
-  setup.effects.transmission.use = setup.effects.returns.use = Use::on;
+  setup.effects.transmission.use = setup.effects.returns.use = EffectUse::on;
   setup.effects.returns.count = 3;
   setup.fields = {Field::intensity, Field::material};
   const Scan scan = setup.scan();
@@ -232,7 +232,7 @@ TEST_CASE("beams pass exactly the holes of a texture") {
   scene.materials[0].alphaCutoff = 0.5f;
   scene.meshes[0].uvs = {0, 0, 0, 1, 2, 0, 2, 1};  // u runs from the left, y = 4, to y = -4
   Setup setup(device, scene, fan(3600, 3, 5, 50));
-  setup.effects.cutOuts.use = Use::on;
+  setup.effects.cutOuts.use = EffectUse::on;
   const Scan scan = setup.scan();
   size_t onPlate = 0, through = 0;
   for (size_t i = 0; i < scan.beamCount(); ++i) {
@@ -256,8 +256,8 @@ TEST_CASE("errors of range and intensity are normal, with the requested moments"
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.5f), everywhere());
   setup.fields = {Field::intensity, Field::trueRange, Field::incidence};
-  setup.effects.rangeNoise = {Use::on, 0.05, 0.02, 0, 0};
-  setup.effects.intensityNoise = {Use::on, 0.03};
+  setup.effects.rangeNoise = {EffectUse::on, 0.05, 0.02, 0, 0};
+  setup.effects.intensityNoise = {EffectUse::on, 0.03};
   const Scan scan = setup.scan();
   std::vector<double> ranges, intensities;
   for (size_t i = 0; i < scan.beamCount(); ++i) {
@@ -274,14 +274,14 @@ TEST_CASE("errors of range and intensity are normal, with the requested moments"
 TEST_CASE("quantised ranges are multiples of the step") {
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.5f), everywhere(60));
-  setup.effects.rangeNoise = {Use::on, 0, 0, 0, 0.25};
+  setup.effects.rangeNoise = {EffectUse::on, 0, 0, 0, 0.25};
   for (float range : setup.scan().ranges) CHECK(std::remainder(range, 0.25f) == 0);
 }
 
 TEST_CASE("angular errors have the requested deviations, at the point and at the beam") {
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.5f), everywhere());
-  setup.effects.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::point};
+  setup.effects.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::point};
   const Scan scan = setup.scan();
   std::vector<double> azimuths, elevations;
   for (size_t i = 0; i < scan.beamCount(); ++i) {
@@ -296,7 +296,7 @@ TEST_CASE("angular errors have the requested deviations, at the point and at the
   // Beams with an azimuth error hit a wall at 20 / cos(azimuth + error).
   setup.scene = platesOf({{20, 20, 0.5f}});
   setup.sensor = fan(4000, 1, 0, 60);
-  setup.effects.angleNoise = {Use::on, 2e-3, 0, Effects::AngleNoise::At::beam};
+  setup.effects.angleNoise = {EffectUse::on, 2e-3, 0, Effects::AngleNoise::At::beam};
   const Scan strays = setup.scan();
   std::vector<double> errors;
   for (size_t i = 0; i < strays.beamCount(); ++i) {
@@ -316,7 +316,7 @@ TEST_CASE("angular errors have the requested deviations, at the point and at the
 TEST_CASE("beams are lost at the requested rates, and every beam has one cause") {
   const std::string device = ON_EVERY_DEVICE;
   Setup setup(device, room(0.29f), everywhere());
-  setup.effects.dropOut = {Use::on, 0.3, 0.8, 0, {5, 77}};
+  setup.effects.dropOut = {EffectUse::on, 0.3, 0.8, 0, {5, 77}};
   setup.fields = {Field::cause};
   const Scan scan = setup.scan();
   const auto& causes = scan.counters.causes;
@@ -329,7 +329,7 @@ TEST_CASE("beams are lost at the requested rates, and every beam has one cause")
   for (uint64_t count : causes) sum += count;
   CHECK(sum == scan.beamCount());
 
-  setup.effects.dropOut = {Use::on, 0, 1, 0.8, {}};
+  setup.effects.dropOut = {EffectUse::on, 0, 1, 0.8, {}};
   const Scan weak = setup.scan();
   // A return of unit intensity u is lost with probability 0.8 (1 - u).
   double expected = 0;

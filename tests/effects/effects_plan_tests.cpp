@@ -51,7 +51,7 @@ Scene wall(float transmission, AlphaMode mode) {
 
 /// A sensor that states all properties that effects may need.
 Sensor able() {
-  Sensor sensor = findSensor("VLP-16");
+  Sensor sensor = builtinSensor("VLP-16");
   sensor.columns = 360;
   sensor.divergenceHorizontal = 3e-3;
   sensor.divergenceVertical = 1.5e-3;
@@ -69,7 +69,7 @@ Effects everything() {
         "returns=on", "transmission=on", "cut-outs=on", "sensor-motion=on", "object-motion=on", "fog.visibility=200",
         "rain.rate=5", "snow.rate=2", "radial-speed=on"})
     assign(effects, assignment);
-  effects.volumes.use = Use::on;
+  effects.volumes.use = EffectUse::on;
   effects.volumes.boxes = {{{1, -1, -1}, {2, 1, 1}, 0.1}};
   return effects;
 }
@@ -116,7 +116,7 @@ TEST_CASE("an effect that is off changes no constant, and a scan of geometry alo
 TEST_CASE("an effect that the scene does not need costs as little as one that is off") {
   needVulkan();
   const Scene plain = wall(0, AlphaMode::opaque);
-  const Sensor sensor = findSensor("VLP-16");
+  const Sensor sensor = builtinSensor("VLP-16");
   CHECK(sameWork(planOf(plain, sensor, Effects{}), planOf(plain, sensor, Effects::none())));
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("removing an effect from all effects clears its bit in every pipeline"
 
 TEST_CASE("auto plans the effects that the scene needs: glass, holes and neither give three sets of pipelines") {
   needVulkan();
-  const Sensor sensor = findSensor("VLP-16");
+  const Sensor sensor = builtinSensor("VLP-16");
   const Plan glass = planOf(wall(0.5f, AlphaMode::opaque), sensor, Effects{});
   const Plan holes = planOf(wall(0, AlphaMode::mask), sensor, Effects{});
   const Plan plain = planOf(wall(0, AlphaMode::opaque), sensor, Effects{});

@@ -10,7 +10,7 @@ const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
 /// A VLP-16 with fewer columns.
 Sensor coarse(uint32_t columns) {
-  Sensor sensor = findSensor("VLP-16");
+  Sensor sensor = builtinSensor("VLP-16");
   sensor.columns = columns;
   return sensor;
 }
@@ -57,13 +57,13 @@ void requireSame(const Effects& effects) {
 
 Effects nothing() {
   Effects effects = Effects::none();
-  effects.intensity.use = effects.radialSpeed.use = Use::automatic;  // requested by fields
+  effects.intensity.use = effects.radialSpeed.use = EffectUse::automatic;  // requested by fields
   return effects;
 }
 
 Effects withIntensity(Effects::Intensity::Model model, Effects::Intensity::Scale scale) {
   Effects effects = nothing();
-  effects.intensity.use = Use::on;
+  effects.intensity.use = EffectUse::on;
   effects.intensity.model = model;
   effects.intensity.scale = scale;
   return effects;
@@ -94,61 +94,61 @@ TEST_CASE("intensities and surfaces equal the reference") {
 
 TEST_CASE("undetected and randomly dropped returns are the same on every device") {
   Effects effects = physical();
-  effects.detection = {Use::on, 0.1, 60, 0};
+  effects.detection = {EffectUse::on, 0.1, 60, 0};
   requireSame(effects);
   effects.detection.softness = 0.3;
   requireSame(effects);
   effects = physical();
-  effects.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700, 701}};
+  effects.dropOut = {EffectUse::on, 0.1, 0.8, 0.4, {3, 700, 701}};
   requireSame(effects);
 }
 
 TEST_CASE("measurement errors use the same random numbers") {
   Effects effects = physical();
-  effects.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 0};
+  effects.rangeNoise = {EffectUse::on, 0.01, 0.02, 1e-4, 0};
   requireSame(effects);
   effects = physical();
-  effects.intensityNoise = {Use::on, 0.05};
+  effects.intensityNoise = {EffectUse::on, 0.05};
   requireSame(effects);
   effects = physical();
-  effects.angleNoise = {Use::on, 1e-3, 2e-3, Effects::AngleNoise::At::point};
+  effects.angleNoise = {EffectUse::on, 1e-3, 2e-3, Effects::AngleNoise::At::point};
   requireSame(effects);
 }
 
 TEST_CASE("scattering and attenuation of the medium are the same on every device") {
   Effects effects = physical();
-  effects.fog = {Use::on, 60};
+  effects.fog = {EffectUse::on, 60};
   requireSame(effects);
   effects = physical();
-  effects.rain = {Use::on, 50};
+  effects.rain = {EffectUse::on, 50};
   requireSame(effects);
   effects = physical();
-  effects.snow = {Use::on, 10};
+  effects.snow = {EffectUse::on, 10};
   requireSame(effects);
   effects = physical();
-  effects.volumes = {Use::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}, {{-20, -20, 0}, {-4, 20, 3}, 0.1}}};
+  effects.volumes = {EffectUse::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}, {{-20, -20, 0}, {-4, 20, 3}, 0.1}}};
   requireSame(effects);
 }
 
 TEST_CASE("several returns of one beam keep their order and their surfaces") {
   Effects effects = physical();
-  effects.fog = {Use::on, 40};
-  effects.returns.use = Use::on;
+  effects.fog = {EffectUse::on, 40};
+  effects.returns.use = EffectUse::on;
   effects.returns.count = 2;
   requireSame(effects);
 }
 
 TEST_CASE("footprints hit the same surfaces") {
   Effects effects = physical();
-  effects.divergence = {Use::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
-  effects.returns.use = Use::on;
+  effects.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
+  effects.returns.use = EffectUse::on;
   effects.returns.count = 3;
   requireAlmostSame(effects);
 }
 
 TEST_CASE("beams with angular errors hit the same surfaces") {
   Effects effects = physical();
-  effects.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+  effects.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
   requireAlmostSame(effects);
 }
 
@@ -156,24 +156,24 @@ TEST_CASE("transmitted light passes the same panes on every device") {
   Scene scene = town();
   for (Material& one : scene.materials) one.transmission = 0.5f;
   Effects effects = physical();
-  effects.transmission.use = effects.returns.use = Use::on;
+  effects.transmission.use = effects.returns.use = EffectUse::on;
   effects.returns.count = 4;
   requireAlmostSame(effects, scene);
 }
 
 TEST_CASE("all effects together equal the reference") {
   Effects effects = physical();
-  effects.detection = {Use::on, 0.1, 80, 0};
-  effects.dropOut = {Use::on, 0.1, 0.8, 0.4, {3, 700, 701}};
-  effects.rangeNoise = {Use::on, 0.01, 0.02, 1e-4, 0};
-  effects.intensityNoise = {Use::on, 0.05};
-  effects.angleNoise = {Use::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
-  effects.divergence = {Use::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
-  effects.returns = {Use::on, Effects::Returns::Mode::lastStrongest};
-  effects.fog = {Use::on, 100};
-  effects.rain = {Use::on, 20};
-  effects.snow = {Use::on, 2};
-  effects.volumes = {Use::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
+  effects.detection = {EffectUse::on, 0.1, 80, 0};
+  effects.dropOut = {EffectUse::on, 0.1, 0.8, 0.4, {3, 700, 701}};
+  effects.rangeNoise = {EffectUse::on, 0.01, 0.02, 1e-4, 0};
+  effects.intensityNoise = {EffectUse::on, 0.05};
+  effects.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+  effects.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 1.5e-3};
+  effects.returns = {EffectUse::on, Effects::Returns::Mode::lastStrongest};
+  effects.fog = {EffectUse::on, 100};
+  effects.rain = {EffectUse::on, 20};
+  effects.snow = {EffectUse::on, 2};
+  effects.volumes = {EffectUse::on, {{{3, -5, -1}, {12, 4, 5}, 0.05}}};
   requireAlmostSame(effects);
 }
 

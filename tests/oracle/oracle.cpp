@@ -164,7 +164,7 @@ bool passesBy(const Filter& f, const double* r) {
 
 }  // namespace
 
-std::vector<SeenTriangle> seenTriangles(const Scene& scene, const Pose& pose, double rangeMax, Faces faces) {
+std::vector<SeenTriangle> seenTriangles(const Scene& scene, const Pose& pose, double rangeMax, ReflectingFaces faces) {
   std::vector<SeenTriangle> triangles;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
@@ -172,8 +172,8 @@ std::vector<SeenTriangle> seenTriangles(const Scene& scene, const Pose& pose, do
     if (outOfReach(mesh, instance.transform, pose, rangeMax)) continue;
     const Placed placed = place(instance.transform, mesh.origin, pose);
     for (const MeshPart& part : mesh.parts) {
-      const bool oneSided =
-          faces == Faces::front || (faces == Faces::material && !scene.materials[part.material].doubleSided);
+      const bool oneSided = faces == ReflectingFaces::front ||
+                            (faces == ReflectingFaces::material && !scene.materials[part.material].doubleSided);
       for (uint32_t t = part.firstTriangle; t < part.firstTriangle + part.triangleCount; ++t) {
         const float* corner[3];
         for (size_t k = 0; k < 3; ++k) corner[k] = &mesh.positions[3 * size_t{mesh.indices[3 * size_t{t} + k]}];
@@ -224,7 +224,8 @@ float exactRange(const SeenTriangle& triangle, const Float3& beam) {
   return roundedQuotient(boost::multiprecision::cpp_int(volume), boost::multiprecision::cpp_int(spread));
 }
 
-Scan exactScan(const Scene& scene, const Sensor& sensor, const Pose& pose, Faces faces, std::vector<uint32_t>* layers) {
+Scan exactScan(const Scene& scene, const Sensor& sensor, const Pose& pose, ReflectingFaces faces,
+               std::vector<uint32_t>* layers) {
   const std::vector<SeenTriangle> triangles = seenTriangles(scene, pose, sensor.rangeMax, faces);
   const std::vector<Float3> beams = seenBeams(sensor);
   std::vector<Filter> filters;

@@ -23,7 +23,7 @@ struct SeenTriangle {
 /// Transforms corners as the shaders document it: rows * (position - pivot) + offset, in single precision, from left to
 /// right. The order is that of placed triangles; invalid, degenerate and unreachable ones are left out.
 std::vector<SeenTriangle> seenTriangles(const Scene& scene, const Pose& pose, double rangeMax,
-                                        Faces faces = Faces::material);
+                                        ReflectingFaces faces = ReflectingFaces::material);
 
 /// Directions of all beams as the shaders use them.
 std::vector<Float3> seenBeams(const Sensor& sensor);
@@ -34,7 +34,7 @@ float exactRange(const SeenTriangle& triangle, const Float3& beam);
 
 /// Returns the cloud of `exact`: ranges, triangles and instances of every beam, and the number of hits; no points and
 /// no other counters. If given, `layers` receives the number of triangles that each beam hits within the range window.
-Scan exactScan(const Scene& scene, const Sensor& sensor, const Pose& pose, Faces faces = Faces::material,
-               std::vector<uint32_t>* layers = nullptr);
+Scan exactScan(const Scene& scene, const Sensor& sensor, const Pose& pose,
+               ReflectingFaces faces = ReflectingFaces::material, std::vector<uint32_t>* layers = nullptr);
 
 }  // namespace gnosphere::test

@@ -32,7 +32,7 @@ int main(int, char** argv) {
     scene.meshes.push_back(wall);
     scene.instances.emplace_back();
 
-    gnosphere::Simulator simulator(scene, gnosphere::findSensor("VLP-16"));
+    gnosphere::Simulator simulator(scene, gnosphere::builtinSensor("VLP-16"));
     const gnosphere::Scan scan = simulator.scan({});
     std::cout << scan.counters.hits << " of " << scan.beamCount() << " beams hit on " << simulator.device().name
               << '\n';

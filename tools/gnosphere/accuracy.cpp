@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "gnosphere/eval/accuracy.hpp"
+
 #include <memory>
 #include <optional>
 
@@ -51,7 +53,7 @@ void write(const std::string& file, const std::string& bytes) {
 
 int runAccuracy(const Options& options) {
   check(options);
-  const Sensor sensor = findSensor(options.sensor);
+  const Sensor sensor = sensorOf(options.sensor);
   std::vector<Pose> poses;
   if (!options.trajectory.empty()) poses = loadTrajectory(options.trajectory);
   if (options.poses) poses = thinned(poses, *options.poses);

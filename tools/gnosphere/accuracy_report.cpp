@@ -12,11 +12,11 @@ namespace {
 
 /// Names the part of `standard` that this row replaces.
 const char* insteadOf(const AccuracyRow& row) {
-  const Exactness standard = exactnessOf(Accuracy::standard);
-  if (row.exactness.bounds != standard.bounds) return "edge bulge, poles";
-  if (row.exactness.cull != standard.cull) return "nearest point";
-  if (row.exactness.inside != standard.inside) return "watertight edges";
-  if (row.exactness.range != standard.range) return "edge weights";
+  const AccuracyParts standard = accuracyPartsOf(Accuracy::standard);
+  if (row.accuracyParts.bounds != standard.bounds) return "edge bulge, poles";
+  if (row.accuracyParts.cull != standard.cull) return "nearest point";
+  if (row.accuracyParts.inside != standard.inside) return "watertight edges";
+  if (row.accuracyParts.range != standard.range) return "edge weights";
   return "";
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "console.hpp"
+#include "scanning.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -31,8 +32,12 @@ void addEffectOptions(CLI::App& app, EffectOptions& options) {
                  "A JSON file of reflectances by material, or ASAM OpenMATERIAL 3D (.xoma, .xomm, .xomp)");
 }
 
+Effects presetOrFile(const std::string& nameOrFile) {
+  return namedOrLoaded(nameOrFile, effectPreset, loadEffects);
+}
+
 Effects effectsOf(const EffectOptions& options) {
-  Effects effects = findEffects(options.effects);
+  Effects effects = presetOrFile(options.effects);
   const auto set = [&](const char* option, const std::string& assignment) {
     try {
       assign(effects, assignment);

@@ -18,7 +18,10 @@ struct EffectOptions {
 /// Adds --effects, --effect, --seed and --materials.
 void addEffectOptions(CLI::App& app, EffectOptions& options);
 
-/// Combines the preset or file, the assignments in their order, and the seed. Throws Error as findEffects() and
+/// The effects that --effects names: those of a preset or of a JSON file.
+Effects presetOrFile(const std::string& nameOrFile);
+
+/// Combines the preset or file, the assignments in their order, and the seed. Throws Error as presetOrFile() and
 /// assign() do.
 Effects effectsOf(const EffectOptions& options);
 

@@ -6,29 +6,29 @@
 namespace gnosphere::cli {
 namespace {
 
-const char* nameOf(Exactness::Bounds bounds) {
+const char* nameOf(AccuracyParts::Bounds bounds) {
   switch (bounds) {
-    case Exactness::Bounds::paper: return "paper";
-    case Exactness::Bounds::corners: return "corners";
-    case Exactness::Bounds::exact: break;
+    case AccuracyParts::Bounds::paper: return "paper";
+    case AccuracyParts::Bounds::corners: return "corners";
+    case AccuracyParts::Bounds::exact: break;
   }
   return "exact";
 }
 
-const char* nameOf(Exactness::Inside inside) {
+const char* nameOf(AccuracyParts::Inside inside) {
   switch (inside) {
-    case Exactness::Inside::plain: return "plain";
-    case Exactness::Inside::watertight: return "watertight";
-    case Exactness::Inside::exact: break;
+    case AccuracyParts::Inside::plain: return "plain";
+    case AccuracyParts::Inside::watertight: return "watertight";
+    case AccuracyParts::Inside::exact: break;
   }
   return "exact";
 }
 
-const char* nameOf(Exactness::Range range) {
+const char* nameOf(AccuracyParts::Range range) {
   switch (range) {
-    case Exactness::Range::plane: return "plane";
-    case Exactness::Range::edgeWeights: return "edge_weights";
-    case Exactness::Range::exact: break;
+    case AccuracyParts::Range::plane: return "plane";
+    case AccuracyParts::Range::edgeWeights: return "edge_weights";
+    case AccuracyParts::Range::exact: break;
   }
   return "exact";
 }
@@ -111,14 +111,14 @@ Json toJson(const AccuracyRow& row, uint32_t runs, bool nearest) {
     stages.push_back(stage.name);
     times[stage.name] = stage.ms;
   }
-  const bool firstCorner = row.exactness.cull == Exactness::Cull::firstCorner;
+  const bool firstCorner = row.accuracyParts.cull == AccuracyParts::Cull::firstCorner;
   Json json;
   json["name"] = row.name;
   json["plan"] = {{"stages", stages},
-                  {"bounds", nameOf(row.exactness.bounds)},
+                  {"bounds", nameOf(row.accuracyParts.bounds)},
                   {"cull", firstCorner ? "first_corner" : "nearest_point"},
-                  {"inside", nameOf(row.exactness.inside)},
-                  {"range", nameOf(row.exactness.range)}};
+                  {"inside", nameOf(row.accuracyParts.inside)},
+                  {"range", nameOf(row.accuracyParts.range)}};
   json["frame"] = {{"runs", runs},
                    {"wall_ms", toJson(row.wallMs)},
                    {"gpu_ms", times.empty() ? Json() : toJson(row.gpuMs)},

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gnosphere/eval/accuracy.hpp"
 #include "gnosphere/gnosphere.hpp"
 
 namespace gnosphere::cli {

@@ -6,8 +6,10 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "effect_options.hpp"
 #include "effects/effect_table.hpp"
 #include "gnosphere/simulator.hpp"
+#include "scanning.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -52,7 +54,7 @@ int runDevices(bool json) {
 
 int runSensors(const std::string& name) {
   if (!name.empty()) {
-    std::printf("%s", toJson(findSensor(name)).c_str());
+    std::printf("%s", toJson(sensorOf(name)).c_str());
     return 0;
   }
   std::printf("%-18s %8s %8s %10s  %-16s %s\n", "name", "channels", "columns", "beams", "elevation", "range");
@@ -68,7 +70,7 @@ int runSensors(const std::string& name) {
 /// Lists every effect with its parameters: name, default and allowed values.
 int runEffects(const std::string& name) {
   if (!name.empty()) {
-    std::printf("%s", toJson(findEffects(name)).c_str());
+    std::printf("%s", toJson(presetOrFile(name)).c_str());
     return 0;
   }
   std::printf("presets:");

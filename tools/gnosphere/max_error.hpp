@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "gnosphere/eval/accuracy.hpp"
 #include "scanning.hpp"
 
 namespace gnosphere::cli {

@@ -88,7 +88,7 @@ int runPlan(const PlanOptions& options) {
   checkScanning(options);
   SimulatorOptions settings = simulatorOptions(options);
   settings.accuracy = kAccuracies.at(options.accuracy);
-  SensorRequest request = {findSensor(options.sensor), effectsOf(options)};
+  SensorRequest request = {sensorOf(options.sensor), effectsOf(options)};
   settings.materials = materialsOf(options);
   if (!options.fields.empty()) request.fields = parseFields(options.fields);
   const Scene scene = loadScene(options);

@@ -141,7 +141,7 @@ int runScan(const ScanOptions& options) {
   const Effects effects = effectsOf(options);
   const MaterialTable materials = materialsOf(options);
   const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, trajectory.size()));
-  const Sensor sensor = findSensor(options.sensor);
+  const Sensor sensor = sensorOf(options.sensor);
   double start = nowMs();
   const Scene scene = loadScene(options);
   const double loadMs = nowMs() - start;

@@ -20,8 +20,8 @@ const std::map<std::string, Accuracy> kAccuracies = {{"paper", Accuracy::paper},
 
 namespace {
 
-const std::map<std::string, Faces> kFaces = {
-    {"material", Faces::material}, {"front", Faces::front}, {"both", Faces::both}};
+const std::map<std::string, ReflectingFaces> kFaces = {
+    {"material", ReflectingFaces::material}, {"front", ReflectingFaces::front}, {"both", ReflectingFaces::both}};
 const std::map<std::string, Binning> kBinnings = {
     {"auto", Binning::automatic}, {"nearest", Binning::nearest}, {"lists", Binning::lists}, {"slabs", Binning::slabs}};
 const std::map<std::string, UpAxis> kUpAxes = {{"", UpAxis::formatDefault}, {"y", UpAxis::y}, {"z", UpAxis::z}};
@@ -113,6 +113,10 @@ void checkScanning(const ScanningOptions& options) {
     throw Error(ErrorCode::invalidArgument, "--scale must be finite and above 0");
   }
   if (!options.pose.empty()) parsePose(options.pose);
+}
+
+Sensor sensorOf(const std::string& nameOrFile) {
+  return namedOrLoaded(nameOrFile, builtinSensor, loadSensor);
 }
 
 SimulatorOptions simulatorOptions(const ScanningOptions& options) {

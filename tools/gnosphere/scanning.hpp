@@ -26,6 +26,22 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options);
 /// Adds --accuracy, one of kAccuracies.
 CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy);
 
+/// What a built-in name stands for, or else what a JSON file of that path holds. Throws Error that lists the names.
+template <typename T>
+T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
+                T (*load)(const std::filesystem::path&)) {
+  try {
+    return named(nameOrFile);
+  } catch (const Error& unknown) {
+    std::error_code ignored;
+    if (nameOrFile.empty() || !std::filesystem::exists(nameOrFile, ignored))
+      throw Error(unknown.code(), std::string(unknown.what()) + ", or give a JSON file");
+  }
+  return load(nameOrFile);
+}
+/// The sensor that --sensor names.
+Sensor sensorOf(const std::string& nameOrFile);
+
 /// Throws Error(invalidArgument) for mistakes that can be found before the scene is loaded.
 void checkScanning(const ScanningOptions& options);
 SimulatorOptions simulatorOptions(const ScanningOptions& options);

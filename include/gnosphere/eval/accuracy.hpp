@@ -12,9 +12,6 @@
 
 namespace gnosphere {
 
-/// "paper", "draft", "standard", "exact".
-GNOSPHERE_API const char* nameOf(Accuracy accuracy);
-
 /// Times of many runs, in milliseconds.
 struct Spread {
   double median = 0, min = 0;
@@ -35,7 +32,7 @@ GNOSPHERE_API NearestHistogram nearestHistogram(const Scan& reference, const Sca
 /// What one setting of the dial gets wrong, and what it costs.
 struct AccuracyRow {
   std::string name;
-  Exactness exactness;
+  AccuracyParts accuracyParts;
   Comparison error;  ///< against the double-precision reference, summed over the poses
   /// Beams of the reference that are lost, false or at another range, as a share of all beams; outside ties.
   GNOSPHERE_API double wrongShare() const;

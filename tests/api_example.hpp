@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The examples of docs/api.md: everything below the using directive is the text of its C++ blocks, in their order.
+#pragma once
+
+#include <functional>
+#include <gnosphere/gnosphere.hpp>
+
+using namespace gnosphere;
+
+/// Scans a file with an HDL-64E that stands 1.8 m above the origin.
+Scan scanOnce(const std::string& file) {
+  Simulator simulator(loadScene(file), builtinSensor("HDL-64E"));
+  return simulator.scan({{0, 0, 1.8}, {}});
+}
+
+/// Two lidars on one scene: one as the data sheet has it, one that is geometry alone and reports surface normals.
+Simulator twoLidars(const Scene& scene) {
+  Effects worn = effectPreset("hdl-64e");
+  worn.rangeNoise = {EffectUse::on, 0, 0.03};
+  const SensorRequest first(builtinSensor("HDL-64E"), worn, {Field::intensity, Field::time});
+  const SensorRequest second(builtinSensor("VLP-16"), Effects::none(), {Field::normal});
+  return Simulator(scene, {first, second});
+}
+
+/// A car drives in for one scan.
+Scan withCar(Simulator& simulator, const Mesh& car, const Transform& place) {
+  const size_t mesh = simulator.addMesh(car);
+  const size_t instance = simulator.addInstance(static_cast<uint32_t>(mesh), place);
+  Scan scan = simulator.scan({});
+  simulator.removeInstance(instance);
+  simulator.removeMesh(mesh);
+  return scan;
+}
+
+/// Scans a fog that thickens, with a sensor that was added with variableWeather.
+void thickeningFog(Simulator& simulator, const std::function<void(const Scan&)>& use) {
+  Shot shot;
+  Scan scan;  // its arrays are used again
+  for (double visibility : {400, 200, 100, 50}) {
+    shot.weather = Weather{visibility, 0, 0, {}};
+    simulator.scanInto(shot, scan);
+    use(scan);
+    ++shot.frame;  // other random numbers
+  }
+}
+
+/// How strong what came back is on average.
+double meanIntensity(const Scan& scan) {
+  const auto intensities = scan.column<float>(Field::intensity);
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < intensities.size(); ++i)
+    if (scan.returned(i)) sum += intensities[i], ++count;
+  return count > 0 ? sum / count : 0;
+}
+
+/// The data of a ROS PointCloud2 of x, y, z and intensity, with what came back.
+std::vector<std::byte> pointCloud(const Scan& scan) {
+  RecordLayout layout;
+  layout.values = {{Field::x, 0, 0}, {Field::y, 0, 4}, {Field::z, 0, 8}, {Field::intensity, 0, 16}};
+  layout.stride = 32;
+  layout.compact = true;
+  std::vector<std::byte> rows(scan.ranges.size() * layout.stride);
+  rows.resize(pack(scan, layout, rows) * layout.stride);
+  return rows;
+}
