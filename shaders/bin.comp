@@ -29,14 +29,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer Wo
 Words64 words64 = Words64(words);
 #endif
 
-// Ranges are positive, so their bits order like numbers. A word never grows, so a plain read could skip the atomic; but
-// near triangles come first, so most of the atomics that were asked for would have been needed anyway.
-void offerNearest(uint beam, uint rangeBits, uint id) {
-#ifdef INT64_ATOMICS
-  atomicMin(words64.at[beam], packUint2x32(uvec2(id, rangeBits)));
-#endif
-}
-
 // Only the owner of the beam may call this, so nothing has to be atomic.
 void keepNearer(uint beam, bool met, float range, uint id) {
 #ifdef INT64_ATOMICS
@@ -46,17 +38,16 @@ void keepNearer(uint beam, bool met, float range, uint id) {
 #endif
 }
 
+// Ranges are positive, so their bits order like numbers. A word never grows, so a plain read could skip the atomic; but
+// near triangles come first, so most of the atomics that were asked for would have been needed anyway.
 void offer(uint beam, float range, uint projected, uint id) {
-  uint rangeBits = floatBitsToUint(range);
+#ifdef INT64_ATOMICS
   if (BINNING == kBinningNearest) {
-    offerNearest(beam, rangeBits, id);
-  } else if (BINNING == kBinningNearest32 && PASS == kPassRange) {
-    if (rangeBits >= words.at[beam].y) return;
-    atomicMin(words.at[beam].y, rangeBits);
-    words.at[beam].x = kNone;  // what a still image had there is not the nearest any more
-  } else if (BINNING == kBinningNearest32) {
-    if (rangeBits == words.at[beam].y) atomicMin(words.at[beam].x, id);
-  } else if (PASS == kPassCount) {
+    atomicMin(words64.at[beam], packUint2x32(uvec2(id, floatBitsToUint(range))));
+    return;
+  }
+#endif
+  if (PASS == kPassCount) {
     atomicAdd(listEnds.at[beam], 1);
   } else {
     uint slot = atomicAdd(listEnds.at[beam], 1);
@@ -95,7 +86,7 @@ Beam beamAt(Box box, uint k, uint row, out uint index) {
   vec4 offset = AZIMUTH_OFFSETS ? rows.at[row].offset : vec4(0.0);
   uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? int(floor(offset.z)) : 0));
   index = row * frame.columns + column;
-  return beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[column], offset) : columns.at[column], angles.x, angles.y);
+  return beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
 }
 
 Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }
@@ -275,7 +266,7 @@ void main() {
     return;
   }
   // Shell by shell, or everything at once.
-  bool byShell = BINNING == kBinningNearest || (BINNING == kBinningNearest32 && PASS == kPassRange);
+  bool byShell = BINNING == kBinningNearest;
   uint first = byShell ? counters.binnedSmall : 0;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint i = first + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;

@@ -45,7 +45,7 @@ struct Vertices {
 
 vec3 toSensor(LoadedCluster loaded, uint vertex) {
   vec3 p = toSensor(loaded.instance, positions.at[loaded.vertexFirst + vertex]);
-  return INSIDE == kInsideExact ? snapToLattice(p) : p;
+  return INSIDE == kInsideExact ? onLattice(p) : p;
 }
 
 bool haveRoom(uint vertexCount) { return vertexCount <= kVertexRounds * gl_SubgroupSize; }

@@ -10,8 +10,7 @@
 #include "options.glsl"
 #include "bindings.glsl"
 #include "effects/vector.h"
-#include "lattice.glsl"
-#include "beam.glsl"
+#include "beam.h"
 #include "effects/doppler.h"
 #include "motion.glsl"
 
@@ -140,7 +139,7 @@ void main() {
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x) {
     beamIndex = channel * frame.columns + columnIndex;
-    vec2 azimuth = AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[columnIndex], offset) : columns.at[columnIndex];
+    vec2 azimuth = azimuthOfBeam(columns.at[columnIndex], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
     beamAzimuth = azimuth;
     beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
     if (!MANY_ECHOES) {

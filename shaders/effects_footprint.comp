@@ -398,7 +398,7 @@ bool finish(uint index) {
   vec3 angles = rows.at[row].angles;
   vec4 offset = rows.at[row].offset;
   uint beam = rows.at[row].channel * frame.columns + column;
-  Beam axis = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[column], offset) : columns.at[column], angles.x, angles.y);
+  Beam axis = beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
   // Lists that were too small end early: the host makes room and runs the scan again.
   uint end = min(listEnds.at[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds.at[index - 1], end);
   aim(beam, axis);

@@ -11,8 +11,7 @@
 #include "bindings.glsl"
 #include "effects/vector.h"
 #include "to_sensor.glsl"
-#include "lattice.glsl"
-#include "beam.glsl"
+#include "beam.h"
 #include "motion.glsl"
 
 layout(local_size_x = 64) in;
@@ -23,7 +22,7 @@ struct Corners {
 
 vec3 cornerOf(Instance instance, uint vertex) {
   vec3 p = toSensor(instance, positions.at[vertex]);
-  return INSIDE == kInsideExact ? snapToLattice(p) : p;
+  return INSIDE == kInsideExact ? onLattice(p) : p;
 }
 
 Corners cornersOf(Instance instance, uint cluster, uint k) {
@@ -52,7 +51,7 @@ vec2 barycentricsOf(Corners t, vec3 p) {
 }
 
 vec2 azimuthAt(uint row, uint column) {
-  return AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[column], rows.at[row].offset) : columns.at[column];
+  return azimuthOfBeam(columns.at[column], rows.at[row].offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
 }
 
 Corners seenFrom(Corners t, uint instance, uint column, uint row, vec2 azimuth) {

@@ -12,10 +12,10 @@ struct Triangle {
 // ranges are dear.
 float farthestOf(uint index);
 
+#include "beam.h"
 #include "inside_plain.glsl"
 #include "inside_watertight.glsl"
 #include "inside_exact.glsl"
-#include "beam.glsl"
 
 Triangle triangleOf(TaggedCorner a, vec4 b, vec3 c) {
   return Triangle(a.corner, b.xyz, c, a.tag & 0x7fffffffu, (a.tag >> 31) != 0, b.w);

@@ -6,7 +6,6 @@
 // rounded. Nothing of it depends on a device's own rounding.
 
 #include "bigint.glsl"
-#include "lattice.glsl"
 
 // The side of the edge from a to b on which the moved beam lies; 0 only if a and b are in line with the sensor.
 int exactSide(vec3 a, vec3 b, vec3 beam) {

@@ -17,7 +17,7 @@
 #include "motion.glsl"
 #include "sphere.glsl"
 #include "bounds.glsl"
-#include "lattice.glsl"
+#include "beam.h"
 #include "lanes.glsl"
 #include "to_sensor.glsl"
 #include "cull.glsl"

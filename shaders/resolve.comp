@@ -75,7 +75,7 @@ void main() {
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
     uint index = gl_WorkGroupID.y * frame.columns + column;
-    Beam beam = beamOf(AZIMUTH_OFFSETS ? shiftedAzimuth(columns.at[column], offset) : columns.at[column], angles.x, angles.y);
+    Beam beam = beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
     uint rangeBits, id;
     if (BINNING == kBinningLists) {
       nearestOfList(index, beam, rangeBits, id);

@@ -6,16 +6,14 @@
 
 #ifdef __cplusplus
 #include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 namespace gnosphere::gpu {
 using uint = uint32_t;
+using glm::vec2;
+using glm::vec3;
 struct alignas(16) vec4 {
   float x, y, z, w;
-};
-struct vec3 {
-  float x, y, z;
-};
-struct vec2 {
-  float x, y;
 };
 #define GNO_CONST inline constexpr
 #else
@@ -92,14 +90,11 @@ GNO_CONST uint kCullOccluded = 8;  // behind what every beam has met already
 GNO_CONST uint kCullCones = 16;    // whole clusters that show their back
 
 // How triangles meet beams.
-GNO_CONST uint kBinningNearest = 0;    // one pass: 64-bit atomic minimum of (range, triangle)
-GNO_CONST uint kBinningNearest32 = 1;  // two passes: 32-bit minimum of the range, then of the triangle at that range
-GNO_CONST uint kBinningLists = 2;      // count and fill a list of candidates per beam
-GNO_CONST uint kBinningSlabs = 3;      // minimum of (range, triangle) without atomics: each word has one owner
+GNO_CONST uint kBinningNearest = 0;  // one pass: 64-bit atomic minimum of (range, triangle)
+GNO_CONST uint kBinningLists = 1;    // count and fill a list of candidates per beam
+GNO_CONST uint kBinningSlabs = 2;    // minimum of (range, triangle) without atomics: each word has one owner
 
-// Values of PASS, shader by shader: bin with nearest32, bin with lists, prefix_sum, effects_footprint.
-GNO_CONST uint kPassRange = 0;
-GNO_CONST uint kPassOwner = 1;
+// Values of PASS, shader by shader: bin with lists, prefix_sum, effects_footprint.
 GNO_CONST uint kPassCount = 0;
 GNO_CONST uint kPassFill = 1;
 GNO_CONST uint kPassReduce = 0;

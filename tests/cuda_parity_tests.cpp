@@ -67,7 +67,7 @@ TEST_CASE("cuda: a town by every way of binning and every accuracy that is not t
   needVulkan();
   SimulatorOptions options = vulkanOptions();
   options.accuracy = GENERATE(Accuracy::standard, Accuracy::exact);
-  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs);
+  options.binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
   requireParity(town(), options);
 }
 
@@ -160,7 +160,7 @@ TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products no 
   const Sensor sensor = unevenSensor();
   SimulatorOptions options = vulkanOptions();
   options.accuracy = Accuracy::exact;
-  options.binning = GENERATE(Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs);
+  options.binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
   const Scan decided = CudaOnHost(town(), {sensor}, options).scan(kPoses[0]);
   options.device = "cuda:0";
   const Scan scan = scanOf(town(), sensor, kPoses[0], options);

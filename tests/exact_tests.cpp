@@ -16,11 +16,9 @@ struct Way {
   bool float64;
 };
 constexpr Way kWays[] = {{"nearest", Binning::nearest, true},
-                         {"nearest32", Binning::nearest32, true},
                          {"lists", Binning::lists, true},
                          {"slabs", Binning::slabs, true},
                          {"nearest without doubles", Binning::nearest, false},
-                         {"nearest32 without doubles", Binning::nearest32, false},
                          {"lists without doubles", Binning::lists, false}};
 
 /// Every world of the family by every way, and CUDA's way. Returns the oracle's clouds.

@@ -40,8 +40,7 @@ TEST_CASE("scanAll gives byte for byte what scan gives, whatever the sensor, whi
     SimulatorOptions options = vulkanOptions();
     options.accuracy = accuracy;
     Simulator one(scene, sensors, options);
-    for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
-      if (accuracy == Accuracy::exact && binning == Binning::nearest32) continue;  // bin_tests has it
+    for (Binning binning : {Binning::nearest, Binning::lists, Binning::slabs}) {
       options.binning = binning;
       Simulator all(scene, sensors, options);
       size_t expected = 0;

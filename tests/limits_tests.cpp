@@ -58,7 +58,7 @@ TEST_CASE("a cap on one buffer that all buffers keep changes no byte, whatever t
   scene.instances.push_back({"", 0, rotationZ(2)});
   const Pose pose = {{1, -2, 0.5}, {0, 0, std::sin(0.2), std::cos(0.2)}};
   for (Accuracy accuracy : {Accuracy::standard, Accuracy::exact})
-    for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
+    for (Binning binning : {Binning::nearest, Binning::lists, Binning::slabs}) {
       INFO("accuracy " << int(accuracy) << ", binning " << int(binning));
       SimulatorOptions options = vulkanOptions();
       options.accuracy = accuracy;
@@ -111,7 +111,7 @@ TEST_CASE("a list that the cap does not hold ends that scan alone") {
   for (int i = 0; i < 4; ++i) scene.instances.push_back({"", 0, translation(1000, 0, 0.1 * i)});
   const Sensor sensor = gridSensor(1000, 64, -30, 30, 100);
   const Pose crowded = {{0, 0, 0.3}, {}}, other = {{1000, 1, 0.3}, {}};
-  for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
+  for (Binning binning : {Binning::nearest, Binning::lists, Binning::slabs}) {
     INFO("binning " << int(binning));
     SimulatorOptions options = vulkanOptions();
     options.binning = binning;
@@ -147,7 +147,7 @@ TEST_CASE("lists grow up to the cap, step by step, and change no byte") {
   const Sensor sensor = gridSensor(1000, 64, -30, 30, 500);
   std::vector<Shot> shots;
   for (int i = 0; i < 8; ++i) shots.push_back({{{-200.0 + 30 * i, 1, 0.3}, {}}});
-  for (Binning binning : {Binning::nearest, Binning::nearest32, Binning::lists, Binning::slabs}) {
+  for (Binning binning : {Binning::nearest, Binning::lists, Binning::slabs}) {
     INFO("binning " << int(binning));
     SimulatorOptions options = vulkanOptions();
     options.binning = binning;

@@ -154,14 +154,6 @@ TEST_CASE("a standing sensor that keeps what is still scans as one that does not
   standAndLook(options, 4, 20);
 }
 
-TEST_CASE("a standing sensor that keeps what is still scans as one that does not: two passes of 32 bits") {
-  needVulkan();
-  SimulatorOptions options = vulkanOptions();
-  options.binning = Binning::nearest32;
-  options.culling.occlusion = Culling::Occlusion::always;
-  standAndLook(options, 5, 20);
-}
-
 TEST_CASE("nothing that stands still is read from the third scan on") {
   needVulkan();
   Pair pair = townLike();

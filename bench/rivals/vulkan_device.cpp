@@ -34,16 +34,6 @@ std::string inMebibytes(uint64_t bytes) {
   return std::to_string(bytes >> 20) + " MiB";
 }
 
-bool offers(VkPhysicalDevice physical, const char* extension) {
-  uint32_t count = 0;
-  VK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr));
-  std::vector<VkExtensionProperties> extensions(count);
-  VK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data()));
-  return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& offered) {
-    return std::strcmp(offered.extensionName, extension) == 0;
-  });
-}
-
 }  // namespace
 
 RayBuffer::RayBuffer(const RayDevice& device, const char* name, uint64_t bytes, MemoryKind memory)
@@ -136,7 +126,7 @@ void RayDevice::createDevice(const char* extension) {
     throw Error(ErrorCode::device, "the device '" + capabilities_.info.name + "' lacks " + what);
   };
   for (const char* name : extensions)
-    if (!offers(physical_, name)) refuse(name);
+    if (!vulkan::offers(physical_, name)) refuse(name);
   VkPhysicalDeviceRayTracingPipelineFeaturesKHR pipeline = {
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
   VkPhysicalDeviceRayQueryFeaturesKHR query = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};

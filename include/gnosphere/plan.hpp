@@ -36,7 +36,7 @@ struct Plan {
   std::vector<std::string> fields;  ///< beyond point, range and owner
   std::vector<Stage> stages;
   std::vector<Buffer> buffers;  ///< on the device, of this sensor
-  std::string binning;          ///< nearest, nearest32, lists or slabs
+  std::string binning;          ///< nearest, lists or slabs
   uint32_t returns = 1;         ///< per beam
 
   GNOSPHERE_API uint64_t bytes() const;

@@ -68,10 +68,9 @@ enum class Faces {
 /// How triangles meet beams. Every way gives the same cloud.
 enum class Binning {
   automatic,  ///< where only the first return matters slabs on a CPU, nearest elsewhere; lists for the rest
-  nearest,    ///< one 64-bit atomic minimum per hit; falls back to nearest32 where the device has none
-  nearest32,  ///< two passes over 32-bit words
+  nearest,    ///< one 64-bit atomic minimum per hit; falls back to lists where the device has none
   lists,      ///< per beam a list of candidates: count, scan, fill
-  slabs,      ///< a minimum without atomics, slab of columns by slab; falls back to nearest32 as nearest does
+  slabs,      ///< a minimum without atomics, slab of columns by slab; falls back to lists as nearest does
 };
 
 /// What is skipped before a triangle is read. Every switch costs or saves time only: the cloud is the same.

@@ -10,7 +10,6 @@
 #ifdef __cplusplus
 #include <bit>
 #include <cmath>
-#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #ifdef __CUDACC__
 #define GNO_INLINE __host__ __device__ inline
@@ -22,7 +21,6 @@
 #define GNO_OUT(type) type&
 namespace gnosphere::gpu {
 using glm::uvec4;
-using glm::vec3;
 using std::abs;
 using std::floor;
 template <typename T>

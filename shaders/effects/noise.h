@@ -25,7 +25,7 @@ GNO_INLINE float noisyIntensity(EffectParameters p, float unit, float gaussian) 
   return max(result, 0.0f);
 }
 
-// How far a beam is astray: azimuth (x) and elevation (y) in radians. `beam` as its draws know it: p.firstBeam added.
+// How far a beam is astray: azimuth (x) and elevation (y) in radians. `beam` is its index.
 GNO_INLINE vec2 angleError(EffectParameters p, uint beam) {
   vec4 normal = gaussians(draw(p, beam, 0u, kAngleNoise));
   GNO_PRECISE vec2 result;

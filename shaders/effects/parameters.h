@@ -60,7 +60,6 @@ struct Particles {
 struct EffectParameters {
   Particles rain, snow;
   uint seedLow, seedHigh, sensor, frame;
-  uint firstBeam;  // of the part of the sensor that is scanned, added to its beams' indices
   uint subRays, volumeCount, deadBeams;
   uint returnsMode, returnsPerBeam, intensityModel, intensityScale;
   uint angleNoiseAt;
@@ -76,7 +75,7 @@ struct EffectParameters {
   float tanHorizontal, tanVertical;        // of half the footprint's angles, as the sub-rays have it; 0: a line
   float spreadHorizontal, spreadVertical;  // full angles of the beam that drops and flakes are in
   float rangeMin, rangeMax;
-  float padding0, padding1;
+  float padding0, padding1, padding2;
 };
 
 // Material and surface: what a table of them holds per material.

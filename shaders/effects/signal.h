@@ -5,7 +5,7 @@
 //   Echo loadEcho(uint k)                  k < echoCount, in order of range, none farther than p.rangeMax
 //   void storeReturn(uint j, Return value) called once for each j < p.returnsPerBeam
 //   VolumeBox loadVolume(uint i)           i < p.volumeCount
-//   bool isDead(uint beam)                 of DropOut::deadBeams, p.firstBeam added; asked only if p.deadBeams > 0
+//   bool isDead(uint beam)                 of DropOut::deadBeams; asked only if p.deadBeams > 0
 // In C++ it is included within a struct that has these as members (tests/effects/beam_signal.hpp).
 #include "detection.h"
 #include "intensity.h"
@@ -104,17 +104,16 @@ GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo e
   return result;
 }
 
-// Stores the returns of one beam, and says how many there are and what became of it. `beam` counts from p.firstBeam;
-// `direction` is the beam's unit vector in the sensor's frame.
+// Stores the returns of one beam, and says how many there are and what became of it. `direction` is the beam's unit
+// vector in the sensor's frame.
 GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint echoCount, GNO_OUT(uint) returnCount) {
-  uint key = p.firstBeam + beam;
   uint cause = kCauseNoSurface;
   bool works = true;
   if (PLANNED(kDropOut)) {
-    if (p.deadBeams > 0u && isDead(key)) {
+    if (p.deadBeams > 0u && isDead(beam)) {
       works = false;
       cause = kCauseDead;
-    } else if (beamDropped(p, uniform01(draw(p, key, 0u, kDropOut).x))) {
+    } else if (beamDropped(p, uniform01(draw(p, beam, 0u, kDropOut).x))) {
       works = false;
       cause = echoCount > 0u ? kCauseDroppedOut : kCauseNoSurface;
     }
@@ -127,7 +126,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
   if (PLANNED(kMediumEffects) && works) {
     GNO_PRECISE float far = p.rangeMax;
     if (count > 0u) far = loadEcho(count - 1u).range - p.separation;
-    scatter = mediumEcho(p, key, direction, far);
+    scatter = mediumEcho(p, beam, direction, far);
     if (scatter.range < kNever) {
       scatterAt = 0u;
       while (scatterAt < count && loadEcho(scatterAt).range <= scatter.range) ++scatterAt;
@@ -142,7 +141,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
     float depth = depthOf(p, direction, echo.range);
     float power = received(echo.energy, echo.range, depth);
     if (JUDGED) {
-      float chance = p.softness > 0.0f ? uniform01(draw(p, key, number, kDetection).x) : 0.0f;
+      float chance = p.softness > 0.0f ? uniform01(draw(p, beam, number, kDetection).x) : 0.0f;
       if (!detected(p, power, chance)) {
         if (k == scatterAt) continue;
         bool inClearAir = PLANNED(kMediumEffects) && detected(p, received(echo.energy, echo.range, 0.0f), chance);
@@ -153,7 +152,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
     }
     if (PLANNED(kDropOut) && p.dropAtZero > 0.0f) {
       float unit = unitIntensity(p, echo.energy, echo.range, depth);
-      if (returnDropped(p, unit, uniform01(draw(p, key, number + 1u, kDropOut).x))) {
+      if (returnDropped(p, unit, uniform01(draw(p, beam, number + 1u, kDropOut).x))) {
         cause = kCauseDroppedOut;
         continue;
       }
@@ -170,7 +169,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
   uint stored = 0u;
   for (uint k = 0u; k < count && stored < returnCount; ++k)
     if ((wanted >> k & 1u) != 0u) {
-      Return value = measured(p, key, direction, echoAt(k, scatter, scatterAt), drawOf(k, scatterAt));
+      Return value = measured(p, beam, direction, echoAt(k, scatter, scatterAt), drawOf(k, scatterAt));
       value.number = stored + 1u;
       value.count = returnCount;
       storeReturn(stored, value);

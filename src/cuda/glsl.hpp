@@ -224,8 +224,8 @@ GNO_DEVICE float asin(float x) {
 GNO_DEVICE float atan(float y, float x) {
   return ::atan2f(y, x);
 }
-GNO_DEVICE vec3 roundEven(vec3 v) {
-  return vec3::zip([](float p) { return ::rintf(p); }, v);
+GNO_DEVICE float roundEven(float x) {
+  return ::rintf(x);
 }
 
 template <Vector V>

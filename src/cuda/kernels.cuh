@@ -22,7 +22,8 @@ namespace gnosphere::cuda::GNO_MODE {
 namespace {
 
 #include "glsl/shared.h"
-// The formulas of the effects, outside of the stages: each is included once.
+// The formulas of beams and effects, outside of the stages: each is included once.
+#include "glsl/beam.h"
 #include "glsl/effects/arithmetic.h"
 #include "glsl/effects/bits.h"
 #include "glsl/effects/detection.h"

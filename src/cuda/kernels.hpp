@@ -2,9 +2,16 @@
 // The kernels of a scan: the shaders' text, compiled as CUDA, or as C++ for tests.
 #pragma once
 
+#ifdef __CUDACC__  // nvcc warns that it ignores some annotations of GLM, which shared.h includes
+#pragma nv_diagnostic push
+#pragma nv_diag_suppress 20012
+#endif
 #include "arrays.h"
 #include "pipeline/kernels.hpp"
 #include "shared.h"
+#ifdef __CUDACC__
+#pragma nv_diagnostic pop
+#endif
 
 namespace gnosphere::cuda {
 

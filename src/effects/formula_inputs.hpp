@@ -12,8 +12,8 @@
 
 namespace gnosphere {
 
-/// Of the effects that `planned` (bits of effects/plan.h) names; both have been validated. `sensor`, `frame` and
-/// `firstBeam` are left 0 for the backend.
+/// Of the effects that `planned` (bits of effects/plan.h) names; both have been validated. `sensor` and
+/// `frame` are left 0 for the backend.
 gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sensor, uint32_t planned);
 
 /// One line of a footprint: tangents of its angles to the beam's axis, `u` to the left and `v` up.

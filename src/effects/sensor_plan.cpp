@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "effects/decide.hpp"
 #include "effects/noise.h"
@@ -97,6 +98,30 @@ std::vector<SensorPlan> planSensors(const Scene& scene, const std::vector<Sensor
 
 bool anyOf(const std::vector<SensorPlan>& plans, bool (SensorPlan::*has)() const) {
   return std::any_of(plans.begin(), plans.end(), [&](const SensorPlan& plan) { return (plan.*has)(); });
+}
+
+void resizeArrays(const SensorPlan& plan, Scan& scan, bool cleared) {
+  constexpr float kMiss = std::numeric_limits<float>::quiet_NaN();
+  const size_t beams = plan.sensor.beamCount(), count = beams * plan.returns;
+  const auto resize = [&](auto& array, bool asked, size_t size, auto nothing) {
+    if (cleared) array.clear();
+    array.resize(asked ? size : 0, nothing);
+  };
+  scan.returns = plan.returns;
+  resize(scan.points, true, 3 * count, kMiss);
+  resize(scan.ranges, true, count, kMiss);
+  resize(scan.triangles, true, count, kNoTriangle);
+  resize(scan.instances, true, count, kNoTriangle);
+  const bool signal = plan.asks(gpu::kFieldSignal), surface = plan.asks(gpu::kFieldSurface);
+  for (auto* array : {&scan.intensities, &scan.trueRanges, &scan.widths}) resize(*array, signal, count, kMiss);
+  resize(scan.labels, signal, count, uint8_t{0});
+  resize(scan.causes, signal, beams, uint8_t{0});
+  resize(scan.normals, surface, 3 * count, kMiss);
+  resize(scan.incidences, surface, count, kMiss);
+  resize(scan.materials, surface, count, kNoTriangle);
+  resize(scan.velocities, plan.speeds(), 3 * count, 0.0f);
+  resize(scan.radialSpeeds, plan.speeds(), count, kMiss);
+  resize(scan.barycentrics, plan.asks(gpu::kFieldBarycentrics), 2 * count, kMiss);
 }
 
 }  // namespace gnosphere

@@ -59,6 +59,10 @@ struct SensorPlan {
 std::vector<SensorPlan> planSensors(const Scene& scene, const std::vector<Sensor>& sensors,
                                     const SimulatorOptions& options);
 
+/// Every array that the plan asks for gets its size, the others none; `cleared`: and what says that nothing was met.
+/// Ties and tolerances are the reference's own.
+void resizeArrays(const SensorPlan& plan, Scan& scan, bool cleared = false);
+
 /// Whether any of the plans has something: anyOf(plans, &SensorPlan::holes).
 bool anyOf(const std::vector<SensorPlan>& plans, bool (SensorPlan::*has)() const);
 

@@ -2,27 +2,13 @@
 #include "pipeline/resolve_words.hpp"
 
 #include <bit>
-#include <cmath>
+
+#include "beam.h"
 
 namespace gnosphere {
 namespace {
 
 constexpr float kMiss = std::bit_cast<float>(0x7fc00000u);
-
-struct Azimuth {
-  float cosine, sine;
-};
-
-// As lattice.glsl and beam.glsl have them, operation by operation.
-float onLattice(float value) {
-  return std::abs(value) < 0.015625f ? std::nearbyint(value * 1073741824.0f) * (1.0f / 1073741824.0f) : value;
-}
-
-Azimuth shifted(Azimuth column, const gpu::vec4& offset, bool exact) {
-  const float c = column.cosine * offset.x - column.sine * offset.y;
-  const float s = column.sine * offset.x + column.cosine * offset.y;
-  return exact ? Azimuth{onLattice(c), onLattice(s)} : Azimuth{c, s};
-}
 
 }  // namespace
 
@@ -32,7 +18,7 @@ uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, c
   uint64_t hits = 0;
   InstanceTable::Owner owner;  // neighbours mostly meet the same instance
   for (uint32_t row = first; row < end; ++row) {
-    const gpu::vec3& angles = tables.rows[row].angles;
+    const auto& angles = tables.rows[row].angles;
     const gpu::vec4& offset = tables.rows[row].offset;
     const uint64_t begin = uint64_t{tables.rows[row].channel} * columns;
     const Word* word = words + uint64_t{row} * columns;
@@ -44,12 +30,13 @@ uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, c
         triangle[column] = instance[column] = gpu::kNone;
         continue;
       }
-      Azimuth azimuth = {tables.columns[2 * column], tables.columns[2 * column + 1]};
-      if (tables.azimuthOffsets) azimuth = shifted(azimuth, offset, exact);
+      const gpu::vec2 azimuth = gpu::azimuthOfBeam({tables.columns[2 * column], tables.columns[2 * column + 1]}, offset,
+                                                   tables.azimuthOffsets, exact);
+      const gpu::Beam beam = gpu::beamOf(azimuth, angles.x, angles.y);
       const float metres = std::bit_cast<float>(word->range);
-      point[0] = angles.x * azimuth.cosine * metres;
-      point[1] = angles.x * azimuth.sine * metres;
-      point[2] = angles.y * metres;
+      point[0] = beam.direction.x * metres;
+      point[1] = beam.direction.y * metres;
+      point[2] = beam.direction.z * metres;
       range[column] = metres;
       if (word->triangle - owner.first >= owner.triangles) owner = instances.ownerOf(word->triangle);
       triangle[column] = word->triangle - owner.first;

@@ -149,30 +149,13 @@ void readMotions(const gpu::vec4* motions, uint64_t first, uint64_t count, Scan&
 }  // namespace
 
 void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& scan) {
-  const size_t beams = plan.sensor.beamCount();
-  const size_t count = beams * plan.returns;
-  scan.returns = plan.returns;
-  scan.points.resize(3 * count);
-  scan.ranges.resize(count);
-  scan.triangles.resize(count);
-  scan.instances.resize(count);
-  const auto wants = [&](bool asked, size_t size) { return asked ? size : 0; };
-  const bool signal = plan.asks(gpu::kFieldSignal), surface = plan.asks(gpu::kFieldSurface);
-  for (auto* array : {&scan.intensities, &scan.trueRanges, &scan.widths}) array->resize(wants(signal, count));
-  scan.labels.resize(wants(signal, count));
-  scan.causes.resize(wants(signal, beams));
-  scan.normals.resize(wants(surface, 3 * count));
-  scan.incidences.resize(wants(surface, count));
-  scan.materials.resize(wants(surface, count));
-  scan.velocities.resize(wants(plan.speeds(), 3 * count));
-  scan.radialSpeeds.resize(wants(plan.speeds(), count));
-  scan.barycentrics.resize(wants(plan.asks(gpu::kFieldBarycentrics), 2 * count));
+  resizeArrays(plan, scan);
   scan.tolerances.clear();
   scan.ties.clear();
   scan.timings.stages.clear();
   scan.timings.gpuMs = 0;
   scan.counters = {};
-  scan.counters.beams = beams;
+  scan.counters.beams = plan.sensor.beamCount();
   const Counters& placed = instances.counters();
   scan.counters.triangles = placed.triangles;
   scan.counters.nonFinite = placed.nonFinite;

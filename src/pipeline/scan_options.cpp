@@ -61,9 +61,8 @@ bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorP
 }
 
 const char* nameOfBinning(uint32_t binning) {
-  constexpr const char* kNames[] = {"nearest", "nearest32", "lists", "slabs"};
-  static_assert(gpu::kBinningNearest == 0 && gpu::kBinningNearest32 == 1 && gpu::kBinningLists == 2 &&
-                gpu::kBinningSlabs == 3);
+  constexpr const char* kNames[] = {"nearest", "lists", "slabs"};
+  static_assert(gpu::kBinningNearest == 0 && gpu::kBinningLists == 1 && gpu::kBinningSlabs == 2);
   return kNames[binning];
 }
 

@@ -49,7 +49,7 @@ class Steps {
       const bool last = end == kInfinity;
       const gpu::Pass pass = {placed.first, placed.groups, begin, end, begin > 0};
       project(placed, pass);
-      bin(last);
+      bin();
       if (!last) findOccluders(pass);
       begin = end;
     }
@@ -58,7 +58,7 @@ class Steps {
   void scanMoving(const PlacedGroups::Run& placed) {
     if (placed.groups == 0) return;
     project(placed, {placed.first, placed.groups, 0, kInfinity, 1});
-    bin(true);
+    bin();
   }
 
   void project(const PlacedGroups::Run& placed, const gpu::Pass& pass) {
@@ -77,14 +77,13 @@ class Steps {
     finish("project");
   }
 
-  void bin(bool lastShell) {
+  void bin() {
     const Tuning& tuning = input_.tuning;
     const uint32_t blocks = std::min(tuning.groups, input_.frame.beams / gpu::kPrefixBlock + 1);
     const auto pass = [&](Kernel kernel, uint32_t number, uint32_t groups) {
       dispatch("bin", kernel, groups, {}, number);
     };
     pass(Kernel::bin, 0, tuning.triangleGroups);
-    if (lastShell && binning_ == gpu::kBinningNearest32) pass(Kernel::bin, gpu::kPassOwner, tuning.groups);
     if (binning_ == gpu::kBinningLists) {
       pass(Kernel::prefix_sum, gpu::kPassReduce, blocks);
       pass(Kernel::prefix_sum, gpu::kPassBlocks, 1);

@@ -40,11 +40,10 @@ Tuning tuningOf(const Traits& traits, uint32_t binning) {
 }
 
 uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint) {
-  if (footprint) return gpu::kBinningLists;
+  if (footprint || !traits.int64Atomics) return gpu::kBinningLists;
   bool slabs = traits.cpu;
   switch (options.binning) {
     case Binning::lists: return gpu::kBinningLists;
-    case Binning::nearest32: return gpu::kBinningNearest32;
     case Binning::automatic:
       // Candidates per beam, as the paper has it.
       if (exactnessOf(options).bounds == Exactness::Bounds::paper) return gpu::kBinningLists;
@@ -52,7 +51,7 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
     case Binning::slabs: slabs = true; break;
     case Binning::nearest: slabs = false; break;
   }
-  return !traits.int64Atomics ? gpu::kBinningNearest32 : slabs ? gpu::kBinningSlabs : gpu::kBinningNearest;
+  return slabs ? gpu::kBinningSlabs : gpu::kBinningNearest;
 }
 
 // Where every hit of a beam counts, nothing hides anything.

@@ -114,7 +114,9 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   const size_t beams = sensor.beamCount();
   const BeamEffects& effects = effects_[shot.sensor];
   const SensorPlan& plan = effects.plan;
-  clearResult(plan, beams, scan);
+  resizeArrays(plan, scan, true);
+  scan.ties.assign(scan.ranges.size(), 0);
+  scan.tolerances.assign(scan.ranges.size(), std::numeric_limits<float>::quiet_NaN());
   scan.counters = counters_;
   scan.timings = {};
   const bool moves = plan.has(gpu::kObjectMotion) && !shot.instanceMotions.empty();

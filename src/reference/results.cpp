@@ -7,8 +7,6 @@ namespace gnosphere::reference {
 
 namespace {
 
-constexpr float kMiss = std::numeric_limits<float>::quiet_NaN();
-
 void put(const Vec3& value, float* to) {
   to[0] = static_cast<float>(value.x);
   to[1] = static_cast<float>(value.y);
@@ -23,28 +21,6 @@ Vec3 turnedBy(const Vec3& direction, double azimuth, double elevation) {
 }
 
 }  // namespace
-
-void clearResult(const SensorPlan& plan, size_t beams, Scan& scan) {
-  const size_t count = beams * plan.returns;
-  scan.returns = plan.returns;
-  scan.points.assign(3 * count, kMiss);
-  scan.ranges.assign(count, kMiss);
-  scan.triangles.assign(count, kNoTriangle);
-  scan.instances.assign(count, kNoTriangle);
-  scan.ties.assign(count, 0);
-  scan.tolerances.assign(count, kMiss);
-  const auto wants = [&](bool asked, size_t size) { return asked ? size : 0; };
-  const bool signal = plan.asks(gpu::kFieldSignal), surface = plan.asks(gpu::kFieldSurface);
-  for (auto* array : {&scan.intensities, &scan.trueRanges, &scan.widths}) array->assign(wants(signal, count), kMiss);
-  scan.labels.assign(wants(signal, count), 0);
-  scan.causes.assign(wants(signal, beams), 0);
-  scan.normals.assign(wants(surface, 3 * count), kMiss);
-  scan.incidences.assign(wants(surface, count), kMiss);
-  scan.materials.assign(wants(surface, count), kNoTriangle);
-  scan.velocities.assign(wants(plan.speeds(), 3 * count), 0);
-  scan.radialSpeeds.assign(wants(plan.speeds(), count), kMiss);
-  scan.barycentrics.assign(wants(plan.asks(gpu::kFieldBarycentrics), 2 * count), kMiss);
-}
 
 struct Judge::Reported {
   Beam beam;

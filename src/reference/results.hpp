@@ -6,9 +6,6 @@
 
 namespace gnosphere::reference {
 
-/// Every array at its size and with nothing met.
-void clearResult(const SensorPlan& plan, size_t beams, Scan& scan);
-
 /// Judges the beams of one shot.
 class Judge {
  public:

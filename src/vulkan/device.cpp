@@ -62,16 +62,6 @@ int computeFamily(VkPhysicalDevice physical, uint32_t& timestampBits) {
   return -1;
 }
 
-bool offers(VkPhysicalDevice physical, const char* extension) {
-  uint32_t count = 0;
-  VK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr));
-  std::vector<VkExtensionProperties> extensions(count);
-  VK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data()));
-  return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& offered) {
-    return std::strcmp(offered.extensionName, extension) == 0;
-  });
-}
-
 int preference(const DeviceInfo& info) {
   const char* order[] = {"discrete", "integrated", "virtual", "other", "cpu"};
   return static_cast<int>(std::find(std::begin(order), std::end(order), info.type) - std::begin(order));
@@ -121,6 +111,16 @@ void check(VkResult result, const char* call, std::source_location where) {
                            (name ? name + 1 : where.file_name()) + ":" + std::to_string(where.line());
   const bool memory = result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
   throw Error(memory ? ErrorCode::outOfMemory : ErrorCode::device, text);
+}
+
+bool offers(VkPhysicalDevice physical, const char* extension) {
+  uint32_t count = 0;
+  VK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr));
+  std::vector<VkExtensionProperties> extensions(count);
+  VK(vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data()));
+  return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& offered) {
+    return std::strcmp(offered.extensionName, extension) == 0;
+  });
 }
 
 void Messages::add(const char* text) {

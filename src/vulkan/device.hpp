@@ -61,6 +61,9 @@ struct Offer {
 /// Why such a device cannot be used; empty if it can.
 std::string reasonAgainst(const Offer& offer);
 
+/// Whether the device has such an extension.
+bool offers(VkPhysicalDevice physical, const char* extension);
+
 /// The subgroup size that every pipeline gets in full. The stages divide their work by gl_SubgroupSize: if fewer lanes
 /// ran than it says, work would be lost without a word.
 struct FullSubgroups {

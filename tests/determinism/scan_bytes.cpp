@@ -29,15 +29,13 @@ void addEffects(bool footprint, SimulatorOptions& options) {
   options.fields = {Field::intensity, Field::width, Field::normal, Field::label};
 }
 
-const std::map<std::string, Binning> kWays = {{"nearest", Binning::nearest},
-                                              {"nearest32", Binning::nearest32},
-                                              {"lists", Binning::lists},
-                                              {"slabs", Binning::slabs}};
+const std::map<std::string, Binning> kWays = {
+    {"nearest", Binning::nearest}, {"lists", Binning::lists}, {"slabs", Binning::slabs}};
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) return std::fprintf(stderr, "usage: %s FOLDER nearest|nearest32|lists|slabs...\n", argv[0]), 2;
+  if (argc < 3) return std::fprintf(stderr, "usage: %s FOLDER nearest|lists|slabs...\n", argv[0]), 2;
   const Scene town = makeTown({.triangles = 60'000});
   const Pose pose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
   for (const std::string setting : {"standard", "exact", "effects", "footprint"})

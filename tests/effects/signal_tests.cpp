@@ -225,27 +225,3 @@ TEST_CASE("switching one effect on or off leaves the draws of the others as they
     CHECK(run(effects, gpu::kDropOut, echoes, i).cause == run(effects, gpu::kDropOut | noise, echoes, i).cause);
   }
 }
-
-TEST_CASE("a part of a sensor has the draws of the whole") {
-  Effects effects;
-  effects.rangeNoise.sigma = 0.1;
-  effects.dropOut.deadBeams = {500};
-  const std::vector<gpu::Echo> echoes = {echoAt(20, 0.3f, 0)};
-  const uint32_t planned = gpu::kRangeNoise | gpu::kDropOut;
-  gpu::EffectParameters part = effectParameters(effects, sensorOf(), planned);
-  part.firstBeam = 450;
-  const std::vector<uint32_t> dead = deadBeamBits(effects, sensorOf());
-  for (uint32_t i = 0; i < 100; ++i) {
-    std::array<gpu::Return, 1> returns;
-    gpu::BeamSignal signal;
-    signal.EFFECTS = planned;
-    signal.echoes = echoes;
-    signal.returns = returns;
-    signal.deadBeams = dead;
-    uint32_t count = 0;
-    const uint32_t cause = signal.signalsOf(part, i, {1, 0, 0}, 1, count);
-    const Beam whole = run(effects, planned, echoes, 450 + i);
-    CHECK(cause == whole.cause);
-    if (count > 0) CHECK(returns[0].range == whole.returns[0].range);
-  }
-}

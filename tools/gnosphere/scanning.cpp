@@ -21,11 +21,8 @@ namespace {
 
 const std::map<std::string, Faces> kFaces = {
     {"material", Faces::material}, {"front", Faces::front}, {"both", Faces::both}};
-const std::map<std::string, Binning> kBinnings = {{"auto", Binning::automatic},
-                                                  {"nearest", Binning::nearest},
-                                                  {"nearest32", Binning::nearest32},
-                                                  {"lists", Binning::lists},
-                                                  {"slabs", Binning::slabs}};
+const std::map<std::string, Binning> kBinnings = {
+    {"auto", Binning::automatic}, {"nearest", Binning::nearest}, {"lists", Binning::lists}, {"slabs", Binning::slabs}};
 const std::map<std::string, UpAxis> kUpAxes = {{"", UpAxis::formatDefault}, {"y", UpAxis::y}, {"z", UpAxis::z}};
 
 /// Finite numbers with one of `separators` between them (spaces apart); empty if the text is anything else.

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// A beam, out of the sensor's tables of rows and columns, in the common subset of GLSL, C++ and CUDA. The operations
+// are the same wherever a beam is asked for, so every triangle, every effect and the host's points see the same beam.
+#ifndef GNOSPHERE_BEAM_H
+#define GNOSPHERE_BEAM_H
+
+#include "effects/arithmetic.h"
+
+#ifdef __cplusplus
+namespace gnosphere::gpu {
+GNO_INLINE float roundEven(float value) {
+  return std::nearbyint(value);
+}
+#endif
+
+// The nearest multiple of 2^-30. With vertices (in metres) and directions on this lattice, products of three never
+// underflow, whatever a device does with denormals. From 2^-6 on every float is such a multiple.
+GNO_INLINE float onLattice(float value) {
+  GNO_PRECISE float nearest = roundEven(value * 1073741824.0f) * (1.0f / 1073741824.0f);
+  return abs(value) < 0.015625f ? nearest : value;
+}
+
+GNO_INLINE vec3 onLattice(vec3 p) {
+  return vec3(onLattice(p.x), onLattice(p.y), onLattice(p.z));
+}
+
+// Cos and sin of a beam's azimuth: those of its column, turned by the offset of its channel if channels have offsets.
+// `exact` decides on azimuths that lie on the lattice.
+GNO_INLINE vec2 azimuthOfBeam(vec2 column, vec4 offset, bool hasOffsets, bool exact) {
+  if (!hasOffsets) return column;
+  GNO_PRECISE float c = column.x * offset.x - column.y * offset.y;
+  GNO_PRECISE float s = column.y * offset.x + column.x * offset.y;
+  vec2 result;
+  result.x = exact ? onLattice(c) : c;
+  result.y = exact ? onLattice(s) : s;
+  return result;
+}
+
+// Cos and sin of azimuth and elevation, and the direction they make.
+struct Beam {
+  vec2 azimuth;
+  float cosElevation, sinElevation;
+  vec3 direction;
+};
+
+GNO_INLINE Beam beamOf(vec2 azimuth, float cosElevation, float sinElevation) {
+  GNO_PRECISE float forward = cosElevation * azimuth.x;
+  GNO_PRECISE float left = cosElevation * azimuth.y;
+  Beam beam;
+  beam.azimuth = azimuth;
+  beam.cosElevation = cosElevation;
+  beam.sinElevation = sinElevation;
+  beam.direction = vec3(forward, left, sinElevation);
+  return beam;
+}
+
+#ifdef __cplusplus
+}  // namespace gnosphere::gpu
+#endif
+#endif
