@@ -113,7 +113,8 @@ installBackported() {
   done
 }
 
-# An old Mesa that is installed stays as it is: the library works on 22.3, and drivers are their owner's business.
+# An old Mesa that is installed stays as it is, for drivers are their owner's business. Its lavapipe is refused if it is
+# older than 25, and the message says what to install.
 isMissing() {
   case $1 in
     catch2) ! atLeast "$(installed catch2)" 3 ;;
@@ -167,13 +168,13 @@ setUp() {
   done
 }
 
-# Warnings are errors with the compiler that the sources are kept clean for, and news with any other.
+# Warnings are errors with the compilers that the sources are kept clean for, g++ 12 and clang 14, and news with any other.
 # configure PRESET OPTION...
 configure() {
   local options=("${@:2}") compiler
   step "Configuring ($1)"
   compiler=$("${CXX:-c++}" -dumpversion 2>/dev/null) || compiler=
-  case $compiler in 12 | 12.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac
+  case $compiler in 12 | 12.* | 14.0.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac
   if command -v dpkg-query >/dev/null && ! atLeast "$(installed catch2)" 3; then
     note 'without Catch2 3 there are no tests'
     options+=(-D GNOSPHERE_TESTS=OFF)
