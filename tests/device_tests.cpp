@@ -274,11 +274,11 @@ TEST_CASE("a lavapipe that ends long loops early is refused with its version and
     return reasonAgainst(offer);
   };
   CHECK(reason(VK_DRIVER_ID_MESA_LLVMPIPE, "Mesa 22.3.6 (LLVM 15.0.6)") ==
-        "this lavapipe, Mesa 22.3.6 (LLVM 15.0.6), ends long loops early and would lose hits; Mesa 25 or newer is "
+        "this lavapipe, Mesa 22.3.6 (LLVM 15.0.6), ends long loops early and would lose hits; Mesa 25.0.7 or newer is "
         "needed, on Debian 12 mesa-vulkan-drivers from bookworm-backports");
-  for (const char* text : {"Mesa 9.0", "Mesa 24.3.4", "Mesa ", "", "a text of another kind, 25.0"})
+  for (const char* text : {"Mesa 9.0", "Mesa 24.3.9", "Mesa 25.0.6", "Mesa ", "", "a text of another kind, 25.0"})
     CHECK(reason(VK_DRIVER_ID_MESA_LLVMPIPE, text) != "");
-  for (const char* text : {"Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)", "Mesa 25.2.0-devel (git-0123456789)", "Mesa 100.1"})
+  for (const char* text : {"Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)", "Mesa 25.2.0-devel (git-0123456789)", "Mesa 100.1.0"})
     CHECK(reason(VK_DRIVER_ID_MESA_LLVMPIPE, text) == "");
   CHECK(reason(VK_DRIVER_ID_MESA_RADV, "Mesa 22.3.6") == "");
 }

@@ -12,7 +12,7 @@ packages=(
 # A rival of the bench, which does without it where there is none for this architecture.
 optional=(libembree-dev)
 # Debian 12 has these too old; its backports have them.
-backported=("catch2 3" "mesa-vulkan-drivers 25")
+backported=("catch2 3" "mesa-vulkan-drivers 25.0.7")
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 log=$root/build/setup.log
@@ -114,7 +114,7 @@ installBackported() {
 }
 
 # An old Mesa that is installed stays as it is, for drivers are their owner's business. Its lavapipe is refused if it is
-# older than 25, and the message says what to install.
+# older than 25.0.7, and the message says what to install.
 isMissing() {
   case $1 in
     catch2) ! atLeast "$(installed catch2)" 3 ;;

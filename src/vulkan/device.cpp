@@ -2,10 +2,11 @@
 #include "vulkan/device.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
+#include <cstdio>
 #include <cstring>
-#include <string_view>
 
 #include "base/text.hpp"
 #include "pipeline/backend.hpp"
@@ -197,17 +198,15 @@ FullSubgroups fullSubgroupsOf(const Offer& offer) {
 }
 
 // Older versions of lavapipe leave all loops of an invocation as soon as these have gone round 65535 times in all, and
-// the rest of its work is lost without a word. Mesa 25.0.7 does not. lavapipe's driverVersion is 1 in every Mesa, so
-// the version is read from the text, "Mesa 22.3.6 (LLVM 15.0.6)".
-constexpr uint32_t kLeastMesaOfLavapipe = 25;
+// the rest of its work is lost without a word. Mesa 25.0.7 is the oldest that is known not to. lavapipe's driverVersion
+// is 1 in every Mesa, so the version is read from the text, "Mesa 22.3.6 (LLVM 15.0.6)".
+constexpr std::array<unsigned, 3> kLeastMesa = {25, 0, 7};
 
 bool losesLoops(const VkPhysicalDeviceDriverProperties& driver) {
   if (driver.driverID != VK_DRIVER_ID_MESA_LLVMPIPE) return false;
-  constexpr std::string_view kMesa = "Mesa ";
-  const std::string_view text = driver.driverInfo;
-  uint32_t major = 0;
-  if (text.starts_with(kMesa)) std::from_chars(text.data() + kMesa.size(), text.data() + text.size(), major);
-  return major < kLeastMesaOfLavapipe;
+  std::array<unsigned, 3> mesa = {};
+  std::sscanf(driver.driverInfo, "Mesa %u.%u.%u", &mesa[0], &mesa[1], &mesa[2]);
+  return mesa < kLeastMesa;
 }
 
 // What every device with Vulkan 1.2 has is not asked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
@@ -229,8 +228,8 @@ std::string reasonAgainst(const Offer& offer) {
   if (!offer.features12.bufferDeviceAddress) return "its shaders cannot find buffers by address";
   if (losesLoops(offer.driver))
     return "this lavapipe, " + std::string(offer.driver.driverInfo) +
-           ", ends long loops early and would lose hits; Mesa " + std::to_string(kLeastMesaOfLavapipe) +
-           " or newer is needed, on Debian 12 mesa-vulkan-drivers from bookworm-backports";
+           ", ends long loops early and would lose hits; Mesa 25.0.7 or newer is needed, on Debian 12 "
+           "mesa-vulkan-drivers from bookworm-backports";
   return {};
 }
 
