@@ -34,11 +34,20 @@ Frame frame = frameAt.at[0];
 
 #else
 
+// A block that a kernel does not use has no address, so blocks are pointers here and not references. Each stage is
+// included after another one, which has left its macros.
+#undef counters
+#undef parameters
+#undef motion
 #define ARRAY(access_, type_, name_) type_* name_ = reinterpret_cast<type_*>(job.addresses.name_);
-#define BLOCK(access_, type_, name_) type_& name_ = *reinterpret_cast<type_*>(job.addresses.name_);
+#define BLOCK(access_, type_, name_) type_* name_##At = reinterpret_cast<type_*>(job.addresses.name_);
 GNO_ARRAYS(BLOCK, ARRAY)
 #undef ARRAY
 #undef BLOCK
+Frame& frame = *frameAt;
+#define counters (*countersAt)
+#define parameters (*parametersAt)
+#define motion (*motionAt)
 Pass pass = __builtin_bit_cast(Pass, job.pass);
 
 #endif

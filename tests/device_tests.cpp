@@ -5,6 +5,7 @@
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdio>
+#include <cstring>
 
 #include "support.hpp"
 #include "vulkan/commands.hpp"
@@ -263,6 +264,23 @@ TEST_CASE("a device that lacks a feature is refused with the name of the feature
                                      VK_SUBGROUP_FEATURE_SHUFFLE_BIT, VK_SUBGROUP_FEATURE_ARITHMETIC_BIT})
     CHECK_THAT(reason([&](vulkan::Offer& offer) { offer.subgroup.supportedOperations &= ~bit; }),
                ContainsSubstring("it lacks subgroup"));
+}
+
+TEST_CASE("a lavapipe that ends long loops early is refused with its version and the way out") {
+  const auto reason = [](VkDriverId driver, const char* text) {
+    vulkan::Offer offer = goodOffer();
+    offer.driver.driverID = driver;
+    std::strcpy(offer.driver.driverInfo, text);
+    return reasonAgainst(offer);
+  };
+  CHECK(reason(VK_DRIVER_ID_MESA_LLVMPIPE, "Mesa 22.3.6 (LLVM 15.0.6)") ==
+        "this lavapipe, Mesa 22.3.6 (LLVM 15.0.6), ends long loops early and would lose hits; Mesa 25.0.7 or newer is "
+        "needed, on Debian 12 mesa-vulkan-drivers from bookworm-backports");
+  for (const char* text : {"Mesa 9.0", "Mesa 24.3.9", "Mesa 25.0.6", "Mesa ", "", "a text of another kind, 25.0"})
+    CHECK(reason(VK_DRIVER_ID_MESA_LLVMPIPE, text) != "");
+  for (const char* text : {"Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)", "Mesa 25.2.0-devel (git-0123456789)", "Mesa 100.1.0"})
+    CHECK(reason(VK_DRIVER_ID_MESA_LLVMPIPE, text) == "");
+  CHECK(reason(VK_DRIVER_ID_MESA_RADV, "Mesa 22.3.6") == "");
 }
 
 TEST_CASE("a number selects a device by index, any other text by part of its name") {

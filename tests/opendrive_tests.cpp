@@ -120,7 +120,9 @@ TEST_CASE("a clothoid ends at the point of Fresnel's integrals and of an integra
 
   for (const auto& [from, to, length] : {std::tuple{0.0, 0.02, 30.0}, {0.08, -0.15, 120.0}, {-0.01, -0.3, 45.0}}) {
     const CurvePoint end = curve(Shape::spiral, length, from, to).at(length);
-    const auto heading = [&](double s) { return from * s + (to - from) / length * s * s / 2; };
+    const auto heading = [from = from, to = to, length = length](double s) {
+      return from * s + (to - from) / length * s * s / 2;
+    };
     CAPTURE(from, to, length);
     CHECK(distance(end.at, integrated(heading, length)) < 1e-7);
     CHECK(distance(end.along, {std::cos(heading(length)), std::sin(heading(length)), 0}) < 1e-9);

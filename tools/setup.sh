@@ -12,7 +12,7 @@ packages=(
 # Needed for one contender of the bench, which is left out if this architecture lacks the package.
 optional=(libembree-dev)
 # Debian 12 has older versions of these; its backports have the versions needed.
-backported=("catch2 3" "mesa-vulkan-drivers 25")
+backported=("catch2 3" "mesa-vulkan-drivers 25.0.7")
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 log=$root/build/setup.log
@@ -113,7 +113,8 @@ installBackported() {
   done
 }
 
-# An old Mesa that is installed stays: the library works with 22.3, and the machine's owner chooses the drivers.
+# An old Mesa that is installed stays, because the machine's owner chooses the drivers. Its lavapipe is refused if it is
+# older than 25.0.7, and the message says what to install.
 isMissing() {
   case $1 in
     catch2) ! atLeast "$(installed catch2)" 3 ;;
@@ -167,13 +168,13 @@ setUp() {
   done
 }
 
-# Warnings are errors only with the compiler for which the sources are kept free of warnings.
+# Warnings are errors only with the compilers for which the sources are kept free of warnings: g++ 12 and clang 14.
 # configure PRESET OPTION...: runs cmake.
 configure() {
   local options=("${@:2}") compiler
   step "Configuring ($1)"
   compiler=$("${CXX:-c++}" -dumpversion 2>/dev/null) || compiler=
-  case $compiler in 12 | 12.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac
+  case $compiler in 12 | 12.* | 14.0.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac
   if command -v dpkg-query >/dev/null && ! atLeast "$(installed catch2)" 3; then
     note 'without Catch2 3 there are no tests'
     options+=(-D GNOSPHERE_TESTS=OFF)

@@ -2,8 +2,10 @@
 #include "vulkan/device.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
+#include <cstdio>
 #include <cstring>
 
 #include "base/text.hpp"
@@ -104,11 +106,11 @@ VkDebugUtilsMessengerCreateInfoEXT messengerOf(Messages& messages) {
 
 }  // namespace
 
-void check(VkResult result, const char* call, std::source_location where) {
+void check(VkResult result, const char* call, const char* file, uint32_t line) {
   if (result == VK_SUCCESS) return;
-  const char* name = std::strrchr(where.file_name(), '/');
+  const char* name = std::strrchr(file, '/');
   const std::string text = std::string(call) + " gave " + resultName(result) + " (" + std::to_string(result) + ") at " +
-                           (name ? name + 1 : where.file_name()) + ":" + std::to_string(where.line());
+                           (name ? name + 1 : file) + ":" + std::to_string(line);
   const bool memory = result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
   throw Error(memory ? ErrorCode::outOfMemory : ErrorCode::device, text);
 }
@@ -195,6 +197,18 @@ FullSubgroups fullSubgroupsOf(const Offer& offer) {
   return choice ? FullSubgroups{kWorkgroupSize, true} : FullSubgroups{};
 }
 
+// Older versions of lavapipe leave all loops of an invocation as soon as these have gone round 65535 times in all, and
+// the rest of its work is lost without a word. Mesa 25.0.7 is the oldest that is known not to. lavapipe's driverVersion
+// is 1 in every Mesa, so the version is read from the text, "Mesa 22.3.6 (LLVM 15.0.6)".
+constexpr std::array<unsigned, 3> kLeastMesa = {25, 0, 7};
+
+bool losesLoops(const VkPhysicalDeviceDriverProperties& driver) {
+  if (driver.driverID != VK_DRIVER_ID_MESA_LLVMPIPE) return false;
+  std::array<unsigned, 3> mesa = {};
+  std::sscanf(driver.driverInfo, "Mesa %u.%u.%u", &mesa[0], &mesa[1], &mesa[2]);
+  return mesa < kLeastMesa;
+}
+
 // What every device with Vulkan 1.2 has is not asked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
 // of them a dispatch, and 128 bytes of push constants.
 static_assert(kWorkgroupSize <= 128 && sizeof(gpu::Pass) <= 128);
@@ -212,14 +226,18 @@ std::string reasonAgainst(const Offer& offer) {
            " lanes, by " VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME "; a newer driver may";
   if (!offer.features12.scalarBlockLayout) return "it lacks the scalar block layout";
   if (!offer.features12.bufferDeviceAddress) return "its shaders cannot find buffers by address";
+  if (losesLoops(offer.driver))
+    return "this lavapipe, " + std::string(offer.driver.driverInfo) +
+           ", ends long loops early and would lose hits; Mesa 25.0.7 or newer is needed, on Debian 12 "
+           "mesa-vulkan-drivers from bookworm-backports";
   return {};
 }
 
 Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   Capabilities result;
   Offer offer;
-  VkPhysicalDeviceDriverProperties driver = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
-  VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &driver};
+  offer.driver = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &offer.driver};
   VkPhysicalDeviceMaintenance3Properties allocations = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
                                                         &id};
   offer.subgroup = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &allocations};
@@ -246,7 +264,7 @@ Capabilities capabilitiesOf(VkPhysicalDevice physical) {
   }
   vkGetPhysicalDeviceProperties2(physical, &properties);
   vkGetPhysicalDeviceFeatures2(physical, &features);
-  info.driver = std::string(driver.driverName) + " " + driver.driverInfo;
+  info.driver = std::string(offer.driver.driverName) + " " + offer.driver.driverInfo;
   info.maxBufferBytes = allocations.maxMemoryAllocationSize;
   std::copy(std::begin(id.deviceUUID), std::end(id.deviceUUID), info.uuid.begin());
   uint32_t timestampBits = 0;

@@ -6,7 +6,6 @@
 
 #include <memory>
 #include <mutex>
-#include <source_location>
 #include <string>
 #include <vector>
 
@@ -16,8 +15,9 @@
 
 namespace gnosphere::vulkan {
 
-/// Throws Error with the call's text, the result's name and the place. Use through VK().
-void check(VkResult result, const char* call, std::source_location where = std::source_location::current());
+/// Throws Error with the call's text, the result's name and the place, which is that of the caller: clang 14 has no
+/// std::source_location. Use through VK().
+void check(VkResult result, const char* call, const char* file = __builtin_FILE(), uint32_t line = __builtin_LINE());
 #define VK(call) ::gnosphere::vulkan::check(call, #call)
 
 /// What the validation layer has said.
@@ -57,6 +57,7 @@ struct Offer {
   /// These two are zeros without VK_EXT_subgroup_size_control.
   VkPhysicalDeviceSubgroupSizeControlPropertiesEXT sizes = {};
   VkPhysicalDeviceSubgroupSizeControlFeaturesEXT sizeControl = {};
+  VkPhysicalDeviceDriverProperties driver = {};
 };
 /// Why such a device cannot be used; empty if it can.
 std::string reasonAgainst(const Offer& offer);
@@ -105,10 +106,10 @@ class Device {
   /// The object that a function of vk() creates as `info` says. Throws Error that names the place of the call.
   template <typename T, typename Info>
   DeviceHandle<T> make(VkResult(VKAPI_PTR* create)(VkDevice, const Info*, const VkAllocationCallbacks*, T*),
-                       typename DeviceHandle<T>::Destroy destroy, const Info& info,
-                       std::source_location where = std::source_location::current()) const {
+                       typename DeviceHandle<T>::Destroy destroy, const Info& info, const char* file = __builtin_FILE(),
+                       uint32_t line = __builtin_LINE()) const {
     T object = VK_NULL_HANDLE;
-    check(create(handle(), &info, nullptr, &object), "making a Vulkan object", where);
+    check(create(handle(), &info, nullptr, &object), "making a Vulkan object", file, line);
     return {object, destroy, handle()};
   }
   VkPhysicalDevice physical() const { return physical_; }

@@ -91,8 +91,8 @@ Scene bake(const Scene& scene) {
       size_t count = 0;
       do count += scene.meshes[tile[end++]->mesh].triangleCount();
       while (end < tile.size() && count + scene.meshes[tile[end]->mesh].triangleCount() <= kMostTriangles);
-      const auto at = [&](size_t i) { return tile.begin() + static_cast<ptrdiff_t>(i); };
-      Mesh mesh = merged(scene, {at(begin), at(end)}, centre);
+      const auto first = tile.begin();
+      Mesh mesh = merged(scene, {first + static_cast<ptrdiff_t>(begin), first + static_cast<ptrdiff_t>(end)}, centre);
       mesh.name = name;
       baked.instances.push_back({name, static_cast<uint32_t>(baked.meshes.size()), place(centre)});
       baked.meshes.push_back(std::move(mesh));

@@ -125,7 +125,7 @@ void cutIntoCells(const Paths& region, Emit&& emit) {
 /// Data to build one junction: its connecting roads, the roads that meet there, and the heights of both.
 class JunctionSurface {
  public:
-  JunctionSurface(const Network& network, const std::string& id) : network_(network), id_(id) {
+  JunctionSurface(const Network& network, const std::string& id) : id_(id) {
     for (const Road& road : network.roads)
       if (road.junction == id) origin_ = road.frame(0).at;
     origin_ = {std::round(origin_.x), std::round(origin_.y), std::round(origin_.z)};
@@ -252,7 +252,6 @@ class JunctionSurface {
       }
   }
 
-  const Network& network_;
   std::string id_;
   Vec3 origin_;
   Paths covered_, footprints_;
