@@ -45,7 +45,7 @@
   ARRAY(, TaggedCorner, projectedC) \
   ARRAY(, vec2, projectedColumns) \
   ARRAY(, uvec4, tiles) \
-  ARRAY(coherent, uvec2, words)            /* per beam, row by row: triangle, range bits (little-endian 64-bit word) */ \
+  ARRAY(coherent, uvec2, words)            /* per beam, by rows: triangle, range bits (little-endian 64-bit word) */ \
   ARRAY(, uvec2, stillWords)               /* the words after the objects that do not move have been binned */ \
   ARRAY(coherent, uint, listEnds)          /* per beam, row by row: count, then start, then end of its candidates; */ \
                                            /* or per slab of columns: its last tile */ \
