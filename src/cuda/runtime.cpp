@@ -44,7 +44,7 @@ DeviceInfo infoOf(int index) {
   return info;
 }
 
-// The number after `prefix`; -1 where the name is another.
+// Returns the number after `prefix`, or -1 if the name does not start with it.
 int indexAfter(std::string_view prefix, std::string_view name) {
   if (!name.starts_with(prefix)) return -1;
   name.remove_prefix(prefix.size());
@@ -125,7 +125,7 @@ void copyToDevice(void* to, const void* from, uint64_t bytes) {
 }
 
 void copyToHost(void* to, const void* from, uint64_t bytes) {
-  CUDA(cudaGetLastError());  // of a launch
+  CUDA(cudaGetLastError());  // reports the error of an earlier launch
   if (bytes > 0) CUDA(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToHost));
 }
 
