@@ -78,9 +78,9 @@ void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
   tryBeam(seen, prepare(seen), turn(seen, beam.azimuth), beam, index, slot);
 }
 
-// Returns the beam in the k-th column of a box and in a row, and its index in `words`. If the row's azimuth offset is
-// n columns, the beam at a grid column is the row's beam number (grid column - n). So k counts grid columns in every
-// row, and the slab that owns the grid column owns the beam.
+// Returns the beam in the k-th column of a box and in a row, and its index in `words`. If the row's azimuth offset
+// is n columns, rounded down, its beam at a grid column is beam number (grid column - n) of the row. So k counts grid
+// columns in every row, and the slab that owns the grid column owns the beam.
 Beam beamAt(Box box, uint k, uint row, out uint index) {
   vec3 angles = rows.at[row].angles;
   vec4 offset = AZIMUTH_OFFSETS ? rows.at[row].offset : vec4(0.0);

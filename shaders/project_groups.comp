@@ -22,7 +22,7 @@ layout(local_size_x = 64) in;
 void noteLater(vec3 low, vec3 high, inout uvec2 later) {
   bool occluders = (CULLING & kCullOccluded) != 0 && pass.shellMax < kCoordinateLimit;
   if (!occluders || farthestPoint(low, high) < pass.shellMax) return;
-  if (MOTION) seeming = seemingAngle(motion.shift, motion.turn, pass.shellMax);  // bound for all that is beyond
+  if (MOTION) seeming = seemingAngle(motion.shift, motion.turn, pass.shellMax);  // bounds all content beyond the shell
   float keyMin, keyMax;
   coverKeys(low, high, pass.shellMax, keyMin, keyMax);
   uint first, end;

@@ -187,7 +187,7 @@ struct Row {
 // Counts of list entries and of triangles by result; read back with the results.
 struct Counters {
   uint projectedSmall, projectedLarge, tiles, candidates;
-  uint binnedSmall, binnedTiles;  // how many of them an earlier shell has binned already
+  uint binnedSmall, binnedTiles;  // counts of projectedSmall and tiles that earlier shells have binned
   uint hits;
   uint triangles;  // read from visible clusters
   uint nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden;
