@@ -11,7 +11,7 @@ EdgeNormals edgeNormals(Triangle triangle) {
   return EdgeNormals(cross(triangle.a, triangle.b), cross(triangle.b, triangle.c), cross(triangle.c, triangle.a));
 }
 
-// On which side of the edges opposite to a, b and c the beam lies.
+// Returns on which side of the edges opposite to a, b and c the beam lies.
 vec3 plainSides(EdgeNormals normals, vec3 beam) {
   return vec3(dot(normals.bc, beam), dot(normals.ca, beam), dot(normals.ab, beam));
 }

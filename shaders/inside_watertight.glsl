@@ -18,8 +18,8 @@ Turned turn(Triangle triangle, vec2 azimuth) {
   return Turned(p, q, vec3(triangle.a.z, triangle.b.z, triangle.c.z));
 }
 
-// On which side of the edges opposite to a, b and c the beam lies. (depth, q, w) is forward, left, up. A triangle that
-// is counter-clockwise as the sensor sees it has negative sides if the beam is inside.
+// Returns on which side of the edges opposite to a, b and c the beam lies. (depth, q, w) is forward, left, up. A
+// triangle that is counter-clockwise as the sensor sees it has negative sides if the beam is inside.
 vec3 watertightSides(Turned turned, float cosElevation, float sinElevation) {
   precise vec3 w = turned.z * cosElevation - turned.p * sinElevation;
   precise vec3 side = turned.q.yzx * w.zxy - w.yzx * turned.q.zxy;
