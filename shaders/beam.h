@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A beam, out of the sensor's tables of rows and columns, in the common subset of GLSL, C++ and CUDA. The operations
-// are the same wherever a beam is asked for, so every triangle, every effect and the host's points see the same beam.
+// Computes a beam from the sensor's tables of rows and columns, in the common subset of GLSL, C++ and CUDA. Every
+// stage, every effect and the host use the same operations, so all of them get the same beam.
 #ifndef GNOSPHERE_BEAM_H
 #define GNOSPHERE_BEAM_H
 
@@ -13,8 +13,8 @@ GNO_INLINE float roundEven(float value) {
 }
 #endif
 
-// The nearest multiple of 2^-30. With vertices (in metres) and directions on this lattice, products of three never
-// underflow, whatever a device does with denormals. From 2^-6 on every float is such a multiple.
+// Rounds to the nearest multiple of 2^-30. With vertices (in metres) and directions on this lattice, products of three
+// never underflow, whatever a device does with denormals. Every float of at least 2^-6 is such a multiple already.
 GNO_INLINE float onLattice(float value) {
   GNO_PRECISE float nearest = roundEven(value * 1073741824.0f) * (1.0f / 1073741824.0f);
   return abs(value) < 0.015625f ? nearest : value;
@@ -24,8 +24,8 @@ GNO_INLINE vec3 onLattice(vec3 p) {
   return vec3(onLattice(p.x), onLattice(p.y), onLattice(p.z));
 }
 
-// Cos and sin of a beam's azimuth: those of its column, turned by the offset of its channel if channels have offsets.
-// `exact` decides on azimuths that lie on the lattice.
+// Returns cos and sin of a beam's azimuth: the azimuth of its column, plus the offset of its channel if channels have
+// offsets. With `exact` the result is rounded to the lattice.
 GNO_INLINE vec2 azimuthOfBeam(vec2 column, vec4 offset, bool hasOffsets, bool exact) {
   if (!hasOffsets) return column;
   GNO_PRECISE float c = column.x * offset.x - column.y * offset.y;
@@ -36,7 +36,7 @@ GNO_INLINE vec2 azimuthOfBeam(vec2 column, vec4 offset, bool hasOffsets, bool ex
   return result;
 }
 
-// Cos and sin of azimuth and elevation, and the direction they make.
+// Cos and sin of azimuth and elevation, and the direction vector that they define.
 struct Beam {
   vec2 azimuth;
   float cosElevation, sinElevation;

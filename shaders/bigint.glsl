@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact sums of products of floats, in integers: no rounding, no underflow, the same on every device. A number is
-// limbs * 2^-scale, two's complement, least limb first. Coordinates are multiples of 2^-30 m below 2^30 m, directions
-// multiples of 2^-60 up to 1, so a product of three needs at most 183 bits.
+// Exact sums of products of floats in integer arithmetic: no rounding, no underflow, the same result on every device.
+// A number is limbs * 2^-scale in two's complement, least significant limb first. Coordinates are multiples of 2^-30 m
+// below 2^30 m, directions are multiples of 2^-60 up to 1, so a product of three needs at most 183 bits.
 
 const int kLimbs = 10;
 const int kCoordinateScale = 30;
@@ -17,7 +17,7 @@ Big zeroBig() {
   return z;
 }
 
-// |value| = mantissa * 2^(shift - scale).
+// Splits a float so that |value| = mantissa * 2^(shift - scale).
 void splitFloat(float value, int scale, out uint mantissa, out int shift) {
   uint bits = floatBitsToUint(value) & 0x7fffffffu;
   int exponent = int(bits >> 23);
@@ -29,7 +29,7 @@ void splitFloat(float value, int scale, out uint mantissa, out int shift) {
   }
 }
 
-// sum += or -= words * 2^shift.
+// Adds words * 2^shift to sum, or subtracts it if `negative`.
 void addWords(inout Big sum, uvec3 words, int shift, bool negative) {
   int first = shift >> 5;
   uint s = uint(shift & 31);
@@ -48,7 +48,7 @@ void addWords(inout Big sum, uvec3 words, int shift, bool negative) {
   }
 }
 
-// sum += or -= x y z, with z of the given scale and x, y coordinates.
+// Adds x y z to sum, or subtracts it if `negate`. x and y are coordinates; z has the given scale.
 void addProduct(inout Big sum, float x, float y, float z, int scale, bool negate) {
   uvec3 m;
   ivec3 shift;
@@ -64,7 +64,8 @@ void addProduct(inout Big sum, float x, float y, float z, int scale, bool negate
   addWords(sum, uvec3(lowLow, middle, highHigh + carry), shift.x + shift.y + shift.z, negative != negate);
 }
 
-// det(a, b, c); c of the given scale. The loop stays a loop: this is the rare path, and drivers inline every call.
+// Adds det(a, b, c) to sum; c has the given scale. The loop is not unrolled because this path is rare and drivers
+// inline every call.
 void addDeterminant(inout Big sum, vec3 a, vec3 b, vec3 c, int scale) {
   [[dont_unroll]] for (int i = 0; i < 6; ++i) {
     bool swapped = i >= 3;
@@ -103,7 +104,7 @@ Big difference(Big a, Big b) {
   return a;
 }
 
-// value * factor * 2^shift, value not negative.
+// Returns value * factor * 2^shift for a value that is not negative.
 Big scaled(Big value, uint factor, int shift) {
   Big product;
   uint carry = 0;

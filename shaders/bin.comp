@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage bin. Gives every projected triangle to the beams that meet it. Small boxes are worked off by one invocation
-// each; tiles of large ones by a subgroup each, its lanes side by side. PASS says what is done with a meeting. Where a
-// subgroup owns a slab of columns, all boxes are tiles, listed slab by slab, and nothing has to be atomic.
+// Stage bin. Assigns every projected triangle to the beams that hit it. One invocation processes a small box; large
+// boxes are cut into tiles and one subgroup processes a tile. PASS selects what happens with a hit. With slabs, a
+// subgroup owns a range of columns, all boxes are tiles, listed by slab, and no atomics are needed.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -29,7 +29,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer Wo
 Words64 words64 = Words64(words);
 #endif
 
-// Only the owner of the beam may call this, so nothing has to be atomic.
+// Only the subgroup that owns the beam's slab may call this; therefore no atomics are needed.
 void keepNearer(uint beam, bool met, float range, uint id) {
 #ifdef INT64_ATOMICS
   if (!met) return;
@@ -38,8 +38,8 @@ void keepNearer(uint beam, bool met, float range, uint id) {
 #endif
 }
 
-// Ranges are positive, so their bits order like numbers. A word never grows, so a plain read could skip the atomic; but
-// near triangles come first, so most of the atomics that were asked for would have been needed anyway.
+// Ranges are positive, so their bits order like numbers. A word never grows, so a plain read could skip the atomic.
+// The code does not read first: near triangles come first, so most atomics succeed anyway.
 void offer(uint beam, float range, uint projected, uint id) {
 #ifdef INT64_ATOMICS
   if (BINNING == kBinningNearest) {
@@ -72,15 +72,15 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
     offer(index, range, projected, triangle.id);
 }
 
-// `seen` is the triangle when the beam's column fires.
+// `seen` is the triangle at the time when the beam's column fires.
 void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
   seen = seenFrom(seen, index / frame.columns, beam.azimuth);
   tryBeam(seen, prepare(seen), turn(seen, beam.azimuth), beam, index, slot);
 }
 
-// The beam in the k-th column of a box and in a row, and its index among the words. In a row with an offset of its own
-// that column is so many columns back: a beam then is the k-th of a box in every row where the box has its grid column,
-// and the slab that owns the grid column owns the beam.
+// Returns the beam in the k-th column of a box and in a row, and its index in `words`. If the row's azimuth offset
+// is n columns, rounded down, its beam at a grid column is beam number (grid column - n) of the row. So k counts grid
+// columns in every row, and the slab that owns the grid column owns the beam.
 Beam beamAt(Box box, uint k, uint row, out uint index) {
   vec3 angles = rows.at[row].angles;
   vec4 offset = AZIMUTH_OFFSETS ? rows.at[row].offset : vec4(0.0);
@@ -91,8 +91,8 @@ Beam beamAt(Box box, uint k, uint row, out uint index) {
 
 Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }
 
-// One invocation, all beams of a box. One loop, not two nested ones: lanes with boxes of other shapes then wait for the
-// largest box only, not for the most columns times the most rows.
+// One invocation tries all beams of a box. It is one loop, not two nested ones: a subgroup then runs as long as its
+// largest box, not as long as the most columns times the most rows of any box.
 void trySmall(uint i) {
   TaggedCorner c = projectedC.at[i];
   Triangle triangle = triangleOf(projectedA.at[i], projectedB.at[i], c.corner);
@@ -114,20 +114,20 @@ void trySmall(uint i) {
   }
 }
 
-// A tile's triangle and which of its columns; one lane loads for all.
+// A tile's triangle and its range of columns in the triangle's box. The first lane loads it and broadcasts it.
 struct Tile {
   uint slot;
   Triangle triangle;
   Box box;
   uint first, end;
-  uint column;  // of the first one, wrapped
-  uint before;  // in the list of a slab
+  uint column;  // the tile's first column, wrapped
+  uint before;  // previous tile in the slab's list
 };
 
-// The column of the k-th one of its box, without an offset.
+// Returns the sensor column of column k of the tile's box, without azimuth offset.
 uint columnOf(Tile tile, uint k) {
   uint column = tile.column + (k - tile.first);
-  return min(column, column - frame.columns);  // beyond the last comes the first again
+  return min(column, column - frame.columns);  // after the last column comes the first again
 }
 
 Tile tileAt(uint t) {
@@ -150,12 +150,13 @@ Tile tileAt(uint t) {
               min(tile.y + tile.z, boxColumnCount(box)), wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
 }
 
-// Rows from..to - 1 of a box that a beam in its columns kFrom..kTo may meet the triangle in; a lane each.
+// Narrows the rows of a box to from..to - 1, the rows whose beams in columns kFrom..kTo may hit the triangle. Each
+// lane computes its own range of columns.
 void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out uint from, out uint to) {
   uint rowCount = boxRowCount(tile.box);
   from = 0;
   to = rowCount;
-  // Few rows are not worth it, nor does the paper ask.
+  // A small tile does not repay this work, and the paper's bounds must stay as they are.
   bool pays = rowCount * (tile.end - tile.first) > kFewBeams;
   if (MOTION || !pays || BOUNDS == kBoundsPaper) return;
   vec3 far = vec3(length(tile.triangle.a), length(tile.triangle.b), length(tile.triangle.c));
@@ -167,7 +168,7 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   keysBetween(turn(tile.triangle, columns.at[columnOf(tile, kFrom)]),
               turn(tile.triangle, columns.at[columnOf(tile, kTo + next)]),
               blur * max(max(far.x, far.y), far.z), keyMin, keyMax);
-  // A box of all columns may hold a pole.
+  // A box that spans all columns may contain a pole.
   if (boxColumnCount(tile.box) == frame.columns) {
     if (min(min(tile.triangle.a.z, tile.triangle.b.z), tile.triangle.c.z) < 0.0) keyMin = -1.0;
     if (max(max(tile.triangle.a.z, tile.triangle.b.z), tile.triangle.c.z) > 0.0) keyMax = 1.0;
@@ -178,8 +179,8 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   to = max(min(to, tile.box.rowLast + 1), tile.box.rowFirst) - tile.box.rowFirst;
 }
 
-// One subgroup, one tile. Lanes stand side by side in `width` columns and, where the tile has fewer columns than the
-// subgroup lanes, in several rows.
+// One subgroup tries all beams of one tile. The lanes cover `width` columns; if the tile has fewer columns than the
+// subgroup has lanes, they cover several rows as well.
 void tryTile(Tile tile) {
   Prepared prepared = prepare(tile.triangle);
   Box box = tile.box;
@@ -189,7 +190,7 @@ void tryTile(Tile tile) {
   uint width = 1 << shift, height = gl_SubgroupSize >> shift;
   float angle = float(AZIMUTH_OFFSETS ? width + 1 : width) / frame.columnsPerRadian;
   uint stride = frame.columns;
-  // Each lane has a row at hand; of most boxes these are all.
+  // Each lane holds the angles of one row. Most boxes have no more rows than the subgroup has lanes.
   vec2 angles = rows.at[min(box.rowFirst + lane, box.rowLast)].angles.xy;
   uint loaded = 0;
   for (uint part = tile.first; part < tile.end; part += width * gl_SubgroupSize) {
@@ -214,12 +215,12 @@ void tryTile(Tile tile) {
         for (; row < stop; row += height) {
           uint mine = row + (lane >> shift);
           vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
-          // Not a continue: every lane must come to the next shuffle.
+          // This is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
           if (here && MOTION) {
             uint index;
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
-            // Another row's offset may make it another column.
+            // Because of the row's offset the beam may belong to another column than the grid column.
             if (AZIMUTH_OFFSETS) seen = seenFrom(tile.triangle, tile.slot, index % frame.columns);
             tryMoving(seen, beam, index, tile.slot);
           } else if (here && AZIMUTH_OFFSETS) {
@@ -237,7 +238,8 @@ void tryTile(Tile tile) {
   }
 }
 
-// One subgroup, one slab after the other, whoever is free the next. Its list is empty then, for the next shell.
+// One subgroup processes slab after slab; a shared counter hands out the next slab. It leaves the slab's list empty
+// for the next shell.
 void trySlabs() {
   uint slabs = (frame.columns - 1 >> frame.slabShift) + 1;
   while (true) {
@@ -250,14 +252,14 @@ void trySlabs() {
     while (t != kNone) {
       Tile tile = tileAt(t);
       tryTile(tile);
-      subgroupMemoryBarrierBuffer();  // the next tile has other lanes at these words
+      subgroupMemoryBarrierBuffer();  // in the next tile, other lanes access these words
       t = tile.before;
     }
   }
 }
 
 void main() {
-  // Lists that were too small: the host makes room and runs the scan again.
+  // If a list was too small, the host enlarges it and runs the scan again.
   if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
       counters.tiles > frame.tileCapacity)
     return;
@@ -265,7 +267,7 @@ void main() {
     trySlabs();
     return;
   }
-  // Shell by shell, or everything at once.
+  // With kBinningNearest each shell bins only its new triangles; otherwise one pass bins all of them.
   bool byShell = BINNING == kBinningNearest;
   uint first = byShell ? counters.binnedSmall : 0;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a kernel finds the arrays of arrays.h: by the addresses in its job. In CUDA they are plain pointers. A stage says
-// above its main() what it reads and writes.
+// Declares the arrays of arrays.h for a kernel, by the addresses in its job. In CUDA they are plain pointers.
 #include "arrays.h"
 #include "effects/parameters.h"
 
@@ -26,7 +25,7 @@ GNO_ARRAYS(BLOCK, ARRAY)
 #undef ARRAY
 #undef BLOCK
 
-// What is read often is copied once: a compiler must load it again after each store to memory that it might alias.
+// The frame is copied once because it is read often: a compiler must reload memory after each store that may alias it.
 Frame frame = frameAt.at[0];
 #define counters countersAt.at[0]
 #define parameters parametersAt.at[0]

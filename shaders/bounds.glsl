@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact angular bounds of a triangle seen from the origin. The highest point of an edge may lie between its ends: a
-// great circle bulges. Interior extrema of elevation exist only at a pole. Source and check: a x b = n, the circle's
-// highest point is z - (z.n)n/|n|^2, which lies on the arc iff both f and g below are positive.
+// Exact angular bounds of a triangle seen from the origin. An edge is an arc of a great circle, so its highest point
+// may lie between its ends. Inside the triangle, elevation has an extremum only at a pole. Derivation: with a x b = n,
+// the highest point of the circle is z - (z.n)n/|n|^2, and it lies on the arc if and only if both f and g below are
+// positive.
 
-// a x b, from the shorter of the two: its error is then relative to the longer side's distance.
+// Returns a x b, computed from the shorter of the two vectors, so that its error is relative to the distance of the
+// longer one.
 vec3 arcNormal(vec3 a, vec3 b) { return cross(dot(a, a) < dot(b, b) ? a : b, b - a); }
 
-// Widens keyMin..keyMax by the arc from a to b, if its extremum lies inside: (n x a).z and (b x n).z then have one sign.
+// Widens keyMin..keyMax by the extremum of the arc from a to b, if it lies inside: then (n x a).z and (b x n).z have
+// the same sign.
 void widenByArc(vec3 a, vec3 b, inout float keyMin, inout float keyMax) {
   vec3 n = arcNormal(a, b);
   float f = n.x * a.y - n.y * a.x;
@@ -14,7 +17,7 @@ void widenByArc(vec3 a, vec3 b, inout float keyMin, inout float keyMax) {
   float apex = elevationKey(abs(n.z), length(n.xy));
   if (f > 0.0 && g > 0.0) keyMax = max(keyMax, apex);
   if (f < 0.0 && g < 0.0) keyMin = min(keyMin, -apex);
-  // Of almost half a turn, a rounding of n tilts the whole circle: by 1e-6 / sin(arc).
+  // If the arc is almost half a turn, the rounding of n tilts the whole circle by 1e-6 / sin(arc).
   float along = dot(a, b), squares = dot(a, a) * dot(b, b);
   if (along < 0.0 && dot(n, n) < 0.04 * squares) {
     float tilt = min(2e-6 * sqrt(squares / max(dot(n, n), 1e-12 * squares)), 2.0);
@@ -23,7 +26,7 @@ void widenByArc(vec3 a, vec3 b, inout float keyMin, inout float keyMax) {
   }
 }
 
-// The vertical axis passes through the edge from a to b, or so near that rounding could hide it.
+// True if the vertical axis passes through the edge from a to b, or so close to it that rounding could hide it.
 bool edgeMeetsAxis(vec2 a, vec2 b) {
   float along = dot(a, b), across = a.x * b.y - a.y * b.x;
   return along <= 0.0 && abs(across) <= 1e-4 * -along;
@@ -31,7 +34,7 @@ bool edgeMeetsAxis(vec2 a, vec2 b) {
 
 bool nearAxis(vec3 v) { return dot(v.xy, v.xy) <= 1e-8 * v.z * v.z; }
 
-// -1, 0 or 1: the lower pole, none, or the upper one lies inside. Both poles (2) where it cannot be told.
+// The poles inside a triangle: none, the upper one (1), the lower one (-1), or undecided (2), which counts as both.
 const int kNoPole = 0, kUpperPole = 1, kLowerPole = -1, kAnyPole = 2;
 
 int poleInside(vec3 a, vec3 b, vec3 c) {
@@ -43,19 +46,19 @@ int poleInside(vec3 a, vec3 b, vec3 c) {
   vec3 u = b - a, v = c - a;
   vec3 n = cross(u, v);
   float height = dot(n, a);
-  // So near its plane that rounding could hide on which side the sensor is.
+  // The sensor is so close to the triangle's plane that rounding could hide on which side it is.
   if (!(abs(height) > 2e-6 * length(a) * length(u) * length(v))) return kAnyPole;
   float k = height * n.z;
   return k > 0.0 ? kUpperPole : k < 0.0 ? kLowerPole : kAnyPole;
 }
 
-// The sensor lies on the edge from a to b: the edge fills half a great circle.
+// True if the sensor lies on the edge from a to b: the edge then spans half a great circle.
 bool edgeMeetsOrigin(vec3 a, vec3 b) {
   vec3 n = arcNormal(a, b);
   return dot(a, b) < 0.0 && dot(n, n) <= 1e-12 * dot(a, a) * dot(b, b);
 }
 
-// What the sphere shows of a triangle: its span of elevation keys, 1 or -1 where it holds a pole.
+// The span of elevation keys that a triangle covers; it ends at 1 or -1 if the triangle contains a pole.
 struct Outline {
   float keyMin, keyMax;
 };
@@ -81,13 +84,14 @@ Outline outlineOf(vec3 a, vec3 b, vec3 c) {
   return outline;
 }
 
-// Where a triangle may be met: columns columnMin..columnMax (real numbers, wrapping) and rows, both ends included.
+// The beams that may hit a triangle: columns columnMin..columnMax (real numbers that may wrap) and rows, both ends
+// included.
 struct Box {
   float columnMin, columnMax;
   uint rowFirst, rowLast;
 };
 
-// Rows that the outline may cover; false if it lies between two rows or outside the field of view.
+// Sets the rows that the outline may cover; false if it lies between two rows or outside the field of view.
 bool coverRows(Outline outline, inout Box box) {
   uint end;
   rowsBetween(outline.keyMin, outline.keyMax, box.rowFirst, end);
@@ -97,19 +101,19 @@ bool coverRows(Outline outline, inout Box box) {
 
 uint boxRowCount(Box box) { return box.rowLast - box.rowFirst + 1; }
 
-// The first column of the box, to be wrapped. With offsets, a row's beam belongs to the grid column before it: it may
-// lie in the box when that one does not yet.
+// Returns the first column of the box, not yet wrapped. With offsets, a row's beam belongs to the grid column before
+// it, so the beam can lie in the box although its grid column lies just before it.
 int firstColumn(Box box) { return int(ceil(box.columnMin)) - (AZIMUTH_OFFSETS ? 1 : 0); }
 
-// Columns that the box covers, wrapping: at most all of them. Counted in integers: a float does not hold every whole
-// number beyond 2^24.
+// Returns the number of columns that the box covers, at most all of them. It is counted in integers because floats
+// above 2^24 cannot represent every whole number.
 uint boxColumnCount(Box box) {
   return uint(min(max(int(floor(box.columnMax)) + 1 - firstColumn(box), 0), int(frame.columns)));
 }
 
-// Columns that the triangle may cover; false if it lies between two columns. Rounding turns into more azimuth towards
-// the poles: 1 - |key| is cos(elevation) within a factor of 1.42. So at a pole every column is covered; and a triangle
-// that holds none spans less than pi: its azimuths are a sweep from a.
+// Sets the columns that the triangle may cover; false if it lies between two columns. A rounding error means a larger
+// error in azimuth near a pole: 1 - |key| is cos(elevation) within a factor of 1.42. So near a pole every column is
+// covered. A triangle that contains no pole spans less than pi, so its azimuths are found relative to corner a.
 bool coverColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) {
   float turnColumns = float(frame.columns);
   box.columnMin = 0.0;
@@ -120,7 +124,7 @@ bool coverColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) {
   float toB = azimuthOf(a.x * b.y - a.y * b.x, dot(a.xy, b.xy));
   float toC = azimuthOf(a.x * c.y - a.y * c.x, dot(a.xy, c.xy));
   float low = min(min(toB, toC), 0.0), high = max(max(toB, toC), 0.0);
-  // May be negative or beyond the last column: who walks the columns wraps them.
+  // columnMin may be negative and columnMax beyond the last column; code that iterates over the columns wraps them.
   box.columnMin = (start + low + kPi) * frame.columnsPerRadian - slack;
   box.columnMax = box.columnMin + (high - low) * frame.columnsPerRadian + 2.0 * slack;
   return boxColumnCount(box) > 0;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cluster and the corners of its triangles in the sensor's frame. Each vertex is loaded once, by one lane, and told to
-// those whose triangles have it: a software device pays for every lane's load, and a shuffle is one instruction.
+// Loads a cluster and transforms the corners of its triangles to the sensor's frame. One lane loads each vertex and
+// the others get it by shuffle: a software device pays for every lane's load, and a shuffle is one instruction.
 
-// Where a cluster is: its instance and itself, loaded by one lane for all of them.
+// A cluster and its instance, loaded by the first lane and broadcast.
 struct LoadedCluster {
   Instance instance;
   uint vertexFirst, vertexCount, triangleFirst, triangleCount;
   uint doubleSided;
   uint material;
-  uint number;  // of its instance
+  uint number;  // number of the instance
 };
 
 LoadedCluster loadCluster(uint i) {
@@ -35,8 +35,8 @@ LoadedCluster loadCluster(uint i) {
   return loaded;
 }
 
-// Vertices lane, lane + subgroup size, ... of a cluster; none if it has more than there is room for. Of towns a tenth has
-// more than 6 times 8.
+// Holds vertices lane, lane + subgroup size, ... of a cluster, or nothing if the cluster has too many for
+// kVertexRounds. In town scenes a tenth of the clusters has more than 6 times 8 vertices.
 const uint kVertexRounds = 6;
 struct Vertices {
   vec3 corners[kVertexRounds];
@@ -72,13 +72,14 @@ vec3 cornerOf(Vertices vertices, uint number) {
   return corner;
 }
 
-// The numbers of a triangle's corners, those of a mirroring instance swapped back to their winding.
+// The vertex numbers of a triangle's corners. A mirroring instance reverses the winding, so its last two corners are
+// swapped.
 uvec3 numbersOf(LoadedCluster loaded, uint packed) {
   bool mirrored = mirrors(loaded.instance);
   return uvec3(packed, packed >> (mirrored ? 16 : 8), packed >> (mirrored ? 8 : 16)) & 0xff;
 }
 
-// Every lane must ask.
+// All lanes of the subgroup must call this.
 mat3 cornersOf(LoadedCluster loaded, Vertices vertices, uvec3 numbers) {
   if (haveRoom(vertices.count))
     return mat3(cornerOf(vertices, numbers.x), cornerOf(vertices, numbers.y), cornerOf(vertices, numbers.z));

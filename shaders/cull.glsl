@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Can any beam see something of a box? Every answer errs towards yes: what is culled would not have been met.
+// Tests whether any beam can hit something in a box. All tests are conservative: a culled box cannot contain a hit.
 
 
-// The box of a group or cluster in the sensor's frame: centre and half extents of the turned box, a little widened.
+// The box of a group or cluster in the sensor's frame: the axis-aligned bounds of the rotated box, slightly widened.
 void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out vec3 high) {
   vec3 pivot = pivotOf(instance);
   vec3 offset = instance.offset;
@@ -12,7 +12,7 @@ void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out 
                 offset;
   vec3 size = vec3(dot(abs(instance.row0.xyz), extent), dot(abs(instance.row1.xyz), extent),
                    dot(abs(instance.row2.xyz), extent));
-  // 1e-6 of each coordinate covers the roundings above and those of the corners' own transform.
+  // 1e-6 of each coordinate covers the rounding errors above and those of the corners' own transform.
   float length1 = abs(middle.x) + abs(middle.y) + abs(middle.z) + extent.x + extent.y + extent.z;
   float largest = max(max(abs(instance.row0.x) + abs(instance.row0.y) + abs(instance.row0.z),
                           abs(instance.row1.x) + abs(instance.row1.y) + abs(instance.row1.z)),
@@ -30,13 +30,13 @@ void widenByMotion(uint instance, inout vec3 low, inout vec3 high) {
 
 float farthestPoint(vec3 low, vec3 high) { return length(max(abs(low), abs(high))) * 1.000001; }
 
-// Rows first..end - 1 of which a beam may meet the box, and columns from..to, which wrap.
+// The beams that may hit the box: rows first..end - 1, and columns from..to, which may wrap.
 struct Window {
   uint first, end;
   float from, to;
 };
 
-// Of what in the box is no nearer than `beyond`.
+// Computes the elevation keys of the part of the box that is at least `beyond` metres away.
 void coverKeys(vec3 low, vec3 high, float beyond, out float keyMin, out float keyMax) {
   float near = length(max(max(low.xy, -high.xy), vec2(0.0))), far = length(max(abs(low.xy), abs(high.xy)));
   float height = max(abs(low.z), abs(high.z));
@@ -45,7 +45,7 @@ void coverKeys(vec3 low, vec3 high, float beyond, out float keyMin, out float ke
   keyMin = elevationKey(low.z < 0.0 ? near : far, low.z) - keySlack();
 }
 
-// The azimuths of a rectangle that does not hold the axis are those between two of its corners.
+// A rectangle that does not contain the vertical axis spans the azimuths between two of its corners.
 void coverAzimuths(vec3 low, vec3 high, float keyMin, float keyMax, inout Window window) {
   window.from = 0.0;
   window.to = float(frame.columns - 1);
@@ -66,7 +66,8 @@ void coverAzimuths(vec3 low, vec3 high, float keyMin, float keyMax, inout Window
   window.to = (middle + most) * frame.columnsPerRadian + slack;
 }
 
-// The largest range that any beam of the window has met so far is nearer than the box: nothing of it can be a hit.
+// True if the box is farther than the largest range that any beam of the window has found so far; then nothing in it
+// can be a hit.
 bool occluded(Window window, float nearest) {
   uint nearestBits = floatBitsToUint(nearest);
   int unwrapped = int(ceil(window.from - frame.shiftMax));
@@ -75,7 +76,8 @@ bool occluded(Window window, float nearest) {
   uint base = 0;
   for (uint level = 0; level < 2; ++level) {
     uint perRow = (frame.columns - 1 >> shift.x) + 1;
-    // Columns that wrap come to entries that wrap: the last entry of a turn may be narrower, so one more is looked at.
+    // Columns wrap, and so do table entries. The last entry of a row may cover fewer columns, so one more entry is
+    // read.
     uint first = from >> shift.x, last = (to >> shift.x) + uint(to >= frame.columns);
     uint rowFirst = window.first >> shift.y, rowLast = window.end - 1 >> shift.y;
     uint count = min(last - first + 1, perRow), lookups = count * (rowLast - rowFirst + 1);
@@ -91,7 +93,7 @@ bool occluded(Window window, float nearest) {
   return false;
 }
 
-// Comparisons with NaN are false: such a box is seen.
+// Comparisons with NaN are false, so a box with NaN bounds is not culled.
 bool outOfSight(vec3 low, vec3 high) {
   float nearest = nearestPoint(low, high);
   if (MOTION) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops over the sub-rays of a footprint, written out: EACH_RAY(M) is M(0) M(1) ... M(RAYS - 1). What a sub-ray has met
-// then stays in registers, on devices too whose compilers leave long loops as they are. CUDA brings a loop of its own.
+// Unrolls loops over the sub-rays of a footprint: EACH_RAY(M) is M(0) M(1) ... M(RAYS - 1). The results of a sub-ray
+// then stay in registers even where the compiler does not unroll long loops. CUDA defines a loop of its own instead.
 #ifndef EACH_RAY
 #define RAYS_1(M) M(0)
 #define RAYS_7(M) RAYS_1(M) M(1) M(2) M(3) M(4) M(5) M(6)

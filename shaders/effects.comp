@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage effects, last pass. One row of workgroups per channel, one invocation per beam: what the sensor makes of the
-// echoes. Without a footprint there is one, the nearest hit.
+// Stage effects, last pass. One row of workgroups per channel, one invocation per beam: turns the echoes of a beam
+// into returns. Without a footprint a beam has one echo, its nearest hit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -16,16 +16,17 @@
 
 layout(local_size_x = 64) in;
 
-// Of specialisation constants; as constants of their own they trip up glslang 11.
+// These depend on specialisation constants; declared as constants they trip up glslang 11.
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
 #define MANY_ECHOES ((EFFECTS & kFootprintEffects) != 0)
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical)
-// Surfaces go out with their returns; where there is one of each they are in their place.
+// True if surfaces must be copied from echoes to returns. With one return and no footprint they are already in place.
 #define SURFACES_MOVE ((FIELDS & kFieldSurface) != 0 && (MANY_ECHOES || RETURNS > 1))
 #define BARYCENTRICS_MOVE ((FIELDS & kFieldBarycentrics) != 0 && (MANY_ECHOES || RETURNS > 1))
 
-// The beam that is judged, and what it hit where there is no footprint: its first return takes that place.
+// The beam being processed, and its hit if there is no footprint. The hit is loaded first because the beam's first
+// return overwrites it.
 uint beamIndex, columnIndex;
 vec2 beamAzimuth;
 vec3 beamDirection, pointDirection;
@@ -33,7 +34,7 @@ vec4 hitPoint;
 SurfaceRecord hitSurface;
 uvec2 hitOwner;
 vec2 hitBarycentrics;
-uint causeCounts[kCauses];  // of this invocation
+uint causeCounts[kCauses];  // counted by this invocation
 
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
@@ -69,7 +70,7 @@ Echo loadEcho(uint k) {
   return Echo(hitPoint.w, energy, parameters.pulseWidth, cosIncidence, 0);
 }
 
-// How fast the surface moves, and how fast it goes away: not at all where nothing moves.
+// Stores the surface's velocity and its radial speed. Without motion both are 0.
 void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;
@@ -111,7 +112,7 @@ void storeReturn(uint j, Return value) {
   if (SPEEDS) storeMotion(at, owner, value.trueRange);
 }
 
-// The cause stands with the beam's first return.
+// Computes one beam's returns. The cause is stored with the beam's first return.
 void judge(bool hit) {
   uint count = hit ? 1 : 0, returned;
   if (MANY_ECHOES) count = echoCounts.at[beamIndex];
@@ -123,7 +124,7 @@ void judge(bool hit) {
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] += cause == k ? 1 : 0;
 }
 
-// Every invocation must call.
+// All invocations of the subgroup must call this.
 void countCauses() {
   for (uint k = 0; k < kCauses; ++k) {
     uint sum = subgroupAdd(causeCounts[k]);

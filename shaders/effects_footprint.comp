@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage effects, first pass, in place of resolve. One invocation per beam: what its sub-rays meet among the candidates,
-// all of which they share, then what of it comes back as one echo. The first pass does the beams whose whole footprint
-// lies on one triangle, most of them, and lists the others for the second one: so no beam waits for a neighbour that is
-// harder. Built for 1, 7, 19 and 61 sub-rays; those that a footprint does not have carry no energy.
+// Stage effects, first pass; it replaces resolve. One invocation per beam: finds the hits of the beam's sub-rays among
+// its candidates, then combines them into echoes. The first pass handles the beams whose whole footprint lies on one
+// triangle, which are most of them, and lists the others for the second pass; otherwise simple beams would wait for
+// complex ones in their subgroup. Built for 1, 7, 19 and 61 sub-rays; unused sub-rays carry no energy.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -28,14 +28,16 @@ layout(local_size_x = 64) in;
 
 bool looksAtMaterials;
 const float kNothing = 3e38;
-const float kUnseen = -1.0;  // energy of what lets all light pass: no piece of any echo
+const float kUnseen = -1.0;  // energy of a hit that only lets light pass and is part of no echo
 
-// Only what exact inside tests ask for; none here.
+// The exact inside test requires this function; this stage does not use that test.
 float farthestOf(uint index) { return frame.rangeMax; }
 
-// The sub-rays of a beam: tangents to the left and up, length of (1, left, up), and the energy that goes on.
+// The sub-rays of a beam: tangents to the left and up, length of (1, left, up), original energy, the energy that
+// reaches this layer, and the energy that passes through it.
 float left[RAYS], up[RAYS], lengths[RAYS], weights[RAYS], carried[RAYS], passed[RAYS];
-// What they have met, layer by layer: range (kNothing for nothing), share of the beam's energy, and the candidate.
+// The hits of the sub-rays, layer by layer: range (kNothing if there is none), share of the beam's energy, placed
+// triangle and candidate.
 const uint kPieces = RAYS * kMaxLayers;
 float ranges[kPieces], energies[kPieces];
 uint metIds[kPieces], metCandidates[kPieces];
@@ -52,7 +54,7 @@ struct Candidate {
 
 uint beamRow, beamColumn;
 
-// As the beam sees it.
+// Returns a projected triangle in the frame of the beam's laser.
 Triangle triangleAt(uint projected, vec2 azimuth) {
   Triangle triangle = loadProjected(projected);
   if (MOTION) triangle = seenFrom(triangle, projected, beamColumn, beamRow, azimuth);
@@ -73,10 +75,10 @@ vec3 normalOf(vec3 a, vec3 b, vec3 c) {
   return unitTowardsOrigin(crossOf(u, v), a);
 }
 
-// What is asked of every sub-ray has no branches: and and or of what is computed already.
+// Code that runs for every sub-ray has no branches; it combines computed booleans with && and ||.
 float rangeMin, rangeMax;
 
-// Watertight as in inside_watertight.glsl: sub-ray (1, u, v) shears every corner by the same operations.
+// A watertight test as in inside_watertight.glsl: sub-ray (1, u, v) shears every corner by the same operations.
 bool meetSubRay(Candidate candidate, float u, float v, float length_, out float range, out vec3 side) {
   precise vec3 q = candidate.left - u * candidate.ahead;
   precise vec3 w = candidate.up - v * candidate.ahead;
@@ -94,7 +96,8 @@ bool meetSubRay(Candidate candidate, float u, float v, float length_, out float 
   return seen && !flat_ && ahead && near && far;
 }
 
-// A supporting plane in the beam's frame: normal, not a unit vector, and its distance times that vector's length.
+// The supporting plane in the beam's frame: a normal that is not normalised, and the plane's distance times its
+// length.
 vec4 planeOf(Candidate c) {
   vec3 a = vec3(c.ahead.x, c.left.x, c.up.x), b = vec3(c.ahead.y, c.left.y, c.up.y);
   precise vec3 u = b - a;
@@ -103,7 +106,8 @@ vec4 planeOf(Candidate c) {
   return vec4(normal, dotOf(normal, a));
 }
 
-// All of the footprint lies within the triangle: its axis is farther from the plane of each edge than it spreads.
+// True if the whole footprint lies within the triangle: the beam's axis is farther from the plane of each edge than
+// the footprint reaches.
 bool coversFootprint(Candidate c) {
   precise vec3 side = c.left.yzx * c.up.zxy - c.up.yzx * c.left.zxy;
   precise vec3 second = c.up.yzx * c.ahead.zxy - c.ahead.yzx * c.up.zxy;
@@ -115,7 +119,7 @@ bool coversFootprint(Candidate c) {
   return (facing || (averted && !c.oneSided)) && all(greaterThan(square, reach));
 }
 
-// As meetSubRay() where the whole footprint meets the triangle: only the range is asked for.
+// Like meetSubRay(), for a triangle that contains the whole footprint: only the range is tested.
 bool meetPlane(Candidate candidate, vec4 plane, float u, float v, float length_, out float range) {
   precise float along = plane.x + u * plane.y + v * plane.z;
   precise float depth = quotient(plane.w, along) * length_;
@@ -124,7 +128,7 @@ bool meetPlane(Candidate candidate, vec4 plane, float u, float v, float length_,
   return ahead && near && far;
 }
 
-// Cosine of a sub-ray's incidence on a surface with this normal: ahead, left, up.
+// Returns the cosine of a sub-ray's incidence on a surface whose normal is given as (ahead, left, up).
 float cosineOf(vec3 normal, float u, float v, float length_) {
   precise float along = normal.x + u * normal.y + v * normal.z;
   return min(abs(quotient(along, length_)), 1.0);
@@ -135,14 +139,14 @@ float product(float a, float b) {
   return result;
 }
 
-// Well behind what the sub-ray met in the layer before. Surfaces nearer to each other, relative to their range, are
-// one: light that passes an edge passes both of its triangles, and they are no two panes.
+// True if the range is clearly beyond the sub-ray's hit in the previous layer. Surfaces closer to each other, relative
+// to their range, count as one: light through a shared edge hits both of its triangles, but they are not two panes.
 bool isBehind(float range, uint piece) {
   precise float before = ranges[piece] * (1.0 + 9.5367431640625e-7);
   return range > before;
 }
 
-// A sub-ray meets a candidate at a range: is it the nearest so far?
+// Keeps a sub-ray's hit if it is the nearest one of this layer so far.
 void offer(bool met, float range, uint id, uint projected, uint layer, uint s) {
   uint piece = layer * RAYS + s;
   bool lit = carried[s] > 0.0, nearer = range < ranges[piece], even = range == ranges[piece];
@@ -154,7 +158,7 @@ void offer(bool met, float range, uint id, uint projected, uint layer, uint s) {
   metCandidates[piece] = taken ? projected : metCandidates[piece];
 }
 
-// The light that a surface throws back of a sub-ray, and what it lets through.
+// Computes how much of a sub-ray's light a surface reflects and how much it transmits.
 void share(Optics4 surface, vec3 normal, uint projected, uint layer, uint s) {
   if (metCandidates[layer * RAYS + s] != projected) return;
   float energy = carried[s];
@@ -166,7 +170,7 @@ void share(Optics4 surface, vec3 normal, uint projected, uint layer, uint s) {
   }
 }
 
-// Tries a candidate on every sub-ray. Returns how far a further one may be to count.
+// Tries a candidate on every sub-ray. Returns the range beyond which further candidates cannot matter.
 float consider(uint projected, Beam beam, uint layer) {
   Candidate candidate = candidateOf(projected, beam);
   float farthest = 0.0;
@@ -197,7 +201,7 @@ float consider(uint projected, Beam beam, uint layer) {
   return farthest;
 }
 
-// The candidate that comes nearest to the sensor, most likely the hit; kNone of none.
+// Returns the index of the candidate that comes nearest to the sensor, most likely the hit; kNone if there is none.
 uint bestOf(uint start, uint end) {
   uint best = kNone;
   float bestRangeMin = kNothing;
@@ -221,8 +225,8 @@ void forget(uint layer) {
   EACH_RAY(FORGET)
 }
 
-// Best first, as resolve does: what stays behind everything met is skipped. Each lane goes to the next candidate that it
-// must try before any lane tries one.
+// Tries the nearest candidate first, as resolve does, and skips candidates behind all hits. Each lane first searches
+// for the next candidate that it must try, so that the lanes of a subgroup try their candidates together.
 void findLayer(uint start, uint end, Beam beam, uint layer) {
   forget(layer);
   uint best = bestOf(start, end), next = best, k = start;
@@ -233,7 +237,8 @@ void findLayer(uint start, uint end, Beam beam, uint layer) {
   }
 }
 
-// The whole footprint lies on the best candidate, and nothing else can be in front of it. False if that is not so.
+// Handles a beam whose whole footprint lies on its best candidate, with no other triangle in front of it. Returns
+// false for any other beam.
 bool findWithinOne(uint start, uint end, Beam beam) {
   forget(0);
   uint best = bestOf(start, end);
@@ -260,7 +265,7 @@ bool findWithinOne(uint start, uint end, Beam beam) {
   return true;
 }
 
-// Returns whether any light goes on.
+// Passes the remaining light on to the next layer. Returns whether there is any.
 bool goOn(uint layer) {
   bool any = false;
 #define GO_ON(s)                                                       \
@@ -285,7 +290,8 @@ float sumOf(float a, float b) {
   return result;
 }
 
-// Pieces that follow each other within the separation are one echo: its end.
+// Returns the farthest range of the echo that starts at `first`. Hits whose ranges differ by at most the separation
+// from the next belong to one echo.
 float endOfEcho(float first) {
   float end = first, before;
   do {
@@ -300,14 +306,14 @@ float endOfEcho(float first) {
   return end;
 }
 
-// Sums over the pieces of an echo, in their order: energy, energy * depth, energy * depth^2.
+// Adds a hit to the sums of an echo: energy, energy * depth, energy * depth^2.
 void addPiece(inout vec3 sums, float energy, float depth) {
   precise float moment = energy * depth;
   precise vec3 result = sums + vec3(energy, moment, moment * depth);
   sums = result;
 }
 
-// Range, energy and width.
+// Returns range, energy and width.
 vec3 echoOf(float first, vec3 sums) {
   if (!(sums.x > 0.0)) return vec3(first, 0.0, parameters.pulseWidth);
   precise float mean = quotient(sums.y, sums.x);
@@ -327,7 +333,7 @@ void storeEcho(uint slot, vec3 echo, uint projected, vec2 azimuth) {
   }
 }
 
-// The owner of an echo is its strongest piece, the first of equal ones.
+// The owner of an echo is its strongest hit, and the first one of equally strong hits.
 void addTo(inout vec3 sums, inout float most, inout uint strongest, float first, float end, uint piece) {
   if (ranges[piece] < first || ranges[piece] > end || energies[piece] < 0.0) return;
   addPiece(sums, energies[piece], sumOf(ranges[piece], -first));
@@ -363,7 +369,8 @@ float lengthOf(float u, float v) {
   return squareRoot(square);
 }
 
-// The footprint of every beam, and where that of a beam that goes astray lies.
+// Loads a sub-ray of the footprint, which is the same for every beam; shift() moves it if angle noise deflects the
+// beam.
 void loadSubRay(uint s) {
   vec4 subRay = subRays.at[s];
   left[s] = subRay.x;
@@ -390,7 +397,7 @@ void aim(uint beam, Beam axis) {
   EACH_RAY(LIGHT)
 }
 
-// False if the beam is left to the next pass.
+// Returns false if the beam is left to the second pass.
 bool finish(uint index) {
   uint row = index / frame.columns, column = index % frame.columns;
   beamRow = row;
@@ -399,7 +406,7 @@ bool finish(uint index) {
   vec4 offset = rows.at[row].offset;
   uint beam = rows.at[row].channel * frame.columns + column;
   Beam axis = beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
-  // Lists that were too small end early: the host makes room and runs the scan again.
+  // If the lists were too small, they are cut off here; the host enlarges them and runs the scan again.
   uint end = min(listEnds.at[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds.at[index - 1], end);
   aim(beam, axis);
   if (PASS == kPassWithinOne) {

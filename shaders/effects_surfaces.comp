@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage effects, what was met: the surface under every hit, from its owner. Neighbouring beams
-// mostly meet the same triangle: the first of them asks for all.
+// Stage effects: finds the surface at every hit from the hit's owner. Neighbouring beams mostly hit the same triangle,
+// so only the first of them in a subgroup loads it and shares it with the others.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -32,14 +32,14 @@ Corners cornersOf(Instance instance, uint cluster, uint k) {
                  cornerOf(instance, vertexFirst + (packed >> 16 & 0xff)));
 }
 
-// Unit normal of the side that the sensor sees; 0 for a triangle without area.
+// Returns the unit normal on the side that the sensor sees; 0 for a triangle without area.
 vec3 normalOf(Corners t) {
   GNO_PRECISE vec3 u = t.b - t.a;
   GNO_PRECISE vec3 v = t.c - t.a;
   return unitTowardsOrigin(crossOf(u, v), t.a);
 }
 
-// Weights of the second and third corner (Ericson, Real-Time Collision Detection, 3.4).
+// Returns the barycentric weights of the second and third corner (Ericson, Real-Time Collision Detection, 3.4).
 vec2 barycentricsOf(Corners t, vec3 p) {
   GNO_PRECISE vec3 u = t.b - t.a;
   GNO_PRECISE vec3 v = t.c - t.a;
@@ -90,13 +90,13 @@ vec3 pointOf(uint row, uint column, uint at) {
   return MOTION ? beamOf(azimuthAt(row, column), angles.x, angles.y).direction * points.at[at].w : points.at[at].xyz;
 }
 
-// Whether a lane is the first of those with its owner.
+// True if the lane is the first of consecutive lanes with the same owner.
 bool leads(uvec2 owner) {
   uint lane = gl_SubgroupInvocationID;
   return lane == 0 || owner != subgroupShuffle(owner, (lane - 1) & (gl_SubgroupSize - 1));
 }
 
-// The lane itself if it leads, or else the last one before it that does.
+// Returns the lane itself if it is the first with its owner, otherwise the last such lane before it.
 uint leaderOf(bool leading) {
   uint lane = gl_SubgroupInvocationID, leader = leading ? lane : kNone;
   for (uint step = 1; step < gl_SubgroupSize; step *= 2) {
@@ -106,7 +106,7 @@ uint leaderOf(bool leading) {
   return leader;
 }
 
-// What the leader knows.
+// Returns the leader's surface.
 Surface told(Surface surface, uint leader) {
   surface.normal = subgroupShuffle(surface.normal, leader);
   surface.material = subgroupShuffle(surface.material, leader);
@@ -119,12 +119,12 @@ Surface told(Surface surface, uint leader) {
 void main() {
   uint row = gl_WorkGroupID.y, channel = rows.at[row].channel;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
-  // No lane leaves before the others: they tell one another.
+  // No lane leaves the loop early, because all lanes take part in the shuffles.
   for (uint from = first; from < end; from += gl_WorkGroupSize.x) {
     uint column = min(from + gl_LocalInvocationID.x, end - 1);
     uint at = (channel * frame.columns + column) * RETURNS;
     uvec2 owner = owners.at[at];
-    // In motion each beam sees its triangle at a time of its own.
+    // With motion each beam sees its triangle at a different time, so no lane can share.
     bool leading = MOTION || leads(owner);
     Surface surface;
     if (leading) surface = surfaceOf(row, column, owner);

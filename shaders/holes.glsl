@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holes that a texture cuts into a surface: alpha MASK of glTF. Alpha is that of the texel that holds the point.
+// Holes that a texture cuts into a surface: glTF's alpha mode MASK. The alpha value is that of the texel that contains
+// the point.
 
-// Of AlphaImage::Wrap.
+// Values of AlphaImage::Wrap.
 const uint kWrapRepeat = 0, kWrapMirror = 1, kWrapClamp = 2;
 
 float wrapped(float value, uint wrap) {
@@ -20,7 +21,7 @@ float alphaAt(uint image, vec2 uv) {
   return float(texels.at[number / 4] >> (8 * (number % 4)) & 0xff) * (1.0 / 255.0);
 }
 
-// `weights` are those of the corners, not yet divided by their sum.
+// `weights` are the weights of the corners, not yet divided by their sum.
 bool isHole(Optics4 surface, uint projected, vec3 weights) {
   float alpha = surface.passage.z;
   uint image = surface.alphaImage;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does a beam meet a triangle, and at what range? Both stages that ask, bin and resolve, ask here.
+// Tests whether a beam hits a triangle, and computes the range. Stages bin and resolve both use this test.
 
 struct Triangle {
   vec3 a, b, c;    // sensor frame
   uint id;         // placed triangle
-  bool oneSided;   // only its front reflects: counter-clockwise to the sensor's eye
-  float rangeMin;  // no point of it is nearer
+  bool oneSided;   // only the front face (counter-clockwise as the sensor sees it) reflects
+  float rangeMin;  // lower bound of the range to any point of the triangle
 };
 
-// What lies behind this cannot change the answer of the beam; each stage says what it knows. Only `exact` asks, whose
-// ranges are dear.
+// A range beyond which a hit cannot change the result of the beam; each stage defines its own. Only `exact` calls
+// this, because its ranges are expensive.
 float farthestOf(uint index);
 
 #include "beam.h"
@@ -23,13 +23,13 @@ Triangle triangleOf(TaggedCorner a, vec4 b, vec3 c) {
 
 Triangle loadProjected(uint i) { return triangleOf(projectedA.at[i], projectedB.at[i], projectedC.at[i].corner); }
 
-// What the tests need of a triangle whatever the beam; what a pipeline does not use, it does not compute.
+// Values of a triangle that do not depend on the beam. A pipeline computes only those that it uses.
 struct Prepared {
-  vec3 reach;  // footprint times the length of each edge's normal
+  vec3 reach;  // half angle of the footprint times the length of each edge's normal
   EdgeNormals normals;
   vec4 plane;
   ExactTriangle exact;
-  vec2 window;  // of ranges that count
+  vec2 window;  // least and largest range that counts
 };
 
 Prepared prepare(Triangle triangle) {
@@ -52,12 +52,12 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
   if (RANGE == kRangePlane) {
     range = prepared.plane.w / dot(prepared.plane.xyz, beam.direction);
   } else {
-    // A convex combination: the range never leaves the triangle's own depth interval.
+    // The range is a convex combination of the corners' depths, so it never leaves the triangle's own depth interval.
     vec3 depth = cornerDepths(turned, beam.cosElevation, beam.sinElevation);
     precise float weighted = side.x * depth.x + side.y * depth.y + side.z * depth.z;
     range = weighted / sum;
   }
-  // Never nearer than the triangle itself: so skipping what is farther than the best hit loses nothing.
+  // The range is at least rangeMin, so skipping triangles whose rangeMin is beyond the best hit loses nothing.
   bool ahead = range > 0.0;
   if (BOUNDS != kBoundsPaper) range = max(range, triangle.rangeMin);
   bool facing = all(lessThanEqual(side, vec3(0.0)));
@@ -65,8 +65,9 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
   return (facing || (averted && !triangle.oneSided)) && ahead && sum != 0.0;
 }
 
-// May some line within the footprint around the beam meet the triangle? Its direction is off by at most so much, so its
-// side of an edge's plane by that times the length of the plane's normal. More is found near corners, nothing missed.
+// True if a line within the footprint around the beam may hit the triangle. The line's direction differs from the
+// beam's by at most the footprint angle, so its side of an edge's plane differs by at most that angle times the length
+// of the normal. Near corners the test accepts too much, but it misses nothing.
 bool mayMeet(Triangle triangle, Prepared prepared, Turned turned, Beam beam) {
   vec3 side = watertightSides(turned, beam.cosElevation, beam.sinElevation);
   bool facing = all(lessThanEqual(side, prepared.reach));
@@ -74,7 +75,7 @@ bool mayMeet(Triangle triangle, Prepared prepared, Turned turned, Beam beam) {
   return facing || (averted && !triangle.oneSided);
 }
 
-// True if the beam with this index meets the triangle within the range window. NaN is a miss.
+// True if the beam with this index hits the triangle within the range window. NaN is a miss.
 bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, out float range) {
   bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, index, range)
                                        : meetRounded(triangle, prepared, turned, beam, range);

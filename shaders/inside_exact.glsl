@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decided exactly: the side of an edge is the sign of det(a, b, beam), first in floating point with a proven bound,
-// then in integers. A beam that meets an edge is moved, in thought, a little up, then left, then forward: so every
-// layer of a closed surface has one owner, whatever the winding (simulation of simplicity, Edelsbrunner and Muecke,
-// ACM TOG 9(1), 1990, with the beam perturbed). The range is the real quotient det(a, b, c) / (sides' sum), correctly
-// rounded. Nothing of it depends on a device's own rounding.
+// The exact inside test: the side of an edge is the sign of det(a, b, beam), computed first in floating point with a
+// proven error bound, then in integers. A beam that hits an edge is treated as shifted infinitesimally up, then left,
+// then forward, so exactly one triangle of each layer of a closed surface owns it, whatever the winding (simulation of
+// simplicity, Edelsbrunner and Muecke, ACM TOG 9(1), 1990, applied to the beam). The range is the real quotient det(a,
+// b, c) / (sum of the sides), correctly rounded. No result depends on how a device rounds.
 
 #include "bigint.glsl"
 
-// The side of the edge from a to b on which the moved beam lies; 0 only if a and b are in line with the sensor.
+// Returns on which side of the edge from a to b the shifted beam lies; 0 only if a and b are collinear with the
+// sensor.
 int exactSide(vec3 a, vec3 b, vec3 beam) {
   int side = 0;
   [[dont_unroll]] for (int move = 0; move < 4 && side == 0; ++move) {
@@ -19,7 +20,8 @@ int exactSide(vec3 a, vec3 b, vec3 beam) {
   return side;
 }
 
-// True if the moved beam is on the same side of all three edges; `averted` tells which.
+// True if the shifted beam is on the same side of all three edges; `averted` is true if the triangle's back faces the
+// sensor.
 bool exactInside(Triangle triangle, vec3 beam, out bool averted) {
   vec3 a = triangle.a, b = triangle.b, c = triangle.c;
   int sum = 0;
@@ -34,13 +36,13 @@ bool exactInside(Triangle triangle, vec3 beam, out bool averted) {
   return abs(sum) == 3;
 }
 
-// Ranges that the bisection below looks among; nearer than 2^-60 m nothing is a hit.
+// Limits of the bisection below; a hit nearer than 2^-60 m does not count.
 const uint kSmallestRange = 0x21800000u;  // 2^-60
 const uint kLargestRange = 0x4e800000u;   // 2^30
 const int kQuotientScale = 84;
 
-// True if volume / spread lies above the midpoint of the float with these bits and the next, or on it and the next is
-// the even one. Both are positive; volume is scaled by 2^90, spread by 2^120.
+// True if volume / spread lies above the midpoint between the float with these bits and the next one, or on the
+// midpoint if the next float is the even one. Both are positive; volume is scaled by 2^90, spread by 2^120.
 bool roundsAbove(Big volume, Big spread, uint bits) {
   uint midpoint = ((bits & 0x7fffffu) | 0x800000u) * 2 + 1;
   int exponent = int(bits >> 23) - 151;
@@ -48,7 +50,7 @@ bool roundsAbove(Big volume, Big spread, uint bits) {
   return sign > 0 || (sign == 0 && (bits & 1) != 0);
 }
 
-// The correctly rounded range, found by bisection over floats; the guess only saves steps.
+// Finds the correctly rounded range by bisection over floats. The guess only saves steps.
 bool exactRange(vec3 a, vec3 b, vec3 c, vec3 beam, float guess, out float range) {
   range = 0.0;
   Big volume = zeroBig(), spread = zeroBig();
@@ -69,7 +71,7 @@ bool exactRange(vec3 a, vec3 b, vec3 c, vec3 beam, float guess, out float range)
   }
   uint low = kSmallestRange, high = kLargestRange;
   bool guessed = guess > 1e-15 && guess < 1e9;
-  // The first two questions are asked around the guess, so that a good one leaves four more.
+  // The first two steps test close to the guess, so that a good guess leaves only four more steps.
   [[dont_unroll]] for (int step = 0; low < high; ++step) {
     uint near = floatBitsToUint(guess), middle = (low + high) / 2;
     if (guessed && step == 0) middle = near - 8;
@@ -85,12 +87,13 @@ bool exactRange(vec3 a, vec3 b, vec3 c, vec3 beam, float guess, out float range)
 
 #ifdef FLOAT64
 
-// Double precision as a filter: products of two floats are exact in it. kUnit is half its unit in the last place.
+// Double precision as a filter: it represents products of two floats exactly. kUnit is half its unit in the last
+// place.
 const double kUnit = 1.1102230246251565e-16lf;
 
 struct ExactTriangle {
-  dvec3 ab, bc, ca;     // cross products: every component rounded once
-  double sideBound;     // of every side, for any beam
+  dvec3 ab, bc, ca;     // cross products; each component is rounded once
+  double sideBound;     // error bound of each side, for any beam
   dvec3 normal;         // (b - a) x (c - a)
   dvec3 normalBound;
   double volume, volumeBound;
@@ -104,7 +107,7 @@ ExactTriangle exactTriangle(Triangle triangle) {
   exact.ab = cross(a, b);
   exact.bc = cross(b, c);
   exact.ca = cross(c, a);
-  // A side is a sum of three products with |beam| <= 1: five roundings at most on any path.
+  // A side is a sum of three products with |beam| <= 1, so any path has at most five roundings.
   exact.sideBound = 5.0lf * kUnit * max(max(sumOf(abs(exact.bc)), sumOf(abs(exact.ca))), sumOf(abs(exact.ab)));
   dvec3 u = b - a, v = c - a;
   exact.normal = cross(u, v);
@@ -114,7 +117,7 @@ ExactTriangle exactTriangle(Triangle triangle) {
   return exact;
 }
 
-// A positive double -> float, to nearest even, by bits.
+// Rounds a positive double to the nearest float, ties to even, by its bits.
 float roundToFloat(double value) {
   uvec2 word = unpackDouble2x32(value);
   uint bits = ((word.y >> 20) - (1023 - 127)) << 23 | (word.y & 0xfffffu) << 3 | word.x >> 29;
@@ -127,7 +130,7 @@ bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, uint index, ou
   range = 0.0;
   dvec3 r = dvec3(beam);
   dvec3 side = dvec3(dot(exact.bc, r), dot(exact.ca, r), dot(exact.ab, r));
-  // Decided by floating point alone, almost always; and almost always outside.
+  // Floating point decides almost every case, and almost always the beam is outside.
   double low = min(min(side.x, side.y), side.z), high = max(max(side.x, side.y), side.z);
   if (low < -exact.sideBound && high > exact.sideBound) return false;
   bool someUp = low > exact.sideBound;
@@ -140,7 +143,7 @@ bool meetExact(Triangle triangle, ExactTriangle exact, vec3 beam, uint index, ou
   if (abs(spread) > 4.0lf * spreadBound) {
     double quotient = exact.volume / spread;
     double error = 1.5lf * (exact.volumeBound + abs(quotient) * spreadBound) / abs(spread) + 16.0lf * kUnit * abs(quotient);
-    if (quotient + error < 8e-19lf) return false;  // below kSmallestRange, or behind
+    if (quotient + error < 8e-19lf) return false;  // nearer than kSmallestRange, or behind the sensor
     range = roundToFloat(max(quotient - error, 1e-19lf));
     if (range > farthestOf(index)) return false;
     if (range > 1e-18 && range == roundToFloat(quotient + error)) return true;
@@ -161,7 +164,7 @@ vec3 edgeCross(vec3 a, vec3 b, out float bound) {
   precise vec3 e = b - a;
   precise vec3 n = a.yzx * e.zxy - a.zxy * e.yzx;
   vec3 terms = abs(a.yzx) * abs(e.zxy) + abs(a.zxy) * abs(e.yzx);
-  bound = 6e-7 * (terms.x + terms.y + terms.z);  // 8 roundings of 2^-24, and that of the bound
+  bound = 6e-7 * (terms.x + terms.y + terms.z);  // 8 roundings of 2^-24, plus the rounding of the bound itself
   return n;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Equation 2 of the paper: a beam is inside where it lies on the same side of the three planes through the sensor and
-// an edge. Cheapest, and not watertight: the normals a x b lose |a||b| / |a - b| in precision.
+// Equation 2 of the paper: a beam is inside if it lies on the same side of the three planes through the sensor and an
+// edge. This is the cheapest test, but it is not watertight: the normals a x b lose a factor |a||b| / |a - b| in
+// precision.
 
 struct EdgeNormals {
   vec3 ab, bc, ca;
@@ -10,12 +11,12 @@ EdgeNormals edgeNormals(Triangle triangle) {
   return EdgeNormals(cross(triangle.a, triangle.b), cross(triangle.b, triangle.c), cross(triangle.c, triangle.a));
 }
 
-// Sides of the edges opposite to a, b and c.
+// Returns on which side of the edges opposite to a, b and c the beam lies.
 vec3 plainSides(EdgeNormals normals, vec3 beam) {
   return vec3(dot(normals.bc, beam), dot(normals.ca, beam), dot(normals.ab, beam));
 }
 
-// The supporting plane of equation 3, with a unit normal in xyz and n . v0 in w.
+// The supporting plane of equation 3: unit normal in xyz, n . v0 in w.
 vec4 supportingPlane(Triangle triangle) {
   vec3 normal = normalize(cross(triangle.b - triangle.a, triangle.c - triangle.a));
   return vec4(normal, dot(normal, triangle.a));

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Watertight: each corner becomes a 2-D point across the beam by the same operations for every triangle that shares
-// it, the sign of a product difference is never wrong, only possibly zero, and zero counts as inside. So beams cannot
-// slip between triangles (the argument of Woop, Benthin and Wald, JCGT 2(1), 2013, for a turned frame).
+// The watertight inside test. Every triangle that shares a corner computes the same 2-D point across the beam from it,
+// by the same operations. The sign of a difference of products is never wrong, although the difference may be zero,
+// and zero counts as inside. So no beam slips between triangles (argument of Woop, Benthin and Wald, JCGT 2(1), 2013,
+// in a rotated frame).
 
-// The corners turned so that a column of beams lies in the plane q = 0: p along its horizon, q across it, z up.
+// The corners rotated so that a column of beams lies in the plane q = 0: p points along the column's azimuth, q to its
+// left, z up.
 struct Turned {
   vec3 p, q, z;  // one component per corner
 };
@@ -16,8 +18,8 @@ Turned turn(Triangle triangle, vec2 azimuth) {
   return Turned(p, q, vec3(triangle.a.z, triangle.b.z, triangle.c.z));
 }
 
-// Sides of the edges opposite to a, b and c. (depth, q, w) is forward, left, up: a triangle that is counter-clockwise
-// to the sensor's eye turns clockwise about the beam, so its sides are negative where the beam is inside.
+// Returns on which side of the edges opposite to a, b and c the beam lies. (depth, q, w) is forward, left, up. A
+// triangle that is counter-clockwise as the sensor sees it has negative sides if the beam is inside.
 vec3 watertightSides(Turned turned, float cosElevation, float sinElevation) {
   precise vec3 w = turned.z * cosElevation - turned.p * sinElevation;
   precise vec3 side = turned.q.yzx * w.zxy - w.yzx * turned.q.zxy;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the lanes of a subgroup do together. Every live lane must call.
+// Operations across the lanes of a subgroup. All active lanes must call them.
 
-// One lane has loaded an instance for all.
+// Broadcasts an instance that the first lane has loaded.
 Instance fromFirstLane(Instance instance) {
   return Instance(subgroupBroadcast(instance.row0, 0), subgroupBroadcast(instance.row1, 0),
                   subgroupBroadcast(instance.row2, 0), subgroupBroadcast(instance.offset, 0),
                   subgroupBroadcast(instance.firstTriangle, 0));
 }
 
-// The slot of a lane whose bit is set, where the first lane has reserved as many as there are bits, from `base` on.
+// Returns the output slot of a lane whose ballot bit is set. The first lane has reserved one slot per set bit, from
+// its `base` on.
 uint slotAfter(uint base, uvec4 ballot) { return subgroupBroadcast(base, 0) + subgroupBallotExclusiveBitCount(ballot); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Within a scan: the sensor where it is when a column fires, and instances that move. What is projected is in the frame
-// of the scan's middle, with moving corners where they are at its start.
+// Motion within a scan: the sensor's pose when a column fires, and moving instances. Projected triangles are in the
+// sensor's frame at the middle of the scan; corners of moving instances are at their positions at the start of the
+// scan.
 
 vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
   precise vec3 result = vec3(row0.x * p.x + row0.y * p.y + row0.z * p.z + row0.w,
@@ -9,7 +10,8 @@ vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
   return result;
 }
 
-// Without the shift. Adding 0 would do, were it not that some compilers leave it out, and -0 becomes 0 on the others.
+// Applies the rotation without the shift. Calling through() with w = 0 is not the same: adding 0 turns -0 into 0, and
+// some compilers omit the addition.
 vec3 rotated(vec4 row0, vec4 row1, vec4 row2, vec3 d) {
   precise vec3 result = vec3(row0.x * d.x + row0.y * d.y + row0.z * d.z, row1.x * d.x + row1.y * d.y + row1.z * d.z,
                              row2.x * d.x + row2.y * d.y + row2.z * d.z);
@@ -20,13 +22,13 @@ vec3 inColumn(ColumnMotion column, vec3 p) { return through(column.row0, column.
 
 vec3 velocityOf(InstanceMotion moving, vec3 p) { return through(moving.row0, moving.row1, moving.row2, p); }
 
-// Where a corner that moves is when the column fires, in the column's frame.
+// Returns the position of a moving corner when the column fires, in the column's frame.
 vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
   precise vec3 p = corner + velocity * column.velocity.w;
   return inColumn(column, p);
 }
 
-// Where a laser of the row is: its head's origin turned to the beam's azimuth.
+// Returns the position of a row's laser: its origin in the head, rotated to the beam's azimuth.
 vec3 originOf(uint row, vec2 azimuth) {
   vec3 origin = rowOrigins.at[row].xyz;
   precise vec3 turned = vec3(origin.x * azimuth.x - origin.y * azimuth.y, origin.x * azimuth.y + origin.y * azimuth.x,
@@ -34,45 +36,48 @@ vec3 originOf(uint row, vec2 azimuth) {
   return turned;
 }
 
-// The point at a range along a beam, in the frame that points are reported in.
+// Returns the point at a range along a beam, in the frame that points are reported in.
 vec3 reported(uint column, uint row, vec2 azimuth, vec3 direction, float range) {
   ColumnMotion at = columnMotions.at[column];
   precise vec3 p = direction * range + originOf(row, azimuth);
   return through(at.report0, at.report1, at.report2, p);
 }
 
-// Radians that something no nearer than `distance` seems to move by, where the sensor shifts and turns by so much:
-// asin(x) is at most 1.05 x up to half a radian; beyond, 4 stands for every direction.
+// Returns the largest angle, in radians, by which an object at least `distance` away appears to move while the sensor
+// shifts and turns. asin(x) is at most 1.05 x up to half a radian; beyond that the result is 4, which stands for every
+// direction.
 float seemingAngle(float shift, float turn, float distance) {
   float angle = turn + (shift < 0.5 * distance ? 1.05 * shift / distance : 4.0);
   return angle < 0.5 ? angle : 4.0;
 }
 
-// A direction of the column's frame in that frame.
+// Transforms a direction from the column's frame to the frame that points are reported in.
 vec3 reportedDirection(uint column, vec3 direction) {
   ColumnMotion at = columnMotions.at[column];
   return rotated(at.report0, at.report1, at.report2, direction);
 }
 
-// Where a point of the column's frame is in that of the scan's middle; rows are a rotation and a shift.
+// Transforms a point from the column's frame to the frame at the middle of the scan. The rows are a rotation and a
+// shift, so the transpose inverts the rotation.
 vec3 fromColumn(ColumnMotion at, vec3 p) {
   precise vec3 q = p - vec3(at.row0.w, at.row1.w, at.row2.w);
   precise vec3 result = at.row0.xyz * q.x + at.row1.xyz * q.y + at.row2.xyz * q.z;
   return result;
 }
 
-// A plane (normal, offset) of the frame of the scan's middle, in the frame that has a column's axes and a laser at its
-// origin.
+// Transforms a plane (normal, offset) from the frame at the middle of the scan to a frame with the column's axes and
+// the laser as its origin.
 vec4 seenPlane(ColumnMotion at, vec3 laser, vec4 plane) {
   vec3 origin = fromColumn(at, laser);
   precise float offset = plane.x * origin.x + plane.y * origin.y + plane.z * origin.z + plane.w;
   return vec4(rotated(at.row0, at.row1, at.row2, plane.xyz), offset);
 }
 
-// Velocity of the point of an instance that is at `p` of the column's frame when it fires, in that frame.
+// Returns the velocity of the point of an instance that is at `p` when the column fires; both are in the column's
+// frame.
 vec3 velocityAt(InstanceMotion moving, ColumnMotion at, vec3 p) {
   vec3 now = fromColumn(at, p), velocity = vec3(0.0);
-  // The velocity depends on where the point was at the start.
+  // The velocity depends on where the point was at the start of the scan, so it is found by iteration.
   for (uint k = 0; k < 4; ++k) {
     precise vec3 start = now - velocity * at.velocity.w;
     velocity = velocityOf(moving, start);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a pipeline is specialised for, in the order of Options in src/pipeline/kernels.hpp.
+// Specialisation constants of the pipelines, in the order of Options in src/pipeline/kernels.hpp.
 #include "effects/bits.h"
 
 layout(constant_id = 0) const uint BOUNDS = kBoundsExact;
@@ -9,10 +9,10 @@ layout(constant_id = 3) const uint RANGE = kRangeEdgeWeights;
 layout(constant_id = 4) const bool AZIMUTH_OFFSETS = false;  // channels have azimuth offsets of their own
 layout(constant_id = 5) const uint FACES = kFacesMaterial;
 layout(constant_id = 6) const uint BINNING = kBinningNearest;
-layout(constant_id = 7) const uint PASS = 0;      // which pass of a shader that has several
+layout(constant_id = 7) const uint PASS = 0;      // selects a pass of a shader that has several
 layout(constant_id = 8) const uint CULLING = 0;   // bits kCull...
 layout(constant_id = 9) const uint EFFECTS = 0;   // bits of effects/bits.h
 layout(constant_id = 10) const uint FIELDS = 0;   // bits kField...
-layout(constant_id = 11) const uint LAYERS = 1;   // surfaces that a sub-ray meets, all but the last letting light pass
-layout(constant_id = 12) const uint RETURNS = 1;  // per beam; before they are judged the hit is at the first one's place
+layout(constant_id = 11) const uint LAYERS = 1;   // surfaces that a sub-ray may hit; all but the last let light pass
+layout(constant_id = 12) const uint RETURNS = 1;  // per beam; until the last effects pass the first one is the hit
 layout(constant_id = 13) const bool MOTION = false;  // the sensor or instances move within the scan

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Number of a placed triangle -> whose it is.
+// Finds the instance of a placed triangle.
 
 uint firstTriangleOf(uint instance) { return instances.at[instance].firstTriangle & 0x7fffffffu; }
 
-// The last instance whose first triangle is not above `id`.
+// Returns the last instance whose first triangle is not above `id`.
 uint instanceOf(uint id) {
   uvec2 range = ownerRanges.at[id / kOwnerBlock];
   while (range.x < range.y) {
@@ -16,7 +16,7 @@ uint instanceOf(uint id) {
   return range.x;
 }
 
-// Triangle within its mesh, and instance.
+// Returns the triangle's number within its mesh, and its instance.
 uvec2 ownerOf(uint id) {
   uint instance = instanceOf(id);
   return uvec2(id - firstTriangleOf(instance), instance);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage bin, with lists: candidate counts per beam -> where each beam's list starts. Reduce, scan the block sums, apply;
-// no workgroup ever waits for another, so no forward progress between workgroups is assumed.
+// Stage bin with lists: computes from the number of candidates per beam where each beam's list starts. Three passes:
+// reduce blocks, scan the block sums, apply. No workgroup waits for another, so the shader assumes no forward progress
+// between workgroups.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -17,10 +18,10 @@ shared uint laneSums[kLanes];
 
 uint blockCount() { return (frame.beams + kPrefixBlock - 1) / kPrefixBlock; }
 
-// Sums that do not fit stay at the largest number: the host then knows that there are too many candidates.
+// A sum that overflows stays at the largest number, which tells the host that there are too many candidates.
 uint plus(uint a, uint b) { return a + b < a ? kNone : a + b; }
 
-// Sum of the lanes before this one; every lane must call.
+// Returns the sum over the lanes before this one. All lanes of the workgroup must call this.
 uint sumBefore(uint value, out uint total) {
   uint lane = gl_LocalInvocationID.x;
   laneSums[lane] = value;
@@ -52,7 +53,7 @@ void reduceBlocks() {
   }
 }
 
-// One workgroup: each lane owns a run of blocks.
+// Runs in one workgroup; each lane processes a range of consecutive blocks.
 void scanBlocks() {
   uint run = (blockCount() + kLanes - 1) / kLanes;
   uint first = gl_LocalInvocationID.x * run;

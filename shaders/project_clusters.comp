@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, second pass. One subgroup per visible group, one invocation per cluster; lists the clusters of the
-// shell that a beam may meet. A cluster belongs to the shell that its nearest point lies in.
+// Stage project, second pass. One subgroup per visible group, one invocation per cluster. Lists the clusters of the
+// shell that a beam may hit. A cluster belongs to the shell that contains its nearest point.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -17,7 +17,7 @@
 
 layout(local_size_x = 64) in;
 
-// One lane loads for all.
+// The first lane loads the group and its instance and broadcasts them.
 void loadGroup(uint i, out uvec2 pair, out Instance instance, out uint first, out uint count) {
   uvec2 run;
   if (gl_SubgroupInvocationID == 0) {
@@ -32,7 +32,8 @@ void loadGroup(uint i, out uvec2 pair, out Instance instance, out uint first, ou
   count = run.y;
 }
 
-// A turn, with or without one scale for all axes, and a pivot that is the sensor's place: the cone then holds.
+// True if the back-face cone of the mesh is valid for the instance: the transform is a rotation, optionally with one
+// uniform scale, and the pivot is the sensor's position.
 bool keepsShape(Instance instance, vec3 distance) {
   vec3 a = instance.row0.xyz, b = instance.row1.xyz, c = instance.row2.xyz;
   float scale = dot(a, a);
@@ -42,8 +43,9 @@ bool keepsShape(Instance instance, vec3 distance) {
                                                     1e-8 * scale * dot(distance, distance);
 }
 
-// Every triangle shows its back by so much that rounding cannot turn any round: the cone by 1e-3, and a corner rounded
-// to 1e-7 of its distance tilts a triangle by that over its height, 40 times over for what follows.
+// True if all triangles of the cluster are back-facing by more than rounding can undo. The margin is 1e-3 for the
+// cone's own rounding. A corner rounded to 1e-7 of its distance tilts a triangle by that error over the triangle's
+// height; the margin is 40 times as much, to cover the steps that follow.
 bool showsItsBack(Instance instance, uint cluster) {
   bool oneSided = FACES == kFacesFront || (FACES == kFacesMaterial && clusters.at[cluster].doubleSided == 0);
   if ((CULLING & kCullCones) == 0 || !oneSided) return false;
@@ -61,7 +63,7 @@ bool seen(uint number, Instance instance, uint cluster) {
   if (MOTION) widenByMotion(number, low, high);
   float nearest = nearestPoint(low, high);
   bool inShell = !(nearest < pass.shellMin) && !(nearest >= pass.shellMax);
-  // The cone comes last: of most clusters it need not be loaded.
+  // The cone is tested last because then most clusters do not have to load it.
   return inShell && !outOfSight(low, high) && (MOTION || !showsItsBack(instance, cluster));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, first pass. One invocation per placed group of clusters; lists those of which a beam may see something
-// in the shell.
+// Stage project, first pass. One invocation per placed group of clusters. Lists the groups in which a beam may hit
+// something in the shell.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -18,15 +18,15 @@
 
 layout(local_size_x = 64) in;
 
-// Where a later shell may have something: its rows are those that are worth knowing what hides it.
+// Records the rows that content beyond this shell may cover. The farthest-range table is computed only for these rows.
 void noteLater(vec3 low, vec3 high, inout uvec2 later) {
   bool occluders = (CULLING & kCullOccluded) != 0 && pass.shellMax < kCoordinateLimit;
   if (!occluders || farthestPoint(low, high) < pass.shellMax) return;
-  if (MOTION) seeming = seemingAngle(motion.shift, motion.turn, pass.shellMax);  // at most, so far away
+  if (MOTION) seeming = seemingAngle(motion.shift, motion.turn, pass.shellMax);  // bounds all content beyond the shell
   float keyMin, keyMax;
   coverKeys(low, high, pass.shellMax, keyMin, keyMax);
   uint first, end;
-  // One cell of the lookup more: what a cluster's own box is rounded to.
+  // The range is widened by one lookup cell, because the boxes of clusters are rounded to whole cells.
   rowsBetween(keyMin - 2.0 / float(kRowLookupCells), keyMax + 2.0 / float(kRowLookupCells), first, end);
   later = max(later, uvec2(frame.rows - first, end));
 }

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a triangle may be met by a sensor that moves while it turns. A column fires at one time, so the triangle is
-// bounded in the frame of the column that looks at it, and widened by what may move until the other columns of its box
-// fire. At the seam lie the scan's start and end, far apart in time: such a triangle gets a box on either side.
+// Bounds of a triangle for a sensor that moves while it rotates. A column fires at one time, so the triangle is
+// bounded in the frame of the column that looks at it; the bounds are then widened by the possible motion until the
+// other columns of its box fire. The columns at the seam are the start and the end of the scan, far apart in time, so
+// a triangle at the seam gets one box on each side of it.
 
-// Widens the bounds of a triangle that were found in the frame of column `at`, which is about where the triangle is;
-// columns count from there on, unwrapped. False where motion may bring it anywhere.
+// Widens the bounds of a triangle that were found in the frame of column `at`, a column near the triangle. The box's
+// columns are unwrapped so that they lie around `at`. Returns false if the motion is so large that the triangle may be
+// in any direction.
 bool widenByMotion(uint at, float distance, float speed, inout Outline outline, inout Box box) {
   float turnColumns = float(frame.columns);
   if (box.columnMax - box.columnMin >= 0.5 * turnColumns) return false;
   float wrap = floor((float(at) - 0.5 * (box.columnMin + box.columnMax)) / turnColumns + 0.5) * turnColumns;
   box.columnMin += wrap;
   box.columnMax += wrap;
-  // Radians per column, and columns per column towards the poles.
+  // Radians per column, and columns per column, which grows towards the poles.
   float perColumn = seemingAngle(motion.shiftPerColumn + speed * motion.secondsPerColumn, motion.turnPerColumn, distance);
   float inverse = 1.0 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
   float ratio = perColumn * inverse * frame.columnsPerRadian * 1.05;
   if (!(ratio < 0.5)) return false;
   float reach = max(abs(box.columnMin - float(at)), abs(box.columnMax - float(at))) + 1.0;
-  // A row with an azimuth offset looks there with an earlier or later column.
+  // A row with an azimuth offset looks in that direction with an earlier or later column.
   if (AZIMUTH_OFFSETS) reach += max(abs(frame.shiftMin), abs(frame.shiftMax));
   float columnsAway = reach / (1.0 - ratio);
   float origins = seemingAngle(motion.origins, 0.0, distance);
@@ -31,8 +33,8 @@ bool widenByMotion(uint at, float distance, float speed, inout Outline outline, 
   return true;
 }
 
-// Whose frame a triangle is bounded in: that of the column that sees it, of the scan's first or last column where it is
-// at the seam, or of the scan's middle, widened by all that may move during the scan.
+// The frame in which a triangle is bounded: that of the column that sees it; that of the first or last column, for a
+// triangle at the seam; or that of the middle of the scan, with bounds widened by all motion during the scan.
 const uint kItsColumn = 0, kEndColumn = 1, kMiddle = 2;
 
 uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float rangeMin) {
@@ -44,12 +46,13 @@ uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float 
   vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
   float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
   uint last = frame.columns - 1, at = min(uint(max(azimuth, 0.0)), last);
-  // Once more from the column that sees it where it is then.
+  // The column is computed a second time, with the triangle's position at the time of the first estimate.
   middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
   azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
   at = min(uint(max(azimuth, 0.0)), last);
   Outline outline;
-  // A loop, though each frame has its turn at most once: some compilers take gigabytes where bounds are inlined thrice.
+  // This is a loop although each frame is tried at most once: some compilers take gigabytes if the bounds are inlined
+  // three times.
   uint from = kItsColumn;
   while (true) {
     vec3 a = corners[0], b = corners[1], c = corners[2];
@@ -66,13 +69,13 @@ uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float 
     if (from == kMiddle) return coverRows(outline, box) && any ? kKeep : kBetween;
     bool bounded = widenByMotion(at, distance, speed, outline, box);
     if (from == kEndColumn && bounded) break;
-    // Where it is at the scan's start and at its end may lie on either side of the seam.
+    // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
     float apart = seemingAngle(2.0 * motion.shift + speed * motion.seconds, 2.0 * motion.turn, distance);
     float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
     bool shifted = AZIMUTH_OFFSETS && (box.columnMin - margin < frame.shiftMax ||
                                        box.columnMax + margin > float(last) + frame.shiftMin);
     bool atSeam = box.columnMin < margin || box.columnMax > float(last) - margin;
-    // The two sides of the seam are told apart by columns as floats, which do not hold all of more than 2^24.
+    // The two sides of the seam are distinguished by column numbers as floats, which are not exact above 2^24.
     bool anywhere = !bounded || shifted || frame.columns > 1u << 24;
     if (from == kItsColumn && side == 1 && (anywhere || !atSeam)) return kNoTriangle;
     if (!anywhere && !atSeam) break;

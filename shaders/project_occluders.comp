@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between two shells. One subgroup per coarse entry of the farthest-range table, one invocation per fine entry: the
-// largest range among the words of its beams, so that the next shell can skip what lies behind. A workgroup per coarse
-// entry would need barriers, which took lavapipe three times as long as all the rest.
+// Runs between two shells. One subgroup per coarse entry of the farthest-range table, one invocation per fine entry:
+// computes the largest range among the words of the entry's beams, so that the next shell can skip what lies behind. A
+// workgroup per coarse entry would need barriers; on lavapipe that took three times as long as everything else.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -14,7 +14,7 @@
 
 layout(local_size_x = 64) in;
 
-// For the next shell, only the rows that it has something in; for a still image, all of them.
+// For the next shell only the rows in which it has content are computed; for the still image, all rows.
 bool worthKnowing(uvec2 entry) {
   bool later = entry.y * kFineRows < counters.laterRowsUp &&
                (entry.y + 1) * kFineRows > frame.rows - counters.laterRowsDown;
@@ -25,7 +25,7 @@ uint farthestIn(uvec2 entry) {
   uint result = 0;
   uint rowEnd = min((entry.y + 1) * kFineRows, frame.rows), first = entry.x * kFineColumns;
   uint last = min(kFineColumns, frame.columns - first) - 1;
-  // A beam that met nothing hides nothing: no need to look further.
+  // A beam without a hit hides nothing, so the search stops there.
   for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row)
     [[unroll]] for (uint k = 0; k < kFineColumns; ++k)
       result = max(result, words.at[row * frame.columns + first + min(k, last)].y);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What project_triangles.comp keeps, for stage bin: the triangle, and where it is to be tried.
+// Stores the triangles that project_triangles.comp keeps, and their boxes, for stage bin.
 
 void store(uint slot, Projected projected, Box box, uint material) {
   projectedA.at[slot] = projected.a;
@@ -15,7 +15,7 @@ void store(uint slot, Projected projected, Box box, uint material) {
     for (uint k = 0; k < 3; ++k) projectedMotions.at[3 * slot + k] = vec4(projected.velocities[k], 0.0);
 }
 
-// A large box is cut into tiles.
+// Cuts a large box into tiles.
 void storeTiles(uint slot, Box box) {
   uint columnsPerTile = max(kTileBeams / boxRowCount(box), 1);
   uint columnCount = boxColumnCount(box);
@@ -25,8 +25,8 @@ void storeTiles(uint slot, Box box) {
     tiles.at[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
 }
 
-// Each slab of columns that a box reaches into lists its part as a tile, after those it has. The first part's tile has
-// the triangle's own number.
+// Prepends one tile to the list of every slab that the box overlaps. The tile of the first slab has the index of the
+// triangle.
 void storeSlabs(uint slot, Box box) {
   uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box)), t = slot;
   for (uint k = 0; k < count;) {

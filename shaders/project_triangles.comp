@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, last pass. One subgroup per visible cluster, one invocation per vertex: to the sensor's frame; then one
-// per triangle: cull; then one per triangle that is left, of as many clusters as fill the subgroup: exact angular bounds.
-// Writes every triangle that a beam may meet, with a box that contains all such beams.
+// Stage project, last pass. One subgroup per visible cluster. First each invocation transforms a vertex to the
+// sensor's frame, then it culls a triangle; the triangles that are left, collected from several clusters until they
+// fill the subgroup, get exact angular bounds. Writes every triangle that a beam may hit, with a box that contains all
+// such beams.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -25,11 +26,11 @@
 
 layout(local_size_x = 64) in;
 
-// A moving sensor sees what is at the seam of its columns twice: at the scan's start and at its end.
+// With motion, a triangle at the seam of the columns may be seen twice: at the start and at the end of the scan.
 uint sideCount() { return MOTION ? 2 : 1; }
 const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4, kHidden = 5, kNoTriangle = 6;
 
-// As stored, see bindings.glsl.
+// A projected triangle as arrays.h describes it.
 struct Projected {
   TaggedCorner a;
   vec4 b;
@@ -38,13 +39,13 @@ struct Projected {
   mat3 velocities;     // of the corners; only with motion
 };
 
-// By bits: the compiler may assume that NaN does not occur.
+// Tests the bits, because the compiler may assume that NaN does not occur.
 bool inLimits(vec3 p) {
   uvec3 magnitude = floatBitsToUint(p) & 0x7fffffffu;
   return all(lessThanEqual(magnitude, uvec3(floatBitsToUint(kCoordinateLimit))));
 }
 
-// Only where rounding cannot have changed the side; the inside test decides the rest beam by beam.
+// True only if rounding cannot have changed the side; otherwise the inside test decides for each beam.
 bool facesAway(vec3 a, vec3 b, vec3 c) {
   vec3 u = b - a, v = c - a;
   float side = dot(cross(u, v), a);
@@ -56,16 +57,17 @@ bool outOfRange(vec3 a, float rangeMin) {
   return CULL == kCullFirstCorner ? !(length(a) <= frame.rangeMax) : rangeMin > frame.rangeMax;
 }
 
-// Behind what an earlier shell has met in all of the box. Of small ones that is cheaper to try than to ask.
+// True if in the whole box an earlier shell has nearer hits. Small boxes are not tested, because trying their beams is
+// cheaper.
 bool hidden(Box box, float rangeMin) {
   return (CULLING & kCullOccluded) != 0 && pass.occluders != 0 &&
          boxColumnCount(box) * boxRowCount(box) > kSmallBoxBeams &&
          occluded(Window(box.rowFirst, box.rowLast + 1, box.columnMin, box.columnMax), rangeMin);
 }
 
-// Which rows the corners allow, give or take. An edge that spans d radians, no more than its length over the nearest
-// range, rises above its ends by at most d^2 / 8 times the tangent of its elevation: 2.4, for d up to 0.2 and keys up to
-// 0.6.
+// True if the triangle certainly lies between two rows, by the angles of its corners and a margin. An edge that spans
+// d radians (at most its length divided by the nearest range) rises above its ends by at most d^2 / 8 times the
+// tangent of its elevation, which is at most 2.4 here: for d up to 0.2 and keys up to 0.6.
 bool betweenRows(vec3 a, vec3 b, vec3 c, vec3 size, float rangeMin) {
   vec3 keys = vec3(elevationKey(length(a.xy), a.z), elevationKey(length(b.xy), b.z), elevationKey(length(c.xy), c.z));
   float keyMin = min(min(keys.x, keys.y), keys.z), keyMax = max(max(keys.x, keys.y), keys.z);
@@ -76,12 +78,13 @@ bool betweenRows(vec3 a, vec3 b, vec3 c, vec3 size, float rangeMin) {
   return first >= end && squares < 0.04 && max(-keyMin, keyMax) < 0.6;
 }
 
-// What can be told before any exact bound. All lanes go through all of it: what only some of them load is dearer.
+// The culling tests that need no exact bounds. All lanes run all of them, because loads in divergent branches cost
+// more.
 uint culledEarly(vec3 a, vec3 b, vec3 c, bool oneSided) {
   vec3 low = min(min(a, b), c), high = max(max(a, b), c);
   float rangeMin = nearestPoint(low, high);
   uint fate = kKeep;
-  // Where a subgroup takes all of a cluster at once, nothing is gained by asking twice.
+  // If one subgroup processes all triangles of a cluster at once, this extra test saves no time.
   if (BOUNDS == kBoundsExact && gl_SubgroupSize < kClusterTriangles)
     fate = betweenRows(a, b, c, high - low, rangeMin) ? kBetween : kKeep;
   fate = oneSided && facesAway(a, b, c) ? kFace : fate;
@@ -96,7 +99,7 @@ uint boundedBox(vec3 a, vec3 b, vec3 c, out Box box, float rangeMin) {
 
 #include "project_motion.glsl"
 
-// Section 3 of the paper: n . v0 < 0 for faces of one side, the floor of the corners' angles.
+// Section 3 of the paper: one-sided faces need n . v0 < 0; the box is the floor of the corners' angles.
 uint paperBox(vec3 a, vec3 b, vec3 c, bool oneSided, out Box box, out float rangeMin) {
   rangeMin = abs(dot(normalize(cross(b - a, c - a)), a));
   if (outOfRange(a, rangeMin)) return kRange;
@@ -123,7 +126,7 @@ uint cullOne(LoadedCluster loaded, mat3 corners) {
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 
-// A triangle to be bounded, whose cluster another may have followed.
+// A triangle that passed the early culling; it may belong to an earlier cluster than the current one.
 struct Survivor {
   mat3 corners;
   uint id;         // the top bit says one-sided
@@ -132,7 +135,7 @@ struct Survivor {
   uint instance;  // only with motion
 };
 
-// The k-th triangle of a cluster. Every lane must ask.
+// Returns the k-th triangle of a cluster. All lanes of the subgroup must call this.
 Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
   uvec2 triangle = triangleCorners.at[loaded.triangleFirst + k];
   uvec3 numbers = numbersOf(loaded, triangle.x);
@@ -174,8 +177,8 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
 
 #include "project_store.glsl"
 
-// The next visible cluster of a subgroup; false if there is none left. On few threads whoever is free
-// takes the next one; on many, each has its share from the start.
+// Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
+// shared counter hands out the next cluster; otherwise each subgroup has a fixed share.
 bool nextCluster(inout uint i) {
   if (BINNING == kBinningSlabs) {
     if (gl_SubgroupInvocationID == 0) i = atomicAdd(counters.nextCluster, 1);
@@ -186,7 +189,7 @@ bool nextCluster(inout uint i) {
   return i < counters.visible;
 }
 
-// Where the n-th of the bits that are set is.
+// Returns the position of the n-th set bit.
 uint nthSetBit(uint bits, uint n) {
   uint at = 0;
   for (uint width = 16; width > 0; width >>= 1) {
@@ -200,7 +203,7 @@ uint nthSetBit(uint bits, uint n) {
 
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
-// Every lane must call; `there`: it has a survivor.
+// All lanes of the subgroup must call this; `there` is true if the lane has a survivor.
 void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
   for (uint side = 0; side < sideCount(); ++side) {
     uint fate = kNoTriangle;
@@ -217,14 +220,14 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
 void main() {
   uvec4 culled = uvec4(0);  // range, face, between beams, hidden
   uint nonFinite = 0, triangleCount = 0, lane = gl_SubgroupInvocationID, i = kNone;
-  // Of most clusters few triangles are left: those wait in the first lanes until there is one for every lane.
+  // Most clusters leave few triangles. These wait in the first lanes until every lane has one.
   Survivor survivor;
   uint waiting = 0;
   for (bool more = true; more;) {
     more = nextCluster(i);
     LoadedCluster loaded;
     Vertices vertices;
-    uint left = 0;  // a bit for each triangle to be bounded
+    uint left = 0;  // one bit for each triangle that needs bounds
     if (more) {
       loaded = loadCluster(i);
       triangleCount += loaded.triangleCount;

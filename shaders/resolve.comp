@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage resolve. One row of workgroups per channel: the nearest hit of every beam -> point, range and owner.
-// Without lists it unpacks its words; with lists it visits the beam's candidates, best first, skipping by depth.
+// Stage resolve. One row of workgroups per channel: writes point, range and owner of every beam's nearest hit. Without
+// lists it unpacks the beam's word; with lists it tries the beam's candidates, nearest first, and skips those that are
+// farther than the best hit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -20,7 +21,7 @@ layout(local_size_x = 64) in;
 float nearestSoFar;  // of the beam whose list is being visited
 float farthestOf(uint index) { return nearestSoFar; }
 
-// Range bits above, placed triangle below: the smaller pair wins.
+// Tries a candidate. The smaller pair of range bits and placed triangle wins.
 void consider(uint candidate, uint index, Beam beam, inout uint rangeBits, inout uint id) {
   Triangle triangle = loadProjected(candidate);
   uint row = index / frame.columns;
@@ -35,8 +36,8 @@ void consider(uint candidate, uint index, Beam beam, inout uint rangeBits, inout
   }
 }
 
-// Best first: the candidate whose triangle comes nearest to the sensor is most likely the hit, and every candidate
-// that stays behind it is skipped. `rangeMin` is a true lower bound of a hit's range, so no hit is lost.
+// The candidate whose triangle comes nearest to the sensor is tried first, because it is most likely the hit. Then
+// every candidate behind that hit is skipped. `rangeMin` is a lower bound of the range, so no hit is lost.
 void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
   rangeBits = kNone;
   id = kNone;

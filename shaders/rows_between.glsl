@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which rows may meet a triangle between two columns? The half-planes of two azimuths cut a wedge out of it, whose
-// highest and lowest points lie on its edges, clipped.
+// Finds the rows whose beams between two columns may hit a triangle. The half-planes of the two azimuths cut a wedge
+// out of the triangle; the highest and lowest points of the wedge lie on the triangle's clipped edges.
 
-// The angle by which a beam may miss a triangle and be told to meet it.
+// Returns the angle by which a beam can miss a triangle and still count as a hit.
 float blurOf(Triangle triangle, Prepared prepared, vec3 far) {
   float blur = 2e-6 + 1.001 * footprint();
-  // The normal of an edge, a x b, is off by 1e-7 |a| |b|: that tilts it by so much over its length.
+  // The normal of an edge, a x b, has an error of 1e-7 |a| |b|, which tilts it by that error divided by its length.
   if (INSIDE == kInsidePlain) {
     vec3 sizes = vec3(length(prepared.normals.bc), length(prepared.normals.ca), length(prepared.normals.ab));
     vec3 tilts = far.yzx * far.zxy / max(sizes, vec3(1e-30));
@@ -16,12 +16,12 @@ float blurOf(Triangle triangle, Prepared prepared, vec3 far) {
 
 vec3 notZero(vec3 v) { return mix(v, vec3(1e-30), lessThan(abs(v), vec3(1e-30))); }
 
-// The elevation keys between the columns of `from` and `to`, which lies to the left by less than a quarter turn; `slack`
-// metres more on either side. Horizontal distances are taken along `from`: who asks widens by what that and the bulge of
-// an edge between the columns make, a quarter of the angle squared. keyMin > keyMax where there is nothing. What is not
-// in front of the sensor says nothing: then every key may be.
+// Computes the elevation keys between the columns `from` and `to`, where `to` is to the left by less than a quarter
+// turn; both sides are widened by `slack` metres. Horizontal distances are measured along `from`; the caller adds a
+// quarter of the squared angle, which covers this and the bulge of an edge between the columns. keyMin > keyMax if no
+// part of the triangle lies in the wedge. If part of it is not in front of the sensor, all keys are returned.
 void keysBetween(Turned from, Turned to, float slack, out float keyMin, out float keyMax) {
-  // Along each edge, left of `from` and right of `to`: t0..t1.
+  // t0..t1 is the part of each edge that lies left of `from` and right of `to`.
   vec3 d = notZero(from.q.yzx - from.q), e = notZero(to.q.yzx - to.q);
   vec3 td = (-slack - from.q) / d, te = (slack - to.q) / e;
   bvec3 rising = greaterThan(d, vec3(0.0)), falling = lessThan(e, vec3(0.0));
@@ -31,7 +31,8 @@ void keysBetween(Turned from, Turned to, float slack, out float keyMin, out floa
   vec3 along = from.p.yzx - from.p, up = from.z.yzx - from.z;
   vec3 p0 = from.p + along * t0, p1 = from.p + along * t1;
   vec3 z0 = from.z + up * t0, z1 = from.z + up * t1;
-  // What lies so near the axis that the slack lets it reach behind it ends at a pole; unless it lies near the sensor.
+  // A point so close to the axis that the slack extends behind the axis ends at a pole, unless it is close to the
+  // sensor.
   vec3 k0 = z0 / (abs(z0) + max(p0, vec3(0.0))), k1 = z1 / (abs(z1) + max(p1, vec3(0.0)));
   vec3 low = mix(vec3(2.0), min(k0, k1), there), high = mix(vec3(-2.0), max(k0, k1), there);
   vec3 front = mix(vec3(1.0), max(min(p0, p1), z0 * z1), there);

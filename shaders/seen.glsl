@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A projected triangle as a laser of a moving sensor sees it.
+// Transforms a projected triangle to the frame of a laser of a moving sensor.
 
-// When a column fires, in the column's frame.
+// Transforms the triangle to the column's frame, at the time when the column fires.
 Triangle seenFrom(Triangle triangle, uint slot, uint column) {
   ColumnMotion at = columnMotions.at[column];
   if (motion.instances != 0) {
@@ -16,7 +16,7 @@ Triangle seenFrom(Triangle triangle, uint slot, uint column) {
   return triangle;
 }
 
-// From where the laser of a row is in its head.
+// Moves the origin to the position of the row's laser in its head.
 Triangle seenFrom(Triangle triangle, uint row, vec2 azimuth) {
   if (motion.origins == 0.0) return triangle;
   vec3 origin = originOf(row, azimuth);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What host and device share: structs and constants. Included by GLSL, C++ and CUDA. GLSL lays the structs out by the
-// scalar rules, so all three agree.
+// Structs and constants that host and device share, included by GLSL, C++ and CUDA. GLSL uses the scalar layout rules
+// for the structs, so all three agree.
 #ifndef GNOSPHERE_SHARED_H
 #define GNOSPHERE_SHARED_H
 
@@ -22,49 +22,51 @@ struct alignas(16) vec4 {
 
 // --- Limits -------------------------------------------------------------------------------------------------------
 
-// Triangles per cluster: one subgroup projects one cluster. At most 32: it keeps a bit for each. On towns 32 took 0.95
-// of the time of 64, and 16 gained no more.
+// Triangles per cluster. One subgroup projects a cluster and keeps one bit per triangle, so 32 is the limit. In town
+// scenes 32 took 0.95 of the time of 64, and 16 was not faster.
 GNO_CONST uint kClusterTriangles = 32;
-// Clusters per group: one subgroup goes through the clusters of a group.
+// Clusters per group. One subgroup processes the clusters of a group.
 GNO_CONST uint kGroupClusters = 64;
-// A box of at most this many beams is worked off by one invocation; a larger one is cut into tiles, a subgroup each.
+// One invocation processes a box of at most this many beams; a larger box is cut into tiles, and one subgroup
+// processes a tile.
 GNO_CONST uint kSmallBoxBeams = 16;
 // Beams per tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
 GNO_CONST uint kTileBeams = 4096;
-// A tile of at most this many beams is tried without asking first which rows of it count.
+// For a tile of at most this many beams, all rows are tried without computing first which rows can have hits.
 GNO_CONST uint kFewBeams = 32;
 // Cells of the table from elevation key to row.
 GNO_CONST uint kRowLookupCells = 16384;
-// Vertices farther than this on an axis are dropped and counted: their cubic terms would leave the float range.
+// Vertices with a larger coordinate are dropped and counted: products of three coordinates would overflow a float.
 GNO_CONST float kCoordinateLimit = 1e9f;
-// Error of the elevation key (range -1..1) that bounds are widened by: 3 roundings of the key itself (2e-7), the arc's
-// apex from a normal with relative error 3e-7 per unit edge/height ratio, and the shift of a vertex by the inside
-// test's own rounding (3e-7). Ten times their sum is still little beside a row, which is 4e-3 apart from the next.
+// Error of the elevation key (range -1..1) by which bounds are widened. It covers 3 rounding errors of the key itself
+// (2e-7), the error of an arc's highest point from a normal with relative error 3e-7 per unit edge/height ratio, and
+// the shift of a vertex by the inside test's own rounding (3e-7). Ten times their sum is still small beside the
+// distance between rows, 4e-3.
 GNO_CONST float kKeySlack = 1e-5f;
 // The same for azimuth, in radians at the horizon; it grows as 1/cos(elevation).
 GNO_CONST float kAzimuthSlack = 2e-6f;
-// A beam index or list link that points nowhere.
+// A beam index or list link that refers to nothing.
 GNO_CONST uint kNone = 0xffffffffu;
 // Beams that one entry of the farthest-range table covers: columns by rows, on its fine and on its coarse level.
 GNO_CONST uint kFineColumns = 8;
 GNO_CONST uint kFineRows = 4;
 GNO_CONST uint kCoarseColumns = 64;
 GNO_CONST uint kCoarseRows = 32;
-// Entries looked up for one box, at most; a box over more of them counts as seen.
+// Most table entries that are read for one box; a box over more entries counts as visible.
 GNO_CONST uint kMaxLookups = 16;
 // Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
 GNO_CONST uint kResolveColumns = 1024;
-// Placed triangles that share an entry of the table of owners.
+// Number of placed triangles per entry of ownerRanges.
 GNO_CONST uint kOwnerBlock = 256;
-// What may become of a beam, see Cause.
+// Number of values of Cause.
 GNO_CONST uint kCauses = 6;
-// Blocks of the prefix sum over beams.
+// Beams per block of the prefix sum.
 GNO_CONST uint kPrefixBlock = 1024;
 
 // --- Specialisation constants --------------------------------------------------------------------------------------
 
-GNO_CONST uint kBoundsPaper = 0;    // floor of the corners' angles
-GNO_CONST uint kBoundsCorners = 1;  // the corners' angles, without bulge and poles
+GNO_CONST uint kBoundsPaper = 0;    // the floor of the corners' angles
+GNO_CONST uint kBoundsCorners = 1;  // the corners' angles, ignoring bulging edges and poles
 GNO_CONST uint kBoundsExact = 2;
 
 GNO_CONST uint kCullFirstCorner = 0;
@@ -82,14 +84,14 @@ GNO_CONST uint kFacesMaterial = 0;
 GNO_CONST uint kFacesFront = 1;
 GNO_CONST uint kFacesBoth = 2;
 
-// What is skipped before any triangle is read; bits of CULLING.
+// Objects that are skipped before any of their triangles is read; bits of CULLING.
 GNO_CONST uint kCullRange = 1;     // out of range
 GNO_CONST uint kCullRows = 2;      // between two rows of beams, above or below the field of view
 GNO_CONST uint kCullColumns = 4;   // between two columns of beams
-GNO_CONST uint kCullOccluded = 8;  // behind what every beam has met already
-GNO_CONST uint kCullCones = 16;    // whole clusters that show their back
+GNO_CONST uint kCullOccluded = 8;  // behind the hits that all beams have already
+GNO_CONST uint kCullCones = 16;    // clusters whose triangles are all back-facing
 
-// How triangles meet beams.
+// How hits are assigned to beams.
 GNO_CONST uint kBinningNearest = 0;  // one pass: 64-bit atomic minimum of (range, triangle)
 GNO_CONST uint kBinningLists = 1;    // count and fill a list of candidates per beam
 GNO_CONST uint kBinningSlabs = 2;    // minimum of (range, triangle) without atomics: each word has one owner
@@ -105,8 +107,9 @@ GNO_CONST uint kPassOthers = 1;
 
 // --- Structs ---------------------------------------------------------------------------------------------------------
 
-// Sensor frame = rows * (mesh position - pivot) + offset. The pivot is the sensor's place in the mesh frame rounded to
-// float; subtracting it first keeps the error relative to the distance (numerics: cancellation happens exactly).
+// Sensor frame = rows * (mesh position - pivot) + offset. The pivot is the sensor's position in the mesh frame,
+// rounded to float. Subtracting it first keeps the error relative to the distance from the sensor: near the sensor the
+// subtraction is exact.
 struct Instance {
   vec4 row0;  // xyz: linear part, w: pivot
   vec4 row1;
@@ -122,13 +125,13 @@ struct Cluster {
   vec3 high;  // upper corner
   uint triangleFirst;
   vec3 coneAxis;  // see cone.hpp
-  uint cone;      // its sine in the low 16 bits, its thinness in the high ones, both half floats
+  uint cone;      // sine in the low 16 bits, thinness in the high 16 bits, both half floats
   uint vertexCount, triangleCount;
   uint doubleSided;  // 0 or 1
   uint material;     // index into the scene's materials
 };
 
-// At most kGroupClusters clusters of one mesh that lie together.
+// At most kGroupClusters neighbouring clusters of one mesh.
 struct Group {
   vec3 low;  // lower corner of its box
   uint clusterFirst;
@@ -136,7 +139,7 @@ struct Group {
   uint clusterCount;
 };
 
-// A corner of a projected triangle in the sensor's frame, and what arrays.h says of it.
+// A corner of a projected triangle in the sensor's frame, with the tag that arrays.h describes.
 struct TaggedCorner {
   vec3 corner;
   uint tag;
@@ -148,13 +151,13 @@ struct SurfaceRecord {
   uint material;  // kNone: no surface
 };
 
-// What the receiver makes of a return.
+// The receiver's measurements of a return.
 struct SignalRecord {
   float intensity, trueRange, width;
   uint word;  // label | cause << 8 | number << 16 | count << 24
 };
 
-// Everything about the sensor that is not a table.
+// All constants of a sensor that are not in tables.
 struct Frame {
   uint columns;
   uint rows;
@@ -166,67 +169,68 @@ struct Frame {
   uint projectedCapacity;
   uint tileCapacity;
   uint candidateCapacity;
-  float paperFirstElevation;  // paper: radians of row 0, and rows per radian
+  float paperFirstElevation;  // paper: elevation of row 0 in radians, and rows per radian
   float paperRowsPerRadian;
   float shiftMin, shiftMax;  // least and largest azimuth offset of a row, in columns
-  float footprint;           // radians: how far a beam spreads or strays from its axis, at most
-  uint slabShift;            // a slab, which one subgroup owns, has 1 << slabShift columns
+  float footprint;           // radians: largest angle by which a beam spreads or deviates from its axis
+  uint slabShift;            // a slab has 1 << slabShift columns and is owned by one subgroup
   uint padding[3];
 };
 
-// One channel, in order of elevation.
+// One channel; rows are sorted by elevation.
 struct Row {
   vec3 angles;  // cos and sin of the elevation, elevation key (see elevationKey())
   uint channel;
   vec4 offset;  // cos and sin of the azimuth offset, the offset in columns, 0
 };
 
-// What was needed and what became of every triangle; read back with the results.
+// Counts of list entries and of triangles by result; read back with the results.
 struct Counters {
   uint projectedSmall, projectedLarge, tiles, candidates;
-  uint binnedSmall, binnedTiles;  // of those, what went through bin in an earlier shell
+  uint binnedSmall, binnedTiles;  // counts of projectedSmall and tiles that earlier shells have binned
   uint hits;
-  uint triangles;  // read, of visible clusters
+  uint triangles;  // read from visible clusters
   uint nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden;
-  uint integerSides, integerRanges;  // of `exact`: tests that floating point could not decide
-  uint visibleGroups, visible;       // of a shell; set back for the next, with the four below
-  uint nextCluster, nextSlab;        // with slabs: that no subgroup has taken yet
-  uint laterRowsDown, laterRowsUp;   // of a shell: what lies beyond it is in rows rows - down..up - 1
-  uint causes[6];                    // beams by Cause, where effects judge them
-  uint lostEchoes;                   // beyond kMaxEchoes of a beam
-  uint hardBeams;                    // whose footprint does not lie on one triangle
+  uint integerSides, integerRanges;  // `exact`: tests that floating point could not decide
+  uint visibleGroups, visible;       // of a shell; reset for the next one, as are the next four
+  uint nextCluster, nextSlab;        // with slabs: the next one that no subgroup has taken
+  uint laterRowsDown, laterRowsUp;   // of a shell: content beyond it is in rows rows - down..up - 1
+  uint causes[6];                    // beams by Cause, if effects are planned
+  uint lostEchoes;                   // echoes beyond kMaxEchoes of a beam
+  uint hardBeams;                    // beams whose footprint does not lie on one triangle
   uint padding[3];
 };
 
-// Push constants of `project`: which instances, and a shell, which is what lies at distances shellMin..shellMax.
+// Push constants of `project`: a range of placed groups, and a shell, which is the range of distances
+// shellMin..shellMax.
 struct Pass {
-  uint placedFirst;  // its (instance, group) pairs among all
+  uint placedFirst;  // first (instance, group) pair to process
   uint placedCount;
   float shellMin, shellMax;
-  uint occluders;  // 1 if the farthest-range table holds something
+  uint occluders;  // 1 if the farthest-range table is filled
   uint padding0, padding1, padding2;
 };
 
 // The velocity of an instance's points, m/s in the sensor's axes: rows * (point, 1).
 struct InstanceMotion {
   vec4 row0, row1, row2;
-  vec4 bound;  // x: metres that any of its points goes during the scan, at most
+  vec4 bound;  // x: largest distance in metres that any of its points moves during the scan
 };
 
-// The sensor when a column fires: the column's frame = rows * (point, 1), points being in the frame of the scan's
-// middle.
+// The sensor when a column fires: the column's frame = rows * (point, 1), where points are in the sensor's frame at
+// the middle of the scan.
 struct ColumnMotion {
   vec4 row0, row1, row2;
   vec4 report0, report1, report2;  // the frame that points are reported in = report * (point of the column's frame, 1)
   vec4 velocity;                   // of the sensor, m/s in the column's frame; w: seconds since the scan's start
 };
 
-// How much anything moves during the scan, seen from the frame of its middle.
+// Bounds of the motion during the scan, relative to the sensor's frame at the middle of the scan.
 struct MotionBounds {
-  float shift, turn;                    // metres and radians of the sensor, laser origins counted, at most
-  float shiftPerColumn, turnPerColumn;  // from column to column, at most
-  float origins;                        // metres: how far a laser is from the sensor's origin
-  float secondsPerColumn, seconds;      // of the whole scan
+  float shift, turn;                    // most metres and radians that the sensor moves, laser origins included
+  float shiftPerColumn, turnPerColumn;  // at most, between neighbouring columns
+  float origins;                        // metres: largest distance of a laser from the sensor's origin
+  float secondsPerColumn, seconds;      // per column, and for the whole scan
   uint instances;                       // 1 if instances move
 };
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Angles on the sphere around the sensor, without GLSL's trigonometry: Vulkan lets atan err by 4096 ULP.
+// Angles on the sphere around the sensor. GLSL's own trigonometry is not used, because Vulkan lets atan err by 4096
+// ULP.
 
 const float kPi = 3.14159265358979;
 
-// Monotone in elevation, -1 at the lower pole and 1 at the upper; h is the distance from the vertical axis.
-// Its slope lies between 1/2 and 1 per radian, so an error here is the same error in angle, up to a factor of 2.
+// A number that increases with elevation, from -1 at the lower pole to 1 at the upper; h is the distance from the
+// vertical axis. Its slope lies between 1/2 and 1 per radian, so an error of the key is an error of the angle up to a
+// factor of 2.
 float elevationKey(float h, float z) {
   float sum = abs(z) + h;
   return sum > 0.0 ? z / sum : 0.0;
@@ -30,28 +32,30 @@ float azimuthOf(float y, float x) {
   return y < 0.0 ? -angle : angle;
 }
 
-// Of a box: a lower bound of its distance.
+// Returns a lower bound of the distance from the sensor to a box.
 float nearestPoint(vec3 low, vec3 high) { return length(max(max(low, -high), vec3(0.0))) * 0.999999; }
 
-// Radians that what is being bounded may seem to move by. Without motion it stays 0.
+// The largest angle in radians by which the object being bounded may appear to move. Without motion it stays 0.
 float seeming = 0.0;
 
-// A beam that spreads, strays or leaves from elsewhere meets more than its axis does.
+// The angle by which bounds are widened: beams may spread, deviate from their axis or start away from the sensor's
+// origin.
 float footprint() { return ((EFFECTS & kFootprintEffects) != 0 ? frame.footprint : 0.0) + seeming; }
 
-// Elevation keys are widened by so much: they grow by at most 1 per radian.
+// Elevation keys are widened by this much; a key changes by at most 1 per radian.
 float keySlack() { return kKeySlack + footprint(); }
 
-// Columns are widened by so many: an angle is a larger azimuth towards the poles, asin(angle / cos(elevation)), which
-// is at most 1.05 times as much up to half a radian; beyond, every column is covered. 1 - |key| is no larger than the
-// cosine.
+// Columns are widened by this many. Towards the poles an angle is a larger azimuth, asin(angle / cos(elevation)). Up
+// to half a radian this is at most 1.05 times angle / cos(elevation); beyond, every column is covered. 1 - |key| is no
+// larger than the cosine, so it may replace it.
 float columnSlack(float keyMin, float keyMax) {
   float inverse = 1.0 / max(1.0 - max(-keyMin, keyMax), 1e-6);
   float spread = 1.05 * footprint() * inverse;
   return spread > 0.5 ? float(frame.columns) : (frame.columnSlack * inverse + spread * frame.columnsPerRadian);
 }
 
-// A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and it spans up to 1.
+// Wraps a column number. A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and the
+// box spans up to 1 turn.
 uint wrapColumn(int column) {
   int turnColumns = int(frame.columns);
   if (column < 0) column += turnColumns;
@@ -61,13 +65,14 @@ uint wrapColumn(int column) {
   return uint(column);
 }
 
-// Of any key, even one that is no number.
+// Returns the lookup cell of a key; any key is allowed, even NaN.
 uint lookupCell(float key) {
   float cell = clamp((key + 1.0) * (0.5 * float(kRowLookupCells)), 0.0, float(kRowLookupCells - 1));
   return min(uint(int(cell)), kRowLookupCells - 1);
 }
 
-// The rows first..end - 1 contain all with keys in keyMin..keyMax, and few others: those of the cells at both ends.
+// Returns rows first..end - 1, which contain all rows with keys in keyMin..keyMax, and possibly further rows of the
+// cells at both ends.
 void rowsBetween(float keyMin, float keyMax, out uint first, out uint end) {
   first = rowLookup.at[lookupCell(keyMin)] & 0xffff;
   end = rowLookup.at[lookupCell(keyMax)] >> 16;

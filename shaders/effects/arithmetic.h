@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the formulas of the effects are made of, in the common subset of GLSL and C++ (and CUDA). Vulkan lets division,
-// roots, exponentials and the like differ from device to device, additions and products not: so everything here is
-// made of those, and the same input has the same bytes everywhere. Values are normal floats: a device may flush others.
+// Arithmetic for the formulas of the effects, in the common subset of GLSL and C++ (and CUDA). Vulkan lets the results
+// of division, roots, exponentials and the like differ between devices, but not those of additions and products.
+// Everything here uses only the latter, so the same input gives the same bytes everywhere. Values must be normal
+// floats, because a device may flush denormals to zero.
 #ifndef GNOSPHERE_EFFECTS_ARITHMETIC_H
 #define GNOSPHERE_EFFECTS_ARITHMETIC_H
 
@@ -56,8 +57,8 @@ GNO_INLINE float notANumber() {
   return uintBitsToFloat(0x7fc00000u);
 }
 
-// a / b for 1e-37 < |b| < 1e37, relative error at most 3e-7. Newton's iteration on 1 / b, from the guess that taking
-// the bits from a constant gives.
+// a / b for 1e-37 < |b| < 1e37, relative error at most 3e-7. Newton's iteration on 1 / b; its first guess subtracts
+// the bits of b from a constant.
 GNO_INLINE float quotient(float a, float b) {
   GNO_PRECISE float magnitude = abs(b);
   GNO_PRECISE float inverse = uintBitsToFloat(0x7ef311c7u - floatBitsToUint(magnitude));

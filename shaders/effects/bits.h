@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which effects a pipeline holds: bits of its specialisation constant EFFECTS, in the order of effectNames().
+// The effects that a pipeline contains: bits of its specialisation constant EFFECTS, in the order of effectNames().
 #ifndef GNOSPHERE_EFFECTS_PLAN_H
 #define GNOSPHERE_EFFECTS_PLAN_H
 
@@ -28,27 +28,28 @@ GNO_CONST uint kVolumes = 1u << 15;
 GNO_CONST uint kRadialSpeed = 1u << 16;
 GNO_CONST uint kEffectCount = 17;
 
-// Not an effect of its own: angle noise that sends beams astray before they meet anything.
+// Not an effect of its own: set if angle noise deflects beams before they meet anything.
 GNO_CONST uint kStrays = 1u << 17;
 
-// What a beam meets is not one hit of one line: candidates are gathered as lists and tried sub-ray by sub-ray.
+// With one of these effects a beam's result is more than the nearest hit of one line: the candidates of each beam are
+// collected in lists and tried for every sub-ray.
 GNO_CONST uint kFootprintEffects = kDivergence | kTransmission | kCutOuts | kStrays;
-// What makes or breaks a return: judged beam by beam.
+// With one of these effects the returns of each beam are computed from its echoes.
 GNO_CONST uint kSignalEffects = kIntensity | kDetection | kDropOut | kRangeNoise | kAngleNoise | kIntensityNoise |
                                 kFootprintEffects | kReturns | kFog | kRain | kSnow | kVolumes;
-// Surfaces that one sub-ray meets, at most.
+// Most surfaces that one sub-ray can hit.
 GNO_CONST uint kMaxLayers = 4;
 
-// What fills the air.
+// Effects of the medium between the sensor and the surfaces.
 GNO_CONST uint kMediumEffects = kFog | kRain | kSnow | kVolumes;
 
-// What a scan holds beyond points, ranges and owners: bits of the specialisation constant FIELDS.
+// Outputs of a scan beyond points, ranges and owners: bits of the specialisation constant FIELDS.
 GNO_CONST uint kFieldSignal = 1;        // intensity, true range, width, label, cause
 GNO_CONST uint kFieldSurface = 2;       // normal, incidence, material
 GNO_CONST uint kFieldMotion = 4;        // velocity, radial speed
-GNO_CONST uint kFieldBarycentrics = 8;  // of the hit within its triangle
+GNO_CONST uint kFieldBarycentrics = 8;  // position of the hit within its triangle
 
-// What the pass over surfaces is for: fields, and intensity, which looks at the angle and the material.
+// Fields that need the surfaces pass. The intensity effect needs it too, for the angle of incidence and the material.
 GNO_CONST uint kSurfaceFields = kFieldSurface | kFieldBarycentrics;
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a return is strong enough, and whether it is lost at random.
+// Decides whether a return is strong enough, and whether it is lost at random.
 #ifndef GNOSPHERE_EFFECTS_DETECTION_H
 #define GNOSPHERE_EFFECTS_DETECTION_H
 
@@ -9,9 +9,9 @@
 namespace gnosphere::gpu {
 #endif
 
-// Probability that `power` is detected: a step at the threshold, or with softness s the logistic function of
-// ln(power / threshold) / s, which is 1/2 at the threshold. The step lets rounding errors of 1e-6 pass: a target at the
-// limit is detected.
+// Probability that `power` is detected: a step at the threshold or, with softness s, the logistic function of ln(power
+// / threshold) / s, which is 1/2 at the threshold. The step tolerates rounding errors of 1e-6, so that a target
+// exactly at the limit is detected.
 GNO_INLINE float detectionProbability(float power, float threshold, float softness) {
   if (!(power > 1e-37f)) return threshold > 0.0f ? 0.0f : 1.0f;
   GNO_PRECISE float limit = threshold * 0.999999f;
@@ -25,12 +25,13 @@ GNO_INLINE bool detected(EffectParameters p, float power, float chance) {
   return chance < detectionProbability(power, p.threshold, p.softness);
 }
 
-// CARLA's dropoff_* (RayCastLidar.cpp of CARLA 0.9): a beam is lost whatever it meets ...
+// Drop-out as CARLA's dropoff_* (RayCastLidar.cpp of CARLA 0.9). A whole beam is lost with a fixed probability.
 GNO_INLINE bool beamDropped(EffectParameters p, float chance) {
   return chance < p.dropRate;
 }
 
-// ... and a return of unit intensity below the limit with a probability that falls from dropAtZero to 0 at the limit.
+// A return whose unit intensity is below the limit is lost with a probability that falls from dropAtZero to 0 at the
+// limit.
 GNO_INLINE bool returnDropped(EffectParameters p, float unit, float chance) {
   GNO_PRECISE float probability = p.dropAtZero - p.dropSlope * unit;
   return unit < p.dropLimit && chance < probability;

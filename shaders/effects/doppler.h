@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast a surface goes away along the beam, as the Doppler shift of an FMCW sensor tells it.
+// The speed at which a surface recedes along the beam; an FMCW sensor measures it as a Doppler shift.
 #ifndef GNOSPHERE_EFFECTS_MOTION_H
 #define GNOSPHERE_EFFECTS_MOTION_H
 
@@ -9,8 +9,8 @@
 namespace gnosphere::gpu {
 #endif
 
-// m/s, positive going away: a point that moves with `point` seen along the unit vector `direction` by a sensor that
-// moves with `sensor`, all in one frame.
+// Returns the radial speed in m/s, positive if the point recedes. `point` and `sensor` are the velocities of the point
+// and the sensor, `direction` is the unit vector from the sensor to the point; all are in one frame.
 GNO_INLINE float radialSpeed(vec3 direction, vec3 point, vec3 sensor) {
   GNO_PRECISE float result =
       direction.x * (point.x - sensor.x) + direction.y * (point.y - sensor.y) + direction.z * (point.z - sensor.z);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One invocation per beam. No stage: it calls every formula of the effects, so that the build and the tests see each of
-// them as SPIR-V.
+// Not a stage: calls every formula of the effects, so that the build and the tests have each of them as SPIR-V. One
+// invocation per beam.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

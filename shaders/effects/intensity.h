@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How strong a return is, relative to a Lambertian target of reflectance 1, square to the beam, at 1 m.
+// The strength of a return, relative to a Lambertian target of reflectance 1, square to the beam, at 1 m.
 #ifndef GNOSPHERE_EFFECTS_INTENSITY_H
 #define GNOSPHERE_EFFECTS_INTENSITY_H
 
@@ -9,14 +9,14 @@
 namespace gnosphere::gpu {
 #endif
 
-// A glossy lobe narrower than this, alpha of GGX, would be missed or hit by chance between two beams.
+// Least alpha of the GGX lobe. A narrower lobe would be missed, or hit by chance, between two beams.
 GNO_CONST float kLeastGloss = 0.05f;
-// Unit intensity of the retro-reflector that is 255 on the byte scale; a stronger one is 255 too.
+// Unit intensity of the retro-reflector that is 255 on the byte scale; stronger ones are 255 too.
 GNO_CONST float kStrongestRetro = 1000.0f;
 
-// The glossy lobe as seen from where the light comes from: GGX with alpha = roughness^2 (Walter et al., EGSR 2007) and
-// Smith's shadowing (Heitz, JCGT 2014), where half vector, light and view are one. pi * f * cosine, so that a
-// Lambertian would be its cosine.
+// The glossy lobe seen from the light source: GGX with alpha = roughness^2 (Walter et al., EGSR 2007) and Smith's
+// shadowing (Heitz, JCGT 2014), where half vector, light and view coincide. Returns pi * f * cosine, a scale on which
+// a Lambertian surface gives the cosine.
 GNO_INLINE float glossyLobe(float cosine, float roughness) {
   GNO_PRECISE float alpha = max(roughness * roughness, kLeastGloss);
   GNO_PRECISE float square = alpha * alpha;
@@ -27,7 +27,7 @@ GNO_INLINE float glossyLobe(float cosine, float roughness) {
   return result;
 }
 
-// Share of a beam's energy that a surface throws back, `cosIncidence` 1 for square to the beam.
+// Share of a beam's energy that a surface reflects; `cosIncidence` is 1 if the surface is square to the beam.
 GNO_INLINE float reflected(Optics4 optics, float cosIncidence) {
   GNO_PRECISE float cosine = min(abs(cosIncidence), 1.0f);
   GNO_PRECISE float result = (optics.reflection.x + optics.reflection.w) * cosine;
@@ -35,29 +35,31 @@ GNO_INLINE float reflected(Optics4 optics, float cosIncidence) {
   return result;
 }
 
-// Share of what comes back from behind a surface that passes it: light goes there and returns.
+// Share of the light from behind a transmitting surface that returns: the light passes the surface twice.
 GNO_INLINE float transmitted(Optics4 optics) {
   GNO_PRECISE float both = optics.passage.x * optics.passage.x;
   return both;
 }
 
-// Relative power received: the lidar equation for a target that catches the whole beam. `depth`: optical depth of the
-// medium up to there.
+// Relative received power, by the lidar equation for a target that covers the whole beam. `depth` is the optical depth
+// of the medium up to the target.
 GNO_INLINE float received(float energy, float range, float depth) {
   GNO_PRECISE float square = max(range * range, 1e-8f);
   GNO_PRECISE float power = quotient(energy, square) * exponential(-2.0f * depth);
   return power;
 }
 
-// Unit intensity: what a Lambertian square to the beam at that range would need as reflectance.
+// Unit intensity: the reflectance at which a Lambertian target, square to the beam at that range, would return as
+// much.
 GNO_INLINE float unitIntensity(EffectParameters p, float energy, float range, float depth) {
   GNO_PRECISE float carla = exponential(-p.attenuation * range);  // RayCastLidar.cpp of CARLA 0.9
   GNO_PRECISE float physical = energy * exponential(-2.0f * depth);
   return p.intensityModel == kModelCarla ? carla : physical;
 }
 
-// Unit intensity -> the scale asked for. Bytes as Velodyne's calibrated reflectivity (VLP-16 user manual, 63-9243):
-// 0..100 diffuse per cent, 101..255 retro-reflectors; their law is logarithmic here, the manual gives none.
+// Converts unit intensity to the requested scale. Bytes follow Velodyne's calibrated reflectivity (VLP-16 user manual,
+// 63-9243): 0..100 are per cent of diffuse reflection, 101..255 are retro-reflectors. The law for these is logarithmic
+// here; the manual gives none.
 GNO_INLINE float scaled(EffectParameters p, float unit, float range) {
   if (p.intensityScale == kScaleRaw) return p.intensityModel == kModelCarla ? unit : received(unit, range, 0.0f);
   if (p.intensityScale == kScaleUnit) return min(unit, 1.0f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of measurement: normal, mean 0.
+// Measurement errors, normally distributed with mean 0.
 #ifndef GNOSPHERE_EFFECTS_NOISE_H
 #define GNOSPHERE_EFFECTS_NOISE_H
 
@@ -9,10 +9,11 @@
 namespace gnosphere::gpu {
 #endif
 
-// Angles astray are cut off here, in sigmas: beams must stay within the bounds that triangles are looked up by.
+// Angle errors are cut off at this many sigmas, because beams must stay within the bounds by which triangles are
+// found.
 GNO_CONST float kAngleCutOff = 4.0f;
 
-// Bias, an error that grows with range, then whole steps. Never below 0.
+// Adds the bias and an error whose sigma grows with range, then rounds to whole steps. The result is never below 0.
 GNO_INLINE float noisyRange(EffectParameters p, float range, float gaussian) {
   GNO_PRECISE float sigma = p.rangeSigma + p.rangeSigmaPerMetre * range;
   GNO_PRECISE float result = range + p.rangeBias + sigma * gaussian;
@@ -25,7 +26,7 @@ GNO_INLINE float noisyIntensity(EffectParameters p, float unit, float gaussian) 
   return max(result, 0.0f);
 }
 
-// How far a beam is astray: azimuth (x) and elevation (y) in radians. `beam` is its index.
+// Angle error of the beam with index `beam`: azimuth (x) and elevation (y) in radians.
 GNO_INLINE vec2 angleError(EffectParameters p, uint beam) {
   vec4 normal = gaussians(draw(p, beam, 0u, kAngleNoise));
   GNO_PRECISE vec2 result;
@@ -34,10 +35,10 @@ GNO_INLINE vec2 angleError(EffectParameters p, uint beam) {
   return result;
 }
 
-// A unit vector turned about the vertical axis by error.x and away from the horizon by error.y, radians.
+// Rotates a unit vector about the vertical axis by error.x, and in elevation by error.y, both in radians.
 GNO_INLINE vec3 astray(vec3 direction, vec2 error) {
   GNO_PRECISE float horizontal = squareRoot(direction.x * direction.x + direction.y * direction.y);
-  GNO_PRECISE float cosine = 1.0f, sine = 0.0f;  // of the azimuth; at a pole any will do
+  GNO_PRECISE float cosine = 1.0f, sine = 0.0f;  // of the azimuth; at a pole any azimuth will do
   if (horizontal > 1e-12f) {
     cosine = quotient(direction.x, horizontal);
     sine = quotient(direction.y, horizontal);

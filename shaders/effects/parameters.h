@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the formulas of the effects read and write: parameters of a scan, materials, volumes, echoes and returns.
-// The rules of shared.h hold for what goes into buffers.
+// Inputs and outputs of the formulas of the effects: parameters of a scan, materials, volumes, echoes and returns. The
+// layout rules of shared.h apply to structs that are stored in buffers.
 #ifndef GNOSPHERE_EFFECTS_PARAMETERS_H
 #define GNOSPHERE_EFFECTS_PARAMETERS_H
 
@@ -11,7 +11,7 @@
 namespace gnosphere::gpu {
 #endif
 
-// As the enums of effects.hpp and scan.hpp.
+// These values match the enums of effects.hpp and scan.hpp.
 GNO_CONST uint kModelPhysical = 0;
 GNO_CONST uint kModelCarla = 1;
 GNO_CONST uint kScaleRaw = 0;
@@ -43,20 +43,21 @@ GNO_CONST uint kLabelNone = 0;
 GNO_CONST uint kLabelSolid = 1;
 GNO_CONST uint kLabelScatter = 2;
 
-// Echoes of one beam; what is farther is lost. A sensor reports 5 at most, and a sixth tells which are the strongest.
+// Most echoes kept per beam; farther ones are lost. A sensor reports at most 5, and a sixth helps to find the
+// strongest.
 GNO_CONST uint kMaxEchoes = 6;
 
-// Drops or flakes: how many a beam meets that are strong enough to be detected, and how large they are.
+// Rain drops or snow flakes: how many strong enough to be detected a beam meets, and how large they are.
 struct Particles {
   vec4 countsNear;  // expected number up to range rangeOf(1), (2), (3), (4): see weather.h
   vec4 countsFar;   // (5)..(8)
   float firstRange, lastRange;
-  float slope;        // 1/m: the share larger than D falls as exp(-slope * D)
-  float reflectance;  // of one, as a Lambertian disc of its diameter
+  float slope;        // 1/m: the share of particles larger than D is exp(-slope * D)
+  float reflectance;  // of a particle, as a Lambertian disc of its diameter
 };
 
-// Everything that the effects of one sensor's scan need. Metres, radians, 1/m; powers are relative to a Lambertian
-// target of reflectance 1, square to the beam, at 1 m.
+// All parameters of the effects for one sensor's scan. Units are metres, radians and 1/m; powers are relative to a
+// Lambertian target of reflectance 1, square to the beam, at 1 m.
 struct EffectParameters {
   Particles rain, snow;
   uint seedLow, seedHigh, sensor, frame;
@@ -66,50 +67,50 @@ struct EffectParameters {
   float attenuation;  // of CARLA's intensity
   float threshold;    // least relative power that is detected
   float softness;
-  float dropRate, dropLimit, dropSlope, dropAtZero;  // CARLA's; below the limit dropAtZero - dropSlope * intensity
+  float dropRate, dropLimit, dropSlope, dropAtZero;  // as in CARLA; below the limit dropAtZero - dropSlope * intensity
   float rangeBias, rangeSigma, rangeSigmaPerMetre, rangeStep;
   float azimuthSigma, elevationSigma, intensitySigma;
   float extinction;  // of fog, rain and snow together
   float fogExtinction, fogScatter;
   float separation, pulseWidth;
-  float tanHorizontal, tanVertical;        // of half the footprint's angles, as the sub-rays have it; 0: a line
-  float spreadHorizontal, spreadVertical;  // full angles of the beam that drops and flakes are in
+  float tanHorizontal, tanVertical;        // of half the angles of the sub-ray footprint; 0: the beam is a line
+  float spreadHorizontal, spreadVertical;  // full angles of the beam that meets drops and flakes
   float rangeMin, rangeMax;
   float padding0, padding1, padding2;
 };
 
-// Material and surface: what a table of them holds per material.
+// Optical properties of one material.
 struct Optics4 {
   vec4 reflection;  // reflectance, gloss, roughness, retro
   vec3 passage;     // transmission, alpha cut-off, factor of the texture's alpha
-  uint alphaImage;  // kNone: there is none
+  uint alphaImage;  // kNone: the material has none
 };
 
-// Dust or spray: box frame = rows * (sensor frame, 1), and the box is -1..1 there.
+// A box of dust or spray: box frame = rows * (sensor frame, 1), and the box spans -1..1 in its frame.
 struct VolumeBox {
   vec4 row0, row1, row2;
-  float extinction, scatter;  // 1/m; relative power that its pulse length throws back at 1 m
+  float extinction, scatter;  // 1/m; relative power that one pulse length scatters back at 1 m
   float padding0, padding1;
 };
 
-// What comes back from one depth of a beam, before the medium has taken its part.
+// The light returned from one depth of a beam, before attenuation by the medium.
 struct Echo {
   float range;
-  float energy;  // sum over sub-rays of weight * reflected * transmitted shares; the power is that over range^2
+  float energy;  // sum over sub-rays of weight * reflected * transmitted shares; divided by range^2 it is the power
   float width;   // m
   float cosIncidence;
-  uint index;  // whatever the includer knows it by; kNone: the medium
+  uint index;  // an index chosen by the including file; kNone: the medium
 };
 
 struct Return {
-  float range;      // NaN: there is none
+  float range;      // NaN: no return
   float trueRange;  // without noise
   float intensity;
   float width;
   uint label;
-  uint echo;    // Echo::index; kNone for the medium and for none
-  uint number;  // 1 for the first of its beam, 0 for none
-  uint count;   // of its beam
+  uint echo;    // Echo::index; kNone for the medium and for no return
+  uint number;  // 1 for the first return of its beam, 0 for no return
+  uint count;   // number of returns of its beam
 };
 
 #ifdef __cplusplus

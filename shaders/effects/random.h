@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random numbers without state: Philox4x32-10 of Salmon et al., "Parallel random numbers: as easy as 1, 2, 3" (SC
-// 2011).
+// Stateless random numbers: Philox4x32-10 of Salmon et al., "Parallel random numbers: as easy as 1, 2, 3" (SC 2011).
 #ifndef GNOSPHERE_EFFECTS_RANDOM_H
 #define GNOSPHERE_EFFECTS_RANDOM_H
 
@@ -10,10 +9,10 @@
 namespace gnosphere::gpu {
 #endif
 
-// The number of an echo of the medium, where draws count echoes.
+// The echo number under which the medium's echo draws random numbers.
 GNO_CONST uint kScatterDraw = 100;
 
-// Four words that pass for random, of a counter and a key.
+// Returns four pseudo-random words for a counter and a key.
 GNO_INLINE uvec4 philox(uvec4 counter, uint keyLow, uint keyHigh) {
   uvec4 state = counter;
   for (uint round = 0u; round < 10u; ++round) {
@@ -27,8 +26,9 @@ GNO_INLINE uvec4 philox(uvec4 counter, uint keyLow, uint keyHigh) {
   return state;
 }
 
-// The words of (seed, sensor, frame, beam, sub-ray, effect): no effect can change the draws of another. `effect` is
-// its bit of plan.h. Where an effect draws per echo, or several times, `subRay` counts those; at most 32767.
+// Returns the random words for (seed, sensor, frame, beam, sub-ray, effect). Every effect has its own words, so no
+// effect can change the draws of another. `effect` is its bit of bits.h. An effect that draws per echo, or several
+// times, counts its draws in `subRay`, up to 32767.
 GNO_INLINE uvec4 draw(EffectParameters p, uint beam, uint subRay, uint effect) {
   uvec4 counter;
   counter.x = beam;
@@ -38,19 +38,19 @@ GNO_INLINE uvec4 draw(EffectParameters p, uint beam, uint subRay, uint effect) {
   return philox(counter, p.seedLow, p.seedHigh);
 }
 
-// 0 <= u < 1, a multiple of 2^-24.
+// A uniform number with 0 <= u < 1, a multiple of 2^-24.
 GNO_INLINE float uniform01(uint word) {
   GNO_PRECISE float result = float(word >> 8) * 5.9604644775390625e-8f;
   return result;
 }
 
-// 0 < u <= 1: of which a logarithm can be taken.
+// A uniform number with 0 < u <= 1, so that its logarithm is finite.
 GNO_INLINE float uniformAboveZero(uint word) {
   GNO_PRECISE float result = float((word >> 8) + 1u) * 5.9604644775390625e-8f;
   return result;
 }
 
-// Four independent normal variables, mean 0 and variance 1, at most 5.8: Box and Muller (1958).
+// Four independent normal variables with mean 0 and variance 1, at most 5.8 in magnitude: Box and Muller (1958).
 GNO_INLINE vec4 gaussians(uvec4 words) {
   GNO_PRECISE float radius0 = squareRoot(-2.0f * naturalLog(uniformAboveZero(words.x)));
   GNO_PRECISE float radius1 = squareRoot(-2.0f * naturalLog(uniformAboveZero(words.z)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of a beam's detected echoes are returned.
+// Chooses which of a beam's detected echoes become returns.
 #ifndef GNOSPHERE_EFFECTS_RETURNS_H
 #define GNOSPHERE_EFFECTS_RETURNS_H
 
@@ -9,11 +9,11 @@
 namespace gnosphere::gpu {
 #endif
 
-// The echoes that a mode may name, by their number in order of range; kNone: there is no such echo.
+// The echoes that a returns mode can name, by their number in order of range; kNone if there is no such echo.
 struct Choice {
   uint first, second, last, strongest, secondStrongest;
-  float power, secondPower;  // of the strongest two
-  uint detected;             // bits: all of them
+  float power, secondPower;  // of the two strongest
+  uint detected;             // one bit per detected echo
 };
 
 GNO_INLINE Choice noChoice() {
@@ -24,7 +24,8 @@ GNO_INLINE Choice noChoice() {
   return choice;
 }
 
-// One more detected echo; to be called in order of range. Of equally strong ones the nearer is the stronger.
+// Adds a detected echo. Echoes must be added in order of range; of equally strong echoes the nearer counts as
+// stronger.
 GNO_INLINE void consider(GNO_INOUT(Choice) choice, uint number, float power) {
   choice.detected |= 1u << number;
   choice.last = number;
@@ -47,8 +48,8 @@ GNO_INLINE uint bitOf(uint number) {
   return number == kNone ? 0u : 1u << number;
 }
 
-// Bits of the echoes that are returned. Where both of a pair are the same echo there is one return. `all` is all that
-// fit, the nearest first: the caller counts.
+// Bits of the echoes that become returns. If a mode names two echoes and both are the same, there is one return. Mode
+// kModeAll returns the bits of all detected echoes; the caller stores as many as fit, nearest first.
 GNO_INLINE uint chosen(Choice choice, uint mode) {
   uint first = bitOf(choice.first), second = bitOf(choice.second), last = bitOf(choice.last);
   uint strongest = bitOf(choice.strongest), secondStrongest = bitOf(choice.secondStrongest);
@@ -65,8 +66,8 @@ GNO_INLINE uint chosen(Choice choice, uint mode) {
   return choice.detected;
 }
 
-// Width of an echo, full at half maximum: the pulse's own and that of the depths it came from (standard deviation,
-// metres), as normal distributions add up; 2.354820 = 2 sqrt(2 ln 2).
+// Full width of an echo at half maximum, in metres: the width of the pulse combined with the spread of the depths that
+// it came from (standard deviation), added like variances of normal distributions; 2.354820 = 2 sqrt(2 ln 2).
 GNO_INLINE float echoWidth(float pulseWidth, float depthDeviation) {
   GNO_PRECISE float spread = 2.354820f * depthDeviation;
   GNO_PRECISE float result = squareRoot(pulseWidth * pulseWidth + spread * spread);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// One beam's way from its echoes to its returns: medium, material, returns, detection and drop-out, noise.
+// Turns the echoes of one beam into its returns: medium, material, detection and drop-out, choice of returns, noise.
 //
-// The includer has defined EFFECTS, the planned effects as bits of plan.h, and
+// The including file must define EFFECTS, the planned effects as bits of bits.h, and these functions:
 //   Echo loadEcho(uint k)                  k < echoCount, in order of range, none farther than p.rangeMax
-//   void storeReturn(uint j, Return value) called once for each j < p.returnsPerBeam
+//   void storeReturn(uint j, Return value) is called once for each j < p.returnsPerBeam
 //   VolumeBox loadVolume(uint i)           i < p.volumeCount
-//   bool isDead(uint beam)                 of DropOut::deadBeams; asked only if p.deadBeams > 0
-// In C++ it is included within a struct that has these as members (tests/effects/beam_signal.hpp).
+//   bool isDead(uint beam)                 whether DropOut::deadBeams has the beam; called only if p.deadBeams > 0
+// In C++ this file is included within a struct that has these as members (tests/effects/beam_signal.hpp).
 #include "detection.h"
 #include "intensity.h"
 #include "noise.h"
@@ -17,7 +17,7 @@
 
 #define PLANNED(bits) ((EFFECTS & (bits)) != 0u)
 
-// Where the air takes light, what is left must be enough: then returns are judged even without `detection`.
+// If a medium attenuates the light, returns must exceed the threshold even if `detection` is not planned.
 #define JUDGED PLANNED(kDetection | kMediumEffects)
 
 // Optical depth of the medium up to a range.
@@ -33,7 +33,7 @@ GNO_INLINE float depthOf(EffectParameters p, vec3 direction, float range) {
   return depth;
 }
 
-// The stronger of an echo known and a further one.
+// Replaces `echo` and its power by a further echo if that one is stronger.
 GNO_INLINE void keepStronger(EffectParameters p, vec3 direction, Echo further, GNO_INOUT(Echo) echo,
                              GNO_INOUT(float) power) {
   if (further.range >= kNever) return;
@@ -43,7 +43,7 @@ GNO_INLINE void keepStronger(EffectParameters p, vec3 direction, Echo further, G
   power = furtherPower;
 }
 
-// The strongest echo of the medium nearer than `far`, range kNever if there is none.
+// The medium's strongest echo nearer than `far`; its range is kNever if there is none.
 GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float far) {
   Echo echo = noEcho();
   float power = 0.0f;
@@ -66,13 +66,14 @@ GNO_INLINE Echo mediumEcho(EffectParameters p, uint beam, vec3 direction, float 
   return echo;
 }
 
-// Echo `number` of those of surfaces with that of the medium sorted in as number `scatterAt`.
+// Echo `number` of all echoes in order of range: those of the surfaces, and the medium's echo as number `scatterAt`.
 GNO_INLINE Echo echoAt(uint number, Echo scatter, uint scatterAt) {
   if (PLANNED(kMediumEffects) && number == scatterAt) return scatter;
   return loadEcho(number < scatterAt ? number : number - 1u);
 }
 
-// What draws know it by: the medium coming in between changes no number.
+// The number by which an echo draws random numbers. The medium's echo does not shift the numbers of the surfaces'
+// echoes.
 GNO_INLINE uint drawOf(uint number, uint scatterAt) {
   return number == scatterAt ? kScatterDraw : number < scatterAt ? number : number - 1u;
 }
@@ -86,7 +87,7 @@ GNO_INLINE Return noReturn() {
   return none;
 }
 
-// What the sensor says of an echo that it returns.
+// Computes the sensor's measurements of an echo that becomes a return.
 GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo echo, uint drawNumber) {
   Return result = noReturn();
   result.range = result.trueRange = echo.range;
@@ -104,7 +105,7 @@ GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo e
   return result;
 }
 
-// Stores the returns of one beam, and says how many there are and what became of it. `direction` is the beam's unit
+// Stores the returns of one beam. Sets their number and returns the beam's Cause. `direction` is the beam's unit
 // vector in the sensor's frame.
 GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint echoCount, GNO_OUT(uint) returnCount) {
   uint cause = kCauseNoSurface;
@@ -119,7 +120,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
     }
   }
 
-  // The medium's echo, if it is well before the last surface, and its place in the order of range.
+  // The medium's echo counts if it is nearer than the last surface by more than the separation. Its place is by range.
   uint count = works ? echoCount : 0u;
   uint scatterAt = kNone;
   Echo scatter = noEcho();

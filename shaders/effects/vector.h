@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products of vectors whose bytes are equal everywhere: the language's own may be fused.
+// Dot and cross products that give the same bytes everywhere: the built-in ones may use fused multiply-add.
 #ifndef GNOSPHERE_EFFECTS_VECTOR_H
 #define GNOSPHERE_EFFECTS_VECTOR_H
 
@@ -19,10 +19,10 @@ GNO_INLINE vec3 crossOf(vec3 a, vec3 b) {
   return result;
 }
 
-// A normal made a unit vector on the side of its plane where the origin is; `on` is a point of the plane. Zero stays
-// zero: a triangle without area.
+// Normalises a normal and turns it to the side of its plane that contains the origin; `on` is a point of the plane.
+// The normal of a triangle without area stays zero.
 GNO_INLINE vec3 unitTowardsOrigin(vec3 normal, vec3 on) {
-  // Scaled by its largest component, so that its square neither overflows nor vanishes.
+  // The normal is divided by its largest component first, so that its square neither overflows nor underflows.
   float largest = max(max(abs(normal.x), abs(normal.y)), abs(normal.z));
   if (!(largest > 1e-30f && largest < 1e30f)) return vec3(0.0f);
   GNO_PRECISE float scale = quotient(1.0f, largest);

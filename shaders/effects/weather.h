@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light lost in and thrown back by fog, rain, snow and dust. src/effects/particles.cpp says where the coefficients are
-// from.
+// Attenuation and backscatter by fog, rain, snow and dust. src/effects/particles.cpp cites the sources of the
+// coefficients.
 #ifndef GNOSPHERE_EFFECTS_WEATHER_H
 #define GNOSPHERE_EFFECTS_WEATHER_H
 
@@ -10,14 +10,15 @@
 namespace gnosphere::gpu {
 #endif
 
-// Farther than any range: no echo.
+// The range of an echo that does not exist; it is farther than any real range.
 GNO_CONST float kNever = 1e30f;
-// Nearer than this, in metres, the receiver sees its beam out of focus, or from beside it, and gets (range / this)^2 of
-// the light that the medium throws back. No data sheet tells the figure: 1 m (Rasshofer et al. 2011) to 10 m and more.
+// Below this range, in metres, the receiver sees its beam out of focus or from the side, and gets only (range /
+// this)^2 of the light that the medium scatters back. Data sheets do not state it; 1 m (Rasshofer et al. 2011) to 10 m
+// and more are plausible.
 GNO_CONST float kFocusRange = 5.0f;
-// Diameter of the beam where it leaves the sensor, in metres.
+// Diameter of the beam at the sensor's aperture, in metres.
 GNO_CONST float kApertureDiameter = 0.01f;
-// Ranges in a table of particle counts.
+// Number of ranges in a table of particle counts.
 GNO_CONST uint kParticleRanges = 8;
 
 GNO_INLINE float focus(float range) {
@@ -36,9 +37,10 @@ GNO_INLINE Echo noEcho() {
   return echo;
 }
 
-// What a medium of `extinction` between two ranges throws back: the lidar equation for single scattering. Where: a
-// photon that comes back was scattered at a depth that falls as exp(-2 extinction depth). How much: `scatter`, the
-// share of one pulse length at 1 m, uneven by a gamma distribution of shape 4 and mean 1 (speckle and patchiness).
+// The echo of a medium of given `extinction` between two ranges, by the lidar equation for single scattering. Its
+// depth is that of a returning photon, whose probability falls as exp(-2 extinction depth). Its energy is `scatter`,
+// the share of one pulse length at 1 m, times a gamma-distributed factor of shape 4 and mean 1 (speckle and
+// patchiness).
 GNO_INLINE Echo scatterEcho(EffectParameters p, float extinction, float scatter, float near, float far, uvec4 words,
                             uvec4 more) {
   Echo echo = noEcho();
@@ -56,7 +58,7 @@ GNO_INLINE Echo scatterEcho(EffectParameters p, float extinction, float scatter,
   return echo;
 }
 
-// Range of entry i of a table of particle counts; nearer ones lie closer.
+// Range of entry i of a table of particle counts; the entries are closer together at short range.
 GNO_INLINE float rangeOf(Particles particles, uint i) {
   GNO_PRECISE float share = float(i) * (1.0f / float(kParticleRanges));
   GNO_PRECISE float result = particles.firstRange + (particles.lastRange - particles.firstRange) * share * share;
@@ -69,7 +71,7 @@ GNO_INLINE float countAt(Particles particles, uint i) {
   return i == 0u ? 0.0f : j == 0u ? counts.x : j == 1u ? counts.y : j == 2u ? counts.z : counts.w;
 }
 
-// Diameters of the beam as it spreads, their geometric mean, metres.
+// Geometric mean of the horizontal and vertical diameter of the beam at a range, in metres.
 GNO_INLINE float beamDiameter(EffectParameters p, float range) {
   GNO_PRECISE float horizontal = kApertureDiameter + p.spreadHorizontal * range;
   GNO_PRECISE float vertical = kApertureDiameter + p.spreadVertical * range;
@@ -77,9 +79,10 @@ GNO_INLINE float beamDiameter(EffectParameters p, float range) {
   return squareRoot(area);
 }
 
-// The nearest drop or flake strong enough to be detected in still air of `p.extinction`: such particles are a Poisson
-// process along the beam, so the expected number up to the first is exponential. Their diameters fall exponentially
-// beyond the least that is detected (Marshall and Palmer 1948), which is what makes their strength.
+// The echo of the nearest drop or flake that is strong enough to be detected in uniform air of `p.extinction`. Such
+// particles are a Poisson process along the beam, so the expected number up to the first one is exponentially
+// distributed. Their diameter beyond the least detectable one is exponentially distributed as well (Marshall and
+// Palmer 1948); it determines the energy.
 GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far, uvec4 words) {
   Echo echo = noEcho();
   GNO_PRECISE float count = -naturalLog(uniformAboveZero(words.x));
@@ -105,7 +108,7 @@ GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far,
   return echo;
 }
 
-// Where a beam from the sensor's origin is within a box: from x to y metres, y <= x if nowhere.
+// The part of a beam from the sensor's origin that is within a box: from x to y metres; y <= x if it misses the box.
 GNO_INLINE vec2 withinBox(VolumeBox box, vec3 direction, float far) {
   vec2 span;
   span.x = 0.0f;

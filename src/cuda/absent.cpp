@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of a build without CUDA.
+// Replaces the CUDA backend in a build without CUDA.
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLSL's types and functions, as far as the shaders use them: with these and glsl.sed the same text is C++ and CUDA.
+// The types and functions of GLSL that the shaders use. With these and glsl.sed, shader text compiles as C++ and CUDA.
 #pragma once
 
 #include <cmath>
@@ -97,7 +97,7 @@ using uvec4 = Vec4<uint>;
 struct mat3 {
   vec3 columns[3];
   mat3() = default;
-  GNO_DEVICE explicit mat3(float) : columns{vec3(0), vec3(0), vec3(0)} {}  // of 0 alone
+  GNO_DEVICE explicit mat3(float) : columns{vec3(0), vec3(0), vec3(0)} {}  // used with 0 only
   GNO_DEVICE mat3(vec3 a, vec3 b, vec3 c) : columns{a, b, c} {}
   GNO_DEVICE vec3 operator[](uint i) const { return columns[i]; }
 };
@@ -107,8 +107,7 @@ concept Vector = requires {
   typename V::Scalar;
 };
 
-  // --- Component by component
-  // ------------------------------------------------------------------------------------------
+  // Operators and functions that work component by component.
 
 #define GNO_BINARY(op_)                                          \
   template <Vector V>                                            \
@@ -171,7 +170,7 @@ GNO_DEVICE bool operator==(V a, V b) {
   return all(equal(a, b));
 }
 
-// As GLSL has them, NaN and all.
+// GLSL's min and max, with the same result for NaN.
 template <typename T>
 GNO_DEVICE T min(T a, T b) {
   if constexpr (Vector<T>)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# GLSL -> C++ (sed -E): what differs in spelling alone; glsl.hpp has the types and functions. A translated stage is the
-# body of a struct: its arrays are members that job.hpp binds, its functions are member functions.
+# Translates GLSL to C++ (sed -E) where the two differ in spelling only; glsl.hpp defines the types and functions. A
+# translated stage becomes the body of a struct: its arrays are members that bindings.glsl initialises, its functions
+# are member functions.
 
-# What only Vulkan needs.
+# Lines that only Vulkan needs.
 /^#version|^#extension|^layout\(local_size|^#define GNO_(CONST|INLINE)\b/d
 s/__cplusplus/GNO_NEVER/
 s/GNOSPHERE_(\w+)_H\b/GNOSPHERE_CUDA_\1_H/
@@ -10,7 +11,7 @@ s/\bprecise //g
 s/\[\[dont_unroll\]\]/GNO_DONT_UNROLL/
 s/\[\[unroll\]\]/GNO_UNROLL/
 
-# Arrays, constants, memory of a workgroup.
+# Arrays, constants and workgroup memory.
 s/\.at\[/[/g
 /^layout\(buffer_reference.*Words64/d
 s/^Words64 words64 = Words64\(words\);/uint64_t* words64 = reinterpret_cast<uint64_t*>(words);/
@@ -31,5 +32,5 @@ s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*(e[-+]?[0-9]+)?|[0-9]+e[-+]?[0-9]+)([^0-9A-Za
 s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*(e[-+]?[0-9]+)?|[0-9]+e[-+]?[0-9]+)([^0-9A-Za-z_.@]|$)/\1\2f\4/g
 s/([0-9.])@/\1/g
 
-# What is loaded as a whole, 16 bytes at a time.
+# Structs that are loaded as a whole, 16 bytes at a time.
 s/^struct (Instance|Cluster|Group|TaggedCorner|SurfaceRecord|SignalRecord) \{/struct alignas(16) \1 {/

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels, and how they are launched. GNO_MODE says in which namespace, see kernels.hpp. The text included below is
-// that of shaders/, translated by glsl.sed.
+// The kernels and their launch, in namespace GNO_MODE, see kernels.hpp. The included files are those of shaders/,
+// translated by glsl.sed.
 #include "cuda/kernels.hpp"
 
 #ifdef __CUDACC__
@@ -9,7 +9,7 @@
 #include "cuda/one_thread.hpp"
 #endif
 
-// Long footprints are loops: their memory is not in registers anyway.
+// Footprints with more than 19 sub-rays use real loops: their arrays do not fit in registers anyway.
 #define EACH_RAY(do_)                                     \
   GNO_UNROLL_RAYS for (uint ray = 0; ray < RAYS; ++ray) { \
     do_(ray)                                              \
@@ -22,7 +22,7 @@ namespace gnosphere::cuda::GNO_MODE {
 namespace {
 
 #include "glsl/shared.h"
-// The formulas of beams and effects, outside of the stages: each is included once.
+// The formulas of beams and effects stand outside of the stages, so that each is included once.
 #include "glsl/beam.h"
 #include "glsl/effects/arithmetic.h"
 #include "glsl/effects/bits.h"
@@ -36,7 +36,7 @@ namespace {
 #include "glsl/effects/vector.h"
 #include "glsl/effects/weather.h"
 
-// What is known of the options when a kernel is compiled decides how much of it there is.
+// Options that are known when a kernel is compiled remove the code that they do not need.
 struct Nothing {
   static GNO_DEVICE void fix(Options&) {}
 };
@@ -141,7 +141,7 @@ struct resolve {
 template <uint RAYS>
 struct effects_footprint {
   const Job& job;
-  GNO_DEVICE explicit effects_footprint(const Job& given) : job(given) {}  // nothing of what a beam meets is zeroed
+  GNO_DEVICE explicit effects_footprint(const Job& given) : job(given) {}  // the arrays of hits stay unset
 #include "glsl/effects_footprint.comp"
 };
 
@@ -155,7 +155,7 @@ struct effects {
 #include "glsl/effects.comp"
 };
 
-// Every pair that accuracyPartsOf() and validate(AccuracyParts) allow.
+// Handles every pair of INSIDE and RANGE that accuracyPartsOf() and validate(AccuracyParts) allow.
 template <typename Stage>
 void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
   const bool plane = job.options.RANGE == kRangePlane;
@@ -169,7 +169,7 @@ void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
           : launch<Stage, Lines<kInsideWatertight, kRangeEdgeWeights>>(job, groupsX, groupsY);
 }
 
-// With so many sub-rays, or room for some more.
+// Launches the kernel for kRays sub-rays, for one layer or for up to kMaxLayers.
 template <uint kRays>
 void launchFootprint(const Job& job, uint32_t groupsX, uint32_t groupsY) {
   job.options.LAYERS == 1 ? launch<effects_footprint<kRays>, Layers<1>>(job, groupsX, groupsY)

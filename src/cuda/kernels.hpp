@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels of a scan: the shaders' text, compiled as CUDA, or as C++ for tests.
+// The kernels of a scan: the translated shaders, compiled as CUDA, or as C++ for tests.
 #pragma once
 
 #ifdef __CUDACC__  // nvcc warns that it ignores some annotations of GLM, which shared.h includes
@@ -15,16 +15,16 @@
 
 namespace gnosphere::cuda {
 
-/// What a kernel is told.
+/// The arguments of a kernel.
 struct Job {
   gpu::Addresses addresses;
   gpu::Pass pass;
   Options options;
-  uint32_t subRays;  ///< of a footprint
+  uint32_t subRays;  ///< number of sub-rays of a footprint
 };
 
-/// So many workgroups; the next launch sees what this one has written. Implemented twice: `parity` without contraction
-/// of products and sums, `fast` as the compiler sees fit.
+/// Launches the given number of workgroups; the next launch sees what this one has written. There are two
+/// implementations: `parity` compiles without fused multiply-add, `fast` with it.
 namespace parity {
 void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY = 1);
 }

@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled as the compiler sees fit: products and sums may become one.
+// The kernels with fused multiply-add, which is the compiler's default.
 #define GNO_MODE fast
 #include "cuda/kernels.cuh"

@@ -35,7 +35,7 @@ class CudaMemory final : public DeviceMemory {
   std::vector<std::byte> host_;
 };
 
-// One scan after another: each call waits for the device before it returns what it has computed.
+// Runs one scan at a time: reading the results waits for the device.
 class CudaMachine final : public Machine {
  public:
   explicit CudaMachine(const SimulatorOptions& options) : device_(chooseDevice(options.device)) {
@@ -68,7 +68,7 @@ class CudaMachine final : public Machine {
   void run(const Step& step, const BoundArrays& arrays, Job& job) {
     const DeviceMemory* to = arrays[static_cast<size_t>(step.array)];
     switch (step.kind) {
-      case Step::Kind::fill:  // with equal bytes: 0 or kNone
+      case Step::Kind::fill:  // the pattern is 0 or kNone, so all its bytes are equal
         return fill(reinterpret_cast<std::byte*>(to->address()) + step.first, static_cast<uint8_t>(step.value),
                     step.bytes > 0 ? step.bytes : to->bytes());
       case Step::Kind::copy: {

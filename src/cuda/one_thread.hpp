@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels on the host, for tests: workgroups of one invocation, one after another. A subgroup of one has nobody to
-// ask, and what is atomic or a barrier has nobody to wait for.
+// Runs the kernels on the host, for tests. A workgroup has one invocation, and workgroups run one after another, so
+// subgroup operations return the lane's own value, and atomics and barriers need no synchronisation.
 #pragma once
 
 #include <utility>

@@ -114,7 +114,7 @@ void copyToDevice(void* to, const void* from, uint64_t bytes) {
 }
 
 void copyToHost(void* to, const void* from, uint64_t bytes) {
-  CUDA(cudaGetLastError());  // of a launch
+  CUDA(cudaGetLastError());  // reports the error of an earlier launch
   if (bytes > 0) CUDA(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToHost));
 }
 

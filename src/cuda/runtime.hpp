@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the backend asks of the CUDA runtime: a device, its memory, its time. Tests stand in for it on the host.
+// The functions of the CUDA runtime that the backend uses: devices, memory, timing. Tests replace them on the host.
 #pragma once
 
 #include <cstddef>
@@ -17,28 +17,29 @@ using Launch = void (*)(Kernel kernel, const Job& job, uint32_t groupsX, uint32_
 struct Device {
   DeviceInfo info;
   int index = 0;
-  /// Workgroups that fill it: most kernels loop over however many items there are.
+  /// Number of workgroups that fills the device; most kernels loop over their items, so any number of workgroups will
+  /// do.
   uint32_t groups = 0;
   Launch launch = nullptr;
 };
 
-/// A device by its UUID or by its number; DeviceChoice::Kind says with which of the kernels of kernels.hpp.
+/// Chooses a device by its UUID or its number; DeviceChoice::Kind selects the `parity` or the `fast` kernels.
 Device chooseDevice(const DeviceChoice& choice);
-/// Makes the device that of this thread's calls from here on.
+/// Makes the device current for later calls of this thread.
 void use(const Device& device);
 
-// Failures throw Error(device), or Error(outOfMemory) with the name. Copies between host and device wait for the
-// kernels.
+// All of these throw Error(device) if they fail, or Error(outOfMemory) with the name of the allocation. Copies between
+// host and device wait for the kernels.
 std::byte* allocate(const char* name, uint64_t bytes);
 void release(void* memory);
 void copyToDevice(void* to, const void* from, uint64_t bytes);
 void copyToHost(void* to, const void* from, uint64_t bytes);
-/// Every byte becomes `value`, after the kernels launched before.
+/// Sets every byte to `value`, after the kernels launched before.
 void fill(void* memory, uint8_t value, uint64_t bytes);
-/// Within the device, after the kernels launched before.
+/// Copies within the device, after the kernels launched before.
 void copy(void* to, const void* from, uint64_t bytes);
 
-/// Device times of a scan's stages; none on the host.
+/// Measures the device times of a scan's stages. On the host it measures nothing.
 class Stopwatch {
  public:
   Stopwatch();
@@ -47,9 +48,9 @@ class Stopwatch {
   Stopwatch& operator=(const Stopwatch&) = delete;
 
   void start();
-  /// What was launched since the last call belongs to the stage.
+  /// Attributes the launches since the last call to the stage.
   void finished(const char* stage);
-  /// Waits for the device.
+  /// Waits for the device, then adds the times.
   void read(Timings& timings);
 
  private:

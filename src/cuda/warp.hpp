@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLSL's view of a CUDA thread: its place, its warp as a subgroup, its block as a workgroup. The shaders call what is
-// of a subgroup where all its invocations come, so every mask is full.
+// Maps GLSL's built-ins to a CUDA thread: a warp is a subgroup, a block is a workgroup. The shaders call subgroup
+// operations only where all invocations of the subgroup are active, so every mask is full.
 #pragma once
 
 #include "cuda/glsl.hpp"
@@ -12,7 +12,7 @@
 #define gl_SubgroupInvocationID (threadIdx.x % gl_SubgroupSize)
 #define gl_NumSubgroups (gl_WorkGroupSize.x / gl_SubgroupSize)
 
-// A function's own __shared__ memory: a member cannot be.
+// Declares __shared__ memory within a function, because a class member cannot be __shared__.
 #define GNO_SHARED_ARRAY(type_, name_, count_)    \
   __device__ static type_* name_##OfWorkgroup() { \
     __shared__ type_ memory[count_];              \

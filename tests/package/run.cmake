@@ -27,11 +27,11 @@ endfunction()
 run(${PROGRAM} town --triangles 20000 -o town.glb)
 
 if(SOURCE)
-  # Without optimisation, because it builds fastest, and only the packaging is tested.
+  # This build has no optimisation, because only the packaging is tested and such a build is fastest.
   set(BUILD ${WORK}/holder/build)
   set(options -D BUILD_SHARED_LIBS=OFF -D CMAKE_INSTALL_LIBDIR=${LIBDIR})
   if(CORE)
-    # Whatever the core must do without fails to compile here, whether the machine has it or not.
+    # Headers that the library alone must not need are replaced by files that fail to compile.
     set(consumer core.cpp)
     set(absent ${WORK}/absent)
     foreach(header IN ITEMS tiny_gltf.h tiny_obj_loader.h stb_image.h stb_image_write.h stb_easy_font.h
@@ -51,7 +51,7 @@ elseif(SHARED)
 endif()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 
-# Installed files are moved: they name neither the build nor a library by its path.
+# An installation can be moved, so its files must not contain the path of the build or of a library.
 file(GLOB descriptions ${prefix}/${LIBDIR}/cmake/gnosphere/*.cmake ${prefix}/${LIBDIR}/pkgconfig/*.pc)
 foreach(description IN LISTS descriptions)
   file(STRINGS ${description} lines REGEX "/usr/(lib|include)/|${WORK}/")
@@ -63,18 +63,18 @@ if(NOT descriptions)
   message(FATAL_ERROR "nothing in ${prefix}/${LIBDIR} describes the library")
 endif()
 
-# The command line, where one is installed, runs from there.
+# If the program is installed, it runs from the prefix.
 if(EXISTS ${prefix}/bin/gnosphere)
   run(${prefix}/bin/gnosphere scan town.glb --pose 0,0,1.8 -o cloud.pcd)
 endif()
 
-# find_package(gnosphere)
+# Test with find_package(gnosphere).
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build ${compilers} -D CMAKE_BUILD_TYPE=Release
   -D CMAKE_PREFIX_PATH=${prefix} -D CONSUMER=${consumer})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 check_consumer(${WORK}/build/consumer)
 
-# pkg-config gnosphere
+# Test with pkg-config gnosphere.
 find_program(PKG_CONFIG NAMES pkg-config pkgconf REQUIRED)
 execute_process(
   COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${prefix}/${LIBDIR}/pkgconfig
@@ -84,7 +84,7 @@ separate_arguments(flags UNIX_COMMAND "${flags}")
 run(${CXX} -std=c++20 -O2 -Wall -Wextra ${CMAKE_CURRENT_LIST_DIR}/${consumer} ${flags} -o ${WORK}/consumer)
 check_consumer(${WORK}/consumer)
 
-# What a shared library exports.
+# Test the symbols that a shared library exports.
 if(SHARED AND NOT SOURCE)
   run(${CMAKE_CURRENT_LIST_DIR}/symbols ${prefix}/${LIBDIR}/libgnosphere.so)
 endif()
