@@ -59,7 +59,8 @@ struct CloudOptions {
 GNOSPHERE_API void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
 
 /// Writes a PNG: a range image over columns and channels, and below it a bird's-eye view coloured by height. If beams
-/// have several returns, the first of each is shown. Throws Error(file) if the file cannot be written.
+/// have several returns, the first of each is shown. Throws Error(invalidArgument) if the scan lacks points or ranges,
+/// and Error(file) if the file cannot be written.
 GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& file);
 
 /// Reads a PCD, PLY, NPY or CSV cloud that writeCloud() wrote. The scan gets the fields of the file except ring, beam,

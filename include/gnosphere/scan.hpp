@@ -150,8 +150,8 @@ struct Counters {
   uint64_t culledHidden = 0;        ///< behind the hits that all beams within the triangle's bounds already have
   uint64_t projected = 0;           ///< triangles that went on to binning
   uint64_t candidates = 0;          ///< (beam, triangle) pairs whose inside test passed; only with Binning::lists
-  uint64_t integerSides = 0;        ///< inside tests that needed integer arithmetic; only with Accuracy::exact
-  uint64_t integerRanges = 0;       ///< ranges that needed integer arithmetic; only with Accuracy::exact
+  uint64_t integerSides = 0;        ///< exact inside tests that needed integer arithmetic
+  uint64_t integerRanges = 0;       ///< exact ranges that needed integer arithmetic
   uint64_t lostEchoes = 0;          ///< echoes of beams that met more echoes, or more panes in a row, than are kept
   uint64_t retries = 0;             ///< runs repeated because a list had to grow
   std::array<uint64_t, kCauseCount> causes = {};  ///< beams by Cause; all zero if no effect can lose a beam

@@ -46,7 +46,7 @@ struct SensorPlan {
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
   bool holes() const { return has(gpu::kCutOuts); }
   bool looksAtSurfaces() const { return surfaces() || footprint(); }
-  /// Whether effects change or reject single returns.
+  /// Whether the stages compute the signal of each return, because an effect or a field needs it.
   bool signals() const { return has(gpu::kSignalEffects) || asks(gpu::kFieldSignal); }
   bool speeds() const { return has(gpu::kRadialSpeed) || asks(gpu::kFieldMotion); }
   /// Largest number of surfaces that a sub-ray hits.
