@@ -14,7 +14,7 @@
 namespace gnosphere {
 namespace {
 
-// As validate(scene) has it: the top bit of a triangle's number is taken.
+// The limit that validate(scene) checks: the top bit of a triangle number has another use.
 constexpr uint64_t kMostPlacedTriangles = (uint64_t{1} << 31) - 1;
 
 void validate(const AccuracyParts& parts) {
@@ -22,7 +22,7 @@ void validate(const AccuracyParts& parts) {
     throw Error(ErrorCode::invalidArgument, "an exact range needs the exact inside test, and the other way round");
 }
 
-// `which` begins the message.
+// `which` is the beginning of the message.
 void validate(const Pose& pose, const std::string& which) {
   const auto& [p, q] = pose;
   for (double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w})
@@ -58,14 +58,14 @@ std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sens
   return makeVulkanBackend(scene, sensors, options);
 }
 
-/// Which of the indices 0..size - 1 are in use, and how often. An index that was given back is the next one taken.
+/// Keeps which of the indices 0..size - 1 exist and how often each is used. A freed index is taken again first.
 class Slots {
  public:
   explicit Slots(const char* noun) : noun_(noun) {}
 
   size_t size() const { return uses_.size(); }
   bool has(size_t index) const { return index < uses_.size() && uses_[index] != kFree; }
-  /// The index that the next take() gives.
+  /// Returns the index that the next take() will occupy.
   size_t next() const { return free_.empty() ? uses_.size() : free_.back(); }
   void take() {
     if (free_.empty())
@@ -79,7 +79,7 @@ class Slots {
     uses_[index] = kFree;
     free_.push_back(index);
   }
-  /// Throws Error(invalidArgument) that says whether it never was or has been removed.
+  /// Throws Error(invalidArgument) if the index never existed or was removed; the message says which.
   void check(size_t index) const {
     if (has(index)) return;
     throw Error(ErrorCode::invalidArgument,
@@ -173,7 +173,7 @@ std::string nameOf(const DeviceChoice& choice) {
   return choice.name.empty() ? "auto" : choice.name;
 }
 
-// What plans follow from is kept here, the rest of the scene by the backend.
+// Keeps the parts of the scene from which plans are made; the backend keeps the rest.
 class Simulator::Impl {
  public:
   Impl(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
@@ -353,7 +353,7 @@ class Simulator::Impl {
     if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);
   }
 
-  // Sensors whose effects follow from the scene, after the scene shows another set of materials.
+  // Plans the sensors again whose effects depend on the scene, after the set of visible materials has changed.
   void planAgain() {
     if (!stale_) return;
     for (size_t i = 0; i < plans_.size(); ++i) {
@@ -395,7 +395,7 @@ class Simulator::Impl {
 
   const SimulatorOptions options_;
   SensorPlanner planner_;
-  Scene scene_;  // of meshes only the parts, of instances only the mesh
+  Scene scene_;  // meshes have only their parts, and instances only their mesh
   Slots materials_{"material"}, meshes_{"mesh"}, instances_{"instance"}, sensors_{"sensor"};
   std::vector<size_t> vertexCounts_;  // by mesh
   uint64_t placedTriangles_ = 0;
@@ -403,7 +403,7 @@ class Simulator::Impl {
   std::vector<SensorRequest> requests_;    // by sensor
   std::vector<ComputedColumns> computed_;  // by sensor
   SensorPlans plans_;                      // by sensor
-  bool stale_ = false;                     // the scene may show other materials than when the sensors were planned
+  bool stale_ = false;  // true if the visible materials may have changed since the sensors were planned
   std::unique_ptr<Backend> backend_;
 };
 

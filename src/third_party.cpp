@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// The implementation macro of volk, and nothing else.
+// Compiles the implementation of volk.
 #define VOLK_IMPLEMENTATION
 #include <volk.h>

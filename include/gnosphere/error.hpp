@@ -8,11 +8,11 @@
 
 namespace gnosphere {
 
-/// What kind of failure an Error reports. `invalidArgument` means the call was wrong; every other code means that the
-/// call was right and the work failed.
+/// The kind of failure that an Error reports. `invalidArgument` means that the call was wrong; every other code means
+/// that the call was right but could not be carried out.
 enum class ErrorCode { invalidArgument, file, format, device, outOfMemory };
 
-/// The one exception of the library. The message is a single sentence that names the culprit and the way out.
+/// The only exception that the library throws. Its message is one sentence that names the cause and the remedy.
 class GNOSPHERE_API Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

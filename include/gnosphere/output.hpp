@@ -12,81 +12,86 @@
 
 namespace gnosphere {
 
-/// "x,y,z,range" -> fields; a vector is one name, "normal", and a column per component, normal_x normal_y normal_z.
-/// Throws Error(invalidArgument) that lists the names there are.
+/// Parses a list such as "x,y,z,range". A vector is given by one name ("normal") and becomes one column per component
+/// (normal_x normal_y normal_z). Throws Error(invalidArgument) that lists the known names.
 GNOSPHERE_API std::vector<Field> parseFields(const std::string& names);
 GNOSPHERE_API const std::vector<Field>& defaultFields();  ///< x y z range ring beam triangle instance
 
-/// How a row lies in memory: which values, and where.
+/// Describes how a row lies in memory: which values it has, and where each of them is.
 struct RecordLayout {
   struct Value {
     Field field = Field::x;
     uint32_t component = 0;
     size_t offset = 0;  ///< bytes from the start of the row; no alignment is needed
-    /// The field's own type, or one that holds each of its values: f64 holds all, f32 those of u8 and u16, and an
-    /// unsigned integer those of a shorter one.
+    /// The field's own type, or a type that holds all of its values: f64 holds every type, f32 holds u8 and u16, and an
+    /// unsigned integer holds shorter unsigned integers.
     ValueType type = ValueType::f32;
   };
   std::vector<Value> values;
-  size_t stride = 0;  ///< bytes from row to row; what no value covers is left as it is
-  /// A row per return that came back; otherwise a row per entry of the scan.
+  size_t stride = 0;  ///< bytes from row to row; pack() does not write bytes that no value covers
+  /// If true, only entries with a return become rows; otherwise every entry of the scan does.
   bool compact = false;
 };
 
-/// The fields one after the other without a gap, each component in the field's own type.
+/// Returns a layout with the fields one after the other without gaps, each component in the field's own type.
 GNOSPHERE_API RecordLayout layoutOf(const std::vector<Field>& fields);
 
-/// Writes rows of the scan from the start of `out`, and returns how many; ranges.size() * stride bytes always suffice.
-/// ring, beam, returnNumber and returnCount need not have been asked for. Throws Error(invalidArgument), before
-/// anything is written, for a field that the scan does not have, a type that does not hold it, values that overlap or
-/// reach beyond the stride, and for too small a buffer with the bytes that it needs.
+/// Writes the rows of the scan to the start of `out` and returns their number; ranges.size() * stride bytes always
+/// suffice. ring, beam, returnNumber and returnCount are available even if they were not requested for the scan. Throws
+/// Error(invalidArgument), before anything is written, for a field that the scan does not have, a type that does not
+/// hold the field, values that overlap or reach beyond the stride, and a buffer that is too small (the message states
+/// the bytes needed).
 GNOSPHERE_API size_t pack(const Scan& scan, const RecordLayout& layout, std::span<std::byte> out);
 
 struct CloudOptions {
-  std::vector<Field> fields;  ///< none: defaultFields(), and the return numbers and counts where beams have several
-  /// What came back only; otherwise every beam, a miss being NaN (0xffffffff in ids). Where beams have several returns
-  /// it is always so: a row per return, and no grid.
+  std::vector<Field>
+      fields;  ///< if empty: defaultFields(), plus returnNumber and returnCount if beams have several returns
+  /// If true, only returns are written; otherwise every beam is, with NaN (0xffffffff in indices) for a miss. If beams
+  /// have several returns, the file is always compact: one row per return, and no grid.
   bool compact = false;
-  bool ascii = false;  ///< PCD and PLY; CSV always is
+  bool ascii = false;  ///< writes PCD and PLY as text; CSV always is text
 };
 
-/// Writes .pcd, .ply, .bin (KITTI: x y z and the intensity, or 0; hits only), .npy or .csv; the ending decides. The
-/// file is written beside and renamed, so no half-written file is left. Throws Error(invalidArgument) for an ending or
-/// a field the scan does not have, Error(file) if it cannot be written.
+/// Writes .pcd, .ply, .bin (KITTI: x y z and the intensity, or 0; returns only), .npy or .csv; the file's extension
+/// decides. A temporary file is written and then renamed, so no half-written file is left. Throws
+/// Error(invalidArgument) for an unknown extension or a field that the scan does not have, and Error(file) if the file
+/// cannot be written.
 GNOSPHERE_API void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options = {});
 
-/// Range image over the columns and channels above a bird's-eye view coloured by height, as PNG. Of several returns it
-/// shows the first of each beam.
+/// Writes a PNG: a range image over columns and channels, and below it a bird's-eye view coloured by height. If beams
+/// have several returns, the first of each is shown. Throws Error(invalidArgument) if the scan lacks points or ranges,
+/// and Error(file) if the file cannot be written.
 GNOSPHERE_API void writePicture(const Scan& scan, const std::filesystem::path& file);
 
-/// Reads a PCD, PLY, NPY or CSV cloud with the fields that writeCloud() gave it, but for ring, beam, returnNumber and
-/// returnCount, which follow from the index of an entry; organised by `beam`, and by `return` where beams have several,
-/// where the file has those fields. Of several returns it leaves out `cause`, as such a file says nothing of beams
-/// without any. Throws Error(file) or Error(format), Error(invalidArgument) for an ending it does not read.
+/// Reads a PCD, PLY, NPY or CSV cloud that writeCloud() wrote. The scan gets the fields of the file except ring, beam,
+/// returnNumber and returnCount, which follow from the index of an entry. If the file has the field `beam` (and
+/// `return` if beams have several returns), entries are placed by it. With several returns `cause` is left out, because
+/// such a file does not contain beams without returns. Throws Error(file), Error(format), or Error(invalidArgument) for
+/// an extension that cannot be read.
 GNOSPHERE_API Scan readCloud(const std::filesystem::path& file);
 
-/// How two clouds of the same beams differ, beam by beam, and return by return where there are several; `reference` is
-/// taken as the truth. Returns that the reference marks as ties are counted apart.
+/// The differences between two clouds of the same beams, counted per beam, or per return if beams have several;
+/// `reference` is taken as the truth. Returns that the reference marks as ties are counted separately.
 struct Comparison {
   uint64_t beams = 0;
-  uint64_t hits = 0;            ///< of the reference
-  uint64_t missed = 0;          ///< the reference hits, the other does not; outside ties
-  uint64_t falseHits = 0;       ///< the other hits, the reference does not; outside ties
-  uint64_t wrongOwner = 0;      ///< both hit, another triangle; outside ties
-  uint64_t wrongRange = 0;      ///< both hit, further apart than the tolerance; outside ties
-  uint64_t ties = 0;            ///< beams the reference marks
-  uint64_t tieDifferences = 0;  ///< of those, how many differ in owner or hit
+  uint64_t hits = 0;            ///< hits in the reference
+  uint64_t missed = 0;          ///< hits in the reference but not in the other, without ties
+  uint64_t falseHits = 0;       ///< hits in the other but not in the reference, without ties
+  uint64_t wrongOwner = 0;      ///< both hit, but different triangles, without ties
+  uint64_t wrongRange = 0;      ///< both hit, but the ranges differ by more than the tolerance, without ties
+  uint64_t ties = 0;            ///< returns that the reference marks as ties
+  uint64_t tieDifferences = 0;  ///< ties in which the two differ in owner or hit
   uint64_t tieMissed = 0, tieFalseHits = 0, tieWrongOwner = 0;
-  double tieErrorMax = 0;     ///< metres, over ties that both hit, whoever the owner
-  double rangeErrorMax = 0;   ///< metres, over beams with the same owner, ties left out
-  double rangeError9999 = 0;  ///< 99.99th percentile of |error|
-  double rangeErrorRms = 0;
-  double hitErrorMax = 0;  ///< metres, over beams that both hit, whoever the owner, ties left out
+  double tieErrorMax = 0;     ///< metres, over ties that both hit, whatever the owner
+  double rangeErrorMax = 0;   ///< metres, over beams with the same owner, without ties
+  double rangeError9999 = 0;  ///< 99.99th percentile of |error|, in metres
+  double rangeErrorRms = 0;   ///< root mean square, in metres
+  double hitErrorMax = 0;     ///< metres, over beams that both hit, whatever the owner, without ties
   bool same() const { return missed == 0 && falseHits == 0 && wrongOwner == 0 && wrongRange == 0; }
 };
 
-/// `tolerance` in metres is used for beams where the reference states none. Throws Error(invalidArgument) if the
-/// clouds do not have the same beams.
+/// Compares two clouds. `tolerance`, in metres, applies to beams for which the reference states no tolerance of its
+/// own. Throws Error(invalidArgument) if the clouds do not have the same beams.
 GNOSPHERE_API Comparison compare(const Scan& reference, const Scan& other, double tolerance = 1e-3);
 
 }  // namespace gnosphere

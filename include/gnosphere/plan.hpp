@@ -10,41 +10,41 @@
 
 namespace gnosphere {
 
-/// What a scan of one sensor is made of, and why. What is not in here costs nothing.
+/// Describes what a scan of one sensor computes, and why. An effect, field or buffer that is not listed costs nothing.
 struct Plan {
   struct Decision {
-    std::string effect;  ///< of effectNames()
+    std::string effect;  ///< one of effectNames()
     EffectUse request = EffectUse::automatic;
-    bool in = false;
-    std::string reason;  ///< "the sensor states 3.0 x 1.5 mrad"
+    bool in = false;     ///< true if scans simulate the effect
+    std::string reason;  ///< for example "the sensor states 3.0 x 1.5 mrad"
   };
   struct Pipeline {
-    std::string name;                 ///< of the shader
-    std::vector<uint32_t> constants;  ///< its specialisation, in the order of shaders/options.glsl
+    std::string name;                 ///< name of the shader
+    std::vector<uint32_t> constants;  ///< specialisation constants in the order of shaders/options.glsl
   };
   struct Stage {
     std::string name;                 ///< project, bin, resolve, effects
-    uint32_t dispatches = 0;          ///< of one scan of everything, at most
-    std::vector<Pipeline> pipelines;  ///< none: the host does it
+    uint32_t dispatches = 0;          ///< largest number of dispatches in one scan
+    std::vector<Pipeline> pipelines;  ///< empty if the host computes the stage
   };
   struct Buffer {
     std::string name;
     uint64_t bytes = 0;
   };
 
-  std::vector<Decision> effects;    ///< every one, in the order of effectNames()
-  std::vector<std::string> fields;  ///< beyond point, range and owner
+  std::vector<Decision> effects;    ///< one per effect, in the order of effectNames()
+  std::vector<std::string> fields;  ///< fields beyond point, range and owner (triangle and instance)
   std::vector<Stage> stages;
-  std::vector<Buffer> buffers;  ///< on the device, of this sensor
+  std::vector<Buffer> buffers;  ///< buffers of this sensor on the device
   std::string binning;          ///< nearest, lists or slabs
-  uint32_t returns = 1;         ///< per beam
+  uint32_t returns = 1;         ///< returns per beam
 
-  GNOSPHERE_API uint64_t bytes() const;
-  GNOSPHERE_API uint32_t dispatches() const;
-  GNOSPHERE_API bool has(const std::string& effect) const;
+  GNOSPHERE_API uint64_t bytes() const;                     ///< sum over `buffers`
+  GNOSPHERE_API uint32_t dispatches() const;                ///< sum over `stages`
+  GNOSPHERE_API bool has(const std::string& effect) const;  ///< whether scans simulate the effect
 };
 
-/// JSON with the members above and their sums.
+/// Writes a plan as JSON: the members above, and the sums bytes() and dispatches().
 GNOSPHERE_API std::string toJson(const Plan& plan);
 
 }  // namespace gnosphere

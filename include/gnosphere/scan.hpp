@@ -14,7 +14,7 @@
 
 namespace gnosphere {
 
-/// Where the sensor stands: sensor frame -> world.
+/// Position (metres) and orientation of the sensor in the world: maps the sensor frame to the world frame.
 struct Pose {
   Vec3 position;
   Quaternion orientation;
@@ -22,8 +22,8 @@ struct Pose {
 
 inline constexpr uint32_t kNoTriangle = 0xffffffffu;
 
-/// What a scan or a cloud file holds per return. A scan always has x, y, z, range, triangle and instance; the device
-/// "reference" adds tie and tolerance. A scan has the other fields where SimulatorOptions::fields names them.
+/// The fields that a scan or a cloud file may hold per return. A scan always has x, y, z, range, triangle and instance;
+/// the device "reference" adds tie and tolerance. A scan has the other fields if SensorRequest::fields names them.
 enum class Field {
   x,             ///< f32 m, sensor frame
   y,             ///< f32 m
@@ -33,40 +33,40 @@ enum class Field {
   beam,          ///< u32, channel * columns + column
   triangle,      ///< u32, index within the instance's mesh, kNoTriangle for none
   instance,      ///< u32, index into Scene::instances, kNoTriangle for none
-  tie,           ///< u8, 1 where a rounding error could change the owner or the hit of the beam
+  tie,           ///< u8, 1 if a rounding error could change the owner or the hit of the beam, otherwise 0
   tolerance,     ///< f32 m, the range error that single precision may show on this beam
-  intensity,     ///< f32, on the scale of Effects::Intensity
-  trueRange,     ///< f32 m: where the surface is, whatever noise and medium made of it
+  intensity,     ///< f32, in the units of Effects::Intensity::scale
+  trueRange,     ///< f32 m, range of the surface without noise and without the medium
   cause,         ///< u8, see Cause
   label,         ///< u8, see Label
-  returnNumber,  ///< u8, 1 for the first of its beam, 0 where nothing came back
-  returnCount,   ///< u8, how many came back of its beam
-  width,         ///< f32 m: how deep the echo is, full width at half maximum times c / 2
-  normal,        ///< 3 f32 normal_x normal_y normal_z: unit, sensor frame, towards the sensor
-  incidence,     ///< f32 rad, 0 for square to the beam
+  returnNumber,  ///< u8, 1 for the first return of its beam, 0 for an entry without a return
+  returnCount,   ///< u8, number of returns of the beam
+  width,         ///< f32 m, width of the echo: full width at half maximum (s) times c / 2
+  normal,        ///< 3 f32 normal_x normal_y normal_z, unit vector in the sensor frame, pointing towards the sensor
+  incidence,     ///< f32 rad, angle between beam and normal; 0 for a surface square to the beam
   material,      ///< u32, index into Scene::materials
-  barycentrics,  ///< 2 f32 u v: of the triangle's second and third corner
-  classId,       ///< u16, the instance's class when the scan was made, 0 for none
-  velocity,      ///< 3 f32 velocity_x velocity_y velocity_z: m/s of the surface in the world, in the sensor's axes
-  radialSpeed,   ///< f32 m/s, positive going away from the sensor
+  barycentrics,  ///< 2 f32 u v, weights of the triangle's second and third corner
+  classId,       ///< u16, Instance::classId when the scan was made, 0 for none
+  velocity,      ///< 3 f32 velocity_x velocity_y velocity_z, m/s: the surface relative to the world, in sensor axes
+  radialSpeed,   ///< f32 m/s along the beam, positive if the surface moves away from the sensor
   time,          ///< f32 s after the start of the scan
-  azimuth,       ///< f32 rad of the beam, counter-clockwise from x
-  elevation,     ///< f32 rad of the beam above the horizon
+  azimuth,       ///< f32 rad, azimuth of the beam, counter-clockwise from the x axis
+  elevation,     ///< f32 rad, elevation of the beam above the horizon
 };
 inline constexpr size_t kFieldCount = static_cast<size_t>(Field::elevation) + 1;
 
-/// How a number lies in memory, in the byte order of the machine.
+/// The type of a number in memory, in the byte order of the machine.
 enum class ValueType : uint8_t { f32, f64, u8, u16, u32 };
 
 struct FieldInfo {
-  const char* name;     ///< as parseFields() and the command line know it
-  ValueType type;       ///< of a column of the field
+  const char* name;     ///< name used by parseFields() and on the command line
+  ValueType type;       ///< type of the field's columns
   uint32_t components;  ///< 3 for a vector, 2 for barycentrics, otherwise 1
 };
 
 FieldInfo fieldInfo(Field field);
 
-/// The ValueType of a C++ type that a column may have.
+/// Returns the ValueType of the C++ type of a column.
 template <typename T>
 constexpr ValueType valueTypeOf() {
   constexpr bool f32 = std::is_same_v<T, float>, u32 = std::is_same_v<T, uint32_t>, u16 = std::is_same_v<T, uint16_t>;
@@ -75,8 +75,8 @@ constexpr ValueType valueTypeOf() {
   return f32 ? ValueType::f32 : u32 ? ValueType::u32 : u16 ? ValueType::u16 : ValueType::u8;
 }
 
-/// The values of one component of a field, one per return. A view: it ends with the scan, and with the next scan into
-/// it.
+/// The values of one component of a field, one per entry of the scan. The view becomes invalid when the scan is
+/// destroyed or when the next scan is written into it.
 template <typename T>
 class ColumnView {
  public:
@@ -103,7 +103,9 @@ class ColumnView {
   ColumnView(const T* data, size_t size, size_t stride) : data_(data), size_(size), stride_(stride) {}
   const T* data() const { return data_; }
   size_t size() const { return size_; }
-  size_t stride() const { return stride_; }  ///< from value to value, in values: the components lie side by side
+  size_t stride() const {
+    return stride_;
+  }  ///< values from one entry to the next: the number of components, which lie side by side
   bool empty() const { return size_ == 0; }
   const T& operator[](size_t entry) const { return data_[entry * stride_]; }
   Iterator begin() const { return {*this, 0}; }
@@ -114,66 +116,66 @@ class ColumnView {
   size_t size_ = 0, stride_ = 1;
 };
 
-/// What became of a beam. Every beam has one, so the counts add up to the number of beams.
+/// Why a beam has a return or none. Every beam has exactly one cause, so the counts add up to the number of beams.
 enum class Cause : uint8_t {
-  returned,    ///< it has at least one return
-  noSurface,   ///< nothing in range
-  weak,        ///< below the detection threshold
-  attenuated,  ///< above it, had there been no fog, rain, snow or dust
-  droppedOut,  ///< lost at random
-  dead,        ///< of Effects::DropOut::deadBeams
+  returned,    ///< the beam has at least one return
+  noSurface,   ///< there is no surface in range
+  weak,        ///< all echoes are below the detection threshold
+  attenuated,  ///< below the threshold, but without fog, rain, snow and dust an echo would have been above it
+  droppedOut,  ///< the return was lost at random (Effects::DropOut)
+  dead,        ///< the beam is one of Effects::DropOut::deadBeams
 };
 inline constexpr size_t kCauseCount = 6;
 
-/// What a return comes from.
+/// The origin of a return.
 enum class Label : uint8_t {
   none,     ///< no return
   solid,    ///< a surface
-  scatter,  ///< the medium
+  scatter,  ///< particles of the medium: fog, rain, snow or dust
 };
 
-/// What happened to the scene's triangles and the sensor's beams. Nothing is dropped without a count here.
+/// Counts of what happened to the scene's triangles and to the sensor's beams. Whatever is dropped is counted here.
 struct Counters {
   uint64_t beams = 0;
   uint64_t hits = 0;
-  uint64_t misses = 0;              ///< beams - hits
-  uint64_t triangles = 0;           ///< placed in the scene
-  uint64_t nonFinite = 0;           ///< dropped: a vertex is NaN, infinite or beyond 1e9 m
-  uint64_t degenerate = 0;          ///< dropped: two corners are the same point
-  uint64_t culledByCluster = 0;     ///< in a cluster out of range or between the beams
-  uint64_t reused = 0;              ///< of instances that have not moved since a scan from the same pose
-  uint64_t culledByRange = 0;       ///< nearest point beyond rangeMax
-  uint64_t culledByFace = 0;        ///< back faces of one-sided materials
-  uint64_t culledBetweenBeams = 0;  ///< no beam within the triangle's angular bounds
-  uint64_t culledHidden = 0;        ///< behind what all beams within its bounds have met
-  uint64_t projected = 0;           ///< went on to binning
-  uint64_t candidates = 0;          ///< (beam, triangle) pairs whose inside test passed, of lists
-  uint64_t integerSides = 0;        ///< of `exact`: inside tests that floating point could not decide
-  uint64_t integerRanges = 0;       ///< of `exact`: ranges that it could not round
-  uint64_t lostEchoes = 0;  ///< of beams that met more echoes, or more panes one behind the other, than are kept
-  uint64_t retries = 0;     ///< runs repeated because a list had to grow
-  std::array<uint64_t, kCauseCount> causes = {};  ///< beams by Cause; all zero where no effect can lose a beam
+  uint64_t misses = 0;           ///< beams - hits
+  uint64_t triangles = 0;        ///< triangles placed in the scene, summed over instances
+  uint64_t nonFinite = 0;        ///< dropped because a vertex is NaN, infinite or beyond 1e9 m
+  uint64_t degenerate = 0;       ///< dropped because two corners are the same point
+  uint64_t culledByCluster = 0;  ///< in a cluster that is out of range or between the beams
+  uint64_t reused = 0;         ///< not computed again: of instances that have not moved since a scan from the same pose
+  uint64_t culledByRange = 0;  ///< the nearest point is beyond rangeMax
+  uint64_t culledByFace = 0;   ///< back faces of one-sided materials
+  uint64_t culledBetweenBeams = 0;  ///< no beam lies within the triangle's angular bounds
+  uint64_t culledHidden = 0;        ///< behind the hits that all beams within the triangle's bounds already have
+  uint64_t projected = 0;           ///< triangles that went on to binning
+  uint64_t candidates = 0;          ///< (beam, triangle) pairs whose inside test passed; only with Binning::lists
+  uint64_t integerSides = 0;        ///< exact inside tests that needed integer arithmetic
+  uint64_t integerRanges = 0;       ///< exact ranges that needed integer arithmetic
+  uint64_t lostEchoes = 0;          ///< echoes of beams that met more echoes, or more panes in a row, than are kept
+  uint64_t retries = 0;             ///< runs repeated because a list had to grow
+  std::array<uint64_t, kCauseCount> causes = {};  ///< beams by Cause; all zero if no effect can lose a beam
 };
 
 struct StageTime {
-  std::string name;  ///< project, bin, resolve, effects
+  std::string name;  ///< "project", "bin", "resolve" or "effects"
   double ms = 0;
 };
 
-/// Times of one scan. `gpuMs` and `stages` are device timestamps, and empty where the device has none; but `resolve`
-/// runs on the host where nothing but geometry is planned.
+/// Times of one scan. `gpuMs` and `stages` come from device timestamps; without these they are zero and empty. The
+/// stage "resolve" is the exception: it runs on the host if only geometry is planned.
 struct Timings {
-  double wallMs = 0;  ///< submit to results readable on the host
+  double wallMs = 0;  ///< from the submission until the results can be read on the host
   double gpuMs = 0;
   std::vector<StageTime> stages;
 
-  /// More time of a stage.
+  /// Adds time to a stage; the stage is appended if it is not there yet.
   GNOSPHERE_API void add(const std::string& stage, double ms);
 };
 
-/// What came back, one entry per return in every array and column: entry beam * returns + k is the beam's k-th return
-/// in order of range, where beam = channel * columns + column. Where nothing came back `points` and `ranges` are NaN,
-/// and `triangles` and `instances` kNoTriangle.
+/// The result of a scan. Every array and column has `returns` entries per beam: entry beam * returns + k is the beam's
+/// k-th return in order of range (k from 0), where beam = channel * columns + column. In an entry without a return
+/// `points` and `ranges` are NaN, and `triangles` and `instances` are kNoTriangle.
 struct Scan {
   std::string sensor;
   uint32_t columns = 0;
@@ -181,7 +183,7 @@ struct Scan {
   uint32_t returns = 1;  ///< entries per beam
   Pose pose;
 
-  std::vector<float> points;        ///< x, y, z per entry: metres, sensor frame
+  std::vector<float> points;        ///< x, y, z per entry, in metres in the sensor frame
   std::vector<float> ranges;        ///< metres along the beam
   std::vector<uint32_t> triangles;  ///< index within the instance's mesh
   std::vector<uint32_t> instances;  ///< index into Scene::instances
@@ -189,21 +191,22 @@ struct Scan {
   Counters counters;
   Timings timings;
 
-  /// The values of a field; T is float, uint32_t, uint16_t or uint8_t, as fieldInfo() says. Where an entry has no value
-  /// they are NaN, kNoTriangle in indices, and 0 in velocities and other integers. Throws Error(invalidArgument) for a
-  /// field that the scan does not have, for another type than the field's, and for a component that it does not have.
+  /// Returns the values of one component of a field. T is the field's type: float, uint32_t, uint16_t or uint8_t, see
+  /// FieldInfo::type. An entry without a value has NaN in floats other than velocities, kNoTriangle in indices, and 0
+  /// in velocities and other integers. Throws Error(invalidArgument) if the scan does not have the field, if T is not
+  /// the field's type, or if the field does not have the component.
   template <typename T>
   ColumnView<T> column(Field field, uint32_t component = 0) const {
     const RawColumn raw = find(field, component, valueTypeOf<T>());
     return {static_cast<const T*>(raw.data), ranges.size(), raw.stride};
   }
-  /// Whether column() gives the field. A scan may have fields beside those that were asked for.
+  /// Returns whether column() has the field. A scan may have more fields than were requested.
   bool has(Field field) const;
 
   size_t beamCount() const { return ranges.size() / returns; }
-  /// A surface came back.
+  /// Returns whether the entry is a return from a surface.
   bool hit(size_t entry) const { return triangles[entry] != kNoTriangle; }
-  /// Something came back: a surface or the medium.
+  /// Returns whether the entry is a return, from a surface or from the medium.
   bool returned(size_t entry) const { return ranges[entry] == ranges[entry]; }
 
  private:
@@ -214,7 +217,7 @@ struct Scan {
   };
   RawColumn find(Field field, uint32_t component, ValueType type) const;
 
-  // By field, the values of what has no public array; empty where the scan does not have the field.
+  // By field: the values of fields without a public array; empty if the scan does not have the field.
   std::array<std::vector<std::byte>, kFieldCount> columns_;
 };
 

@@ -11,7 +11,8 @@
 
 namespace gnosphere {
 
-/// Metres, or a direction without unit. Frames are right-handed: x forward, y left, z up (ROS REP-103).
+/// A point or vector in metres, or a direction without a unit. Frames are right-handed: x forward, y left, z up (ROS
+/// REP-103).
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 };
@@ -21,30 +22,32 @@ struct Quaternion {
   double x = 0, y = 0, z = 0, w = 1;
 };
 
-/// Affine map, row-major 3x4: p' = M p + t with M = columns 0..2 and t = column 3. Mesh frame -> world.
+/// Affine map from the mesh frame to the world frame, row-major 3x4: p' = M p + t with M = columns 0..2 and t = column
+/// 3 (metres).
 struct Transform {
   std::array<double, 12> rows = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 };
 
-/// `a` after `b`: (a * b)(p) = a(b(p)).
+/// Composes two maps: (a * b) p = a * (b * p).
 GNOSPHERE_API Transform operator*(const Transform& a, const Transform& b);
+/// Maps the point `p`.
 GNOSPHERE_API Vec3 operator*(const Transform& a, const Vec3& p);
 
 enum class AlphaMode { opaque, mask, blend };
 
 inline constexpr uint32_t kNoImage = 0xffffffffu;
-/// The mesh of an instance that was removed.
+/// Mesh index of an instance that was removed.
 inline constexpr uint32_t kNoMesh = 0xffffffffu;
 
-/// One channel of a texture; row 0 is at v = 0. Outside 0..1 it repeats, is mirrored or keeps its border.
+/// The alpha channel of a texture; row 0 is at v = 0. `wrapU` and `wrapV` tell what coordinates outside 0..1 read.
 struct AlphaImage {
   enum class Wrap : uint8_t { repeat, mirror, clamp };
   uint32_t width = 0, height = 0;
-  std::vector<uint8_t> alpha;  ///< width * height
+  std::vector<uint8_t> alpha;  ///< width * height values, row by row
   Wrap wrapU = Wrap::repeat, wrapV = Wrap::repeat;
 };
 
-/// Surface properties, glTF metallic-roughness vocabulary. Linear colour; factors in 0..1.
+/// Surface properties in the terms of the glTF metallic-roughness model. Colours are linear; factors lie in 0..1.
 struct Material {
   std::string name;
   std::array<float, 4> baseColor = {1, 1, 1, 1};
@@ -53,10 +56,11 @@ struct Material {
   float transmission = 0;
   AlphaMode alphaMode = AlphaMode::opaque;
   float alphaCutoff = 0.5f;
-  uint32_t alphaImage = kNoImage;  ///< index into Scene::alphaImages: alpha of the base colour's texture
-  /// Retro-reflection: gain over a Lambertian of reflectance 1; 0: none. No file format of ours states it.
+  uint32_t alphaImage = kNoImage;  ///< index into Scene::alphaImages: alpha channel of the base colour texture
+  /// Retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none. No scene file format that we read
+  /// states it.
   float retro = 0;
-  /// Both faces reflect. glTF states it per material; formats that do not are read as double-sided.
+  /// If true, both faces reflect. glTF states this per material; scenes from other formats are double-sided.
   bool doubleSided = true;
 };
 
@@ -67,33 +71,33 @@ struct MeshPart {
   uint32_t material = 0;  ///< index into Scene::materials
 };
 
-/// Indexed triangles. Vertex v is at `origin + positions[3v..3v+2]` in the mesh frame: positions are floats relative to
-/// a double origin, so georeferenced files keep their precision.
+/// Indexed triangles. Vertex v is at `origin + positions[3v..3v+2]` in the mesh frame. Positions are floats relative to
+/// an origin in double precision, so georeferenced files keep their precision.
 struct Mesh {
   std::string name;
   Vec3 origin;
   std::vector<float> positions;   ///< 3 per vertex, metres
   std::vector<uint32_t> indices;  ///< 3 per triangle, counter-clockwise seen from the front
-  std::vector<float> uvs;         ///< 2 per vertex; empty where no material of the mesh has a texture that matters
-  std::vector<MeshPart> parts;    ///< in order, covering every triangle
+  std::vector<float> uvs;         ///< 2 per vertex; empty if no material of the mesh has an alpha image
+  std::vector<MeshPart> parts;    ///< in ascending order; together they cover every triangle
 
   size_t vertexCount() const { return positions.size() / 3; }
   size_t triangleCount() const { return indices.size() / 3; }
 };
 
-/// One placement of a mesh in the world. The mesh is shared, never copied.
+/// One placement of a mesh in the world. Instances share the mesh; it is never copied.
 struct Instance {
   std::string name;
   uint32_t mesh = 0;  ///< index into Scene::meshes
   Transform transform;
-  uint16_t classId = 0;  ///< semantic class, of the user's own numbering; goes out as a field
+  uint16_t classId = 0;  ///< semantic class, numbered by the user; reported as Field::classId
 };
 
-/// What is there to be seen. Plain data: build it by hand or with loadScene().
+/// Everything that the sensor can see. It is plain data: build it by hand or with loadScene().
 struct Scene {
   std::vector<Material> materials;
   std::vector<AlphaImage> alphaImages;
-  /// Images of AlphaMode::mask that are not there or not PNG: how many. Their materials have no alpha image.
+  /// Number of images of AlphaMode::mask materials that are missing or not PNG. Their materials have no alpha image.
   uint32_t unreadImages = 0;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
@@ -102,32 +106,33 @@ struct Scene {
   GNOSPHERE_API size_t placedTriangleCount() const;  ///< summed over instances
 };
 
-/// Axis-aligned box in world coordinates. Empty where min > max.
+/// Axis-aligned box in world coordinates, in metres. It is empty if min > max.
 struct Bounds {
   Vec3 min, max;
   bool empty() const { return !(min.x <= max.x); }
 };
 
-/// Box of every finite vertex of every instance.
+/// Returns the box around all finite vertices of all instances.
 GNOSPHERE_API Bounds worldBounds(const Scene& scene);
 
-/// Throws Error(invalidArgument) that names the material, image, mesh, part or instance whose indices or sizes do not
-/// fit.
+/// Throws Error(invalidArgument) that names the material, image, mesh, part or instance whose indices or sizes are
+/// inconsistent.
 GNOSPHERE_API void validate(const Scene& scene);
 
 enum class UpAxis { formatDefault, y, z };
 
 struct LoadOptions {
   UpAxis up = UpAxis::formatDefault;  ///< glTF is y-up by its specification; OBJ, PLY and STL default to z-up
-  double scale = 1;                   ///< file units -> metres
+  double scale = 1;                   ///< metres per unit of the file
 };
 
-/// Reads .gltf, .glb, .obj, .ply or .stl; of textures, only glTF's PNG ones of cut-out materials. y-up files are turned
-/// so that (x, y, z) becomes (x, -z, y). Throws Error(file) if the file cannot be read, Error(format) if its content is
-/// not sound.
+/// Reads .gltf, .glb, .obj, .ply or .stl. The only textures read are PNG images of cut-out (AlphaMode::mask) materials
+/// in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). Throws Error(file) if the file cannot be read,
+/// Error(format) if its content is invalid.
 GNOSPHERE_API Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
 
-/// Writes a binary glTF 2.0 file (y-up), meshes shared by their instances. Throws Error(file).
+/// Writes a binary glTF 2.0 file (y-up) in which instances share their meshes. Throws Error(file) if it cannot be
+/// written.
 GNOSPHERE_API void writeGlb(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace gnosphere

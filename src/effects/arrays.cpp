@@ -6,7 +6,7 @@
 namespace gnosphere {
 namespace {
 
-// Of any module of the footprint.
+// Largest number of sub-rays of any footprint module.
 constexpr size_t kMostSubRays = 61;
 
 template <typename T>
@@ -24,7 +24,7 @@ std::vector<gpu::vec4> rowOrigins(const SensorPlan& plan, std::span<const gpu::R
   return origins;
 }
 
-// Entries that a module has and the footprint has not carry no energy.
+// A module may have more entries than the footprint has sub-rays; the surplus entries get weight 0.
 std::vector<gpu::vec4> subRayLines(const SensorPlan& plan) {
   std::vector<gpu::vec4> lines;
   for (const SubRay& ray : plan.subRays)
@@ -55,7 +55,7 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const 
     arrays.push_back(table(gpu::Array::texels, plan.textures->texels));
   }
   if (!plan.deadBeams.empty()) arrays.push_back(table(gpu::Array::deadBeams, plan.deadBeams));
-  // Surfaces that are looked at but not asked for stay on the device.
+  // Surfaces that are needed but not requested as a field stay on the device.
   if (plan.surfaces() && !plan.footprint() && !plan.asks(gpu::kFieldSurface))
     addRoom(gpu::Array::surfaces, plan.returns * sizeof(gpu::SurfaceRecord));
   return arrays;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arrays that the stages read and write for effects, on whatever device.
+// The arrays that the stages read and write for effects, for every kind of device.
 #pragma once
 
 #include <cstddef>
@@ -12,18 +12,18 @@
 
 namespace gnosphere {
 
-/// An array with what it holds, or room for what the stages write.
+/// An array with its content, or its size alone if the stages write it.
 struct EffectsArray {
   gpu::Array array;
   uint64_t bytes;
-  std::vector<std::byte> content;  ///< of so many bytes, or empty
+  std::vector<std::byte> content;  ///< `bytes` bytes, or empty
 };
 
 /// Arrays that live as long as the sensor, without the outputs. `rows` is as makeBeamTables() orders the channels.
 std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const gpu::Row> rows);
-/// Arrays of `count` projected triangles.
+/// Arrays sized by `count` projected triangles.
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count);
-/// Arrays that each scan has anew. `motion` is null where the scan stands still.
+/// Arrays that are written anew for each scan. `motion` is null for a scan without motion.
 std::vector<EffectsArray> shotArrays(const SensorPlan& plan, const Shot& shot, const ShotMotion* motion);
 
 }  // namespace gnosphere

@@ -8,7 +8,7 @@
 namespace gnosphere {
 namespace {
 
-/// "the sensor" by its name, for a message that stands alone.
+/// Replaces "the sensor" by the sensor's name, for a message without context.
 std::string named(const std::string& why, const Sensor& sensor) {
   constexpr std::string_view kSensor = "the sensor";
   if (why.compare(0, kSensor.size(), kSensor) != 0) return why;
@@ -32,7 +32,7 @@ void decideBy(const Answer& answer, const Sensor& sensor, bool lenient, Plan::De
   decision.in = decision.request == EffectUse::on || answer.shows;
 }
 
-/// Effects that are in and need intensity, by name.
+/// Returns the names of the planned effects that need intensity.
 std::vector<std::string> needIntensity(const Effects& effects, const std::vector<Plan::Decision>& decisions) {
   std::vector<std::string> names;
   for (size_t i = 0; i < decisions.size(); ++i)
@@ -48,7 +48,7 @@ Answer judgeIntensity(const Question& q, const std::vector<std::string>& needIt)
   return {true, "needed by " + who};
 }
 
-/// Refuses a request that turns off what a field or another effect needs.
+/// Throws if the request turns off an effect that a field or another effect needs.
 void checkOff(const Question& q, const std::vector<std::string>& needIntensity) {
   if (q.effects.radialSpeed.use == EffectUse::off && q.asksFor(Field::radialSpeed)) {
     refuse("radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which effects a scan of a sensor in a scene is planned with, and why.
+// Decides which effects are planned for a sensor in a scene, and why.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace gnosphere {
 
-/// One decision per effect, in the order of effectNames(). `materials` may make materials of the scene let light
-/// through. Throws Error(invalidArgument) as validate() does, and for an effect that is on and cannot be shown, or off
-/// and needed, with the way out; but an effect that is on may lack what would show it if `lenient`.
+/// Returns one decision per effect, in the order of effectNames(). `materials` can give materials of the scene a
+/// transmission. Throws Error(invalidArgument) as validate() does, and for an effect that is on but cannot be shown, or
+/// off but needed; the message gives the remedy. If `lenient`, an effect that is on need not be visible in the scene.
 std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& scene, const MaterialTable& materials,
                                    bool lenient = false);
 
-/// Takes out what the options' device and accuracy cannot show; throws Error(invalidArgument) if it is on.
+/// Leaves out effects that the device or the accuracy does not support; throws Error(invalidArgument) if one is on.
 void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Decision>& decisions);
 
-/// Bits of effects/bits.h: those that are in.
+/// Returns the bits (effects/bits.h) of the planned effects.
 uint32_t bitsOf(const std::vector<Plan::Decision>& decisions);
 
 }  // namespace gnosphere

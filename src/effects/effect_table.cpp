@@ -19,7 +19,7 @@ std::string plural(size_t count, const char* noun, const char* nouns) {
   return std::to_string(count) + " " + (count == 1 ? noun : nouns);
 }
 
-/// Of each material, whether a placed instance shows it.
+/// Returns for each material whether an instance uses it.
 std::vector<bool> usedMaterials(const Scene& scene) {
   std::vector<bool> used(scene.materials.size());
   for (const Instance& instance : scene.instances) {
@@ -31,7 +31,7 @@ std::vector<bool> usedMaterials(const Scene& scene) {
   return used;
 }
 
-/// "2 of 14 materials transmit light", of those that are seen.
+/// Counts used materials with a property and returns text such as "2 of 14 materials transmit light".
 template <class Has>
 Answer countMaterials(const Scene& scene, Has has, const char* does, const char* none, const char* wayOut) {
   const std::vector<bool> used = usedMaterials(scene);
@@ -126,7 +126,7 @@ Answer judgeTransmission(const Question& q) {
       "no material that is seen lets light through", "give a material transmission");
 }
 
-/// A texel of the mask is below the cutoff, or the whole material is.
+/// Returns whether a texel of the mask, or the alpha of the whole material, is below the cutoff.
 bool hasHoles(const Scene& scene, const Material& material) {
   if (material.alphaMode != AlphaMode::mask) return false;
   float least = material.baseColor[3];
@@ -150,7 +150,7 @@ Answer judgeMotion(const Question& q) {
   return {true, format("the sensor takes %.6g s for a turn", q.sensor.rotationPeriod)};
 }
 
-/// Of an effect of the medium that the request gives no value.
+/// Answers for an effect of the medium to which the request gives no value.
 Answer withoutWeather(const Question& q, Answer otherwise) {
   return q.variableWeather ? Answer{true, "shots bring their own weather"} : otherwise;
 }
@@ -184,7 +184,7 @@ Answer judgeRadialSpeed(const Question& q) {
   return {true, "the field radial_speed asks for it"};
 }
 
-/// The member of a nested struct: at<&Effects::fog, &Effects::Fog::visibility>(effects).
+/// Returns a reference to a member of a nested struct: at<&Effects::fog, &Effects::Fog::visibility>(effects).
 template <auto kGroup, auto kMember>
 auto& at(Effects& effects) {
   return effects.*kGroup.*kMember;
@@ -229,7 +229,7 @@ EffectInfo effect(const char* name, uint32_t bit, Judge judge, bool (*needsInten
 
 using E = Effects;
 
-// Limits are there to catch a wrong unit, not to say what is usual.
+// The limits are wide: they are meant to detect wrong units, not unusual values.
 std::vector<EffectInfo> makeTable() {
   return {
       effect<&E::intensity>("intensity", gpu::kIntensity, nullptr, never,

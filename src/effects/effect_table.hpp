@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every effect in one table: its parameters, which requests are read, checked, written and listed by, and how it is
-// decided whether a scan can show it.
+// The table of effects: the parameters of each, used to read, check, write and list requests, and the function that
+// decides whether a scan can show the effect.
 #pragma once
 
 #include <algorithm>
@@ -16,11 +16,11 @@
 
 namespace gnosphere {
 
-/// `of` gives the member of an Effects that a parameter stands for.
+/// In each kind of parameter `of` returns the member of Effects that the parameter sets.
 struct NumberParameter {
   double& (*of)(Effects&);
   double min, max;
-  bool endsOnly = false;  ///< one of the two, and nothing between
+  bool endsOnly = false;  ///< only min and max are allowed, no value between
 };
 struct CountParameter {
   uint32_t& (*of)(Effects&);
@@ -43,11 +43,11 @@ struct BoxesParameter {
 
 struct Parameter {
   const char* name;
-  const char* unit;  ///< empty: none
+  const char* unit;  ///< empty for a parameter without a unit
   std::variant<NumberParameter, CountParameter, FlagParameter, ChoiceParameter, BeamsParameter, BoxesParameter> kind;
 };
 
-/// What a decision is made from.
+/// The input of a decision.
 struct Question {
   const Effects& effects;
   const Sensor& sensor;
@@ -59,35 +59,35 @@ struct Question {
   bool asksFor(Field field) const { return std::find(fields.begin(), fields.end(), field) != fields.end(); }
 };
 
-/// Whether an effect can be shown: what shows it, or what is missing and how to give it.
+/// Whether an effect can be shown, and why.
 struct Answer {
-  bool shows;
-  std::string why;
-  std::string wayOut = {};  ///< empty: `on` is accepted all the same
+  bool shows;               ///< true if the scan can show the effect
+  std::string why;          ///< what shows the effect, or what is missing
+  std::string wayOut = {};  ///< how to supply what is missing; if empty, `on` is accepted nevertheless
 };
 using Judge = Answer (*)(const Question&);
 
-/// All that is known of one effect before its formulas.
+/// The description of one effect, without its formulas.
 struct EffectInfo {
   const char* name;
-  uint32_t bit;  ///< of effects/bits.h
+  uint32_t bit;  ///< bit of the effect in effects/bits.h
   EffectUse& (*use)(Effects&);
-  Judge judge;  ///< null: intensity, which is in where another effect or a field needs it
+  Judge judge;  ///< null for intensity, which is planned if another effect or a field needs it
   bool (*needsIntensity)(const Effects&);
   std::vector<Parameter> parameters;
 };
 
-/// In the order of effectNames().
+/// Returns all effects in the order of effectNames().
 const std::vector<EffectInfo>& effectTable();
 
 inline constexpr const char* kUseWords[] = {"off", "on", "auto"};
 
-/// The most that a box of Effects::Volumes takes away, 1/m: beyond it nothing is seen at a millimetre.
+/// Largest extinction of a box of Effects::Volumes in 1/m; with it the visible depth is about a millimetre.
 inline constexpr double kMaxExtinction = 1000;
 
-/// What a parameter may be, for messages and lists: "0..500 mm/h", "uniform or gaussian".
+/// Returns the allowed values for messages and lists: "0..500 mm/h", "uniform or gaussian".
 std::string allowedText(const Parameter& parameter);
-/// As JSON has it: 0.004, "gaussian", [].
+/// Returns the value as JSON text: 0.004, "gaussian", [].
 std::string valueText(const Parameter& parameter, const Effects& effects);
 
 }  // namespace gnosphere

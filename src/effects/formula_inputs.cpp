@@ -11,10 +11,10 @@ namespace gnosphere {
 namespace {
 
 constexpr double kLightSpeed = 299792458;  // m/s
-/// Full angle of the beam that drops and flakes are in, where nothing states one: that of a VLP-16 (manual 63-9243).
+/// Full beam angle in radians for rain and snow if neither request nor sensor states one: VLP-16 (manual 63-9243).
 constexpr double kUsualSpread = 3e-3;
 
-// The device's numbers of what the public enums name.
+// Converts a public enum to the device's number; both have the same values.
 template <typename Enum>
 constexpr bool same(Enum value, uint32_t number) {
   return uint32_t(value) == number;
@@ -27,7 +27,7 @@ static_assert(same(Effects::Intensity::Model::carla, gpu::kModelCarla) &&
               same(Effects::Returns::Mode::all, gpu::kModeAll) && same(Cause::returned, gpu::kCauseReturned) &&
               same(Cause::dead, gpu::kCauseDead) && same(Label::scatter, gpu::kLabelScatter));
 
-/// Full angles of the footprint: what the request states, or else the sensor.
+/// Full angles of the footprint in radians, from the request or else from the sensor.
 double horizontalSpread(const Effects& effects, const Sensor& sensor) {
   const auto& asked = effects.divergence;
   return asked.horizontal > 0 || asked.vertical > 0 ? asked.horizontal : sensor.divergenceHorizontal;
@@ -108,10 +108,11 @@ std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32
   if (!(planned & gpu::kDivergence)) return {SubRay{}};
   const uint32_t count = std::max(effects.divergence.subRays, 1u);
   struct Polar {
-    double radius, angle;  // of the unit disc
+    double radius, angle;  // within the unit disc
   };
-  // Every line stands for the same area of the disc and lies in its middle. Rings of 6, 12, 18 ... around one, turned
-  // against each other by half a step; where that does not come out, Vogel's spiral (1979).
+  // Every sub-ray stands for an equal area of the disc and lies in the middle of it. They form rings of 6, 12, 18, ...
+  // around a central one, with odd rings turned by half a step. If the count does not fill the rings, they lie on
+  // Vogel's spiral (1979) instead.
   std::vector<Polar> places = {{0, 0}};
   for (uint32_t ring = 1; places.size() + 6 * ring <= count; ++ring) {
     const double radius = std::sqrt((double(places.size()) + 3.0 * ring) / count);
@@ -139,7 +140,7 @@ std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32
 
 std::vector<gpu::VolumeBox> volumeBoxes(const Effects& effects, const Pose& pose) {
   const Quaternion& q = pose.orientation;
-  // Rows of the rotation sensor -> world. Two over the square of the quaternion's length normalises it on the way.
+  // Rows of the rotation from the sensor to the world frame. The factor 2 / |q|^2 normalises the quaternion.
   const double s = 2 / (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
   const Vec3 turn[3] = {{1 - s * (q.y * q.y + q.z * q.z), s * (q.x * q.y - q.w * q.z), s * (q.x * q.z + q.w * q.y)},
                         {s * (q.x * q.y + q.w * q.z), 1 - s * (q.x * q.x + q.z * q.z), s * (q.y * q.z - q.w * q.x)},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // {"materials": [{"name": "asphalt", "reflectance_905": 0.17, "reflectance_1550": 0.2, "roughness": 1, "retro": 0,
-// "transmission": 0}]}; what a row leaves out stays as the scene has it.
+// "transmission": 0}]}; a value that a row omits stays as in the scene.
 #include <algorithm>
 
 #include "base/file.hpp"
@@ -20,11 +20,12 @@ struct Column {
   float max;
 };
 
-constexpr Column kColumns[] = {{"reflectance_905", &Row::reflectance905, 1},
-                               {"reflectance_1550", &Row::reflectance1550, 1},
-                               {"roughness", &Row::roughness, 1},
-                               {"retro", &Row::retro, 1e6f},  // a cube corner sends back a million times a Lambertian
-                               {"transmission", &Row::transmission, 1}};
+constexpr Column kColumns[] = {
+    {"reflectance_905", &Row::reflectance905, 1},
+    {"reflectance_1550", &Row::reflectance1550, 1},
+    {"roughness", &Row::roughness, 1},
+    {"retro", &Row::retro, 1e6f},  // a cube corner returns a million times the light of a Lambertian
+    {"transmission", &Row::transmission, 1}};
 
 constexpr size_t kMaxFileBytes = size_t{256} << 20;  // a BRDF table of a million rows takes about 50 MB
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a material of a scene, and a row of a table over it, mean to a laser.
+// Optical properties of the scene's materials, with the rows of a material table applied.
 #include <algorithm>
 #include <cctype>
 #include <map>
@@ -10,7 +10,7 @@
 namespace gnosphere {
 namespace {
 
-/// What a row does not state stays as the scene has it.
+/// Sets `value` if the row states it (a negative number means not stated).
 void take(float& value, float stated) {
   if (stated >= 0) value = stated;
 }
@@ -18,8 +18,8 @@ void take(float& value, float stated) {
 }  // namespace
 
 // glTF's metallic-roughness model (specification 2.0, appendix B): a dielectric reflects 4 % at its surface and the
-// rest of the base colour diffusely, a metal has no diffuse part. Alpha is coverage: what it leaves open lets the light
-// through, and of what it covers `transmission` does; that light is not reflected diffusely.
+// rest of the base colour diffusely, a metal has no diffuse part. Alpha is coverage: light passes
+// through the uncovered share, and of the covered share `transmission` passes, which is then not reflected diffusely.
 Optics opticsOf(const Material& material) {
   constexpr float kDielectric = 0.04f;
   const float red = std::clamp(material.baseColor[0], 0.0f, 1.0f);

@@ -9,7 +9,7 @@
 namespace gnosphere {
 namespace {
 
-/// Frame -> world: p' = turn p + place.
+/// A map from a frame to the world: p' = turn p + place.
 struct Frame {
   glm::dquat quaternion;
   glm::dmat3 turn;
@@ -22,7 +22,7 @@ struct Frame {
         place(pose.position.x, pose.position.y, pose.position.z) {}
 };
 
-/// From one frame to another, in rows.
+/// Writes the map from one frame to another as three rows.
 void write(const Frame& from, const Frame& to, gpu::vec4& row0, gpu::vec4& row1, gpu::vec4& row2) {
   const glm::dmat3 turn = glm::transpose(to.turn) * from.turn;
   const glm::dvec3 shift = glm::transpose(to.turn) * (from.place - to.place);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scan of a sensor that moves, as the tables that the stages read.
+// The tables that the stages read for a scan with motion.
 #pragma once
 
 #include <vector>
@@ -10,14 +10,14 @@
 namespace gnosphere {
 
 struct MotionTables {
-  Pose middle;  ///< where the sensor is halfway: the frame that triangles are projected in
+  Pose middle;  ///< pose of the sensor at half time; triangles are projected in this frame
   std::vector<gpu::ColumnMotion> columns;
-  gpu::MotionBounds bounds = {};  ///< `instances` is left 0
+  gpu::MotionBounds bounds = {};  ///< `instances` stays 0; the caller sets it
 };
 
-/// `moves`: by Shot::motion; else only lasers away from the origin and instances are in motion. With `deskew` points
-/// are reported from the shot's pose. A channel's time offset is not looked at: all lasers of a column see from one
-/// place.
+/// Computes the tables. If `moves`, the sensor moves by Shot::motion; otherwise only lasers away from the origin and
+/// moving instances count as motion. With `deskew` points are reported in the frame of the shot's pose. Time offsets of
+/// channels are ignored: all lasers of a column use the pose of the column.
 MotionTables makeMotionTables(const Sensor& sensor, const Shot& shot, bool moves, bool deskew);
 
 }  // namespace gnosphere

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // ASAM OpenMATERIAL 3D 1.0: an asset (.xoma) names a mapping (.xomm), which names a material (.xomp) per material of
-// the geometry, which names its property tables (.xompt). Of those, two tell a laser's reflectance:
-// - a BRDF with rows [wavelength m, incidence, exit zenith, exit azimuth rad, value 1/sr] near the normal, back to
-//   where the light came from: the Lambertian of the same value has reflectance pi times it;
-// - optical properties with rows [wavelength m, temperature K, n, k] of a conductor: Fresnel's reflectance at the
-//   normal, which a rough surface spreads as a diffuse one. A dielectric's n says nothing of the light that comes back
-//   from inside, which is most of it.
+// the geometry, which names its property tables (.xompt). Two kinds of table give the reflectance:
+// - a BRDF with rows [wavelength m, incidence, exit zenith, exit azimuth rad, value 1/sr]. The row nearest to normal
+//   incidence and exit is used; a Lambertian surface with that value has a reflectance of pi times the value;
+// - optical properties with rows [wavelength m, temperature K, n, k] of a conductor: its Fresnel reflectance at normal
+//   incidence is taken as diffuse, as on a rough surface. Dielectrics are skipped, because most of their reflected
+//   light comes from inside, and n does not tell how much.
 #include "effects/openmaterial.hpp"
 
 #include <algorithm>
@@ -42,7 +42,7 @@ path besides(const path& file, const json& uri) {
   return file.parent_path() / path(uri.get<std::string>());
 }
 
-/// The first `count` numbers of a row; none where one of them is null or is not there.
+/// Returns the first kCount numbers of a row; nothing if one of them is null or missing.
 template <size_t kCount>
 std::optional<std::array<double, kCount>> numbers(const json& row) {
   if (!row.is_array() || row.size() < kCount) return {};
@@ -54,7 +54,7 @@ std::optional<std::array<double, kCount>> numbers(const json& row) {
   return values;
 }
 
-/// The row that `distance` puts nearest; none where it is infinite for all.
+/// Returns the row with the smallest `distance`; nothing if it is infinite for all rows.
 template <size_t kColumns, class Distance>
 std::optional<std::array<double, kColumns>> nearestRow(const json& table, Distance distance) {
   std::optional<std::array<double, kColumns>> nearest;
@@ -69,7 +69,7 @@ std::optional<std::array<double, kColumns>> nearestRow(const json& table, Distan
   return nearest;
 }
 
-/// Reflectance of the Lambertian that sends as much back; negative where the table has no row for it.
+/// Returns the reflectance of the equivalent Lambertian surface; negative if the table has no suitable row.
 float brdfReflectance(const json& table, double wavelength) {
   const auto row = nearestRow<5>(table, [&](const auto& r) -> double {
     const double off = std::abs(r[0] - wavelength);
@@ -89,7 +89,7 @@ float conductorReflectance(const json& table, double wavelength) {
   return static_cast<float>(((n - 1) * (n - 1) + k2) / ((n + 1) * (n + 1) + k2));
 }
 
-/// What the row does not state yet.
+/// Sets the reflectances that the row does not state yet.
 void complete(MaterialTable::Row& row, const json& table, float (*reflectance)(const json&, double)) {
   if (row.reflectance905 < 0) row.reflectance905 = reflectance(table, 905e-9);
   if (row.reflectance1550 < 0) row.reflectance1550 = reflectance(table, 1550e-9);

@@ -9,15 +9,17 @@
 
 namespace gnosphere {
 
-/// A JSON file of materials. Throws Error(file) or Error(format).
+/// Reads a JSON file of materials. Throws Error(file) or Error(format).
 nlohmann::json readMaterialJson(const std::filesystem::path& file);
 
-/// Whether the root of a JSON file is one of ASAM OpenMATERIAL 3D: an asset (.xoma), a mapping (.xomm) or a material
+/// Returns whether the root of a JSON file is one of ASAM OpenMATERIAL 3D: an asset (.xoma), a mapping (.xomm) or a
+/// material
 /// (.xomp).
 bool isOpenMaterial(const nlohmann::json& root);
 
-/// One row per material of it, whose properties are in files beside `file`. Throws Error(file) or Error(format), also
-/// where no material states anything that a laser's reflectance could be told from; some of a mapping may not.
+/// Returns one row per material; property files are looked for relative to `file`. Throws Error(file), or
+/// Error(format), also if no material has properties from which a reflectance follows. In a mapping, single materials
+/// may lack them.
 std::vector<MaterialTable::Row> readOpenMaterial(const nlohmann::json& root, const std::filesystem::path& file);
 
 }  // namespace gnosphere

@@ -12,19 +12,20 @@
 namespace gnosphere {
 namespace {
 
-/// dB/km -> 1/m: 10 / ln 10 dB are one optical depth.
+/// Converts dB/km to 1/m: an optical depth of 1 is 10 / ln 10 dB.
 double perMetre(double decibelsPerKilometre) {
   return decibelsPerKilometre * std::numbers::ln10 / 10 / 1000;
 }
 
-/// A drop seen from where the light comes from, by geometric optics with n = 1.33: 2 % of the light is reflected by its
-/// front, as by a sphere; near the axis its back reflects 2 % too and is seen through the front, 3.9 times as large.
-/// Together 0.024 of a Lambertian disc: 0.0200 / 4 + 0.0200 * 0.98^2 / (2 - 4 / 1.33)^2. Fog's smaller droplets have a
-/// glory and throw back more.
+/// Back-scatter of a rain drop relative to a Lambertian disc, by geometric optics with n = 1.33. The front of the drop
+/// reflects 2 % as a sphere does. Near the axis its back reflects 2 % too and is seen through the front, 3.9 times as
+/// large. The sum is 0.0200 / 4 + 0.0200 * 0.98^2 / (2 - 4 / 1.33)^2 = 0.024. It does not hold for the smaller droplets
+/// of fog, whose glory scatters more light back.
 constexpr double kDropReflectance = 0.024;
-/// A flake as a sphere of snow that reflects 90 %: a Lambertian sphere seen from the light has 2/3 of a disc's light.
+/// Back-scatter of a snow flake relative to a Lambertian disc: a Lambertian sphere of reflectance 0.9 returns 2/3 of
+/// the light of a disc with that reflectance.
 constexpr double kFlakeReflectance = 0.6;
-/// Flakes are that much wider than the drops they melt to: snow of a tenth of water's density.
+/// Ratio of a flake's diameter to that of the drop to which it melts, for snow with a tenth of the density of water.
 constexpr double kFlakeWidening = 2.154;
 
 constexpr double kPerCubicMetreAndMillimetre = 1e3;  // 1/m^4
@@ -64,7 +65,7 @@ double particleDensity(const gpu::EffectParameters& p, const DropSizes& sizes, d
   const double horizontal = gpu::kApertureDiameter + p.spreadHorizontal * range;
   const double vertical = gpu::kApertureDiameter + p.spreadVertical * range;
   const double focus = std::min(1.0, std::pow(range / gpu::kFocusRange, 2));
-  // The least share of the beam's area that is detected, and the diameter it belongs to.
+  // The smallest detectable share of the beam's area, and the diameter of a particle that covers it.
   const double area = p.threshold * range * range * std::exp(2 * p.extinction * range) / (sizes.reflectance * focus);
   if (!(area < 1)) return 0;
   const double diameter = std::sqrt(area * horizontal * vertical);
@@ -79,7 +80,7 @@ gpu::Particles particlesOf(const gpu::EffectParameters& p, const DropSizes& size
   particles.slope = float(std::max(sizes.slope, 1.0));
   particles.reflectance = float(std::max(sizes.reflectance, 1e-6));
 
-  // Summed in steps of equal ratio: what is near counts most.
+  // The sum uses steps of equal ratio, because near particles contribute most.
   constexpr int kSteps = 4096;
   const double first = particles.firstRange;
   const double ratio = particles.lastRange / first;
@@ -87,7 +88,7 @@ gpu::Particles particlesOf(const gpu::EffectParameters& p, const DropSizes& size
   std::vector<double> sums(kSteps + 1, 0.0);
   for (int i = 0; i < kSteps; ++i)
     sums[size_t(i) + 1] = sums[size_t(i)] + particleDensity(p, sizes, rangeAt(i + 0.5)) * (rangeAt(i + 1) - rangeAt(i));
-  // Beyond where all but a ten thousandth is, the table would waste its entries.
+  // The table ends where 99.99 % of the particles are included; entries beyond would be wasted.
   const auto end = std::lower_bound(sums.begin(), sums.end(), sums.back() * 0.9999);
   particles.lastRange = float(rangeAt(double(end - sums.begin())));
   const auto sumTo = [&](double range) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // {"seed": 1, "fog": {"use": "on", "visibility": 200}, "divergence": "off", "rain": {"rate": 5}}
-// An effect is its use or an object of its parameters; giving a parameter asks for the effect unless "use" says
-// otherwise. The names, units and limits are those of effectTable().
+// An effect is given by its use or by an object with its parameters; giving a parameter turns the effect on unless
+// "use" says otherwise. Names, units and limits come from effectTable().
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -20,7 +20,7 @@ using nlohmann::json;
   throw Error(ErrorCode::invalidArgument, why);
 }
 
-/// Shortest text that reads back to the same bits.
+/// Returns the shortest text that reads back to the same bits.
 std::string text(double value) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
@@ -61,7 +61,7 @@ Effects::Volume volume(const json& box, const std::string& what) {
   return volume;
 }
 
-/// Reads one value; its range is for validate().
+/// Reads one value; validate() checks its range later.
 struct Reader {
   Effects& effects;
   const Parameter& parameter;
@@ -94,7 +94,7 @@ struct Reader {
   }
 };
 
-/// What a caller may have set by hand too: ranges, and NaN.
+/// Checks values that a C++ caller may also have set: ranges, and NaN.
 struct Checker {
   Effects& effects;
   const Parameter& parameter;
@@ -129,7 +129,7 @@ struct Checker {
     }
   }
   void operator()(const FlagParameter&) const {}
-  void operator()(const BeamsParameter&) const {}  // the sensor decides
+  void operator()(const BeamsParameter&) const {}  // decide() checks the indices against the sensor
 };
 
 std::string quoted(const char* word) {
@@ -211,7 +211,7 @@ void readSeed(Effects& effects, const json& value) {
 }  // namespace
 
 void validate(const Effects& effects) {
-  Effects checked = effects;  // members are found in what can be written to
+  Effects checked = effects;  // a copy, because parameters give access only to mutable members
   for (const EffectInfo& info : effectTable()) {
     if (info.use(checked) > EffectUse::automatic) refuse(std::string(info.name) + " must be off, on or automatic");
     for (const Parameter& parameter : info.parameters) {
@@ -264,7 +264,7 @@ void assign(Effects& effects, const std::string& assignment) {
   if (equals == assignment.npos) refuse("'" + assignment + "' is not NAME=VALUE, as fog.visibility=200 or fog=off");
   const std::string name = assignment.substr(0, equals), word = assignment.substr(equals + 1);
   json value = json::parse(word, nullptr, false);
-  if (value.is_discarded()) value = word;  // a word needs no quotes
+  if (value.is_discarded()) value = word;  // a word on a command line needs no quotes
   Effects changed = effects;
   const size_t dot = name.find('.');
   if (name == "seed") {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All that a request means for one sensor in one scene: computed once, never changed, read by every backend.
+// Everything that follows from a request for one sensor in one scene. It is computed once and read by every backend.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace gnosphere {
 
-/// The alpha images of a scene, as devices read them.
+/// The alpha images of a scene in the layout that devices read.
 struct TextureArrays {
   std::vector<std::array<uint32_t, 4>> images;  ///< width, height, first texel, wrapping of u | of v << 8
   std::vector<uint8_t> texels;                  ///< alpha of all images, padded to four bytes
@@ -20,51 +20,52 @@ struct TextureArrays {
 
 struct SensorPlan {
   Sensor sensor;
-  Effects effects;  ///< the request
+  Effects effects;  ///< as requested
   std::vector<Plan::Decision> decisions;
-  uint32_t bits = 0;              ///< of effects/bits.h: effects that are in, and kStrays
-  uint32_t fields = 0;            ///< gpu::kField...
+  uint32_t bits = 0;              ///< bits of effects/bits.h: planned effects, and kStrays
+  uint32_t fields = 0;            ///< gpu::kField... bits of the requested fields
   uint32_t returns = 1;           ///< per beam
-  bool origins = false;           ///< some lasers are away from the origin of their head
-  bool looksAtMaterials = false;  ///< the intensity depends on the surface that is met
+  bool origins = false;           ///< some lasers have an origin other than zero
+  bool looksAtMaterials = false;  ///< the intensity depends on the surface that is hit
 
-  // For the device's formulas; the reference has its own.
-  gpu::EffectParameters parameters = {};          ///< of frame 0
-  std::vector<SubRay> subRays;                    ///< of every footprint; one where divergence is out
-  std::vector<uint32_t> deadBeams;                ///< one bit per beam; empty where none is dead
-  float footprintRadius = 0;                      ///< radians that light spreads or strays from a beam's axis, at most
+  // Inputs of the device's formulas. The reference computes its own.
+  gpu::EffectParameters parameters = {};          ///< for frame 0
+  std::vector<SubRay> subRays;                    ///< shared by all footprints; a single one without divergence
+  std::vector<uint32_t> deadBeams;                ///< one bit per beam; empty if no beam is dead
+  float footprintRadius = 0;                      ///< largest angle between light and beam axis, radians
   std::vector<gpu::Optics4> optics;               ///< per material of the scene, at the wavelength of the sensor
   std::shared_ptr<const TextureArrays> textures;  ///< shared by the sensors of a scene; null without cut-outs
 
   bool has(uint32_t anyOf) const { return (bits & anyOf) != 0; }
   bool asks(uint32_t anyOf) const { return (fields & anyOf) != 0; }
-  /// Sub-rays, beams astray or more than one surface per beam.
+  /// Whether beams have sub-rays, deviate from their direction or may hit more than one surface.
   bool footprint() const { return has(gpu::kFootprintEffects); }
-  /// Beams may leave from where the sensor is when they fire, or meet what is not where it was.
+  /// Whether beams may start away from the sensor's origin, or sensor or instances may move during a scan.
   bool motion() const { return has(gpu::kSensorMotion | gpu::kObjectMotion) || origins || speeds(); }
-  /// The surface of each hit is looked at.
+  /// Whether the stages compute the surface of each hit.
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
   bool holes() const { return has(gpu::kCutOuts); }
   bool looksAtSurfaces() const { return surfaces() || footprint(); }
-  /// Returns are judged one by one.
+  /// Whether the stages compute the signal of each return, because an effect or a field needs it.
   bool signals() const { return has(gpu::kSignalEffects) || asks(gpu::kFieldSignal); }
   bool speeds() const { return has(gpu::kRadialSpeed) || asks(gpu::kFieldMotion); }
-  /// Surfaces that a sub-ray meets, at most.
+  /// Largest number of surfaces that a sub-ray hits.
   uint32_t layers() const { return has(gpu::kTransmission) ? gpu::kMaxLayers : 1; }
-  /// Nothing but geometry.
+  /// Whether only geometry is planned.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
 };
 
-/// Plans sensors for one scene after another, as a scene changes.
+/// Plans sensors. When the scene changes, plan() is called again with the changed scene.
 class SensorPlanner {
  public:
   explicit SensorPlanner(const SimulatorOptions& options) : options_(options) {}
 
-  /// `scene` needs no vertices and no triangles. `index` is the sensor's own: it keys the random numbers. Throws
-  /// Error(invalidArgument) as decide() and leaveOutUnsupported() do; where the scene has changed since the sensor was
-  /// added, `changed`, an effect that is on stays in though the scene can no longer show it.
+  /// Makes the plan of a sensor. `scene` needs no vertices and no triangles. `index` is the index of the sensor, part
+  /// of the key of the random numbers. Throws Error(invalidArgument) as decide() and leaveOutUnsupported() do.
+  /// `changed` tells that the scene has changed since the sensor was added: an effect that is on then stays planned
+  /// even if the scene can no longer show it.
   std::shared_ptr<const SensorPlan> plan(const Scene& scene, const SensorRequest& request, size_t index, bool changed);
-  /// After a change of the scene's images.
+  /// Must be called after the images of the scene have changed.
   void forgetTextures() { textures_.reset(); }
 
  private:
@@ -72,17 +73,17 @@ class SensorPlanner {
   std::shared_ptr<const TextureArrays> textures_;
 };
 
-/// Whether scans after `before` can go on with its arrays and kernels though `after` is the plan now.
+/// Returns whether the plan `after` can use the arrays and kernels made for the plan `before`.
 bool sameArrays(const SensorPlan& before, const SensorPlan& after);
 
-/// The effects of a plan as one shot has them: with the shot's weather where it brings its own.
+/// Returns the effects for one shot: those of the plan, with the shot's weather if it has any.
 Effects effectsOf(const SensorPlan& plan, const Shot& shot);
-/// Throws Error(invalidArgument) that begins with `which` for weather that the plan has no place for, or a value out of
-/// its range.
+/// Throws Error(invalidArgument), whose message begins with `which`, if the weather is not planned or a value is out of
+/// range.
 void checkWeather(const SensorPlan& plan, const Weather& weather, const std::string& which);
 
-/// Every array that the plan asks for gets its size, the others none; `cleared`: and what says that nothing was met.
-/// Ties and tolerances are the reference's own.
+/// Resizes the planned arrays of a scan and empties the others. If `cleared`, every entry is set to a miss. The
+/// reference makes the arrays of ties and tolerances itself.
 void resizeArrays(const SensorPlan& plan, Scan& scan, bool cleared = false);
 
 }  // namespace gnosphere

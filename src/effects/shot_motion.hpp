@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the sensor and the instances of a shot move within it, as the stages read it.
+// The motion of sensor and instances during a shot, in the form that the stages read.
 #pragma once
 
 #include <optional>
@@ -10,17 +10,17 @@
 
 namespace gnosphere {
 
-/// A shot in motion.
+/// The motion of one shot.
 struct ShotMotion {
   MotionTables tables;
-  std::vector<gpu::InstanceMotion> instances;  ///< of all; empty: none moves
-  double farthest = 0;                         ///< metres that any of their points goes
+  std::vector<gpu::InstanceMotion> instances;  ///< one per instance; empty if no instance moves
+  double farthest = 0;                         ///< largest distance in metres that a point of them moves
 };
 
 /// Empty if neither the sensor nor an instance moves during this shot; the scan then uses the pipelines without motion.
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const Shot& shot, const InstanceTable& instances);
 
-/// Metres that something may come nearer by.
+/// Returns by how many metres motion may bring a surface nearer to the sensor; 0 without motion.
 double reachOf(const std::optional<ShotMotion>& motion);
 
 }  // namespace gnosphere

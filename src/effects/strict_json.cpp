@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Insertions, removals and exchanges of a letter (Levenshtein 1966).
+/// Returns the number of insertions, removals and exchanges of a letter from `a` to `b` (Levenshtein 1966).
 size_t editDistance(std::string_view a, std::string_view b) {
   std::vector<size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), size_t{0});
@@ -31,7 +31,7 @@ size_t editDistance(std::string_view a, std::string_view b) {
 }  // namespace
 
 json parseStrict(std::string_view text, const std::string& source) {
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
+  std::vector<std::set<std::string>> keys;  // keys so far of each open object
   const auto refuseTwins = [&](int, json::parse_event_t event, json& parsed) {
     if (event == json::parse_event_t::object_start) keys.emplace_back();
     if (event == json::parse_event_t::object_end) keys.pop_back();
@@ -43,7 +43,7 @@ json parseStrict(std::string_view text, const std::string& source) {
   try {
     return json::parse(text, refuseTwins);
   } catch (const json::exception& problem) {
-    // "[json.exception.parse_error.101] parse error at line 1, ...": the part for people comes after the bracket.
+    // "[json.exception.parse_error.101] parse error at line 1, ...": the readable part begins after the bracket.
     const std::string what = problem.what();
     const size_t bracket = what.find("] ");
     throw Error(ErrorCode::format, source + ": is not JSON: " + what.substr(bracket == what.npos ? 0 : bracket + 2));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How requests and material tables are read: nothing is guessed, nothing is passed over.
+// Strict reading of JSON for requests and material tables.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,13 +9,13 @@
 
 namespace gnosphere {
 
-/// Throws Error(format) for what is not JSON, and for a key that an object has twice: JSON leaves open which counts.
+/// Parses JSON. Throws Error(format) for invalid JSON and for duplicate keys, whose meaning JSON leaves open.
 nlohmann::json parseStrict(std::string_view text, const std::string& source);
 
-/// "the nearest are fog, snow, rain", or all of them where there are few.
+/// Returns text such as "the nearest are fog, snow, rain", or lists all names if there are few.
 std::string nearestText(const std::string& name, std::vector<std::string> names);
 
-/// A value as it was written, cut where it is long.
+/// Returns the JSON text of a value, shortened if it is long.
 std::string shown(const nlohmann::json& value);
 
 }  // namespace gnosphere

@@ -22,18 +22,19 @@ Quaternion unit(const Quaternion& q) {
   return scaled(q, 1 / std::sqrt(dot(q, q)));
 }
 
-/// Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985); q and -q are the same rotation.
+/// Spherical interpolation after Shoemake, "Animating rotation with quaternion curves" (SIGGRAPH 1985); q and -q are
+/// the same rotation.
 Quaternion slerp(const Quaternion& from, const Quaternion& to, double share) {
   const Quaternion a = unit(from);
   const Quaternion b = dot(from, to) < 0 ? scaled(unit(to), -1) : unit(to);
-  // Of the difference, so that small angles keep their digits.
+  // The angle is computed from the difference, because that is accurate for small angles.
   const Quaternion half = sum(b, scaled(a, -1));
   const double angle = 2 * std::asin(std::min(1.0, std::sqrt(dot(half, half)) / 2));
   if (angle < 1e-9) return unit(sum(scaled(a, 1 - share), scaled(b, share)));
   return unit(sum(scaled(a, std::sin((1 - share) * angle)), scaled(b, std::sin(share * angle))));
 }
 
-/// The first stamp later than `time`, as an index.
+/// Returns the index of the first stamp later than `time`.
 size_t after(const std::vector<Stamp>& stamps, double time) {
   const auto later = [](double t, const Stamp& stamp) { return t < stamp.time; };
   return static_cast<size_t>(std::upper_bound(stamps.begin(), stamps.end(), time, later) - stamps.begin());

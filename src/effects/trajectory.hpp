@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a sensor and what it sees are at a time within a scan.
+// Poses and velocities of the sensor and of instances at a time within a scan.
 #pragma once
 
 #include "gnosphere/simulator.hpp"
 
 namespace gnosphere {
 
-/// Position linear, orientation along the shorter arc (slerp), both held before the first stamp and after the last;
-/// `standing` where the motion has no stamps. The orientation comes out with length 1 between stamps.
+/// Returns the pose at `time`. The position is interpolated linearly, the orientation by slerp along the shorter arc;
+/// both are constant before the first and after the last stamp. Without stamps the result is `standing`. Between stamps
+/// the quaternion has length 1.
 Pose poseAt(const SensorMotion& motion, const Pose& standing, double time);
-/// m/s in the world; at a stamp that of what follows, 0 where the pose is held.
+/// Returns the velocity in m/s in the world: at a stamp that of the following interval, 0 where the pose is constant.
 Vec3 velocityAt(const SensorMotion& motion, double time);
 
-/// Where an instance that moves from `start` to `end` over `period` seconds has its points at a time.
+/// Returns the transform at `time` of an instance that moves from `start` to `end` within `period` seconds.
 Transform transformAt(const Transform& start, const Transform& end, double period, double time);
-/// m/s in the world of the instance's points: velocity = velocityOf(...) * point of the mesh.
+/// Returns the map from a point of the mesh to its velocity in m/s in the world: velocity = velocityOf(...) * point.
 Transform velocityOf(const Transform& start, const Transform& end, double period);
 
 }  // namespace gnosphere

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh -> clusters of a few triangles, in groups of clusters.
+// Splits a mesh into clusters of a few triangles, and these into groups of clusters.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +21,13 @@ struct FlatCluster {
   Cone cone;
 };
 
-/// A run of clusters that lie together.
+/// A run of neighbouring clusters.
 struct FlatGroup {
   float low[3], high[3];  ///< box of its usable triangles
   uint32_t firstCluster = 0, clusterCount = 0;
 };
 
-/// What becomes of a triangle before there is a pose.
+/// Whether a triangle can be used; independent of the pose.
 enum class Fate {
   usable,
   nonFinite,   ///< a corner is NaN, infinite or beyond 1e9 m
@@ -37,12 +37,12 @@ Fate fateOf(const float* a, const float* b, const float* c);
 
 /// One mesh as clusters in groups. Places count from the mesh's own first entry. A cluster owns a run of `positions` (3
 /// floats a vertex) and of `vertices`, and a run of `triangles`: the usable ones, then the others, which may become
-/// usable when vertices move. The last cluster and the last group are empty: they say where the runs end.
+/// usable when vertices move. The last cluster and the last group are empty; they mark the ends of the runs.
 struct FlatMesh {
   std::vector<FlatGroup> groups;
   std::vector<FlatCluster> clusters;
   std::vector<float> positions;
-  std::vector<uint32_t> vertices;  ///< the vertex of the Mesh that each one is a copy of
+  std::vector<uint32_t> vertices;  ///< by vertex: index of the vertex in the Mesh from which it was copied
   std::vector<FlatTriangle> triangles;
   uint32_t nonFinite = 0;   ///< triangles with a corner that is NaN, infinite or beyond 1e9 m
   uint32_t degenerate = 0;  ///< triangles with two corners at the same place
@@ -53,10 +53,10 @@ struct FlatMesh {
 
 FlatMesh flatten(const Mesh& mesh, const std::vector<Material>& materials);
 
-/// The box and the triangles of a cluster after its vertices have moved: usable ones first, counted. `positions` and
-/// `triangles` are the cluster's own, `dropped` counts the others.
+/// Updates the box and the triangles of a cluster after its vertices have moved: usable triangles come first and are
+/// counted in the cluster, the others in `dropped`. `positions` and `triangles` are those of the cluster alone.
 void fit(FlatCluster& cluster, const float* positions, std::span<FlatTriangle> triangles, FlatMesh& dropped);
-/// The box of a group around those of its clusters.
+/// Sets the box of a group to enclose those of its clusters.
 void fit(FlatGroup& group, std::span<const FlatCluster> clusters);
 
 }  // namespace gnosphere

@@ -17,12 +17,12 @@ gpu::vec3 vec3Of(const float* v) {
   return {v[0], v[1], v[2]};
 }
 
-/// Gathers what is written to an array in order: a transfer to a device costs the same for a few bytes as for many.
+/// Collects consecutive writes to an array, because a transfer of few bytes to a device takes as long as one of many.
 class Writer {
  public:
   Writer(SceneMemory& memory, Array array) : memory_(memory), array_(array) {}
 
-  /// `first` counts entries.
+  /// Writes entries from index `first` on.
   template <typename T>
   void write(uint64_t first, const std::vector<T>& entries) {
     const uint64_t place = first * sizeof(T);
@@ -91,7 +91,7 @@ std::vector<gpu::Cluster> PackedGeometry::packedClusters(const Entry& entry) con
   return result;
 }
 
-// Per triangle of the mesh: cluster * kClusterTriangles + its number there.
+// Returns for each triangle of the mesh: cluster * kClusterTriangles + number of the triangle in the cluster.
 std::vector<uint32_t> PackedGeometry::slotsOf(const Entry& entry, std::span<const FlatTriangle> triangles) const {
   std::vector<uint32_t> slots(triangles.size());
   size_t cluster = 0;
@@ -155,7 +155,7 @@ void PackedGeometry::reserve() {
   if (textured_) memory_.reserve(Array::textureCoordinates, vertices_.end() * 2 * sizeof(float));
 }
 
-// Positions and triangles leave the host: the memory has them from here on.
+// Writes meshes to the memory. Positions and triangles are then freed on the host; only the memory has them.
 void PackedGeometry::write(std::span<Entry> entries) {
   Writer groups(memory_, Array::groups), clusters(memory_, Array::clusters), positions(memory_, Array::positions),
       corners(memory_, Array::triangleCorners), slots(memory_, Array::triangleSlots),
@@ -173,7 +173,7 @@ void PackedGeometry::write(std::span<Entry> entries) {
   for (Writer* writer : {&groups, &clusters, &positions, &corners, &slots, &coordinates}) writer->flush();
 }
 
-// Per mesh, its first entry in triangleSlots; and one more, for instances that were removed.
+// Writes for each mesh its first entry in triangleSlots, and a last entry for removed instances.
 void PackedGeometry::writeMeshTriangles() {
   std::vector<uint32_t> firsts;
   for (const Entry& entry : meshes_) firsts.push_back(static_cast<uint32_t>(entry.triangle));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The flattened meshes as the arrays that a device reads.
+// The flattened meshes in the arrays that a device reads.
 #pragma once
 
 #include <span>
@@ -12,46 +12,46 @@
 
 namespace gnosphere {
 
-/// The arrays of the scene, wherever they lie. Places and sizes count bytes.
+/// Interface to the memory that holds the scene's arrays. Places and sizes are in bytes.
 class SceneMemory {
  public:
   virtual ~SceneMemory() = default;
-  /// Makes room for at least `bytes`; what the array holds stays.
+  /// Makes room for at least `bytes`; keeps the content.
   virtual void reserve(gpu::Array array, uint64_t bytes) = 0;
   virtual void write(gpu::Array array, uint64_t place, std::span<const std::byte> data) = 0;
   virtual void read(gpu::Array array, uint64_t place, std::span<std::byte> data) const = 0;
 };
 
-/// The meshes share the arrays: each owns a run of every one of them, which it gives back when it is removed.
+/// All meshes share the arrays. A mesh owns a run of entries in each array and gives it back when it is removed.
 class PackedGeometry {
  public:
-  /// Writes into `memory` and tells `instances` of its meshes; both must outlive it.
+  /// Writes into `memory` and adds the meshes to `instances`; both must outlive this object.
   PackedGeometry(SceneMemory& memory, InstanceTable& instances) : memory_(memory), instances_(instances) {}
 
-  /// Adds meshes after those that are there. Throws Error(outOfMemory), and then none is added.
+  /// Adds meshes after the existing ones. If it throws Error(outOfMemory), none is added.
   void add(std::span<const Mesh> meshes, const std::vector<Material>& materials);
-  /// Puts a mesh where one was removed.
+  /// Adds a mesh at the index of a removed one.
   void replace(size_t index, const Mesh& mesh, const std::vector<Material>& materials);
-  /// No instance may place it.
+  /// Removes a mesh; no instance may place it.
   void remove(size_t index);
-  /// New places for the vertices of a mesh, as many as it has.
+  /// Moves all vertices of a mesh; `positions` has 3 values per vertex.
   void setPositions(size_t index, std::span<const float> positions);
 
-  /// From now on with the arrays that lead from a triangle's owner to the triangle: meshTriangles and triangleSlots.
+  /// From now on also keeps meshTriangles and triangleSlots, by which a triangle is found from its mesh and index.
   void addSlots();
-  /// From now on with the texture coordinates of every vertex.
+  /// From now on also keeps the texture coordinates of every vertex.
   void addTextureCoordinates();
 
   size_t clusterCount() const;
-  size_t meshCount() const { return meshes_.size(); }  ///< removed ones, too
+  size_t meshCount() const { return meshes_.size(); }  ///< including removed meshes
 
  private:
-  /// A mesh, and where its runs begin.
+  /// A mesh, and the first entries of its runs.
   struct Entry {
-    FlatMesh flat;  // positions and triangles are only in the memory
+    FlatMesh flat;  // without positions and triangles, which only the memory has
     uint64_t group = 0, cluster = 0, vertex = 0, triangle = 0;
     Vec3 origin;
-    std::vector<float> uvs;  // 2 per vertex of the Mesh; empty: none
+    std::vector<float> uvs;  // 2 per vertex of the Mesh; empty if it has none
   };
 
   void place(std::span<Entry> entries);

@@ -8,11 +8,11 @@
 
 namespace gnosphere {
 
-/// Gives out runs of entries and takes them back. A run is taken from the first gap that is large enough, so an array
-/// whose owners come and go does not grow for ever.
+/// Allocates runs of entries. A run is taken from the first gap that is large enough, so an array whose owners come and
+/// go does not grow without end.
 class Ranges {
  public:
-  /// The first entry of a run of `count`.
+  /// Allocates a run of `count` entries and returns the first one.
   uint64_t take(uint64_t count) {
     if (count == 0) return 0;
     for (auto gap = gaps_.begin(); gap != gaps_.end(); ++gap) {
@@ -46,11 +46,11 @@ class Ranges {
     }
   }
 
-  /// One more than the last entry in use.
+  /// Returns the last entry in use plus one.
   uint64_t end() const { return end_; }
 
  private:
-  std::map<uint64_t, uint64_t> gaps_;  // the number of entries by the first one; no two touch
+  std::map<uint64_t, uint64_t> gaps_;  // from the first entry of a gap to its length; no two gaps touch
   uint64_t end_ = 0;
 };
 

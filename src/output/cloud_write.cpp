@@ -11,17 +11,17 @@
 namespace gnosphere {
 namespace {
 
-/// Rows per block: a few megabytes, so a large cloud is neither held twice nor written value by value.
+/// Rows per block. A block takes a few megabytes, so a large cloud is not copied whole, and writes are not small.
 constexpr size_t kBlockRows = size_t{1} << 16;
 
-/// What is written: the rows, how they lie in memory, and the columns of the file that their values are.
+/// The rows to write, their layout in memory, and the columns of the file.
 struct Table {
   Rows rows;
   RecordLayout layout;
   std::vector<ColumnInfo> columns;
 };
 
-/// Calls `use` with the packed rows, block by block, and their number.
+/// Calls `use` for each block with the packed rows and their number.
 template <class EffectUse>
 void forBlocks(const Table& table, size_t blockRows, const EffectUse& use) {
   const size_t count = table.rows.count();
@@ -33,7 +33,7 @@ void forBlocks(const Table& table, size_t blockRows, const EffectUse& use) {
   }
 }
 
-/// The packed rows as they are, in little-endian order.
+/// Writes the packed rows unchanged, which are little-endian.
 void writeBinary(AtomicFile& file, const Table& table) {
   forBlocks(table, kBlockRows, [&](const std::byte* rows, size_t count) {
     file.write(reinterpret_cast<const char*>(rows), count * table.layout.stride);
@@ -42,7 +42,7 @@ void writeBinary(AtomicFile& file, const Table& table) {
 
 template <class Number>
 char* appendText(char* out, size_t room, Number value) {
-  // A NaN may carry a sign, and readers stumble over "-nan".
+  // A NaN may have a sign, but many readers do not accept "-nan".
   if (value != value) return std::copy_n("nan", 3, out);
   return std::to_chars(out, out + room, value).ptr;
 }
@@ -65,7 +65,7 @@ char* appendText(char* out, size_t room, ValueType type, const std::byte* at) {
   return appendText<uint32_t>(out, room, at);
 }
 
-/// One line per row; every float is the shortest text that reads back to the same bits.
+/// Writes one line per row; every float is the shortest text that reads back to the same bits.
 void writeText(AtomicFile& file, const Table& table, char separator) {
   constexpr size_t kWidest = 20;
   constexpr size_t kRows = kBlockRows / 16;
@@ -96,7 +96,7 @@ std::string gridComment(const Scan& scan) {
   return comment;
 }
 
-/// The columns joined by `text(column)`, each after a space.
+/// Concatenates `text(column)` of all columns, each after a space.
 template <class Text>
 std::string joined(const std::vector<ColumnInfo>& columns, Text text) {
   std::string out;
@@ -132,7 +132,8 @@ std::string plyHeader(const Table& table, bool ascii) {
   return header + "end_header\n";
 }
 
-/// NPY 1.0: magic, version, length of the text, text padded so that the data starts at a multiple of 64 bytes.
+/// Returns the header of NPY 1.0: magic, version, length of the text, and the text, padded so that the data starts at a
+/// multiple of 64 bytes.
 std::string npyHeader(const Table& table) {
   std::string text = "{'descr': [";
   for (const ColumnInfo& info : table.columns) {
@@ -176,7 +177,7 @@ void writeCloud(const Scan& scan, const std::filesystem::path& file, const Cloud
   }
   checkFields(scan, fields);
   Table table = {Rows(scan, options.compact || several || kitti), layoutOf(fields), columnsOf(fields)};
-  // Where there is no intensity the fourth value stays the zero that a block starts with.
+  // Without intensity the fourth value stays 0, because blocks are initialised with zeros.
   if (kitti) table.layout.stride = 4 * sizeof(float);
 
   AtomicFile out(file);

@@ -13,10 +13,10 @@
 namespace gnosphere {
 namespace {
 
-/// Fewer rows are not worth a thread.
+/// Fewer rows than this are not worth a thread.
 constexpr uint64_t kRowsPerThread = 65536;
 
-/// Whether `to` has every value of `from`.
+/// Returns whether `to` can represent every value of `from`.
 constexpr bool holds(ValueType to, ValueType from) {
   if (to == from || to == ValueType::f64) return true;
   if (from == ValueType::f32) return false;
@@ -24,12 +24,12 @@ constexpr bool holds(ValueType to, ValueType from) {
   return sizeOf(to) > sizeOf(from);
 }
 
-/// Whether it can be written although no column has it.
+/// Returns whether the field follows from the index of an entry, so that no column is needed.
 bool followsFromIndex(Field field) {
   return field == Field::ring || field == Field::beam || field == Field::returnNumber || field == Field::returnCount;
 }
 
-/// Calls `use` with a function entry -> value, of the field's own type.
+/// Calls `use` with a function that returns the value of an entry in the field's own type.
 template <typename EffectUse>
 void withColumn(const Scan& scan, Field field, uint32_t component, const EffectUse& use) {
   const size_t returns = scan.returns;
@@ -46,11 +46,11 @@ void withColumn(const Scan& scan, Field field, uint32_t component, const EffectU
     case ValueType::u32: return from(scan.column<uint32_t>(field, component));
     case ValueType::u16: return from(scan.column<uint16_t>(field, component));
     case ValueType::u8: return from(scan.column<uint8_t>(field, component));
-    case ValueType::f64: break;  // no field has it
+    case ValueType::f64: break;  // no field has this type
   }
 }
 
-/// Calls `use` with a value of the C++ type.
+/// Calls `use` with a value of the C++ type that `type` stands for.
 template <typename EffectUse>
 void withType(ValueType type, const EffectUse& use) {
   switch (type) {
@@ -83,7 +83,7 @@ std::string placeOf(const RecordLayout::Value& value) {
          std::to_string(value.offset + sizeOf(value.type) - 1);
 }
 
-/// Values that a row has room for, each in a type that holds it.
+/// Throws unless all values lie within the row, do not overlap, and have types that can hold them.
 void checkLayout(const RecordLayout& layout) {
   if (layout.values.empty()) refuse("has no values");
   for (const RecordLayout::Value& value : layout.values) {
@@ -132,7 +132,7 @@ Rows::Rows(const Scan& scan, bool compact) : scan_(scan), compact_(compact), cou
   count_ = entries_.size();
 }
 
-// Value by value, so the inner loop has no branch on the field.
+// The outer loop runs over the values of the layout, so that the inner loop has no branch on the field.
 void Rows::pack(const RecordLayout& layout, size_t first, size_t count, std::byte* out) const {
   for (const RecordLayout::Value& value : layout.values) {
     withColumn(scan_, value.field, value.component, [&](const auto& valueOf) {

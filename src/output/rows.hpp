@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rows of a scan -> memory: the one way in which pack() and writeCloud() make them.
+// Packs rows of a scan into memory, for both pack() and writeCloud().
 #pragma once
 
 #include "gnosphere/output.hpp"
 
 namespace gnosphere {
 
-/// Throws Error(invalidArgument) where the scan's arrays do not suit its grid, or it does not have one of the fields.
+/// Throws Error(invalidArgument) if the sizes of the scan's arrays do not match its grid, or if it lacks a field.
 void checkFields(const Scan& scan, const std::vector<Field>& fields);
 
-/// Which entries of a scan are rows.
+/// The entries of a scan that become rows.
 class Rows {
  public:
-  /// `compact`: what came back; otherwise all.
+  /// If `compact`, only entries with a return become rows; otherwise all do.
   Rows(const Scan& scan, bool compact);
 
   const Scan& scan() const { return scan_; }
   bool compact() const { return compact_; }
   size_t count() const { return count_; }
 
-  /// Writes `count` rows from row `first` on, the first of them to the start of `out`.
+  /// Writes the rows first..first + count - 1 to the start of `out`.
   void pack(const RecordLayout& layout, size_t first, size_t count, std::byte* out) const;
 
  private:
@@ -27,7 +27,7 @@ class Rows {
 
   const Scan& scan_;
   bool compact_;
-  std::vector<size_t> entries_;  // of the rows where `compact`
+  std::vector<size_t> entries_;  // entry of each row if `compact`; otherwise empty
   size_t count_;
 };
 

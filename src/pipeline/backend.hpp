@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The border between what a scan means and the machine that computes it.
+// Interface between the Simulator and the code that computes scans.
 #pragma once
 
 #include "gnosphere/simulator.hpp"
@@ -8,21 +8,21 @@ namespace gnosphere {
 
 struct SensorPlan;
 
-/// One machine with one scene on it. Implemented by vulkan/, cuda/ and reference/; none of them includes another.
+/// Computes the scans of one scene. Implemented by device_backend (on vulkan/ or cuda/) and by reference/.
 class Backend {
  public:
   virtual ~Backend() = default;
-  /// Scans in order, all into `result`, calling `receive` after each: every array, the counters and the timings. Name,
-  /// grid size and pose are the caller's to fill.
+  /// Makes the scans in order, each into `result`, and calls `receive` after each. Fills every array, the counters and
+  /// the timings; the caller fills name, grid size and pose.
   virtual void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) = 0;
-  /// Of each of the following, an index is the next one or one that is there; null or kNoMesh removes. Where one
-  /// throws, the scene and the sensors are as they were.
+  /// In each of the following an index is an existing one, or the next one to add an entry; null or kNoMesh removes the
+  /// entry. If a call throws, the scene and the sensors are unchanged.
   virtual void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) = 0;
-  /// The materials that meshes name, and their images. A device reads optics from its sensors' plans.
+  /// Replaces the materials and their images. Devices ignore them and read optics from the plans of the sensors.
   virtual void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) = 0;
   virtual void setMesh(size_t index, const Mesh* mesh) = 0;
   virtual void setInstance(size_t index, uint32_t mesh, const Transform& transform) = 0;
-  /// As many as the mesh has.
+  /// Moves all vertices of the mesh; `positions` has 3 values per vertex.
   virtual void setPositions(size_t mesh, std::span<const float> positions) = 0;
   virtual Plan plan(size_t sensor) const = 0;
   virtual const DeviceInfo& device() const = 0;
@@ -30,21 +30,21 @@ class Backend {
   virtual size_t clusterCount() const = 0;
 };
 
-/// The sensors of a new simulator.
+/// The plans of the sensors, by index.
 using SensorPlans = std::vector<std::shared_ptr<const SensorPlan>>;
 
 std::unique_ptr<Backend> makeReferenceBackend(const Scene& scene, const SensorPlans& sensors,
                                               const SimulatorOptions& options);
 std::unique_ptr<Backend> makeVulkanBackend(const Scene& scene, const SensorPlans& sensors,
                                            const SimulatorOptions& options);
-/// Every Vulkan device seen; empty, with the reason in `problem`, where there is no Vulkan at all.
+/// Lists every Vulkan device; without Vulkan the list is empty and `problem` gives the reason.
 std::vector<DeviceInfo> listVulkanDevices(std::string* problem);
 DeviceInfo referenceDevice();
 
-/// Built with GNOSPHERE_CUDA, or else absent: then every call says so.
+/// The CUDA backend. In a build without GNOSPHERE_CUDA every call reports that CUDA is not built in.
 namespace cuda {
 std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options);
-/// Every CUDA device; empty, with the reason in `problem`, where there is none.
+/// Lists every CUDA device; if there is none the list is empty and `problem` gives the reason.
 std::vector<DeviceInfo> devices(std::string& problem);
 }  // namespace cuda
 

@@ -12,17 +12,18 @@
 namespace gnosphere {
 namespace {
 
-// Beyond, neighbouring columns may have the same direction: it is held in floats.
+// With more columns neighbouring ones may get the same direction, because directions are floats.
 constexpr uint32_t kMostColumns = 1 << 25;
 constexpr double kRadians = std::numbers::pi / 180;
 
-// Directions are multiples of 2^-30: exact arithmetic on them then never underflows, and 5e-10 rad is nothing.
+// Rounds to multiples of 2^-30, so that exact arithmetic on directions never underflows. The error, 5e-10 rad, is
+// negligible.
 float onLattice(double value) {
   constexpr double kSteps = 1 << 30;
   return static_cast<float>(std::round(value * kSteps) / kSteps);
 }
 
-// The same key as elevationKey() of sphere.glsl, from an angle.
+// Computes the key of elevationKey() in sphere.glsl from an angle in radians.
 double elevationKey(double elevation) {
   const double c = std::abs(std::cos(elevation)), s = std::sin(elevation);
   return s / (c + std::abs(s));
@@ -49,7 +50,7 @@ std::vector<gpu::Row> makeRows(const Sensor& sensor) {
   return rows;
 }
 
-// Entry k: the first row that is not below cell k | the first above it << 16; one rounding of the place allowed.
+// Entry k is (first row not below cell k) | (first row above it << 16), with a margin for the rounding of the key.
 std::vector<uint32_t> makeLookup(const std::vector<gpu::Row>& rows) {
   std::vector<uint32_t> lookup;
   const auto countBelow = [&, row = uint32_t{0}](double key) mutable {
@@ -94,8 +95,8 @@ BeamTables makeBeamTables(const Sensor& sensor) {
   frame.rangeMin = static_cast<float>(sensor.rangeMin);
   frame.rangeMax = static_cast<float>(sensor.rangeMax);
   frame.columnsPerRadian = static_cast<float>(columnsPerRadian);
-  // Angle slack, plus the rounding of a column position: at most 7.5 times 2^-24 of the columns. That is what finding
-  // the last column of a box (project_triangles.comp, cull.glsl) takes with all roundings one way.
+  // The slack is the angle slack plus the rounding error of a column position. That error is at most 7.5 * 2^-24 *
+  // columns: the sum of all roundings when the last column of a box is found (project_triangles.comp, cull.glsl).
   frame.columnSlack = static_cast<float>(gpu::kAzimuthSlack * columnsPerRadian + 5e-7 * sensor.columns);
   const auto elevationOf = [&](const gpu::Row& row) { return sensor.channels[row.channel].elevationDeg * kRadians; };
   for (const gpu::Row& row : tables.rows) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sensor -> the tables that the stages read, made in double on the host.
+// Computes the beam tables that the stages read from a Sensor, in double precision on the host.
 #pragma once
 
 #include <vector>
@@ -12,13 +12,14 @@ namespace gnosphere {
 struct BeamTables {
   std::vector<gpu::Row> rows;  ///< one per channel, in order of elevation
   std::vector<uint32_t>
-      rowLookup;               ///< per cell of elevation keys: first row that may lie in or above it, first above it
-  std::vector<float> columns;  ///< cos, sin of each column's azimuth
-  gpu::Frame frame = {};       ///< capacities and instance count are the backend's to fill
-  bool azimuthOffsets = false;
+      rowLookup;  ///< per cell of elevation keys: first row in or above the cell | first row above it << 16
+  std::vector<float> columns;   ///< cos, sin of each column's azimuth
+  gpu::Frame frame = {};        ///< the backend fills in capacities and the instance count
+  bool azimuthOffsets = false;  ///< true if any channel has an azimuth offset
 };
 
-/// Throws Error(invalidArgument) for more than 65,535 channels: a box packs its rows into 16 bits.
+/// Throws Error(invalidArgument) for more than 65,535 channels, because a box packs its rows into 16 bits each, and for
+/// more than 2^25 columns.
 BeamTables makeBeamTables(const Sensor& sensor);
 
 }  // namespace gnosphere

@@ -28,15 +28,15 @@ class DeviceBackend final : public Backend {
     for (size_t i = 0; i < sensors.size(); ++i) setSensor(i, sensors[i]);
   }
 
-  // A run that its receiver ended may have left a scan under way.
+  // An exception of `receive` may have ended a run while a scan was still running.
   ~DeviceBackend() override {
     try {
       waitForAll();
-    } catch (const Error&) {  // a device that is lost has nothing under way
+    } catch (const Error&) {  // a lost device runs nothing
     }
   }
 
-  // The next scan is handed to the device before the host waits for this one.
+  // Submits the next scan to the device before waiting for the current one.
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override {
     waitForAll();
     if (!shots.empty()) submit(shots, 0);
@@ -107,10 +107,10 @@ class DeviceBackend final : public Backend {
     StillImage still;
   };
 
-  // What a frame in flight has of its own whatever the sensor.
+  // The data of a frame in flight that do not depend on the sensor.
   struct Slot {
     PlacedArrays placed;
-    uint64_t reused = 0;  // triangles that the sensor's still image stands for
+    uint64_t reused = 0;  // number of triangles that the still image replaces
     Clock::time_point start;
   };
 
@@ -124,7 +124,8 @@ class DeviceBackend final : public Backend {
     run(frame, shots[i]);
   }
 
-  // A still image that another frame makes must be known to have succeeded before it is used.
+  // Decides how the scan uses the still image. If another frame is making the image, waits until it is known to be
+  // valid.
   StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Pose& pose) {
     if (still.inMaking()) {
       machine_->wait(still.frame());
@@ -156,8 +157,8 @@ class DeviceBackend final : public Backend {
     if (use == StillImage::Use::make) still.begin(frame);
   }
 
-  // Waits for scan i, runs it again for as long as its lists were too small, and reads it. The scan after it may have
-  // been cut short as well: that is seen when its turn comes, by the room it had when it was submitted.
+  // Waits for scan i, repeats it while its lists were too small, and reads its results. If the scan after it was cut
+  // short too, that is found out in its own turn from the capacities it was submitted with.
   void finish(std::span<const Shot> shots, size_t i, Scan& result) {
     const size_t frame = i % slots_.size();
     SensorArrays& sensor = sensors_[shots[i].sensor]->arrays;
@@ -183,7 +184,7 @@ class DeviceBackend final : public Backend {
   std::unique_ptr<Machine> machine_;
   std::vector<Material> materials_;
   SceneArrays scene_;
-  std::vector<std::unique_ptr<SensorState>> sensors_;  // null where one was removed
+  std::vector<std::unique_ptr<SensorState>> sensors_;  // null for a removed sensor
   std::vector<Slot> slots_;
 };
 

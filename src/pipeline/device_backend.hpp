@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans on any device that runs the kernels.
+// The Backend for every device that runs the kernels, whether by Vulkan or CUDA.
 #pragma once
 
 #include "pipeline/backend.hpp"

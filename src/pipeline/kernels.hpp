@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels of a scan, and what each is specialised for.
+// The kernels of a scan and the options that specialise them.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace gnosphere {
 
-/// In the order of a scan, with the names of the shaders.
+/// The kernels in the order in which a scan runs them, with the names of the shaders.
 enum class Kernel : uint32_t {
   project_groups,
   project_clusters,
@@ -30,7 +30,8 @@ inline const char* nameOf(Kernel kernel) {
   return kNames[static_cast<uint32_t>(kernel)];
 }
 
-/// As shaders/options.glsl names and orders them; AZIMUTH_OFFSETS and MOTION are 0 or 1.
+/// Specialisation constants with the names and in the order of shaders/options.glsl; AZIMUTH_OFFSETS and MOTION are 0
+/// or 1.
 struct Options {
   uint32_t BOUNDS = 0, CULL = 0, INSIDE = 0, RANGE = 0, AZIMUTH_OFFSETS = 0, FACES = 0, BINNING = 0, PASS = 0;
   uint32_t CULLING = 0, EFFECTS = 0, FIELDS = 0, LAYERS = 1, RETURNS = 1, MOTION = 0;
@@ -47,8 +48,8 @@ inline OptionWords wordsOf(const Options& options) {
 struct Variant {
   Kernel kernel = Kernel::project_groups;
   Options options;
-  uint32_t subRays = 1;  ///< of a footprint, at least
-  bool float64 = false;  ///< exact tests filter in double precision
+  uint32_t subRays = 1;  ///< smallest number of sub-rays that a footprint kernel must support
+  bool float64 = false;  ///< true if exact tests use double precision before integers
 
   auto operator<=>(const Variant&) const = default;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the pipeline asks of a device: memory, and to run the steps of a scan. Implemented by vulkan/ and cuda/.
+// Interface to a device: it allocates memory and runs the steps of a scan. Implemented by vulkan/ and cuda/.
 #pragma once
 
 #include <array>
@@ -13,16 +13,16 @@
 
 namespace gnosphere {
 
-/// What the choice of kernels and the sizes of dispatches depend on.
+/// Properties of a device on which the choice of kernels and the sizes of dispatches depend.
 struct Traits {
   DeviceInfo info;
-  bool cpu = false;           ///< a software device
-  bool int64Atomics = false;  ///< 64-bit atomic minimum on storage
+  bool cpu = false;           ///< true for a software device
+  bool int64Atomics = false;  ///< the device has a 64-bit atomic minimum on storage buffers
   bool float64 = false;
-  uint32_t groups = 4096;  ///< workgroups that fill the device: kernels loop over however many items there are
+  uint32_t groups = 4096;  ///< workgroups that fill the device; kernels loop until all items are done
 };
 
-/// The memory of every array of a scan, by gpu::Array; null: no kernel of the scan uses it.
+/// The memory of every array of a scan, indexed by gpu::Array; null if no kernel of the scan uses the array.
 using BoundArrays = std::array<DeviceMemory*, gpu::kArrayCount>;
 
 class Machine {
@@ -31,19 +31,19 @@ class Machine {
   virtual const Traits& traits() const = 0;
   /// Throws Error(outOfMemory) that names the array. `name` must outlive the memory.
   virtual std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind kind) = 0;
-  /// Compiles a kernel, if it is not there already.
+  /// Compiles a kernel unless it is already compiled.
   virtual void prepare(const Variant& variant) = 0;
-  /// After the last prepare() of a simulator.
+  /// Called after the last of a series of prepare() calls.
   virtual void prepared() {}
-  /// Scans that may be under way at a time.
+  /// Number of scans that may run at a time.
   virtual size_t framesInFlight() const = 0;
-  /// Begins to run the steps as frame in flight `frame`, which must have been waited for.
+  /// Starts the steps as frame in flight `frame`. wait() must have been called for its previous scan.
   virtual void submit(size_t frame, std::span<const Step> steps, const BoundArrays& arrays) = 0;
-  /// Until the frame is done; returns at once where none is under way.
+  /// Waits until the frame is done; returns at once if it is not running.
   virtual void wait(size_t frame) = 0;
-  /// Adds the times of the stages of a frame that was waited for.
+  /// Adds the stage times of the frame to `timings`; call wait() first.
   virtual void readTimings(size_t frame, Timings& timings) = 0;
-  /// Throws what the device's validation has found, if it is on.
+  /// Throws Error(device) with the messages of the validation layer, if it is on and there are any.
   virtual void throwOnMessages() {}
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the stages leave of a scan for the host to read.
+// The arrays of a scan that the host reads back.
 #pragma once
 
 #include "arrays.h"
@@ -13,7 +13,8 @@ struct Output {
   uint32_t bytesPerBeam;
 };
 
-/// All outputs but the counters: points and owners first, or `words` alone where leavesWords().
+/// Lists all outputs except the counters: points, owners and then those of effects; or only `words`, if `words` is true
+/// (see leavesWords()).
 std::vector<Output> outputsOf(const SensorPlan& plan, bool words);
 
 }  // namespace gnosphere

@@ -16,7 +16,7 @@ uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, c
                       uint32_t first, uint32_t end, Scan& scan) {
   const uint32_t columns = tables.frame.columns;
   uint64_t hits = 0;
-  InstanceTable::Owner owner;  // neighbours mostly meet the same instance
+  InstanceTable::Owner owner;  // kept from beam to beam: neighbours mostly hit the same instance
   for (uint32_t row = first; row < end; ++row) {
     const auto& angles = tables.rows[row].angles;
     const gpu::vec4& offset = tables.rows[row].offset;

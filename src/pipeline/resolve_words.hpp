@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage resolve where nothing but geometry is planned: what beams have met, 8 bytes each, becomes the cloud on the
-// host, which has to write every byte of it anyway. The device would write it once before.
+// The stage "resolve" on the host, for scans with geometry alone: computes the cloud from the 8-byte words of the
+// beams. The host must write every byte of the cloud anyway, so resolving on the device would only write it a second
+// time.
 #pragma once
 
 #include "geometry/instance_table.hpp"
@@ -9,13 +10,14 @@
 
 namespace gnosphere {
 
-/// As `bin` leaves it: the bits of the range and the number of the placed triangle; both kNone where nothing was met.
+/// The nearest hit of a beam as the stage `bin` stores it: the bits of the range and the number of the placed triangle;
+/// both are kNone for a miss.
 struct Word {
   uint32_t triangle, range;
 };
 
-/// `words`: one per beam, row by row. Writes points, ranges and owners of rows first..end - 1, the same bytes as
-/// resolve.comp. `exact`: azimuths that are offset lie on the lattice. Returns the hits.
+/// Writes points, ranges and owners of rows first..end - 1, with the same bytes as resolve.comp. `words` has one word
+/// per beam, row by row. `exact` rounds offset azimuths to the lattice of exact directions. Returns the number of hits.
 uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, const InstanceTable& instances,
                       uint32_t first, uint32_t end, Scan& scan);
 

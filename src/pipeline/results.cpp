@@ -18,10 +18,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A copy of fewer beams is not worth a thread.
+// Copying fewer beams than this is not worth a thread.
 constexpr uint64_t kBeamsPerThread = 100'000;
 
-// work(first, end) for slices of 0..count - 1, all at once, where each counts for so many beams.
+// Calls work(first, end) for slices of 0..count - 1 on several threads. Each item stands for `beamsEach` beams.
 template <typename Work>
 void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
   const uint64_t threads = std::clamp<uint64_t>(count * beamsEach / kBeamsPerThread, 1, threadCount());
@@ -29,7 +29,7 @@ void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
   inRuns(count, (count + slices - 1) / slices, threads, work);
 }
 
-// Row by row. Returns the hits.
+// Resolves the words of all rows on several threads; returns the number of hits.
 uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, Scan& scan) {
   const Clock::time_point start = Clock::now();
   const gpu::Frame& frame = device.tables.frame;
@@ -77,13 +77,13 @@ void readSignals(const gpu::SignalRecord* signals, uint64_t first, uint64_t coun
     trueRanges[i] = signal.trueRange;
     widths[i] = signal.width;
     labels[i] = static_cast<uint8_t>(signal.word & 0xff);
-    // The first return of a beam says what became of it.
+    // The cause of a beam is stored in its first return.
     causes[i] = i % returns == 0 ? static_cast<uint8_t>(signal.word >> 8 & 0xff) : causes[i - 1];
   }
 }
 
-// Unit vectors of beams in the frame that points are reported in. Mostly that of the point; but not where lasers leave
-// from beside the sensor's origin, where points are moved off their beams or told from another pose.
+// Computes unit vectors of beams in the frame in which points are reported. Usually that is the direction of the point.
+// It is not if lasers are beside the sensor's origin, if noise moves points off their beams, or with deskew.
 class Directions {
  public:
   Directions(const SensorPlan& plan, const Shot& shot, const Scan& scan)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a device leaves of a scan -> Scan.
+// Copies the results of a scan from device arrays to a Scan.
 #pragma once
 
 #include <array>
@@ -11,11 +11,11 @@
 
 namespace gnosphere {
 
-/// Of one scan, where the host reads it: the outputs, per return of every beam; null: not plan.
+/// The outputs of one scan in host-readable memory, with an entry per return of every beam; null if not planned.
 struct DeviceResults {
   const BeamTables& tables;
-  bool exact = false;           ///< directions lie on the lattice
-  const Word* words = nullptr;  ///< then these alone, for resolveWords()
+  bool exact = false;           ///< beam directions are rounded to the lattice of exact arithmetic
+  const Word* words = nullptr;  ///< if given, the only output; see resolveWords()
   const gpu::vec4* points = nullptr;
   const std::array<uint32_t, 2>* owners = nullptr;
   const gpu::SignalRecord* signals = nullptr;
@@ -24,7 +24,7 @@ struct DeviceResults {
   const gpu::vec2* barycentrics = nullptr;
   gpu::Counters counters = {};
 
-  /// `of(array)` is the output, or null.
+  /// Collects the outputs; `of(array)` returns the address of an output or null.
   template <typename Of>
   static DeviceResults from(const BeamTables& tables, bool exact, const gpu::Counters& counters, const Of& of) {
     return {tables,
@@ -40,10 +40,10 @@ struct DeviceResults {
   }
 };
 
-/// What does not come from the device, and room for what does. Arrays keep theirs.
+/// Sets the parts of `scan` that do not come from the device, and resizes its arrays for the others; memory is reused.
 void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& scan);
 
-/// Arrays and counters of a shot.
+/// Fills the arrays and counters of `scan` from the outputs of a shot.
 void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
                  Scan& scan);
 

@@ -6,7 +6,7 @@
 namespace gnosphere {
 namespace {
 
-// The enumerations of the public API and the constants of shared.h count alike.
+// The enumerations of the public API have the values of the constants in shared.h.
 static_assert(static_cast<uint32_t>(AccuracyParts::Bounds::exact) == gpu::kBoundsExact);
 static_assert(static_cast<uint32_t>(AccuracyParts::Cull::nearestPoint) == gpu::kCullNearestPoint);
 static_assert(static_cast<uint32_t>(AccuracyParts::Inside::exact) == gpu::kInsideExact);
@@ -19,7 +19,7 @@ AccuracyParts accuracyPartsOf(const SimulatorOptions& options) {
   return options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
 }
 
-// The paper culls triangle by triangle.
+// With the paper's bounds only single triangles are culled, as in the paper.
 uint32_t cullingBits(const SimulatorOptions& options) {
   const AccuracyParts parts = accuracyPartsOf(options);
   if (parts.bounds == AccuracyParts::Bounds::paper || parts.cull == AccuracyParts::Cull::firstCorner) return 0;
@@ -54,7 +54,7 @@ bool leavesWords(uint32_t binning, const SensorPlan& plan) {
   return binning != gpu::kBinningLists && plan.bare();
 }
 
-// A kernel that looks at surfaces needs the transforms of what stands still, too.
+// Surface kernels need the transforms of still instances as well, which a scan that reuses the image does not place.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.tuning.keepStill && binning != gpu::kBinningLists &&
          accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper && !plan.surfaces() && !plan.motion();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the options of a simulator mean for the kernels of a scan, on whatever device.
+// Translates the options of a simulator into the options of the kernels, for every kind of device.
 #pragma once
 
 #include "effects/sensor_plan.hpp"
@@ -10,18 +10,18 @@
 namespace gnosphere {
 
 AccuracyParts accuracyPartsOf(const SimulatorOptions& options);
-/// gpu::kCull... bits.
+/// Returns the gpu::kCull... bits of the options.
 uint32_t cullingBits(const SimulatorOptions& options);
-/// Of a sensor's kernels; BINNING, PASS and MOTION are left to the caller.
+/// Returns the options of a sensor's kernels; the caller sets BINNING, PASS and MOTION.
 Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, bool azimuthOffsets);
-/// Metres: instances farther away need not be looked at.
+/// Returns the distance in metres beyond which instances cannot be hit.
 double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
-/// Whether words are all that is read back, for the host to resolve: 8 bytes per beam, where nothing but geometry is
-/// plan.
+/// Returns whether only the words (8 bytes per beam) are read back, which the host then resolves. This is so if only
+/// geometry is planned and the binning keeps the nearest hit.
 bool leavesWords(uint32_t binning, const SensorPlan& plan);
-/// Whether a StillImage may be kept.
+/// Returns whether a StillImage may be kept.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan);
-/// As Plan::binning names it.
+/// Returns the name that Plan::binning uses.
 const char* nameOfBinning(uint32_t binning);
 
 }  // namespace gnosphere

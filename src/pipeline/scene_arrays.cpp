@@ -8,7 +8,7 @@ namespace {
 
 using gpu::Array;
 
-// Of a list with an entry, two numbers, per placed group or cluster.
+// Bytes of a list with one entry of two numbers per placed group or cluster.
 uint64_t listBytes(const PlacedGroups& placed, uint32_t PlacedGroups::Run::*count) {
   return uint64_t{std::max(placed.still.*count, placed.moving.*count)} * 2 * sizeof(uint32_t);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene on a device: its meshes, and its instances as each scan sees them.
+// The device arrays of a scene: its meshes, and per scan its instances.
 #pragma once
 
 #include "geometry/packed_geometry.hpp"
@@ -7,11 +7,11 @@
 
 namespace gnosphere {
 
-/// Makes room for `bytes`, and some more where the memory was there already: a scene that grows does not allocate with
-/// every scan. What the memory held is lost.
+/// Makes room for `bytes`. Existing memory that is too small is replaced with some reserve, so that a growing scene
+/// does not allocate with every scan. The content is lost.
 void makeRoom(Machine& machine, gpu::Array array, uint64_t bytes, MemoryKind kind,
               std::unique_ptr<DeviceMemory>& memory);
-/// A new memory with the data.
+/// Allocates memory and writes the data to it.
 template <typename T>
 std::unique_ptr<DeviceMemory> uploaded(Machine& machine, gpu::Array array, std::span<const T> data) {
   auto memory = machine.allocate(gpu::nameOf(array), data.size_bytes(), MemoryKind::device);
@@ -19,7 +19,7 @@ std::unique_ptr<DeviceMemory> uploaded(Machine& machine, gpu::Array array, std::
   return memory;
 }
 
-/// The instances as one scan in flight sees them.
+/// The instances that one scan in flight places.
 class PlacedArrays {
  public:
   const PlacedGroups& groups() const { return groups_; }
@@ -29,11 +29,11 @@ class PlacedArrays {
  private:
   friend class SceneArrays;
   PlacedGroups groups_;
-  std::unique_ptr<DeviceMemory> instances_;    // gpu::Instance; of those out of range only the first triangle counts
+  std::unique_ptr<DeviceMemory> instances_;    // gpu::Instance; only firstTriangle is valid for instances out of range
   std::unique_ptr<DeviceMemory> placed_;       // (instance, group) pairs of the instances in range
-  std::unique_ptr<DeviceMemory> meshes_;       // of each instance, where surfaces are looked at
+  std::unique_ptr<DeviceMemory> meshes_;       // mesh of each instance; only for surface kernels
   std::unique_ptr<DeviceMemory> ownerRanges_;  // see InstanceTable::writeOwnerRanges()
-  uint64_t numbering_ = 0;                     // of the placed triangles, see InstanceTable
+  uint64_t numbering_ = 0;                     // InstanceTable::numbering() when the numbers were written
 };
 
 class SceneArrays final : public SceneMemory {
@@ -42,16 +42,16 @@ class SceneArrays final : public SceneMemory {
 
   InstanceTable& instances() { return instances_; }
   const InstanceTable& instances() const { return instances_; }
-  /// The device must not be using the scene while meshes change.
+  /// While meshes are changed, no scan may be running.
   PackedGeometry& geometry() { return geometry_; }
   const PackedGeometry& geometry() const { return geometry_; }
   uint64_t bytes() const;
   void bind(BoundArrays& arrays) const;
-  /// Writes what a scan of the selected instances within reach (metres) reads.
+  /// Writes the instance arrays for a scan of the selected instances within reach (metres).
   void place(const Pose& pose, double reach, const Selection& selection, PlacedArrays& to);
-  /// Whether the lists of what a scan sees have room for all that is placed. All scans use them in turn.
+  /// Returns whether the lists of visible groups and clusters, which all scans share, have room for everything placed.
   bool listsHold(const PlacedArrays& placed) const;
-  /// The device must not be using them.
+  /// Grows these lists; no scan may be running.
   void growLists(const PlacedArrays& placed);
 
   void reserve(gpu::Array array, uint64_t bytes) override;

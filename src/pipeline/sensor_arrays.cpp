@@ -13,11 +13,11 @@ namespace {
 
 using gpu::Array;
 
-// Kernels hold indices in 32 bits, and the top one is a sign where an array is addressed.
+// Kernels hold indices in 32 bits, and the top bit is a sign when an array is addressed.
 constexpr uint64_t kMostEntries = 0x7fffffffu;
 constexpr uint64_t kTileBytes = 4 * sizeof(uint32_t);
 
-// Entries of the table of what hides, of both levels.
+// Entries of the occlusion table, both levels together.
 uint64_t farthestEntries(const gpu::Frame& frame) {
   const auto entries = [&](uint64_t columns, uint64_t rows) {
     return (frame.columns + columns - 1) / columns * ((frame.rows + rows - 1) / rows);
@@ -29,12 +29,12 @@ uint64_t slabCount(const gpu::Frame& frame) {
   return frame.columns == 0 ? 0 : ((frame.columns - 1) >> frame.slabShift) + 1;
 }
 
-// Triangles that a scan has projected, or would have with more room.
+// Triangles that a scan has projected, including those for which there was no room.
 uint64_t projectedCount(const gpu::Counters& counters) {
   return uint64_t{counters.projectedSmall} + counters.projectedLarge;
 }
 
-// Room for `needed` entries and some more, within a limit.
+// Returns `needed` entries plus an eighth in reserve, as far as the limit allows.
 uint32_t grown(Array array, uint64_t needed, uint64_t limit) {
   if (needed > kMostEntries)
     throw Error(ErrorCode::outOfMemory, "'" + std::string(gpu::nameOf(array)) + "' needs more than " +
@@ -106,13 +106,13 @@ uint64_t SensorArrays::mostProjected() const {
   return limit(bytes);
 }
 
-// With slabs each projected triangle has one tile beside the others.
+// Number of tiles beyond Capacities::tiles: with slabs every projected triangle has one tile of its own.
 uint64_t SensorArrays::tilesBehind(const Capacities& room) const {
   return binning_ == gpu::kBinningSlabs ? room.projected : 0;
 }
 
-// Makes the lists whose room changes. Where memory ends on the way they have no room at all, and the next scan makes
-// those that it needs.
+// Reallocates the lists whose capacity changes. If memory runs out, all capacities stay zero, and the next scan makes
+// the lists that it needs.
 void SensorArrays::makeLists(const Capacities& room) {
   const Capacities had = std::exchange(capacities_, {});
   if (room.projected != had.projected) {
@@ -204,7 +204,7 @@ bool SensorArrays::cutShort(size_t index) {
          (binning_ == gpu::kBinningLists && needed.candidates > had.candidates);
 }
 
-// A scan cut short has counted too few of what follows; the next run will tell.
+// If one list was too small, the counts of later stages are too low; the next run finds out and grows those lists.
 void SensorArrays::growLists(size_t index) {
   const gpu::Counters needed = counters(frames_[index]);
   const uint64_t projected = projectedCount(needed);
@@ -213,7 +213,7 @@ void SensorArrays::growLists(size_t index) {
   if (needed.tiles > room.tiles) room.tiles = grown(Array::tiles, needed.tiles, limit(kTileBytes));
   if (binning_ == gpu::kBinningLists && needed.candidates > room.candidates)
     room.candidates = grown(Array::candidates, needed.candidates, limit(sizeof(uint32_t)));
-  // Where both do not fit with what they may need later, they do with what is needed now.
+  // If the tiles do not fit together with the reserve, the lists get only what this scan needs.
   if (tilesBehind(room) + room.tiles > limit(kTileBytes)) {
     room.projected = static_cast<uint32_t>(projected);
     room.tiles = needed.tiles;

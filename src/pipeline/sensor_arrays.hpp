@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sensor on a device: its tables, the arrays of its scans, and the steps that a scan is.
+// The device side of a sensor: its tables, the arrays of its scans, and the steps of a scan.
 #pragma once
 
 #include <optional>
@@ -16,34 +16,34 @@ namespace gnosphere {
 
 class SensorArrays {
  public:
-  /// Allocates what scans need, and has the machine compile their kernels. `triangles`: placed in the scene.
+  /// Allocates the arrays and compiles the kernels of the scans. `triangles` is the number placed in the scene.
   SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options, uint64_t triangles);
 
   const SensorPlan& sensorPlan() const { return plan_; }
   uint32_t beams() const { return tables_.frame.beams; }
-  /// Metres: instances farther away need not be looked at.
+  /// Distance in metres beyond which instances cannot be hit.
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
 
-  /// The steps of a scan as frame in flight `frame`, which must not be under way. `motion`: null for a scan that stands
-  /// still. Binds the arrays of the sensor and of the frame.
+  /// Returns the steps of a scan as frame in flight `frame`, which must not be running, and binds the arrays of the
+  /// sensor and of the frame. `motion` is null for a scan without motion.
   std::vector<Step> prepare(size_t frame, const Shot& shot, const ShotMotion* motion, uint32_t instanceCount,
                             const PlacedGroups& placed, StillImage::Use still, BoundArrays& arrays);
-  /// A list was too small for the scan that was last prepared as this frame: it must run again after growLists().
+  /// Returns whether a list was too small for the last scan of this frame. It must run again after growLists().
   bool cutShort(size_t frame);
-  /// Makes room for what that scan has counted, where it was too small. No frame may be under way.
+  /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
   void growLists(size_t frame);
-  /// What that scan has left.
+  /// Returns the outputs of the last scan of the frame.
   DeviceResults results(size_t frame);
   void addTo(MemoryUse& use) const;
-  /// Decisions, stages and buffers.
+  /// Returns the plan with its decisions, stages and buffers.
   Plan plan() const;
 
  private:
-  /// What a frame in flight has of its own; the work arrays are shared.
+  /// The arrays that each frame in flight has of its own; all frames share the work arrays.
   struct Frame {
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
-    Capacities capacities;  // of the lists when it was prepared
+    Capacities capacities;  // of the lists when the scan was prepared
   };
 
   std::vector<Step> steps(const PlacedGroups& placed, StillImage::Use still, bool motion) const;
@@ -69,7 +69,7 @@ class SensorArrays {
   std::vector<Output> outputs_;
   Capacities capacities_;
   std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays_;
-  std::vector<Frame> frames_;  // those beyond the first are made when first used
+  std::vector<Frame> frames_;  // each one after the first is made at its first use
 };
 
 }  // namespace gnosphere

@@ -20,7 +20,7 @@ class Steps {
     if (still != StillImage::Use::use) scanShells(placed.still);
     if (still == StillImage::Use::make) {
       copy(gpu::Array::words, gpu::Array::stillWords);
-      findOccluders({0, 0, 0, kInfinity, 1});  // as long as the image is used, the table is kept as well
+      findOccluders({0, 0, 0, kInfinity, 1});  // the occlusion table is kept as long as the still image
     }
     if (still != StillImage::Use::none) scanMoving(placed.moving);
     if (input_.resolve) {
@@ -42,7 +42,7 @@ class Steps {
     if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::listEnds, gpu::kNone);
   }
 
-  // Shell by shell: what is near first, since it hides much of what is far.
+  // Scans shell by shell, near shells first, because near triangles hide many of the far ones.
   void scanShells(const PlacedGroups::Run& placed) {
     float begin = 0;
     for (const float end : input_.shellEnds) {
@@ -107,7 +107,7 @@ class Steps {
     if (input_.footprint || input_.surfaces || input_.effects) finish("effects");
   }
 
-  // A row of workgroups per channel.
+  // Dispatches one row of workgroups per channel.
   void dispatchOnBeams(const char* stage, Kernel kernel) {
     dispatch(stage, kernel, (input_.frame.columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, {}, 0,
              input_.frame.rows);

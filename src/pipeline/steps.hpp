@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scan as data: what a device does for it, in order. Every step sees what the steps before it have written. Vulkan
-// records the list, CUDA launches it, and a Plan is counted from it.
+// A scan as a list of steps that a device executes in order. Every step sees all writes of the steps before it. Vulkan
+// records the list, CUDA launches it, and the stages of a Plan are computed from it.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ namespace gnosphere {
 
 struct Step {
   enum class Kind {
-    fill,      ///< bytes first..first + bytes of `array` get the 32-bit `value`; 0 bytes: up to the end
-    copy,      ///< all of `from` to `array`
-    start,     ///< the time of the first stage starts here
-    dispatch,  ///< groupsX x groupsY workgroups of `variant`
-    finish,    ///< a part of `stage` ends here
+    fill,      ///< fills `array` from byte `first` on with the 32-bit `value`; 0 bytes means up to the end
+    copy,      ///< copies all of `from` to `array`
+    start,     ///< timestamp: the first stage starts here
+    dispatch,  ///< runs groupsX x groupsY workgroups of `variant`
+    finish,    ///< timestamp: a part of `stage` ends here
   };
   Kind kind;
   const char* stage = "";
@@ -33,19 +33,19 @@ struct Step {
   uint32_t groupsX = 0, groupsY = 1;
 };
 
-/// What decides the steps of a sensor's scans.
+/// Everything that determines the steps of a sensor's scans.
 struct StepsInput {
-  Variant variant;  ///< what all kernels of the scan have in common
+  Variant variant;  ///< options that all kernels of the scan share
   DispatchSizes sizes;
   const gpu::Frame& frame;
   const std::vector<float>& shellEnds;  ///< see tuning.hpp
   bool footprint, resolve, surfaces, effects;
 };
 
-/// The steps of a scan of what is placed.
+/// Returns the steps of a scan of the placed groups.
 std::vector<Step> stepsOf(const StepsInput& input, const PlacedGroups& placed, StillImage::Use still);
 
-/// The stages with their pipelines and the number of dispatches, counted from the steps.
+/// Returns the stages with their pipelines and the number of dispatches, counted from the steps.
 std::vector<Plan::Stage> stagesOf(const std::vector<Step>& steps);
 
 }  // namespace gnosphere

@@ -16,7 +16,7 @@ StillImage::Use StillImage::next(const Pose& pose, const InstanceTable& instance
   }
   const bool renumbered = instances.renumberedAt() > seen_;
   const bool newlyMoving = findMoving(instances);
-  // Where most moves, one scan of everything can hide more than two of its parts.
+  // If most triangles move, one scan of everything is faster: it can hide more triangles than two separate scans.
   const bool pays = triangles_ > 0 && 2 * triangles_ >= instances.usableTriangles();
   if (renumbered || newlyMoving || !pays) {
     state_ = State::missing;
@@ -25,7 +25,7 @@ StillImage::Use StillImage::next(const Pose& pose, const InstanceTable& instance
   return state_ == State::made ? Use::use : Use::make;
 }
 
-// Whether there are more of them than before.
+// Updates the moving instances; returns whether any has begun to move.
 bool StillImage::findMoving(const InstanceTable& instances) {
   if (moving_.size() == instances.count() && seen_ == instances.changes()) return false;
   moving_.resize(instances.count());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the things that do not move give a sensor that does not move: made once, then only what moves is scanned.
+// Reuse of hits on still instances by a sensor that does not move: later scans compute only the moving instances.
 #pragma once
 
 #include <optional>
@@ -9,28 +9,28 @@
 
 namespace gnosphere {
 
-/// When the words of a sensor's beams are kept as the still instances alone leave them. They belong to a pose and a set
-/// of still instances; both must have been seen before they are kept, so that what is scanned once costs nothing. An
-/// instance that has moved counts as moving for as long as the pose stays.
+/// Decides when the hits on still instances (the words of the beams) are kept and reused. They are valid for one pose
+/// and one set of still instances. They are kept only when both occur in a second scan, so single scans cost nothing
+/// extra. An instance that has moved counts as moving until the pose changes.
 class StillImage {
  public:
   enum class Use {
     none,  ///< scan everything
-    make,  ///< scan what is still and keep the words, then what moves
-    use,   ///< begin with the words, then what moves
+    make,  ///< scan the still instances, keep the words, then scan the moving instances
+    use,   ///< start from the kept words and scan only the moving instances
   };
 
-  /// `on`: false where the words of one scan cannot be continued by another.
+  /// `on` is false if a scan cannot start from the words of another.
   explicit StillImage(bool on) : on_(on) {}
 
-  /// What the next scan of the sensor does. Nothing may be in the making.
+  /// Decides what the next scan of the sensor does. May not be called while inMaking().
   Use next(const Pose& pose, const InstanceTable& instances);
-  /// As next() has told.
+  /// Returns the instances that a scan places which next() has given `use`.
   Selection selection(Use use) const;
   /// Usable triangles of the still instances.
   uint64_t triangles() const { return triangles_; }
 
-  /// The scan that makes it has been submitted as frame in flight `frame`. Only its end tells whether it succeeded.
+  /// Notes that the scan that makes the image runs as frame in flight `frame`. end() must report whether it succeeded.
   void begin(size_t frame);
   bool inMaking() const { return state_ == State::inMaking; }
   size_t frame() const { return frame_; }
@@ -44,9 +44,9 @@ class StillImage {
   bool on_;
   State state_ = State::missing;
   size_t frame_ = 0;
-  std::optional<Pose> pose_;     // of the last scan
-  std::vector<uint8_t> moving_;  // by instance, since the first scan from there
-  uint64_t seen_ = 0;            // of InstanceTable::changes()
+  std::optional<Pose> pose_;     // pose of the last scan
+  std::vector<uint8_t> moving_;  // by instance: 1 if it has moved since the first scan from that pose
+  uint64_t seen_ = 0;            // InstanceTable::changes() at the last scan
   uint64_t triangles_ = 0;
 };
 

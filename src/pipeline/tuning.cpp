@@ -12,19 +12,20 @@
 namespace gnosphere {
 namespace {
 
-// Where shells end, as shares of the range. Measured on towns: from 0.3 on more hides little more. One more shell took
-// 0.95 of the time of a CPU with 0.6 million beams and more, 1.0 with an HDL-64E, and 1.07 with a VLP-16.
+// Ends of the shells as shares of the range. Measured on town scenes: a first shell beyond 0.3 hides little more. On a
+// CPU a third shell took 0.95 of the time with at least 0.6 million beams, 1.0 with an HDL-64E, 1.07 with a VLP-16.
 constexpr float kTwoShells[] = {0.35f}, kThreeShells[] = {0.2f, 0.45f};
 constexpr uint32_t kThreeShellsBeams = 500'000;
-// What hides costs a look at every beam; that pays from so many triangles per beam on, and so many in all.
+// The occlusion test reads every beam; that pays from this many triangles per beam and in all.
 constexpr double kTrianglesPerBeam = 0.125;
 constexpr uint64_t kShellTriangles = 100'000;
-// Measured on towns: one projected triangle for 8 beams of an HDL-64E, and fewer for more.
+// Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
+// beam.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
 constexpr uint32_t kFirstTiles = 1 << 12;
 constexpr uint64_t kCandidatesPerBeam = 2;
-// Measured on towns with two threads: slabs of 64 columns take 1.03 of the time of 128, of 32 1.07; 256 gain no more.
-// So many for each thread share the work well enough.
+// Measured on town scenes with two threads: slabs of 64 columns take 1.03 and slabs of 32 take 1.07 of the time of
+// slabs of 128; 256 are no faster. kSlabsPerThread slabs per thread balance the work well enough.
 constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread = 8;
 
 }  // namespace
@@ -45,7 +46,7 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
   switch (options.tuning.binning) {
     case Binning::lists: return gpu::kBinningLists;
     case Binning::automatic:
-      // Candidates per beam, as the paper has it.
+      // The paper collects candidates per beam in lists.
       if (accuracyPartsOf(options).bounds == AccuracyParts::Bounds::paper) return gpu::kBinningLists;
       break;
     case Binning::slabs: slabs = true; break;
@@ -54,7 +55,7 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
   return slabs ? gpu::kBinningSlabs : gpu::kBinningNearest;
 }
 
-// Where every hit of a beam counts, nothing hides anything.
+// With lists every hit of a beam is needed, so no triangle may be skipped as hidden.
 std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t binning, const gpu::Frame& frame,
                              uint64_t triangles) {
   const bool pays = triangles >= kShellTriangles &&
@@ -77,7 +78,7 @@ uint32_t slabShift(uint32_t columns) {
   return shift;
 }
 
-// Only large boxes are cut into tiles; with slabs some boxes lie in more than one.
+// Only large boxes are cut into tiles; with slabs also those that lie in more than one slab.
 Capacities firstCapacities(uint32_t binning, uint64_t beams, uint64_t triangles) {
   const auto projected = static_cast<uint32_t>(
       std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));

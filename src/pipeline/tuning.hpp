@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is fastest on which kind of device. Nothing here changes a result.
+// Choices that make scans fast on each kind of device. They never change a result.
 #pragma once
 
 #include <cstdint>
@@ -12,28 +12,28 @@ namespace gnosphere {
 
 struct Traits;
 
-/// Workgroups per dispatch, at most: kernels loop over however many items there are.
+/// Largest number of workgroups per dispatch; kernels loop until all items are done.
 struct DispatchSizes {
   uint32_t groups, cullGroups, triangleGroups, footprintGroups;
 };
 DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning);
 
-/// gpu::kBinning...: how the options, the device and a footprint, which needs lists, let triangles meet beams.
+/// Returns the gpu::kBinning... value for the options and the device. A footprint needs lists.
 uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint);
 
-/// Metres, ascending, the last one infinity: what lies nearer than one end is binned before, and hides, what lies
-/// beyond it. One shell is everything.
+/// Returns the ends of range shells in metres, ascending, the last one infinity. Triangles of nearer shells are binned
+/// first, so that they can hide those of farther shells. With a single end there is one shell with everything.
 std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t binning, const gpu::Frame& frame,
                              uint64_t triangles);
 
-/// Columns that one subgroup owns with Binning::slabs, as a power of two.
+/// Returns the binary logarithm of the number of columns that one subgroup owns with Binning::slabs.
 uint32_t slabShift(uint32_t columns);
 
-/// Entries of the lists of a scan.
+/// Numbers of entries for which the lists of a scan have room.
 struct Capacities {
   uint32_t projected = 0, tiles = 0, candidates = 0;
 };
-/// Room to begin with; lists grow to what a scan turns out to need.
+/// Returns the initial capacities; lists grow when a scan needs more.
 Capacities firstCapacities(uint32_t binning, uint64_t beams, uint64_t triangles);
 
 }  // namespace gnosphere

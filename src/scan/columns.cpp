@@ -16,7 +16,7 @@ void refuseMissing(Field field) {
   const std::string name = std::string("the scan has no field '") + fieldInfo(field).name + "'";
   if (field == Field::tie || field == Field::tolerance)
     throw Error(ErrorCode::invalidArgument, name + ": only the device 'reference' gives it");
-  // These are missing only where the scan was read from a file.
+  // These fields are missing only in scans that were read from a file.
   constexpr Field kAlways[] = {Field::x, Field::y, Field::z, Field::triangle, Field::instance};
   if (std::find(std::begin(kAlways), std::end(kAlways), field) != std::end(kAlways))
     throw Error(ErrorCode::invalidArgument, name);

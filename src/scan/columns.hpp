@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The columns of a scan, for those that fill them.
+// Write access to the columns of a scan.
 #pragma once
 
 #include <algorithm>
@@ -9,22 +9,22 @@
 
 namespace gnosphere {
 
-/// Write access to the columns that a scan keeps, one value per entry of Scan::ranges; that one must have its size.
+/// Write access to the columns of a scan, with one value per entry of Scan::ranges, which must have its final size.
 class ScanColumns {
  public:
   explicit ScanColumns(Scan& scan) : scan_(scan) {}
 
-  /// Makes room for a column whose values are not set, or removes it. Memory that the scan has is used again.
+  /// Makes a column without setting its values, or removes it if not `wanted`. Existing memory is reused.
   void make(Field field, bool wanted = true);
 
-  /// Makes a column where every value is the same, or removes it.
+  /// Makes a column in which all values are the same, or removes it.
   template <typename T>
   void fill(Field field, T value, bool wanted = true) {
     make(field, wanted);
     if (wanted) std::fill_n(data<T>(field), scan_.ranges.size() * fieldInfo(field).components, value);
   }
 
-  /// The values, with the components of an entry side by side; null where the scan does not have the column.
+  /// Returns the values, with the components of an entry side by side; null if the scan does not have the column.
   template <typename T>
   T* data(Field field) const {
     assert(fieldInfo(field).type == valueTypeOf<T>());

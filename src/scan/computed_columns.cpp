@@ -8,7 +8,7 @@
 namespace gnosphere {
 namespace {
 
-/// The column is `valueOf(entry)` where it is wanted.
+/// Fills the column with `valueOf(entry)` if it is wanted; otherwise removes it.
 template <typename T, typename ValueOf>
 void setColumn(Scan& scan, Field field, bool wanted, const ValueOf& valueOf) {
   ScanColumns columns(scan);

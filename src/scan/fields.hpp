@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scan and a cloud file may hold, and how numbers are laid out.
+// The fields of scans and cloud files, and the types of their values.
 #pragma once
 
 #include <cstddef>
@@ -14,26 +14,26 @@ constexpr size_t sizeOf(ValueType type) {
   constexpr size_t kSizes[] = {4, 8, 1, 2, 4};
   return kSizes[static_cast<size_t>(type)];
 }
-/// "f32" and so on.
+/// Returns the name of the type, such as "f32".
 const char* nameOf(ValueType type);
-/// "float" and so on.
+/// Returns the C++ name of the type, such as "float".
 const char* cppNameOf(ValueType type);
-/// PCD's letter: F for a float, U for an unsigned integer.
+/// Returns the letter of the type in PCD: F for a float, U for an unsigned integer.
 char letterOf(ValueType type);
 
-/// One column of a cloud file. Most fields are one column, a vector is one per component.
+/// One column of a cloud file. A scalar field has one column, a vector has one per component.
 struct ColumnInfo {
   Field field;
   const char* name;
   ValueType type;
   uint32_t component = 0;
-  const char* fieldName = name;  ///< to ask for the field by
+  const char* fieldName = name;  ///< name by which the field is requested
 };
 
-/// Every column there is, in the order of Field.
+/// Returns all columns in the order of Field.
 std::span<const ColumnInfo> allColumns();
 std::vector<ColumnInfo> columnsOf(const std::vector<Field>& fields);
-/// By name, whatever the case; null for a name that is not one of ours.
+/// Finds a column by name, ignoring case; null if the name is unknown.
 const ColumnInfo* findColumn(std::string_view name);
 
 }  // namespace gnosphere

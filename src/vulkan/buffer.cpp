@@ -47,7 +47,7 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKin
   DeviceHandle<VkBuffer> buffer = device.make(vk.vkCreateBuffer, vk.vkDestroyBuffer, create);
   VkMemoryRequirements requirements;
   vk.vkGetBufferMemoryRequirements(device.handle(), buffer.get(), &requirements);
-  // On a device that shares the host's memory everything may be read in place.
+  // If device and host share their memory, the host may read everything in place.
   const bool inPlace = device.unifiedMemory() && kind == MemoryKind::device;
   const int type = chooseMemory(device, requirements.memoryTypeBits, inPlace ? MemoryKind::readback : kind);
   VkMemoryAllocateFlagsInfo flags = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
@@ -71,8 +71,8 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKin
   address_ = vk.vkGetBufferDeviceAddress(device.handle(), &where);
   coherent_ = device.isCoherent(type);
   if (!device.isHostVisible(type)) return;
-  // Where the host has no room left, Mesa's lavapipe reports success and maps to null or to MAP_FAILED, which is -1. An
-  // address that is one is a multiple of 64.
+  // If the host has no memory left, Mesa's lavapipe reports success and maps to null or to MAP_FAILED (-1). Valid
+  // addresses are multiples of 64.
   const VkResult result = vk.vkMapMemory(device.handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped_);
   need(result == VK_SUCCESS && mapped_ && reinterpret_cast<uintptr_t>(mapped_) % 64 == 0);
 }
@@ -132,7 +132,7 @@ void Transfer::read(const Buffer& buffer, uint64_t place, std::span<std::byte> d
   }
 }
 
-// Makes the staging buffer of that kind; its size.
+// Makes the staging buffer of the given kind if it does not exist; returns its size.
 uint64_t Transfer::stage(MemoryKind kind) {
   const uint64_t bytes = std::min(kMostStagingBytes, device_.maxBufferBytes());
   if (!staging_.handle() || stagingKind_ != kind) staging_ = Buffer(device_, "staging", bytes, kind);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A storage buffer with memory of its own.
+// A storage buffer with its own memory, and copies between it and the host.
 #pragma once
 
 #include <span>
@@ -13,17 +13,17 @@ namespace gnosphere::vulkan {
 class Buffer {
  public:
   Buffer() = default;
-  /// `name` must outlive it; it is for plans and messages: "cannot allocate 96.0 MiB for 'points'".
+  /// `name` is used in plans and messages ("cannot allocate 96.0 MiB for 'points'") and must outlive the buffer.
   Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKind kind);
 
   VkBuffer handle() const { return buffer_.get(); }
-  /// What shaders find it by.
+  /// Address by which shaders access the buffer.
   VkDeviceAddress address() const { return address_; }
   uint64_t bytes() const { return bytes_; }
   const char* name() const { return name_; }
-  /// Host address; null for device memory that the host cannot see.
+  /// Returns the host address; null if the host cannot access the memory.
   void* mapped() const { return mapped_; }
-  /// Makes device writes visible to the host, where memory is not coherent.
+  /// Makes device writes visible to the host, if the memory is not coherent.
   void invalidate() const;
   /// Makes host writes visible to the device.
   void flush() const;
@@ -39,8 +39,8 @@ class Buffer {
   const char* name_ = "";
 };
 
-/// Copies between host and device buffers that the device does not use meanwhile: one staging buffer, one submission
-/// per 16 MiB.
+/// Copies between the host and device buffers while the device does not use them, through a staging buffer with one
+/// submission per 16 MiB.
 class Transfer {
  public:
   explicit Transfer(const Device& device);

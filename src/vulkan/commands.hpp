@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame in flight: a command buffer with its timestamps, and the fence that says when it is done.
+// One frame in flight: a command buffer with its timestamps, and the fence that signals its end.
 #pragma once
 
 #include "gnosphere/scan.hpp"
@@ -10,29 +10,31 @@ namespace gnosphere::vulkan {
 
 class Commands {
  public:
-  /// Room for `stamps` timestamps.
+  /// Makes room for `stamps` timestamps.
   Commands(const Device& device, uint32_t stamps);
   ~Commands();
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
-  /// What was submitted before must have been waited for.
+  /// Begins the recording; wait() must have been called for the previous submission.
   void begin();
   void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
                 uint32_t groupsY);
   void fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value);
   void copy(const Buffer& from, const Buffer& to);
-  /// What comes after it sees everything written before. About ten per scan: no step overlaps the next anyway.
+  /// Makes all earlier writes visible to all later commands. A scan has about ten barriers; finer ones would gain
+  /// nothing, because each step depends on the one before.
   void barrier();
-  /// Timestamps: a first stage starts here, and a part of `stage` ends here. What lies before a start is not counted.
+  /// Write timestamps: start() where the first stage starts, finish() where a part of `stage` ends. Time before a start
+  /// is not counted.
   void start() { stamp(nullptr); }
   void finished(const char* stage) { stamp(stage); }
-  /// Ends the recording and hands it to the queue.
+  /// Ends the recording and submits it to the queue.
   void submit();
-  /// Until the device has done what was submitted; nothing where it has been waited for.
+  /// Waits until the submission is done; returns at once if it has been waited for already.
   void wait();
-  /// Adds the times of the stages of what was waited for, their parts added up. Nothing where the device has no
-  /// timestamps.
+  /// Adds the stage times of the last submission, each the sum of its parts, after wait(). Does nothing if the device
+  /// has no timestamps.
   void readTimings(Timings& timings);
 
  private:
@@ -41,10 +43,10 @@ class Commands {
   const Device& device_;
   const VolkDeviceTable& vk_;
   uint32_t stampLimit_;
-  std::vector<const char*> stages_;  // that ended at each stamp
+  std::vector<const char*> stages_;  // by timestamp: the stage that ended there
   bool pending_ = false;
   DeviceHandle<VkCommandPool> pool_;
-  VkCommandBuffer commands_ = VK_NULL_HANDLE;  // the pool's
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;  // owned by the pool
   DeviceHandle<VkQueryPool> queries_;
   DeviceHandle<VkFence> fence_;
 };

@@ -15,7 +15,7 @@
 namespace gnosphere::vulkan {
 namespace {
 
-constexpr uint32_t kWorkgroupSize = 64;  // of every shader
+constexpr uint32_t kWorkgroupSize = 64;  // invocations per workgroup of every shader
 
 const char* resultName(VkResult result) {
   switch (result) {
@@ -50,7 +50,7 @@ const char* typeName(VkPhysicalDeviceType type) {
   }
 }
 
-// The first queue family that computes; -1 if there is none.
+// Returns the first queue family with compute support, or -1.
 int computeFamily(VkPhysicalDevice physical, uint32_t& timestampBits) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
@@ -69,9 +69,9 @@ int preference(const DeviceInfo& info) {
   return static_cast<int>(std::find(std::begin(order), std::end(order), info.type) - std::begin(order));
 }
 
-// Volk keeps its pointers to the functions of Vulkan in globals. They are written once, before any other use, and serve
-// all instances in all threads. The instance that they are loaded from stays until the process ends, and the drivers
-// with it: some (NVIDIA's) can be loaded only about ten times, their thread-local storage is never given back.
+// Volk keeps its pointers to Vulkan's functions in global variables. They are written once, before any other use, and
+// serve all instances in all threads. The instance from which they are loaded lives until the process ends, so drivers
+// stay loaded too: some (NVIDIA's) can be loaded only about ten times, because they never free thread-local storage.
 VkResult loadVulkan(const VkApplicationInfo& application) {
   static std::mutex mutex;
   static VkInstance kept = VK_NULL_HANDLE;
@@ -169,7 +169,7 @@ ApiInstance::ApiInstance(bool validation) {
   check(result, "vkCreateInstance");
   instance_ = {instance, vkDestroyInstance};
   if (!validation) return;
-  // The pointers that were loaded once know no extension.
+  // Volk's pointers were loaded without extensions, so the functions of extensions are looked up here.
   const auto function = [&](const char* name) { return vkGetInstanceProcAddr(instance, name); };
   const auto make = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(function("vkCreateDebugUtilsMessengerEXT"));
   const auto destroy =
@@ -190,7 +190,7 @@ std::vector<VkPhysicalDevice> ApiInstance::physicalDevices() const {
 FullSubgroups fullSubgroupsOf(const Offer& offer) {
   if (!offer.sizeControl.computeFullSubgroups) return {};
   if (kWorkgroupSize % offer.subgroup.subgroupSize == 0) return {offer.subgroup.subgroupSize, false};
-  // Some devices choose subgroups that are larger than our workgroups, but can have smaller ones.
+  // Some devices by default use subgroups larger than our workgroups, but also support smaller ones.
   const bool choice = offer.sizeControl.subgroupSizeControl &&
                       (offer.sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
                       offer.sizes.minSubgroupSize <= kWorkgroupSize;
@@ -209,8 +209,8 @@ bool losesLoops(const VkPhysicalDeviceDriverProperties& driver) {
   return mesa < kLeastMesa;
 }
 
-// What every device with Vulkan 1.2 has is not asked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
-// of them a dispatch, and 128 bytes of push constants.
+// What that Vulkan 1.2 guarantees are not checked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
+// workgroups per dispatch, and 128 bytes of push constants.
 static_assert(kWorkgroupSize <= 128 && sizeof(gpu::Pass) <= 128);
 
 std::string reasonAgainst(const Offer& offer) {

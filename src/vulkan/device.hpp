@@ -15,16 +15,16 @@
 
 namespace gnosphere::vulkan {
 
-/// Throws Error with the call's text, the result's name and the place, which is that of the caller: clang 14 has no
-/// std::source_location. Use through VK().
+/// Throws Error with the call, the name of its result and the place, which is that of the caller: clang 14 has no
+/// std::source_location. Use it as VK().
 void check(VkResult result, const char* call, const char* file = __builtin_FILE(), uint32_t line = __builtin_LINE());
 #define VK(call) ::gnosphere::vulkan::check(call, #call)
 
-/// What the validation layer has said.
+/// Collects the messages of the validation layer.
 class Messages {
  public:
   void add(const char* text);
-  /// Throws Error(device) with what was said since the last call.
+  /// Throws Error(device) with the messages since the last call, if there are any.
   void throwIfAny();
 
  private:
@@ -32,7 +32,7 @@ class Messages {
   std::vector<std::string> texts_;
 };
 
-/// A Vulkan instance, with the validation layer if asked for.
+/// A Vulkan instance, with the validation layer if requested.
 class ApiInstance {
  public:
   explicit ApiInstance(bool validation);
@@ -40,7 +40,7 @@ class ApiInstance {
   VkInstance handle() const { return instance_.get(); }
   std::vector<VkPhysicalDevice> physicalDevices() const;
   void throwOnMessages() { messages_->throwIfAny(); }
-  /// Whoever shares them learns what is said when the instance and its devices are destroyed; else nobody does.
+  /// Shared, so that a caller can still read messages about the destruction of the instance and its devices.
   const std::shared_ptr<Messages>& messages() const { return messages_; }
 
  private:
@@ -49,9 +49,9 @@ class ApiInstance {
   Handle<VkDebugUtilsMessengerEXT, VkInstance> messenger_;
 };
 
-/// What a driver says of a device that decides whether it is used. The members' pNext count for nothing.
+/// The properties that decide whether a device can be used. The pNext pointers of the members are ignored.
 struct Offer {
-  bool compute = false;  ///< there is a queue for it
+  bool compute = false;  ///< the device has a queue family for compute
   VkPhysicalDeviceVulkan12Features features12 = {};
   VkPhysicalDeviceSubgroupProperties subgroup = {};
   /// These two are zeros without VK_EXT_subgroup_size_control.
@@ -59,38 +59,39 @@ struct Offer {
   VkPhysicalDeviceSubgroupSizeControlFeaturesEXT sizeControl = {};
   VkPhysicalDeviceDriverProperties driver = {};
 };
-/// Why such a device cannot be used; empty if it can.
+/// Returns why the device cannot be used; empty if it can.
 std::string reasonAgainst(const Offer& offer);
 
-/// Whether the device has such an extension.
+/// Returns whether the device has the extension.
 bool offers(VkPhysicalDevice physical, const char* extension);
 
-/// The subgroup size that every pipeline gets in full. The stages divide their work by gl_SubgroupSize: if fewer lanes
-/// ran than it says, work would be lost without a word.
+/// The size of the full subgroups that every pipeline gets. The stages divide their work by gl_SubgroupSize, so results
+/// would be silently incomplete if fewer invocations ran.
 struct FullSubgroups {
-  uint32_t size = 0;      ///< 0: the device cannot promise any
-  bool required = false;  ///< pipelines have to ask for this size, it is not what the device chooses
+  uint32_t size = 0;      ///< 0 if the device cannot guarantee full subgroups
+  bool required = false;  ///< true if pipelines must require this size because the device would choose another
 };
 FullSubgroups fullSubgroupsOf(const Offer& offer);
 
-/// What a physical device offers, and whether we can use it.
+/// The capabilities of a physical device; `info` tells whether it can be used.
 struct Capabilities {
   DeviceInfo info;
   FullSubgroups subgroups;
   bool int64Atomics = false;
   bool float64 = false;
-  uint32_t timestampBits = 0;  ///< of a timestamp, the lowest; the others say nothing. 0: there are no timestamps
+  uint32_t timestampBits = 0;  ///< number of valid low bits of a timestamp; 0 if there are no timestamps
   double timestampMs = 0;      ///< milliseconds per tick
-  bool cpu = false;            ///< a software device: threads, not lanes
+  bool cpu = false;            ///< true for a software device
   uint32_t queueFamily = 0;
 
-  /// Milliseconds between two timestamps, which may have run over once; 0 where there are none.
+  /// Returns the milliseconds between two timestamps; the counter may have overflowed once. 0 without timestamps.
   double elapsedMs(uint64_t from, uint64_t to) const;
 };
 Capabilities capabilitiesOf(VkPhysicalDevice physical);
 
-/// Which of the devices is meant by `name`: auto, an index, or part of a device's name, which a number that is no index
-/// may be, too. Throws Error(invalidArgument) or Error(device) with every device seen and why it was refused.
+/// Returns the index of the chosen device. A name is "auto", an index or part of a device name; a number that is not an
+/// index is taken as part of a name. Throws Error(invalidArgument) or Error(device) that lists every device with the
+/// reason why it was refused.
 size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& choice);
 VkPhysicalDevice chooseDevice(const ApiInstance& instance, const DeviceChoice& choice);
 
@@ -101,9 +102,9 @@ class Device {
   Device& operator=(const Device&) = delete;
 
   VkDevice handle() const { return device_.get(); }
-  /// The functions of this device; volk's global pointers to them are null.
+  /// The function table of this device; volk's global pointers to device functions are null.
   const VolkDeviceTable& vk() const { return vk_; }
-  /// The object that a function of vk() creates as `info` says. Throws Error that names the place of the call.
+  /// Creates an object from `info` with a function of vk(). Throws Error that names the source location of the call.
   template <typename T, typename Info>
   DeviceHandle<T> make(VkResult(VKAPI_PTR* create)(VkDevice, const Info*, const VkAllocationCallbacks*, T*),
                        typename DeviceHandle<T>::Destroy destroy, const Info& info, const char* file = __builtin_FILE(),
@@ -119,13 +120,13 @@ class Device {
   void throwOnMessages() { instance_.throwOnMessages(); }
   const std::shared_ptr<Messages>& messages() const { return instance_.messages(); }
 
-  /// Index of a memory type among `typeBits` with all of `wanted`; -1 if there is none.
+  /// Returns the index of a memory type in `typeBits` that has all properties in `wanted`, or -1.
   int memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const;
   bool isHostVisible(int memoryType) const;
   bool isCoherent(int memoryType) const;
-  /// Bytes of the largest device-local heap.
+  /// Returns the size in bytes of the largest device-local heap.
   uint64_t heapBytes() const;
-  /// Device memory is host memory: copying it to the host side first would be waste.
+  /// Returns whether device memory is host memory, so that results need not be copied before they are read.
   bool unifiedMemory() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One Vulkan object with its owner's function to destroy it.
+// Owning handle of a Vulkan object.
 #pragma once
 
 #include <volk.h>
@@ -9,7 +9,8 @@
 
 namespace gnosphere::vulkan {
 
-/// Destroys what it holds when it goes. `Owner` is VkDevice or VkInstance, and nothing for these two themselves.
+/// Owns a Vulkan object and destroys it in the destructor. `Owner` is VkDevice or VkInstance, and empty for handles of
+/// these two types.
 template <typename T, typename... Owner>
 class Handle {
  public:

@@ -25,7 +25,7 @@ namespace {
 
 using Module = std::span<const uint32_t>;
 
-// The module that is built for so many sub-rays, or some more.
+// Returns the footprint module with the smallest sufficient number of sub-rays.
 Module footprintOf(uint32_t subRays) {
   if (subRays <= 1) return effects_footprint1;
   if (subRays <= 7) return effects_footprint7;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SPIR-V words -> a compute pipeline.
+// Compute pipelines from the SPIR-V modules.
 #pragma once
 
 #include <map>
@@ -10,20 +10,20 @@
 
 namespace gnosphere::vulkan {
 
-/// What every kernel is told when it is dispatched.
+/// The push constants of every dispatch.
 struct PushConstants {
-  VkDeviceAddress addresses;  ///< of the frame's gpu::Addresses
+  VkDeviceAddress addresses;  ///< address of the frame's gpu::Addresses
   gpu::Pass pass;
 };
 
-/// The kernels that a simulator's sensors need, each compiled once.
+/// The compiled kernels of a simulator; each is compiled once.
 class Kernels {
  public:
   Kernels(const Device& device, const PipelineCache& cache);
 
-  /// Of PushConstants, and nothing else.
+  /// Returns the pipeline layout; it has only PushConstants, no descriptors.
   VkPipelineLayout layout() const { return layout_.get(); }
-  /// Compiled now, if it is asked for the first time.
+  /// Returns the pipeline of a kernel; compiles it at the first call.
   VkPipeline of(const Variant& variant);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Vulkan device as the pipeline sees it: memory, and scans recorded from lists of steps.
+// The Machine for Vulkan: memory, and scans recorded from lists of steps.
 #include <cstring>
 #include <deque>
 
@@ -11,9 +11,9 @@ namespace gnosphere {
 namespace vulkan {
 namespace {
 
-// Scans that are handed to the device at a time: it works on one while the host receives the one before.
+// Number of scans submitted at a time: the device works on one while the host receives the one before.
 constexpr size_t kFramesInFlight = 2;
-// Timestamps that a scan takes, at most: three shells, what moves, resolve, effects, and the start.
+// Largest number of timestamps of a scan: the start, two each for three shells and moving instances, resolve, effects.
 constexpr uint32_t kStamps = 11;
 
 class VulkanMemory final : public DeviceMemory {
@@ -34,7 +34,7 @@ class VulkanMemory final : public DeviceMemory {
   void read(uint64_t place, std::span<std::byte> data) const override { transfer_.read(buffer_, place, data); }
 
   const Buffer& buffer() const { return buffer_; }
-  /// Where a scan leaves its results for the host, if that is not the buffer itself.
+  /// The buffer to which a scan copies its results for the host; without a handle if the host reads the buffer itself.
   const Buffer& copy() const { return copy_; }
 
  private:
@@ -80,7 +80,7 @@ class VulkanMachine final : public Machine {
     frame.commands.begin();
     for (size_t i = 0; i < steps.size(); ++i) {
       record(frame, steps[i], arrays);
-      // Fills in a row touch different bytes.
+      // Consecutive fills write different bytes, so no barrier is needed between them.
       const bool alike =
           i + 1 < steps.size() && steps[i].kind == Step::Kind::fill && steps[i + 1].kind == steps[i].kind;
       if (!alike && steps[i].kind != Step::Kind::start && steps[i].kind != Step::Kind::finish) frame.commands.barrier();
@@ -97,7 +97,7 @@ class VulkanMachine final : public Machine {
     explicit Frame(const Device& device)
         : addresses(device, "addresses", sizeof(gpu::Addresses), MemoryKind::upload), commands(device, kStamps) {}
     Buffer addresses;
-    Commands commands;  // last: it waits for the device before what it uses goes
+    Commands commands;  // last member, destroyed first: its destructor waits for the device
   };
 
   void record(Frame& frame, const Step& step, const BoundArrays& arrays) {

@@ -8,10 +8,10 @@
 namespace gnosphere::vulkan {
 namespace {
 
-// More than any driver has been seen to keep; a larger file is something else.
+// Larger than any pipeline cache seen so far; a larger file is not a pipeline cache.
 constexpr uint64_t kMostBytes = 256 << 20;
 
-// The XDG base directory specification: relative paths count as unset.
+// By the XDG base directory specification, relative paths count as unset.
 std::filesystem::path cacheFolder(const std::string& setting) {
   if (setting == "off") return {};
   if (!setting.empty()) return setting;
@@ -25,7 +25,7 @@ std::filesystem::path cacheFolder(const std::string& setting) {
   return {};
 }
 
-// FNV-1a, 64 bits: drivers trust what follows the header, so a flipped bit must be found here.
+// FNV-1a with 64 bits. Drivers do not check the data after the header, so damage must be detected here.
 std::string checksum(const std::string& bytes) {
   uint64_t hash = 14695981039346656037u;
   for (unsigned char byte : bytes) hash = (hash ^ byte) * 1099511628211u;
@@ -68,7 +68,7 @@ PipelineCache::PipelineCache(const Device& device, const std::string& setting) :
     file_ = folder / (hex(id.deviceUUID, VK_UUID_SIZE) + "-" + std::to_string(properties.properties.driverVersion));
     try {
       stored_ = pipelinesIn(readWholeFile(file_, kMostBytes), properties.properties);
-    } catch (const Error&) {  // there is none yet
+    } catch (const Error&) {  // there is no file yet
     }
   }
   VkPipelineCacheCreateInfo create = {VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
@@ -79,7 +79,7 @@ PipelineCache::PipelineCache(const Device& device, const std::string& setting) :
   };
   try {
     cache_ = make();
-  } catch (const Error&) {  // the driver does not like what is stored
+  } catch (const Error&) {  // the driver rejects the stored data
     stored_.clear();
     create.initialDataSize = 0;
     cache_ = make();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled pipelines, kept on disk from one process to the next.
+// A cache of compiled pipelines on disk.
 #pragma once
 
 #include <filesystem>
@@ -9,24 +9,24 @@
 
 namespace gnosphere::vulkan {
 
-/// What a driver wrote, out of a file's content; empty unless it is whole and was made by this driver on this device.
+/// Returns the driver's data in the content of a cache file; empty if it is damaged or from another driver or device.
 std::string pipelinesIn(const std::string& file, const VkPhysicalDeviceProperties& properties);
 
-/// One file per device and driver version. A file that is damaged, or of another device, counts as none; a folder that
-/// cannot be read or written is no error either: the pipelines are compiled again.
+/// Uses one file per device and driver version. A damaged file, a file of another device, and a folder that cannot be
+/// read or written are no errors: the pipelines are then compiled again.
 class PipelineCache {
  public:
-  /// `setting`: SimulatorOptions::cache.
+  /// `setting` is SimulatorOptions::cache.
   PipelineCache(const Device& device, const std::string& setting);
 
   VkPipelineCache handle() const { return cache_.get(); }
-  /// Writes what has been compiled since; nothing if the file has it all. Where that fails it is told once.
+  /// Writes the file if pipelines were compiled that it does not have. If that fails, `warn` is called once.
   void save(const std::function<void(const std::string& message)>& warn);
 
  private:
   const Device& device_;
-  std::filesystem::path file_;  // empty: nothing is kept
-  std::string stored_;          // Vulkan's bytes of the file
+  std::filesystem::path file_;  // empty if pipelines are not kept
+  std::string stored_;          // the driver's data in the file
   DeviceHandle<VkPipelineCache> cache_;
 };
 

@@ -15,59 +15,60 @@ namespace gnosphere {
 /// Times of many runs, in milliseconds.
 struct Spread {
   double median = 0, min = 0;
-  double p10 = 0, p90 = 0;  ///< nearest rank
+  double p10 = 0, p90 = 0;  ///< 10th and 90th percentile by the nearest-rank method
 };
 
-/// All zero for no values.
+/// Computes the statistics of `values`; all are zero if there are no values.
 GNOSPHERE_API Spread spreadOf(std::vector<double> values);
 
 /// Upper ends of the paper's bins (its Table 5), in metres; the last bin holds everything farther.
 inline constexpr std::array<double, 7> kNearestBins = {0.2, 0.4, 0.6, 0.8, 1.2, 1.6, 2.0};
 using NearestHistogram = std::array<uint64_t, kNearestBins.size() + 1>;
 
-/// How far each point of `other` is from the nearest point of `reference`: an exact nearest neighbour. It says little
-/// of a beam's own error, since a point may lie near the point of another beam; it is what the paper reports.
+/// Counts the points of `other` by their distance from the nearest point of `reference` (exact nearest neighbour), in
+/// the bins of kNearestBins. The paper reports this measure. It says little about the error of a single beam, because a
+/// wrong point may lie near the point of another beam.
 GNOSPHERE_API NearestHistogram nearestHistogram(const Scan& reference, const Scan& other);
 
-/// What one setting of the dial gets wrong, and what it costs.
+/// Error and time of one accuracy setting.
 struct AccuracyRow {
   std::string name;
   AccuracyParts accuracyParts;
   Comparison error;  ///< against the double-precision reference, summed over the poses
-  /// Beams of the reference that are lost, false or at another range, as a share of all beams; outside ties.
+  /// Share of all beams that are missed, falsely hit or at a wrong range, without ties.
   GNOSPHERE_API double wrongShare() const;
-  /// No beam outside ties is missed or false, and no range is further off than this; infinite otherwise.
+  /// Largest range error in metres if no beam is missed or falsely hit, without ties; infinity otherwise.
   GNOSPHERE_API double errorBound() const;
-  NearestHistogram nearest{};  ///< only of all beams, not of a sample
+  NearestHistogram nearest{};  ///< all zero if only a sample of the beams was compared
   Spread wallMs;
-  Spread gpuMs;                   ///< zero where the device has no timestamps
-  std::vector<StageTime> stages;  ///< medians
-  double ratio = 1;               ///< of times to `standard`: the median of the ratios run by run
-  /// Device time where there is one, else wall time.
+  Spread gpuMs;                   ///< all zero if the device has no timestamps
+  std::vector<StageTime> stages;  ///< median time of each stage
+  double ratio = 1;               ///< time relative to `standard`: the median over the runs of the ratio in each run
+  /// Returns the device time if it was measured, otherwise the wall time.
   const Spread& time() const { return gpuMs.median > 0 ? gpuMs : wallMs; }
 };
 
 struct AccuracyReport {
   DeviceInfo device;
-  uint64_t beams = 0;                 ///< compared with the reference, over all poses
-  bool sampled = false;               ///< not every beam was
-  uint32_t runs = 0;                  ///< timed, of each row
+  uint64_t beams = 0;                 ///< number of beams compared with the reference, over all poses
+  bool sampled = false;               ///< true if only a sample of the beams was compared
+  uint32_t runs = 0;                  ///< number of timed runs per row
   std::vector<AccuracyRow> settings;  ///< paper, draft, standard, exact
-  std::vector<AccuracyRow> parts;     ///< `standard` with one exactness taken away
+  std::vector<AccuracyRow> parts;     ///< `standard` with one part replaced by a less accurate one
 };
 
 struct AccuracyOptions {
-  SimulatorOptions simulator;  ///< its `accuracy` and `exactness` are not looked at
-  uint32_t runs = 20;          ///< timed scans of each row, one row after the other, over and over
-  bool parts = true;           ///< measure what each exactness buys, too
-  bool nearest = true;         ///< the paper's histogram, too
-  uint64_t sample = 0;         ///< compare about so many beams per pose, chosen by seed; 0 = every beam
-  uint32_t seed = 1;           ///< of the sample
+  SimulatorOptions simulator;  ///< its `accuracy` and `exactness` are ignored
+  uint32_t runs = 20;   ///< timed scans per row; the rows take turns, so that slow drifts affect all of them alike
+  bool parts = true;    ///< also measures the rows AccuracyReport::parts
+  bool nearest = true;  ///< also computes the paper's histogram, AccuracyRow::nearest
+  uint64_t sample = 0;  ///< approximate number of beams per pose to compare, chosen at random; 0 compares every beam
+  uint32_t seed = 1;    ///< seed of the choice of the sample
   std::function<void(const char* step, uint64_t done, uint64_t total)> progress;
 };
 
-/// Measures error and time of every setting from each of the poses, on one device. Throws Error(invalidArgument) for no
-/// pose or the reference as device; and what Simulator throws.
+/// Measures the error and the time of every setting from each of the poses, on one device. Throws
+/// Error(invalidArgument) if there is no pose or if the device is the reference, and whatever Simulator throws.
 GNOSPHERE_API AccuracyReport measureAccuracy(const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses,
                                              const AccuracyOptions& options = {});
 
