@@ -209,7 +209,7 @@ bool losesLoops(const VkPhysicalDeviceDriverProperties& driver) {
   return mesa < kLeastMesa;
 }
 
-// What that Vulkan 1.2 guarantees are not checked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
+// Limits that Vulkan 1.2 guarantees are not checked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
 // workgroups per dispatch, and 128 bytes of push constants.
 static_assert(kWorkgroupSize <= 128 && sizeof(gpu::Pass) <= 128);
 
