@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
     const gnosphere::Scene scene = gnosphere::loadScene(argc > 1 ? argv[1] : "town.glb");
     const gnosphere::Sensor sensor = gnosphere::builtinSensor("HDL-64E");
     gnosphere::Simulator simulator(scene, {sensor, gnosphere::Effects::none()});  // geometry alone
-    const gnosphere::Scan scan = simulator.scan({.position = {0, 0, 1.8}});
+    const gnosphere::Scan scan = simulator.scan({{0, 0, 1.8}, {}});
 
     std::cout << scan.counters.hits << " of " << scan.beamCount() << " beams hit on " << simulator.device().name
               << '\n';
