@@ -37,9 +37,12 @@
 // for further slabs follow behind.
 #define GNO_WORK_ARRAYS(BLOCK, ARRAY) \
   BLOCK(coherent, Counters, counters) \
-  ARRAY(, uvec2, visibleGroups)            /* instance, group */ \
+  BLOCK(coherent, Shells, shells) \
+  ARRAY(, uvec4, shellGroups)              /* instance, group, bits of its nearest distance, its first row | row */ \
+                                           /* after its last << 16; one half for even shells, one for odd ones */ \
   ARRAY(, uvec2, visible)                  /* instance, cluster */ \
   ARRAY(, uint, farthest)                  /* bits of the largest range found so far; fine, then coarse entries */ \
+  ARRAY(coherent, uint, staleEntries)      /* per coarse entry of `farthest`: 1 if project has found hits there */ \
   ARRAY(, TaggedCorner, projectedA) \
   ARRAY(, vec4, projectedB) \
   ARRAY(, TaggedCorner, projectedC) \

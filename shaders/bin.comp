@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage bin. Assigns every projected triangle to the beams that hit it. One invocation processes a small box; large
 // boxes are cut into tiles and one subgroup processes a tile. PASS selects what happens with a hit. With slabs, a
-// subgroup owns a range of columns, all boxes are tiles, listed by slab, and no atomics are needed.
+// subgroup owns a range of columns, all boxes are tiles, listed by slab, and no atomics are needed. Unless there are
+// lists, small boxes do not come here: project has tried their beams. Between shells this stage also computes the
+// farthest-range table, so that the next shells can skip what lies behind.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #ifdef INT64_ATOMICS
@@ -22,13 +25,10 @@
 #include "inside.glsl"
 #include "rows_between.glsl"
 #include "seen.glsl"
+#include "nearest_hit.glsl"
+#include "occluders.glsl"
 
 layout(local_size_x = 64) in;
-#ifdef INT64_ATOMICS
-layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer Words64 { uint64_t at[]; };
-Words64 words64 = Words64(words);
-#endif
-
 // Only the subgroup that owns the beam's slab may call this; therefore no atomics are needed.
 void keepNearer(uint beam, bool met, float range, uint id) {
 #ifdef INT64_ATOMICS
@@ -38,25 +38,19 @@ void keepNearer(uint beam, bool met, float range, uint id) {
 #endif
 }
 
-// Ranges are positive, so their bits order like numbers. A word never grows, so a plain read could skip the atomic.
-// The code does not read first: near triangles come first, so most atomics succeed anyway.
+// A word never grows, so a plain read could skip the atomic. The code does not read first: near triangles come first,
+// so most atomics succeed anyway.
 void offer(uint beam, float range, uint projected, uint id) {
-#ifdef INT64_ATOMICS
   if (BINNING == kBinningNearest) {
-    atomicMin(words64.at[beam], packUint2x32(uvec2(id, floatBitsToUint(range))));
+    offerNearest(beam, range, id);
     return;
   }
-#endif
   if (PASS == kPassCount) {
     atomicAdd(listEnds.at[beam], 1);
   } else {
     uint slot = atomicAdd(listEnds.at[beam], 1);
     if (slot < frame.candidateCapacity) candidates.at[slot] = projected;
   }
-}
-
-float farthestOf(uint index) {
-  return BINNING == kBinningLists ? frame.rangeMax : min(uintBitsToFloat(min(words.at[index].y, 0x7f800000u)), frame.rangeMax);
 }
 
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
@@ -76,17 +70,6 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
 void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
   seen = seenFrom(seen, index / frame.columns, beam.azimuth);
   tryBeam(seen, prepare(seen), turn(seen, beam.azimuth), beam, index, slot);
-}
-
-// Returns the beam in the k-th column of a box and in a row, and its index in `words`. If the row's azimuth offset
-// is n columns, rounded down, its beam at a grid column is beam number (grid column - n) of the row. So k counts grid
-// columns in every row, and the slab that owns the grid column owns the beam.
-Beam beamAt(Box box, uint k, uint row, out uint index) {
-  vec3 angles = rows.at[row].angles;
-  vec4 offset = AZIMUTH_OFFSETS ? rows.at[row].offset : vec4(0.0);
-  uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? int(floor(offset.z)) : 0));
-  index = row * frame.columns + column;
-  return beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
 }
 
 Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }
@@ -238,27 +221,62 @@ void tryTile(Tile tile) {
   }
 }
 
+// Computes the entries of the farthest-range table in a slab that may have changed: those in rows first..last, and
+// those in which project has found hits.
+void writeTable(uint slab, uint first, uint last) {
+  uint from = slab << frame.slabShift, end = min(from + (1 << frame.slabShift), frame.columns);
+  uint perRow = (frame.columns - 1) / kCoarseColumns + 1;
+  for (uint y = 0; y * kCoarseRows < frame.rows; ++y)
+    for (uint x = from / kCoarseColumns; x * kCoarseColumns < end; ++x) {
+      bool binned = first < (y + 1) * kCoarseRows && last >= y * kCoarseRows;
+      if (!binned && staleEntries.at[y * perRow + x] == 0) continue;
+      computeEntry(uvec2(x, y));
+      if (gl_SubgroupInvocationID == 0) staleEntries.at[y * perRow + x] = 0;
+    }
+}
+
 // One subgroup processes slab after slab; a shared counter hands out the next slab. It leaves the slab's list empty
 // for the next shell.
 void trySlabs() {
   uint slabs = (frame.columns - 1 >> frame.slabShift) + 1;
   while (true) {
     uint slab = 0, t = kNone;
-    if (gl_SubgroupInvocationID == 0) slab = atomicAdd(counters.nextSlab, 1);
+    if (gl_SubgroupInvocationID == 0) slab = atomicAdd(shells.of[pass.shell].nextSlab, 1);
     slab = subgroupBroadcast(slab, 0);
     if (slab >= slabs) return;
     if (gl_SubgroupInvocationID == 0) t = atomicExchange(listEnds.at[slab], kNone);
     t = subgroupBroadcast(t, 0);
+    uint first = frame.rows, last = 0;
     while (t != kNone) {
       Tile tile = tileAt(t);
+      first = min(first, tile.box.rowFirst);
+      last = max(last, tile.box.rowLast);
       tryTile(tile);
       subgroupMemoryBarrierBuffer();  // in the next tile, other lanes access these words
       t = tile.before;
     }
+    if (pass.table != kTableNone) writeTable(slab, first, last);
+  }
+}
+
+// Computes the whole farthest-range table, where slabs do not write it. One subgroup per coarse entry.
+void writeWholeTable() {
+  uint perRow = (frame.columns + kCoarseColumns - 1) / kCoarseColumns,
+       count = perRow * ((frame.rows + kCoarseRows - 1) / kCoarseRows);
+  uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
+  for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < count; i += stride)
+    computeEntry(uvec2(i % perRow, i / perRow));
+  if (gl_WorkGroupID == uvec3(0) && gl_LocalInvocationID.x == 0) {
+    counters.binnedSmall = counters.projectedSmall;
+    counters.binnedTiles = counters.tiles;
   }
 }
 
 void main() {
+  if (PASS == kPassTable) {
+    writeWholeTable();
+    return;
+  }
   // If a list was too small, the host enlarges it and runs the scan again.
   if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
       counters.tiles > frame.tileCapacity)

@@ -28,6 +28,7 @@ GNO_ARRAYS(BLOCK, ARRAY)
 // The frame is copied once because it is read often: a compiler must reload memory after each store that may alias it.
 Frame frame = frameAt.at[0];
 #define counters countersAt.at[0]
+#define shells shellsAt.at[0]
 #define parameters parametersAt.at[0]
 #define motion motionAt.at[0]
 
@@ -36,6 +37,7 @@ Frame frame = frameAt.at[0];
 // A block that a kernel does not use has no address, so blocks are pointers here and not references. Each stage is
 // included after another one, which has left its macros.
 #undef counters
+#undef shells
 #undef parameters
 #undef motion
 #define ARRAY(access_, type_, name_) type_* name_ = reinterpret_cast<type_*>(job.addresses.name_);
@@ -45,6 +47,7 @@ GNO_ARRAYS(BLOCK, ARRAY)
 #undef BLOCK
 Frame& frame = *frameAt;
 #define counters (*countersAt)
+#define shells (*shellsAt)
 #define parameters (*parametersAt)
 #define motion (*motionAt)
 Pass pass = __builtin_bit_cast(Pass, job.pass);

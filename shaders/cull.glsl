@@ -74,6 +74,14 @@ bool occluded(Window window, float nearest) {
   uint from = wrapColumn(unwrapped), to = uint(int(floor(window.to - frame.shiftMin)) + int(from) - unwrapped);
   uvec2 shift = uvec2(findMSB(kFineColumns), findMSB(kFineRows));
   uint base = 0;
+  uint columnCount = to - from + 1, rowCount = window.end - window.first;
+  // A window of few beams is compared with the hits of these beams. With offsets, rows have different columns.
+  if (!AZIMUTH_OFFSETS && columnCount <= kMaxLookups && columnCount * rowCount <= kMaxLookups) {
+    for (uint row = window.first; row < window.end; ++row)
+      for (uint k = from; k <= to; ++k)
+        if (words.at[row * frame.columns + (k < frame.columns ? k : k - frame.columns)].y >= nearestBits) return false;
+    return true;
+  }
   for (uint level = 0; level < 2; ++level) {
     uint perRow = (frame.columns - 1 >> shift.x) + 1;
     // Columns wrap, and so do table entries. The last entry of a row may cover fewer columns, so one more entry is

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, second pass. One subgroup per visible group, one invocation per cluster. Lists the clusters of the
-// shell that a beam may hit. A cluster belongs to the shell that contains its nearest point.
+// Stage project, second pass, once per shell. A subgroup takes several groups, one per invocation, then the clusters of
+// each group that a beam may hit. Lists the clusters of the shell for the next pass, and the groups that reach beyond
+// the shell for the next shell. A cluster belongs to the shell that contains its nearest point.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -17,20 +20,7 @@
 
 layout(local_size_x = 64) in;
 
-// The first lane loads the group and its instance and broadcasts them.
-void loadGroup(uint i, out uvec2 pair, out Instance instance, out uint first, out uint count) {
-  uvec2 run;
-  if (gl_SubgroupInvocationID == 0) {
-    pair = visibleGroups.at[i];
-    instance = instances.at[pair.x];
-    run = uvec2(groups.at[pair.y].clusterFirst, groups.at[pair.y].clusterCount);
-  }
-  pair = subgroupBroadcast(pair, 0);
-  instance = fromFirstLane(instance);
-  run = subgroupBroadcast(run, 0);
-  first = run.x;
-  count = run.y;
-}
+float shellMin, shellMax;
 
 // True if the back-face cone of the mesh is valid for the instance: the transform is a rotation, optionally with one
 // uniform scale, and the pivot is the sensor's position.
@@ -62,27 +52,100 @@ bool seen(uint number, Instance instance, uint cluster) {
   sensorBox(instance, clusters.at[cluster].low, clusters.at[cluster].high, low, high);
   if (MOTION) widenByMotion(number, low, high);
   float nearest = nearestPoint(low, high);
-  bool inShell = !(nearest < pass.shellMin) && !(nearest >= pass.shellMax);
+  bool inShell = !(nearest < shellMin) && !(nearest >= shellMax);
   // The cone is tested last because then most clusters do not have to load it.
   return inShell && !outOfSight(low, high) && (MOTION || !showsItsBack(instance, cluster));
 }
 
-void main() {
-  uint groupCount = counters.visibleGroups;
-  uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
-  for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < groupCount; i += stride) {
-    uvec2 pair;
-    Instance instance;
-    uint first, count;
-    loadGroup(i, pair, instance, first, count);
-    for (uint k = 0; k < count; k += gl_SubgroupSize) {
-      uint cluster = first + k + gl_SubgroupInvocationID;
-      bool keep = k + gl_SubgroupInvocationID < count && seen(pair.x, instance, cluster);
-      uvec4 ballot = subgroupBallot(keep);
-      uint slot = 0;
-      if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.visible, subgroupBallotBitCount(ballot));
-      slot = slotAfter(slot, ballot);
-      if (keep) visible.at[slot] = uvec2(pair.x, cluster);
-    }
+// Records the rows that the part of a box beyond this shell may cover. The farthest-range table is computed only for
+// these rows.
+void noteLater(vec3 low, vec3 high, inout uvec2 later) {
+  if (MOTION) seeming = seemingAngle(motion.shift, motion.turn, shellMax);  // bounds all content beyond the shell
+  float keyMin, keyMax;
+  coverKeys(low, high, shellMax, keyMin, keyMax);
+  uint first, end;
+  // The range is widened by one lookup cell, because the boxes of clusters are rounded to whole cells.
+  rowsBetween(keyMin - 2.0 / float(kRowLookupCells), keyMax + 2.0 / float(kRowLookupCells), first, end);
+  later = max(later, uvec2(frame.rows - first, end));
+}
+
+// Appends clusters to the list of the shell. All lanes of the subgroup must call this.
+void list(bool keep, uint instance, uint cluster, inout bool any) {
+  uvec4 ballot = subgroupBallot(keep);
+  uint slot = 0, count = subgroupBallotBitCount(ballot);
+  if (count == 0) return;
+  if (gl_SubgroupInvocationID == 0) slot = atomicAdd(shells.of[pass.shell].visible, count);
+  slot = slotAfter(slot, ballot);
+  if (keep) visible.at[slot] = uvec2(instance, cluster);
+  any = true;
+}
+
+// Lists the visible clusters of the group that lane `lane` has taken.
+void listClusters(uvec2 pair, uvec2 run, uint lane, inout bool any) {
+  pair = subgroupShuffle(pair, lane);
+  run = subgroupShuffle(run, lane);
+  Instance instance;
+  if (gl_SubgroupInvocationID == 0) instance = instances.at[pair.x];
+  instance = fromFirstLane(instance);
+  for (uint k = 0; k < run.y; k += gl_SubgroupSize) {
+    uint cluster = run.x + k + gl_SubgroupInvocationID;
+    list(k + gl_SubgroupInvocationID < run.y && seen(pair.x, instance, cluster), pair.x, cluster, any);
   }
+}
+
+// Hands groups that reach beyond this shell on to the next one.
+void handOn(bool goesOn, uvec4 entry, inout bool any) {
+  uvec4 ballot = subgroupBallot(goesOn);
+  uint slot = 0, count = subgroupBallotBitCount(ballot);
+  if (count == 0) return;
+  if (gl_SubgroupInvocationID == 0) slot = atomicAdd(shells.of[pass.shell + 1].groups, count);
+  slot = slotAfter(slot, ballot);
+  if (goesOn) shellGroups.at[(pass.shell + 1 & 1) * pass.placedCount + slot] = entry;
+  any = true;
+}
+
+void main() {
+  bool first_ = pass.shell == 0 || pass.shell == kMostShells;
+  shellMin = first_ ? 0.0 : shells.of[pass.shell - 1].end;
+  shellMax = pass.last != 0 ? uintBitsToFloat(0x7f800000u) : shells.of[pass.shell].end;
+  uint count = shells.of[pass.shell].groups, half_ = (pass.shell & 1) * pass.placedCount;
+  // If there are few groups, every subgroup takes one at a time.
+  uint subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, lane = gl_SubgroupInvocationID;
+  uint share = clamp((count + subgroups - 1) / subgroups, 1, gl_SubgroupSize);
+  bool anyVisible = false, anyLater = false;
+  uvec2 later = uvec2(0);
+  for (uint first = (gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID) * share; first < count;
+       first += subgroups * share) {
+    bool keep = false, goesOn = false;
+    uvec4 entry = uvec4(0);
+    uvec2 run = uvec2(0);
+    if (lane < share && first + lane < count) {
+      entry = shellGroups.at[half_ + first + lane];
+      goesOn = uintBitsToFloat(entry.z) >= shellMax;
+      if (goesOn) {
+        later = max(later, uvec2(frame.rows - (entry.w & 0xffff), entry.w >> 16));
+      } else {
+        vec3 low, high;
+        sensorBox(instances.at[entry.x], groups.at[entry.y].low, groups.at[entry.y].high, low, high);
+        if (MOTION) widenByMotion(entry.x, low, high);
+        keep = pass.occluders == 0 || !outOfSight(low, high);
+        goesOn = keep && farthestPoint(low, high) >= shellMax;
+        if (goesOn) noteLater(low, high, later);
+        if (keep) run = uvec2(groups.at[entry.y].clusterFirst, groups.at[entry.y].clusterCount);
+      }
+    }
+    handOn(goesOn, entry, anyLater);
+    // The box of a group with one cluster is the cluster's.
+    list(keep && run.y == 1, entry.x, run.x, anyVisible);
+    for (uint k = 0; k < share; ++k)
+      if (subgroupShuffle(run.y, k) > 1) listClusters(entry.xy, run, k, anyVisible);
+  }
+  later = uvec2(subgroupMax(later.x), subgroupMax(later.y));
+  if (gl_SubgroupInvocationID != 0) return;
+  if (later.y > 0) {
+    atomicMax(shells.of[pass.shell].laterRowsDown, later.x);
+    atomicMax(shells.of[pass.shell].laterRowsUp, later.y);
+  }
+  if (anyLater) atomicMax(shells.of[pass.shell + 1].clusterWork.x, frame.cullWorkgroups);
+  if (anyVisible) atomicMax(shells.of[pass.shell].triangleWork.x, frame.triangleWorkgroups);
 }

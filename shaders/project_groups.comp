@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage project, first pass. One invocation per placed group of clusters. Lists the groups in which a beam may hit
-// something in the shell.
+// something, for the first shell. A second run of this shader, in one workgroup, chooses the shells.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -18,48 +17,95 @@
 
 layout(local_size_x = 64) in;
 
-// Records the rows that content beyond this shell may cover. The farthest-range table is computed only for these rows.
-void noteLater(vec3 low, vec3 high, inout uvec2 later) {
-  bool occluders = (CULLING & kCullOccluded) != 0 && pass.shellMax < kCoordinateLimit;
-  if (!occluders || farthestPoint(low, high) < pass.shellMax) return;
-  if (MOTION) seeming = seemingAngle(motion.shift, motion.turn, pass.shellMax);  // bounds all content beyond the shell
+// Buckets of distance are runs of floats with the same exponent and the same two leading bits of the mantissa. The
+// last bucket ends beyond the range.
+const uint kBucketShift = 21;
+uint firstBucketBits() { return (floatBitsToUint(frame.rangeMax) >> kBucketShift) - (kShellBuckets - 1); }
+uint bucketOf(float range) {
+  uint bits = floatBitsToUint(range) >> kBucketShift, first = firstBucketBits();
+  return bits > first ? min(bits - first, kShellBuckets - 1) : 0;
+}
+float endOfBucket(uint bucket) { return uintBitsToFloat(firstBucketBits() + bucket + 1 << kBucketShift); }
+
+// The rows that the box may cover: the first one, and the one after the last << 16. They are widened by one lookup
+// cell, because the boxes of clusters are rounded to whole cells.
+uint rowsOf(vec3 low, vec3 high) {
+  if (seeming > 1.0) return frame.rows << 16;
   float keyMin, keyMax;
-  coverKeys(low, high, pass.shellMax, keyMin, keyMax);
+  coverKeys(low, high, 0.0, keyMin, keyMax);
   uint first, end;
-  // The range is widened by one lookup cell, because the boxes of clusters are rounded to whole cells.
   rowsBetween(keyMin - 2.0 / float(kRowLookupCells), keyMax + 2.0 / float(kRowLookupCells), first, end);
-  later = max(later, uvec2(frame.rows - first, end));
+  return first | end << 16;
 }
 
-bool seen(uvec2 pair, inout uvec2 later) {
-  vec3 low, high;
-  sensorBox(instances.at[pair.x], groups.at[pair.y].low, groups.at[pair.y].high, low, high);
-  if (MOTION) widenByMotion(pair.x, low, high);
-  noteLater(low, high, later);
-  return !(nearestPoint(low, high) >= pass.shellMax || farthestPoint(low, high) < pass.shellMin || outOfSight(low, high));
+// Adds the clusters of a group to the buckets, as if they were spread evenly between its nearest and farthest point.
+void countClusters(uint count, float nearest, float farthest_) {
+  const uint kParts = 4;
+  for (uint part = 0; part < min(count, kParts); ++part)
+    atomicAdd(shells.clusters[bucketOf(nearest + (farthest_ - nearest) * (float(part) / float(kParts)))],
+              (count + kParts - 1 - part) / kParts);
 }
 
-void main() {
+void listGroups() {
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  uvec2 later = uvec2(0);
-  uint rounds = (pass.placedCount + stride - 1) / stride;
+  uint rounds = (pass.placedCount + stride - 1) / stride, half_ = (pass.shell & 1) * pass.placedCount;
   for (uint k = 0; k < rounds; ++k) {
     uint i = k * stride + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
-    uvec2 pair = uvec2(0);
     bool keep = false;
+    uvec4 entry = uvec4(0);
     if (i < pass.placedCount) {
-      pair = placed.at[pass.placedFirst + i];
-      keep = seen(pair, later);
+      uvec2 pair = placed.at[pass.placedFirst + i];
+      vec3 low, high;
+      sensorBox(instances.at[pair.x], groups.at[pair.y].low, groups.at[pair.y].high, low, high);
+      if (MOTION) widenByMotion(pair.x, low, high);
+      keep = !outOfSight(low, high);
+      float nearest = nearestPoint(low, high);
+      entry = uvec4(pair, floatBitsToUint(nearest), rowsOf(low, high));
+      if (keep && pass.last == 0) countClusters(groups.at[pair.y].clusterCount, nearest, farthestPoint(low, high));
     }
     uvec4 ballot = subgroupBallot(keep);
     uint slot = 0;
-    if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.visibleGroups, subgroupBallotBitCount(ballot));
+    if (gl_SubgroupInvocationID == 0) slot = atomicAdd(shells.of[pass.shell].groups, subgroupBallotBitCount(ballot));
     slot = slotAfter(slot, ballot);
-    if (keep) visibleGroups.at[slot] = pair;
+    if (keep) shellGroups.at[half_ + slot] = entry;
   }
-  later = uvec2(subgroupMax(later.x), subgroupMax(later.y));
-  if (gl_SubgroupInvocationID == 0 && later.y > 0) {
-    atomicMax(counters.laterRowsDown, later.x);
-    atomicMax(counters.laterRowsUp, later.y);
+}
+
+// A shell ends where it has twice the clusters of the one before, because the farthest-range table costs the same after
+// every shell, or at the hint. What is left goes to the last shell if it is hardly more than one shell's worth.
+void chooseShells() {
+  uint left = 0;
+  for (uint k = 0; k < kShellBuckets; ++k) left += shells.clusters[k];
+  uint bucket = 0, sum = 0, wanted = frame.shellClusters;
+  bool hinted = frame.shellHint > 0.0;
+  for (uint shell = 0; shell < kMostShells; ++shell) {
+    uint inShell = 0;
+    bool full = false;
+    while (!full && bucket < kShellBuckets) {
+      inShell += shells.clusters[bucket];
+      float end = endOfBucket(bucket);
+      ++bucket;
+      bool atHint = hinted && end >= frame.shellHint;
+      if (atHint) hinted = false;
+      full = inShell >= wanted || (atHint && inShell > 0);
+    }
+    left -= inShell;
+    bool last = shell == kMostShells - 1 || bucket == kShellBuckets || left < frame.shellClusters;
+    shells.of[shell].end = last ? uintBitsToFloat(0x7f800000u) : endOfBucket(bucket - 1);
+    if (last) break;
+    wanted *= 2;
+  }
+}
+
+void main() {
+  if (PASS == kPassList) {
+    listGroups();
+  } else if (gl_LocalInvocationID.x == 0) {
+    chooseShells();
+    for (uint k = 0; k <= kMostShells; ++k) {
+      shells.of[k].clusterWork = Workgroups(k == 0 ? frame.cullWorkgroups : 0, 1, 1);
+      shells.of[k].triangleWork = Workgroups(0, 1, 1);
+      shells.of[k].binWork = Workgroups(0, 1, 1);
+    }
   }
 }

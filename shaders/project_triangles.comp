@@ -12,6 +12,10 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_EXT_scalar_block_layout : require
+#ifdef INT64_ATOMICS
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -23,6 +27,8 @@
 #include "to_sensor.glsl"
 #include "cull.glsl"
 #include "cluster_corners.glsl"
+#include "inside.glsl"
+#include "nearest_hit.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -65,17 +71,30 @@ bool hidden(Box box, float rangeMin) {
          occluded(Window(box.rowFirst, box.rowLast + 1, box.columnMin, box.columnMax), rangeMin);
 }
 
-// True if the triangle certainly lies between two rows, by the angles of its corners and a margin. An edge that spans
-// d radians (at most its length divided by the nearest range) rises above its ends by at most d^2 / 8 times the
-// tangent of its elevation, which is at most 2.4 here: for d up to 0.2 and keys up to 0.6.
-bool betweenRows(vec3 a, vec3 b, vec3 c, vec3 size, float rangeMin) {
+// Computes the outline of a triangle from the angles of its corners and a margin, which is much cheaper than
+// outlineOf(). An edge that spans d radians (at most its length divided by the nearest range) rises above its ends by
+// at most d^2 / 8 times the tangent of its elevation, which is at most 2.4 here: for d up to 0.2 and keys up to 0.6.
+// Returns false for any other triangle.
+bool narrowOutline(vec3 a, vec3 b, vec3 c, float rangeMin, out Outline outline) {
+  vec3 size = max(max(a, b), c) - min(min(a, b), c);
   vec3 keys = vec3(elevationKey(length(a.xy), a.z), elevationKey(length(b.xy), b.z), elevationKey(length(c.xy), c.z));
   float keyMin = min(min(keys.x, keys.y), keys.z), keyMax = max(max(keys.x, keys.y), keys.z);
   float squares = dot(size, size) / (rangeMin * rangeMin);
   float widening = 0.35 * squares + keySlack();
-  uint first, end;
-  rowsBetween(keyMin - widening, keyMax + widening, first, end);
-  return first >= end && squares < 0.04 && max(-keyMin, keyMax) < 0.6;
+  outline = Outline(keyMin - widening, keyMax + widening);
+  return squares < 0.04 && max(-keyMin, keyMax) < 0.6;
+}
+
+// Sets the columns of a triangle with a narrow outline; false if it lies between two columns. Seen from corner a the
+// others are less than 0.4 radians away, where the tangent of an angle exceeds the angle only a little.
+bool coverNarrowColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) {
+  float slack = columnSlack(outline.keyMin, outline.keyMax);
+  float start = azimuthOf(a.y, a.x);
+  float toB = (a.x * b.y - a.y * b.x) / dot(a.xy, b.xy), toC = (a.x * c.y - a.y * c.x) / dot(a.xy, c.xy);
+  float low = min(min(toB, toC), 0.0), high = max(max(toB, toC), 0.0);
+  box.columnMin = (start + low + kPi) * frame.columnsPerRadian - slack;
+  box.columnMax = box.columnMin + (high - low) * frame.columnsPerRadian + 2.0 * slack;
+  return AZIMUTH_OFFSETS || ceil(box.columnMin) <= floor(box.columnMax);
 }
 
 // The culling tests that need no exact bounds. All lanes run all of them, because loads in divergent branches cost
@@ -85,15 +104,26 @@ uint culledEarly(vec3 a, vec3 b, vec3 c, bool oneSided) {
   float rangeMin = nearestPoint(low, high);
   uint fate = kKeep;
   // If one subgroup processes all triangles of a cluster at once, this extra test saves no time.
-  if (BOUNDS == kBoundsExact && gl_SubgroupSize < kClusterTriangles)
-    fate = betweenRows(a, b, c, high - low, rangeMin) ? kBetween : kKeep;
+  if (BOUNDS == kBoundsExact && gl_SubgroupSize < kClusterTriangles) {
+    Outline outline;
+    Box box;
+    bool narrow = narrowOutline(a, b, c, rangeMin, outline);
+    fate = narrow && !coverRows(outline, box) ? kBetween : kKeep;
+  }
   fate = oneSided && facesAway(a, b, c) ? kFace : fate;
   return outOfRange(a, rangeMin) ? kRange : fate;
 }
 
 uint boundedBox(vec3 a, vec3 b, vec3 c, out Box box, float rangeMin) {
-  Outline outline = outlineOf(a, b, c);
-  if (!(coverRows(outline, box) && coverColumns(a, b, c, outline, box))) return kBetween;
+  Outline outline;
+  bool some;
+  if (BOUNDS == kBoundsExact && narrowOutline(a, b, c, rangeMin, outline)) {
+    some = coverRows(outline, box) && coverNarrowColumns(a, b, c, outline, box);
+  } else {
+    outline = outlineOf(a, b, c);
+    some = coverRows(outline, box) && coverColumns(a, b, c, outline, box);
+  }
+  if (!some) return kBetween;
   return hidden(box, rangeMin) ? kHidden : kKeep;
 }
 
@@ -181,12 +211,12 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
 // shared counter hands out the next cluster; otherwise each subgroup has a fixed share.
 bool nextCluster(inout uint i) {
   if (BINNING == kBinningSlabs) {
-    if (gl_SubgroupInvocationID == 0) i = atomicAdd(counters.nextCluster, 1);
+    if (gl_SubgroupInvocationID == 0) i = atomicAdd(shells.of[pass.shell].nextCluster, 1);
     i = subgroupBroadcast(i, 0);
   } else {
     i = i == kNone ? gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID : i + gl_NumWorkGroups.x * gl_NumSubgroups;
   }
-  return i < counters.visible;
+  return i < shells.of[pass.shell].visible;
 }
 
 // Returns the position of the n-th set bit.
@@ -203,6 +233,46 @@ uint nthSetBit(uint bits, uint n) {
 
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
+// True if the beams of small boxes are tried here, instead of in stage bin.
+bool triesSmallBoxes() { return BINNING != kBinningLists && BOUNDS != kBoundsPaper && !MOTION; }
+
+uint triedCount = 0;  // triangles that this invocation has tried
+
+// Notes that the entry of the farthest-range table that holds this beam is out of date.
+void markStale(uint row, uint column) {
+  uint entry = row / kCoarseRows * ((frame.columns - 1) / kCoarseColumns + 1) + column / kCoarseColumns;
+  if (staleEntries.at[entry] == 0) atomicMax(staleEntries.at[entry], 1);
+}
+
+// Tries all beams of a small box. It is one loop, not two nested ones: a subgroup then runs as long as its largest box.
+void tryBox(Projected projected, Box box) {
+  Triangle triangle = triangleOf(projected.a, projected.b, projected.c.corner);
+  Prepared prepared = prepare(triangle);
+  uint columnCount = boxColumnCount(box), k = 0;
+  bool met = false;
+  for (uint row = box.rowFirst; row <= box.rowLast;) {
+    uint index;
+    Beam beam = beamAt(box, k, row, index);
+    float range;
+    if (meet(triangle, prepared, turn(triangle, beam.azimuth), beam, index, range) &&
+        floatBitsToUint(range) <= words.at[index].y) {
+      offerNearest(index, range, triangle.id);
+      met = true;
+    }
+    if (++k == columnCount) {
+      k = 0;
+      ++row;
+    }
+  }
+  ++triedCount;
+  if (!met || pass.last != 0) return;
+  uint first = wrapColumn(firstColumn(box)), last = wrapColumn(firstColumn(box) + int(columnCount) - 1);
+  for (uint corner = 0; corner < 4; ++corner)
+    markStale((corner & 1) == 0 ? box.rowFirst : box.rowLast, (corner & 2) == 0 ? first : last);
+}
+
+bool stored = false;  // whether this subgroup has stored any triangle
+
 // All lanes of the subgroup must call this; `there` is true if the lane has a survivor.
 void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
   for (uint side = 0; side < sideCount(); ++side) {
@@ -212,8 +282,15 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
     if (there) {
       fate = projectOne(survivor, side, projected, box);
       culled += countOf(fate);
+      if (triesSmallBoxes() && fate == kKeep && boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams) {
+        tryBox(projected, box);
+        fate = kNoTriangle;
+      }
     }
-    if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, survivor.material);
+    if (subgroupAny(fate == kKeep)) {
+      storeKept(fate == kKeep, projected, box, survivor.material);
+      stored = true;
+    }
   }
 }
 
@@ -262,7 +339,10 @@ void main() {
   }
   culled = subgroupAdd(culled);
   nonFinite = subgroupAdd(nonFinite);
+  triedCount = subgroupAdd(triedCount);
   if (gl_SubgroupInvocationID == 0) {
+    if (stored || triedCount > 0) atomicMax(shells.of[pass.shell].binWork.x, frame.triangleWorkgroups);
+    if (triedCount > 0) atomicAdd(counters.tried, triedCount);
     if (triangleCount > 0) atomicAdd(counters.triangles, triangleCount);
     if (nonFinite > 0) atomicAdd(counters.nonFinite, nonFinite);
     if (culled.x > 0) atomicAdd(counters.culledByRange, culled.x);

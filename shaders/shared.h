@@ -54,6 +54,9 @@ GNO_CONST uint kCoarseColumns = 64;
 GNO_CONST uint kCoarseRows = 32;
 // Most table entries that are read for one box; a box over more entries counts as visible.
 GNO_CONST uint kMaxLookups = 16;
+// Most shells of a scan, and the buckets of distance, four per octave, in which groups are counted to choose them.
+GNO_CONST uint kMostShells = 8;
+GNO_CONST uint kShellBuckets = 64;
 // Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
 GNO_CONST uint kResolveColumns = 1024;
 // Number of placed triangles per entry of ownerRanges.
@@ -96,9 +99,17 @@ GNO_CONST uint kBinningNearest = 0;  // one pass: 64-bit atomic minimum of (rang
 GNO_CONST uint kBinningLists = 1;    // count and fill a list of candidates per beam
 GNO_CONST uint kBinningSlabs = 2;    // minimum of (range, triangle) without atomics: each word has one owner
 
-// Values of PASS, shader by shader: bin with lists, prefix_sum, effects_footprint.
+// Parts of the farthest-range table that a dispatch writes.
+GNO_CONST uint kTableNone = 0;
+GNO_CONST uint kTableLater = 1;  // only rows with content in later shells
+GNO_CONST uint kTableAll = 2;
+
+// Values of PASS, shader by shader: project_groups, bin, prefix_sum, effects_footprint.
+GNO_CONST uint kPassList = 0;
+GNO_CONST uint kPassShells = 1;
 GNO_CONST uint kPassCount = 0;
 GNO_CONST uint kPassFill = 1;
+GNO_CONST uint kPassTable = 2;  // bin without lists: no hits, the farthest-range table instead
 GNO_CONST uint kPassReduce = 0;
 GNO_CONST uint kPassBlocks = 1;
 GNO_CONST uint kPassApply = 2;
@@ -174,6 +185,9 @@ struct Frame {
   float shiftMin, shiftMax;  // least and largest azimuth offset of a row, in columns
   float footprint;           // radians: largest angle by which a beam spreads or deviates from its axis
   uint slabShift;            // a slab has 1 << slabShift columns and is owned by one subgroup
+  uint cullWorkgroups, triangleWorkgroups;  // of a shell's dispatches, if there is work for them
+  uint shellClusters;                       // clusters that the first shell should hold
+  float shellHint;                          // metres; a shell should end here; 0: nothing is known
   uint padding[3];
 };
 
@@ -192,23 +206,42 @@ struct Counters {
   uint triangles;  // read from visible clusters
   uint nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden;
   uint integerSides, integerRanges;  // `exact`: tests that floating point could not decide
-  uint visibleGroups, visible;       // of a shell; reset for the next one, as are the next four
-  uint nextCluster, nextSlab;        // with slabs: the next one that no subgroup has taken
-  uint laterRowsDown, laterRowsUp;   // of a shell: content beyond it is in rows rows - down..up - 1
   uint causes[6];                    // beams by Cause, if effects are planned
   uint lostEchoes;                   // echoes beyond kMaxEchoes of a beam
   uint hardBeams;                    // beams whose footprint does not lie on one triangle
-  uint padding[3];
+  uint tried;                        // triangles whose beams project has tried; they are on no list
 };
 
-// Push constants of `project`: a range of placed groups, and a shell, which is the range of distances
-// shellMin..shellMax.
+// The arguments of an indirect dispatch, as Vulkan reads them.
+struct Workgroups {
+  uint x, y, z;
+};
+
+// A shell is a range of distances from the sensor. It holds the clusters whose nearest points lie in that range.
+struct Shell {
+  float end;                        // metres; the next shell begins here
+  uint groups;                      // listed for this shell
+  uint visible;                     // clusters listed
+  uint nextCluster, nextSlab;       // with slabs: the next one that no subgroup has taken
+  uint laterRowsDown, laterRowsUp;  // content beyond the shell is in rows rows - down..up - 1
+  Workgroups clusterWork, triangleWork, binWork;  // x is 0 until there is something to do
+};
+
+// All shells of a scan, zero when it starts. The last one is for moving instances, which a scan adds to a still image.
+struct Shells {
+  Shell of[kMostShells + 1];
+  uint clusters[kShellBuckets];  // clusters in reach by the distance of their groups
+};
+
+// Push constants: a range of placed groups, and a shell.
 struct Pass {
   uint placedFirst;  // first (instance, group) pair to process
   uint placedCount;
-  float shellMin, shellMax;
+  uint shell;
+  uint last;       // 1 if the shell reaches to infinity
   uint occluders;  // 1 if the farthest-range table is filled
-  uint padding0, padding1, padding2;
+  uint table;      // kTable...: what this dispatch writes to the farthest-range table
+  uint padding0, padding1;
 };
 
 // The velocity of an instance's points, m/s in the sensor's axes: rows * (point, 1).
@@ -238,9 +271,9 @@ struct MotionBounds {
 static_assert(sizeof(MotionBounds) == 32);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 80 &&
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 96 &&
               sizeof(Row) == 32);
-static_assert(sizeof(Counters) == 128 && sizeof(Pass) == 32);
+static_assert(sizeof(Counters) == 96 && sizeof(Pass) == 32 && sizeof(Shell) == 64);
 }  // namespace gnosphere::gpu
 #endif
 #endif

@@ -113,11 +113,6 @@ struct project_clusters {
 #include "glsl/project_clusters.comp"
 };
 
-struct project_occluders {
-  const Job& job;
-#include "glsl/project_occluders.comp"
-};
-
 struct project_triangles {
   const Job& job;
 #include "glsl/project_triangles.comp"
@@ -184,7 +179,6 @@ void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
   switch (kernel) {
     case Kernel::project_groups: return launch<project_groups>(job, groupsX, groupsY);
     case Kernel::project_clusters: return launch<project_clusters>(job, groupsX, groupsY);
-    case Kernel::project_occluders: return launch<project_occluders>(job, groupsX, groupsY);
     case Kernel::project_triangles: return launch<project_triangles>(job, groupsX, groupsY);
     case Kernel::bin:
       return footprint ? launch<bin, Footprints>(job, groupsX, groupsY) : launchMeeting<bin>(job, groupsX, groupsY);

@@ -6,10 +6,15 @@
 #include <cstring>
 #include <glm/gtc/quaternion.hpp>
 
+#include "base/threads.hpp"
+
 namespace gnosphere {
 namespace {
 
 const MeshSummary kEmpty;
+
+// Fewer instances than this are not worth a thread.
+constexpr uint64_t kInstancesPerRun = 2048;
 
 glm::dmat3 linear(const Transform& t) {
   const auto& m = t.rows;
@@ -234,10 +239,14 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
   const glm::dmat3 toSensor = glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
   const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
   for (const std::vector<uint32_t>* visible : {&visibleStill_, &visibleMoving_})
-    for (uint32_t i : *visible) {
-      const Placement& placement = placements_[i];
-      compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, numberOf(i), instances[i]);
-    }
+    inRuns(visible->size(), kInstancesPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
+      for (uint64_t k = first; k < end; ++k) {
+        const uint32_t i = (*visible)[k];
+        const Placement& placement = placements_[i];
+        compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, numberOf(i),
+                instances[i]);
+      }
+    });
 }
 
 // With v = V x for a point x of the mesh at the start of the scan, and x = M^-1 (p - m) for that point p in the world.

@@ -13,6 +13,19 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+// Returns the range in metres within which 95 % of a sample of the returns lie; 0 if there are hardly any.
+float shellHintOf(const Scan& scan) {
+  constexpr size_t kSamples = 2048, kLeast = 64;
+  std::vector<float> ranges;
+  // An odd step meets all columns of a grid.
+  for (size_t i = 0; i < scan.ranges.size(); i += scan.ranges.size() / kSamples | 1)
+    if (scan.ranges[i] > 0) ranges.push_back(scan.ranges[i]);
+  if (ranges.size() < kLeast) return 0;
+  const auto at = ranges.begin() + static_cast<ptrdiff_t>(ranges.size() * 95 / 100);
+  std::nth_element(ranges.begin(), at, ranges.end());
+  return *at;
+}
+
 class DeviceBackend final : public Backend {
  public:
   DeviceBackend(std::unique_ptr<Machine> machine, const Scene& scene, const SensorPlans& sensors,
@@ -174,6 +187,7 @@ class DeviceBackend final : public Backend {
       }
       machine_->readTimings(frame, result.timings);
       readResults(sensor.sensorPlan(), sensor.results(frame), scene_.instances(), shots[i], result);
+      sensor.setShellHint(shellHintOf(result));
       result.counters.reused = slots_[frame].reused;
       result.counters.culledByCluster -= slots_[frame].reused;
     }

@@ -13,7 +13,6 @@ namespace gnosphere {
 enum class Kernel : uint32_t {
   project_groups,
   project_clusters,
-  project_occluders,
   project_triangles,
   bin,
   prefix_sum,
@@ -24,9 +23,8 @@ enum class Kernel : uint32_t {
 };
 
 inline const char* nameOf(Kernel kernel) {
-  constexpr const char* kNames[] = {
-      "project_groups", "project_clusters", "project_occluders", "project_triangles", "bin",
-      "prefix_sum",     "resolve",          "effects_footprint", "effects_surfaces",  "effects"};
+  constexpr const char* kNames[] = {"project_groups", "project_clusters",  "project_triangles", "bin",    "prefix_sum",
+                                    "resolve",        "effects_footprint", "effects_surfaces",  "effects"};
   return kNames[static_cast<uint32_t>(kernel)];
 }
 

@@ -56,7 +56,7 @@ void readCounters(const SensorPlan& plan, uint64_t beams, const gpu::Counters& d
   result.culledByFace += device.culledByFace;
   result.culledBetweenBeams += device.culledBetweenBeams;
   result.culledHidden += device.culledHidden;
-  result.projected += uint64_t{device.projectedSmall} + device.projectedLarge;
+  result.projected += uint64_t{device.projectedSmall} + device.projectedLarge + device.tried;
   result.candidates += device.candidates;
   result.lostEchoes += device.lostEchoes;
   result.integerSides += device.integerSides;

@@ -8,9 +8,12 @@ namespace {
 
 using gpu::Array;
 
-// Bytes of a list with one entry of two numbers per placed group or cluster.
-uint64_t listBytes(const PlacedGroups& placed, uint32_t PlacedGroups::Run::*count) {
-  return uint64_t{std::max(placed.still.*count, placed.moving.*count)} * 2 * sizeof(uint32_t);
+// Bytes of the two lists of groups, with four numbers per group, and of the list of clusters, with two.
+uint64_t groupBytes(const PlacedGroups& placed) {
+  return uint64_t{std::max(placed.still.groups, placed.moving.groups)} * 2 * 4 * sizeof(uint32_t);
+}
+uint64_t clusterBytes(const PlacedGroups& placed) {
+  return uint64_t{std::max(placed.still.clusters, placed.moving.clusters)} * 2 * sizeof(uint32_t);
 }
 
 bool holds(const std::unique_ptr<DeviceMemory>& memory, uint64_t bytes) {
@@ -106,16 +109,13 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
 }
 
 bool SceneArrays::listsHold(const PlacedArrays& placed) const {
-  return holds(of(Array::visibleGroups), listBytes(placed.groups_, &PlacedGroups::Run::groups)) &&
-         holds(of(Array::visible), listBytes(placed.groups_, &PlacedGroups::Run::clusters));
+  return holds(of(Array::shellGroups), groupBytes(placed.groups_)) &&
+         holds(of(Array::visible), clusterBytes(placed.groups_));
 }
 
 void SceneArrays::growLists(const PlacedArrays& placed) {
-  const auto grow = [&](Array array, uint32_t PlacedGroups::Run::*count) {
-    makeRoom(machine_, array, listBytes(placed.groups_, count), MemoryKind::device, of(array));
-  };
-  grow(Array::visibleGroups, &PlacedGroups::Run::groups);
-  grow(Array::visible, &PlacedGroups::Run::clusters);
+  makeRoom(machine_, Array::shellGroups, groupBytes(placed.groups_), MemoryKind::device, of(Array::shellGroups));
+  makeRoom(machine_, Array::visible, clusterBytes(placed.groups_), MemoryKind::device, of(Array::visible));
 }
 
 }  // namespace gnosphere

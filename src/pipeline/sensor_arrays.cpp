@@ -17,12 +17,9 @@ using gpu::Array;
 constexpr uint64_t kMostEntries = 0x7fffffffu;
 constexpr uint64_t kTileBytes = 4 * sizeof(uint32_t);
 
-// Entries of the occlusion table, both levels together.
-uint64_t farthestEntries(const gpu::Frame& frame) {
-  const auto entries = [&](uint64_t columns, uint64_t rows) {
-    return (frame.columns + columns - 1) / columns * ((frame.rows + rows - 1) / rows);
-  };
-  return entries(gpu::kFineColumns, gpu::kFineRows) + entries(gpu::kCoarseColumns, gpu::kCoarseRows);
+// Entries of one level of the farthest-range table.
+uint64_t tableEntries(const gpu::Frame& frame, uint64_t columns, uint64_t rows) {
+  return (frame.columns + columns - 1) / columns * ((frame.rows + rows - 1) / rows);
 }
 
 uint64_t slabCount(const gpu::Frame& frame) {
@@ -54,7 +51,8 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
       options_(kernelOptions(options, plan, tables_.azimuthOffsets)),
-      shellEnds_(shellEnds(options, binning_, tables_.frame, triangles)),
+      shells_(mostShells(options, binning_, tables_.frame.beams, triangles)),
+      shellClusters_(shellClusters(options, tables_.frame.beams)),
       reach_(reachOf(options, tables_.frame)),
       outputs_(outputsOf(plan, leavesWords(binning_, plan))) {
   options_.BINNING = binning_;
@@ -72,7 +70,11 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   of(Array::columns) = uploaded<float>(machine, Array::columns, tables_.columns);
   const uint64_t beams = tables_.frame.beams;
   const bool lists = binning_ == gpu::kBinningLists;
-  allocate(Array::farthest, 4 * farthestEntries(tables_.frame));
+  const uint64_t fine = tableEntries(tables_.frame, gpu::kFineColumns, gpu::kFineRows),
+                 coarse = tableEntries(tables_.frame, gpu::kCoarseColumns, gpu::kCoarseRows);
+  allocate(Array::farthest, 4 * (fine + coarse));
+  allocate(Array::staleEntries, 4 * coarse);
+  allocate(Array::shells, sizeof(gpu::Shells));
   if (!lists && !leavesWords(binning_, plan_)) allocate(Array::words, beams * sizeof(Word));
   if (lists) allocate(Array::listEnds, beams * 4);
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
@@ -141,7 +143,7 @@ std::vector<Step> SensorArrays::steps(const PlacedGroups& placed, StillImage::Us
   variant.float64 = float64_ && !motion;
   const bool footprint = plan_.footprint();
   return stepsOf(
-      {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shellEnds_, footprint,
+      {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shells_, footprint,
        !footprint && !leavesWords(binning_, plan_), plan_.surfaces() && !footprint, plan_.signals() || plan_.speeds()},
       placed, still);
 }
@@ -181,6 +183,11 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, const Sh
   content.projectedCapacity = capacities_.projected;
   content.tileCapacity = capacities_.tiles;
   content.candidateCapacity = capacities_.candidates;
+  const DispatchSizes sizes = dispatchSizesOf(machine_.traits(), binning_);
+  content.cullWorkgroups = sizes.cullGroups;
+  content.triangleWorkgroups = sizes.triangleGroups;
+  content.shellClusters = shellClusters_;
+  content.shellHint = shellHint_;
   const auto bytes = std::as_bytes(std::span(&content, 1));
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
   if (!plan_.bare()) load(frame, shotArrays(plan_, shot, motion));

@@ -35,6 +35,9 @@ class SensorArrays {
   void growLists(size_t frame);
   /// Returns the outputs of the last scan of the frame.
   DeviceResults results(size_t frame);
+  /// Tells the next scans where to end a shell: at this distance in metres, behind most hits of the last scan; 0 if
+  /// nothing is known.
+  void setShellHint(float distance) { shellHint_ = distance; }
   void addTo(MemoryUse& use) const;
   /// Returns the plan with its decisions, stages and buffers.
   Plan plan() const;
@@ -64,7 +67,8 @@ class SensorArrays {
   uint32_t binning_;
   bool exact_, keepsStill_, float64_;
   Options options_;
-  std::vector<float> shellEnds_;
+  uint32_t shells_, shellClusters_;
+  float shellHint_ = 0;
   double reach_;
   std::vector<Output> outputs_;
   Capacities capacities_;

@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <limits>
 
 namespace gnosphere {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 class Steps {
  public:
@@ -20,7 +17,8 @@ class Steps {
     if (still != StillImage::Use::use) scanShells(placed.still);
     if (still == StillImage::Use::make) {
       copy(gpu::Array::words, gpu::Array::stillWords);
-      findOccluders({0, 0, 0, kInfinity, 1});  // the occlusion table is kept as long as the still image
+      // The table is kept as long as the still image.
+      dispatch("bin", Kernel::bin, input_.sizes.cullGroups, {.table = gpu::kTableAll}, gpu::kPassTable);
     }
     if (still != StillImage::Use::none) scanMoving(placed.moving);
     if (input_.resolve) {
@@ -34,6 +32,11 @@ class Steps {
  private:
   void clear(StillImage::Use still) {
     fill(gpu::Array::counters, 0);
+    fill(gpu::Array::shells, 0);
+    if (input_.shells > 1 && still != StillImage::Use::use) {
+      fill(gpu::Array::farthest, gpu::kNone);
+      fill(gpu::Array::staleEntries, 0);
+    }
     if (still == StillImage::Use::use)
       copy(gpu::Array::stillWords, gpu::Array::words);
     else if (binning_ != gpu::kBinningLists)
@@ -42,46 +45,58 @@ class Steps {
     if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::listEnds, gpu::kNone);
   }
 
-  // Scans shell by shell, near shells first, because near triangles hide many of the far ones.
+  // Scans shell by shell, near shells first, because near triangles hide many of the far ones. The device chooses where
+  // the shells end. Kernels of shells that turn out to be empty do not run.
   void scanShells(const PlacedGroups::Run& placed) {
-    float begin = 0;
-    for (const float end : input_.shellEnds) {
-      const bool last = end == kInfinity;
-      const gpu::Pass pass = {placed.first, placed.groups, begin, end, begin > 0};
+    const bool several = input_.shells > 1;
+    list({placed.first, placed.groups, 0, !several});
+    if (several) dispatch("project", Kernel::project_groups, 1, {placed.first, placed.groups}, gpu::kPassShells);
+    for (uint32_t shell = 0; shell < input_.shells; ++shell) {
+      const bool last = shell + 1 == input_.shells;
+      const uint32_t table = last ? gpu::kTableNone : gpu::kTableLater;
+      const gpu::Pass pass = {placed.first, placed.groups, shell, last, shell > 0};
+      first_ = shell * sizeof(gpu::Shell);
+      indirect_ = several;
       project(placed, pass);
-      bin();
-      if (!last) findOccluders(pass);
-      begin = end;
+      bin(pass, table);
+      indirect_ = false;
     }
   }
 
   void scanMoving(const PlacedGroups::Run& placed) {
     if (placed.groups == 0) return;
-    project(placed, {placed.first, placed.groups, 0, kInfinity, 1});
-    bin();
+    const gpu::Pass pass = {placed.first, placed.groups, gpu::kMostShells, 1, 1};
+    list(pass);
+    project(placed, pass);
+    bin(pass, gpu::kTableNone);
+  }
+
+  // Whether stage bin writes the farthest-range table: the subgroup that owns a slab then owns whole entries.
+  bool tableInBin() const {
+    return binning_ == gpu::kBinningSlabs && !input_.variant.options.AZIMUTH_OFFSETS &&
+           (1u << input_.frame.slabShift) % gpu::kCoarseColumns == 0;
+  }
+
+  void list(const gpu::Pass& pass) {
+    dispatch("project", Kernel::project_groups, std::min(input_.sizes.cullGroups, (pass.placedCount + 63) / 64), pass,
+             gpu::kPassList);
   }
 
   void project(const PlacedGroups::Run& placed, const gpu::Pass& pass) {
-    if (pass.occluders)
-      add({Step::Kind::fill,
-           "",
-           gpu::Array::counters,
-           {},
-           offsetof(gpu::Counters, visibleGroups),
-           offsetof(gpu::Counters, causes) - offsetof(gpu::Counters, visibleGroups),
-           0});
     const DispatchSizes& sizes = input_.sizes;
-    dispatch("project", Kernel::project_groups, std::min(sizes.cullGroups, (placed.groups + 63) / 64), pass);
-    dispatch("project", Kernel::project_clusters, std::min(sizes.cullGroups, placed.groups), pass);
-    dispatch("project", Kernel::project_triangles, std::min(sizes.triangleGroups, placed.clusters), pass);
+    dispatch("project", Kernel::project_clusters, std::min(sizes.cullGroups, placed.groups), pass, 0, 1,
+             offsetof(gpu::Shell, clusterWork));
+    dispatch("project", Kernel::project_triangles, std::min(sizes.triangleGroups, placed.clusters), pass, 0, 1,
+             offsetof(gpu::Shell, triangleWork));
     finish("project");
   }
 
-  void bin() {
+  void bin(gpu::Pass shell, uint32_t table) {
     const DispatchSizes& sizes = input_.sizes;
     const uint32_t blocks = std::min(sizes.groups, input_.frame.beams / gpu::kPrefixBlock + 1);
+    shell.table = tableInBin() ? table : gpu::kTableNone;
     const auto pass = [&](Kernel kernel, uint32_t number, uint32_t groups) {
-      dispatch("bin", kernel, groups, {}, number);
+      dispatch("bin", kernel, groups, shell, number, 1, offsetof(gpu::Shell, binWork));
     };
     pass(Kernel::bin, 0, sizes.triangleGroups);
     if (binning_ == gpu::kBinningLists) {
@@ -90,11 +105,11 @@ class Steps {
       pass(Kernel::prefix_sum, gpu::kPassApply, blocks);
       pass(Kernel::bin, gpu::kPassFill, sizes.groups);
     }
+    if (table != gpu::kTableNone && !tableInBin()) {
+      shell.table = table;
+      pass(Kernel::bin, gpu::kPassTable, sizes.triangleGroups);
+    }
     finish("bin");
-  }
-
-  void findOccluders(const gpu::Pass& pass) {
-    dispatch("project", Kernel::project_occluders, input_.sizes.cullGroups, pass);
   }
 
   void judge() {
@@ -113,17 +128,19 @@ class Steps {
              input_.frame.rows);
   }
 
+  // `arguments` is the offset in its shell of the kernel's number of workgroups.
   void dispatch(const char* stage, Kernel kernel, uint32_t groupsX, const gpu::Pass& pass, uint32_t number = 0,
-                uint32_t groupsY = 1) {
+                uint32_t groupsY = 1, std::optional<uint64_t> arguments = {}) {
     Step step = {Step::Kind::dispatch, stage};
     step.variant = input_.variant;
     step.variant.kernel = kernel;
     step.variant.options.PASS = number;
-    step.variant.float64 = input_.variant.float64 && (kernel == Kernel::bin || kernel == Kernel::resolve);
+    step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
     if (kernel != Kernel::effects_footprint) step.variant.subRays = 1;
     step.pass = pass;
     step.groupsX = groupsX;
     step.groupsY = groupsY;
+    if (indirect_ && arguments) step.arguments = first_ + *arguments;
     if (groupsX > 0 && groupsY > 0) add(step);
   }
 
@@ -134,6 +151,8 @@ class Steps {
 
   const StepsInput& input_;
   uint32_t binning_;
+  bool indirect_ = false;  // whether earlier kernels decide whether the kernels of a shell run
+  uint64_t first_ = 0;     // place of the shell in the array of shells
   std::vector<Step> steps_;
 };
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "arrays.h"
@@ -20,7 +21,7 @@ struct Step {
     fill,      ///< fills `array` from byte `first` on with the 32-bit `value`; 0 bytes means up to the end
     copy,      ///< copies all of `from` to `array`
     start,     ///< timestamp: the first stage starts here
-    dispatch,  ///< runs groupsX x groupsY workgroups of `variant`
+    dispatch,  ///< runs groupsX x groupsY workgroups of `variant`, or fewer: see `arguments`
     finish,    ///< timestamp: a part of `stage` ends here
   };
   Kind kind;
@@ -31,6 +32,9 @@ struct Step {
   Variant variant;
   gpu::Pass pass = {};
   uint32_t groupsX = 0, groupsY = 1;
+  /// If set, an offset in bytes into the array `shells`: earlier kernels write the number of workgroups there, none or
+  /// `groupsX`. A device may run all of them; without work they end at once.
+  std::optional<uint64_t> arguments = {};
 };
 
 /// Everything that determines the steps of a sensor's scans.
@@ -38,7 +42,7 @@ struct StepsInput {
   Variant variant;  ///< options that all kernels of the scan share
   DispatchSizes sizes;
   const gpu::Frame& frame;
-  const std::vector<float>& shellEnds;  ///< see tuning.hpp
+  uint32_t shells;  ///< most shells of the scan
   bool footprint, resolve, surfaces, effects;
 };
 

@@ -2,8 +2,6 @@
 #include "pipeline/tuning.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <span>
 
 #include "base/threads.hpp"
 #include "pipeline/machine.hpp"
@@ -12,13 +10,13 @@
 namespace gnosphere {
 namespace {
 
-// Ends of the shells as shares of the range. Measured on town scenes: a first shell beyond 0.3 hides little more. On a
-// CPU a third shell took 0.95 of the time with at least 0.6 million beams, 1.0 with an HDL-64E, 1.07 with a VLP-16.
-constexpr float kTwoShells[] = {0.35f}, kThreeShells[] = {0.2f, 0.45f};
-constexpr uint32_t kThreeShellsBeams = 500'000;
 // The occlusion test reads every beam; that pays from this many triangles per beam and in all.
 constexpr double kTrianglesPerBeam = 0.125;
 constexpr uint64_t kShellTriangles = 100'000;
+// The first shell has one cluster per so many beams, because the table that follows a shell costs time per beam. In
+// real scenes and towns with an HDL-64E, twice and half as many took the same time within 3 %.
+constexpr uint64_t kBeamsPerCluster = 256;
+constexpr uint64_t kLeastShellClusters = 1024;
 // Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
 // beam.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
@@ -56,19 +54,16 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
 }
 
 // With lists every hit of a beam is needed, so no triangle may be skipped as hidden.
-std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t binning, const gpu::Frame& frame,
-                             uint64_t triangles) {
-  const bool pays = triangles >= kShellTriangles &&
-                    static_cast<double>(triangles) >= kTrianglesPerBeam * static_cast<double>(frame.beams);
+uint32_t mostShells(const SimulatorOptions& options, uint32_t binning, uint64_t beams, uint64_t triangles) {
+  const bool pays =
+      triangles >= kShellTriangles && static_cast<double>(triangles) >= kTrianglesPerBeam * static_cast<double>(beams);
   const bool possible = binning != gpu::kBinningLists && (cullingBits(options) & gpu::kCullOccluded) != 0;
-  std::vector<float> ends;
-  if (possible && (pays || options.tuning.culling.occlusion == Culling::Occlusion::always)) {
-    const bool three = binning == gpu::kBinningSlabs && frame.beams >= kThreeShellsBeams;
-    for (const float share : three ? std::span<const float>(kThreeShells) : std::span<const float>(kTwoShells))
-      ends.push_back(frame.rangeMax * share);
-  }
-  ends.push_back(std::numeric_limits<float>::infinity());
-  return ends;
+  return possible && (pays || options.tuning.culling.occlusion == Culling::Occlusion::always) ? gpu::kMostShells : 1;
+}
+
+uint32_t shellClusters(const SimulatorOptions& options, uint64_t beams) {
+  if (options.tuning.culling.occlusion == Culling::Occlusion::always) return 1;
+  return static_cast<uint32_t>(std::clamp<uint64_t>(beams / kBeamsPerCluster, kLeastShellClusters, 1 << 20));
 }
 
 uint32_t slabShift(uint32_t columns) {

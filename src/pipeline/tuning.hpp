@@ -21,10 +21,11 @@ DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning);
 /// Returns the gpu::kBinning... value for the options and the device. A footprint needs lists.
 uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint);
 
-/// Returns the ends of range shells in metres, ascending, the last one infinity. Triangles of nearer shells are binned
-/// first, so that they can hide those of farther shells. With a single end there is one shell with everything.
-std::vector<float> shellEnds(const SimulatorOptions& options, uint32_t binning, const gpu::Frame& frame,
-                             uint64_t triangles);
+/// Returns the most shells of a scan, 1 or kMostShells. Triangles of nearer shells are binned first, so that they can
+/// hide those of farther shells.
+uint32_t mostShells(const SimulatorOptions& options, uint32_t binning, uint64_t beams, uint64_t triangles);
+/// Returns how many clusters the first shell should hold.
+uint32_t shellClusters(const SimulatorOptions& options, uint64_t beams);
 
 /// Returns the binary logarithm of the number of columns that one subgroup owns with Binning::slabs.
 uint32_t slabShift(uint32_t columns);

@@ -35,11 +35,21 @@ void Commands::begin() {
   stages_.clear();
 }
 
-void Commands::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
-                        uint32_t groupsY) {
+void Commands::bind(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants) {
   vk_.vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel);
   vk_.vkCmdPushConstants(commands_, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+}
+
+void Commands::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
+                        uint32_t groupsY) {
+  bind(kernel, layout, constants);
   vk_.vkCmdDispatch(commands_, groupsX, groupsY, 1);
+}
+
+void Commands::dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
+                                const Buffer& arguments, VkDeviceSize offset) {
+  bind(kernel, layout, constants);
+  vk_.vkCmdDispatchIndirect(commands_, arguments.handle(), offset);
 }
 
 void Commands::fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value) {
@@ -52,11 +62,12 @@ void Commands::copy(const Buffer& from, const Buffer& to) {
 }
 
 void Commands::barrier() {
-  constexpr VkPipelineStageFlags kDevice = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+  constexpr VkPipelineStageFlags kDevice =
+      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
   VkMemoryBarrier memory = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
   memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
   memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
-                         VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_HOST_READ_BIT;
+                         VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_HOST_READ_BIT;
   vk_.vkCmdPipelineBarrier(commands_, kDevice, kDevice | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0,
                            nullptr);
 }

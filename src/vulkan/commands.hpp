@@ -20,6 +20,9 @@ class Commands {
   void begin();
   void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
                 uint32_t groupsY);
+  /// Reads the number of workgroups from a buffer.
+  void dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
+                        const Buffer& arguments, VkDeviceSize offset);
   void fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value);
   void copy(const Buffer& from, const Buffer& to);
   /// Makes all earlier writes visible to all later commands. A scan has about ten barriers; finer ones would gain
@@ -39,6 +42,7 @@ class Commands {
 
  private:
   void stamp(const char* stage);
+  void bind(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants);
 
   const Device& device_;
   const VolkDeviceTable& vk_;

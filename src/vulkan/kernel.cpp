@@ -15,10 +15,10 @@
 #include "prefix_sum.spv.h"
 #include "project_clusters.spv.h"
 #include "project_groups.spv.h"
-#include "project_occluders.spv.h"
 #include "project_triangles.spv.h"
+#include "project_triangles_int64.spv.h"
+#include "project_triangles_int64_float64.spv.h"
 #include "resolve.spv.h"
-#include "resolve_float64.spv.h"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -33,21 +33,21 @@ Module footprintOf(uint32_t subRays) {
   return effects_footprint61;
 }
 
-Module binOf(const Variant& variant) {
-  const uint32_t binning = variant.options.BINNING;
-  if (variant.float64) return bin_int64_float64;
-  return binning == gpu::kBinningNearest || binning == gpu::kBinningSlabs ? Module(bin_int64) : Module(bin);
+// Returns the module for devices without 64-bit atomics, with them, or with double precision as well.
+Module byAtomics(const Variant& variant, Module without, Module with, Module withDoubles) {
+  if (variant.options.BINNING == gpu::kBinningLists && !variant.float64) return without;
+  return variant.float64 ? withDoubles : with;
 }
 
 Module moduleOf(const Variant& variant) {
   switch (variant.kernel) {
     case gnosphere::Kernel::project_groups: return project_groups;
     case gnosphere::Kernel::project_clusters: return project_clusters;
-    case gnosphere::Kernel::project_occluders: return project_occluders;
-    case gnosphere::Kernel::project_triangles: return project_triangles;
-    case gnosphere::Kernel::bin: return binOf(variant);
+    case gnosphere::Kernel::project_triangles:
+      return byAtomics(variant, project_triangles, project_triangles_int64, project_triangles_int64_float64);
+    case gnosphere::Kernel::bin: return byAtomics(variant, bin, bin_int64, bin_int64_float64);
     case gnosphere::Kernel::prefix_sum: return prefix_sum;
-    case gnosphere::Kernel::resolve: return variant.float64 ? Module(resolve_float64) : Module(resolve);
+    case gnosphere::Kernel::resolve: return resolve;
     case gnosphere::Kernel::effects_footprint: return footprintOf(variant.subRays);
     case gnosphere::Kernel::effects_surfaces: return effects_surfaces;
     case gnosphere::Kernel::effects: break;

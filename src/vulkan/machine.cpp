@@ -13,8 +13,8 @@ namespace {
 
 // Number of scans submitted at a time: the device works on one while the host receives the one before.
 constexpr size_t kFramesInFlight = 2;
-// Largest number of timestamps of a scan: the start, two each for three shells and moving instances, resolve, effects.
-constexpr uint32_t kStamps = 11;
+// Largest number of timestamps of a scan: the start, two for each shell and for moving instances, resolve, effects.
+constexpr uint32_t kStamps = 3 + 2 * (gpu::kMostShells + 1);
 
 class VulkanMemory final : public DeviceMemory {
  public:
@@ -112,6 +112,10 @@ class VulkanMachine final : public Machine {
       case Step::Kind::start: return commands.start();
       case Step::Kind::finish: return commands.finished(step.stage);
       case Step::Kind::dispatch:
+        if (step.arguments)
+          return commands.dispatchIndirect(kernels_.of(step.variant), kernels_.layout(),
+                                           {frame.addresses.address(), step.pass}, bufferOf(gpu::Array::shells),
+                                           *step.arguments);
         return commands.dispatch(kernels_.of(step.variant), kernels_.layout(), {frame.addresses.address(), step.pass},
                                  step.groupsX, step.groupsY);
     }
