@@ -70,11 +70,15 @@ std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
     CLI::App* command = app.add_subcommand(name, description);
     const auto options = std::make_shared<Options>();
     addOptions(*command, *options);
-    command->footer("Example: gnosphere-bench " + std::string(name) + " --device 0 --json results.json");
+    const bool scenes = cases[0].run == real;
+    if (scenes) adaptToReal(*command, *options);
+    command->footer("Example: gnosphere-bench " + std::string(name) + (scenes ? " --scene FOLDER" : "") +
+                    " --device 0 --json results.json");
     actions.emplace_back(command, [cases, options] { return run(cases, *options); });
     return command;
   };
   for (const Case& entry : kCases) add(entry.name, entry.description, {entry});
+  add(kReal.name, kReal.description, {kReal});
   CLI::App* all = add("all", "All of these cases", {std::begin(kCases), std::end(kCases)});
   all->remove_option(all->get_option("--plot"));
   CLI::App* stability = app.add_subcommand("stability", "Error of every accuracy as cases get harder");

@@ -180,6 +180,16 @@ double medianRatio(const Pairs& pairs, Get get) {
   return spreadOf(ratios).median;
 }
 
+/// Median ratios of the contender's total times to GnoSphere's, frame by frame, in ascending order.
+std::vector<double> frameRatios(const Pairs& pairs) {
+  std::map<size_t, Pairs> frames;
+  for (const Pair& pair : pairs) frames[pair.frame].push_back(pair);
+  std::vector<double> ratios;
+  for (const auto& [_, samples] : frames) ratios.push_back(medianRatio(samples, total));
+  std::sort(ratios.begin(), ratios.end());
+  return ratios;
+}
+
 /// Variance of the means of the samples that share a key.
 template <class Key>
 double varianceOfMeans(const Pairs& pairs, Key key) {
@@ -199,6 +209,9 @@ void summarise(const Pairs& pairs, Standing& standing) {
   standing.scanMs = spreadOf(valuesOf(pairs, [](const Sample& s) { return s.scanMs; }));
   standing.deviceMs = spreadOf(valuesOf(pairs, device));
   standing.ratio = medianRatio(pairs, total);
+  const std::vector<double> byFrame = frameRatios(pairs);
+  standing.leastFrameRatio = byFrame.front();
+  standing.mostFrameRatio = byFrame.back();
   standing.deviceRatio = medianRatio(pairs, device);
   standing.frameVariance = varianceOfMeans(pairs, [](const Pair& pair) { return pair.frame; });
   standing.runVariance = varianceOfMeans(pairs, [](const Pair& pair) { return size_t{pair.run}; });

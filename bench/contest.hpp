@@ -51,7 +51,9 @@ struct Standing {
   double runVariance = 0;         ///< variance of the runs' means over the frames, in ms^2
   std::vector<StageTime> stages;  ///< medians
   double ratio = 1;               ///< median ratio of its total time to GnoSphere's in the same frame and run
-  double deviceRatio = 0;         ///< the same for device times; 0 if one has none
+  double leastFrameRatio = 1;     ///< of the frames' own median ratios, the least
+  double mostFrameRatio = 1;      ///< and the greatest
+  double deviceRatio = 0;         ///< median ratio of the device times; 0 if one has none
   uint64_t memoryBytes = 0;
   Agreement agreement;
   std::optional<Comparison> error;  ///< GnoSphere's from the first pose against the reference, if that was computed

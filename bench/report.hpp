@@ -23,7 +23,7 @@ struct Report {
   std::vector<Outcome> outcomes;
   std::vector<Table> tables;
   std::string xLabel;                    ///< label of the plot's x axis
-  BarChart bars = {};                    ///< its plot if it has no outcomes
+  BarChart bars = {};                    ///< its plot; if there are no bars, the outcomes are plotted over their x
   cli::Json more = cli::Json::object();  ///< further measurements
 };
 
