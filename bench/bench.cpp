@@ -42,9 +42,11 @@ int run(const std::vector<Case>& cases, const Options& options) {
   checkResult(options.json);
   checkResult(options.plot);
   cli::Json json, results = cli::Json::object();
+  bool wrong = false;
   for (const Case& entry : cases) {
     Session session(options, entry.defaults);
     const Report report = entry.run(session);
+    wrong = wrong || report.wrong;
     if (options.json != "-") print(entry, session, report);
     if (json.empty()) {
       json = resultsHead(session.device());
@@ -60,7 +62,7 @@ int run(const std::vector<Case>& cases, const Options& options) {
   if (cases.size() > 1) results["stability"] = stabilityOf(options.device);
   json["cases"] = results;
   writeResult(options.json, compact(json));
-  return 0;
+  return wrong ? 1 : 0;
 }
 
 /// Adds a sub-command for each case, and one that runs all of them.

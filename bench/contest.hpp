@@ -27,7 +27,8 @@ struct Setting {
 std::vector<Shot> shotsFrom(const std::vector<Pose>& poses);
 
 /// How often a contender's result differs from GnoSphere's. Both compute in single precision, so a beam that grazes an
-/// edge may differ: a share of up to kAgreement of the beams is accepted.
+/// edge may differ: those that the reference marks as ties do not count, and a share of up to kAgreement of the beams
+/// is accepted.
 struct Agreement {
   uint64_t beams = 0;
   uint64_t hits = 0;    ///< one hits and the other misses
@@ -38,7 +39,8 @@ struct Agreement {
   bool good() const;
 };
 inline constexpr double kAgreement = 1e-4;
-Agreement agreementOf(const Scan& ours, const Scan& other);
+/// `reference` is the reference's scan, if it is known.
+Agreement agreementOf(const Scan& ours, const Scan& other, const Scan* reference = nullptr);
 
 /// Results of one contender.
 struct Standing {

@@ -115,3 +115,20 @@ TEST_CASE("the scene of what is seen holds the triangles that own a hit, and is 
   owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
   CHECK(owners.size() == seen.placedTriangleCount());
 }
+
+TEST_CASE("the contender in scenes of what is seen scans from its poses alone, while nothing moves") {
+  const Scene scene = corner();
+  SimulatorOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  const SensorRequest request = {test::gridSensor(90, 8, -30, 20), Effects::none()};
+  const std::vector<Pose> poses = {{{28, 28, 1.5}, {}}, {{45, 25, 1}, {}}};
+  const auto seen = makeSeen(scene, request, options, poses);
+  for (const Pose& pose : {poses[1], poses[0]}) {
+    seen->run({{pose}, {}});
+    const Scan whole = test::referenceOf(scene, request.sensor, pose);
+    CHECK(std::memcmp(seen->answer().ranges.data(), whole.ranges.data(), whole.ranges.size() * sizeof(float)) == 0);
+  }
+  CHECK_THROWS_AS(seen->run({{Pose()}, {}}), Error);
+  const std::vector<Moved> moved = {{0, {}}};
+  CHECK_THROWS_AS(seen->run({{poses[0]}, moved}), Error);
+}

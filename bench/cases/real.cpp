@@ -49,7 +49,13 @@ std::vector<File> filesOf(const std::vector<std::string>& given) {
   return files;
 }
 
-/// One scene and one sensor. An outcome is missing if the scene did not fit the device.
+std::string joined(const std::vector<std::string>& texts, const char* separator) {
+  std::string all;
+  for (const std::string& text : texts) all += (all.empty() ? "" : separator) + text;
+  return all;
+}
+
+/// One scene and one sensor. An outcome is missing if the scene did not fit the device, or if a result was wrong.
 struct Row {
   std::string scene;
   uint64_t triangles = 0;
@@ -142,14 +148,12 @@ class Measurement {
 
   Report report() {
     const uint64_t least = session_.options().leastTriangles;
-    if (!small_.empty()) {
-      std::string note =
-          formatted("with fewer than %s triangles, %zu in all: ", cli::grouped(least).c_str(), small_.size());
-      for (size_t i = 0; i < small_.size(); ++i) note += (i ? ", " : "") + small_[i];
-      session_.addNote(note);
-    }
+    if (!small_.empty())
+      session_.addNote(
+          formatted("with fewer than %s triangles, %zu in all: ", cli::grouped(least).c_str(), small_.size()) +
+          joined(small_, ", "));
     if (rows_.empty())
-      throw Error(ErrorCode::file, "--scene: no scene of at least " + cli::grouped(least) + " triangles was measured");
+      throw Error(ErrorCode::file, "--scene: no scene was measured: " + joined(session_.notes(), "; "));
     Report report;
     for (const Row& row : rows_)
       for (const auto* outcome : {&row.still, &row.moving})
@@ -158,6 +162,7 @@ class Measurement {
     report.more = {{"seed", session_.options().seed}, {"scenes", scenes_}, {"summary", toJson(all)}};
     report.tables = {sceneTable(), tableOf(all)};
     report.bars = bars();
+    report.wrong = wrong_;
     return report;
   }
 
@@ -167,18 +172,26 @@ class Measurement {
     Round round = {name + ", " + sensor.name, static_cast<double>(row.triangles), scene, sensor};
     round.poses = poses;
     round.beside = Beside::seen;
-    const auto outcomeOf = [&]() -> std::optional<Outcome> {
-      std::vector<Outcome> outcomes;
-      session_.hold(round, outcomes);
-      if (outcomes.empty()) return {};
-      return outcomes[0];
-    };
-    row.still = outcomeOf();
+    row.still = outcomeOf(round);
     round.label += ", everything may move";
     round.motion = Motion::everything;
     round.moving = scene.instances.size();
-    row.moving = outcomeOf();
-    rows_.push_back(row);
+    row.moving = outcomeOf(round);
+    if (row.still || row.moving) rows_.push_back(row);
+  }
+
+  /// A wrong result costs only this contest, because the others took long; the exit status still tells.
+  std::optional<Outcome> outcomeOf(const Round& round) {
+    std::vector<Outcome> outcomes;
+    try {
+      session_.hold(round, outcomes);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::device) throw;
+      session_.addNote(error.what());
+      wrong_ = true;
+    }
+    if (outcomes.empty()) return {};
+    return outcomes[0];
   }
 
   Table sceneTable() const {
@@ -268,6 +281,7 @@ class Measurement {
   std::vector<Row> rows_;
   std::vector<std::string> small_;  ///< scenes with too few triangles
   cli::Json scenes_ = cli::Json::array();
+  bool wrong_ = false;
 };
 
 }  // namespace
