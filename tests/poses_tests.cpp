@@ -50,13 +50,31 @@ TEST_CASE("poses stand in the scene's box, above a surface and where the detail 
       CHECK(std::hypot(poses[i].position.x - poses[j].position.x, poses[i].position.y - poses[j].position.y) > 0.5);
 }
 
+TEST_CASE("poses keep a distance from what is around them") {
+  // A wood of posts 1 m apart, in which a place at random is near one more often than not.
+  test::MeshBuilder ground, post;
+  ground.quad({-10, -10, 0}, {20, 0, 0}, {0, 20, 0}, 4);
+  post.box({-0.05, -0.05, 0}, {0.05, 0.05, 4}, 4);
+  Scene scene = test::sceneOf(ground.take());
+  scene.meshes.push_back(post.take());
+  for (int i = 0; i < 400; ++i) scene.instances.push_back({"", 1, test::translation(i % 20 - 9.5, i / 20 - 9.5, 0)});
+  const std::vector<Pose> poses = posesIn(scene, 6);
+  REQUIRE(poses.size() == 6);
+  for (const Pose& pose : poses) {
+    if (pose.position.z > 2) continue;  // on top of a post
+    const double x = std::remainder(pose.position.x - 0.5, 1), y = std::remainder(pose.position.y - 0.5, 1);
+    CAPTURE(x, y);
+    CHECK(std::hypot(std::max(0.0, std::abs(x) - 0.05), std::max(0.0, std::abs(y) - 0.05)) > 0.44);
+  }
+}
+
 TEST_CASE("poses are those of the reference on every device") {
   test::needVulkan();
   const Scene scene = corner();
   CHECK(same(posesIn(scene, 3), detailedPoses(scene, 3, 1, {})));
 }
 
-TEST_CASE("poses keep away from walls and out of solids, also in small scenes") {
+TEST_CASE("poses keep their distances in proportion in small scenes") {
   // A model of a street: 4 m long, two rows of blocks with many triangles.
   test::MeshBuilder model;
   model.quad({-2, -1, 0}, {4, 0, 0}, {0, 2, 0}, 8);
@@ -76,6 +94,16 @@ TEST_CASE("poses keep away from walls and out of solids, also in small scenes") 
     }
     if (!mirrored) model.mesh() = scene.meshes[0];
   }
+}
+
+TEST_CASE("poses are outside of solids, although more triangles are seen from within") {
+  test::MeshBuilder hall;
+  hall.quad({-20, -20, 0}, {40, 0, 0}, {0, 40, 0}, 20);
+  hall.box({-5, -5, 0}, {5, 5, 6}, 40);
+  const std::vector<Pose> poses = posesIn(test::sceneOf(hall.take()), 3);
+  REQUIRE(poses.size() == 3);
+  for (const Pose& pose : poses)
+    CHECK((std::max(std::abs(pose.position.x), std::abs(pose.position.y)) > 5 || pose.position.z > 6));
 }
 
 TEST_CASE("a scene without a place for a sensor has no poses") {
