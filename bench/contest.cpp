@@ -16,10 +16,10 @@ namespace {
 /// Limits up to which the reference is computed, too; at the limits it takes some seconds and gigabytes.
 constexpr uint64_t kReferenceTriangles = 5'000'000, kReferenceBeams = 1'000'000;
 
-/// Moves back and forth along x by up to 0.1 m, with a different place for every task.
-Transform movedBy(const Transform& transform, size_t task) {
+/// Moves back and forth along x by up to five steps, with a different place for every task.
+Transform movedBy(const Transform& transform, double step, size_t task) {
   Transform moved = transform;
-  moved.rows[3] += 0.02 * (static_cast<double>(task % 10) - 5);
+  moved.rows[3] += step * (static_cast<double>(task % 10) - 5);
   return moved;
 }
 
@@ -99,7 +99,7 @@ class Contest {
   Task taskOf(size_t frame, size_t number) {
     moved_.clear();
     for (size_t instance : setting_.moving)
-      moved_.push_back({instance, movedBy(setting_.scene.instances[instance].transform, number)});
+      moved_.push_back({instance, movedBy(setting_.scene.instances[instance].transform, setting_.step, number)});
     return {setting_.shots[frame], moved_};
   }
 

@@ -23,6 +23,7 @@ struct Setting {
   std::vector<size_t> moving = {};  ///< instances that have moved before each frame
   uint32_t runs = 1;
   bool refereed = true;  ///< whether GnoSphere is compared with the reference, which sees only geometry
+  double step = 0.02;    ///< metres between two places of a moving instance
 };
 std::vector<Shot> shotsFrom(const std::vector<Pose>& poses);
 

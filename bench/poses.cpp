@@ -12,7 +12,6 @@
 namespace gnosphere::bench {
 namespace {
 
-constexpr double kRoofHeight = 1.8;         ///< metres, as on a car's roof
 constexpr size_t kPlacesPerPose = 16;       ///< places that are compared for each pose
 constexpr size_t kDrawsPerPlace = 16;       ///< draws for each place, most of which may be unfit
 constexpr double kClearance = 0.25;         ///< least distance to anything, and least height, in standing heights
@@ -26,7 +25,7 @@ struct Place {
 
 /// Height of the sensor above the surface on which it stands.
 double heightIn(const Bounds& box) {
-  return std::min(kRoofHeight, 0.1 * std::max(box.max.x - box.min.x, box.max.y - box.min.y));
+  return std::min(kFullHeight, 0.1 * std::max(box.max.x - box.min.x, box.max.y - box.min.y));
 }
 
 /// Two beams, straight down and straight up.
@@ -155,6 +154,10 @@ std::vector<Place> best(const std::vector<Place>& places, size_t count, double s
 }
 
 }  // namespace
+
+double standingHeight(const Scene& scene) {
+  return heightIn(worldBounds(scene));
+}
 
 std::vector<Pose> detailedPoses(const Scene& scene, size_t count, uint64_t seed, const DeviceChoice& device) {
   if (scene.placedTriangleCount() == 0) return {};

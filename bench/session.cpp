@@ -125,6 +125,7 @@ void Session::addNote(const std::string& note) {
 
 void Session::hold(const Round& round, std::vector<Outcome>& outcomes) {
   Setting setting = {round.label, round.x, round.scene, round.sensor, shotsFrom(poses(round)), {}, options_.runs};
+  setting.step = round.step;
   const size_t all = round.scene.instances.size(), moving = std::min(round.moving, all);
   for (size_t i = 0; i < moving; ++i) setting.moving.push_back(i * all / moving);
   try {

@@ -43,6 +43,7 @@ struct Round {
   Sensor sensor;
   Motion motion = Motion::none;
   size_t moving = 0;             ///< number of moving instances, spread evenly over the scene
+  double step = 0.02;            ///< metres between two places of a moving instance
   std::vector<Pose> poses = {};  ///< if empty, those of the session
   Beside beside = Beside::paper;
 };

@@ -176,6 +176,7 @@ class Measurement {
     round.label += ", everything may move";
     round.motion = Motion::everything;
     round.moving = scene.instances.size();
+    round.step *= standingHeight(scene) / kFullHeight;  // in a small scene, 0.1 m would be out of sight
     row.moving = outcomeOf(round);
     if (row.still || row.moving) rows_.push_back(row);
   }
