@@ -120,30 +120,14 @@ class Measurement {
  public:
   explicit Measurement(Session& session) : session_(session) {}
 
+  /// A scene that cannot be loaded, or that is too large for the device, is left out.
   void run(const File& file) {
-    Scene scene;
     try {
-      scene = loadScene(file.path);
+      measure(file);
     } catch (const Error& error) {
-      session_.addNote(error.what());
-      return;
+      if (error.code() == ErrorCode::device) throw;
+      session_.addNote(file.name + ": " + error.what());
     }
-    if (scene.placedTriangleCount() < session_.options().leastTriangles) {
-      small_.push_back(file.name + " (" + cli::grouped(scene.placedTriangleCount()) + ")");
-      return;
-    }
-    // Rivals see both faces of every triangle, and real scenes show the backs of one-sided ones.
-    for (Material& material : scene.materials) material.doubleSided = true;
-    const std::vector<Pose> poses =
-        detailedPoses(scene, session_.options().frames, session_.options().seed, session_.simulatorOptions().device);
-    if (poses.empty()) {
-      session_.addNote(file.name + ": there is no place for a sensor");
-      return;
-    }
-    for (const Sensor& sensor : session_.sensors({"HDL-64E", "Hypothetical-256"})) run(file.name, scene, sensor, poses);
-    cli::Json places = cli::Json::array();
-    for (const Pose& pose : poses) places.push_back(cli::toJson(pose));
-    scenes_.push_back({{"name", file.name}, {"poses", places}});
   }
 
   Report report() {
@@ -167,7 +151,28 @@ class Measurement {
   }
 
  private:
-  void run(const std::string& name, const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses) {
+  void measure(const File& file) {
+    Scene scene = loadScene(file.path);
+    if (scene.placedTriangleCount() < session_.options().leastTriangles) {
+      small_.push_back(file.name + " (" + cli::grouped(scene.placedTriangleCount()) + ")");
+      return;
+    }
+    // Rivals see both faces of every triangle, and real scenes show the backs of one-sided ones.
+    for (Material& material : scene.materials) material.doubleSided = true;
+    const std::vector<Pose> poses =
+        detailedPoses(scene, session_.options().frames, session_.options().seed, session_.simulatorOptions().device);
+    if (poses.empty()) {
+      session_.addNote(file.name + ": there is no place for a sensor");
+      return;
+    }
+    for (const Sensor& sensor : session_.sensors({"HDL-64E", "Hypothetical-256"}))
+      measure(file.name, scene, sensor, poses);
+    cli::Json places = cli::Json::array();
+    for (const Pose& pose : poses) places.push_back(cli::toJson(pose));
+    scenes_.push_back({{"name", file.name}, {"poses", places}});
+  }
+
+  void measure(const std::string& name, const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses) {
     Row row = {name, scene.placedTriangleCount(), sensor.name};
     Round round = {name + ", " + sensor.name, static_cast<double>(row.triangles), scene, sensor};
     round.poses = poses;
