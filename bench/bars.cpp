@@ -13,7 +13,7 @@ namespace {
 using cli::formatted;
 
 // Pixels: names are to the left of the axis, values to the right of their bars.
-constexpr double kLeft = 190, kBars = 500, kValues = 70, kRow = 19, kBar = 13, kFoot = 44;
+constexpr double kLetter = 6.2, kLeastLeft = 190, kBars = 500, kValues = 70, kRow = 19, kBar = 13, kFoot = 44;
 
 /// Returns 1, 2 and 5 times every power of ten between `low` and `high`.
 std::vector<double> ticksOf(double low, double high) {
@@ -46,11 +46,14 @@ std::string toSvg(const BarChart& chart) {
   }
   least *= 0.9;  // leaves a margin; whiskers may be clipped there
   most *= 1.01;
+  size_t letters = 0;
+  for (const Bar& bar : bars) letters = std::max(letters, bar.name.size());
+  const double left = std::max(kLeastLeft, 20 + kLetter * static_cast<double>(letters));
   const double top = 40 + 14 * static_cast<double>(chart.notes.size());
   const double bottom = top + kRow * static_cast<double>(bars.size());
-  const double width = kLeft + kBars + kValues, height = bottom + kFoot;
+  const double width = left + kBars + kValues, height = bottom + kFoot;
   const auto at = [=](double value) {
-    return kLeft + kBars * std::log(std::max(value, least) / least) / std::log(most / least);
+    return left + kBars * std::log(std::max(value, least) / least) / std::log(most / least);
   };
 
   std::string out = formatted(
@@ -70,12 +73,12 @@ std::string toSvg(const BarChart& chart) {
     const double end = at(bar.value), from = std::min(end, at(chart.mark)), to = std::max(end, at(chart.mark));
     out += formatted("<rect x='%.1f' y='%.1f' width='%.1f' height='%.1f' fill='#56b4e9'/>\n", from, y, to - from, kBar);
     if (bar.low < bar.high) out += lineFrom(at(bar.low), middle, at(bar.high), middle, "#222222");
-    out += textAt(kLeft - 6, middle + 4, "end", bar.name);
+    out += textAt(left - 6, middle + 4, "end", bar.name);
     out +=
         textAt(at(std::max({bar.value, bar.high, chart.mark})) + 5, middle + 4, "start", formatted("%.2f", bar.value));
   }
   out += lineFrom(at(chart.mark), top, at(chart.mark), bottom, "#d55e00");
-  out += textAt(kLeft + kBars / 2, bottom + 33, "middle", chart.xLabel);
+  out += textAt(left + kBars / 2, bottom + 33, "middle", chart.xLabel);
   return out + "</svg>\n";
 }
 

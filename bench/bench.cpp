@@ -42,9 +42,11 @@ int run(const std::vector<Case>& cases, const Options& options) {
   checkResult(options.json);
   checkResult(options.plot);
   cli::Json json, results = cli::Json::object();
+  bool wrong = false;
   for (const Case& entry : cases) {
     Session session(options, entry.defaults);
     const Report report = entry.run(session);
+    wrong = wrong || report.wrong;
     if (options.json != "-") print(entry, session, report);
     if (json.empty()) {
       json = resultsHead(session.device());
@@ -60,7 +62,7 @@ int run(const std::vector<Case>& cases, const Options& options) {
   if (cases.size() > 1) results["stability"] = stabilityOf(options.device);
   json["cases"] = results;
   writeResult(options.json, compact(json));
-  return 0;
+  return wrong ? 1 : 0;
 }
 
 /// Adds a sub-command for each case, and one that runs all of them.
@@ -70,11 +72,15 @@ std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
     CLI::App* command = app.add_subcommand(name, description);
     const auto options = std::make_shared<Options>();
     addOptions(*command, *options);
-    command->footer("Example: gnosphere-bench " + std::string(name) + " --device 0 --json results.json");
+    const bool scenes = cases[0].run == real;
+    if (scenes) adaptToReal(*command, *options);
+    command->footer("Example: gnosphere-bench " + std::string(name) + (scenes ? " --scene FOLDER" : "") +
+                    " --device 0 --json results.json");
     actions.emplace_back(command, [cases, options] { return run(cases, *options); });
     return command;
   };
   for (const Case& entry : kCases) add(entry.name, entry.description, {entry});
+  add(kReal.name, kReal.description, {kReal});
   CLI::App* all = add("all", "All of these cases", {std::begin(kCases), std::end(kCases)});
   all->remove_option(all->get_option("--plot"));
   CLI::App* stability = app.add_subcommand("stability", "Error of every accuracy as cases get harder");

@@ -20,6 +20,7 @@ Report scalingTriangles(Session& session);
 Report scalingRays(Session& session);
 Report effects(Session& session);
 Report correctness(Session& session);
+Report real(Session& session);
 
 struct Case {
   const char* name;
@@ -43,5 +44,8 @@ inline constexpr Case kCases[] = {
     {"effects", "Time of each effect relative to a scan without effects", {1'000'000, 7, 1}, effects},
     {"correctness", "Compare hard cases and a town with the reference; fingerprints", {300'000, 1, 2}, correctness},
 };
+
+/// It needs scene files, so it is not one of those that `all` runs.
+inline constexpr Case kReal = {"real", "Scene files, from places where much detail is seen", {0, 5, 4}, real};
 
 }  // namespace gnosphere::bench

@@ -14,12 +14,12 @@ namespace gnosphere::bench {
 namespace {
 
 /// Limits up to which the reference is computed, too; at the limits it takes some seconds and gigabytes.
-constexpr uint64_t kReferenceTriangles = 2'000'000, kReferenceBeams = 1'000'000;
+constexpr uint64_t kReferenceTriangles = 5'000'000, kReferenceBeams = 1'000'000;
 
-/// Moves back and forth along x by up to 0.1 m, with a different place for every task.
-Transform movedBy(const Transform& transform, size_t task) {
+/// Moves back and forth along x by up to five steps, with a different place for every task.
+Transform movedBy(const Transform& transform, double step, size_t task) {
   Transform moved = transform;
-  moved.rows[3] += 0.02 * (static_cast<double>(task % 10) - 5);
+  moved.rows[3] += step * (static_cast<double>(task % 10) - 5);
   return moved;
 }
 
@@ -44,6 +44,7 @@ class Contest {
   /// Builds all contenders and compares their results. One that runs out of memory is left out, with a note.
   std::vector<Standing> check(std::vector<std::string>& notes) {
     std::vector<Standing> standings;
+    const std::optional<Scan> reference = referenceScan();
     for (auto contender = contenders_.begin(); contender != contenders_.end();) {
       Standing standing;
       standing.name = (*contender)->name();
@@ -56,11 +57,11 @@ class Contest {
         contender = contenders_.erase(contender);
         continue;
       }
-      judge(**contender, standing);
+      judge(**contender, reference, standing);
       standings.push_back(standing);
       ++contender;
     }
-    standings[0].error = againstReference();
+    if (reference) standings[0].error = against(*reference);
     return standings;
   }
 
@@ -98,13 +99,13 @@ class Contest {
   Task taskOf(size_t frame, size_t number) {
     moved_.clear();
     for (size_t instance : setting_.moving)
-      moved_.push_back({instance, movedBy(setting_.scene.instances[instance].transform, number)});
+      moved_.push_back({instance, movedBy(setting_.scene.instances[instance].transform, setting_.step, number)});
     return {setting_.shots[frame], moved_};
   }
 
-  void judge(const Contender& contender, Standing& standing) const {
+  void judge(const Contender& contender, const std::optional<Scan>& reference, Standing& standing) const {
     const Contender& ours = *contenders_[0];
-    standing.agreement = agreementOf(ours.answer(), contender.answer());
+    standing.agreement = agreementOf(ours.answer(), contender.answer(), reference ? &*reference : nullptr);
     standing.memoryBytes = contender.memoryBytes();
     if (contender.judged() && !standing.agreement.good())
       refuse(standing.name, cli::grouped(standing.agreement.differ()) + " of " +
@@ -115,18 +116,21 @@ class Contest {
     throw Error(ErrorCode::device, setting_.label + ": the result of " + who + " is wrong: " + why);
   }
 
-  std::optional<Comparison> againstReference() const {
+  /// The reference's scan of the first task, unless it would take too long.
+  std::optional<Scan> referenceScan() {
     if (!setting_.refereed) return {};
     if (setting_.scene.placedTriangleCount() > kReferenceTriangles || setting_.sensor.beamCount() > kReferenceBeams)
       return {};
     Scene scene = setting_.scene;
-    for (const Moved& move : moved_) scene.instances[move.instance].transform = move.transform;
+    for (const Moved& move : taskOf(0, 0).moved) scene.instances[move.instance].transform = move.transform;
     SimulatorOptions options;
     options.device = DeviceChoice::Kind::reference;
     options.faces = ReflectingFaces::material;
-    const Comparison c =
-        compare(Simulator(scene, {setting_.sensor, Effects::none()}, options).scan(setting_.shots[0].pose),
-                contenders_[0]->answer());
+    return Simulator(scene, {setting_.sensor, Effects::none()}, options).scan(setting_.shots[0].pose);
+  }
+
+  Comparison against(const Scan& reference) const {
+    const Comparison c = compare(reference, contenders_[0]->answer());
     if (contenders_[0]->judged() && c.missed + c.falseHits + c.wrongRange > 0)
       refuse(contenders_[0]->name(), cli::grouped(c.missed) + " beams missed, " + cli::grouped(c.falseHits) +
                                          " false hits and " + cli::grouped(c.wrongRange) +
@@ -180,6 +184,16 @@ double medianRatio(const Pairs& pairs, Get get) {
   return spreadOf(ratios).median;
 }
 
+/// Median ratios of the contender's total times to GnoSphere's, frame by frame, in ascending order.
+std::vector<double> frameRatios(const Pairs& pairs) {
+  std::map<size_t, Pairs> frames;
+  for (const Pair& pair : pairs) frames[pair.frame].push_back(pair);
+  std::vector<double> ratios;
+  for (const auto& [_, samples] : frames) ratios.push_back(medianRatio(samples, total));
+  std::sort(ratios.begin(), ratios.end());
+  return ratios;
+}
+
 /// Variance of the means of the samples that share a key.
 template <class Key>
 double varianceOfMeans(const Pairs& pairs, Key key) {
@@ -199,6 +213,9 @@ void summarise(const Pairs& pairs, Standing& standing) {
   standing.scanMs = spreadOf(valuesOf(pairs, [](const Sample& s) { return s.scanMs; }));
   standing.deviceMs = spreadOf(valuesOf(pairs, device));
   standing.ratio = medianRatio(pairs, total);
+  const std::vector<double> byFrame = frameRatios(pairs);
+  standing.leastFrameRatio = byFrame.front();
+  standing.mostFrameRatio = byFrame.back();
   standing.deviceRatio = medianRatio(pairs, device);
   standing.frameVariance = varianceOfMeans(pairs, [](const Pair& pair) { return pair.frame; });
   standing.runVariance = varianceOfMeans(pairs, [](const Pair& pair) { return size_t{pair.run}; });
@@ -233,7 +250,7 @@ std::vector<Shot> shotsFrom(const std::vector<Pose>& poses) {
   return shots;
 }
 
-Agreement agreementOf(const Scan& ours, const Scan& other) {
+Agreement agreementOf(const Scan& ours, const Scan& other, const Scan* reference) {
   Agreement agreement;
   agreement.beams = ours.ranges.size();
   if (other.ranges.size() != ours.ranges.size()) {
@@ -241,7 +258,8 @@ Agreement agreementOf(const Scan& ours, const Scan& other) {
     return agreement;
   }
   const auto both = [&](Field field) { return ours.has(field) && other.has(field); };
-  ColumnView<uint8_t> labels, otherLabels;
+  ColumnView<uint8_t> labels, otherLabels, ties;
+  if (reference) ties = reference->column<uint8_t>(Field::tie);
   if (both(Field::label))
     labels = ours.column<uint8_t>(Field::label), otherLabels = other.column<uint8_t>(Field::label);
   ColumnView<float> intensities, otherIntensities;
@@ -250,6 +268,7 @@ Agreement agreementOf(const Scan& ours, const Scan& other) {
     otherIntensities = other.column<float>(Field::intensity);
   }
   for (size_t beam = 0; beam < ours.ranges.size(); ++beam) {
+    if (!ties.empty() && ties[beam]) continue;
     const double a = ours.ranges[beam], b = other.ranges[beam];
     if (std::isnan(a) != std::isnan(b))
       ++agreement.hits;

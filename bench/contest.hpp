@@ -23,11 +23,13 @@ struct Setting {
   std::vector<size_t> moving = {};  ///< instances that have moved before each frame
   uint32_t runs = 1;
   bool refereed = true;  ///< whether GnoSphere is compared with the reference, which sees only geometry
+  double step = 0.02;    ///< metres between two places of a moving instance
 };
 std::vector<Shot> shotsFrom(const std::vector<Pose>& poses);
 
 /// How often a contender's result differs from GnoSphere's. Both compute in single precision, so a beam that grazes an
-/// edge may differ: a share of up to kAgreement of the beams is accepted.
+/// edge may differ: those that the reference marks as ties do not count, and a share of up to kAgreement of the beams
+/// is accepted.
 struct Agreement {
   uint64_t beams = 0;
   uint64_t hits = 0;    ///< one hits and the other misses
@@ -38,7 +40,8 @@ struct Agreement {
   bool good() const;
 };
 inline constexpr double kAgreement = 1e-4;
-Agreement agreementOf(const Scan& ours, const Scan& other);
+/// `reference` is the reference's scan, if it is known.
+Agreement agreementOf(const Scan& ours, const Scan& other, const Scan* reference = nullptr);
 
 /// Results of one contender.
 struct Standing {
@@ -51,7 +54,9 @@ struct Standing {
   double runVariance = 0;         ///< variance of the runs' means over the frames, in ms^2
   std::vector<StageTime> stages;  ///< medians
   double ratio = 1;               ///< median ratio of its total time to GnoSphere's in the same frame and run
-  double deviceRatio = 0;         ///< the same for device times; 0 if one has none
+  double leastFrameRatio = 1;     ///< of the frames' own median ratios, the least
+  double mostFrameRatio = 1;      ///< and the greatest
+  double deviceRatio = 0;         ///< median ratio of the device times; 0 if one has none
   uint64_t memoryBytes = 0;
   Agreement agreement;
   std::optional<Comparison> error;  ///< GnoSphere's from the first pose against the reference, if that was computed

@@ -101,6 +101,7 @@ Json standingJson(const Standing& s) {
                  {"variance_across_frames", rounded(s.frameVariance)},
                  {"variance_across_runs", rounded(s.runVariance)}}},
                {"ratio_to_ours", orNull(s.ratio)},
+               {"frame_ratios_to_ours", {{"least", rounded(s.leastFrameRatio)}, {"most", rounded(s.mostFrameRatio)}}},
                {"device_ratio_to_ours", orNull(s.deviceRatio)},
                {"memory_bytes", s.memoryBytes},
                {"beams_unlike_ours", s.agreement.differ()}};

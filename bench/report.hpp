@@ -23,8 +23,9 @@ struct Report {
   std::vector<Outcome> outcomes;
   std::vector<Table> tables;
   std::string xLabel;                    ///< label of the plot's x axis
-  BarChart bars = {};                    ///< its plot if it has no outcomes
+  BarChart bars = {};                    ///< its plot; if there are no bars, the outcomes are plotted over their x
   cli::Json more = cli::Json::object();  ///< further measurements
+  bool wrong = false;                    ///< whether a result was wrong; the rest is reported all the same
 };
 
 /// Every contender in every outcome: build, update, scan, device, total, the speed relative to GnoSphere, differences.

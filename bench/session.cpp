@@ -5,6 +5,7 @@
 
 #include "rivals/rivals.hpp"
 #include "scanning.hpp"
+#include "seen.hpp"
 #include "town/town.hpp"
 
 namespace gnosphere::bench {
@@ -28,6 +29,15 @@ void addOptions(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--json", options.json, "Write the results to a JSON file, or - for stdout");
   app.add_option("--plot", options.plot, "Write a plot of the times to an .svg file");
+}
+
+void adaptToReal(CLI::App& app, Options& options) {
+  for (const char* other : {"--triangles", "--trajectory"}) app.remove_option(app.get_option(other));
+  app.get_option("--scene")->required()->description("Scene files, or folders that are searched for scene files");
+  app.add_option("--least-triangles", options.leastTriangles, "Scenes with fewer placed triangles are left out")
+      ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000'000}))
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "Seed of the poses")->capture_default_str();
 }
 
 Session::Session(const Options& options, const Defaults& defaults)
@@ -65,6 +75,10 @@ std::vector<Pose> Session::poses(const Scene& scene) const {
   return poses;
 }
 
+std::vector<Pose> Session::poses(const Round& round) const {
+  return round.poses.empty() ? poses(round.scene) : round.poses;
+}
+
 SimulatorOptions Session::simulatorOptions() const {
   SimulatorOptions settings;
   settings.device = deviceByName(options_.device);
@@ -80,7 +94,9 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
   SimulatorOptions settings = simulatorOptions();
   contenders.push_back(makeOurs(round.scene, request, settings));
   setDevice(simulatorOf(*contenders[0]).device());
-  if (round.motion == Motion::none && settings.accuracy != Accuracy::paper) {
+  if (round.motion == Motion::none && round.beside == Beside::seen) {
+    contenders.push_back(makeSeen(round.scene, request, settings, poses(round)));
+  } else if (round.motion == Motion::none && settings.accuracy != Accuracy::paper) {
     settings.accuracy = Accuracy::paper;
     contenders.push_back(makeOurs(round.scene, request, settings));
   }
@@ -90,7 +106,7 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
 
 std::vector<std::unique_ptr<Contender>> Session::rivals(const std::vector<std::string>& names, const Round& round,
                                                         const SensorRequest& request) {
-  const std::vector<Pose> drive = poses(round.scene);
+  const std::vector<Pose> drive = poses(round);
   const Vec3 middle = drive[drive.size() / 2].position;
   std::vector<std::string> notes;
   auto rivals = makeRivals(names, {round.scene, request, middle, round.motion, simulatorOptions(), device_}, notes);
@@ -108,7 +124,8 @@ void Session::addNote(const std::string& note) {
 }
 
 void Session::hold(const Round& round, std::vector<Outcome>& outcomes) {
-  Setting setting = {round.label, round.x, round.scene, round.sensor, shotsFrom(poses(round.scene)), {}, options_.runs};
+  Setting setting = {round.label, round.x, round.scene, round.sensor, shotsFrom(poses(round)), {}, options_.runs};
+  setting.step = round.step;
   const size_t all = round.scene.instances.size(), moving = std::min(round.moving, all);
   for (size_t i = 0; i < moving; ++i) setting.moving.push_back(i * all / moving);
   try {

@@ -16,6 +16,7 @@ struct Options {
   std::vector<std::string> scenes;
   uint64_t triangles = 0;  ///< 0: the default of the case
   uint32_t runs = 0, frames = 0;
+  uint64_t leastTriangles = 50'000, seed = 1;  ///< of the case `real` alone
 };
 
 /// Defaults of a case for options that are not given.
@@ -25,6 +26,14 @@ struct Defaults {
 };
 
 void addOptions(CLI::App& app, Options& options);
+/// Changes these options to those of the case `real`.
+void adaptToReal(CLI::App& app, Options& options);
+
+/// What of our own takes part beside GnoSphere where nothing moves.
+enum class Beside {
+  paper,  ///< the paper's method
+  seen,   ///< GnoSphere in scenes that hold only what it sees: its floor
+};
 
 /// One measurement of a case.
 struct Round {
@@ -33,7 +42,10 @@ struct Round {
   const Scene& scene;
   Sensor sensor;
   Motion motion = Motion::none;
-  size_t moving = 0;  ///< number of moving instances, spread evenly over the scene
+  size_t moving = 0;             ///< number of moving instances, spread evenly over the scene
+  double step = 0.02;            ///< metres between two places of a moving instance
+  std::vector<Pose> poses = {};  ///< if empty, those of the session
+  Beside beside = Beside::paper;
 };
 
 /// Scans with effects, which only GnoSphere supports.
@@ -72,6 +84,7 @@ class Session {
   void addNote(const std::string& note);
 
  private:
+  std::vector<Pose> poses(const Round& round) const;
   std::vector<std::unique_ptr<Contender>> rivals(const std::vector<std::string>& names, const Round& round,
                                                  const SensorRequest& request);
 

@@ -17,4 +17,6 @@ TEST_CASE("bars are well-formed SVG for any values, and values that cannot be dr
   CHECK_THAT(svg, ContainsSubstring("a &lt; b &amp; c") && ContainsSubstring(">70.00<"));
   CHECK_THAT(svg, !ContainsSubstring("lost") && !ContainsSubstring("nan") && !ContainsSubstring("inf"));
   CHECK(gnosphere::test::xmlProblem(toSvg(BarChart())) == "");
+  CHECK_THAT(svg, ContainsSubstring("width='760'"));
+  CHECK_THAT(toSvg({"", {}, "", 1, {{std::string(60, 'n'), 2}}}), ContainsSubstring("width='962'"));  // room for names
 }

@@ -56,6 +56,64 @@ TEST_CASE("table5 compares nearest neighbours as the paper does") {
   CHECK(contenders.at(1).at("name") == "paper");
 }
 
+TEST_CASE("the case real measures the scenes of a folder, and says which it leaves out") {
+  needVulkan();
+  const Workplace place;
+  MeshBuilder floor, post;
+  floor.quad({-20, -20, 0}, {40, 0, 0}, {0, 40, 0}, 10);
+  post.box({4, 4, 0}, {5, 5, 3}, 8);
+  gnosphere::Scene scene = sceneOf(floor.take(), false);
+  scene.meshes.push_back(post.take());
+  for (int i = 0; i < 3; ++i) scene.instances.push_back({"", 1, translation(-3 * i, 0, 0)});
+  std::filesystem::create_directories(place / "scenes/deep");
+  gnosphere::writeGlb(sceneOf(scene.meshes[0]), place / "scenes/flat.glb");
+  gnosphere::writeGlb(scene, place / "scenes/posts.glb");
+  scene.instances[1].transform = scaling(1, 1, 2);
+  gnosphere::writeGlb(scene, place / "scenes/deep/tall.glb");
+  for (gnosphere::Instance& instance : scene.instances)
+    instance.transform = scaling(0.001, 0.001, 0.001) * instance.transform;
+  gnosphere::writeGlb(scene, place / "scenes/model.glb");
+  place.put("scenes/broken.ply", "ply");
+  place.put("scenes/notes.txt", "no scene");
+  const json real =
+      casesOf(place,
+              "real --scene scenes --least-triangles 1000 --runs 1 --frames 2 --sensor VLP-16 --rivals embree "
+              "--json r.json --plot p.svg")
+          .at("real");
+  CHECK(xmlProblem(place.get("p.svg")) == "");
+  REQUIRE(real.at("left_out").size() == 2);
+  CHECK_THAT(real.at("left_out").at(0).get<std::string>(), ContainsSubstring("broken.ply"));
+  CHECK(real.at("left_out").at(1) == "with fewer than 1,000 triangles, 1 in all: flat (200)");
+  const std::vector<std::string> labels = {"deep/tall, VLP-16", "deep/tall, VLP-16, everything may move",
+                                           "model, VLP-16",     "model, VLP-16, everything may move",
+                                           "posts, VLP-16",     "posts, VLP-16, everything may move"};
+  REQUIRE(real.at("outcomes").size() == labels.size());
+  for (size_t i = 0; i < labels.size(); ++i) {
+    const json& outcome = real.at("outcomes").at(i);
+    CHECK(outcome.at("label") == labels[i]);
+    CHECK(outcome.at("frames") == 2);
+    CHECK(outcome.at("moving_instances") == (i % 2 ? 4 : 0));
+    CHECK(outcome.at("contenders").at(0).at("error").at("missed") == 0);
+    CHECK((outcome.at("contenders").at(1).at("name") == "only what is seen") == (i % 2 == 0));
+    for (const json& contender : outcome.at("contenders")) {
+      const json& ratios = contender.at("frame_ratios_to_ours");
+      CHECK(contender.at("beams_unlike_ours") <= 2);
+      CHECK(ratios.at("least") <= contender.at("ratio_to_ours"));
+      CHECK(ratios.at("most") >= contender.at("ratio_to_ours"));
+    }
+  }
+  // What moves does so by little, however small the scene is.
+  const double still = real.at("outcomes").at(2).at("hits"), moved = real.at("outcomes").at(3).at("hits");
+  CHECK(std::abs(moved / still - 1) < 0.02);
+  CHECK(real.at("scenes").at(2).at("name") == "posts");
+  CHECK(real.at("scenes").at(2).at("poses").size() == 2);
+  const json& floors = real.at("summary").at(0);
+  CHECK(floors.at("name") == "only what is seen");
+  CHECK(floors.at("scenes") == 3);
+  CHECK(floors.at("least") <= floors.at("median"));
+  CHECK_THAT(place.get("out"), ContainsSubstring("| deep/tall |") && ContainsSubstring("left out: with fewer than"));
+}
+
 // Slow, because it compiles the pipelines of every effect.
 TEST_CASE("the case effects times each effect, and checks that switched-off effects cost nothing", "[.slow]") {
   needVulkan();
@@ -89,6 +147,12 @@ TEST_CASE("gnosphere-bench takes a scene and a trajectory, and refuses invalid c
   CHECK(place.run("table3 --runs 0", "", kBench).status == 2);
   CHECK(place.run("table3 --trajectory none.txt", "", kBench).status == 1);
   CHECK(place.run("table3 --json no/r.json", "", kBench).status == 1);
+  CHECK(place.run("real", "", kBench).status == 2);
+  CHECK(place.run("real --scene none", "", kBench).status == 1);
+  const Result small = place.run("real --scene floor.obj", "", kBench);
+  CHECK(small.status == 1);
+  CHECK_THAT(small.err,
+             ContainsSubstring("no scene was measured: with fewer than 50,000 triangles, 1 in all: floor (2)"));
   CHECK(place.files() == std::vector<std::string>{"floor.obj"});
   needVulkan();
   place.put("drive.txt", "0 0 0 1 0 0 0 1\n1 1 0 1 0 0 0 1\n2 2 0 1 0 0 0 1\n");

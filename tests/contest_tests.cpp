@@ -118,6 +118,9 @@ TEST_CASE("a contest times contenders whose results are right") {
   // The ratio is a median of ratios, so it lies between the ratios of the extremes.
   CHECK(rival.ratio <= 5 / ours.totalMs.min);
   CHECK(rival.ratio >= 5 / (2 * ours.totalMs.p90 + 1000));
+  CHECK(rival.leastFrameRatio <= rival.ratio);
+  CHECK(rival.mostFrameRatio >= rival.ratio);
+  CHECK(rival.leastFrameRatio > 0);
   CHECK(rival.agreement.differ() == 0);
   CHECK(outcome.floor.ms > 0);
 }
@@ -275,6 +278,13 @@ TEST_CASE("results agree within 1 mm and a ten-thousandth of the range, and hits
   CHECK(agreementOf(scanWith(many), scanWith(other)).good());
   other[3] = kNaN;
   CHECK_FALSE(agreementOf(scanWith(many), scanWith(other)).good());
+  // What the reference marks as a tie may go either way.
+  Scan reference = scanWith(many);
+  std::vector<uint8_t> ties(many.size());
+  ties[2] = 1;
+  test::setColumn<uint8_t>(reference, Field::tie, ties);
+  CHECK(agreementOf(scanWith(many), scanWith(other), &reference).differ() == 2);
+  CHECK(agreementOf(scanWith(many), scanWith(other), &reference).good());
 }
 
 TEST_CASE("labels and intensities are compared if both contenders have them") {
