@@ -52,7 +52,8 @@
   ARRAY(, uint, blockSums) \
   ARRAY(, uint, candidates)                /* indices of projected triangles */ \
   ARRAY(, uint, projectedMaterials)        /* per projected triangle */ \
-  ARRAY(, vec4, projectedMotions)          /* per projected triangle: m/s of its three corners */ \
+  ARRAY(, vec4, projectedMotions)          /* per projected triangle: m/s of its three corners; w of the first: 1, or */ \
+                                           /* 0 if the triangle does not move, and only this is stored */ \
   ARRAY(, vec4, projectedTexture)          /* per projected triangle: uv of a and b, of c */ \
   ARRAY(, uint, hardBeams)                 /* beams, in row order, that the second footprint pass processes */ \
   ARRAY(, uint, echoCounts)                /* per beam: its echoes, at most kMaxEchoes, in order of range; */ \

@@ -98,13 +98,14 @@ void trySmall(uint i) {
   Triangle triangle = triangleOf(projectedA.at[i], projectedB.at[i], c.corner);
   Box box = boxOf(projectedColumns.at[i], c.tag);
   Prepared prepared = prepare(triangle);
+  bool itMoves = MOTION && moves(i);
   uint columnCount = boxColumnCount(box);
   uint k = 0;
   for (uint row = box.rowFirst; row <= box.rowLast;) {
     uint index;
     Beam beam = beamAt(box, k, row, index);
     if (MOTION)
-      tryMoving(seenFrom(triangle, i, index % frame.columns), beam, index, i);
+      tryMoving(seenFrom(triangle, i, itMoves, index % frame.columns), beam, index, i);
     else
       tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, i);
     if (++k == columnCount) {
@@ -120,8 +121,9 @@ struct Tile {
   Triangle triangle;
   Box box;
   uint first, end;
-  uint column;  // the tile's first column, wrapped
-  uint before;  // previous tile in the slab's list
+  uint column;   // the tile's first column, wrapped
+  uint before;   // previous tile in the slab's list
+  bool itMoves;  // the triangle itself
 };
 
 // Returns the sensor column of column k of the tile's box, without azimuth offset.
@@ -135,19 +137,22 @@ Tile tileAt(uint t) {
   TaggedCorner a, c;
   vec4 b;
   vec2 span;
+  bool itMoves;
   if (gl_SubgroupInvocationID == 0) {
     tile = tiles.at[t];
     a = projectedA.at[tile.x];
     b = projectedB.at[tile.x];
     c = projectedC.at[tile.x];
     span = projectedColumns.at[tile.x];
+    itMoves = MOTION && moves(tile.x);
   }
   tile = subgroupBroadcast(tile, 0);
   a = TaggedCorner(subgroupBroadcast(a.corner, 0), subgroupBroadcast(a.tag, 0));
   Box box = boxOf(subgroupBroadcast(span, 0), subgroupBroadcast(c.tag, 0));
   Triangle triangle = triangleOf(a, subgroupBroadcast(b, 0), subgroupBroadcast(c.corner, 0));
   return Tile(tile.x, triangle, box, tile.y,
-              min(tile.y + tile.z, boxColumnCount(box)), wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
+              min(tile.y + tile.z, boxColumnCount(box)), wrapColumn(firstColumn(box) + int(tile.y)), tile.w,
+              MOTION && subgroupBroadcast(itMoves, 0));
 }
 
 // Narrows the rows of a box to from..to - 1, the rows whose beams in columns kFrom..kTo may hit the triangle. Each
@@ -190,6 +195,8 @@ void tryTile(Tile tile) {
   uint width = 1 << shift, height = gl_SubgroupSize >> shift;
   float angle = float(AZIMUTH_OFFSETS ? width + 1 : width) / frame.columnsPerRadian;
   uint stride = frame.columns;
+  // If all lasers of a column see the triangle from one point at one time, it is prepared and turned once per column.
+  bool byColumn = !AZIMUTH_OFFSETS && (!MOTION || motion.origins == 0.0);
   // Each lane holds the angles of one row. Most boxes have no more rows than the subgroup has lanes.
   vec2 angles = rows.at[min(box.rowFirst + lane, box.rowLast)].angles.xy;
   uint loaded = 0;
@@ -203,9 +210,10 @@ void tryTile(Tile tile) {
       uint k = part + j * width + (lane & (width - 1));
       uint column = columnOf(tile, k);
       vec2 azimuth = columns.at[column];
-      Turned turned = turn(tile.triangle, azimuth);
       Triangle seen = tile.triangle;
-      if (MOTION) seen = seenFrom(tile.triangle, tile.slot, column);
+      if (MOTION) seen = seenFrom(tile.triangle, tile.slot, tile.itMoves, column);
+      if (MOTION && byColumn) prepared = prepare(seen);
+      Turned turned = turn(seen, azimuth);
       uint mineEnd = k < tile.end ? rowEnd : 0;
       while (row < rowEnd) {
         uint base = row & ~(gl_SubgroupSize - 1);
@@ -217,18 +225,18 @@ void tryTile(Tile tile) {
           vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
           // This is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
-          if (here && MOTION) {
+          if (here && MOTION && !byColumn) {
             uint index;
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
             // Because of the row's offset the beam may belong to another column than the grid column.
-            if (AZIMUTH_OFFSETS) seen = seenFrom(tile.triangle, tile.slot, index % frame.columns);
+            if (AZIMUTH_OFFSETS) seen = seenFrom(tile.triangle, tile.slot, tile.itMoves, index % frame.columns);
             tryMoving(seen, beam, index, tile.slot);
           } else if (here && AZIMUTH_OFFSETS) {
             uint index;
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
             tryBeam(tile.triangle, prepared, turn(tile.triangle, beam.azimuth), beam, index, tile.slot);
           } else if (here) {
-            tryBeam(tile.triangle, prepared, turned, beamOf(azimuth, elevation.x, elevation.y),
+            tryBeam(seen, prepared, turned, beamOf(azimuth, elevation.x, elevation.y),
                     (box.rowFirst + mine) * stride + column, tile.slot);
           }
         }
@@ -259,6 +267,7 @@ void trySlabs() {
 }
 
 void main() {
+  loadMotion();
   // If a list was too small, the host enlarges it and runs the scan again.
   if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
       counters.tiles > frame.tileCapacity)

@@ -27,9 +27,12 @@ GNO_ARRAYS(BLOCK, ARRAY)
 
 // The frame is copied once because it is read often: a compiler must reload memory after each store that may alias it.
 Frame frame = frameAt.at[0];
+MotionBounds motion;  // copied by loadMotion() for the same reason; a scan without motion has no such array
+void loadMotion() {
+  if (MOTION) motion = motionAt.at[0];
+}
 #define counters countersAt.at[0]
 #define parameters parametersAt.at[0]
-#define motion motionAt.at[0]
 
 #else
 
@@ -47,6 +50,7 @@ Frame& frame = *frameAt;
 #define counters (*countersAt)
 #define parameters (*parametersAt)
 #define motion (*motionAt)
+GNO_DEVICE void loadMotion() {}
 Pass pass = __builtin_bit_cast(Pass, job.pass);
 
 #endif

@@ -22,10 +22,13 @@ void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out 
   high = centre + size + slack;
 }
 
+// Returns how far a point of the instance moves at most during the scan, in metres.
+float reachOf(uint instance) { return MOTION && motion.instances != 0 ? instanceMotions.at[instance].bound.x : 0.0; }
+
 void widenByMotion(uint instance, inout vec3 low, inout vec3 high) {
-  float bound = motion.instances != 0 ? instanceMotions.at[instance].bound.x : 0.0;
-  low -= bound;
-  high += bound;
+  float reach = reachOf(instance);
+  low -= reach;
+  high += reach;
 }
 
 float farthestPoint(vec3 low, vec3 high) { return length(max(abs(low), abs(high))) * 1.000001; }

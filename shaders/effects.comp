@@ -20,7 +20,7 @@ layout(local_size_x = 64) in;
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
 #define MANY_ECHOES ((EFFECTS & kFootprintEffects) != 0)
-#define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical)
+#define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && planned.intensityModel == kModelPhysical)
 // True if surfaces must be copied from echoes to returns. With one return and no footprint they are already in place.
 #define SURFACES_MOVE ((FIELDS & kFieldSurface) != 0 && (MANY_ECHOES || RETURNS > 1))
 #define BARYCENTRICS_MOVE ((FIELDS & kFieldBarycentrics) != 0 && (MANY_ECHOES || RETURNS > 1))
@@ -35,6 +35,7 @@ SurfaceRecord hitSurface;
 uvec2 hitOwner;
 vec2 hitBarycentrics;
 uint causeCounts[kCauses];  // counted by this invocation
+EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
 
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
@@ -67,7 +68,7 @@ Echo loadEcho(uint k) {
     cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
   }
-  return Echo(hitPoint.w, energy, parameters.pulseWidth, cosIncidence, 0);
+  return Echo(hitPoint.w, energy, planned.pulseWidth, cosIncidence, 0);
 }
 
 // Stores the surface's velocity and its radial speed. Without motion both are 0.
@@ -116,7 +117,7 @@ void storeReturn(uint j, Return value) {
 void judge(bool hit) {
   uint count = hit ? 1 : 0, returned;
   if (MANY_ECHOES) count = echoCounts.at[beamIndex];
-  uint cause = signalsOf(parameters, beamIndex, beamDirection, count, returned);
+  uint cause = signalsOf(planned, beamIndex, beamDirection, count, returned);
   if ((FIELDS & kFieldSignal) != 0) {
     uint at = beamIndex * RETURNS;
     signals.at[at].word |= cause << 8;
@@ -133,6 +134,8 @@ void countCauses() {
 }
 
 void main() {
+  loadMotion();
+  if (SIGNALS) planned = parameters;
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] = 0;
   vec3 angles = rows.at[gl_WorkGroupID.y].angles;
   vec4 offset = rows.at[gl_WorkGroupID.y].offset;
@@ -150,8 +153,8 @@ void main() {
       if (BARYCENTRICS_MOVE) hitBarycentrics = barycentrics.at[beamIndex * RETURNS];
     }
     pointDirection = beamDirection;
-    if ((EFFECTS & kAngleNoise) != 0 && parameters.angleNoiseAt == kAngleAtPoint)
-      pointDirection = astray(beamDirection, angleError(parameters, beamIndex));
+    if ((EFFECTS & kAngleNoise) != 0 && planned.angleNoiseAt == kAngleAtPoint)
+      pointDirection = astray(beamDirection, angleError(planned, beamIndex));
     if (SIGNALS)
       judge(hitOwner.x != kNone);
     else if (SPEEDS)

@@ -425,6 +425,7 @@ bool finish(uint index) {
 }
 
 void main() {
+  loadMotion();
 #define LOAD(s) loadSubRay(s);
   EACH_RAY(LOAD)
   rangeMin = frame.rangeMin;

@@ -117,6 +117,7 @@ Surface told(Surface surface, uint leader) {
 }
 
 void main() {
+  loadMotion();
   uint row = gl_WorkGroupID.y, channel = rows.at[row].channel;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
   // No lane leaves the loop early, because all lanes take part in the shuffles.

@@ -68,6 +68,7 @@ bool seen(uint number, Instance instance, uint cluster) {
 }
 
 void main() {
+  loadMotion();
   uint groupCount = counters.visibleGroups;
   uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < groupCount; i += stride) {

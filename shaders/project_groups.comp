@@ -40,6 +40,7 @@ bool seen(uvec2 pair, inout uvec2 later) {
 }
 
 void main() {
+  loadMotion();
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   uvec2 later = uvec2(0);
   uint rounds = (pass.placedCount + stride - 1) / stride;

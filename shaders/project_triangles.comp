@@ -36,7 +36,8 @@ struct Projected {
   vec4 b;
   TaggedCorner c;
   vec2 uvA, uvB, uvC;  // only with cut-outs
-  mat3 velocities;     // of the corners; only with motion
+  mat3 velocities;     // of the corners; only with motion, as is the next one
+  bool moves;          // the triangle itself
 };
 
 // Tests the bits, because the compiler may assume that NaN does not occur.
@@ -132,7 +133,8 @@ struct Survivor {
   uint id;         // the top bit says one-sided
   uvec3 vertices;  // only with a footprint, as is the material
   uint material;
-  uint instance;  // only with motion
+  uint instance;  // only with motion, as is the next one
+  float reach;    // metres that a point of the instance moves at most
 };
 
 // Returns the k-th triangle of a cluster. All lanes of the subgroup must call this.
@@ -145,6 +147,7 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
   survivor.vertices = loaded.vertexFirst + numbers;
   survivor.material = loaded.material;
   survivor.instance = loaded.number;
+  survivor.reach = loaded.reach;
   return survivor;
 }
 
@@ -159,7 +162,8 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
   uint fate;
   if (MOTION) {
     projected.velocities = mat3(0.0);
-    if (motion.instances != 0) {
+    projected.moves = survivor.reach > 0.0;
+    if (projected.moves) {
       InstanceMotion moving = instanceMotions.at[survivor.instance];
       projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
     }
@@ -218,6 +222,7 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
 }
 
 void main() {
+  loadMotion();
   uvec4 culled = uvec4(0);  // range, face, between beams, hidden
   uint nonFinite = 0, triangleCount = 0, lane = gl_SubgroupInvocationID, i = kNone;
   // Most clusters leave few triangles. These wait in the first lanes until every lane has one.

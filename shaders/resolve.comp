@@ -69,6 +69,7 @@ void store(uint row, uint column, uint beam, Beam axis, uint rangeBits, uint id)
 }
 
 void main() {
+  loadMotion();
   vec3 angles = rows.at[gl_WorkGroupID.y].angles;
   vec4 offset = rows.at[gl_WorkGroupID.y].offset;
   uint channel = rows.at[gl_WorkGroupID.y].channel;

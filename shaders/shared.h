@@ -231,11 +231,11 @@ struct MotionBounds {
   float shiftPerColumn, turnPerColumn;  // at most, between neighbouring columns
   float origins;                        // metres: largest distance of a laser from the sensor's origin
   float secondsPerColumn, seconds;      // per column, and for the whole scan
-  uint instances;                       // 1 if instances move
+  uint instances, sensor;               // 1 if instances move, if the sensor moves; else its columns' frames are one
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(MotionBounds) == 32);
+static_assert(sizeof(MotionBounds) == 36);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 80 &&

@@ -72,7 +72,7 @@ MotionTables makeMotionTables(const Sensor& sensor, const Shot& shot, bool moves
   tables.bounds = {up(shift + origins), up(turn),
                    up(shiftStep),       up(turnStep),
                    up(origins),         up(sensor.columns > 0 ? period / sensor.columns : 0),
-                   up(period),          0};
+                   up(period),          0, moves};
   return tables;
 }
 
