@@ -26,8 +26,6 @@
 
 layout(local_size_x = 64) in;
 
-// With motion, a triangle at the seam of the columns may be seen twice: at the start and at the end of the scan.
-uint sideCount() { return MOTION ? 2 : 1; }
 const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4, kHidden = 5, kNoTriangle = 6;
 
 // A projected triangle as arrays.h describes it.
@@ -123,7 +121,8 @@ bool isOneSided(LoadedCluster loaded) { return FACES == kFacesFront || (FACES ==
 uint cullOne(LoadedCluster loaded, mat3 corners) {
   vec3 a = corners[0], b = corners[1], c = corners[2];
   uint fate = kKeep;
-  if (!MOTION && BOUNDS != kBoundsPaper) fate = culledEarly(a, b, c, isOneSided(loaded));
+  if (BOUNDS != kBoundsPaper)
+    fate = MOTION ? culledMoving(a, b, c, isOneSided(loaded), loaded.reach) : culledEarly(a, b, c, isOneSided(loaded));
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 
@@ -151,7 +150,7 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
   return survivor;
 }
 
-uint projectOne(Survivor survivor, uint side, out Projected projected, out Box box) {
+uint projectOne(Survivor survivor, uint side, out Projected projected, out Box box, out bool atSeam) {
   vec3 a = survivor.corners[0], b = survivor.corners[1], c = survivor.corners[2];
   if ((EFFECTS & kCutOuts) != 0) {
     projected.uvA = textureCoordinates.at[survivor.vertices.x];
@@ -159,6 +158,7 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
     projected.uvC = textureCoordinates.at[survivor.vertices.z];
   }
   float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
+  atSeam = false;
   uint fate;
   if (MOTION) {
     projected.velocities = mat3(0.0);
@@ -167,7 +167,7 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
       InstanceMotion moving = instanceMotions.at[survivor.instance];
       projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
     }
-    fate = movingBox(survivor.corners, projected.velocities, side, box, rangeMin);
+    fate = movingBox(survivor.corners, projected.velocities, side, box, rangeMin, atSeam);
   } else if (BOUNDS == kBoundsPaper) {
     fate = paperBox(a, b, c, (survivor.id >> 31) != 0, box, rangeMin);
   } else {
@@ -207,17 +207,21 @@ uint nthSetBit(uint bits, uint n) {
 
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
-// All lanes of the subgroup must call this; `there` is true if the lane has a survivor.
+// All lanes of the subgroup must call this; `there` is true if the lane has a survivor. With motion, a triangle at the
+// seam of the columns may be seen twice: at the start and at the end of the scan.
 void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
-  for (uint side = 0; side < sideCount(); ++side) {
+  for (uint side = 0; side < 2; ++side) {
     uint fate = kNoTriangle;
     Projected projected;
     Box box;
+    bool atSeam = false;
     if (there) {
-      fate = projectOne(survivor, side, projected, box);
+      fate = projectOne(survivor, side, projected, box, atSeam);
       culled += countOf(fate);
     }
     if (subgroupAny(fate == kKeep)) storeKept(fate == kKeep, projected, box, survivor.material);
+    there = there && atSeam;
+    if (!MOTION || !subgroupAny(there)) return;
   }
 }
 
