@@ -155,6 +155,12 @@ Tile tileAt(uint t) {
               MOTION && subgroupBroadcast(itMoves, 0));
 }
 
+// The angle by which a triangle at rest appears to move while neighbouring columns that span `angle` fire.
+float driftWithin(Triangle triangle, float angle) {
+  return seemingAngle(motion.shiftPerColumn, motion.turnPerColumn, triangle.rangeMin) * angle * frame.columnsPerRadian +
+         seemingAngle(motion.origins, 0.0, triangle.rangeMin);
+}
+
 // Narrows the rows of a box to from..to - 1, the rows whose beams in columns kFrom..kTo may hit the triangle. Each
 // lane computes its own range of columns.
 void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out uint from, out uint to) {
@@ -163,15 +169,22 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   to = rowCount;
   // A small tile does not repay this work, and the paper's bounds must stay as they are.
   bool pays = rowCount * (tile.end - tile.first) > kFewBeams;
-  if (MOTION || !pays || BOUNDS == kBoundsPaper) return;
-  vec3 far = vec3(length(tile.triangle.a), length(tile.triangle.b), length(tile.triangle.c));
-  float blur = blurOf(tile.triangle, prepared, far);
-  if (angle + blur > 0.5) return;
+  if (!pays || BOUNDS == kBoundsPaper) return;
+  uint first = columnOf(tile, kFrom);
   // With offsets, a beam lies between its grid column and the next.
-  uint next = AZIMUTH_OFFSETS ? 1 : 0;
+  uint last = columnOf(tile, kTo + (AZIMUTH_OFFSETS ? 1 : 0));
+  Triangle triangle = tile.triangle;
+  if (MOTION) {
+    // With offsets, neighbouring beams fire at other times. So do the columns at the seam.
+    if (AZIMUTH_OFFSETS || tile.itMoves || last < first || boxColumnCount(tile.box) == frame.columns) return;
+    triangle = seenFrom(triangle, tile.slot, false, first);
+  }
+  vec3 far = vec3(length(triangle.a), length(triangle.b), length(triangle.c));
+  float blur = blurOf(triangle, prepared, far);
+  if (MOTION) blur += driftWithin(triangle, angle);
+  if (angle + blur > 0.5) return;
   float keyMin, keyMax;
-  keysBetween(turn(tile.triangle, columns.at[columnOf(tile, kFrom)]),
-              turn(tile.triangle, columns.at[columnOf(tile, kTo + next)]),
+  keysBetween(turn(triangle, columns.at[first]), turn(triangle, columns.at[last]),
               blur * max(max(far.x, far.y), far.z), keyMin, keyMax);
   // A box that spans all columns may contain a pole.
   if (boxColumnCount(tile.box) == frame.columns) {
