@@ -98,14 +98,13 @@ void trySmall(uint i) {
   Triangle triangle = triangleOf(projectedA.at[i], projectedB.at[i], c.corner);
   Box box = boxOf(projectedColumns.at[i], c.tag);
   Prepared prepared = prepare(triangle);
-  bool itMoves = MOTION && moves(i);
   uint columnCount = boxColumnCount(box);
   uint k = 0;
   for (uint row = box.rowFirst; row <= box.rowLast;) {
     uint index;
     Beam beam = beamAt(box, k, row, index);
     if (MOTION)
-      tryMoving(seenFrom(triangle, i, itMoves, index % frame.columns), beam, index, i);
+      tryMoving(seenFrom(triangle, i, index % frame.columns), beam, index, i);
     else
       tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, i);
     if (++k == columnCount) {
@@ -121,9 +120,8 @@ struct Tile {
   Triangle triangle;
   Box box;
   uint first, end;
-  uint column;   // the tile's first column, wrapped
-  uint before;   // previous tile in the slab's list
-  bool itMoves;  // the triangle itself
+  uint column;  // the tile's first column, wrapped
+  uint before;  // previous tile in the slab's list
 };
 
 // Returns the sensor column of column k of the tile's box, without azimuth offset.
@@ -137,22 +135,19 @@ Tile tileAt(uint t) {
   TaggedCorner a, c;
   vec4 b;
   vec2 span;
-  bool itMoves;
   if (gl_SubgroupInvocationID == 0) {
     tile = tiles.at[t];
     a = projectedA.at[tile.x];
     b = projectedB.at[tile.x];
     c = projectedC.at[tile.x];
     span = projectedColumns.at[tile.x];
-    itMoves = MOTION && moves(tile.x);
   }
   tile = subgroupBroadcast(tile, 0);
   a = TaggedCorner(subgroupBroadcast(a.corner, 0), subgroupBroadcast(a.tag, 0));
   Box box = boxOf(subgroupBroadcast(span, 0), subgroupBroadcast(c.tag, 0));
   Triangle triangle = triangleOf(a, subgroupBroadcast(b, 0), subgroupBroadcast(c.corner, 0));
   return Tile(tile.x, triangle, box, tile.y,
-              min(tile.y + tile.z, boxColumnCount(box)), wrapColumn(firstColumn(box) + int(tile.y)), tile.w,
-              MOTION && subgroupBroadcast(itMoves, 0));
+              min(tile.y + tile.z, boxColumnCount(box)), wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
 }
 
 // The angle by which a triangle at rest appears to move while neighbouring columns that span `angle` fire.
@@ -176,8 +171,8 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   Triangle triangle = tile.triangle;
   if (MOTION) {
     // With offsets, neighbouring beams fire at other times. So do the columns at the seam.
-    if (AZIMUTH_OFFSETS || tile.itMoves || last < first || boxColumnCount(tile.box) == frame.columns) return;
-    triangle = seenFrom(triangle, tile.slot, false, first);
+    if (AZIMUTH_OFFSETS || triangle.moves || last < first || boxColumnCount(tile.box) == frame.columns) return;
+    triangle = seenFrom(triangle, tile.slot, first);
   }
   vec3 far = vec3(length(triangle.a), length(triangle.b), length(triangle.c));
   float blur = blurOf(triangle, prepared, far);
@@ -224,7 +219,7 @@ void tryTile(Tile tile) {
       uint column = columnOf(tile, k);
       vec2 azimuth = columns.at[column];
       Triangle seen = tile.triangle;
-      if (MOTION) seen = seenFrom(tile.triangle, tile.slot, tile.itMoves, column);
+      if (MOTION) seen = seenFrom(tile.triangle, tile.slot, column);
       if (MOTION && byColumn) prepared = prepare(seen);
       Turned turned = turn(seen, azimuth);
       uint mineEnd = k < tile.end ? rowEnd : 0;
@@ -242,7 +237,7 @@ void tryTile(Tile tile) {
             uint index;
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
             // Because of the row's offset the beam may belong to another column than the grid column.
-            if (AZIMUTH_OFFSETS) seen = seenFrom(tile.triangle, tile.slot, tile.itMoves, index % frame.columns);
+            if (AZIMUTH_OFFSETS) seen = seenFrom(tile.triangle, tile.slot, index % frame.columns);
             tryMoving(seen, beam, index, tile.slot);
           } else if (here && AZIMUTH_OFFSETS) {
             uint index;

@@ -4,19 +4,24 @@
 // other columns of its box fire. The columns at the seam are the start and the end of the scan, far apart in time, so
 // a triangle at the seam gets one box on each side of it.
 
-// True if rounding and the motion of the sensor cannot have changed the side: in the frames of the columns the sensor
-// is up to `shift` away, and each corner is rounded anew, by up to 6e-7 of its distance.
-bool facesAwayThroughout(vec3 a, vec3 b, vec3 c) {
+// True if all lasers see a triangle from one place and always in the same place.
+bool atRest(bool moves) { return !moves && motion.sensor == 0 && motion.origins == 0.0; }
+
+// True if neither motion nor rounding can change the side. In the frames of the columns each corner is up to `shift`
+// elsewhere and rounded anew, by up to 6e-7 of its distance. Both edges change by that and by their share `bend`.
+bool facesAwayThroughout(vec3 a, vec3 b, vec3 c, float shift, float bend) {
   vec3 u = b - a, v = c - a, normal = cross(u, v);
-  float distance = max(max(length(a), length(b)), length(c)) + motion.shift, lengthU = length(u), lengthV = length(v);
-  float bound = distance * (2e-6 * lengthU * lengthV + 1.2e-6 * distance * (lengthU + lengthV + 1.2e-6 * distance));
-  return dot(normal, a) > bound + 1.00001 * length(normal) * motion.shift;
+  float distance = max(max(length(a), length(b)), length(c)) + shift, lengthU = length(u), lengthV = length(v);
+  float changeU = bend * lengthU + 1.2e-6 * distance, changeV = bend * lengthV + 1.2e-6 * distance;
+  float turned = lengthU * changeV + lengthV * changeU + changeU * changeV;  // the most by which the normal changes
+  return dot(normal, a) > distance * (2e-6 * lengthU * lengthV + 1.00001 * turned) + 1.00001 * length(normal) * shift;
 }
 
-// As culledEarly(); a point of the triangle moves by at most `reach` metres.
-uint culledMoving(vec3 a, vec3 b, vec3 c, bool oneSided, float reach) {
-  float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c)) - motion.shift - reach;
-  uint fate = oneSided && reach == 0.0 && facesAwayThroughout(a, b, c) ? kFace : kKeep;
+// As culledEarly(); `bound` is that of the triangle's instance.
+uint culledMoving(vec3 a, vec3 b, vec3 c, bool oneSided, vec2 bound) {
+  float shift = motion.shift + bound.x;
+  float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c)) - shift;
+  uint fate = oneSided && facesAwayThroughout(a, b, c, shift, bound.y) ? kFace : kKeep;
   return rangeMin > frame.rangeMax ? kRange : fate;
 }
 
@@ -54,24 +59,27 @@ bool widenByMotion(uint at, float distance, float speed, inout Outline outline, 
 const uint kItsColumn = 0, kEndColumn = 1, kMiddle = 2;
 
 // Sets `atSeam` if the triangle needs a box on the second side as well.
-uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float rangeMin, out bool atSeam) {
+uint movingBox(mat3 corners, mat3 velocities, bool moves, uint side, out Box box, out float rangeMin, out bool atSeam) {
   atSeam = false;
   vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
   float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2])) * 1.00001;
   float distance = max(nearestPoint(low, high) - motion.shift - speed * motion.seconds, 0.0);
   rangeMin = distance;
   if (rangeMin > frame.rangeMax) return kRange;
+  uint last = frame.columns - 1, at = 0, from = kMiddle;
+  if (!atRest(moves)) {
   vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
   float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
-  uint last = frame.columns - 1, at = min(uint(max(azimuth, 0.0)), last);
+  at = min(uint(max(azimuth, 0.0)), last);
   // The column is computed a second time, with the triangle's position at the time of the first estimate.
   middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
   azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
   at = min(uint(max(azimuth, 0.0)), last);
+  from = kItsColumn;
+  }
   Outline outline;
   // This is a loop although each frame is tried at most once: some compilers take gigabytes if the bounds are inlined
   // three times.
-  uint from = kItsColumn;
   while (true) {
     vec3 a = corners[0], b = corners[1], c = corners[2];
     seeming = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));

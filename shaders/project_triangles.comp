@@ -122,7 +122,8 @@ uint cullOne(LoadedCluster loaded, mat3 corners) {
   vec3 a = corners[0], b = corners[1], c = corners[2];
   uint fate = kKeep;
   if (BOUNDS != kBoundsPaper)
-    fate = MOTION ? culledMoving(a, b, c, isOneSided(loaded), loaded.reach) : culledEarly(a, b, c, isOneSided(loaded));
+    fate = MOTION && !atRest(loaded.bound.x > 0.0) ? culledMoving(a, b, c, isOneSided(loaded), loaded.bound)
+                                                   : culledEarly(a, b, c, isOneSided(loaded));
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 
@@ -133,7 +134,7 @@ struct Survivor {
   uvec3 vertices;  // only with a footprint, as is the material
   uint material;
   uint instance;  // only with motion, as is the next one
-  float reach;    // metres that a point of the instance moves at most
+  bool moves;     // the instance
 };
 
 // Returns the k-th triangle of a cluster. All lanes of the subgroup must call this.
@@ -146,7 +147,7 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
   survivor.vertices = loaded.vertexFirst + numbers;
   survivor.material = loaded.material;
   survivor.instance = loaded.number;
-  survivor.reach = loaded.reach;
+  survivor.moves = loaded.bound.x > 0.0;
   return survivor;
 }
 
@@ -162,12 +163,12 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
   uint fate;
   if (MOTION) {
     projected.velocities = mat3(0.0);
-    projected.moves = survivor.reach > 0.0;
+    projected.moves = survivor.moves;
     if (projected.moves) {
       InstanceMotion moving = instanceMotions.at[survivor.instance];
       projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
     }
-    fate = movingBox(survivor.corners, projected.velocities, side, box, rangeMin, atSeam);
+    fate = movingBox(survivor.corners, projected.velocities, survivor.moves, side, box, rangeMin, atSeam);
   } else if (BOUNDS == kBoundsPaper) {
     fate = paperBox(a, b, c, (survivor.id >> 31) != 0, box, rangeMin);
   } else {

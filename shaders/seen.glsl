@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transforms a projected triangle to the frame of a laser of a moving sensor.
 
-// True if the triangle itself moves during the scan.
-bool moves(uint slot) { return motion.instances != 0 && projectedMotions.at[3 * slot].w != 0.0; }
-
 // Transforms the triangle to the column's frame, at the time when the column fires.
-Triangle seenFrom(Triangle triangle, uint slot, bool itMoves, uint column) {
-  if (!itMoves && motion.sensor == 0) return triangle;
+Triangle seenFrom(Triangle triangle, uint slot, uint column) {
+  if (!triangle.moves && motion.sensor == 0) return triangle;
   ColumnMotion at = columnMotions.at[column];
-  if (itMoves) {
+  if (triangle.moves) {
     triangle.a = inColumn(at, triangle.a, projectedMotions.at[3 * slot].xyz);
     triangle.b = inColumn(at, triangle.b, projectedMotions.at[3 * slot + 1].xyz);
     triangle.c = inColumn(at, triangle.c, projectedMotions.at[3 * slot + 2].xyz);
@@ -31,5 +28,5 @@ Triangle seenFrom(Triangle triangle, uint row, vec2 azimuth) {
 }
 
 Triangle seenFrom(Triangle triangle, uint slot, uint column, uint row, vec2 azimuth) {
-  return seenFrom(seenFrom(triangle, slot, moves(slot), column), row, azimuth);
+  return seenFrom(seenFrom(triangle, slot, column), row, azimuth);
 }

@@ -214,7 +214,9 @@ struct Pass {
 // The velocity of an instance's points, m/s in the sensor's axes: rows * (point, 1).
 struct InstanceMotion {
   vec4 row0, row1, row2;
-  vec4 bound;  // x: largest distance in metres that any of its points moves during the scan
+  // x: largest distance in metres that any of its points moves during the scan; y: largest change of a vector between
+  // two of its points, as a share of the vector's length.
+  vec4 bound;
 };
 
 // The sensor when a column fires: the column's frame = rows * (point, 1), where points are in the sensor's frame at
