@@ -142,7 +142,8 @@ std::vector<Step> SensorArrays::steps(const PlacedGroups& placed, StillImage::Us
   const bool footprint = plan_.footprint();
   return stepsOf(
       {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shellEnds_, footprint,
-       !footprint && !leavesWords(binning_, plan_), plan_.surfaces() && !footprint, plan_.signals() || plan_.speeds()},
+       resolves(binning_, plan_), plan_.surfaces() && !footprint && !plan_.signals(),
+       plan_.signals() || plan_.speeds()},
       placed, still);
 }
 
