@@ -65,7 +65,7 @@ const Layouts kShared = {
     STRUCT(Pass, placedFirst, placedCount, shellMin, shellMax, occluders, padding0, padding1, padding2),
     STRUCT(InstanceMotion, row0, row1, row2, bound),
     STRUCT(ColumnMotion, row0, row1, row2, report0, report1, report2, velocity),
-    STRUCT(MotionBounds, shift, turn, shiftPerColumn, turnPerColumn, origins, secondsPerColumn, seconds, instances),
+    STRUCT(MotionBounds, shift, turn, shiftPerColumn, turnPerColumn, origins, secondsPerColumn, seconds, instances, sensor),
     STRUCT(Particles, countsNear, countsFar, firstRange, lastRange, slope, reflectance),
     STRUCT(EffectParameters, rain, snow, seedLow, seedHigh, sensor, frame, subRays, volumeCount, deadBeams, returnsMode,
            returnsPerBeam, intensityModel, intensityScale, angleNoiseAt, attenuation, threshold, softness, dropRate,
