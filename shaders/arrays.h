@@ -30,11 +30,11 @@
 
 // Arrays that the stages pass on to each other. A projected triangle is spread over four of them. projectedA holds
 // corner a and the number of the placed triangle (top bit: one-sided). projectedB holds corner b and a lower bound of
-// the range to any point of the triangle (sign bit: the triangle moves). projectedC holds corner c, with the first row of the box in the low and the
-// last row in the high 16 bits. projectedColumns holds the first and last column. Small boxes are stored from the
-// front, large ones from the back. A tile is a part of a box: its triangle, its first column in the box, its number of
-// columns and, in a slab's list, the previous tile. With slabs, every triangle has one tile at its own index; tiles
-// for further slabs follow behind.
+// the range to any point of the triangle (sign bit: the triangle moves). projectedC holds corner c, with the first row
+// of the box in the low and the last row in the high 16 bits. projectedColumns holds the first and last column. Small
+// boxes are stored from the front, large ones from the back. A tile is a part of a box: its triangle, its first column
+// in the box, its number of columns and, in a slab's list, the previous tile. With slabs, every triangle has one tile
+// at its own index; tiles for further slabs follow behind.
 #define GNO_WORK_ARRAYS(BLOCK, ARRAY) \
   BLOCK(coherent, Counters, counters) \
   ARRAY(, uvec2, visibleGroups)            /* instance, group */ \

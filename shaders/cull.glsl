@@ -23,7 +23,9 @@ void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out 
 }
 
 // Returns how an instance moves during the scan: InstanceMotion::bound, or 0 if it is at rest.
-vec2 boundOf(uint instance) { return MOTION && motion.instances != 0 ? instanceMotions.at[instance].bound.xy : vec2(0.0); }
+vec2 boundOf(uint instance) {
+  return MOTION && motion.instances != 0 ? instanceMotions.at[instance].bound.xy : vec2(0.0);
+}
 
 void widenByMotion(uint instance, inout vec3 low, inout vec3 high) {
   float reach = boundOf(instance).x;

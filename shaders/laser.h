@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The point that a laser of a moving sensor reports, in the common subset of GLSL, C++ and CUDA, so that device and host
-// get the same bytes.
+// The point that a laser of a moving sensor reports, in the common subset of GLSL, C++ and CUDA, so that device and
+// host get the same bytes.
 #ifndef GNOSPHERE_LASER_H
 #define GNOSPHERE_LASER_H
 

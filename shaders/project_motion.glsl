@@ -68,14 +68,14 @@ uint movingBox(mat3 corners, mat3 velocities, bool moves, uint side, out Box box
   if (rangeMin > frame.rangeMax) return kRange;
   uint last = frame.columns - 1, at = 0, from = kMiddle;
   if (!atRest(moves)) {
-  vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
-  float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
-  at = min(uint(max(azimuth, 0.0)), last);
-  // The column is computed a second time, with the triangle's position at the time of the first estimate.
-  middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
-  azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
-  at = min(uint(max(azimuth, 0.0)), last);
-  from = kItsColumn;
+    vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
+    float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
+    at = min(uint(max(azimuth, 0.0)), last);
+    // The column is computed a second time, with the triangle's position at the time of the first estimate.
+    middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
+    azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
+    at = min(uint(max(azimuth, 0.0)), last);
+    from = kItsColumn;
   }
   Outline outline;
   // This is a loop although each frame is tried at most once: some compilers take gigabytes if the bounds are inlined

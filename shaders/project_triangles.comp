@@ -121,9 +121,12 @@ bool isOneSided(LoadedCluster loaded) { return FACES == kFacesFront || (FACES ==
 uint cullOne(LoadedCluster loaded, mat3 corners) {
   vec3 a = corners[0], b = corners[1], c = corners[2];
   uint fate = kKeep;
-  if (BOUNDS != kBoundsPaper)
-    fate = MOTION && !atRest(loaded.bound.x > 0.0) ? culledMoving(a, b, c, isOneSided(loaded), loaded.bound)
-                                                   : culledEarly(a, b, c, isOneSided(loaded));
+  if (MOTION && !atRest(loaded.bound.x > 0.0)) {
+    if (BOUNDS != kBoundsPaper) fate = culledMoving(a, b, c, isOneSided(loaded), loaded.bound);
+  } else if (BOUNDS != kBoundsPaper) {
+    seeming = 0.0;  // it is that of the last triangle that moves
+    fate = culledEarly(a, b, c, isOneSided(loaded));
+  }
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 

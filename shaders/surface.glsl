@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the surface at a hit from the hit's owner. Neighbouring beams mostly hit the same triangle, so only the first of
-// them in a subgroup loads it and shares it with the others.
+// Finds the surface at a hit from the hit's owner. Neighbouring beams mostly hit the same triangle, so only the first
+// of them in a subgroup loads it and shares it with the others.
 
 struct Corners {
   vec3 a, b, c;
@@ -14,7 +14,8 @@ vec3 cornerOf(Instance instance, uint vertex) {
 Corners cornersOf(Instance instance, uint cluster, uint k) {
   uint vertexFirst = clusters.at[cluster].vertexFirst, triangleFirst = clusters.at[cluster].triangleFirst;
   uint packed = triangleCorners.at[triangleFirst + k].x;
-  return Corners(cornerOf(instance, vertexFirst + (packed & 0xff)), cornerOf(instance, vertexFirst + (packed >> 8 & 0xff)),
+  return Corners(cornerOf(instance, vertexFirst + (packed & 0xff)),
+                 cornerOf(instance, vertexFirst + (packed >> 8 & 0xff)),
                  cornerOf(instance, vertexFirst + (packed >> 16 & 0xff)));
 }
 
@@ -46,7 +47,8 @@ Corners seenFrom(Corners t, uint instance, uint column, uint row, vec2 azimuth) 
   if (motion.instances == 0)
     return Corners(inColumn(at, t.a) - origin, inColumn(at, t.b) - origin, inColumn(at, t.c) - origin);
   InstanceMotion moving = instanceMotions.at[instance];
-  return Corners(inColumn(at, t.a, velocityOf(moving, t.a)) - origin, inColumn(at, t.b, velocityOf(moving, t.b)) - origin,
+  return Corners(inColumn(at, t.a, velocityOf(moving, t.a)) - origin,
+                 inColumn(at, t.b, velocityOf(moving, t.b)) - origin,
                  inColumn(at, t.c, velocityOf(moving, t.c)) - origin);
 }
 
