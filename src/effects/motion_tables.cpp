@@ -71,7 +71,7 @@ MotionTables makeMotionTables(const Sensor& sensor, const Shot& shot, bool moves
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
   tables.bounds = {up(shift + origins), up(turn),    up(shiftStep),
                    up(turnStep),        up(origins), up(sensor.columns > 0 ? period / sensor.columns : 0),
-                   up(period),          0,           moves};
+                   up(period),          0,           moves && !shot.motion.stamps.empty()};
   return tables;
 }
 
