@@ -30,11 +30,11 @@
 
 // Arrays that the stages pass on to each other. A projected triangle is spread over four of them. projectedA holds
 // corner a and the number of the placed triangle (top bit: one-sided). projectedB holds corner b and a lower bound of
-// the range to any point of the triangle. projectedC holds corner c, with the first row of the box in the low and the
-// last row in the high 16 bits. projectedColumns holds the first and last column. Small boxes are stored from the
-// front, large ones from the back. A tile is a part of a box: its triangle, its first column in the box, its number of
-// columns and, in a slab's list, the previous tile. With slabs, every triangle has one tile at its own index; tiles
-// for further slabs follow behind.
+// the range to any point of the triangle (sign bit: the triangle moves). projectedC holds corner c, with the first row
+// of the box in the low and the last row in the high 16 bits. projectedColumns holds the first and last column. Small
+// boxes are stored from the front, large ones from the back. A tile is a part of a box: its triangle, its first column
+// in the box, its number of columns and, in a slab's list, the previous tile. With slabs, every triangle has one tile
+// at its own index; tiles for further slabs follow behind.
 #define GNO_WORK_ARRAYS(BLOCK, ARRAY) \
   BLOCK(coherent, Counters, counters) \
   BLOCK(coherent, Shells, shells) \
@@ -55,7 +55,7 @@
   ARRAY(, uint, blockSums) \
   ARRAY(, uint, candidates)                /* indices of projected triangles */ \
   ARRAY(, uint, projectedMaterials)        /* per projected triangle */ \
-  ARRAY(, vec4, projectedMotions)          /* per projected triangle: m/s of its three corners */ \
+  ARRAY(, vec4, projectedMotions)          /* per projected triangle that moves: m/s of its three corners */ \
   ARRAY(, vec4, projectedTexture)          /* per projected triangle: uv of a and b, of c */ \
   ARRAY(, uint, hardBeams)                 /* beams, in row order, that the second footprint pass processes */ \
   ARRAY(, uint, echoCounts)                /* per beam: its echoes, at most kMaxEchoes, in order of range; */ \

@@ -133,6 +133,12 @@ Tile tileAt(uint t) {
               min(tile.y + tile.z, boxColumnCount(box)), wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
 }
 
+// The angle by which a triangle at rest appears to move while neighbouring columns that span `angle` fire.
+float driftWithin(Triangle triangle, float angle) {
+  return seemingAngle(motion.shiftPerColumn, motion.turnPerColumn, triangle.rangeMin) * angle * frame.columnsPerRadian +
+         seemingAngle(motion.origins, 0.0, triangle.rangeMin);
+}
+
 // Narrows the rows of a box to from..to - 1, the rows whose beams in columns kFrom..kTo may hit the triangle. Each
 // lane computes its own range of columns.
 void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out uint from, out uint to) {
@@ -141,15 +147,22 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   to = rowCount;
   // A small tile does not repay this work, and the paper's bounds must stay as they are.
   bool pays = rowCount * (tile.end - tile.first) > kFewBeams;
-  if (MOTION || !pays || BOUNDS == kBoundsPaper) return;
-  vec3 far = vec3(length(tile.triangle.a), length(tile.triangle.b), length(tile.triangle.c));
-  float blur = blurOf(tile.triangle, prepared, far);
-  if (angle + blur > 0.5) return;
+  if (!pays || BOUNDS == kBoundsPaper) return;
+  uint first = columnOf(tile, kFrom);
   // With offsets, a beam lies between its grid column and the next.
-  uint next = AZIMUTH_OFFSETS ? 1 : 0;
+  uint last = columnOf(tile, kTo + (AZIMUTH_OFFSETS ? 1 : 0));
+  Triangle triangle = tile.triangle;
+  if (MOTION) {
+    // With offsets, neighbouring beams fire at other times. So do the columns at the seam.
+    if (AZIMUTH_OFFSETS || triangle.moves || last < first || boxColumnCount(tile.box) == frame.columns) return;
+    triangle = seenFrom(triangle, tile.slot, first);
+  }
+  vec3 far = vec3(length(triangle.a), length(triangle.b), length(triangle.c));
+  float blur = blurOf(triangle, prepared, far);
+  if (MOTION) blur += driftWithin(triangle, angle);
+  if (angle + blur > 0.5) return;
   float keyMin, keyMax;
-  keysBetween(turn(tile.triangle, columns.at[columnOf(tile, kFrom)]),
-              turn(tile.triangle, columns.at[columnOf(tile, kTo + next)]),
+  keysBetween(turn(triangle, columns.at[first]), turn(triangle, columns.at[last]),
               blur * max(max(far.x, far.y), far.z), keyMin, keyMax);
   // A box that spans all columns may contain a pole.
   if (boxColumnCount(tile.box) == frame.columns) {
@@ -173,6 +186,8 @@ void tryTile(Tile tile) {
   uint width = 1 << shift, height = gl_SubgroupSize >> shift;
   float angle = float(AZIMUTH_OFFSETS ? width + 1 : width) / frame.columnsPerRadian;
   uint stride = frame.columns;
+  // If all lasers of a column see the triangle from one point at one time, it is prepared and turned once per column.
+  bool byColumn = !AZIMUTH_OFFSETS && (!MOTION || motion.origins == 0.0);
   // Each lane holds the angles of one row. Most boxes have no more rows than the subgroup has lanes.
   vec2 angles = rows.at[min(box.rowFirst + lane, box.rowLast)].angles.xy;
   uint loaded = 0;
@@ -186,9 +201,10 @@ void tryTile(Tile tile) {
       uint k = part + j * width + (lane & (width - 1));
       uint column = columnOf(tile, k);
       vec2 azimuth = columns.at[column];
-      Turned turned = turn(tile.triangle, azimuth);
       Triangle seen = tile.triangle;
       if (MOTION) seen = seenFrom(tile.triangle, tile.slot, column);
+      if (MOTION && byColumn) prepared = prepare(seen);
+      Turned turned = turn(seen, azimuth);
       uint mineEnd = k < tile.end ? rowEnd : 0;
       while (row < rowEnd) {
         uint base = row & ~(gl_SubgroupSize - 1);
@@ -200,7 +216,7 @@ void tryTile(Tile tile) {
           vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
           // This is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
-          if (here && MOTION) {
+          if (here && MOTION && !byColumn) {
             uint index;
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
             // Because of the row's offset the beam may belong to another column than the grid column.
@@ -211,7 +227,7 @@ void tryTile(Tile tile) {
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
             tryBeam(tile.triangle, prepared, turn(tile.triangle, beam.azimuth), beam, index, tile.slot);
           } else if (here) {
-            tryBeam(tile.triangle, prepared, turned, beamOf(azimuth, elevation.x, elevation.y),
+            tryBeam(seen, prepared, turned, beamOf(azimuth, elevation.x, elevation.y),
                     (box.rowFirst + mine) * stride + column, tile.slot);
           }
         }
@@ -273,6 +289,7 @@ void writeWholeTable() {
 }
 
 void main() {
+  loadMotion();
   if (PASS == kPassTable) {
     writeWholeTable();
     return;

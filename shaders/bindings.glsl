@@ -27,10 +27,13 @@ GNO_ARRAYS(BLOCK, ARRAY)
 
 // The frame is copied once because it is read often: a compiler must reload memory after each store that may alias it.
 Frame frame = frameAt.at[0];
+MotionBounds motion;  // copied by loadMotion() for the same reason; a scan without motion has no such array
+void loadMotion() {
+  if (MOTION) motion = motionAt.at[0];
+}
 #define counters countersAt.at[0]
 #define shells shellsAt.at[0]
 #define parameters parametersAt.at[0]
-#define motion motionAt.at[0]
 
 #else
 
@@ -50,6 +53,7 @@ Frame& frame = *frameAt;
 #define shells (*shellsAt)
 #define parameters (*parametersAt)
 #define motion (*motionAt)
+GNO_DEVICE void loadMotion() {}
 Pass pass = __builtin_bit_cast(Pass, job.pass);
 
 #endif

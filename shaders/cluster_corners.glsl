@@ -9,6 +9,7 @@ struct LoadedCluster {
   uint doubleSided;
   uint material;
   uint number;  // number of the instance
+  vec2 bound;   // InstanceMotion::bound; only with motion
 };
 
 LoadedCluster loadCluster(uint i) {
@@ -17,6 +18,7 @@ LoadedCluster loadCluster(uint i) {
     uvec2 pair = visible.at[i];
     loaded.instance = instances.at[pair.x];
     loaded.number = pair.x;
+    loaded.bound = boundOf(pair.x);
     loaded.vertexFirst = clusters.at[pair.y].vertexFirst;
     loaded.triangleFirst = clusters.at[pair.y].triangleFirst;
     loaded.vertexCount = clusters.at[pair.y].vertexCount;
@@ -26,6 +28,7 @@ LoadedCluster loadCluster(uint i) {
   }
   loaded.material = subgroupBroadcast(loaded.material, 0);
   loaded.number = subgroupBroadcast(loaded.number, 0);
+  if (MOTION) loaded.bound = subgroupBroadcast(loaded.bound, 0);
   loaded.instance = fromFirstLane(loaded.instance);
   loaded.vertexFirst = subgroupBroadcast(loaded.vertexFirst, 0);
   loaded.triangleFirst = subgroupBroadcast(loaded.triangleFirst, 0);

@@ -22,10 +22,15 @@ void sensorBox(Instance instance, vec3 minimum, vec3 maximum, out vec3 low, out 
   high = centre + size + slack;
 }
 
+// Returns how an instance moves during the scan: InstanceMotion::bound, or 0 if it is at rest.
+vec2 boundOf(uint instance) {
+  return MOTION && motion.instances != 0 ? instanceMotions.at[instance].bound.xy : vec2(0.0);
+}
+
 void widenByMotion(uint instance, inout vec3 low, inout vec3 high) {
-  float bound = motion.instances != 0 ? instanceMotions.at[instance].bound.x : 0.0;
-  low -= bound;
-  high += bound;
+  float reach = boundOf(instance).x;
+  low -= reach;
+  high += reach;
 }
 
 float farthestPoint(vec3 low, vec3 high) { return length(max(abs(low), abs(high))) * 1.000001; }

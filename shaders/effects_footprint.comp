@@ -206,7 +206,7 @@ uint bestOf(uint start, uint end) {
   uint best = kNone;
   float bestRangeMin = kNothing;
   for (uint k = start; k < end; ++k) {
-    float nearest = projectedB.at[candidates.at[k]].w;
+    float nearest = rangeMinOf(candidates.at[k]);
     if (best == kNone || nearest < bestRangeMin) {
       best = k;
       bestRangeMin = nearest;
@@ -232,7 +232,7 @@ void findLayer(uint start, uint end, Beam beam, uint layer) {
   uint best = bestOf(start, end), next = best, k = start;
   while (next < end) {
     float farthest = consider(candidates.at[next], beam, layer);
-    while (k < end && (k == best || projectedB.at[candidates.at[k]].w > farthest)) ++k;
+    while (k < end && (k == best || rangeMinOf(candidates.at[k]) > farthest)) ++k;
     next = k++;
   }
 }
@@ -257,7 +257,7 @@ bool findWithinOne(uint start, uint end, Beam beam) {
   farthest = max(farthest, range);                                      \
   all_ = all_ && met;
   EACH_RAY(MEET)
-  for (uint k = start; k < end && all_; ++k) all_ = k == best || projectedB.at[candidates.at[k]].w > farthest;
+  for (uint k = start; k < end && all_; ++k) all_ = k == best || rangeMinOf(candidates.at[k]) > farthest;
   if (!all_) return false;
   vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
 #define SHARE_ONE(s) share(surface, normal, projected, 0, s);
@@ -425,6 +425,7 @@ bool finish(uint index) {
 }
 
 void main() {
+  loadMotion();
 #define LOAD(s) loadSubRay(s);
   EACH_RAY(LOAD)
   rangeMin = frame.rangeMin;

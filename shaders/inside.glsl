@@ -6,6 +6,7 @@ struct Triangle {
   uint id;         // placed triangle
   bool oneSided;   // only the front face (counter-clockwise as the sensor sees it) reflects
   float rangeMin;  // lower bound of the range to any point of the triangle
+  bool moves;      // during the scan
 };
 
 // A range beyond which a hit cannot change the result of the beam; each stage defines its own. Only `exact` calls
@@ -18,8 +19,11 @@ float farthestOf(uint index);
 #include "inside_exact.glsl"
 
 Triangle triangleOf(TaggedCorner a, vec4 b, vec3 c) {
-  return Triangle(a.corner, b.xyz, c, a.tag & 0x7fffffffu, (a.tag >> 31) != 0, b.w);
+  return Triangle(a.corner, b.xyz, c, a.tag & 0x7fffffffu, (a.tag >> 31) != 0, abs(b.w),
+                  (floatBitsToUint(b.w) >> 31) != 0);
 }
+
+float rangeMinOf(uint projected) { return abs(projectedB.at[projected].w); }
 
 Triangle loadProjected(uint i) { return triangleOf(projectedA.at[i], projectedB.at[i], projectedC.at[i].corner); }
 

@@ -3,12 +3,7 @@
 // sensor's frame at the middle of the scan; corners of moving instances are at their positions at the start of the
 // scan.
 
-vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
-  precise vec3 result = vec3(row0.x * p.x + row0.y * p.y + row0.z * p.z + row0.w,
-                             row1.x * p.x + row1.y * p.y + row1.z * p.z + row1.w,
-                             row2.x * p.x + row2.y * p.y + row2.z * p.z + row2.w);
-  return result;
-}
+#include "laser.h"
 
 // Applies the rotation without the shift. Calling through() with w = 0 is not the same: adding 0 turns -0 into 0, and
 // some compilers omit the addition.
@@ -28,25 +23,19 @@ vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
   return inColumn(column, p);
 }
 
-// Returns the position of a row's laser: its origin in the head, rotated to the beam's azimuth.
-vec3 originOf(uint row, vec2 azimuth) {
-  vec3 origin = rowOrigins.at[row].xyz;
-  precise vec3 turned = vec3(origin.x * azimuth.x - origin.y * azimuth.y, origin.x * azimuth.y + origin.y * azimuth.x,
-                             origin.z);
-  return turned;
-}
+// Returns the position of a row's laser when it fires.
+vec3 originOf(uint row, vec2 azimuth) { return laserAt(rowOrigins.at[row].xyz, azimuth); }
 
 // Returns the point at a range along a beam, in the frame that points are reported in.
 vec3 reported(uint column, uint row, vec2 azimuth, vec3 direction, float range) {
-  ColumnMotion at = columnMotions.at[column];
-  precise vec3 p = direction * range + originOf(row, azimuth);
-  return through(at.report0, at.report1, at.report2, p);
+  return reportedPoint(columnMotions.at[column], originOf(row, azimuth), direction, range);
 }
 
 // Returns the largest angle, in radians, by which an object at least `distance` away appears to move while the sensor
 // shifts and turns. asin(x) is at most 1.05 x up to half a radian; beyond that the result is 4, which stands for every
 // direction.
 float seemingAngle(float shift, float turn, float distance) {
+  if (!(shift > 0.0)) return turn < 0.5 ? turn : 4.0;
   float angle = turn + (shift < 0.5 * distance ? 1.05 * shift / distance : 4.0);
   return angle < 0.5 ? angle : 4.0;
 }

@@ -105,6 +105,7 @@ void handOn(bool goesOn, uvec4 entry, inout bool any) {
 }
 
 void main() {
+  loadMotion();
   bool first_ = pass.shell == 0 || pass.shell == kMostShells;
   shellMin = first_ ? 0.0 : shells.of[pass.shell - 1].end;
   shellMax = pass.last != 0 ? uintBitsToFloat(0x7f800000u) : shells.of[pass.shell].end;

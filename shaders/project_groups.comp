@@ -98,6 +98,7 @@ void chooseShells() {
 }
 
 void main() {
+  loadMotion();
   if (PASS == kPassList) {
     listGroups();
   } else if (gl_LocalInvocationID.x == 0) {

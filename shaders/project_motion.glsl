@@ -4,6 +4,27 @@
 // other columns of its box fire. The columns at the seam are the start and the end of the scan, far apart in time, so
 // a triangle at the seam gets one box on each side of it.
 
+// True if all lasers see a triangle from one place and always in the same place.
+bool atRest(bool moves) { return !moves && motion.sensor == 0 && motion.origins == 0.0; }
+
+// True if neither motion nor rounding can change the side. In the frames of the columns each corner is up to `shift`
+// elsewhere and rounded anew, by up to 6e-7 of its distance. Both edges change by that and by their share `bend`.
+bool facesAwayThroughout(vec3 a, vec3 b, vec3 c, float shift, float bend) {
+  vec3 u = b - a, v = c - a, normal = cross(u, v);
+  float distance = max(max(length(a), length(b)), length(c)) + shift, lengthU = length(u), lengthV = length(v);
+  float changeU = bend * lengthU + 1.2e-6 * distance, changeV = bend * lengthV + 1.2e-6 * distance;
+  float turned = lengthU * changeV + lengthV * changeU + changeU * changeV;  // the most by which the normal changes
+  return dot(normal, a) > distance * (2e-6 * lengthU * lengthV + 1.00001 * turned) + 1.00001 * length(normal) * shift;
+}
+
+// As culledEarly(); `bound` is that of the triangle's instance.
+uint culledMoving(vec3 a, vec3 b, vec3 c, bool oneSided, vec2 bound) {
+  float shift = motion.shift + bound.x;
+  float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c)) - shift;
+  uint fate = oneSided && facesAwayThroughout(a, b, c, shift, bound.y) ? kFace : kKeep;
+  return rangeMin > frame.rangeMax ? kRange : fate;
+}
+
 // Widens the bounds of a triangle that were found in the frame of column `at`, a column near the triangle. The box's
 // columns are unwrapped so that they lie around `at`. Returns false if the motion is so large that the triangle may be
 // in any direction.
@@ -25,7 +46,7 @@ bool widenByMotion(uint at, float distance, float speed, inout Outline outline, 
   float origins = seemingAngle(motion.origins, 0.0, distance);
   float angle = perColumn * columnsAway + origins;
   if (angle > 0.25) return false;
-  float more = angle * inverse * frame.columnsPerRadian * 1.05 + 1.0;
+  float more = angle * inverse * frame.columnsPerRadian * 1.05 + frame.columnSlack;  // the latter covers rounding
   box.columnMin -= more;
   box.columnMax += more;
   outline.keyMin -= angle;
@@ -37,23 +58,28 @@ bool widenByMotion(uint at, float distance, float speed, inout Outline outline, 
 // triangle at the seam; or that of the middle of the scan, with bounds widened by all motion during the scan.
 const uint kItsColumn = 0, kEndColumn = 1, kMiddle = 2;
 
-uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float rangeMin) {
+// Sets `atSeam` if the triangle needs a box on the second side as well.
+uint movingBox(mat3 corners, mat3 velocities, bool moves, uint side, out Box box, out float rangeMin, out bool atSeam) {
+  atSeam = false;
   vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
   float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2])) * 1.00001;
   float distance = max(nearestPoint(low, high) - motion.shift - speed * motion.seconds, 0.0);
   rangeMin = distance;
-  if (rangeMin > frame.rangeMax) return side == 0 ? kRange : kNoTriangle;
-  vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
-  float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
-  uint last = frame.columns - 1, at = min(uint(max(azimuth, 0.0)), last);
-  // The column is computed a second time, with the triangle's position at the time of the first estimate.
-  middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
-  azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
-  at = min(uint(max(azimuth, 0.0)), last);
+  if (rangeMin > frame.rangeMax) return kRange;
+  uint last = frame.columns - 1, at = 0, from = kMiddle;
+  if (!atRest(moves)) {
+    vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
+    float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
+    at = min(uint(max(azimuth, 0.0)), last);
+    // The column is computed a second time, with the triangle's position at the time of the first estimate.
+    middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
+    azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
+    at = min(uint(max(azimuth, 0.0)), last);
+    from = kItsColumn;
+  }
   Outline outline;
   // This is a loop although each frame is tried at most once: some compilers take gigabytes if the bounds are inlined
   // three times.
-  uint from = kItsColumn;
   while (true) {
     vec3 a = corners[0], b = corners[1], c = corners[2];
     seeming = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));
@@ -66,7 +92,7 @@ uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float 
     }
     outline = outlineOf(a, b, c);
     bool any = coverColumns(a, b, c, outline, box);
-    if (from == kMiddle) return coverRows(outline, box) && any ? kKeep : kBetween;
+    if (from == kMiddle) return !(coverRows(outline, box) && any) ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
     bool bounded = widenByMotion(at, distance, speed, outline, box);
     if (from == kEndColumn && bounded) break;
     // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
@@ -74,10 +100,10 @@ uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float 
     float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
     bool shifted = AZIMUTH_OFFSETS && (box.columnMin - margin < frame.shiftMax ||
                                        box.columnMax + margin > float(last) + frame.shiftMin);
-    bool atSeam = box.columnMin < margin || box.columnMax > float(last) - margin;
+    atSeam = box.columnMin < margin || box.columnMax > float(last) - margin;
     // The two sides of the seam are distinguished by column numbers as floats, which are not exact above 2^24.
     bool anywhere = !bounded || shifted || frame.columns > 1u << 24;
-    if (from == kItsColumn && side == 1 && (anywhere || !atSeam)) return kNoTriangle;
+    atSeam = atSeam && !anywhere;
     if (!anywhere && !atSeam) break;
     from = anywhere ? kMiddle : kEndColumn;
     at = side == 0 ? 0 : last;
@@ -89,5 +115,6 @@ uint movingBox(mat3 corners, mat3 velocities, uint side, out Box box, out float 
     if (box.columnMin > box.columnMax) return side == 0 ? kBetween : kNoTriangle;
   }
   bool any = coverRows(outline, box) && boxColumnCount(box) > 0;
-  return any ? kKeep : side == 0 ? kBetween : kNoTriangle;
+  uint fate = !any ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
+  return side == 1 && fate != kKeep ? kNoTriangle : fate;
 }

@@ -3,7 +3,8 @@
 
 void store(uint slot, Projected projected, Box box, uint material) {
   projectedA.at[slot] = projected.a;
-  projectedB.at[slot] = projected.b;
+  bool moves = MOTION && projected.moves;
+  projectedB.at[slot] = vec4(projected.b.xyz, moves ? -projected.b.w : projected.b.w);
   projectedC.at[slot] = projected.c;
   projectedColumns.at[slot] = vec2(box.columnMin, box.columnMax);
   if ((EFFECTS & kFootprintEffects) != 0) projectedMaterials.at[slot] = material;
@@ -11,7 +12,7 @@ void store(uint slot, Projected projected, Box box, uint material) {
     projectedTexture.at[2 * slot] = vec4(projected.uvA, projected.uvB);
     projectedTexture.at[2 * slot + 1] = vec4(projected.uvC, 0.0, 0.0);
   }
-  if (MOTION && motion.instances != 0)
+  if (moves)
     for (uint k = 0; k < 3; ++k) projectedMotions.at[3 * slot + k] = vec4(projected.velocities[k], 0.0);
 }
 

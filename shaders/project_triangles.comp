@@ -32,8 +32,6 @@
 
 layout(local_size_x = 64) in;
 
-// With motion, a triangle at the seam of the columns may be seen twice: at the start and at the end of the scan.
-uint sideCount() { return MOTION ? 2 : 1; }
 const uint kKeep = 0, kNonFinite = 1, kRange = 2, kFace = 3, kBetween = 4, kHidden = 5, kNoTriangle = 6;
 
 // A projected triangle as arrays.h describes it.
@@ -42,7 +40,8 @@ struct Projected {
   vec4 b;
   TaggedCorner c;
   vec2 uvA, uvB, uvC;  // only with cut-outs
-  mat3 velocities;     // of the corners; only with motion
+  mat3 velocities;     // of the corners; only with motion, as is the next one
+  bool moves;          // the triangle itself
 };
 
 // Tests the bits, because the compiler may assume that NaN does not occur.
@@ -89,6 +88,9 @@ bool narrowOutline(vec3 a, vec3 b, vec3 c, float rangeMin, out Outline outline) 
 // others are less than 0.4 radians away, where the tangent of an angle exceeds the angle only a little.
 bool coverNarrowColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) {
   float slack = columnSlack(outline.keyMin, outline.keyMax);
+  box.columnMin = 0.0;
+  box.columnMax = float(frame.columns);
+  if (slack > 0.25 * float(frame.columns)) return true;
   float start = azimuthOf(a.y, a.x);
   float toB = (a.x * b.y - a.y * b.x) / dot(a.xy, b.xy), toC = (a.x * c.y - a.y * c.x) / dot(a.xy, c.xy);
   float low = min(min(toB, toC), 0.0), high = max(max(toB, toC), 0.0);
@@ -152,7 +154,12 @@ bool isOneSided(LoadedCluster loaded) { return FACES == kFacesFront || (FACES ==
 uint cullOne(LoadedCluster loaded, mat3 corners) {
   vec3 a = corners[0], b = corners[1], c = corners[2];
   uint fate = kKeep;
-  if (!MOTION && BOUNDS != kBoundsPaper) fate = culledEarly(a, b, c, isOneSided(loaded));
+  if (MOTION && !atRest(loaded.bound.x > 0.0)) {
+    if (BOUNDS != kBoundsPaper) fate = culledMoving(a, b, c, isOneSided(loaded), loaded.bound);
+  } else if (BOUNDS != kBoundsPaper) {
+    seeming = 0.0;  // it is that of the last triangle that moves
+    fate = culledEarly(a, b, c, isOneSided(loaded));
+  }
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 
@@ -162,7 +169,8 @@ struct Survivor {
   uint id;         // the top bit says one-sided
   uvec3 vertices;  // only with a footprint, as is the material
   uint material;
-  uint instance;  // only with motion
+  uint instance;  // only with motion, as is the next one
+  bool moves;     // the instance
 };
 
 // Returns the k-th triangle of a cluster. All lanes of the subgroup must call this.
@@ -175,10 +183,11 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
   survivor.vertices = loaded.vertexFirst + numbers;
   survivor.material = loaded.material;
   survivor.instance = loaded.number;
+  survivor.moves = loaded.bound.x > 0.0;
   return survivor;
 }
 
-uint projectOne(Survivor survivor, uint side, out Projected projected, out Box box) {
+uint projectOne(Survivor survivor, uint side, out Projected projected, out Box box, out bool atSeam) {
   vec3 a = survivor.corners[0], b = survivor.corners[1], c = survivor.corners[2];
   if ((EFFECTS & kCutOuts) != 0) {
     projected.uvA = textureCoordinates.at[survivor.vertices.x];
@@ -186,14 +195,16 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
     projected.uvC = textureCoordinates.at[survivor.vertices.z];
   }
   float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
+  atSeam = false;
   uint fate;
   if (MOTION) {
     projected.velocities = mat3(0.0);
-    if (motion.instances != 0) {
+    projected.moves = survivor.moves;
+    if (projected.moves) {
       InstanceMotion moving = instanceMotions.at[survivor.instance];
       projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
     }
-    fate = movingBox(survivor.corners, projected.velocities, side, box, rangeMin);
+    fate = movingBox(survivor.corners, projected.velocities, survivor.moves, side, box, rangeMin, atSeam);
   } else if (BOUNDS == kBoundsPaper) {
     fate = paperBox(a, b, c, (survivor.id >> 31) != 0, box, rangeMin);
   } else {
@@ -273,14 +284,16 @@ void tryBox(Projected projected, Box box) {
 
 bool stored = false;  // whether this subgroup has stored any triangle
 
-// All lanes of the subgroup must call this; `there` is true if the lane has a survivor.
+// All lanes of the subgroup must call this; `there` is true if the lane has a survivor. With motion, a triangle at the
+// seam of the columns may be seen twice: at the start and at the end of the scan.
 void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
-  for (uint side = 0; side < sideCount(); ++side) {
+  for (uint side = 0; side < 2; ++side) {
     uint fate = kNoTriangle;
     Projected projected;
     Box box;
+    bool atSeam = false;
     if (there) {
-      fate = projectOne(survivor, side, projected, box);
+      fate = projectOne(survivor, side, projected, box, atSeam);
       culled += countOf(fate);
       if (triesSmallBoxes() && fate == kKeep && boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams) {
         tryBox(projected, box);
@@ -291,10 +304,13 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
       storeKept(fate == kKeep, projected, box, survivor.material);
       stored = true;
     }
+    there = there && atSeam;
+    if (!MOTION || !subgroupAny(there)) return;
   }
 }
 
 void main() {
+  loadMotion();
   uvec4 culled = uvec4(0);  // range, face, between beams, hidden
   uint nonFinite = 0, triangleCount = 0, lane = gl_SubgroupInvocationID, i = kNone;
   // Most clusters leave few triangles. These wait in the first lanes until every lane has one.

@@ -46,7 +46,7 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
   uint best = kNone;
   float bestRangeMin = 0.0;
   for (uint k = start; k < end; ++k) {
-    float rangeMin = projectedB.at[candidates.at[k]].w;
+    float rangeMin = rangeMinOf(candidates.at[k]);
     if (best == kNone || rangeMin < bestRangeMin) {
       best = k;
       bestRangeMin = rangeMin;
@@ -54,7 +54,7 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
   }
   if (best != kNone) consider(candidates.at[best], index, beam, rangeBits, id);
   for (uint k = start; k < end; ++k)
-    if (k != best && floatBitsToUint(projectedB.at[candidates.at[k]].w) <= rangeBits)
+    if (k != best && floatBitsToUint(rangeMinOf(candidates.at[k])) <= rangeBits)
       consider(candidates.at[k], index, beam, rangeBits, id);
 }
 
@@ -69,6 +69,7 @@ void store(uint row, uint column, uint beam, Beam axis, uint rangeBits, uint id)
 }
 
 void main() {
+  loadMotion();
   vec3 angles = rows.at[gl_WorkGroupID.y].angles;
   vec4 offset = rows.at[gl_WorkGroupID.y].offset;
   uint channel = rows.at[gl_WorkGroupID.y].channel;

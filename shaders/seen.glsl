@@ -3,8 +3,9 @@
 
 // Transforms the triangle to the column's frame, at the time when the column fires.
 Triangle seenFrom(Triangle triangle, uint slot, uint column) {
+  if (!triangle.moves && motion.sensor == 0) return triangle;
   ColumnMotion at = columnMotions.at[column];
-  if (motion.instances != 0) {
+  if (triangle.moves) {
     triangle.a = inColumn(at, triangle.a, projectedMotions.at[3 * slot].xyz);
     triangle.b = inColumn(at, triangle.b, projectedMotions.at[3 * slot + 1].xyz);
     triangle.c = inColumn(at, triangle.c, projectedMotions.at[3 * slot + 2].xyz);

@@ -247,7 +247,9 @@ struct Pass {
 // The velocity of an instance's points, m/s in the sensor's axes: rows * (point, 1).
 struct InstanceMotion {
   vec4 row0, row1, row2;
-  vec4 bound;  // x: largest distance in metres that any of its points moves during the scan
+  // x: largest distance in metres that any of its points moves during the scan; y: largest change of a vector between
+  // two of its points, as a share of the vector's length.
+  vec4 bound;
 };
 
 // The sensor when a column fires: the column's frame = rows * (point, 1), where points are in the sensor's frame at
@@ -264,11 +266,11 @@ struct MotionBounds {
   float shiftPerColumn, turnPerColumn;  // at most, between neighbouring columns
   float origins;                        // metres: largest distance of a laser from the sensor's origin
   float secondsPerColumn, seconds;      // per column, and for the whole scan
-  uint instances;                       // 1 if instances move
+  uint instances, sensor;               // 1 if instances move, if the sensor moves; else its columns' frames are one
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(MotionBounds) == 32);
+static_assert(sizeof(MotionBounds) == 36);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 96 &&

@@ -69,10 +69,9 @@ MotionTables makeMotionTables(const Sensor& sensor, const Shot& shot, bool moves
   for (const Channel& channel : sensor.channels)
     origins = std::max(origins, std::hypot(channel.origin.x, channel.origin.y, channel.origin.z));
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
-  tables.bounds = {up(shift + origins), up(turn),
-                   up(shiftStep),       up(turnStep),
-                   up(origins),         up(sensor.columns > 0 ? period / sensor.columns : 0),
-                   up(period),          0};
+  tables.bounds = {up(shift + origins), up(turn),    up(shiftStep),
+                   up(turnStep),        up(origins), up(sensor.columns > 0 ? period / sensor.columns : 0),
+                   up(period),          0,           moves && !shot.motion.stamps.empty()};
   return tables;
 }
 

@@ -275,7 +275,9 @@ double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMot
                          (corner & 4) ? mesh.high.z : mesh.low.z);
       most = std::max(most, glm::length(turning * x + shift) * period);
     }
-    to[motion.instance] = {row(0), row(1), row(2), {static_cast<float>(most * 1.00001), 0, 0, 0}};
+    const double bend = std::sqrt(glm::dot(a[0], a[0]) + glm::dot(a[1], a[1]) + glm::dot(a[2], a[2])) * period;
+    to[motion.instance] = {
+        row(0), row(1), row(2), {static_cast<float>(most * 1.00001), static_cast<float>(bend * 1.00001), 0, 0}};
     farthest = std::max(farthest, most);
   }
   return farthest;

@@ -124,6 +124,7 @@ class DeviceBackend final : public Backend {
   struct Slot {
     PlacedArrays placed;
     uint64_t reused = 0;  // number of triangles that the still image replaces
+    std::optional<ShotMotion> motion;
     Clock::time_point start;
   };
 
@@ -154,7 +155,7 @@ class DeviceBackend final : public Backend {
     StillImage& still = sensors_[shot.sensor]->still;
     const StillImage::Use use = useStill(still, sensor, shot.pose);
     slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
-    const std::optional<ShotMotion> motion = motionOf(sensor.sensorPlan(), shot, scene_.instances());
+    const std::optional<ShotMotion>& motion = slot.motion = motionOf(sensor.sensorPlan(), shot, scene_.instances());
     const Pose& pose = motion ? motion->tables.middle : shot.pose;
     scene_.place(pose, sensor.reach() + reachOf(motion), still.selection(use), slot.placed);
     if (!scene_.listsHold(slot.placed)) {
@@ -186,7 +187,9 @@ class DeviceBackend final : public Backend {
         ++result.counters.retries;
       }
       machine_->readTimings(frame, result.timings);
-      readResults(sensor.sensorPlan(), sensor.results(frame), scene_.instances(), shots[i], result);
+      const std::optional<ShotMotion>& motion = slots_[frame].motion;
+      readResults(sensor.sensorPlan(), sensor.results(frame), scene_.instances(), shots[i], motion ? &*motion : nullptr,
+                  result);
       sensor.setShellHint(shellHintOf(result));
       result.counters.reused = slots_[frame].reused;
       result.counters.culledByCluster -= slots_[frame].reused;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage "resolve" on the host, for scans with geometry alone: computes the cloud from the 8-byte words of the
-// beams. The host must write every byte of the cloud anyway, so resolving on the device would only write it a second
-// time.
+// The stage "resolve" on the host, for scans without surfaces and signals: computes the cloud from the 8-byte words of
+// the beams. The host must write every byte of the cloud anyway, so resolving on the device would only write it a
+// second time.
 #pragma once
 
+#include "effects/shot_motion.hpp"
 #include "geometry/instance_table.hpp"
 #include "gnosphere/scan.hpp"
 #include "pipeline/beam_tables.hpp"
@@ -17,8 +18,9 @@ struct Word {
 };
 
 /// Writes points, ranges and owners of rows first..end - 1, with the same bytes as resolve.comp. `words` has one word
-/// per beam, row by row. `exact` rounds offset azimuths to the lattice of exact directions. Returns the number of hits.
+/// per beam, row by row. `exact` rounds offset azimuths to the lattice of exact directions. `motion` is null for a scan
+/// without motion. Returns the number of hits.
 uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, const InstanceTable& instances,
-                      uint32_t first, uint32_t end, Scan& scan);
+                      const Sensor& sensor, const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan);
 
 }  // namespace gnosphere

@@ -30,13 +30,14 @@ void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
 }
 
 // Resolves the words of all rows on several threads; returns the number of hits.
-uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, Scan& scan) {
+uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, const Sensor& sensor,
+                   const ShotMotion* motion, Scan& scan) {
   const Clock::time_point start = Clock::now();
   const gpu::Frame& frame = device.tables.frame;
   std::atomic<uint64_t> hits = 0;
   inSlices(frame.rows, frame.columns, [&](uint64_t first, uint64_t end) {
-    hits += resolveWords(device.words, device.tables, device.exact, instances, static_cast<uint32_t>(first),
-                         static_cast<uint32_t>(end), scan);
+    hits += resolveWords(device.words, device.tables, device.exact, instances, sensor, motion,
+                         static_cast<uint32_t>(first), static_cast<uint32_t>(end), scan);
   });
   scan.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   return hits;
@@ -178,11 +179,11 @@ void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& s
 }
 
 void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
-                 Scan& scan) {
+                 const ShotMotion* motion, Scan& scan) {
   const uint64_t beams = device.tables.frame.beams;
   if (device.words) {
     gpu::Counters counters = device.counters;
-    counters.hits = static_cast<uint32_t>(readWords(device, instances, scan));
+    counters.hits = static_cast<uint32_t>(readWords(device, instances, plan.sensor, motion, scan));
     return readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
   }
   const uint32_t returns = plan.returns;

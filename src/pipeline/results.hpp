@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "effects/sensor_plan.hpp"
+#include "effects/shot_motion.hpp"
 #include "geometry/instance_table.hpp"
 #include "pipeline/resolve_words.hpp"
 
@@ -43,8 +44,8 @@ struct DeviceResults {
 /// Sets the parts of `scan` that do not come from the device, and resizes its arrays for the others; memory is reused.
 void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& scan);
 
-/// Fills the arrays and counters of `scan` from the outputs of a shot.
+/// Fills the arrays and counters of `scan` from the outputs of a shot. `motion` is null for a scan without motion.
 void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
-                 Scan& scan);
+                 const ShotMotion* motion, Scan& scan);
 
 }  // namespace gnosphere

@@ -51,7 +51,12 @@ double reachOf(const SimulatorOptions& options, const gpu::Frame& frame) {
 }
 
 bool leavesWords(uint32_t binning, const SensorPlan& plan) {
-  return binning != gpu::kBinningLists && plan.bare();
+  return binning != gpu::kBinningLists && !plan.footprint() && !plan.surfaces() && !plan.signals() && !plan.speeds();
+}
+
+bool resolves(uint32_t binning, const SensorPlan& plan) {
+  const bool lists = binning == gpu::kBinningLists;
+  return !plan.footprint() && !leavesWords(binning, plan) && (lists || !plan.signals());
 }
 
 // Surface kernels need the transforms of still instances as well, which a scan that reuses the image does not place.

@@ -284,4 +284,38 @@ TEST_CASE("culling hidden geometry hides nothing from a moving sensor") {
   CHECK(seen > 50);
 }
 
+// In the middle of the scan, or at its start, the sensor is behind each of these one-sided walls, whose back it does
+// not see.
+TEST_CASE("the front of a wall is seen if motion brings it to the sensor") {
+  needVulkan();
+  const Sensor sensor = spinning();
+  const auto wall = [](const Vec3& from, const Vec3& along, const Vec3& up) {
+    MeshBuilder builder;
+    builder.quad(from, along, up, 24);
+    return sceneOf(builder.take(), false);
+  };
+  Scene scene;
+  Shot shot;
+  SECTION("the sensor passes it") {
+    scene = wall({0.3, -6, -3}, {0, 12, 0}, {0, 0, 6});
+    shot.pose = {{-1, 0, 0}, {}};
+    shot.motion.stamps = {{0, shot.pose}, {kPeriod, {{1, 0, 0}, {}}}};
+  }
+  SECTION("it passes the sensor") {
+    scene = wall({1, -6, -3}, {0, 12, 0}, {0, 0, 6});
+    shot.instanceMotions = {{0, translation(-2, 0, 0)}};
+  }
+  SECTION("it turns around") {
+    scene = wall({-1, 6, -3}, {2, 0, 0}, {0, 0, 6});
+    const auto turnedBy = [](double angle) { return translation(0, 6, 0) * rotationZ(angle) * translation(0, -6, 0); };
+    scene.instances[0].transform = turnedBy(1.9);
+    shot.instanceMotions = {{0, turnedBy(0.2)}};
+  }
+  const Scan expected = scanned("reference", scene, sensor, shot), scan = scanned("vulkan", scene, sensor, shot);
+  size_t differ = 0;
+  for (size_t i = 0; i < scan.beamCount(); ++i) differ += expected.hit(i) != scan.hit(i);
+  CHECK(expected.counters.hits > 30);
+  CHECK(differ <= 2);
+}
+
 }  // namespace gnosphere::test

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The point that a laser of a moving sensor reports, in the common subset of GLSL, C++ and CUDA, so that device and
+// host get the same bytes.
+#ifndef GNOSPHERE_LASER_H
+#define GNOSPHERE_LASER_H
+
+#include "effects/arithmetic.h"
+
+#ifdef __cplusplus
+namespace gnosphere::gpu {
+#endif
+
+GNO_INLINE vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
+  GNO_PRECISE vec3 result = vec3(row0.x * p.x + row0.y * p.y + row0.z * p.z + row0.w,
+                                 row1.x * p.x + row1.y * p.y + row1.z * p.z + row1.w,
+                                 row2.x * p.x + row2.y * p.y + row2.z * p.z + row2.w);
+  return result;
+}
+
+// Returns the position of a laser: its origin in the head, rotated to the beam's azimuth.
+GNO_INLINE vec3 laserAt(vec3 origin, vec2 azimuth) {
+  GNO_PRECISE vec3 turned = vec3(origin.x * azimuth.x - origin.y * azimuth.y,
+                                 origin.x * azimuth.y + origin.y * azimuth.x, origin.z);
+  return turned;
+}
+
+// Returns the point at a range along a beam, in the frame that points are reported in.
+GNO_INLINE vec3 reportedPoint(ColumnMotion at, vec3 laser, vec3 direction, float range) {
+  GNO_PRECISE vec3 p = direction * range + laser;
+  return through(at.report0, at.report1, at.report2, p);
+}
+
+#ifdef __cplusplus
+}  // namespace gnosphere::gpu
+#endif
+#endif
