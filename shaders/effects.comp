@@ -38,7 +38,6 @@ float hitRange;
 SurfaceRecord hitSurface;
 uvec2 hitOwner;
 vec2 hitBarycentrics;
-uint firstWord;             // SignalRecord::word of the beam's first return, without the cause
 uint causeCounts[kCauses];  // counted by this invocation
 EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
 
@@ -110,14 +109,9 @@ void storeReturn(uint j, Return value) {
   vec4 point = here ? vec4(position, value.range) : vec4(notANumber());
   points.at[at] = point;
   owners.at[at] = owner;
-  if ((FIELDS & kFieldSignal) != 0) {
-    uint word = value.label | value.number << 16 | value.count << 24;
-    signals.at[at].intensity = value.intensity;
-    signals.at[at].trueRange = value.trueRange;
-    signals.at[at].width = value.width;
-    if (j > 0) signals.at[at].word = word;
-    if (j == 0) firstWord = word;
-  }
+  if ((FIELDS & kFieldSignal) != 0)
+    signals.at[at] = SignalRecord(value.intensity, value.trueRange, value.width,
+                                  value.label | value.number << 16 | value.count << 24);
   if (SURFACES) surfaces.at[at] = surface;
   if (BARYCENTRICS) barycentrics.at[at] = weights;
   if (SPEEDS) storeMotion(at, owner, value.trueRange);
@@ -128,7 +122,10 @@ void judge(bool hit) {
   uint count = hit ? 1 : 0, returned;
   if (MANY_ECHOES) count = echoCounts.at[beamIndex];
   uint cause = signalsOf(planned, beamIndex, beamDirection, count, returned);
-  if ((FIELDS & kFieldSignal) != 0) signals.at[beamIndex * RETURNS].word = firstWord | cause << 8;
+  if ((FIELDS & kFieldSignal) != 0) {
+    uint at = beamIndex * RETURNS;
+    signals.at[at].word |= cause << 8;
+  }
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] += cause == k ? 1 : 0;
 }
 
