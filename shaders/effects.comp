@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage effects, last pass. One row of workgroups per channel, one invocation per beam: turns the echoes of a beam
-// into returns. Without a footprint a beam has one echo, its nearest hit. This kernel then also unpacks the beam's word
-// and finds the surface: passing points and surfaces on from kernel to kernel took longer than the formulas.
+// into returns. Without a footprint a beam has one echo, its nearest hit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
-#extension GL_KHR_shader_subgroup_shuffle : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -15,9 +13,6 @@
 #include "beam.h"
 #include "effects/doppler.h"
 #include "motion.glsl"
-#include "owner.glsl"
-#include "to_sensor.glsl"
-#include "surface.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -26,15 +21,16 @@ layout(local_size_x = 64) in;
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
 #define MANY_ECHOES ((EFFECTS & kFootprintEffects) != 0)
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && planned.intensityModel == kModelPhysical)
-#define SURFACES ((FIELDS & kFieldSurface) != 0)
-#define BARYCENTRICS ((FIELDS & kFieldBarycentrics) != 0)
+// True if surfaces must be copied from echoes to returns. With one return and no footprint they are already in place.
+#define SURFACES_MOVE ((FIELDS & kFieldSurface) != 0 && (MANY_ECHOES || RETURNS > 1))
+#define BARYCENTRICS_MOVE ((FIELDS & kFieldBarycentrics) != 0 && (MANY_ECHOES || RETURNS > 1))
 
-// The beam being processed, and its hit if there is no footprint. With lists the hit is loaded first, because the
-// beam's first return overwrites it.
+// The beam being processed, and its hit if there is no footprint. The hit is loaded first because the beam's first
+// return overwrites it.
 uint beamIndex, columnIndex;
 vec2 beamAzimuth;
 vec3 beamDirection, pointDirection;
-float hitRange;
+vec4 hitPoint;
 SurfaceRecord hitSurface;
 uvec2 hitOwner;
 vec2 hitBarycentrics;
@@ -72,7 +68,7 @@ Echo loadEcho(uint k) {
     cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
   }
-  return Echo(hitRange, energy, planned.pulseWidth, cosIncidence, 0);
+  return Echo(hitPoint.w, energy, planned.pulseWidth, cosIncidence, 0);
 }
 
 // Stores the surface's velocity and its radial speed. Without motion both are 0.
@@ -98,7 +94,7 @@ void storeReturn(uint j, Return value) {
   if (value.label == kLabelSolid && MANY_ECHOES) {
     uint echo = beamIndex * kMaxEchoes + value.echo;
     owner = echoOwners.at[echo];
-    if (SURFACES) surface = echoSurfaces.at[echo];
+    if (SURFACES_MOVE) surface = echoSurfaces.at[echo];
   } else if (value.label == kLabelSolid) {
     owner = hitOwner;
     surface = hitSurface;
@@ -112,8 +108,8 @@ void storeReturn(uint j, Return value) {
   if ((FIELDS & kFieldSignal) != 0)
     signals.at[at] = SignalRecord(value.intensity, value.trueRange, value.width,
                                   value.label | value.number << 16 | value.count << 24);
-  if (SURFACES) surfaces.at[at] = surface;
-  if (BARYCENTRICS) barycentrics.at[at] = weights;
+  if (SURFACES_MOVE) surfaces.at[at] = surface;
+  if (BARYCENTRICS_MOVE) barycentrics.at[at] = weights;
   if (SPEEDS) storeMotion(at, owner, value.trueRange);
 }
 
@@ -127,27 +123,6 @@ void judge(bool hit) {
     signals.at[at].word |= cause << 8;
   }
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] += cause == k ? 1 : 0;
-}
-
-// All lanes of the subgroup must call this.
-void loadHit() {
-  bool resolved = true;  // otherwise this kernel unpacks the words
-  if (SIGNALS) resolved = BINNING == kBinningLists;
-  if (!resolved) {
-    uvec2 word = words.at[gl_WorkGroupID.y * frame.columns + columnIndex];
-    hitOwner = uvec2(kNone);
-    if (word.y != kNone) hitOwner = ownerOf(word.x);
-    hitRange = word.y != kNone ? uintBitsToFloat(word.y) : notANumber();
-  } else {
-    hitRange = points.at[beamIndex * RETURNS].w;
-    hitOwner = owners.at[beamIndex * RETURNS];
-  }
-  bool looks = false;
-  if (SIGNALS) looks = LOOKS_AT_MATERIALS || (FIELDS & kSurfaceFields) != 0;
-  if (!looks) return;
-  Surface surface = surfaceOfHit(gl_WorkGroupID.y, columnIndex, hitOwner);
-  hitSurface = SurfaceRecord(surface.normal, surface.material);
-  if (BARYCENTRICS) hitBarycentrics = barycentricsOf(surface.corners, beamDirection * hitRange);
 }
 
 // All invocations of the subgroup must call this.
@@ -166,22 +141,24 @@ void main() {
   vec4 offset = rows.at[gl_WorkGroupID.y].offset;
   uint channel = rows.at[gl_WorkGroupID.y].channel;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
-  // No lane leaves the loop early, because all lanes take part in the shuffles.
-  for (uint from = first; from < end; from += gl_WorkGroupSize.x) {
-    columnIndex = min(from + gl_LocalInvocationID.x, end - 1);
+  for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x) {
     beamIndex = channel * frame.columns + columnIndex;
     vec2 azimuth = azimuthOfBeam(columns.at[columnIndex], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
     beamAzimuth = azimuth;
     beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
-    if (!MANY_ECHOES) loadHit();
-    if (from + gl_LocalInvocationID.x >= end) continue;
+    if (!MANY_ECHOES) {
+      hitPoint = points.at[beamIndex * RETURNS];
+      hitOwner = owners.at[beamIndex * RETURNS];
+      if (LOOKS_AT_MATERIALS || SURFACES_MOVE) hitSurface = surfaces.at[beamIndex * RETURNS];
+      if (BARYCENTRICS_MOVE) hitBarycentrics = barycentrics.at[beamIndex * RETURNS];
+    }
     pointDirection = beamDirection;
     if ((EFFECTS & kAngleNoise) != 0 && planned.angleNoiseAt == kAngleAtPoint)
       pointDirection = astray(beamDirection, angleError(planned, beamIndex));
     if (SIGNALS)
       judge(hitOwner.x != kNone);
     else if (SPEEDS)
-      storeMotion(beamIndex, hitOwner, hitRange);
+      storeMotion(beamIndex, hitOwner, hitPoint.w);
   }
   if (SIGNALS) countCauses();
 }

@@ -54,11 +54,6 @@ bool leavesWords(uint32_t binning, const SensorPlan& plan) {
   return binning != gpu::kBinningLists && !plan.footprint() && !plan.surfaces() && !plan.signals() && !plan.speeds();
 }
 
-bool resolves(uint32_t binning, const SensorPlan& plan) {
-  const bool lists = binning == gpu::kBinningLists;
-  return !plan.footprint() && !leavesWords(binning, plan) && (lists || !plan.signals());
-}
-
 // Surface kernels need the transforms of still instances as well, which a scan that reuses the image does not place.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.tuning.keepStill && binning != gpu::kBinningLists &&

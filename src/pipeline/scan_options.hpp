@@ -17,10 +17,8 @@ Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, b
 /// Returns the distance in metres beyond which instances cannot be hit.
 double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
 /// Returns whether only the words (8 bytes per beam) are read back, which the host then resolves. This is so if only
-/// geometry and motion are planned and the binning keeps the nearest hit.
+/// geometry is planned and the binning keeps the nearest hit.
 bool leavesWords(uint32_t binning, const SensorPlan& plan);
-/// Returns whether there is a stage "resolve" on the device. Signals are computed from words or echoes without it.
-bool resolves(uint32_t binning, const SensorPlan& plan);
 /// Returns whether a StillImage may be kept.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan);
 /// Returns the name that Plan::binning uses.

@@ -142,10 +142,10 @@ std::vector<Step> SensorArrays::steps(const PlacedGroups& placed, StillImage::Us
   variant.subRays = static_cast<uint32_t>(plan_.subRays.size());
   variant.float64 = float64_ && !motion;
   const bool footprint = plan_.footprint();
-  return stepsOf({variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shells_, footprint,
-                  resolves(binning_, plan_), plan_.surfaces() && !footprint && !plan_.signals(),
-                  plan_.signals() || plan_.speeds()},
-                 placed, still);
+  return stepsOf(
+      {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shells_, footprint,
+       !footprint && !leavesWords(binning_, plan_), plan_.surfaces() && !footprint, plan_.signals() || plan_.speeds()},
+      placed, still);
 }
 
 void SensorArrays::addFrame() {
