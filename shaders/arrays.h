@@ -54,6 +54,7 @@
   ARRAY(, uint, projectedMaterials)        /* per projected triangle */ \
   ARRAY(, vec4, projectedMotions)          /* per projected triangle: m/s of its three corners */ \
   ARRAY(, vec4, projectedTexture)          /* per projected triangle: uv of a and b, of c */ \
+  ARRAY(, vec2, strays)                    /* per beam, by rows: tangents of its angle error, to the left and up */ \
   ARRAY(, uint, hardBeams)                 /* beams, in row order, that the second footprint pass processes */ \
   ARRAY(, uint, echoCounts)                /* per beam: its echoes, at most kMaxEchoes, in order of range; */ \
   ARRAY(, vec4, echoes)                    /* per echo: range, energy, width, cosine of the incidence */ \

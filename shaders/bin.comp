@@ -60,12 +60,12 @@ float farthestOf(uint index) {
 }
 
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
-  if ((EFFECTS & kFootprintEffects) != 0) {
+  if ((EFFECTS & kFootprint) != 0) {
     if (mayMeet(triangle, prepared, turned, beam)) offer(index, 0.0, projected, triangle.id);
     return;
   }
   float range;
-  bool met = meet(triangle, prepared, turned, beam, index, range);
+  bool met = meet(triangle, prepared, turned, beam, index, projected, range);
   if (BINNING == kBinningSlabs)
     keepNearer(index, met, range, triangle.id);
   else if (met)

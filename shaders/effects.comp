@@ -13,13 +13,14 @@
 #include "beam.h"
 #include "effects/doppler.h"
 #include "motion.glsl"
+#include "strays.glsl"
 
 layout(local_size_x = 64) in;
 
 // These depend on specialisation constants; declared as constants they trip up glslang 11.
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
-#define MANY_ECHOES ((EFFECTS & kFootprintEffects) != 0)
+#define MANY_ECHOES ((EFFECTS & kFootprint) != 0)
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical)
 // True if surfaces must be copied from echoes to returns. With one return and no footprint they are already in place.
 #define SURFACES_MOVE ((FIELDS & kFieldSurface) != 0 && (MANY_ECHOES || RETURNS > 1))
@@ -29,7 +30,7 @@ layout(local_size_x = 64) in;
 // return overwrites it.
 uint beamIndex, columnIndex;
 vec2 beamAzimuth;
-vec3 beamDirection, pointDirection;
+vec3 beamDirection, lightDirection, pointDirection;
 vec4 hitPoint;
 SurfaceRecord hitSurface;
 uvec2 hitOwner;
@@ -62,7 +63,7 @@ Echo loadEcho(uint k) {
   }
   float energy = 1.0, cosIncidence = 1.0;
   if (LOOKS_AT_MATERIALS) {
-    vec3 direction = beamDirection;
+    vec3 direction = lightDirection;
     if (MOTION) direction = reportedDirection(columnIndex, direction);
     cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
@@ -142,7 +143,10 @@ void main() {
     beamIndex = channel * frame.columns + columnIndex;
     vec2 azimuth = azimuthOfBeam(columns.at[columnIndex], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
     beamAzimuth = azimuth;
-    beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
+    Beam axis = beamOf(azimuth, angles.x, angles.y);
+    beamDirection = lightDirection = axis.direction;
+    if ((EFFECTS & kStrays) != 0 && !MANY_ECHOES)
+      lightDirection = strayed(axis, strays.at[gl_WorkGroupID.y * frame.columns + columnIndex]);
     if (!MANY_ECHOES) {
       hitPoint = points.at[beamIndex * RETURNS];
       hitOwner = owners.at[beamIndex * RETURNS];

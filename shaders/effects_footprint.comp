@@ -14,14 +14,12 @@
 #include "bindings.glsl"
 #include "effects/vector.h"
 #include "effects/intensity.h"
-#include "effects/noise.h"
 #include "effects/returns.h"
 #include "motion.glsl"
 #include "inside.glsl"
 #include "seen.glsl"
 #include "owner.glsl"
 #include "each_ray.glsl"
-#include "holes.glsl"
 #include "lanes.glsl"
 
 layout(local_size_x = 64) in;
@@ -364,11 +362,6 @@ void gatherEchoes(uint beam, vec2 azimuth) {
   echoCounts.at[beam] = count;
 }
 
-float lengthOf(float u, float v) {
-  precise float square = 1.0 + u * u + v * v;
-  return squareRoot(square);
-}
-
 // Loads a sub-ray of the footprint, which is the same for every beam; shift() moves it if angle noise deflects the
 // beam.
 void loadSubRay(uint s) {
@@ -386,11 +379,10 @@ void shift(uint s, vec2 by) {
   lengths[s] = lengthOf(left[s], up[s]);
 }
 
-void aim(uint beam, Beam axis) {
+void aim(uint index) {
   if ((EFFECTS & kStrays) != 0) {
-    vec2 error = angleError(parameters, beam);
-    error.x = product(error.x, axis.cosElevation);
-#define SHIFT(s) shift(s, error);
+    vec2 stray = strays.at[index];
+#define SHIFT(s) shift(s, stray);
     EACH_RAY(SHIFT)
   }
 #define LIGHT(s) carried[s] = weights[s];
@@ -408,7 +400,7 @@ bool finish(uint index) {
   Beam axis = beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
   // If the lists were too small, they are cut off here; the host enlarges them and runs the scan again.
   uint end = min(listEnds.at[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds.at[index - 1], end);
-  aim(beam, axis);
+  aim(index);
   if (PASS == kPassWithinOne) {
     [[unroll]] for (uint layer = 1; layer < LAYERS; ++layer) forget(layer);
     if (!findWithinOne(start, end, axis)) return false;

@@ -13,6 +13,7 @@
 #include "to_sensor.glsl"
 #include "beam.h"
 #include "motion.glsl"
+#include "strays.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -85,9 +86,14 @@ Surface surfaceOf(uint row, uint column, uvec2 owner) {
   return surface;
 }
 
+// Returns the point that the beam meets, in the frame of its laser.
 vec3 pointOf(uint row, uint column, uint at) {
+  if (!MOTION && (EFFECTS & kStrays) == 0) return points.at[at].xyz;
   vec3 angles = rows.at[row].angles;
-  return MOTION ? beamOf(azimuthAt(row, column), angles.x, angles.y).direction * points.at[at].w : points.at[at].xyz;
+  Beam axis = beamOf(azimuthAt(row, column), angles.x, angles.y);
+  vec3 direction = axis.direction;
+  if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[row * frame.columns + column]);
+  return direction * points.at[at].w;
 }
 
 // True if the lane is the first of consecutive lanes with the same owner.

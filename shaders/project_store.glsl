@@ -6,7 +6,7 @@ void store(uint slot, Projected projected, Box box, uint material) {
   projectedB.at[slot] = projected.b;
   projectedC.at[slot] = projected.c;
   projectedColumns.at[slot] = vec2(box.columnMin, box.columnMax);
-  if ((EFFECTS & kFootprintEffects) != 0) projectedMaterials.at[slot] = material;
+  if ((EFFECTS & (kFootprint | kCutOuts)) != 0) projectedMaterials.at[slot] = material;
   if ((EFFECTS & kCutOuts) != 0) {
     projectedTexture.at[2 * slot] = vec4(projected.uvA, projected.uvB);
     projectedTexture.at[2 * slot + 1] = vec4(projected.uvC, 0.0, 0.0);

@@ -28,7 +28,7 @@ void consider(uint candidate, uint index, Beam beam, inout uint rangeBits, inout
   if (MOTION) triangle = seenFrom(triangle, candidate, index - row * frame.columns, row, beam.azimuth);
   nearestSoFar = min(uintBitsToFloat(min(rangeBits, 0x7f800000u)), frame.rangeMax);
   float range;
-  if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, index, range)) return;
+  if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, index, candidate, range)) return;
   uint bits = floatBitsToUint(range);
   if (bits < rangeBits || (bits == rangeBits && triangle.id < id)) {
     rangeBits = bits;

@@ -40,7 +40,7 @@ float seeming = 0.0;
 
 // The angle by which bounds are widened: beams may spread, deviate from their axis or start away from the sensor's
 // origin.
-float footprint() { return ((EFFECTS & kFootprintEffects) != 0 ? frame.footprint : 0.0) + seeming; }
+float footprint() { return ((EFFECTS & (kFootprint | kStrays)) != 0 ? frame.footprint : 0.0) + seeming; }
 
 // Elevation keys are widened by this much; a key changes by at most 1 per radian.
 float keySlack() { return kKeySlack + footprint(); }

@@ -49,7 +49,8 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const 
     addRoom(gpu::Array::echoOwners, gpu::kMaxEchoes * 2 * sizeof(uint32_t));
     if (plan.asks(gpu::kFieldSurface)) addRoom(gpu::Array::echoSurfaces, gpu::kMaxEchoes * sizeof(gpu::SurfaceRecord));
   }
-  if (plan.looksAtSurfaces()) arrays.push_back(table(gpu::Array::optics, plan.optics));
+  if (plan.has(gpu::kStrays)) addRoom(gpu::Array::strays, sizeof(gpu::vec2));
+  if (plan.looksAtOptics()) arrays.push_back(table(gpu::Array::optics, plan.optics));
   if (plan.has(gpu::kCutOuts)) {
     arrays.push_back(table(gpu::Array::alphaImages, plan.textures->images));
     arrays.push_back(table(gpu::Array::texels, plan.textures->texels));
@@ -63,7 +64,8 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const 
 
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count) {
   std::vector<EffectsArray> arrays;
-  if (plan.footprint()) arrays.push_back({gpu::Array::projectedMaterials, count * sizeof(uint32_t), {}});
+  if (plan.footprint() || plan.holes())
+    arrays.push_back({gpu::Array::projectedMaterials, count * sizeof(uint32_t), {}});
   if (plan.has(gpu::kCutOuts)) arrays.push_back({gpu::Array::projectedTexture, count * 2 * sizeof(gpu::vec4), {}});
   if (plan.has(gpu::kObjectMotion)) arrays.push_back({gpu::Array::projectedMotions, count * 3 * sizeof(gpu::vec4), {}});
   return arrays;

@@ -31,8 +31,16 @@ uint32_t bitOf(Field field) {
   }
 }
 
+// Several sub-rays and several surfaces need a footprint. Holes and deviations are part of the inside test of the
+// standard accuracy; the other inside tests know neither.
+bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
+  if (plan.has(gpu::kDivergence | gpu::kTransmission)) return true;
+  const AccuracyParts parts = options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
+  const AccuracyParts standard = accuracyPartsOf(Accuracy::standard);
+  return plan.has(gpu::kFootprintEffects) && (parts.inside != standard.inside || parts.range != standard.range);
+}
+
 float footprintRadiusOf(const SensorPlan& plan) {
-  if (!plan.footprint()) return 0;
   double most = 0;
   for (const SubRay& ray : plan.subRays) most = std::max(most, std::hypot(double{ray.u}, double{ray.v}));
   const Effects::AngleNoise& noise = plan.effects.angleNoise;
@@ -67,6 +75,11 @@ std::shared_ptr<const TextureArrays> textureArrays(const Scene& scene) {
 
 }  // namespace
 
+bool SensorPlan::onlyLines() const {
+  const uint32_t lines = gpu::kCutOuts | (has(gpu::kStrays) ? gpu::kStrays | gpu::kAngleNoise : 0);
+  return (bits & ~lines) == 0 && fields == 0 && !motion();
+}
+
 std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const SensorRequest& request, size_t index,
                                                       bool changed) {
   const Effects& effects = request.effects;
@@ -79,6 +92,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   leaveOutUnsupported(options_, plan.decisions);
   plan.bits = bitsOf(plan.decisions);
   if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;
+  if (needsFootprint(options_, plan)) plan.bits |= gpu::kFootprint;
   for (const Field field : request.fields) plan.fields |= bitOf(field);
   plan.origins = std::any_of(sensor.channels.begin(), sensor.channels.end(), [](const Channel& channel) {
     return channel.origin.x != 0 || channel.origin.y != 0 || channel.origin.z != 0;
@@ -91,7 +105,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   if (plan.has(gpu::kDropOut)) plan.deadBeams = deadBeamBits(effects, sensor);
   plan.footprintRadius = footprintRadiusOf(plan);
   if (options_.device.kind == DeviceChoice::Kind::reference) return made;
-  if (plan.looksAtSurfaces()) plan.optics = opticsArray(scene, options_.materials, effects.intensity.wavelength);
+  if (plan.looksAtOptics()) plan.optics = opticsArray(scene, options_.materials, effects.intensity.wavelength);
   if (!plan.holes()) return made;
   if (!textures_) textures_ = textureArrays(scene);
   plan.textures = textures_;

@@ -183,6 +183,8 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
   if (device.words) {
     gpu::Counters counters = device.counters;
     counters.hits = static_cast<uint32_t>(readWords(device, instances, scan));
+    counters.causes[gpu::kCauseReturned] = counters.hits;
+    counters.causes[gpu::kCauseNoSurface] = static_cast<uint32_t>(beams) - counters.hits;
     return readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
   }
   const uint32_t returns = plan.returns;

@@ -139,10 +139,10 @@ std::vector<Step> SensorArrays::steps(const PlacedGroups& placed, StillImage::Us
   variant.options.MOTION = motion;
   variant.subRays = static_cast<uint32_t>(plan_.subRays.size());
   variant.float64 = float64_ && !motion;
-  const bool footprint = plan_.footprint();
+  const bool footprint = plan_.footprint(), words = leavesWords(binning_, plan_);
   return stepsOf(
-      {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shellEnds_, footprint,
-       !footprint && !leavesWords(binning_, plan_), plan_.surfaces() && !footprint, plan_.signals() || plan_.speeds()},
+      {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shellEnds_, plan_.has(gpu::kStrays),
+       footprint, !footprint && !words, plan_.surfaces() && !footprint, !words && (plan_.signals() || plan_.speeds())},
       placed, still);
 }
 

@@ -17,6 +17,10 @@ class Steps {
   std::vector<Step> of(const PlacedGroups& placed, StillImage::Use still) {
     clear(still);
     add({Step::Kind::start});
+    if (input_.strays) {
+      dispatchOnBeams("effects", Kernel::effects_strays);
+      finish("effects");
+    }
     if (still != StillImage::Use::use) scanShells(placed.still);
     if (still == StillImage::Use::make) {
       copy(gpu::Array::words, gpu::Array::stillWords);

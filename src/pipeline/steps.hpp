@@ -39,7 +39,7 @@ struct StepsInput {
   DispatchSizes sizes;
   const gpu::Frame& frame;
   const std::vector<float>& shellEnds;  ///< see tuning.hpp
-  bool footprint, resolve, surfaces, effects;
+  bool strays, footprint, resolve, surfaces, effects;
 };
 
 /// Returns the steps of a scan of the placed groups.

@@ -163,7 +163,27 @@ TEST_CASE("auto plans the effects that the scene needs: glass, holes and neither
   CHECK(!sameWork(glass, holes));
   CHECK(!sameWork(glass, plain));
   CHECK(!sameWork(holes, plain));
-  CHECK(plain.dispatches() < holes.dispatches());
+}
+
+TEST_CASE("holes and angle errors are part of the inside test of standard accuracy") {
+  needVulkan();
+  const auto stagesOf = [](const Plan& plan) {
+    std::string names;
+    for (const Plan::Stage& stage : plan.stages) names += stage.name + (stage.dispatches > 0 ? " " : "(host) ");
+    return names;
+  };
+  TestOptions options = optionsOn("vulkan");
+  const Scene scene = wall(0, AlphaMode::mask);
+  options.effects.cutOuts.use = EffectUse::on;
+  const Plan holes = makeSimulator(scene, able(), options).plan();
+  CHECK(holes.binning == makeSimulator(scene, able(), vulkanOptions()).plan().binning);
+  CHECK(stagesOf(holes) == "project bin resolve(host) ");
+  options.effects.angleNoise = {EffectUse::on, 1e-3, 1e-3, Effects::AngleNoise::At::beam};
+  CHECK(stagesOf(makeSimulator(scene, able(), options).plan()) == "effects project bin resolve(host) ");
+  options.accuracy = Accuracy::exact;
+  const Plan exact = makeSimulator(scene, able(), options).plan();
+  CHECK(exact.binning == "lists");
+  CHECK(stagesOf(exact) == "effects project bin ");
 }
 
 }  // namespace gnosphere::test

@@ -152,6 +152,44 @@ TEST_CASE("beams with angular errors hit the same surfaces") {
   requireAlmostSame(effects);
 }
 
+// The plate with holes is in front of everything, and every scan tests what lies behind earlier hits.
+TEST_CASE("holes and angle errors give the same bytes with every way of binning, and equal the reference") {
+  Scene scene = town();
+  Material fence = lambertian(0.5f, "fence");
+  fence.doubleSided = true;
+  fence.alphaMode = AlphaMode::mask;
+  fence.alphaImage = static_cast<uint32_t>(scene.alphaImages.size());
+  scene.alphaImages.push_back({3, 2, {0, 255, 90, 200, 0, 255}, AlphaImage::Wrap::mirror, AlphaImage::Wrap::repeat});
+  scene.materials.push_back(fence);
+  Mesh mesh = plate(3, 2, static_cast<uint32_t>(scene.materials.size() - 1));
+  mesh.uvs = {-1.7f, 0, 0, 4.5f, 3.1f, 0, 2, 4};
+  scene.meshes.push_back(mesh);
+  scene.instances.push_back({"fence", static_cast<uint32_t>(scene.meshes.size() - 1), translation(1.3, 0.4, 1.8)});
+  TestOptions options = optionsOn("vulkan");
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
+  options.fields = {Field::normal, Field::material, Field::barycentrics};
+  for (const bool holes : {true, false}) {
+    options.effects.cutOuts.use = holes ? EffectUse::on : EffectUse::off;
+    options.effects.angleNoise.use = holes ? EffectUse::off : EffectUse::on;
+    options.effects.angleNoise.azimuth = options.effects.angleNoise.elevation = 2e-3;
+    TestOptions other = options;
+    other.device = DeviceChoice::Kind::reference;
+    const Scan reference = scanOf(scene, coarse(180), kPose, other);
+    std::optional<Scan> first;
+    for (const Binning binning : {Binning::slabs, Binning::nearest, Binning::lists}) {
+      INFO((holes ? "holes, " : "angle errors, ") << static_cast<int>(binning));
+      options.tuning.binning = binning;
+      const Scan scan = scanOf(scene, coarse(180), kPose, options);
+      const Differences found = differences(reference, scan);
+      INFO(listed(found));
+      CHECK(found.all() == 0);
+      CHECK(found.ties < found.beams / 50);
+      if (!first) first = scan;
+      CHECK(firstBytes(*first, scan) == "none");
+    }
+  }
+}
+
 TEST_CASE("transmitted light passes the same panes on every device") {
   Scene scene = town();
   for (Material& one : scene.materials) one.transmission = 0.5f;
