@@ -22,6 +22,7 @@
 #include "inside.glsl"
 #include "rows_between.glsl"
 #include "seen.glsl"
+#include "panes.glsl"
 
 layout(local_size_x = 64) in;
 #ifdef INT64_ATOMICS
@@ -55,6 +56,16 @@ void offer(uint beam, float range, uint projected, uint id) {
   }
 }
 
+// Prepends a candidate to the chain of a beam, and lists the beam when its chain begins.
+void link(uint beam, uint projected) {
+  uint place = atomicAdd(counters.candidates, 1);
+  if (place >= frame.candidateCapacity) return;
+  uint before = atomicExchange(listEnds.at[beam], place);
+  candidates.at[2 * place] = projected;
+  candidates.at[2 * place + 1] = before;
+  if (before == kNone) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = beam;
+}
+
 float farthestOf(uint index) {
   return BINNING == kBinningLists ? frame.rangeMax : min(uintBitsToFloat(min(words.at[index].y, 0x7f800000u)), frame.rangeMax);
 }
@@ -66,10 +77,13 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   }
   float range;
   bool met = meet(triangle, prepared, turned, beam, index, projected, range);
-  if (BINNING == kBinningSlabs)
+  if (BINNING != kBinningLists && PASS == kPassPanes) {
+    if (met && comesBefore(range, triangle.id, words.at[index])) link(index, projected);
+  } else if (BINNING == kBinningSlabs) {
     keepNearer(index, met, range, triangle.id);
-  else if (met)
+  } else if (met) {
     offer(index, range, projected, triangle.id);
+  }
 }
 
 // `seen` is the triangle at the time when the beam's column fires.
@@ -241,13 +255,13 @@ void tryTile(Tile tile) {
 // One subgroup processes slab after slab; a shared counter hands out the next slab. It leaves the slab's list empty
 // for the next shell.
 void trySlabs() {
-  uint slabs = (frame.columns - 1 >> frame.slabShift) + 1;
+  uint slabs = (frame.columns - 1 >> frame.slabShift) + 1, lists = PASS == kPassPanes ? slabs : 0;
   while (true) {
     uint slab = 0, t = kNone;
     if (gl_SubgroupInvocationID == 0) slab = atomicAdd(counters.nextSlab, 1);
     slab = subgroupBroadcast(slab, 0);
     if (slab >= slabs) return;
-    if (gl_SubgroupInvocationID == 0) t = atomicExchange(listEnds.at[slab], kNone);
+    if (gl_SubgroupInvocationID == 0) t = atomicExchange(slabEnds.at[lists + slab], kNone);
     t = subgroupBroadcast(t, 0);
     while (t != kNone) {
       Tile tile = tileAt(t);
@@ -256,6 +270,11 @@ void trySlabs() {
       t = tile.before;
     }
   }
+}
+
+// With slabs, the panes have lists of their own.
+bool isInPass(uint projected) {
+  return !PANES || BINNING != kBinningNearest || isPane(projected) == (PASS == kPassPanes);
 }
 
 void main() {
@@ -267,15 +286,17 @@ void main() {
     trySlabs();
     return;
   }
-  // With kBinningNearest each shell bins only its new triangles; otherwise one pass bins all of them.
-  bool byShell = BINNING == kBinningNearest;
+  // With kBinningNearest each shell bins only its new triangles; otherwise, and for panes, one pass bins all of them.
+  bool byShell = BINNING == kBinningNearest && PASS == kPassNearest;
   uint first = byShell ? counters.binnedSmall : 0;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint i = first + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;
        i += stride)
-    trySmall(i);
+    if (isInPass(i)) trySmall(i);
   first = byShell ? counters.binnedTiles : 0;
   stride = gl_NumWorkGroups.x * gl_NumSubgroups;
-  for (uint t = first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride)
-    tryTile(tileAt(t));
+  for (uint t = first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride) {
+    Tile tile = tileAt(t);
+    if (isInPass(tile.slot)) tryTile(tile);
+  }
 }

@@ -20,13 +20,13 @@
 #include "seen.glsl"
 #include "owner.glsl"
 #include "each_ray.glsl"
+#include "echoes.glsl"
 #include "lanes.glsl"
 
 layout(local_size_x = 64) in;
 
 bool looksAtMaterials;
 const float kNothing = 3e38;
-const float kUnseen = -1.0;  // energy of a hit that only lets light pass and is part of no echo
 
 // The exact inside test requires this function; this stage does not use that test.
 float farthestOf(uint index) { return frame.rangeMax; }
@@ -130,11 +130,6 @@ bool meetPlane(Candidate candidate, vec4 plane, float u, float v, float length_,
 float cosineOf(vec3 normal, float u, float v, float length_) {
   precise float along = normal.x + u * normal.y + v * normal.z;
   return min(abs(quotient(along, length_)), 1.0);
-}
-
-float product(float a, float b) {
-  precise float result = a * b;
-  return result;
 }
 
 // True if the range is clearly beyond the sub-ray's hit in the previous layer. Surfaces closer to each other, relative
@@ -283,11 +278,6 @@ float nextRange(float after) {
   return least;
 }
 
-float sumOf(float a, float b) {
-  precise float result = a + b;
-  return result;
-}
-
 // Returns the farthest range of the echo that starts at `first`. Hits whose ranges differ by at most the separation
 // from the next belong to one echo.
 float endOfEcho(float first) {
@@ -302,22 +292,6 @@ float endOfEcho(float first) {
     }
   } while (end > before);
   return end;
-}
-
-// Adds a hit to the sums of an echo: energy, energy * depth, energy * depth^2.
-void addPiece(inout vec3 sums, float energy, float depth) {
-  precise float moment = energy * depth;
-  precise vec3 result = sums + vec3(energy, moment, moment * depth);
-  sums = result;
-}
-
-// Returns range, energy and width.
-vec3 echoOf(float first, vec3 sums) {
-  if (!(sums.x > 0.0)) return vec3(first, 0.0, parameters.pulseWidth);
-  precise float mean = quotient(sums.y, sums.x);
-  precise float variance = quotient(sums.z, sums.x) - mean * mean;
-  precise float range = first + mean;
-  return vec3(range, sums.x, echoWidth(parameters.pulseWidth, squareRoot(max(variance, 0.0))));
 }
 
 void storeEcho(uint slot, vec3 echo, uint projected, vec2 azimuth) {

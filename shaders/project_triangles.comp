@@ -175,6 +175,7 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
   return fate;
 }
 
+#include "panes.glsl"
 #include "project_store.glsl"
 
 // Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a

@@ -96,14 +96,18 @@ GNO_CONST uint kBinningNearest = 0;  // one pass: 64-bit atomic minimum of (rang
 GNO_CONST uint kBinningLists = 1;    // count and fill a list of candidates per beam
 GNO_CONST uint kBinningSlabs = 2;    // minimum of (range, triangle) without atomics: each word has one owner
 
-// Values of PASS, shader by shader: bin with lists, prefix_sum, effects_footprint.
+// Values of PASS, shader by shader: bin with lists, bin with words, prefix_sum, effects_footprint, effects.
 GNO_CONST uint kPassCount = 0;
 GNO_CONST uint kPassFill = 1;
+GNO_CONST uint kPassNearest = 0;
+GNO_CONST uint kPassPanes = 1;  // lists the panes before the beams' words
 GNO_CONST uint kPassReduce = 0;
 GNO_CONST uint kPassBlocks = 1;
 GNO_CONST uint kPassApply = 2;
 GNO_CONST uint kPassWithinOne = 0;  // beams whose footprint lies on one triangle
 GNO_CONST uint kPassOthers = 1;
+GNO_CONST uint kPassAll = 0;
+GNO_CONST uint kPassListed = 1;  // only the beams of hardBeams
 
 // --- Structs ---------------------------------------------------------------------------------------------------------
 
@@ -197,7 +201,7 @@ struct Counters {
   uint laterRowsDown, laterRowsUp;   // of a shell: content beyond it is in rows rows - down..up - 1
   uint causes[6];                    // beams by Cause, if effects are planned
   uint lostEchoes;                   // echoes beyond kMaxEchoes of a beam
-  uint hardBeams;                    // beams whose footprint does not lie on one triangle
+  uint hardBeams;                    // beams whose footprint does not lie on one triangle, or that meet a pane
   uint padding[3];
 };
 

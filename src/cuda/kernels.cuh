@@ -50,7 +50,7 @@ struct Lines {
   }
 };
 
-// Lines that may deviate, and meet no holes.
+// Lines that may deviate, pass holes and meet panes.
 struct EffectLines {
   static GNO_DEVICE void fix(Options& options) {
     options.INSIDE = kInsideWatertight;
@@ -158,6 +158,11 @@ struct effects_footprint {
 #include "glsl/effects_footprint.comp"
 };
 
+struct effects_panes {
+  const Job& job;
+#include "glsl/effects_panes.comp"
+};
+
 struct effects_surfaces {
   const Job& job;
 #include "glsl/effects_surfaces.comp"
@@ -211,6 +216,7 @@ void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
              : job.subRays <= 7  ? launchFootprint<7>(job, groupsX, groupsY)
              : job.subRays <= 19 ? launchFootprint<19>(job, groupsX, groupsY)
                                  : launchFootprint<61>(job, groupsX, groupsY);
+    case Kernel::effects_panes: return launch<effects_panes>(job, groupsX, groupsY);
     case Kernel::effects_surfaces: return launch<effects_surfaces>(job, groupsX, groupsY);
     case Kernel::effects: return launch<effects>(job, groupsX, groupsY);
   }

@@ -31,10 +31,10 @@ uint32_t bitOf(Field field) {
   }
 }
 
-// Several sub-rays and several surfaces need a footprint. Holes and deviations are part of the inside test of the
-// standard accuracy; the other inside tests know neither.
+// Several sub-rays need a footprint. Holes and deviations are part of the inside test of the standard accuracy, and
+// panes are found with it; the other inside tests know neither.
 bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
-  if (plan.has(gpu::kDivergence | gpu::kTransmission)) return true;
+  if (plan.has(gpu::kDivergence)) return true;
   const AccuracyParts parts = options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
   const AccuracyParts standard = accuracyPartsOf(Accuracy::standard);
   return plan.has(gpu::kFootprintEffects) && (parts.inside != standard.inside || parts.range != standard.range);
@@ -76,7 +76,9 @@ std::shared_ptr<const TextureArrays> textureArrays(const Scene& scene) {
 }  // namespace
 
 bool SensorPlan::onlyLines() const {
-  const uint32_t lines = gpu::kCutOuts | (has(gpu::kStrays) ? gpu::kStrays | gpu::kAngleNoise : 0);
+  uint32_t lines = gpu::kCutOuts;
+  if (has(gpu::kStrays)) lines |= gpu::kStrays | gpu::kAngleNoise;
+  if (panes()) lines |= gpu::kTransmission | gpu::kIntensity;
   return (bits & ~lines) == 0 && fields == 0 && !motion();
 }
 

@@ -45,8 +45,10 @@ struct SensorPlan {
   /// Whether the stages compute the surface of each hit.
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
   bool holes() const { return has(gpu::kCutOuts); }
+  /// Whether light may pass surfaces and beams are single lines: opaque triangles are binned first, then panes.
+  bool panes() const { return has(gpu::kTransmission) && !footprint(); }
   /// Whether the stages read the optics of materials.
-  bool looksAtOptics() const { return surfaces() || footprint() || holes(); }
+  bool looksAtOptics() const { return surfaces() || has(gpu::kFootprintEffects); }
   /// Whether the stages compute the signal of each return, because an effect or a field needs it.
   bool signals() const { return has(gpu::kSignalEffects) || asks(gpu::kFieldSignal); }
   bool speeds() const { return has(gpu::kRadialSpeed) || asks(gpu::kFieldMotion); }
@@ -54,8 +56,8 @@ struct SensorPlan {
   uint32_t layers() const { return has(gpu::kTransmission) ? gpu::kMaxLayers : 1; }
   /// Whether only geometry is planned.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
-  /// Whether a beam's answer is the nearest hit of its line, and no field asks for more: geometry, in which surfaces
-  /// may have holes and beams may deviate.
+  /// Whether the answer of a beam that meets no pane is the nearest hit of its line, and no field asks for more:
+  /// geometry, in which surfaces may have holes and let light pass, and beams may deviate.
   bool onlyLines() const;
 };
 

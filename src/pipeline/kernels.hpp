@@ -20,14 +20,16 @@ enum class Kernel : uint32_t {
   resolve,
   effects_strays,
   effects_footprint,
+  effects_panes,
   effects_surfaces,
   effects
 };
 
 inline const char* nameOf(Kernel kernel) {
   constexpr const char* kNames[] = {
-      "project_groups", "project_clusters", "project_occluders", "project_triangles", "bin",    "prefix_sum",
-      "resolve",        "effects_strays",   "effects_footprint", "effects_surfaces",  "effects"};
+      "project_groups",   "project_clusters", "project_occluders", "project_triangles", "bin",
+      "prefix_sum",       "resolve",          "effects_strays",    "effects_footprint", "effects_panes",
+      "effects_surfaces", "effects"};
   return kNames[static_cast<uint32_t>(kernel)];
 }
 

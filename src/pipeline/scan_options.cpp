@@ -55,11 +55,11 @@ bool leavesWords(uint32_t binning, const SensorPlan& plan) {
 }
 
 // Surface kernels need the transforms of still instances as well, which a scan that reuses the image does not place.
-// Beams that deviate do so anew in each scan.
+// Beams that deviate do so anew in each scan, and panes are not part of the image.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.tuning.keepStill && binning != gpu::kBinningLists &&
          accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper && !plan.surfaces() && !plan.motion() &&
-         !plan.has(gpu::kStrays);
+         !plan.panes() && !plan.has(gpu::kStrays);
 }
 
 const char* nameOfBinning(uint32_t binning) {

@@ -27,6 +27,7 @@ class Steps {
       findOccluders({0, 0, 0, kInfinity, 1});  // the occlusion table is kept as long as the still image
     }
     if (still != StillImage::Use::none) scanMoving(placed.moving);
+    if (input_.panes && binning_ != gpu::kBinningLists) binPanes();
     if (input_.resolve) {
       dispatchOnBeams("resolve", Kernel::resolve);
       finish("resolve");
@@ -43,7 +44,9 @@ class Steps {
     else if (binning_ != gpu::kBinningLists)
       fill(gpu::Array::words, gpu::kNone);
     if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0);
-    if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::listEnds, gpu::kNone);
+    if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::slabEnds, gpu::kNone);
+    if (input_.panes && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
+    if (input_.panes && input_.effects == StepsInput::Judged::all) fill(gpu::Array::echoCounts, gpu::kNone);
   }
 
   // Scans shell by shell, near shells first, because near triangles hide many of the far ones.
@@ -66,14 +69,7 @@ class Steps {
   }
 
   void project(const PlacedGroups::Run& placed, const gpu::Pass& pass) {
-    if (pass.occluders)
-      add({Step::Kind::fill,
-           "",
-           gpu::Array::counters,
-           {},
-           offsetof(gpu::Counters, visibleGroups),
-           offsetof(gpu::Counters, causes) - offsetof(gpu::Counters, visibleGroups),
-           0});
+    if (pass.occluders) clearCounters(offsetof(gpu::Counters, visibleGroups), offsetof(gpu::Counters, causes));
     const DispatchSizes& sizes = input_.sizes;
     dispatch("project", Kernel::project_groups, std::min(sizes.cullGroups, (placed.groups + 63) / 64), pass);
     dispatch("project", Kernel::project_clusters, std::min(sizes.cullGroups, placed.groups), pass);
@@ -97,6 +93,13 @@ class Steps {
     finish("bin");
   }
 
+  // Lists the panes before the words, after all shells.
+  void binPanes() {
+    clearCounters(offsetof(gpu::Counters, nextSlab), offsetof(gpu::Counters, laterRowsDown));
+    dispatch("bin", Kernel::bin, input_.sizes.triangleGroups, {}, gpu::kPassPanes);
+    finish("bin");
+  }
+
   void findOccluders(const gpu::Pass& pass) {
     dispatch("project", Kernel::project_occluders, input_.sizes.cullGroups, pass);
   }
@@ -104,11 +107,17 @@ class Steps {
   void judge() {
     if (input_.footprint)
       for (const uint32_t pass : {gpu::kPassWithinOne, gpu::kPassOthers})
-        dispatch("effects", Kernel::effects_footprint,
-                 std::min(input_.sizes.footprintGroups, input_.frame.beams / 64 + 1), {}, pass);
+        dispatchOnList(Kernel::effects_footprint, pass);
+    if (input_.panes) dispatchOnList(Kernel::effects_panes, 0);
     if (input_.surfaces) dispatchOnBeams("effects", Kernel::effects_surfaces);
-    if (input_.effects) dispatchOnBeams("effects", Kernel::effects);
-    if (input_.footprint || input_.surfaces || input_.effects) finish("effects");
+    if (input_.effects == StepsInput::Judged::all) dispatchOnBeams("effects", Kernel::effects);
+    if (input_.effects == StepsInput::Judged::listed) dispatchOnList(Kernel::effects, gpu::kPassListed);
+    if (input_.footprint || input_.surfaces || input_.effects != StepsInput::Judged::none) finish("effects");
+  }
+
+  // Dispatches a kernel that processes the beams of `hardBeams`.
+  void dispatchOnList(Kernel kernel, uint32_t pass) {
+    dispatch("effects", kernel, std::min(input_.sizes.footprintGroups, input_.frame.beams / 64 + 1), {}, pass);
   }
 
   // Dispatches one row of workgroups per channel.
@@ -132,6 +141,9 @@ class Steps {
   }
 
   void fill(gpu::Array array, uint32_t value) { add({Step::Kind::fill, "", array, {}, 0, 0, value}); }
+  void clearCounters(size_t first, size_t end) {
+    add({Step::Kind::fill, "", gpu::Array::counters, {}, first, end - first, 0});
+  }
   void copy(gpu::Array from, gpu::Array to) { add({Step::Kind::copy, "", to, from}); }
   void finish(const char* stage) { add({Step::Kind::finish, stage}); }
   void add(const Step& step) { steps_.push_back(step); }

@@ -39,7 +39,8 @@ struct StepsInput {
   DispatchSizes sizes;
   const gpu::Frame& frame;
   const std::vector<float>& shellEnds;  ///< see tuning.hpp
-  bool strays, footprint, resolve, surfaces, effects;
+  bool strays = false, panes = false, footprint = false, resolve = false, surfaces = false;
+  enum class Judged { none, listed, all } effects = Judged::none;  ///< the beams whose returns are computed from echoes
 };
 
 /// Returns the steps of a scan of the placed groups.

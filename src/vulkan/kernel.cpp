@@ -11,6 +11,7 @@
 #include "effects_footprint19.spv.h"
 #include "effects_footprint61.spv.h"
 #include "effects_footprint7.spv.h"
+#include "effects_panes.spv.h"
 #include "effects_strays.spv.h"
 #include "effects_surfaces.spv.h"
 #include "prefix_sum.spv.h"
@@ -51,6 +52,7 @@ Module moduleOf(const Variant& variant) {
     case gnosphere::Kernel::resolve: return variant.float64 ? Module(resolve_float64) : Module(resolve);
     case gnosphere::Kernel::effects_strays: return effects_strays;
     case gnosphere::Kernel::effects_footprint: return footprintOf(variant.subRays);
+    case gnosphere::Kernel::effects_panes: return effects_panes;
     case gnosphere::Kernel::effects_surfaces: return effects_surfaces;
     case gnosphere::Kernel::effects: break;
   }

@@ -144,7 +144,8 @@ TEST_CASE("removing an effect from all effects clears its bit in every pipeline"
     assign(effects, effectNames()[i] + "=off");
     const Plan plan = planOnHost(effects);
     CHECK(!plan.has(effectNames()[i]));
-    CHECK(plan.bytes() <= all.bytes());
+    // Without sub-rays the surfaces of all beams are kept instead of lists.
+    if (effectNames()[i] != "divergence") CHECK(plan.bytes() <= all.bytes());
     for (const Plan::Stage& stage : plan.stages)
       for (const Plan::Pipeline& pipeline : stage.pipelines) CHECK((pipeline.constants.at(9) >> i & 1) == 0);
   }
@@ -165,7 +166,7 @@ TEST_CASE("auto plans the effects that the scene needs: glass, holes and neither
   CHECK(!sameWork(holes, plain));
 }
 
-TEST_CASE("holes and angle errors are part of the inside test of standard accuracy") {
+TEST_CASE("lines answer for holes, angle errors and panes with standard accuracy") {
   needVulkan();
   const auto stagesOf = [](const Plan& plan) {
     std::string names;
@@ -180,6 +181,14 @@ TEST_CASE("holes and angle errors are part of the inside test of standard accura
   CHECK(stagesOf(holes) == "project bin resolve(host) ");
   options.effects.angleNoise = {EffectUse::on, 1e-3, 1e-3, Effects::AngleNoise::At::beam};
   CHECK(stagesOf(makeSimulator(scene, able(), options).plan()) == "effects project bin resolve(host) ");
+  options.effects.transmission.use = EffectUse::on;
+  options.effects.intensity.use = EffectUse::automatic;
+  const Scene pane = glassWithHoles();
+  CHECK(stagesOf(makeSimulator(pane, able(), options).plan()) == "effects project bin resolve(host) ");
+  options.fields = {Field::intensity};
+  CHECK(stagesOf(makeSimulator(pane, able(), options).plan()) == "effects project bin resolve ");
+  options.fields.clear();
+  options.effects.transmission.use = EffectUse::off;
   options.accuracy = Accuracy::exact;
   const Plan exact = makeSimulator(scene, able(), options).plan();
   CHECK(exact.binning == "lists");
