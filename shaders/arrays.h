@@ -51,7 +51,7 @@
                                            /* or the last link of its chain of panes */ \
   ARRAY(coherent, uint, slabEnds)          /* per slab of columns: its last tile; then of panes, slab by slab */ \
   ARRAY(, uint, blockSums) \
-  ARRAY(, uint, candidates)                /* indices of projected triangles; in chains each with the link before */ \
+  ARRAY(, uint, candidates)                /* indices of projected triangles; with panes three per link, see bin.comp */ \
   ARRAY(, uint, projectedMaterials)        /* per projected triangle */ \
   ARRAY(, vec4, projectedMotions)          /* per projected triangle: m/s of its three corners */ \
   ARRAY(, vec4, projectedTexture)          /* per projected triangle: uv of a and b, of c */ \

@@ -56,13 +56,15 @@ void offer(uint beam, float range, uint projected, uint id) {
   }
 }
 
-// Prepends a candidate to the chain of a beam, and lists the beam when its chain begins.
-void link(uint beam, uint projected) {
+// Prepends a hit to the chain of a beam, and lists the beam when its chain begins. A link has three entries: the
+// projected triangle, the range of the hit, and the link before.
+void link(uint beam, uint projected, float range) {
   uint place = atomicAdd(counters.candidates, 1);
   if (place >= frame.candidateCapacity) return;
   uint before = atomicExchange(listEnds.at[beam], place);
-  candidates.at[2 * place] = projected;
-  candidates.at[2 * place + 1] = before;
+  candidates.at[3 * place] = projected;
+  candidates.at[3 * place + 1] = floatBitsToUint(range);
+  candidates.at[3 * place + 2] = before;
   if (before == kNone) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = beam;
 }
 
@@ -78,7 +80,7 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   float range;
   bool met = meet(triangle, prepared, turned, beam, index, projected, range);
   if (BINNING != kBinningLists && PASS == kPassPanes) {
-    if (met && comesBefore(range, triangle.id, words.at[index])) link(index, projected);
+    if (met && comesBefore(range, triangle.id, words.at[index])) link(index, projected, range);
   } else if (BINNING == kBinningSlabs) {
     keepNearer(index, met, range, triangle.id);
   } else if (met) {

@@ -38,16 +38,39 @@ float farthestOf(uint index) { return frame.rangeMax; }
 
 bool looksAtMaterials() { return (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical; }
 
-// The list of a beam is a run of candidates with kBinningLists, otherwise a chain; see bin.comp.
+// The list of a beam is a run of candidates with kBinningLists, otherwise a chain of hits; see bin.comp.
 uint listFirst() {
   if (BINNING != kBinningLists) return listEnds.at[beamIndex];
   return beamIndex == 0 ? 0 : min(listEnds.at[max(beamIndex, 1) - 1], frame.candidateCapacity);
 }
-uint listEnd() { return BINNING == kBinningLists ? min(listEnds.at[beamIndex], frame.candidateCapacity) : kNone; }
-uint candidateAt(uint k) { return candidates.at[BINNING == kBinningLists ? k : 2 * k]; }
+
+uint listEnd() {
+  if (BINNING != kBinningLists) return kNone;
+  return min(listEnds.at[beamIndex], frame.candidateCapacity);
+}
+
 uint nextOf(uint k) {
-  if (BINNING != kBinningLists) return candidates.at[2 * k + 1];
+  if (BINNING != kBinningLists) return candidates.at[3 * k + 2];
   return k + 1;
+}
+
+Triangle paneAt(uint projected) {
+  Triangle triangle = loadProjected(projected);
+  if (MOTION) triangle = seenFrom(triangle, projected, beamColumn, beamRow, axis.azimuth);
+  return triangle;
+}
+
+// Returns the projected triangle of an entry of the list if it is a pane that the beam meets, otherwise kNone.
+uint paneOf(uint k, out float range) {
+  if (BINNING != kBinningLists) {
+    range = uintBitsToFloat(candidates.at[3 * k + 1]);
+    return candidates.at[3 * k];
+  }
+  uint projected = candidates.at[k];
+  if (!isPane(projected)) return kNone;
+  Triangle triangle = paneAt(projected);
+  bool met = meet(triangle, prepare(triangle), turn(triangle, axis.azimuth), axis, beamIndex, projected, range);
+  return met ? projected : kNone;
 }
 
 // Finds the nearest pane that is clearly behind the range `before`, and before the opaque hit. Surfaces closer to each
@@ -58,20 +81,28 @@ uint nextPane(float before, uvec2 opaque, out float range, out uint id) {
   uvec2 best = opaque;
   uint pane = kNone;
   for (uint k = listFirst(), end = listEnd(); k != end; k = nextOf(k)) {
-    uint candidate = candidateAt(k);
-    if (BINNING == kBinningLists && !isPane(candidate)) continue;
-    if (floatBitsToUint(projectedB.at[candidate].w) > best.y) continue;
-    Triangle triangle = loadProjected(candidate);
-    if (MOTION) triangle = seenFrom(triangle, candidate, beamColumn, beamRow, axis.azimuth);
     float met;
-    if (!meet(triangle, prepare(triangle), turn(triangle, axis.azimuth), axis, beamIndex, candidate, met)) continue;
-    if (!(met > behind) || !comesBefore(met, triangle.id, best)) continue;
-    best = uvec2(triangle.id, floatBitsToUint(met));
-    pane = candidate;
+    uint projected = paneOf(k, met);
+    if (projected == kNone || !(met > behind) || floatBitsToUint(met) > best.y) continue;
+    uint number = projectedA.at[projected].tag & 0x7fffffffu;
+    if (!comesBefore(met, number, best)) continue;
+    best = uvec2(number, floatBitsToUint(met));
+    pane = projected;
   }
   range = uintBitsToFloat(best.y);
   id = best.x;
   return pane;
+}
+
+Surface surfaceOfHit(uint pane, uint id) {
+  if (pane == kNone) return surfaceOf(beamRow, beamColumn, ownerOf(id));
+  Triangle triangle = paneAt(pane);
+  Surface surface;
+  surface.corners = Corners(triangle.a, triangle.b, triangle.c);
+  surface.normal = normalOf(surface.corners);
+  if (MOTION) surface.normal = reportedDirection(beamColumn, surface.normal);
+  surface.material = projectedMaterials.at[pane];
+  return surface;
 }
 
 // Follows the light through the panes. An opaque hit ends it, however close to a pane.
@@ -83,19 +114,18 @@ void follow() {
     float range;
     uint id, pane = nextPane(before, opaque, range, id);
     if (pane == kNone && opaque.y == kNone) return;
-    float energy = carried;
+    float energy = carried, passed = 0.0;
     if (looksAtMaterials()) {
-      Surface surface = surfaceOf(beamRow, beamColumn, ownerOf(id));
+      Surface surface = surfaceOfHit(pane, id);
       float cosIncidence = min(abs(dotOf(surface.normal, direction)), 1.0);
       energy = product(energy, reflected(optics.at[surface.material], cosIncidence));
     }
-    float passed = 0.0;
     if (pane != kNone) passed = product(carried, transmitted(optics.at[projectedMaterials.at[pane]]));
-    carried = passed;
     ranges[hitCount] = before = range;
-    energies[hitCount] = energy == 0.0 && carried > 0.0 ? kUnseen : energy;
+    energies[hitCount] = energy == 0.0 && passed > 0.0 ? kUnseen : energy;
     ids[hitCount] = id;
     ++hitCount;
+    carried = passed;
   }
   if (carried > 0.0) atomicAdd(counters.lostEchoes, 1);
 }

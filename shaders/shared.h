@@ -178,7 +178,9 @@ struct Frame {
   float shiftMin, shiftMax;  // least and largest azimuth offset of a row, in columns
   float footprint;           // radians: largest angle by which a beam spreads or deviates from its axis
   uint slabShift;            // a slab has 1 << slabShift columns and is owned by one subgroup
-  uint padding[3];
+  float spreadAcross;        // like footprint, in azimuth and times the cosine of the elevation
+  float spreadUp;            // like footprint, in elevation
+  uint padding;
 };
 
 // One channel; rows are sorted by elevation.

@@ -56,7 +56,7 @@ const Layouts kShared = {
     STRUCT(SignalRecord, intensity, trueRange, width, word),
     STRUCT(Frame, columns, rows, beams, instanceCount, rangeMin, rangeMax, columnsPerRadian, columnSlack,
            projectedCapacity, tileCapacity, candidateCapacity, paperFirstElevation, paperRowsPerRadian, shiftMin,
-           shiftMax, footprint, slabShift, padding),
+           shiftMax, footprint, slabShift, spreadAcross, spreadUp, padding),
     STRUCT(Row, angles, channel, offset),
     STRUCT(Counters, projectedSmall, projectedLarge, tiles, candidates, binnedSmall, binnedTiles, hits, triangles,
            nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden, integerSides, integerRanges,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numbers>
 
 #include "effects/decide.hpp"
 #include "effects/noise.h"
@@ -40,12 +41,31 @@ bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
   return plan.has(gpu::kFootprintEffects) && (parts.inside != standard.inside || parts.range != standard.range);
 }
 
-float footprintRadiusOf(const SensorPlan& plan) {
-  double most = 0;
-  for (const SubRay& ray : plan.subRays) most = std::max(most, std::hypot(double{ray.u}, double{ray.v}));
+// Light that deviates by the tangents u and v to the left and up, from an axis of elevation E, is in azimuth
+// atan(u / (cos E - v sin E)) away. In elevation it is atan(v) away, less at most u^2 tan(E) / 2 for small angles.
+// Where angles are not small beside the distance from a pole, both are bounded by the angle between light and axis.
+Spread spreadOf(const SensorPlan& plan) {
   const Effects::AngleNoise& noise = plan.effects.angleNoise;
-  if (plan.has(gpu::kStrays)) most += gpu::kAngleCutOff * std::hypot(noise.azimuth, noise.elevation);
-  return static_cast<float>(most * 1.0001);
+  const bool strays = plan.has(gpu::kStrays);
+  const double azimuth = strays ? gpu::kAngleCutOff * noise.azimuth : 0;
+  const double elevation = strays ? gpu::kAngleCutOff * noise.elevation : 0;
+  double angle = 0, across = 0, up = 0, steepest = 0;
+  for (const SubRay& ray : plan.subRays) {
+    angle = std::max(angle, std::hypot(double{ray.u}, double{ray.v}));
+    across = std::max(across, std::abs(double{ray.u}));
+    up = std::max(up, std::abs(double{ray.v}));
+  }
+  angle += std::hypot(azimuth, elevation);
+  across += azimuth;
+  up += elevation;
+  for (const Channel& channel : plan.sensor.channels)
+    steepest = std::max(steepest, std::abs(std::tan(channel.elevationDeg * std::numbers::pi / 180)));
+  if (up * steepest > 0.04 || across * std::hypot(1, steepest) > 0.25)
+    across = up = angle;
+  else
+    up += across * across * steepest;
+  const auto rounded = [](double value) { return static_cast<float>(value * 1.0001); };
+  return {rounded(angle), rounded(across), rounded(up)};
 }
 
 std::vector<gpu::Optics4> opticsArray(const Scene& scene, const MaterialTable& table, double wavelength) {
@@ -105,7 +125,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   plan.returns = plan.parameters.returnsPerBeam;
   plan.subRays = subRays(effects, sensor, plan.bits);
   if (plan.has(gpu::kDropOut)) plan.deadBeams = deadBeamBits(effects, sensor);
-  plan.footprintRadius = footprintRadiusOf(plan);
+  plan.spread = spreadOf(plan);
   if (options_.device.kind == DeviceChoice::Kind::reference) return made;
   if (plan.looksAtOptics()) plan.optics = opticsArray(scene, options_.materials, effects.intensity.wavelength);
   if (!plan.holes()) return made;

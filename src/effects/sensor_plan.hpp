@@ -18,6 +18,12 @@ struct TextureArrays {
   std::vector<uint8_t> texels;                  ///< alpha of all images, padded to four bytes
 };
 
+/// Largest angles between light and the axis of its beam, in radians.
+struct Spread {
+  float angle = 0;           ///< in any direction
+  float across = 0, up = 0;  ///< in azimuth, times the cosine of the elevation; in elevation
+};
+
 struct SensorPlan {
   Sensor sensor;
   Effects effects;  ///< as requested
@@ -32,7 +38,7 @@ struct SensorPlan {
   gpu::EffectParameters parameters = {};          ///< for frame 0
   std::vector<SubRay> subRays;                    ///< shared by all footprints; a single one without divergence
   std::vector<uint32_t> deadBeams;                ///< one bit per beam; empty if no beam is dead
-  float footprintRadius = 0;                      ///< largest angle between light and beam axis, radians
+  Spread spread;                                  ///< how far light is from its beam's axis
   std::vector<gpu::Optics4> optics;               ///< per material of the scene, at the wavelength of the sensor
   std::shared_ptr<const TextureArrays> textures;  ///< shared by the sensors of a scene; null without cut-outs
 

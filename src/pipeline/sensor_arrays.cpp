@@ -58,7 +58,9 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       reach_(reachOf(options, tables_.frame)),
       outputs_(outputsOf(plan, leavesWords(binning_, plan))) {
   options_.BINNING = binning_;
-  tables_.frame.footprint = plan.footprintRadius;
+  tables_.frame.footprint = plan.spread.angle;
+  tables_.frame.spreadAcross = plan.spread.across;
+  tables_.frame.spreadUp = plan.spread.up;
   for (const bool motion : {false, true})
     if (!motion || plan_.motion())
       for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
@@ -106,9 +108,9 @@ uint64_t SensorArrays::mostProjected() const {
   return limit(bytes);
 }
 
-// In a chain, each candidate has a link to the next.
+// In a chain of panes, a candidate has its range and a link to the next.
 uint64_t SensorArrays::candidateBytes() const {
-  return binning_ == gpu::kBinningLists ? 4 : 8;
+  return binning_ == gpu::kBinningLists ? 4 : 12;
 }
 
 // Number of tiles beyond Capacities::tiles: with slabs every projected triangle has one tile of its own.

@@ -117,7 +117,8 @@ class Steps {
 
   // Dispatches a kernel that processes the beams of `hardBeams`.
   void dispatchOnList(Kernel kernel, uint32_t pass) {
-    dispatch("effects", kernel, std::min(input_.sizes.footprintGroups, input_.frame.beams / 64 + 1), {}, pass);
+    const uint32_t groups = input_.footprint ? input_.sizes.footprintGroups : input_.sizes.groups;
+    dispatch("effects", kernel, std::min(groups, input_.frame.beams / 64 + 1), {}, pass);
   }
 
   // Dispatches one row of workgroups per channel.
