@@ -32,10 +32,10 @@ uint32_t bitOf(Field field) {
   }
 }
 
-// Several sub-rays need a footprint. Holes and deviations are part of the inside test of the standard accuracy, and
-// panes are found with it; the other inside tests know neither.
+// Several sub-rays need a footprint; a single one is the axis. Holes and deviations are part of the inside test of the
+// standard accuracy, and panes are found with it; the other inside tests know neither.
 bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
-  if (plan.has(gpu::kDivergence)) return true;
+  if (plan.subRays.size() > 1) return true;
   const AccuracyParts parts = options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
   const AccuracyParts standard = accuracyPartsOf(Accuracy::standard);
   return plan.has(gpu::kFootprintEffects) && (parts.inside != standard.inside || parts.range != standard.range);
@@ -96,9 +96,9 @@ std::shared_ptr<const TextureArrays> textureArrays(const Scene& scene) {
 }  // namespace
 
 bool SensorPlan::onlyLines() const {
-  uint32_t lines = gpu::kCutOuts;
+  uint32_t lines = gpu::kCutOuts | gpu::kDivergence | gpu::kIntensity;
   if (has(gpu::kStrays)) lines |= gpu::kStrays | gpu::kAngleNoise;
-  if (panes()) lines |= gpu::kTransmission | gpu::kIntensity;
+  if (panes()) lines |= gpu::kTransmission;
   return (bits & ~lines) == 0 && fields == 0 && !motion();
 }
 
@@ -114,7 +114,6 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   leaveOutUnsupported(options_, plan.decisions);
   plan.bits = bitsOf(plan.decisions);
   if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;
-  if (needsFootprint(options_, plan)) plan.bits |= gpu::kFootprint;
   for (const Field field : request.fields) plan.fields |= bitOf(field);
   plan.origins = std::any_of(sensor.channels.begin(), sensor.channels.end(), [](const Channel& channel) {
     return channel.origin.x != 0 || channel.origin.y != 0 || channel.origin.z != 0;
@@ -124,6 +123,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   plan.parameters.sensor = static_cast<uint32_t>(index);
   plan.returns = plan.parameters.returnsPerBeam;
   plan.subRays = subRays(effects, sensor, plan.bits);
+  if (needsFootprint(options_, plan)) plan.bits |= gpu::kFootprint;
   if (plan.has(gpu::kDropOut)) plan.deadBeams = deadBeamBits(effects, sensor);
   plan.spread = spreadOf(plan);
   if (options_.device.kind == DeviceChoice::Kind::reference) return made;

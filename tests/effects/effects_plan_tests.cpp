@@ -182,12 +182,16 @@ TEST_CASE("lines answer for holes, angle errors and panes with standard accuracy
   options.effects.angleNoise = {EffectUse::on, 1e-3, 1e-3, Effects::AngleNoise::At::beam};
   CHECK(stagesOf(makeSimulator(scene, able(), options).plan()) == "effects project bin resolve(host) ");
   options.effects.transmission.use = EffectUse::on;
+  assign(options.effects, "divergence.sub_rays=1");
   options.effects.intensity.use = EffectUse::automatic;
   const Scene pane = glassWithHoles();
   CHECK(stagesOf(makeSimulator(pane, able(), options).plan()) == "effects project bin resolve(host) ");
   options.fields = {Field::intensity};
   CHECK(stagesOf(makeSimulator(pane, able(), options).plan()) == "effects project bin resolve ");
   options.fields.clear();
+  assign(options.effects, "divergence.sub_rays=2");
+  CHECK(makeSimulator(pane, able(), options).plan().binning == "lists");
+  options.effects.divergence.use = EffectUse::off;
   options.effects.transmission.use = EffectUse::off;
   options.accuracy = Accuracy::exact;
   const Plan exact = makeSimulator(scene, able(), options).plan();

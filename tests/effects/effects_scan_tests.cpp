@@ -167,14 +167,15 @@ TEST_CASE("effects of lines give the same bytes with every way of binning, and e
   mesh.uvs = {-1.7f, 0, 0, 4.5f, 3.1f, 0, 2, 4};
   scene.meshes.push_back(mesh);
   scene.instances.push_back({"fence", static_cast<uint32_t>(scene.meshes.size() - 1), translation(1.3, 0.4, 1.8)});
-  const std::vector<const char*> names = {"cut-outs=on", "angle-noise=on", "transmission=on"};
+  const std::vector<const char*> names = {"cut-outs=on", "angle-noise=on", "transmission=on", "divergence.sub_rays=1"};
   const Sensor sensor = coarse(180);
   for (size_t which = 0; which <= names.size(); ++which)
     for (const bool fields : {false, true}) {
       TestOptions options = optionsOn("vulkan");
       options.tuning.culling.occlusion = Culling::Occlusion::always;
       options.effects.angleNoise.azimuth = options.effects.angleNoise.elevation = 2e-3;
-      options.effects.angleNoise.use = EffectUse::off;
+      options.effects.divergence.horizontal = 3e-3;
+      options.effects.angleNoise.use = options.effects.divergence.use = EffectUse::off;
       options.effects.intensity.use = EffectUse::automatic;
       for (size_t i = 0; i < names.size(); ++i)
         if (which == i || which == names.size()) assign(options.effects, names[i]);
