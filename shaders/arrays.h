@@ -51,14 +51,17 @@
   ARRAY(coherent, uvec2, words)            /* per beam, by rows: triangle, range bits (little-endian 64-bit word) */ \
   ARRAY(, uvec2, stillWords)               /* the words after the objects that do not move have been binned */ \
   ARRAY(coherent, uint, listEnds)          /* per beam, row by row: count, then start, then end of its candidates; */ \
-                                           /* or per slab of columns: its last tile */ \
+                                           /* or the last link of its chain of panes */ \
+  ARRAY(coherent, uint, slabEnds)          /* per slab of columns: its last tile; then of panes, slab by slab */ \
   ARRAY(, uint, blockSums) \
-  ARRAY(, uint, candidates)                /* indices of projected triangles */ \
+  ARRAY(, uint, candidates)                /* indices of projected triangles; with panes three per link, see bin.comp */ \
   ARRAY(, uint, projectedMaterials)        /* per projected triangle */ \
   ARRAY(, vec4, projectedMotions)          /* per projected triangle that moves: m/s of its three corners */ \
   ARRAY(, vec4, projectedTexture)          /* per projected triangle: uv of a and b, of c */ \
-  ARRAY(, uint, hardBeams)                 /* beams, in row order, that the second footprint pass processes */ \
-  ARRAY(, uint, echoCounts)                /* per beam: its echoes, at most kMaxEchoes, in order of range; */ \
+  ARRAY(, vec2, strays)                    /* per beam, by rows: tangents of its angle error, to the left and up */ \
+  ARRAY(, uint, hardBeams)                 /* beams, in row order, for the second footprint pass or effects_panes */ \
+  ARRAY(, uint, echoCounts)                /* per beam: its echoes, in order of range, at most kMaxEchoes, or */ \
+                                           /* kMaxLayers with panes; kNone: the beam meets no pane */ \
   ARRAY(, vec4, echoes)                    /* per echo: range, energy, width, cosine of the incidence */ \
   ARRAY(, uvec2, echoOwners)               /* per echo, laid out like owners */ \
   ARRAY(, SurfaceRecord, echoSurfaces)

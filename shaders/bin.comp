@@ -27,6 +27,7 @@
 #include "seen.glsl"
 #include "nearest_hit.glsl"
 #include "occluders.glsl"
+#include "panes.glsl"
 
 layout(local_size_x = 64) in;
 // Only the subgroup that owns the beam's slab may call this; therefore no atomics are needed.
@@ -53,17 +54,32 @@ void offer(uint beam, float range, uint projected, uint id) {
   }
 }
 
+// Prepends a hit to the chain of a beam, and lists the beam when its chain begins. A link has three entries: the
+// projected triangle, the range of the hit, and the link before.
+void link(uint beam, uint projected, float range) {
+  uint place = atomicAdd(counters.candidates, 1);
+  if (place >= frame.candidateCapacity) return;
+  uint before = atomicExchange(listEnds.at[beam], place);
+  candidates.at[3 * place] = projected;
+  candidates.at[3 * place + 1] = floatBitsToUint(range);
+  candidates.at[3 * place + 2] = before;
+  if (before == kNone) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = beam;
+}
+
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
-  if ((EFFECTS & kFootprintEffects) != 0) {
+  if ((EFFECTS & kFootprint) != 0) {
     if (mayMeet(triangle, prepared, turned, beam)) offer(index, 0.0, projected, triangle.id);
     return;
   }
   float range;
-  bool met = meet(triangle, prepared, turned, beam, index, range);
-  if (BINNING == kBinningSlabs)
+  bool met = meet(triangle, prepared, turned, beam, index, projected, range);
+  if (BINNING != kBinningLists && PASS == kPassPanes) {
+    if (met && comesBefore(range, triangle.id, words.at[index])) link(index, projected, range);
+  } else if (BINNING == kBinningSlabs) {
     keepNearer(index, met, range, triangle.id);
-  else if (met)
+  } else if (met) {
     offer(index, range, projected, triangle.id);
+  }
 }
 
 // `seen` is the triangle at the time when the beam's column fires.
@@ -254,13 +270,13 @@ void writeTable(uint slab, uint first, uint last) {
 // One subgroup processes slab after slab; a shared counter hands out the next slab. It leaves the slab's list empty
 // for the next shell.
 void trySlabs() {
-  uint slabs = (frame.columns - 1 >> frame.slabShift) + 1;
+  uint slabs = (frame.columns - 1 >> frame.slabShift) + 1, lists = PASS == kPassPanes ? slabs : 0;
   while (true) {
     uint slab = 0, t = kNone;
     if (gl_SubgroupInvocationID == 0) slab = atomicAdd(shells.of[pass.shell].nextSlab, 1);
     slab = subgroupBroadcast(slab, 0);
     if (slab >= slabs) return;
-    if (gl_SubgroupInvocationID == 0) t = atomicExchange(listEnds.at[slab], kNone);
+    if (gl_SubgroupInvocationID == 0) t = atomicExchange(slabEnds.at[lists + slab], kNone);
     t = subgroupBroadcast(t, 0);
     uint first = frame.rows, last = 0;
     while (t != kNone) {
@@ -288,6 +304,11 @@ void writeWholeTable() {
   }
 }
 
+// With slabs, the panes have lists of their own.
+bool isInPass(uint projected) {
+  return !PANES || BINNING != kBinningNearest || isPane(projected) == (PASS == kPassPanes);
+}
+
 void main() {
   loadMotion();
   if (PASS == kPassTable) {
@@ -302,15 +323,17 @@ void main() {
     trySlabs();
     return;
   }
-  // With kBinningNearest each shell bins only its new triangles; otherwise one pass bins all of them.
-  bool byShell = BINNING == kBinningNearest;
+  // With kBinningNearest each shell bins only its new triangles; otherwise, and for panes, one pass bins all of them.
+  bool byShell = BINNING == kBinningNearest && PASS == kPassNearest;
   uint first = byShell ? counters.binnedSmall : 0;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint i = first + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;
        i += stride)
-    trySmall(i);
+    if (isInPass(i)) trySmall(i);
   first = byShell ? counters.binnedTiles : 0;
   stride = gl_NumWorkGroups.x * gl_NumSubgroups;
-  for (uint t = first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride)
-    tryTile(tileAt(t));
+  for (uint t = first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride) {
+    Tile tile = tileAt(t);
+    if (isInPass(tile.slot)) tryTile(tile);
+  }
 }

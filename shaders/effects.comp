@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage effects, last pass. One row of workgroups per channel, one invocation per beam: turns the echoes of a beam
-// into returns. Without a footprint a beam has one echo, its nearest hit.
+// into returns. A beam without a footprint that meets no pane has one echo, its nearest hit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -13,23 +13,27 @@
 #include "beam.h"
 #include "effects/doppler.h"
 #include "motion.glsl"
+#include "strays.glsl"
 
 layout(local_size_x = 64) in;
 
 // These depend on specialisation constants; declared as constants they trip up glslang 11.
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
-#define MANY_ECHOES ((EFFECTS & kFootprintEffects) != 0)
+#define MANY_ECHOES ((EFFECTS & kFootprint) != 0 || PASS == kPassListed)
+// True if some beams have more than one echo.
+#define SOME_ECHOES ((EFFECTS & (kFootprint | kTransmission)) != 0)
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && planned.intensityModel == kModelPhysical)
 // True if surfaces must be copied from echoes to returns. With one return and no footprint they are already in place.
-#define SURFACES_MOVE ((FIELDS & kFieldSurface) != 0 && (MANY_ECHOES || RETURNS > 1))
-#define BARYCENTRICS_MOVE ((FIELDS & kFieldBarycentrics) != 0 && (MANY_ECHOES || RETURNS > 1))
+#define SURFACES_MOVE ((FIELDS & kFieldSurface) != 0 && (SOME_ECHOES || RETURNS > 1))
+#define BARYCENTRICS_MOVE ((FIELDS & kFieldBarycentrics) != 0 && (SOME_ECHOES || RETURNS > 1))
 
-// The beam being processed, and its hit if there is no footprint. The hit is loaded first because the beam's first
-// return overwrites it.
-uint beamIndex, columnIndex;
+// The beam being processed; whether `echoes` has its echoes; and its hit if there is no footprint. The hit is loaded
+// first because the beam's first return overwrites it.
+uint beamIndex, rowIndex, columnIndex;
+bool many;
 vec2 beamAzimuth;
-vec3 beamDirection, pointDirection;
+vec3 beamDirection, lightDirection, pointDirection;
 vec4 hitPoint;
 SurfaceRecord hitSurface;
 uvec2 hitOwner;
@@ -37,13 +41,16 @@ vec2 hitBarycentrics;
 uint causeCounts[kCauses];  // counted by this invocation
 EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
 
+// A beam that meets panes has at most one echo per surface.
+uint firstEcho() { return beamIndex * (PANES ? kMaxLayers : kMaxEchoes); }
+
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
 VolumeBox loadVolume(uint i) {
   VolumeBox box = volumes.at[i];
   if (MOTION) {
     ColumnMotion at = columnMotions.at[columnIndex];
-    vec3 laser = originOf(gl_WorkGroupID.y, beamAzimuth);
+    vec3 laser = originOf(rowIndex, beamAzimuth);
     box.row0 = seenPlane(at, laser, box.row0);
     box.row1 = seenPlane(at, laser, box.row1);
     box.row2 = seenPlane(at, laser, box.row2);
@@ -57,13 +64,13 @@ bool isDead(uint beam) {
 #include "effects/signal.h"
 
 Echo loadEcho(uint k) {
-  if (MANY_ECHOES) {
-    vec4 echo = echoes.at[beamIndex * kMaxEchoes + k];
+  if (many) {
+    vec4 echo = echoes.at[firstEcho() + k];
     return Echo(echo.x, echo.y, echo.z, echo.w, k);
   }
   float energy = 1.0, cosIncidence = 1.0;
   if (LOOKS_AT_MATERIALS) {
-    vec3 direction = beamDirection;
+    vec3 direction = lightDirection;
     if (MOTION) direction = reportedDirection(columnIndex, direction);
     cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
@@ -77,7 +84,7 @@ void storeMotion(uint at, uvec2 owner, float range) {
   float radial = 0.0;
   if (MOTION) {
     ColumnMotion now = columnMotions.at[columnIndex];
-    vec3 point = beamDirection * range + originOf(gl_WorkGroupID.y, beamAzimuth);
+    vec3 point = beamDirection * range + originOf(rowIndex, beamAzimuth);
     if (owner.x != kNone && motion.instances != 0) velocity = velocityAt(instanceMotions.at[owner.y], now, point);
     radial = radialSpeed(beamDirection, velocity, now.velocity.xyz);
     velocity = reportedDirection(columnIndex, velocity);
@@ -91,8 +98,8 @@ void storeReturn(uint j, Return value) {
   uvec2 owner = uvec2(kNone);
   SurfaceRecord surface = SurfaceRecord(vec3(0.0), kNone);
   vec2 weights = vec2(notANumber());
-  if (value.label == kLabelSolid && MANY_ECHOES) {
-    uint echo = beamIndex * kMaxEchoes + value.echo;
+  if (value.label == kLabelSolid && many) {
+    uint echo = firstEcho() + value.echo;
     owner = echoOwners.at[echo];
     if (SURFACES_MOVE) surface = echoSurfaces.at[echo];
   } else if (value.label == kLabelSolid) {
@@ -100,7 +107,7 @@ void storeReturn(uint j, Return value) {
     surface = hitSurface;
     weights = hitBarycentrics;
   }
-  vec3 position = MOTION ? reported(columnIndex, gl_WorkGroupID.y, beamAzimuth, pointDirection, value.range)
+  vec3 position = MOTION ? reported(columnIndex, rowIndex, beamAzimuth, pointDirection, value.range)
                          : pointDirection * value.range;
   vec4 point = here ? vec4(position, value.range) : vec4(notANumber());
   points.at[at] = point;
@@ -116,7 +123,7 @@ void storeReturn(uint j, Return value) {
 // Computes one beam's returns. The cause is stored with the beam's first return.
 void judge(bool hit) {
   uint count = hit ? 1 : 0, returned;
-  if (MANY_ECHOES) count = echoCounts.at[beamIndex];
+  if (many) count = echoCounts.at[beamIndex];
   uint cause = signalsOf(planned, beamIndex, beamDirection, count, returned);
   if ((FIELDS & kFieldSignal) != 0) {
     uint at = beamIndex * RETURNS;
@@ -133,32 +140,56 @@ void countCauses() {
   }
 }
 
+// Computes the returns of one beam of row `rowIndex`.
+void answer(vec3 angles, vec4 offset, uint channel) {
+  beamIndex = channel * frame.columns + columnIndex;
+  vec2 azimuth = azimuthOfBeam(columns.at[columnIndex], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
+  beamAzimuth = azimuth;
+  Beam axis = beamOf(azimuth, angles.x, angles.y);
+  beamDirection = lightDirection = axis.direction;
+  many = MANY_ECHOES;
+  if (PANES && PASS == kPassAll) many = echoCounts.at[beamIndex] != kNone;
+  if (!MANY_ECHOES) {
+    if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[rowIndex * frame.columns + columnIndex]);
+    hitPoint = points.at[beamIndex * RETURNS];
+    hitOwner = owners.at[beamIndex * RETURNS];
+    if (LOOKS_AT_MATERIALS || SURFACES_MOVE) hitSurface = surfaces.at[beamIndex * RETURNS];
+    if (BARYCENTRICS_MOVE) hitBarycentrics = barycentrics.at[beamIndex * RETURNS];
+  }
+  pointDirection = beamDirection;
+  if ((EFFECTS & kAngleNoise) != 0 && planned.angleNoiseAt == kAngleAtPoint)
+    pointDirection = astray(beamDirection, angleError(planned, beamIndex));
+  if (SIGNALS)
+    judge(hitOwner.x != kNone);
+  else if (SPEEDS)
+    storeMotion(beamIndex, hitOwner, hitPoint.w);
+}
+
+// Only the listed beams are processed if nothing but panes can change an answer.
+void answerListed() {
+  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.hardBeams; i += stride) {
+    uint index = hardBeams.at[i];
+    rowIndex = index / frame.columns;
+    columnIndex = index % frame.columns;
+    answer(rows.at[rowIndex].angles, rows.at[rowIndex].offset, rows.at[rowIndex].channel);
+  }
+}
+
 void main() {
   loadMotion();
   if (SIGNALS) planned = parameters;
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] = 0;
-  vec3 angles = rows.at[gl_WorkGroupID.y].angles;
-  vec4 offset = rows.at[gl_WorkGroupID.y].offset;
-  uint channel = rows.at[gl_WorkGroupID.y].channel;
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
-  for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x) {
-    beamIndex = channel * frame.columns + columnIndex;
-    vec2 azimuth = azimuthOfBeam(columns.at[columnIndex], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
-    beamAzimuth = azimuth;
-    beamDirection = beamOf(azimuth, angles.x, angles.y).direction;
-    if (!MANY_ECHOES) {
-      hitPoint = points.at[beamIndex * RETURNS];
-      hitOwner = owners.at[beamIndex * RETURNS];
-      if (LOOKS_AT_MATERIALS || SURFACES_MOVE) hitSurface = surfaces.at[beamIndex * RETURNS];
-      if (BARYCENTRICS_MOVE) hitBarycentrics = barycentrics.at[beamIndex * RETURNS];
-    }
-    pointDirection = beamDirection;
-    if ((EFFECTS & kAngleNoise) != 0 && planned.angleNoiseAt == kAngleAtPoint)
-      pointDirection = astray(beamDirection, angleError(planned, beamIndex));
-    if (SIGNALS)
-      judge(hitOwner.x != kNone);
-    else if (SPEEDS)
-      storeMotion(beamIndex, hitOwner, hitPoint.w);
+  if (PANES && PASS == kPassListed) {
+    answerListed();
+    return;
   }
+  rowIndex = gl_WorkGroupID.y;
+  vec3 angles = rows.at[rowIndex].angles;
+  vec4 offset = rows.at[rowIndex].offset;
+  uint channel = rows.at[rowIndex].channel;
+  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
+  for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x)
+    answer(angles, offset, channel);
   if (SIGNALS) countCauses();
 }

@@ -14,21 +14,19 @@
 #include "bindings.glsl"
 #include "effects/vector.h"
 #include "effects/intensity.h"
-#include "effects/noise.h"
 #include "effects/returns.h"
 #include "motion.glsl"
 #include "inside.glsl"
 #include "seen.glsl"
 #include "owner.glsl"
 #include "each_ray.glsl"
-#include "holes.glsl"
+#include "echoes.glsl"
 #include "lanes.glsl"
 
 layout(local_size_x = 64) in;
 
 bool looksAtMaterials;
 const float kNothing = 3e38;
-const float kUnseen = -1.0;  // energy of a hit that only lets light pass and is part of no echo
 
 // The exact inside test requires this function; this stage does not use that test.
 float farthestOf(uint index) { return frame.rangeMax; }
@@ -132,11 +130,6 @@ bool meetPlane(Candidate candidate, vec4 plane, float u, float v, float length_,
 float cosineOf(vec3 normal, float u, float v, float length_) {
   precise float along = normal.x + u * normal.y + v * normal.z;
   return min(abs(quotient(along, length_)), 1.0);
-}
-
-float product(float a, float b) {
-  precise float result = a * b;
-  return result;
 }
 
 // True if the range is clearly beyond the sub-ray's hit in the previous layer. Surfaces closer to each other, relative
@@ -285,11 +278,6 @@ float nextRange(float after) {
   return least;
 }
 
-float sumOf(float a, float b) {
-  precise float result = a + b;
-  return result;
-}
-
 // Returns the farthest range of the echo that starts at `first`. Hits whose ranges differ by at most the separation
 // from the next belong to one echo.
 float endOfEcho(float first) {
@@ -304,22 +292,6 @@ float endOfEcho(float first) {
     }
   } while (end > before);
   return end;
-}
-
-// Adds a hit to the sums of an echo: energy, energy * depth, energy * depth^2.
-void addPiece(inout vec3 sums, float energy, float depth) {
-  precise float moment = energy * depth;
-  precise vec3 result = sums + vec3(energy, moment, moment * depth);
-  sums = result;
-}
-
-// Returns range, energy and width.
-vec3 echoOf(float first, vec3 sums) {
-  if (!(sums.x > 0.0)) return vec3(first, 0.0, parameters.pulseWidth);
-  precise float mean = quotient(sums.y, sums.x);
-  precise float variance = quotient(sums.z, sums.x) - mean * mean;
-  precise float range = first + mean;
-  return vec3(range, sums.x, echoWidth(parameters.pulseWidth, squareRoot(max(variance, 0.0))));
 }
 
 void storeEcho(uint slot, vec3 echo, uint projected, vec2 azimuth) {
@@ -364,11 +336,6 @@ void gatherEchoes(uint beam, vec2 azimuth) {
   echoCounts.at[beam] = count;
 }
 
-float lengthOf(float u, float v) {
-  precise float square = 1.0 + u * u + v * v;
-  return squareRoot(square);
-}
-
 // Loads a sub-ray of the footprint, which is the same for every beam; shift() moves it if angle noise deflects the
 // beam.
 void loadSubRay(uint s) {
@@ -386,11 +353,10 @@ void shift(uint s, vec2 by) {
   lengths[s] = lengthOf(left[s], up[s]);
 }
 
-void aim(uint beam, Beam axis) {
+void aim(uint index) {
   if ((EFFECTS & kStrays) != 0) {
-    vec2 error = angleError(parameters, beam);
-    error.x = product(error.x, axis.cosElevation);
-#define SHIFT(s) shift(s, error);
+    vec2 stray = strays.at[index];
+#define SHIFT(s) shift(s, stray);
     EACH_RAY(SHIFT)
   }
 #define LIGHT(s) carried[s] = weights[s];
@@ -408,7 +374,7 @@ bool finish(uint index) {
   Beam axis = beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
   // If the lists were too small, they are cut off here; the host enlarges them and runs the scan again.
   uint end = min(listEnds.at[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds.at[index - 1], end);
-  aim(beam, axis);
+  aim(index);
   if (PASS == kPassWithinOne) {
     [[unroll]] for (uint layer = 1; layer < LAYERS; ++layer) forget(layer);
     if (!findWithinOne(start, end, axis)) return false;

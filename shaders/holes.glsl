@@ -23,6 +23,7 @@ float alphaAt(uint image, vec2 uv) {
 
 // `weights` are the weights of the corners, not yet divided by their sum.
 bool isHole(Optics4 surface, uint projected, vec3 weights) {
+  if (!(surface.passage.y > 0.0)) return false;
   float alpha = surface.passage.z;
   uint image = surface.alphaImage;
   if (image != kNone) {

@@ -9,14 +9,16 @@ struct Triangle {
   bool moves;      // during the scan
 };
 
-// A range beyond which a hit cannot change the result of the beam; each stage defines its own. Only `exact` calls
-// this, because its ranges are expensive.
+// A range beyond which a hit cannot change the result of the beam; each stage defines its own. It is called where more
+// than a comparison is saved: by `exact`, whose ranges are expensive, and before a surface is searched for holes.
 float farthestOf(uint index);
 
 #include "beam.h"
+#include "strays.glsl"
 #include "inside_plain.glsl"
 #include "inside_watertight.glsl"
 #include "inside_exact.glsl"
+#include "holes.glsl"
 
 Triangle triangleOf(TaggedCorner a, vec4 b, vec3 c) {
   return Triangle(a.corner, b.xyz, c, a.tag & 0x7fffffffu, (a.tag >> 31) != 0, abs(b.w),
@@ -39,7 +41,7 @@ struct Prepared {
 Prepared prepare(Triangle triangle) {
   Prepared prepared;
   prepared.window = vec2(frame.rangeMin, frame.rangeMax);
-  if ((EFFECTS & kFootprintEffects) != 0)
+  if ((EFFECTS & kFootprint) != 0)
     prepared.reach = (frame.footprint * 1.001 + 1e-6) * vec3(length(cross(triangle.b, triangle.c)),
                                                              length(cross(triangle.c, triangle.a)),
                                                              length(cross(triangle.a, triangle.b)));
@@ -49,9 +51,17 @@ Prepared prepare(Triangle triangle) {
   return prepared;
 }
 
-bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam, out float range) {
-  vec3 side = INSIDE == kInsidePlain ? plainSides(prepared.normals, beam.direction)
-                                     : watertightSides(turned, beam.cosElevation, beam.sinElevation);
+// `side` becomes the weights of the corners at the hit, not yet divided by their sum.
+bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, out vec3 side,
+                 out float range) {
+  vec2 stray = vec2(0.0);
+  if ((EFFECTS & kStrays) != 0) {
+    stray = strays.at[index];
+    side = strayedSides(turned, beam.cosElevation, beam.sinElevation, stray);
+  } else {
+    side = INSIDE == kInsidePlain ? plainSides(prepared.normals, beam.direction)
+                                  : watertightSides(turned, beam.cosElevation, beam.sinElevation);
+  }
   precise float sum = side.x + side.y + side.z;
   if (RANGE == kRangePlane) {
     range = prepared.plane.w / dot(prepared.plane.xyz, beam.direction);
@@ -60,6 +70,10 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
     vec3 depth = cornerDepths(turned, beam.cosElevation, beam.sinElevation);
     precise float weighted = side.x * depth.x + side.y * depth.y + side.z * depth.z;
     range = weighted / sum;
+    if ((EFFECTS & kStrays) != 0) {
+      precise float along = range * lengthOf(stray.x, stray.y);
+      range = along;
+    }
   }
   // The range is at least rangeMin, so skipping triangles whose rangeMin is beyond the best hit loses nothing.
   bool ahead = range > 0.0;
@@ -79,9 +93,16 @@ bool mayMeet(Triangle triangle, Prepared prepared, Turned turned, Beam beam) {
   return facing || (averted && !triangle.oneSided);
 }
 
-// True if the beam with this index hits the triangle within the range window. NaN is a miss.
-bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, out float range) {
+// True if the beam with this index hits the projected triangle `slot` within the range window, and not in a hole. NaN
+// is a miss.
+bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint slot, out float range) {
+  vec3 side = vec3(0.0);
   bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, index, range)
-                                       : meetRounded(triangle, prepared, turned, beam, range);
-  return inside && (INSIDE != kInsideExact || range > 0.0) && range >= prepared.window.x && range <= prepared.window.y;
+                                       : meetRounded(triangle, prepared, turned, beam, index, side, range);
+  bool met = inside && (INSIDE != kInsideExact || range > 0.0) && range >= prepared.window.x &&
+             range <= prepared.window.y;
+  // Whether a hit that cannot change the result of the beam is in a hole does not matter.
+  if ((EFFECTS & kCutOuts) != 0 && met && range <= farthestOf(index))
+    met = !isHole(optics.at[projectedMaterials.at[slot]], slot, side);
+  return met;
 }

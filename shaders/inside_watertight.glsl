@@ -31,3 +31,14 @@ vec3 cornerDepths(Turned turned, float cosElevation, float sinElevation) {
   precise vec3 depth = turned.p * cosElevation + turned.z * sinElevation;
   return depth;
 }
+
+// The sides for a beam that deviates from this axis: every corner is sheared by the same operations until the beam
+// lies on the axis.
+vec3 strayedSides(Turned turned, float cosElevation, float sinElevation, vec2 stray) {
+  vec3 depth = cornerDepths(turned, cosElevation, sinElevation);
+  precise vec3 above = turned.z * cosElevation - turned.p * sinElevation;
+  precise vec3 q = turned.q - stray.x * depth;
+  precise vec3 w = above - stray.y * depth;
+  precise vec3 side = q.yzx * w.zxy - w.yzx * q.zxy;
+  return side;
+}

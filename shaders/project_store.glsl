@@ -7,7 +7,7 @@ void store(uint slot, Projected projected, Box box, uint material) {
   projectedB.at[slot] = vec4(projected.b.xyz, moves ? -projected.b.w : projected.b.w);
   projectedC.at[slot] = projected.c;
   projectedColumns.at[slot] = vec2(box.columnMin, box.columnMax);
-  if ((EFFECTS & kFootprintEffects) != 0) projectedMaterials.at[slot] = material;
+  if ((EFFECTS & (kFootprint | kCutOuts | kTransmission)) != 0) projectedMaterials.at[slot] = material;
   if ((EFFECTS & kCutOuts) != 0) {
     projectedTexture.at[2 * slot] = vec4(projected.uvA, projected.uvB);
     projectedTexture.at[2 * slot + 1] = vec4(projected.uvC, 0.0, 0.0);
@@ -27,13 +27,14 @@ void storeTiles(uint slot, Box box) {
 }
 
 // Prepends one tile to the list of every slab that the box overlaps. The tile of the first slab has the index of the
-// triangle.
-void storeSlabs(uint slot, Box box) {
+// triangle. Panes have lists of their own.
+void storeSlabs(uint slot, Box box, uint material) {
+  uint lists = PANES && isPaneMaterial(material) ? (frame.columns - 1 >> frame.slabShift) + 1 : 0;
   uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box)), t = slot;
   for (uint k = 0; k < count;) {
     uint slab = column >> frame.slabShift;
     uint run = min(min(slab + 1 << frame.slabShift, frame.columns) - column, count - k);
-    tiles.at[t] = uvec4(slot, k, run, atomicExchange(listEnds.at[slab], t));
+    tiles.at[t] = uvec4(slot, k, run, atomicExchange(slabEnds.at[lists + slab], t));
     k += run;
     column = column + run == frame.columns ? 0 : column + run;
     if (k == count) return;
@@ -59,7 +60,7 @@ void storeKept(bool keep, Projected projected, Box box, uint material) {
   if (keep && slot < frame.projectedCapacity) {
     store(slot, projected, box, material);
     if (BINNING == kBinningSlabs)
-      storeSlabs(slot, box);
+      storeSlabs(slot, box, material);
     else if (!small)
       storeTiles(slot, box);
   }

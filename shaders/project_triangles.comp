@@ -216,6 +216,7 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
   return fate;
 }
 
+#include "panes.glsl"
 #include "project_store.glsl"
 
 // Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
@@ -244,8 +245,11 @@ uint nthSetBit(uint bits, uint n) {
 
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
-// True if the beams of small boxes are tried here, instead of in stage bin.
-bool triesSmallBoxes() { return BINNING != kBinningLists && BOUNDS != kBoundsPaper && !MOTION; }
+// True if the beams of small boxes are tried here, instead of in stage bin. Stage bin needs panes and holes.
+bool triesSmallBoxes(uint material) {
+  return BINNING != kBinningLists && BOUNDS != kBoundsPaper && !MOTION && (EFFECTS & kCutOuts) == 0 &&
+         !(PANES && isPaneMaterial(material));
+}
 
 uint triedCount = 0;  // triangles that this invocation has tried
 
@@ -265,7 +269,7 @@ void tryBox(Projected projected, Box box) {
     uint index;
     Beam beam = beamAt(box, k, row, index);
     float range;
-    if (meet(triangle, prepared, turn(triangle, beam.azimuth), beam, index, range) &&
+    if (meet(triangle, prepared, turn(triangle, beam.azimuth), beam, index, kNone, range) &&
         floatBitsToUint(range) <= words.at[index].y) {
       offerNearest(index, range, triangle.id);
       met = true;
@@ -295,7 +299,7 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
     if (there) {
       fate = projectOne(survivor, side, projected, box, atSeam);
       culled += countOf(fate);
-      if (triesSmallBoxes() && fate == kKeep && boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams) {
+      if (fate == kKeep && triesSmallBoxes(survivor.material) && boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams) {
         tryBox(projected, box);
         fate = kNoTriangle;
       }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage resolve. One row of workgroups per channel: writes point, range and owner of every beam's nearest hit. Without
 // lists it unpacks the beam's word; with lists it tries the beam's candidates, nearest first, and skips those that are
-// farther than the best hit.
+// farther than the best hit. If there are panes, the hit is the nearest opaque one; with lists it also becomes the
+// beam's word, and the beams that meet a pane before it are listed.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -15,34 +16,30 @@
 #include "inside.glsl"
 #include "seen.glsl"
 #include "owner.glsl"
+#include "panes.glsl"
 
 layout(local_size_x = 64) in;
 
 float nearestSoFar;  // of the beam whose list is being visited
 float farthestOf(uint index) { return nearestSoFar; }
 
-// Tries a candidate. The smaller pair of range bits and placed triangle wins.
-void consider(uint candidate, uint index, Beam beam, inout uint rangeBits, inout uint id) {
+// Tries a candidate. The smaller pair of range bits and placed triangle wins. Returns whether it is the new nearest.
+bool consider(uint candidate, uint index, Beam beam, inout uvec2 word) {
   Triangle triangle = loadProjected(candidate);
   uint row = index / frame.columns;
   if (MOTION) triangle = seenFrom(triangle, candidate, index - row * frame.columns, row, beam.azimuth);
-  nearestSoFar = min(uintBitsToFloat(min(rangeBits, 0x7f800000u)), frame.rangeMax);
+  nearestSoFar = min(uintBitsToFloat(min(word.y, 0x7f800000u)), frame.rangeMax);
   float range;
-  if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, index, range)) return;
-  uint bits = floatBitsToUint(range);
-  if (bits < rangeBits || (bits == rangeBits && triangle.id < id)) {
-    rangeBits = bits;
-    id = triangle.id;
-  }
+  if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, index, candidate, range)) return false;
+  if (!comesBefore(range, triangle.id, word)) return false;
+  word = uvec2(triangle.id, floatBitsToUint(range));
+  return true;
 }
 
 // The candidate whose triangle comes nearest to the sensor is tried first, because it is most likely the hit. Then
 // every candidate behind that hit is skipped. `rangeMin` is a lower bound of the range, so no hit is lost.
-void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
-  rangeBits = kNone;
-  id = kNone;
-  uint start = index == 0 ? 0 : listEnds.at[index - 1];
-  uint end = min(listEnds.at[index], frame.candidateCapacity);
+uvec2 nearestOfList(uint index, Beam beam, uint start, uint end) {
+  uvec2 word = uvec2(kNone);
   uint best = kNone;
   float bestRangeMin = 0.0;
   for (uint k = start; k < end; ++k) {
@@ -52,10 +49,33 @@ void nearestOfList(uint index, Beam beam, out uint rangeBits, out uint id) {
       bestRangeMin = rangeMin;
     }
   }
-  if (best != kNone) consider(candidates.at[best], index, beam, rangeBits, id);
+  if (best != kNone && !(PANES && isPane(candidates.at[best]))) consider(candidates.at[best], index, beam, word);
   for (uint k = start; k < end; ++k)
-    if (k != best && floatBitsToUint(rangeMinOf(candidates.at[k])) <= rangeBits)
-      consider(candidates.at[k], index, beam, rangeBits, id);
+    if (k != best && floatBitsToUint(rangeMinOf(candidates.at[k])) <= word.y &&
+        !(PANES && isPane(candidates.at[k])))
+      consider(candidates.at[k], index, beam, word);
+  return word;
+}
+
+// Returns whether a pane of the list comes before the word.
+bool meetsPane(uint index, Beam beam, uint start, uint end, uvec2 word) {
+  for (uint k = start; k < end; ++k)
+    if (floatBitsToUint(rangeMinOf(candidates.at[k])) <= word.y && isPane(candidates.at[k]) &&
+        consider(candidates.at[k], index, beam, word))
+      return true;
+  return false;
+}
+
+// Returns the word of a beam that has a list.
+uvec2 wordOfList(uint index, Beam beam) {
+  uint start = index == 0 ? 0 : listEnds.at[index - 1];
+  uint end = min(listEnds.at[index], frame.candidateCapacity);
+  uvec2 word = nearestOfList(index, beam, start, end);
+  if (PANES) {
+    words.at[index] = word;
+    if (meetsPane(index, beam, start, end, word)) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = index;
+  }
+  return word;
 }
 
 void store(uint row, uint column, uint beam, Beam axis, uint rangeBits, uint id) {
@@ -78,16 +98,9 @@ void main() {
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
     uint index = gl_WorkGroupID.y * frame.columns + column;
     Beam beam = beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
-    uint rangeBits, id;
-    if (BINNING == kBinningLists) {
-      nearestOfList(index, beam, rangeBits, id);
-    } else {
-      uvec2 word = words.at[index];
-      rangeBits = word.y;
-      id = word.x;
-    }
-    store(gl_WorkGroupID.y, column, channel * frame.columns + column, beam, rangeBits, id);
-    hits += rangeBits != kNone ? 1 : 0;
+    uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[index];
+    store(gl_WorkGroupID.y, column, channel * frame.columns + column, beam, word.y, word.x);
+    hits += word.y != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);
   if (subgroupElect() && hits > 0) atomicAdd(counters.hits, hits);

@@ -104,17 +104,22 @@ GNO_CONST uint kTableNone = 0;
 GNO_CONST uint kTableLater = 1;  // only rows with content in later shells
 GNO_CONST uint kTableAll = 2;
 
-// Values of PASS, shader by shader: project_groups, bin, prefix_sum, effects_footprint.
+// Values of PASS, shader by shader: project_groups, bin with lists, bin with words, prefix_sum, effects_footprint,
+// effects.
 GNO_CONST uint kPassList = 0;
 GNO_CONST uint kPassShells = 1;
 GNO_CONST uint kPassCount = 0;
 GNO_CONST uint kPassFill = 1;
-GNO_CONST uint kPassTable = 2;  // bin without lists: no hits, the farthest-range table instead
+GNO_CONST uint kPassNearest = 0;
+GNO_CONST uint kPassPanes = 1;  // lists the panes before the beams' words
+GNO_CONST uint kPassTable = 2;  // no hits, the farthest-range table instead
 GNO_CONST uint kPassReduce = 0;
 GNO_CONST uint kPassBlocks = 1;
 GNO_CONST uint kPassApply = 2;
 GNO_CONST uint kPassWithinOne = 0;  // beams whose footprint lies on one triangle
 GNO_CONST uint kPassOthers = 1;
+GNO_CONST uint kPassAll = 0;
+GNO_CONST uint kPassListed = 1;  // only the beams of hardBeams
 
 // --- Structs ---------------------------------------------------------------------------------------------------------
 
@@ -188,7 +193,9 @@ struct Frame {
   uint cullWorkgroups, triangleWorkgroups;  // of a shell's dispatches, if there is work for them
   uint shellClusters;                       // clusters that the first shell should hold
   float shellHint;                          // metres; a shell should end here; 0: nothing is known
-  uint padding[3];
+  float spreadAcross;        // like footprint, in azimuth and times the cosine of the elevation
+  float spreadUp;            // like footprint, in elevation
+  uint padding;
 };
 
 // One channel; rows are sorted by elevation.
@@ -208,7 +215,7 @@ struct Counters {
   uint integerSides, integerRanges;  // `exact`: tests that floating point could not decide
   uint causes[6];                    // beams by Cause, if effects are planned
   uint lostEchoes;                   // echoes beyond kMaxEchoes of a beam
-  uint hardBeams;                    // beams whose footprint does not lie on one triangle
+  uint hardBeams;                    // beams whose footprint does not lie on one triangle, or that meet a pane
   uint tried;                        // triangles whose beams project has tried; they are on no list
 };
 

@@ -38,19 +38,22 @@ float nearestPoint(vec3 low, vec3 high) { return length(max(max(low, -high), vec
 // The largest angle in radians by which the object being bounded may appear to move. Without motion it stays 0.
 float seeming = 0.0;
 
-// The angle by which bounds are widened: beams may spread, deviate from their axis or start away from the sensor's
+// The angles by which bounds are widened: beams may spread, deviate from their axis or start away from the sensor's
 // origin.
-float footprint() { return ((EFFECTS & kFootprintEffects) != 0 ? frame.footprint : 0.0) + seeming; }
+#define SPREADS ((EFFECTS & (kFootprint | kStrays)) != 0)
+float footprint() { return (SPREADS ? frame.footprint : 0.0) + seeming; }
+float spreadAcross() { return (SPREADS ? frame.spreadAcross : 0.0) + seeming; }
+float spreadUp() { return (SPREADS ? frame.spreadUp : 0.0) + seeming; }
 
 // Elevation keys are widened by this much; a key changes by at most 1 per radian.
-float keySlack() { return kKeySlack + footprint(); }
+float keySlack() { return kKeySlack + spreadUp(); }
 
 // Columns are widened by this many. Towards the poles an angle is a larger azimuth, asin(angle / cos(elevation)). Up
 // to half a radian this is at most 1.05 times angle / cos(elevation); beyond, every column is covered. 1 - |key| is no
 // larger than the cosine, so it may replace it.
 float columnSlack(float keyMin, float keyMax) {
   float inverse = 1.0 / max(1.0 - max(-keyMin, keyMax), 1e-6);
-  float spread = 1.05 * footprint() * inverse;
+  float spread = 1.05 * spreadAcross() * inverse;
   return spread > 0.5 ? float(frame.columns) : (frame.columnSlack * inverse + spread * frame.columnsPerRadian);
 }
 

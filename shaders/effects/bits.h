@@ -31,8 +31,11 @@ GNO_CONST uint kEffectCount = 17;
 // Not an effect of its own: set if angle noise deflects beams before they meet anything.
 GNO_CONST uint kStrays = 1u << 17;
 
-// With one of these effects a beam's result is more than the nearest hit of one line: the candidates of each beam are
-// collected in lists and tried for every sub-ray.
+// Not an effect either: set if the hits of each beam are found from its footprint, that is, if the candidates of each
+// beam are collected in lists and tried for every sub-ray. Otherwise the beam is one line, and its nearest hit counts.
+GNO_CONST uint kFootprint = 1u << 18;
+
+// With one of these effects a beam's result is more than the nearest hit of its axis.
 GNO_CONST uint kFootprintEffects = kDivergence | kTransmission | kCutOuts | kStrays;
 // With one of these effects the returns of each beam are computed from its echoes.
 GNO_CONST uint kSignalEffects = kIntensity | kDetection | kDropOut | kRangeNoise | kAngleNoise | kIntensityNoise |

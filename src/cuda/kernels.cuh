@@ -51,8 +51,16 @@ struct Lines {
   }
 };
 
+// Lines that may deviate, pass holes and meet panes.
+struct EffectLines {
+  static GNO_DEVICE void fix(Options& options) {
+    options.INSIDE = kInsideWatertight;
+    options.RANGE = kRangeEdgeWeights;
+  }
+};
+
 struct Footprints {
-  static GNO_DEVICE void fix(Options& options) { options.EFFECTS = kFootprintEffects; }
+  static GNO_DEVICE void fix(Options& options) { options.EFFECTS = kFootprint; }
 };
 
 template <uint kLayers>
@@ -134,11 +142,21 @@ struct resolve {
 #include "glsl/resolve.comp"
 };
 
+struct effects_strays {
+  const Job& job;
+#include "glsl/effects_strays.comp"
+};
+
 template <uint RAYS>
 struct effects_footprint {
   const Job& job;
   GNO_DEVICE explicit effects_footprint(const Job& given) : job(given) {}  // the arrays of hits stay unset
 #include "glsl/effects_footprint.comp"
+};
+
+struct effects_panes {
+  const Job& job;
+#include "glsl/effects_panes.comp"
 };
 
 struct effects_surfaces {
@@ -151,9 +169,11 @@ struct effects {
 #include "glsl/effects.comp"
 };
 
-// Handles every pair of INSIDE and RANGE that accuracyPartsOf() and validate(AccuracyParts) allow.
+// Handles every pair of INSIDE and RANGE that accuracyPartsOf() and validate(AccuracyParts) allow. Effects of lines are
+// planned for the standard pair alone.
 template <typename Stage>
 void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
+  if ((job.options.EFFECTS & kFootprintEffects) != 0) return launch<Stage, EffectLines>(job, groupsX, groupsY);
   const bool plane = job.options.RANGE == kRangePlane;
   if (job.options.INSIDE == kInsideExact)
     launch<Stage, Lines<kInsideExact, kRangeExact>>(job, groupsX, groupsY);
@@ -176,7 +196,7 @@ void launchFootprint(const Job& job, uint32_t groupsX, uint32_t groupsY) {
 
 void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
   if (groupsX == 0 || groupsY == 0) return;
-  const bool footprint = (job.options.EFFECTS & kFootprintEffects) != 0;
+  const bool footprint = (job.options.EFFECTS & kFootprint) != 0;
   switch (kernel) {
     case Kernel::project_groups: return launch<project_groups>(job, groupsX, groupsY);
     case Kernel::project_clusters: return launch<project_clusters>(job, groupsX, groupsY);
@@ -185,11 +205,13 @@ void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
       return footprint ? launch<bin, Footprints>(job, groupsX, groupsY) : launchMeeting<bin>(job, groupsX, groupsY);
     case Kernel::prefix_sum: return launch<prefix_sum>(job, groupsX, groupsY);
     case Kernel::resolve: return launchMeeting<resolve>(job, groupsX, groupsY);
+    case Kernel::effects_strays: return launch<effects_strays>(job, groupsX, groupsY);
     case Kernel::effects_footprint:
       return job.subRays <= 1    ? launchFootprint<1>(job, groupsX, groupsY)
              : job.subRays <= 7  ? launchFootprint<7>(job, groupsX, groupsY)
              : job.subRays <= 19 ? launchFootprint<19>(job, groupsX, groupsY)
                                  : launchFootprint<61>(job, groupsX, groupsY);
+    case Kernel::effects_panes: return launch<effects_panes>(job, groupsX, groupsY);
     case Kernel::effects_surfaces: return launch<effects_surfaces>(job, groupsX, groupsY);
     case Kernel::effects: return launch<effects>(job, groupsX, groupsY);
   }

@@ -44,26 +44,31 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const 
   if (plan.footprint()) {
     arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
     addRoom(gpu::Array::hardBeams, sizeof(uint32_t));
-    addRoom(gpu::Array::echoCounts, sizeof(uint32_t));
-    addRoom(gpu::Array::echoes, gpu::kMaxEchoes * sizeof(gpu::vec4));
-    addRoom(gpu::Array::echoOwners, gpu::kMaxEchoes * 2 * sizeof(uint32_t));
-    if (plan.asks(gpu::kFieldSurface)) addRoom(gpu::Array::echoSurfaces, gpu::kMaxEchoes * sizeof(gpu::SurfaceRecord));
   }
-  if (plan.looksAtSurfaces()) arrays.push_back(table(gpu::Array::optics, plan.optics));
+  if (plan.footprint() || plan.panes()) {
+    addRoom(gpu::Array::echoCounts, sizeof(uint32_t));
+    const uint64_t most = plan.footprint() ? gpu::kMaxEchoes : gpu::kMaxLayers;
+    addRoom(gpu::Array::echoes, most * sizeof(gpu::vec4));
+    addRoom(gpu::Array::echoOwners, most * 2 * sizeof(uint32_t));
+    if (plan.asks(gpu::kFieldSurface)) addRoom(gpu::Array::echoSurfaces, most * sizeof(gpu::SurfaceRecord));
+  }
+  if (plan.has(gpu::kStrays)) addRoom(gpu::Array::strays, sizeof(gpu::vec2));
+  if (plan.looksAtOptics()) arrays.push_back(table(gpu::Array::optics, plan.optics));
   if (plan.has(gpu::kCutOuts)) {
     arrays.push_back(table(gpu::Array::alphaImages, plan.textures->images));
     arrays.push_back(table(gpu::Array::texels, plan.textures->texels));
   }
   if (!plan.deadBeams.empty()) arrays.push_back(table(gpu::Array::deadBeams, plan.deadBeams));
   // Surfaces that are needed but not requested as a field stay on the device.
-  if (plan.surfaces() && !plan.footprint() && !plan.asks(gpu::kFieldSurface))
+  if (plan.surfaces() && !plan.footprint() && !plan.onlyLines() && !plan.asks(gpu::kFieldSurface))
     addRoom(gpu::Array::surfaces, plan.returns * sizeof(gpu::SurfaceRecord));
   return arrays;
 }
 
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count) {
   std::vector<EffectsArray> arrays;
-  if (plan.footprint()) arrays.push_back({gpu::Array::projectedMaterials, count * sizeof(uint32_t), {}});
+  if (plan.has(gpu::kFootprintEffects))
+    arrays.push_back({gpu::Array::projectedMaterials, count * sizeof(uint32_t), {}});
   if (plan.has(gpu::kCutOuts)) arrays.push_back({gpu::Array::projectedTexture, count * 2 * sizeof(gpu::vec4), {}});
   if (plan.has(gpu::kObjectMotion)) arrays.push_back({gpu::Array::projectedMotions, count * 3 * sizeof(gpu::vec4), {}});
   return arrays;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numbers>
 
 #include "effects/decide.hpp"
 #include "effects/noise.h"
@@ -31,13 +32,40 @@ uint32_t bitOf(Field field) {
   }
 }
 
-float footprintRadiusOf(const SensorPlan& plan) {
-  if (!plan.footprint()) return 0;
-  double most = 0;
-  for (const SubRay& ray : plan.subRays) most = std::max(most, std::hypot(double{ray.u}, double{ray.v}));
+// Several sub-rays need a footprint; a single one is the axis. Holes and deviations are part of the inside test of the
+// standard accuracy, and panes are found with it; the other inside tests know neither.
+bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
+  if (plan.subRays.size() > 1) return true;
+  const AccuracyParts parts = options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
+  const AccuracyParts standard = accuracyPartsOf(Accuracy::standard);
+  return plan.has(gpu::kFootprintEffects) && (parts.inside != standard.inside || parts.range != standard.range);
+}
+
+// Light that deviates by the tangents u and v to the left and up, from an axis of elevation E, is in azimuth
+// atan(u / (cos E - v sin E)) away. In elevation it is atan(v) away, less at most u^2 tan(E) / 2 for small angles.
+// Where angles are not small beside the distance from a pole, both are bounded by the angle between light and axis.
+Spread spreadOf(const SensorPlan& plan) {
   const Effects::AngleNoise& noise = plan.effects.angleNoise;
-  if (plan.has(gpu::kStrays)) most += gpu::kAngleCutOff * std::hypot(noise.azimuth, noise.elevation);
-  return static_cast<float>(most * 1.0001);
+  const bool strays = plan.has(gpu::kStrays);
+  const double azimuth = strays ? gpu::kAngleCutOff * noise.azimuth : 0;
+  const double elevation = strays ? gpu::kAngleCutOff * noise.elevation : 0;
+  double angle = 0, across = 0, up = 0, steepest = 0;
+  for (const SubRay& ray : plan.subRays) {
+    angle = std::max(angle, std::hypot(double{ray.u}, double{ray.v}));
+    across = std::max(across, std::abs(double{ray.u}));
+    up = std::max(up, std::abs(double{ray.v}));
+  }
+  angle += std::hypot(azimuth, elevation);
+  across += azimuth;
+  up += elevation;
+  for (const Channel& channel : plan.sensor.channels)
+    steepest = std::max(steepest, std::abs(std::tan(channel.elevationDeg * std::numbers::pi / 180)));
+  if (up * steepest > 0.04 || across * std::hypot(1, steepest) > 0.25)
+    across = up = angle;
+  else
+    up += across * across * steepest;
+  const auto rounded = [](double value) { return static_cast<float>(value * 1.0001); };
+  return {rounded(angle), rounded(across), rounded(up)};
 }
 
 std::vector<gpu::Optics4> opticsArray(const Scene& scene, const MaterialTable& table, double wavelength) {
@@ -67,6 +95,13 @@ std::shared_ptr<const TextureArrays> textureArrays(const Scene& scene) {
 
 }  // namespace
 
+bool SensorPlan::onlyLines() const {
+  uint32_t lines = gpu::kCutOuts | gpu::kDivergence | gpu::kIntensity;
+  if (has(gpu::kStrays)) lines |= gpu::kStrays | gpu::kAngleNoise;
+  if (panes()) lines |= gpu::kTransmission;
+  return (bits & ~lines) == 0 && fields == 0 && !motion();
+}
+
 std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const SensorRequest& request, size_t index,
                                                       bool changed) {
   const Effects& effects = request.effects;
@@ -88,10 +123,11 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   plan.parameters.sensor = static_cast<uint32_t>(index);
   plan.returns = plan.parameters.returnsPerBeam;
   plan.subRays = subRays(effects, sensor, plan.bits);
+  if (needsFootprint(options_, plan)) plan.bits |= gpu::kFootprint;
   if (plan.has(gpu::kDropOut)) plan.deadBeams = deadBeamBits(effects, sensor);
-  plan.footprintRadius = footprintRadiusOf(plan);
+  plan.spread = spreadOf(plan);
   if (options_.device.kind == DeviceChoice::Kind::reference) return made;
-  if (plan.looksAtSurfaces()) plan.optics = opticsArray(scene, options_.materials, effects.intensity.wavelength);
+  if (plan.looksAtOptics()) plan.optics = opticsArray(scene, options_.materials, effects.intensity.wavelength);
   if (!plan.holes()) return made;
   if (!textures_) textures_ = textureArrays(scene);
   plan.textures = textures_;

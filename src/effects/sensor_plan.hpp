@@ -18,11 +18,17 @@ struct TextureArrays {
   std::vector<uint8_t> texels;                  ///< alpha of all images, padded to four bytes
 };
 
+/// Largest angles between light and the axis of its beam, in radians.
+struct Spread {
+  float angle = 0;           ///< in any direction
+  float across = 0, up = 0;  ///< in azimuth, times the cosine of the elevation; in elevation
+};
+
 struct SensorPlan {
   Sensor sensor;
   Effects effects;  ///< as requested
   std::vector<Plan::Decision> decisions;
-  uint32_t bits = 0;              ///< bits of effects/bits.h: planned effects, and kStrays
+  uint32_t bits = 0;              ///< bits of effects/bits.h: planned effects, kStrays and kFootprint
   uint32_t fields = 0;            ///< gpu::kField... bits of the requested fields
   uint32_t returns = 1;           ///< per beam
   bool origins = false;           ///< some lasers have an origin other than zero
@@ -32,20 +38,23 @@ struct SensorPlan {
   gpu::EffectParameters parameters = {};          ///< for frame 0
   std::vector<SubRay> subRays;                    ///< shared by all footprints; a single one without divergence
   std::vector<uint32_t> deadBeams;                ///< one bit per beam; empty if no beam is dead
-  float footprintRadius = 0;                      ///< largest angle between light and beam axis, radians
+  Spread spread;                                  ///< how far light is from its beam's axis
   std::vector<gpu::Optics4> optics;               ///< per material of the scene, at the wavelength of the sensor
   std::shared_ptr<const TextureArrays> textures;  ///< shared by the sensors of a scene; null without cut-outs
 
   bool has(uint32_t anyOf) const { return (bits & anyOf) != 0; }
   bool asks(uint32_t anyOf) const { return (fields & anyOf) != 0; }
-  /// Whether beams have sub-rays, deviate from their direction or may hit more than one surface.
-  bool footprint() const { return has(gpu::kFootprintEffects); }
+  /// Whether the hits of beams are found from their footprints; see kFootprint.
+  bool footprint() const { return has(gpu::kFootprint); }
   /// Whether beams may start away from the sensor's origin, or sensor or instances may move during a scan.
   bool motion() const { return has(gpu::kSensorMotion | gpu::kObjectMotion) || origins || speeds(); }
   /// Whether the stages compute the surface of each hit.
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
   bool holes() const { return has(gpu::kCutOuts); }
-  bool looksAtSurfaces() const { return surfaces() || footprint(); }
+  /// Whether light may pass surfaces and beams are single lines: opaque triangles are binned first, then panes.
+  bool panes() const { return has(gpu::kTransmission) && !footprint(); }
+  /// Whether the stages read the optics of materials.
+  bool looksAtOptics() const { return surfaces() || has(gpu::kFootprintEffects); }
   /// Whether the stages compute the signal of each return, because an effect or a field needs it.
   bool signals() const { return has(gpu::kSignalEffects) || asks(gpu::kFieldSignal); }
   bool speeds() const { return has(gpu::kRadialSpeed) || asks(gpu::kFieldMotion); }
@@ -53,6 +62,9 @@ struct SensorPlan {
   uint32_t layers() const { return has(gpu::kTransmission) ? gpu::kMaxLayers : 1; }
   /// Whether only geometry is planned.
   bool bare() const { return !footprint() && !motion() && !surfaces() && !signals() && !speeds(); }
+  /// Whether the answer of a beam that meets no pane is the nearest hit of its line, and no field asks for more:
+  /// geometry, in which surfaces may have holes and let light pass, and beams may deviate.
+  bool onlyLines() const;
 };
 
 /// Plans sensors. When the scene changes, plan() is called again with the changed scene.

@@ -66,7 +66,7 @@ class DeviceBackend final : public Backend {
     waitForAll();
     std::unique_ptr<SensorState> sensor;
     if (plan) {
-      if (plan->looksAtSurfaces()) scene_.geometry().addSlots();
+      if (plan->surfaces()) scene_.geometry().addSlots();
       if (plan->holes()) scene_.geometry().addTextureCoordinates();
       sensor =
           std::make_unique<SensorState>(*machine_, std::move(plan), options_, scene_.instances().counters().triangles);

@@ -17,14 +17,17 @@ enum class Kernel : uint32_t {
   bin,
   prefix_sum,
   resolve,
+  effects_strays,
   effects_footprint,
+  effects_panes,
   effects_surfaces,
   effects
 };
 
 inline const char* nameOf(Kernel kernel) {
-  constexpr const char* kNames[] = {"project_groups", "project_clusters",  "project_triangles", "bin",    "prefix_sum",
-                                    "resolve",        "effects_footprint", "effects_surfaces",  "effects"};
+  constexpr const char* kNames[] = {
+      "project_groups",    "project_clusters", "project_triangles", "bin",    "prefix_sum", "resolve", "effects_strays",
+      "effects_footprint", "effects_panes",    "effects_surfaces",  "effects"};
   return kNames[static_cast<uint32_t>(kernel)];
 }
 

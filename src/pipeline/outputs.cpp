@@ -4,9 +4,12 @@
 namespace gnosphere {
 
 std::vector<Output> outputsOf(const SensorPlan& plan, bool words) {
-  if (words) return {{gpu::Array::words, 2 * sizeof(uint32_t)}};
+  std::vector<Output> outputs;
+  if (words) outputs.push_back({gpu::Array::words, 2 * sizeof(uint32_t)});
+  if (plan.panes()) outputs.push_back({gpu::Array::hardBeams, sizeof(uint32_t)});
+  if (words && !plan.panes()) return outputs;
   const uint32_t four = plan.returns * sizeof(gpu::vec4), two = plan.returns * 2 * sizeof(uint32_t);
-  std::vector<Output> outputs = {{gpu::Array::points, four}, {gpu::Array::owners, two}};
+  outputs.insert(outputs.end(), {{gpu::Array::points, four}, {gpu::Array::owners, two}});
   if (plan.asks(gpu::kFieldSignal)) outputs.push_back({gpu::Array::signals, four});
   if (plan.asks(gpu::kFieldSurface)) outputs.push_back({gpu::Array::surfaces, four});
   if (plan.speeds()) outputs.push_back({gpu::Array::motions, four});

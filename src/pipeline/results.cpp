@@ -43,6 +43,30 @@ uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, 
   return hits;
 }
 
+// Replaces the results of the beams that meet a pane; returns the number of hits, which was `hits` before.
+uint64_t readListed(const DeviceResults& device, uint64_t hits, Scan& scan) {
+  const uint32_t columns = device.tables.frame.columns;
+  for (uint32_t i = 0; i < device.counters.hardBeams; ++i) {
+    const uint32_t row = device.listed[i] / columns, column = device.listed[i] % columns;
+    const size_t beam = size_t{device.tables.rows[row].channel} * columns + column;
+    const gpu::vec4& point = device.points[beam];
+    hits -= scan.triangles[beam] != gpu::kNone;
+    std::copy_n(&point.x, 3, &scan.points[3 * beam]);
+    scan.ranges[beam] = point.w;
+    scan.triangles[beam] = device.owners[beam][0];
+    scan.instances[beam] = device.owners[beam][1];
+    hits += scan.triangles[beam] != gpu::kNone;
+  }
+  return hits;
+}
+
+// The counters of a scan in which lines answer every beam: a beam without a return met nothing.
+gpu::Counters withHits(gpu::Counters counters, uint64_t hits, uint64_t beams) {
+  counters.hits = counters.causes[gpu::kCauseReturned] = static_cast<uint32_t>(hits);
+  counters.causes[gpu::kCauseNoSurface] = static_cast<uint32_t>(beams - hits);
+  return counters;
+}
+
 void readCounters(const SensorPlan& plan, uint64_t beams, const gpu::Counters& device, uint64_t usableTriangles,
                   Counters& result) {
   const bool judged = plan.signals();
@@ -182,11 +206,13 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
                  const ShotMotion* motion, Scan& scan) {
   const uint64_t beams = device.tables.frame.beams;
   if (device.words) {
-    gpu::Counters counters = device.counters;
-    counters.hits = static_cast<uint32_t>(readWords(device, instances, plan.sensor, motion, scan));
-    return readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
+    uint64_t hits = readWords(device, instances, plan.sensor, motion, scan);
+    if (device.listed) hits = readListed(device, hits, scan);
+    return readCounters(plan, beams, withHits(device.counters, hits, beams), instances.usableTriangles(),
+                        scan.counters);
   }
   const uint32_t returns = plan.returns;
+  std::atomic<uint64_t> hits = 0;
   inSlices(beams, 1, [&](uint64_t beam, uint64_t beamEnd) {
     const uint64_t first = beam * returns, count = (beamEnd - beam) * returns;
     const auto from = [&](const auto* output) { return output ? output + first : nullptr; };
@@ -197,12 +223,16 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
       scan.triangles[first + i] = device.owners[first + i][0];
       scan.instances[first + i] = device.owners[first + i][1];
     }
+    if (plan.onlyLines())
+      hits +=
+          count - static_cast<uint64_t>(std::count(&scan.triangles[first], &scan.triangles[first] + count, gpu::kNone));
     readSignals(from(device.signals), first, count, returns, scan);
     if (device.surfaces) readSurfaces(from(device.surfaces), Directions(plan, shot, scan), first, count, scan);
     readMotions(from(device.motions), first, count, scan);
     readBarycentrics(from(device.barycentrics), first, count, scan);
   });
-  readCounters(plan, beams, device.counters, instances.usableTriangles(), scan.counters);
+  const gpu::Counters counters = plan.onlyLines() ? withHits(device.counters, hits, beams) : device.counters;
+  readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
 }
 
 }  // namespace gnosphere

@@ -16,7 +16,8 @@ namespace gnosphere {
 struct DeviceResults {
   const BeamTables& tables;
   bool exact = false;           ///< beam directions are rounded to the lattice of exact arithmetic
-  const Word* words = nullptr;  ///< if given, the only output; see resolveWords()
+  const Word* words = nullptr;  ///< see resolveWords(); if given, the other outputs are those of the listed beams alone
+  const uint32_t* listed = nullptr;  ///< indices of the beams, in row order, that meet a pane
   const gpu::vec4* points = nullptr;
   const std::array<uint32_t, 2>* owners = nullptr;
   const gpu::SignalRecord* signals = nullptr;
@@ -31,6 +32,7 @@ struct DeviceResults {
     return {tables,
             exact,
             static_cast<const Word*>(of(gpu::Array::words)),
+            static_cast<const uint32_t*>(of(gpu::Array::hardBeams)),
             static_cast<const gpu::vec4*>(of(gpu::Array::points)),
             static_cast<const std::array<uint32_t, 2>*>(of(gpu::Array::owners)),
             static_cast<const gpu::SignalRecord*>(of(gpu::Array::signals)),

@@ -51,13 +51,17 @@ double reachOf(const SimulatorOptions& options, const gpu::Frame& frame) {
 }
 
 bool leavesWords(uint32_t binning, const SensorPlan& plan) {
-  return binning != gpu::kBinningLists && !plan.footprint() && !plan.surfaces() && !plan.signals() && !plan.speeds();
+  const bool geometry =
+      (plan.bits & gpu::kFootprintEffects) == 0 && !plan.surfaces() && !plan.signals() && !plan.speeds();
+  return binning != gpu::kBinningLists && (plan.onlyLines() || geometry);
 }
 
 // Surface kernels need the transforms of still instances as well, which a scan that reuses the image does not place.
+// Beams that deviate do so anew in each scan, and panes are not part of the image.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.tuning.keepStill && binning != gpu::kBinningLists &&
-         accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper && !plan.surfaces() && !plan.motion();
+         accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper && !plan.surfaces() && !plan.motion() &&
+         !plan.panes() && !plan.has(gpu::kStrays);
 }
 
 const char* nameOfBinning(uint32_t binning) {

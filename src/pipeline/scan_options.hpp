@@ -16,8 +16,8 @@ uint32_t cullingBits(const SimulatorOptions& options);
 Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, bool azimuthOffsets);
 /// Returns the distance in metres beyond which instances cannot be hit.
 double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
-/// Returns whether only the words (8 bytes per beam) are read back, which the host then resolves. This is so if only
-/// geometry is planned and the binning keeps the nearest hit.
+/// Returns whether the words (8 bytes per beam) are read back, which the host then resolves, and no results but those
+/// of the beams that meet a pane. This is so if lines answer every beam and the binning keeps the nearest hit.
 bool leavesWords(uint32_t binning, const SensorPlan& plan);
 /// Returns whether a StillImage may be kept.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan);

@@ -56,7 +56,9 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       reach_(reachOf(options, tables_.frame)),
       outputs_(outputsOf(plan, leavesWords(binning_, plan))) {
   options_.BINNING = binning_;
-  tables_.frame.footprint = plan.footprintRadius;
+  tables_.frame.footprint = plan.spread.angle;
+  tables_.frame.spreadAcross = plan.spread.across;
+  tables_.frame.spreadUp = plan.spread.up;
   for (const bool motion : {false, true})
     if (!motion || plan_.motion())
       for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
@@ -75,20 +77,20 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   allocate(Array::farthest, 4 * (fine + coarse));
   allocate(Array::staleEntries, 4 * coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
-  if (!lists && !leavesWords(binning_, plan_)) allocate(Array::words, beams * sizeof(Word));
-  if (lists) allocate(Array::listEnds, beams * 4);
+  if ((!lists || plan_.panes()) && !leavesWords(binning_, plan_)) allocate(Array::words, beams * sizeof(Word));
+  if (lists || plan_.panes()) allocate(Array::listEnds, beams * 4);
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
-  if (binning_ == gpu::kBinningSlabs) allocate(Array::listEnds, slabCount(tables_.frame) * 4);
+  if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, slabCount(tables_.frame) * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
     for (const EffectsArray& array : lastingArrays(plan, tables_.rows)) {
       allocate(array.array, array.bytes);
       if (!array.content.empty()) of(array.array)->write(0, array.content);
     }
   const auto within = [](uint64_t count, uint64_t most) { return static_cast<uint32_t>(std::min(count, most)); };
-  Capacities room = firstCapacities(binning_, beams, triangles);
+  Capacities room = firstCapacities(binning_, plan_.panes(), beams, triangles);
   room.projected = within(room.projected, std::min(mostProjected(), limit(kTileBytes) / 2));
   room.tiles = within(room.tiles, limit(kTileBytes) - tilesBehind(room));
-  room.candidates = within(room.candidates, limit(sizeof(uint32_t)));
+  room.candidates = within(room.candidates, limit(candidateBytes()));
   makeLists(room);
   addFrame();
 }
@@ -106,6 +108,11 @@ uint64_t SensorArrays::mostProjected() const {
   uint64_t bytes = sizeof(gpu::vec4);
   for (const EffectsArray& array : projectedArrays(plan_, 1)) bytes = std::max(bytes, array.bytes);
   return limit(bytes);
+}
+
+// In a chain of panes, a candidate has its range and a link to the next.
+uint64_t SensorArrays::candidateBytes() const {
+  return binning_ == gpu::kBinningLists ? 4 : 12;
 }
 
 // Number of tiles beyond Capacities::tiles: with slabs every projected triangle has one tile of its own.
@@ -127,7 +134,7 @@ void SensorArrays::makeLists(const Capacities& room) {
   }
   if (const uint64_t tiles = tilesBehind(room) + room.tiles; tiles != tilesBehind(had) + had.tiles)
     allocate(Array::tiles, tiles * kTileBytes);
-  if (room.candidates != had.candidates) allocate(Array::candidates, uint64_t{room.candidates} * sizeof(uint32_t));
+  if (room.candidates != had.candidates) allocate(Array::candidates, room.candidates * candidateBytes());
   capacities_ = room;
 }
 
@@ -141,11 +148,19 @@ std::vector<Step> SensorArrays::steps(const PlacedGroups& placed, StillImage::Us
   variant.options.MOTION = motion;
   variant.subRays = static_cast<uint32_t>(plan_.subRays.size());
   variant.float64 = float64_ && !motion;
-  const bool footprint = plan_.footprint();
-  return stepsOf(
-      {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shells_, footprint,
-       !footprint && !leavesWords(binning_, plan_), plan_.surfaces() && !footprint, plan_.signals() || plan_.speeds()},
-      placed, still);
+  const bool footprint = plan_.footprint(), lines = plan_.onlyLines();
+  StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shells_};
+  input.strays = plan_.has(gpu::kStrays);
+  input.panes = plan_.panes();
+  input.footprint = footprint;
+  input.resolve = !footprint && !leavesWords(binning_, plan_);
+  input.surfaces = plan_.surfaces() && !footprint && !lines;
+  using Judged = StepsInput::Judged;
+  if (lines)
+    input.effects = plan_.panes() ? Judged::listed : Judged::none;
+  else
+    input.effects = plan_.signals() || plan_.speeds() ? Judged::all : Judged::none;
+  return stepsOf(input, placed, still);
 }
 
 void SensorArrays::addFrame() {
@@ -207,8 +222,7 @@ const gpu::Counters& SensorArrays::counters(Frame& frame) const {
 bool SensorArrays::cutShort(size_t index) {
   const gpu::Counters& needed = counters(frames_[index]);
   const Capacities& had = frames_[index].capacities;
-  return projectedCount(needed) > had.projected || needed.tiles > had.tiles ||
-         (binning_ == gpu::kBinningLists && needed.candidates > had.candidates);
+  return projectedCount(needed) > had.projected || needed.tiles > had.tiles || needed.candidates > had.candidates;
 }
 
 // If one list was too small, the counts of later stages are too low; the next run finds out and grows those lists.
@@ -218,8 +232,8 @@ void SensorArrays::growLists(size_t index) {
   Capacities room = capacities_;
   if (projected > room.projected) room.projected = grown(Array::projectedA, projected, mostProjected());
   if (needed.tiles > room.tiles) room.tiles = grown(Array::tiles, needed.tiles, limit(kTileBytes));
-  if (binning_ == gpu::kBinningLists && needed.candidates > room.candidates)
-    room.candidates = grown(Array::candidates, needed.candidates, limit(sizeof(uint32_t)));
+  if (needed.candidates > room.candidates)
+    room.candidates = grown(Array::candidates, needed.candidates, limit(candidateBytes()));
   // If the tiles do not fit together with the reserve, the lists get only what this scan needs.
   if (tilesBehind(room) + room.tiles > limit(kTileBytes)) {
     room.projected = static_cast<uint32_t>(projected);

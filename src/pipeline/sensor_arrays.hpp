@@ -52,6 +52,7 @@ class SensorArrays {
   std::vector<Step> steps(const PlacedGroups& placed, StillImage::Use still, bool motion) const;
   PlacedGroups everything() const;
   uint64_t mostProjected() const;
+  uint64_t candidateBytes() const;
   uint64_t tilesBehind(const Capacities& room) const;
   void makeLists(const Capacities& room);
   void allocate(gpu::Array array, uint64_t bytes);

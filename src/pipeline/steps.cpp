@@ -14,6 +14,10 @@ class Steps {
   std::vector<Step> of(const PlacedGroups& placed, StillImage::Use still) {
     clear(still);
     add({Step::Kind::start});
+    if (input_.strays) {
+      dispatchOnBeams("effects", Kernel::effects_strays);
+      finish("effects");
+    }
     if (still != StillImage::Use::use) scanShells(placed.still);
     if (still == StillImage::Use::make) {
       copy(gpu::Array::words, gpu::Array::stillWords);
@@ -21,6 +25,7 @@ class Steps {
       dispatch("bin", Kernel::bin, input_.sizes.cullGroups, {.table = gpu::kTableAll}, gpu::kPassTable);
     }
     if (still != StillImage::Use::none) scanMoving(placed.moving);
+    if (input_.panes && binning_ != gpu::kBinningLists) binPanes();
     if (input_.resolve) {
       dispatchOnBeams("resolve", Kernel::resolve);
       finish("resolve");
@@ -42,7 +47,9 @@ class Steps {
     else if (binning_ != gpu::kBinningLists)
       fill(gpu::Array::words, gpu::kNone);
     if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0);
-    if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::listEnds, gpu::kNone);
+    if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::slabEnds, gpu::kNone);
+    if (input_.panes && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
+    if (input_.panes && input_.effects == StepsInput::Judged::all) fill(gpu::Array::echoCounts, gpu::kNone);
   }
 
   // Scans shell by shell, near shells first, because near triangles hide many of the far ones. The device chooses where
@@ -112,14 +119,34 @@ class Steps {
     finish("bin");
   }
 
+  // Lists the panes before the words, after all shells.
+  void binPanes() {
+    add({Step::Kind::fill,
+         "",
+         gpu::Array::shells,
+         {},
+         gpu::kMostShells * sizeof(gpu::Shell) + offsetof(gpu::Shell, nextSlab),
+         sizeof(gpu::Shell::nextSlab),
+         0});
+    dispatch("bin", Kernel::bin, input_.sizes.triangleGroups, {.shell = gpu::kMostShells}, gpu::kPassPanes);
+    finish("bin");
+  }
+
   void judge() {
     if (input_.footprint)
       for (const uint32_t pass : {gpu::kPassWithinOne, gpu::kPassOthers})
-        dispatch("effects", Kernel::effects_footprint,
-                 std::min(input_.sizes.footprintGroups, input_.frame.beams / 64 + 1), {}, pass);
+        dispatchOnList(Kernel::effects_footprint, pass);
+    if (input_.panes) dispatchOnList(Kernel::effects_panes, 0);
     if (input_.surfaces) dispatchOnBeams("effects", Kernel::effects_surfaces);
-    if (input_.effects) dispatchOnBeams("effects", Kernel::effects);
-    if (input_.footprint || input_.surfaces || input_.effects) finish("effects");
+    if (input_.effects == StepsInput::Judged::all) dispatchOnBeams("effects", Kernel::effects);
+    if (input_.effects == StepsInput::Judged::listed) dispatchOnList(Kernel::effects, gpu::kPassListed);
+    if (input_.footprint || input_.surfaces || input_.effects != StepsInput::Judged::none) finish("effects");
+  }
+
+  // Dispatches a kernel that processes the beams of `hardBeams`.
+  void dispatchOnList(Kernel kernel, uint32_t pass) {
+    const uint32_t groups = input_.footprint ? input_.sizes.footprintGroups : input_.sizes.groups;
+    dispatch("effects", kernel, std::min(groups, input_.frame.beams / 64 + 1), {}, pass);
   }
 
   // Dispatches one row of workgroups per channel.

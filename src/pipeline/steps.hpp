@@ -43,7 +43,8 @@ struct StepsInput {
   DispatchSizes sizes;
   const gpu::Frame& frame;
   uint32_t shells;  ///< most shells of the scan
-  bool footprint, resolve, surfaces, effects;
+  bool strays = false, panes = false, footprint = false, resolve = false, surfaces = false;
+  enum class Judged { none, listed, all } effects = Judged::none;  ///< the beams whose returns are computed from echoes
 };
 
 /// Returns the steps of a scan of the placed groups.

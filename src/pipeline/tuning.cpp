@@ -21,7 +21,7 @@ constexpr uint64_t kLeastShellClusters = 1024;
 // beam.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
 constexpr uint32_t kFirstTiles = 1 << 12;
-constexpr uint64_t kCandidatesPerBeam = 2;
+constexpr uint64_t kCandidatesPerBeam = 2, kBeamsPerPane = 8;
 // Measured on town scenes with two threads: slabs of 64 columns take 1.03 and slabs of 32 take 1.07 of the time of
 // slabs of 128; 256 are no faster. kSlabsPerThread slabs per thread balance the work well enough.
 constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread = 8;
@@ -74,13 +74,14 @@ uint32_t slabShift(uint32_t columns) {
 }
 
 // Only large boxes are cut into tiles; with slabs also those that lie in more than one slab.
-Capacities firstCapacities(uint32_t binning, uint64_t beams, uint64_t triangles) {
+Capacities firstCapacities(uint32_t binning, bool panes, uint64_t beams, uint64_t triangles) {
   const auto projected = static_cast<uint32_t>(
       std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));
+  const uint64_t candidates = binning == gpu::kBinningLists ? beams * kCandidatesPerBeam
+                              : panes                       ? beams / kBeamsPerPane
+                                                            : 0;
   return {projected, binning == gpu::kBinningSlabs ? projected / 2 : kFirstTiles,
-          binning == gpu::kBinningLists
-              ? static_cast<uint32_t>(std::min<uint64_t>(beams * kCandidatesPerBeam, 0xffffffff))
-              : 0};
+          static_cast<uint32_t>(std::min<uint64_t>(candidates, 0xffffffff))};
 }
 
 }  // namespace gnosphere

@@ -35,6 +35,6 @@ struct Capacities {
   uint32_t projected = 0, tiles = 0, candidates = 0;
 };
 /// Returns the initial capacities; lists grow when a scan needs more.
-Capacities firstCapacities(uint32_t binning, uint64_t beams, uint64_t triangles);
+Capacities firstCapacities(uint32_t binning, bool panes, uint64_t beams, uint64_t triangles);
 
 }  // namespace gnosphere

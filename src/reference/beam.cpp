@@ -196,7 +196,7 @@ Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t ind
 std::vector<Echo> echoesOf(const View& view, const Beam& beam, const BeamEffects& effects, const Receiver& receiver,
                            size_t index, BeamDoubt& doubt) {
   const SensorPlan& plan = effects.plan;
-  if (!plan.footprint()) {
+  if (!plan.has(gpu::kFootprintEffects)) {
     const Hit hit = nearest(view, beam.axis);
     const bool met = hit.triangle != kNobody;
     doubt.tie = inDoubt(view, beam.axis, {&hit, met ? 1u : 0u}, !met, doubt.tolerance);

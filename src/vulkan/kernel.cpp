@@ -11,6 +11,8 @@
 #include "effects_footprint19.spv.h"
 #include "effects_footprint61.spv.h"
 #include "effects_footprint7.spv.h"
+#include "effects_panes.spv.h"
+#include "effects_strays.spv.h"
 #include "effects_surfaces.spv.h"
 #include "prefix_sum.spv.h"
 #include "project_clusters.spv.h"
@@ -48,7 +50,9 @@ Module moduleOf(const Variant& variant) {
     case gnosphere::Kernel::bin: return byAtomics(variant, bin, bin_int64, bin_int64_float64);
     case gnosphere::Kernel::prefix_sum: return prefix_sum;
     case gnosphere::Kernel::resolve: return resolve;
+    case gnosphere::Kernel::effects_strays: return effects_strays;
     case gnosphere::Kernel::effects_footprint: return footprintOf(variant.subRays);
+    case gnosphere::Kernel::effects_panes: return effects_panes;
     case gnosphere::Kernel::effects_surfaces: return effects_surfaces;
     case gnosphere::Kernel::effects: break;
   }

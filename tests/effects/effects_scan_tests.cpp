@@ -152,6 +152,58 @@ TEST_CASE("beams with angular errors hit the same surfaces") {
   requireAlmostSame(effects);
 }
 
+// The plate with holes is in front of everything, and every scan tests what lies behind earlier hits. Without fields
+// the host resolves the words of all beams that meet no pane.
+TEST_CASE("effects of lines give the same bytes with every way of binning, and equal the reference") {
+  Scene scene = town();
+  for (size_t i = 0; i < scene.materials.size(); i += 2) scene.materials[i].transmission = 0.6f;
+  Material fence = lambertian(0.5f, "fence");
+  fence.doubleSided = true;
+  fence.alphaMode = AlphaMode::mask;
+  fence.alphaImage = static_cast<uint32_t>(scene.alphaImages.size());
+  scene.alphaImages.push_back({3, 2, {0, 255, 90, 200, 0, 255}, AlphaImage::Wrap::mirror, AlphaImage::Wrap::repeat});
+  scene.materials.push_back(fence);
+  Mesh mesh = plate(3, 2, static_cast<uint32_t>(scene.materials.size() - 1));
+  mesh.uvs = {-1.7f, 0, 0, 4.5f, 3.1f, 0, 2, 4};
+  scene.meshes.push_back(mesh);
+  scene.instances.push_back({"fence", static_cast<uint32_t>(scene.meshes.size() - 1), translation(1.3, 0.4, 1.8)});
+  const std::vector<const char*> names = {"cut-outs=on", "angle-noise=on", "transmission=on", "divergence.sub_rays=1"};
+  const Sensor sensor = coarse(180);
+  for (size_t which = 0; which <= names.size(); ++which)
+    for (const bool fields : {false, true}) {
+      TestOptions options = optionsOn("vulkan");
+      options.tuning.culling.occlusion = Culling::Occlusion::always;
+      options.effects.angleNoise.azimuth = options.effects.angleNoise.elevation = 2e-3;
+      options.effects.divergence.horizontal = 3e-3;
+      options.effects.angleNoise.use = options.effects.divergence.use = EffectUse::off;
+      options.effects.intensity.use = EffectUse::automatic;
+      for (size_t i = 0; i < names.size(); ++i)
+        if (which == i || which == names.size()) assign(options.effects, names[i]);
+      if (fields) options.fields = {Field::intensity, Field::label, Field::cause, Field::normal, Field::material};
+      const bool many = options.effects.transmission.use == EffectUse::on;
+      if (fields && !many) options.fields.push_back(Field::barycentrics);
+      TestOptions other = options;
+      other.device = DeviceChoice::Kind::reference;
+      const Scan reference = scanOf(scene, sensor, kPose, other);
+      std::optional<Scan> first;
+      for (const Binning binning : {Binning::slabs, Binning::nearest, Binning::lists}) {
+        INFO((which < names.size() ? names[which] : "all")
+             << (fields ? " with" : " without") << " fields, binning " << static_cast<int>(binning));
+        options.tuning.binning = binning;
+        const Scan scan = scanOf(scene, sensor, kPose, options);
+        const Differences found = differences(reference, scan, {0, 1e-3, 2e-3});
+        INFO(listed(found));
+        CHECK(found.all() <= (many ? found.beams / 500 : 0));
+        CHECK(found.ties < found.beams / 20);
+        CHECK(scan.counters.hits == reference.counters.hits);
+        if (!first) first = scan;
+        CHECK(firstBytes(*first, scan) == "none");
+        CHECK(first->counters.hits == scan.counters.hits);
+        CHECK(first->counters.lostEchoes == scan.counters.lostEchoes);
+      }
+    }
+}
+
 TEST_CASE("transmitted light passes the same panes on every device") {
   Scene scene = town();
   for (Material& one : scene.materials) one.transmission = 0.5f;

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage effects, in place of effects_footprint where beams are single lines. One invocation per beam that meets a pane
+// before anything opaque: follows its light through the panes and combines their hits and the opaque one into echoes.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_scalar_block_layout : require
+#include "shared.h"
+#include "options.glsl"
+#include "bindings.glsl"
+#include "effects/vector.h"
+#include "effects/intensity.h"
+#include "effects/returns.h"
+#include "motion.glsl"
+#include "to_sensor.glsl"
+#include "inside.glsl"
+#include "seen.glsl"
+#include "owner.glsl"
+#include "surface_of.glsl"
+#include "panes.glsl"
+#include "echoes.glsl"
+
+layout(local_size_x = 64) in;
+
+// The light of a beam: its index in row order, its place in the sensor's grid, its axis and its true direction, in the
+// frame that surfaces are in.
+uint beamIndex, beamRow, beamColumn;
+Beam axis;
+vec3 direction;
+
+// The hits of the beam, in order of range.
+uint hitCount;
+float ranges[kMaxLayers], energies[kMaxLayers];
+uint ids[kMaxLayers];
+
+float farthestOf(uint index) { return frame.rangeMax; }
+
+bool looksAtMaterials() { return (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical; }
+
+// The list of a beam is a run of candidates with kBinningLists, otherwise a chain of hits; see bin.comp.
+uint listFirst() {
+  if (BINNING != kBinningLists) return listEnds.at[beamIndex];
+  return beamIndex == 0 ? 0 : min(listEnds.at[max(beamIndex, 1) - 1], frame.candidateCapacity);
+}
+
+uint listEnd() {
+  if (BINNING != kBinningLists) return kNone;
+  return min(listEnds.at[beamIndex], frame.candidateCapacity);
+}
+
+uint nextOf(uint k) {
+  if (BINNING != kBinningLists) return candidates.at[3 * k + 2];
+  return k + 1;
+}
+
+Triangle paneAt(uint projected) {
+  Triangle triangle = loadProjected(projected);
+  if (MOTION) triangle = seenFrom(triangle, projected, beamColumn, beamRow, axis.azimuth);
+  return triangle;
+}
+
+// Returns the projected triangle of an entry of the list if it is a pane that the beam meets, otherwise kNone.
+uint paneOf(uint k, out float range) {
+  if (BINNING != kBinningLists) {
+    range = uintBitsToFloat(candidates.at[3 * k + 1]);
+    return candidates.at[3 * k];
+  }
+  uint projected = candidates.at[k];
+  if (!isPane(projected)) return kNone;
+  Triangle triangle = paneAt(projected);
+  bool met = meet(triangle, prepare(triangle), turn(triangle, axis.azimuth), axis, beamIndex, projected, range);
+  return met ? projected : kNone;
+}
+
+// Finds the nearest pane that is clearly behind the range `before`, and before the opaque hit. Surfaces closer to each
+// other, relative to their range, count as one: light through a shared edge hits both of its triangles, but they are
+// not two panes. Returns its projected triangle, or kNone.
+uint nextPane(float before, uvec2 opaque, out float range, out uint id) {
+  precise float behind = before * (1.0 + 9.5367431640625e-7);
+  uvec2 best = opaque;
+  uint pane = kNone;
+  for (uint k = listFirst(), end = listEnd(); k != end; k = nextOf(k)) {
+    float met;
+    uint projected = paneOf(k, met);
+    if (projected == kNone || !(met > behind) || floatBitsToUint(met) > best.y) continue;
+    uint number = projectedA.at[projected].tag & 0x7fffffffu;
+    if (!comesBefore(met, number, best)) continue;
+    best = uvec2(number, floatBitsToUint(met));
+    pane = projected;
+  }
+  range = uintBitsToFloat(best.y);
+  id = best.x;
+  return pane;
+}
+
+Surface surfaceOfHit(uint pane, uint id) {
+  if (pane == kNone) return surfaceOf(beamRow, beamColumn, ownerOf(id));
+  Triangle triangle = paneAt(pane);
+  Surface surface;
+  surface.corners = Corners(triangle.a, triangle.b, triangle.c);
+  surface.normal = normalOf(surface.corners);
+  if (MOTION) surface.normal = reportedDirection(beamColumn, surface.normal);
+  surface.material = projectedMaterials.at[pane];
+  return surface;
+}
+
+// Follows the light through the panes. An opaque hit ends it, however close to a pane.
+void follow() {
+  uvec2 opaque = words.at[beamIndex];
+  float carried = 1.0, before = 0.0;
+  hitCount = 0;
+  while (hitCount < LAYERS && carried > 0.0) {
+    float range;
+    uint id, pane = nextPane(before, opaque, range, id);
+    if (pane == kNone && opaque.y == kNone) return;
+    float energy = carried, passed = 0.0;
+    if (looksAtMaterials()) {
+      Surface surface = surfaceOfHit(pane, id);
+      float cosIncidence = min(abs(dotOf(surface.normal, direction)), 1.0);
+      energy = product(energy, reflected(optics.at[surface.material], cosIncidence));
+    }
+    if (pane != kNone) passed = product(carried, transmitted(optics.at[projectedMaterials.at[pane]]));
+    ranges[hitCount] = before = range;
+    energies[hitCount] = energy == 0.0 && passed > 0.0 ? kUnseen : energy;
+    ids[hitCount] = id;
+    ++hitCount;
+    carried = passed;
+  }
+  if (carried > 0.0) atomicAdd(counters.lostEchoes, 1);
+}
+
+void storeEcho(uint slot, vec3 echo, uint id) {
+  uvec2 owner = ownerOf(id);
+  echoes.at[slot] = vec4(echo, 1.0);
+  echoOwners.at[slot] = owner;
+  if ((FIELDS & kFieldSurface) != 0) {
+    Surface surface = surfaceOf(beamRow, beamColumn, owner);
+    echoSurfaces.at[slot] = SurfaceRecord(surface.normal, surface.material);
+  }
+}
+
+// The owner of an echo is its strongest hit, and the first one of equally strong hits.
+void gatherEchoes(uint beam) {
+  uint count = 0;
+  for (uint k = 0; k < hitCount;) {
+    float first = ranges[k], last = first, most = -1.0;
+    uint strongest = ids[k];
+    vec3 sums = vec3(0.0);
+    bool any = false;
+    for (; k < hitCount; ++k) {
+      if (energies[k] < 0.0) continue;
+      if (!any) first = last = ranges[k];
+      if (ranges[k] > sumOf(last, parameters.separation)) break;
+      any = true;
+      last = ranges[k];
+      addPiece(sums, energies[k], sumOf(ranges[k], -first));
+      if (energies[k] <= most) continue;
+      most = energies[k];
+      strongest = ids[k];
+    }
+    if (!any) break;
+    storeEcho(beam * kMaxLayers + count, echoOf(first, sums), strongest);
+    ++count;
+  }
+  echoCounts.at[beam] = count;
+}
+
+void main() {
+  loadMotion();
+  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.hardBeams; i += stride) {
+    beamIndex = hardBeams.at[i];
+    beamRow = beamIndex / frame.columns;
+    beamColumn = beamIndex % frame.columns;
+    vec3 angles = rows.at[beamRow].angles;
+    axis = beamOf(azimuthAt(beamRow, beamColumn), angles.x, angles.y);
+    direction = axis.direction;
+    if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[beamIndex]);
+    if (MOTION) direction = reportedDirection(beamColumn, direction);
+    follow();
+    gatherEchoes(rows.at[beamRow].channel * frame.columns + beamColumn);
+  }
+}
