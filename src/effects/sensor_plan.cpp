@@ -44,7 +44,7 @@ bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
 // Light that deviates by the tangents u and v to the left and up, from an axis of elevation E, is in azimuth
 // atan(u / (cos E - v sin E)) away. In elevation it is atan(v) away, less at most u^2 tan(E) / 2 for small angles.
 // Where angles are not small beside the distance from a pole, both are bounded by the angle between light and axis.
-Spread spreadOf(const SensorPlan& plan) {
+AngularSpread spreadOf(const SensorPlan& plan) {
   const Effects::AngleNoise& noise = plan.effects.angleNoise;
   const bool strays = plan.has(gpu::kStrays);
   const double azimuth = strays ? gpu::kAngleCutOff * noise.azimuth : 0;
