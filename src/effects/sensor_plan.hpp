@@ -38,7 +38,7 @@ struct SensorPlan {
   gpu::EffectParameters parameters = {};          ///< for frame 0
   std::vector<SubRay> subRays;                    ///< shared by all footprints; a single one without divergence
   std::vector<uint32_t> deadBeams;                ///< one bit per beam; empty if no beam is dead
-  AngularSpread spread;                                  ///< how far light is from its beam's axis
+  AngularSpread spread;                           ///< how far light is from its beam's axis
   std::vector<gpu::Optics4> optics;               ///< per material of the scene, at the wavelength of the sensor
   std::shared_ptr<const TextureArrays> textures;  ///< shared by the sensors of a scene; null without cut-outs
 
