@@ -11,16 +11,16 @@ namespace gnosphere::gpu {
 #endif
 
 GNO_INLINE vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
-  GNO_PRECISE vec3 result = vec3(row0.x * p.x + row0.y * p.y + row0.z * p.z + row0.w,
-                                 row1.x * p.x + row1.y * p.y + row1.z * p.z + row1.w,
-                                 row2.x * p.x + row2.y * p.y + row2.z * p.z + row2.w);
+  GNO_PRECISE vec3 result =
+      vec3(row0.x * p.x + row0.y * p.y + row0.z * p.z + row0.w, row1.x * p.x + row1.y * p.y + row1.z * p.z + row1.w,
+           row2.x * p.x + row2.y * p.y + row2.z * p.z + row2.w);
   return result;
 }
 
 // Returns the position of a laser: its origin in the head, rotated to the beam's azimuth.
 GNO_INLINE vec3 laserAt(vec3 origin, vec2 azimuth) {
-  GNO_PRECISE vec3 turned = vec3(origin.x * azimuth.x - origin.y * azimuth.y,
-                                 origin.x * azimuth.y + origin.y * azimuth.x, origin.z);
+  GNO_PRECISE vec3 turned =
+      vec3(origin.x * azimuth.x - origin.y * azimuth.y, origin.x * azimuth.y + origin.y * azimuth.x, origin.z);
   return turned;
 }
 

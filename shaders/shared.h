@@ -187,14 +187,14 @@ struct Frame {
   uint candidateCapacity;
   float paperFirstElevation;  // paper: elevation of row 0 in radians, and rows per radian
   float paperRowsPerRadian;
-  float shiftMin, shiftMax;  // least and largest azimuth offset of a row, in columns
-  float footprint;           // radians: largest angle by which a beam spreads or deviates from its axis
-  uint slabShift;            // a slab has 1 << slabShift columns and is owned by one subgroup
+  float shiftMin, shiftMax;                 // least and largest azimuth offset of a row, in columns
+  float footprint;                          // radians: largest angle by which a beam spreads or deviates from its axis
+  uint slabShift;                           // a slab has 1 << slabShift columns and is owned by one subgroup
   uint cullWorkgroups, triangleWorkgroups;  // of a shell's dispatches, if there is work for them
   uint shellClusters;                       // clusters that the first shell should hold
   float shellHint;                          // metres; a shell should end here; 0: nothing is known
-  float spreadAcross;        // like footprint, in azimuth and times the cosine of the elevation
-  float spreadUp;            // like footprint, in elevation
+  float spreadAcross;                       // like footprint, in azimuth and times the cosine of the elevation
+  float spreadUp;                           // like footprint, in elevation
   uint padding;
 };
 
@@ -226,11 +226,11 @@ struct Workgroups {
 
 // A shell is a range of distances from the sensor. It holds the clusters whose nearest points lie in that range.
 struct Shell {
-  float end;                        // metres; the next shell begins here
-  uint groups;                      // listed for this shell
-  uint visible;                     // clusters listed
-  uint nextCluster, nextSlab;       // with slabs: the next one that no subgroup has taken
-  uint laterRowsDown, laterRowsUp;  // content beyond the shell is in rows rows - down..up - 1
+  float end;                                      // metres; the next shell begins here
+  uint groups;                                    // listed for this shell
+  uint visible;                                   // clusters listed
+  uint nextCluster, nextSlab;                     // with slabs: the next one that no subgroup has taken
+  uint laterRowsDown, laterRowsUp;                // content beyond the shell is in rows rows - down..up - 1
   Workgroups clusterWork, triangleWork, binWork;  // x is 0 until there is something to do
 };
 

@@ -24,7 +24,6 @@ namespace {
 #include "glsl/shared.h"
 // The formulas of beams and effects stand outside of the stages, so that each is included once.
 #include "glsl/beam.h"
-#include "glsl/laser.h"
 #include "glsl/effects/arithmetic.h"
 #include "glsl/effects/bits.h"
 #include "glsl/effects/detection.h"
@@ -36,6 +35,7 @@ namespace {
 #include "glsl/effects/returns.h"
 #include "glsl/effects/vector.h"
 #include "glsl/effects/weather.h"
+#include "glsl/laser.h"
 
 // Options that are known when a kernel is compiled remove the code that they do not need.
 struct Nothing {
