@@ -30,6 +30,7 @@
 #include "panes.glsl"
 
 layout(local_size_x = 64) in;
+
 // Only the subgroup that owns the beam's slab may call this; therefore no atomics are needed.
 void keepNearer(uint beam, bool met, float range, uint id) {
 #ifdef INT64_ATOMICS

@@ -203,10 +203,10 @@ class Simulator::Impl {
     backend_->scanAll(shots, result, [&](size_t i) {
       const Sensor& sensor = requests_[shots[i].sensor].sensor;
       result.sensor = sensor.name;
-      result.columns = sensor.columns;
-      result.channels = static_cast<uint32_t>(sensor.channels.size());
+      result.columns = sensor.width();
+      result.channels = sensor.height();
       result.pose = shots[i].pose;
-      computed_[shots[i].sensor].set(classes_, result);
+      computed_[shots[i].sensor].set(classes_, shots[i].frame, result);
       receive(i);
     });
   }

@@ -74,7 +74,7 @@ Scan full(uint32_t returns) {
   setColumn(scan, Field::label, labels);
   setColumn(scan, Field::cause, causes);
   setColumn(scan, Field::tie, ties);
-  ComputedColumns(smallSensor(), kComputed).set({500, 1, 65535}, scan);
+  ComputedColumns(smallSensor(), kComputed).set({500, 1, 65535}, 0, scan);
   return scan;
 }
 

@@ -21,17 +21,7 @@ const Pose kPose = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 Scene glazedTown() {
   Scene scene = makeTown({.triangles = 20'000});
   for (size_t i = 0; i < scene.materials.size(); i += 2) scene.materials[i].transmission = 0.5f;
-  Material fence = lambertian(0.5f, "fence");
-  fence.doubleSided = true;
-  fence.alphaMode = AlphaMode::mask;
-  fence.alphaImage = static_cast<uint32_t>(scene.alphaImages.size());
-  fence.baseColor[3] = 0.9f;
-  scene.alphaImages.push_back({3, 2, {0, 255, 90, 200, 0, 255}, AlphaImage::Wrap::mirror, AlphaImage::Wrap::repeat});
-  scene.materials.push_back(fence);
-  Mesh mesh = plate(6, 3, static_cast<uint32_t>(scene.materials.size() - 1));
-  mesh.uvs = {-1.7f, 0, 0, 4.5f, 3.1f, 0, 2, 4};
-  scene.meshes.push_back(mesh);
-  scene.instances.push_back({"fence", static_cast<uint32_t>(scene.meshes.size() - 1), translation(0, 0, 2)});
+  addFence(scene, plate(6, 3), translation(0, 0, 2), 0.9f);
   return scene;
 }
 

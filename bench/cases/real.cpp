@@ -2,10 +2,10 @@
 // Scene files: GnoSphere, its floor and the rivals from places where much detail is seen, while nothing moves and while
 // everything does.
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <optional>
 
+#include "base/text.hpp"
 #include "cases.hpp"
 #include "poses.hpp"
 #include "seen.hpp"
@@ -21,9 +21,7 @@ struct File {
 };
 
 bool isScene(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower(path.extension().string());
   constexpr const char* kExtensions[] = {".glb", ".gltf", ".obj", ".ply", ".stl"};
   return std::find(std::begin(kExtensions), std::end(kExtensions), extension) != std::end(kExtensions);
 }
@@ -186,7 +184,8 @@ class Measurement {
     if (row.still || row.moving) rows_.push_back(row);
   }
 
-  /// A wrong result costs only this contest, because the others took long; the exit status still tells.
+  /// A wrong result ends this contest alone, because the contests before it took long. The exit status is 1 in the
+  /// end.
   std::optional<Outcome> outcomeOf(const Round& round) {
     std::vector<Outcome> outcomes;
     try {

@@ -19,12 +19,41 @@ struct Channel {
   /// Where the laser leaves the head, in metres: x points forward along the beam's azimuth, y left, z up.
   Vec3 origin;
   double timeOffset = 0;  ///< seconds between the column's time and the firing of this laser
+  /// Metres; if greater than 0, these replace the sensor's rangeMin and rangeMax for this laser.
+  double rangeMin = 0, rangeMax = 0;
 };
 
-/// A grid of beams. The beam in column i of channel j has the elevation `channels[j].elevationDeg` and the azimuth
-/// -180 + 360 i / columns + `channels[j].azimuthOffsetDeg` degrees (counter-clockwise seen from above, 0 = x axis). It
-/// leaves the sensor's origin, or `channels[j].origin` if that is not zero. Beam index = channel * columns + column:
-/// the organised cloud has one row per channel.
+/// Beams in any directions, in the order in which a scan lists them: the beam in row r and column c of the organised
+/// cloud has the index r * width + c. `directions` has one entry per beam. Every other list has as many entries or
+/// none; then the value in its comment holds for all beams. Where the organised cloud has gaps, Sensor::maskedBeams
+/// names them.
+struct BeamList {
+  std::vector<Vec3> directions;    ///< unit vectors in the sensor's frame; validate() accepts lengths of 1 +- 1e-4
+  std::vector<Vec3> origins;       ///< metres in the sensor's frame, at most 1 km from its origin; if empty, its origin
+  std::vector<double> times;       ///< seconds after the start of the scan, 0..10; if empty, 0
+  std::vector<float> rangeMin;     ///< metres; if empty, the sensor's
+  std::vector<float> rangeMax;     ///< metres; if empty, the sensor's
+  std::vector<uint16_t> rings;     ///< values of Field::ring; if empty, 0
+  uint32_t width = 0, height = 0;  ///< of the organised cloud; if 0, it has one row of all beams
+
+  size_t size() const { return directions.size(); }
+};
+
+/// What happens to a surface that is nearer than a beam's least range.
+enum class NearHits {
+  seeThrough,  ///< the beam passes through and hits what is behind
+  hide,        ///< the surface blocks the beam, which has no return
+};
+
+/// A lidar: a grid of beams, or lists of beams.
+///
+/// In a grid, the beam in column i of channel j has the elevation `channels[j].elevationDeg` and the azimuth
+/// `azimuthStartDeg` + `azimuthSpanDeg` i / columns + `channels[j].azimuthOffsetDeg` degrees (counter-clockwise seen
+/// from above, 0 = x axis). It leaves the sensor's origin, or `channels[j].origin` if that is not zero. Beam index =
+/// channel * columns + column: the organised cloud has one row per channel.
+///
+/// If `patterns` is not empty, the beams are those of a list: scan number n (Shot::frame) uses pattern n modulo their
+/// number. All patterns have the same number of beams; columns and channels must be 0 and empty.
 struct Sensor {
   std::string name;
   uint32_t columns = 0;
@@ -35,16 +64,31 @@ struct Sensor {
   double divergenceHorizontal = 0, divergenceVertical = 0;
   uint32_t maxReturns = 1;    ///< number of echoes that the sensor reports per beam, 1..5
   double rotationPeriod = 0;  ///< seconds; column i fires at i / columns of it. If 0, all beams fire at once
+  /// Azimuths that the columns cover, at most 360 degrees; negative if the head turns clockwise.
+  double azimuthStartDeg = -180, azimuthSpanDeg = 360;
+  NearHits nearHits = NearHits::seeThrough;
+  std::vector<uint32_t> maskedBeams;  ///< indices of beams that never fire; their entries in a scan have no return
+  std::vector<BeamList> patterns;
 
-  size_t beamCount() const { return size_t{columns} * channels.size(); }
-  /// Unit vector of a beam in the sensor's frame.
+  bool isGrid() const { return patterns.empty(); }
+  size_t beamCount() const { return isGrid() ? size_t{columns} * channels.size() : patterns[0].size(); }
+  /// Columns of the organised cloud.
+  GNOSPHERE_API uint32_t width() const;
+  /// Rows of the organised cloud: the channels of a grid.
+  GNOSPHERE_API uint32_t height() const;
+  /// Unit vector of a beam in the sensor's frame, for a list in its first pattern.
   GNOSPHERE_API Vec3 direction(size_t beam) const;
 };
 
+/// Returns the beams that scan number `frame` fires, for any sensor. The lists `origins`, `times`, `rangeMin` and
+/// `rangeMax` are empty if all beams have the value that an empty list stands for.
+GNOSPHERE_API BeamList beamsOf(const Sensor& sensor, uint64_t frame = 0);
+
 /// Throws Error(invalidArgument) that names the field if a sensor has zero columns, angles or ranges that are not
-/// finite or out of bounds, divergences above 100 mrad, returns outside 1..5, origins beyond 1 m, a rotation period
-/// above 10 s, time offsets above 1 s, or more beams than a 32-bit index holds. Zero channels are allowed: the cloud is
-/// then empty.
+/// finite or out of bounds, divergences above 100 mrad, returns outside 1..5, a channel's origin beyond 1 m or a listed
+/// beam's beyond 1 km, a rotation period above 10 s, time offsets above 1 s, lists of unequal lengths, patterns of
+/// unequal sizes or without beams, organised clouds of another size, or more beams than a 32-bit index holds. Zero
+/// channels are allowed: the cloud is then empty.
 GNOSPHERE_API void validate(const Sensor& sensor);
 
 /// Returns the five models of Table 2 of the GnoSphere360 paper.

@@ -99,9 +99,13 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
   return decisions;
 }
 
+AccuracyParts accuracyPartsOf(const SimulatorOptions& options) {
+  return options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
+}
+
 void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Decision>& decisions) {
   if (options.device.kind == DeviceChoice::Kind::reference) return;
-  const AccuracyParts parts = options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
+  const AccuracyParts parts = accuracyPartsOf(options);
   const AccuracyParts standard = accuracyPartsOf(Accuracy::standard);
   const bool bounded = parts.bounds == standard.bounds, watertight = bounded && parts.inside == standard.inside;
   for (size_t i = 0; i < decisions.size(); ++i) {

@@ -10,6 +10,9 @@
 
 namespace gnosphere {
 
+/// Returns the parts of the accuracy: those given, or those of the level.
+AccuracyParts accuracyPartsOf(const SimulatorOptions& options);
+
 /// Returns one decision per effect, in the order of effectNames(). `materials` can give materials of the scene a
 /// transmission. Throws Error(invalidArgument) as validate() does, and for an effect that is on but cannot be shown, or
 /// off but needed; the message gives the remedy. If `lenient`, an effect that is on need not be visible in the scene.

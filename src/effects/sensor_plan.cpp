@@ -36,7 +36,7 @@ uint32_t bitOf(Field field) {
 // standard accuracy, and panes are found with it; the other inside tests know neither.
 bool needsFootprint(const SimulatorOptions& options, const SensorPlan& plan) {
   if (plan.subRays.size() > 1) return true;
-  const AccuracyParts parts = options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
+  const AccuracyParts parts = accuracyPartsOf(options);
   const AccuracyParts standard = accuracyPartsOf(Accuracy::standard);
   return plan.has(gpu::kFootprintEffects) && (parts.inside != standard.inside || parts.range != standard.range);
 }

@@ -190,7 +190,7 @@ class DeviceBackend final : public Backend {
       const std::optional<ShotMotion>& motion = slots_[frame].motion;
       readResults(sensor.sensorPlan(), sensor.results(frame), scene_.instances(), shots[i], motion ? &*motion : nullptr,
                   result);
-      sensor.setShellHint(shellHintOf(result));
+      if (sensor.choosesShells()) sensor.setShellHint(shellHintOf(result));
       result.counters.reused = slots_[frame].reused;
       result.counters.culledByCluster -= slots_[frame].reused;
     }

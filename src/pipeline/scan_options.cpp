@@ -15,10 +15,6 @@ static_assert(static_cast<uint32_t>(ReflectingFaces::both) == gpu::kFacesBoth);
 
 }  // namespace
 
-AccuracyParts accuracyPartsOf(const SimulatorOptions& options) {
-  return options.accuracyParts.value_or(accuracyPartsOf(options.accuracy));
-}
-
 // With the paper's bounds only single triangles are culled, as in the paper.
 uint32_t cullingBits(const SimulatorOptions& options) {
   const AccuracyParts parts = accuracyPartsOf(options);

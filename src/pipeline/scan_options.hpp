@@ -2,6 +2,7 @@
 // Translates the options of a simulator into the options of the kernels, for every kind of device.
 #pragma once
 
+#include "effects/decide.hpp"
 #include "effects/sensor_plan.hpp"
 #include "gnosphere/simulator.hpp"
 #include "pipeline/kernels.hpp"
@@ -9,7 +10,6 @@
 
 namespace gnosphere {
 
-AccuracyParts accuracyPartsOf(const SimulatorOptions& options);
 /// Returns the gpu::kCull... bits of the options.
 uint32_t cullingBits(const SimulatorOptions& options);
 /// Returns the options of a sensor's kernels; the caller sets BINNING, PASS and MOTION.

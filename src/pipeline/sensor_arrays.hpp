@@ -35,6 +35,8 @@ class SensorArrays {
   void growLists(size_t frame);
   /// Returns the outputs of the last scan of the frame.
   DeviceResults results(size_t frame);
+  /// Whether the device chooses shells, for which it takes a hint.
+  bool choosesShells() const { return shells_ > 1; }
   /// Tells the next scans where to end a shell: at this distance in metres, behind most hits of the last scan; 0 if
   /// nothing is known.
   void setShellHint(float distance) { shellHint_ = distance; }

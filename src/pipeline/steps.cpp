@@ -62,11 +62,8 @@ class Steps {
       const bool last = shell + 1 == input_.shells;
       const uint32_t table = last ? gpu::kTableNone : gpu::kTableLater;
       const gpu::Pass pass = {placed.first, placed.groups, shell, last, shell > 0};
-      first_ = shell * sizeof(gpu::Shell);
-      indirect_ = several;
       project(placed, pass);
       bin(pass, table);
-      indirect_ = false;
     }
   }
 
@@ -91,10 +88,10 @@ class Steps {
 
   void project(const PlacedGroups::Run& placed, const gpu::Pass& pass) {
     const DispatchSizes& sizes = input_.sizes;
-    dispatch("project", Kernel::project_clusters, std::min(sizes.cullGroups, placed.groups), pass, 0, 1,
-             offsetof(gpu::Shell, clusterWork));
-    dispatch("project", Kernel::project_triangles, std::min(sizes.triangleGroups, placed.clusters), pass, 0, 1,
-             offsetof(gpu::Shell, triangleWork));
+    dispatchInShell("project", Kernel::project_clusters, std::min(sizes.cullGroups, placed.groups), pass,
+                    offsetof(gpu::Shell, clusterWork));
+    dispatchInShell("project", Kernel::project_triangles, std::min(sizes.triangleGroups, placed.clusters), pass,
+                    offsetof(gpu::Shell, triangleWork));
     finish("project");
   }
 
@@ -103,7 +100,7 @@ class Steps {
     const uint32_t blocks = std::min(sizes.groups, input_.frame.beams / gpu::kPrefixBlock + 1);
     shell.table = tableInBin() ? table : gpu::kTableNone;
     const auto pass = [&](Kernel kernel, uint32_t number, uint32_t groups) {
-      dispatch("bin", kernel, groups, shell, number, 1, offsetof(gpu::Shell, binWork));
+      dispatchInShell("bin", kernel, groups, shell, offsetof(gpu::Shell, binWork), number);
     };
     pass(Kernel::bin, 0, sizes.triangleGroups);
     if (binning_ == gpu::kBinningLists) {
@@ -155,9 +152,18 @@ class Steps {
              input_.frame.rows);
   }
 
-  // `arguments` is the offset in its shell of the kernel's number of workgroups.
+  // With several shells, earlier kernels decide whether the kernels of a shell run. `work` is the place of this
+  // kernel's number of workgroups in its shell.
+  void dispatchInShell(const char* stage, Kernel kernel, uint32_t groups, const gpu::Pass& pass, uint64_t work,
+                       uint32_t number = 0) {
+    const size_t before = steps_.size();
+    dispatch(stage, kernel, groups, pass, number);
+    const bool decided = input_.shells > 1 && pass.shell < gpu::kMostShells;
+    if (decided && steps_.size() > before) steps_.back().arguments = pass.shell * sizeof(gpu::Shell) + work;
+  }
+
   void dispatch(const char* stage, Kernel kernel, uint32_t groupsX, const gpu::Pass& pass, uint32_t number = 0,
-                uint32_t groupsY = 1, std::optional<uint64_t> arguments = {}) {
+                uint32_t groupsY = 1) {
     Step step = {Step::Kind::dispatch, stage};
     step.variant = input_.variant;
     step.variant.kernel = kernel;
@@ -167,7 +173,6 @@ class Steps {
     step.pass = pass;
     step.groupsX = groupsX;
     step.groupsY = groupsY;
-    if (indirect_ && arguments) step.arguments = first_ + *arguments;
     if (groupsX > 0 && groupsY > 0) add(step);
   }
 
@@ -178,8 +183,6 @@ class Steps {
 
   const StepsInput& input_;
   uint32_t binning_;
-  bool indirect_ = false;  // whether earlier kernels decide whether the kernels of a shell run
-  uint64_t first_ = 0;     // place of the shell in the array of shells
   std::vector<Step> steps_;
 };
 

@@ -32,8 +32,8 @@ struct Step {
   Variant variant;
   gpu::Pass pass = {};
   uint32_t groupsX = 0, groupsY = 1;
-  /// If set, an offset in bytes into the array `shells`: earlier kernels write the number of workgroups there, none or
-  /// `groupsX`. A device may run all of them; without work they end at once.
+  /// If set, an offset in bytes into the array `shells`: earlier kernels write the number of workgroups there, none if
+  /// there is nothing to do. A device may run `groupsX` instead; without work they end at once.
   std::optional<uint64_t> arguments = {};
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scan/computed_columns.hpp"
 
+#include <algorithm>
+#include <type_traits>
+
 #include "gnosphere/error.hpp"
 #include "scan/columns.hpp"
 #include "sensor/beams.hpp"
@@ -22,34 +25,40 @@ void setColumn(Scan& scan, Field field, bool wanted, const ValueOf& valueOf) {
 
 ComputedColumns::ComputedColumns(const Sensor& sensor, const std::vector<Field>& fields) : fields_(fields) {
   if (asks(Field::ring)) checkRings(static_cast<uint32_t>(sensor.channels.size()));
-  const auto fill = [&](Field field, double (*of)(const Sensor&, size_t), std::vector<float>& values) {
-    if (!asks(field)) return;
-    values.resize(sensor.beamCount());
-    for (size_t beam = 0; beam < values.size(); ++beam) values[beam] = static_cast<float>(of(sensor, beam));
-  };
-  fill(Field::time, timeOf, times_);
-  fill(Field::azimuth, azimuthOf, azimuths_);
-  fill(Field::elevation, elevationOf, elevations_);
+  patterns_.resize(std::max<size_t>(sensor.patterns.size(), 1));
+  for (size_t pattern = 0; pattern < patterns_.size(); ++pattern) {
+    const auto fill = [&](Field field, auto of, auto& values) {
+      if (!asks(field)) return;
+      values.resize(sensor.beamCount());
+      for (size_t beam = 0; beam < values.size(); ++beam)
+        values[beam] = static_cast<std::remove_reference_t<decltype(values[0])>>(of(sensor, beam, pattern));
+    };
+    Values& values = patterns_[pattern];
+    fill(Field::time, timeOf, values.times);
+    fill(Field::azimuth, azimuthOf, values.azimuths);
+    fill(Field::elevation, elevationOf, values.elevations);
+    fill(Field::ring, ringOf, values.rings);
+  }
 }
 
 bool ComputedColumns::asks(Field field) const {
   return std::find(fields_.begin(), fields_.end(), field) != fields_.end();
 }
 
-void ComputedColumns::set(const std::vector<uint16_t>& classes, Scan& scan) const {
+void ComputedColumns::set(const std::vector<uint16_t>& classes, uint64_t frame, Scan& scan) const {
   const uint32_t returns = scan.returns;
-  const auto setBeams = [&](Field field, const std::vector<float>& values) {
-    setColumn<float>(scan, field, asks(field), [&](size_t entry) { return values[entry / returns]; });
+  const Values& pattern = patterns_[frame % patterns_.size()];
+  const auto setBeams = [&]<typename T>(Field field, const std::vector<T>& values) {
+    setColumn<T>(scan, field, asks(field), [&](size_t entry) { return values[entry / returns]; });
   };
-  setBeams(Field::time, times_);
-  setBeams(Field::azimuth, azimuths_);
-  setBeams(Field::elevation, elevations_);
+  setBeams(Field::time, pattern.times);
+  setBeams(Field::azimuth, pattern.azimuths);
+  setBeams(Field::elevation, pattern.elevations);
+  setBeams(Field::ring, pattern.rings);
   setColumn<uint16_t>(scan, Field::classId, asks(Field::classId), [&](size_t entry) {
     const uint32_t instance = scan.instances[entry];
     return instance < classes.size() ? classes[instance] : uint16_t{0};
   });
-  setColumn<uint16_t>(scan, Field::ring, asks(Field::ring),
-                      [&](size_t entry) { return entry / returns / scan.columns; });
   setColumn<uint32_t>(scan, Field::beam, asks(Field::beam), [&](size_t entry) { return entry / returns; });
   setColumn<uint8_t>(scan, Field::returnNumber, asks(Field::returnNumber),
                      [&](size_t entry) { return returnNumberOf(scan, entry); });

@@ -18,13 +18,20 @@ class ComputedColumns {
 
   /// Sets the requested columns in a scan whose owners and ranges are complete, and removes the others. `classes` has
   /// the class of each instance; an instance beyond its end has class 0.
-  void set(const std::vector<uint16_t>& classes, Scan& scan) const;
+  /// `frame` is the number of the scan.
+  void set(const std::vector<uint16_t>& classes, uint64_t frame, Scan& scan) const;
 
  private:
   bool asks(Field field) const;
 
+  // Values by beam; empty if not requested.
+  struct Values {
+    std::vector<float> times, azimuths, elevations;
+    std::vector<uint16_t> rings;
+  };
+
   std::vector<Field> fields_;
-  std::vector<float> times_, azimuths_, elevations_;  // by beam; empty if not requested
+  std::vector<Values> patterns_;  // a grid has one
 };
 
 /// Throws Error(invalidArgument) if there are more channels than the 16 bits of `ring` can number.

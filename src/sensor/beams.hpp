@@ -1,17 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-// Direction and firing time of each beam of a sensor, in double precision, for files, plots and comparisons. Beams are
-// numbered channel by channel.
+// The properties of each beam of a sensor, in double precision, for files, plots, comparisons and tables. Beams are
+// numbered as in a scan. `frame` is the number of the scan, which selects the pattern of a list.
 #pragma once
 
 #include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
 
+/// The beams of a list sensor in scan number `frame`.
+const BeamList& patternOf(const Sensor& sensor, uint64_t frame);
+
+/// Unit vector in the sensor's frame.
+Vec3 directionOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
+/// Point in the sensor's frame from which the beam leaves, in metres.
+Vec3 originOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 /// Seconds between the start of the scan and the moment when the beam fires.
-double timeOf(const Sensor& sensor, size_t beam);
+double timeOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 /// Azimuth in radians from -pi to pi, counter-clockwise from x.
-double azimuthOf(const Sensor& sensor, size_t beam);
+double azimuthOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 /// Elevation in radians above the horizon.
-double elevationOf(const Sensor& sensor, size_t beam);
+double elevationOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
+
+/// Least and largest range of a beam in metres, both included.
+struct RangeWindow {
+  double least = 0, most = 0;
+};
+RangeWindow rangeWindowOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
+/// Value of Field::ring.
+uint32_t ringOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
+
+/// Whether the device must treat the sensor as a list of beams: if it is one, or if it is a grid with a sector, its own
+/// direction of rotation, range windows of channels, masked beams, or hidden near hits.
+bool needsBeamList(const Sensor& sensor);
 
 }  // namespace gnosphere

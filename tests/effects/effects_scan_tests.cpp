@@ -157,16 +157,7 @@ TEST_CASE("beams with angular errors hit the same surfaces") {
 TEST_CASE("effects of lines give the same bytes with every way of binning, and equal the reference") {
   Scene scene = town();
   for (size_t i = 0; i < scene.materials.size(); i += 2) scene.materials[i].transmission = 0.6f;
-  Material fence = lambertian(0.5f, "fence");
-  fence.doubleSided = true;
-  fence.alphaMode = AlphaMode::mask;
-  fence.alphaImage = static_cast<uint32_t>(scene.alphaImages.size());
-  scene.alphaImages.push_back({3, 2, {0, 255, 90, 200, 0, 255}, AlphaImage::Wrap::mirror, AlphaImage::Wrap::repeat});
-  scene.materials.push_back(fence);
-  Mesh mesh = plate(3, 2, static_cast<uint32_t>(scene.materials.size() - 1));
-  mesh.uvs = {-1.7f, 0, 0, 4.5f, 3.1f, 0, 2, 4};
-  scene.meshes.push_back(mesh);
-  scene.instances.push_back({"fence", static_cast<uint32_t>(scene.meshes.size() - 1), translation(1.3, 0.4, 1.8)});
+  addFence(scene, plate(3, 2), translation(1.3, 0.4, 1.8));
   const std::vector<const char*> names = {"cut-outs=on", "angle-noise=on", "transmission=on", "divergence.sub_rays=1"};
   const Sensor sensor = coarse(180);
   for (size_t which = 0; which <= names.size(); ++which)

@@ -38,6 +38,22 @@ inline Material lambertian(float reflectance, const char* name = "dull") {
   return result;
 }
 
+/// Adds a fence to a scene: a plate with holes, whose texture repeats and is mirrored. `alpha` is the opacity of its
+/// material.
+inline void addFence(Scene& scene, Mesh plate, const Transform& placed, float alpha = 1) {
+  Material fence = lambertian(0.5f, "fence");
+  fence.doubleSided = true;
+  fence.alphaMode = AlphaMode::mask;
+  fence.alphaImage = static_cast<uint32_t>(scene.alphaImages.size());
+  fence.baseColor[3] = alpha;
+  scene.alphaImages.push_back({3, 2, {0, 255, 90, 200, 0, 255}, AlphaImage::Wrap::mirror, AlphaImage::Wrap::repeat});
+  plate.parts[0].material = static_cast<uint32_t>(scene.materials.size());
+  plate.uvs = {-1.7f, 0, 0, 4.5f, 3.1f, 0, 2, 4};
+  scene.materials.push_back(fence);
+  scene.meshes.push_back(plate);
+  scene.instances.push_back({"fence", static_cast<uint32_t>(scene.meshes.size() - 1), placed});
+}
+
 /// A table with one row that states the reflectance, without the 4 % gloss of a glTF surface.
 inline MaterialTable tableOf(const std::string& name, float reflectance) {
   MaterialTable table;

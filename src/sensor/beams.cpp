@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sensor/beams.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace gnosphere {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+struct SinCos {
+  double sin, cos;
+};
+
+/// Reduces the angle in degrees, where 90 is exact: axes and diagonals come out exact, and every quadrant has the same
+/// bits.
+SinCos sinCosDegrees(double degrees) {
+  int quadrant = 0;
+  const double rest = std::remquo(degrees, 90.0, &quadrant);
+  const double s = std::sin(rest * std::numbers::pi / 180);
+  const double c = std::cos(rest * std::numbers::pi / 180);
+  switch (quadrant & 3) {
+    case 0: return {s, c};
+    case 1: return {c, -s};
+    case 2: return {-s, -c};
+    default: return {-c, s};
+  }
+}
+
+bool turnsFully(const Sensor& sensor) {
+  return sensor.azimuthStartDeg == -180 && sensor.azimuthSpanDeg == 360;
+}
+
+// Degrees, reduced to one turn. Without a sector -180 + 360 i / columns is rounded once.
+double azimuthDegOf(const Sensor& sensor, size_t beam) {
+  const auto column = static_cast<double>(beam % sensor.columns);
+  const double columnDeg = (sensor.azimuthSpanDeg * column + sensor.azimuthStartDeg * sensor.columns) / sensor.columns;
+  return std::remainder(columnDeg + sensor.channels[beam / sensor.columns].azimuthOffsetDeg, 360.0);
+}
+
+template <typename T>
+T entryOf(const std::vector<T>& list, size_t beam, T otherwise) {
+  return list.empty() ? otherwise : list[beam];
+}
+
+}  // namespace
+
+const BeamList& patternOf(const Sensor& sensor, uint64_t frame) {
+  return sensor.patterns[frame % sensor.patterns.size()];
+}
+
+Vec3 directionOf(const Sensor& sensor, size_t beam, uint64_t frame) {
+  if (!sensor.isGrid()) {
+    const Vec3& d = patternOf(sensor, frame).directions[beam];
+    const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    return {d.x / length, d.y / length, d.z / length};
+  }
+  const SinCos azimuth = sinCosDegrees(azimuthDegOf(sensor, beam));
+  const SinCos elevation = sinCosDegrees(sensor.channels[beam / sensor.columns].elevationDeg);
+  return {elevation.cos * azimuth.cos, elevation.cos * azimuth.sin, elevation.sin};
+}
+
+Vec3 originOf(const Sensor& sensor, size_t beam, uint64_t frame) {
+  if (!sensor.isGrid()) return entryOf(patternOf(sensor, frame).origins, beam, Vec3{});
+  const Vec3& from = sensor.channels[beam / sensor.columns].origin;
+  const double azimuth = azimuthOf(sensor, beam), c = std::cos(azimuth), s = std::sin(azimuth);
+  return {c * from.x - s * from.y, s * from.x + c * from.y, from.z};
+}
+
+double timeOf(const Sensor& sensor, size_t beam, uint64_t frame) {
+  if (!sensor.isGrid()) return entryOf(patternOf(sensor, frame).times, beam, 0.0);
+  const size_t column = beam % sensor.columns, channel = beam / sensor.columns;
+  return sensor.rotationPeriod * static_cast<double>(column) / sensor.columns + sensor.channels[channel].timeOffset;
+}
+
+double azimuthOf(const Sensor& sensor, size_t beam, uint64_t frame) {
+  if (sensor.isGrid()) return kDegree * azimuthDegOf(sensor, beam);
+  const Vec3& d = patternOf(sensor, frame).directions[beam];
+  return std::atan2(d.y, d.x);
+}
+
+double elevationOf(const Sensor& sensor, size_t beam, uint64_t frame) {
+  if (sensor.isGrid()) return kDegree * sensor.channels[beam / sensor.columns].elevationDeg;
+  const Vec3& d = patternOf(sensor, frame).directions[beam];
+  return std::atan2(d.z, std::hypot(d.x, d.y));
+}
+
+RangeWindow rangeWindowOf(const Sensor& sensor, size_t beam, uint64_t frame) {
+  if (!sensor.isGrid()) {
+    const BeamList& pattern = patternOf(sensor, frame);
+    return {pattern.rangeMin.empty() ? sensor.rangeMin : pattern.rangeMin[beam],
+            pattern.rangeMax.empty() ? sensor.rangeMax : pattern.rangeMax[beam]};
+  }
+  const Channel& channel = sensor.channels[beam / sensor.columns];
+  return {channel.rangeMin > 0 ? channel.rangeMin : sensor.rangeMin,
+          channel.rangeMax > 0 ? channel.rangeMax : sensor.rangeMax};
+}
+
+uint32_t ringOf(const Sensor& sensor, size_t beam, uint64_t frame) {
+  if (sensor.isGrid()) return static_cast<uint32_t>(beam / sensor.columns);
+  return entryOf(patternOf(sensor, frame).rings, beam, uint16_t{0});
+}
+
+bool needsBeamList(const Sensor& sensor) {
+  const auto hasWindow = [](const Channel& channel) { return channel.rangeMin > 0 || channel.rangeMax > 0; };
+  return !sensor.isGrid() || !turnsFully(sensor) || !sensor.maskedBeams.empty() ||
+         (sensor.nearHits == NearHits::hide && sensor.rangeMin > 0) ||
+         std::any_of(sensor.channels.begin(), sensor.channels.end(), hasWindow);
+}
+
+BeamList beamsOf(const Sensor& sensor, uint64_t frame) {
+  if (!sensor.isGrid()) return patternOf(sensor, frame);
+  BeamList list;
+  const size_t count = sensor.beamCount();
+  const auto any = [&](auto has) { return std::any_of(sensor.channels.begin(), sensor.channels.end(), has); };
+  const bool origins = any([](const Channel& c) { return c.origin.x != 0 || c.origin.y != 0 || c.origin.z != 0; });
+  const bool times = sensor.rotationPeriod > 0 || any([](const Channel& c) { return c.timeOffset != 0; });
+  const bool least = any([](const Channel& c) { return c.rangeMin > 0; });
+  const bool most = any([](const Channel& c) { return c.rangeMax > 0; });
+  for (size_t beam = 0; beam < count; ++beam) {
+    list.directions.push_back(directionOf(sensor, beam));
+    if (origins) list.origins.push_back(originOf(sensor, beam));
+    if (times) list.times.push_back(timeOf(sensor, beam));
+    const RangeWindow window = rangeWindowOf(sensor, beam);
+    if (least) list.rangeMin.push_back(static_cast<float>(window.least));
+    if (most) list.rangeMax.push_back(static_cast<float>(window.most));
+    list.rings.push_back(static_cast<uint16_t>(ringOf(sensor, beam)));
+  }
+  list.width = sensor.width();
+  list.height = sensor.height();
+  return list;
+}
+
+}  // namespace gnosphere

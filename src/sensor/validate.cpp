@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Checks a sensor, and names the field that is wrong.
+#include <algorithm>
+#include <cmath>
+
+#include "gnosphere/error.hpp"
+#include "gnosphere/sensor.hpp"
+
+namespace gnosphere {
+namespace {
+
+constexpr size_t kMostBeams = 0xfffffffeu;
+constexpr double kMostOrigin = 1, kMostListedOrigin = 1000;  // metres
+constexpr double kMostSeconds = 10;
+
+[[noreturn]] void refuse(const Sensor& sensor, const std::string& why) {
+  throw Error(ErrorCode::invalidArgument,
+              "sensor " + (sensor.name.empty() ? "without a name" : sensor.name) + ": " + why);
+}
+
+std::string text(const Vec3& v) {
+  return std::string("[") + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + "]";
+}
+
+void checkChannel(const Sensor& sensor, size_t j) {
+  const Channel& channel = sensor.channels[j];
+  const auto refuseIts = [&](const char* what, const std::string& why) {
+    refuse(sensor, std::string(what) + " of channel " + std::to_string(j) + " must be " + why);
+  };
+  if (!(std::abs(channel.elevationDeg) <= 90))
+    refuseIts("elevation", "within -90..90 degrees, is " + std::to_string(channel.elevationDeg));
+  if (!(std::abs(channel.azimuthOffsetDeg) <= 360))
+    refuseIts("azimuth offset", "within -360..360 degrees, is " + std::to_string(channel.azimuthOffsetDeg));
+  const Vec3& o = channel.origin;
+  if (!(o.x * o.x + o.y * o.y + o.z * o.z <= kMostOrigin * kMostOrigin))
+    refuseIts("origin", "within 1 m of the sensor's, is " + text(o));
+  if (!(std::abs(channel.timeOffset) <= 1))
+    refuseIts("time offset", "within -1..1 s, is " + std::to_string(channel.timeOffset));
+  for (const double range : {channel.rangeMin, channel.rangeMax})
+    if (!(range >= 0) || !std::isfinite(range))
+      refuseIts("range", "finite and at least 0, is " + std::to_string(range));
+}
+
+void checkGrid(const Sensor& sensor) {
+  if (sensor.columns == 0) refuse(sensor, "columns must be at least 1");
+  if (sensor.beamCount() > kMostBeams)
+    refuse(sensor, std::to_string(sensor.columns) + " columns x " + std::to_string(sensor.channels.size()) +
+                       " channels are more beams than a 32-bit index holds (4294967294)");
+  for (size_t j = 0; j < sensor.channels.size(); ++j) checkChannel(sensor, j);
+  if (!(std::abs(sensor.azimuthStartDeg) <= 360))
+    refuse(sensor, "azimuth start must be within -360..360 degrees, is " + std::to_string(sensor.azimuthStartDeg));
+  if (!(std::abs(sensor.azimuthSpanDeg) <= 360) || sensor.azimuthSpanDeg == 0)
+    refuse(sensor,
+           "azimuth span must be within -360..360 degrees and not 0, is " + std::to_string(sensor.azimuthSpanDeg));
+}
+
+/// One pattern of a list sensor, and how messages name it.
+struct Pattern {
+  const Sensor& sensor;
+  const BeamList& list;
+  std::string name;
+
+  [[noreturn]] void refuse(const std::string& why) const { gnosphere::refuse(sensor, std::string(name).append(why)); }
+
+  template <typename T>
+  void checkLength(const char* what, const std::vector<T>& values) const {
+    if (!values.empty() && values.size() != list.size())
+      refuse(std::string(what) + " has " + std::to_string(values.size()) + " entries, directions has " +
+             std::to_string(list.size()) + "; there must be one per beam in both");
+  }
+
+  template <typename T, typename Good>
+  void checkEach(const char* what, const std::vector<T>& values, Good good, const char* wanted) const {
+    checkLength(what, values);
+    const auto bad = std::find_if_not(values.begin(), values.end(), good);
+    if (bad != values.end())
+      refuse(std::string(what) + " of beam " + std::to_string(bad - values.begin()) + " must be " + wanted);
+  }
+
+  void check() const;
+};
+
+void Pattern::check() const {
+  if (list.size() == 0) refuse("directions are empty");
+  if (list.size() > kMostBeams) refuse("more beams than a 32-bit index holds (4294967294)");
+  if (list.size() != sensor.patterns[0].size())
+    refuse("has " + std::to_string(list.size()) + " beams, pattern 0 has " + std::to_string(sensor.patterns[0].size()) +
+           "; all patterns must have the same number");
+  const auto square = [](const Vec3& v) { return v.x * v.x + v.y * v.y + v.z * v.z; };
+  checkEach(
+      "direction", list.directions, [&](const Vec3& d) { return std::abs(std::sqrt(square(d)) - 1) <= 1e-4; },
+      "a unit vector");
+  checkEach(
+      "origin", list.origins, [&](const Vec3& o) { return square(o) <= kMostListedOrigin * kMostListedOrigin; },
+      "within 1 km of the sensor's");
+  checkEach(
+      "time", list.times, [](double t) { return t >= 0 && t <= kMostSeconds; }, "within 0..10 s");
+  const auto isRange = [](float range) { return range >= 0 && std::isfinite(range); };
+  checkEach("range min", list.rangeMin, isRange, "finite and at least 0");
+  checkEach("range max", list.rangeMax, isRange, "finite and at least 0");
+  checkLength("rings", list.rings);
+  if ((list.width > 0 || list.height > 0) && uint64_t{list.width} * list.height != list.size())
+    refuse("an organised cloud of " + std::to_string(list.width) + " x " + std::to_string(list.height) +
+           " does not suit " + std::to_string(list.size()) + " beams");
+}
+
+void checkPatterns(const Sensor& sensor) {
+  if (sensor.columns != 0 || !sensor.channels.empty())
+    refuse(sensor, "columns and channels belong to a grid, patterns to a list of beams; keep one");
+  for (size_t i = 0; i < sensor.patterns.size(); ++i) {
+    std::string name;
+    if (sensor.patterns.size() > 1) name.append("pattern ").append(std::to_string(i)).append(": ");
+    Pattern{sensor, sensor.patterns[i], name}.check();
+    if (sensor.patterns[i].width != sensor.patterns[0].width || sensor.patterns[i].height != sensor.patterns[0].height)
+      refuse(sensor, name + "its organised cloud has another size than that of pattern 0");
+  }
+}
+
+}  // namespace
+
+void validate(const Sensor& sensor) {
+  sensor.isGrid() ? checkGrid(sensor) : checkPatterns(sensor);
+  for (const uint32_t beam : sensor.maskedBeams)
+    if (beam >= sensor.beamCount())
+      refuse(sensor, "masked beam " + std::to_string(beam) + " does not exist, there are " +
+                         std::to_string(sensor.beamCount()));
+  if (!std::isfinite(sensor.rangeMin) || sensor.rangeMin < 0) refuse(sensor, "range min must be finite and at least 0");
+  if (!std::isfinite(sensor.rangeMax)) refuse(sensor, "range max must be finite");
+  if (sensor.rangeMin > sensor.rangeMax) {
+    refuse(sensor,
+           "range min " + std::to_string(sensor.rangeMin) + " is beyond range max " + std::to_string(sensor.rangeMax));
+  }
+  for (double divergence : {sensor.divergenceHorizontal, sensor.divergenceVertical}) {
+    if (!(divergence >= 0 && divergence <= 0.1)) {
+      refuse(sensor, "divergence must be within 0..100 mrad, is " + std::to_string(1000 * divergence));
+    }
+  }
+  if (sensor.maxReturns < 1 || sensor.maxReturns > 5) {
+    refuse(sensor, "max returns must be within 1..5, is " + std::to_string(sensor.maxReturns));
+  }
+  if (!(sensor.rotationPeriod >= 0 && sensor.rotationPeriod <= kMostSeconds)) {
+    refuse(sensor, "rotation period must be within 0..10 s, is " + std::to_string(sensor.rotationPeriod));
+  }
+}
+
+}  // namespace gnosphere
