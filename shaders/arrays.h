@@ -12,7 +12,12 @@
   BLOCK(readonly, Frame, frame) \
   ARRAY(readonly, Row, rows) \
   ARRAY(readonly, uint, rowLookup) /* per cell of elevation keys: first row from it up | first row above it << 16 */ \
-  ARRAY(readonly, vec2, columns)   /* cos, sin of the azimuth */
+  ARRAY(readonly, vec2, columns)   /* cos, sin of the azimuth */ \
+  ARRAY(readonly, uint, cellStarts)   /* of a list, per cell (row * columns + column) and at the end: its first beam */ \
+  ARRAY(readonly, vec4, beamAngles)   /* per listed beam: cos, sin of its azimuth, cos, sin of its elevation */ \
+  ARRAY(readonly, uint, beamNumbers)  /* per listed beam: its number in a scan */ \
+  ARRAY(readonly, vec2, beamRanges)   /* per listed beam: least and largest range, if Frame::ownRanges */ \
+  ARRAY(readonly, vec4, beamOrigins)  /* per listed beam, with motion: its origin, its place in columnMotions */
 
 // The scene: its meshes and their placed instances.
 #define GNO_SCENE_ARRAYS(BLOCK, ARRAY) \

@@ -85,32 +85,27 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
 
 // `seen` is the triangle at the time when the beam's column fires.
 void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
-  seen = seenFrom(seen, index / frame.columns, beam.azimuth);
+  seen = seenFrom(seen, rowOf(index), beam.azimuth);
   tryBeam(seen, prepare(seen), turn(seen, beam.azimuth), beam, index, slot);
 }
 
 Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }
 
-// One invocation tries all beams of a box. It is one loop, not two nested ones: a subgroup then runs as long as its
-// largest box, not as long as the most columns times the most rows of any box.
+// One invocation tries all beams of a box.
 void trySmall(uint i) {
   TaggedCorner c = projectedC.at[i];
   Triangle triangle = triangleOf(projectedA.at[i], projectedB.at[i], c.corner);
   Box box = boxOf(projectedColumns.at[i], c.tag);
   Prepared prepared = prepare(triangle);
   uint columnCount = boxColumnCount(box);
-  uint k = 0;
-  for (uint row = box.rowFirst; row <= box.rowLast;) {
+  for (Walk walk = walkOf(box); !ended(box, walk);) {
     uint index;
-    Beam beam = beamAt(box, k, row, index);
+    Beam beam;
+    if (!stepTo(box, columnCount, walk, beam, index)) continue;
     if (MOTION)
-      tryMoving(seenFrom(triangle, i, index % frame.columns), beam, index, i);
+      tryMoving(seenFrom(triangle, i, columnOf(index)), beam, index, i);
     else
       tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, i);
-    if (++k == columnCount) {
-      k = 0;
-      ++row;
-    }
   }
 }
 
@@ -166,12 +161,11 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   bool pays = rowCount * (tile.end - tile.first) > kFewBeams;
   if (!pays || BOUNDS == kBoundsPaper) return;
   uint first = columnOf(tile, kFrom);
-  // With offsets, a beam lies between its grid column and the next.
-  uint last = columnOf(tile, kTo + (AZIMUTH_OFFSETS ? 1 : 0));
+  uint last = columnOf(tile, kTo + (BESIDE_COLUMNS ? 1 : 0));
   Triangle triangle = tile.triangle;
   if (MOTION) {
     // With offsets, neighbouring beams fire at other times. So do the columns at the seam.
-    if (AZIMUTH_OFFSETS || triangle.moves || last < first || boxColumnCount(tile.box) == frame.columns) return;
+    if (BESIDE_COLUMNS || triangle.moves || last < first || boxColumnCount(tile.box) == frame.columns) return;
     triangle = seenFrom(triangle, tile.slot, first);
   }
   vec3 far = vec3(length(triangle.a), length(triangle.b), length(triangle.c));
@@ -192,6 +186,17 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   to = max(min(to, tile.box.rowLast + 1), tile.box.rowFirst) - tile.box.rowFirst;
 }
 
+// Tries the listed beams of a cell.
+void tryCell(Tile tile, Prepared prepared, uint cell) {
+  for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + 1]; index < end; ++index) {
+    Beam beam = listedBeam(index);
+    if (MOTION)
+      tryMoving(seenFrom(tile.triangle, tile.slot, index), beam, index, tile.slot);
+    else
+      tryBeam(tile.triangle, prepared, turn(tile.triangle, beam.azimuth), beam, index, tile.slot);
+  }
+}
+
 // One subgroup tries all beams of one tile. The lanes cover `width` columns; if the tile has fewer columns than the
 // subgroup has lanes, they cover several rows as well.
 void tryTile(Tile tile) {
@@ -201,10 +206,10 @@ void tryTile(Tile tile) {
   uint columnCount = tile.end - tile.first;
   uint shift = columnCount > 1 ? min(findMSB(columnCount - 1) + 1, findMSB(gl_SubgroupSize)) : 0;
   uint width = 1 << shift, height = gl_SubgroupSize >> shift;
-  float angle = float(AZIMUTH_OFFSETS ? width + 1 : width) / frame.columnsPerRadian;
+  float angle = float(BESIDE_COLUMNS ? width + 1 : width) / frame.columnsPerRadian;
   uint stride = frame.columns;
   // If all lasers of a column see the triangle from one point at one time, it is prepared and turned once per column.
-  bool byColumn = !AZIMUTH_OFFSETS && (!MOTION || motion.origins == 0.0);
+  bool byColumn = !BESIDE_COLUMNS && (!MOTION || motion.origins == 0.0);
   // Each lane holds the angles of one row. Most boxes have no more rows than the subgroup has lanes.
   vec2 angles = rows.at[min(box.rowFirst + lane, box.rowLast)].angles.xy;
   uint loaded = 0;
@@ -219,7 +224,7 @@ void tryTile(Tile tile) {
       uint column = columnOf(tile, k);
       vec2 azimuth = columns.at[column];
       Triangle seen = tile.triangle;
-      if (MOTION) seen = seenFrom(tile.triangle, tile.slot, column);
+      if (MOTION && !LISTED) seen = seenFrom(tile.triangle, tile.slot, column);
       if (MOTION && byColumn) prepared = prepare(seen);
       Turned turned = turn(seen, azimuth);
       uint mineEnd = k < tile.end ? rowEnd : 0;
@@ -233,7 +238,9 @@ void tryTile(Tile tile) {
           vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
           // This is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
-          if (here && MOTION && !byColumn) {
+          if (here && LISTED) {
+            tryCell(tile, prepared, (box.rowFirst + mine) * stride + column);
+          } else if (here && MOTION && !byColumn) {
             uint index;
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
             // Because of the row's offset the beam may belong to another column than the grid column.

@@ -101,9 +101,9 @@ bool coverRows(Outline outline, inout Box box) {
 
 uint boxRowCount(Box box) { return box.rowLast - box.rowFirst + 1; }
 
-// Returns the first column of the box, not yet wrapped. With offsets, a row's beam belongs to the grid column before
-// it, so the beam can lie in the box although its grid column lies just before it.
-int firstColumn(Box box) { return int(ceil(box.columnMin)) - (AZIMUTH_OFFSETS ? 1 : 0); }
+// Returns the first column of the box, not yet wrapped. A beam may lie in the box although its column lies just before
+// it.
+int firstColumn(Box box) { return int(ceil(box.columnMin)) - (BESIDE_COLUMNS ? 1 : 0); }
 
 // Returns the number of columns that the box covers, at most all of them. It is counted in integers because floats
 // above 2^24 cannot represent every whole number.

@@ -81,7 +81,7 @@ bool occluded(Window window, float nearest) {
   uint base = 0;
   uint columnCount = to - from + 1, rowCount = window.end - window.first;
   // A window of few beams is compared with the hits of these beams. With offsets, rows have different columns.
-  if (!AZIMUTH_OFFSETS && columnCount <= kMaxLookups && columnCount * rowCount <= kMaxLookups) {
+  if (!BESIDE_COLUMNS && columnCount <= kMaxLookups && columnCount * rowCount <= kMaxLookups) {
     for (uint row = window.first; row < window.end; ++row)
       for (uint k = from; k <= to; ++k)
         if (words.at[row * frame.columns + (k < frame.columns ? k : k - frame.columns)].y >= nearestBits) return false;
@@ -122,7 +122,7 @@ bool outOfSight(vec3 low, vec3 high) {
   if ((CULLING & kCullRows) != 0 && window.first >= window.end) return true;
   if ((CULLING & (kCullColumns | kCullOccluded)) == 0) return false;
   coverAzimuths(low, high, keyMin, keyMax, window);
-  if ((CULLING & kCullColumns) != 0 && !AZIMUTH_OFFSETS && ceil(window.from) > floor(window.to)) return true;
+  if ((CULLING & kCullColumns) != 0 && betweenColumns(window.from, window.to)) return true;
   return (CULLING & kCullOccluded) != 0 && pass.occluders != 0 && window.first < window.end &&
          occluded(window, nearest);
 }

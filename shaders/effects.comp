@@ -11,6 +11,7 @@
 #include "bindings.glsl"
 #include "effects/vector.h"
 #include "beam.h"
+#include "beams.glsl"
 #include "effects/doppler.h"
 #include "motion.glsl"
 #include "strays.glsl"
@@ -49,7 +50,7 @@ void storeReturn(uint j, Return value);
 VolumeBox loadVolume(uint i) {
   VolumeBox box = volumes.at[i];
   if (MOTION) {
-    ColumnMotion at = columnMotions.at[columnIndex];
+    ColumnMotion at = columnMotionOf(columnIndex);
     vec3 laser = originOf(rowIndex, beamAzimuth);
     box.row0 = seenPlane(at, laser, box.row0);
     box.row1 = seenPlane(at, laser, box.row1);
@@ -83,7 +84,7 @@ void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;
   if (MOTION) {
-    ColumnMotion now = columnMotions.at[columnIndex];
+    ColumnMotion now = columnMotionOf(columnIndex);
     vec3 point = beamDirection * range + originOf(rowIndex, beamAzimuth);
     if (owner.x != kNone && motion.instances != 0) velocity = velocityAt(instanceMotions.at[owner.y], now, point);
     radial = radialSpeed(beamDirection, velocity, now.velocity.xyz);
@@ -125,6 +126,7 @@ void judge(bool hit) {
   uint count = hit ? 1 : 0, returned;
   if (many) count = echoCounts.at[beamIndex];
   uint cause = signalsOf(planned, beamIndex, beamDirection, count, returned);
+  if (LISTED && planned.rangeMax < 0.0) cause = kCauseDead;  // the window of a masked beam is empty
   if ((FIELDS & kFieldSignal) != 0) {
     uint at = beamIndex * RETURNS;
     signals.at[at].word |= cause << 8;
@@ -140,17 +142,23 @@ void countCauses() {
   }
 }
 
-// Computes the returns of one beam of row `rowIndex`.
-void answer(vec3 angles, vec4 offset, uint channel) {
-  beamIndex = channel * frame.columns + columnIndex;
-  vec2 azimuth = azimuthOfBeam(columns.at[columnIndex], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
-  beamAzimuth = azimuth;
-  Beam axis = beamOf(azimuth, angles.x, angles.y);
+// Computes the returns of one beam of a row; `index` is that in `words`.
+void answer(BeamRow row, uint index) {
+  rowIndex = rowOf(index);
+  columnIndex = columnOf(index);
+  beamIndex = numberIn(row, columnIndex);
+  Beam axis = beamIn(row, columnIndex);
+  beamAzimuth = axis.azimuth;
+  if (LISTED && SIGNALS) {
+    vec2 window = rangesOf(index);
+    planned.rangeMin = window.x;
+    planned.rangeMax = window.y;
+  }
   beamDirection = lightDirection = axis.direction;
   many = MANY_ECHOES;
   if (PANES && PASS == kPassAll) many = echoCounts.at[beamIndex] != kNone;
   if (!MANY_ECHOES) {
-    if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[rowIndex * frame.columns + columnIndex]);
+    if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[index]);
     hitPoint = points.at[beamIndex * RETURNS];
     hitOwner = owners.at[beamIndex * RETURNS];
     if (LOOKS_AT_MATERIALS || SURFACES_MOVE) hitSurface = surfaces.at[beamIndex * RETURNS];
@@ -170,9 +178,7 @@ void answerListed() {
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.hardBeams; i += stride) {
     uint index = hardBeams.at[i];
-    rowIndex = index / frame.columns;
-    columnIndex = index % frame.columns;
-    answer(rows.at[rowIndex].angles, rows.at[rowIndex].offset, rows.at[rowIndex].channel);
+    answer(loadRow(rowOf(index)), index);
   }
 }
 
@@ -184,12 +190,9 @@ void main() {
     answerListed();
     return;
   }
-  rowIndex = gl_WorkGroupID.y;
-  vec3 angles = rows.at[rowIndex].angles;
-  vec4 offset = rows.at[rowIndex].offset;
-  uint channel = rows.at[rowIndex].channel;
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
-  for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x)
-    answer(angles, offset, channel);
+  BeamRow row = loadRow(gl_WorkGroupID.y);
+  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
+  for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x)
+    answer(row, indexOf(gl_WorkGroupID.y, column));
   if (SIGNALS) countCauses();
 }

@@ -365,13 +365,12 @@ void aim(uint index) {
 
 // Returns false if the beam is left to the second pass.
 bool finish(uint index) {
-  uint row = index / frame.columns, column = index % frame.columns;
-  beamRow = row;
-  beamColumn = column;
-  vec3 angles = rows.at[row].angles;
-  vec4 offset = rows.at[row].offset;
-  uint beam = rows.at[row].channel * frame.columns + column;
-  Beam axis = beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
+  beamRow = rowOf(index);
+  beamColumn = columnOf(index);
+  Beam axis = beamWith(index);
+  vec2 window = rangesOf(index);
+  rangeMin = LISTED && frame.hidesNear != 0 ? 0.0 : window.x;
+  rangeMax = window.y;
   // If the lists were too small, they are cut off here; the host enlarges them and runs the scan again.
   uint end = min(listEnds.at[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds.at[index - 1], end);
   aim(index);
@@ -386,7 +385,7 @@ bool finish(uint index) {
     }
     if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
   }
-  gatherEchoes(beam, axis.azimuth);
+  gatherEchoes(numberOf(index), axis.azimuth);
   return true;
 }
 
@@ -394,8 +393,6 @@ void main() {
   loadMotion();
 #define LOAD(s) loadSubRay(s);
   EACH_RAY(LOAD)
-  rangeMin = frame.rangeMin;
-  rangeMax = frame.rangeMax;
   looksAtMaterials = (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x, count = PASS == kPassWithinOne ? frame.beams : counters.hardBeams;
   uint rounds = (count + stride - 1) / stride;

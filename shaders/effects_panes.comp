@@ -95,7 +95,7 @@ uint nextPane(float before, uvec2 opaque, out float range, out uint id) {
 }
 
 Surface surfaceOfHit(uint pane, uint id) {
-  if (pane == kNone) return surfaceOf(beamRow, beamColumn, ownerOf(id));
+  if (pane == kNone) return surfaceOf(beamIndex, ownerOf(id));
   Triangle triangle = paneAt(pane);
   Surface surface;
   surface.corners = Corners(triangle.a, triangle.b, triangle.c);
@@ -135,7 +135,7 @@ void storeEcho(uint slot, vec3 echo, uint id) {
   echoes.at[slot] = vec4(echo, 1.0);
   echoOwners.at[slot] = owner;
   if ((FIELDS & kFieldSurface) != 0) {
-    Surface surface = surfaceOf(beamRow, beamColumn, owner);
+    Surface surface = surfaceOf(beamIndex, owner);
     echoSurfaces.at[slot] = SurfaceRecord(surface.normal, surface.material);
   }
 }
@@ -171,14 +171,13 @@ void main() {
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.hardBeams; i += stride) {
     beamIndex = hardBeams.at[i];
-    beamRow = beamIndex / frame.columns;
-    beamColumn = beamIndex % frame.columns;
-    vec3 angles = rows.at[beamRow].angles;
-    axis = beamOf(azimuthAt(beamRow, beamColumn), angles.x, angles.y);
+    beamRow = rowOf(beamIndex);
+    beamColumn = columnOf(beamIndex);
+    axis = beamWith(beamIndex);
     direction = axis.direction;
     if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[beamIndex]);
     if (MOTION) direction = reportedDirection(beamColumn, direction);
     follow();
-    gatherEchoes(rows.at[beamRow].channel * frame.columns + beamColumn);
+    gatherEchoes(numberOf(beamIndex));
   }
 }

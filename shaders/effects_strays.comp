@@ -9,16 +9,19 @@
 #include "options.glsl"
 #include "bindings.glsl"
 #include "effects/noise.h"
+#include "beam.h"
+#include "beams.glsl"
 
 layout(local_size_x = 64) in;
 
 void main() {
-  uint row = gl_WorkGroupID.y, channel = rows.at[row].channel;
-  float cosElevation = rows.at[row].angles.x;
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
+  BeamRow row = loadRow(gl_WorkGroupID.y);
+  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
-    vec2 error = angleError(parameters, channel * frame.columns + column);
+    uint index = indexOf(gl_WorkGroupID.y, column);
+    vec2 error = angleError(parameters, numberIn(row, column));
+    float cosElevation = LISTED ? beamAngles.at[index].z : row.angles.x;
     precise float left = error.x * cosElevation;
-    strays.at[row * frame.columns + column] = vec2(left, error.y);
+    strays.at[index] = vec2(left, error.y);
   }
 }

@@ -12,6 +12,7 @@
 #include "effects/vector.h"
 #include "to_sensor.glsl"
 #include "beam.h"
+#include "beams.glsl"
 #include "motion.glsl"
 #include "strays.glsl"
 #include "surface_of.glsl"
@@ -30,12 +31,11 @@ vec2 barycentricsOf(Corners t, vec3 p) {
 }
 
 // Returns the point that the beam meets, in the frame of its laser.
-vec3 pointOf(uint row, uint column, uint at) {
+vec3 pointOf(uint index, uint at) {
   if (!MOTION && (EFFECTS & kStrays) == 0) return points.at[at].xyz;
-  vec3 angles = rows.at[row].angles;
-  Beam axis = beamOf(azimuthAt(row, column), angles.x, angles.y);
+  Beam axis = beamWith(index);
   vec3 direction = axis.direction;
-  if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[row * frame.columns + column]);
+  if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[index]);
   return direction * points.at[at].w;
 }
 
@@ -67,21 +67,21 @@ Surface told(Surface surface, uint leader) {
 
 void main() {
   loadMotion();
-  uint row = gl_WorkGroupID.y, channel = rows.at[row].channel;
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
+  BeamRow row = loadRow(gl_WorkGroupID.y);
+  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
   // No lane leaves the loop early, because all lanes take part in the shuffles.
   for (uint from = first; from < end; from += gl_WorkGroupSize.x) {
     uint column = min(from + gl_LocalInvocationID.x, end - 1);
-    uint at = (channel * frame.columns + column) * RETURNS;
+    uint index = indexOf(gl_WorkGroupID.y, column), at = numberIn(row, column) * RETURNS;
     uvec2 owner = owners.at[at];
     // With motion each beam sees its triangle at a different time, so no lane can share.
     bool leading = MOTION || leads(owner);
     Surface surface;
-    if (leading) surface = surfaceOf(row, column, owner);
+    if (leading) surface = surfaceOf(index, owner);
     if (!MOTION) surface = told(surface, leaderOf(leading));
     if (from + gl_LocalInvocationID.x >= end) continue;
     surfaces.at[at] = SurfaceRecord(surface.normal, surface.material);
     if ((FIELDS & kFieldBarycentrics) != 0 && owner.x != kNone)
-      barycentrics.at[at] = barycentricsOf(surface.corners, pointOf(row, column, at));
+      barycentrics.at[at] = barycentricsOf(surface.corners, pointOf(index, at));
   }
 }

@@ -14,6 +14,7 @@ struct Triangle {
 float farthestOf(uint index);
 
 #include "beam.h"
+#include "beams.glsl"
 #include "strays.glsl"
 #include "inside_plain.glsl"
 #include "inside_watertight.glsl"
@@ -99,8 +100,10 @@ bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint i
   vec3 side = vec3(0.0);
   bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, index, range)
                                        : meetRounded(triangle, prepared, turned, beam, index, side, range);
-  bool met = inside && (INSIDE != kInsideExact || range > 0.0) && range >= prepared.window.x &&
-             range <= prepared.window.y;
+  vec2 window = prepared.window;
+  if (LISTED && frame.ownRanges != 0) window = beamRanges.at[index];
+  if (LISTED && frame.hidesNear != 0) window.x = 0.0;
+  bool met = inside && (INSIDE != kInsideExact || range > 0.0) && range >= window.x && range <= window.y;
   // Whether a hit that cannot change the result of the beam is in a hole does not matter.
   if ((EFFECTS & kCutOuts) != 0 && met && range <= farthestOf(index))
     met = !isHole(optics.at[projectedMaterials.at[slot]], slot, side);

@@ -17,6 +17,26 @@ GNO_INLINE vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
   return result;
 }
 
+GNO_INLINE vec4 between(vec4 a, vec4 b, float share) {
+  GNO_PRECISE float rest = 1.0f - share;
+  GNO_PRECISE vec4 result =
+      vec4(a.x * rest + b.x * share, a.y * rest + b.y * share, a.z * rest + b.z * share, a.w * rest + b.w * share);
+  return result;
+}
+
+// Returns the sensor between two moments that are so close that a straight line joins them.
+GNO_INLINE ColumnMotion motionBetween(ColumnMotion a, ColumnMotion b, float share) {
+  ColumnMotion at;
+  at.row0 = between(a.row0, b.row0, share);
+  at.row1 = between(a.row1, b.row1, share);
+  at.row2 = between(a.row2, b.row2, share);
+  at.report0 = between(a.report0, b.report0, share);
+  at.report1 = between(a.report1, b.report1, share);
+  at.report2 = between(a.report2, b.report2, share);
+  at.velocity = between(a.velocity, b.velocity, share);
+  return at;
+}
+
 // Returns the position of a laser: its origin in the head, rotated to the beam's azimuth.
 GNO_INLINE vec3 laserAt(vec3 origin, vec2 azimuth) {
   GNO_PRECISE vec3 turned =

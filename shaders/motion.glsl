@@ -23,12 +23,24 @@ vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
   return inColumn(column, p);
 }
 
+// Returns the sensor when a column fires. Beams of a list fire at any time, between two entries of the table, which are
+// so close that a straight line joins them.
+ColumnMotion columnMotionOf(uint column) {
+  if (!LISTED) return columnMotions.at[column];
+  float place = beamOrigins.at[column].w;
+  uint before = uint(place);
+  return motionBetween(columnMotions.at[before], columnMotions.at[before + 1], place - float(before));
+}
+
 // Returns the position of a row's laser when it fires.
-vec3 originOf(uint row, vec2 azimuth) { return laserAt(rowOrigins.at[row].xyz, azimuth); }
+vec3 originOf(uint row, vec2 azimuth) {
+  if (LISTED) return beamOrigins.at[row].xyz;
+  return laserAt(rowOrigins.at[row].xyz, azimuth);
+}
 
 // Returns the point at a range along a beam, in the frame that points are reported in.
 vec3 reported(uint column, uint row, vec2 azimuth, vec3 direction, float range) {
-  return reportedPoint(columnMotions.at[column], originOf(row, azimuth), direction, range);
+  return reportedPoint(columnMotionOf(column), originOf(row, azimuth), direction, range);
 }
 
 // Returns the largest angle, in radians, by which an object at least `distance` away appears to move while the sensor
@@ -42,7 +54,7 @@ float seemingAngle(float shift, float turn, float distance) {
 
 // Transforms a direction from the column's frame to the frame that points are reported in.
 vec3 reportedDirection(uint column, vec3 direction) {
-  ColumnMotion at = columnMotions.at[column];
+  ColumnMotion at = columnMotionOf(column);
   return rotated(at.report0, at.report1, at.report2, direction);
 }
 

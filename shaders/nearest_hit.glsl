@@ -17,6 +17,23 @@ void offerNearest(uint beam, float range, uint id) {
 #endif
 }
 
+// Walks over the beams of a box, row by row and column by column.
+struct Walk {
+  uint row, k;       // the next beam of a grid; for a list the next cell
+  uint index, end;   // of a list: the beams of cells before that are left
+};
+
+Walk walkOf(Box box) { return Walk(box.rowFirst, 0, 0, 0); }
+
+// Finds the run of cells from the walk's cell on that lie in one row and do not wrap, and moves on behind it.
+void enterCells(Box box, uint columnCount, inout Walk walk) {
+  uint column = wrapColumn(firstColumn(box) + int(walk.k)), run = min(columnCount - walk.k, frame.columns - column);
+  uint cell = walk.row * frame.columns + column;
+  walk.index = cellStarts.at[cell];
+  walk.end = cellStarts.at[cell + run];
+  walk.k += run;
+}
+
 // Returns the beam in the k-th column of a box and in a row, and its index in `words`. If the row's azimuth offset
 // is n columns, rounded down, its beam at a grid column is beam number (grid column - n) of the row. So k counts grid
 // columns in every row, and the slab that owns the grid column owns the beam.
@@ -26,4 +43,31 @@ Beam beamAt(Box box, uint k, uint row, out uint index) {
   uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? int(floor(offset.z)) : 0));
   index = row * frame.columns + column;
   return beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
+}
+
+bool ended(Box box, Walk walk) { return walk.row > box.rowLast && walk.index == walk.end; }
+
+// Moves on by one beam. Returns false if this step has found none because it entered other cells. Walks of one loop,
+// without inner loops, take a subgroup as long as its longest walk.
+bool stepTo(Box box, uint columnCount, inout Walk walk, out Beam beam, out uint index) {
+  if (LISTED) {
+    if (walk.index == walk.end) enterCells(box, columnCount, walk);
+    bool there = walk.index < walk.end;
+    index = walk.index;
+    if (there) {
+      beam = listedBeam(index);
+      ++walk.index;
+    }
+    if (walk.k == columnCount && walk.index == walk.end) {
+      walk.k = 0;
+      ++walk.row;
+    }
+    return there;
+  }
+  beam = beamAt(box, walk.k, walk.row, index);
+  if (++walk.k == columnCount) {
+    walk.k = 0;
+    ++walk.row;
+  }
+  return true;
 }

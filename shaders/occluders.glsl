@@ -12,6 +12,14 @@ uint farthestIn(uvec2 entry) {
   uint result = 0;
   uint rowEnd = min((entry.y + 1) * kFineRows, frame.rows), first = entry.x * kFineColumns;
   uint last = min(kFineColumns, frame.columns - first) - 1;
+  if (LISTED) {
+    for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row) {
+      uint cell = row * frame.columns + first;
+      for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + last + 1]; index < end && result != kNone; ++index)
+        result = max(result, words.at[index].y);
+    }
+    return result;
+  }
   // A beam without a hit hides nothing, so the search stops there.
   for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row)
     [[unroll]] for (uint k = 0; k < kFineColumns; ++k)
@@ -26,6 +34,7 @@ void computeEntry(uvec2 coarse) {
   uint perRow = (frame.columns + kFineColumns - 1) / kFineColumns, fineRows = (frame.rows + kFineRows - 1) / kFineRows;
   uvec2 across = uvec2(kCoarseColumns / kFineColumns, kCoarseRows / kFineRows);
   uint largest = 0;
+  uint any = 0;
   for (uint k = gl_SubgroupInvocationID; k < across.x * across.y; k += gl_SubgroupSize) {
     uvec2 entry = coarse * across + uvec2(k % across.x, k / across.x);
     if (entry.x >= perRow || entry.y >= fineRows) continue;
@@ -33,9 +42,11 @@ void computeEntry(uvec2 coarse) {
     uint found = known ? farthestIn(entry) : kNone;
     farthest.at[entry.y * perRow + entry.x] = found;
     if (known) largest = max(largest, found);
+    any |= uint(known);
   }
   largest = subgroupMax(largest);
+  any = subgroupMax(any);
   uint coarsePerRow = (frame.columns + kCoarseColumns - 1) / kCoarseColumns;
   if (gl_SubgroupInvocationID == 0)
-    farthest.at[perRow * fineRows + coarse.y * coarsePerRow + coarse.x] = largest > 0 ? largest : kNone;
+    farthest.at[perRow * fineRows + coarse.y * coarsePerRow + coarse.x] = any != 0 ? largest : kNone;
 }

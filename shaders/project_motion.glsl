@@ -67,7 +67,8 @@ uint movingBox(mat3 corners, mat3 velocities, bool moves, uint side, out Box box
   rangeMin = distance;
   if (rangeMin > frame.rangeMax) return kRange;
   uint last = frame.columns - 1, at = 0, from = kMiddle;
-  if (!atRest(moves)) {
+  // Beams of a list that look in one direction may fire at any time.
+  if (!LISTED && !atRest(moves)) {
     vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
     float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
     at = min(uint(max(azimuth, 0.0)), last);

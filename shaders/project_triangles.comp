@@ -96,7 +96,7 @@ bool coverNarrowColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) 
   float low = min(min(toB, toC), 0.0), high = max(max(toB, toC), 0.0);
   box.columnMin = (start + low + kPi) * frame.columnsPerRadian - slack;
   box.columnMax = box.columnMin + (high - low) * frame.columnsPerRadian + 2.0 * slack;
-  return AZIMUTH_OFFSETS || ceil(box.columnMin) <= floor(box.columnMax);
+  return !betweenColumns(box.columnMin, box.columnMax);
 }
 
 // The culling tests that need no exact bounds. All lanes run all of them, because loads in divergent branches cost
@@ -263,20 +263,17 @@ void markStale(uint row, uint column) {
 void tryBox(Projected projected, Box box) {
   Triangle triangle = triangleOf(projected.a, projected.b, projected.c.corner);
   Prepared prepared = prepare(triangle);
-  uint columnCount = boxColumnCount(box), k = 0;
+  uint columnCount = boxColumnCount(box);
   bool met = false;
-  for (uint row = box.rowFirst; row <= box.rowLast;) {
+  for (Walk walk = walkOf(box); !ended(box, walk);) {
     uint index;
-    Beam beam = beamAt(box, k, row, index);
+    Beam beam;
+    if (!stepTo(box, columnCount, walk, beam, index)) continue;
     float range;
     if (meet(triangle, prepared, turn(triangle, beam.azimuth), beam, index, kNone, range) &&
         floatBitsToUint(range) <= words.at[index].y) {
       offerNearest(index, range, triangle.id);
       met = true;
-    }
-    if (++k == columnCount) {
-      k = 0;
-      ++row;
     }
   }
   ++triedCount;

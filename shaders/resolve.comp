@@ -26,8 +26,7 @@ float farthestOf(uint index) { return nearestSoFar; }
 // Tries a candidate. The smaller pair of range bits and placed triangle wins. Returns whether it is the new nearest.
 bool consider(uint candidate, uint index, Beam beam, inout uvec2 word) {
   Triangle triangle = loadProjected(candidate);
-  uint row = index / frame.columns;
-  if (MOTION) triangle = seenFrom(triangle, candidate, index - row * frame.columns, row, beam.azimuth);
+  if (MOTION) triangle = seenFrom(triangle, candidate, columnOf(index), rowOf(index), beam.azimuth);
   nearestSoFar = min(uintBitsToFloat(min(word.y, 0x7f800000u)), frame.rangeMax);
   float range;
   if (!meet(triangle, prepare(triangle), turn(triangle, beam.azimuth), beam, index, candidate, range)) return false;
@@ -90,16 +89,15 @@ void store(uint row, uint column, uint beam, Beam axis, uint rangeBits, uint id)
 
 void main() {
   loadMotion();
-  vec3 angles = rows.at[gl_WorkGroupID.y].angles;
-  vec4 offset = rows.at[gl_WorkGroupID.y].offset;
-  uint channel = rows.at[gl_WorkGroupID.y].channel;
+  BeamRow row = loadRow(gl_WorkGroupID.y);
   uint hits = 0;
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
+  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
-    uint index = gl_WorkGroupID.y * frame.columns + column;
-    Beam beam = beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
+    uint index = indexOf(gl_WorkGroupID.y, column);
+    Beam beam = beamIn(row, column);
     uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[index];
-    store(gl_WorkGroupID.y, column, channel * frame.columns + column, beam, word.y, word.x);
+    if (word.y != kNone && hidesItself(index, uintBitsToFloat(word.y))) word = uvec2(kNone);
+    store(LISTED ? index : gl_WorkGroupID.y, column, numberIn(row, column), beam, word.y, word.x);
     hits += word.y != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);

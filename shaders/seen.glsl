@@ -4,7 +4,7 @@
 // Transforms the triangle to the column's frame, at the time when the column fires.
 Triangle seenFrom(Triangle triangle, uint slot, uint column) {
   if (!triangle.moves && motion.sensor == 0) return triangle;
-  ColumnMotion at = columnMotions.at[column];
+  ColumnMotion at = columnMotionOf(column);
   if (triangle.moves) {
     triangle.a = inColumn(at, triangle.a, projectedMotions.at[3 * slot].xyz);
     triangle.b = inColumn(at, triangle.b, projectedMotions.at[3 * slot + 1].xyz);

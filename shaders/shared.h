@@ -195,10 +195,12 @@ struct Frame {
   float shellHint;                          // metres; a shell should end here; 0: nothing is known
   float spreadAcross;                       // like footprint, in azimuth and times the cosine of the elevation
   float spreadUp;                           // like footprint, in elevation
-  uint padding;
+  uint ownRanges;                           // 1 if beams have ranges of their own
+  uint hidesNear;                           // 1 if a hit nearer than the least range ends its beam
+  uint padding0, padding1, padding2;
 };
 
-// One channel; rows are sorted by elevation.
+// One channel; rows are sorted by elevation. A row of a list only has beams.
 struct Row {
   vec3 angles;  // cos and sin of the elevation, elevation key (see elevationKey())
   uint channel;
@@ -280,7 +282,7 @@ struct MotionBounds {
 static_assert(sizeof(MotionBounds) == 36);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 96 &&
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 112 &&
               sizeof(Row) == 32);
 static_assert(sizeof(Counters) == 96 && sizeof(Pass) == 32 && sizeof(Shell) == 64);
 }  // namespace gnosphere::gpu

@@ -57,6 +57,13 @@ float columnSlack(float keyMin, float keyMax) {
   return spread > 0.5 ? float(frame.columns) : (frame.columnSlack * inverse + spread * frame.columnsPerRadian);
 }
 
+// True if beams may lie between their grid column and the next one: rows have azimuth offsets, or cells hold the beams
+// of a list.
+#define BESIDE_COLUMNS (AZIMUTH_OFFSETS || LISTED)
+
+// True if no beam lies between two columns.
+bool betweenColumns(float from, float to) { return !BESIDE_COLUMNS && ceil(from) > floor(to); }
+
 // Wraps a column number. A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and the
 // box spans up to 1 turn.
 uint wrapColumn(int column) {

@@ -25,12 +25,8 @@ vec3 normalOf(Corners t) {
   return unitTowardsOrigin(crossOf(u, v), t.a);
 }
 
-vec2 azimuthAt(uint row, uint column) {
-  return azimuthOfBeam(columns.at[column], rows.at[row].offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact);
-}
-
 Corners seenFrom(Corners t, uint instance, uint column, uint row, vec2 azimuth) {
-  ColumnMotion at = columnMotions.at[column];
+  ColumnMotion at = columnMotionOf(column);
   vec3 origin = originOf(row, azimuth);
   if (motion.instances == 0)
     return Corners(inColumn(at, t.a) - origin, inColumn(at, t.b) - origin, inColumn(at, t.c) - origin);
@@ -45,7 +41,8 @@ struct Surface {
   uint material;
 };
 
-Surface surfaceOf(uint row, uint column, uvec2 owner) {
+// Returns the surface that the beam with this index has hit.
+Surface surfaceOf(uint index, uvec2 owner) {
   Surface surface;
   surface.normal = vec3(0.0);
   surface.material = kNone;
@@ -53,9 +50,9 @@ Surface surfaceOf(uint row, uint column, uvec2 owner) {
   uint slot = triangleSlots.at[meshTriangles.at[instanceMeshes.at[owner.y]] + owner.x];
   uint cluster = slot / kClusterTriangles;
   surface.corners = cornersOf(instances.at[owner.y], cluster, slot % kClusterTriangles);
-  if (MOTION) surface.corners = seenFrom(surface.corners, owner.y, column, row, azimuthAt(row, column));
+  if (MOTION) surface.corners = seenFrom(surface.corners, owner.y, columnOf(index), rowOf(index), beamWith(index).azimuth);
   surface.normal = normalOf(surface.corners);
-  if (MOTION) surface.normal = reportedDirection(column, surface.normal);
+  if (MOTION) surface.normal = reportedDirection(columnOf(index), surface.normal);
   surface.material = clusters.at[cluster].material;
   return surface;
 }

@@ -123,7 +123,7 @@ enum class Cause : uint8_t {
   weak,        ///< all echoes are below the detection threshold
   attenuated,  ///< below the threshold, but without fog, rain, snow and dust an echo would have been above it
   droppedOut,  ///< the return was lost at random (Effects::DropOut)
-  dead,        ///< the beam is one of Effects::DropOut::deadBeams
+  dead,        ///< the beam is one of Effects::DropOut::deadBeams or Sensor::maskedBeams
 };
 inline constexpr size_t kCauseCount = 6;
 

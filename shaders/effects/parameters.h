@@ -76,7 +76,8 @@ struct EffectParameters {
   float tanHorizontal, tanVertical;        // of half the angles of the sub-ray footprint; 0: the beam is a line
   float spreadHorizontal, spreadVertical;  // full angles of the beam that meets drops and flakes
   float rangeMin, rangeMax;
-  float padding0, padding1, padding2;
+  uint hidesNear;  // 1 if an echo nearer than rangeMin ends the beam
+  float padding0, padding1;
 };
 
 // Optical properties of one material.

@@ -138,6 +138,7 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
   Choice choice = noChoice();
   for (uint k = 0u; k < count; ++k) {
     Echo echo = echoAt(k, scatter, scatterAt);
+    if (p.hidesNear > 0u && echo.range < p.rangeMin) continue;
     uint number = drawOf(k, scatterAt);
     float depth = depthOf(p, direction, echo.range);
     float power = received(echo.energy, echo.range, depth);

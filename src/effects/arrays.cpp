@@ -36,11 +36,12 @@ std::vector<gpu::vec4> subRayLines(const SensorPlan& plan) {
 }  // namespace
 
 std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const gpu::Row> rows) {
+  const uint64_t beams = plan.sensor.beamCount();
   std::vector<EffectsArray> arrays;
   const auto addRoom = [&](gpu::Array array, uint64_t bytesPerBeam) {
-    arrays.push_back({array, rows.size() * plan.sensor.columns * bytesPerBeam, {}});
+    arrays.push_back({array, beams * bytesPerBeam, {}});
   };
-  if (plan.motion()) arrays.push_back(table(gpu::Array::rowOrigins, rowOrigins(plan, rows)));
+  if (plan.motion() && !plan.listed) arrays.push_back(table(gpu::Array::rowOrigins, rowOrigins(plan, rows)));
   if (plan.footprint()) {
     arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
     addRoom(gpu::Array::hardBeams, sizeof(uint32_t));

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "effects/bits.h"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
@@ -144,9 +145,9 @@ Answer judgeCutOuts(const Question& q) {
 }
 
 Answer judgeMotion(const Question& q) {
-  if (!(q.sensor.rotationPeriod > 0)) {
-    return {false, "the sensor fires all beams at once", "give the sensor a rotation period"};
-  }
+  if (!firesInTurn(q.sensor))
+    return {false, "the sensor fires all beams at once", "give the sensor a rotation period, or its beams times"};
+  if (!q.sensor.isGrid()) return {true, "the beams fire at times of their own"};
   return {true, format("the sensor takes %.6g s for a turn", q.sensor.rotationPeriod)};
 }
 

@@ -67,6 +67,7 @@ gpu::EffectParameters effectParameters(const Effects& effects, const Sensor& sen
   p.separation = float(effects.returns.separation);
   p.pulseWidth = float(effects.returns.pulseWidth * kLightSpeed / 2);
   p.rangeMin = float(sensor.rangeMin);
+  p.hidesNear = sensor.nearHits == NearHits::hide;
   p.rangeMax = float(sensor.rangeMax);
 
   p.intensityModel = uint32_t(effects.intensity.model);

@@ -6,6 +6,8 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "sensor/beams.hpp"
+
 namespace gnosphere {
 namespace {
 
@@ -39,16 +41,16 @@ double angleBetween(const Frame& a, const Frame& b) {
 
 }  // namespace
 
-MotionTables makeMotionTables(const Sensor& sensor, const Shot& shot, bool moves, bool deskew) {
-  const double period = sensor.rotationPeriod;
+MotionTables makeMotionTables(const Sensor& sensor, bool listed, const Shot& shot, bool moves, bool deskew) {
+  const ScanTimes times = scanTimesOf(sensor, listed, shot.frame);
   const auto poseOf = [&](double time) { return moves ? poseAt(shot.motion, shot.pose, time) : shot.pose; };
   MotionTables tables;
-  tables.middle = poseOf(period / 2);
+  tables.middle = poseOf(times.middle);
   const Frame middle(tables.middle), standing(shot.pose);
   double shift = 0, turn = 0, shiftStep = 0, turnStep = 0, origins = 0;
   Frame before = middle;
-  for (uint32_t i = 0; i < sensor.columns; ++i) {
-    const double time = period * i / sensor.columns;
+  for (uint32_t i = 0; i < times.count; ++i) {
+    const double time = listed ? times.first + i * times.step : sensor.rotationPeriod * i / sensor.columns;
     const Frame now(poseOf(time));
     gpu::ColumnMotion column = {};
     write(middle, now, column.row0, column.row1, column.row2);
@@ -68,10 +70,19 @@ MotionTables makeMotionTables(const Sensor& sensor, const Shot& shot, bool moves
   }
   for (const Channel& channel : sensor.channels)
     origins = std::max(origins, std::hypot(channel.origin.x, channel.origin.y, channel.origin.z));
+  if (!sensor.isGrid())
+    for (const Vec3& origin : patternOf(sensor, shot.frame).origins)
+      origins = std::max(origins, std::hypot(origin.x, origin.y, origin.z));
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
-  tables.bounds = {up(shift + origins), up(turn),    up(shiftStep),
-                   up(turnStep),        up(origins), up(sensor.columns > 0 ? period / sensor.columns : 0),
-                   up(period),          0,           moves && !shot.motion.stamps.empty()};
+  tables.bounds = {up(shift + origins),
+                   up(turn),
+                   up(shiftStep),
+                   up(turnStep),
+                   up(origins),
+                   up(times.step),
+                   up(std::max(times.last, -times.first)),
+                   0,
+                   moves && !shot.motion.stamps.empty()};
   return tables;
 }
 

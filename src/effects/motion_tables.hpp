@@ -16,8 +16,8 @@ struct MotionTables {
 };
 
 /// Computes the tables. If `moves`, the sensor moves by Shot::motion; otherwise only lasers away from the origin and
-/// moving instances count as motion. With `deskew` points are reported in the frame of the shot's pose. Time offsets of
-/// channels are ignored: all lasers of a column use the pose of the column.
-MotionTables makeMotionTables(const Sensor& sensor, const Shot& shot, bool moves, bool deskew);
+/// moving instances count as motion. With `deskew` points are reported in the frame of the shot's pose.
+/// `listed` tells that the moments of the table are not those of the columns, see ScanTimes.
+MotionTables makeMotionTables(const Sensor& sensor, bool listed, const Shot& shot, bool moves, bool deskew);
 
 }  // namespace gnosphere

@@ -11,6 +11,7 @@
 #include "effects/noise.h"
 #include "gnosphere/error.hpp"
 #include "scan/columns.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
@@ -115,9 +116,13 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   plan.bits = bitsOf(plan.decisions);
   if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;
   for (const Field field : request.fields) plan.fields |= bitOf(field);
-  plan.origins = std::any_of(sensor.channels.begin(), sensor.channels.end(), [](const Channel& channel) {
-    return channel.origin.x != 0 || channel.origin.y != 0 || channel.origin.z != 0;
-  });
+  plan.origins = hasOrigins(sensor);
+  plan.listed = needsBeamList(sensor) || (plan.motion() && hasTimeOffsets(sensor));
+  if (plan.listed && accuracyPartsOf(options_).bounds == AccuracyParts::Bounds::paper)
+    throw Error(ErrorCode::invalidArgument,
+                "sensor '" + sensor.name +
+                    "': the accuracy 'paper' knows only grids of a full turn without masked beams, range windows and "
+                    "hidden near hits; choose another accuracy");
   plan.looksAtMaterials = plan.has(gpu::kIntensity) && effects.intensity.model == Effects::Intensity::Model::physical;
   plan.parameters = effectParameters(effects, sensor, plan.bits);
   plan.parameters.sensor = static_cast<uint32_t>(index);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects/shot_motion.hpp"
 
+#include "sensor/beams.hpp"
+
 namespace gnosphere {
 
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const Shot& shot, const InstanceTable& instances) {
@@ -8,11 +10,22 @@ std::optional<ShotMotion> motionOf(const SensorPlan& plan, const Shot& shot, con
   const bool sensorMoves = !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
   if (!sensorMoves && !instancesMove && !plan.origins) return {};
   ShotMotion motion;
-  motion.tables = makeMotionTables(plan.sensor, shot, plan.has(gpu::kSensorMotion), plan.effects.sensorMotion.deskew);
+  motion.tables =
+      makeMotionTables(plan.sensor, plan.listed, shot, plan.has(gpu::kSensorMotion), plan.effects.sensorMotion.deskew);
   if (instancesMove) {
     motion.instances.resize(instances.count());
-    motion.farthest = instances.writeMotions(motion.tables.middle, shot.instanceMotions, plan.sensor.rotationPeriod,
-                                             motion.instances.data());
+    const double duration = durationOf(plan.sensor, shot.frame);
+    motion.farthest =
+        instances.writeMotions(motion.tables.middle, shot.instanceMotions, duration, motion.instances.data());
+    // Beams may fire before the start and after the end of the motion.
+    const float longer = motion.tables.bounds.seconds / static_cast<float>(duration);
+    if (plan.listed && longer > 1) {
+      motion.farthest *= longer;
+      for (gpu::InstanceMotion& instance : motion.instances) {
+        instance.bound.x *= longer;
+        instance.bound.y *= longer;
+      }
+    }
     motion.tables.bounds.instances = 1;
   }
   return motion;

@@ -16,19 +16,6 @@ namespace {
 constexpr uint32_t kMostColumns = 1 << 25;
 constexpr double kRadians = std::numbers::pi / 180;
 
-// Rounds to multiples of 2^-30, so that exact arithmetic on directions never underflows. The error, 5e-10 rad, is
-// negligible.
-float onLattice(double value) {
-  constexpr double kSteps = 1 << 30;
-  return static_cast<float>(std::round(value * kSteps) / kSteps);
-}
-
-// Computes the key of elevationKey() in sphere.glsl from an angle in radians.
-double elevationKey(double elevation) {
-  const double c = std::abs(std::cos(elevation)), s = std::sin(elevation);
-  return s / (c + std::abs(s));
-}
-
 std::vector<gpu::Row> makeRows(const Sensor& sensor) {
   std::vector<uint32_t> order(sensor.channels.size());
   std::iota(order.begin(), order.end(), 0);
@@ -50,22 +37,34 @@ std::vector<gpu::Row> makeRows(const Sensor& sensor) {
   return rows;
 }
 
+}  // namespace
+
+float onLattice(double value) {
+  constexpr double kSteps = 1 << 30;
+  return static_cast<float>(std::round(value * kSteps) / kSteps);
+}
+
+double elevationKey(double elevation) {
+  const double c = std::abs(std::cos(elevation)), s = std::sin(elevation);
+  return s / (c + std::abs(s));
+}
+
 // Entry k is (first row not below cell k) | (first row above it << 16), with a margin for the rounding of the key.
-std::vector<uint32_t> makeLookup(const std::vector<gpu::Row>& rows) {
+std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows) {
   std::vector<uint32_t> lookup;
-  const auto countBelow = [&, row = uint32_t{0}](double key) mutable {
-    while (row < rows.size() && rows[row].angles.z < key) ++row;
-    return row;
-  };
-  auto first = countBelow, end = countBelow;
+  uint32_t first = 0, end = 0;
   for (uint32_t cell = 0; cell < gpu::kRowLookupCells; ++cell) {
-    const double low = 2.0 * cell / gpu::kRowLookupCells - 1;
-    lookup.push_back(first(low - 1e-6) | end(low + 2.0 / gpu::kRowLookupCells + 1e-6) << 16);
+    const double low = 2.0 * cell / gpu::kRowLookupCells - 1, high = low + 2.0 / gpu::kRowLookupCells;
+    while (first < rows.size() && rows[first].high < low - 1e-6) ++first;
+    while (end < rows.size() && rows[end].low < high + 1e-6) ++end;
+    lookup.push_back(first | end << 16);
   }
   return lookup;
 }
 
-}  // namespace
+uint32_t BeamTables::numberOf(uint32_t index) const {
+  return listed ? numbers[index] : rows[index / frame.columns].channel * frame.columns + index % frame.columns;
+}
 
 BeamTables makeBeamTables(const Sensor& sensor) {
   if (sensor.channels.size() > 65535)
@@ -77,27 +76,13 @@ BeamTables makeBeamTables(const Sensor& sensor) {
                                                 " columns; the limit is " + std::to_string(kMostColumns));
   BeamTables tables;
   tables.rows = makeRows(sensor);
-  tables.rowLookup = makeLookup(tables.rows);
-  for (uint32_t i = 0; i < sensor.columns; ++i) {
-    const double azimuth = (-1 + 2.0 * i / sensor.columns) * std::numbers::pi;
-    tables.columns.push_back(onLattice(std::cos(azimuth)));
-    tables.columns.push_back(onLattice(std::sin(azimuth)));
-  }
+  std::vector<RowKeys> keys;
+  for (const gpu::Row& row : tables.rows) keys.push_back({row.angles.z, row.angles.z});
+  tables.rowLookup = makeRowLookup(keys);
   for (const Channel& channel : sensor.channels) tables.azimuthOffsets |= channel.azimuthOffsetDeg != 0;
+  setFrame(sensor, sensor.columns, tables);
 
   gpu::Frame& frame = tables.frame;
-  const double columnsPerRadian = sensor.columns / (2 * std::numbers::pi);
-  frame.columns = sensor.columns;
-  frame.slabShift = slabShift(sensor.columns);
-  frame.rows = static_cast<uint32_t>(sensor.channels.size());
-  frame.beams = static_cast<uint32_t>(sensor.beamCount());
-
-  frame.rangeMin = static_cast<float>(sensor.rangeMin);
-  frame.rangeMax = static_cast<float>(sensor.rangeMax);
-  frame.columnsPerRadian = static_cast<float>(columnsPerRadian);
-  // The slack is the angle slack plus the rounding error of a column position. That error is at most 7.5 * 2^-24 *
-  // columns: the sum of all roundings when the last column of a box is found (project_triangles.comp, cull.glsl).
-  frame.columnSlack = static_cast<float>(gpu::kAzimuthSlack * columnsPerRadian + 5e-7 * sensor.columns);
   const auto elevationOf = [&](const gpu::Row& row) { return sensor.channels[row.channel].elevationDeg * kRadians; };
   for (const gpu::Row& row : tables.rows) {
     frame.shiftMin = std::min(frame.shiftMin, row.offset.z);
@@ -111,6 +96,27 @@ BeamTables makeBeamTables(const Sensor& sensor) {
     frame.paperFirstElevation = static_cast<float>(sensor.channels[0].elevationDeg * kRadians);
   }
   return tables;
+}
+
+void setFrame(const Sensor& sensor, uint32_t columns, BeamTables& tables) {
+  for (uint32_t i = 0; i < columns; ++i) {
+    const double azimuth = (-1 + 2.0 * i / columns) * std::numbers::pi;
+    tables.columns.push_back(onLattice(std::cos(azimuth)));
+    tables.columns.push_back(onLattice(std::sin(azimuth)));
+  }
+  gpu::Frame& frame = tables.frame;
+  const double columnsPerRadian = columns / (2 * std::numbers::pi);
+  frame.columns = columns;
+  frame.slabShift = slabShift(columns);
+  frame.rows = static_cast<uint32_t>(tables.rows.size());
+  frame.beams = static_cast<uint32_t>(sensor.beamCount());
+
+  frame.rangeMin = static_cast<float>(sensor.rangeMin);
+  frame.rangeMax = static_cast<float>(sensor.rangeMax);
+  frame.columnsPerRadian = static_cast<float>(columnsPerRadian);
+  // The slack is the angle slack plus the rounding error of a column position. That error is at most 7.5 * 2^-24 *
+  // columns: the sum of all roundings when the last column of a box is found (project_triangles.comp, cull.glsl).
+  frame.columnSlack = static_cast<float>(gpu::kAzimuthSlack * columnsPerRadian + 5e-7 * columns);
 }
 
 }  // namespace gnosphere

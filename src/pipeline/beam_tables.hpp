@@ -16,10 +16,34 @@ struct BeamTables {
   std::vector<float> columns;   ///< cos, sin of each column's azimuth
   gpu::Frame frame = {};        ///< the backend fills in capacities and the instance count
   bool azimuthOffsets = false;  ///< true if any channel has an azimuth offset
+
+  /// The beams of a list, cell by cell; see arrays.h.
+  bool listed = false;
+  std::vector<uint32_t> cellStarts, numbers;
+  uint32_t masked = 0;  ///< number of beams, at the end, that never fire
+  std::vector<gpu::vec4> angles, origins;
+  std::vector<gpu::vec2> ranges;  ///< empty if all beams have those of the frame
+
+  uint32_t numberOf(uint32_t index) const;
 };
 
 /// Throws Error(invalidArgument) for more than 65,535 channels, because a box packs its rows into 16 bits each, and for
 /// more than 2^25 columns.
 BeamTables makeBeamTables(const Sensor& sensor);
+
+/// Rounds to multiples of 2^-30, so that exact arithmetic on directions never underflows. The error, 5e-10 rad, is
+/// negligible.
+float onLattice(double value);
+/// Computes the key of elevationKey() in sphere.glsl from an angle in radians.
+double elevationKey(double elevation);
+
+/// Elevation keys of the lowest and the highest beam of a row.
+struct RowKeys {
+  double low, high;
+};
+/// Computes the table from elevation keys to rows, which are in order and do not overlap.
+std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows);
+/// Computes the columns of a turn, and all of the frame that follows from them, from `tables.rows` and the sensor.
+void setFrame(const Sensor& sensor, uint32_t columns, BeamTables& tables);
 
 }  // namespace gnosphere

@@ -12,13 +12,69 @@ namespace {
 
 constexpr float kMiss = std::bit_cast<float>(0x7fc00000u);
 
+/// Writes the results of the beams, one by one.
+class Resolver {
+ public:
+  Resolver(const InstanceTable& instances, Scan& scan) : instances_(instances), scan_(scan) {}
+
+  void miss(size_t beam) {
+    float* const point = &scan_.points[3 * beam];
+    point[0] = point[1] = point[2] = scan_.ranges[beam] = kMiss;
+    scan_.triangles[beam] = scan_.instances[beam] = gpu::kNone;
+  }
+
+  void hit(size_t beam, uint32_t triangle, float range, const gpu::vec3& point) {
+    std::copy_n(&point.x, 3, &scan_.points[3 * beam]);
+    scan_.ranges[beam] = range;
+    if (triangle - owner_.first >= owner_.triangles) owner_ = instances_.ownerOf(triangle);
+    scan_.triangles[beam] = triangle - owner_.first;
+    scan_.instances[beam] = owner_.instance;
+    ++hits_;
+  }
+
+  uint64_t hits() const { return hits_; }
+
+ private:
+  const InstanceTable& instances_;
+  Scan& scan_;
+  InstanceTable::Owner owner_;  // kept from beam to beam: neighbours mostly hit the same instance
+  uint64_t hits_ = 0;
+};
+
+uint64_t resolveListed(const Word* words, const BeamTables& tables, const InstanceTable& instances,
+                       const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan) {
+  Resolver resolver(instances, scan);
+  for (uint32_t index = first; index < end; ++index) {
+    const Word& word = words[index];
+    const uint32_t number = tables.numbers[index];
+    const float range = std::bit_cast<float>(word.range);
+    const float least = tables.ranges.empty() ? tables.frame.rangeMin : tables.ranges[index].x;
+    if (word.range == gpu::kNone || (tables.frame.hidesNear != 0 && range < least)) {
+      resolver.miss(number);
+      continue;
+    }
+    const gpu::vec4& angles = tables.angles[index];
+    const gpu::Beam beam = gpu::beamOf({angles.x, angles.y}, angles.z, angles.w);
+    gpu::vec3 point = beam.direction * range;
+    if (motion) {
+      const gpu::vec4& origin = tables.origins[index];
+      const auto before = static_cast<uint32_t>(origin.w);
+      const gpu::ColumnMotion* const moments = &motion->tables.columns[before];
+      point = gpu::reportedPoint(gpu::motionBetween(moments[0], moments[1], origin.w - static_cast<float>(before)),
+                                 {origin.x, origin.y, origin.z}, beam.direction, range);
+    }
+    resolver.hit(number, word.triangle, range, point);
+  }
+  return resolver.hits();
+}
+
 }  // namespace
 
 uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, const InstanceTable& instances,
                       const Sensor& sensor, const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan) {
+  if (tables.listed) return resolveListed(words, tables, instances, motion, first, end, scan);
   const uint32_t columns = tables.frame.columns;
-  uint64_t hits = 0;
-  InstanceTable::Owner owner;  // kept from beam to beam: neighbours mostly hit the same instance
+  Resolver resolver(instances, scan);
   for (uint32_t row = first; row < end; ++row) {
     const auto& angles = tables.rows[row].angles;
     const gpu::vec4& offset = tables.rows[row].offset;
@@ -26,12 +82,9 @@ uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, c
     const gpu::vec3 origin = {static_cast<float>(laser.x), static_cast<float>(laser.y), static_cast<float>(laser.z)};
     const uint64_t begin = uint64_t{tables.rows[row].channel} * columns;
     const Word* word = words + uint64_t{row} * columns;
-    float *point = &scan.points[3 * begin], *range = &scan.ranges[begin];
-    uint32_t *triangle = &scan.triangles[begin], *instance = &scan.instances[begin];
-    for (uint32_t column = 0; column < columns; ++column, ++word, point += 3) {
+    for (uint32_t column = 0; column < columns; ++column, ++word) {
       if (word->range == gpu::kNone) {
-        point[0] = point[1] = point[2] = range[column] = kMiss;
-        triangle[column] = instance[column] = gpu::kNone;
+        resolver.miss(begin + column);
         continue;
       }
       const gpu::vec2 azimuth = gpu::azimuthOfBeam({tables.columns[2 * column], tables.columns[2 * column + 1]}, offset,
@@ -41,15 +94,10 @@ uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, c
       const gpu::vec3 place = motion ? gpu::reportedPoint(motion->tables.columns[column], gpu::laserAt(origin, azimuth),
                                                           beam.direction, metres)
                                      : beam.direction * metres;
-      std::copy_n(&place.x, 3, point);
-      range[column] = metres;
-      if (word->triangle - owner.first >= owner.triangles) owner = instances.ownerOf(word->triangle);
-      triangle[column] = word->triangle - owner.first;
-      instance[column] = owner.instance;
-      ++hits;
+      resolver.hit(begin + column, word->triangle, metres, place);
     }
   }
-  return hits;
+  return resolver.hits();
 }
 
 }  // namespace gnosphere

@@ -17,9 +17,9 @@ struct Word {
   uint32_t triangle, range;
 };
 
-/// Writes points, ranges and owners of rows first..end - 1, with the same bytes as resolve.comp. `words` has one word
-/// per beam, row by row. `exact` rounds offset azimuths to the lattice of exact directions. `motion` is null for a scan
-/// without motion. Returns the number of hits.
+/// Writes points, ranges and owners of rows first..end - 1 of a grid, or of beams first..end - 1 of a list, with the
+/// same bytes as resolve.comp. `words` has one word per beam, in order of index. `exact` rounds offset azimuths to the
+/// lattice of exact directions. `motion` is null for a scan without motion. Returns the number of hits.
 uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, const InstanceTable& instances,
                       const Sensor& sensor, const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan);
 

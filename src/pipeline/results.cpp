@@ -12,6 +12,7 @@
 #include "effects/trajectory.hpp"
 #include "pipeline/resolve_words.hpp"
 #include "scan/columns.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 namespace {
@@ -35,7 +36,8 @@ uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, 
   const Clock::time_point start = Clock::now();
   const gpu::Frame& frame = device.tables.frame;
   std::atomic<uint64_t> hits = 0;
-  inSlices(frame.rows, frame.columns, [&](uint64_t first, uint64_t end) {
+  const bool listed = device.tables.listed;
+  inSlices(listed ? frame.beams : frame.rows, listed ? 1 : frame.columns, [&](uint64_t first, uint64_t end) {
     hits += resolveWords(device.words, device.tables, device.exact, instances, sensor, motion,
                          static_cast<uint32_t>(first), static_cast<uint32_t>(end), scan);
   });
@@ -45,10 +47,8 @@ uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, 
 
 // Replaces the results of the beams that meet a pane; returns the number of hits, which was `hits` before.
 uint64_t readListed(const DeviceResults& device, uint64_t hits, Scan& scan) {
-  const uint32_t columns = device.tables.frame.columns;
   for (uint32_t i = 0; i < device.counters.hardBeams; ++i) {
-    const uint32_t row = device.listed[i] / columns, column = device.listed[i] % columns;
-    const size_t beam = size_t{device.tables.rows[row].channel} * columns + column;
+    const size_t beam = device.tables.numberOf(device.listed[i]);
     const gpu::vec4& point = device.points[beam];
     hits -= scan.triangles[beam] != gpu::kNone;
     std::copy_n(&point.x, 3, &scan.points[3 * beam]);
@@ -61,9 +61,10 @@ uint64_t readListed(const DeviceResults& device, uint64_t hits, Scan& scan) {
 }
 
 // The counters of a scan in which lines answer every beam: a beam without a return met nothing.
-gpu::Counters withHits(gpu::Counters counters, uint64_t hits, uint64_t beams) {
+gpu::Counters withHits(gpu::Counters counters, uint64_t hits, const BeamTables& tables) {
   counters.hits = counters.causes[gpu::kCauseReturned] = static_cast<uint32_t>(hits);
-  counters.causes[gpu::kCauseNoSurface] = static_cast<uint32_t>(beams - hits);
+  counters.causes[gpu::kCauseDead] = tables.masked;
+  counters.causes[gpu::kCauseNoSurface] = tables.frame.beams - tables.masked - static_cast<uint32_t>(hits);
   return counters;
 }
 
@@ -125,11 +126,10 @@ class Directions {
       return glm::vec3(point[0], point[1], point[2]) / scan_.ranges[entry];
     }
     const uint64_t beam = entry / scan_.returns;
-    const Vec3 d = plan_.sensor.direction(beam);
+    const Vec3 d = directionOf(plan_.sensor, beam, shot_.frame);
     glm::dvec3 direction(d.x, d.y, d.z);
     if (turned_) {
-      const double time =
-          plan_.sensor.rotationPeriod * static_cast<double>(beam % plan_.sensor.columns) / plan_.sensor.columns;
+      const double time = timeOf(plan_.sensor, beam, shot_.frame);
       direction = glm::conjugate(turnOf(shot_.pose)) * (turnOf(poseAt(shot_.motion, shot_.pose, time)) * direction);
     }
     return glm::vec3(direction);
@@ -208,7 +208,7 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
   if (device.words) {
     uint64_t hits = readWords(device, instances, plan.sensor, motion, scan);
     if (device.listed) hits = readListed(device, hits, scan);
-    return readCounters(plan, beams, withHits(device.counters, hits, beams), instances.usableTriangles(),
+    return readCounters(plan, beams, withHits(device.counters, hits, device.tables), instances.usableTriangles(),
                         scan.counters);
   }
   const uint32_t returns = plan.returns;
@@ -231,7 +231,7 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
     readMotions(from(device.motions), first, count, scan);
     readBarycentrics(from(device.barycentrics), first, count, scan);
   });
-  const gpu::Counters counters = plan.onlyLines() ? withHits(device.counters, hits, beams) : device.counters;
+  const gpu::Counters counters = plan.onlyLines() ? withHits(device.counters, hits, device.tables) : device.counters;
   readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
 }
 

@@ -33,6 +33,7 @@ Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, b
   result.INSIDE = static_cast<uint32_t>(parts.inside);
   result.RANGE = static_cast<uint32_t>(parts.range);
   result.AZIMUTH_OFFSETS = azimuthOffsets;
+  result.LISTED = plan.listed;
   result.FACES = static_cast<uint32_t>(options.faces);
   result.CULLING = cullingBits(options);
   result.EFFECTS = plan.bits;
@@ -57,7 +58,7 @@ bool leavesWords(uint32_t binning, const SensorPlan& plan) {
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.tuning.keepStill && binning != gpu::kBinningLists &&
          accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper && !plan.surfaces() && !plan.motion() &&
-         !plan.panes() && !plan.has(gpu::kStrays);
+         !plan.panes() && !plan.has(gpu::kStrays) && plan.sensor.patterns.size() <= 1;
 }
 
 const char* nameOfBinning(uint32_t binning) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gnosphere/error.hpp"
+#include "pipeline/beam_cells.hpp"
 #include "pipeline/scene_arrays.hpp"
 
 namespace gnosphere {
@@ -45,44 +46,48 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
                            uint64_t triangles)
     : machine_(machine),
       plan_(plan),
-      tables_(makeBeamTables(plan.sensor)),
+      patterns_(patternsOf(plan)),
       binning_(chooseBinning(options, machine.traits(), plan.footprint())),
       exact_(accuracyPartsOf(options).inside == AccuracyParts::Inside::exact),
       keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
-      options_(kernelOptions(options, plan, tables_.azimuthOffsets)),
-      shells_(mostShells(options, binning_, tables_.frame.beams, triangles)),
-      shellClusters_(shellClusters(options, tables_.frame.beams)),
-      reach_(reachOf(options, tables_.frame)),
+      options_(kernelOptions(options, plan, patterns_[0].tables.azimuthOffsets)),
+      shells_(mostShells(options, binning_, beams(), triangles)),
+      shellClusters_(shellClusters(options, beams())),
+      reach_(reachOf(options, patterns_[0].tables.frame)),
       outputs_(outputsOf(plan, leavesWords(binning_, plan))) {
   options_.BINNING = binning_;
-  tables_.frame.footprint = plan.spread.angle;
-  tables_.frame.spreadAcross = plan.spread.across;
-  tables_.frame.spreadUp = plan.spread.up;
+  for (Pattern& pattern : patterns_) {
+    gpu::Frame& frame = pattern.tables.frame;
+    frame.footprint = plan.spread.angle;
+    frame.spreadAcross = plan.spread.across;
+    frame.spreadUp = plan.spread.up;
+    reach_ = std::max(reach_, reachOf(options, frame));
+  }
   for (const bool motion : {false, true})
     if (!motion || plan_.motion())
       for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
         if (still == StillImage::Use::make && !keepsStill_) continue;
-        for (const Step& step : steps(everything(), still, motion))
+        for (const Step& step : steps(patterns_[0], everything(), still, motion))
           if (step.kind == Step::Kind::dispatch) machine.prepare(step.variant);
       }
 
-  of(Array::rows) = uploaded<gpu::Row>(machine, Array::rows, tables_.rows);
-  of(Array::rowLookup) = uploaded<uint32_t>(machine, Array::rowLookup, tables_.rowLookup);
-  of(Array::columns) = uploaded<float>(machine, Array::columns, tables_.columns);
-  const uint64_t beams = tables_.frame.beams;
+  for (Pattern& pattern : patterns_) upload(pattern);
+  const uint64_t beams = this->beams();
   const bool lists = binning_ == gpu::kBinningLists;
-  const uint64_t fine = tableEntries(tables_.frame, gpu::kFineColumns, gpu::kFineRows),
-                 coarse = tableEntries(tables_.frame, gpu::kCoarseColumns, gpu::kCoarseRows);
+  const uint64_t fine =
+      most([](const gpu::Frame& frame) { return tableEntries(frame, gpu::kFineColumns, gpu::kFineRows); });
+  const uint64_t coarse =
+      most([](const gpu::Frame& frame) { return tableEntries(frame, gpu::kCoarseColumns, gpu::kCoarseRows); });
   allocate(Array::farthest, 4 * (fine + coarse));
   allocate(Array::staleEntries, 4 * coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
   if ((!lists || plan_.panes()) && !leavesWords(binning_, plan_)) allocate(Array::words, beams * sizeof(Word));
   if (lists || plan_.panes()) allocate(Array::listEnds, beams * 4);
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
-  if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, slabCount(tables_.frame) * (plan_.panes() ? 8 : 4));
+  if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most(slabCount) * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
-    for (const EffectsArray& array : lastingArrays(plan, tables_.rows)) {
+    for (const EffectsArray& array : lastingArrays(plan, patterns_[0].tables.rows)) {
       allocate(array.array, array.bytes);
       if (!array.content.empty()) of(array.array)->write(0, array.content);
     }
@@ -93,6 +98,36 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   room.candidates = within(room.candidates, limit(candidateBytes()));
   makeLists(room);
   addFrame();
+}
+
+std::vector<SensorArrays::Pattern> SensorArrays::patternsOf(const SensorPlan& plan) {
+  std::vector<Pattern> patterns(std::max<size_t>(plan.sensor.patterns.size(), 1));
+  for (size_t i = 0; i < patterns.size(); ++i)
+    patterns[i].tables = plan.listed ? makeListedTables(plan.sensor, i) : makeBeamTables(plan.sensor);
+  return patterns;
+}
+
+void SensorArrays::upload(Pattern& pattern) {
+  const BeamTables& tables = pattern.tables;
+  const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
+    pattern.arrays[static_cast<size_t>(array)] = uploaded<T>(machine_, array, content);
+  };
+  put(Array::rowLookup, tables.rowLookup);
+  put(Array::columns, tables.columns);
+  put(Array::rows, tables.rows);
+  if (!tables.listed) return;
+  put(Array::cellStarts, tables.cellStarts);
+  put(Array::beamAngles, tables.angles);
+  put(Array::beamNumbers, tables.numbers);
+  if (!tables.ranges.empty()) put(Array::beamRanges, tables.ranges);
+  if (plan_.motion()) put(Array::beamOrigins, tables.origins);
+}
+
+template <typename Of>
+uint64_t SensorArrays::most(const Of& of) const {
+  uint64_t largest = 0;
+  for (const Pattern& pattern : patterns_) largest = std::max<uint64_t>(largest, of(pattern.tables.frame));
+  return largest;
 }
 
 void SensorArrays::allocate(Array array, uint64_t bytes) {
@@ -142,14 +177,15 @@ PlacedGroups SensorArrays::everything() const {
   return {{0, 1, 1}, {}};
 }
 
-std::vector<Step> SensorArrays::steps(const PlacedGroups& placed, StillImage::Use still, bool motion) const {
+std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups& placed, StillImage::Use still,
+                                      bool motion) const {
   Variant variant;
   variant.options = options_;
   variant.options.MOTION = motion;
   variant.subRays = static_cast<uint32_t>(plan_.subRays.size());
   variant.float64 = float64_ && !motion;
   const bool footprint = plan_.footprint(), lines = plan_.onlyLines();
-  StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), tables_.frame, shells_};
+  StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), pattern.tables.frame, shells_};
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
@@ -190,10 +226,12 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, const Sh
   while (frames_.size() <= index) addFrame();
   Frame& frame = frames_[index];
   frame.capacities = capacities_;
+  frame.pattern = shot.frame % patterns_.size();
+  const Pattern& pattern = patterns_[frame.pattern];
   if (still == StillImage::Use::make)
     makeRoom(machine_, Array::stillWords, uint64_t{beams()} * sizeof(Word), MemoryKind::device, of(Array::stillWords));
 
-  gpu::Frame content = tables_.frame;
+  gpu::Frame content = pattern.tables.frame;
   content.instanceCount = instanceCount;
   content.projectedCapacity = capacities_.projected;
   content.tileCapacity = capacities_.tiles;
@@ -207,10 +245,10 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, const Sh
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
   if (!plan_.bare()) load(frame, shotArrays(plan_, shot, motion));
 
-  for (const auto* own : {&arrays_, &frame.arrays})
+  for (const auto* own : {&pattern.arrays, &std::as_const(arrays_), &std::as_const(frame.arrays)})
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
-  return steps(placed, still, motion != nullptr);
+  return steps(pattern, placed, still, motion != nullptr);
 }
 
 const gpu::Counters& SensorArrays::counters(Frame& frame) const {
@@ -244,7 +282,7 @@ void SensorArrays::growLists(size_t index) {
 
 DeviceResults SensorArrays::results(size_t index) {
   Frame& frame = frames_[index];
-  return DeviceResults::from(tables_, exact_, counters(frame), [&](Array array) -> const void* {
+  return DeviceResults::from(patterns_[frame.pattern].tables, exact_, counters(frame), [&](Array array) -> const void* {
     const auto is = [&](const Output& output) { return output.array == array; };
     if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
     DeviceMemory& memory = *frame.arrays[static_cast<size_t>(array)];
@@ -254,11 +292,9 @@ DeviceResults SensorArrays::results(size_t index) {
 }
 
 void SensorArrays::addTo(MemoryUse& use) const {
-  for (size_t i = 0; i < arrays_.size(); ++i) {
-    const auto array = static_cast<Array>(i);
-    const bool table = array == Array::rows || array == Array::rowLookup || array == Array::columns;
-    (table ? use.sensor : use.work) += arrays_[i] ? arrays_[i]->bytes() : 0;
-  }
+  for (const Pattern& pattern : patterns_)
+    for (const auto& memory : pattern.arrays) use.sensor += memory ? memory->bytes() : 0;
+  for (const auto& memory : arrays_) use.work += memory ? memory->bytes() : 0;
   for (const Frame& frame : frames_)
     for (const auto& memory : frame.arrays) use.work += memory ? memory->bytes() : 0;
 }
@@ -268,8 +304,10 @@ Plan SensorArrays::plan() const {
   plan.effects = plan_.decisions;
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
-  plan.stages = stagesOf(steps(everything(), StillImage::Use::none, plan_.motion()));
+  plan.stages = stagesOf(steps(patterns_[0], everything(), StillImage::Use::none, plan_.motion()));
   if (leavesWords(binning_, plan_)) plan.stages.push_back({"resolve", 0, {}});
+  for (size_t i = 0; i < arrays_.size(); ++i)
+    if (const auto& memory = patterns_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
   for (size_t i = 0; i < arrays_.size(); ++i)
     if (arrays_[i]) plan.buffers.push_back({gpu::kArrayNames[i], arrays_[i]->bytes()});
   for (size_t i = 0; i < arrays_.size(); ++i)

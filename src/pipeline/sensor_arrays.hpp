@@ -20,7 +20,7 @@ class SensorArrays {
   SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options, uint64_t triangles);
 
   const SensorPlan& sensorPlan() const { return plan_; }
-  uint32_t beams() const { return tables_.frame.beams; }
+  uint32_t beams() const { return patterns_[0].tables.frame.beams; }
   /// Distance in metres beyond which instances cannot be hit.
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
@@ -49,9 +49,21 @@ class SensorArrays {
   struct Frame {
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
     Capacities capacities;  // of the lists when the scan was prepared
+    size_t pattern = 0;     // whose beams the scan fires
   };
 
-  std::vector<Step> steps(const PlacedGroups& placed, StillImage::Use still, bool motion) const;
+  /// The beams of the sensor and their arrays. Only a list has several patterns, one per frame number.
+  struct Pattern {
+    BeamTables tables;
+    std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
+  };
+
+  static std::vector<Pattern> patternsOf(const SensorPlan& plan);
+  void upload(Pattern& pattern);
+  /// Returns the largest of the values of all patterns.
+  template <typename Of>
+  uint64_t most(const Of& of) const;
+  std::vector<Step> steps(const Pattern& pattern, const PlacedGroups& placed, StillImage::Use still, bool motion) const;
   PlacedGroups everything() const;
   uint64_t mostProjected() const;
   uint64_t candidateBytes() const;
@@ -66,7 +78,7 @@ class SensorArrays {
 
   Machine& machine_;
   const SensorPlan& plan_;
-  BeamTables tables_;
+  std::vector<Pattern> patterns_;
   uint32_t binning_;
   bool exact_, keepsStill_, float64_;
   Options options_;

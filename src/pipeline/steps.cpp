@@ -146,10 +146,12 @@ class Steps {
     dispatch("effects", kernel, std::min(groups, input_.frame.beams / 64 + 1), {}, pass);
   }
 
-  // Dispatches one row of workgroups per channel.
+  // Dispatches one row of workgroups per channel; the beams of a list are one row.
   void dispatchOnBeams(const char* stage, Kernel kernel) {
-    dispatch(stage, kernel, (input_.frame.columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, {}, 0,
-             input_.frame.rows);
+    const bool listed = input_.variant.options.LISTED != 0;
+    const uint32_t columns = listed ? input_.frame.beams : input_.frame.columns;
+    dispatch(stage, kernel, (columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, {}, 0,
+             listed ? 1 : input_.frame.rows);
   }
 
   // With several shells, earlier kernels decide whether the kernels of a shell run. `work` is the place of this

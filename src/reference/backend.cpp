@@ -74,14 +74,14 @@ void ReferenceBackend::build() {
 Bvh ReferenceBackend::movingTree(const Shot& shot) const {
   const Sensor& sensor = sensors_[shot.sensor]->plan.sensor;
   Sweeps sweeps;
-  for (size_t channel = 0; channel < sensor.channels.size(); ++channel) {
-    const size_t first = channel * sensor.columns;
-    sweeps.first = std::min(sweeps.first, timeOf(sensor, first));
-    sweeps.last = std::max(sweeps.last, timeOf(sensor, first + sensor.columns - 1));
+  for (size_t beam = 0; beam < sensor.beamCount(); ++beam) {
+    const double time = timeOf(sensor, beam, shot.frame);
+    sweeps.first = std::min(sweeps.first, time);
+    sweeps.last = std::max(sweeps.last, time);
   }
   Counters again;
   std::vector<Triangle> triangles =
-      placeAll(scene_, options_.faces, shot.instanceMotions, sensor.rotationPeriod, sweeps, again);
+      placeAll(scene_, options_.faces, shot.instanceMotions, durationOf(sensor, shot.frame), sweeps, again);
   return Bvh(std::move(triangles), std::move(sweeps));
 }
 

@@ -89,7 +89,7 @@ void trace(const View& view, const Line& line, const BeamEffects& effects, size_
 
 Line lineOf(const Beam& beam, double u, double v) {
   const Vec3 along = beam.axis.direction + u * beam.left + v * beam.up;
-  return {beam.axis.frame, (1 / norm(along)) * along, beam.axis.time};
+  return {beam.axis.frame, (1 / norm(along)) * along, beam.axis.time, beam.axis.window, beam.axis.reach};
 }
 
 /// Merges sorted pieces that follow each other within the separation. If pieces of two surfaces are equally strong, it
@@ -175,18 +175,25 @@ BeamEffects beamEffects(const SensorPlan& plan, const Scene& scene, const Materi
   return {plan, opticsOf(scene, materials, plan.effects.intensity.wavelength), footprintOf(plan)};
 }
 
+std::vector<bool> silentBeams(const Sensor& sensor) {
+  std::vector<bool> silent(sensor.beamCount());
+  for (const uint32_t beam : sensor.maskedBeams) silent[beam] = true;
+  return silent;
+}
+
 Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t index) {
-  const Channel& channel = sensor.channels[index / sensor.columns];
-  const double column = static_cast<double>(index % sensor.columns);
-  const double azimuth = (-180 + 360 * column / sensor.columns + channel.azimuthOffsetDeg) * std::numbers::pi / 180;
-  const double elevation = channel.elevationDeg * std::numbers::pi / 180;
+  const Vec3 direction = directionOf(sensor, index, shot.frame);
+  const double azimuth = azimuthOf(sensor, index, shot.frame), elevation = elevationOf(sensor, index, shot.frame);
   const double c = std::cos(azimuth), s = std::sin(azimuth);
-  const Vec3& from = channel.origin;
-  const double time = timeOf(sensor, index);
+  const double time = timeOf(sensor, index, shot.frame);
   const Pose pose = sensorMoves ? poseAt(shot.motion, shot.pose, time) : shot.pose;
 
-  Beam beam = {{SensorFrame(pose), sensor.direction(index), time}, {}, {}, {}, pose};
-  beam.origin = {c * from.x - s * from.y, s * from.x + c * from.y, from.z};
+  RangeWindow window = rangeWindowOf(sensor, index, shot.frame);
+  const double least = window.least;
+  if (sensor.nearHits == NearHits::hide) window.least = 0;
+  Beam beam = {{SensorFrame(pose), direction, time, window}, {}, {}, {}, pose, least};
+  beam.origin = originOf(sensor, index, shot.frame);
+  beam.axis.reach = norm(beam.origin);
   beam.left = {-s, c, 0};
   beam.up = {-std::sin(elevation) * c, -std::sin(elevation) * s, std::cos(elevation)};
   beam.axis.frame.position = beam.axis.frame.position + beam.axis.frame.directionToWorld(beam.origin);

@@ -26,8 +26,11 @@ struct Beam {
   Vec3 origin;    ///< of the laser, in the sensor's frame
   Vec3 left, up;  ///< unit vectors across the axis, in the sensor's frame
   Pose pose;      ///< of the sensor when the beam is fired
+  double least;   ///< metres: the range of a return is at least this
 };
 
+/// Whether each beam of the sensor never fires.
+std::vector<bool> silentBeams(const Sensor& sensor);
 Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t index);
 
 /// How a single-precision simulator may deviate on this beam.

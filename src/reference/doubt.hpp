@@ -27,8 +27,8 @@
 
 #include <algorithm>
 
-#include "gnosphere/sensor.hpp"
 #include "reference/hit.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::reference {
 
@@ -118,7 +118,7 @@ inline void depths(const SeenCorner (&c)[3], double area, double thinness, Doubt
 
 /// `corners` are in the sensor frame; `front` is Triangle::front.
 inline Doubt doubtOf(const Across& beam, const Vec3 (&corners)[3], int front, const CornerError& error,
-                     const Sensor& sensor) {
+                     const RangeWindow& window) {
   SeenCorner c[3];
   for (int k = 0; k < 3; ++k) {
     const Vec3& v = corners[k];
@@ -144,9 +144,9 @@ inline Doubt doubtOf(const Across& beam, const Vec3 (&corners)[3], int front, co
 
   Doubt doubt;
   depths(c, area, thinness, doubt);
-  doubt.possible = doubt.farthest > 0 && doubt.farthest >= sensor.rangeMin && doubt.nearest <= sensor.rangeMax;
-  doubt.certain = inside && !edgy && !turns && doubt.nearest > 0 && doubt.nearest >= sensor.rangeMin &&
-                  doubt.farthest <= sensor.rangeMax;
+  doubt.possible = doubt.farthest > 0 && doubt.farthest >= window.least && doubt.nearest <= window.most;
+  doubt.certain =
+      inside && !edgy && !turns && doubt.nearest > 0 && doubt.nearest >= window.least && doubt.farthest <= window.most;
   return doubt;
 }
 

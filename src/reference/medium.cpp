@@ -217,8 +217,8 @@ std::optional<Echo> Medium::particle(const Particles& particles, const Bounded& 
   return echo;
 }
 
-std::optional<Echo> Medium::strongest(const Draws& draws, size_t beam, const Line& line, const Bounded& far,
-                                      bool& doubt) const {
+std::optional<Echo> Medium::strongest(const Draws& draws, size_t beam, const Line& line, const Bounded& nearest,
+                                      const Bounded& far, bool& doubt) const {
   std::optional<Echo> best;
   Bounded most = 0;
   const auto consider = [&](const std::optional<Echo>& echo) {
@@ -228,7 +228,6 @@ std::optional<Echo> Medium::strongest(const Draws& draws, size_t beam, const Lin
     best = echo;
     most = power;
   };
-  const Bounded nearest = given(plan_.sensor.rangeMin);
   if (plan_.has(gpu::kFog))
     consider(scatter(fog_, kFogLidarRatio, nearest, far, draws.words(beam, 0, gpu::kFog),
                      draws.words(beam, 1, gpu::kFog), doubt));

@@ -32,9 +32,9 @@ class Medium {
 
   /// Returns the optical depth along a line up to a range.
   Bounded depthTo(const Line& line, const Bounded& range) const;
-  /// Returns the medium's strongest echo nearer than `far`.
-  std::optional<Echo> strongest(const Draws& draws, size_t beam, const Line& line, const Bounded& far,
-                                bool& doubt) const;
+  /// Returns the medium's strongest echo between `nearest` and `far`.
+  std::optional<Echo> strongest(const Draws& draws, size_t beam, const Line& line, const Bounded& nearest,
+                                const Bounded& far, bool& doubt) const;
 
  private:
   /// Expected number of detectable drops or flakes up to a range: a table of eight ranges, denser near the sensor, with

@@ -117,7 +117,7 @@ Return Receiver::measured(size_t beam, const Numbered& numbered, bool& doubt) co
   return result;
 }
 
-Judgement Receiver::judge(size_t beam, const Line& axis, std::vector<Echo> surfaces, bool& doubt) const {
+Judgement Receiver::judge(size_t beam, const Line& axis, double least, std::vector<Echo> surfaces, bool& doubt) const {
   Judgement result;
   const Effects::DropOut& dropOut = plan_.effects.dropOut;
   if (plan_.has(gpu::kDropOut)) {
@@ -132,9 +132,9 @@ Judgement Receiver::judge(size_t beam, const Line& axis, std::vector<Echo> surfa
   const bool inMedium = plan_.has(gpu::kMediumEffects);
   if (inMedium) {
     // Light from the medium just in front of the last surface merges with the surface's echo.
-    Bounded far = given(plan_.sensor.rangeMax);
+    Bounded far = given(axis.window.most);
     if (!surfaces.empty()) far = surfaces.back().range - given(plan_.effects.returns.separation);
-    if (const std::optional<Echo> scatter = medium_.strongest(draws_, beam, axis, far, doubt)) {
+    if (const std::optional<Echo> scatter = medium_.strongest(draws_, beam, axis, given(least), far, doubt)) {
       size_t at = 0;
       while (at < surfaces.size() && !less(scatter->range, surfaces[at].range, doubt)) ++at;
       echoes.insert(echoes.begin() + static_cast<ptrdiff_t>(at), {*scatter, gpu::kScatterDraw});
@@ -145,6 +145,7 @@ Judgement Receiver::judge(size_t beam, const Line& axis, std::vector<Echo> surfa
   std::vector<Bounded> powers;
   for (Numbered& numbered : echoes) {
     const Echo& echo = numbered.echo;
+    if (least > axis.window.least && less(echo.range, given(least), doubt)) continue;
     numbered.depth = inMedium ? medium_.depthTo(axis, echo.range) : Bounded(0);
     const Bounded power = received(echo.energy, echo.range, numbered.depth);
     if (inMedium || plan_.has(gpu::kDetection)) {

@@ -23,7 +23,8 @@ class Receiver {
   Receiver(const SensorPlan& plan, const Shot& shot) : plan_(plan), draws_(plan, shot), medium_(plan, shot) {}
 
   /// `surfaces` are the beam's echoes from surfaces, in order of range.
-  Judgement judge(size_t beam, const Line& axis, std::vector<Echo> surfaces, bool& doubt) const;
+  /// `least` is the least range of a return.
+  Judgement judge(size_t beam, const Line& axis, double least, std::vector<Echo> surfaces, bool& doubt) const;
   /// Returns the angular error of the beam: azimuth and elevation in radians.
   std::array<Bounded, 2> angleError(size_t beam) const;
 

@@ -41,6 +41,7 @@ Judge::Judge(const View& view, const Shot& shot, const BeamEffects& effects)
       shot_(shot),
       effects_(effects),
       receiver_(effects.plan, shot),
+      silent_(silentBeams(view.sensor)),
       deskew_(effects.plan.has(gpu::kSensorMotion) && effects.plan.effects.sensorMotion.deskew) {}
 
 Cause Judge::judge(size_t index, Scan& scan) const {
@@ -48,10 +49,15 @@ Cause Judge::judge(size_t index, Scan& scan) const {
   const bool moves = plan.has(gpu::kSensorMotion);
   const Beam beam = beamOf(view_.sensor, shot_, moves, index);
   BeamDoubt doubt;
-  const std::vector<Echo> met = echoesOf(view_, beam, effects_, receiver_, index, doubt);
+  std::vector<Echo> met;
+  if (!silent_[index]) met = echoesOf(view_, beam, effects_, receiver_, index, doubt);
+  // Without the receiver a beam has one echo.
+  if (!plan.signals() && !met.empty() && less(met[0].range, given(beam.least), doubt.tie)) met.clear();
   Judgement judged;
-  if (plan.signals()) {
-    judged = receiver_.judge(index, beam.axis, met, doubt.tie);
+  if (silent_[index]) {
+    judged.cause = Cause::dead;
+  } else if (plan.signals()) {
+    judged = receiver_.judge(index, beam.axis, beam.least, met, doubt.tie);
   } else if (!met.empty()) {
     judged = {{{met[0].range, met[0].range.value, 0, 0, met[0].hit}}, Cause::returned};
   }

@@ -25,6 +25,7 @@ class Judge {
   const Shot& shot_;
   const BeamEffects& effects_;
   Receiver receiver_;
+  std::vector<bool> silent_;  // by beam
   bool deskew_;
 };
 

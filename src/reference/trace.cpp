@@ -13,6 +13,13 @@ std::array<Vec3, 3> seenFrom(const Line& line, const Triangle& triangle) {
           line.frame.toSensor(triangle.corners[2])};
 }
 
+/// The error of a corner as the laser of the line sees it.
+CornerError errorOf(const View& view, const Line& line, uint32_t instance) {
+  CornerError error = view.errors[instance];
+  error.absolute += kCornerError * line.reach;
+  return error;
+}
+
 }  // namespace
 
 View viewOf(const Scene& scene, const Bvh& tree, const std::vector<PlacedMesh>& places, const Sensor& sensor,
@@ -48,13 +55,13 @@ Hit nearest(const View& view, const Line& line, double behind) {
     return std::tuple(range, triangle.instance, triangle.index);
   };
   Hit best;
-  view.tree.walk(ray, view.sensor.rangeMax, [&](uint32_t i, double limit) {
+  view.tree.walk(ray, line.window.most, [&](uint32_t i, double limit) {
     if (view.isDropped(i)) return limit;
     const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[i], line.time);
     const auto [a, b, c] = seenFrom(line, triangle);
     const Pierce hit = pierce(line.direction, a, b, c);
     if (!hit.inside || (triangle.front != 0 && (hit.facing > 0) != (triangle.front > 0))) return limit;
-    if (!(hit.range > 0) || hit.range < view.sensor.rangeMin || hit.range > view.sensor.rangeMax) return limit;
+    if (!(hit.range > 0) || hit.range < line.window.least || hit.range > line.window.most) return limit;
     if (best.triangle != kNobody && rank(best.triangle, best.range) < rank(i, hit.range)) return limit;
     if (hit.range <= behind * (1 + kOneSurface)) return limit;
     if (view.cutOuts && isHole(view.scene, triangle, hit.weights)) return limit;
@@ -68,11 +75,11 @@ bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool
   const Across across(line.direction);
   const auto look = [&](const Triangle& triangle) {
     const auto [a, b, c] = seenFrom(line, triangle);
-    CornerError error = view.errors[triangle.instance];
+    CornerError error = errorOf(view, line, triangle.instance);
     error.relative += line.astray;
-    return doubtOf(across, {a, b, c}, triangle.front, error, view.sensor);
+    return doubtOf(across, {a, b, c}, triangle.front, error, line.window);
   };
-  double farthest = view.sensor.rangeMax;
+  double farthest = line.window.most;
   bool doubt = false;
   for (const Hit& hit : hits) {
     const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[hit.triangle], line.time);
@@ -95,11 +102,11 @@ bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool
     const Pierce hit = pierce(line.direction, a, b, c);
     return hit.inside && isHole(view.scene, triangle, hit.weights) && !isHoleInDoubt(view.scene, triangle, hit.weights);
   };
-  view.tree.walk(fat({view.spread, view.floor}), farthest, [&](uint32_t i, double limit) {
+  view.tree.walk(fat({view.spread, view.floor + kCornerError * line.reach}), farthest, [&](uint32_t i, double limit) {
     if (isHit(i) || view.isDropped(i)) return limit;
     const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[i], line.time);
     // The triangle's own box is tested, too, so that the answer does not depend on the other triangles of the leaf.
-    if (fat(view.errors[triangle.instance]).enter(boxOf(triangle)) > limit) return limit;
+    if (fat(errorOf(view, line, triangle.instance)).enter(boxOf(triangle)) > limit) return limit;
     if (view.cutOuts && isOpen(triangle)) return limit;
     const Doubt other = look(triangle);
     doubt = other.possible && other.nearest <= farthest;

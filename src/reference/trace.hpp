@@ -8,6 +8,7 @@
 #include "reference/doubt.hpp"
 #include "reference/surface.hpp"
 #include "reference/world.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::reference {
 
@@ -31,10 +32,12 @@ View viewOf(const Scene& scene, const Bvh& tree, const std::vector<PlacedMesh>& 
 
 /// The axis of a beam, or one of its sub-rays.
 struct Line {
-  SensorFrame frame;  ///< the frame in which it starts
-  Vec3 direction;     ///< unit, in that frame
-  double time = 0;    ///< seconds after the start of the scan
-  double astray = 0;  ///< bound in radians on an error of its direction in single precision, besides kDirectionError
+  SensorFrame frame;   ///< the frame in which it starts
+  Vec3 direction;      ///< unit, in that frame
+  double time = 0;     ///< seconds after the start of the scan
+  RangeWindow window;  ///< a surface counts only within it
+  double reach = 0;    ///< metres from the sensor origin to the laser: its rounding adds to that of the corners
+  double astray = 0;   ///< bound in radians on an error of its direction in single precision, besides kDirectionError
 };
 
 inline constexpr uint32_t kNobody = kNoTriangle;

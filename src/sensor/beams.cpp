@@ -78,13 +78,59 @@ double timeOf(const Sensor& sensor, size_t beam, uint64_t frame) {
 double azimuthOf(const Sensor& sensor, size_t beam, uint64_t frame) {
   if (sensor.isGrid()) return kDegree * azimuthDegOf(sensor, beam);
   const Vec3& d = patternOf(sensor, frame).directions[beam];
-  return std::atan2(d.y, d.x);
+  // Backwards is -pi, as in column 0 of a full turn.
+  const double azimuth = std::atan2(d.y, d.x);
+  return azimuth < std::numbers::pi ? azimuth : -std::numbers::pi;
 }
 
 double elevationOf(const Sensor& sensor, size_t beam, uint64_t frame) {
   if (sensor.isGrid()) return kDegree * sensor.channels[beam / sensor.columns].elevationDeg;
   const Vec3& d = patternOf(sensor, frame).directions[beam];
   return std::atan2(d.z, std::hypot(d.x, d.y));
+}
+
+ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame) {
+  const double period = sensor.rotationPeriod;
+  if (!listed) return {0, sensor.columns > 0 ? period / sensor.columns : 0, period / 2, period, sensor.columns};
+  double first = 0, last = 0;
+  const auto include = [&](double time) {
+    first = std::min(first, time);
+    last = std::max(last, time);
+  };
+  if (sensor.isGrid())
+    for (const Channel& channel : sensor.channels) {
+      include(channel.timeOffset);
+      include(channel.timeOffset + period);
+    }
+  else
+    for (const double time : patternOf(sensor, frame).times) include(time);
+  constexpr uint32_t kIntervals = 2048;
+  return {first, (last - first) / kIntervals, (first + last) / 2, last, kIntervals + 2};
+}
+
+bool firesInTurn(const Sensor& sensor) {
+  const auto hasTimes = [](const BeamList& pattern) {
+    return std::any_of(pattern.times.begin(), pattern.times.end(), [](double time) { return time != 0; });
+  };
+  return sensor.rotationPeriod > 0 || std::any_of(sensor.patterns.begin(), sensor.patterns.end(), hasTimes);
+}
+
+bool hasTimeOffsets(const Sensor& sensor) {
+  return std::any_of(sensor.channels.begin(), sensor.channels.end(),
+                     [](const Channel& c) { return c.timeOffset != 0; });
+}
+
+bool hasOrigins(const Sensor& sensor) {
+  const auto away = [](const Vec3& origin) { return origin.x != 0 || origin.y != 0 || origin.z != 0; };
+  return std::any_of(sensor.channels.begin(), sensor.channels.end(),
+                     [&](const Channel& c) { return away(c.origin); }) ||
+         std::any_of(sensor.patterns.begin(), sensor.patterns.end(), [&](const BeamList& pattern) {
+           return std::any_of(pattern.origins.begin(), pattern.origins.end(), away);
+         });
+}
+
+double durationOf(const Sensor& sensor, uint64_t frame) {
+  return sensor.rotationPeriod > 0 ? sensor.rotationPeriod : scanTimesOf(sensor, true, frame).last;
 }
 
 RangeWindow rangeWindowOf(const Sensor& sensor, size_t beam, uint64_t frame) {
@@ -115,8 +161,7 @@ BeamList beamsOf(const Sensor& sensor, uint64_t frame) {
   BeamList list;
   const size_t count = sensor.beamCount();
   const auto any = [&](auto has) { return std::any_of(sensor.channels.begin(), sensor.channels.end(), has); };
-  const bool origins = any([](const Channel& c) { return c.origin.x != 0 || c.origin.y != 0 || c.origin.z != 0; });
-  const bool times = sensor.rotationPeriod > 0 || any([](const Channel& c) { return c.timeOffset != 0; });
+  const bool origins = hasOrigins(sensor), times = sensor.rotationPeriod > 0 || hasTimeOffsets(sensor);
   const bool least = any([](const Channel& c) { return c.rangeMin > 0; });
   const bool most = any([](const Channel& c) { return c.rangeMax > 0; });
   for (size_t beam = 0; beam < count; ++beam) {

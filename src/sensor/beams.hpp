@@ -16,7 +16,7 @@ Vec3 directionOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 Vec3 originOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 /// Seconds between the start of the scan and the moment when the beam fires.
 double timeOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
-/// Azimuth in radians from -pi to pi, counter-clockwise from x.
+/// Azimuth in radians from -pi to less than pi, counter-clockwise from x; a grid may round to pi.
 double azimuthOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 /// Elevation in radians above the horizon.
 double elevationOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
@@ -28,6 +28,24 @@ struct RangeWindow {
 RangeWindow rangeWindowOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 /// Value of Field::ring.
 uint32_t ringOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
+
+/// The moments at which the poses of a scan with motion are known: `count` of them, from `first` on every `step`
+/// seconds.
+struct ScanTimes {
+  double first = 0, step = 0, middle = 0, last = 0;  // seconds after the start of the scan
+  uint32_t count = 0;
+};
+/// Returns the times of the columns for a grid. A list has 2,048 intervals: straight lines between poses so close
+/// together miss the true path by nanometres.
+ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame = 0);
+/// Whether beams of one scan fire at different times.
+bool firesInTurn(const Sensor& sensor);
+/// Whether channels of a grid have time offsets.
+bool hasTimeOffsets(const Sensor& sensor);
+/// Whether any beam leaves another point than the sensor's origin.
+bool hasOrigins(const Sensor& sensor);
+/// Seconds in which an instance moves from the start to the end of its motion during a scan.
+double durationOf(const Sensor& sensor, uint64_t frame);
 
 /// Whether the device must treat the sensor as a list of beams: if it is one, or if it is a grid with a sector, its own
 /// direction of rotation, range windows of channels, masked beams, or hidden near hits.

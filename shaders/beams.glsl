@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The beams of the sensor. The index of a beam in a grid is row * columns + column. A list is sorted into the cells of
+// a grid, cell (row, column) after cell; the index is the place in that order, and it also takes the place of the
+// beam's row and column wherever values of a beam are looked up.
+
+uint rowOf(uint index) { return LISTED ? index : index / frame.columns; }
+uint columnOf(uint index) { return LISTED ? index : index % frame.columns; }
+uint indexOf(uint row, uint column) { return LISTED ? column : row * frame.columns + column; }
+
+// Kernels that process all beams have one row of workgroups per row of the grid. A list is one row.
+uint beamsPerRow() { return LISTED ? frame.beams : frame.columns; }
+
+// The values that the beams of a row share. A list has none.
+struct BeamRow {
+  vec3 angles;
+  vec4 offset;
+  uint channel;
+};
+
+BeamRow loadRow(uint row) {
+  if (LISTED) return BeamRow(vec3(0.0), vec4(0.0), 0);
+  return BeamRow(rows.at[row].angles, rows.at[row].offset, rows.at[row].channel);
+}
+
+Beam listedBeam(uint index) {
+  vec4 angles = beamAngles.at[index];
+  return beamOf(angles.xy, angles.z, angles.w);
+}
+
+Beam beamIn(BeamRow row, uint column) {
+  if (LISTED) return listedBeam(column);
+  return beamOf(azimuthOfBeam(columns.at[column], row.offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), row.angles.x,
+                row.angles.y);
+}
+
+Beam beamWith(uint index) { return beamIn(loadRow(rowOf(index)), columnOf(index)); }
+
+// Returns the number of a beam in the scan.
+uint numberIn(BeamRow row, uint column) { return LISTED ? beamNumbers.at[column] : row.channel * frame.columns + column; }
+uint numberOf(uint index) { return numberIn(loadRow(rowOf(index)), columnOf(index)); }
+
+// Returns the least and the largest range of a beam.
+vec2 rangesOf(uint index) {
+  if (LISTED && frame.ownRanges != 0) return beamRanges.at[index];
+  return vec2(frame.rangeMin, frame.rangeMax);
+}
+
+// True if a hit at this range ends the beam without a return.
+bool hidesItself(uint index, float range) { return LISTED && frame.hidesNear != 0 && range < rangesOf(index).x; }

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sensors that are lists of beams: their scans equal the reference's, a grid given as a list has the grid's bytes, and
+// no switch and no order of the beams changes a byte.
+#include "effects/showroom.hpp"
+#include "list_sensors.hpp"
+#include "town/town.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+const Pose kPlace = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
+
+/// A town, with triangles of all sizes above, below and around the sensor.
+Scene coveredTown() {
+  Scene scene = makeTown({.triangles = 20'000});
+  scene.meshes.push_back(soup(9, 300, 20, 25));
+  scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size() - 1), {}});
+  return scene;
+}
+
+TestOptions optionsWith(Accuracy accuracy, Binning binning = Binning::automatic) {
+  TestOptions options = vulkanOptions();
+  options.accuracy = accuracy;
+  options.tuning.binning = binning;
+  return options;
+}
+
+/// A list of beams with everything that a beam can have of its own.
+Sensor variedList() {
+  Random random(11);
+  BeamList beams = rosette(900, 0.5);
+  for (size_t i = 0; i < beams.size(); ++i) {
+    if (i % 2 == 0) beams.directions[i] = anyDirection(random);
+    beams.times[i] = 0.1 * std::abs(random());
+    beams.origins.push_back({0.05 * random(), 0.05 * random(), 0.05 * random()});
+    beams.rangeMin.push_back(i % 3 == 0 ? 0.5f : 4.0f);
+    beams.rangeMax.push_back(i % 4 == 0 ? 15.0f : 60.0f);
+    beams.rings.push_back(static_cast<uint16_t>(i % 6));
+  }
+  Sensor sensor = listSensor("varied", beams, 60);
+  sensor.rangeMin = 0.5;
+  sensor.rotationPeriod = kPeriod;
+  sensor.divergenceHorizontal = 3e-3;
+  sensor.divergenceVertical = 1.5e-3;
+  sensor.maxReturns = 3;
+  sensor.maskedBeams = {5, 17, 301};
+  return sensor;
+}
+
+/// Requires that device and reference agree, in a scene in which two effects are visible.
+void requireEffects(const Sensor& sensor, size_t first, size_t second) {
+  static const Scene scene = showroom();
+  TestOptions options = optionsOf(first, second);
+  Simulator device = makeSimulator(scene, sensor, options);
+  options.device = DeviceChoice::Kind::reference;
+  Simulator reference = makeSimulator(scene, sensor, options);
+  for (const bool moving : {false, true}) {
+    Scan expected, found;
+    reference.scanInto(shotOf(moving), expected);
+    device.scanInto(shotOf(moving), found);
+    const Differences result = differences(expected, found, {0, 1e-3, 2e-3});
+    INFO(sensor.name << ", " << effectNames()[first] << " and " << effectNames()[second]
+                     << (moving ? ", moving: " : ", standing: ") << result.all() << " differences, " << result.ties
+                     << " ties of " << result.beams << ", first: " << result.first);
+    CHECK(found.counters.hits > result.beams / 5);
+    CHECK(result.all() == 0);
+    CHECK(result.ties <= result.beams / 20);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("ten list sensors equal the reference, with every way of binning and every accuracy") {
+  needVulkan();
+  const Scene scene = coveredTown();
+  const std::vector<Sensor> sensors = listSensors();
+  TestOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  Simulator reference = makeSimulator(scene, sensors, options);
+  Simulator slabs = makeSimulator(scene, sensors, optionsWith(Accuracy::standard, Binning::slabs));
+  Simulator nearest = makeSimulator(scene, sensors, optionsWith(Accuracy::standard, Binning::nearest));
+  Simulator lists = makeSimulator(scene, sensors, optionsWith(Accuracy::standard, Binning::lists));
+  Simulator exact = makeSimulator(scene, sensors, optionsWith(Accuracy::exact));
+  Simulator exactLists = makeSimulator(scene, sensors, optionsWith(Accuracy::exact, Binning::lists));
+  Simulator draft = makeSimulator(scene, sensors, optionsWith(Accuracy::draft));
+  for (size_t i = 0; i < sensors.size(); ++i) {
+    INFO(sensors[i].name);
+    const Scan expected = reference.scan(kPlace, i), found = slabs.scan(kPlace, i), exactly = exact.scan(kPlace, i);
+    CHECK(found.counters.hits > 0);
+    requireSame(expected, found);
+    requireSame(expected, exactly);
+    CHECK(sameBytes(found, nearest.scan(kPlace, i)));
+    CHECK(sameBytes(found, lists.scan(kPlace, i)));
+    CHECK(sameBytes(exactly, exactLists.scan(kPlace, i)));
+    CHECK(static_cast<double>(draft.scan(kPlace, i).counters.hits) >
+          0.99 * static_cast<double>(expected.counters.hits));
+  }
+}
+
+TEST_CASE("no switch of culling changes a byte of a list's scan") {
+  needVulkan();
+  const Scene scene = coveredTown();
+  const std::vector<Sensor> all = listSensors(), sensors = {all[0], all[2], all[5], all[7], all[9]};
+  std::vector<Culling> switches(8);
+  switches[1].occlusion = Culling::Occlusion::always;
+  switches[2].occlusion = Culling::Occlusion::never;
+  switches[3].range = switches[4].rows = switches[5].columns = switches[6].cones = false;
+  switches[7] = {false, false, false, false, Culling::Occlusion::always};
+  std::vector<Scan> expected;
+  for (size_t k = 0; k < switches.size(); ++k) {
+    TestOptions options = optionsWith(Accuracy::standard);
+    options.tuning.culling = switches[k];
+    Simulator simulator = makeSimulator(scene, sensors, options);
+    for (size_t i = 0; i < sensors.size(); ++i) {
+      INFO(sensors[i].name << ", switch " << k);
+      const Scan scan = simulator.scan(kPlace, i);
+      if (k == 0) expected.push_back(scan);
+      CHECK(sameBytes(expected[i], scan));
+    }
+  }
+}
+
+TEST_CASE("a grid given as a list has the grid's bytes") {
+  needVulkan();
+  const Scene scene = coveredTown();
+  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+    std::vector<Sensor> sensors;
+    for (const char* name : {"VLP-16", "HDL-64E"}) {
+      sensors.push_back(builtinSensor(name));
+      sensors.push_back(asList(sensors.back()));
+    }
+    Simulator simulator = makeSimulator(scene, sensors, optionsWith(accuracy));
+    for (size_t i = 0; i < sensors.size(); i += 2) {
+      INFO(sensors[i].name << ", " << nameOf(accuracy));
+      CHECK(sameBytes(simulator.scan(kPlace, i), simulator.scan(kPlace, i + 1)));
+    }
+  }
+}
+
+TEST_CASE("the order of the beams does not change their exact hits") {
+  needVulkan();
+  const Scene scene = coveredTown();
+  const Sensor ordered = listSensors()[2];
+  Sensor shuffled = ordered;
+  std::vector<size_t> order(ordered.beamCount());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = i * 7919 % order.size();
+  for (size_t i = 0; i < order.size(); ++i)
+    shuffled.patterns[0].directions[i] = ordered.patterns[0].directions[order[i]];
+  Simulator simulator = makeSimulator(scene, {ordered, shuffled}, optionsWith(Accuracy::exact));
+  const Scan first = simulator.scan(kPlace, 0), second = simulator.scan(kPlace, 1);
+  size_t different = 0;
+  for (size_t i = 0; i < order.size(); ++i)
+    different += std::memcmp(&first.points[3 * order[i]], &second.points[3 * i], 12) != 0 ||
+                 first.triangles[order[i]] != second.triangles[i] || first.instances[order[i]] != second.instances[i];
+  CHECK(different == 0);
+}
+
+TEST_CASE("effects and motion of a list equal the reference") {
+  // Each round has two effects, so all 17 are tried.
+  for (size_t first = 0; first <= effectNames().size() / 2; ++first)
+    requireEffects(variedList(), first, (first + 9) % effectNames().size());
+}
+
+TEST_CASE("lasers of a moving sensor see the scene at their own times") {
+  Sensor offsets = smallSensor();
+  offsets.name = "time offsets";
+  for (size_t j = 0; j < offsets.channels.size(); ++j) offsets.channels[j].timeOffset = 0.004 * double(j) - 0.01;
+  const auto motion = [](const char* name) {
+    const std::vector<std::string>& names = effectNames();
+    return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  requireEffects(offsets, motion("sensor-motion"), motion("object-motion"));
+}
+
+TEST_CASE("a sector and a clockwise head have the beams of the full turn") {
+  needVulkan();
+  const Scene scene = coveredTown();
+  Sensor turn = builtinSensor("VLP-16");
+  Sensor sector = turn, clockwise = turn;
+  sector.columns = turn.columns / 3;
+  sector.azimuthStartDeg = -60;
+  sector.azimuthSpanDeg = 120;
+  clockwise.azimuthStartDeg = 180;
+  clockwise.azimuthSpanDeg = -360;
+  Simulator simulator = makeSimulator(scene, {turn, sector, clockwise}, optionsWith(Accuracy::standard));
+  const Scan whole = simulator.scan(kPlace, 0), part = simulator.scan(kPlace, 1), reversed = simulator.scan(kPlace, 2);
+  size_t different = 0;
+  for (size_t j = 0; j < turn.channels.size(); ++j)
+    for (uint32_t i = 0; i < turn.columns; ++i) {
+      const size_t beam = j * turn.columns + i;
+      const auto differs = [&](const Scan& other, size_t at) {
+        return std::memcmp(&whole.ranges[beam], &other.ranges[at], 4) != 0 ||
+               whole.triangles[beam] != other.triangles[at];
+      };
+      different += differs(reversed, j * turn.columns + (turn.columns - i) % turn.columns);
+      if (i >= turn.columns / 3 && i < 2 * turn.columns / 3)
+        different += differs(part, j * sector.columns + i - turn.columns / 3);
+    }
+  CHECK(part.beamCount() == whole.beamCount() / 3);
+  CHECK(different == 0);
+  requireSame(referenceOf(scene, sector, kPlace), part);
+  requireSame(referenceOf(scene, clockwise, kPlace), reversed);
+}
+
+TEST_CASE("a near surface hides what is behind it, or lets the beam pass") {
+  Scene scene = sceneOf(plate(0.5, 0.2));
+  scene.meshes.push_back(plate(10, 20));
+  scene.instances.push_back({"", 1, {}});
+  Sensor sensor = fan(90, 5, 10, 50);
+  sensor.rangeMin = 1;
+  for (const std::string device : {"reference", "vulkan"}) {
+    INFO(device);
+    TestOptions options = optionsOn(device);
+    sensor.nearHits = NearHits::seeThrough;
+    const float through = scanOf(scene, sensor, {}, options).ranges[ahead(sensor, 2)];
+    sensor.nearHits = NearHits::hide;
+    const Scan hidden = scanOf(scene, sensor, {}, options);
+    CHECK(through == 10);
+    CHECK(std::isnan(hidden.ranges[ahead(sensor, 2)]));
+    CHECK(hidden.ranges[ahead(sensor, 2) + 11] > 10);  // beside the near plate
+    options.effects.intensity.use = options.effects.returns.use = EffectUse::on;
+    options.fields = {Field::intensity};
+    CHECK(std::isnan(scanOf(scene, sensor, {}, options).ranges[ahead(sensor, 2)]));
+  }
+}
+
+TEST_CASE("scan number n of a list fires pattern n, and columns tell its beams") {
+  const Scene scene = coveredTown();
+  Sensor sensor;
+  sensor.name = "two patterns";
+  sensor.rangeMax = 100;
+  for (const double phase : {0.0, 0.5}) sensor.patterns.push_back(rosette(500, 0.4, phase));
+  sensor.patterns[0].rings.assign(500, 3);
+  for (const std::string device : {"reference", "vulkan"}) {
+    INFO(device);
+    TestOptions options = optionsOn(device);
+    options.fields = {Field::azimuth, Field::ring, Field::time};
+    Simulator simulator = makeSimulator(scene, sensor, options);
+    for (const uint64_t frame : {0u, 1u, 2u, 7u}) {
+      Sensor alone = sensor;
+      alone.patterns = {sensor.patterns[frame % 2]};
+      Shot shot;
+      shot.pose = kPlace;
+      shot.frame = frame;
+      Scan scan;
+      simulator.scanInto(shot, scan);
+      CHECK(sameBytes(scan, scanOf(scene, alone, kPlace, options)));
+      const Vec3& d = alone.patterns[0].directions[123];
+      CHECK(scan.column<float>(Field::azimuth)[123] == static_cast<float>(std::atan2(d.y, d.x)));
+      CHECK(scan.column<float>(Field::time)[123] == static_cast<float>(alone.patterns[0].times[123]));
+      CHECK(scan.column<uint16_t>(Field::ring)[123] == (frame % 2 == 0 ? 3 : 0));
+    }
+  }
+}
+
+TEST_CASE("the accuracy paper refuses lists") {
+  CHECK_THROWS_AS(scanOf(coveredTown(), listSensors()[0], {}, optionsWith(Accuracy::paper)), Error);
+}
+
+}  // namespace gnosphere::test
