@@ -15,9 +15,11 @@
   ARRAY(readonly, vec2, columns)   /* cos, sin of the azimuth */ \
   ARRAY(readonly, uint, cellStarts)   /* of a list, per cell (row * columns + column) and at the end: its first beam */ \
   ARRAY(readonly, vec4, beamAngles)   /* per listed beam: cos, sin of its azimuth, cos, sin of its elevation */ \
-  ARRAY(readonly, uint, beamNumbers)  /* per listed beam: its number in a scan */ \
-  ARRAY(readonly, vec2, beamRanges)   /* per listed beam: least and largest range, if Frame::ownRanges */ \
-  ARRAY(readonly, vec4, beamOrigins)  /* per listed beam, with motion: its origin, its place in columnMotions */
+  ARRAY(readonly, uint, beamNumbers)  /* per beam, by index: its number in a scan; kNone: none */ \
+  ARRAY(readonly, vec2, beamRanges)   /* per beam, by index: least and largest range, if ownRanges */ \
+  ARRAY(readonly, uvec2, startWords)  /* per place of a grid with holes: its word before anything is hit */ \
+  ARRAY(readonly, vec4, beamOrigins)  /* per listed beam, with motion: its origin as in rowOrigins, */ \
+                                      /* its place in columnMotions */
 
 // The scene: its meshes and their placed instances.
 #define GNO_SCENE_ARRAYS(BLOCK, ARRAY) \

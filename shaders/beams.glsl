@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The beams of the sensor. The index of a beam in a grid is row * columns + column. A list is sorted into the cells of
-// a grid, cell (row, column) after cell; the index is the place in that order, and it also takes the place of the
-// beam's row and column wherever values of a beam are looked up.
+// The beams of the sensor. The index of a beam in a grid is row * columns + column. If all beams of a list lie in places
+// of a grid, they are indexed in the same way (MAPPED). Other lists are sorted into the cells of a grid, cell (row,
+// column) after cell (LISTED); the index is the place in that order, and it also takes the place of the beam's row and
+// column wherever values of a beam are looked up.
+
+// True if a table has the numbers of the beams in a scan, and beams may have ranges of their own.
+#define NUMBERED (LISTED || MAPPED)
 
 uint rowOf(uint index) { return LISTED ? index : index / frame.columns; }
 uint columnOf(uint index) { return LISTED ? index : index % frame.columns; }
@@ -35,15 +39,17 @@ Beam beamIn(BeamRow row, uint column) {
 
 Beam beamWith(uint index) { return beamIn(loadRow(rowOf(index)), columnOf(index)); }
 
-// Returns the number of a beam in the scan.
-uint numberIn(BeamRow row, uint column) { return LISTED ? beamNumbers.at[column] : row.channel * frame.columns + column; }
-uint numberOf(uint index) { return numberIn(loadRow(rowOf(index)), columnOf(index)); }
+// Returns the number of a beam in the scan; kNone for a place without a beam.
+uint numberIn(BeamRow row, uint index, uint column) {
+  return NUMBERED ? beamNumbers.at[index] : row.channel * frame.columns + column;
+}
+uint numberOf(uint index) { return numberIn(loadRow(rowOf(index)), index, columnOf(index)); }
 
 // Returns the least and the largest range of a beam.
 vec2 rangesOf(uint index) {
-  if (LISTED && frame.ownRanges != 0) return beamRanges.at[index];
+  if (NUMBERED && frame.ownRanges != 0) return beamRanges.at[index];
   return vec2(frame.rangeMin, frame.rangeMax);
 }
 
 // True if a hit at this range ends the beam without a return.
-bool hidesItself(uint index, float range) { return LISTED && frame.hidesNear != 0 && range < rangesOf(index).x; }
+bool hidesItself(uint index, float range) { return NUMBERED && frame.hidesNear != 0 && range < rangesOf(index).x; }

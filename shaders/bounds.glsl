@@ -125,7 +125,7 @@ bool coverColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) {
   float toC = azimuthOf(a.x * c.y - a.y * c.x, dot(a.xy, c.xy));
   float low = min(min(toB, toC), 0.0), high = max(max(toB, toC), 0.0);
   // columnMin may be negative and columnMax beyond the last column; code that iterates over the columns wraps them.
-  box.columnMin = (start + low + kPi) * frame.columnsPerRadian - slack;
+  box.columnMin = columnAt(start + low) - slack;
   box.columnMax = box.columnMin + (high - low) * frame.columnsPerRadian + 2.0 * slack;
   return boxColumnCount(box) > 0;
 }

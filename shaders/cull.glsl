@@ -66,9 +66,9 @@ void coverAzimuths(vec3 low, vec3 high, float keyMin, float keyMax, inout Window
     least = min(least, turned);
     most = max(most, turned);
   }
-  float middle = azimuthOf(centre.y, centre.x) + kPi;
-  window.from = (middle + least) * frame.columnsPerRadian - slack;
-  window.to = (middle + most) * frame.columnsPerRadian + slack;
+  float middle = azimuthOf(centre.y, centre.x);
+  window.from = columnAt(middle + least) - slack;
+  window.to = columnAt(middle + most) + slack;
 }
 
 // True if the box is farther than the largest range that any beam of the window has found so far; then nothing in it

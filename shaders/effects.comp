@@ -126,7 +126,7 @@ void judge(bool hit) {
   uint count = hit ? 1 : 0, returned;
   if (many) count = echoCounts.at[beamIndex];
   uint cause = signalsOf(planned, beamIndex, beamDirection, count, returned);
-  if (LISTED && planned.rangeMax < 0.0) cause = kCauseDead;  // the window of a masked beam is empty
+  if (NUMBERED && planned.rangeMax < 0.0) cause = kCauseDead;  // the window of a masked beam is empty
   if ((FIELDS & kFieldSignal) != 0) {
     uint at = beamIndex * RETURNS;
     signals.at[at].word |= cause << 8;
@@ -146,10 +146,11 @@ void countCauses() {
 void answer(BeamRow row, uint index) {
   rowIndex = rowOf(index);
   columnIndex = columnOf(index);
-  beamIndex = numberIn(row, columnIndex);
+  beamIndex = numberIn(row, index, columnIndex);
+  if (MAPPED && beamIndex == kNone) return;
   Beam axis = beamIn(row, columnIndex);
   beamAzimuth = axis.azimuth;
-  if (LISTED && SIGNALS) {
+  if (NUMBERED && SIGNALS) {
     vec2 window = rangesOf(index);
     planned.rangeMin = window.x;
     planned.rangeMax = window.y;

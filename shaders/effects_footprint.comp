@@ -365,11 +365,13 @@ void aim(uint index) {
 
 // Returns false if the beam is left to the second pass.
 bool finish(uint index) {
+  uint number = numberOf(index);
+  if (MAPPED && number == kNone) return true;
   beamRow = rowOf(index);
   beamColumn = columnOf(index);
   Beam axis = beamWith(index);
   vec2 window = rangesOf(index);
-  rangeMin = LISTED && frame.hidesNear != 0 ? 0.0 : window.x;
+  rangeMin = NUMBERED && frame.hidesNear != 0 ? 0.0 : window.x;
   rangeMax = window.y;
   // If the lists were too small, they are cut off here; the host enlarges them and runs the scan again.
   uint end = min(listEnds.at[index], frame.candidateCapacity), start = index == 0 ? 0 : min(listEnds.at[index - 1], end);
@@ -385,7 +387,7 @@ bool finish(uint index) {
     }
     if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
   }
-  gatherEchoes(numberOf(index), axis.azimuth);
+  gatherEchoes(number, axis.azimuth);
   return true;
 }
 

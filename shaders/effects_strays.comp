@@ -19,7 +19,7 @@ void main() {
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
     uint index = indexOf(gl_WorkGroupID.y, column);
-    vec2 error = angleError(parameters, numberIn(row, column));
+    vec2 error = angleError(parameters, numberIn(row, index, column));
     float cosElevation = LISTED ? beamAngles.at[index].z : row.angles.x;
     precise float left = error.x * cosElevation;
     strays.at[index] = vec2(left, error.y);

@@ -72,14 +72,16 @@ void main() {
   // No lane leaves the loop early, because all lanes take part in the shuffles.
   for (uint from = first; from < end; from += gl_WorkGroupSize.x) {
     uint column = min(from + gl_LocalInvocationID.x, end - 1);
-    uint index = indexOf(gl_WorkGroupID.y, column), at = numberIn(row, column) * RETURNS;
+    uint index = indexOf(gl_WorkGroupID.y, column), at = numberIn(row, index, column);
+    bool there = !MAPPED || at != kNone;
+    at = there ? at * RETURNS : 0;
     uvec2 owner = owners.at[at];
     // With motion each beam sees its triangle at a different time, so no lane can share.
     bool leading = MOTION || leads(owner);
     Surface surface;
     if (leading) surface = surfaceOf(index, owner);
     if (!MOTION) surface = told(surface, leaderOf(leading));
-    if (from + gl_LocalInvocationID.x >= end) continue;
+    if (from + gl_LocalInvocationID.x >= end || !there) continue;
     surfaces.at[at] = SurfaceRecord(surface.normal, surface.material);
     if ((FIELDS & kFieldBarycentrics) != 0 && owner.x != kNone)
       barycentrics.at[at] = barycentricsOf(surface.corners, pointOf(index, at));

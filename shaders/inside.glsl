@@ -101,8 +101,8 @@ bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint i
   bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, index, range)
                                        : meetRounded(triangle, prepared, turned, beam, index, side, range);
   vec2 window = prepared.window;
-  if (LISTED && frame.ownRanges != 0) window = beamRanges.at[index];
-  if (LISTED && frame.hidesNear != 0) window.x = 0.0;
+  if (NUMBERED && frame.ownRanges != 0) window = beamRanges.at[index];
+  if (NUMBERED && frame.hidesNear != 0) window.x = 0.0;
   bool met = inside && (INSIDE != kInsideExact || range > 0.0) && range >= window.x && range <= window.y;
   // Whether a hit that cannot change the result of the beam is in a hole does not matter.
   if ((EFFECTS & kCutOuts) != 0 && met && range <= farthestOf(index))

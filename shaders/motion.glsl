@@ -32,10 +32,12 @@ ColumnMotion columnMotionOf(uint column) {
   return motionBetween(columnMotions.at[before], columnMotions.at[before + 1], place - float(before));
 }
 
+// Returns the origin of a row's laser in the head: forward along the beam's azimuth, left, up.
+vec3 laserOf(uint row) { return LISTED ? beamOrigins.at[row].xyz : rowOrigins.at[row].xyz; }
+
 // Returns the position of a row's laser when it fires.
 vec3 originOf(uint row, vec2 azimuth) {
-  if (LISTED) return beamOrigins.at[row].xyz;
-  return laserAt(rowOrigins.at[row].xyz, azimuth);
+  return laserAt(laserOf(row), azimuth);
 }
 
 // Returns the point at a range along a beam, in the frame that points are reported in.

@@ -94,7 +94,7 @@ bool coverNarrowColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) 
   float start = azimuthOf(a.y, a.x);
   float toB = (a.x * b.y - a.y * b.x) / dot(a.xy, b.xy), toC = (a.x * c.y - a.y * c.x) / dot(a.xy, c.xy);
   float low = min(min(toB, toC), 0.0), high = max(max(toB, toC), 0.0);
-  box.columnMin = (start + low + kPi) * frame.columnsPerRadian - slack;
+  box.columnMin = columnAt(start + low) - slack;
   box.columnMax = box.columnMin + (high - low) * frame.columnsPerRadian + 2.0 * slack;
   return !betweenColumns(box.columnMin, box.columnMax);
 }

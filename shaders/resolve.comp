@@ -93,11 +93,12 @@ void main() {
   uint hits = 0;
   uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
   for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
-    uint index = indexOf(gl_WorkGroupID.y, column);
+    uint index = indexOf(gl_WorkGroupID.y, column), number = numberIn(row, index, column);
+    if (MAPPED && number == kNone) continue;
     Beam beam = beamIn(row, column);
     uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[index];
     if (word.y != kNone && hidesItself(index, uintBitsToFloat(word.y))) word = uvec2(kNone);
-    store(LISTED ? index : gl_WorkGroupID.y, column, numberIn(row, column), beam, word.y, word.x);
+    store(LISTED ? index : gl_WorkGroupID.y, column, number, beam, word.y, word.x);
     hits += word.y != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);

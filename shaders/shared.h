@@ -197,10 +197,11 @@ struct Frame {
   float spreadUp;                           // like footprint, in elevation
   uint ownRanges;                           // 1 if beams have ranges of their own
   uint hidesNear;                           // 1 if a hit nearer than the least range ends its beam
-  uint padding0, padding1, padding2;
+  float phase;                              // azimuth of column 0 beyond -180 degrees, in columns
+  uint padding0, padding1;
 };
 
-// One channel; rows are sorted by elevation. A row of a list only has beams.
+// One channel; rows are sorted by elevation. A row of cells has no angles.
 struct Row {
   vec3 angles;  // cos and sin of the elevation, elevation key (see elevationKey())
   uint channel;

@@ -64,6 +64,9 @@ float columnSlack(float keyMin, float keyMax) {
 // True if no beam lies between two columns.
 bool betweenColumns(float from, float to) { return !BESIDE_COLUMNS && ceil(from) > floor(to); }
 
+// Returns the place of an azimuth among the columns.
+float columnAt(float azimuth) { return (azimuth + kPi) * frame.columnsPerRadian - frame.phase; }
+
 // Wraps a column number. A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and the
 // box spans up to 1 turn.
 uint wrapColumn(int column) {

@@ -35,8 +35,7 @@ std::vector<gpu::vec4> subRayLines(const SensorPlan& plan) {
 
 }  // namespace
 
-std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const gpu::Row> rows) {
-  const uint64_t beams = plan.sensor.beamCount();
+std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const gpu::Row> rows, uint64_t beams) {
   std::vector<EffectsArray> arrays;
   const auto addRoom = [&](gpu::Array array, uint64_t bytesPerBeam) {
     arrays.push_back({array, beams * bytesPerBeam, {}});

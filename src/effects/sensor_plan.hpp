@@ -31,7 +31,7 @@ struct SensorPlan {
   uint32_t bits = 0;              ///< bits of effects/bits.h: planned effects, kStrays and kFootprint
   uint32_t fields = 0;            ///< gpu::kField... bits of the requested fields
   uint32_t returns = 1;           ///< per beam
-  bool listed = false;            ///< the device treats the sensor as a list of beams
+  bool listed = false;            ///< the beams are a list, in places or cells of a grid
   bool origins = false;           ///< some lasers have an origin other than zero
   bool looksAtMaterials = false;  ///< the intensity depends on the surface that is hit
 

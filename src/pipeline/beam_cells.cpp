@@ -21,21 +21,20 @@ constexpr uint64_t kCellsPerBeam = 4, kLeastCells = 1 << 16;
 constexpr double kSameElevation = 1e-6;
 // So many beams per elevation make it worth a row of its own.
 constexpr uint64_t kBeamsPerElevation = 4;
+// Beams whose angles differ by less, in radians, have one direction. Float directions are 300 times as coarse.
+constexpr double kSameDirection = 2e-10;
 // A beam belongs to a column although it lies before it by this share of a column.
 constexpr double kColumnTolerance = 1e-4;
 
-struct Angles {
-  double azimuth, elevation;  // radians
-};
-
 struct Listed {
-  double azimuth, elevation;
+  double azimuth, elevation;  // radians
   uint32_t number, row, column;
 };
 
 // Returns the rows as numbers of beams, of beams sorted by elevation.
 std::vector<size_t> rowEnds(const std::vector<Listed>& beams) {
   std::vector<size_t> ends;
+  if (beams.empty()) return ends;
   double lowest = beams[0].elevation;
   for (size_t i = 1; i <= beams.size() && ends.size() <= kMostRows; ++i) {
     const bool same = i < beams.size() && beams[i].elevation - beams[i - 1].elevation <= kSameElevation &&
@@ -80,6 +79,7 @@ uint32_t columnCount(const std::vector<Listed>& beams, const std::vector<size_t>
   std::vector<double> gaps;
   for (size_t i = 1; i < azimuths.size(); ++i)
     if (azimuths[i] > azimuths[i - 1]) gaps.push_back(azimuths[i] - azimuths[i - 1]);
+  if (beams.empty()) return 16;
   const uint64_t most =
       std::clamp<uint64_t>(std::max(kLeastCells, kCellsPerBeam * beams.size()) / ends.size(), 16, kMostColumns);
   if (gaps.empty()) return static_cast<uint32_t>(std::min<uint64_t>(most, 1024));
@@ -88,20 +88,14 @@ uint32_t columnCount(const std::vector<Listed>& beams, const std::vector<size_t>
   return static_cast<uint32_t>(std::clamp(columns, 16.0, static_cast<double>(most)));
 }
 
-// The beams that fire, in order of elevation.
-std::vector<Listed> firingBeams(const Sensor& sensor, uint64_t frame, std::vector<uint32_t>& masked) {
-  const size_t count = sensor.beamCount();
-  std::vector<bool> silent(count);
-  for (const uint32_t beam : sensor.maskedBeams) silent[beam] = true;
+// The beams in order of elevation, without the silent ones.
+std::vector<Listed> sortedBeams(const Sensor& sensor, uint64_t frame, const std::vector<bool>& silent) {
   std::vector<Listed> beams;
-  beams.reserve(count);
-  for (size_t beam = 0; beam < count; ++beam) {
-    const auto number = static_cast<uint32_t>(beam);
-    if (silent[beam])
-      masked.push_back(number);
-    else
-      beams.push_back({azimuthOf(sensor, beam, frame), elevationOf(sensor, beam, frame), number, 0, 0});
-  }
+  beams.reserve(silent.size());
+  for (size_t beam = 0; beam < silent.size(); ++beam)
+    if (!silent[beam])
+      beams.push_back(
+          {azimuthOf(sensor, beam, frame), elevationOf(sensor, beam, frame), static_cast<uint32_t>(beam), 0, 0});
   const auto before = [](const Listed& a, const Listed& b) {
     return a.elevation < b.elevation || (a.elevation == b.elevation && a.number < b.number);
   };
@@ -126,70 +120,138 @@ void sortIntoCells(std::vector<Listed>& beams, const std::vector<size_t>& ends, 
   });
 }
 
-}  // namespace
+gpu::vec2 rangesOf(const Sensor& sensor, uint64_t frame, uint32_t number) {
+  const RangeWindow window = rangeWindowOf(sensor, number, frame);
+  return {static_cast<float>(window.least), static_cast<float>(window.most)};
+}
 
-BeamTables makeListedTables(const Sensor& sensor, uint64_t frame) {
-  if (sensor.beamCount() > kMostBeams)
-    throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " + std::to_string(sensor.beamCount()) +
-                                                " beams; the limit of a list is " + std::to_string(kMostBeams));
-  std::vector<uint32_t> masked;
-  std::vector<Listed> beams = firingBeams(sensor, frame, masked);
-  const std::vector<size_t> ends = beams.empty() ? std::vector<size_t>{} : rowEnds(beams);
-  const uint32_t columns = beams.empty() ? 16 : columnCount(beams, ends);
+// Sets what kernels must know of ranges. `ranges` has those of all beams, by index; it is emptied if all are equal.
+void setRanges(const Sensor& sensor, BeamTables& tables) {
+  gpu::Frame& frame = tables.frame;
+  frame.hidesNear = sensor.nearHits == NearHits::hide;
+  const auto same = [&](const gpu::vec2& range) { return range.x == frame.rangeMin && range.y == frame.rangeMax; };
+  if (std::all_of(tables.ranges.begin(), tables.ranges.end(), same)) return tables.ranges.clear();
+  frame.ownRanges = 1;
+  // Culling by range must keep what any beam can hit.
+  for (const gpu::vec2& range : tables.ranges) {
+    frame.rangeMin = std::min(frame.rangeMin, range.x);
+    frame.rangeMax = std::max(frame.rangeMax, range.y);
+  }
+}
 
-  BeamTables tables;
-  tables.listed = true;
+// The range window of a masked beam.
+const gpu::vec2 kNoRange(1, -1);
+
+// Places the beams in a grid. Returns false if one of them does not lie in a place, or two lie in the same.
+bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>& beams,
+                 const std::vector<size_t>& ends, uint32_t columns, const std::vector<bool>& silent,
+                 BeamTables& tables) {
+  const uint64_t places = uint64_t{columns} * ends.size();
+  if (ends.size() > kMostRows || places > kMostBeams || places > std::max(kLeastCells, kCellsPerBeam * beams.size()))
+    return false;
+  const double step = kTurn / columns;
+  const double first = (beams[0].azimuth / kTurn + 0.5) * columns;
+  double phase = first - std::floor(first);
+  if (phase * step < kSameDirection || (1 - phase) * step < kSameDirection) phase = 0;
+  tables.numbers.assign(places, gpu::kNone);
+  size_t i = 0;
+  for (size_t row = 0; row < ends.size(); ++row) {
+    const double elevation = beams[i].elevation;
+    tables.rows.push_back(rowAt(elevation, static_cast<uint32_t>(row)));
+    for (; i < ends[row]; ++i) {
+      const double place = (beams[i].azimuth / kTurn + 0.5) * columns - phase, column = std::round(place);
+      if (std::abs(place - column) * step > kSameDirection || beams[i].elevation - elevation > kSameDirection)
+        return false;
+      const auto wrapped = static_cast<uint32_t>(static_cast<int64_t>(column + columns) % columns);
+      uint32_t& number = tables.numbers[row * columns + wrapped];
+      if (number != gpu::kNone) return false;
+      number = beams[i].number;
+    }
+  }
+  std::vector<RowKeys> keys;
+  for (const gpu::Row& row : tables.rows) keys.push_back({row.angles.z, row.angles.z});
+  tables.rowLookup = makeRowLookup(keys);
+  tables.mapped = true;
+  setFrame(sensor, columns, phase, tables);
+  tables.frame.beams = static_cast<uint32_t>(places);
+  tables.holes = std::count(tables.numbers.begin(), tables.numbers.end(), gpu::kNone) > 0;
+  for (const uint32_t number : tables.numbers) {
+    const bool fires = number != gpu::kNone && !silent[number];
+    tables.ranges.push_back(fires ? rangesOf(sensor, frame, number) : kNoRange);
+  }
+  return true;
+}
+
+// Sorts the beams into cells.
+void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams, const std::vector<size_t>& ends,
+                 uint32_t columns, const std::vector<bool>& silent, BeamTables& tables) {
   std::vector<RowKeys> keys;
   for (size_t row = 0; row < ends.size(); ++row) {
     const size_t begin = row == 0 ? 0 : ends[row - 1];
     keys.push_back({elevationKey(beams[begin].elevation), elevationKey(beams[ends[row] - 1].elevation)});
   }
+  tables.listed = true;
   tables.rows.resize(ends.size());
   tables.rowLookup = makeRowLookup(keys);
   sortIntoCells(beams, ends, columns);
-  for (const uint32_t number : masked) beams.push_back({azimuthOf(sensor, number, frame), 0, number, 0, 0});
-  tables.masked = static_cast<uint32_t>(masked.size());
-  setFrame(sensor, columns, tables);
+  setFrame(sensor, columns, 0, tables);
+  tables.frame.beams = static_cast<uint32_t>(sensor.beamCount());
 
-  const size_t firing = beams.size() - masked.size();
+  const size_t firing = beams.size();
   tables.cellStarts.reserve(ends.size() * columns + 1);
   for (size_t cell = 0, beam = 0; cell < ends.size() * columns; ++cell) {
     tables.cellStarts.push_back(static_cast<uint32_t>(beam));
     while (beam < firing && size_t{beams[beam].row} * columns + beams[beam].column == cell) ++beam;
   }
   tables.cellStarts.push_back(static_cast<uint32_t>(firing));
+  for (uint32_t number = 0; number < silent.size(); ++number)
+    if (silent[number]) beams.push_back({azimuthOf(sensor, number, frame), 0, number, 0, 0});
 
   const ScanTimes times = scanTimesOf(sensor, true, frame);
-  bool ownRanges = !masked.empty();
   for (size_t i = 0; i < beams.size(); ++i) {
-    const uint32_t number = beams[i].number;
-    const double azimuth = azimuthOf(sensor, number, frame), elevation = elevationOf(sensor, number, frame);
+    const auto& [azimuth, elevation, number, row, column] = beams[i];
+    const double c = std::cos(azimuth), s = std::sin(azimuth);
     tables.numbers.push_back(number);
-    tables.angles.push_back({onLattice(std::cos(azimuth)), onLattice(std::sin(azimuth)), onLattice(std::cos(elevation)),
-                             onLattice(std::sin(elevation))});
-    const RangeWindow window = rangeWindowOf(sensor, number, frame);
-    // The range window of a masked beam is empty.
-    tables.ranges.push_back(i < firing ? gpu::vec2(window.least, window.most) : gpu::vec2(1, -1));
-    ownRanges |= window.least != sensor.rangeMin || window.most != sensor.rangeMax;
-    const Vec3 origin = originOf(sensor, number, frame);
+    tables.angles.push_back(
+        {onLattice(c), onLattice(s), onLattice(std::cos(elevation)), onLattice(std::sin(elevation))});
+    tables.ranges.push_back(i < firing ? rangesOf(sensor, frame, number) : kNoRange);
+    // As those of channels, origins are stated forward along the beam's azimuth, left and up.
+    const Vec3 from = originOf(sensor, number, frame);
     const double place = times.step > 0 ? (timeOf(sensor, number, frame) - times.first) / times.step : 0;
-    tables.origins.push_back({static_cast<float>(origin.x), static_cast<float>(origin.y), static_cast<float>(origin.z),
-                              static_cast<float>(place)});
-  }
-  tables.frame.ownRanges = ownRanges;
-  tables.frame.hidesNear = sensor.nearHits == NearHits::hide;
-  if (ownRanges) {
-    // Culling by range must keep what any beam can hit.
-    for (const gpu::vec2& range : tables.ranges) {
-      tables.frame.rangeMin = std::min(tables.frame.rangeMin, range.x);
-      tables.frame.rangeMax = std::max(tables.frame.rangeMax, range.y);
-    }
-  } else {
-    tables.ranges.clear();
+    tables.origins.push_back({static_cast<float>(c * from.x + s * from.y), static_cast<float>(c * from.y - s * from.x),
+                              static_cast<float>(from.z), static_cast<float>(place)});
   }
   // A beam lies up to one column behind the column of its cell. What it may lie before it is slack.
   tables.frame.shiftMax = 1;
   tables.frame.columnSlack += static_cast<float>(kColumnTolerance);
+}
+
+}  // namespace
+
+BeamTables makeListedTables(const Sensor& sensor, uint64_t frame, bool mayMap) {
+  if (sensor.beamCount() > kMostBeams)
+    throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " + std::to_string(sensor.beamCount()) +
+                                                " beams; the limit of a list is " + std::to_string(kMostBeams));
+  std::vector<bool> silent(sensor.beamCount());
+  for (const uint32_t beam : sensor.maskedBeams) silent[beam] = true;
+  const auto masked = static_cast<uint32_t>(std::count(silent.begin(), silent.end(), true));
+  BeamTables tables;
+  bool mapped = false;
+  if (mayMap) {
+    // Masked beams have places, too, for their numbers.
+    const std::vector<Listed> beams = sortedBeams(sensor, frame, std::vector<bool>(silent.size()));
+    const std::vector<size_t> ends = rowEnds(beams);
+    mapped = !beams.empty() && placeOnGrid(sensor, frame, beams, ends, columnCount(beams, ends), silent, tables);
+  }
+  if (!mapped) {
+    tables = {};
+    std::vector<Listed> beams = sortedBeams(sensor, frame, silent);
+    const std::vector<size_t> ends = rowEnds(beams);
+    const uint32_t columns = columnCount(beams, ends);
+    listInCells(sensor, frame, std::move(beams), ends, columns, silent, tables);
+  }
+  tables.masked = masked;
+  setRanges(sensor, tables);
   return tables;
 }
 

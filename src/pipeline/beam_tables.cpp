@@ -24,13 +24,9 @@ std::vector<gpu::Row> makeRows(const Sensor& sensor) {
   });
   std::vector<gpu::Row> rows;
   for (uint32_t channel : order) {
-    const double elevation = sensor.channels[channel].elevationDeg * kRadians;
     const double offset = sensor.channels[channel].azimuthOffsetDeg * kRadians;
-    gpu::Row row = {};
+    gpu::Row row = rowAt(sensor.channels[channel].elevationDeg * kRadians, channel);
     const double shift = std::remainder(offset / (2 * std::numbers::pi), 1.0) * double(sensor.columns);
-    row.angles = {onLattice(std::cos(elevation)), onLattice(std::sin(elevation)),
-                  static_cast<float>(elevationKey(elevation))};
-    row.channel = channel;
     row.offset = {onLattice(std::cos(offset)), onLattice(std::sin(offset)), static_cast<float>(shift), 0};
     rows.push_back(row);
   }
@@ -62,8 +58,13 @@ std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows) {
   return lookup;
 }
 
+bool BeamTables::reports(uint32_t index, float range) const {
+  return frame.hidesNear == 0 || range >= (ranges.empty() ? frame.rangeMin : ranges[index].x);
+}
+
 uint32_t BeamTables::numberOf(uint32_t index) const {
-  return listed ? numbers[index] : rows[index / frame.columns].channel * frame.columns + index % frame.columns;
+  return listed || mapped ? numbers[index]
+                          : rows[index / frame.columns].channel * frame.columns + index % frame.columns;
 }
 
 BeamTables makeBeamTables(const Sensor& sensor) {
@@ -80,7 +81,7 @@ BeamTables makeBeamTables(const Sensor& sensor) {
   for (const gpu::Row& row : tables.rows) keys.push_back({row.angles.z, row.angles.z});
   tables.rowLookup = makeRowLookup(keys);
   for (const Channel& channel : sensor.channels) tables.azimuthOffsets |= channel.azimuthOffsetDeg != 0;
-  setFrame(sensor, sensor.columns, tables);
+  setFrame(sensor, sensor.columns, 0, tables);
 
   gpu::Frame& frame = tables.frame;
   const auto elevationOf = [&](const gpu::Row& row) { return sensor.channels[row.channel].elevationDeg * kRadians; };
@@ -98,15 +99,25 @@ BeamTables makeBeamTables(const Sensor& sensor) {
   return tables;
 }
 
-void setFrame(const Sensor& sensor, uint32_t columns, BeamTables& tables) {
+gpu::Row rowAt(double elevation, uint32_t channel) {
+  gpu::Row row = {};
+  row.angles = {onLattice(std::cos(elevation)), onLattice(std::sin(elevation)),
+                static_cast<float>(elevationKey(elevation))};
+  row.channel = channel;
+  row.offset = {1, 0, 0, 0};
+  return row;
+}
+
+void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& tables) {
   for (uint32_t i = 0; i < columns; ++i) {
-    const double azimuth = (-1 + 2.0 * i / columns) * std::numbers::pi;
+    const double azimuth = (-1 + 2.0 * (i + phase) / columns) * std::numbers::pi;
     tables.columns.push_back(onLattice(std::cos(azimuth)));
     tables.columns.push_back(onLattice(std::sin(azimuth)));
   }
   gpu::Frame& frame = tables.frame;
   const double columnsPerRadian = columns / (2 * std::numbers::pi);
   frame.columns = columns;
+  frame.phase = static_cast<float>(phase);
   frame.slabShift = slabShift(columns);
   frame.rows = static_cast<uint32_t>(tables.rows.size());
   frame.beams = static_cast<uint32_t>(sensor.beamCount());

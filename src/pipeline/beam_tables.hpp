@@ -17,14 +17,18 @@ struct BeamTables {
   gpu::Frame frame = {};        ///< the backend fills in capacities and the instance count
   bool azimuthOffsets = false;  ///< true if any channel has an azimuth offset
 
-  /// The beams of a list, cell by cell; see arrays.h.
-  bool listed = false;
+  /// The beams of a list, cell by cell (`listed`) or in places of a grid (`mapped`); see arrays.h.
+  bool listed = false, mapped = false;
+  bool holes = false;  ///< some places have no beam
   std::vector<uint32_t> cellStarts, numbers;
   uint32_t masked = 0;  ///< number of beams, at the end, that never fire
   std::vector<gpu::vec4> angles, origins;
   std::vector<gpu::vec2> ranges;  ///< empty if all beams have those of the frame
 
+  /// Returns the number of a beam in the scan; kNone for a place without a beam.
   uint32_t numberOf(uint32_t index) const;
+  /// Whether a scan of the table's range window counts this range as a return of the beam.
+  bool reports(uint32_t index, float range) const;
 };
 
 /// Throws Error(invalidArgument) for more than 65,535 channels, because a box packs its rows into 16 bits each, and for
@@ -44,6 +48,9 @@ struct RowKeys {
 /// Computes the table from elevation keys to rows, which are in order and do not overlap.
 std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows);
 /// Computes the columns of a turn, and all of the frame that follows from them, from `tables.rows` and the sensor.
-void setFrame(const Sensor& sensor, uint32_t columns, BeamTables& tables);
+/// `phase` is the azimuth of column 0 beyond -180 degrees, in columns.
+void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& tables);
+/// Returns a row without azimuth offset from its elevation in radians.
+gpu::Row rowAt(double elevation, uint32_t channel);
 
 }  // namespace gnosphere

@@ -41,27 +41,37 @@ class Resolver {
   uint64_t hits_ = 0;
 };
 
-uint64_t resolveListed(const Word* words, const BeamTables& tables, const InstanceTable& instances,
-                       const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan) {
+gpu::Beam beamWith(const BeamTables& tables, uint32_t index) {
+  if (tables.listed) {
+    const gpu::vec4& angles = tables.angles[index];
+    return gpu::beamOf({angles.x, angles.y}, angles.z, angles.w);
+  }
+  const uint32_t column = index % tables.frame.columns;
+  const gpu::vec3& angles = tables.rows[index / tables.frame.columns].angles;
+  return gpu::beamOf({tables.columns[2 * column], tables.columns[2 * column + 1]}, angles.x, angles.y);
+}
+
+// Beams of a list, or in places of a grid.
+uint64_t resolveNumbered(const Word* words, const BeamTables& tables, const InstanceTable& instances,
+                         const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan) {
   Resolver resolver(instances, scan);
   for (uint32_t index = first; index < end; ++index) {
     const Word& word = words[index];
     const uint32_t number = tables.numbers[index];
+    if (number == gpu::kNone) continue;
     const float range = std::bit_cast<float>(word.range);
-    const float least = tables.ranges.empty() ? tables.frame.rangeMin : tables.ranges[index].x;
-    if (word.range == gpu::kNone || (tables.frame.hidesNear != 0 && range < least)) {
+    if (word.range == gpu::kNone || !tables.reports(index, range)) {
       resolver.miss(number);
       continue;
     }
-    const gpu::vec4& angles = tables.angles[index];
-    const gpu::Beam beam = gpu::beamOf({angles.x, angles.y}, angles.z, angles.w);
+    const gpu::Beam beam = beamWith(tables, index);
     gpu::vec3 point = beam.direction * range;
     if (motion) {
       const gpu::vec4& origin = tables.origins[index];
       const auto before = static_cast<uint32_t>(origin.w);
       const gpu::ColumnMotion* const moments = &motion->tables.columns[before];
       point = gpu::reportedPoint(gpu::motionBetween(moments[0], moments[1], origin.w - static_cast<float>(before)),
-                                 {origin.x, origin.y, origin.z}, beam.direction, range);
+                                 gpu::laserAt({origin.x, origin.y, origin.z}, beam.azimuth), beam.direction, range);
     }
     resolver.hit(number, word.triangle, range, point);
   }
@@ -72,7 +82,7 @@ uint64_t resolveListed(const Word* words, const BeamTables& tables, const Instan
 
 uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, const InstanceTable& instances,
                       const Sensor& sensor, const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan) {
-  if (tables.listed) return resolveListed(words, tables, instances, motion, first, end, scan);
+  if (tables.listed || tables.mapped) return resolveNumbered(words, tables, instances, motion, first, end, scan);
   const uint32_t columns = tables.frame.columns;
   Resolver resolver(instances, scan);
   for (uint32_t row = first; row < end; ++row) {

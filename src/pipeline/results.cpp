@@ -36,7 +36,7 @@ uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, 
   const Clock::time_point start = Clock::now();
   const gpu::Frame& frame = device.tables.frame;
   std::atomic<uint64_t> hits = 0;
-  const bool listed = device.tables.listed;
+  const bool listed = device.tables.listed || device.tables.mapped;
   inSlices(listed ? frame.beams : frame.rows, listed ? 1 : frame.columns, [&](uint64_t first, uint64_t end) {
     hits += resolveWords(device.words, device.tables, device.exact, instances, sensor, motion,
                          static_cast<uint32_t>(first), static_cast<uint32_t>(end), scan);
@@ -61,10 +61,10 @@ uint64_t readListed(const DeviceResults& device, uint64_t hits, Scan& scan) {
 }
 
 // The counters of a scan in which lines answer every beam: a beam without a return met nothing.
-gpu::Counters withHits(gpu::Counters counters, uint64_t hits, const BeamTables& tables) {
+gpu::Counters withHits(gpu::Counters counters, uint64_t hits, uint64_t beams, uint32_t masked) {
   counters.hits = counters.causes[gpu::kCauseReturned] = static_cast<uint32_t>(hits);
-  counters.causes[gpu::kCauseDead] = tables.masked;
-  counters.causes[gpu::kCauseNoSurface] = tables.frame.beams - tables.masked - static_cast<uint32_t>(hits);
+  counters.causes[gpu::kCauseDead] = masked;
+  counters.causes[gpu::kCauseNoSurface] = static_cast<uint32_t>(beams - masked - hits);
   return counters;
 }
 
@@ -204,12 +204,12 @@ void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& s
 
 void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
                  const ShotMotion* motion, Scan& scan) {
-  const uint64_t beams = device.tables.frame.beams;
+  const uint64_t beams = plan.sensor.beamCount();
   if (device.words) {
     uint64_t hits = readWords(device, instances, plan.sensor, motion, scan);
     if (device.listed) hits = readListed(device, hits, scan);
-    return readCounters(plan, beams, withHits(device.counters, hits, device.tables), instances.usableTriangles(),
-                        scan.counters);
+    return readCounters(plan, beams, withHits(device.counters, hits, beams, device.tables.masked),
+                        instances.usableTriangles(), scan.counters);
   }
   const uint32_t returns = plan.returns;
   std::atomic<uint64_t> hits = 0;
@@ -231,7 +231,8 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
     readMotions(from(device.motions), first, count, scan);
     readBarycentrics(from(device.barycentrics), first, count, scan);
   });
-  const gpu::Counters counters = plan.onlyLines() ? withHits(device.counters, hits, device.tables) : device.counters;
+  const gpu::Counters counters =
+      plan.onlyLines() ? withHits(device.counters, hits, beams, device.tables.masked) : device.counters;
   readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
 }
 

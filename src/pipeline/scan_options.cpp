@@ -33,7 +33,6 @@ Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, b
   result.INSIDE = static_cast<uint32_t>(parts.inside);
   result.RANGE = static_cast<uint32_t>(parts.range);
   result.AZIMUTH_OFFSETS = azimuthOffsets;
-  result.LISTED = plan.listed;
   result.FACES = static_cast<uint32_t>(options.faces);
   result.CULLING = cullingBits(options);
   result.EFFECTS = plan.bits;

@@ -68,8 +68,9 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
     if (!motion || plan_.motion())
       for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
         if (still == StillImage::Use::make && !keepsStill_) continue;
-        for (const Step& step : steps(patterns_[0], everything(), still, motion))
-          if (step.kind == Step::Kind::dispatch) machine.prepare(step.variant);
+        for (const Pattern& pattern : patterns_)
+          for (const Step& step : steps(pattern, everything(), still, motion))
+            if (step.kind == Step::Kind::dispatch) machine.prepare(step.variant);
       }
 
   for (Pattern& pattern : patterns_) upload(pattern);
@@ -87,7 +88,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most(slabCount) * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
-    for (const EffectsArray& array : lastingArrays(plan, patterns_[0].tables.rows)) {
+    for (const EffectsArray& array : lastingArrays(plan, patterns_[0].tables.rows, mostBeams())) {
       allocate(array.array, array.bytes);
       if (!array.content.empty()) of(array.array)->write(0, array.content);
     }
@@ -103,7 +104,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
 std::vector<SensorArrays::Pattern> SensorArrays::patternsOf(const SensorPlan& plan) {
   std::vector<Pattern> patterns(std::max<size_t>(plan.sensor.patterns.size(), 1));
   for (size_t i = 0; i < patterns.size(); ++i)
-    patterns[i].tables = plan.listed ? makeListedTables(plan.sensor, i) : makeBeamTables(plan.sensor);
+    patterns[i].tables = plan.listed ? makeListedTables(plan.sensor, i, !plan.motion()) : makeBeamTables(plan.sensor);
   return patterns;
 }
 
@@ -115,19 +116,18 @@ void SensorArrays::upload(Pattern& pattern) {
   put(Array::rowLookup, tables.rowLookup);
   put(Array::columns, tables.columns);
   put(Array::rows, tables.rows);
+  if (!tables.numbers.empty()) put(Array::beamNumbers, tables.numbers);
+  if (!tables.ranges.empty()) put(Array::beamRanges, tables.ranges);
+  if (tables.holes) {
+    std::vector<Word> words(tables.numbers.size(), {gpu::kNone, gpu::kNone});
+    for (size_t i = 0; i < words.size(); ++i)
+      if (tables.numbers[i] == gpu::kNone) words[i] = {0, 0};
+    put(Array::startWords, words);
+  }
   if (!tables.listed) return;
   put(Array::cellStarts, tables.cellStarts);
   put(Array::beamAngles, tables.angles);
-  put(Array::beamNumbers, tables.numbers);
-  if (!tables.ranges.empty()) put(Array::beamRanges, tables.ranges);
   if (plan_.motion()) put(Array::beamOrigins, tables.origins);
-}
-
-template <typename Of>
-uint64_t SensorArrays::most(const Of& of) const {
-  uint64_t largest = 0;
-  for (const Pattern& pattern : patterns_) largest = std::max<uint64_t>(largest, of(pattern.tables.frame));
-  return largest;
 }
 
 void SensorArrays::allocate(Array array, uint64_t bytes) {
@@ -182,6 +182,8 @@ std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups
   Variant variant;
   variant.options = options_;
   variant.options.MOTION = motion;
+  variant.options.LISTED = pattern.tables.listed;
+  variant.options.MAPPED = pattern.tables.mapped;
   variant.subRays = static_cast<uint32_t>(plan_.subRays.size());
   variant.float64 = float64_ && !motion;
   const bool footprint = plan_.footprint(), lines = plan_.onlyLines();
@@ -191,6 +193,7 @@ std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups
   input.footprint = footprint;
   input.resolve = !footprint && !leavesWords(binning_, plan_);
   input.surfaces = plan_.surfaces() && !footprint && !lines;
+  input.holes = pattern.tables.holes;
   using Judged = StepsInput::Judged;
   if (lines)
     input.effects = plan_.panes() ? Judged::listed : Judged::none;
@@ -199,13 +202,17 @@ std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups
   return stepsOf(input, placed, still);
 }
 
+// Entries of arrays with an entry per beam of the sensor or per place of the grid.
+uint64_t SensorArrays::mostBeams() const {
+  return std::max<uint64_t>(beams(), plan_.sensor.beamCount());
+}
+
 void SensorArrays::addFrame() {
   Frame frame;
   const auto allocate = [&](Array array, uint64_t bytes, MemoryKind kind) {
     frame.arrays[static_cast<size_t>(array)] = machine_.allocate(gpu::nameOf(array), bytes, kind);
   };
-  for (const Output& output : outputs_)
-    allocate(output.array, uint64_t{beams()} * output.bytesPerBeam, MemoryKind::readback);
+  for (const Output& output : outputs_) allocate(output.array, mostBeams() * output.bytesPerBeam, MemoryKind::readback);
   allocate(Array::counters, sizeof(gpu::Counters), MemoryKind::readback);
   allocate(Array::frame, sizeof(gpu::Frame), MemoryKind::upload);
   frames_.push_back(std::move(frame));

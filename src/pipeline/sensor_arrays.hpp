@@ -20,7 +20,10 @@ class SensorArrays {
   SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options, uint64_t triangles);
 
   const SensorPlan& sensorPlan() const { return plan_; }
-  uint32_t beams() const { return patterns_[0].tables.frame.beams; }
+  /// Number of beams; in a grid with holes, of places.
+  uint32_t beams() const {
+    return static_cast<uint32_t>(most([](const gpu::Frame& frame) { return frame.beams; }));
+  }
   /// Distance in metres beyond which instances cannot be hit.
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
@@ -62,7 +65,12 @@ class SensorArrays {
   void upload(Pattern& pattern);
   /// Returns the largest of the values of all patterns.
   template <typename Of>
-  uint64_t most(const Of& of) const;
+  uint64_t most(const Of& of) const {
+    uint64_t largest = 0;
+    for (const Pattern& pattern : patterns_) largest = std::max<uint64_t>(largest, of(pattern.tables.frame));
+    return largest;
+  }
+  uint64_t mostBeams() const;
   std::vector<Step> steps(const Pattern& pattern, const PlacedGroups& placed, StillImage::Use still, bool motion) const;
   PlacedGroups everything() const;
   uint64_t mostProjected() const;

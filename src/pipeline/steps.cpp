@@ -45,7 +45,7 @@ class Steps {
     if (still == StillImage::Use::use)
       copy(gpu::Array::stillWords, gpu::Array::words);
     else if (binning_ != gpu::kBinningLists)
-      fill(gpu::Array::words, gpu::kNone);
+      input_.holes ? copy(gpu::Array::startWords, gpu::Array::words) : fill(gpu::Array::words, gpu::kNone);
     if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0);
     if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::slabEnds, gpu::kNone);
     if (input_.panes && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
@@ -56,12 +56,15 @@ class Steps {
   // the shells end. Kernels of shells that turn out to be empty do not run.
   void scanShells(const PlacedGroups::Run& placed) {
     const bool several = input_.shells > 1;
+    // Where no beam looks, everything is hidden from the start.
+    const bool sparse = several && (input_.holes || input_.variant.options.LISTED != 0);
+    if (sparse) dispatch("bin", Kernel::bin, input_.sizes.cullGroups, {.table = gpu::kTableAll}, gpu::kPassTable);
     list({placed.first, placed.groups, 0, !several});
     if (several) dispatch("project", Kernel::project_groups, 1, {placed.first, placed.groups}, gpu::kPassShells);
     for (uint32_t shell = 0; shell < input_.shells; ++shell) {
       const bool last = shell + 1 == input_.shells;
       const uint32_t table = last ? gpu::kTableNone : gpu::kTableLater;
-      const gpu::Pass pass = {placed.first, placed.groups, shell, last, shell > 0};
+      const gpu::Pass pass = {placed.first, placed.groups, shell, last, shell > 0 || sparse};
       project(placed, pass);
       bin(pass, table);
     }
