@@ -86,7 +86,7 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
 // `seen` is the triangle at the time when the beam's column fires.
 void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
   seen = seenFrom(seen, rowOf(index), beam.azimuth);
-  tryBeam(seen, prepare(seen), turn(seen, beam.azimuth), beam, index, slot);
+  tryBeam(seen, prepare(seen), turnedFrom(seen, rowOf(index), beam.azimuth), beam, index, slot);
 }
 
 Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }
@@ -208,8 +208,9 @@ void tryTile(Tile tile) {
   uint width = 1 << shift, height = gl_SubgroupSize >> shift;
   float angle = float(BESIDE_COLUMNS ? width + 1 : width) / frame.columnsPerRadian;
   uint stride = frame.columns;
-  // If all lasers of a column see the triangle from one point at one time, it is prepared and turned once per column.
-  bool byColumn = !BESIDE_COLUMNS && (!MOTION || motion.origins == 0.0);
+  // If all lasers of a column see the triangle at one time, it is prepared and turned once per column.
+  bool byColumn = !BESIDE_COLUMNS && (!MOTION || SHIFTS_TURNED || motion.origins == 0.0);
+  bool shifts = MOTION && SHIFTS_TURNED && motion.origins != 0.0;
   // Each lane holds the angles of one row. Most boxes have no more rows than the subgroup has lanes.
   vec2 angles = rows.at[min(box.rowFirst + lane, box.rowLast)].angles.xy;
   uint loaded = 0;
@@ -251,7 +252,9 @@ void tryTile(Tile tile) {
             Beam beam = beamAt(box, k, box.rowFirst + mine, index);
             tryBeam(tile.triangle, prepared, turn(tile.triangle, beam.azimuth), beam, index, tile.slot);
           } else if (here) {
-            tryBeam(seen, prepared, turned, beamOf(azimuth, elevation.x, elevation.y),
+            Turned own = turned;
+            if (shifts) own = shifted(turned, laserOf(box.rowFirst + mine));
+            tryBeam(seen, prepared, own, beamOf(azimuth, elevation.x, elevation.y),
                     (box.rowFirst + mine) * stride + column, tile.slot);
           }
         }

@@ -106,11 +106,25 @@ bool occluded(Window window, float nearest) {
   return false;
 }
 
+// Sets the angles by which the contents of a box appear to move if seen from lasers away from the sensor's origin. A
+// laser that is forward of the origin sees an object in the same azimuth, and hardly higher or lower if the object is
+// near the horizon.
+void seemFromLasers(vec3 low, vec3 high) {
+  float distance = nearestPoint(low, high), rest = max(distance - motion.origins, 0.0);
+  float steep = min(max(abs(low.z), abs(high.z)) / max(distance, 1e-6), 1.0);
+  seeming = seemingAngle(motion.origins, 0.0, distance);
+  seemingAcross = seemingAngle(motion.left, 0.0, rest);
+  seemingUp = seemingAngle(motion.up + (motion.forward + motion.left) * steep, 0.0, rest);
+}
+
 // Comparisons with NaN are false, so a box with NaN bounds is not culled.
 bool outOfSight(vec3 low, vec3 high) {
   float nearest = nearestPoint(low, high);
   if (MOTION) {
-    seeming = seemingAngle(motion.shift, motion.turn, nearest);
+    if (motion.sensor == 0)
+      seemFromLasers(low, high);
+    else
+      setSeeming(seemingAngle(motion.shift, motion.turn, nearest));
     nearest = max(nearest - motion.shift, 0.0);
     if (seeming > 1.0) return (CULLING & kCullRange) != 0 && nearest > frame.rangeMax;
   }

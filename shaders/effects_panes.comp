@@ -69,7 +69,7 @@ uint paneOf(uint k, out float range) {
   uint projected = candidates.at[k];
   if (!isPane(projected)) return kNone;
   Triangle triangle = paneAt(projected);
-  bool met = meet(triangle, prepare(triangle), turn(triangle, axis.azimuth), axis, beamIndex, projected, range);
+  bool met = meet(triangle, prepare(triangle), turnedFrom(triangle, beamRow, axis.azimuth), axis, beamIndex, projected, range);
   return met ? projected : kNone;
 }
 
@@ -97,8 +97,10 @@ uint nextPane(float before, uvec2 opaque, out float range, out uint id) {
 Surface surfaceOfHit(uint pane, uint id) {
   if (pane == kNone) return surfaceOf(beamIndex, ownerOf(id));
   Triangle triangle = paneAt(pane);
+  vec3 laser = vec3(0.0);
+  if (MOTION && SHIFTS_TURNED) laser = originOf(beamRow, axis.azimuth);
   Surface surface;
-  surface.corners = Corners(triangle.a, triangle.b, triangle.c);
+  surface.corners = Corners(triangle.a - laser, triangle.b - laser, triangle.c - laser);
   surface.normal = normalOf(surface.corners);
   if (MOTION) surface.normal = reportedDirection(beamColumn, surface.normal);
   surface.material = projectedMaterials.at[pane];

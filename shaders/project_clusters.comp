@@ -60,7 +60,7 @@ bool seen(uint number, Instance instance, uint cluster) {
 // Records the rows that the part of a box beyond this shell may cover. The farthest-range table is computed only for
 // these rows.
 void noteLater(vec3 low, vec3 high, inout uvec2 later) {
-  if (MOTION) seeming = seemingAngle(motion.shift, motion.turn, shellMax);  // bounds all content beyond the shell
+  if (MOTION) setSeeming(seemingAngle(motion.shift, motion.turn, shellMax));  // bounds all content beyond the shell
   float keyMin, keyMax;
   coverKeys(low, high, shellMax, keyMin, keyMax);
   uint first, end;

@@ -67,8 +67,9 @@ uint movingBox(mat3 corners, mat3 velocities, bool moves, uint side, out Box box
   rangeMin = distance;
   if (rangeMin > frame.rangeMax) return kRange;
   uint last = frame.columns - 1, at = 0, from = kMiddle;
+  bool still = !moves && motion.sensor == 0;
   // Beams of a list that look in one direction may fire at any time.
-  if (!LISTED && !atRest(moves)) {
+  if (!LISTED && !still) {
     vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
     float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
     at = min(uint(max(azimuth, 0.0)), last);
@@ -78,18 +79,22 @@ uint movingBox(mat3 corners, mat3 velocities, bool moves, uint side, out Box box
     at = min(uint(max(azimuth, 0.0)), last);
     from = kItsColumn;
   }
+  if (still) {
+    seemFromLasers(low, high);
+    return boundedBox(corners[0], corners[1], corners[2], box, rangeMin);
+  }
   Outline outline;
   // This is a loop although each frame is tried at most once: some compilers take gigabytes if the bounds are inlined
   // three times.
   while (true) {
     vec3 a = corners[0], b = corners[1], c = corners[2];
-    seeming = seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high));
+    setSeeming(seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high)));
     if (from != kMiddle) {
       ColumnMotion column = columnMotions.at[at];
       a = inColumn(column, a, velocities[0]);
       b = inColumn(column, b, velocities[1]);
       c = inColumn(column, c, velocities[2]);
-      seeming = 0.0;
+      setSeeming(0.0);
     }
     outline = outlineOf(a, b, c);
     bool any = coverColumns(a, b, c, outline, box);

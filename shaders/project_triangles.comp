@@ -29,6 +29,7 @@
 #include "cluster_corners.glsl"
 #include "inside.glsl"
 #include "nearest_hit.glsl"
+#include "seen.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -157,7 +158,7 @@ uint cullOne(LoadedCluster loaded, mat3 corners) {
   if (MOTION && !atRest(loaded.bound.x > 0.0)) {
     if (BOUNDS != kBoundsPaper) fate = culledMoving(a, b, c, isOneSided(loaded), loaded.bound);
   } else if (BOUNDS != kBoundsPaper) {
-    seeming = 0.0;  // it is that of the last triangle that moves
+    setSeeming(0.0);  // it is that of the last triangle that moves
     fate = culledEarly(a, b, c, isOneSided(loaded));
   }
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
@@ -246,8 +247,9 @@ uint nthSetBit(uint bits, uint n) {
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
 // True if the beams of small boxes are tried here, instead of in stage bin. Stage bin needs panes and holes.
-bool triesSmallBoxes(uint material) {
-  return BINNING != kBinningLists && BOUNDS != kBoundsPaper && !MOTION && (EFFECTS & kCutOuts) == 0 &&
+bool triesSmallBoxes(uint material, bool moves) {
+  bool seenFromOnePlace = !MOTION || (SHIFTS_TURNED && motion.sensor == 0 && !moves);
+  return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kCutOuts) == 0 &&
          !(PANES && isPaneMaterial(material));
 }
 
@@ -270,7 +272,7 @@ void tryBox(Projected projected, Box box) {
     Beam beam;
     if (!stepTo(box, columnCount, walk, beam, index)) continue;
     float range;
-    if (meet(triangle, prepared, turn(triangle, beam.azimuth), beam, index, kNone, range) &&
+    if (meet(triangle, prepared, turnedFrom(triangle, rowOf(index), beam.azimuth), beam, index, kNone, range) &&
         floatBitsToUint(range) <= words.at[index].y) {
       offerNearest(index, range, triangle.id);
       met = true;
@@ -296,7 +298,7 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
     if (there) {
       fate = projectOne(survivor, side, projected, box, atSeam);
       culled += countOf(fate);
-      if (fate == kKeep && triesSmallBoxes(survivor.material) && boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams) {
+      if (fate == kKeep && triesSmallBoxes(survivor.material, survivor.moves) && boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams) {
         tryBox(projected, box);
         fate = kNoTriangle;
       }

@@ -17,14 +17,30 @@ Triangle seenFrom(Triangle triangle, uint slot, uint column) {
   return triangle;
 }
 
-// Moves the origin to the position of the row's laser in its head.
+// True if the inside test needs only the corners turned to the beam. Lasers away from the origin then shift those,
+// which is cheaper: a laser's origin turns with the beam.
+#define SHIFTS_TURNED (INSIDE == kInsideWatertight && RANGE == kRangeEdgeWeights && (EFFECTS & kFootprint) == 0)
+
+// Moves the origin to the position of the row's laser in its head, unless turnedFrom() does.
 Triangle seenFrom(Triangle triangle, uint row, vec2 azimuth) {
-  if (motion.origins == 0.0) return triangle;
+  if (SHIFTS_TURNED || motion.origins == 0.0) return triangle;
   vec3 origin = originOf(row, azimuth);
   triangle.a -= origin;
   triangle.b -= origin;
   triangle.c -= origin;
   return triangle;
+}
+
+Turned shifted(Turned turned, vec3 laser) {
+  precise Turned result = Turned(turned.p - laser.x, turned.q - laser.y, turned.z - laser.z);
+  return result;
+}
+
+// Turns a triangle that seenFrom() has returned to a beam of the row.
+Turned turnedFrom(Triangle seen, uint row, vec2 azimuth) {
+  Turned turned = turn(seen, azimuth);
+  if (MOTION && SHIFTS_TURNED && motion.origins != 0.0) turned = shifted(turned, laserOf(row));
+  return turned;
 }
 
 Triangle seenFrom(Triangle triangle, uint slot, uint column, uint row, vec2 azimuth) {

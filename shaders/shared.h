@@ -275,12 +275,13 @@ struct MotionBounds {
   float shift, turn;                    // most metres and radians that the sensor moves, laser origins included
   float shiftPerColumn, turnPerColumn;  // at most, between neighbouring columns
   float origins;                        // metres: largest distance of a laser from the sensor's origin
+  float forward, left, up;              // metres: largest parts of it, along the beam's azimuth, across and upwards
   float secondsPerColumn, seconds;      // per column, and for the whole scan
   uint instances, sensor;               // 1 if instances move, if the sensor moves; else its columns' frames are one
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(MotionBounds) == 36);
+static_assert(sizeof(MotionBounds) == 48);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 112 &&

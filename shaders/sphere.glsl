@@ -35,15 +35,18 @@ float azimuthOf(float y, float x) {
 // Returns a lower bound of the distance from the sensor to a box.
 float nearestPoint(vec3 low, vec3 high) { return length(max(max(low, -high), vec3(0.0))) * 0.999999; }
 
-// The largest angle in radians by which the object being bounded may appear to move. Without motion it stays 0.
-float seeming = 0.0;
+// The largest angle in radians by which the object being bounded may appear to move, in any direction, across (in
+// azimuth, times the cosine of the elevation) and upwards. Without motion they stay 0.
+float seeming = 0.0, seemingAcross = 0.0, seemingUp = 0.0;
+
+void setSeeming(float angle) { seeming = seemingAcross = seemingUp = angle; }
 
 // The angles by which bounds are widened: beams may spread, deviate from their axis or start away from the sensor's
 // origin.
 #define SPREADS ((EFFECTS & (kFootprint | kStrays)) != 0)
 float footprint() { return (SPREADS ? frame.footprint : 0.0) + seeming; }
-float spreadAcross() { return (SPREADS ? frame.spreadAcross : 0.0) + seeming; }
-float spreadUp() { return (SPREADS ? frame.spreadUp : 0.0) + seeming; }
+float spreadAcross() { return (SPREADS ? frame.spreadAcross : 0.0) + seemingAcross; }
+float spreadUp() { return (SPREADS ? frame.spreadUp : 0.0) + seemingUp; }
 
 // Elevation keys are widened by this much; a key changes by at most 1 per radian.
 float keySlack() { return kKeySlack + spreadUp(); }

@@ -6,8 +6,6 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "sensor/beams.hpp"
-
 namespace gnosphere {
 namespace {
 
@@ -41,20 +39,23 @@ double angleBetween(const Frame& a, const Frame& b) {
 
 }  // namespace
 
-MotionTables makeMotionTables(const Sensor& sensor, bool listed, const Shot& shot, bool moves, bool deskew) {
+MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBounds& origins, const Shot& shot,
+                              bool moves, bool deskew) {
   const ScanTimes times = scanTimesOf(sensor, listed, shot.frame);
   const auto poseOf = [&](double time) { return moves ? poseAt(shot.motion, shot.pose, time) : shot.pose; };
   MotionTables tables;
   tables.middle = poseOf(times.middle);
   const Frame middle(tables.middle), standing(shot.pose);
-  double shift = 0, turn = 0, shiftStep = 0, turnStep = 0, origins = 0;
-  Frame before = middle;
+  double shift = 0, turn = 0, shiftStep = 0, turnStep = 0;
+  Frame before = middle, now = middle;
+  gpu::ColumnMotion column = {};
   for (uint32_t i = 0; i < times.count; ++i) {
     const double time = listed ? times.first + i * times.step : sensor.rotationPeriod * i / sensor.columns;
-    const Frame now(poseOf(time));
-    gpu::ColumnMotion column = {};
-    write(middle, now, column.row0, column.row1, column.row2);
-    write(now, deskew ? standing : now, column.report0, column.report1, column.report2);
+    if (moves || i == 0) {
+      now = Frame(poseOf(time));
+      write(middle, now, column.row0, column.row1, column.row2);
+      write(now, deskew ? standing : now, column.report0, column.report1, column.report2);
+    }
     const Vec3 v = velocityAt(shot.motion, time);
     const glm::dvec3 velocity = glm::transpose(now.turn) * glm::dvec3(v.x, v.y, v.z);
     column.velocity = {static_cast<float>(velocity.x), static_cast<float>(velocity.y), static_cast<float>(velocity.z),
@@ -68,17 +69,15 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const Shot& sho
     }
     before = now;
   }
-  for (const Channel& channel : sensor.channels)
-    origins = std::max(origins, std::hypot(channel.origin.x, channel.origin.y, channel.origin.z));
-  if (!sensor.isGrid())
-    for (const Vec3& origin : patternOf(sensor, shot.frame).origins)
-      origins = std::max(origins, std::hypot(origin.x, origin.y, origin.z));
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
-  tables.bounds = {up(shift + origins),
+  tables.bounds = {up(shift + origins.distance),
                    up(turn),
                    up(shiftStep),
                    up(turnStep),
-                   up(origins),
+                   up(origins.distance),
+                   up(origins.forward),
+                   up(origins.left),
+                   up(origins.up),
                    up(times.step),
                    up(std::max(times.last, -times.first)),
                    0,

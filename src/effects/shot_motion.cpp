@@ -10,8 +10,8 @@ std::optional<ShotMotion> motionOf(const SensorPlan& plan, const Shot& shot, con
   const bool sensorMoves = !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
   if (!sensorMoves && !instancesMove && !plan.origins) return {};
   ShotMotion motion;
-  motion.tables =
-      makeMotionTables(plan.sensor, plan.listed, shot, plan.has(gpu::kSensorMotion), plan.effects.sensorMotion.deskew);
+  motion.tables = makeMotionTables(plan.sensor, plan.listed, plan.originBounds[shot.frame % plan.originBounds.size()],
+                                   shot, plan.has(gpu::kSensorMotion), plan.effects.sensorMotion.deskew);
   if (instancesMove) {
     motion.instances.resize(instances.count());
     const double duration = durationOf(plan.sensor, shot.frame);

@@ -129,6 +129,25 @@ bool hasOrigins(const Sensor& sensor) {
          });
 }
 
+OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame) {
+  OriginBounds bounds;
+  const auto include = [&](double forward, double left, double up) {
+    bounds.distance = std::max(bounds.distance, std::hypot(forward, left, up));
+    bounds.forward = std::max(bounds.forward, std::abs(forward));
+    bounds.left = std::max(bounds.left, std::abs(left));
+    bounds.up = std::max(bounds.up, std::abs(up));
+  };
+  for (const Channel& channel : sensor.channels) include(channel.origin.x, channel.origin.y, channel.origin.z);
+  if (sensor.isGrid()) return bounds;
+  const std::vector<Vec3>& origins = patternOf(sensor, frame).origins;
+  for (size_t beam = 0; beam < origins.size(); ++beam) {
+    const Vec3& o = origins[beam];
+    const double azimuth = azimuthOf(sensor, beam, frame), c = std::cos(azimuth), s = std::sin(azimuth);
+    include(c * o.x + s * o.y, c * o.y - s * o.x, o.z);
+  }
+  return bounds;
+}
+
 double durationOf(const Sensor& sensor, uint64_t frame) {
   return sensor.rotationPeriod > 0 ? sensor.rotationPeriod : scanTimesOf(sensor, true, frame).last;
 }

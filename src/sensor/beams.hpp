@@ -44,6 +44,11 @@ bool firesInTurn(const Sensor& sensor);
 bool hasTimeOffsets(const Sensor& sensor);
 /// Whether any beam leaves another point than the sensor's origin.
 bool hasOrigins(const Sensor& sensor);
+/// How far lasers are from the sensor's origin, in metres: in all; along the azimuth of the beam, across it, upwards.
+struct OriginBounds {
+  double distance = 0, forward = 0, left = 0, up = 0;
+};
+OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame);
 /// Seconds in which an instance moves from the start to the end of its motion during a scan.
 double durationOf(const Sensor& sensor, uint64_t frame);
 
