@@ -18,6 +18,7 @@
   ARRAY(readonly, uint, beamNumbers)  /* per beam, by index: its number in a scan; kNone: none */ \
   ARRAY(readonly, vec2, beamRanges)   /* per beam, by index: least and largest range, if ownRanges */ \
   ARRAY(readonly, uvec2, startWords)  /* per place of a grid with holes: its word before anything is hit */ \
+  ARRAY(readonly, uint, startFarthest)  /* `farthest` before anything is hit, if parts of the grid have no beams */ \
   ARRAY(readonly, vec4, beamOrigins)  /* per listed beam, with motion: its origin as in rowOrigins, */ \
                                       /* its place in columnMotions */
 

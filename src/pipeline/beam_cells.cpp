@@ -139,6 +139,22 @@ void setRanges(const Sensor& sensor, BeamTables& tables) {
   }
 }
 
+// Marks the entries of the farthest-range table that have beams; `placesOf(mark)` calls mark(row, column) for each
+// beam.
+template <typename PlacesOf>
+std::vector<uint32_t> startFarthest(const gpu::Frame& frame, const PlacesOf& placesOf) {
+  const auto entries = [](uint32_t count, uint32_t each) { return (count + each - 1) / each; };
+  const uint32_t finePerRow = entries(frame.columns, gpu::kFineColumns),
+                 coarsePerRow = entries(frame.columns, gpu::kCoarseColumns),
+                 fine = finePerRow * entries(frame.rows, gpu::kFineRows);
+  std::vector<uint32_t> table(fine + coarsePerRow * entries(frame.rows, gpu::kCoarseRows), 0);
+  placesOf([&](uint32_t row, uint32_t column) {
+    table[row / gpu::kFineRows * finePerRow + column / gpu::kFineColumns] = gpu::kNone;
+    table[fine + row / gpu::kCoarseRows * coarsePerRow + column / gpu::kCoarseColumns] = gpu::kNone;
+  });
+  return table;
+}
+
 // The range window of a masked beam.
 const gpu::vec2 kNoRange(1, -1);
 
@@ -175,6 +191,11 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
   setFrame(sensor, columns, phase, tables);
   tables.frame.beams = static_cast<uint32_t>(places);
   tables.holes = std::count(tables.numbers.begin(), tables.numbers.end(), gpu::kNone) > 0;
+  if (tables.holes)
+    tables.startFarthest = startFarthest(tables.frame, [&](const auto& mark) {
+      for (uint32_t index = 0; index < places; ++index)
+        if (tables.numbers[index] != gpu::kNone) mark(index / columns, index % columns);
+    });
   for (const uint32_t number : tables.numbers) {
     const bool fires = number != gpu::kNone && !silent[number];
     tables.ranges.push_back(fires ? rangesOf(sensor, frame, number) : kNoRange);
@@ -206,6 +227,10 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
   tables.cellStarts.push_back(static_cast<uint32_t>(firing));
   for (uint32_t number = 0; number < silent.size(); ++number)
     if (silent[number]) beams.push_back({azimuthOf(sensor, number, frame), 0, number, 0, 0});
+
+  tables.startFarthest = startFarthest(tables.frame, [&](const auto& mark) {
+    for (size_t i = 0; i < firing; ++i) mark(beams[i].row, beams[i].column);
+  });
 
   const ScanTimes times = scanTimesOf(sensor, true, frame);
   for (size_t i = 0; i < beams.size(); ++i) {

@@ -118,6 +118,7 @@ void SensorArrays::upload(Pattern& pattern) {
   put(Array::rows, tables.rows);
   if (!tables.numbers.empty()) put(Array::beamNumbers, tables.numbers);
   if (!tables.ranges.empty()) put(Array::beamRanges, tables.ranges);
+  if (!tables.startFarthest.empty()) put(Array::startFarthest, tables.startFarthest);
   if (tables.holes) {
     std::vector<Word> words(tables.numbers.size(), {gpu::kNone, gpu::kNone});
     for (size_t i = 0; i < words.size(); ++i)
@@ -194,6 +195,7 @@ std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups
   input.resolve = !footprint && !leavesWords(binning_, plan_);
   input.surfaces = plan_.surfaces() && !footprint && !lines;
   input.holes = pattern.tables.holes;
+  input.sparse = shells_ > 1 && !pattern.tables.startFarthest.empty();
   using Judged = StepsInput::Judged;
   if (lines)
     input.effects = plan_.panes() ? Judged::listed : Judged::none;

@@ -39,7 +39,8 @@ class Steps {
     fill(gpu::Array::counters, 0);
     fill(gpu::Array::shells, 0);
     if (input_.shells > 1 && still != StillImage::Use::use) {
-      fill(gpu::Array::farthest, gpu::kNone);
+      // Where no beam looks, everything is hidden from the start.
+      input_.sparse ? copy(gpu::Array::startFarthest, gpu::Array::farthest) : fill(gpu::Array::farthest, gpu::kNone);
       fill(gpu::Array::staleEntries, 0);
     }
     if (still == StillImage::Use::use)
@@ -56,15 +57,12 @@ class Steps {
   // the shells end. Kernels of shells that turn out to be empty do not run.
   void scanShells(const PlacedGroups::Run& placed) {
     const bool several = input_.shells > 1;
-    // Where no beam looks, everything is hidden from the start.
-    const bool sparse = several && (input_.holes || input_.variant.options.LISTED != 0);
-    if (sparse) dispatch("bin", Kernel::bin, input_.sizes.cullGroups, {.table = gpu::kTableAll}, gpu::kPassTable);
     list({placed.first, placed.groups, 0, !several});
     if (several) dispatch("project", Kernel::project_groups, 1, {placed.first, placed.groups}, gpu::kPassShells);
     for (uint32_t shell = 0; shell < input_.shells; ++shell) {
       const bool last = shell + 1 == input_.shells;
       const uint32_t table = last ? gpu::kTableNone : gpu::kTableLater;
-      const gpu::Pass pass = {placed.first, placed.groups, shell, last, shell > 0 || sparse};
+      const gpu::Pass pass = {placed.first, placed.groups, shell, last, shell > 0 || input_.sparse};
       project(placed, pass);
       bin(pass, table);
     }

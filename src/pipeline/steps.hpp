@@ -45,6 +45,7 @@ struct StepsInput {
   uint32_t shells;  ///< most shells of the scan
   bool strays = false, panes = false, footprint = false, resolve = false, surfaces = false;
   bool holes = false;                                              ///< some places of the grid have no beam
+  bool sparse = false;                                             ///< parts of the grid have no beams
   enum class Judged { none, listed, all } effects = Judged::none;  ///< the beams whose returns are computed from echoes
 };
 
