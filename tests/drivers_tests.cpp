@@ -3,6 +3,7 @@
 #include <catch2/generators/catch_generators.hpp>
 
 #include "effects/scan_support.hpp"
+#include "lists/list_sensors.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -153,6 +154,29 @@ TEST_CASE("drivers: all effects with small shaders have the same bytes together,
     assign(options.effects, std::string(name) + "=off");
   options.fields = allFields(false);
   requireSameBytes(options, false);
+}
+
+TEST_CASE("drivers: lists of beams have the same bytes, in cells and in places of a grid", "[slow]") {
+  const std::vector<DeviceInfo> devices = softwareDevices();
+  std::vector<Sensor> sensors = listSensors();
+  sensors.push_back(asList(unevenHead(false)));
+  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+    std::vector<Scan> expected;
+    for (const DeviceInfo& device : devices) {
+      TestOptions options = vulkanOptions();
+      options.accuracy = accuracy;
+      options.device = device;
+      Simulator simulator = makeSimulator(courtyard(), sensors, options);
+      for (size_t i = 0; i < sensors.size(); ++i) {
+        INFO(device.name << ", " << sensors[i].name << ", " << nameOf(accuracy));
+        Scan scan = simulator.scan(kPose, i);
+        if (&device == &devices[0])
+          expected.push_back(std::move(scan));
+        else
+          CHECK(firstBytes(expected[i], scan) == "none");
+      }
+    }
+  }
 }
 
 TEST_CASE("drivers: all effects with small shaders have the same bytes together and in motion", "[slow]") {

@@ -161,6 +161,27 @@ TEST_CASE("effects and motion of a list equal the reference") {
     requireEffects(variedList(), first, (first + 9) % effectNames().size());
 }
 
+TEST_CASE("CUDA's kernels give the bytes of Vulkan's for lists") {
+  Scene scene = sceneOf(soup(9, 300, 20, 25));
+  const std::vector<Sensor> sensors = listSensors();
+  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+    Twins twins(scene, sensors, optionsWith(accuracy));
+    for (size_t i = 0; i < sensors.size(); ++i) {
+      INFO(sensors[i].name << ", " << nameOf(accuracy));
+      Shot shot;
+      shot.pose = kPlace;
+      shot.sensor = i;
+      CHECK(twins.scan(shot).counters.hits > 0);
+    }
+  }
+  const std::vector<std::string>& names = effectNames();
+  const auto of = [&](const char* name) {
+    return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  Twins moving(showroom(), {variedList()}, optionsOf(of("sensor-motion"), of("transmission")));
+  CHECK(moving.scan(shotOf(true)).counters.hits > 0);
+}
+
 TEST_CASE("lasers of a moving sensor see the scene at their own times") {
   Sensor offsets = smallSensor();
   offsets.name = "time offsets";
