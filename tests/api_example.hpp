@@ -2,8 +2,10 @@
 // The examples of docs/api.md: everything below the using directive is the text of its C++ blocks, in their order.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <gnosphere/gnosphere.hpp>
+#include <numbers>
 
 using namespace gnosphere;
 
@@ -11,6 +13,26 @@ using namespace gnosphere;
 Scan scanOnce(const std::string& file) {
   Simulator simulator(loadScene(file), builtinSensor("HDL-64E"));
   return simulator.scan({{0, 0, 1.8}, {}});
+}
+
+/// A solid-state lidar that looks ahead: 100 rows of 200 beams, 0.5 degrees apart, which fire within 50 ms.
+Sensor solidState() {
+  constexpr double kDegree = std::numbers::pi / 180;
+  BeamList beams;
+  beams.width = 200;
+  beams.height = 100;
+  for (int row = 0; row < 100; ++row)
+    for (int column = 0; column < 200; ++column) {
+      const double azimuth = 0.5 * (100 - column) * kDegree, elevation = 0.5 * (row - 50) * kDegree;
+      beams.directions.push_back(
+          {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)});
+      beams.times.push_back(0.05 * (200 * row + column) / 20'000);
+    }
+  Sensor sensor;
+  sensor.name = "solid state";
+  sensor.rangeMax = 150;
+  sensor.patterns = {beams};
+  return sensor;
 }
 
 /// Two lidars on one scene: one as the data sheet has it, one that is geometry alone and reports surface normals.

@@ -337,4 +337,6 @@ TEST_CASE("the examples of docs/api.md are compiled, and do what they say") {
   const Scan with = withCar(simulator, car.take(), {}), without = simulator.scan({});
   CHECK(with.counters.triangles == without.counters.triangles + 2);
   CHECK(twoLidars(floorScene()).plan(1).has("intensity") == false);
+  Simulator ahead(floorScene(), solidState());
+  CHECK(ahead.scan({{0, 0, 1.8}, {}}).column<float>(Field::range).size() == 20'000);
 }
