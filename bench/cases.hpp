@@ -18,6 +18,7 @@ Report figure7(Session& session);
 Report dynamic(Session& session);
 Report scalingTriangles(Session& session);
 Report scalingRays(Session& session);
+Report beams(Session& session);
 Report effects(Session& session);
 Report correctness(Session& session);
 Report real(Session& session);
@@ -41,6 +42,7 @@ inline constexpr Case kCases[] = {
     {"dynamic", "Some or all instances move, or all vertices may", {1'000'000, 10, 1}, dynamic},
     {"scaling-triangles", "Towns of growing size with the same centre", {10'000'000, 10, 1}, scalingTriangles},
     {"scaling-rays", "From 28,800 to 25 million beams", {1'000'000, 5, 1}, scalingRays},
+    {"beams", "Sectors, lists of beams, lasers away from the axis", {1'000'000, 7, 1}, beams},
     {"effects", "Time of each effect relative to a scan without effects", {1'000'000, 7, 1}, effects},
     {"correctness", "Compare hard cases and a town with the reference; fingerprints", {300'000, 1, 2}, correctness},
 };

@@ -48,8 +48,8 @@ class Guest : public Contender {
   Guest(std::unique_ptr<Rival> rival, const Sensor& sensor, bool anew)
       : rival_(std::move(rival)), sensor_(sensor), anew_(anew) {
     scan_.sensor = sensor.name;
-    scan_.columns = sensor.columns;
-    scan_.channels = static_cast<uint32_t>(sensor.channels.size());
+    scan_.columns = sensor.width();
+    scan_.channels = sensor.height();
   }
 
   std::string name() const override { return rival_->name() + (anew_ ? ", built anew" : ""); }

@@ -6,6 +6,7 @@
 #include "rivals/rivals.hpp"
 #include "scanning.hpp"
 #include "seen.hpp"
+#include "sensor/beams.hpp"
 #include "town/town.hpp"
 
 namespace gnosphere::bench {
@@ -96,7 +97,7 @@ std::vector<std::unique_ptr<Contender>> Session::contenders(const Round& round) 
   setDevice(simulatorOf(*contenders[0]).device());
   if (round.motion == Motion::none && round.beside == Beside::seen) {
     contenders.push_back(makeSeen(round.scene, request, settings, poses(round)));
-  } else if (round.motion == Motion::none && settings.accuracy != Accuracy::paper) {
+  } else if (round.motion == Motion::none && settings.accuracy != Accuracy::paper && !needsBeamList(round.sensor)) {
     settings.accuracy = Accuracy::paper;
     contenders.push_back(makeOurs(round.scene, request, settings));
   }
@@ -108,6 +109,10 @@ std::vector<std::unique_ptr<Contender>> Session::rivals(const std::vector<std::s
                                                         const SensorRequest& request) {
   const std::vector<Pose> drive = poses(round);
   const Vec3 middle = drive[drive.size() / 2].position;
+  if (hasOrigins(round.sensor)) {
+    addNote(round.label + ": the rivals trace from one origin only and are left out");
+    return {};
+  }
   std::vector<std::string> notes;
   auto rivals = makeRivals(names, {round.scene, request, middle, round.motion, simulatorOptions(), device_}, notes);
   for (const std::string& note : notes) addNote(note);

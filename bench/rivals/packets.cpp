@@ -16,18 +16,19 @@ Vec3 turn(const Quaternion& q, const Vec3& v) {
 }  // namespace
 
 void PacketTable::layOut(const Sensor& sensor) {
-  const std::string json = toJson(sensor);
-  if (json == sensor_) return;
-  sensor_ = json;
+  const std::string identity = sensor.isGrid() ? toJson(sensor) : sensor.name + std::to_string(sensor.beamCount());
+  if (identity == sensor_) return;
+  sensor_ = identity;
   orientation_ = {0, 0, 0, 0};
   directions_.resize(sensor.beamCount());
   for (size_t beam = 0; beam < directions_.size(); ++beam) directions_[beam] = sensor.direction(beam);
   packets_.clear();
-  for (uint32_t channel = 0; channel < sensor.channels.size(); ++channel) {
-    for (uint32_t column = 0; column < sensor.columns; column += kPacketBeams) {
+  const uint32_t width = sensor.width();
+  for (uint32_t row = 0; row < sensor.height(); ++row) {
+    for (uint32_t column = 0; column < width; column += kPacketBeams) {
       Packet& packet = packets_.emplace_back();
-      packet.first = channel * sensor.columns + column;
-      packet.count = std::min(kPacketBeams, sensor.columns - column);
+      packet.first = row * width + column;
+      packet.count = std::min(kPacketBeams, width - column);
     }
   }
 }

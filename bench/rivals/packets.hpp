@@ -13,8 +13,8 @@ namespace gnosphere::bench {
 
 inline constexpr uint32_t kPacketBeams = 16;
 
-/// `count` neighbouring beams of a channel from number `first` on, with directions in the world. (Packets of 2, 4, 8
-/// and 16 channels were slower to trace with every sensor tried.)
+/// `count` neighbouring beams of a row of the cloud from number `first` on, with directions in the world. (Packets of
+/// 2, 4, 8 and 16 channels were slower to trace with every sensor tried.)
 struct alignas(64) Packet {
   float x[kPacketBeams] = {}, y[kPacketBeams] = {}, z[kPacketBeams] = {};
   uint32_t first = 0, count = 0;
@@ -30,7 +30,7 @@ class PacketTable {
  private:
   void layOut(const Sensor& sensor);
 
-  std::string sensor_;                  ///< as JSON
+  std::string sensor_;                  ///< a grid as JSON; the name and size of a list
   std::vector<Vec3> directions_;        ///< of the beams, in the sensor's frame
   Quaternion orientation_{0, 0, 0, 0};  ///< orientation of packets_
   std::vector<Packet> packets_;

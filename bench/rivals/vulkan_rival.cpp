@@ -17,7 +17,7 @@ bool sameBeams(const Sensor& a, const Sensor& b) {
   const auto same = [](const Channel& x, const Channel& y) {
     return x.elevationDeg == y.elevationDeg && x.azimuthOffsetDeg == y.azimuthOffsetDeg;
   };
-  return a.columns == b.columns &&
+  return a.name == b.name && a.beamCount() == b.beamCount() && a.columns == b.columns &&
          std::equal(a.channels.begin(), a.channels.end(), b.channels.begin(), b.channels.end(), same);
 }
 
@@ -145,8 +145,8 @@ Rays VulkanRival::raysOf(const Pose& pose) const {
   rays.hits = hits_.address();
   rays.rangeMin = static_cast<float>(sensor_.rangeMin);
   rays.rangeMax = static_cast<float>(sensor_.rangeMax);
-  rays.columns = sensor_.columns;
-  rays.channels = static_cast<uint32_t>(sensor_.channels.size());
+  rays.columns = sensor_.width();
+  rays.channels = sensor_.height();
   return rays;
 }
 
