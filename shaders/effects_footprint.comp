@@ -91,7 +91,8 @@ bool meetSubRay(Candidate candidate, float u, float v, float length_, out float 
   bool bothSided = !candidate.oneSided, ahead = along > 0.0, flat_ = sum == 0.0;
   bool near = range >= rangeMin, far = range <= rangeMax;
   bool seen = facing || (averted && bothSided);
-  return seen && !flat_ && ahead && near && far;
+  bool around = !MOTION || surrounds(q, w);
+  return seen && around && !flat_ && ahead && near && far;
 }
 
 // The supporting plane in the beam's frame: a normal that is not normalised, and the plane's distance times its

@@ -62,6 +62,9 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
   } else {
     side = INSIDE == kInsidePlain ? plainSides(prepared.normals, beam.direction)
                                   : watertightSides(turned, beam.cosElevation, beam.sinElevation);
+    if (MOTION && INSIDE == kInsideWatertight &&
+        !surrounds(turned.q, aboveBeam(turned, beam.cosElevation, beam.sinElevation)))
+      return false;
   }
   precise float sum = side.x + side.y + side.z;
   if (RANGE == kRangePlane) {

@@ -18,10 +18,23 @@ Turned turn(Triangle triangle, vec2 azimuth) {
   return Turned(p, q, vec3(triangle.a.z, triangle.b.z, triangle.c.z));
 }
 
+// True if the beam may lie between the corners. Inside a triangle this always holds. Sides of a tiny triangle far beside
+// the beam may all round to 0; its box keeps such beams away, but a box that motion has widened does not.
+bool surrounds(vec3 q, vec3 w) {
+  return min(min(q.x, q.y), q.z) <= 0.0 && max(max(q.x, q.y), q.z) >= 0.0 && min(min(w.x, w.y), w.z) <= 0.0 &&
+         max(max(w.x, w.y), w.z) >= 0.0;
+}
+
+// The corners above and below the beam.
+vec3 aboveBeam(Turned turned, float cosElevation, float sinElevation) {
+  precise vec3 w = turned.z * cosElevation - turned.p * sinElevation;
+  return w;
+}
+
 // Returns on which side of the edges opposite to a, b and c the beam lies. (depth, q, w) is forward, left, up. A
 // triangle that is counter-clockwise as the sensor sees it has negative sides if the beam is inside.
 vec3 watertightSides(Turned turned, float cosElevation, float sinElevation) {
-  precise vec3 w = turned.z * cosElevation - turned.p * sinElevation;
+  vec3 w = aboveBeam(turned, cosElevation, sinElevation);
   precise vec3 side = turned.q.yzx * w.zxy - w.yzx * turned.q.zxy;
   return side;
 }
@@ -36,9 +49,9 @@ vec3 cornerDepths(Turned turned, float cosElevation, float sinElevation) {
 // lies on the axis.
 vec3 strayedSides(Turned turned, float cosElevation, float sinElevation, vec2 stray) {
   vec3 depth = cornerDepths(turned, cosElevation, sinElevation);
-  precise vec3 above = turned.z * cosElevation - turned.p * sinElevation;
+  vec3 above = aboveBeam(turned, cosElevation, sinElevation);
   precise vec3 q = turned.q - stray.x * depth;
   precise vec3 w = above - stray.y * depth;
   precise vec3 side = q.yzx * w.zxy - w.yzx * q.zxy;
-  return side;
+  return !MOTION || surrounds(q, w) ? side : vec3(1.0, -1.0, 0.0);  // two signs are no hit
 }

@@ -34,7 +34,9 @@ template <typename EffectUse>
 void withColumn(const Scan& scan, Field field, uint32_t component, const EffectUse& use) {
   const size_t returns = scan.returns;
   switch (field) {
-    case Field::ring: return use([&](size_t e) { return static_cast<uint16_t>(e / returns / scan.columns); });
+    case Field::ring:
+      if (scan.has(field)) break;
+      return use([&](size_t e) { return static_cast<uint16_t>(e / returns / scan.columns); });
     case Field::beam: return use([&](size_t e) { return static_cast<uint32_t>(e / returns); });
     case Field::returnNumber: return use([&](size_t e) { return returnNumberOf(scan, e); });
     case Field::returnCount: return use([&](size_t e) { return returnCountOf(scan, e); });
@@ -119,7 +121,7 @@ void checkFields(const Scan& scan, const std::vector<Field>& fields) {
                                                 std::to_string(scan.channels) + " channels");
   }
   for (Field field : fields) {
-    if (field == Field::ring) checkRings(scan.channels);
+    if (field == Field::ring && !scan.has(field)) checkRings(scan.channels);
     if (!followsFromIndex(field) && !scan.has(field)) refuseMissing(field);
   }
 }

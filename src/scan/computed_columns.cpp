@@ -28,7 +28,7 @@ ComputedColumns::ComputedColumns(const Sensor& sensor, const std::vector<Field>&
   patterns_.resize(std::max<size_t>(sensor.patterns.size(), 1));
   for (size_t pattern = 0; pattern < patterns_.size(); ++pattern) {
     const auto fill = [&](Field field, auto of, auto& values) {
-      if (!asks(field)) return;
+      if (!asks(field) && !(field == Field::ring && hasRings(sensor))) return;
       values.resize(sensor.beamCount());
       for (size_t beam = 0; beam < values.size(); ++beam)
         values[beam] = static_cast<std::remove_reference_t<decltype(values[0])>>(of(sensor, beam, pattern));
@@ -48,13 +48,14 @@ bool ComputedColumns::asks(Field field) const {
 void ComputedColumns::set(const std::vector<uint16_t>& classes, uint64_t frame, Scan& scan) const {
   const uint32_t returns = scan.returns;
   const Values& pattern = patterns_[frame % patterns_.size()];
-  const auto setBeams = [&]<typename T>(Field field, const std::vector<T>& values) {
-    setColumn<T>(scan, field, asks(field), [&](size_t entry) { return values[entry / returns]; });
+  const auto setBeams = [&](Field field, const std::vector<float>& values) {
+    setColumn<float>(scan, field, asks(field), [&](size_t entry) { return values[entry / returns]; });
   };
   setBeams(Field::time, pattern.times);
   setBeams(Field::azimuth, pattern.azimuths);
   setBeams(Field::elevation, pattern.elevations);
-  setBeams(Field::ring, pattern.rings);
+  setColumn<uint16_t>(scan, Field::ring, !pattern.rings.empty(),
+                      [&](size_t entry) { return pattern.rings[entry / returns]; });
   setColumn<uint16_t>(scan, Field::classId, asks(Field::classId), [&](size_t entry) {
     const uint32_t instance = scan.instances[entry];
     return instance < classes.size() ? classes[instance] : uint16_t{0};

@@ -9,7 +9,7 @@
 namespace gnosphere {
 
 /// Computes the requested columns of one sensor among time, azimuth, elevation, class, ring, beam and the return
-/// numbers.
+/// numbers. A list that states rings always has that column, because they do not follow from the index.
 class ComputedColumns {
  public:
   ComputedColumns() = default;

@@ -115,6 +115,11 @@ bool firesInTurn(const Sensor& sensor) {
   return sensor.rotationPeriod > 0 || std::any_of(sensor.patterns.begin(), sensor.patterns.end(), hasTimes);
 }
 
+bool hasRings(const Sensor& sensor) {
+  return std::any_of(sensor.patterns.begin(), sensor.patterns.end(),
+                     [](const BeamList& pattern) { return !pattern.rings.empty(); });
+}
+
 bool hasTimeOffsets(const Sensor& sensor) {
   return std::any_of(sensor.channels.begin(), sensor.channels.end(),
                      [](const Channel& c) { return c.timeOffset != 0; });

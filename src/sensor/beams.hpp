@@ -40,6 +40,8 @@ struct ScanTimes {
 ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame = 0);
 /// Whether beams of one scan fire at different times.
 bool firesInTurn(const Sensor& sensor);
+/// Whether the sensor is a list that states rings.
+bool hasRings(const Sensor& sensor);
 /// Whether channels of a grid have time offsets.
 bool hasTimeOffsets(const Sensor& sensor);
 /// Whether any beam leaves another point than the sensor's origin.

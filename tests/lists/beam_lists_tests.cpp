@@ -10,11 +10,13 @@ namespace {
 
 const Pose kPlace = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
-/// A town, with triangles of all sizes above, below and around the sensor.
+/// A town, with triangles of all sizes above, below and around the sensor, and a ball of triangles of 0.3 mm.
 Scene coveredTown() {
   Scene scene = makeTown({.triangles = 20'000});
   scene.meshes.push_back(soup(9, 300, 20, 25));
   scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size() - 1), {}});
+  scene.meshes.push_back(ball(60, 60, 0.006));
+  scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size() - 1), translation(2, 1, 1.5)});
   return scene;
 }
 
