@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "base/text.hpp"
-#include "sensor/beams.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {

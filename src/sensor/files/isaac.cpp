@@ -84,20 +84,34 @@ const Window& windowOf(const SensorSource& source, const std::vector<Window>& wi
   return windows[static_cast<size_t>(id)];
 }
 
+/// What the emitters of any state have; all beams of a list have it then.
+struct Lists {
+  bool origins = false, ranges = false;
+
+  Lists(const std::vector<Emitters>& states, const std::vector<Window>& windows) {
+    for (const Emitters& emitters : states) {
+      origins = origins || !emitters.heights.empty() || !emitters.sides.empty();
+      ranges = ranges || (!emitters.ranges.empty() && !windows.empty());
+    }
+  }
+};
+
 /// Appends one emitter, whose head is turned to `headDeg`, to a list of beams.
-void fire(const SensorSource& source, const Emitters& emitters, size_t i, const std::vector<Window>& windows,
-          double headDeg, double time, uint16_t ring, BeamList& list) {
+void fire(const SensorSource& source, const Emitters& emitters, size_t i, const Lists& has,
+          const std::vector<Window>& windows, double headDeg, double time, uint16_t ring, BeamList& list) {
   const double azimuth = emitters.azimuths[i] + headDeg;
   list.directions.push_back(directionOfAngles(source, azimuth, emitters.elevations[i], list.size()));
-  if (!emitters.heights.empty() || !emitters.sides.empty()) {
+  if (has.origins) {
     const double side = emitters.sides.empty() ? 0 : emitters.sides[i], a = std::numbers::pi / 180 * azimuth;
     list.origins.push_back(
         {-std::sin(a) * side, std::cos(a) * side, emitters.heights.empty() ? 0 : emitters.heights[i]});
   }
   list.times.push_back(time + (emitters.times.empty() ? 0 : kNano * emitters.times[i]));
   list.rings.push_back(emitters.rings.empty() ? ring : static_cast<uint16_t>(emitters.rings[i]));
-  if (emitters.ranges.empty() || windows.empty()) return;
-  const Window& window = windowOf(source, windows, emitters.ranges[i]);
+  if (!has.ranges) return;
+  const Sensor& sensor = source.file.sensor;
+  const Window window = emitters.ranges.empty() ? Window{sensor.rangeMin, sensor.rangeMax}
+                                                : windowOf(source, windows, emitters.ranges[i]);
   list.rangeMin.push_back(static_cast<float>(window.least));
   list.rangeMax.push_back(static_cast<float>(window.most));
 }
@@ -122,19 +136,28 @@ void placeSolidState(SensorSource& source, const json& profile, const std::vecto
     }
   }
   Sensor& sensor = source.file.sensor;
+  const Lists has(states, windows);
   for (const Emitters& emitters : states) {
     BeamList& list = sensor.patterns.emplace_back();
     for (size_t i = 0; i < emitters.azimuths.size(); ++i)
-      fire(source, emitters, i, windows, 0, 0, lineOf.empty() ? uint16_t{0} : lineOf[i], list);
+      fire(source, emitters, i, has, windows, 0, 0, lineOf.empty() ? uint16_t{0} : lineOf[i], list);
     list.width = width;
     list.height = height;
   }
 }
 
+/// Whether the rings of emitters are their places, as those of a grid are.
+bool ringsAreRows(const Emitters& emitters) {
+  for (size_t i = 0; i < emitters.rings.size(); ++i)
+    if (emitters.rings[i] != static_cast<double>(i)) return false;
+  return true;
+}
+
 void placeRotary(SensorSource& source, const json& profile, const std::vector<Emitters>& states,
                  const std::vector<Window>& windows) {
   const double scanRate = numberIn(source, profile, "scanRateBaseHz");
-  const double fireRate = numberIn(source, profile, "reportRateBaseHz");
+  const bool renamed = !profile.contains("reportRateBaseHz") && profile.contains("patternFiringRateHz");
+  const double fireRate = numberIn(source, profile, renamed ? "patternFiringRateHz" : "reportRateBaseHz");
   if (!(scanRate > 0 && fireRate >= scanRate && fireRate / scanRate < 1e9))
     source.refuse("'reportRateBaseHz' is " + std::to_string(fireRate) + " and 'scanRateBaseHz' " +
                   std::to_string(scanRate) + ", expected are firings and turns per second");
@@ -144,15 +167,17 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
   sensor.columns = static_cast<uint32_t>(columns);
   sensor.rotationPeriod = columns / fireRate;
   const bool clockwise = !sameWord(textIn(profile, "rotationDirection"), "CCW");
-  const double start = numberIn(source, profile, "startAzimuthDeg", 0);
-  const double end = numberIn(source, profile, "endAzimuthDeg", start + 360);
+  const double start =
+      numberIn(source, profile, "startAzimuthDeg", numberIn(source, profile, "validStartAzimuthDeg", 0));
+  const double end =
+      numberIn(source, profile, "endAzimuthDeg", numberIn(source, profile, "validEndAzimuthDeg", start + 360));
   sensor.azimuthStartDeg = std::remainder(clockwise ? end : start, 360);
   sensor.azimuthSpanDeg = (clockwise ? -360 : 360) * columns * scanRate / fireRate;
   if (states[0].azimuths.size() > 65535) source.refuse("there are more than 65535 channels");
   if (columns * static_cast<double>(states[0].azimuths.size()) > 1e8)
     source.refuse("there are more than 100 million beams");
 
-  if (states.size() == 1 && states[0].rings.empty()) {
+  if (states.size() == 1 && ringsAreRows(states[0])) {
     const Emitters& emitters = states[0];
     for (size_t i = 0; i < emitters.azimuths.size(); ++i) {
       Channel channel{emitters.elevations[i], emitters.azimuths[i]};
@@ -168,11 +193,12 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
     }
   } else {
     BeamList list;
+    const Lists has(states, windows);
     const size_t rows = states[0].azimuths.size();
     for (size_t row = 0; row < rows; ++row)
       for (uint32_t column = 0; column < sensor.columns; ++column) {
         const Emitters& emitters = states[column % states.size()];
-        fire(source, emitters, row, windows, sensor.azimuthStartDeg + sensor.azimuthSpanDeg * column / columns,
+        fire(source, emitters, row, has, windows, sensor.azimuthStartDeg + sensor.azimuthSpanDeg * column / columns,
              column / fireRate, static_cast<uint16_t>(row), list);
       }
     list.width = sensor.columns;
@@ -225,10 +251,11 @@ void readIsaac(SensorSource& source, const json& root) {
     source.refuse("'scanType' is '" + scanType + "', expected is rotary or solidState");
 
   static const std::set<std::string> known = {
-      "scanType",       "rotationDirection", "nearRangeM",       "farRangeM",       "maxReturns",
-      "scanRateBaseHz", "reportRateBaseHz",  "numberOfEmitters", "emitterStates",   "emitterStateCount",
-      "ranges",         "rangeCount",        "numLines",         "numRaysPerLine",  "startAzimuthDeg",
-      "endAzimuthDeg",  "upElevationDeg",    "downElevationDeg", "numberOfChannels"};
+      "scanType",         "rotationDirection",    "nearRangeM",         "farRangeM",           "maxReturns",
+      "scanRateBaseHz",   "reportRateBaseHz",     "numberOfEmitters",   "emitterStates",       "emitterStateCount",
+      "ranges",           "rangeCount",           "numLines",           "numRaysPerLine",      "startAzimuthDeg",
+      "endAzimuthDeg",    "validStartAzimuthDeg", "validEndAzimuthDeg", "patternFiringRateHz", "upElevationDeg",
+      "downElevationDeg", "numberOfChannels"};
   for (const auto& [key, value] : profile.items()) {
     const bool comment = key.find("omment") != key.npos;
     if (!known.contains(key) && !comment && value != json(0.0)) source.ignore(key);

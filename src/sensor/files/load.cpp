@@ -95,7 +95,8 @@ const std::vector<Family>& families() {
   static const std::vector<Family> list = {
       {"GnoSphere sensor", ".json ", 0, true,
        [](std::string_view, const json& root) {
-         return has(root, "elevation_deg") || has(root, "channels") || has(root, "patterns");
+         return !has(root, "type") &&
+                (has(root, "columns") || has(root, "elevation_deg") || has(root, "channels") || has(root, "patterns"));
        },
        [](SensorSource& source, const json&) { source.file.sensor = sensorFromJson(source.bytes, source.name); }},
       {"Ouster metadata", ".json ", mode, true,

@@ -63,6 +63,24 @@ class Metadata {
   std::vector<const json*> parts_;
 };
 
+/// Refuses metadata that have some of the sections of nested ones but not all, or a format without its sizes. Sections
+/// of which old firmware knows nothing are there, as texts.
+bool checkSections(const SensorSource& source, const json& root) {
+  std::string missing;
+  size_t found = 0;
+  for (const char* section : {"sensor_info", "beam_intrinsics", "imu_intrinsics", "lidar_intrinsics",
+                              "lidar_data_format", "config_params", "calibration_status"}) {
+    found += root.contains(section);
+    if (!root.contains(section)) missing.append(missing.empty() ? "'" : "', '").append(section);
+  }
+  if (found > 0 && !missing.empty()) source.refuse("lacks " + missing + "', which metadata in sections have");
+  for (const char* section : {"lidar_data_format", "data_format"})
+    if (const auto format = root.find(section); format != root.end() && format->is_object())
+      for (const char* key : {"columns_per_frame", "pixels_per_column"})
+        if (!format->contains(key)) source.refuse(std::string("'") + key + "' is missing in '" + section + "'");
+  return found > 0;
+}
+
 /// The columns of a turn and the turns per second that a mode such as "1024x10" names.
 struct Mode {
   uint32_t columns = 0;
@@ -151,8 +169,7 @@ void placeBeams(SensorSource& source, const Metadata& metadata, const std::vecto
 
 void readOuster(SensorSource& source, const json& root) {
   const Metadata metadata(source, root);
-  const bool nested = root.contains("beam_intrinsics");
-  if (nested && !root.contains("sensor_info")) source.refuse("'sensor_info' is missing, which nested metadata has");
+  const bool nested = checkSections(source, root);
   const std::string product = metadata.text("prod_line");
   const std::vector<double> altitudes = metadata.numbers("beam_altitude_angles");
   const std::vector<double> azimuths = metadata.numbers("beam_azimuth_angles");
