@@ -324,6 +324,21 @@ TEST_CASE("Hesai binary: ATX has a pattern for even and one for odd frames") {
   CHECK_THAT(timeOf(sensor, 1200, 1), WithinAbs(7e-6, 1e-18));
 }
 
+TEST_CASE("Hesai binary: a flash lidar lists its pixels column by column") {
+  std::string bytes("\xee\xff\x01\x00\x00\x00\x02\x03\x05", 9);  // 2 columns, 3 rows, units of 0.05 degrees
+  for (const int azimuth : {40, 41, 42, 140, 141, 142}) put<int16_t>(bytes, static_cast<int16_t>(20 * azimuth));
+  for (const int elevation : {-30, 0, 30, -31, 1, 31}) put<int16_t>(bytes, static_cast<int16_t>(20 * elevation));
+  bytes += std::string(32, 'h');
+  const Sensor sensor = readSensorFile(bytes, "ft.dat").sensor;
+  CHECK(sensor.width() == 2);
+  CHECK(sensor.height() == 3);
+  CHECK_THAT(azimuthDeg(sensor, 0), WithinAbs(50, 1e-9));
+  CHECK_THAT(azimuthDeg(sensor, 5), WithinAbs(90 - 142, 1e-9));
+  CHECK_THAT(elevationDeg(sensor, 4), WithinAbs(30, 1e-9));
+  CHECK(ringOf(sensor, 4) == 2);
+  CHECK_THAT(problemOf(bytes.substr(0, 20), "ft.dat"), ContainsSubstring("ends after 20 bytes"));
+}
+
 TEST_CASE("Livox patterns: azimuth and zenith, times of one scan or a count of beams") {
   const SensorFile file = readSensorFile("Time/s,Azimuth/deg,Zenith/deg\n0,10,90\n0.00001,350,60\n\n", "l.csv");
   CHECK(file.family == "Livox pattern");

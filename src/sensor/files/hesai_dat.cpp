@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hesai's binary angle corrections of heads with mirrors: AT128 (versions x.3 and x.5) and ATX (4.1 to 4.3). Their x
-// axis points forward, z up, and azimuths are clockwise from y, so forward is 90 degrees and our azimuth is 90 less
-// theirs. The head's own angle is turned to beams as the vendor's decoder does, roundings included.
+// Hesai's binary angle corrections of heads that do not spin: AT128 (1.3 and 1.5), ATX (4.1 to 4.3), FT120 (minor
+// versions 0 to 2). Their x axis points forward, z up, and azimuths are clockwise from y, so forward is 90 degrees and
+// our azimuth is 90 less theirs. The head's own angle is turned to beams as the vendor's decoder does, roundings
+// included.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -135,20 +136,45 @@ void readParity(SensorSource& source, Bytes& bytes, int version) {
   source.assume("columns that fire at once, as the speed of the mirror is not stated");
 }
 
+/// A flash lidar: an azimuth and an elevation per pixel, column by column.
+void readFlash(SensorSource& source, Bytes& bytes, int version) {
+  bytes.next<uint16_t>();  // reserved
+  const uint32_t columns = version < 2 ? bytes.next<uint8_t>() : bytes.next<uint16_t>();
+  const uint32_t rows = version < 2 ? bytes.next<uint8_t>() : bytes.next<uint16_t>();
+  const double unit = 0.01 * bytes.next<uint8_t>();
+  const size_t count = size_t{columns} * rows;
+  if (count == 0) source.refuse("states " + std::to_string(columns) + " columns and " + std::to_string(rows) + " rows");
+  const auto azimuths = version == 0 ? bytes.list<int16_t>(count, unit) : bytes.list<int32_t>(count, unit);
+  const auto elevations = version == 0 ? bytes.list<int16_t>(count, unit) : bytes.list<int32_t>(count, unit);
+  BeamList list;
+  list.width = columns;
+  list.height = rows;
+  for (uint32_t row = 0; row < rows; ++row)
+    for (uint32_t column = 0; column < columns; ++column) {
+      const size_t place = size_t{column} * rows + row;
+      list.directions.push_back(directionOfAngles(source, 90 - azimuths[place], elevations[place], list.size()));
+      list.rings.push_back(static_cast<uint16_t>(row));
+    }
+  source.file.sensor.patterns.push_back(std::move(list));
+}
+
 }  // namespace
 
 void readHesaiDat(SensorSource& source) {
   Bytes bytes(source);
   if (bytes.next<uint8_t>() != 0xee || bytes.next<uint8_t>() != 0xff) source.refuse("does not start with EE FF");
   const int major = bytes.next<uint8_t>(), minor = bytes.next<uint8_t>();
-  if (major == 1 && (minor == 3 || minor == 5))
+  const bool flash = minor <= 2 && major != 3 && major != 4;
+  if (flash)
+    readFlash(source, bytes, minor);
+  else if (major == 1 && (minor == 3 || minor == 5))
     readMirrors(source, bytes, minor == 5);
   else if (major == 4 && minor >= 1 && minor <= 3)
     readParity(source, bytes, minor);
   else
     source.refuse("is an angle correction of version " + std::to_string(major) + "." + std::to_string(minor) +
-                  ", known are 1.3 and 1.5 (AT128) and 4.1 to 4.3 (ATX)");
-  source.assume("1200 columns 0.1 degrees apart over 120 degrees, as the data sheets state");
+                  ", known are 1.3 and 1.5 (AT128), 4.1 to 4.3 (ATX) and 1.0 to 1.2 (FT120)");
+  if (!flash) source.assume("1200 columns 0.1 degrees apart over 120 degrees, as the data sheets state");
   assumeRange(source, 200);
 }
 
