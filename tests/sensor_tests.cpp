@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "base/file.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
 
@@ -275,6 +276,19 @@ TEST_CASE("every head of the catalogue is valid in every mode and names its sour
   CHECK(codeOf([] { builtinSensor("Puck:7Hz"); }) == ErrorCode::invalidArgument);
 }
 
+TEST_CASE("docs/sensors.md lists every head with its modes and source") {
+  const std::string page = readWholeFile(std::filesystem::path(GNOSPHERE_DOCS) / "sensors.md");
+  for (const CatalogueHead& head : sensorCatalogue()) {
+    const Sensor sensor = builtinSensor(head.name);
+    std::string modes;
+    for (const std::string& mode : head.modes) modes.append(modes.empty() ? "" : ", ").append(mode);
+    const std::string cloud = std::to_string(sensor.width()) + " x " + std::to_string(sensor.height());
+    CHECK_THAT(page,
+               ContainsSubstring("| `" + head.name + "` | " + head.product + " | " + cloud + " | " + modes + " | "));
+    CHECK_THAT(page, ContainsSubstring(head.source + ". " + head.remarks));
+  }
+}
+
 TEST_CASE("heads of the catalogue have the figures of their sheets") {
   const Sensor puck = builtinSensor("puck");
   // Firing 1 of a sequence is at +1 degree, 2.304 us after firing 0, while the head turns on by 3600 degrees a second.
@@ -297,6 +311,8 @@ TEST_CASE("heads of the catalogue have the figures of their sheets") {
   CHECK(builtinSensor("Pandar64").columns == 1800);
   CHECK(builtinSensor("Pandar64:20Hz").columns == 900);
   CHECK(builtinSensor("AT128").azimuthSpanDeg == -120);
+  CHECK(std::abs(builtinSensor("AT128").rotationPeriod - 0.05) < 1e-12);
+  CHECK(std::abs(builtinSensor("TiM781").rotationPeriod - 811 * 82.203e-6) < 1e-12);
   CHECK(builtinSensor("HDL-64E-S2").channels[0].elevationDeg < -24.8);
   const Sensor livox = builtinSensor("Mid-40");
   CHECK(livox.patterns.size() == 40);

@@ -77,9 +77,7 @@ void setMode(const HeadFigures& figures, std::string_view mode, Sensor& sensor) 
   sensor.azimuthSpanDeg = figures.spanDeg;
   if (x != mode.npos) {
     sensor.columns = static_cast<uint32_t>(numberAt(mode.substr(0, x)));
-    // Only what is in the sector takes time: a head that covers three quarters of a turn looks at it three quarters of
-    // the time.
-    sensor.rotationPeriod = std::abs(figures.spanDeg) / 360 / rate;
+    sensor.rotationPeriod = figures.cycle > 0 ? kMicro * figures.cycle * sensor.columns : 1 / rate;
     return;
   }
   // A turn need not be a whole number of columns: it ends a little before its start.

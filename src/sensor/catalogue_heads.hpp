@@ -11,7 +11,7 @@ namespace gnosphere {
 struct HeadFigures {
   const char *name, *product, *source, *remarks;
   const char* modes;                            ///< "10Hz ..." or "COLUMNSxRATE ...", the default first
-  double cycle;                                 ///< microseconds between columns; 0 if the modes state the columns
+  double cycle;                                 ///< microseconds between columns; 0 if they fill the time of a scan
   double startDeg, spanDeg;                     ///< Sensor::azimuthStartDeg, azimuthSpanDeg
   double rangeMin, rangeMax, rangeAt10Percent;  ///< metres
   const char* divergence;                       ///< horizontal and vertical, milliradians
@@ -348,9 +348,9 @@ inline constexpr HeadFigures kHeads[] = {
   {"AT128", "Hesai AT128",
    "tier4/nebula, calibration/PandarAT128.csv: angles; user manual: 120 degrees in steps of 0.1 at 10 Hz, 0.5 to "
    "200 m at 10 %, 2 returns",
-   "Nominal angles; the correction of each mirror face is in the head's .dat file. The columns of a scan take "
-   "half its time.",
-   "1200x10", 0, 60, -120, 0.5, 200, 200, "", 2, false,
+   "Nominal angles; the mirrors of a head that turns 200 times a minute double its angle, so the columns take "
+   "half the time of a scan. The correction of each mirror face is in the head's .dat file.",
+   "1200x10", 41.66666667, 60, -120, 0.5, 200, 200, "", 2, false,
    "12.93..-12.47/128",
    "-2.4 0.65 -2.4 0.65 -2.4 0.65 -2.4 0.65 -2.4 0.65 -2.4 0.65 -2.4 0.65 -2.4 0.65 2.4 -0.65 2.4 -0.65 2.4 -0.65 "
    "2.4 -0.65 2.4 -0.65 2.4 -0.65 2.4 -0.65 2.4 -0.65",
@@ -380,7 +380,7 @@ inline constexpr HeadFigures kHeads[] = {
    "Isaac Sim profile SICK_tim781.json: 270 degrees in 811 beams, 82.203 us apart, 15 Hz, 0.05 to 25 m",
    "One layer; it turns counter-clockwise, as SICK's drivers count. Range at 10 %: not stated (5 m at 5 %). "
    "Divergence: not stated there.",
-   "811x15", 0, -135, 270.333333333333, 0.05, 25, 0, "", 1, false,
+   "811x15", 82.203, -135, 270.333333333333, 0.05, 25, 0, "", 1, false,
    "0",
    "",
    "",
