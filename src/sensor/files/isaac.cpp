@@ -218,7 +218,7 @@ void placeRotary(SensorSource& source, const json& profile, const std::vector<Em
 
 void readIsaac(SensorSource& source, const json& root) {
   const auto found = root.find("profile");
-  if (found == root.end() || !found->is_object()) source.refuse("'profile' is missing");
+  if (found == root.end() || !found->is_object()) source.refuse("'profile' is missing, or no object");
   const json& profile = *found;
   const auto list = profile.find("emitterStates");
   if (list == profile.end() || !list->is_array() || list->empty()) source.refuse("'emitterStates' has no entry");

@@ -10,9 +10,13 @@
 namespace gnosphere {
 namespace {
 
+std::string lineOf(const SensorSource& source, std::ptrdiff_t offset) {
+  const auto end = source.bytes.begin() + std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(source.bytes));
+  return "line " + std::to_string(1 + std::count(source.bytes.begin(), end, '\n')) + ": ";
+}
+
 std::string lineOf(const SensorSource& source, const pugi::xml_node& node) {
-  const auto offset = std::clamp<std::ptrdiff_t>(node.offset_debug(), 0, std::ssize(source.bytes));
-  return "line " + std::to_string(1 + std::count(source.bytes.begin(), source.bytes.begin() + offset, '\n')) + ": ";
+  return lineOf(source, node.offset_debug());
 }
 
 double numberAt(const SensorSource& source, const pugi::xml_node& parent, const char* key, bool required = false) {
@@ -33,7 +37,7 @@ bool hasNonZero(const SensorSource& source, const pugi::xml_node& list) {
 void readVelodyneXml(SensorSource& source) {
   pugi::xml_document document;
   const auto result = document.load_buffer(source.bytes.data(), source.bytes.size());
-  if (!result) source.refuse("is not XML: " + std::string(result.description()));
+  if (!result) source.refuse(lineOf(source, result.offset) + "is not XML: " + result.description());
   const pugi::xml_node database = document.child("boost_serialization").child("DB");
   const pugi::xml_node points = database.child("points_");
   if (!points) source.refuse("has no 'boost_serialization/DB/points_', as VeloView's calibrations have");
