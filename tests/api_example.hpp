@@ -2,6 +2,8 @@
 // The examples of docs/api.md: everything below the using directive is the text of its C++ blocks, in their order.
 #pragma once
 
+#include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <gnosphere/gnosphere.hpp>
 
@@ -11,6 +13,16 @@ using namespace gnosphere;
 Scan scanOnce(const std::string& file) {
   Simulator simulator(loadScene(file), builtinSensor("HDL-64E"));
   return simulator.scan({{0, 0, 1.8}, {}});
+}
+
+/// Reads a calibration of a VLP-16, which states angles only; the catalogue states the rest. Prints what is left open.
+Sensor calibrated(const std::string& file) {
+  SensorFileOptions options;
+  options.head = "Puck:20Hz";
+  const SensorFile read = readSensorFile(std::filesystem::path(file), options);
+  for (const std::string& text : read.assumed) std::printf("assumed: %s\n", text.c_str());
+  for (const std::string& text : read.ignored) std::printf("ignored: %s\n", text.c_str());
+  return read.sensor;
 }
 
 /// Two lidars on one scene: one as the data sheet has it, one that is geometry alone and reports surface normals.
