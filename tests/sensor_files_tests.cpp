@@ -535,6 +535,10 @@ TEST_CASE("a built-in head states what a calibration leaves open") {
   CHECK(file.sensor.channels[3].azimuthOffsetDeg == head.channels[3].azimuthOffsetDeg);
   CHECK(file.sensor.maxReturns == 2);
   CHECK(file.assumed.empty());
+  std::vector<double> angles(2 * 20000);
+  const Sensor livox = readSensorFile(npy("<f4", false, {20000, 2}, angles), "mid40.npy", {.head = "Mid-40"}).sensor;
+  CHECK(livox.patterns.size() == 2);
+  CHECK(livox.rangeMax == 260);
   CHECK_THAT(problemOf(yaml, "puck.yaml", {.head = "HDL-32E"}), ContainsSubstring("has 16 channels"));
   CHECK_THROWS_WITH(readSensorFile(yaml, "puck.yaml", {.head = "Pucks"}), ContainsSubstring("no built-in sensor"));
 }

@@ -113,8 +113,8 @@ GNOSPHERE_API Sensor builtinSensor(const std::string& name);
 
 /// What a sensor file leaves open.
 struct SensorFileOptions {
-  /// Name of a built-in grid with as many channels, whose columns, rotation, firing times, ranges, divergence and
-  /// returns apply. Calibration files state angles only.
+  /// Name of a built-in sensor, whose ranges, divergence and returns apply; of a grid with as many channels also the
+  /// columns, the rotation and the firing times, of a list the beams per scan. Calibration files state angles only.
   std::string head;
   /// One of several that a file describes: a lidar mode (Ouster), a sensor's id (CARLA), an operational state (firing
   /// times of Hesai). If empty, that of the file, or its first.

@@ -209,6 +209,7 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
     from = builtinSensor(options.head);
     if (settings.columns == 0) settings.columns = from.columns;
     if (settings.scanRate == 0 && from.rotationPeriod > 0) settings.scanRate = 1 / from.rotationPeriod;
+    if (settings.beamsPerScan == 0 && !from.isGrid()) settings.beamsPerScan = static_cast<uint32_t>(from.beamCount());
   }
   SensorSource source{bytes, name, settings, file};
   json root = json::value_t::discarded;
