@@ -87,8 +87,8 @@ GNOSPHERE_API BeamList beamsOf(const Sensor& sensor, uint64_t frame = 0);
 /// Throws Error(invalidArgument) that names the field if a sensor has zero columns, angles or ranges that are not
 /// finite or out of bounds, divergences above 100 mrad, returns outside 1..5, a channel's origin beyond 1 m or a listed
 /// beam's beyond 1 km, a rotation period above 10 s, time offsets above 1 s, lists of unequal lengths, patterns of
-/// unequal sizes or without beams, organised clouds of another size, more than 65,535 channels, or more beams than a
-/// 32-bit index holds. Zero channels are allowed: the cloud is then empty.
+/// unequal sizes or without beams, organised clouds of another size, or more beams than a 32-bit index holds. Zero
+/// channels are allowed: the cloud is then empty.
 GNOSPHERE_API void validate(const Sensor& sensor);
 
 /// Returns the five models of Table 2 of the GnoSphere360 paper.

@@ -46,9 +46,6 @@ void checkGrid(const Sensor& sensor) {
   if (sensor.beamCount() > kMostBeams)
     refuse(sensor, std::to_string(sensor.columns) + " columns x " + std::to_string(sensor.channels.size()) +
                        " channels are more beams than a 32-bit index holds (4294967294)");
-  if (sensor.channels.size() > 65535)
-    refuse(sensor,
-           "has " + std::to_string(sensor.channels.size()) + " channels; the limit is 65535, as rings have 16 bits");
   for (size_t j = 0; j < sensor.channels.size(); ++j) checkChannel(sensor, j);
   if (!(std::abs(sensor.azimuthStartDeg) <= 360))
     refuse(sensor, "azimuth start must be within -360..360 degrees, is " + std::to_string(sensor.azimuthStartDeg));
