@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <gnosphere/gnosphere.hpp>
 #include <numbers>
@@ -13,6 +15,16 @@ using namespace gnosphere;
 Scan scanOnce(const std::string& file) {
   Simulator simulator(loadScene(file), builtinSensor("HDL-64E"));
   return simulator.scan({{0, 0, 1.8}, {}});
+}
+
+/// Reads a calibration of a VLP-16, which states angles only; the catalogue states the rest. Prints what is left open.
+Sensor calibrated(const std::string& file) {
+  SensorFileOptions options;
+  options.head = "Puck:20Hz";
+  const SensorFile read = readSensorFile(std::filesystem::path(file), options);
+  for (const std::string& text : read.assumed) std::printf("assumed: %s\n", text.c_str());
+  for (const std::string& text : read.ignored) std::printf("ignored: %s\n", text.c_str());
+  return read.sensor;
 }
 
 /// A solid-state lidar that looks ahead: 100 rows of 200 beams, 0.5 degrees apart, which fire within 50 ms.

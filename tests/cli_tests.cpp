@@ -43,7 +43,7 @@ TEST_CASE("work that fails ends with status 1 and leaves no incomplete file") {
   checkRefused("scan floor.obj -o no/such/folder/a.pcd", 1, "No such file or directory");
   checkRefused("scan none.glb -o no/a.pcd", 1, "no/a.pcd");  // fails before the scene is loaded
   checkRefused("scan floor.obj -o /a.pcd/a.pcd", 1, "/a.pcd/a.pcd");
-  checkRefused("scan floor.obj --sensor floor.obj -o a.pcd", 1, "floor.obj: is not JSON");
+  checkRefused("scan floor.obj --sensor floor.obj -o a.pcd", 1, "floor.obj: is of no known family");
   checkRefused("compare a.pcd b.pcd", 1, "a.pcd: cannot be read: No such file or directory");
   checkRefused("town -o no/town.glb", 1, "No such file or directory");
 }
@@ -156,12 +156,33 @@ TEST_CASE("compare ends with status 0 for equal clouds and 1 for different ones"
 
 TEST_CASE("a printed sensor is a valid file for --sensor") {
   const Workplace place;
-  const Result printed = place.run("sensors hdl-64e");
+  const Result printed = place.run("sensors hdl-64e --json");
   REQUIRE(printed.status == 0);
   place.put("s.json", printed.out);
-  CHECK(place.run("sensors s.json").out == printed.out);
+  CHECK(place.run("sensors s.json --json").out == printed.out);
   CHECK(place.run("scan floor.obj --device reference --sensor s.json").status == 0);
   CHECK_THAT(place.run("sensors").out, ContainsSubstring("Hypothetical-350") && ContainsSubstring("6,300,000"));
+  CHECK(place.run("scan floor.obj --device reference --sensor TiM781").status == 0);
+}
+
+TEST_CASE("sensors tells how a file was understood, writes its beams and draws them") {
+  const Workplace place;
+  place.put("two.csv", "Channel,Elevation,Azimuth\n1,14.5,-1.25\n2,-3.5,1.25\n");
+  const Result told = place.run("sensors two.csv --columns 4 --rate 20 --beams b.csv --image p.png");
+  REQUIRE(told.status == 0);
+  CHECK_THAT(told.out, ContainsSubstring("Hesai angle correction") && ContainsSubstring("8 in a cloud of 4 x 2") &&
+                           ContainsSubstring("assumed    a largest range of 200 m"));
+  CHECK_THAT(bytesOf(place / "b.csv"),
+             StartsWith("index,ring,azimuth_deg,elevation_deg,origin_x,origin_y,origin_z,time_us,range_min,range_max\n"
+                        "0,0,1.250000000,14.500000000,0.000000000,0.000000000,0.000000000,0.000000,0,200\n"
+                        "1,0,-88.750000000,14.500000000,0.000000000,0.000000000,0.000000000,12500.000000,0,200\n"));
+  CHECK(bytesOf(place / "p.png").starts_with("\x89PNG"));
+  CHECK_THAT(place.run("sensors two.csv --json").err, ContainsSubstring("assumed: "));
+  CHECK_THAT(place.run("sensors os1-64:2048x10").out, ContainsSubstring("131,072") && ContainsSubstring("data sheet"));
+  CHECK_THAT(place.run("sensors vlp-16").out, ContainsSubstring("Table 2 of the GnoSphere360 paper"));
+  checkRefused("sensors OS1-64:7", 2, "has no mode '7', but 1024x10, 512x10");
+  checkRefused("sensors --beams b.csv", 2, "name a sensor");
+  checkRefused("sensors floor.obj", 1, "is of no known family");
 }
 
 TEST_CASE("an unknown CUDA device is a one-line error, with or without CUDA in the build") {

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
+#include "base/file.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
 
@@ -191,6 +193,130 @@ TEST_CASE("JSON keeps the bits of the optional properties of a sensor") {
     for (const char* key : {"divergence", "max_returns", "rotation_period", "origin", "time_offset"})
       CHECK(json.find(key) == json.npos);
   }
+}
+
+TEST_CASE("JSON keeps sectors, range windows, masked beams and lists") {
+  Sensor grid = small();
+  grid.azimuthStartDeg = 60;
+  grid.azimuthSpanDeg = -120.1;
+  grid.nearHits = NearHits::hide;
+  grid.maskedBeams = {1, 7};
+  grid.channels[1].rangeMin = 0.1;
+  grid.channels[0].rangeMax = 7;
+  const Sensor back = sensorFromJson(toJson(grid), "test");
+  CHECK(back.azimuthStartDeg == 60);
+  CHECK(bits(back.azimuthSpanDeg) == bits(-120.1));
+  CHECK(back.nearHits == NearHits::hide);
+  CHECK(back.maskedBeams == grid.maskedBeams);
+  CHECK(back.channels[1].rangeMin == 0.1);
+  CHECK(back.channels[0].rangeMax == 7);
+  CHECK(toJson(back) == toJson(grid));
+
+  Sensor list;
+  list.name = "list";
+  list.rangeMax = 50;
+  list.maskedBeams = {0};
+  const double d = std::sqrt(1.0 / 3);
+  list.patterns = {
+      {{{1, 0, 0}, {d, d, d}}, {{0.1, 0, 5e-324}, {0, 0, 0}}, {0, 0.1}, {0.1f, 0}, {1e30f, 2}, {65535, 3}, 1, 2},
+      {{{0, 0, 1}, {0, -1, 0}}, {}, {}, {}, {}, {}, 1, 2}};
+  const Sensor same = sensorFromJson(toJson(list), "test");
+  REQUIRE(same.patterns.size() == 2);
+  CHECK(bits(same.patterns[0].directions[1].y) == bits(d));
+  CHECK(bits(same.patterns[0].origins[0].z) == bits(5e-324));
+  CHECK(same.patterns[0].times == list.patterns[0].times);
+  CHECK(same.patterns[0].rangeMin == list.patterns[0].rangeMin);
+  CHECK(same.patterns[0].rangeMax == list.patterns[0].rangeMax);
+  CHECK(same.patterns[0].rings == list.patterns[0].rings);
+  CHECK(same.patterns[0].height == 2);
+  CHECK(same.patterns[1].origins.empty());
+  CHECK(same.maskedBeams == list.maskedBeams);
+  CHECK(toJson(same) == toJson(list));
+}
+
+TEST_CASE("invalid lists are refused with the cause") {
+  const auto pattern = [](const std::string& rest) {
+    return problemOf(R"({"name": "a", "range": {"max": 5}, "patterns": [{"directions": [[1, 0, 0], [0, 1, 0]])" + rest);
+  };
+  CHECK_THAT(pattern(R"(}], "columns": 8})"), ContainsSubstring("'patterns' and 'columns' are alternatives"));
+  CHECK_THAT(pattern(R"(, "rings": [0, 65536]}]})"), ContainsSubstring("patterns[0].rings[1]"));
+  CHECK_THAT(pattern(R"(, "rings": [0]}]})"), ContainsSubstring("rings has 1 entries, directions has 2"));
+  CHECK_THAT(pattern(R"(, "times": [0, "1"]}]})"), ContainsSubstring("patterns[0].times[1]"));
+  CHECK_THAT(pattern(R"(, "range_max": [0, 1e300]}]})"), ContainsSubstring("which is no range"));
+  CHECK_THAT(pattern(R"(, "width": 3, "height": 1}]})"), ContainsSubstring("does not suit 2 beams"));
+  CHECK_THAT(pattern(R"(, "ring": []}]})"), ContainsSubstring("unknown key 'ring' in patterns[0]"));
+  CHECK_THAT(pattern(R"(}], "masked_beams": [2]})"), ContainsSubstring("masked beam 2 does not exist"));
+  CHECK_THAT(pattern(R"(}], "near_hits": "block"})"), ContainsSubstring("'near_hits' must be"));
+  CHECK_THAT(problemOf(R"({"name": "a", "range": {"max": 5}, "patterns": []})"),
+             ContainsSubstring("with one at least"));
+  CHECK_THAT(problemOf(R"({"name": "a", "range": {"max": 5}, "patterns": [{"directions": []}]})"),
+             ContainsSubstring("directions are empty"));
+}
+
+TEST_CASE("every head of the catalogue is valid in every mode and names its source") {
+  CHECK(sensorCatalogue().size() >= 25);
+  std::set<std::string> names;
+  for (const Sensor& sensor : builtinSensors()) names.insert(sensor.name);
+  for (const CatalogueHead& head : sensorCatalogue()) {
+    INFO(head.name);
+    CHECK(names.insert(head.name).second);
+    CHECK(head.source.size() > 20);
+    CHECK(!head.product.empty());
+    REQUIRE(!head.modes.empty());
+    const Sensor first = builtinSensor(head.name);
+    for (const std::string& mode : head.modes) {
+      const Sensor sensor = builtinSensor(head.name + ":" + mode);
+      CHECK_NOTHROW(validate(sensor));
+      CHECK(sensor.rangeMax > 0);
+      CHECK(head.rangeAt10Percent <= sensor.rangeMax);
+      CHECK(sensor.channels.size() == first.channels.size());
+      if (mode == head.modes[0]) CHECK(sensor.columns == first.columns);
+    }
+  }
+  CHECK(codeOf([] { builtinSensor("Puck:7Hz"); }) == ErrorCode::invalidArgument);
+}
+
+TEST_CASE("docs/sensors.md lists every head with its modes and source") {
+  const std::string page = readWholeFile(std::filesystem::path(GNOSPHERE_DOCS) / "sensors.md");
+  for (const CatalogueHead& head : sensorCatalogue()) {
+    const Sensor sensor = builtinSensor(head.name);
+    std::string modes;
+    for (const std::string& mode : head.modes) modes.append(modes.empty() ? "" : ", ").append(mode);
+    const std::string cloud = std::to_string(sensor.width()) + " x " + std::to_string(sensor.height());
+    CHECK_THAT(page,
+               ContainsSubstring("| `" + head.name + "` | " + head.product + " | " + cloud + " | " + modes + " | "));
+    CHECK_THAT(page, ContainsSubstring(head.source + ". " + head.remarks));
+  }
+}
+
+TEST_CASE("heads of the catalogue have the figures of their sheets") {
+  const Sensor puck = builtinSensor("puck");
+  // Firing 1 of a sequence is at +1 degree, 2.304 us after firing 0, while the head turns on by 3600 degrees a second.
+  CHECK(puck.channels[8].elevationDeg == 1);
+  CHECK(std::abs(puck.channels[8].timeOffset - 2.304e-6) < 1e-15);
+  CHECK(std::abs(puck.channels[8].azimuthOffsetDeg + 3600 * 2.304e-6) < 1e-9);
+  CHECK(std::abs(puck.channels[8].origin.z + 0.0007) < 1e-15);
+  CHECK(puck.columns == 1808);
+  CHECK(std::abs(puck.rotationPeriod - 1808 * 55.296e-6) < 1e-15);
+  CHECK(std::abs(puck.azimuthSpanDeg + 360 * 1808 * 55.296e-5) < 1e-9);
+
+  const Sensor ouster = builtinSensor("OS1-128:2048x10");
+  CHECK(ouster.columns == 2048);
+  CHECK(ouster.azimuthStartDeg == 180);
+  CHECK(ouster.channels[0].azimuthOffsetDeg == -4.2);
+  const Vec3& origin = ouster.channels[0].origin;
+  CHECK(std::abs(std::hypot(origin.x, origin.y) - 0.015806) < 1e-12);
+  CHECK(std::abs(std::atan2(origin.y, origin.x) * 180 / std::numbers::pi - 4.2) < 1e-9);  // towards the encoder's angle
+
+  CHECK(builtinSensor("Pandar64").columns == 1800);
+  CHECK(builtinSensor("Pandar64:20Hz").columns == 900);
+  CHECK(builtinSensor("AT128").azimuthSpanDeg == -120);
+  CHECK(std::abs(builtinSensor("AT128").rotationPeriod - 0.05) < 1e-9);
+  CHECK(std::abs(builtinSensor("TiM781").rotationPeriod - 811 * 82.203e-6) < 1e-12);
+  CHECK(builtinSensor("HDL-64E-S2").channels[0].elevationDeg < -24.8);
+  const Sensor livox = builtinSensor("Mid-40");
+  CHECK(livox.patterns.size() == 40);
+  CHECK(livox.patterns[0].times[9999] == 9999 / 100000.0);
 }
 
 TEST_CASE("channel objects may state origins and time offsets") {

@@ -45,7 +45,7 @@ TEST_CASE("a trajectory gives the same files as its poses one by one") {
 TEST_CASE("a rotating sensor moves along the trajectory during a scan, and each scan draws new random numbers") {
   const Workplace place;
   place.put("t.tum", "0 0 0 1.8 0 0 0 1\n0.05 1 0 1.8 0 0 0 1\n0.1 2 0 1.8 0 0 0 1\n5 2 0 1.8 0 0 0 1\n");
-  auto sensor = place.runJson("sensors VLP-16");
+  auto sensor = place.runJson("sensors VLP-16 --json");
   sensor["rotation_period"] = 0.1;
   place.put("spin.json", sensor.dump());
   const std::string quick = " --device reference --sensor spin.json";

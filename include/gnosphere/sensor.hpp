@@ -94,10 +94,53 @@ GNOSPHERE_API void validate(const Sensor& sensor);
 /// Returns the five models of Table 2 of the GnoSphere360 paper.
 GNOSPHERE_API const std::vector<Sensor>& builtinSensors();
 
-/// The built-in model of that name; case does not matter. Throws Error(invalidArgument) with the names that are known.
+/// A real head of the catalogue. An empty text or a 0 means that its source does not state it.
+struct CatalogueHead {
+  std::string name;                ///< such as "OS1-64"; builtinSensor() takes it, or "OS1-64:2048x10"
+  std::string product;             ///< vendor and product
+  std::vector<std::string> modes;  ///< the first one is the default; none if the head has one mode only
+  std::string source;              ///< documents from which the figures are
+  std::string remarks;             ///< what the model simplifies, and what the source does not state
+  double rangeAt10Percent = 0;     ///< metres, on a surface that reflects 10 %
+};
+
+/// Returns the real heads that are built in.
+GNOSPHERE_API const std::vector<CatalogueHead>& sensorCatalogue();
+
+/// The built-in model of that name, one of builtinSensors() or of sensorCatalogue(), the latter with ":MODE" if wanted;
+/// case does not matter. Throws Error(invalidArgument) with the names or modes that are known.
 GNOSPHERE_API Sensor builtinSensor(const std::string& name);
 
-/// Reads a sensor from a JSON file. Throws Error(file) or Error(format).
+/// What a sensor file leaves open.
+struct SensorFileOptions {
+  /// Name of a built-in sensor, whose ranges, divergence and returns apply; of a grid with as many channels also the
+  /// columns, the rotation and the firing times, of a list the beams per scan. Calibration files state angles only.
+  std::string head;
+  /// One of several that a file describes: a lidar mode (Ouster), a sensor's id (CARLA), an operational state (firing
+  /// times of Hesai). If empty, that of the file, or its first.
+  std::string mode;
+  double scanRate = 0;              ///< scans per second; if 0, what the file or the head states, or else 10
+  uint32_t columns = 0;             ///< columns of a turn; if 0, what the file or the head states, or else 1800
+  uint32_t beamsPerScan = 0;        ///< cuts a list of beams into patterns of that many; if 0, a scan fires all of them
+  std::filesystem::path fireTimes;  ///< Hesai's file of firing times that goes with an angle correction file
+};
+
+/// A sensor file, and how it was understood.
+struct SensorFile {
+  Sensor sensor;
+  std::string family;                ///< such as "Ouster metadata"
+  std::vector<std::string> assumed;  ///< what the file does not state, and the value that was taken
+  std::vector<std::string> ignored;  ///< what the file states, and a Sensor does not hold
+};
+
+/// Reads a sensor file of any family that docs/sensors.md lists. The content decides which family it is. Throws
+/// Error(file) if it cannot be read, and Error(format) if its content is bad or belies the ending of its name.
+GNOSPHERE_API SensorFile readSensorFile(const std::filesystem::path& file, const SensorFileOptions& options = {});
+/// Reads a sensor file from memory; the ending of `name` says what it is expected to be.
+GNOSPHERE_API SensorFile readSensorFile(std::string_view bytes, const std::string& name,
+                                        const SensorFileOptions& options = {});
+
+/// The sensor of readSensorFile().
 GNOSPHERE_API Sensor loadSensor(const std::filesystem::path& file);
 
 /// Writes a sensor as JSON. sensorFromJson(toJson(s)) restores every field bit by bit, except that a divergence, which

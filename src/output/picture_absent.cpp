@@ -2,12 +2,25 @@
 // What stands in for pictures in a library that is built without PNG.
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"
+#include "output/pattern_picture.hpp"
 
 namespace gnosphere {
 
-void writePicture(const Scan&, const std::filesystem::path& file) {
+namespace {
+
+[[noreturn]] void refuse(const std::filesystem::path& file) {
   throw Error(ErrorCode::file, std::string("cannot write '").append(file.string()) +
                                    "': this library is built without PNG; build it with -D GNOSPHERE_IO=ON");
+}
+
+}  // namespace
+
+void writePicture(const Scan&, const std::filesystem::path& file) {
+  refuse(file);
+}
+
+void writePatternPicture(const Sensor&, const std::filesystem::path& file, uint64_t) {
+  refuse(file);
 }
 
 }  // namespace gnosphere

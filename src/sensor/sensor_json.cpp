@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // {"name": "...", "columns": N, "range": {"min": m, "max": m}, "divergence_mrad": [h, v], "max_returns": N,
 //  "rotation_period": s, "elevation_deg": [...], "azimuth_offset_deg": [...], "origin": [[x, y, z], ...],
-//  "time_offset": [...]}
+//  "time_offset": [...], "range_min": [...], "range_max": [...], "azimuth_start_deg": d, "azimuth_span_deg": d,
+//  "near_hits": "hide", "masked_beams": [...]}
 // Required are the name, columns, range and elevations. Instead of the lists, "channels": [{"elevation_deg": d,
-// "azimuth_offset_deg": d, "origin": [x, y, z], "time_offset": s}, ...] may be given. toJson() writes the lists, and
-// leaves out all that is 0.
+// "azimuth_offset_deg": d, "origin": [x, y, z], "time_offset": s, "range_min": m, "range_max": m}, ...] may be given.
+// Instead of columns and channels, a sensor has "patterns": [{"width": N, "height": N, "directions": [[x, y, z], ...],
+// "origins": [[x, y, z], ...], "times": [...], "range_min": [...], "range_max": [...], "rings": [...]}, ...].
+// toJson() writes the lists, and leaves out all that has its default.
 #include <algorithm>
-#include <bit>
-#include <charconv>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "gnosphere/error.hpp"
@@ -97,11 +99,15 @@ std::vector<Channel> channelsFromLists(const Source& source, const json& root) {
               [&](Channel& c, const json& v, const std::string& what) { c.origin = vector(source, v, what); });
   eachChannel(source, root, "time_offset", channels,
               [&](Channel& c, const json& v, const std::string& what) { c.timeOffset = number(source, v, what); });
+  eachChannel(source, root, "range_min", channels,
+              [&](Channel& c, const json& v, const std::string& what) { c.rangeMin = number(source, v, what); });
+  eachChannel(source, root, "range_max", channels,
+              [&](Channel& c, const json& v, const std::string& what) { c.rangeMax = number(source, v, what); });
   return channels;
 }
 
 std::vector<Channel> channelsFromObjects(const Source& source, const json& root) {
-  for (const char* key : {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset"}) {
+  for (const char* key : {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset", "range_min", "range_max"}) {
     if (root.contains(key)) source.refuse("'channels' and '" + std::string(key) + "' are alternatives; keep one");
   }
   const json& list = root["channels"];
@@ -110,7 +116,8 @@ std::vector<Channel> channelsFromObjects(const Source& source, const json& root)
   for (size_t j = 0; j < list.size(); ++j) {
     const std::string where = "channels[" + std::to_string(j) + "]";
     if (!list[j].is_object()) source.refuse("'" + where + "' must be an object");
-    checkKeys(source, list[j], where, {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset"});
+    checkKeys(source, list[j], where,
+              {"elevation_deg", "azimuth_offset_deg", "origin", "time_offset", "range_min", "range_max"});
     Channel channel;
     channel.elevationDeg = number(source, member(source, list[j], where, "elevation_deg"), where + ".elevation_deg");
     if (const auto offset = list[j].find("azimuth_offset_deg"); offset != list[j].end()) {
@@ -121,6 +128,12 @@ std::vector<Channel> channelsFromObjects(const Source& source, const json& root)
     }
     if (const auto offset = list[j].find("time_offset"); offset != list[j].end()) {
       channel.timeOffset = number(source, *offset, where + ".time_offset");
+    }
+    if (const auto range = list[j].find("range_min"); range != list[j].end()) {
+      channel.rangeMin = number(source, *range, where + ".range_min");
+    }
+    if (const auto range = list[j].find("range_max"); range != list[j].end()) {
+      channel.rangeMax = number(source, *range, where + ".range_max");
     }
     channels.push_back(channel);
   }
@@ -147,21 +160,105 @@ void readPulses(const Source& source, const json& root, Sensor& sensor) {
   }
 }
 
-Sensor sensorFromRoot(const Source& source, const json& root) {
-  if (!root.is_object()) source.refuse("a sensor is a JSON object");
-  checkKeys(source, root, "the sensor",
-            {"name", "columns", "range", "divergence_mrad", "max_returns", "rotation_period", "elevation_deg",
-             "azimuth_offset_deg", "origin", "time_offset", "channels"});
-  Sensor sensor;
-  const json& name = member(source, root, "the sensor", "name");
-  if (!name.is_string()) source.refuse("'name' must be a text");
-  sensor.name = name.get<std::string>();
+/// A whole number from 0 to `most`.
+uint32_t whole(const Source& source, const json& value, const std::string& what, uint32_t most) {
+  if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
+    source.refuse("'" + what + "' must be a whole number from 0 to " + std::to_string(most));
+  return value.get<uint32_t>();
+}
 
+template <typename T>
+std::vector<T> wholes(const Source& source, const json& value, const std::string& what) {
+  if (!value.is_array()) source.refuse("'" + what + "' must be a list of whole numbers");
+  std::vector<T> list;
+  for (size_t i = 0; i < value.size(); ++i)
+    list.push_back(
+        static_cast<T>(whole(source, value[i], what + "[" + std::to_string(i) + "]", std::numeric_limits<T>::max())));
+  return list;
+}
+
+std::vector<Vec3> vectors(const Source& source, const json& value, const std::string& what) {
+  if (!value.is_array()) source.refuse("'" + what + "' must be a list of [x, y, z]");
+  std::vector<Vec3> list;
+  for (size_t i = 0; i < value.size(); ++i)
+    list.push_back(vector(source, value[i], what + "[" + std::to_string(i) + "]"));
+  return list;
+}
+
+std::vector<float> floats(const Source& source, const json& value, const std::string& what) {
+  std::vector<float> list;
+  for (const double number : numbers(source, value, what)) {
+    if (!(std::abs(number) <= std::numeric_limits<float>::max()))
+      source.refuse("'" + what + "' has " + std::to_string(number) + ", which is no range");
+    list.push_back(static_cast<float>(number));
+  }
+  return list;
+}
+
+std::vector<BeamList> patternsOf(const Source& source, const json& list) {
+  if (!list.is_array() || list.empty()) source.refuse("'patterns' must be a list of patterns, with one at least");
+  std::vector<BeamList> patterns;
+  for (size_t i = 0; i < list.size(); ++i) {
+    const json& entry = list[i];
+    const std::string where = "patterns[" + std::to_string(i) + "]";
+    if (!entry.is_object()) source.refuse("'" + where + "' must be an object");
+    checkKeys(source, entry, where,
+              {"width", "height", "directions", "origins", "times", "range_min", "range_max", "rings"});
+    const auto read = [&](const char* key, auto reader, auto& to) {
+      if (const auto found = entry.find(key); found != entry.end()) to = reader(source, *found, where + "." + key);
+    };
+    BeamList& pattern = patterns.emplace_back();
+    pattern.directions = vectors(source, member(source, entry, where, "directions"), where + ".directions");
+    read("origins", vectors, pattern.origins);
+    read(
+        "times", [](const auto&... all) { return numbers(all...); }, pattern.times);
+    read("range_min", floats, pattern.rangeMin);
+    read("range_max", floats, pattern.rangeMax);
+    read("rings", wholes<uint16_t>, pattern.rings);
+    const auto size = [](const Source& from, const json& value, const std::string& what) {
+      return whole(from, value, what, 0xffffffffu);
+    };
+    read("width", size, pattern.width);
+    read("height", size, pattern.height);
+  }
+  return patterns;
+}
+
+/// Reads which beams a turn has and which never fire, and what near surfaces do.
+void readSector(const Source& source, const json& root, Sensor& sensor) {
+  if (const auto start = root.find("azimuth_start_deg"); start != root.end())
+    sensor.azimuthStartDeg = number(source, *start, "azimuth_start_deg");
+  if (const auto span = root.find("azimuth_span_deg"); span != root.end())
+    sensor.azimuthSpanDeg = number(source, *span, "azimuth_span_deg");
+  if (const auto masked = root.find("masked_beams"); masked != root.end())
+    sensor.maskedBeams = wholes<uint32_t>(source, *masked, "masked_beams");
+  const auto near = root.find("near_hits");
+  if (near == root.end()) return;
+  if (*near != json("hide") && *near != json("see_through"))
+    source.refuse("'near_hits' must be \"hide\" or \"see_through\"");
+  sensor.nearHits = *near == json("hide") ? NearHits::hide : NearHits::seeThrough;
+}
+
+/// Reads columns and channels.
+void readGrid(const Source& source, const json& root, Sensor& sensor) {
   const json& columns = member(source, root, "the sensor", "columns");
   if (!columns.is_number_unsigned() || columns.get<uint64_t>() > 0xffffffffu) {
     source.refuse("'columns' must be a whole number from 1 to 4294967295");
   }
   sensor.columns = columns.get<uint32_t>();
+  sensor.channels = root.contains("channels") ? channelsFromObjects(source, root) : channelsFromLists(source, root);
+}
+
+Sensor sensorFromRoot(const Source& source, const json& root) {
+  if (!root.is_object()) source.refuse("a sensor is a JSON object");
+  checkKeys(source, root, "the sensor",
+            {"name", "columns", "range", "divergence_mrad", "max_returns", "rotation_period", "elevation_deg",
+             "azimuth_offset_deg", "origin", "time_offset", "range_min", "range_max", "channels", "azimuth_start_deg",
+             "azimuth_span_deg", "near_hits", "masked_beams", "patterns"});
+  Sensor sensor;
+  const json& name = member(source, root, "the sensor", "name");
+  if (!name.is_string()) source.refuse("'name' must be a text");
+  sensor.name = name.get<std::string>();
 
   const json& range = member(source, root, "the sensor", "range");
   if (!range.is_object()) source.refuse("'range' must be an object with 'min' and 'max'");
@@ -170,88 +267,20 @@ Sensor sensorFromRoot(const Source& source, const json& root) {
   sensor.rangeMax = number(source, member(source, range, "range", "max"), "range.max");
 
   readPulses(source, root, sensor);
-  sensor.channels = root.contains("channels") ? channelsFromObjects(source, root) : channelsFromLists(source, root);
+  readSector(source, root, sensor);
+  const auto patterns = root.find("patterns");
+  if (patterns == root.end()) {
+    readGrid(source, root, sensor);
+    return sensor;
+  }
+  for (const char* key : {"columns", "elevation_deg", "azimuth_offset_deg", "origin", "time_offset", "range_min",
+                          "range_max", "channels"})
+    if (root.contains(key)) source.refuse("'patterns' and '" + std::string(key) + "' are alternatives; keep one");
+  sensor.patterns = patternsOf(source, *patterns);
   return sensor;
 }
 
-/// Returns the shortest text that reads back to the same bits. JSON readers take "-0" for the integer 0, hence "-0.0".
-std::string text(double value) {
-  if (value == 0 && std::signbit(value)) return "-0.0";
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
-}
-
-std::string text(const Vec3& v) {
-  return std::string("[").append(text(v.x)).append(", ").append(text(v.y)).append(", ").append(text(v.z)).append("]");
-}
-
-/// Returns the milliradians that divided by 1000 give the same radians: the product or one of its neighbours, in case
-/// rounding went the other way. (If none does, no double does, and the last bit is lost.)
-double milliradians(double radians) {
-  const double product = radians * kMilli;
-  for (double candidate : {product, std::nextafter(product, 0.0), std::nextafter(product, 1e9)}) {
-    if (candidate / kMilli == radians) return candidate;
-  }
-  return product;
-}
-
-bool isZero(double value) {
-  return std::bit_cast<uint64_t>(value) == 0;
-}
-bool isZero(const Vec3& v) {
-  return isZero(v.x) && isZero(v.y) && isZero(v.z);
-}
-
-/// Lists `member` of every channel.
-template <class Member>
-std::string listText(const std::vector<Channel>& channels, Member Channel::*member) {
-  constexpr size_t kLineWidth = 100;
-  std::string all = "[";
-  std::string line;
-  for (size_t j = 0; j < channels.size(); ++j) {
-    const std::string word = text(channels[j].*member) + (j + 1 < channels.size() ? ", " : "");
-    if (line.size() + word.size() > kLineWidth) {
-      all += "\n    " + line.substr(0, line.find_last_not_of(' ') + 1);
-      line.clear();
-    }
-    line += word;
-  }
-  if (all.size() == 1) return all + line + "]";
-  return all + "\n    " + line + "\n  ]";
-}
-
-/// Lists a member, or returns nothing if it is 0 in every channel.
-template <class Member>
-std::string optionalList(const char* key, const std::vector<Channel>& channels, Member Channel::*member) {
-  const bool stated =
-      std::any_of(channels.begin(), channels.end(), [&](const Channel& channel) { return !isZero(channel.*member); });
-  return stated ? std::string(",\n  \"") + key + "\": " + listText(channels, member) : "";
-}
-
 }  // namespace
-
-std::string toJson(const Sensor& sensor) {
-  validate(sensor);
-  std::string name;
-  try {
-    name = json(sensor.name).dump();
-  } catch (const json::exception&) {
-    throw Error(ErrorCode::invalidArgument, "the sensor's name is not UTF-8, JSON cannot hold it");
-  }
-  std::string out = "{\n  \"name\": " + name + ",\n  \"columns\": " + std::to_string(sensor.columns) +
-                    ",\n  \"range\": {\"min\": " + text(sensor.rangeMin) + ", \"max\": " + text(sensor.rangeMax) + "}";
-  if (!isZero(sensor.divergenceHorizontal) || !isZero(sensor.divergenceVertical)) {
-    out += ",\n  \"divergence_mrad\": [" + text(milliradians(sensor.divergenceHorizontal)) + ", " +
-           text(milliradians(sensor.divergenceVertical)) + "]";
-  }
-  if (sensor.maxReturns != 1) out += ",\n  \"max_returns\": " + std::to_string(sensor.maxReturns);
-  if (!isZero(sensor.rotationPeriod)) out += ",\n  \"rotation_period\": " + text(sensor.rotationPeriod);
-  out += ",\n  \"elevation_deg\": " + listText(sensor.channels, &Channel::elevationDeg);
-  out += optionalList("azimuth_offset_deg", sensor.channels, &Channel::azimuthOffsetDeg);
-  out += optionalList("origin", sensor.channels, &Channel::origin);
-  out += optionalList("time_offset", sensor.channels, &Channel::timeOffset);
-  return out + "\n}\n";
-}
 
 Sensor sensorFromJson(std::string_view text, const std::string& source) {
   Sensor sensor;

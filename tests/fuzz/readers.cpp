@@ -65,11 +65,27 @@ void fuzzSensor(std::string_view json) {
   }
 }
 
+/// The family is decided by the content.
+void fuzzSensorFile(std::string_view bytes) {
+  SensorFile file;
+  try {
+    file = readSensorFile(bytes, "fuzz");
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::invalidArgument) complain("a sensor reader blames the caller", error.what());
+    return;
+  }
+  try {
+    validate(file.sensor);
+  } catch (const Error& error) {
+    complain("a sensor reader returns what is not valid", error.what());
+  }
+}
+
 }  // namespace
 
 void fuzzReaders(std::span<const uint8_t> input) {
   if (input.empty()) return;
-  constexpr std::string_view kChoices = "gbopsjd";
+  constexpr std::string_view kChoices = "gbopsjdf";
   const size_t named = kChoices.find(static_cast<char>(input[0]));
   const Bytes bytes = input.subspan(1);
   switch (named != kChoices.npos ? named : input[0] % kChoices.size()) {
@@ -79,6 +95,7 @@ void fuzzReaders(std::span<const uint8_t> input) {
     case 3: return fuzzScene(SceneFormat::ply, bytes);
     case 4: return fuzzScene(SceneFormat::stl, bytes);
     case 6: return fuzzDraco(bytes);
+    case 7: return fuzzSensorFile({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     default: return fuzzSensor({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
 }

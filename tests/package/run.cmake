@@ -35,7 +35,7 @@ if(SOURCE)
     set(consumer core.cpp)
     set(absent ${WORK}/absent)
     foreach(header IN ITEMS tiny_gltf.h tiny_obj_loader.h stb_image.h stb_image_write.h stb_easy_font.h
-        draco/compression/decode.h CLI/CLI.hpp catch2/catch_test_macros.hpp pugixml.hpp)
+        draco/compression/decode.h CLI/CLI.hpp catch2/catch_test_macros.hpp pugixml.hpp yaml-cpp/yaml.h)
       file(WRITE ${absent}/${header} "#error \"the library alone needs ${header}\"\n")
     endforeach()
     list(APPEND options -D GNOSPHERE_IO=OFF -D CMAKE_CXX_FLAGS=-I${absent}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere devices, gnosphere sensors, gnosphere effects: list what can be chosen.
+// gnosphere devices, gnosphere effects: list what can be chosen.
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -52,21 +52,6 @@ int runDevices(bool json) {
   return 0;
 }
 
-int runSensors(const std::string& name) {
-  if (!name.empty()) {
-    std::printf("%s", toJson(sensorOf(name)).c_str());
-    return 0;
-  }
-  std::printf("%-18s %8s %8s %10s  %-16s %s\n", "name", "channels", "columns", "beams", "elevation", "range");
-  for (const Sensor& sensor : builtinSensors()) {
-    const auto elevation =
-        formatted("%+g..%+g deg", sensor.channels.front().elevationDeg, sensor.channels.back().elevationDeg);
-    std::printf("%-18s %8zu %8u %10s  %-16s %g..%g m\n", sensor.name.c_str(), sensor.channels.size(), sensor.columns,
-                grouped(sensor.beamCount()).c_str(), elevation.c_str(), sensor.rangeMin, sensor.rangeMax);
-  }
-  return 0;
-}
-
 /// Lists every effect with its parameters: name, default and allowed values.
 int runEffects(const std::string& name) {
   if (!name.empty()) {
@@ -96,13 +81,6 @@ Action addDevices(CLI::App& app) {
       "`gnosphere scan --device` takes the number, a part of the name, or `reference`.\n"
       "Example: gnosphere devices --json");
   return [json] { return runDevices(*json); };
-}
-
-Action addSensors(CLI::App& app) {
-  const auto name = std::make_shared<std::string>();
-  app.add_option("NAME", *name, "Print this sensor (or JSON file) as JSON that `gnosphere scan --sensor FILE` reads");
-  app.footer("Example: gnosphere sensors HDL-64E > sensor.json");
-  return [name] { return runSensors(*name); };
 }
 
 Action addEffects(CLI::App& app) {

@@ -79,7 +79,8 @@ Quaternion product(const Quaternion& a, const Quaternion& b) {
 
 void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   app.add_option("SCENE", options.scene, "A .gltf, .glb, .obj, .ply or .stl file")->required();
-  app.add_option("--sensor", options.sensor, "A built-in name (gnosphere sensors) or a JSON file")
+  app.add_option("--sensor", options.sensor,
+                 "A built-in name (gnosphere sensors), with :MODE if wanted, or a sensor file")
       ->capture_default_str();
   app.add_option("--pose", options.pose,
                  "Position in metres and orientation of the sensor, X,Y,Z[,QX,QY,QZ,QW] (default: 1.8 m above "

@@ -26,7 +26,7 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options);
 /// Adds --accuracy, one of kAccuracies.
 CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy);
 
-/// What a built-in name stands for, or else what a JSON file of that path holds. Throws Error that lists the names.
+/// What a built-in name stands for, or else what a file of that path holds. Throws Error that lists the names.
 template <typename T>
 T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
                 T (*load)(const std::filesystem::path&)) {
@@ -35,7 +35,7 @@ T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
   } catch (const Error& unknown) {
     std::error_code ignored;
     if (nameOrFile.empty() || !std::filesystem::exists(nameOrFile, ignored))
-      throw Error(unknown.code(), std::string(unknown.what()) + ", or give a JSON file");
+      throw Error(unknown.code(), std::string(unknown.what()) + "; or give a file");
   }
   return load(nameOrFile);
 }

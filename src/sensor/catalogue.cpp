@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+// Built-in sensors: the five of the paper, and real heads.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <string_view>
+
+#include "base/text.hpp"
+#include "gnosphere/error.hpp"
+#include "gnosphere/sensor.hpp"
+#include "sensor/catalogue_heads.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// Sensors of Table 2 of the GnoSphere360 paper: elevations are evenly spaced, both ends included. Every angle is
+/// rounded once, so a model that is symmetric about the horizon has exactly opposite channels.
+Sensor evenSensor(const char* name, double lowestDeg, double highestDeg, uint32_t columns, uint32_t channels,
+                  double rangeMax) {
+  Sensor sensor;
+  sensor.name = name;
+  sensor.columns = columns;
+  sensor.rangeMax = rangeMax;
+  const double last = channels - 1;
+  for (uint32_t j = 0; j < channels; ++j) {
+    sensor.channels.push_back({(lowestDeg * (last - j) + highestDeg * j) / last, 0.0});
+  }
+  return sensor;
+}
+
+/// Splits a text at spaces.
+std::vector<std::string> wordsOf(std::string_view text) {
+  std::vector<std::string> words;
+  while (!text.empty()) {
+    const size_t end = std::min(text.find(' '), text.size());
+    if (end > 0) words.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return words;
+}
+
+double numberAt(std::string_view text) {
+  double value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+/// The numbers of a list of HeadFigures, repeated to `count` of them if `count` is not 0.
+std::vector<double> numbersOf(const char* text, size_t count) {
+  std::vector<double> numbers;
+  for (const std::string& word : wordsOf(text)) {
+    const std::string_view w = word;
+    const size_t dots = w.find(".."), slash = w.find('/');
+    if (dots == w.npos) {
+      numbers.push_back(numberAt(w));
+      continue;
+    }
+    const double first = numberAt(w.substr(0, dots)), last = numberAt(w.substr(dots + 2, slash - dots - 2));
+    const double steps = numberAt(w.substr(slash + 1)) - 1;
+    for (double i = 0; i <= steps; ++i) numbers.push_back((first * (steps - i) + last * i) / steps);
+  }
+  if (numbers.empty()) numbers.push_back(0);
+  const size_t given = numbers.size();
+  for (size_t i = given; i < count; ++i) numbers.push_back(numbers[i - given]);
+  return numbers;
+}
+
+constexpr double kDegree = std::numbers::pi / 180, kMilli = 1e-3, kMicro = 1e-6;
+
+/// Sets the columns, the sector and the period that a mode of a head has.
+void setMode(const HeadFigures& figures, std::string_view mode, Sensor& sensor) {
+  const size_t x = mode.find('x');
+  const double rate = numberAt(x == mode.npos ? mode : mode.substr(x + 1));
+  sensor.azimuthStartDeg = figures.startDeg;
+  sensor.azimuthSpanDeg = figures.spanDeg;
+  if (x != mode.npos) {
+    sensor.columns = static_cast<uint32_t>(numberAt(mode.substr(0, x)));
+    sensor.rotationPeriod = figures.cycle > 0 ? kMicro * figures.cycle * sensor.columns : 1 / rate;
+    return;
+  }
+  // A turn need not be a whole number of columns: it ends a little before its start.
+  const double cycle = kMicro * figures.cycle;
+  const double columns = std::floor(1 / (rate * cycle) + 1e-4);
+  sensor.columns = static_cast<uint32_t>(columns);
+  sensor.rotationPeriod = columns * cycle;
+  sensor.azimuthSpanDeg = std::clamp(figures.spanDeg * sensor.rotationPeriod * rate, -360.0, 360.0);
+}
+
+Sensor sensorOf(const HeadFigures& figures, std::string_view mode) {
+  Sensor sensor;
+  setMode(figures, mode, sensor);
+  sensor.rangeMin = figures.rangeMin;
+  sensor.rangeMax = figures.rangeMax;
+  const std::vector<double> divergence = numbersOf(figures.divergence, 2);
+  sensor.divergenceHorizontal = kMilli * divergence[0];
+  sensor.divergenceVertical = kMilli * divergence[1];
+  sensor.maxReturns = figures.returns;
+  const std::vector<double> elevations = numbersOf(figures.elevations, 0);
+  const size_t count = elevations.size();
+  const auto azimuths = numbersOf(figures.azimuthOffsets, count), times = numbersOf(figures.times, count);
+  const auto left = numbersOf(figures.left, count), up = numbersOf(figures.up, count);
+  const double degreesPerSecond = sensor.azimuthSpanDeg / sensor.rotationPeriod;
+  for (size_t i = 0; i < count; ++i) {
+    Channel channel{elevations[i], azimuths[i]};
+    channel.origin = {kMilli * figures.radius * std::cos(kDegree * azimuths[i]),
+                      kMilli * (left[i] - figures.radius * std::sin(kDegree * azimuths[i])), kMilli * up[i]};
+    channel.timeOffset = kMicro * times[i];
+    channel.azimuthOffsetDeg += degreesPerSecond * channel.timeOffset;  // the head turns on
+    sensor.channels.push_back(channel);
+  }
+  if (figures.fromBelow)
+    std::stable_sort(sensor.channels.begin(), sensor.channels.end(),
+                     [](const Channel& a, const Channel& b) { return a.elevationDeg < b.elevationDeg; });
+  return sensor;
+}
+
+constexpr const char* kRosette = "Mid-40";
+
+/// Livox Mid-40: two thin prisms that turn against each other deflect the beam. The sizes and phases of the deflections
+/// are fitted to the pattern that Livox published.
+Sensor rosette() {
+  constexpr double kRate = 100000, kScans = 40, kBeams = 10000;
+  constexpr double kTurns[] = {7294.0 / 60, -4664.0 / 60};  // per second
+  const std::complex<double> deflections[] = {{0.16714297, 0.00127724}, {0.16412041, -0.00080118}};
+  Sensor sensor;
+  sensor.rangeMin = 1;
+  sensor.rangeMax = 260;
+  sensor.divergenceHorizontal = 0.28 * kDegree;
+  sensor.divergenceVertical = 0.03 * kDegree;
+  for (double scan = 0; scan < kScans; ++scan) {
+    BeamList& list = sensor.patterns.emplace_back();
+    for (double beam = 0; beam < kBeams; ++beam) {
+      std::complex<double> w = 0;
+      for (int i = 0; i < 2; ++i)
+        w += deflections[i] *
+             std::polar(1.0, 2 * std::numbers::pi * std::fmod(kTurns[i] * (scan * kBeams + beam) / kRate, 1.0));
+      list.directions.push_back({std::sqrt(1 - std::norm(w)), w.real(), w.imag()});
+      list.times.push_back(beam / kRate);
+    }
+  }
+  return sensor;
+}
+
+CatalogueHead headOf(const HeadFigures& figures) {
+  return {figures.name,   figures.product, wordsOf(figures.modes),
+          figures.source, figures.remarks, figures.rangeAt10Percent};
+}
+
+}  // namespace
+
+const std::vector<Sensor>& builtinSensors() {
+  static const std::vector<Sensor> sensors = {
+      evenSensor("VLP-16", -15, 15, 1800, 16, 100),
+      evenSensor("VLP-32", -25, 15, 3600, 32, 100),
+      evenSensor("HDL-64E", -25, 2, 4500, 64, 120),
+      evenSensor("Hypothetical-256", -45, 45, 18000, 256, 200),
+      evenSensor("Hypothetical-350", -45, 45, 18000, 350, 200),
+  };
+  return sensors;
+}
+
+const std::vector<CatalogueHead>& sensorCatalogue() {
+  static const std::vector<CatalogueHead> heads = [] {
+    std::vector<CatalogueHead> list;
+    for (const HeadFigures& figures : kHeads) list.push_back(headOf(figures));
+    list.push_back(
+        {kRosette,
+         "Livox Mid-40",
+         {"10Hz"},
+         "Mid series user manual: 38.4 degrees, 100,000 points per second, 1 to 260 m (90 m at 10 %), 0.28 x "
+         "0.03 degrees; prisms of 7294 and -4664 turns per minute; MuJoCo-LiDAR, scan_mode/mid40.npy",
+         "40 scans, within 0.2 degrees of the published pattern, which can be read as a file.",
+         90});
+    return list;
+  }();
+  return heads;
+}
+
+Sensor builtinSensor(const std::string& name) {
+  const size_t colon = std::min(name.find(':'), name.size());
+  const std::string bare = name.substr(0, colon), mode = colon < name.size() ? name.substr(colon + 1) : "";
+  std::string names;
+  for (const Sensor& sensor : builtinSensors()) {
+    if (sameWord(sensor.name, name)) return sensor;
+    names += (names.empty() ? "" : ", ") + sensor.name;
+  }
+  for (const CatalogueHead& head : sensorCatalogue()) {
+    names += ", " + head.name;
+    if (!sameWord(head.name, bare)) continue;
+    std::string modes;
+    for (const std::string& known : head.modes) {
+      modes += (modes.empty() ? "" : ", ") + known;
+      if (colon < name.size() && !sameWord(known, mode)) continue;
+      const auto figures = std::find_if(std::begin(kHeads), std::end(kHeads),
+                                        [&](const HeadFigures& candidate) { return head.name == candidate.name; });
+      Sensor sensor = figures == std::end(kHeads) ? rosette() : sensorOf(*figures, known);
+      sensor.name = head.name + (head.modes.size() > 1 ? ":" + known : "");
+      return sensor;
+    }
+    throw Error(ErrorCode::invalidArgument, "the sensor " + head.name + " has no mode '" + mode + "', but " + modes);
+  }
+  throw Error(ErrorCode::invalidArgument, "no built-in sensor is called '" + name + "'; known are " + names);
+}
+
+}  // namespace gnosphere

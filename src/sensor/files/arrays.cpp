@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// Arrays of numbers: NumPy's .npy with directions (N x 3), angles (N x 2: azimuth and elevation in radians, as patterns
+// of Livox) or poses of rays (N x 3 x 4, N x 4 x 4, N x 12, N x 16), and raw poses (.mat3x4f of RGL). A ray starts at
+// the translation of its pose and points along the pose's own z axis. The axes of all are ours.
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "sensor/files/source.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// The header of an .npy file, a Python dictionary.
+struct Header {
+  char order = '<', kind = 'f';
+  size_t itemBytes = 0;
+  bool fortran = false;
+  std::vector<uint64_t> shape;
+  size_t dataAt = 0;
+};
+
+/// Returns the text that follows 'key': in the dictionary.
+std::string_view after(const SensorSource& source, std::string_view dictionary, const std::string& key) {
+  const size_t at = dictionary.find("'" + key + "'");
+  const size_t colon = at == dictionary.npos ? at : dictionary.find(':', at);
+  if (colon == dictionary.npos) source.refuse("the NPY header has no '" + key + "'");
+  const size_t start = dictionary.find_first_not_of(' ', colon + 1);
+  return start == dictionary.npos ? std::string_view() : dictionary.substr(start);
+}
+
+Header readHeader(const SensorSource& source) {
+  const std::string_view all = source.bytes;
+  if (all.size() < 12) source.refuse("is too short for an NPY file");
+  const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<unsigned char>(all[i])); };
+  if (byte(6) < 1 || byte(6) > 3) source.refuse("NPY version " + std::to_string(byte(6)) + " is not read");
+  const size_t start = byte(6) == 1 ? 10 : 12;
+  const size_t size = byte(8) | byte(9) << 8 | (byte(6) == 1 ? 0 : byte(10) << 16 | byte(11) << 24);
+  if (size > all.size() - start) source.refuse("the NPY header is cut off");
+  const std::string_view dictionary = all.substr(start, size);
+  Header header;
+  header.dataAt = start + size;
+  const std::string_view type = after(source, dictionary, "descr");
+  const bool known = type.size() >= 5 && type[0] == '\'' && type[4] == '\'' && (type[1] == '<' || type[1] == '>') &&
+                     type[2] == 'f' && (type[3] == '4' || type[3] == '8');
+  if (!known)
+    source.refuse("the NPY type is " + std::string(type.substr(0, type.find(", "))) +
+                  ", expected are floats of 4 or 8 bytes");
+  header.order = type[1];
+  header.itemBytes = static_cast<size_t>(type[3] - '0');
+  header.fortran = after(source, dictionary, "fortran_order").starts_with("True");
+  std::string_view shape = after(source, dictionary, "shape");
+  shape = shape.substr(0, shape.find(')'));
+  for (size_t i = 0; i < shape.size() && header.shape.size() < 8; ++i) {
+    if (shape[i] < '0' || shape[i] > '9') continue;
+    uint64_t value = 0;
+    for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9'; ++i)
+      value = std::min<uint64_t>(value * 10 + static_cast<uint64_t>(shape[i] - '0'), uint64_t{1} << 40);
+    header.shape.push_back(value);
+  }
+  return header;
+}
+
+/// The numbers of an array, last index fastest.
+std::vector<double> readNumbers(const SensorSource& source, const Header& header) {
+  uint64_t count = 1;
+  for (const uint64_t extent : header.shape) {
+    count *= extent;
+    if (count > source.bytes.size()) source.refuse("the NPY array is larger than its file");
+  }
+  if (count * header.itemBytes != source.bytes.size() - header.dataAt)
+    source.refuse("has " + std::to_string(source.bytes.size() - header.dataAt) + " bytes of data, its shape needs " +
+                  std::to_string(count * header.itemBytes));
+  std::vector<double> numbers(count);
+  for (size_t i = 0; i < count; ++i) {
+    char item[8];
+    std::memcpy(item, source.bytes.data() + header.dataAt + i * header.itemBytes, header.itemBytes);
+    if (header.order == '>') std::reverse(item, item + header.itemBytes);
+    if (header.itemBytes == 4) {
+      float value;
+      std::memcpy(&value, item, 4);
+      numbers[i] = value;
+    } else {
+      std::memcpy(&numbers[i], item, 8);
+    }
+  }
+  if (!header.fortran || header.shape.size() < 2) return numbers;
+  std::vector<double> ordered(count);
+  for (uint64_t i = 0; i < count; ++i) {
+    uint64_t rest = i, place = 0, stride = count;
+    for (size_t k = header.shape.size(); k-- > 0;) {
+      stride /= header.shape[k];
+      place += rest % header.shape[k] * stride;
+      rest /= header.shape[k];
+    }
+    ordered[i] = numbers[place];
+  }
+  return ordered;
+}
+
+/// Appends the ray of a pose of 3 x 4 numbers, row by row.
+void addPose(const SensorSource& source, BeamList& list, const double* m) {
+  addDirection(source, list, {m[2], m[6], m[10]});
+  if (!std::isfinite(m[3]) || !std::isfinite(m[7]) || !std::isfinite(m[11]))
+    source.refuse("the origin of beam " + std::to_string(list.size() - 1) + " is not finite");
+  list.origins.push_back({m[3], m[7], m[11]});
+}
+
+void finish(SensorSource& source, BeamList list) {
+  setBeams(source, std::move(list));
+  assumeRange(source, 200);
+}
+
+}  // namespace
+
+void readNpy(SensorSource& source) {
+  const Header header = readHeader(source);
+  std::vector<uint64_t> shape = header.shape;
+  std::string text;
+  for (const uint64_t extent : shape) text += (text.empty() ? "" : " x ") + std::to_string(extent);
+  // What a beam's numbers are: the last extents.
+  size_t each = 0;
+  if (shape.size() >= 3 && shape.back() == 4 && (shape[shape.size() - 2] == 3 || shape[shape.size() - 2] == 4)) {
+    each = static_cast<size_t>(4 * shape[shape.size() - 2]);
+    shape.resize(shape.size() - 2);
+  } else if (shape.size() >= 2 &&
+             (shape.back() == 2 || shape.back() == 3 || shape.back() == 12 || shape.back() == 16)) {
+    each = static_cast<size_t>(shape.back());
+    shape.pop_back();
+  }
+  if (each == 0 || shape.empty() || shape.size() > 2)
+    source.refuse("the NPY array has the shape " + (text.empty() ? "of one number" : text) +
+                  ", expected is N x 2, N x 3, N x 12, N x 3 x 4 or N x 4 x 4");
+  const std::vector<double> numbers = readNumbers(source, header);
+  BeamList list;
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  for (size_t i = 0; i + each <= numbers.size(); i += each) {
+    const double* n = numbers.data() + i;
+    if (each == 2)
+      list.directions.push_back(directionOfAngles(source, kDegrees * n[0], kDegrees * n[1], list.size()));
+    else if (each == 3)
+      addDirection(source, list, {n[0], n[1], n[2]});
+    else
+      addPose(source, list, n);
+  }
+  if (shape.size() == 2 && list.size() > 0 && source.options.beamsPerScan == 0 && shape[0] < UINT32_MAX &&
+      shape[1] < UINT32_MAX) {
+    list.height = static_cast<uint32_t>(shape[0]);
+    list.width = static_cast<uint32_t>(shape[1]);
+  }
+  finish(source, std::move(list));
+}
+
+void readRayMatrices(SensorSource& source) {
+  constexpr size_t kPoseBytes = 48;
+  if (source.bytes.size() % kPoseBytes != 0)
+    source.refuse("has " + std::to_string(source.bytes.size()) +
+                  " bytes, expected is a multiple of 48: poses of 3 x 4 floats");
+  BeamList list;
+  for (size_t at = 0; at < source.bytes.size(); at += kPoseBytes) {
+    float pose[12];
+    std::memcpy(pose, source.bytes.data() + at, kPoseBytes);
+    double m[12];
+    for (size_t i = 0; i < 12; ++i) m[i] = pose[i];
+    addPose(source, list, m);
+  }
+  finish(source, std::move(list));
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Attributes of CARLA's lidars, as the ROS bridge lists them. CARLA's frame is left-handed, y to the right; its lidar
+// turns clockwise seen from above, from half its field of view left of the front. Its lasers are numbered from the top.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "sensor/files/source.hpp"
+
+namespace gnosphere {
+namespace {
+
+using nlohmann::json;
+
+/// Lists the lidars in a tree of objects, down to a depth that no real file has.
+void collect(const json& node, std::vector<const json*>& lidars, int depth = 0) {
+  if (node.is_object() && textIn(node, "type").starts_with("sensor.lidar.")) lidars.push_back(&node);
+  if (node.is_structured() && depth < 50)
+    for (const json& child : node) collect(child, lidars, depth + 1);
+}
+
+/// An attribute, which may be written as a text; CARLA's own default if it is missing.
+double attribute(SensorSource& source, const json& lidar, const std::string& key, double otherwise) {
+  const auto found = lidar.find(key);
+  if (found == lidar.end()) {
+    std::string text(32, '\0');
+    text.resize(static_cast<size_t>(std::to_chars(text.data(), text.data() + 32, otherwise).ptr - text.data()));
+    source.assume("'" + key + "' " + text + ", CARLA's default");
+    return otherwise;
+  }
+  if (found->is_string()) return numberOf(source, found->get<std::string>(), "'" + key + "'");
+  return numberIn(source, lidar, key);
+}
+
+const json& choose(SensorSource& source, const std::vector<const json*>& lidars) {
+  std::string ids;
+  for (const json* lidar : lidars) {
+    if (!source.options.mode.empty() && textIn(*lidar, "id") == source.options.mode) return *lidar;
+    ids += (ids.empty() ? "" : ", ") + textIn(*lidar, "id");
+  }
+  if (!source.options.mode.empty()) source.refuse("has no lidar '" + source.options.mode + "', but " + ids);
+  if (lidars.size() > 1) source.assume("the first of the lidars " + ids + "; --mode takes another");
+  return *lidars[0];
+}
+
+}  // namespace
+
+void readCarla(SensorSource& source, const json& root) {
+  std::vector<const json*> lidars;
+  collect(root, lidars);
+  if (lidars.empty()) source.refuse("describes sensors of CARLA, but no 'sensor.lidar.ray_cast'");
+  const json& lidar = choose(source, lidars);
+  const double channels = attribute(source, lidar, "channels", 32);
+  const double frequency = attribute(source, lidar, "rotation_frequency", 10);
+  const double points = attribute(source, lidar, "points_per_second", 56000);
+  const double upper = attribute(source, lidar, "upper_fov", 10), lower = attribute(source, lidar, "lower_fov", -30);
+  const double horizontal = lidar.contains("horizontal_fov") ? attribute(source, lidar, "horizontal_fov", 360) : 360;
+  if (!(channels >= 1 && channels <= 65535) || channels != std::floor(channels))
+    source.refuse("'channels' is " + std::to_string(channels) + ", expected is 1 to 65535");
+  if (!(frequency > 0)) source.refuse("'rotation_frequency' is " + std::to_string(frequency) + ", expected is above 0");
+  const double columns = std::round(points / frequency / channels);
+  if (!(columns >= 1 && columns < 1e9))
+    source.refuse("'points_per_second' gives " + std::to_string(columns) + " columns in a turn");
+  if (!(horizontal > 0 && horizontal <= 360))
+    source.refuse("'horizontal_fov' is " + std::to_string(horizontal) + ", expected is above 0, up to 360");
+
+  Sensor& sensor = source.file.sensor;
+  sensor.name = textIn(lidar, "id");
+  sensor.columns = static_cast<uint32_t>(columns);
+  sensor.rotationPeriod = 1 / frequency;
+  sensor.azimuthStartDeg = horizontal / 2;
+  sensor.azimuthSpanDeg = -horizontal;
+  sensor.rangeMax = attribute(source, lidar, "range", 10);
+  const double step = channels > 1 ? (upper - lower) / (channels - 1) : 0;
+  for (double i = 0; i < channels; ++i) sensor.channels.push_back({upper - i * step});
+
+  static const std::set<std::string> known = {"type",          "id",        "channels",  "points_per_second",
+                                              "range",         "upper_fov", "lower_fov", "rotation_frequency",
+                                              "horizontal_fov"};
+  for (const auto& [key, value] : lidar.items())
+    if (!known.contains(key) && value != json(0.0)) source.ignore(key);
+}
+
+}  // namespace gnosphere

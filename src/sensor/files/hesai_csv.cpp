@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hesai's angle correction of spinning heads, a row per channel: its number from 1 on, elevation and azimuth in
+// degrees. Hesai's y axis points forward, and azimuths are clockwise from it; we turn y to x, so azimuths only change
+// their sign.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/text.hpp"
+#include "sensor/files/source.hpp"
+
+namespace gnosphere {
+namespace {
+
+bool isChecksum(std::string_view cell) {
+  return cell.size() >= 32 && cell.find_first_not_of("0123456789abcdefABCDEF") == cell.npos;
+}
+
+/// Places of the two angles in a row. The header may name them in either order.
+struct Places {
+  size_t elevation = 1, azimuth = 2;
+};
+
+Places placesOf(const std::vector<std::string_view>& header) {
+  Places places;
+  for (size_t i = 0; i < header.size(); ++i) {
+    if (containsWord(header[i], "elevation")) places.elevation = i;
+    if (containsWord(header[i], "azimuth")) places.azimuth = i;
+  }
+  return places;
+}
+
+/// Fires the channels of a grid at the times of a head, whose columns may take several kinds in turn. The grid becomes
+/// a list if they do.
+void applyFireTimes(SensorSource& source, const FireTimes& times) {
+  Sensor& sensor = source.file.sensor;
+  const double speed = sensor.azimuthSpanDeg / sensor.rotationPeriod;
+  if (times.size() == 1 && std::none_of(times[0].begin(), times[0].end(), [](double t) { return std::isnan(t); })) {
+    for (size_t row = 0; row < sensor.channels.size(); ++row) delay(sensor.channels[row], times[0][row], speed);
+    return;
+  }
+  double first = 0;
+  for (const std::vector<double>& kind : times)
+    for (const double t : kind)
+      if (t < first) first = t;
+  if (first < 0)
+    source.assume("that a scan starts when its first beam fires, " + std::to_string(-1e6 * first) +
+                  " us before its first column");
+  BeamList list;
+  list.width = sensor.columns;
+  list.height = static_cast<uint32_t>(sensor.channels.size());
+  for (size_t row = 0; row < sensor.channels.size(); ++row)
+    for (uint32_t column = 0; column < sensor.columns; ++column) {
+      double time = times[column % times.size()][row];
+      if (std::isnan(time)) {
+        sensor.maskedBeams.push_back(static_cast<uint32_t>(list.size()));
+        time = 0;
+      }
+      const double columnTime = sensor.rotationPeriod * column / sensor.columns;
+      list.directions.push_back(directionOfAngles(
+          source, sensor.azimuthStartDeg + sensor.channels[row].azimuthOffsetDeg + speed * (columnTime + time),
+          sensor.channels[row].elevationDeg, list.size()));
+      list.times.push_back(columnTime + time - first);
+      list.rings.push_back(static_cast<uint16_t>(row));
+    }
+  sensor.columns = 0;
+  sensor.channels.clear();
+  sensor.patterns.push_back(std::move(list));
+}
+
+}  // namespace
+
+void readHesaiCsv(SensorSource& source) {
+  Places places;
+  std::vector<std::optional<Channel>> channels;
+  const std::vector<std::string_view> lines = linesOf(source.bytes);
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const std::vector<std::string_view> cells = cellsOf(lines[i]);
+    if (cells[0].empty() && cells.size() == 1) continue;
+    if (isChecksum(cells[0]) || sameWord(cells[0], "EEFF")) continue;
+    const std::string where = "line " + std::to_string(i + 1);
+    if (containsWord(lines[i], "elevation")) {
+      places = placesOf(cells);
+      continue;
+    }
+    if (cells.size() <= std::max(places.elevation, places.azimuth))
+      source.refuse(where + " has " + std::to_string(cells.size()) +
+                    " cells, expected are channel, elevation, azimuth");
+    const double id = numberOf(source, cells[0], where + ", channel");
+    if (!(id >= 1 && id <= 65535) || id != std::floor(id))
+      source.refuse(where + ": the channel is " + std::string(cells[0]) + ", expected is 1 to 65535");
+    const auto row = static_cast<size_t>(id) - 1;
+    if (row >= channels.size()) channels.resize(row + 1);
+    if (channels[row]) source.refuse(where + ": channel " + std::string(cells[0]) + " was there before");
+    channels[row] = Channel{numberOf(source, cells[places.elevation], where + ", elevation"),
+                            -numberOf(source, cells[places.azimuth], where + ", azimuth")};
+  }
+  if (channels.empty()) source.refuse("there is no channel");
+  for (size_t row = 0; row < channels.size(); ++row) {
+    if (!channels[row]) source.refuse("channel " + std::to_string(row + 1) + " is missing");
+    source.file.sensor.channels.push_back(*channels[row]);
+  }
+  setTurn(source, 0);
+  assumeRange(source, 200);
+  if (source.options.fireTimes.empty()) return;
+  if (static_cast<double>(source.file.sensor.columns) * static_cast<double>(channels.size()) > 1e8)
+    source.refuse("there are more than 100 million beams");
+  applyFireTimes(source, readFireTimes(source, channels.size()));
+}
+
+}  // namespace gnosphere

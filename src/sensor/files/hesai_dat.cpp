@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hesai's binary angle corrections of heads that do not spin: AT128 (1.3 and 1.5), ATX (4.1 to 4.3), FT120 (minor
+// versions 0 to 2). Their x axis points forward, z up, and azimuths are clockwise from y, so forward is 90 degrees and
+// our azimuth is 90 less theirs. The head's own angle is turned to beams as the vendor's decoder does, roundings
+// included.
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "sensor/files/source.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// Reads little-endian numbers one after the other.
+class Bytes {
+ public:
+  explicit Bytes(const SensorSource& source) : source_(source) {}
+
+  template <typename T>
+  T next() {
+    if (at_ + sizeof(T) > source_.bytes.size())
+      source_.refuse("ends after " + std::to_string(source_.bytes.size()) + " bytes, in the middle of its tables");
+    T value;
+    std::memcpy(&value, source_.bytes.data() + at_, sizeof(T));
+    at_ += sizeof(T);
+    return value;
+  }
+  template <typename T>
+  std::vector<double> list(size_t count, double scale) {
+    std::vector<double> values;
+    for (size_t i = 0; i < count; ++i) values.push_back(scale * next<T>());
+    return values;
+  }
+
+ private:
+  const SensorSource& source_;
+  size_t at_ = 0;
+};
+
+// What neither kind of file states: the field of view in the vendor's azimuths, and the step.
+constexpr double kFirstDeg = 30, kStepDeg = 0.1;
+constexpr uint32_t kColumns = 1200;
+
+BeamList emptyList(size_t channels) {
+  BeamList list;
+  list.width = kColumns;
+  list.height = static_cast<uint32_t>(channels);
+  return list;
+}
+
+/// Rounded corrections in hundredths of a degree, each 2 degrees of the head, interpolated between.
+double correction(const std::vector<double>& table, size_t channel, double headDeg) {
+  constexpr size_t kPerChannel = 180;
+  const double step = headDeg / 2;
+  const auto i = static_cast<size_t>(step);
+  const size_t first = channel * kPerChannel + i;
+  const double part = step - static_cast<double>(i);
+  const auto at = [&](size_t place) { return place < table.size() ? table[place] : 0.0; };
+  return std::round((1 - part) * at(first) + part * at(first + 1)) / 100;
+}
+
+void readMirrors(SensorSource& source, Bytes& bytes, bool fine) {
+  const auto channels = bytes.next<uint8_t>();
+  bytes.next<uint8_t>();  // mirrors
+  const auto frames = bytes.next<uint8_t>();
+  for (int i = 0; i < 8; ++i) bytes.next<uint8_t>();  // configuration of the frames
+  const double resolution = bytes.next<uint8_t>();
+  if (channels == 0 || frames == 0 || frames > 8)
+    source.refuse("states " + std::to_string(channels) + " channels and " + std::to_string(frames) + " frames");
+  const double unit = fine ? resolution / 25600 : 0.01;
+  const auto starts = fine ? bytes.list<uint32_t>(frames, unit) : bytes.list<uint16_t>(frames, unit);
+  const auto ends = fine ? bytes.list<uint32_t>(frames, unit) : bytes.list<uint16_t>(frames, unit);
+  const auto azimuths = fine ? bytes.list<int32_t>(channels, unit) : bytes.list<int16_t>(channels, unit);
+  const auto elevations = fine ? bytes.list<int32_t>(channels, unit) : bytes.list<int16_t>(channels, unit);
+  const size_t corrections = fine ? size_t{180} * channels : 36000;
+  const auto azimuthTable = bytes.list<int8_t>(corrections, fine ? resolution : 1);
+  const auto elevationTable = bytes.list<int8_t>(corrections, fine ? resolution : 1);
+
+  const double period = 1 / (source.options.scanRate > 0 ? source.options.scanRate : 10);
+  const double headSpeed = 120 / period;  // a turn of the head is three scans, one per mirror face
+  for (size_t frame = 0; frame < frames; ++frame) {
+    if (!(starts[frame] < 360 && ends[frame] < 360)) source.refuse("a frame starts or ends beyond 360 degrees");
+    BeamList list = emptyList(channels);
+    for (size_t channel = 0; channel < channels; ++channel)
+      for (uint32_t column = 0; column < kColumns; ++column) {
+        const double turned = (kFirstDeg + kStepDeg * column) / 2;  // the mirror doubles the angle
+        const double head = std::fmod(starts[frame] + turned, 360);
+        const double azimuth = 2 * turned - azimuths[channel] + correction(azimuthTable, channel, head);
+        list.directions.push_back(directionOfAngles(
+            source, 90 - azimuth, elevations[channel] + correction(elevationTable, channel, head), list.size()));
+        list.times.push_back(kStepDeg / 2 * column / headSpeed);
+        list.rings.push_back(static_cast<uint16_t>(channel));
+      }
+    source.file.sensor.patterns.push_back(std::move(list));
+  }
+  if (source.options.scanRate == 0) source.assume("10 scans per second, three to a turn; --rate sets another number");
+}
+
+void readParity(SensorSource& source, Bytes& bytes, int version) {
+  bytes.next<uint16_t>();  // reserved
+  const auto channels = bytes.next<uint8_t>();
+  const auto division = bytes.next<uint16_t>();
+  if (channels == 0 || division == 0)
+    source.refuse("states " + std::to_string(channels) + " channels and an angle division of " +
+                  std::to_string(division));
+  const double unit = 1.0 / division;
+  std::vector<std::vector<double>> azimuths = {bytes.list<int16_t>(channels, unit)};
+  if (version > 1) azimuths.push_back(bytes.list<int16_t>(channels, unit));
+  const auto elevations = bytes.list<int16_t>(channels, unit);
+  constexpr size_t kAdjustments = 70;
+  constexpr double kFirstAdjustedDeg = 20;  // then every 2 degrees
+  const auto adjustments = version > 2 ? bytes.list<int16_t>(kAdjustments, unit) : std::vector<double>();
+  const auto adjustment = [&](double azimuth) {
+    const double step = (azimuth - kFirstAdjustedDeg) / 2;
+    if (adjustments.empty() || !(step >= 0 && step <= kAdjustments - 1)) return 0.0;
+    const auto i = static_cast<size_t>(step);
+    if (i == kAdjustments - 1) return adjustments[i];
+    const double part = step - static_cast<double>(i);
+    return (1 - part) * adjustments[i] + part * adjustments[i + 1];
+  };
+  FireTimes times;
+  if (!source.options.fireTimes.empty()) times = readFireTimes(source, channels);
+  for (size_t kind = 0; kind < azimuths.size(); ++kind) {
+    BeamList list = emptyList(channels);
+    for (size_t channel = 0; channel < channels; ++channel)
+      for (uint32_t column = 0; column < kColumns; ++column) {
+        const double azimuth = kFirstDeg + kStepDeg * column + azimuths[kind][channel];
+        list.directions.push_back(
+            directionOfAngles(source, 90 - azimuth, elevations[channel] + adjustment(azimuth), list.size()));
+        if (!times.empty()) list.times.push_back(std::max(0.0, times[kind % times.size()][channel]));
+        list.rings.push_back(static_cast<uint16_t>(channel));
+      }
+    source.file.sensor.patterns.push_back(std::move(list));
+  }
+  source.assume("columns that fire at once, as the speed of the mirror is not stated");
+}
+
+/// A flash lidar: an azimuth and an elevation per pixel, column by column.
+void readFlash(SensorSource& source, Bytes& bytes, int version) {
+  bytes.next<uint16_t>();  // reserved
+  const uint32_t columns = version < 2 ? bytes.next<uint8_t>() : bytes.next<uint16_t>();
+  const uint32_t rows = version < 2 ? bytes.next<uint8_t>() : bytes.next<uint16_t>();
+  const double unit = 0.01 * bytes.next<uint8_t>();
+  const size_t count = size_t{columns} * rows;
+  if (count == 0) source.refuse("states " + std::to_string(columns) + " columns and " + std::to_string(rows) + " rows");
+  const auto azimuths = version == 0 ? bytes.list<int16_t>(count, unit) : bytes.list<int32_t>(count, unit);
+  const auto elevations = version == 0 ? bytes.list<int16_t>(count, unit) : bytes.list<int32_t>(count, unit);
+  BeamList list;
+  list.width = columns;
+  list.height = rows;
+  for (uint32_t row = 0; row < rows; ++row)
+    for (uint32_t column = 0; column < columns; ++column) {
+      const size_t place = size_t{column} * rows + row;
+      list.directions.push_back(directionOfAngles(source, 90 - azimuths[place], elevations[place], list.size()));
+      list.rings.push_back(static_cast<uint16_t>(row));
+    }
+  source.file.sensor.patterns.push_back(std::move(list));
+}
+
+}  // namespace
+
+void readHesaiDat(SensorSource& source) {
+  Bytes bytes(source);
+  if (bytes.next<uint8_t>() != 0xee || bytes.next<uint8_t>() != 0xff) source.refuse("does not start with EE FF");
+  const int major = bytes.next<uint8_t>(), minor = bytes.next<uint8_t>();
+  const bool flash = minor <= 2 && major != 3 && major != 4;
+  if (flash)
+    readFlash(source, bytes, minor);
+  else if (major == 1 && (minor == 3 || minor == 5))
+    readMirrors(source, bytes, minor == 5);
+  else if (major == 4 && minor >= 1 && minor <= 3)
+    readParity(source, bytes, minor);
+  else
+    source.refuse("is an angle correction of version " + std::to_string(major) + "." + std::to_string(minor) +
+                  ", known are 1.3 and 1.5 (AT128), 4.1 to 4.3 (ATX) and 1.0 to 1.2 (FT120)");
+  if (!flash) source.assume("1200 columns 0.1 degrees apart over 120 degrees, as the data sheets state");
+  assumeRange(source, 200);
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hesai's firing times, in one of these layouts, which the headers tell apart:
+//   Channel, fire time (us)                            one time per channel
+//   Channel, even and odd fire time (ns)               two kinds, which alternate
+//   Operational State ... / Azimuth State ... / rows   in us; the kinds of one state alternate, "-" does not fire
+//   EEFF ... / Channel num, N, Loop num, L / header    L pairs of a channel and its time (us) per row
+//   three lines, then a channel and 16 times (ns)      four kinds of state 0, two of state 2, two of state 3, each for
+//                                                      far and for near surfaces
+#include <cmath>
+#include <limits>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "sensor/files/source.hpp"
+
+namespace gnosphere {
+namespace {
+
+constexpr double kMicro = 1e-6, kNano = 1e-9, kNever = std::numeric_limits<double>::quiet_NaN();
+
+/// A table of firing times that is being read.
+struct Table {
+  const SensorSource& source;
+  size_t channels;
+  FireTimes times;
+
+  void addKinds(size_t count) { times.resize(times.size() + count, std::vector<double>(channels, kNever)); }
+
+  void set(size_t kind, std::string_view channel, std::string_view time, double unit, const std::string& where) {
+    const double id = numberOf(source, channel, where + ", channel");
+    if (!(id >= 1 && id <= static_cast<double>(channels)) || id != std::floor(id))
+      source.refuse(where + ": the channel is " + std::string(channel) + ", the angle correction has 1 to " +
+                    std::to_string(channels));
+    times[kind][static_cast<size_t>(id) - 1] = time == "-" ? kNever : unit * numberOf(source, time, where + ", time");
+  }
+};
+
+/// Which columns of a table are the kinds of the state that the options ask for, or of the first state.
+std::vector<size_t> columnsOfState(const SensorSource& source, const std::vector<std::string_view>& states,
+                                   const std::string& mode) {
+  const std::string_view wanted = mode.empty() && states.size() > 1 ? states[1] : std::string_view(mode);
+  std::vector<size_t> columns;
+  for (size_t i = 1; i < states.size(); ++i)
+    if (states[i] == wanted) columns.push_back(i);
+  if (columns.empty()) source.refuse("there is no operational state '" + std::string(wanted) + "'");
+  return columns;
+}
+
+}  // namespace
+
+FireTimes readFireTimes(SensorSource& angles, size_t channels) {
+  const std::string bytes = readWholeFile(angles.options.fireTimes, size_t{16} << 20);
+  SensorSource source{bytes, angles.options.fireTimes.string(), angles.options, angles.file};
+  const std::vector<std::string_view> lines = linesOf(bytes);
+  Table table{source, channels, {}};
+  std::vector<size_t> columns;  // the cells of a row that are the kinds
+  bool pairs = false;
+  double unit = kMicro;
+  size_t first = 1;
+  if (lines.empty()) source.refuse("is empty");
+  if (containsWord(lines[0], "operational")) {
+    columns = columnsOfState(source, cellsOf(lines[0]), source.options.mode);
+    first = 2;
+  } else if (containsWord(lines[0], "eeff")) {
+    const auto cells = lines.size() > 1 ? cellsOf(lines[1]) : std::vector<std::string_view>();
+    if (cells.size() < 4) source.refuse("line 2: expected is 'Channel num, N, Loop num, L'");
+    const double loops = numberOf(source, cells[3], "line 2, loop number");
+    if (!(loops >= 1 && loops <= 16)) source.refuse("line 2: the loop number must be 1 to 16");
+    for (size_t i = 0; i < static_cast<size_t>(loops); ++i) columns.push_back(2 * i);
+    pairs = true;
+    first = 3;
+  } else if (lines.size() > 3 && cellsOf(lines[3]).size() >= 17) {
+    const std::string& mode = source.options.mode;
+    if (mode.empty() || mode == "0")
+      columns = {1, 3, 5, 7};
+    else if (mode == "2" || mode == "3")
+      columns = mode == "2" ? std::vector<size_t>{9, 11} : std::vector<size_t>{13, 15};
+    else
+      source.refuse("there is no operational state '" + mode + "', but 0, 2 and 3");
+    angles.ignore("firing times for near surfaces");
+    unit = kNano;
+    first = 3;
+  } else if (containsWord(lines[0], "fire")) {
+    for (size_t i = 1; i < cellsOf(lines[0]).size(); ++i) columns.push_back(i);
+    if (containsWord(lines[0], "(ns)") || containsWord(lines[0], "/ns")) unit = kNano;
+  } else {
+    source.refuse("is no file of Hesai's firing times");
+  }
+  table.addKinds(columns.size());
+  for (size_t i = first; i < lines.size(); ++i) {
+    const std::vector<std::string_view> cells = cellsOf(lines[i]);
+    if (cells.size() == 1) continue;  // an empty line, or a checksum
+    const std::string where = "line " + std::to_string(i + 1);
+    for (size_t kind = 0; kind < columns.size(); ++kind) {
+      const size_t cell = columns[kind];
+      if (cell + (pairs ? 1 : 0) >= cells.size())
+        source.refuse(where + " has " + std::to_string(cells.size()) + " cells, expected are more");
+      if (!pairs)
+        table.set(kind, cells[0], cells[cell], unit, where);
+      else if (cells[cell] != "0" && !cells[cell].starts_with('-'))
+        table.set(kind, cells[cell], cells[cell + 1], unit, where);
+    }
+  }
+  for (size_t channel = 0; channel < channels; ++channel) {
+    bool fires = false;
+    for (const std::vector<double>& kind : table.times) fires = fires || !std::isnan(kind[channel]);
+    if (!fires) source.refuse("channel " + std::to_string(channel + 1) + " of the angle correction is missing");
+  }
+  return table.times;
+}
+
+}  // namespace gnosphere

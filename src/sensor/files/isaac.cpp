@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lidar profiles of NVIDIA's Isaac Sim. Azimuths are counter-clockwise from x seen from above, z is up. A rotary lidar
+// fires all its emitters reportRateBaseHz times a second, each time with the next emitter state; a solid-state lidar
+// fires one emitter state per scan.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "base/text.hpp"
+#include "sensor/files/source.hpp"
+
+namespace gnosphere {
+namespace {
+
+using nlohmann::json;
+
+/// One emitter state. Optional lists are empty or have one entry per emitter.
+struct Emitters {
+  std::vector<double> azimuths, elevations, times, rings, ranges, heights, sides;
+};
+
+constexpr double kNano = 1e-9;
+
+Emitters readState(SensorSource& source, const json& profile, const json& state, size_t index) {
+  const std::string where = "emitterStates[" + std::to_string(index) + "]: ";
+  if (!state.is_object()) source.refuse(where + "is no object");
+  Emitters emitters;
+  emitters.azimuths = numbersIn(source, state, "azimuthDeg");
+  emitters.elevations = numbersIn(source, state, "elevationDeg");
+  const size_t count = emitters.azimuths.size();
+  const auto check = [&](const char* key, size_t found) {
+    if (found != count)
+      source.refuse(where + "'" + key + "' has " + std::to_string(found) + " entries, 'azimuthDeg' " +
+                    std::to_string(count));
+  };
+  check("elevationDeg", emitters.elevations.size());
+  const auto optional = [&](const char* key, std::vector<double>& list) {
+    if (!state.contains(key)) return;
+    list = numbersIn(source, state, key);
+    check(key, list.size());
+  };
+  optional("fireTimeNs", emitters.times);
+  optional("channelId", emitters.rings);
+  optional("rangeId", emitters.ranges);
+  optional("vertOffsetM", emitters.heights);
+  optional("horOffsetM", emitters.sides);
+  if (count == 0) source.refuse(where + "there is no emitter");
+  if (const double stated = numberIn(source, profile, "numberOfEmitters", static_cast<double>(count));
+      stated != static_cast<double>(count))
+    source.refuse(where + "'azimuthDeg' has " + std::to_string(count) + " entries, 'numberOfEmitters' is " +
+                  std::to_string(static_cast<long long>(std::clamp(stated, -1e15, 1e15))));
+  for (const double ring : emitters.rings)
+    if (!(ring >= 0 && ring <= 65535) || ring != std::floor(ring))
+      source.refuse(where + "'channelId' " + std::to_string(ring) + " is no ring from 0 to 65535");
+  static const std::set<std::string> known = {"azimuthDeg", "elevationDeg", "fireTimeNs", "channelId",
+                                              "rangeId",    "vertOffsetM",  "horOffsetM"};
+  for (const auto& [key, value] : state.items())
+    if (!known.contains(key) && value.is_array()) source.ignore(key + " of the emitters");
+  return emitters;
+}
+
+struct Window {
+  double least, most;
+};
+
+/// Returns the range classes.
+std::vector<Window> readRanges(const SensorSource& source, const json& profile) {
+  std::vector<Window> windows;
+  const auto ranges = profile.find("ranges");
+  if (ranges == profile.end()) return windows;
+  if (!ranges->is_array()) source.refuse("'ranges' is no list of 'min' and 'max'");
+  for (const json& range : *ranges) {
+    if (!range.is_object()) source.refuse("'ranges' is no list of 'min' and 'max'");
+    windows.push_back({numberIn(source, range, "min"), numberIn(source, range, "max")});
+  }
+  return windows;
+}
+
+const Window& windowOf(const SensorSource& source, const std::vector<Window>& windows, double id) {
+  if (!(id >= 0 && id < static_cast<double>(windows.size())) || id != std::floor(id))
+    source.refuse("'rangeId' is " + std::to_string(id) + ", but 'ranges' has " + std::to_string(windows.size()) +
+                  " entries");
+  return windows[static_cast<size_t>(id)];
+}
+
+/// What the emitters of any state have; all beams of a list have it then.
+struct Lists {
+  bool origins = false, ranges = false;
+
+  Lists(const std::vector<Emitters>& states, const std::vector<Window>& windows) {
+    for (const Emitters& emitters : states) {
+      origins = origins || !emitters.heights.empty() || !emitters.sides.empty();
+      ranges = ranges || (!emitters.ranges.empty() && !windows.empty());
+    }
+  }
+};
+
+/// Appends one emitter, whose head is turned to `headDeg`, to a list of beams.
+void fire(const SensorSource& source, const Emitters& emitters, size_t i, const Lists& has,
+          const std::vector<Window>& windows, double headDeg, double time, uint16_t ring, BeamList& list) {
+  const double azimuth = emitters.azimuths[i] + headDeg;
+  list.directions.push_back(directionOfAngles(source, azimuth, emitters.elevations[i], list.size()));
+  if (has.origins) {
+    const double side = emitters.sides.empty() ? 0 : emitters.sides[i], a = std::numbers::pi / 180 * azimuth;
+    list.origins.push_back(
+        {-std::sin(a) * side, std::cos(a) * side, emitters.heights.empty() ? 0 : emitters.heights[i]});
+  }
+  list.times.push_back(time + (emitters.times.empty() ? 0 : kNano * emitters.times[i]));
+  list.rings.push_back(emitters.rings.empty() ? ring : static_cast<uint16_t>(emitters.rings[i]));
+  if (!has.ranges) return;
+  const Sensor& sensor = source.file.sensor;
+  const Window window = emitters.ranges.empty() ? Window{sensor.rangeMin, sensor.rangeMax}
+                                                : windowOf(source, windows, emitters.ranges[i]);
+  list.rangeMin.push_back(static_cast<float>(window.least));
+  list.rangeMax.push_back(static_cast<float>(window.most));
+}
+
+void placeSolidState(SensorSource& source, const json& profile, const std::vector<Emitters>& states,
+                     const std::vector<Window>& windows) {
+  // Lines of equal lengths are rows of the organised cloud, and rings.
+  uint32_t width = 0, height = 0;
+  std::vector<uint16_t> lineOf;
+  if (profile.contains("numRaysPerLine")) {
+    const std::vector<double> lines = numbersIn(source, profile, "numRaysPerLine");
+    for (size_t line = 0; line < lines.size(); ++line)
+      if (lines[line] >= 0 && lines[line] <= 1e9 && line <= 65535 && lineOf.size() <= states[0].azimuths.size())
+        lineOf.resize(lineOf.size() + std::min(static_cast<size_t>(lines[line]), states[0].azimuths.size() + 1),
+                      static_cast<uint16_t>(line));
+    if (lineOf.size() != states[0].azimuths.size())
+      source.refuse("'numRaysPerLine' does not add up to the " + std::to_string(states[0].azimuths.size()) +
+                    " emitters");
+    if (std::all_of(lines.begin(), lines.end(), [&](double n) { return n == lines[0]; })) {
+      width = static_cast<uint32_t>(lines[0]);
+      height = static_cast<uint32_t>(lines.size());
+    }
+  }
+  Sensor& sensor = source.file.sensor;
+  const Lists has(states, windows);
+  for (const Emitters& emitters : states) {
+    BeamList& list = sensor.patterns.emplace_back();
+    for (size_t i = 0; i < emitters.azimuths.size(); ++i)
+      fire(source, emitters, i, has, windows, 0, 0, lineOf.empty() ? uint16_t{0} : lineOf[i], list);
+    list.width = width;
+    list.height = height;
+  }
+}
+
+/// Whether the rings of emitters are their places, as those of a grid are.
+bool ringsAreRows(const Emitters& emitters) {
+  for (size_t i = 0; i < emitters.rings.size(); ++i)
+    if (emitters.rings[i] != static_cast<double>(i)) return false;
+  return true;
+}
+
+void placeRotary(SensorSource& source, const json& profile, const std::vector<Emitters>& states,
+                 const std::vector<Window>& windows) {
+  const double scanRate = numberIn(source, profile, "scanRateBaseHz");
+  const bool renamed = !profile.contains("reportRateBaseHz") && profile.contains("patternFiringRateHz");
+  const double fireRate = numberIn(source, profile, renamed ? "patternFiringRateHz" : "reportRateBaseHz");
+  if (!(scanRate > 0 && fireRate >= scanRate && fireRate / scanRate < 1e9))
+    source.refuse("'reportRateBaseHz' is " + std::to_string(fireRate) + " and 'scanRateBaseHz' " +
+                  std::to_string(scanRate) + ", expected are firings and turns per second");
+  Sensor& sensor = source.file.sensor;
+  // A turn need not be a whole number of firings: the columns are those of one turn, and end a little before it.
+  const double columns = std::floor(fireRate / scanRate);
+  sensor.columns = static_cast<uint32_t>(columns);
+  sensor.rotationPeriod = columns / fireRate;
+  const bool clockwise = !sameWord(textIn(profile, "rotationDirection"), "CCW");
+  const double start =
+      numberIn(source, profile, "startAzimuthDeg", numberIn(source, profile, "validStartAzimuthDeg", 0));
+  const double end =
+      numberIn(source, profile, "endAzimuthDeg", numberIn(source, profile, "validEndAzimuthDeg", start + 360));
+  sensor.azimuthStartDeg = std::remainder(clockwise ? end : start, 360);
+  sensor.azimuthSpanDeg = (clockwise ? -360 : 360) * columns * scanRate / fireRate;
+  if (states[0].azimuths.size() > 65535) source.refuse("there are more than 65535 channels");
+  if (columns * static_cast<double>(states[0].azimuths.size()) > 1e8)
+    source.refuse("there are more than 100 million beams");
+
+  if (states.size() == 1 && ringsAreRows(states[0])) {
+    const Emitters& emitters = states[0];
+    for (size_t i = 0; i < emitters.azimuths.size(); ++i) {
+      Channel channel{emitters.elevations[i], emitters.azimuths[i]};
+      channel.origin = {0, emitters.sides.empty() ? 0 : emitters.sides[i],
+                        emitters.heights.empty() ? 0 : emitters.heights[i]};
+      channel.timeOffset = emitters.times.empty() ? 0 : kNano * emitters.times[i];
+      if (!emitters.ranges.empty() && !windows.empty()) {
+        const Window& window = windowOf(source, windows, emitters.ranges[i]);
+        channel.rangeMin = window.least;
+        channel.rangeMax = window.most;
+      }
+      sensor.channels.push_back(channel);
+    }
+  } else {
+    BeamList list;
+    const Lists has(states, windows);
+    const size_t rows = states[0].azimuths.size();
+    for (size_t row = 0; row < rows; ++row)
+      for (uint32_t column = 0; column < sensor.columns; ++column) {
+        const Emitters& emitters = states[column % states.size()];
+        fire(source, emitters, row, has, windows, sensor.azimuthStartDeg + sensor.azimuthSpanDeg * column / columns,
+             column / fireRate, static_cast<uint16_t>(row), list);
+      }
+    list.width = sensor.columns;
+    list.height = static_cast<uint32_t>(rows);
+    sensor.columns = 0;
+    sensor.patterns.push_back(std::move(list));
+  }
+  // The head fires only between the two azimuths.
+  if (end - start >= 360 || end <= start) return;
+  for (size_t row = 0; row < sensor.height(); ++row)
+    for (uint32_t column = 0; column < sensor.width(); ++column)
+      if (std::abs(sensor.azimuthSpanDeg) * column / columns > end - start)
+        sensor.maskedBeams.push_back(static_cast<uint32_t>(row) * sensor.width() + column);
+}
+
+}  // namespace
+
+void readIsaac(SensorSource& source, const json& root) {
+  const auto found = root.find("profile");
+  if (found == root.end() || !found->is_object()) source.refuse("'profile' is missing, or no object");
+  const json& profile = *found;
+  const auto list = profile.find("emitterStates");
+  if (list == profile.end() || !list->is_array() || list->empty()) source.refuse("'emitterStates' has no entry");
+  const double stated = numberIn(source, profile, "emitterStateCount", static_cast<double>(list->size()));
+  if (stated != static_cast<double>(list->size()))
+    source.refuse("'emitterStateCount' is " + std::to_string(static_cast<long long>(std::clamp(stated, -1e15, 1e15))) +
+                  ", but 'emitterStates' has " + std::to_string(list->size()) + " entries");
+  std::vector<Emitters> states;
+  for (size_t i = 0; i < list->size(); ++i) {
+    states.push_back(readState(source, profile, (*list)[i], i));
+    if (states[i].azimuths.size() != states[0].azimuths.size())
+      source.refuse("emitterStates[" + std::to_string(i) + "] has " + std::to_string(states[i].azimuths.size()) +
+                    " emitters, emitterStates[0] " + std::to_string(states[0].azimuths.size()));
+  }
+  Sensor& sensor = source.file.sensor;
+  sensor.name = textIn(root, "name");
+  sensor.rangeMin = numberIn(source, profile, "nearRangeM", 0);
+  sensor.rangeMax = numberIn(source, profile, "farRangeM");
+  const double returns = numberIn(source, profile, "maxReturns", 1);
+  if (!(returns >= 1 && returns <= 5))
+    source.refuse("'maxReturns' is " + std::to_string(returns) + ", expected is 1..5");
+  sensor.maxReturns = static_cast<uint32_t>(returns);
+  const std::vector<Window> windows = readRanges(source, profile);
+  const std::string scanType = textIn(profile, "scanType");
+  if (sameWord(scanType, "rotary"))
+    placeRotary(source, profile, states, windows);
+  else if (sameWord(scanType, "solidState") || sameWord(scanType, "solid_state"))
+    placeSolidState(source, profile, states, windows);
+  else
+    source.refuse("'scanType' is '" + scanType + "', expected is rotary or solidState");
+
+  static const std::set<std::string> known = {
+      "scanType",         "rotationDirection",    "nearRangeM",         "farRangeM",           "maxReturns",
+      "scanRateBaseHz",   "reportRateBaseHz",     "numberOfEmitters",   "emitterStates",       "emitterStateCount",
+      "ranges",           "rangeCount",           "numLines",           "numRaysPerLine",      "startAzimuthDeg",
+      "endAzimuthDeg",    "validStartAzimuthDeg", "validEndAzimuthDeg", "patternFiringRateHz", "upElevationDeg",
+      "downElevationDeg", "numberOfChannels"};
+  for (const auto& [key, value] : profile.items()) {
+    const bool comment = key.find("omment") != key.npos;
+    if (!known.contains(key) && !comment && value != json(0.0)) source.ignore(key);
+  }
+}
+
+}  // namespace gnosphere

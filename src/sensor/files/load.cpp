@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recognises the family of a sensor file by its content, and calls its reader.
+#include <algorithm>
+#include <cstring>
+#include <functional>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "sensor/files/source.hpp"
+
+namespace gnosphere {
+namespace {
+
+using nlohmann::json;
+
+/// Size limit: lists of millions of beams, as JSON.
+constexpr size_t kMaxFileBytes = size_t{1} << 30;
+
+enum Option : unsigned { head = 1, mode = 2, scanRate = 4, columns = 8, beamsPerScan = 16, fireTimes = 32 };
+
+/// A family of sensor files. JSON is parsed once, for all of its families.
+struct Family {
+  const char* name;
+  const char* endings;  ///< that its files have, each with a space after it
+  unsigned options;     ///< of SensorFileOptions, that its reader takes
+  bool isJson;
+  std::function<bool(std::string_view bytes, const json& root)> recognise;
+  std::function<void(SensorSource& source, const json& root)> read;
+};
+
+bool has(const json& root, const char* key) {
+  return root.is_object() && root.contains(key);
+}
+
+/// Whether a JSON object, or one in a list, has a type as CARLA's sensors do.
+bool isCarla(const json& root, int depth = 0) {
+  if (root.is_object() && textIn(root, "type").starts_with("sensor.")) return true;
+  if (!root.is_structured() || depth > 8) return false;
+  return std::any_of(root.begin(), root.end(), [&](const json& child) { return isCarla(child, depth + 1); });
+}
+
+std::string_view firstLine(std::string_view bytes) {
+  return bytes.substr(0, std::min({bytes.find('\n'), bytes.size(), size_t{1000}}));
+}
+
+/// Whether the first rows of a CSV file are three numbers, as in an angle correction without a header.
+bool isAngleTable(std::string_view bytes) {
+  const std::string_view line = firstLine(bytes);
+  return (containsWord(line, "elevation") && containsWord(line, "azimuth") && !containsWord(line, "time")) ||
+         (containsWord(line, "eeff") && containsWord(bytes.substr(0, 2000), "elevation"));
+}
+
+bool isRayTable(std::string_view bytes) {
+  const std::string_view line = firstLine(bytes);
+  return containsWord(line, "azimuth") && (containsWord(line, "zenith") || containsWord(line, "elevation")) &&
+         line.find(',') != line.npos && !isAngleTable(bytes);
+}
+
+bool isFireTable(std::string_view bytes) {
+  const std::string_view line = firstLine(bytes);
+  return line.find(',') != line.npos && !isAngleTable(bytes) &&
+         (containsWord(line, "fire") || containsWord(line, "operational state") || containsWord(line, "eeff"));
+}
+
+bool isXml(std::string_view bytes) {
+  const size_t start = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  return start != bytes.npos && bytes[start] == '<';
+}
+
+/// Whether a file consists of poses whose axes are of usual lengths.
+bool isRayMatrices(std::string_view bytes) {
+  if (bytes.empty() || bytes.size() % 48 != 0) return false;
+  for (size_t at = 0; at < std::min<size_t>(bytes.size(), 480); at += 48) {
+    float m[12];
+    std::memcpy(m, bytes.data() + at, sizeof(m));
+    const float square = m[2] * m[2] + m[6] * m[6] + m[10] * m[10];
+    if (!(square > 1e-6f && square < 1e6f)) return false;
+  }
+  return true;
+}
+
+[[noreturn]] void refuseFireTimes(SensorSource& source, const json&) {
+  source.refuse(
+      "is a Hesai file of firing times, which has no angles: read the angle correction file, and name this one with "
+      "--fire-times");
+}
+
+const std::vector<Family>& families() {
+  constexpr unsigned kCalibration = head | scanRate | columns, kPattern = head | scanRate | beamsPerScan;
+  using Read = void (*)(SensorSource&);
+  const auto plain = [](Read read) { return [read](SensorSource& source, const json&) { read(source); }; };
+  const auto bytesOnly = [](bool (*test)(std::string_view)) {
+    return [test](std::string_view bytes, const json&) { return test(bytes); };
+  };
+  static const std::vector<Family> list = {
+      {"GnoSphere sensor", ".json ", 0, true,
+       [](std::string_view, const json& root) {
+         return !has(root, "type") &&
+                (has(root, "columns") || has(root, "elevation_deg") || has(root, "channels") || has(root, "patterns"));
+       },
+       [](SensorSource& source, const json&) { source.file.sensor = sensorFromJson(source.bytes, source.name); }},
+      {"Ouster metadata", ".json ", mode, true,
+       [](std::string_view, const json& root) {
+         return has(root, "beam_altitude_angles") || has(root, "beam_intrinsics") || has(root, "lidar_data_format");
+       },
+       readOuster},
+      {"Isaac Sim profile", ".json ", 0, true, [](std::string_view, const json& root) { return has(root, "profile"); },
+       readIsaac},
+      {"CARLA attributes", ".json ", mode, true, [](std::string_view, const json& root) { return isCarla(root); },
+       readCarla},
+      {"NumPy array", ".npy ", kPattern, false,
+       bytesOnly([](std::string_view bytes) { return bytes.starts_with("\x93NUMPY"); }), plain(readNpy)},
+      {"Hesai binary angle correction", ".dat .bin ", scanRate | fireTimes, false,
+       bytesOnly([](std::string_view bytes) { return bytes.starts_with("\xee\xff"); }), plain(readHesaiDat)},
+      {"VeloView calibration", ".xml ", kCalibration, false, bytesOnly(isXml), plain(readVelodyneXml)},
+      {"Hesai angle correction", ".csv ", kCalibration | fireTimes | mode, false, bytesOnly(isAngleTable),
+       plain(readHesaiCsv)},
+      {"Hesai firing times", ".csv ", 0, false, bytesOnly(isFireTable), refuseFireTimes},
+      {"Livox pattern", ".csv ", kPattern, false, bytesOnly(isRayTable), plain(readLivoxCsv)},
+      {"Velodyne calibration", ".yaml .yml ", kCalibration, false,
+       bytesOnly([](std::string_view bytes) { return bytes.find("lasers:") != bytes.npos; }), plain(readVelodyneYaml)},
+      {"ray matrices", ".mat3x4f ", kPattern, false, bytesOnly(isRayMatrices), plain(readRayMatrices)},
+  };
+  return list;
+}
+
+std::string endingOf(const std::string& name) {
+  return lower(std::filesystem::path(name).extension().string());
+}
+
+bool mayEndWith(const Family& family, const std::string& ending) {
+  return !ending.empty() && std::string(family.endings).find(ending + " ") != std::string::npos;
+}
+
+/// Decides which family a file belongs to. Refuses one whose name says otherwise.
+const Family& familyOf(const SensorSource& source, const json& root, const std::string& jsonProblem) {
+  const std::string ending = endingOf(source.name);
+  const Family* named = nullptr;
+  std::string all;
+  for (const Family& family : families()) {
+    if (!named && mayEndWith(family, ending)) named = &family;
+    all.append(all.empty() ? "" : ", ").append(family.name);
+  }
+  for (const Family& family : families()) {
+    if (family.isJson == root.is_discarded() || !family.recognise(source.bytes, root)) continue;
+    if (named && !mayEndWith(family, ending))
+      source.refuse(std::string("looks like a file of the family '") + family.name + "', whose names end with " +
+                    std::string(family.endings, std::strlen(family.endings) - 1) + ", not with " + ending);
+    return family;
+  }
+  if (source.bytes.empty()) source.refuse("is empty");
+  if (named && named->isJson && root.is_discarded()) source.refuse("is not JSON: " + jsonProblem);
+  if (named && !named->isJson && root.is_discarded()) return *named;  // its reader says what is missing
+  if (!root.is_discarded())
+    source.refuse(
+        "is JSON, but of no known family: it has neither 'elevation_deg', 'channels' or 'patterns' (ours), "
+        "nor 'beam_altitude_angles' (Ouster), 'profile' (Isaac Sim) or the 'type' of a CARLA sensor");
+  source.refuse("is of no known family; known are " + all);
+}
+
+void checkOptions(const SensorSource& source, const Family& family) {
+  const SensorFileOptions& options = source.options;
+  const std::pair<unsigned, const char*> given[] = {{options.head.empty() ? 0u : head, "--head"},
+                                                    {options.mode.empty() ? 0u : mode, "--mode"},
+                                                    {options.scanRate == 0 ? 0u : scanRate, "--rate"},
+                                                    {options.columns == 0 ? 0u : columns, "--columns"},
+                                                    {options.beamsPerScan == 0 ? 0u : beamsPerScan, "--beams-per-scan"},
+                                                    {options.fireTimes.empty() ? 0u : fireTimes, "--fire-times"}};
+  for (const auto& [bit, name] : given)
+    if (bit != 0 && (family.options & bit) == 0)
+      throw Error(ErrorCode::invalidArgument,
+                  source.name + ": " + name + " does not apply to a file of the family '" + family.name + "'");
+  if (options.scanRate != 0 && !(options.scanRate >= 0.1 && options.scanRate <= 1e6))
+    throw Error(ErrorCode::invalidArgument, "the scan rate must be 0.1 to 1,000,000 Hz");
+}
+
+/// What a built-in head states and a calibration or a pattern does not.
+void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
+  Sensor& sensor = source.file.sensor;
+  if (sensor.isGrid() && from.isGrid()) {
+    if (from.channels.size() != sensor.channels.size())
+      source.refuse("has " + std::to_string(sensor.channels.size()) + " channels, the head '" + from.name + "' has " +
+                    std::to_string(from.channels.size()));
+    if (sameTurn) {
+      sensor.azimuthStartDeg = from.azimuthStartDeg;
+      sensor.azimuthSpanDeg = from.azimuthSpanDeg;
+      sensor.rotationPeriod = from.rotationPeriod;
+    }
+    for (size_t row = 0; row < sensor.channels.size(); ++row)
+      if (sensor.channels[row].timeOffset == 0 && sensor.rotationPeriod > 0)
+        delay(sensor.channels[row], from.channels[row].timeOffset, sensor.azimuthSpanDeg / sensor.rotationPeriod);
+  }
+  sensor.rangeMin = from.rangeMin;
+  sensor.rangeMax = from.rangeMax;
+  sensor.divergenceHorizontal = from.divergenceHorizontal;
+  sensor.divergenceVertical = from.divergenceVertical;
+  sensor.maxReturns = from.maxReturns;
+  sensor.nearHits = from.nearHits;
+  std::erase_if(source.file.assumed, [](const std::string& text) { return text.starts_with("a largest range"); });
+}
+
+}  // namespace
+
+SensorFile readSensorFile(std::string_view bytes, const std::string& name, const SensorFileOptions& options) {
+  SensorFile file;
+  SensorFileOptions settings = options;
+  Sensor from;
+  if (!options.head.empty()) {
+    from = builtinSensor(options.head);
+    if (settings.columns == 0) settings.columns = from.columns;
+    if (settings.scanRate == 0 && from.rotationPeriod > 0) settings.scanRate = 1 / from.rotationPeriod;
+    if (settings.beamsPerScan == 0 && !from.isGrid()) settings.beamsPerScan = static_cast<uint32_t>(from.beamCount());
+  }
+  SensorSource source{bytes, name, settings, file};
+  json root = json::value_t::discarded;
+  std::string problem;
+  const size_t start = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+  if (start != bytes.npos && (bytes[start] == '{' || bytes[start] == '[' || endingOf(name) == ".json")) try {
+      root = json::parse(bytes);
+    } catch (const json::exception& error) {
+      // "[json.exception.parse_error.101] parse error at line 1, ...": the readable part follows the bracket.
+      const std::string what = error.what();
+      const size_t bracket = what.find("] ");
+      problem = what.substr(bracket == what.npos ? 0 : bracket + 2);
+    }
+  const Family& family = familyOf(source, root, problem);
+  file.family = family.name;
+  SensorSource asked{bytes, name, options, file};
+  checkOptions(asked, family);
+  family.read(source, root);
+  if (!options.head.empty()) applyHead(source, from, options.columns == 0 && options.scanRate == 0);
+  if (file.sensor.name.empty()) file.sensor.name = std::filesystem::path(name).stem().string();
+  try {
+    validate(file.sensor);
+  } catch (const Error& invalid) {
+    source.refuse(invalid.what());
+  }
+  return file;
+}
+
+SensorFile readSensorFile(const std::filesystem::path& file, const SensorFileOptions& options) {
+  return readSensorFile(readWholeFile(file, kMaxFileBytes), file.string(), options);
+}
+
+Sensor loadSensor(const std::filesystem::path& file) {
+  return readSensorFile(file).sensor;
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ouster's metadata, flat (firmware up to 2.x) or nested. Column i of W is measured at the encoder's angle 360 - 360
+// i/W degrees, counter-clockwise in the lidar's frame. The origin of the beams turns with the encoder, and a beam
+// points to the encoder's angle minus its azimuth angle. The sensor's frame, which is ours, is reached by
+// lidar_to_sensor_transform.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "sensor/files/source.hpp"
+
+namespace gnosphere {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
+using Matrix = std::array<double, 16>;  // row by row, millimetres
+
+/// The metadata, whose keys lie in sections or all at the top.
+class Metadata {
+ public:
+  Metadata(const SensorSource& source, const json& root) : source_(source) {
+    for (const char* section :
+         {"sensor_info", "beam_intrinsics", "lidar_intrinsics", "lidar_data_format", "data_format", "config_params"})
+      if (const auto found = root.find(section); found != root.end() && found->is_object()) parts_.push_back(&*found);
+    parts_.push_back(&root);
+  }
+
+  const json* find(const std::string& key) const {
+    for (const json* part : parts_)
+      if (part->contains(key)) return part;
+    return nullptr;
+  }
+  std::vector<double> numbers(const std::string& key) const { return numbersIn(source_, of(key), key); }
+  double number(const std::string& key, double otherwise) const {
+    const json* part = find(key);
+    return part ? numberIn(source_, *part, key) : otherwise;
+  }
+  std::string text(const std::string& key) const {
+    const json* part = find(key);
+    return part ? textIn(*part, key) : "";
+  }
+  Matrix matrix(const std::string& key) const {
+    const std::vector<double> values = numbers(key);
+    if (values.size() != 16)
+      source_.refuse("'" + key + "' has " + std::to_string(values.size()) + " numbers, expected are 16");
+    Matrix m;
+    std::copy(values.begin(), values.end(), m.begin());
+    return m;
+  }
+
+ private:
+  const json& of(const std::string& key) const {
+    const json* part = find(key);
+    if (!part) source_.refuse("'" + key + "' is missing");
+    return *part;
+  }
+
+  const SensorSource& source_;
+  std::vector<const json*> parts_;
+};
+
+/// Refuses metadata that have some of the sections of nested ones but not all, or a format without its sizes. Sections
+/// of which old firmware knows nothing are there, as texts.
+bool checkSections(const SensorSource& source, const json& root) {
+  std::string missing;
+  size_t found = 0;
+  for (const char* section : {"sensor_info", "beam_intrinsics", "imu_intrinsics", "lidar_intrinsics",
+                              "lidar_data_format", "config_params", "calibration_status"}) {
+    found += root.contains(section);
+    if (!root.contains(section)) missing.append(missing.empty() ? "'" : "', '").append(section);
+  }
+  if (found > 0 && !missing.empty()) source.refuse("lacks " + missing + "', which metadata in sections have");
+  for (const char* section : {"lidar_data_format", "data_format"})
+    if (const auto format = root.find(section); format != root.end() && format->is_object())
+      for (const char* key : {"columns_per_frame", "pixels_per_column"})
+        if (!format->contains(key)) source.refuse(std::string("'") + key + "' is missing in '" + section + "'");
+  return found > 0;
+}
+
+/// The columns of a turn and the turns per second that a mode such as "1024x10" names.
+struct Mode {
+  uint32_t columns = 0;
+  double rate = 0;
+};
+Mode modeOf(const SensorSource& source, const std::string& text) {
+  static const std::vector<std::pair<const char*, Mode>> modes = {{"512x10", {512, 10}},   {"512x20", {512, 20}},
+                                                                  {"1024x10", {1024, 10}}, {"1024x20", {1024, 20}},
+                                                                  {"2048x10", {2048, 10}}, {"4096x5", {4096, 5}}};
+  std::string known;
+  for (const auto& [name, mode] : modes) {
+    if (text == name) return mode;
+    known.append(known.empty() ? "" : ", ").append(name);
+  }
+  source.refuse("the lidar mode is '" + text + "', known are " + known);
+}
+
+/// Where the beams start in the lidar's frame while the encoder is at 0.
+Vec3 beamOrigin(SensorSource& source, const Metadata& metadata, const std::string& product) {
+  if (metadata.find("beam_to_lidar_transform")) {
+    const Matrix m = metadata.matrix("beam_to_lidar_transform");
+    for (const int i : {0, 1, 2, 4, 5, 6, 8, 9, 10})
+      if (m[static_cast<size_t>(i)] != (i % 5 == 0 ? 1 : 0)) {
+        source.ignore("the rotation in beam_to_lidar_transform");
+        break;
+      }
+    return {kMillimetre * m[3], kMillimetre * m[7], kMillimetre * m[11]};
+  }
+  if (metadata.find("lidar_origin_to_beam_origin_mm"))
+    return {kMillimetre * metadata.number("lidar_origin_to_beam_origin_mm", 0), 0, 0};
+  // As ouster-sdk does for firmware 1.x, which does not state it.
+  const double mm = product.starts_with("OS-0-")   ? 27.67
+                    : product.starts_with("OS-1-") ? 15.806
+                    : product.starts_with("OS-2-") ? 13.762
+                                                   : 12.163;
+  source.assume("beams that start " + std::to_string(mm).substr(0, 6) + " mm off the axis, as ouster-sdk does");
+  return {kMillimetre * mm, 0, 0};
+}
+
+/// Masks the columns that are not in the window, whose end may be before its start.
+void maskColumns(const SensorSource& source, const Metadata& metadata, double statedColumns, Sensor& sensor,
+                 std::vector<bool>& masked) {
+  if (!metadata.find("column_window")) return;
+  const std::vector<double> window = metadata.numbers("column_window");
+  if (window.size() != 2 ||
+      !(window[0] >= 0 && window[0] < statedColumns && window[1] >= 0 && window[1] < statedColumns))
+    source.refuse("'column_window' must be two columns from 0 to " +
+                  std::to_string(static_cast<int>(statedColumns) - 1));
+  const double scale = sensor.columns / statedColumns;  // if another mode than that of the file is asked for
+  const auto first = static_cast<uint32_t>(window[0] * scale),
+             last = static_cast<uint32_t>((window[1] + 1) * scale - 1);
+  for (uint32_t column = 0; column < sensor.columns; ++column) {
+    const bool inside = first <= last ? first <= column && column <= last : column >= first || column <= last;
+    if (inside) continue;
+    for (size_t ring = 0; ring < sensor.channels.size(); ++ring) masked[ring * sensor.columns + column] = true;
+  }
+}
+
+void placeBeams(SensorSource& source, const Metadata& metadata, const std::vector<double>& altitudes,
+                const std::vector<double>& azimuths, const Vec3& origin) {
+  Sensor& sensor = source.file.sensor;
+  Matrix m = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36.18, 0, 0, 0, 1};
+  if (metadata.find("lidar_to_sensor_transform"))
+    m = metadata.matrix("lidar_to_sensor_transform");
+  else
+    source.assume("the usual lidar_to_sensor_transform: half a turn, 36.18 mm up");
+  // A grid turns about z, on the z axis of the sensor.
+  const bool upright = m[2] == 0 && m[6] == 0 && m[8] == 0 && m[9] == 0 && m[10] == 1 && m[3] == 0 && m[7] == 0 &&
+                       m[0] == m[5] && m[1] == -m[4] && std::abs(std::hypot(m[0], m[4]) - 1) < 1e-9;
+  if (!upright) source.refuse("'lidar_to_sensor_transform' is more than a turn about z and a shift along z");
+  // Half a turn is exact.
+  const double turnDeg = m[4] == 0 ? (m[0] < 0 ? 180 : 0) : std::atan2(m[4], m[0]) / kDegree;
+  sensor.azimuthStartDeg = turnDeg;
+  sensor.azimuthSpanDeg = -360;
+  for (size_t row = 0; row < altitudes.size(); ++row) {
+    Channel channel;
+    channel.elevationDeg = altitudes[row];
+    channel.azimuthOffsetDeg = -azimuths[row];
+    const double c = std::cos(kDegree * azimuths[row]), s = std::sin(kDegree * azimuths[row]);
+    channel.origin = {c * origin.x - s * origin.y, s * origin.x + c * origin.y, origin.z + kMillimetre * m[11]};
+    sensor.channels.push_back(channel);
+  }
+}
+
+}  // namespace
+
+void readOuster(SensorSource& source, const json& root) {
+  const Metadata metadata(source, root);
+  const bool nested = checkSections(source, root);
+  const std::string product = metadata.text("prod_line");
+  const std::vector<double> altitudes = metadata.numbers("beam_altitude_angles");
+  const std::vector<double> azimuths = metadata.numbers("beam_azimuth_angles");
+  if (altitudes.empty()) source.refuse("'beam_altitude_angles' is empty");
+  if (altitudes.size() > 65535) source.refuse("'beam_altitude_angles' has more than 65535 entries");
+  if (altitudes.size() != azimuths.size())
+    source.refuse("'beam_altitude_angles' has " + std::to_string(altitudes.size()) +
+                  " entries, 'beam_azimuth_angles' " + std::to_string(azimuths.size()));
+  const auto zero = [](double angle) { return angle == 0; };
+  if (altitudes.size() > 1 && std::all_of(altitudes.begin(), altitudes.end(), zero))
+    source.refuse("all 'beam_altitude_angles' are 0, which is no calibration");
+  const double rows = metadata.number("pixels_per_column", metadata.find("data_format") || nested
+                                                               ? static_cast<double>(altitudes.size())
+                                                               : 64);  // all heads of firmware 1.x
+  if (rows != static_cast<double>(altitudes.size()))
+    source.refuse("'beam_altitude_angles' has " + std::to_string(altitudes.size()) + " entries, expected are " +
+                  std::to_string(static_cast<int>(rows)) + ", one per pixel of a column");
+
+  const std::string stated = metadata.text("lidar_mode");
+  if (stated.empty() && source.options.mode.empty()) source.refuse("'lidar_mode' is missing");
+  const Mode mode = modeOf(source, source.options.mode.empty() ? stated : source.options.mode);
+  const double statedColumns =
+      metadata.number("columns_per_frame", stated.empty() ? mode.columns : modeOf(source, stated).columns);
+  if (source.options.mode.empty() && statedColumns != mode.columns)
+    source.refuse("'columns_per_frame' is " + std::to_string(static_cast<int>(statedColumns)) +
+                  ", which does not suit the 'lidar_mode' " + stated);
+
+  Sensor& sensor = source.file.sensor;
+  sensor.columns = mode.columns;
+  sensor.rotationPeriod = 1 / mode.rate;
+  placeBeams(source, metadata, altitudes, azimuths, beamOrigin(source, metadata, product));
+  std::vector<bool> masked(sensor.beamCount());
+  // Heads of 16 and 32 beams of firmware 1.x list 64 pixels, of which those without a laser have only zeros.
+  const bool sparse = std::count_if(altitudes.begin(), altitudes.end(), zero) > 1;
+  for (size_t row = 0; sparse && row < altitudes.size(); ++row)
+    if (altitudes[row] == 0 && azimuths[row] == 0)
+      std::fill_n(masked.begin() + static_cast<std::ptrdiff_t>(row * sensor.columns), sensor.columns, true);
+  maskColumns(source, metadata, statedColumns, sensor, masked);
+  for (size_t beam = 0; beam < masked.size(); ++beam)
+    if (masked[beam]) sensor.maskedBeams.push_back(static_cast<uint32_t>(beam));
+
+  const std::string profile = metadata.text("udp_profile_lidar");
+  if (profile.ends_with("_DUAL")) sensor.maxReturns = 2;
+  if (const double centimetres = metadata.number("min_range_threshold_cm", 0); centimetres > 0)
+    sensor.rangeMin = centimetres / 100;
+  const double sheet = product.starts_with("OS-0-")     ? 75
+                       : product.starts_with("OS-1-")   ? 170
+                       : product.starts_with("OS-2-")   ? 350
+                       : product.starts_with("OS-DOME") ? 45
+                                                        : 170;
+  assumeRange(source, sheet, product.empty() ? "" : ", as the data sheet of " + product + " states");
+  source.ignore(
+      "that Ouster counts ranges from the lidar's axis: they are larger than ours by the radius of the origins");
+  for (const char* key : {"imu_to_sensor_transform", "pixel_shift_by_row", "signal_multiplier"})
+    if (metadata.find(key)) source.ignore(key);
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sensor/files/source.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace gnosphere {
+
+using nlohmann::json;
+
+void setTurn(SensorSource& source, double startDeg) {
+  Sensor& sensor = source.file.sensor;
+  const SensorFileOptions& options = source.options;
+  if (options.columns == 0) source.assume("1800 columns in a turn; --columns sets another number");
+  if (options.scanRate == 0) source.assume("10 turns per second; --rate sets another number");
+  sensor.columns = options.columns > 0 ? options.columns : 1800;
+  sensor.rotationPeriod = 1 / (options.scanRate > 0 ? options.scanRate : 10);
+  sensor.azimuthStartDeg = startDeg;
+  sensor.azimuthSpanDeg = -360;
+}
+
+void assumeRange(SensorSource& source, double metres, const std::string& why) {
+  source.file.sensor.rangeMax = metres;
+  std::string text = std::to_string(metres);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  source.assume("a largest range of " + text + " m" + why);
+}
+
+void delay(Channel& channel, double seconds, double degreesPerSecond) {
+  channel.timeOffset += seconds;
+  channel.azimuthOffsetDeg += degreesPerSecond * seconds;
+}
+
+void addDirection(const SensorSource& source, BeamList& list, const Vec3& d) {
+  const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+  if (!(length > 0) || !std::isfinite(length))
+    source.refuse("the direction of beam " + std::to_string(list.size()) +
+                  (length == 0 ? " has no length" : " is not finite"));
+  list.directions.push_back({d.x / length, d.y / length, d.z / length});
+}
+
+Vec3 directionOfAngles(const SensorSource& source, double azimuthDeg, double elevationDeg, size_t beam) {
+  if (!std::isfinite(azimuthDeg) || !std::isfinite(elevationDeg))
+    source.refuse("the angles of beam " + std::to_string(beam) + " are not finite");
+  if (std::abs(elevationDeg) > 90 + 1e-9 || std::abs(azimuthDeg) > 720)
+    source.refuse("beam " + std::to_string(beam) + " has the azimuth " + std::to_string(azimuthDeg) +
+                  " and the elevation " + std::to_string(elevationDeg) + " degrees, which are no angles of a beam");
+  constexpr double kDegree = std::numbers::pi / 180;
+  const double a = kDegree * std::remainder(azimuthDeg, 360), e = kDegree * std::clamp(elevationDeg, -90.0, 90.0);
+  return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
+}
+
+void setBeams(SensorSource& source, BeamList list) {
+  Sensor& sensor = source.file.sensor;
+  const size_t count = list.size(), size = source.options.beamsPerScan;
+  if (count == 0) source.refuse("the pattern has no beam");
+  if (size == 0 || size == count) {
+    if (source.options.scanRate > 0 && list.times.empty())
+      for (size_t i = 0; i < count; ++i)
+        list.times.push_back(static_cast<double>(i) / (static_cast<double>(count) * source.options.scanRate));
+    sensor.patterns.push_back(std::move(list));
+    return;
+  }
+  if (size > count)
+    source.refuse("has " + std::to_string(count) + " beams, not " + std::to_string(size) + " for a scan");
+  const double rate = source.options.scanRate > 0 ? source.options.scanRate : 10;
+  if (source.options.scanRate == 0) source.assume("10 scans per second; --rate sets another number");
+  for (size_t first = 0; first + size <= count; first += size) {
+    BeamList& part = sensor.patterns.emplace_back();
+    const auto cut = [&](auto& to, const auto& from) {
+      if (!from.empty())
+        to.assign(from.begin() + static_cast<std::ptrdiff_t>(first),
+                  from.begin() + static_cast<std::ptrdiff_t>(first + size));
+    };
+    cut(part.directions, list.directions);
+    cut(part.origins, list.origins);
+    cut(part.rings, list.rings);
+    for (size_t i = 0; i < size; ++i) part.times.push_back(static_cast<double>(i) / (static_cast<double>(size) * rate));
+  }
+  if (count % size > 0) source.ignore("the last " + std::to_string(count % size) + " beams, which fill no scan");
+}
+
+std::vector<std::string_view> linesOf(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    lines.push_back(line);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return lines;
+}
+
+std::vector<std::string_view> cellsOf(std::string_view line) {
+  std::vector<std::string_view> cells;
+  for (;;) {
+    const size_t end = std::min(line.find(','), line.size());
+    std::string_view cell = line.substr(0, end);
+    while (!cell.empty() && (cell.front() == ' ' || cell.front() == '\t')) cell.remove_prefix(1);
+    while (!cell.empty() && (cell.back() == ' ' || cell.back() == '\t')) cell.remove_suffix(1);
+    cells.push_back(cell);
+    if (end == line.size()) return cells;
+    line.remove_prefix(end + 1);
+  }
+}
+
+double numberOf(const SensorSource& source, std::string_view text, const std::string& where) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc() || end != text.data() + text.size())
+    source.refuse(where + " is '" + std::string(text.substr(0, 40)) + "', expected is a number");
+  if (!std::isfinite(value)) source.refuse(where + " is '" + std::string(text) + "', expected is a finite number");
+  return value;
+}
+
+namespace {
+
+/// A JSON value for a message. Only scalars are shown: what is nested could be of any depth.
+std::string shown(const json& value) {
+  if (value.is_array()) return "a list";
+  if (value.is_object()) return "an object";
+  return value.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 40);
+}
+
+}  // namespace
+
+double numberIn(const SensorSource& source, const json& object, const std::string& key) {
+  const auto found = object.find(key);
+  if (found == object.end()) source.refuse("'" + key + "' is missing");
+  if (!found->is_number()) source.refuse("'" + key + "' is " + shown(*found) + ", expected is a number");
+  return found->get<double>();
+}
+
+double numberIn(const SensorSource& source, const json& object, const std::string& key, double otherwise) {
+  return object.contains(key) ? numberIn(source, object, key) : otherwise;
+}
+
+std::vector<double> numbersIn(const SensorSource& source, const json& object, const std::string& key) {
+  const auto found = object.find(key);
+  if (found == object.end()) source.refuse("'" + key + "' is missing");
+  if (!found->is_array()) source.refuse("'" + key + "' is not a list of numbers");
+  std::vector<double> list;
+  list.reserve(found->size());
+  for (const json& value : *found) {
+    if (!value.is_number())
+      source.refuse("'" + key + "' has " + shown(value) + " at place " + std::to_string(list.size()) +
+                    ", expected is a number");
+    list.push_back(value.get<double>());
+  }
+  return list;
+}
+
+std::string textIn(const json& object, const std::string& key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+}  // namespace gnosphere
