@@ -165,31 +165,40 @@ void answer(vec3 angles, vec4 offset, uint channel) {
     storeMotion(beamIndex, hitOwner, hitPoint.w);
 }
 
-// Only the listed beams are processed if nothing but panes can change an answer.
-void answerListed() {
-  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.hardBeams; i += stride) {
-    uint index = hardBeams.at[i];
-    rowIndex = index / frame.columns;
-    columnIndex = index % frame.columns;
-    answer(rows.at[rowIndex].angles, rows.at[rowIndex].offset, rows.at[rowIndex].channel);
-  }
-}
-
 void main() {
   loadMotion();
   if (SIGNALS) planned = parameters;
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] = 0;
-  if (PANES && PASS == kPassListed) {
-    answerListed();
-    return;
+  // Only the listed beams are processed if nothing but panes can change an answer. There is one loop for both cases,
+  // because compilers inline answer() at every call.
+  bool listed = PANES && PASS == kPassListed;
+  uint first, end, stride, channel = 0;
+  vec3 angles = vec3(0.0);
+  vec4 offset = vec4(0.0);
+  if (listed) {
+    first = gl_WorkGroupID.x * gl_WorkGroupSize.x;
+    end = counters.hardBeams;
+    stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  } else {
+    first = gl_WorkGroupID.x * kResolveColumns;
+    end = min(first + kResolveColumns, frame.columns);
+    stride = gl_WorkGroupSize.x;
+    rowIndex = gl_WorkGroupID.y;
+    angles = rows.at[rowIndex].angles;
+    offset = rows.at[rowIndex].offset;
+    channel = rows.at[rowIndex].channel;
   }
-  rowIndex = gl_WorkGroupID.y;
-  vec3 angles = rows.at[rowIndex].angles;
-  vec4 offset = rows.at[rowIndex].offset;
-  uint channel = rows.at[rowIndex].channel;
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, frame.columns);
-  for (columnIndex = first + gl_LocalInvocationID.x; columnIndex < end; columnIndex += gl_WorkGroupSize.x)
+  for (uint i = first + gl_LocalInvocationID.x; i < end; i += stride) {
+    columnIndex = i;
+    if (listed) {
+      uint index = hardBeams.at[i];
+      rowIndex = index / frame.columns;
+      columnIndex = index % frame.columns;
+      angles = rows.at[rowIndex].angles;
+      offset = rows.at[rowIndex].offset;
+      channel = rows.at[rowIndex].channel;
+    }
     answer(angles, offset, channel);
-  if (SIGNALS) countCauses();
+  }
+  if (SIGNALS && !listed) countCauses();
 }
