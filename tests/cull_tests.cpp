@@ -128,12 +128,14 @@ TEST_CASE("culling: the far side of a one-sided ball is skipped from any side an
   needVulkan();
   const Sensor sensor = gridSensor(720, 90, -89, 89, 60);
   const Culling cones = {false, false, false, true, Culling::Occlusion::never};
+  const Scene scene = sceneOf(ball(60, 90, 3), false);
+  Simulator without = makeSimulator(scene, sensor, optionsWith(Accuracy::standard, nothing()));
+  Simulator with = makeSimulator(scene, sensor, optionsWith(Accuracy::standard, cones));
   for (const Transform& placed : {translation(9, 1, 0.5), translation(6, -4, 2) * rotationZ(2) * scaling(2, 2, 2),
                                   translation(0, 8, 1) * scaling(-1, 1, 1), translation(0, 0, 0)}) {
-    Scene scene = sceneOf(ball(60, 90, 3), false);
-    scene.instances[0].transform = placed;
-    const Scan full = scanWith(scene, sensor, {}, Accuracy::standard, nothing());
-    const Scan scan = scanWith(scene, sensor, {}, Accuracy::standard, cones);
+    without.setTransform(0, placed);
+    with.setTransform(0, placed);
+    const Scan full = without.scan({}), scan = with.scan({});
     CHECK(sameBytes(full, scan));
     // From inside every triangle is back-facing, and from the centre the cone of every cluster tells so.
     CHECK(scan.counters.culledByCluster > scene.placedTriangleCount() / 4);

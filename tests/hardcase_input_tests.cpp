@@ -10,7 +10,7 @@ using namespace gnosphere::test;
 
 namespace {
 
-constexpr int kWorlds = 60;
+const int kWorlds = rounds(60);
 
 TestOptions optionsBy(Binning binning, Accuracy accuracy) {
   TestOptions options = vulkanOptions();
@@ -115,7 +115,7 @@ TEST_CASE("hard: uneven channels with azimuth offsets, columns that do not divid
   CHECK(requireRight(family).paperWrong > 0);
 }
 
-TEST_CASE("hard: an empty scene, one triangle, a sensor without beams", "[combinations]") {
+TEST_CASE("hard: an empty scene, one triangle, a sensor without beams") {
   needVulkan();
   // `paper` cannot fail without triangles; for single triangles see the families of shape.
   const Sensor sensor = allAround(90, 19);
