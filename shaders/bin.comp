@@ -67,6 +67,7 @@ void link(uint beam, uint projected, float range) {
   if (before == kNone) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = beam;
 }
 
+// Compilers inline it at every call, so each loop over beams has one call.
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
   if ((EFFECTS & kFootprint) != 0) {
     if (mayMeet(triangle, prepared, turned, beam)) offer(index, 0.0, projected, triangle.id);
@@ -83,12 +84,6 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   }
 }
 
-// `seen` is the triangle at the time when the beam's column fires.
-void tryMoving(Triangle seen, Beam beam, uint index, uint slot) {
-  seen = seenFrom(seen, rowOf(index), beam.azimuth);
-  tryBeam(seen, prepare(seen), turnedFrom(seen, rowOf(index), beam.azimuth), beam, index, slot);
-}
-
 Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }
 
 // One invocation tries all beams of a box.
@@ -102,10 +97,12 @@ void trySmall(uint i) {
     uint index;
     Beam beam;
     if (!stepTo(box, columnCount, walk, beam, index)) continue;
-    if (MOTION)
-      tryMoving(seenFrom(triangle, i, columnOf(index)), beam, index, i);
-    else
-      tryBeam(triangle, prepared, turn(triangle, beam.azimuth), beam, index, i);
+    Triangle seen = triangle;
+    if (MOTION) {
+      seen = seenFrom(triangle, i, columnOf(index), rowOf(index), beam.azimuth);
+      prepared = prepare(seen);
+    }
+    tryBeam(seen, prepared, turnedFrom(seen, rowOf(index), beam.azimuth), beam, index, i);
   }
 }
 
@@ -186,17 +183,6 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   to = max(min(to, tile.box.rowLast + 1), tile.box.rowFirst) - tile.box.rowFirst;
 }
 
-// Tries the listed beams of a cell.
-void tryCell(Tile tile, Prepared prepared, uint cell) {
-  for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + 1]; index < end; ++index) {
-    Beam beam = listedBeam(index);
-    if (MOTION)
-      tryMoving(seenFrom(tile.triangle, tile.slot, index), beam, index, tile.slot);
-    else
-      tryBeam(tile.triangle, prepared, turn(tile.triangle, beam.azimuth), beam, index, tile.slot);
-  }
-}
-
 // One subgroup tries all beams of one tile. The lanes cover `width` columns; if the tile has fewer columns than the
 // subgroup has lanes, they cover several rows as well.
 void tryTile(Tile tile) {
@@ -239,23 +225,34 @@ void tryTile(Tile tile) {
           vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
           // This is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
-          if (here && LISTED) {
-            tryCell(tile, prepared, (box.rowFirst + mine) * stride + column);
-          } else if (here && MOTION && !byColumn) {
-            uint index;
-            Beam beam = beamAt(box, k, box.rowFirst + mine, index);
-            // Because of the row's offset the beam may belong to another column than the grid column.
-            if (AZIMUTH_OFFSETS) seen = seenFrom(tile.triangle, tile.slot, index % frame.columns);
-            tryMoving(seen, beam, index, tile.slot);
-          } else if (here && AZIMUTH_OFFSETS) {
-            uint index;
-            Beam beam = beamAt(box, k, box.rowFirst + mine, index);
-            tryBeam(tile.triangle, prepared, turn(tile.triangle, beam.azimuth), beam, index, tile.slot);
-          } else if (here) {
+          uint index = (box.rowFirst + mine) * stride + column, end = index + 1;
+          if (LISTED && here) {
+            end = cellStarts.at[index + 1];
+            index = cellStarts.at[index];
+          }
+          // Compilers inline tryBeam() at every call, so there is one, in a loop that only lists repeat.
+          for (bool more = here && index < end; more; more = LISTED && ++index < end) {
+            Beam beam;
+            Triangle ofBeam = seen;
+            Prepared ready = prepared;
             Turned own = turned;
-            if (shifts) own = shifted(turned, laserOf(box.rowFirst + mine));
-            tryBeam(seen, prepared, own, beamOf(azimuth, elevation.x, elevation.y),
-                    (box.rowFirst + mine) * stride + column, tile.slot);
+            if (byColumn) {
+              beam = beamOf(azimuth, elevation.x, elevation.y);
+              if (shifts) own = shifted(turned, laserOf(box.rowFirst + mine));
+            } else {
+              if (LISTED)
+                beam = listedBeam(index);
+              else
+                beam = beamAt(box, k, box.rowFirst + mine, index);
+              if (MOTION) {
+                // The beam may belong to another column than the grid column.
+                if (BESIDE_COLUMNS) ofBeam = seenFrom(tile.triangle, tile.slot, columnOf(index));
+                ofBeam = seenFrom(ofBeam, rowOf(index), beam.azimuth);
+                ready = prepare(ofBeam);
+              }
+              own = turnedFrom(ofBeam, rowOf(index), beam.azimuth);
+            }
+            tryBeam(ofBeam, ready, own, beam, index, tile.slot);
           }
         }
         row = stop;
@@ -278,30 +275,6 @@ void writeTable(uint slab, uint first, uint last) {
     }
 }
 
-// One subgroup processes slab after slab; a shared counter hands out the next slab. It leaves the slab's list empty
-// for the next shell.
-void trySlabs() {
-  uint slabs = (frame.columns - 1 >> frame.slabShift) + 1, lists = PASS == kPassPanes ? slabs : 0;
-  while (true) {
-    uint slab = 0, t = kNone;
-    if (gl_SubgroupInvocationID == 0) slab = atomicAdd(shells.of[pass.shell].nextSlab, 1);
-    slab = subgroupBroadcast(slab, 0);
-    if (slab >= slabs) return;
-    if (gl_SubgroupInvocationID == 0) t = atomicExchange(slabEnds.at[lists + slab], kNone);
-    t = subgroupBroadcast(t, 0);
-    uint first = frame.rows, last = 0;
-    while (t != kNone) {
-      Tile tile = tileAt(t);
-      first = min(first, tile.box.rowFirst);
-      last = max(last, tile.box.rowLast);
-      tryTile(tile);
-      subgroupMemoryBarrierBuffer();  // in the next tile, other lanes access these words
-      t = tile.before;
-    }
-    if (pass.table != kTableNone) writeTable(slab, first, last);
-  }
-}
-
 // Computes the whole farthest-range table, where slabs do not write it. One subgroup per coarse entry.
 void writeWholeTable() {
   uint perRow = (frame.columns + kCoarseColumns - 1) / kCoarseColumns,
@@ -320,6 +293,50 @@ bool isInPass(uint projected) {
   return !PANES || BINNING != kBinningNearest || isPane(projected) == (PASS == kPassPanes);
 }
 
+// Takes the next slab and returns the last tile of its list, which it leaves empty for the next shell; kNone if the
+// list is empty. A shared counter hands out the slabs.
+uint takeSlab(uint slabs, out uint slab) {
+  uint tile = kNone;
+  slab = 0;
+  if (gl_SubgroupInvocationID == 0) {
+    slab = atomicAdd(shells.of[pass.shell].nextSlab, 1);
+    if (slab < slabs) tile = atomicExchange(slabEnds.at[PASS == kPassPanes ? slabs + slab : slab], kNone);
+  }
+  slab = subgroupBroadcast(slab, 0);
+  return subgroupBroadcast(tile, 0);
+}
+
+// One subgroup processes the tiles of slab after slab, or every n-th of all tiles.
+void tryTiles(uint first) {
+  uint slabs = (frame.columns - 1 >> frame.slabShift) + 1, slab = kNone;
+  uint rowFirst = 0, rowLast = 0;  // of the slab's tiles
+  uint t = BINNING == kBinningSlabs ? kNone : first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID;
+  while (true) {
+    if (BINNING == kBinningSlabs) {
+      if (t == kNone) {
+        if (slab != kNone && pass.table != kTableNone) writeTable(slab, rowFirst, rowLast);
+        t = takeSlab(slabs, slab);
+        if (slab >= slabs) return;
+        rowFirst = frame.rows;
+        rowLast = 0;
+        continue;
+      }
+    } else if (t >= counters.tiles) {
+      return;
+    }
+    Tile tile = tileAt(t);
+    if (isInPass(tile.slot)) tryTile(tile);
+    if (BINNING == kBinningSlabs) {
+      subgroupMemoryBarrierBuffer();  // in the next tile, other lanes access these words
+      rowFirst = min(rowFirst, tile.box.rowFirst);
+      rowLast = max(rowLast, tile.box.rowLast);
+      t = tile.before;
+    } else {
+      t += gl_NumWorkGroups.x * gl_NumSubgroups;
+    }
+  }
+}
+
 void main() {
   loadMotion();
   if (PASS == kPassTable) {
@@ -330,21 +347,14 @@ void main() {
   if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
       counters.tiles > frame.tileCapacity)
     return;
-  if (BINNING == kBinningSlabs) {
-    trySlabs();
-    return;
-  }
   // With kBinningNearest each shell bins only its new triangles; otherwise, and for panes, one pass bins all of them.
   bool byShell = BINNING == kBinningNearest && PASS == kPassNearest;
   uint first = byShell ? counters.binnedSmall : 0;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  for (uint i = first + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;
-       i += stride)
-    if (isInPass(i)) trySmall(i);
-  first = byShell ? counters.binnedTiles : 0;
-  stride = gl_NumWorkGroups.x * gl_NumSubgroups;
-  for (uint t = first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; t < counters.tiles; t += stride) {
-    Tile tile = tileAt(t);
-    if (isInPass(tile.slot)) tryTile(tile);
-  }
+  // With slabs, all triangles are in tiles.
+  if (BINNING != kBinningSlabs)
+    for (uint i = first + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;
+         i += stride)
+      if (isInPass(i)) trySmall(i);
+  tryTiles(byShell ? counters.binnedTiles : 0);
 }

@@ -174,26 +174,28 @@ void answer(BeamRow row, uint index) {
     storeMotion(beamIndex, hitOwner, hitPoint.w);
 }
 
-// Only the listed beams are processed if nothing but panes can change an answer.
-void answerListed() {
-  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.hardBeams; i += stride) {
-    uint index = hardBeams.at[i];
-    answer(loadRow(rowOf(index)), index);
-  }
-}
-
 void main() {
   loadMotion();
   if (SIGNALS) planned = parameters;
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] = 0;
-  if (PANES && PASS == kPassListed) {
-    answerListed();
-    return;
-  }
+  // Only the listed beams are processed if nothing but panes can change an answer. There is one loop for both cases,
+  // because compilers inline answer() at every call.
+  bool listed = PANES && PASS == kPassListed;
+  uint first, end, stride;
   BeamRow row = loadRow(gl_WorkGroupID.y);
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
-  for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x)
-    answer(row, indexOf(gl_WorkGroupID.y, column));
-  if (SIGNALS) countCauses();
+  if (listed) {
+    first = gl_WorkGroupID.x * gl_WorkGroupSize.x;
+    end = counters.hardBeams;
+    stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+  } else {
+    first = gl_WorkGroupID.x * kResolveColumns;
+    end = min(first + kResolveColumns, beamsPerRow());
+    stride = gl_WorkGroupSize.x;
+  }
+  for (uint i = first + gl_LocalInvocationID.x; i < end; i += stride) {
+    uint index = listed ? hardBeams.at[i] : indexOf(gl_WorkGroupID.y, i);
+    if (listed) row = loadRow(rowOf(index));
+    answer(row, index);
+  }
+  if (SIGNALS && !listed) countCauses();
 }

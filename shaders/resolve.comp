@@ -48,11 +48,13 @@ uvec2 nearestOfList(uint index, Beam beam, uint start, uint end) {
       bestRangeMin = rangeMin;
     }
   }
-  if (best != kNone && !(PANES && isPane(candidates.at[best]))) consider(candidates.at[best], index, beam, word);
-  for (uint k = start; k < end; ++k)
-    if (k != best && floatBitsToUint(rangeMinOf(candidates.at[k])) <= word.y &&
-        !(PANES && isPane(candidates.at[k])))
+  // The best candidate and then the others, in one loop, because compilers inline consider() at every call.
+  for (uint n = start; n <= end && best != kNone; ++n) {
+    uint k = n == start ? best : n - 1;
+    if (n > start && k == best) continue;
+    if (floatBitsToUint(rangeMinOf(candidates.at[k])) <= word.y && !(PANES && isPane(candidates.at[k])))
       consider(candidates.at[k], index, beam, word);
+  }
   return word;
 }
 

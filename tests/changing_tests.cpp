@@ -75,7 +75,8 @@ Material glass() {
 
 }  // namespace
 
-TEST_CASE("a thousand meshes come and go between scans: each scan is a fresh simulator's, and memory stays flat") {
+TEST_CASE("a thousand meshes come and go between scans: each scan is a fresh simulator's, and memory stays flat",
+          "[combinations]") {
   needVulkan();
   for (const DeviceChoice& device : {DeviceChoice(), DeviceChoice(DeviceChoice::Kind::reference)}) {
     const bool reference = device.kind == DeviceChoice::Kind::reference;
@@ -91,7 +92,12 @@ TEST_CASE("a thousand meshes come and go between scans: each scan is a fresh sim
       for (uint32_t i = 0; i < meshes; ++i)
         there.push_back(model.add(soup(round * meshes + i, 20 + i, 2, 1),
                                   translation(number(-30, 30), number(-30, 30), number(-5, 5))));
-      model.requireFresh({{double(round), 0, 1}, {}});
+      // What is wrong in one round remains so, and later rounds meet it again.
+      const bool compared = reference || round % 3 == 0 || everyCombination();
+      if (compared)
+        model.requireFresh({{double(round), 0, 1}, {}});
+      else
+        model.simulator().scan({{double(round), 0, 1}, {}});
       if (round == 1) most = model.simulator().memory().scene;
       if (round > 1) CHECK(model.simulator().memory().scene <= most + most / 4);
       std::shuffle(there.begin(), there.end(), random);
@@ -99,7 +105,7 @@ TEST_CASE("a thousand meshes come and go between scans: each scan is a fresh sim
         model.remove(there.back());
         there.pop_back();
       }
-      model.requireFresh({{0, double(round), 1}, {}});
+      if (compared) model.requireFresh({{0, double(round), 1}, {}});
     }
   }
 }

@@ -87,7 +87,9 @@ TEST_CASE("cuda effects: the largest number of sub-rays has Vulkan's bytes") {
   Effects effects = Effects::none();
   effects.divergence = {EffectUse::on, 61, Profile::gaussian, 9e-3, 4e-3};
   effects.returns = {EffectUse::on, Mode::strongestSecondStrongest};
-  Twins twins(town(), {unevenSensor()}, asking(effects));
+  TestOptions options = asking(effects);
+  options.fields = stillFields();
+  Twins twins(town(), {unevenSensor()}, options);
   requireSame(twins, standing());
 }
 

@@ -21,13 +21,15 @@ constexpr Way kWays[] = {{"nearest", Binning::nearest, true},
                          {"nearest without doubles", Binning::nearest, false},
                          {"lists without doubles", Binning::lists, false}};
 
-/// Checks every world of the family with every binning, and on CUDA. Returns the clouds of the exact oracle.
-std::vector<Scan> requireExactEveryWay(const Family& family) {
+/// Checks every world of the family with every binning, and on CUDA. Unless `all`, two of the five ways are left out.
+/// Returns the clouds of the exact oracle.
+std::vector<Scan> requireExactEveryWay(const Family& family, bool all = everyCombination()) {
   needVulkan();
   std::vector<Scan> oracles;
   for (const Family::Visit& visit : family.visits)
     oracles.push_back(exactScan(family.scene, family.sensors[visit.sensor], visit.pose));
   for (const Way& way : kWays) {
+    if (!all && (&way == &kWays[1] || &way == &kWays[3])) continue;
     TestOptions options = vulkanOptions();
     options.accuracy = Accuracy::exact;
     options.tuning.binning = way.binning;
@@ -254,7 +256,7 @@ TEST_CASE("exact: a plane that passes the sensor by less than a femtometre is hi
     family.add(sceneOf(builder.take()));
   }
   uint64_t hits = 0;
-  for (const Scan& scan : requireExactEveryWay(family)) hits += scan.counters.hits;
+  for (const Scan& scan : requireExactEveryWay(family, true)) hits += scan.counters.hits;
   CHECK(hits > 0);
 }
 

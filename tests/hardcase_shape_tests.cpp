@@ -8,7 +8,7 @@ using namespace gnosphere::test;
 
 namespace {
 
-constexpr int kWorlds = 120;
+const int kWorlds = rounds(120);
 
 Scene oneTriangle(const Vec3& a, const Vec3& b, const Vec3& c) {
   MeshBuilder builder;

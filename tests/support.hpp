@@ -24,6 +24,12 @@ inline void needVulkan() {
   SKIP("no usable Vulkan device: " << problem);
 }
 
+/// Whether a test tries every combination of its settings, as the slow tests do. Otherwise it tries each setting in
+/// some of its combinations.
+inline bool everyCombination() {
+  return std::getenv("GNOSPHERE_SLOW") != nullptr;
+}
+
 /// What a test scans with: the options of a simulator, and what each of its sensors simulates and reports.
 struct TestOptions : SimulatorOptions {
   Effects effects = Effects::none();

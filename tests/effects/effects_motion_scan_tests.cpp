@@ -265,19 +265,30 @@ TEST_CASE("culling hidden geometry hides nothing from a moving sensor") {
   const auto heightAt = [](double distance, double degrees) {
     return distance * std::tan(degrees * std::numbers::pi / 180);
   };
-  uint64_t seen = 0;
-  for (int i = 0; i < 6; ++i) {
-    INFO("lifted " << i);
+  constexpr uint32_t kLifts = 6;
+  Scene scene;
+  scene.materials.push_back(material(true));
+  for (uint32_t i = 0; i < kLifts; ++i) {
     const double lift = 0.15 * i - 0.4;  // relative to the tiles of the table of farthest ranges
-    // At the azimuth where the sensor's columns begin, 8 degrees from straight behind it.
-    Scene scene = sceneOf(boxOf({-15.1, -8, -3}, {-15, 8, heightAt(15, 3.9 + lift) - 0.8}));
+    scene.meshes.push_back(boxOf({-15.1, -8, -3}, {-15, 8, heightAt(15, 3.9 + lift) - 0.8}));
     scene.meshes.push_back(boxOf({-0.05, -1, heightAt(25, 2.2 + lift)}, {0.05, 1, heightAt(25, 2.9 + lift)}));
-    scene.instances.push_back({"", 1, rotationZ((180 + 8) * std::numbers::pi / 180) * translation(25, 0, 0)});
+  }
+  options.tuning.culling.occlusion = Culling::Occlusion::never;
+  Simulator without = makeSimulator(scene, sensor, options);
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
+  Simulator with = makeSimulator(scene, sensor, options);
+  uint64_t seen = 0;
+  for (uint32_t i = 0; i < kLifts; ++i) {
+    INFO("lifted " << i);
     Scan expected, scan;
-    options.tuning.culling.occlusion = Culling::Occlusion::never;
-    makeSimulator(scene, sensor, options).scanInto(shot, expected);
-    options.tuning.culling.occlusion = Culling::Occlusion::always;
-    makeSimulator(scene, sensor, options).scanInto(shot, scan);
+    for (Simulator* simulator : {&without, &with}) {
+      REQUIRE(simulator->addInstance(2 * i, {}) == 0);
+      // At the azimuth where the sensor's columns begin, 8 degrees from straight behind it.
+      const Transform behind = rotationZ((180 + 8) * std::numbers::pi / 180) * translation(25, 0, 0);
+      REQUIRE(simulator->addInstance(2 * i + 1, behind) == 1);
+      simulator->scanInto(shot, simulator == &with ? scan : expected);
+      for (size_t instance : {1, 0}) simulator->removeInstance(instance);
+    }
     CHECK(sameBytes(expected, scan));
     for (uint32_t instance : expected.instances) seen += instance == 1;
   }
