@@ -146,7 +146,8 @@ Answer judgeCutOuts(const Question& q) {
 
 Answer judgeMotion(const Question& q) {
   if (!firesInTurn(q.sensor))
-    return {false, "the sensor fires all beams at once", "give the sensor a rotation period, or its beams times"};
+    return {false, "the sensor fires all beams at once",
+            q.sensor.isGrid() ? "give the sensor a rotation period" : "give its beams times"};
   if (!q.sensor.isGrid()) return {true, "the beams fire at times of their own"};
   return {true, format("the sensor takes %.6g s for a turn", q.sensor.rotationPeriod)};
 }

@@ -12,10 +12,10 @@ const Pose kPlace = {{1.3, 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
 
 /// A town, with triangles of all sizes above, below and around the sensor, and a ball of triangles of 0.3 mm.
 Scene coveredTown() {
-  Scene scene = makeTown({.triangles = 20'000});
+  Scene scene = makeTown({.triangles = 6'000});
   scene.meshes.push_back(soup(9, 300, 20, 25));
   scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size() - 1), {}});
-  scene.meshes.push_back(ball(60, 60, 0.006));
+  scene.meshes.push_back(ball(20, 20, 0.002));
   scene.instances.push_back({"", static_cast<uint32_t>(scene.meshes.size() - 1), translation(2, 1, 1.5)});
   return scene;
 }
@@ -99,15 +99,15 @@ TEST_CASE("ten list sensors equal the reference, with every way of binning and e
   }
 }
 
-TEST_CASE("no switch of culling changes a byte of a list's scan") {
+TEST_CASE("no switch of culling changes a byte of a list's scan", "[combinations]") {
   needVulkan();
   const Scene scene = coveredTown();
-  const std::vector<Sensor> all = listSensors(), sensors = {all[0], all[2], all[5], all[7], all[9]};
-  std::vector<Culling> switches(8);
+  const std::vector<Sensor> all = listSensors(), sensors = {all[0], all[5], all[7], all[9]};
+  std::vector<Culling> switches(everyCombination() ? 8 : 4);
   switches[1].occlusion = Culling::Occlusion::always;
-  switches[2].occlusion = Culling::Occlusion::never;
-  switches[3].range = switches[4].rows = switches[5].columns = switches[6].cones = false;
-  switches[7] = {false, false, false, false, Culling::Occlusion::always};
+  switches[2] = {false, false, false, false, Culling::Occlusion::always};
+  switches[3] = {false, false, false, false, Culling::Occlusion::never};
+  if (switches.size() > 4) switches[4].range = switches[5].rows = switches[6].columns = switches[7].cones = false;
   std::vector<Scan> expected;
   for (size_t k = 0; k < switches.size(); ++k) {
     TestOptions options = optionsWith(Accuracy::standard);
