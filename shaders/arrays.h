@@ -20,7 +20,8 @@
   ARRAY(readonly, uvec2, startWords)  /* per place of a grid with holes: its word before anything is hit */ \
   ARRAY(readonly, uint, startFarthest)  /* `farthest` before anything is hit, if parts of the grid have no beams */ \
   ARRAY(readonly, vec4, beamOrigins)  /* per listed beam, with motion: its origin as in rowOrigins, */ \
-                                      /* its place in columnMotions */
+                                      /* its place in columnMotions */ \
+  ARRAY(readonly, vec2, columnPlaces) /* per kPlaceColumns columns of cells: least and largest place of their beams */
 
 // The scene: its meshes and their placed instances.
 #define GNO_SCENE_ARRAYS(BLOCK, ARRAY) \

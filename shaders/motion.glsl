@@ -23,13 +23,17 @@ vec3 inColumn(ColumnMotion column, vec3 corner, vec3 velocity) {
   return inColumn(column, p);
 }
 
+// Returns the sensor at a place in its table, which may lie between two entries.
+ColumnMotion columnMotionAt(float place) {
+  uint before = uint(place);
+  return motionBetween(columnMotions.at[before], columnMotions.at[before + 1], place - float(before));
+}
+
 // Returns the sensor when a column fires. Beams of a list fire at any time, between two entries of the table, which are
 // so close that a straight line joins them.
 ColumnMotion columnMotionOf(uint column) {
   if (!LISTED) return columnMotions.at[column];
-  float place = beamOrigins.at[column].w;
-  uint before = uint(place);
-  return motionBetween(columnMotions.at[before], columnMotions.at[before + 1], place - float(before));
+  return columnMotionAt(beamOrigins.at[column].w);
 }
 
 // Returns the origin of a row's laser in the head: forward along the beam's azimuth, left, up.

@@ -54,6 +54,50 @@ bool widenByMotion(uint at, float distance, float speed, inout Outline outline, 
   return true;
 }
 
+// Returns the least and the largest place in the table of the sensor's poses among the listed beams in the columns of a
+// box; the first is larger if there are none.
+vec2 placesWithin(Box box) {
+  uint blocks = (frame.columns - 1) / kPlaceColumns + 1;
+  uint column = wrapColumn(firstColumn(box)), count = boxColumnCount(box), block = column / kPlaceColumns;
+  vec2 places = vec2(1e9, -1.0);
+  // One block more than the columns fill, because the last block of a turn may be smaller.
+  for (uint k = 0; k < min((column % kPlaceColumns + count - 1) / kPlaceColumns + 2, blocks); ++k) {
+    vec2 of = columnPlaces.at[block];
+    places = vec2(min(places.x, of.x), max(places.y, of.y));
+    block = block + 1 == blocks ? 0 : block + 1;
+  }
+  return places;
+}
+
+// Bounds a triangle for beams of a list. The bounds with all motion during the scan tell which columns may see it;
+// their beams fire within a part of the scan, and the bounds that count are those with the motion during that part.
+uint listedBox(mat3 corners, mat3 velocities, float speed, float distance, float rangeMin, out Box box) {
+  vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
+  vec3 a = corners[0], b = corners[1], c = corners[2];
+  setSeeming(seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high)));
+  bool some = false;
+  // This is a loop because some compilers take gigabytes if the bounds are inlined several times.
+  for (uint pass_ = 0; pass_ < 2; ++pass_) {
+    Outline outline = outlineOf(a, b, c);
+    some = coverColumns(a, b, c, outline, box);
+    some = coverRows(outline, box) && some;
+    if (!some || pass_ == 1) break;
+    vec2 places = placesWithin(box);
+    if (places.x > places.y) return kBetween;
+    // The beams fire at most `apart` entries of the table before or after the middle; the rest covers rounding.
+    float apart = 0.5 * (places.y - places.x) + 0.01;
+    float angle = seemingAngle((motion.shiftPerColumn + speed * motion.secondsPerColumn) * apart + motion.origins,
+                               motion.turnPerColumn * apart, distance) + 2e-6;
+    if (!(angle < seeming)) break;
+    setSeeming(angle);
+    ColumnMotion at = columnMotionAt(0.5 * (places.x + places.y));
+    a = inColumn(at, a, velocities[0]);
+    b = inColumn(at, b, velocities[1]);
+    c = inColumn(at, c, velocities[2]);
+  }
+  return !some ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
+}
+
 // The frame in which a triangle is bounded: that of the column that sees it; that of the first or last column, for a
 // triangle at the seam; or that of the middle of the scan, with bounds widened by all motion during the scan.
 const uint kItsColumn = 0, kEndColumn = 1, kMiddle = 2;
@@ -68,8 +112,8 @@ uint movingBox(mat3 corners, mat3 velocities, bool moves, uint side, out Box box
   if (rangeMin > frame.rangeMax) return kRange;
   uint last = frame.columns - 1, at = 0, from = kMiddle;
   bool still = !moves && motion.sensor == 0;
-  // Beams of a list that look in one direction may fire at any time.
-  if (!LISTED && !still) {
+  if (LISTED && !still) return listedBox(corners, velocities, speed, distance, rangeMin, box);
+  if (!still) {
     vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
     float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
     at = min(uint(max(azimuth, 0.0)), last);

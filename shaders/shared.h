@@ -59,6 +59,8 @@ GNO_CONST uint kMostShells = 8;
 GNO_CONST uint kShellBuckets = 64;
 // Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
 GNO_CONST uint kResolveColumns = 1024;
+// Columns of cells per entry of columnPlaces.
+GNO_CONST uint kPlaceColumns = 16;
 // Number of placed triangles per entry of ownerRanges.
 GNO_CONST uint kOwnerBlock = 256;
 // Number of values of Cause.

@@ -246,6 +246,11 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
     tables.origins.push_back({static_cast<float>(c * from.x + s * from.y), static_cast<float>(c * from.y - s * from.x),
                               static_cast<float>(from.z), static_cast<float>(place)});
   }
+  tables.columnPlaces.assign((columns - 1) / gpu::kPlaceColumns + 1, gpu::vec2(1e9f, -1));
+  for (size_t i = 0; i < firing; ++i) {
+    gpu::vec2& places = tables.columnPlaces[beams[i].column / gpu::kPlaceColumns];
+    places = {std::min(places.x, tables.origins[i].w), std::max(places.y, tables.origins[i].w)};
+  }
   // A beam lies up to one column behind the column of its cell. What it may lie before it is slack.
   tables.frame.shiftMax = 1;
   tables.frame.columnSlack += static_cast<float>(kColumnTolerance);

@@ -128,7 +128,9 @@ void SensorArrays::upload(Pattern& pattern) {
   if (!tables.listed) return;
   put(Array::cellStarts, tables.cellStarts);
   put(Array::beamAngles, tables.angles);
-  if (plan_.motion()) put(Array::beamOrigins, tables.origins);
+  if (!plan_.motion()) return;
+  put(Array::beamOrigins, tables.origins);
+  put(Array::columnPlaces, tables.columnPlaces);
 }
 
 void SensorArrays::allocate(Array array, uint64_t bytes) {
