@@ -184,6 +184,37 @@ TEST_CASE("CUDA's kernels give the bytes of Vulkan's for lists") {
   CHECK(moving.scan(shotOf(true)).counters.hits > 0);
 }
 
+TEST_CASE("real heads equal the reference, standing and moving", "[combinations]") {
+  needVulkan();
+  std::vector<Sensor> heads;
+  for (const CatalogueHead& head : sensorCatalogue())
+    if (everyCombination() || head.name == "Puck" || head.name == "RS-Bpearl" || head.name == "TiM781")
+      heads.push_back(builtinSensor(head.name));
+  REQUIRE(heads.size() >= 3);
+  const Scene scene = coveredTown();
+  TestOptions options = optionsWith(Accuracy::standard);
+  options.effects.sensorMotion.use = EffectUse::automatic;
+  Simulator device = makeSimulator(scene, heads, options);
+  options.device = DeviceChoice::Kind::reference;
+  Simulator reference = makeSimulator(scene, heads, options);
+  for (size_t i = 0; i < heads.size(); ++i)
+    for (const bool moving : {false, true}) {
+      INFO(heads[i].name << (moving ? ", moving" : ", standing"));
+      Shot shot;
+      shot.pose = kPlace;
+      shot.sensor = i;
+      // 20 m/s and 2 rad/s, from before the first beam to after the last.
+      if (moving)
+        shot.motion.stamps = {{-0.1, {{-0.7, 0.4, 1.8}, {0, 0, 0.2, 0.98}}},
+                              {0.2, {{5.3, 0.4, 1.8}, {0, 0, 0.47, 0.88}}}};
+      Scan expected, found;
+      reference.scanInto(shot, expected);
+      device.scanInto(shot, found);
+      CHECK(found.counters.hits > 0);
+      requireSame(expected, found);
+    }
+}
+
 TEST_CASE("lasers of a moving sensor see the scene at their own times") {
   Sensor offsets = smallSensor();
   offsets.name = "time offsets";
