@@ -183,6 +183,19 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   to = max(min(to, tile.box.rowLast + 1), tile.box.rowFirst) - tile.box.rowFirst;
 }
 
+// Tries the listed beams of a cell.
+void tryCell(Tile tile, Prepared prepared, uint cell) {
+  for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + 1]; index < end; ++index) {
+    Beam beam = listedBeam(index);
+    Triangle seen = tile.triangle;
+    if (MOTION) {
+      seen = seenFrom(tile.triangle, tile.slot, index, index, beam.azimuth);
+      prepared = prepare(seen);
+    }
+    tryBeam(seen, prepared, turnedFrom(seen, index, beam.azimuth), beam, index, tile.slot);
+  }
+}
+
 // One subgroup tries all beams of one tile. The lanes cover `width` columns; if the tile has fewer columns than the
 // subgroup has lanes, they cover several rows as well.
 void tryTile(Tile tile) {
@@ -213,7 +226,7 @@ void tryTile(Tile tile) {
       Triangle seen = tile.triangle;
       if (MOTION && !LISTED) seen = seenFrom(tile.triangle, tile.slot, column);
       if (MOTION && byColumn) prepared = prepare(seen);
-      Turned turned = turn(seen, azimuth);
+      Turned turned = turn(seen, azimuth), own = turned;
       uint mineEnd = k < tile.end ? rowEnd : 0;
       while (row < rowEnd) {
         uint base = row & ~(gl_SubgroupSize - 1);
@@ -225,28 +238,21 @@ void tryTile(Tile tile) {
           vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
           // This is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
-          uint index = (box.rowFirst + mine) * stride + column, end = index + 1;
-          if (LISTED && here) {
-            end = cellStarts.at[index + 1];
-            index = cellStarts.at[index];
-          }
-          // Compilers inline tryBeam() at every call, so there is one, in a loop that only lists repeat.
-          for (bool more = here && index < end; more; more = LISTED && ++index < end) {
+          if (LISTED) {
+            if (here) tryCell(tile, prepared, (box.rowFirst + mine) * stride + column);
+          } else if (here) {
+            uint index = (box.rowFirst + mine) * stride + column;
             Beam beam;
             Triangle ofBeam = seen;
             Prepared ready = prepared;
-            Turned own = turned;
             if (byColumn) {
               beam = beamOf(azimuth, elevation.x, elevation.y);
               if (shifts) own = shifted(turned, laserOf(box.rowFirst + mine));
             } else {
-              if (LISTED)
-                beam = listedBeam(index);
-              else
-                beam = beamAt(box, k, box.rowFirst + mine, index);
+              beam = beamAt(box, k, box.rowFirst + mine, index);
               if (MOTION) {
-                // The beam may belong to another column than the grid column.
-                if (BESIDE_COLUMNS) ofBeam = seenFrom(tile.triangle, tile.slot, columnOf(index));
+                // Because of the row's offset the beam may belong to another column than the grid column.
+                if (AZIMUTH_OFFSETS) ofBeam = seenFrom(tile.triangle, tile.slot, index % frame.columns);
                 ofBeam = seenFrom(ofBeam, rowOf(index), beam.azimuth);
                 ready = prepare(ofBeam);
               }
