@@ -8,6 +8,7 @@
 
 #include "base/threads.hpp"
 #include "gnosphere/error.hpp"
+#include "pipeline/tuning.hpp"
 #include "sensor/beams.hpp"
 
 namespace gnosphere {
@@ -139,6 +140,14 @@ void setRanges(const Sensor& sensor, BeamTables& tables) {
   }
 }
 
+// Divides the columns that have beams among the threads; `columnOf(i)` is the column of beam i.
+template <typename ColumnOf>
+void setSlabs(size_t count, const ColumnOf& columnOf, gpu::Frame& frame) {
+  std::vector<bool> taken(frame.columns);
+  for (size_t i = 0; i < count; ++i) taken[columnOf(i)] = true;
+  frame.slabShift = slabShift(static_cast<uint32_t>(std::count(taken.begin(), taken.end(), true)));
+}
+
 // Marks the entries of the farthest-range table that have beams; `placesOf(mark)` calls mark(row, column) for each
 // beam.
 template <typename PlacesOf>
@@ -170,6 +179,7 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
   double phase = first - std::floor(first);
   if (phase * step < kSameDirection || (1 - phase) * step < kSameDirection) phase = 0;
   tables.numbers.assign(places, gpu::kNone);
+  std::vector<uint32_t> indices;  // of the beams
   size_t i = 0;
   for (size_t row = 0; row < ends.size(); ++row) {
     const double elevation = beams[i].elevation;
@@ -182,6 +192,7 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
       uint32_t& number = tables.numbers[row * columns + wrapped];
       if (number != gpu::kNone) return false;
       number = beams[i].number;
+      indices.push_back(static_cast<uint32_t>(row * columns + wrapped));
     }
   }
   std::vector<RowKeys> keys;
@@ -196,6 +207,8 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
       for (uint32_t index = 0; index < places; ++index)
         if (tables.numbers[index] != gpu::kNone) mark(index / columns, index % columns);
     });
+  setSlabs(
+      beams.size(), [&](size_t beam) { return indices[beam] % columns; }, tables.frame);
   for (const uint32_t number : tables.numbers) {
     const bool fires = number != gpu::kNone && !silent[number];
     tables.ranges.push_back(fires ? rangesOf(sensor, frame, number) : kNoRange);
@@ -219,6 +232,8 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
   tables.frame.beams = static_cast<uint32_t>(sensor.beamCount());
 
   const size_t firing = beams.size();
+  setSlabs(
+      firing, [&](size_t i) { return beams[i].column; }, tables.frame);
   tables.cellStarts.reserve(ends.size() * columns + 1);
   for (size_t cell = 0, beam = 0; cell < ends.size() * columns; ++cell) {
     tables.cellStarts.push_back(static_cast<uint32_t>(beam));
