@@ -165,11 +165,13 @@ void printSummary(const ScanReport& report) {
   if (!device.driver.empty()) about += ", " + device.driver;
   say("device", about + ", ready in " + milliseconds(report.setUpMs));
   const bool moves = !report.trajectory.empty();
+  const uint32_t channels = report.scan.channels, columns = report.scan.columns;
+  const std::string cloud =
+      channels == 1 ? grouped(columns) + " beams" : grouped(channels) + " channels x " + grouped(columns) + " columns";
   say("sensor", report.sensor.name +
                     (moves ? " at " + grouped(report.trajectory.size()) + " poses: "
                            : formatted(" at %.10g, %.10g, %.10g: ", at.x, at.y, at.z)) +
-                    grouped(report.scan.channels) + " channels x " + grouped(report.scan.columns) + " columns, " +
-                    formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
+                    cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
   if (const std::string effects = effectsIn(report.simulator.plan()); !effects.empty()) say("effects", effects);
   say("hits", grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" +
                   percent(counters.hits, counters.beams) + ")");
