@@ -128,7 +128,7 @@ TEST_CASE("Ouster metadata: origins turn with the encoder, flat and nested say t
     CHECK(sensor.columns == 512);
     CHECK(sensor.rotationPeriod == 0.05);
     REQUIRE(sensor.channels.size() == 2);
-    // Column 0: the encoder at 0 in the lidar's frame, which is turned by 180 degrees in the sensor's.
+    // Column 0 fires when the encoder is at 0 in the lidar's frame, which the sensor's frame turns by 180 degrees.
     CHECK_THAT(azimuthDeg(sensor, 0), WithinAbs(180 - 3, 1e-12));
     CHECK_THAT(azimuthDeg(sensor, 128), WithinAbs(90 - 3, 1e-12));
     CHECK_THAT(azimuthDeg(sensor, 512 + 256), WithinAbs(1.5, 1e-12));

@@ -277,8 +277,7 @@ BeamTables makeListedTables(const Sensor& sensor, uint64_t frame, bool mayMap) {
   if (sensor.beamCount() > kMostBeams)
     throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " + std::to_string(sensor.beamCount()) +
                                                 " beams; the limit of a list is " + std::to_string(kMostBeams));
-  std::vector<bool> silent(sensor.beamCount());
-  for (const uint32_t beam : sensor.maskedBeams) silent[beam] = true;
+  const std::vector<bool> silent = silentBeams(sensor);
   const auto masked = static_cast<uint32_t>(std::count(silent.begin(), silent.end(), true));
   BeamTables tables;
   bool mapped = false;

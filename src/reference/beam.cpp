@@ -175,12 +175,6 @@ BeamEffects beamEffects(const SensorPlan& plan, const Scene& scene, const Materi
   return {plan, opticsOf(scene, materials, plan.effects.intensity.wavelength), footprintOf(plan)};
 }
 
-std::vector<bool> silentBeams(const Sensor& sensor) {
-  std::vector<bool> silent(sensor.beamCount());
-  for (const uint32_t beam : sensor.maskedBeams) silent[beam] = true;
-  return silent;
-}
-
 Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t index) {
   const Vec3 direction = directionOf(sensor, index, shot.frame);
   const double azimuth = azimuthOf(sensor, index, shot.frame), elevation = elevationOf(sensor, index, shot.frame);

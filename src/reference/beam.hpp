@@ -29,8 +29,6 @@ struct Beam {
   double least;   ///< metres: the range of a return is at least this
 };
 
-/// Whether each beam of the sensor never fires.
-std::vector<bool> silentBeams(const Sensor& sensor);
 Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t index);
 
 /// How a single-precision simulator may deviate on this beam.

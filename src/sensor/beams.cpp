@@ -173,6 +173,12 @@ uint32_t ringOf(const Sensor& sensor, size_t beam, uint64_t frame) {
   return entryOf(patternOf(sensor, frame).rings, beam, uint16_t{0});
 }
 
+std::vector<bool> silentBeams(const Sensor& sensor) {
+  std::vector<bool> silent(sensor.beamCount());
+  for (const uint32_t beam : sensor.maskedBeams) silent[beam] = true;
+  return silent;
+}
+
 bool needsBeamList(const Sensor& sensor) {
   const auto hasWindow = [](const Channel& channel) { return channel.rangeMin > 0 || channel.rangeMax > 0; };
   return !sensor.isGrid() || !turnsFully(sensor) || !sensor.maskedBeams.empty() ||

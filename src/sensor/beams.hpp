@@ -54,6 +54,9 @@ OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame);
 /// Seconds in which an instance moves from the start to the end of its motion during a scan.
 double durationOf(const Sensor& sensor, uint64_t frame);
 
+/// Whether each beam never fires, because Sensor::maskedBeams names it.
+std::vector<bool> silentBeams(const Sensor& sensor);
+
 /// Whether the device must treat the sensor as a list of beams: if it is one, or if it is a grid with a sector, its own
 /// direction of rotation, range windows of channels, masked beams, or hidden near hits.
 bool needsBeamList(const Sensor& sensor);

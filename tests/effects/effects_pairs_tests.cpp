@@ -7,23 +7,8 @@ namespace gnosphere::test {
 namespace {
 
 void compare(size_t first, size_t second) {
-  static const Scene scene = showroom();
   static const Sensor sensor = smallSensor();
-  TestOptions options = optionsOf(first, second);
-  Simulator device = makeSimulator(scene, sensor, options);
-  options.device = DeviceChoice::Kind::reference;
-  Simulator reference = makeSimulator(scene, sensor, options);
-  for (const bool moving : {false, true}) {
-    Scan expected, found;
-    reference.scanInto(shotOf(moving), expected);
-    device.scanInto(shotOf(moving), found);
-    const Differences result = differences(expected, found, {0, 1e-3, 2e-3});
-    INFO(effectNames()[first] << " and " << effectNames()[second] << (moving ? ", moving: " : ", standing: ")
-                              << result.all() << " differences, " << result.ties << " ties of " << result.beams
-                              << ", first: " << result.first);
-    CHECK(result.all() == 0);
-    CHECK(result.ties <= result.beams / 20);
-  }
+  requireEffects(sensor, first, second);
 }
 
 }  // namespace

@@ -100,4 +100,28 @@ inline Shot shotOf(bool moving) {
   return shot;
 }
 
+/// Requires that device and reference agree, in a scene in which two effects are visible. Returns the share of beams
+/// with a return, in the scan that has fewer of them.
+inline double requireEffects(const Sensor& sensor, size_t first, size_t second) {
+  static const Scene scene = showroom();
+  TestOptions options = optionsOf(first, second);
+  Simulator device = makeSimulator(scene, sensor, options);
+  options.device = DeviceChoice::Kind::reference;
+  Simulator reference = makeSimulator(scene, sensor, options);
+  double least = 1;
+  for (const bool moving : {false, true}) {
+    Scan expected, found;
+    reference.scanInto(shotOf(moving), expected);
+    device.scanInto(shotOf(moving), found);
+    const Differences result = differences(expected, found, {0, 1e-3, 2e-3});
+    INFO(sensor.name << ", " << effectNames()[first] << " and " << effectNames()[second]
+                     << (moving ? ", moving: " : ", standing: ") << result.all() << " differences, " << result.ties
+                     << " ties of " << result.beams << ", first: " << result.first);
+    CHECK(result.all() == 0);
+    CHECK(result.ties <= result.beams / 20);
+    least = std::min(least, static_cast<double>(found.counters.hits) / static_cast<double>(result.beams));
+  }
+  return least;
+}
+
 }  // namespace gnosphere::test

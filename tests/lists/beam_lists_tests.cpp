@@ -49,27 +49,6 @@ Sensor variedList() {
   return sensor;
 }
 
-/// Requires that device and reference agree, in a scene in which two effects are visible.
-void requireEffects(const Sensor& sensor, size_t first, size_t second) {
-  static const Scene scene = showroom();
-  TestOptions options = optionsOf(first, second);
-  Simulator device = makeSimulator(scene, sensor, options);
-  options.device = DeviceChoice::Kind::reference;
-  Simulator reference = makeSimulator(scene, sensor, options);
-  for (const bool moving : {false, true}) {
-    Scan expected, found;
-    reference.scanInto(shotOf(moving), expected);
-    device.scanInto(shotOf(moving), found);
-    const Differences result = differences(expected, found, {0, 1e-3, 2e-3});
-    INFO(sensor.name << ", " << effectNames()[first] << " and " << effectNames()[second]
-                     << (moving ? ", moving: " : ", standing: ") << result.all() << " differences, " << result.ties
-                     << " ties of " << result.beams << ", first: " << result.first);
-    CHECK(found.counters.hits > result.beams / 5);
-    CHECK(result.all() == 0);
-    CHECK(result.ties <= result.beams / 20);
-  }
-}
-
 }  // namespace
 
 TEST_CASE("ten list sensors equal the reference, with every way of binning and every accuracy") {
@@ -160,7 +139,7 @@ TEST_CASE("the order of the beams does not change their exact hits") {
 TEST_CASE("effects and motion of a list equal the reference") {
   // Each round has two effects, so all 17 are tried.
   for (size_t first = 0; first <= effectNames().size() / 2; ++first)
-    requireEffects(variedList(), first, (first + 9) % effectNames().size());
+    CHECK(requireEffects(variedList(), first, (first + 9) % effectNames().size()) > 0.2);
 }
 
 TEST_CASE("CUDA's kernels give the bytes of Vulkan's for lists") {
@@ -223,7 +202,7 @@ TEST_CASE("lasers of a moving sensor see the scene at their own times") {
     const std::vector<std::string>& names = effectNames();
     return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
   };
-  requireEffects(offsets, motion("sensor-motion"), motion("object-motion"));
+  CHECK(requireEffects(offsets, motion("sensor-motion"), motion("object-motion")) > 0.2);
 }
 
 TEST_CASE("a sector and a clockwise head have the beams of the full turn") {

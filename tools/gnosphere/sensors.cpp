@@ -51,11 +51,10 @@ struct Survey {
 /// Calls visit(pattern, beam) for every beam that fires.
 template <typename Visit>
 void eachBeam(const Sensor& sensor, Visit visit) {
-  std::vector<bool> masked(sensor.beamCount());
-  for (const uint32_t beam : sensor.maskedBeams) masked[beam] = true;
+  const std::vector<bool> silent = silentBeams(sensor);
   for (uint64_t pattern = 0; pattern < std::max<size_t>(sensor.patterns.size(), 1); ++pattern)
-    for (size_t beam = 0; beam < masked.size(); ++beam)
-      if (!masked[beam]) visit(pattern, beam);
+    for (size_t beam = 0; beam < silent.size(); ++beam)
+      if (!silent[beam]) visit(pattern, beam);
 }
 
 Survey survey(const Sensor& sensor) {

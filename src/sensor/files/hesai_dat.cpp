@@ -49,7 +49,8 @@ BeamList emptyList(size_t channels) {
   return list;
 }
 
-/// Rounded corrections in hundredths of a degree, each 2 degrees of the head, interpolated between.
+/// Returns the correction at an angle of the head, in degrees. The table has a value per 2 degrees, in hundredths of a
+/// degree; the result is interpolated between them and rounded to such hundredths.
 double correction(const std::vector<double>& table, size_t channel, double headDeg) {
   constexpr size_t kPerChannel = 180;
   const double step = headDeg / 2;

@@ -4,8 +4,8 @@
 //   Channel, even and odd fire time (ns)               two kinds, which alternate
 //   Operational State ... / Azimuth State ... / rows   in us; the kinds of one state alternate, "-" does not fire
 //   EEFF ... / Channel num, N, Loop num, L / header    L pairs of a channel and its time (us) per row
-//   three lines, then a channel and 16 times (ns)      four kinds of state 0, two of state 2, two of state 3, each for
-//                                                      far and for near surfaces
+//   three lines, then a channel and 16 times (ns)      two times, for far and for near surfaces, for each of four kinds
+//                                                      of state 0, two of state 2 and two of state 3
 #include <cmath>
 #include <limits>
 
