@@ -79,12 +79,13 @@ uvec2 wordOfList(uint index, Beam beam) {
   return word;
 }
 
-void store(uint row, uint column, uint beam, Beam axis, uint rangeBits, uint id) {
-  bool hit = rangeBits != kNone;
-  float range = hit ? uintBitsToFloat(rangeBits) : uintBitsToFloat(0x7fc00000u);
+void store(uint index, uint beam, Beam axis, uvec2 word) {
+  bool hit = word.y != kNone;
+  float range = hit ? uintBitsToFloat(word.y) : uintBitsToFloat(0x7fc00000u);
   uvec2 owner = uvec2(kNone);
-  if (hit) owner = ownerOf(id);
-  vec3 point = MOTION ? reported(column, row, axis.azimuth, axis.direction, range) : axis.direction * range;
+  if (hit) owner = ownerOf(word.x);
+  vec3 point = axis.direction * range;
+  if (MOTION) point = reported(columnOf(index), rowOf(index), axis.azimuth, axis.direction, range);
   points.at[beam * RETURNS] = hit ? vec4(point, range) : vec4(range);
   owners.at[beam * RETURNS] = owner;
 }
@@ -100,7 +101,7 @@ void main() {
     Beam beam = beamIn(row, column);
     uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[index];
     if (word.y != kNone && hidesItself(index, uintBitsToFloat(word.y))) word = uvec2(kNone);
-    store(LISTED ? index : gl_WorkGroupID.y, column, number, beam, word.y, word.x);
+    store(index, number, beam, word);
     hits += word.y != kNone ? 1 : 0;
   }
   hits = subgroupAdd(hits);
