@@ -98,12 +98,27 @@
   ARRAY(readonly, uint, texels)            /* four bytes of alpha each */ \
   ARRAY(readonly, vec4, subRays)           /* tangents to the left and up, weight, length of (1, left, up) */
 
+// Results that stay on the device, in the layout of the caller.
+#define GNO_RECORD_ARRAYS(BLOCK, ARRAY) \
+  BLOCK(readonly, RecordPlan, recordPlan) \
+  ARRAY(readonly, RecordStream, recordStreams) \
+  ARRAY(readonly, RecordValue, recordValues) \
+  ARRAY(readonly, vec4, beamFacts)         /* per beam: time, azimuth, elevation, bits of its ring */ \
+  ARRAY(readonly, vec4, beamDirections)    /* per beam: unit vector in the sensor's frame, 0 */ \
+  ARRAY(readonly, uint, instanceClasses)   /* per instance */ \
+  ARRAY(, uint, recordBlocks)              /* per block of entries: returns in it, then returns before it */ \
+  ARRAY(, uint, recordEntries)             /* entries with a return */ \
+  ARRAY(, uint, rangeCounts)               /* per bucket of distance: returns of a sample of the entries */ \
+  ARRAY(, uint, records)                   /* the caller's buffer */ \
+  ARRAY(, uint, recordHeader)              /* the caller's RecordHeader */
+
 #define GNO_ARRAYS(BLOCK, ARRAY) \
   GNO_SENSOR_ARRAYS(BLOCK, ARRAY) \
   GNO_SCENE_ARRAYS(BLOCK, ARRAY) \
   GNO_WORK_ARRAYS(BLOCK, ARRAY) \
   GNO_RESULT_ARRAYS(BLOCK, ARRAY) \
-  GNO_EFFECT_ARRAYS(BLOCK, ARRAY)
+  GNO_EFFECT_ARRAYS(BLOCK, ARRAY) \
+  GNO_RECORD_ARRAYS(BLOCK, ARRAY)
 
 // clang-format on
 

@@ -14,18 +14,9 @@
 #include "to_sensor.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
+#include "buckets.glsl"
 
 layout(local_size_x = 64) in;
-
-// Buckets of distance are runs of floats with the same exponent and the same two leading bits of the mantissa. The
-// last bucket ends beyond the range.
-const uint kBucketShift = 21;
-uint firstBucketBits() { return (floatBitsToUint(frame.rangeMax) >> kBucketShift) - (kShellBuckets - 1); }
-uint bucketOf(float range) {
-  uint bits = floatBitsToUint(range) >> kBucketShift, first = firstBucketBits();
-  return bits > first ? min(bits - first, kShellBuckets - 1) : 0;
-}
-float endOfBucket(uint bucket) { return uintBitsToFloat(firstBucketBits() + bucket + 1 << kBucketShift); }
 
 // The rows that the box may cover: the first one, and the one after the last << 16. They are widened by one lookup
 // cell, because the boxes of clusters are rounded to whole cells.

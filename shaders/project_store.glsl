@@ -31,15 +31,16 @@ void storeTiles(uint slot, Box box) {
 void storeSlabs(uint slot, Box box, uint material) {
   uint lists = PANES && isPaneMaterial(material) ? (frame.columns - 1 >> frame.slabShift) + 1 : 0;
   uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box)), t = slot;
+  bool room = true;  // tiles without room are counted, so that the next scan has enough
   for (uint k = 0; k < count;) {
     uint slab = column >> frame.slabShift;
     uint run = min(min(slab + 1 << frame.slabShift, frame.columns) - column, count - k);
-    tiles.at[t] = uvec4(slot, k, run, atomicExchange(slabEnds.at[lists + slab], t));
+    if (room) tiles.at[t] = uvec4(slot, k, run, atomicExchange(slabEnds.at[lists + slab], t));
     k += run;
     column = column + run == frame.columns ? 0 : column + run;
     if (k == count) return;
     uint more = atomicAdd(counters.tiles, 1);
-    if (more >= frame.tileCapacity) return;
+    room = more < frame.tileCapacity;
     t = frame.projectedCapacity + more;
   }
 }

@@ -57,6 +57,7 @@ GNO_CONST uint kMaxLookups = 16;
 // Most shells of a scan, and the buckets of distance, four per octave, in which groups are counted to choose them.
 GNO_CONST uint kMostShells = 8;
 GNO_CONST uint kShellBuckets = 64;
+GNO_CONST uint kBucketShift = 21;  // of a float's bits: two of the mantissa are left
 // Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
 GNO_CONST uint kResolveColumns = 1024;
 // Columns of cells per entry of columnPlaces.
@@ -107,7 +108,7 @@ GNO_CONST uint kTableLater = 1;  // only rows with content in later shells
 GNO_CONST uint kTableAll = 2;
 
 // Values of PASS, shader by shader: project_groups, bin with lists, bin with words, prefix_sum, effects_footprint,
-// effects.
+// effects, records.
 GNO_CONST uint kPassList = 0;
 GNO_CONST uint kPassShells = 1;
 GNO_CONST uint kPassCount = 0;
@@ -122,6 +123,45 @@ GNO_CONST uint kPassWithinOne = 0;  // beams whose footprint lies on one triangl
 GNO_CONST uint kPassOthers = 1;
 GNO_CONST uint kPassAll = 0;
 GNO_CONST uint kPassListed = 1;  // only the beams of hardBeams
+GNO_CONST uint kPassCountReturns = 0;
+GNO_CONST uint kPassHeader = 1;
+GNO_CONST uint kPassEntries = 2;  // lists the entries with a return
+GNO_CONST uint kPassRecords = 3;
+
+// The fields that records may hold: floats first, then integers.
+GNO_CONST uint kValueX = 0;
+GNO_CONST uint kValueY = 1;
+GNO_CONST uint kValueZ = 2;
+GNO_CONST uint kValueRange = 3;
+GNO_CONST uint kValueIntensity = 4;
+GNO_CONST uint kValueTrueRange = 5;
+GNO_CONST uint kValueWidth = 6;
+GNO_CONST uint kValueNormal = 7;
+GNO_CONST uint kValueIncidence = 8;
+GNO_CONST uint kValueBarycentrics = 9;
+GNO_CONST uint kValueVelocity = 10;
+GNO_CONST uint kValueRadialSpeed = 11;
+GNO_CONST uint kValueTime = 12;
+GNO_CONST uint kValueAzimuth = 13;
+GNO_CONST uint kValueElevation = 14;
+GNO_CONST uint kFirstIntegerValue = 15;
+GNO_CONST uint kValueRing = 15;
+GNO_CONST uint kValueBeam = 16;
+GNO_CONST uint kValueTriangle = 17;
+GNO_CONST uint kValueInstance = 18;
+GNO_CONST uint kValueLabel = 19;
+GNO_CONST uint kValueCause = 20;
+GNO_CONST uint kValueReturnNumber = 21;
+GNO_CONST uint kValueReturnCount = 22;
+GNO_CONST uint kValueMaterial = 23;
+GNO_CONST uint kValueClass = 24;
+
+// Types of values in memory; the numbers of ValueType.
+GNO_CONST uint kTypeF32 = 0;
+GNO_CONST uint kTypeF64 = 1;
+GNO_CONST uint kTypeU8 = 2;
+GNO_CONST uint kTypeU16 = 3;
+GNO_CONST uint kTypeU32 = 4;
 
 // --- Structs ---------------------------------------------------------------------------------------------------------
 
@@ -222,6 +262,31 @@ struct Counters {
   uint lostEchoes;                   // echoes beyond kMaxEchoes of a beam
   uint hardBeams;                    // beams whose footprint does not lie on one triangle, or that meet a pane
   uint tried;                        // triangles whose beams project has tried; they are on no list
+};
+
+// How the results that stay on the device are written.
+struct RecordPlan {
+  uint entries;     // returns of all beams, with those that are missing
+  uint capacity;    // most records that the caller's buffer holds
+  uint organised;   // 1 if every entry has a record, 0 if only returns have one
+  uint streams;     // entries of recordStreams
+  uint classes;     // entries of instanceClasses
+  uint directions;  // 1 if points do not lie on their beams, which then have an entry in beamDirections
+  uint frame;       // number of the scan
+};
+
+// Values that lie side by side in memory: all of a record, or a column. Places are in bytes.
+struct RecordStream {
+  uint start, stride;       // of the first record; from one record to the next
+  uint firstValue, values;  // a run of recordValues, in the order of their offsets
+  uint column;              // 1 if the bytes between values belong to somebody else
+};
+
+struct RecordValue {
+  uint field;  // kValue...
+  uint component;
+  uint type;    // kType...
+  uint offset;  // in the record
 };
 
 // The arguments of an indirect dispatch, as Vulkan reads them.

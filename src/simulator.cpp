@@ -8,7 +8,9 @@
 #include "effects/sensor_plan.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
+#include "pipeline/recording.hpp"
 #include "scan/computed_columns.hpp"
+#include "scan/layout.hpp"
 #include "scene/validate.hpp"
 
 namespace gnosphere {
@@ -164,6 +166,7 @@ DeviceChoice deviceByName(const std::string& text) {
 }
 
 std::string nameOf(const DeviceChoice& choice) {
+  if (choice.adopted) return "adopted";
   switch (choice.kind) {
     case DeviceChoice::Kind::cuda: return "cuda:" + choice.name;
     case DeviceChoice::Kind::cudaFast: return "cuda-fast:" + choice.name;
@@ -172,6 +175,18 @@ std::string nameOf(const DeviceChoice& choice) {
   }
   return choice.name.empty() ? "auto" : choice.name;
 }
+
+namespace {
+
+// Returns the request with the fields of its layout among its fields.
+SensorRequest withFieldsOfLayout(SensorRequest request) {
+  for (const Field field : fieldsOf(request.layout))
+    if (std::find(request.fields.begin(), request.fields.end(), field) == request.fields.end())
+      request.fields.push_back(field);
+  return request;
+}
+
+}  // namespace
 
 // Keeps the parts of the scene from which plans are made; the backend keeps the rest.
 class Simulator::Impl {
@@ -185,8 +200,9 @@ class Simulator::Impl {
     for (size_t i = 0; i < scene.materials.size(); ++i) materials_.take();
     for (const Mesh& mesh : scene.meshes) keep(mesh);
     for (const Instance& instance : scene.instances) keep(instance.mesh, instance.classId);
-    for (const SensorRequest& request : sensors) {
-      validate(request.sensor);
+    for (const SensorRequest& given : sensors) {
+      check(given);
+      const SensorRequest request = withFieldsOfLayout(given);
       computed_.emplace_back(request.sensor, request.fields);
       plans_.push_back(planner_.plan(scene_, request, plans_.size(), false));
       requests_.push_back(request);
@@ -197,6 +213,9 @@ class Simulator::Impl {
   }
 
   void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
+    if (options_.device.adopted)
+      throw Error(ErrorCode::invalidArgument,
+                  "this simulator is on a device of the caller; its scans are recorded by vulkan::Recorder");
     planAgain();
     for (size_t i = 0; i < shots.size(); ++i)
       check(shots[i], shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
@@ -211,8 +230,21 @@ class Simulator::Impl {
     });
   }
 
-  size_t addSensor(const SensorRequest& request) {
-    validate(request.sensor);
+  void record(Recording& recording) {
+    if (!options_.device.adopted)
+      throw Error(ErrorCode::invalidArgument,
+                  "this simulator is not on a device of the caller, so it cannot record; see vulkan::adopt()");
+    if (!recording.commands) return;
+    planAgain();
+    for (size_t i = 0; i < recording.scans.size(); ++i)
+      check(*recording.scans[i].shot, recording.scans.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
+    recording.classes = classes_;
+    backend_->record(recording);
+  }
+
+  size_t addSensor(const SensorRequest& given) {
+    check(given);
+    const SensorRequest request = withFieldsOfLayout(given);
     const size_t index = sensors_.next();
     auto plan = planner_.plan(scene_, request, index, false);
     ComputedColumns computed(request.sensor, request.fields);
@@ -337,6 +369,16 @@ class Simulator::Impl {
   const Backend& backend() const { return *backend_; }
 
  private:
+  void check(const SensorRequest& request) const {
+    validate(request.sensor);
+    if (request.layout.empty()) return;
+    if (!options_.device.adopted)
+      throw Error(ErrorCode::invalidArgument,
+                  "sensor '" + request.sensor.name +
+                      "': a layout is for results that stay on a device of the caller, see vulkan::adopt()");
+    validate(request.layout);
+  }
+
   void check(const Shot& shot, const std::string& which) const {
     validate(shot.pose, which);
     validate(shot.motion, which);
@@ -431,6 +473,10 @@ void Simulator::scanInto(const Shot& shot, Scan& result) {
 void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(size_t, const Scan&)>& receive) {
   Scan result;
   impl_->run(shots, result, [&](size_t i) { receive(i, result); });
+}
+
+void Simulator::record(Recording& recording) {
+  impl_->record(recording);
 }
 
 size_t Simulator::addSensor(const SensorRequest& request) {

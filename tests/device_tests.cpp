@@ -42,7 +42,7 @@ vulkan::Offer goodOffer() {
 // Wraps a device's functions: objects are counted, and one call may be made to fail. Functions that allocate from a
 // pool only count as calls, because their objects are destroyed with the pool.
 struct Calls {
-  VolkDeviceTable real;
+  vulkan::DeviceFunctions real;
   int failing = -1;  // number of the call that fails, from 0
   int made = 0;      // calls so far
   int alive = 0;     // objects created and not destroyed
@@ -78,12 +78,12 @@ VKAPI_ATTR VkResult VKAPI_CALL createPipelines(VkDevice device, VkPipelineCache 
 }
 
 // The table of the device's functions, writable.
-VolkDeviceTable& functionsOf(vulkan::Device& device) {
-  return const_cast<VolkDeviceTable&>(device.vk());
+vulkan::DeviceFunctions& functionsOf(vulkan::Device& device) {
+  return const_cast<vulkan::DeviceFunctions&>(device.vk());
 }
 
-void countCalls(VolkDeviceTable& vk) {
-  using Table = VolkDeviceTable;
+void countCalls(vulkan::DeviceFunctions& vk) {
+  using Table = vulkan::DeviceFunctions;
   calls = {vk};
   vk.vkCreateBuffer = create<&Table::vkCreateBuffer>;
   vk.vkDestroyBuffer = destroy<&Table::vkDestroyBuffer>;

@@ -99,11 +99,11 @@ Slice Arena::take(uint64_t bytes) {
 }
 
 RayDevice::RayDevice(const VulkanOptions& options, const char* extension) : instance_(options.validation) {
-  // The library loads the functions of instances alone and keeps those of its devices in tables of its own.
+  // The library keeps the functions of its instances and devices in tables of its own.
   VK(volkInitialize());
   volkLoadInstance(instance_.handle());
   physical_ = vulkan::chooseDevice(instance_, options.device);
-  capabilities_ = vulkan::capabilitiesOf(physical_);
+  capabilities_ = vulkan::capabilitiesOf(instance_.functions(), physical_);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   VkPhysicalDeviceAccelerationStructurePropertiesKHR structures = {
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
@@ -126,7 +126,7 @@ void RayDevice::createDevice(const char* extension) {
     throw Error(ErrorCode::device, "the device '" + capabilities_.info.name + "' lacks " + what);
   };
   for (const char* name : extensions)
-    if (!vulkan::offers(physical_, name)) refuse(name);
+    if (!vulkan::offers(instance_.functions(), physical_, name)) refuse(name);
   VkPhysicalDeviceRayTracingPipelineFeaturesKHR pipeline = {
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
   VkPhysicalDeviceRayQueryFeaturesKHR query = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR};

@@ -2,6 +2,8 @@
 // A Vulkan device with ray tracing: its memory, and commands that are run and timed.
 #pragma once
 
+#include <volk.h>
+
 #include <functional>
 #include <string>
 #include <vector>

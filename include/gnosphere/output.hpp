@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gnosphere/export.hpp"
+#include "gnosphere/layout.hpp"
 #include "gnosphere/scan.hpp"
 
 namespace gnosphere {
@@ -16,22 +17,6 @@ namespace gnosphere {
 /// (normal_x normal_y normal_z). Throws Error(invalidArgument) that lists the known names.
 GNOSPHERE_API std::vector<Field> parseFields(const std::string& names);
 GNOSPHERE_API const std::vector<Field>& defaultFields();  ///< x y z range ring beam triangle instance
-
-/// Describes how a row lies in memory: which values it has, and where each of them is.
-struct RecordLayout {
-  struct Value {
-    Field field = Field::x;
-    uint32_t component = 0;
-    size_t offset = 0;  ///< bytes from the start of the row; no alignment is needed
-    /// The field's own type, or a type that holds all of its values: f64 holds every type, f32 holds u8 and u16, and an
-    /// unsigned integer holds shorter unsigned integers.
-    ValueType type = ValueType::f32;
-  };
-  std::vector<Value> values;
-  size_t stride = 0;  ///< bytes from row to row; pack() does not write bytes that no value covers
-  /// If true, only entries with a return become rows; otherwise every entry of the scan does.
-  bool compact = false;
-};
 
 /// Returns a layout with the fields one after the other without gaps, each component in the field's own type.
 GNOSPHERE_API RecordLayout layoutOf(const std::vector<Field>& fields);

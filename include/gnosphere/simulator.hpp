@@ -13,12 +13,19 @@
 
 #include "gnosphere/effects.hpp"
 #include "gnosphere/export.hpp"
+#include "gnosphere/layout.hpp"
 #include "gnosphere/plan.hpp"
 #include "gnosphere/scan.hpp"
 #include "gnosphere/scene.hpp"
 #include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
+
+namespace vulkan {
+struct AdoptedDevice;
+class Recorder;
+}  // namespace vulkan
+struct Recording;
 
 /// The accuracy setting: named choices of the parts in AccuracyParts.
 enum class Accuracy {
@@ -135,6 +142,8 @@ struct DeviceChoice {
   std::string name;
   /// DeviceInfo::uuid of the device, in which case `name` is ignored; all zeros for any device.
   std::array<uint8_t, 16> uuid = {};
+  /// The caller's own device, see vulkan::adopt(), in which case `name` and `uuid` are ignored.
+  std::shared_ptr<const vulkan::AdoptedDevice> adopted;
 
   DeviceChoice() = default;
   DeviceChoice(Kind ofKind, std::string named = {}) : kind(ofKind), name(std::move(named)) {}
@@ -173,6 +182,9 @@ struct SensorRequest {
   /// If true, shots may set Shot::weather: fog, rain, snow and volumes are planned even if `effects` gives them no
   /// value, unless they are off.
   bool variableWeather = false;
+  /// On the caller's own Vulkan device (see vulkan::adopt()): what the recorded scans of the sensor leave in the
+  /// caller's buffers. Its fields need not be repeated in `fields`. Must be empty on any other device.
+  RecordLayout layout;
 
   SensorRequest() = default;
   SensorRequest(Sensor scanner, Effects simulated = {}, std::vector<Field> reported = {})
@@ -277,7 +289,9 @@ class GNOSPHERE_API Simulator {
   size_t clusterCount() const;  ///< number of clusters of all meshes; 0 on the reference
 
  private:
+  friend class vulkan::Recorder;
   class Impl;
+  void record(Recording& recording);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -116,6 +116,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   plan.bits = bitsOf(plan.decisions);
   if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;
   for (const Field field : request.fields) plan.fields |= bitOf(field);
+  plan.layout = request.layout;
   plan.origins = hasOrigins(sensor);
   for (size_t i = 0; i < std::max<size_t>(sensor.patterns.size(), 1); ++i)
     plan.originBounds.push_back(originBoundsOf(sensor, i));

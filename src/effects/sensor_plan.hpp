@@ -32,6 +32,7 @@ struct SensorPlan {
   uint32_t bits = 0;                       ///< bits of effects/bits.h: planned effects, kStrays and kFootprint
   uint32_t fields = 0;                     ///< gpu::kField... bits of the requested fields
   uint32_t returns = 1;                    ///< per beam
+  RecordLayout layout;                     ///< of results that stay on the device; empty if the host reads them
   bool listed = false;                     ///< the beams are a list, in places or cells of a grid
   bool origins = false;                    ///< some lasers have an origin other than zero
   std::vector<OriginBounds> originBounds;  ///< by pattern; a grid has one
@@ -54,6 +55,8 @@ struct SensorPlan {
   /// Whether the stages compute the surface of each hit.
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
   bool holes() const { return has(gpu::kCutOuts); }
+  /// Whether every point without deskew lies on the axis of its beam, seen from the sensor's origin.
+  bool pointsOnBeams() const { return !origins && !has(gpu::kAngleNoise); }
   /// Whether light may pass surfaces and beams are single lines: opaque triangles are binned first, then panes.
   bool panes() const { return has(gpu::kTransmission) && !footprint(); }
   /// Whether the stages read the optics of materials.

@@ -9,20 +9,13 @@
 #include "scan/columns.hpp"
 #include "scan/computed_columns.hpp"
 #include "scan/fields.hpp"
+#include "scan/layout.hpp"
 
 namespace gnosphere {
 namespace {
 
 /// Fewer rows than this are not worth a thread.
 constexpr uint64_t kRowsPerThread = 65536;
-
-/// Returns whether `to` can represent every value of `from`.
-constexpr bool holds(ValueType to, ValueType from) {
-  if (to == from || to == ValueType::f64) return true;
-  if (from == ValueType::f32) return false;
-  if (to == ValueType::f32) return from != ValueType::u32;
-  return sizeOf(to) > sizeOf(from);
-}
 
 /// Returns whether the field follows from the index of an entry, so that no column is needed.
 bool followsFromIndex(Field field) {
@@ -70,41 +63,6 @@ constexpr ValueType typeOf() {
     return ValueType::f64;
   else
     return valueTypeOf<T>();
-}
-
-[[noreturn]] void refuse(const std::string& why) {
-  throw Error(ErrorCode::invalidArgument, "the record layout: " + why);
-}
-
-std::string quoted(Field field) {
-  return std::string("'").append(fieldInfo(field).name).append("'");
-}
-
-std::string placeOf(const RecordLayout::Value& value) {
-  return quoted(value.field).append(" at bytes ") + std::to_string(value.offset) + " to " +
-         std::to_string(value.offset + sizeOf(value.type) - 1);
-}
-
-/// Throws unless all values lie within the row, do not overlap, and have types that can hold them.
-void checkLayout(const RecordLayout& layout) {
-  if (layout.values.empty()) refuse("has no values");
-  for (const RecordLayout::Value& value : layout.values) {
-    const FieldInfo info = fieldInfo(value.field);
-    const std::string name = quoted(value.field);
-    if (value.component >= info.components)
-      refuse(name + " has no component " + std::to_string(value.component) + "; it has " +
-             std::to_string(info.components) + ", counted from 0");
-    if (!holds(value.type, info.type))
-      refuse(nameOf(value.type) + std::string(" does not hold every value of ") + name + "; " + nameOf(info.type) +
-             " does");
-    if (layout.stride < sizeOf(value.type) || value.offset > layout.stride - sizeOf(value.type))
-      refuse(placeOf(value) + " reaches beyond the stride of " + std::to_string(layout.stride) + " bytes");
-  }
-  std::vector<RecordLayout::Value> values = layout.values;
-  std::stable_sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return a.offset < b.offset; });
-  for (size_t i = 1; i < values.size(); ++i)
-    if (values[i - 1].offset + sizeOf(values[i - 1].type) > values[i].offset)
-      refuse(placeOf(values[i]) + " overlaps " + placeOf(values[i - 1]));
 }
 
 }  // namespace
@@ -166,9 +124,12 @@ RecordLayout layoutOf(const std::vector<Field>& fields) {
 }
 
 size_t pack(const Scan& scan, const RecordLayout& layout, std::span<std::byte> out) {
-  checkLayout(layout);
-  std::vector<Field> fields;
-  for (const RecordLayout::Value& value : layout.values) fields.push_back(value.field);
+  validate(layout);
+  for (const RecordLayout::Value& value : layout.values)
+    if (value.stride > 0)
+      throw Error(ErrorCode::invalidArgument,
+                  "the record layout: columns are for results that stay on a device; a Scan has Scan::column()");
+  const std::vector<Field> fields = fieldsOf(layout);
   checkFields(scan, fields);
   const Rows rows(scan, layout.compact);
   if (rows.count() > out.size() / layout.stride) {

@@ -6,6 +6,7 @@
 
 namespace gnosphere {
 
+struct Recording;
 struct SensorPlan;
 
 /// Computes the scans of one scene. Implemented by device_backend (on vulkan/ or cuda/) and by reference/.
@@ -15,6 +16,8 @@ class Backend {
   /// Makes the scans in order, each into `result`, and calls `receive` after each. Fills every array, the counters and
   /// the timings; the caller fills name, grid size and pose.
   virtual void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) = 0;
+  /// Records scans into the caller's command buffer; see vulkan::Recorder. Only a device of the caller does that.
+  virtual void record(Recording& /*recording*/) {}
   /// In each of the following an index is an existing one, or the next one to add an entry; null or kNoMesh removes the
   /// entry. If a call throws, the scene and the sensors are unchanged.
   virtual void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) = 0;

@@ -5,8 +5,8 @@
 #include <chrono>
 
 #include "gnosphere/error.hpp"
-#include "pipeline/scene_arrays.hpp"
-#include "pipeline/sensor_arrays.hpp"
+#include "pipeline/record_tables.hpp"
+#include "pipeline/recorded_scans.hpp"
 
 namespace gnosphere {
 namespace {
@@ -34,7 +34,8 @@ class DeviceBackend final : public Backend {
         machine_(std::move(machine)),
         materials_(scene.materials),
         scene_(*machine_),
-        slots_(machine_->framesInFlight()) {
+        slots_(machine_->framesInFlight()),
+        recorded_(*machine_, scene_) {
     scene_.geometry().add(scene.meshes, materials_);
     for (size_t i = 0; i < scene.instances.size(); ++i)
       scene_.instances().set(i, scene.instances[i].mesh, scene.instances[i].transform);
@@ -62,16 +63,25 @@ class DeviceBackend final : public Backend {
     }
   }
 
+  void record(Recording& recording) override {
+    std::vector<SensorArrays*> sensors;
+    for (const auto& sensor : sensors_) sensors.push_back(sensor ? &sensor->arrays : nullptr);
+    recorded_.record(recording, sensors);
+    machine_->throwOnMessages();
+  }
+
   void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) override {
     waitForAll();
     std::unique_ptr<SensorState> sensor;
     if (plan) {
+      if (!plan->layout.empty()) checkLayout(*plan);
       if (plan->surfaces()) scene_.geometry().addSlots();
       if (plan->holes()) scene_.geometry().addTextureCoordinates();
       sensor =
           std::make_unique<SensorState>(*machine_, std::move(plan), options_, scene_.instances().counters().triangles);
     }
     sensors_.resize(std::max(sensors_.size(), index + 1));
+    recorded_.forget(index);
     sensors_[index] = std::move(sensor);
     machine_->prepared();
     machine_->throwOnMessages();
@@ -105,6 +115,7 @@ class DeviceBackend final : public Backend {
     MemoryUse use;
     use.scene = scene_.bytes();
     for (const Slot& slot : slots_) use.scene += slot.placed.bytes();
+    use.scene += recorded_.bytes();
     for (const auto& sensor : sensors_)
       if (sensor) sensor->arrays.addTo(use);
     return use;
@@ -203,6 +214,7 @@ class DeviceBackend final : public Backend {
   SceneArrays scene_;
   std::vector<std::unique_ptr<SensorState>> sensors_;  // null for a removed sensor
   std::vector<Slot> slots_;
+  RecordedScans recorded_;
 };
 
 }  // namespace

@@ -21,13 +21,14 @@ enum class Kernel : uint32_t {
   effects_footprint,
   effects_panes,
   effects_surfaces,
-  effects
+  effects,
+  records
 };
 
 inline const char* nameOf(Kernel kernel) {
-  constexpr const char* kNames[] = {
-      "project_groups",    "project_clusters", "project_triangles", "bin",    "prefix_sum", "resolve", "effects_strays",
-      "effects_footprint", "effects_panes",    "effects_surfaces",  "effects"};
+  constexpr const char* kNames[] = {"project_groups", "project_clusters", "project_triangles", "bin",
+                                    "prefix_sum",     "resolve",          "effects_strays",    "effects_footprint",
+                                    "effects_panes",  "effects_surfaces", "effects",           "records"};
   return kNames[static_cast<uint32_t>(kernel)];
 }
 

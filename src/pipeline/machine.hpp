@@ -45,6 +45,17 @@ class Machine {
   virtual void readTimings(size_t frame, Timings& timings) = 0;
   /// Throws Error(device) with the messages of the validation layer, if it is on and there are any.
   virtual void throwOnMessages() {}
+
+  /// Whether the device is the caller's. Then nothing is submitted; scans are recorded between beginRecording() and
+  /// endRecording(). Memory that is destroyed stays until no recorded scan uses it, and what is written to memory of
+  /// the kind `device` arrives with the next recording.
+  virtual bool recordsOnly() const { return false; }
+  /// Begins to record into the caller's command buffer, as its frame in flight `frame`, whose commands have completed.
+  virtual void beginRecording(void* /*commands*/, size_t /*frame*/) {}
+  /// Records the steps of a scan. `addresses` has room for gpu::Addresses and is of the kind `upload`; the commands
+  /// that were recorded with it before have completed.
+  virtual void record(DeviceMemory& /*addresses*/, std::span<const Step> /*steps*/, const BoundArrays& /*arrays*/) {}
+  virtual void endRecording() {}
 };
 
 }  // namespace gnosphere

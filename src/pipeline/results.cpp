@@ -9,6 +9,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "base/threads.hpp"
+#include "effects/incidence.h"
 #include "effects/trajectory.hpp"
 #include "pipeline/resolve_words.hpp"
 #include "scan/columns.hpp"
@@ -108,34 +109,37 @@ void readSignals(const gpu::SignalRecord* signals, uint64_t first, uint64_t coun
   }
 }
 
-// Computes unit vectors of beams in the frame in which points are reported. Usually that is the direction of the point.
-// It is not if lasers are beside the sensor's origin, if noise moves points off their beams, or with deskew.
-class Directions {
+// Computes angles of incidence, from the directions of beams in the frame in which points are reported. Usually that is
+// the direction of the point. It is not if lasers are beside the sensor's origin, if noise moves points off their
+// beams, or with deskew.
+class Incidence {
  public:
-  Directions(const SensorPlan& plan, const Shot& shot, const Scan& scan)
+  Incidence(const SensorPlan& plan, const Shot& shot, const Scan& scan)
       : plan_(plan),
         shot_(shot),
         scan_(scan),
         turned_(plan.has(gpu::kSensorMotion) && plan.effects.sensorMotion.deskew && !shot.motion.stamps.empty()) {
-    atPoint_ = !turned_ && !plan.origins && !plan.has(gpu::kAngleNoise);
+    atPoint_ = !turned_ && plan.pointsOnBeams();
   }
 
-  glm::vec3 of(uint64_t entry) const {
-    if (atPoint_) {
-      const float* point = &scan_.points[3 * entry];
-      return glm::vec3(point[0], point[1], point[2]) / scan_.ranges[entry];
-    }
+  float of(uint64_t entry, const gpu::vec3& normal) const {
+    if (!atPoint_) return gpu::incidenceOf(normal, directionOf(entry), 1);
+    const float* point = &scan_.points[3 * entry];
+    return gpu::incidenceOf(normal, {point[0], point[1], point[2]}, scan_.ranges[entry]);
+  }
+
+ private:
+  gpu::vec3 directionOf(uint64_t entry) const {
     const uint64_t beam = entry / scan_.returns;
-    const Vec3 d = directionOf(plan_.sensor, beam, shot_.frame);
+    const Vec3 d = gnosphere::directionOf(plan_.sensor, beam, shot_.frame);
     glm::dvec3 direction(d.x, d.y, d.z);
     if (turned_) {
       const double time = timeOf(plan_.sensor, beam, shot_.frame);
       direction = glm::conjugate(turnOf(shot_.pose)) * (turnOf(poseAt(shot_.motion, shot_.pose, time)) * direction);
     }
-    return glm::vec3(direction);
+    return gpu::vec3(direction);
   }
 
- private:
   static glm::dquat turnOf(const Pose& pose) {
     const Quaternion& q = pose.orientation;
     return glm::normalize(glm::dquat(q.w, q.x, q.y, q.z));
@@ -147,7 +151,7 @@ class Directions {
   bool turned_, atPoint_;
 };
 
-void readSurfaces(const gpu::SurfaceRecord* surfaces, const Directions& directions, uint64_t first, uint64_t count,
+void readSurfaces(const gpu::SurfaceRecord* surfaces, const Incidence& incidence, uint64_t first, uint64_t count,
                   Scan& scan) {
   const ScanColumns columns(scan);
   float* const normals = columns.data<float>(Field::normal) + 3 * first;
@@ -158,8 +162,7 @@ void readSurfaces(const gpu::SurfaceRecord* surfaces, const Directions& directio
     const bool hit = scan.triangles[first + i] != kNoTriangle;
     const glm::vec3 normal = hit ? glm::vec3(surface.normal.x, surface.normal.y, surface.normal.z) : glm::vec3(NAN);
     std::copy_n(&normal.x, 3, normals + 3 * i);
-    const float along = hit ? -glm::dot(normal, directions.of(first + i)) : NAN;
-    incidences[i] = std::acos(std::clamp(along, 0.0f, 1.0f));
+    incidences[i] = hit ? incidence.of(first + i, normal) : NAN;
     materials[i] = hit ? surface.material : kNoTriangle;
   }
 }
@@ -227,7 +230,7 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
       hits +=
           count - static_cast<uint64_t>(std::count(&scan.triangles[first], &scan.triangles[first] + count, gpu::kNone));
     readSignals(from(device.signals), first, count, returns, scan);
-    if (device.surfaces) readSurfaces(from(device.surfaces), Directions(plan, shot, scan), first, count, scan);
+    if (device.surfaces) readSurfaces(from(device.surfaces), Incidence(plan, shot, scan), first, count, scan);
     readMotions(from(device.motions), first, count, scan);
     readBarycentrics(from(device.barycentrics), first, count, scan);
   });

@@ -49,7 +49,7 @@ double reachOf(const SimulatorOptions& options, const gpu::Frame& frame) {
 bool leavesWords(uint32_t binning, const SensorPlan& plan) {
   const bool geometry =
       (plan.bits & gpu::kFootprintEffects) == 0 && !plan.surfaces() && !plan.signals() && !plan.speeds();
-  return binning != gpu::kBinningLists && (plan.onlyLines() || geometry);
+  return binning != gpu::kBinningLists && plan.layout.empty() && (plan.onlyLines() || geometry);
 }
 
 // Surface kernels need the transforms of still instances as well, which a scan that reuses the image does not place.

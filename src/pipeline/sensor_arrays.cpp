@@ -2,12 +2,15 @@
 #include "pipeline/sensor_arrays.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <bit>
+#include <numeric>
 #include <utility>
 
 #include "gnosphere/error.hpp"
 #include "pipeline/beam_cells.hpp"
+#include "pipeline/record_tables.hpp"
 #include "pipeline/scene_arrays.hpp"
+#include "scan/layout.hpp"
 
 namespace gnosphere {
 namespace {
@@ -73,7 +76,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
             if (step.kind == Step::Kind::dispatch) machine.prepare(step.variant);
       }
 
-  for (Pattern& pattern : patterns_) upload(pattern);
+  for (size_t i = 0; i < patterns_.size(); ++i) upload(i);
   const uint64_t beams = this->beams();
   const bool lists = binning_ == gpu::kBinningLists;
   const uint64_t fine =
@@ -92,6 +95,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       allocate(array.array, array.bytes);
       if (!array.content.empty()) of(array.array)->write(0, array.content);
     }
+  if (keepsRecords()) makeRecordArrays();
   const auto within = [](uint64_t count, uint64_t most) { return static_cast<uint32_t>(std::min(count, most)); };
   Capacities room = firstCapacities(binning_, plan_.panes(), beams, triangles);
   room.projected = within(room.projected, std::min(mostProjected(), limit(kTileBytes) / 2));
@@ -108,7 +112,8 @@ std::vector<SensorArrays::Pattern> SensorArrays::patternsOf(const SensorPlan& pl
   return patterns;
 }
 
-void SensorArrays::upload(Pattern& pattern) {
+void SensorArrays::upload(size_t index) {
+  Pattern& pattern = patterns_[index];
   const BeamTables& tables = pattern.tables;
   const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
     pattern.arrays[static_cast<size_t>(array)] = uploaded<T>(machine_, array, content);
@@ -119,6 +124,8 @@ void SensorArrays::upload(Pattern& pattern) {
   if (!tables.numbers.empty()) put(Array::beamNumbers, tables.numbers);
   if (!tables.ranges.empty()) put(Array::beamRanges, tables.ranges);
   if (!tables.startFarthest.empty()) put(Array::startFarthest, tables.startFarthest);
+  if (const auto facts = beamFacts(plan_, index); !facts.empty()) put(Array::beamFacts, facts);
+  if (const auto directions = beamDirections(plan_, index); !directions.empty()) put(Array::beamDirections, directions);
   if (tables.holes) {
     std::vector<Word> words(tables.numbers.size(), {gpu::kNone, gpu::kNone});
     for (size_t i = 0; i < words.size(); ++i)
@@ -131,6 +138,17 @@ void SensorArrays::upload(Pattern& pattern) {
   if (!plan_.motion()) return;
   put(Array::beamOrigins, tables.origins);
   put(Array::columnPlaces, tables.columnPlaces);
+}
+
+// The outputs stay on the device, so all frames share them.
+void SensorArrays::makeRecordArrays() {
+  for (const Output& output : outputs_) allocate(output.array, mostBeams() * output.bytesPerBeam);
+  allocate(Array::recordBlocks, (entries() / gpu::kPrefixBlock + 1) * 4);
+  if (plan_.layout.compact) allocate(Array::recordEntries, entries() * 4);
+  const RecordTables tables = recordTables(plan_.layout);
+  streams_ = static_cast<uint32_t>(tables.streams.size());
+  of(Array::recordStreams) = uploaded<gpu::RecordStream>(machine_, Array::recordStreams, tables.streams);
+  of(Array::recordValues) = uploaded<gpu::RecordValue>(machine_, Array::recordValues, tables.values);
 }
 
 void SensorArrays::allocate(Array array, uint64_t bytes) {
@@ -196,6 +214,8 @@ std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups
   input.footprint = footprint;
   input.resolve = !footprint && !leavesWords(binning_, plan_);
   input.surfaces = plan_.surfaces() && !footprint && !lines;
+  input.records = keepsRecords();
+  input.organised = !plan_.layout.compact;
   input.holes = pattern.tables.holes;
   input.sparse = shells_ > 1 && !pattern.tables.startFarthest.empty();
   using Judged = StepsInput::Judged;
@@ -216,7 +236,11 @@ void SensorArrays::addFrame() {
   const auto allocate = [&](Array array, uint64_t bytes, MemoryKind kind) {
     frame.arrays[static_cast<size_t>(array)] = machine_.allocate(gpu::nameOf(array), bytes, kind);
   };
-  for (const Output& output : outputs_) allocate(output.array, mostBeams() * output.bytesPerBeam, MemoryKind::readback);
+  if (keepsRecords())
+    allocate(Array::rangeCounts, gpu::kShellBuckets * sizeof(uint32_t), MemoryKind::readback);
+  else
+    for (const Output& output : outputs_)
+      allocate(output.array, mostBeams() * output.bytesPerBeam, MemoryKind::readback);
   allocate(Array::counters, sizeof(gpu::Counters), MemoryKind::readback);
   allocate(Array::frame, sizeof(gpu::Frame), MemoryKind::upload);
   frames_.push_back(std::move(frame));
@@ -234,8 +258,7 @@ void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
 std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, const ShotMotion* motion,
                                         uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
                                         BoundArrays& arrays) {
-  while (frames_.size() <= index) addFrame();
-  Frame& frame = frames_[index];
+  Frame& frame = frameAt(index);
   frame.capacities = capacities_;
   frame.pattern = shot.frame % patterns_.size();
   const Pattern& pattern = patterns_[frame.pattern];
@@ -260,6 +283,42 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, const Sh
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
   return steps(pattern, placed, still, motion != nullptr);
+}
+
+SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
+  while (frames_.size() <= index) addFrame();
+  return frames_[index];
+}
+
+void SensorArrays::loadRecords(size_t index, uint64_t bytes, std::span<const uint16_t> classes, uint64_t number) {
+  const std::vector<uint32_t> wide(classes.begin(), classes.end());
+  gpu::RecordPlan content = {};
+  content.entries = static_cast<uint32_t>(entries());
+  content.capacity = static_cast<uint32_t>(rowsIn(plan_.layout, bytes));
+  content.organised = !plan_.layout.compact;
+  content.streams = streams_;
+  content.classes = static_cast<uint32_t>(wide.size());
+  content.directions = patterns_[0].arrays[static_cast<size_t>(Array::beamDirections)] != nullptr;
+  content.frame = static_cast<uint32_t>(number);
+  const auto planned = std::as_bytes(std::span(&content, 1)), listed = std::as_bytes(std::span(wide));
+  load(frameAt(index), {{Array::recordPlan, planned.size(), {planned.begin(), planned.end()}},
+                        {Array::instanceClasses, listed.size(), {listed.begin(), listed.end()}}});
+}
+
+// The range within which 95 % of the sampled returns lie, rounded up to the end of a bucket.
+float SensorArrays::recordedHint(size_t index) {
+  constexpr uint32_t kLeast = 64;
+  DeviceMemory& memory = *frameAt(index).arrays[static_cast<size_t>(Array::rangeCounts)];
+  memory.invalidate();
+  const std::span counts(static_cast<const uint32_t*>(memory.host()), gpu::kShellBuckets);
+  const uint64_t all = std::accumulate(counts.begin(), counts.end(), uint64_t{0});
+  if (all < kLeast) return 0;
+  uint64_t sum = 0;
+  uint32_t bucket = 0;
+  while (sum < all * 95 / 100) sum += counts[bucket++];
+  const uint32_t first =
+      (std::bit_cast<uint32_t>(patterns_[0].tables.frame.rangeMax) >> gpu::kBucketShift) - (gpu::kShellBuckets - 1);
+  return std::bit_cast<float>((first + bucket) << gpu::kBucketShift);
 }
 
 const gpu::Counters& SensorArrays::counters(Frame& frame) const {

@@ -40,6 +40,13 @@ class SensorArrays {
   DeviceResults results(size_t frame);
   /// Whether the device chooses shells, for which it takes a hint.
   bool choosesShells() const { return shells_ > 1; }
+  /// Whether the results stay on the device, as records.
+  bool keepsRecords() const { return !plan_.layout.empty(); }
+  /// Loads what the records of the next scan of this frame depend on, before prepare(): the size of the caller's buffer
+  /// in bytes, the classes of the instances, and the number of the scan.
+  void loadRecords(size_t frame, uint64_t bytes, std::span<const uint16_t> classes, uint64_t number);
+  /// Returns a hint for setShellHint() from the records of the last scan of this frame.
+  float recordedHint(size_t frame);
   /// Tells the next scans where to end a shell: at this distance in metres, behind most hits of the last scan; 0 if
   /// nothing is known.
   void setShellHint(float distance) { shellHint_ = distance; }
@@ -62,7 +69,10 @@ class SensorArrays {
   };
 
   static std::vector<Pattern> patternsOf(const SensorPlan& plan);
-  void upload(Pattern& pattern);
+  void upload(size_t pattern);
+  void makeRecordArrays();
+  Frame& frameAt(size_t index);
+  uint64_t entries() const { return uint64_t{plan_.sensor.beamCount()} * plan_.returns; }
   /// Returns the largest of the values of all patterns.
   template <typename Of>
   uint64_t most(const Of& of) const {
@@ -94,6 +104,7 @@ class SensorArrays {
   float shellHint_ = 0;
   double reach_;
   std::vector<Output> outputs_;
+  uint32_t streams_ = 0;  // of the layout of records
   Capacities capacities_;
   std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays_;
   std::vector<Frame> frames_;  // each one after the first is made at its first use

@@ -31,6 +31,7 @@ class Steps {
       finish("resolve");
     }
     judge();
+    if (input_.records) writeRecords();
     return std::move(steps_);
   }
 
@@ -139,6 +140,19 @@ class Steps {
     if (input_.effects == StepsInput::Judged::all) dispatchOnBeams("effects", Kernel::effects);
     if (input_.effects == StepsInput::Judged::listed) dispatchOnList(Kernel::effects, gpu::kPassListed);
     if (input_.footprint || input_.surfaces || input_.effects != StepsInput::Judged::none) finish("effects");
+  }
+
+  void writeRecords() {
+    const uint64_t entries = uint64_t{input_.frame.beams} * input_.variant.options.RETURNS;
+    const auto pass = [&](uint32_t number, uint64_t entriesPerGroup) {
+      const uint64_t groups = std::min<uint64_t>(input_.sizes.groups, entries / entriesPerGroup + 1);
+      dispatch("records", Kernel::records, static_cast<uint32_t>(groups), {}, number);
+    };
+    pass(gpu::kPassCountReturns, gpu::kPrefixBlock);
+    dispatch("records", Kernel::records, 1, {}, gpu::kPassHeader);
+    if (!input_.organised) pass(gpu::kPassEntries, gpu::kPrefixBlock);
+    pass(gpu::kPassRecords, 256);
+    finish("records");
   }
 
   // Dispatches a kernel that processes the beams of `hardBeams`.

@@ -46,6 +46,7 @@ struct StepsInput {
   bool strays = false, panes = false, footprint = false, resolve = false, surfaces = false;
   bool holes = false;                                              ///< some places of the grid have no beam
   bool sparse = false;                                             ///< parts of the grid have no beams
+  bool records = false, organised = false;                         ///< results stay on the device, with all entries
   enum class Judged { none, listed, all } effects = Judged::none;  ///< the beams whose returns are computed from echoes
 };
 

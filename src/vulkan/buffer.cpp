@@ -44,53 +44,81 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKin
   create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                  VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
                  VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
-  const VolkDeviceTable& vk = device.vk();
+  const DeviceFunctions& vk = device.vk();
   DeviceHandle<VkBuffer> buffer = device.make(vk.vkCreateBuffer, vk.vkDestroyBuffer, create);
   VkMemoryRequirements requirements;
   vk.vkGetBufferMemoryRequirements(device.handle(), buffer.get(), &requirements);
   // If device and host share their memory, the host may read everything in place.
   const bool inPlace = device.unifiedMemory() && kind == MemoryKind::device;
   const int type = chooseMemory(device, requirements.memoryTypeBits, inPlace ? MemoryKind::readback : kind);
+  const AdoptedDevice* const adopted = device.adopted();
+  if (adopted && adopted->allocator.allocate)
+    borrow(adopted->allocator, requirements, type);
+  else
+    allocate(requirements, type);
+  buffer_ = std::move(buffer);
+  VK(vk.vkBindBufferMemory(device.handle(), buffer_.get(), place_, offset_));
+  VkBufferDeviceAddressInfo where = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
+  where.buffer = buffer_.get();
+  address_ = vk.vkGetBufferDeviceAddress(device.handle(), &where);
+  coherent_ = device.isCoherent(type);
+}
+
+void Buffer::allocate(const VkMemoryRequirements& requirements, int type) {
+  const DeviceFunctions& vk = device_->vk();
   VkMemoryAllocateFlagsInfo flags = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
   flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
   VkMemoryAllocateInfo allocate = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
   allocate.allocationSize = requirements.size;
   allocate.memoryTypeIndex = static_cast<uint32_t>(type);
-  const auto need = [&](bool succeeded) {
-    if (!succeeded)
-      throw Error(ErrorCode::outOfMemory, "cannot allocate " + mebibytes(bytes_) + " for '" + name + "'; the device '" +
-                                              device.capabilities().info.name + "' has " +
-                                              mebibytes(device.heapBytes()) + " in all");
-  };
-  VkDeviceMemory memoryObject = VK_NULL_HANDLE;
-  need(vk.vkAllocateMemory(device.handle(), &allocate, nullptr, &memoryObject) == VK_SUCCESS);
-  memory_ = {memoryObject, vk.vkFreeMemory, device.handle()};
-  buffer_ = std::move(buffer);
-  VK(vk.vkBindBufferMemory(device.handle(), buffer_.get(), memory_.get(), 0));
-  VkBufferDeviceAddressInfo where = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
-  where.buffer = buffer_.get();
-  address_ = vk.vkGetBufferDeviceAddress(device.handle(), &where);
-  coherent_ = device.isCoherent(type);
-  if (!device.isHostVisible(type)) return;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  need(vk.vkAllocateMemory(device_->handle(), &allocate, nullptr, &memory) == VK_SUCCESS);
+  memory_ = {memory, vk.vkFreeMemory, device_->handle()};
+  place_ = memory;
+  if (!device_->isHostVisible(type)) return;
   // If the host has no memory left, Mesa's lavapipe reports success and maps to null or to MAP_FAILED (-1). Valid
   // addresses are multiples of 64.
-  const VkResult result = vk.vkMapMemory(device.handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped_);
+  const VkResult result = vk.vkMapMemory(device_->handle(), memory, 0, VK_WHOLE_SIZE, 0, &mapped_);
   need(result == VK_SUCCESS && mapped_ && reinterpret_cast<uintptr_t>(mapped_) % 64 == 0);
+}
+
+void Buffer::borrow(const Allocator& from, const VkMemoryRequirements& requirements, int type) {
+  const Allocation allocation = from.allocate(requirements, static_cast<uint32_t>(type));
+  need(allocation.memory != VK_NULL_HANDLE);
+  borrowed_ = {from, allocation};
+  place_ = allocation.memory;
+  offset_ = allocation.offset;
+  if (!device_->isHostVisible(type)) return;
+  need(allocation.mapped != nullptr);
+  mapped_ = allocation.mapped;
+}
+
+void Buffer::need(bool succeeded) const {
+  if (!succeeded)
+    throw Error(ErrorCode::outOfMemory, "cannot allocate " + mebibytes(bytes_) + " for '" + name_ + "'; the device '" +
+                                            device_->capabilities().info.name + "' has " +
+                                            mebibytes(device_->heapBytes()) + " in all");
+}
+
+// All of the memory that is ours alone. Of memory that others share, the range of the buffer: the caller's allocator
+// aligns it to the size of the device's atoms, as the Vulkan Memory Allocator does.
+VkMappedMemoryRange Buffer::mappedRange() const {
+  VkMappedMemoryRange range = {VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
+  range.memory = place_;
+  range.offset = offset_;
+  range.size = memory_ ? VK_WHOLE_SIZE : bytes_;
+  return range;
 }
 
 void Buffer::invalidate() const {
   if (coherent_) return;
-  VkMappedMemoryRange range = {VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
-  range.memory = memory_.get();
-  range.size = VK_WHOLE_SIZE;
+  const VkMappedMemoryRange range = mappedRange();
   VK(device_->vk().vkInvalidateMappedMemoryRanges(device_->handle(), 1, &range));
 }
 
 void Buffer::flush() const {
   if (coherent_) return;
-  VkMappedMemoryRange range = {VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
-  range.memory = memory_.get();
-  range.size = VK_WHOLE_SIZE;
+  const VkMappedMemoryRange range = mappedRange();
   VK(device_->vk().vkFlushMappedMemoryRanges(device_->handle(), 1, &range));
 }
 
@@ -146,7 +174,7 @@ void Transfer::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
   allocate.commandPool = pool_.get();
   allocate.commandBufferCount = 1;
   VkCommandBuffer commands;
-  const VolkDeviceTable& vk = device_.vk();
+  const DeviceFunctions& vk = device_.vk();
   VK(vk.vkAllocateCommandBuffers(device_.handle(), &allocate, &commands));
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;

@@ -4,6 +4,7 @@
 
 #include <span>
 #include <string>
+#include <utility>
 
 #include "pipeline/device_memory.hpp"
 #include "vulkan/device.hpp"
@@ -29,8 +30,39 @@ class Buffer {
   void flush() const;
 
  private:
+  /// Memory from the caller's allocator, given back by the destructor.
+  class Borrowed {
+   public:
+    Borrowed() = default;
+    Borrowed(const Allocator& from, const Allocation& allocation) : from_(&from), allocation_(allocation) {}
+    ~Borrowed() {
+      if (from_) from_->release(allocation_);
+    }
+    Borrowed(Borrowed&& other) noexcept { swap(other); }
+    Borrowed& operator=(Borrowed&& other) noexcept {
+      Borrowed(std::move(other)).swap(*this);
+      return *this;
+    }
+
+   private:
+    void swap(Borrowed& other) noexcept {
+      std::swap(from_, other.from_);
+      std::swap(allocation_, other.allocation_);
+    }
+    const Allocator* from_ = nullptr;
+    Allocation allocation_;
+  };
+
+  void allocate(const VkMemoryRequirements& requirements, int type);
+  void borrow(const Allocator& from, const VkMemoryRequirements& requirements, int type);
+  void need(bool succeeded) const;
+  VkMappedMemoryRange mappedRange() const;
+
   const Device* device_ = nullptr;
+  Borrowed borrowed_;
   DeviceHandle<VkDeviceMemory> memory_;
+  VkDeviceMemory place_ = VK_NULL_HANDLE;  // the memory that the buffer is bound to, and where
+  VkDeviceSize offset_ = 0;
   DeviceHandle<VkBuffer> buffer_;
   VkDeviceAddress address_ = 0;
   void* mapped_ = nullptr;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/commands.hpp"
 
-#include <algorithm>
-
 namespace gnosphere::vulkan {
 
 Commands::Commands(const Device& device, uint32_t stamps) : device_(device), vk_(device.vk()), stampLimit_(stamps) {
@@ -13,7 +11,9 @@ Commands::Commands(const Device& device, uint32_t stamps) : device_(device), vk_
   VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   allocate.commandPool = pool_.get();
   allocate.commandBufferCount = 1;
-  VK(vk_.vkAllocateCommandBuffers(device_.handle(), &allocate, &commands_));
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  VK(vk_.vkAllocateCommandBuffers(device_.handle(), &allocate, &commands));
+  commands_ = {device, commands};
   VkQueryPoolCreateInfo queries = {VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
   queries.queryCount = stamps;
@@ -30,60 +30,24 @@ Commands::~Commands() {
 void Commands::begin() {
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  VK(vk_.vkBeginCommandBuffer(commands_, &begin));
-  vk_.vkCmdResetQueryPool(commands_, queries_.get(), 0, stampLimit_);
+  VK(vk_.vkBeginCommandBuffer(commands_.handle(), &begin));
+  vk_.vkCmdResetQueryPool(commands_.handle(), queries_.get(), 0, stampLimit_);
   stages_.clear();
-}
-
-void Commands::bind(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants) {
-  vk_.vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel);
-  vk_.vkCmdPushConstants(commands_, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
-}
-
-void Commands::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
-                        uint32_t groupsY) {
-  bind(kernel, layout, constants);
-  vk_.vkCmdDispatch(commands_, groupsX, groupsY, 1);
-}
-
-void Commands::dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
-                                const Buffer& arguments, VkDeviceSize offset) {
-  bind(kernel, layout, constants);
-  vk_.vkCmdDispatchIndirect(commands_, arguments.handle(), offset);
-}
-
-void Commands::fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value) {
-  vk_.vkCmdFillBuffer(commands_, buffer.handle(), offset, size, value);
-}
-
-void Commands::copy(const Buffer& from, const Buffer& to) {
-  const VkBufferCopy region = {0, 0, std::min(from.bytes(), to.bytes())};
-  vk_.vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
-}
-
-void Commands::barrier() {
-  constexpr VkPipelineStageFlags kDevice =
-      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
-  VkMemoryBarrier memory = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
-  memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
-                         VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_HOST_READ_BIT;
-  vk_.vkCmdPipelineBarrier(commands_, kDevice, kDevice | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0,
-                           nullptr);
 }
 
 void Commands::stamp(const char* stage) {
   if (device_.capabilities().timestampBits == 0) return;
-  vk_.vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_.get(),
+  vk_.vkCmdWriteTimestamp(commands_.handle(), VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_.get(),
                           static_cast<uint32_t>(stages_.size()));
   stages_.push_back(stage);
 }
 
 void Commands::submit() {
-  VK(vk_.vkEndCommandBuffer(commands_));
+  VK(vk_.vkEndCommandBuffer(commands_.handle()));
+  const VkCommandBuffer commands = commands_.handle();
   VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
-  submit.pCommandBuffers = &commands_;
+  submit.pCommandBuffers = &commands;
   VK(vk_.vkQueueSubmit(device_.queue(), 1, &submit, fence_.get()));
   pending_ = true;
 }

@@ -3,8 +3,7 @@
 #pragma once
 
 #include "gnosphere/scan.hpp"
-#include "vulkan/buffer.hpp"
-#include "vulkan/kernel.hpp"
+#include "vulkan/command_buffer.hpp"
 
 namespace gnosphere::vulkan {
 
@@ -18,16 +17,7 @@ class Commands {
 
   /// Begins the recording; wait() must have been called for the previous submission.
   void begin();
-  void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
-                uint32_t groupsY);
-  /// Reads the number of workgroups from a buffer.
-  void dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
-                        const Buffer& arguments, VkDeviceSize offset);
-  void fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value);
-  void copy(const Buffer& from, const Buffer& to);
-  /// Makes all earlier writes visible to all later commands. A scan has about ten barriers; finer ones would gain
-  /// nothing, because each step depends on the one before.
-  void barrier();
+  CommandBuffer& buffer() { return commands_; }
   /// Write timestamps: start() where the first stage starts, finish() where a part of `stage` ends. Time before a start
   /// is not counted.
   void start() { stamp(nullptr); }
@@ -42,15 +32,14 @@ class Commands {
 
  private:
   void stamp(const char* stage);
-  void bind(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants);
 
   const Device& device_;
-  const VolkDeviceTable& vk_;
+  const DeviceFunctions& vk_;
   uint32_t stampLimit_;
   std::vector<const char*> stages_;  // by timestamp: the stage that ended there
   bool pending_ = false;
   DeviceHandle<VkCommandPool> pool_;
-  VkCommandBuffer commands_ = VK_NULL_HANDLE;  // owned by the pool
+  CommandBuffer commands_;  // owned by the pool
   DeviceHandle<VkQueryPool> queries_;
   DeviceHandle<VkFence> fence_;
 };

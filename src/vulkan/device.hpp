@@ -2,92 +2,15 @@
 // One Vulkan device with a compute queue.
 #pragma once
 
-#include <volk.h>
-
 #include <memory>
-#include <mutex>
-#include <string>
 #include <vector>
 
 #include "gnosphere/error.hpp"
-#include "gnosphere/simulator.hpp"
-#include "vulkan/handle.hpp"
+#include "gnosphere/vulkan.hpp"
+#include "vulkan/capabilities.hpp"
+#include "vulkan/instance.hpp"
 
 namespace gnosphere::vulkan {
-
-/// Throws Error with the call, the name of its result and the place, which is that of the caller: clang 14 has no
-/// std::source_location. Use it as VK().
-void check(VkResult result, const char* call, const char* file = __builtin_FILE(), uint32_t line = __builtin_LINE());
-#define VK(call) ::gnosphere::vulkan::check(call, #call)
-
-/// Collects the messages of the validation layer.
-class Messages {
- public:
-  void add(const char* text);
-  /// Throws Error(device) with the messages since the last call, if there are any.
-  void throwIfAny();
-
- private:
-  std::mutex mutex_;
-  std::vector<std::string> texts_;
-};
-
-/// A Vulkan instance, with the validation layer if requested.
-class ApiInstance {
- public:
-  explicit ApiInstance(bool validation);
-
-  VkInstance handle() const { return instance_.get(); }
-  std::vector<VkPhysicalDevice> physicalDevices() const;
-  void throwOnMessages() { messages_->throwIfAny(); }
-  /// Shared, so that a caller can still read messages about the destruction of the instance and its devices.
-  const std::shared_ptr<Messages>& messages() const { return messages_; }
-
- private:
-  std::shared_ptr<Messages> messages_ = std::make_shared<Messages>();
-  Handle<VkInstance> instance_;
-  Handle<VkDebugUtilsMessengerEXT, VkInstance> messenger_;
-};
-
-/// The properties that decide whether a device can be used. The pNext pointers of the members are ignored.
-struct Offer {
-  bool compute = false;  ///< the device has a queue family for compute
-  VkPhysicalDeviceVulkan12Features features12 = {};
-  VkPhysicalDeviceSubgroupProperties subgroup = {};
-  /// These two are zeros without VK_EXT_subgroup_size_control.
-  VkPhysicalDeviceSubgroupSizeControlPropertiesEXT sizes = {};
-  VkPhysicalDeviceSubgroupSizeControlFeaturesEXT sizeControl = {};
-  VkPhysicalDeviceDriverProperties driver = {};
-};
-/// Returns why the device cannot be used; empty if it can.
-std::string reasonAgainst(const Offer& offer);
-
-/// Returns whether the device has the extension.
-bool offers(VkPhysicalDevice physical, const char* extension);
-
-/// The size of the full subgroups that every pipeline gets. The stages divide their work by gl_SubgroupSize, so results
-/// would be silently incomplete if fewer invocations ran.
-struct FullSubgroups {
-  uint32_t size = 0;      ///< 0 if the device cannot guarantee full subgroups
-  bool required = false;  ///< true if pipelines must require this size because the device would choose another
-};
-FullSubgroups fullSubgroupsOf(const Offer& offer);
-
-/// The capabilities of a physical device; `info` tells whether it can be used.
-struct Capabilities {
-  DeviceInfo info;
-  FullSubgroups subgroups;
-  bool int64Atomics = false;
-  bool float64 = false;
-  uint32_t timestampBits = 0;  ///< number of valid low bits of a timestamp; 0 if there are no timestamps
-  double timestampMs = 0;      ///< milliseconds per tick
-  bool cpu = false;            ///< true for a software device
-  uint32_t queueFamily = 0;
-
-  /// Returns the milliseconds between two timestamps; the counter may have overflowed once. 0 without timestamps.
-  double elapsedMs(uint64_t from, uint64_t to) const;
-};
-Capabilities capabilitiesOf(VkPhysicalDevice physical);
 
 /// Returns the index of the chosen device. A name is "auto", an index or part of a device name; a number that is not an
 /// index is taken as part of a name. Throws Error(invalidArgument) or Error(device) that lists every device with the
@@ -97,13 +20,16 @@ VkPhysicalDevice chooseDevice(const ApiInstance& instance, const DeviceChoice& c
 
 class Device {
  public:
+  /// Creates a device, or takes the caller's if `choice` holds an adopted one.
   Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBytes);
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
-  VkDevice handle() const { return device_.get(); }
-  /// The function table of this device; volk's global pointers to device functions are null.
-  const VolkDeviceTable& vk() const { return vk_; }
+  VkDevice handle() const { return adopted_ ? adopted_->device : device_.get(); }
+  const DeviceFunctions& vk() const { return vk_; }
+  const InstanceFunctions& instanceFunctions() const { return instanceFunctions_; }
+  /// The caller's device that this is; null if it is our own.
+  const AdoptedDevice* adopted() const { return adopted_.get(); }
   /// Creates an object from `info` with a function of vk(). Throws Error that names the source location of the call.
   template <typename T, typename Info>
   DeviceHandle<T> make(VkResult(VKAPI_PTR* create)(VkDevice, const Info*, const VkAllocationCallbacks*, T*),
@@ -117,8 +43,11 @@ class Device {
   VkQueue queue() const { return queue_; }
   const Capabilities& capabilities() const { return capabilities_; }
   uint64_t maxBufferBytes() const { return capabilities_.info.maxBufferBytes; }
-  void throwOnMessages() { instance_.throwOnMessages(); }
-  const std::shared_ptr<Messages>& messages() const { return instance_.messages(); }
+  void throwOnMessages() const {
+    if (instance_) instance_->throwOnMessages();
+  }
+  /// The validation messages of our own device.
+  const std::shared_ptr<Messages>& messages() const { return instance_->messages(); }
 
   /// Returns the index of a memory type in `typeBits` that has all properties in `wanted`, or -1.
   int memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const;
@@ -130,12 +59,16 @@ class Device {
   bool unifiedMemory() const;
 
  private:
-  ApiInstance instance_;
+  void makeOwn();
+
+  std::shared_ptr<const AdoptedDevice> adopted_;
+  std::unique_ptr<ApiInstance> instance_;  // null with an adopted device
+  InstanceFunctions instanceFunctions_;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   Capabilities capabilities_;
   VkPhysicalDeviceMemoryProperties memory_ = {};
   Handle<VkDevice> device_;
-  VolkDeviceTable vk_ = {};
+  DeviceFunctions vk_;
   VkQueue queue_ = VK_NULL_HANDLE;
 };
 

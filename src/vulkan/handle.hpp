@@ -2,7 +2,7 @@
 // Owning handle of a Vulkan object.
 #pragma once
 
-#include <volk.h>
+#include <vulkan/vulkan_core.h>
 
 #include <tuple>
 #include <utility>

@@ -20,6 +20,7 @@
 #include "project_triangles.spv.h"
 #include "project_triangles_int64.spv.h"
 #include "project_triangles_int64_float64.spv.h"
+#include "records.spv.h"
 #include "resolve.spv.h"
 
 namespace gnosphere::vulkan {
@@ -54,6 +55,7 @@ Module moduleOf(const Variant& variant) {
     case gnosphere::Kernel::effects_footprint: return footprintOf(variant.subRays);
     case gnosphere::Kernel::effects_panes: return effects_panes;
     case gnosphere::Kernel::effects_surfaces: return effects_surfaces;
+    case gnosphere::Kernel::records: return records;
     case gnosphere::Kernel::effects: break;
   }
   return effects;
@@ -61,7 +63,7 @@ Module moduleOf(const Variant& variant) {
 
 DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, VkPipelineLayout layout,
                                   VkPipelineCache cache) {
-  const VolkDeviceTable& vk = device.vk();
+  const DeviceFunctions& vk = device.vk();
   const Module spirv = moduleOf(variant);
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module.codeSize = spirv.size_bytes();

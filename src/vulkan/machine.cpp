@@ -6,6 +6,7 @@
 #include "pipeline/backend.hpp"
 #include "pipeline/device_backend.hpp"
 #include "vulkan/commands.hpp"
+#include "vulkan/memory.hpp"
 
 namespace gnosphere {
 namespace vulkan {
@@ -16,33 +17,67 @@ constexpr size_t kFramesInFlight = 2;
 // Largest number of timestamps of a scan: the start, two for each shell and for moving instances, resolve, effects.
 constexpr uint32_t kStamps = 3 + 2 * (gpu::kMostShells + 1);
 
-class VulkanMemory final : public DeviceMemory {
+// Records the steps of scans.
+class StepRecorder {
  public:
-  VulkanMemory(const Device& device, Transfer& transfer, const char* name, uint64_t bytes, MemoryKind kind)
-      : transfer_(transfer) {
-    const bool copied = kind == MemoryKind::readback && !device.unifiedMemory();
-    buffer_ = Buffer(device, name, bytes, copied ? MemoryKind::device : kind);
-    if (copied) copy_ = Buffer(device, name, bytes, kind);
+  StepRecorder(Kernels& kernels, CommandBuffer& commands, VkDeviceAddress addresses, const BoundArrays& arrays)
+      : kernels_(kernels), commands_(commands), addresses_(addresses), arrays_(arrays) {}
+
+  /// Calls stamp(step) for the steps that are timestamps.
+  template <typename Stamp>
+  void record(std::span<const Step> steps, const Stamp& stamp) {
+    for (size_t i = 0; i < steps.size(); ++i) {
+      if (steps[i].kind == Step::Kind::start || steps[i].kind == Step::Kind::finish) {
+        stamp(steps[i]);
+        continue;
+      }
+      record(steps[i]);
+      // Consecutive fills write different bytes, so no barrier is needed between them.
+      const bool alike =
+          i + 1 < steps.size() && steps[i].kind == Step::Kind::fill && steps[i + 1].kind == steps[i].kind;
+      if (!alike) commands_.barrier();
+    }
+    for (const DeviceMemory* memory : arrays_)
+      if (const auto* own = dynamic_cast<const VulkanMemory*>(memory); own && own->copy().handle())
+        commands_.copy(own->buffer(), own->copy());
+    commands_.barrier();
   }
 
-  uint64_t bytes() const override { return buffer_.bytes(); }
-  uint64_t address() const override { return buffer_.address(); }
-  void* host() override { return onHost().mapped(); }
-  void flush() override { buffer_.flush(); }
-  void invalidate() override { onHost().invalidate(); }
-  void write(uint64_t place, std::span<const std::byte> data) override { transfer_.write(buffer_, place, data); }
-  void read(uint64_t place, std::span<std::byte> data) const override { transfer_.read(buffer_, place, data); }
-
-  const Buffer& buffer() const { return buffer_; }
-  /// The buffer to which a scan copies its results for the host; without a handle if the host reads the buffer itself.
-  const Buffer& copy() const { return copy_; }
-
  private:
-  const Buffer& onHost() const { return copy_.handle() ? copy_ : buffer_; }
+  const Buffer& bufferOf(gpu::Array array) const {
+    return static_cast<const VulkanMemory*>(arrays_[static_cast<size_t>(array)])->buffer();
+  }
 
-  Transfer& transfer_;
-  Buffer buffer_, copy_;
+  void record(const Step& step) {
+    switch (step.kind) {
+      case Step::Kind::fill:
+        return commands_.fill(bufferOf(step.array), step.first, step.bytes > 0 ? step.bytes : VK_WHOLE_SIZE,
+                              step.value);
+      case Step::Kind::copy: return commands_.copy(bufferOf(step.from), bufferOf(step.array));
+      case Step::Kind::dispatch:
+        if (step.arguments)
+          return commands_.dispatchIndirect(kernels_.of(step.variant), kernels_.layout(), {addresses_, step.pass},
+                                            bufferOf(gpu::Array::shells), *step.arguments);
+        return commands_.dispatch(kernels_.of(step.variant), kernels_.layout(), {addresses_, step.pass}, step.groupsX,
+                                  step.groupsY);
+      case Step::Kind::start:
+      case Step::Kind::finish: return;
+    }
+  }
+
+  Kernels& kernels_;
+  CommandBuffer& commands_;
+  VkDeviceAddress addresses_;
+  const BoundArrays& arrays_;
 };
+
+// Writes the table by which the kernels find the arrays.
+void writeAddresses(const BoundArrays& arrays, void* to) {
+  gpu::Addresses addresses = {};
+  for (size_t i = 0; i < arrays.size(); ++i)
+    if (arrays[i]) reinterpret_cast<uint64_t*>(&addresses)[i] = arrays[i]->address();
+  std::memcpy(to, &addresses, sizeof addresses);
+}
 
 class VulkanMachine final : public Machine {
  public:
@@ -58,7 +93,8 @@ class VulkanMachine final : public Machine {
 
   const Traits& traits() const override { return traits_; }
   std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind kind) override {
-    return std::make_unique<VulkanMemory>(device_, transfer_, name, bytes, kind);
+    if (recordsOnly()) return std::make_unique<RecordedMemory>(device_, recordings_, name, bytes, kind);
+    return std::make_unique<OwnMemory>(device_, transfer_, name, bytes, kind);
   }
   void prepare(const Variant& variant) override { kernels_.of(variant); }
   void prepared() override { cache_.save(warn_); }
@@ -72,25 +108,30 @@ class VulkanMachine final : public Machine {
   void submit(size_t index, std::span<const Step> steps, const BoundArrays& arrays) override {
     while (frames_.size() <= index) frames_.emplace_back(device_);
     Frame& frame = frames_[index];
-    gpu::Addresses addresses = {};
-    for (size_t i = 0; i < arrays.size(); ++i)
-      if (arrays[i]) reinterpret_cast<uint64_t*>(&addresses)[i] = arrays[i]->address();
-    std::memcpy(frame.addresses.mapped(), &addresses, sizeof addresses);
+    writeAddresses(arrays, frame.addresses.mapped());
     frame.addresses.flush();
     frame.commands.begin();
-    for (size_t i = 0; i < steps.size(); ++i) {
-      record(frame, steps[i], arrays);
-      // Consecutive fills write different bytes, so no barrier is needed between them.
-      const bool alike =
-          i + 1 < steps.size() && steps[i].kind == Step::Kind::fill && steps[i + 1].kind == steps[i].kind;
-      if (!alike && steps[i].kind != Step::Kind::start && steps[i].kind != Step::Kind::finish) frame.commands.barrier();
-    }
-    for (const DeviceMemory* memory : arrays)
-      if (const auto* own = static_cast<const VulkanMemory*>(memory); own && own->copy().handle())
-        frame.commands.copy(own->buffer(), own->copy());
-    frame.commands.barrier();
+    StepRecorder(kernels_, frame.commands.buffer(), frame.addresses.address(), arrays)
+        .record(steps, [&](const Step& step) {
+          step.kind == Step::Kind::start ? frame.commands.start() : frame.commands.finished(step.stage);
+        });
     frame.commands.submit();
   }
+
+  bool recordsOnly() const override { return device_.adopted() != nullptr; }
+
+  void beginRecording(void* commands, size_t frame) override {
+    recorded_ = {device_, static_cast<VkCommandBuffer>(commands)};
+    recordings_.begin(recorded_, frame);
+  }
+
+  void record(DeviceMemory& addresses, std::span<const Step> steps, const BoundArrays& arrays) override {
+    writeAddresses(arrays, addresses.host());
+    addresses.flush();
+    StepRecorder(kernels_, recorded_, addresses.address(), arrays).record(steps, [](const Step&) {});
+  }
+
+  void endRecording() override { recorded_.fullBarrier(); }
 
  private:
   struct Frame {
@@ -100,34 +141,15 @@ class VulkanMachine final : public Machine {
     Commands commands;  // last member, destroyed first: its destructor waits for the device
   };
 
-  void record(Frame& frame, const Step& step, const BoundArrays& arrays) {
-    const auto bufferOf = [&](gpu::Array array) -> const Buffer& {
-      return static_cast<const VulkanMemory*>(arrays[static_cast<size_t>(array)])->buffer();
-    };
-    Commands& commands = frame.commands;
-    switch (step.kind) {
-      case Step::Kind::fill:
-        return commands.fill(bufferOf(step.array), step.first, step.bytes > 0 ? step.bytes : VK_WHOLE_SIZE, step.value);
-      case Step::Kind::copy: return commands.copy(bufferOf(step.from), bufferOf(step.array));
-      case Step::Kind::start: return commands.start();
-      case Step::Kind::finish: return commands.finished(step.stage);
-      case Step::Kind::dispatch:
-        if (step.arguments)
-          return commands.dispatchIndirect(kernels_.of(step.variant), kernels_.layout(),
-                                           {frame.addresses.address(), step.pass}, bufferOf(gpu::Array::shells),
-                                           *step.arguments);
-        return commands.dispatch(kernels_.of(step.variant), kernels_.layout(), {frame.addresses.address(), step.pass},
-                                 step.groupsX, step.groupsY);
-    }
-  }
-
   Device device_;
   PipelineCache cache_;
   std::function<void(const std::string&)> warn_;
   Kernels kernels_;
   Transfer transfer_;
+  Recordings recordings_{device_};
   Traits traits_;
   std::deque<Frame> frames_;
+  CommandBuffer recorded_;  // the caller's, while a recording is under way
 };
 
 }  // namespace

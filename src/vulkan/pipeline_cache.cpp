@@ -63,7 +63,7 @@ std::string hex(const uint8_t* bytes, size_t count) {
 PipelineCache::PipelineCache(const Device& device, const std::string& setting) : device_(device) {
   VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
   VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &id, {}};
-  vkGetPhysicalDeviceProperties2(device.physical(), &properties);
+  device.instanceFunctions().vkGetPhysicalDeviceProperties2(device.physical(), &properties);
   if (const std::filesystem::path folder = cacheFolder(setting); !folder.empty()) {
     file_ = folder / (hex(id.deviceUUID, VK_UUID_SIZE) + "-" + std::to_string(properties.properties.driverVersion));
     try {

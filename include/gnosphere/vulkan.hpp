@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scans on the caller's own Vulkan device: the scans are recorded into the caller's command buffers, and the results
+// stay in the caller's buffers. This is the only public header that includes Vulkan's.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gnosphere/simulator.hpp"
+
+namespace gnosphere::vulkan {
+
+/// What a device must be created with, in the form that vkCreateDevice() takes. The instance must be one of Vulkan 1.2
+/// or later.
+struct Requirements {
+  std::vector<const char*> extensions;  ///< for VkDeviceCreateInfo::ppEnabledExtensionNames
+  VkPhysicalDeviceFeatures features = {};
+  VkPhysicalDeviceVulkan12Features features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceSubgroupSizeControlFeaturesEXT subgroupSizeControl = {
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT};
+  /// A sentence for each requirement that the physical device does not meet; empty if it can be used.
+  std::vector<std::string> missing;
+
+  /// Sets every required feature in the caller's own structures, which otherwise keep their values. Null for a
+  /// structure that the caller's chain does not have; a chain must not hold a structure twice.
+  GNOSPHERE_API void addTo(VkPhysicalDeviceFeatures* features, VkPhysicalDeviceVulkan12Features* features12,
+                           VkPhysicalDeviceSubgroupSizeControlFeaturesEXT* subgroupSizeControl) const;
+};
+
+/// Returns what a device on `physical` must be created with. Features without which the library works, but more slowly
+/// (64-bit atomics and doubles), are included if the physical device has them.
+GNOSPHERE_API Requirements requirementsOf(PFN_vkGetInstanceProcAddr getInstanceProcAddr, VkInstance instance,
+                                          VkPhysicalDevice physical);
+
+/// Memory for one buffer, from the caller.
+struct Allocation {
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
+  void* mapped = nullptr;  ///< host address of the first byte; needed if the memory type is host-visible
+  void* user = nullptr;    ///< not looked at
+};
+
+/// The caller's allocator of device memory, in the manner of the Vulkan Memory Allocator.
+struct Allocator {
+  /// Returns memory of the type `memoryType` for a buffer, or an Allocation without memory if there is none left. The
+  /// memory must have been allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT.
+  std::function<Allocation(const VkMemoryRequirements& requirements, uint32_t memoryType)> allocate;
+  std::function<void(const Allocation& allocation)> release;
+};
+
+/// A device of the caller. It must outlive every simulator that uses it, and the objects below must not be destroyed
+/// before them.
+struct AdoptedDevice {
+  PFN_vkGetInstanceProcAddr getInstanceProcAddr = nullptr;
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  /// Family of the queue to which the caller submits the recorded scans; it must support compute.
+  uint32_t queueFamily = 0;
+  /// What the device was created with: requirementsOf(), without the features that the caller has left off.
+  Requirements enabled;
+  Allocator allocator;  ///< if empty, every buffer gets memory of its own from vkAllocateMemory()
+};
+
+/// Returns the choice of the caller's device, for SimulatorOptions::device. A simulator on it records its scans, see
+/// Recorder; it never submits anything, never waits, and its scan functions throw Error(invalidArgument). Throws
+/// Error(invalidArgument) that names what is missing.
+GNOSPHERE_API DeviceChoice adopt(const AdoptedDevice& device);
+
+/// A buffer of the caller's device, by address. The buffer was created with VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT
+/// and VK_BUFFER_USAGE_STORAGE_BUFFER_BIT.
+struct DeviceRange {
+  VkDeviceAddress address = 0;  ///< a multiple of 16
+  VkDeviceSize bytes = 0;
+};
+
+/// A scan to be recorded, and the buffers for its results.
+struct RecordedShot {
+  Shot shot;
+  DeviceRange records;  ///< gets the records in the layout of SensorRequest::layout
+  DeviceRange header;   ///< gets a RecordHeader
+};
+
+/// What became of a recorded scan.
+struct RecordedScan {
+  size_t sensor = 0;
+  uint64_t frame = 0;  ///< Shot::frame
+  /// False if a list was too small: the results may lack hits. The list has grown; the next recorded scan has room.
+  bool complete = true;
+};
+
+/// Records the scans of a simulator on an adopted device into the caller's command buffers. The caller has several
+/// frames in flight, each with a number below `framesInFlight`; when record() is called with a number, the commands
+/// recorded with it before must have completed. All commands go to one queue, in the order in which they were recorded.
+class GNOSPHERE_API Recorder {
+ public:
+  /// The simulator must outlive the recorder. Throws Error(invalidArgument) if its device is not an adopted one.
+  Recorder(Simulator& simulator, size_t framesInFlight = 2);
+
+  /// Records the scans, of sensors that have a layout and each of a different one, into a command buffer in the
+  /// recording state, outside of a render pass. Earlier commands on the queue that write to the simulator's inputs or
+  /// read its results need no barrier, and later commands see the results without one. Returns what became of the scans
+  /// that were recorded with this number before. Throws Error(invalidArgument) for invalid shots and buffers, in which
+  /// case nothing is recorded, and Error(outOfMemory).
+  std::vector<RecordedScan> record(VkCommandBuffer commands, size_t frame, std::span<const RecordedShot> shots);
+
+ private:
+  Simulator& simulator_;
+  size_t frames_ = 0;
+};
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/record_tables.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "gnosphere/error.hpp"
+#include "scan/layout.hpp"
+#include "sensor/beams.hpp"
+
+namespace gnosphere {
+namespace {
+
+static_assert(static_cast<uint32_t>(ValueType::f32) == gpu::kTypeF32);
+static_assert(static_cast<uint32_t>(ValueType::f64) == gpu::kTypeF64);
+static_assert(static_cast<uint32_t>(ValueType::u8) == gpu::kTypeU8);
+static_assert(static_cast<uint32_t>(ValueType::u16) == gpu::kTypeU16);
+static_assert(static_cast<uint32_t>(ValueType::u32) == gpu::kTypeU32);
+static_assert(sizeof(RecordHeader) == 32);
+
+uint32_t numberOf(Field field) {
+  switch (field) {
+    case Field::x: return gpu::kValueX;
+    case Field::y: return gpu::kValueY;
+    case Field::z: return gpu::kValueZ;
+    case Field::range: return gpu::kValueRange;
+    case Field::ring: return gpu::kValueRing;
+    case Field::beam: return gpu::kValueBeam;
+    case Field::triangle: return gpu::kValueTriangle;
+    case Field::instance: return gpu::kValueInstance;
+    case Field::intensity: return gpu::kValueIntensity;
+    case Field::trueRange: return gpu::kValueTrueRange;
+    case Field::cause: return gpu::kValueCause;
+    case Field::label: return gpu::kValueLabel;
+    case Field::returnNumber: return gpu::kValueReturnNumber;
+    case Field::returnCount: return gpu::kValueReturnCount;
+    case Field::width: return gpu::kValueWidth;
+    case Field::normal: return gpu::kValueNormal;
+    case Field::incidence: return gpu::kValueIncidence;
+    case Field::material: return gpu::kValueMaterial;
+    case Field::barycentrics: return gpu::kValueBarycentrics;
+    case Field::classId: return gpu::kValueClass;
+    case Field::velocity: return gpu::kValueVelocity;
+    case Field::radialSpeed: return gpu::kValueRadialSpeed;
+    case Field::time: return gpu::kValueTime;
+    case Field::azimuth: return gpu::kValueAzimuth;
+    case Field::elevation: return gpu::kValueElevation;
+    case Field::tie:
+    case Field::tolerance: break;  // checkLayout() refuses them
+  }
+  return gpu::kValueBeam;
+}
+
+gpu::RecordValue packed(const RecordLayout::Value& value, size_t offset) {
+  return {numberOf(value.field), value.component, static_cast<uint32_t>(value.type), static_cast<uint32_t>(offset)};
+}
+
+bool asks(const RecordLayout& layout, std::initializer_list<Field> fields) {
+  return std::any_of(layout.values.begin(), layout.values.end(), [&](const RecordLayout::Value& value) {
+    return std::find(fields.begin(), fields.end(), value.field) != fields.end();
+  });
+}
+
+}  // namespace
+
+RecordTables recordTables(const RecordLayout& layout) {
+  RecordTables tables;
+  const auto add = [&](size_t start, size_t stride, size_t values, bool column) {
+    tables.streams.push_back({static_cast<uint32_t>(start), static_cast<uint32_t>(stride),
+                              static_cast<uint32_t>(tables.values.size()), static_cast<uint32_t>(values), column});
+  };
+  const std::vector<RecordLayout::Value> row = valuesOfRow(layout);
+  if (!row.empty()) add(0, layout.stride, row.size(), false);
+  for (const RecordLayout::Value& value : row) tables.values.push_back(packed(value, value.offset));
+  for (const RecordLayout::Value& value : layout.values) {
+    if (value.stride == 0) continue;
+    add(value.offset, value.stride, 1, true);
+    tables.values.push_back(packed(value, 0));
+  }
+  return tables;
+}
+
+std::vector<gpu::vec4> beamFacts(const SensorPlan& plan, size_t pattern) {
+  std::vector<gpu::vec4> facts;
+  if (!asks(plan.layout, {Field::time, Field::azimuth, Field::elevation, Field::ring})) return facts;
+  const Sensor& sensor = plan.sensor;
+  facts.resize(sensor.beamCount());
+  for (size_t beam = 0; beam < facts.size(); ++beam)
+    facts[beam] = {static_cast<float>(timeOf(sensor, beam, pattern)),
+                   static_cast<float>(azimuthOf(sensor, beam, pattern)),
+                   static_cast<float>(elevationOf(sensor, beam, pattern)),
+                   std::bit_cast<float>(uint32_t{ringOf(sensor, beam, pattern)})};
+  return facts;
+}
+
+std::vector<gpu::vec4> beamDirections(const SensorPlan& plan, size_t pattern) {
+  std::vector<gpu::vec4> directions;
+  if (!asks(plan.layout, {Field::incidence}) || plan.pointsOnBeams()) return directions;
+  directions.resize(plan.sensor.beamCount());
+  for (size_t beam = 0; beam < directions.size(); ++beam) {
+    const Vec3 d = directionOf(plan.sensor, beam, pattern);
+    directions[beam] = {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z), 0};
+  }
+  return directions;
+}
+
+void checkLayout(const SensorPlan& plan) {
+  if (asks(plan.layout, {Field::tie, Field::tolerance}))
+    throw Error(ErrorCode::invalidArgument, "the record layout: only the device 'reference' has 'tie' and 'tolerance'");
+  for (const RecordLayout::Value& value : plan.layout.values)
+    if (std::max({value.offset, value.stride, plan.layout.stride}) > 0x7fffffffu)
+      throw Error(ErrorCode::invalidArgument, "the record layout: offsets and strides on a device have 31 bits");
+  if (plan.sensor.beamCount() == 0)
+    throw Error(ErrorCode::invalidArgument, "sensor '" + plan.sensor.name + "' has no beams");
+  if (asks(plan.layout, {Field::incidence}) && plan.has(gpu::kSensorMotion) && plan.effects.sensorMotion.deskew)
+    throw Error(ErrorCode::invalidArgument,
+                "sensor '" + plan.sensor.name +
+                    "': with deskew the incidence is known only on the host; leave it out of the layout");
+  if (plan.sensor.beamCount() * plan.returns > 0x7fffffffu)
+    throw Error(ErrorCode::invalidArgument,
+                "sensor '" + plan.sensor.name + "' has more returns than 31 bits can number, as a layout needs");
+}
+
+}  // namespace gnosphere

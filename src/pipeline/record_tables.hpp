@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tables for the results that stay on the device: the layout, and values of the beams that no kernel computes.
+#pragma once
+
+#include <vector>
+
+#include "effects/sensor_plan.hpp"
+
+namespace gnosphere {
+
+struct RecordTables {
+  std::vector<gpu::RecordStream> streams;
+  std::vector<gpu::RecordValue> values;
+};
+/// Returns the layout as the kernel reads it.
+RecordTables recordTables(const RecordLayout& layout);
+
+/// Returns time, azimuth, elevation and ring of every beam of a pattern; empty if the layout has none of them.
+std::vector<gpu::vec4> beamFacts(const SensorPlan& plan, size_t pattern);
+
+/// Returns the directions of the beams of a pattern; empty if the kernel finds them from the points.
+std::vector<gpu::vec4> beamDirections(const SensorPlan& plan, size_t pattern);
+
+/// Throws Error(invalidArgument) if the layout has a value that a scan of this sensor has only on the host.
+void checkLayout(const SensorPlan& plan);
+
+}  // namespace gnosphere

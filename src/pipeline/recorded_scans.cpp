@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/recorded_scans.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "effects/shot_motion.hpp"
+#include "gnosphere/error.hpp"
+
+namespace gnosphere {
+namespace {
+
+constexpr uint64_t kAlignment = 16;  // of the addresses of arrays, which the kernels rely on
+
+// Memory of the caller: kernels write it, and the host never looks at it.
+class CallerMemory final : public DeviceMemory {
+ public:
+  explicit CallerMemory(const Recording::Range& range) : range_(range) {}
+  uint64_t bytes() const override { return range_.bytes; }
+  uint64_t address() const override { return range_.address; }
+  void* host() override { return nullptr; }
+  void flush() override {}
+  void invalidate() override {}
+  void write(uint64_t, std::span<const std::byte>) override {}
+  void read(uint64_t, std::span<std::byte>) const override {}
+
+ private:
+  Recording::Range range_;
+};
+
+void check(const Recording::Range& range, uint64_t least, size_t sensor, const char* what) {
+  const std::string which = "sensor " + std::to_string(sensor) + ": the buffer for the " + what;
+  if (range.address == 0 || range.address % kAlignment != 0)
+    throw Error(ErrorCode::invalidArgument, which + " needs an address that is a multiple of 16 and not 0");
+  if (range.bytes < least)
+    throw Error(ErrorCode::invalidArgument, which + " has " + std::to_string(range.bytes) + " bytes; it needs " +
+                                                std::to_string(least) + " or more");
+}
+
+}  // namespace
+
+void RecordedScans::forget(size_t sensor) {
+  for (Slots& slots : frames_) slots.erase(sensor);
+}
+
+uint64_t RecordedScans::bytes() const {
+  uint64_t sum = 0;
+  for (const Slots& slots : frames_)
+    for (const auto& [sensor, slot] : slots) sum += slot.placed.bytes();
+  return sum;
+}
+
+std::vector<Recording::Result> RecordedScans::resultsOf(size_t frame, const std::vector<SensorArrays*>& sensors) {
+  std::vector<Recording::Result> results;
+  for (auto& [index, slot] : frames_[frame]) {
+    if (!slot.recorded) continue;
+    SensorArrays& sensor = *sensors[index];
+    results.push_back({index, slot.frame, !sensor.cutShort(frame)});
+    sensor.setShellHint(sensor.recordedHint(frame));
+    if (!results.back().complete) sensor.growLists(frame);
+    slot.recorded = false;
+  }
+  return results;
+}
+
+void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*>& sensors) {
+  std::vector<size_t> indices;
+  for (const Recording::Item& item : recording.scans) {
+    const size_t index = item.shot->sensor;
+    if (!sensors[index]->keepsRecords())
+      throw Error(ErrorCode::invalidArgument,
+                  "sensor " + std::to_string(index) + " has no layout for records; set SensorRequest::layout");
+    if (std::find(indices.begin(), indices.end(), index) != indices.end())
+      throw Error(ErrorCode::invalidArgument,
+                  "sensor " + std::to_string(index) + " occurs twice in one recording; add a second sensor like it");
+    indices.push_back(index);
+    check(item.records, 4, index, "records");
+    check(item.header, sizeof(RecordHeader), index, "header");
+  }
+  if (frames_.size() <= recording.frame) frames_.resize(recording.frame + 1);
+  machine_.beginRecording(recording.commands, recording.frame);
+  recording.results = resultsOf(recording.frame, sensors);
+  for (const Recording::Item& item : recording.scans) record(recording, item, *sensors[item.shot->sensor]);
+  machine_.endRecording();
+}
+
+void RecordedScans::record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor) {
+  const Shot& shot = *item.shot;
+  Slot& slot = frames_[recording.frame][shot.sensor];
+  if (!slot.addresses) slot.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
+  const std::optional<ShotMotion> motion = motionOf(sensor.sensorPlan(), shot, scene_.instances());
+  const Pose& pose = motion ? motion->tables.middle : shot.pose;
+  scene_.place(pose, sensor.reach() + reachOf(motion), {}, slot.placed);
+  if (!scene_.listsHold(slot.placed)) scene_.growLists(slot.placed);
+  CallerMemory records(item.records), header(item.header);
+  BoundArrays arrays = {};
+  scene_.bind(arrays);
+  slot.placed.bind(arrays);
+  sensor.loadRecords(recording.frame, item.records.bytes, recording.classes, shot.frame);
+  const std::vector<Step> steps =
+      sensor.prepare(recording.frame, shot, motion ? &*motion : nullptr, scene_.instances().count(),
+                     slot.placed.groups(), StillImage::Use::none, arrays);
+  arrays[static_cast<size_t>(gpu::Array::records)] = &records;
+  arrays[static_cast<size_t>(gpu::Array::recordHeader)] = &header;
+  machine_.record(*slot.addresses, steps, arrays);
+  slot.frame = shot.frame;
+  slot.recorded = true;
+}
+
+}  // namespace gnosphere

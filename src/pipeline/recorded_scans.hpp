@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scans that are recorded into the caller's command buffers, and what became of them.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "pipeline/recording.hpp"
+#include "pipeline/scene_arrays.hpp"
+#include "pipeline/sensor_arrays.hpp"
+
+namespace gnosphere {
+
+class RecordedScans {
+ public:
+  RecordedScans(Machine& machine, SceneArrays& scene) : machine_(machine), scene_(scene) {}
+
+  /// Records the scans. `sensors` has the arrays by sensor. Lists that were too small for the scans recorded before
+  /// grow first.
+  void record(Recording& recording, const std::vector<SensorArrays*>& sensors);
+  /// Must be called before the arrays of a sensor are destroyed.
+  void forget(size_t sensor);
+  uint64_t bytes() const;
+
+ private:
+  /// The arrays of one sensor's scan in one frame in flight that do not depend on the sensor.
+  struct Slot {
+    std::unique_ptr<DeviceMemory> addresses;  // gpu::Addresses
+    PlacedArrays placed;
+    uint64_t frame = 0;
+    bool recorded = false;
+  };
+  using Slots = std::map<size_t, Slot>;  // by sensor
+
+  std::vector<Recording::Result> resultsOf(size_t frame, const std::vector<SensorArrays*>& sensors);
+  void record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor);
+
+  Machine& machine_;
+  SceneArrays& scene_;
+  std::vector<Slots> frames_;
+};
+
+}  // namespace gnosphere

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// One call that records scans into the caller's command buffer.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "gnosphere/simulator.hpp"
+
+namespace gnosphere {
+
+struct Recording {
+  /// Device memory of the caller.
+  struct Range {
+    uint64_t address = 0, bytes = 0;
+  };
+  struct Item {
+    const Shot* shot;
+    Range records, header;
+  };
+  /// What became of a scan that was recorded before.
+  struct Result {
+    size_t sensor;
+    uint64_t frame;
+    bool complete;
+  };
+
+  void* commands = nullptr;  ///< null: nothing is recorded, only checked whether the simulator can record at all
+  size_t frame = 0;          ///< in flight
+  std::vector<Item> scans;
+  std::span<const uint16_t> classes;  ///< of the instances
+  std::vector<Result> results;        ///< of the scans recorded for this frame in flight the last time
+};
+
+}  // namespace gnosphere

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/capabilities.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include "shared.h"
+#include "vulkan/instance.hpp"
+
+namespace gnosphere::vulkan {
+namespace {
+
+constexpr uint32_t kWorkgroupSize = 64;  // invocations per workgroup of every shader
+
+std::string versionText(uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
+         std::to_string(VK_API_VERSION_PATCH(version));
+}
+
+const char* typeName(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "cpu";
+    default: return "other";
+  }
+}
+
+// Returns the first queue family with compute support, or -1.
+int computeFamily(const InstanceFunctions& vk, VkPhysicalDevice physical, uint32_t& timestampBits) {
+  uint32_t count = 0;
+  vk.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vk.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+  for (uint32_t i = 0; i < count; ++i)
+    if (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) {
+      timestampBits = families[i].timestampValidBits;
+      return static_cast<int>(i);
+    }
+  return -1;
+}
+
+}  // namespace
+
+bool offers(const InstanceFunctions& vk, VkPhysicalDevice physical, const char* extension) {
+  uint32_t count = 0;
+  VK(vk.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr));
+  std::vector<VkExtensionProperties> extensions(count);
+  VK(vk.vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data()));
+  return std::any_of(extensions.begin(), extensions.end(), [&](const VkExtensionProperties& offered) {
+    return std::strcmp(offered.extensionName, extension) == 0;
+  });
+}
+
+FullSubgroups fullSubgroupsOf(const Offer& offer) {
+  if (!offer.sizeControl.computeFullSubgroups) return {};
+  if (kWorkgroupSize % offer.subgroup.subgroupSize == 0) return {offer.subgroup.subgroupSize, false};
+  // Some devices by default use subgroups larger than our workgroups, but also support smaller ones.
+  const bool choice = offer.sizeControl.subgroupSizeControl &&
+                      (offer.sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+                      offer.sizes.minSubgroupSize <= kWorkgroupSize;
+  return choice ? FullSubgroups{kWorkgroupSize, true} : FullSubgroups{};
+}
+
+// Older versions of lavapipe leave all loops of an invocation as soon as these have gone round 65535 times in all, and
+// the rest of its work is lost without a word. Mesa 25.0.7 is the oldest that is known not to. lavapipe's driverVersion
+// is 1 in every Mesa, so the version is read from the text, "Mesa 22.3.6 (LLVM 15.0.6)".
+constexpr std::array<unsigned, 3> kLeastMesa = {25, 0, 7};
+
+bool losesLoops(const VkPhysicalDeviceDriverProperties& driver) {
+  if (driver.driverID != VK_DRIVER_ID_MESA_LLVMPIPE) return false;
+  std::array<unsigned, 3> mesa = {};
+  std::sscanf(driver.driverInfo, "Mesa %u.%u.%u", &mesa[0], &mesa[1], &mesa[2]);
+  return mesa < kLeastMesa;
+}
+
+// Limits that Vulkan 1.2 guarantees are not checked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
+// workgroups per dispatch, and 128 bytes of push constants.
+static_assert(kWorkgroupSize <= 128 && sizeof(gpu::Pass) <= 128);
+
+std::vector<std::string> reasonsAgainst(const Offer& offer) {
+  constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
+                                               VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
+                                               VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+  std::vector<std::string> reasons;
+  if (!offer.compute) reasons.push_back("it has no compute queue");
+  if (!(offer.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
+      (offer.subgroup.supportedOperations & kSubgroup) != kSubgroup)
+    reasons.push_back("it lacks subgroup ballot, vote, shuffle or arithmetic in compute shaders");
+  if (fullSubgroupsOf(offer).size == 0)
+    reasons.push_back("it cannot promise full subgroups, of at most " + std::to_string(kWorkgroupSize) +
+                      " lanes, by " VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME "; a newer driver may");
+  if (!offer.features12.scalarBlockLayout) reasons.push_back("it lacks the scalar block layout");
+  if (!offer.features12.bufferDeviceAddress) reasons.push_back("its shaders cannot find buffers by address");
+  if (losesLoops(offer.driver))
+    reasons.push_back("this lavapipe, " + std::string(offer.driver.driverInfo) +
+                      ", ends long loops early and would lose hits; Mesa 25.0.7 or newer is needed, on Debian 12 "
+                      "mesa-vulkan-drivers from bookworm-backports");
+  return reasons;
+}
+
+std::string reasonAgainst(const Offer& offer) {
+  const std::vector<std::string> reasons = reasonsAgainst(offer);
+  return reasons.empty() ? std::string() : reasons.front();
+}
+
+Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physical) {
+  Capabilities result;
+  Offer offer;
+  offer.driver = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &offer.driver};
+  VkPhysicalDeviceMaintenance3Properties allocations = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
+                                                        &id};
+  offer.subgroup = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &allocations};
+  offer.sizes = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES_EXT, &offer.subgroup};
+  offer.features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  offer.sizeControl = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT, &offer.features12};
+  const bool sizeControl = offers(vk, physical, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME);
+  VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &offer.subgroup, {}};
+  VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &offer.features12, {}};
+  if (sizeControl) {
+    properties.pNext = &offer.sizes;
+    features.pNext = &offer.sizeControl;
+  }
+  VkPhysicalDeviceProperties basic;
+  vk.vkGetPhysicalDeviceProperties(physical, &basic);
+  DeviceInfo& info = result.info;
+  info.name = basic.deviceName;
+  info.type = typeName(basic.deviceType);
+  info.apiVersion = versionText(basic.apiVersion);
+  result.cpu = basic.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  if (basic.apiVersion < VK_API_VERSION_1_2) {
+    info.reason = "it offers Vulkan " + info.apiVersion + ", 1.2 is needed";
+    result.reasons = {info.reason};
+    return result;
+  }
+  vk.vkGetPhysicalDeviceProperties2(physical, &properties);
+  vk.vkGetPhysicalDeviceFeatures2(physical, &features);
+  info.driver = std::string(offer.driver.driverName) + " " + offer.driver.driverInfo;
+  info.maxBufferBytes = allocations.maxMemoryAllocationSize;
+  std::copy(std::begin(id.deviceUUID), std::end(id.deviceUUID), info.uuid.begin());
+  uint32_t timestampBits = 0;
+  const int family = computeFamily(vk, physical, timestampBits);
+  result.queueFamily = static_cast<uint32_t>(std::max(family, 0));
+  offer.compute = family >= 0;
+  result.subgroups = fullSubgroupsOf(offer);
+  info.subgroupSize = result.subgroups.size ? result.subgroups.size : offer.subgroup.subgroupSize;
+  result.int64Atomics = features.features.shaderInt64 && offer.features12.shaderBufferInt64Atomics;
+  result.float64 = features.features.shaderFloat64;
+  result.timestampBits = basic.limits.timestampPeriod > 0 ? timestampBits : 0;
+  result.timestampMs = basic.limits.timestampPeriod * 1e-6;
+  result.reasons = reasonsAgainst(offer);
+  info.reason = reasonAgainst(offer);
+  info.usable = info.reason.empty();
+  return result;
+}
+
+double Capabilities::elapsedMs(uint64_t from, uint64_t to) const {
+  if (timestampBits == 0) return 0;
+  return static_cast<double>((to - from) & (~uint64_t{0} >> (64 - timestampBits))) * timestampMs;
+}
+
+Requirements requirementsFor(const Capabilities& capabilities) {
+  Requirements needed;
+  needed.extensions = {VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME};
+  needed.features.shaderInt64 = capabilities.int64Atomics;
+  needed.features.shaderFloat64 = capabilities.float64;
+  needed.features12.shaderBufferInt64Atomics = capabilities.int64Atomics;
+  needed.features12.scalarBlockLayout = VK_TRUE;
+  needed.features12.bufferDeviceAddress = VK_TRUE;
+  needed.subgroupSizeControl.subgroupSizeControl = capabilities.subgroups.required;
+  needed.subgroupSizeControl.computeFullSubgroups = VK_TRUE;
+  for (const std::string& reason : capabilities.reasons)
+    needed.missing.push_back("the device '" + capabilities.info.name + "' cannot be used: " + reason);
+  return needed;
+}
+
+}  // namespace gnosphere::vulkan

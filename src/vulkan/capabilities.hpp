@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a physical device offers, and what the library needs of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gnosphere/vulkan.hpp"
+#include "vulkan/functions.hpp"
+
+namespace gnosphere::vulkan {
+
+/// The properties that decide whether a device can be used. The pNext pointers of the members are ignored.
+struct Offer {
+  bool compute = false;  ///< the device has a queue family for compute
+  VkPhysicalDeviceVulkan12Features features12 = {};
+  VkPhysicalDeviceSubgroupProperties subgroup = {};
+  /// These two are zeros without VK_EXT_subgroup_size_control.
+  VkPhysicalDeviceSubgroupSizeControlPropertiesEXT sizes = {};
+  VkPhysicalDeviceSubgroupSizeControlFeaturesEXT sizeControl = {};
+  VkPhysicalDeviceDriverProperties driver = {};
+};
+/// Returns why the device cannot be used, each reason as the rest of a sentence about it; empty if it can be used.
+std::vector<std::string> reasonsAgainst(const Offer& offer);
+/// Returns the first of these reasons; empty if there is none.
+std::string reasonAgainst(const Offer& offer);
+
+/// Returns whether the device has the extension.
+bool offers(const InstanceFunctions& vk, VkPhysicalDevice physical, const char* extension);
+
+/// The size of the full subgroups that every pipeline gets. The stages divide their work by gl_SubgroupSize, so results
+/// would be silently incomplete if fewer invocations ran.
+struct FullSubgroups {
+  uint32_t size = 0;      ///< 0 if the device cannot guarantee full subgroups
+  bool required = false;  ///< true if pipelines must require this size because the device would choose another
+};
+FullSubgroups fullSubgroupsOf(const Offer& offer);
+
+/// The capabilities of a physical device; `info` tells whether it can be used.
+struct Capabilities {
+  DeviceInfo info;
+  std::vector<std::string> reasons;  ///< why it cannot be used, see reasonsAgainst()
+  FullSubgroups subgroups;
+  bool int64Atomics = false;
+  bool float64 = false;
+  uint32_t timestampBits = 0;  ///< number of valid low bits of a timestamp; 0 if there are no timestamps
+  double timestampMs = 0;      ///< milliseconds per tick
+  bool cpu = false;            ///< true for a software device
+  uint32_t queueFamily = 0;
+
+  /// Returns the milliseconds between two timestamps; the counter may have overflowed once. 0 without timestamps.
+  double elapsedMs(uint64_t from, uint64_t to) const;
+};
+Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physical);
+
+/// Returns the extensions and features that a device with these capabilities is created with.
+Requirements requirementsFor(const Capabilities& capabilities);
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/command_buffer.hpp"
+
+#include <algorithm>
+
+namespace gnosphere::vulkan {
+
+void CommandBuffer::bind(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants) {
+  vk_->vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel);
+  vk_->vkCmdPushConstants(commands_, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+}
+
+void CommandBuffer::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
+                             uint32_t groupsX, uint32_t groupsY) {
+  bind(kernel, layout, constants);
+  vk_->vkCmdDispatch(commands_, groupsX, groupsY, 1);
+}
+
+void CommandBuffer::dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
+                                     const Buffer& arguments, VkDeviceSize offset) {
+  bind(kernel, layout, constants);
+  vk_->vkCmdDispatchIndirect(commands_, arguments.handle(), offset);
+}
+
+void CommandBuffer::fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value) {
+  vk_->vkCmdFillBuffer(commands_, buffer.handle(), offset, size, value);
+}
+
+void CommandBuffer::copy(const Buffer& from, const Buffer& to) {
+  copy(from, to, {0, 0, std::min(from.bytes(), to.bytes())});
+}
+
+void CommandBuffer::copy(const Buffer& from, const Buffer& to, const VkBufferCopy& region) {
+  vk_->vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
+}
+
+void CommandBuffer::barrier() {
+  constexpr VkPipelineStageFlags kDevice =
+      VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+  VkMemoryBarrier memory = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+  memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                         VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_HOST_READ_BIT;
+  vk_->vkCmdPipelineBarrier(commands_, kDevice, kDevice | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0,
+                            nullptr);
+}
+
+void CommandBuffer::fullBarrier() {
+  VkMemoryBarrier memory = {VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  memory.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
+  memory.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
+  constexpr VkPipelineStageFlags kAll = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+  vk_->vkCmdPipelineBarrier(commands_, kAll, kAll | VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0, nullptr);
+}
+
+}  // namespace gnosphere::vulkan

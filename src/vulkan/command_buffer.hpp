@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes commands into a command buffer in the recording state, ours or the caller's.
+#pragma once
+
+#include "vulkan/buffer.hpp"
+#include "vulkan/kernel.hpp"
+
+namespace gnosphere::vulkan {
+
+class CommandBuffer {
+ public:
+  CommandBuffer() = default;
+  CommandBuffer(const Device& device, VkCommandBuffer commands) : vk_(&device.vk()), commands_(commands) {}
+
+  VkCommandBuffer handle() const { return commands_; }
+  void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
+                uint32_t groupsY);
+  /// Reads the number of workgroups from a buffer.
+  void dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
+                        const Buffer& arguments, VkDeviceSize offset);
+  void fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value);
+  void copy(const Buffer& from, const Buffer& to);
+  void copy(const Buffer& from, const Buffer& to, const VkBufferCopy& region);
+  /// Makes all earlier writes visible to all later commands. A scan has about ten barriers; finer ones would gain
+  /// nothing, because each step depends on the one before.
+  void barrier();
+  /// Puts the commands before and after it in order, whatever they are: those of the caller and ours.
+  void fullBarrier();
+
+ private:
+  void bind(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants);
+
+  const DeviceFunctions* vk_ = nullptr;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+};
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vulkan/instance.hpp"
+
+#include <volk.h>
+
+#include <cstring>
+
+#include "gnosphere/error.hpp"
+
+namespace gnosphere::vulkan {
+namespace {
+
+const char* resultName(VkResult result) {
+  switch (result) {
+    case VK_SUCCESS: return "VK_SUCCESS";
+    case VK_TIMEOUT: return "VK_TIMEOUT";
+    case VK_ERROR_OUT_OF_HOST_MEMORY: return "VK_ERROR_OUT_OF_HOST_MEMORY";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
+    case VK_ERROR_INITIALIZATION_FAILED: return "VK_ERROR_INITIALIZATION_FAILED";
+    case VK_ERROR_DEVICE_LOST: return "VK_ERROR_DEVICE_LOST";
+    case VK_ERROR_LAYER_NOT_PRESENT: return "VK_ERROR_LAYER_NOT_PRESENT";
+    case VK_ERROR_EXTENSION_NOT_PRESENT: return "VK_ERROR_EXTENSION_NOT_PRESENT";
+    case VK_ERROR_FEATURE_NOT_PRESENT: return "VK_ERROR_FEATURE_NOT_PRESENT";
+    case VK_ERROR_INCOMPATIBLE_DRIVER: return "VK_ERROR_INCOMPATIBLE_DRIVER";
+    case VK_ERROR_TOO_MANY_OBJECTS: return "VK_ERROR_TOO_MANY_OBJECTS";
+    case VK_ERROR_OUT_OF_POOL_MEMORY: return "VK_ERROR_OUT_OF_POOL_MEMORY";
+    default: return "VkResult";
+  }
+}
+
+// Volk keeps its pointers to the loader's functions in global variables. They are written once, before any other use,
+// and serve all threads. The first instance lives until the process ends, so drivers stay loaded: some (NVIDIA's) can
+// be loaded only about ten times, because they never free thread-local storage.
+VkResult loadVulkan(const VkApplicationInfo& application) {
+  static std::mutex mutex;
+  static VkInstance kept = VK_NULL_HANDLE;
+  const std::lock_guard lock(mutex);
+  if (kept) return VK_SUCCESS;
+  if (volkInitialize() != VK_SUCCESS)
+    throw Error(ErrorCode::device,
+                "no Vulkan loader (libvulkan.so.1) was found; install libvulkan1 and a driver, "
+                "for instance mesa-vulkan-drivers");
+  VkInstanceCreateInfo create = {VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  create.pApplicationInfo = &application;
+  return vkCreateInstance(&create, nullptr, &kept);
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                         const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+  static_cast<Messages*>(user)->add(data->pMessage);
+  return VK_FALSE;
+}
+
+VkDebugUtilsMessengerCreateInfoEXT messengerOf(Messages& messages) {
+  VkDebugUtilsMessengerCreateInfoEXT create = {VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  create.messageSeverity =
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  create.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  create.pfnUserCallback = onMessage;
+  create.pUserData = &messages;
+  return create;
+}
+
+}  // namespace
+
+void check(VkResult result, const char* call, const char* file, uint32_t line) {
+  if (result == VK_SUCCESS) return;
+  const char* name = std::strrchr(file, '/');
+  const std::string text = std::string(call) + " gave " + resultName(result) + " (" + std::to_string(result) + ") at " +
+                           (name ? name + 1 : file) + ":" + std::to_string(line);
+  const bool memory = result == VK_ERROR_OUT_OF_DEVICE_MEMORY || result == VK_ERROR_OUT_OF_HOST_MEMORY;
+  throw Error(memory ? ErrorCode::outOfMemory : ErrorCode::device, text);
+}
+
+void Messages::add(const char* text) {
+  const std::lock_guard lock(mutex_);
+  texts_.emplace_back(text);
+}
+
+void Messages::throwIfAny() {
+  const std::lock_guard lock(mutex_);
+  if (texts_.empty()) return;
+  std::string text = "Vulkan validation: " + texts_.front();
+  if (texts_.size() > 1) text += " (and " + std::to_string(texts_.size() - 1) + " more)";
+  texts_.clear();
+  throw Error(ErrorCode::device, text);
+}
+
+ApiInstance::ApiInstance(bool validation) {
+  VkApplicationInfo application = {VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  application.pApplicationName = "gnosphere";
+  application.apiVersion = VK_API_VERSION_1_2;
+  VkResult result = loadVulkan(application);
+  const char* layer = "VK_LAYER_KHRONOS_validation";
+  const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  VkDebugUtilsMessengerCreateInfoEXT messenger = messengerOf(*messages_);
+  const VkValidationFeatureEnableEXT synchronization = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  VkValidationFeaturesEXT features = {VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
+  features.enabledValidationFeatureCount = 1;
+  features.pEnabledValidationFeatures = &synchronization;
+  VkInstanceCreateInfo create = {VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  create.pApplicationInfo = &application;
+  if (validation) {
+    create.pNext = &features;
+    create.enabledLayerCount = 1;
+    create.ppEnabledLayerNames = &layer;
+    create.enabledExtensionCount = 1;
+    create.ppEnabledExtensionNames = &extension;
+  }
+  VkInstance instance = VK_NULL_HANDLE;
+  if (result == VK_SUCCESS) result = vkCreateInstance(&create, nullptr, &instance);
+  if (result == VK_ERROR_LAYER_NOT_PRESENT)
+    throw Error(ErrorCode::device, "the Vulkan validation layer is not installed; install vulkan-validationlayers");
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+    throw Error(ErrorCode::device, "no Vulkan driver was found; install one, for instance mesa-vulkan-drivers");
+  check(result, "vkCreateInstance");
+  functions_ = functionsOf(vkGetInstanceProcAddr, instance);
+  instance_ = {instance, functions_.vkDestroyInstance};
+  if (!validation) return;
+
+  const auto function = [&](const char* name) { return vkGetInstanceProcAddr(instance, name); };
+  const auto make = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(function("vkCreateDebugUtilsMessengerEXT"));
+  const auto destroy =
+      reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(function("vkDestroyDebugUtilsMessengerEXT"));
+  VkDebugUtilsMessengerEXT made = VK_NULL_HANDLE;
+  VK(make(instance, &messenger, nullptr, &made));
+  messenger_ = {made, destroy, instance};
+}
+
+std::vector<VkPhysicalDevice> ApiInstance::physicalDevices() const {
+  uint32_t count = 0;
+  VK(functions_.vkEnumeratePhysicalDevices(handle(), &count, nullptr));
+  std::vector<VkPhysicalDevice> devices(count);
+  if (count > 0) VK(functions_.vkEnumeratePhysicalDevices(handle(), &count, devices.data()));
+  return devices;
+}
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// The memory of arrays: on our own device, which is idle whenever the host writes to memory of the kind `device`, and
+// on the caller's, where earlier frames may still be running.
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "vulkan/command_buffer.hpp"
+
+namespace gnosphere::vulkan {
+
+class VulkanMemory : public DeviceMemory {
+ public:
+  VulkanMemory(const Device& device, const char* name, uint64_t bytes, MemoryKind kind);
+
+  uint64_t bytes() const override { return buffer_.bytes(); }
+  uint64_t address() const override { return buffer_.address(); }
+  void* host() override { return onHost().mapped(); }
+  void flush() override { buffer_.flush(); }
+  void invalidate() override { onHost().invalidate(); }
+
+  const Buffer& buffer() const { return buffer_; }
+  /// The buffer to which a scan copies its results for the host; without a handle if the host reads the buffer itself.
+  const Buffer& copy() const { return copy_; }
+
+ protected:
+  Buffer buffer_, copy_;
+
+ private:
+  const Buffer& onHost() const { return copy_.handle() ? copy_ : buffer_; }
+};
+
+/// Memory of our own device.
+class OwnMemory final : public VulkanMemory {
+ public:
+  OwnMemory(const Device& device, Transfer& transfer, const char* name, uint64_t bytes, MemoryKind kind)
+      : VulkanMemory(device, name, bytes, kind), transfer_(transfer) {}
+
+  void write(uint64_t place, std::span<const std::byte> data) override { transfer_.write(buffer_, place, data); }
+  void read(uint64_t place, std::span<std::byte> data) const override { transfer_.read(buffer_, place, data); }
+
+ private:
+  Transfer& transfer_;
+};
+
+class Recordings;
+
+/// Memory of the caller's device. The host keeps a copy of what it has written to memory of the kind `device`; the next
+/// recording copies it to the device.
+class RecordedMemory final : public VulkanMemory {
+ public:
+  RecordedMemory(const Device& device, Recordings& recordings, const char* name, uint64_t bytes, MemoryKind kind)
+      : VulkanMemory(device, name, bytes, kind), recordings_(recordings) {}
+  ~RecordedMemory() override;
+
+  void write(uint64_t place, std::span<const std::byte> data) override;
+  void read(uint64_t place, std::span<std::byte> data) const override;
+  const std::byte* written() const { return written_.data(); }
+
+ private:
+  Recordings& recordings_;
+  std::vector<std::byte> written_;
+};
+
+/// What the recordings on the caller's device must do for its memory: copy what the host has written, and destroy
+/// buffers when no frame uses them any more.
+class Recordings {
+ public:
+  explicit Recordings(const Device& device) : device_(device) {}
+
+  /// Begins the recording of a frame in flight whose commands have completed.
+  void begin(CommandBuffer& commands, size_t frame);
+
+  /// Destroys the buffer as soon as the recordings so far have completed.
+  void retire(Buffer buffer);
+  /// Notes that bytes of the memory have been written.
+  void add(const RecordedMemory& memory, uint64_t place, uint64_t bytes);
+  /// Forgets all writes to the memory.
+  void forget(const RecordedMemory& memory);
+
+ private:
+  struct Write {
+    const RecordedMemory* memory;
+    uint64_t place, bytes;
+  };
+  struct Retired {
+    uint64_t recording;  // the last one that may use the buffer
+    Buffer buffer;
+  };
+  struct Frame {
+    uint64_t recording = 0;
+    Buffer staging;
+  };
+
+  const Device& device_;
+  uint64_t recording_ = 0;  // number of the last recording
+  std::deque<Frame> frames_;
+  std::vector<Write> writes_;
+  std::vector<Retired> retired_;
+};
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recorded scans over many frames: what they allocate, lists that grow, changes while frames are in flight, and misuse.
+#include <catch2/matchers/catch_matchers.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "effects/scan_support.hpp"
+#include "engine/recorded.hpp"
+#include "lists/list_sensors.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+using Catch::Matchers::ContainsSubstring;
+
+RecordLayout pointLayout(bool compact = true) {
+  RecordLayout layout = layoutOf({Field::x, Field::y, Field::z, Field::instance});
+  layout.compact = compact;
+  return layout;
+}
+
+/// A box around the sensor, and a smaller one in it, instance 1.
+Scene boxes() {
+  Scene scene;
+  scene.materials = {material(true)};
+  MeshBuilder outer, inner;
+  outer.box({-20, -20, -3}, {20, 20, 12}, 6);
+  inner.box({-1, -1, -1}, {1, 1, 1}, 3);
+  scene.meshes = {outer.take(), inner.take()};
+  scene.instances = {{"", 0, {}}, {"", 1, translation(6, 0, 0)}};
+  return scene;
+}
+
+SimulatorOptions plainOptions() {
+  SimulatorOptions options;
+  options.cache = "off";
+  return options;
+}
+
+/// The calls of the library to its entry points that allocate, submit or wait, counted by a table between the library
+/// and the loader.
+struct Calls {
+  PFN_vkGetInstanceProcAddr instance = nullptr;
+  PFN_vkGetDeviceProcAddr device = nullptr;
+  PFN_vkAllocateMemory allocate = nullptr;
+  PFN_vkFreeMemory release = nullptr;
+  int all = 0, memories = 0;
+} calls;
+
+const std::vector<std::string> kCounted = {"vkAllocateMemory",    "vkCreateBuffer",          "vkWaitForFences",
+                                           "vkQueueWaitIdle",     "vkQueueSubmit",           "vkMapMemory",
+                                           "vkCreateCommandPool", "vkCreateComputePipelines"};
+std::vector<PFN_vkVoidFunction> counted(kCounted.size());
+
+template <size_t kIndex, typename Function>
+struct Counter;
+template <size_t kIndex, typename Result, typename... Arguments>
+struct Counter<kIndex, Result(VKAPI_PTR*)(Arguments...)> {
+  static VKAPI_ATTR Result VKAPI_CALL call(Arguments... arguments) {
+    ++calls.all;
+    return reinterpret_cast<Result(VKAPI_PTR*)(Arguments...)>(counted[kIndex])(arguments...);
+  }
+};
+
+template <size_t kIndex, typename Function>
+PFN_vkVoidFunction counting() {
+  return reinterpret_cast<PFN_vkVoidFunction>(Counter<kIndex, Function>::call);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countingDevice(VkDevice device, const char* name) {
+  const PFN_vkVoidFunction real = calls.device(device, name);
+  const auto found = std::find(kCounted.begin(), kCounted.end(), name);
+  if (found == kCounted.end()) return real;
+  const auto index = static_cast<size_t>(found - kCounted.begin());
+  counted[index] = real;
+  const PFN_vkVoidFunction wrapped[] = {
+      counting<0, PFN_vkAllocateMemory>(),    counting<1, PFN_vkCreateBuffer>(),
+      counting<2, PFN_vkWaitForFences>(),     counting<3, PFN_vkQueueWaitIdle>(),
+      counting<4, PFN_vkQueueSubmit>(),       counting<5, PFN_vkMapMemory>(),
+      counting<6, PFN_vkCreateCommandPool>(), counting<7, PFN_vkCreateComputePipelines>()};
+  return wrapped[index];
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL countingInstance(VkInstance instance, const char* name) {
+  const PFN_vkVoidFunction real = calls.instance(instance, name);
+  if (std::string(name) != "vkGetDeviceProcAddr") return real;
+  calls.device = reinterpret_cast<PFN_vkGetDeviceProcAddr>(real);
+  return reinterpret_cast<PFN_vkVoidFunction>(countingDevice);
+}
+
+PFN_vkGetInstanceProcAddr countingLookUp() {
+  calls = {};
+  calls.instance =
+      reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(dlopen("libvulkan.so.1", RTLD_NOW), "vkGetInstanceProcAddr"));
+  return countingInstance;
+}
+
+}  // namespace
+
+TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and wait for nothing", "[combinations]") {
+  needVulkan();
+  VulkanApp app("", countingLookUp());
+  const int frames = everyCombination() ? 1000 : 60;
+  Recorded recorded(app, boxes(), {gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(), pointLayout());
+  CHECK(calls.all > 20);
+  Shot shot;
+  const auto next = [&] {
+    ++shot.frame;
+    shot.pose.position = {0.01 * static_cast<double>(shot.frame % 100), 0.2, 0.1};
+    recorded.simulator().setTransform(1, translation(6, 0.02 * static_cast<double>(shot.frame % 100), 0));
+    for (const vulkan::RecordedScan& before : recorded.submit(shot)) CHECK(before.frame + 2 == shot.frame);
+  };
+  for (int i = 0; i < 8; ++i) next();
+  calls.all = 0;
+  for (int i = 0; i < frames; ++i) next();
+  CHECK(calls.all == 0);
+  // The count sees an allocation: a second sensor needs memory.
+  recorded.simulator().addSensor({gridSensor(90, 4, -9, 9), Effects::none()});
+  CHECK(calls.all > 0);
+}
+
+TEST_CASE("a list that is too small is reported, grows before the next scan, and no buffer is overrun") {
+  needVulkan();
+  VulkanApp app;
+  // Nearly all triangles are wider than a slab, which the first capacity of the tiles does not expect.
+  const SensorRequest request = {listSensor("rosette", rosette(3000, 0.35)), Effects::none()};
+  Recorded recorded(app, boxes(), request, plainOptions(), pointLayout());
+  Shot shot;
+  const std::vector<std::byte> rows = recorded.scan(shot);
+  CHECK(recorded.incomplete == 1);
+  CHECK(rows.size() == 3000 * pointLayout().stride);
+  const auto results = recorded.submit(shot);
+  for (const vulkan::RecordedScan& result : results) CHECK(result.complete);
+  recorded.submit(shot);
+
+  Recorded small(app, boxes(), request, plainOptions(), pointLayout(), 777);
+  const std::vector<std::byte> first = small.scan(shot);
+  CHECK(small.header.rows == 777);
+  CHECK(small.header.wanted == 3000);
+  CHECK(small.header.hits == 3000);
+  REQUIRE(first.size() == 777 * pointLayout().stride);
+  CHECK(std::equal(first.begin(), first.end(), rows.begin()));
+}
+
+TEST_CASE("columns and rows share one buffer") {
+  needVulkan();
+  VulkanApp app;
+  const Sensor sensor = gridSensor(90, 8, -18, 9);
+  const auto count = static_cast<size_t>(sensor.beamCount());
+  RecordLayout layout;
+  layout.stride = 12;
+  layout.values = {
+      {Field::x, 0, 0, ValueType::f32}, {Field::y, 0, 4, ValueType::f32}, {Field::z, 0, 8, ValueType::f32}};
+  const size_t ranges = 12 * count, rings = ranges + 4 * count, causes = rings + 2 * count;
+  layout.values.push_back({Field::range, 0, ranges, ValueType::f32, 4});
+  layout.values.push_back({Field::ring, 0, rings, ValueType::u16, 2});
+  layout.values.push_back({Field::returnNumber, 0, causes, ValueType::u8, 1});
+  CHECK(layout.bytesFor(count) == causes + count);
+  Recorded recorded(app, boxes(), {sensor, Effects::none()}, plainOptions(), layout, count);
+  Shot shot;
+  recorded.scan(shot);
+  const std::byte* bytes = recorded.bytes(0);
+  const Scan scan = scanOf(boxes(), sensor, {}, vulkanOptions());
+  CHECK(std::memcmp(bytes, scan.points.data(), 12 * count) == 0);
+  CHECK(std::memcmp(bytes + ranges, scan.ranges.data(), 4 * count) == 0);
+  for (size_t i = 0; i < count; ++i) {
+    uint16_t ring;
+    std::memcpy(&ring, bytes + rings + 2 * i, 2);
+    REQUIRE(ring == i / 90);
+    REQUIRE(static_cast<uint8_t>(bytes[causes + i]) == (scan.returned(i) ? 1 : 0));
+  }
+}
+
+TEST_CASE("meshes, instances and sensors come and go while frames are in flight", "[combinations]") {
+  needVulkan();
+  VulkanApp app;
+  const int rounds = everyCombination() ? 2000 : 12;
+  const Sensor sensor = gridSensor(90, 8, -18, 9);
+  Recorded recorded(app, boxes(), {sensor, Effects::none()}, plainOptions(), pointLayout());
+  Simulator& simulator = recorded.simulator();
+  TestOptions own = vulkanOptions();
+  own.device = {DeviceChoice::Kind::vulkan, app.deviceName()};
+  Simulator expected = makeSimulator(boxes(), sensor, own);
+  MeshBuilder builder;
+  builder.box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, 4);
+  const Mesh box = builder.take();
+  std::vector<float> moved = box.positions;
+  uint64_t bytes = 0;
+  for (int round = 0; round < rounds; ++round) {
+    for (Simulator* each : {&simulator, &expected}) {
+      const auto mesh = static_cast<uint32_t>(each->addMesh(box));
+      const size_t instance = each->addInstance(mesh, translation(3, 0.01 * (round % 100), 0));
+      REQUIRE(mesh == 2);
+      REQUIRE(instance == 2);
+      each->setTransform(1, translation(-6, 0.1 * (round % 10), 0));
+    }
+    Shot shot;
+    shot.frame = static_cast<uint64_t>(round);
+    recorded.submit(shot);
+    recorded.submit(shot);
+    for (size_t i = 2; i < moved.size(); i += 3) moved[i] = box.positions[i] + 0.01f * static_cast<float>(round % 7);
+    for (Simulator* each : {&simulator, &expected}) each->setPositions(2, moved);
+    recorded.submit(shot);
+    if (round % (rounds / 6) == 0) {
+      Scan scan;
+      expected.scanInto(shot, scan);
+      const std::vector<std::byte> found = recorded.scan(shot);
+      std::vector<std::byte> rows(pointLayout().stride * scan.ranges.size());
+      rows.resize(pointLayout().stride * pack(scan, pointLayout(), rows));
+      INFO("round " << round);
+      REQUIRE(found == rows);
+    }
+    const size_t second = simulator.addSensor({gridSensor(30 + round % 9, 4, -9, 9), Effects::none(), {}});
+    recorded.submit(shot);
+    simulator.removeSensor(second);
+    for (Simulator* each : {&simulator, &expected}) {
+      each->removeInstance(2);
+      each->removeMesh(2);
+    }
+    recorded.submit(shot);
+    const MemoryUse use = simulator.memory();
+    if (round == 2) bytes = use.scene + use.sensor + use.work;
+    if (round > 2) REQUIRE(use.scene + use.sensor + use.work <= bytes);
+  }
+}
+
+TEST_CASE("all memory comes from the caller's allocator, and goes back to it") {
+  needVulkan();
+  VulkanApp app;
+  vulkan::AdoptedDevice device = app.adopted();
+  std::vector<std::unique_ptr<int>> given;
+  size_t alive = 0;
+  device.allocator.allocate = [&](const VkMemoryRequirements& requirements, uint32_t type) {
+    VkMemoryAllocateFlagsInfo flags = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+    flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+    VkMemoryAllocateInfo allocate = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
+    // Part of a larger block, as allocators give it.
+    const VkDeviceSize offset = 4 * requirements.alignment;
+    allocate.allocationSize = requirements.size + offset;
+    allocate.memoryTypeIndex = type;
+    vulkan::Allocation allocation;
+    allocation.offset = offset;
+    if (app.vk().vkAllocateMemory(device.device, &allocate, nullptr, &allocation.memory) != VK_SUCCESS)
+      return allocation;
+    void* mapped = nullptr;
+    REQUIRE(app.vk().vkMapMemory(device.device, allocation.memory, 0, VK_WHOLE_SIZE, 0, &mapped) == VK_SUCCESS);
+    allocation.mapped = static_cast<std::byte*>(mapped) + offset;
+    ++alive;
+    return allocation;
+  };
+  device.allocator.release = [&](const vulkan::Allocation& allocation) {
+    app.vk().vkFreeMemory(device.device, allocation.memory, nullptr);
+    --alive;
+  };
+  app.setAdopted(device);
+  {
+    Recorded recorded(app, boxes(), {gridSensor(90, 8, -18, 9), Effects::none()}, plainOptions(), pointLayout());
+    CHECK(alive > 20);
+    CHECK(recorded.scan({}).size() == 720 * pointLayout().stride);
+  }
+  CHECK(alive == 0);
+}
+
+TEST_CASE("misuse of adopted devices and recorders gets a sentence") {
+  needVulkan();
+  VulkanApp app;
+  const auto refused = [&](auto change) {
+    vulkan::AdoptedDevice device = app.adopted();
+    change(device);
+    try {
+      vulkan::adopt(device);
+    } catch (const Error& error) {
+      CHECK(error.code() == ErrorCode::invalidArgument);
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(refused([](vulkan::AdoptedDevice&) {}) == "");
+  CHECK_THAT(refused([](auto& device) { device.getInstanceProcAddr = nullptr; }),
+             ContainsSubstring("without vkGetInstanceProcAddr"));
+  CHECK_THAT(refused([](auto& device) { device.device = VK_NULL_HANDLE; }), ContainsSubstring("without its instance"));
+  CHECK_THAT(refused([](auto& device) { device.queueFamily = 99; }), ContainsSubstring("no queue family 99"));
+  CHECK_THAT(refused([](auto& device) { device.enabled.features12.bufferDeviceAddress = VK_FALSE; }),
+             ContainsSubstring("without the feature bufferDeviceAddress"));
+  CHECK_THAT(refused([](auto& device) { device.enabled = {}; }),
+             ContainsSubstring("without the feature scalarBlockLayout"));
+
+  const Sensor sensor = gridSensor(90, 8, -18, 9);
+  SensorRequest request = {sensor, Effects::none()};
+  Simulator own(boxes(), request, plainOptions());
+  CHECK_THROWS_WITH(vulkan::Recorder(own), ContainsSubstring("not on a device of the caller"));
+  request.layout = pointLayout();
+  CHECK_THROWS_WITH(own.addSensor(request), ContainsSubstring("stay on a device of the caller"));
+
+  Recorded recorded(app, boxes(), {sensor, Effects::none()}, plainOptions(), pointLayout());
+  CHECK_THROWS_WITH(recorded.simulator().scan({}), ContainsSubstring("recorded by vulkan::Recorder"));
+  SensorRequest broken = request;
+  broken.layout.values[0].offset = 15;
+  CHECK_THROWS_WITH(recorded.simulator().addSensor(broken), ContainsSubstring("beyond the stride of 16"));
+  broken.layout.values[0] = {Field::tie, 0, 0, ValueType::u8};
+  CHECK_THROWS_WITH(recorded.simulator().addSensor(broken), ContainsSubstring("only the device 'reference'"));
+  CHECK_THROWS_WITH(vulkan::Recorder(recorded.simulator(), 0), ContainsSubstring("1 to 16 frames"));
+
+  const size_t plain = recorded.simulator().addSensor({sensor, Effects::none()});
+  const VulkanApp::Buffer records(app, 1 << 16), header(app, sizeof(RecordHeader));
+  VulkanApp::Frame& frame = recorded.frame(0);
+  const VkCommandBuffer commands = frame.begin();
+  const vulkan::RecordedShot good = {{}, records.range(), header.range()};
+  const auto attempt = [&](auto change, size_t number = 0) {
+    vulkan::RecordedShot shot = good;
+    change(shot);
+    recorded.recorder().record(commands, number, {&shot, 1});
+  };
+  const auto same = [](vulkan::RecordedShot&) {};
+  CHECK_THROWS_WITH(recorded.recorder().record(VK_NULL_HANDLE, 0, {}), ContainsSubstring("needs a command buffer"));
+  CHECK_THROWS_WITH(attempt(same, 2), ContainsSubstring("no frame in flight 2"));
+  CHECK_THROWS_WITH(attempt([](auto& shot) { shot.shot.sensor = 7; }), ContainsSubstring("sensor 7 does not exist"));
+  CHECK_THROWS_WITH(attempt([&](auto& shot) { shot.shot.sensor = plain; }), ContainsSubstring("has no layout"));
+  CHECK_THROWS_WITH(attempt([](auto& shot) { shot.records.address += 4; }), ContainsSubstring("multiple of 16"));
+  CHECK_THROWS_WITH(attempt([](auto& shot) { shot.header.address = 0; }), ContainsSubstring("for the header needs"));
+  CHECK_THROWS_WITH(attempt([](auto& shot) { shot.header.bytes = 16; }), ContainsSubstring("it needs 32"));
+  const std::array twice = {good, good};
+  CHECK_THROWS_WITH(recorded.recorder().record(commands, 0, twice), ContainsSubstring("occurs twice"));
+  frame.submit();
+}
+
+}  // namespace gnosphere::test

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scans recorded on a device of the caller, against scans on a device of our own.
+#include <catch2/matchers/catch_matchers.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "effects/showroom.hpp"
+#include "engine/recorded.hpp"
+#include "lists/list_sensors.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+using Catch::Matchers::ContainsSubstring;
+
+/// A layout with values of every kind at odd places, in the manner of PointCloud2.
+RecordLayout oddLayout(const std::vector<Field>& fields, bool compact) {
+  RecordLayout layout;
+  layout.compact = compact;
+  layout.stride = 3;
+  for (const Field field : fields) {
+    const FieldInfo info = fieldInfo(field);
+    for (uint32_t component = 0; component < info.components; ++component) {
+      const bool wide = field == Field::time || field == Field::beam;
+      const ValueType type = wide ? ValueType::f64 : info.type == ValueType::u8 ? ValueType::u16 : info.type;
+      layout.values.push_back({field, component, layout.stride, type});
+      layout.stride += wide ? 8 : type == ValueType::u16 ? 2 : 4;
+    }
+  }
+  layout.stride += 2;
+  return layout;
+}
+
+const std::vector<Field> kPlainFields = {
+    Field::x,    Field::y,        Field::z,       Field::range,   Field::ring,      Field::time,        Field::triangle,
+    Field::beam, Field::instance, Field::classId, Field::azimuth, Field::elevation, Field::returnNumber};
+const std::vector<Field> kAllFields = [] {
+  std::vector<Field> fields = kPlainFields;
+  for (const Field field : {Field::intensity, Field::trueRange, Field::width, Field::label, Field::cause, Field::normal,
+                            Field::incidence, Field::material, Field::barycentrics, Field::returnCount})
+    fields.push_back(field);
+  return fields;
+}();
+
+/// Returns the rows of a scan as pack() lays them out; bytes without a value are 0, as on the device.
+std::vector<std::byte> rowsOf(const Scan& scan, const RecordLayout& layout) {
+  std::vector<std::byte> bytes(layout.stride * scan.ranges.size());
+  bytes.resize(layout.stride * pack(scan, layout, bytes));
+  return bytes;
+}
+
+/// Requires that recorded rows have the bytes of a scan, for every shot.
+void requireSameRows(VulkanApp& app, const Scene& scene, const SensorRequest& request, const TestOptions& options,
+                     const RecordLayout& layout, const std::vector<Shot>& shots) {
+  SensorRequest onHost = request;
+  for (const RecordLayout::Value& value : layout.values) onHost.fields.push_back(value.field);
+  TestOptions own = options;
+  own.device = {DeviceChoice::Kind::vulkan, app.deviceName()};
+  Simulator simulator(scene, onHost, own);
+  Recorded recorded(app, scene, request, options, layout);
+  for (const Shot& shot : shots) {
+    Scan scan;
+    simulator.scanInto(shot, scan);
+    const std::vector<std::byte> expected = rowsOf(scan, layout), found = recorded.scan(shot);
+    INFO("frame " << shot.frame << ": " << expected.size() / layout.stride << " rows");
+    REQUIRE(found.size() == expected.size());
+    REQUIRE(found.size() > 0);
+    const auto at = std::mismatch(found.begin(), found.end(), expected.begin()).first - found.begin();
+    INFO("first difference in row " << at / static_cast<ptrdiff_t>(layout.stride) << ", byte "
+                                    << at % static_cast<ptrdiff_t>(layout.stride));
+    CHECK(found == expected);
+    CHECK(recorded.header.wanted == recorded.header.rows);
+    CHECK(recorded.header.frame == shot.frame);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("recorded scans have the bytes of scan(), for grids, lists and every accuracy", "[second-driver]") {
+  needVulkan();
+  VulkanApp app;
+  const Scene scene = showroom();
+  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+    TestOptions options = vulkanOptions();
+    options.accuracy = accuracy;
+    Shot moved = shotOf(false);
+    moved.pose.position.x += 0.7;
+    moved.frame = 4;
+    for (const bool compact : {false, true}) {
+      INFO(nameOf(accuracy) << (compact ? ", compact" : ", organised"));
+      const Sensor sensor = compact ? listSensor("rosette", rosette(3000, 0.35)) : gridSensor(90, 8, -18, 9, 15);
+      requireSameRows(app, scene, {sensor, Effects::none()}, options, oddLayout(kPlainFields, compact),
+                      {shotOf(false), moved});
+    }
+  }
+}
+
+TEST_CASE("recorded scans have the bytes of scan(), with all effects and in motion", "[second-driver]") {
+  needVulkan();
+  VulkanApp app;
+  TestOptions options = vulkanOptions();
+  SensorRequest request = {smallSensor(), loud()};
+  request.effects.sensorMotion.deskew = false;
+  requireSameRows(app, showroom(), request, options, oddLayout(kAllFields, true), {shotOf(false), shotOf(true)});
+}
+
+}  // namespace gnosphere::test
