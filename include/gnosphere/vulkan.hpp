@@ -19,11 +19,15 @@ namespace gnosphere::vulkan {
 struct Requirements {
   std::vector<const char*> extensions;  ///< for VkDeviceCreateInfo::ppEnabledExtensionNames
   VkPhysicalDeviceFeatures features = {};
-  VkPhysicalDeviceVulkan12Features features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
-  VkPhysicalDeviceSubgroupSizeControlFeaturesEXT subgroupSizeControl = {
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT};
+  VkPhysicalDeviceVulkan12Features features12 = {};
+  VkPhysicalDeviceSubgroupSizeControlFeaturesEXT subgroupSizeControl = {};
   /// A sentence for each requirement that the physical device does not meet; empty if it can be used.
   std::vector<std::string> missing;
+
+  Requirements() {
+    features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    subgroupSizeControl.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT;
+  }
 
   /// Sets every required feature in the caller's own structures, which otherwise keep their values. Null for a
   /// structure that the caller's chain does not have; a chain must not hold a structure twice.

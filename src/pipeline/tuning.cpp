@@ -80,7 +80,7 @@ Capacities firstCapacities(uint32_t binning, bool panes, uint64_t beams, uint64_
   const uint64_t candidates = binning == gpu::kBinningLists ? beams * kCandidatesPerBeam
                               : panes                       ? beams / kBeamsPerPane
                                                             : 0;
-  return {projected, binning == gpu::kBinningSlabs ? projected / 2 : kFirstTiles,
+  return {projected, binning == gpu::kBinningSlabs ? std::max(projected / 2, kFirstTiles) : kFirstTiles,
           static_cast<uint32_t>(std::min<uint64_t>(candidates, 0xffffffff))};
 }
 

@@ -18,12 +18,12 @@ RecordLayout pointLayout(bool compact = true) {
   return layout;
 }
 
-/// A box around the sensor, and a smaller one in it, instance 1.
-Scene boxes() {
+/// A box around the sensor, with n x n quads a side, and a smaller one in it, instance 1.
+Scene boxes(uint32_t n = 6) {
   Scene scene;
   scene.materials = {material(true)};
   MeshBuilder outer, inner;
-  outer.box({-20, -20, -3}, {20, 20, 12}, 6);
+  outer.box({-20, -20, -3}, {20, 20, 12}, n);
   inner.box({-1, -1, -1}, {1, 1, 1}, 3);
   scene.meshes = {outer.take(), inner.take()};
   scene.instances = {{"", 0, {}}, {"", 1, translation(6, 0, 0)}};
@@ -123,7 +123,8 @@ TEST_CASE("a list that is too small is reported, grows before the next scan, and
   VulkanApp app;
   // Nearly all triangles are wider than a slab, which the first capacity of the tiles does not expect.
   const SensorRequest request = {listSensor("rosette", rosette(3000, 0.35)), Effects::none()};
-  Recorded recorded(app, boxes(), request, plainOptions(), pointLayout());
+  const Scene scene = boxes(70);
+  Recorded recorded(app, scene, request, plainOptions(), pointLayout());
   Shot shot;
   const std::vector<std::byte> rows = recorded.scan(shot);
   CHECK(recorded.incomplete == 1);
@@ -132,7 +133,7 @@ TEST_CASE("a list that is too small is reported, grows before the next scan, and
   for (const vulkan::RecordedScan& result : results) CHECK(result.complete);
   recorded.submit(shot);
 
-  Recorded small(app, boxes(), request, plainOptions(), pointLayout(), 777);
+  Recorded small(app, scene, request, plainOptions(), pointLayout(), 777);
   const std::vector<std::byte> first = small.scan(shot);
   CHECK(small.header.rows == 777);
   CHECK(small.header.wanted == 3000);
