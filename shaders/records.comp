@@ -117,6 +117,11 @@ void listEntries() {
 
 // --- Values -------------------------------------------------------------------------------------------------------
 
+// True if the records hold the value; false at compile time for all others.
+#define HOLDS(value_) ((RECORDS & 1u << (value_)) != 0)
+#define HOLDS_ANY(bits_) ((RECORDS & (bits_)) != 0)
+#define BITS(first_, last_) ((2u << (last_)) - (1u << (first_)))
+
 float notANumberIf(bool condition, float value) { return condition ? uintBitsToFloat(0x7fc00000u) : value; }
 
 float incidenceAt(uint entry) {
@@ -126,50 +131,71 @@ float incidenceAt(uint entry) {
   return incidenceOf(normal, point.xyz, point.w);
 }
 
-float floatOf(uint field, uint component, uint entry) {
-  bool hit = owners.at[entry].x != kNone;
-  switch (field) {
-    case kValueX: return points.at[entry].x;
-    case kValueY: return points.at[entry].y;
-    case kValueZ: return points.at[entry].z;
-    case kValueRange: return points.at[entry].w;
-    case kValueIntensity: return signals.at[entry].intensity;
-    case kValueTrueRange: return signals.at[entry].trueRange;
-    case kValueWidth: return signals.at[entry].width;
-    case kValueNormal: return notANumberIf(!hit, surfaces.at[entry].normal[component]);
-    case kValueIncidence: return notANumberIf(!hit, incidenceAt(entry));
-    case kValueBarycentrics: return notANumberIf(!hit, barycentrics.at[entry][component]);
-    case kValueVelocity: return motions.at[entry][component];
-    case kValueRadialSpeed: return motions.at[entry].w;
-    case kValueTime: return beamFacts.at[entry / RETURNS].x;
-    case kValueAzimuth: return beamFacts.at[entry / RETURNS].y;
-    case kValueElevation: return beamFacts.at[entry / RETURNS].z;
-  }
-  return 0.0;
-}
-
 uint returnCountOf(uint first) {
   uint count = 0;
   for (uint k = 0; k < RETURNS; ++k) count += returned(first + k) ? 1 : 0;
   return count;
 }
 
-uint integerOf(uint field, uint entry) {
-  uint beam = entry / RETURNS;
-  switch (field) {
-    case kValueRing: return floatBitsToUint(beamFacts.at[beam].w);
-    case kValueBeam: return beam;
-    case kValueTriangle: return owners.at[entry].x;
-    case kValueInstance: return owners.at[entry].y;
-    case kValueLabel: return signals.at[entry].word & 0xff;
-    case kValueCause: return signals.at[beam * RETURNS].word >> 8 & 0xff;  // stored in the first return of the beam
-    case kValueReturnNumber: return returned(entry) ? entry % RETURNS + 1 : 0;
-    case kValueReturnCount: return returnCountOf(beam * RETURNS);
-    case kValueMaterial: return owners.at[entry].x != kNone ? surfaces.at[entry].material : kNone;
-    case kValueClass: return owners.at[entry].y < plan.classes ? instanceClasses.at[owners.at[entry].y] : 0;
+// Calls USE(number of the value, its bits) for every value of an entry. A float has its own bits.
+#define EACH_VALUE(entry_, USE) \
+  { \
+    uint beam_ = (entry_) / RETURNS; \
+    uvec2 owner_ = uvec2(kNone); \
+    if (HOLDS_ANY(BITS(kValueNormalX, kValueBarycentricV) | BITS(kValueTriangle, kValueInstance) | \
+                  BITS(kValueMaterial, kValueClass))) \
+      owner_ = owners.at[entry_]; \
+    bool hit_ = owner_.x != kNone; \
+    if (HOLDS_ANY(BITS(kValueX, kValueRange))) { \
+      vec4 point_ = points.at[entry_]; \
+      USE(kValueX, floatBitsToUint(point_.x)); \
+      USE(kValueY, floatBitsToUint(point_.y)); \
+      USE(kValueZ, floatBitsToUint(point_.z)); \
+      USE(kValueRange, floatBitsToUint(point_.w)); \
+    } \
+    if (HOLDS_ANY(BITS(kValueIntensity, kValueWidth) | 1u << kValueLabel)) { \
+      SignalRecord signal_ = signals.at[entry_]; \
+      USE(kValueIntensity, floatBitsToUint(signal_.intensity)); \
+      USE(kValueTrueRange, floatBitsToUint(signal_.trueRange)); \
+      USE(kValueWidth, floatBitsToUint(signal_.width)); \
+      USE(kValueLabel, signal_.word & 0xff); \
+    } \
+    if (HOLDS_ANY(BITS(kValueNormalX, kValueNormalZ) | 1u << kValueMaterial)) { \
+      SurfaceRecord surface_ = surfaces.at[entry_]; \
+      USE(kValueNormalX, floatBitsToUint(notANumberIf(!hit_, surface_.normal.x))); \
+      USE(kValueNormalY, floatBitsToUint(notANumberIf(!hit_, surface_.normal.y))); \
+      USE(kValueNormalZ, floatBitsToUint(notANumberIf(!hit_, surface_.normal.z))); \
+      USE(kValueMaterial, hit_ ? surface_.material : kNone); \
+    } \
+    if (HOLDS(kValueIncidence)) USE(kValueIncidence, floatBitsToUint(notANumberIf(!hit_, incidenceAt(entry_)))); \
+    if (HOLDS_ANY(BITS(kValueBarycentricU, kValueBarycentricV))) { \
+      vec2 weights_ = barycentrics.at[entry_]; \
+      USE(kValueBarycentricU, floatBitsToUint(notANumberIf(!hit_, weights_.x))); \
+      USE(kValueBarycentricV, floatBitsToUint(notANumberIf(!hit_, weights_.y))); \
+    } \
+    if (HOLDS_ANY(BITS(kValueVelocityX, kValueRadialSpeed))) { \
+      vec4 motion_ = motions.at[entry_]; \
+      USE(kValueVelocityX, floatBitsToUint(motion_.x)); \
+      USE(kValueVelocityY, floatBitsToUint(motion_.y)); \
+      USE(kValueVelocityZ, floatBitsToUint(motion_.z)); \
+      USE(kValueRadialSpeed, floatBitsToUint(motion_.w)); \
+    } \
+    if (HOLDS_ANY(BITS(kValueTime, kValueRing))) { \
+      vec4 facts_ = beamFacts.at[beam_]; \
+      USE(kValueTime, floatBitsToUint(facts_.x)); \
+      USE(kValueAzimuth, floatBitsToUint(facts_.y)); \
+      USE(kValueElevation, floatBitsToUint(facts_.z)); \
+      USE(kValueRing, floatBitsToUint(facts_.w)); \
+    } \
+    USE(kValueBeam, beam_); \
+    USE(kValueTriangle, owner_.x); \
+    USE(kValueInstance, owner_.y); \
+    /* The cause of a beam is stored in its first return. */ \
+    if (HOLDS(kValueCause)) USE(kValueCause, signals.at[beam_ * RETURNS].word >> 8 & 0xff); \
+    if (HOLDS(kValueReturnNumber)) USE(kValueReturnNumber, returned(entry_) ? (entry_) % RETURNS + 1 : 0); \
+    if (HOLDS(kValueReturnCount)) USE(kValueReturnCount, returnCountOf(beam_ * RETURNS)); \
+    if (HOLDS(kValueClass)) USE(kValueClass, owner_.y < plan.classes ? instanceClasses.at[owner_.y] : 0); \
   }
-  return 0;
-}
 
 // Returns the bits of a float as a double, low word first; denormals become zero.
 uvec2 doubleOf(float value) {
@@ -188,15 +214,11 @@ uvec2 doubleOf(uint value) {
   return uvec2(fraction << 52 - top, high | fraction >> top - 20);
 }
 
-// Returns the bits of a value in memory, low word first.
-uvec2 bitsOf(RecordValue value, uint entry) {
-  if (value.field < kFirstIntegerValue) {
-    float number = floatOf(value.field, value.component, entry);
-    return value.type == kTypeF64 ? doubleOf(number) : uvec2(floatBitsToUint(number), 0);
-  }
-  uint number = integerOf(value.field, entry);
-  if (value.type == kTypeF64) return doubleOf(number);
-  return uvec2(value.type == kTypeF32 ? floatBitsToUint(float(number)) : number, 0);
+// Returns the bits of a value in memory, low word first. `bits` are those of its own type.
+uvec2 converted(uint value, uint type, uint bits) {
+  bool real = value < kFirstIntegerValue;
+  if (type == kTypeF64) return real ? doubleOf(uintBitsToFloat(bits)) : doubleOf(bits);
+  return uvec2(type == kTypeF32 && !real ? floatBitsToUint(float(bits)) : bits, 0);
 }
 
 // --- Writing ------------------------------------------------------------------------------------------------------
@@ -215,6 +237,8 @@ void moveTo(uint next, bool filling) {
   place = next;
 }
 
+uint entryOf(uint record) { return plan.organised != 0 ? record : recordEntries.at[record]; }
+
 void put(uint bits, uint bytes) {
   uint shift = 8 * (place % 4);
   pending |= bits << shift;
@@ -232,21 +256,37 @@ void writeStream(RecordStream stream, uint first, uint end) {
   place = stream.start + first * stream.stride;
   pending = 0;
   for (uint record = first; record < end; ++record) {
-    uint entry = plan.organised != 0 ? record : recordEntries.at[record];
+    uint bits[kValues];
+    uint entry = entryOf(record);
+#define KEEP(value_, bits_) bits[value_] = bits_
+    EACH_VALUE(entry, KEEP)
     for (uint k = 0; k < stream.values; ++k) {
       RecordValue value = recordValues.at[stream.firstValue + k];
       moveTo(stream.start + record * stream.stride + value.offset, filling);
-      uvec2 bits = bitsOf(value, entry);
-      put(bits.x, sizeOf(value.type));
-      if (value.type == kTypeF64) put(bits.y, 4);
+      uvec2 memory = converted(value.value, value.type, bits[value.value]);
+      put(memory.x, sizeOf(value.type));
+      if (value.type == kTypeF64) put(memory.y, 4);
     }
     if (filling) moveTo(stream.start + (record + 1) * stream.stride, filling);
   }
   if (place % 4 != 0) records.at[place / 4] = pending;
 }
 
+void writeWords(uint record) {
+  uint entry = entryOf(record);
+#define STORE(value_, bits_) \
+  if (HOLDS(value_)) records.at[recordPlaces.at[value_].first + record * recordPlaces.at[value_].stride] = bits_
+  EACH_VALUE(entry, STORE)
+  for (uint k = 0; k < plan.gaps; ++k) records.at[recordGaps.at[k].first + record * recordGaps.at[k].stride] = 0;
+}
+
 void writeRecords() {
   uint count = recordHeader.at[0];
+  if ((RECORDS & kWholeWords) != 0) {
+    for (uint record = gl_GlobalInvocationID.x; record < count; record += kLanes * gl_NumWorkGroups.x)
+      writeWords(record);
+    return;
+  }
   for (uint first = kRecordsEach * gl_GlobalInvocationID.x; first < count;
        first += kRecordsEach * kLanes * gl_NumWorkGroups.x)
     for (uint k = 0; k < plan.streams; ++k)

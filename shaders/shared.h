@@ -128,7 +128,7 @@ GNO_CONST uint kPassHeader = 1;
 GNO_CONST uint kPassEntries = 2;  // lists the entries with a return
 GNO_CONST uint kPassRecords = 3;
 
-// The fields that records may hold: floats first, then integers.
+// The values that records may hold: floats first, then integers.
 GNO_CONST uint kValueX = 0;
 GNO_CONST uint kValueY = 1;
 GNO_CONST uint kValueZ = 2;
@@ -136,25 +136,33 @@ GNO_CONST uint kValueRange = 3;
 GNO_CONST uint kValueIntensity = 4;
 GNO_CONST uint kValueTrueRange = 5;
 GNO_CONST uint kValueWidth = 6;
-GNO_CONST uint kValueNormal = 7;
-GNO_CONST uint kValueIncidence = 8;
-GNO_CONST uint kValueBarycentrics = 9;
-GNO_CONST uint kValueVelocity = 10;
-GNO_CONST uint kValueRadialSpeed = 11;
-GNO_CONST uint kValueTime = 12;
-GNO_CONST uint kValueAzimuth = 13;
-GNO_CONST uint kValueElevation = 14;
-GNO_CONST uint kFirstIntegerValue = 15;
-GNO_CONST uint kValueRing = 15;
-GNO_CONST uint kValueBeam = 16;
-GNO_CONST uint kValueTriangle = 17;
-GNO_CONST uint kValueInstance = 18;
-GNO_CONST uint kValueLabel = 19;
-GNO_CONST uint kValueCause = 20;
-GNO_CONST uint kValueReturnNumber = 21;
-GNO_CONST uint kValueReturnCount = 22;
-GNO_CONST uint kValueMaterial = 23;
-GNO_CONST uint kValueClass = 24;
+GNO_CONST uint kValueNormalX = 7;
+GNO_CONST uint kValueNormalY = 8;
+GNO_CONST uint kValueNormalZ = 9;
+GNO_CONST uint kValueIncidence = 10;
+GNO_CONST uint kValueBarycentricU = 11;
+GNO_CONST uint kValueBarycentricV = 12;
+GNO_CONST uint kValueVelocityX = 13;
+GNO_CONST uint kValueVelocityY = 14;
+GNO_CONST uint kValueVelocityZ = 15;
+GNO_CONST uint kValueRadialSpeed = 16;
+GNO_CONST uint kValueTime = 17;
+GNO_CONST uint kValueAzimuth = 18;
+GNO_CONST uint kValueElevation = 19;
+GNO_CONST uint kFirstIntegerValue = 20;
+GNO_CONST uint kValueRing = 20;
+GNO_CONST uint kValueBeam = 21;
+GNO_CONST uint kValueTriangle = 22;
+GNO_CONST uint kValueInstance = 23;
+GNO_CONST uint kValueLabel = 24;
+GNO_CONST uint kValueCause = 25;
+GNO_CONST uint kValueReturnNumber = 26;
+GNO_CONST uint kValueReturnCount = 27;
+GNO_CONST uint kValueMaterial = 28;
+GNO_CONST uint kValueClass = 29;
+GNO_CONST uint kValues = 30;
+// In RECORDS beside the bits of the values: every value is a whole word of its own.
+GNO_CONST uint kWholeWords = 0x80000000u;
 
 // Types of values in memory; the numbers of ValueType.
 GNO_CONST uint kTypeF32 = 0;
@@ -264,12 +272,18 @@ struct Counters {
   uint tried;                        // triangles whose beams project has tried; they are on no list
 };
 
+// Where a value of every record lies, in words of 32 bits.
+struct RecordPlace {
+  uint first, stride;
+};
+
 // How the results that stay on the device are written.
 struct RecordPlan {
   uint entries;     // returns of all beams, with those that are missing
   uint capacity;    // most records that the caller's buffer holds
   uint organised;   // 1 if every entry has a record, 0 if only returns have one
   uint streams;     // entries of recordStreams
+  uint gaps;        // entries of recordGaps
   uint classes;     // entries of instanceClasses
   uint directions;  // 1 if points do not lie on their beams, which then have an entry in beamDirections
   uint frame;       // number of the scan
@@ -283,8 +297,7 @@ struct RecordStream {
 };
 
 struct RecordValue {
-  uint field;  // kValue...
-  uint component;
+  uint value;   // kValue...
   uint type;    // kType...
   uint offset;  // in the record
 };

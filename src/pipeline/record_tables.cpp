@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "gnosphere/error.hpp"
+#include "scan/fields.hpp"
 #include "scan/layout.hpp"
 #include "sensor/beams.hpp"
 
@@ -18,6 +19,7 @@ static_assert(static_cast<uint32_t>(ValueType::u16) == gpu::kTypeU16);
 static_assert(static_cast<uint32_t>(ValueType::u32) == gpu::kTypeU32);
 static_assert(sizeof(RecordHeader) == 32);
 
+// The number of a field's first component; those of the others follow.
 uint32_t numberOf(Field field) {
   switch (field) {
     case Field::x: return gpu::kValueX;
@@ -35,12 +37,12 @@ uint32_t numberOf(Field field) {
     case Field::returnNumber: return gpu::kValueReturnNumber;
     case Field::returnCount: return gpu::kValueReturnCount;
     case Field::width: return gpu::kValueWidth;
-    case Field::normal: return gpu::kValueNormal;
+    case Field::normal: return gpu::kValueNormalX;
     case Field::incidence: return gpu::kValueIncidence;
     case Field::material: return gpu::kValueMaterial;
-    case Field::barycentrics: return gpu::kValueBarycentrics;
+    case Field::barycentrics: return gpu::kValueBarycentricU;
     case Field::classId: return gpu::kValueClass;
-    case Field::velocity: return gpu::kValueVelocity;
+    case Field::velocity: return gpu::kValueVelocityX;
     case Field::radialSpeed: return gpu::kValueRadialSpeed;
     case Field::time: return gpu::kValueTime;
     case Field::azimuth: return gpu::kValueAzimuth;
@@ -52,7 +54,31 @@ uint32_t numberOf(Field field) {
 }
 
 gpu::RecordValue packed(const RecordLayout::Value& value, size_t offset) {
-  return {numberOf(value.field), value.component, static_cast<uint32_t>(value.type), static_cast<uint32_t>(offset)};
+  return {numberOf(value.field) + value.component, static_cast<uint32_t>(value.type), static_cast<uint32_t>(offset)};
+}
+
+// Whether each value has a word of its own, which holds the bits that the value has anyway.
+bool wholeWords(const RecordLayout& layout, uint32_t held) {
+  if (static_cast<size_t>(std::popcount(held)) != layout.values.size() || layout.stride % 4 != 0) return false;
+  return std::all_of(layout.values.begin(), layout.values.end(), [](const RecordLayout::Value& value) {
+    const ValueType own = fieldInfo(value.field).type;
+    const bool same = value.type == own || (value.type == ValueType::u32 && own != ValueType::f32);
+    return same && sizeOf(value.type) == 4 && value.offset % 4 == 0 && value.stride % 4 == 0;
+  });
+}
+
+// Finds the place of each value, and the words of a row between them.
+void placeWords(const RecordLayout& layout, RecordTables& tables) {
+  tables.places.resize(gpu::kValues);
+  std::vector<bool> used(layout.stride / 4);
+  for (const RecordLayout::Value& value : layout.values) {
+    const size_t stride = value.stride > 0 ? value.stride : layout.stride;
+    tables.places[numberOf(value.field) + value.component] = {static_cast<uint32_t>(value.offset / 4),
+                                                              static_cast<uint32_t>(stride / 4)};
+    if (value.stride == 0) used[value.offset / 4] = true;
+  }
+  for (size_t word = 0; word < used.size(); ++word)
+    if (!used[word]) tables.gaps.push_back({static_cast<uint32_t>(word), static_cast<uint32_t>(layout.stride / 4)});
 }
 
 bool asks(const RecordLayout& layout, std::initializer_list<Field> fields) {
@@ -76,6 +102,11 @@ RecordTables recordTables(const RecordLayout& layout) {
     if (value.stride == 0) continue;
     add(value.offset, value.stride, 1, true);
     tables.values.push_back(packed(value, 0));
+  }
+  for (const gpu::RecordValue& value : tables.values) tables.held |= 1u << value.value;
+  if (!layout.empty() && wholeWords(layout, tables.held)) {
+    tables.held |= gpu::kWholeWords;
+    placeWords(layout, tables);
   }
   return tables;
 }

@@ -9,8 +9,10 @@
 namespace gnosphere {
 
 struct RecordTables {
+  uint32_t held = 0;  ///< bits of the values, and kWholeWords if every value is a whole word and occurs once
   std::vector<gpu::RecordStream> streams;
   std::vector<gpu::RecordValue> values;
+  std::vector<gpu::RecordPlace> places, gaps;  ///< if every value is a whole word
 };
 /// Returns the layout as the kernel reads it.
 RecordTables recordTables(const RecordLayout& layout);

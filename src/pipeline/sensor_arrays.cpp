@@ -8,7 +8,6 @@
 
 #include "gnosphere/error.hpp"
 #include "pipeline/beam_cells.hpp"
-#include "pipeline/record_tables.hpp"
 #include "pipeline/scene_arrays.hpp"
 #include "scan/layout.hpp"
 
@@ -58,7 +57,8 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       shells_(mostShells(options, binning_, beams(), triangles)),
       shellClusters_(shellClusters(options, beams())),
       reach_(reachOf(options, patterns_[0].tables.frame)),
-      outputs_(outputsOf(plan, leavesWords(binning_, plan))) {
+      outputs_(outputsOf(plan, leavesWords(binning_, plan))),
+      records_(recordTables(plan.layout)) {
   options_.BINNING = binning_;
   for (Pattern& pattern : patterns_) {
     gpu::Frame& frame = pattern.tables.frame;
@@ -145,10 +145,10 @@ void SensorArrays::makeRecordArrays() {
   for (const Output& output : outputs_) allocate(output.array, mostBeams() * output.bytesPerBeam);
   allocate(Array::recordBlocks, (entries() / gpu::kPrefixBlock + 1) * 4);
   if (plan_.layout.compact) allocate(Array::recordEntries, entries() * 4);
-  const RecordTables tables = recordTables(plan_.layout);
-  streams_ = static_cast<uint32_t>(tables.streams.size());
-  of(Array::recordStreams) = uploaded<gpu::RecordStream>(machine_, Array::recordStreams, tables.streams);
-  of(Array::recordValues) = uploaded<gpu::RecordValue>(machine_, Array::recordValues, tables.values);
+  of(Array::recordStreams) = uploaded<gpu::RecordStream>(machine_, Array::recordStreams, records_.streams);
+  of(Array::recordValues) = uploaded<gpu::RecordValue>(machine_, Array::recordValues, records_.values);
+  of(Array::recordPlaces) = uploaded<gpu::RecordPlace>(machine_, Array::recordPlaces, records_.places);
+  of(Array::recordGaps) = uploaded<gpu::RecordPlace>(machine_, Array::recordGaps, records_.gaps);
 }
 
 void SensorArrays::allocate(Array array, uint64_t bytes) {
@@ -214,7 +214,7 @@ std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups
   input.footprint = footprint;
   input.resolve = !footprint && !leavesWords(binning_, plan_);
   input.surfaces = plan_.surfaces() && !footprint && !lines;
-  input.records = keepsRecords();
+  input.records = records_.held;
   input.organised = !plan_.layout.compact;
   input.holes = pattern.tables.holes;
   input.sparse = shells_ > 1 && !pattern.tables.startFarthest.empty();
@@ -296,7 +296,8 @@ void SensorArrays::loadRecords(size_t index, uint64_t bytes, std::span<const uin
   content.entries = static_cast<uint32_t>(entries());
   content.capacity = static_cast<uint32_t>(rowsIn(plan_.layout, bytes));
   content.organised = !plan_.layout.compact;
-  content.streams = streams_;
+  content.streams = static_cast<uint32_t>(records_.streams.size());
+  content.gaps = static_cast<uint32_t>(records_.gaps.size());
   content.classes = static_cast<uint32_t>(wide.size());
   content.directions = patterns_[0].arrays[static_cast<size_t>(Array::beamDirections)] != nullptr;
   content.frame = static_cast<uint32_t>(number);

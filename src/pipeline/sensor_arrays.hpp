@@ -9,6 +9,7 @@
 #include "pipeline/beam_tables.hpp"
 #include "pipeline/machine.hpp"
 #include "pipeline/outputs.hpp"
+#include "pipeline/record_tables.hpp"
 #include "pipeline/results.hpp"
 #include "pipeline/scan_options.hpp"
 
@@ -104,7 +105,7 @@ class SensorArrays {
   float shellHint_ = 0;
   double reach_;
   std::vector<Output> outputs_;
-  uint32_t streams_ = 0;  // of the layout of records
+  RecordTables records_;  // of the layout; empty if the host reads the results
   Capacities capacities_;
   std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays_;
   std::vector<Frame> frames_;  // each one after the first is made at its first use

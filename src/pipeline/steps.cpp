@@ -31,7 +31,7 @@ class Steps {
       finish("resolve");
     }
     judge();
-    if (input_.records) writeRecords();
+    if (input_.records != 0) writeRecords();
     return std::move(steps_);
   }
 
@@ -187,6 +187,7 @@ class Steps {
     step.variant.options.PASS = number;
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
     if (kernel != Kernel::effects_footprint) step.variant.subRays = 1;
+    if (kernel == Kernel::records) step.variant.options.RECORDS = input_.records;
     step.pass = pass;
     step.groupsX = groupsX;
     step.groupsY = groupsY;
