@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nodes that make, choose, move and pack points.
 #include <algorithm>
+#include <set>
 
 #include "rgl/node.hpp"
 
@@ -137,7 +138,7 @@ class Collector {
     count_ = 0;
   }
   void add(const Cloud& cloud, const Fields& fields) {
-    for (const rgl_field_t field : fields) {
+    for (const rgl_field_t field : std::set<rgl_field_t>(fields.begin(), fields.end())) {
       if (isPadding(field)) continue;
       const auto& bytes = *cloud.columns.at(field).bytes;
       columns_[field].insert(columns_[field].end(), bytes.begin(), bytes.end());
@@ -236,14 +237,10 @@ class FilterGroundNode : public PointsFilter {
   float angle_ = 0;
 };
 
-void checkFormat(const Fields& fields) {
-  if (contains(fields, RGL_FIELD_DYNAMIC_FORMAT))
-    throw Failure(RGL_INVALID_ARGUMENT, "cannot format field 'RGL_FIELD_DYNAMIC_FORMAT'");
-}
-
-/// Runs a function that gives a node a list of fields.
+/// Runs a function that gives a node a list of fields; `verb` is what the node does with each.
 template <class T>
-rgl_status_t withFields(const char* name, rgl_node_t* node, const rgl_field_t* fields, int32_t field_count) {
+rgl_status_t withFields(const char* name, const char* verb, rgl_node_t* node, const rgl_field_t* fields,
+                        int32_t field_count) {
   return call(
       name,
       [&] {
@@ -252,7 +249,8 @@ rgl_status_t withFields(const char* name, rgl_node_t* node, const rgl_field_t* f
         RGL_CHECK(field_count > 0);
         Fields wanted;
         for (int32_t i = 0; i < field_count; ++i) {
-          if (fields[i] == RGL_FIELD_DYNAMIC_FORMAT) checkFormat({RGL_FIELD_DYNAMIC_FORMAT});
+          if (fields[i] == RGL_FIELD_DYNAMIC_FORMAT)
+            throw Failure(RGL_INVALID_ARGUMENT, std::string("cannot ") + verb + " field 'RGL_FIELD_DYNAMIC_FORMAT'");
           wanted.push_back(fieldOf(fields[i]));
         }
         createOrUpdate<T>(node, Affects::graph, [&](auto& made) { made.set(std::move(wanted)); });
@@ -277,19 +275,21 @@ RGL_API rgl_status_t rgl_node_points_transform(rgl_node_t* node, const rgl_mat3x
 }
 
 RGL_API rgl_status_t rgl_node_points_format(rgl_node_t* node, const rgl_field_t* fields, int32_t field_count) {
-  return withFields<FormatNode>("rgl_node_points_format", node, fields, field_count);
+  return withFields<FormatNode>("rgl_node_points_format", "format", node, fields, field_count);
 }
 
 RGL_API rgl_status_t rgl_node_points_yield(rgl_node_t* node, const rgl_field_t* fields, int32_t field_count) {
-  return withFields<YieldNode>("rgl_node_points_yield", node, fields, field_count);
+  return withFields<YieldNode>("rgl_node_points_yield", "yield", node, fields, field_count);
 }
 
 RGL_API rgl_status_t rgl_node_points_spatial_merge(rgl_node_t* node, const rgl_field_t* fields, int32_t field_count) {
-  return withFields<SpatialMergeNode>("rgl_node_points_spatial_merge", node, fields, field_count);
+  return withFields<SpatialMergeNode>("rgl_node_points_spatial_merge", "perform spatial merge on", node, fields,
+                                      field_count);
 }
 
 RGL_API rgl_status_t rgl_node_points_temporal_merge(rgl_node_t* node, const rgl_field_t* fields, int32_t field_count) {
-  return withFields<TemporalMergeNode>("rgl_node_points_temporal_merge", node, fields, field_count);
+  return withFields<TemporalMergeNode>("rgl_node_points_temporal_merge", "perform temporal merge on", node, fields,
+                                       field_count);
 }
 
 RGL_API rgl_status_t rgl_node_points_compact_by_field(rgl_node_t* node, rgl_field_t field) {

@@ -49,7 +49,20 @@ struct Surface {
   uint32_t triangle = 0;
   Vec corners[3];
 
-  Vec normal() const { return unit(cross(corners[1] - corners[0], corners[2] - corners[0])); }
+  /// By the right-hand rule, whichever side is seen; in double, for the angle.
+  Vec3 normal() const {
+    const auto& [a, b, c] = corners;
+    const Vec3 u{double{b.x} - a.x, double{b.y} - a.y, double{b.z} - a.z};
+    const Vec3 v{double{c.x} - a.x, double{c.y} - a.y, double{c.z} - a.z};
+    const Vec3 n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+    const double norm = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+    return {n.x / norm, n.y / norm, n.z / norm};
+  }
+  /// Cosine of the angle between the normal and a direction, never negative.
+  double incidence(const Vec& direction) const {
+    const Vec3 n = normal();
+    return std::abs(n.x * direction.x + n.y * direction.y + n.z * direction.z);
+  }
 };
 
 /// The samples of a beam that RGL's return types stand for. A later sample becomes the second one only when it beats
@@ -284,14 +297,12 @@ Sample RaytraceNode::judge(const Run& run, size_t ray, size_t sample, Surface& s
   if (hit.triangle == kNoTriangle) return result;
   surface = surfaceOf(hit);
   const Ray world = worldRay(run, ray, sample);
-  const auto& [a, b, c] = surface.corners;
-  const double abx = double{b.x} - a.x, aby = double{b.y} - a.y, abz = double{b.z} - a.z;
-  const double acx = double{c.x} - a.x, acy = double{c.y} - a.y, acz = double{c.z} - a.z;
-  const double nx = aby * acz - abz * acy, ny = abz * acx - abx * acz, nz = abx * acy - aby * acx;
-  const double along = nx * world.direction.x + ny * world.direction.y + nz * world.direction.z;
-  const double away =
-      nx * (double{a.x} - world.origin.x) + ny * (double{a.y} - world.origin.y) + nz * (double{a.z} - world.origin.z);
-  if (along == 0) return result;
+  const Vec3 n = surface.normal();
+  const Vec& a = surface.corners[0];
+  const double along = n.x * world.direction.x + n.y * world.direction.y + n.z * world.direction.z;
+  const double away = n.x * (double{a.x} - world.origin.x) + n.y * (double{a.y} - world.origin.y) +
+                      n.z * (double{a.z} - world.origin.z);
+  if (!(std::abs(along) > 0)) return result;  // seen edge-on, or a triangle without a plane
   const double t = std::max(0.0, away / along);
   const double norm =
       std::sqrt(double{world.direction.x} * world.direction.x + double{world.direction.y} * world.direction.y +
@@ -331,7 +342,7 @@ float RaytraceNode::intensityOf(const Surface& surface, const Ray& world, double
     const TextureObject& texture = *entity.texture;
     value = texture.texels[size_t(coordinate(1, texture.height)) * texture.width + coordinate(0, texture.width)];
   }
-  return value * std::abs(dot(surface.normal(), world.direction));
+  return value * static_cast<float>(surface.incidence(world.direction));
 }
 
 void RaytraceNode::computeRay(const Run& run, size_t ray, const Columns& to, std::vector<Sample>& samples) const {
@@ -386,8 +397,12 @@ void RaytraceNode::writePoint(const Run& run, size_t ray, size_t point, rgl_retu
   const Ray world = worldRay(run, ray, sample.index % run.samples.size());
   if (to.entity) to.entity[point] = surface.entity->id;
   if (to.retro) to.retro[point] = surface.entity->retro;
-  if (to.normal) to.normal[point] = surface.normal();
-  if (to.incident) to.incident[point] = std::acos(std::min(1.0f, std::abs(dot(surface.normal(), world.direction))));
+  if (to.normal) {
+    const Vec3 n = surface.normal();
+    to.normal[point] = {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};
+  }
+  if (to.incident)
+    to.incident[point] = static_cast<float>(std::acos(std::min(1.0, surface.incidence(world.direction))));
   if (to.intensity || to.intensity8 || to.reflectivity) {
     const float intensity = intensityOf(surface, world, sample.distance);
     if (to.intensity) to.intensity[point] = intensity;
