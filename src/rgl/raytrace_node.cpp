@@ -49,12 +49,15 @@ struct Surface {
   uint32_t triangle = 0;
   Vec corners[3];
 
-  /// By the right-hand rule, whichever side is seen; in double, for the angle.
-  Vec3 normal() const {
+  /// Normal to the triangle by the right-hand rule, as long as twice its area; in double, for distances and angles.
+  Vec3 areaNormal() const {
     const auto& [a, b, c] = corners;
     const Vec3 u{double{b.x} - a.x, double{b.y} - a.y, double{b.z} - a.z};
     const Vec3 v{double{c.x} - a.x, double{c.y} - a.y, double{c.z} - a.z};
-    const Vec3 n{u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+    return {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+  }
+  Vec3 normal() const {
+    const Vec3 n = areaNormal();
     const double norm = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
     return {n.x / norm, n.y / norm, n.z / norm};
   }
@@ -131,6 +134,7 @@ class RaytraceNode : public PointsNode {
     double* time;
     Vec *velocity, *relative, *normal;
     Mat* pose;
+    bool surfaces;  ///< whether a column needs more of the surface than its distance
   };
 
   Mat motionAt(const Rays& rays, size_t ray) const;
@@ -215,8 +219,9 @@ std::vector<Ray> RaytraceNode::tracedRays(const Run& run) const {
 }
 
 RaytraceNode::Columns RaytraceNode::makeColumns() {
-  for (const rgl_field_t field : fields_)  // fields that other nodes compute are there, and zero
-    cloud_.columns[field] = {sizeOf(field), std::make_shared<std::vector<std::byte>>(cloud_.count * sizeOf(field))};
+  for (const rgl_field_t field :  // those of other nodes are there, too, and zero
+       {RGL_FIELD_IS_GROUND_I32, RGL_FIELD_POWER_F32, RGL_FIELD_RCS_F32, RGL_FIELD_NOISE_F32, RGL_FIELD_SNR_F32})
+    if (fields_.contains(field)) cloud_.write<float>(field);
   const auto column = [&](auto*& to, rgl_field_t field) {
     using T = std::remove_reference_t<decltype(*to)>;
     to = fields_.contains(field) ? cloud_.write<T>(field) : nullptr;
@@ -243,6 +248,8 @@ RaytraceNode::Columns RaytraceNode::makeColumns() {
   column(to.pose, RGL_FIELD_RAY_POSE_MAT3x4_F32);
   column(to.retro, RGL_FIELD_LASER_RETRO_F32);
   column(to.reflectivity, RGL_FIELD_REFLECTIVITY_F32);
+  to.surfaces = to.normal || to.incident || to.intensity || to.intensity8 || to.reflectivity || to.velocity ||
+                to.relative || to.radialSpeed;
   return to;
 }
 
@@ -297,7 +304,7 @@ Sample RaytraceNode::judge(const Run& run, size_t ray, size_t sample, Surface& s
   if (hit.triangle == kNoTriangle) return result;
   surface = surfaceOf(hit);
   const Ray world = worldRay(run, ray, sample);
-  const Vec3 n = surface.normal();
+  const Vec3 n = surface.areaNormal();
   const Vec& a = surface.corners[0];
   const double along = n.x * world.direction.x + n.y * world.direction.y + n.z * world.direction.z;
   const double away = n.x * (double{a.x} - world.origin.x) + n.y * (double{a.y} - world.origin.y) +
@@ -393,10 +400,12 @@ void RaytraceNode::writePoint(const Run& run, size_t ray, size_t point, rgl_retu
     if (to.incident) to.incident[point] = kNaN;
     return;  // everything else is zero
   }
-  const Surface surface = surfaceOf((*run.hits)[sample.index]);
+  const Hit& hit = (*run.hits)[sample.index];
+  if (to.entity) to.entity[point] = scene().entityOf(hit.instance).id;
+  if (to.retro) to.retro[point] = scene().entityOf(hit.instance).retro;
+  if (!to.surfaces) return;
+  const Surface surface = surfaceOf(hit);
   const Ray world = worldRay(run, ray, sample.index % run.samples.size());
-  if (to.entity) to.entity[point] = surface.entity->id;
-  if (to.retro) to.retro[point] = surface.entity->retro;
   if (to.normal) {
     const Vec3 n = surface.normal();
     to.normal[point] = {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)};

@@ -87,6 +87,8 @@ TEST_CASE("RGL: the price of the interface", "[.price]") {
     Sensor list;
     list.rangeMax = sensor.rangeMax;
     list.patterns = {beams};
+    for (size_t i = 0; i < rays.size(); ++i)  // the rays as RGL has them: in single precision
+      list.patterns[0].directions[i] = {rays[i].value[0][2], rays[i].value[1][2], rays[i].value[2][2]};
     list.patterns[0].origins.clear();
     list.patterns[0].rangeMin.clear();
     list.patterns[0].rangeMax.clear();
@@ -125,8 +127,8 @@ TEST_CASE("RGL: the price of the interface", "[.price]") {
         std::printf("%s: %zu rays, %zu points, ours %zu\n", name, rays.size(), points.size(),
                     size_t(scan.counters.hits));
     }
-    ours.print("Simulator, grid");
-    ourList.print("Simulator, list of beams");
+    ours.print("Simulator, the sensor");
+    ourList.print("Simulator, the same rays");
     theirs.print("RGL's interface");
     simulator.removeSensor(grid);
     simulator.removeSensor(asList);
