@@ -270,6 +270,35 @@ TEST_CASE("RGL: velocities follow from the scene's last two times") {
   OK(rgl_cleanup());
 }
 
+TEST_CASE("RGL: animated entities have vertices of their own, by the caller or by bones") {
+  const rgl_mesh_t mesh = squareMesh();
+  const rgl_entity_t moving = place(mesh, matrix(0, 0, 5));
+  place(mesh, matrix(3, 0, 5));
+  Lidar lidar({matrix(0.5, 0, 0), matrix(3.5, 0, 0)}, {RGL_FIELD_DISTANCE_F32, RGL_FIELD_RADIAL_SPEED_F32});
+  const auto distances = [&] {
+    lidar.run();
+    return lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+  };
+  rgl_vec3f vertices[] = {{{-1, -1, 0}}, {{1, -1, 0}}, {{1, 1, 0}}, {{-1, 1, 0}}};
+  for (int k = 0; k < 3; ++k) {
+    OK(rgl_scene_set_time(nullptr, 1'000'000'000ull * k));
+    OK(rgl_entity_apply_external_animation(moving, vertices, 4));
+    CHECK(distances() == std::vector<float>{5 + 0.5f * float(k), 5});  // the other entity of the mesh stays
+    const auto speeds = lidar.get<float>(RGL_FIELD_RADIAL_SPEED_F32);
+    if (k > 0) CHECK((speeds[0] == Approx(0.5).epsilon(0.01) && speeds[1] == 0));
+    for (rgl_vec3f& vertex : vertices) vertex.value[2] += 0.5f;
+  }
+  // Bone 1 holds the vertices at x = 1, and lifts them by 2 m.
+  rgl_bone_weights_t weights[4] = {};
+  for (int v = 0; v < 4; ++v) weights[v].weights[0] = 1, weights[v].bone_indexes[0] = v == 1 || v == 2;
+  const rgl_mat3x4f rest[] = {matrix(0, 0, 0), matrix(-1, 0, 0)}, pose[] = {matrix(0, 0, 4), matrix(1, 0, 6)};
+  OK(rgl_mesh_set_bone_weights(mesh, weights, 4));
+  OK(rgl_mesh_set_restposes(mesh, rest, 2));
+  OK(rgl_entity_set_pose_world(moving, pose, 2));
+  CHECK(distances()[0] == Approx(5.5));
+  OK(rgl_cleanup());
+}
+
 TEST_CASE("RGL: distortion moves each ray by its time, and a beam with a divergence has a first and a last return") {
   place(squareMesh(), matrix(0, 0, 5));
   place(squareMesh(30), matrix(0, 0, 8));
