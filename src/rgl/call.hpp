@@ -40,11 +40,17 @@ rgl_status_t setStatus(rgl_status_t status, const char* message) noexcept;
 /// The status of the exception that is being handled.
 rgl_status_t statusOfException() noexcept;
 
+// Messages for people. By default those from RGL_LOG_LEVEL_INFO on go to the standard output, as RGL's do.
+void log(rgl_log_level_t level, const std::string& message);
+bool logs(rgl_log_level_t level);
+void configureLog(rgl_log_level_t level, const char* file, bool standardOutput);
+
 /// Runs the body of a function of the interface. The tape gets its name and arguments if it succeeds.
 template <class Body, class... Arguments>
 rgl_status_t call(const char* name, Body body, const Arguments&... arguments) noexcept {
   try {
     const std::lock_guard lock(callMutex());
+    if (logs(RGL_LOG_LEVEL_TRACE)) log(RGL_LOG_LEVEL_TRACE, name);
     body();
     if (tape().recording()) tape().record(name, arguments...);
     return setStatus(RGL_SUCCESS, "operation successful");
@@ -64,9 +70,5 @@ rgl_status_t callUnrecorded(Body body) noexcept {
     return statusOfException();
   }
 }
-
-// Messages for people. By default those from RGL_LOG_LEVEL_INFO on go to the standard output, as RGL's do.
-void log(rgl_log_level_t level, const std::string& message);
-void configureLog(rgl_log_level_t level, const char* file, bool standardOutput);
 
 }  // namespace gnosphere::rgl

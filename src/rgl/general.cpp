@@ -59,11 +59,15 @@ rgl_status_t statusOfException() noexcept {
   }
 }
 
+bool logs(rgl_log_level_t level) {
+  return level >= theLog().level && level < RGL_LOG_LEVEL_OFF;
+}
+
 void log(rgl_log_level_t level, const std::string& message) {
   static const char* const kNames[] = {"trace", "debug", "info", "warning", "error", "critical"};
   const std::lock_guard lock(callMutex());
   const Log& to = theLog();
-  if (level < to.level || level >= RGL_LOG_LEVEL_OFF) return;
+  if (!logs(level)) return;
   if (to.standardOutput) std::printf("[RGL] [%s] %s\n", kNames[level], message.c_str());
   if (to.file) {
     std::fprintf(to.file, "[RGL] [%s] %s\n", kNames[level], message.c_str());

@@ -331,9 +331,9 @@ RGL_API rgl_status_t rgl_node_points_filter_ground(rgl_node_t* node, const rgl_v
         RGL_CHECK(node != nullptr);
         RGL_CHECK(sensor_up_vector != nullptr);
         RGL_CHECK(ground_angle_threshold >= 0);
-        const auto& [x, y, z] = sensor_up_vector->value;
+        const float* const up = sensor_up_vector->value;
         createOrUpdate<FilterGroundNode>(node, Affects::graph, [&](auto& made) {
-          made.set({x, y, z}, ground_angle_threshold);
+          made.set({up[0], up[1], up[2]}, ground_angle_threshold);
         });
       },
       out(node), arrayOf(sensor_up_vector, 1), ground_angle_threshold);

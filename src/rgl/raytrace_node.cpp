@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The node that asks what the rays hit, and computes the fields of the points.
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 #include <set>
@@ -325,13 +326,15 @@ Sample RaytraceNode::judge(const Run& run, size_t ray, size_t sample, Surface& s
   return result;
 }
 
-/// The weights of a triangle's second and third corners at a point of its plane.
-std::pair<float, float> weightsAt(const Surface& surface, const Vec& at) {
+/// The weights of a triangle's corners at a point of its plane.
+std::array<float, 3> weightsAt(const Surface& surface, const Vec& at) {
   const auto& [a, b, c] = surface.corners;
   const Vec n = cross(b - a, c - a), w = at - a;
   const double square = double{n.x} * n.x + double{n.y} * n.y + double{n.z} * n.z;
-  if (square == 0) return {0.f, 0.f};
-  return {static_cast<float>(dot(n, cross(w, c - a)) / square), static_cast<float>(dot(n, cross(b - a, w)) / square)};
+  if (square == 0) return {1, 0, 0};
+  const auto second = static_cast<float>(dot(n, cross(w, c - a)) / square);
+  const auto third = static_cast<float>(dot(n, cross(b - a, w)) / square);
+  return {1 - second - third, second, third};
 }
 
 float RaytraceNode::intensityOf(const Surface& surface, const Ray& world, double distance) const {
@@ -339,11 +342,11 @@ float RaytraceNode::intensityOf(const Surface& surface, const Ray& world, double
   const EntityObject& entity = *surface.entity;
   if (entity.texture && !entity.mesh->uvs.empty()) {
     const Vec at = world.origin + unit(world.direction) * static_cast<float>(distance);
-    const auto [wb, wc] = weightsAt(surface, at);
+    const std::array<float, 3> weights = weightsAt(surface, at);
     const auto& triangle = entity.mesh->triangles[surface.triangle];
     const auto coordinate = [&](int axis, int32_t size) {
-      const float uv = (1 - wb - wc) * entity.mesh->uvs[triangle[0]].value[axis] +
-                       wb * entity.mesh->uvs[triangle[1]].value[axis] + wc * entity.mesh->uvs[triangle[2]].value[axis];
+      float uv = 0;
+      for (int k = 0; k < 3; ++k) uv += weights[k] * entity.mesh->uvs[triangle[k]].value[axis];
       return std::clamp(static_cast<int32_t>((uv - std::floor(uv)) * static_cast<float>(size)), 0, size - 1);
     };
     const TextureObject& texture = *entity.texture;
@@ -431,9 +434,8 @@ void RaytraceNode::writeVelocities(const Run& run, size_t point, const Surface& 
       return history.time && history.timeBefore && history.time == scene().time &&
              history.timeBefore == scene().timeBefore;
     };
-    const auto [wb, wc] = weightsAt(surface, at);
+    const std::array<float, 3> weights = weightsAt(surface, at);
     const auto& triangle = entity.mesh->triangles[surface.triangle];
-    const float weights[3] = {1 - wb - wc, wb, wc};
     // The way of the point that was hit, as a point of its triangle.
     Vec local, bent, way;
     for (int k = 0; k < 3; ++k) {
