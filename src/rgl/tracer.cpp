@@ -12,7 +12,7 @@ namespace gnosphere::rgl {
 namespace {
 
 constexpr double kGreatestRange = 1e9;  // metres; the simulator drops what is farther
-constexpr float kPartSize = 1000;       // metres: the farthest that an origin may be from that of its sensor
+constexpr float kPartSize = 1000;       // metres: no origin in a cube of this size is 1 km from its centre
 
 bool isUsable(const Ray& ray) {
   const double square = double{ray.direction.x} * ray.direction.x + double{ray.direction.y} * ray.direction.y +
@@ -94,16 +94,12 @@ void Tracer::addSensor(Simulator& simulator, Part& part, const std::vector<Ray>&
 }
 
 void Tracer::build(Simulator& simulator, const Key& key, const std::vector<Ray>& rays) {
-  std::vector<Part> former;
-  former.swap(parts_);
-  built_ = false;
-  rayCount_ = rays.size();
   std::optional<Vec> first;
   bool together = true;
   for (const Ray& ray : rays) {
     if (!isUsable(ray)) continue;
     if (!first) first = ray.origin;
-    together &= length(ray.origin - *first) < kPartSize;
+    together &= length(ray.origin - *first) < kPartSize / 2;
   }
   std::map<std::array<int64_t, 3>, Part> parts;
   for (uint32_t i = 0; i < rays.size(); ++i) {
@@ -112,12 +108,20 @@ void Tracer::build(Simulator& simulator, const Key& key, const std::vector<Ray>&
     const Vec& o = rays[i].origin;
     parts[{cell(o.x), cell(o.y), cell(o.z)}].rays.push_back(i);
   }
-  // What both the former and the new rays need stays in the simulator.
-  for (auto& [cell, part] : parts) {
-    addSensor(simulator, part, rays, key.range);
-    parts_.push_back(std::move(part));
+  // The former sensors go last: what both they and the new ones need stays in the simulator.
+  std::vector<Part> added;
+  try {
+    for (auto& [cell, part] : parts) {
+      addSensor(simulator, part, rays, key.range);
+      added.push_back(std::move(part));
+    }
+  } catch (...) {
+    for (const Part& part : added) simulator.removeSensor(part.sensor);
+    throw;
   }
-  for (const Part& part : former) simulator.removeSensor(part.sensor);
+  removeSensors();
+  parts_ = std::move(added);
+  rayCount_ = rays.size();
   key_ = key;
   built_ = true;
 }
