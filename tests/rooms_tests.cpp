@@ -30,6 +30,9 @@ const std::map<std::string, Names> kRooms = {
     {"cuda", {"base", "geometry", "effects", "pipeline"}},
     {"reference", {"base", "sensor", "scan", "effects", "pipeline/backend.hpp"}},
     {"eval", {"base", "output"}},
+    // These two stand on the public headers.
+    {"c", {}},
+    {"rgl", {"base"}},
 };
 
 /// Files of src outside rooms. simulator.cpp is above all rooms and may include any of them.

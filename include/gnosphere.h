@@ -1,0 +1,678 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * GnoSphere's C interface: C99, the only stable binary interface of the library. docs/c.md shows how to use it.
+ *
+ * Status.   Every function that can fail returns a gno_status. gno_last_error() has the sentence that says what is
+ * wrong and what to do. No exception leaves the library. Handles.  A handle is never dereferenced and its value is
+ * never used again, so a null handle, a destroyed one and one of another kind are all errors. Every object that a
+ * function creates has a gno_..._destroy(). Handles that go into another object are copied there: they may be destroyed
+ * afterwards. Structs.  A struct whose first member is struct_size must be made by its gno_..._init() function, which
+ * sets that member and the default values. A struct of another size than the library knows is an error. Pointers.
+ * Arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_column and others)
+ * live until the handle is destroyed or changed. Texts and lists of no handle are valid until the same thread calls the
+ * same function again. Texts are UTF-8 and end with a zero. Threads.  Every function may be called by any thread; calls
+ * with the same handle wait for each other. Units.    Metres, seconds and radians, unless a name says otherwise. Frames
+ * are right-handed: x forward, y left, z up.
+ */
+#ifndef GNOSPHERE_H
+#define GNOSPHERE_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __GNUC__
+#define GNO_API __attribute__((visibility("default")))
+#else
+#define GNO_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The version of this header. gno_version() tells that of the library: 10000 * major + 100 * minor + patch. */
+#define GNO_VERSION 200
+
+/* ------------------------------------------------------------------------------------------------ status */
+
+typedef int32_t gno_status;
+enum {
+  GNO_OK = 0,
+  GNO_INVALID_ARGUMENT = 1, /* the call was wrong; every other status means that it could not be carried out */
+  GNO_FILE = 2,             /* a file cannot be read or written */
+  GNO_FORMAT = 3,           /* the content of a file is invalid */
+  GNO_DEVICE = 4,
+  GNO_OUT_OF_MEMORY = 5,
+  GNO_CANCELLED = 6, /* a function of the caller ended the call */
+  GNO_INTERNAL = 7   /* a mistake in the library */
+};
+
+/* The sentence of the last call of this thread that failed; empty if none has. Valid until the next one fails. */
+GNO_API const char* gno_last_error(void);
+/* The version of the library, as GNO_VERSION is. */
+GNO_API uint32_t gno_version(void);
+
+/* ----------------------------------------------------------------------------------------------- handles */
+
+typedef struct gno_scene_object* gno_scene;                   /* everything that a sensor can see, as plain data */
+typedef struct gno_sensor_object* gno_sensor;                 /* a grid of beams, or lists of beams */
+typedef struct gno_effects_object* gno_effects;               /* what a scan simulates beside geometry */
+typedef struct gno_material_table_object* gno_material_table; /* optical properties by material name */
+typedef struct gno_simulator_object* gno_simulator;           /* a scene and sensors on a device */
+typedef struct gno_scan_object* gno_scan;                     /* the result of a scan, or a cloud from a file */
+
+#define GNO_NONE 0xffffffffu /* no triangle, no instance, no mesh, no image */
+
+/* ------------------------------------------------------------------------------------------------- scene */
+
+/* Position (metres) and orientation (unit quaternion x, y, z, w): maps the sensor frame to the world frame. */
+typedef struct gno_pose {
+  double position[3];
+  double orientation[4];
+} gno_pose;
+
+/* An affine map to the world frame, row-major 3x4; the fourth column is the translation in metres. */
+typedef struct gno_transform {
+  double rows[12];
+} gno_transform;
+
+typedef int32_t gno_alpha_mode;
+enum { GNO_ALPHA_OPAQUE = 0, GNO_ALPHA_MASK = 1, GNO_ALPHA_BLEND = 2 };
+typedef int32_t gno_wrap;
+enum { GNO_WRAP_REPEAT = 0, GNO_WRAP_MIRROR = 1, GNO_WRAP_CLAMP = 2 };
+
+/* The alpha channel of a texture; row 0 is at v = 0. */
+typedef struct gno_alpha_image {
+  size_t struct_size;
+  uint32_t width, height;
+  const uint8_t* alpha; /* width * height values, row by row */
+  gno_wrap wrap_u, wrap_v;
+} gno_alpha_image;
+
+/* Surface properties in the terms of glTF's metallic-roughness model. Factors lie in 0..1. */
+typedef struct gno_material {
+  size_t struct_size;
+  const char* name; /* may be null */
+  float base_color[4];
+  float metallic, roughness, transmission;
+  gno_alpha_mode alpha_mode;
+  float alpha_cutoff;
+  uint32_t alpha_image; /* index of an image of the scene, or GNO_NONE */
+  float retro;          /* retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none */
+  int32_t double_sided; /* not 0: both faces reflect */
+} gno_material;
+
+/* A run of triangles of one mesh that share a material. */
+typedef struct gno_mesh_part {
+  uint32_t first_triangle, triangle_count, material;
+} gno_mesh_part;
+
+/* Indexed triangles. Vertex v is at origin + positions[3v..3v+2] in the mesh frame. */
+typedef struct gno_mesh {
+  size_t struct_size;
+  const char* name; /* may be null */
+  double origin[3];
+  const float* positions; /* 3 per vertex, metres */
+  size_t vertex_count;
+  const uint32_t* indices; /* 3 per triangle, counter-clockwise seen from the front */
+  size_t triangle_count;
+  const float* uvs;           /* 2 per vertex, or null */
+  const gno_mesh_part* parts; /* in ascending order, covering every triangle; null: all triangles have material 0 */
+  size_t part_count;
+} gno_mesh;
+
+/* One placement of a mesh in the world. */
+typedef struct gno_instance {
+  size_t struct_size;
+  const char* name; /* may be null */
+  uint32_t mesh;
+  uint16_t class_id; /* numbered by the caller; 0 for none */
+  gno_transform transform;
+} gno_instance;
+
+typedef int32_t gno_up_axis;
+enum { GNO_UP_FORMAT_DEFAULT = 0, GNO_UP_Y = 1, GNO_UP_Z = 2 };
+typedef struct gno_load_options {
+  size_t struct_size;
+  gno_up_axis up; /* by default that of the format: y for glTF, z for OBJ, PLY and STL */
+  double scale;   /* metres per unit of the file */
+} gno_load_options;
+
+typedef struct gno_scene_counts {
+  size_t struct_size;
+  size_t materials, alpha_images, meshes, instances;
+  size_t unread_images; /* images of cut-out materials that are missing or not PNG */
+  size_t unique_triangles, placed_triangles;
+} gno_scene_counts;
+
+/* Diffuse reflectance, share and roughness of gloss, retro gain and transmission of a material at a wavelength. */
+typedef struct gno_optics {
+  float reflectance, gloss, roughness, retro, transmission;
+} gno_optics;
+
+GNO_API gno_status gno_scene_create(gno_scene* scene);
+/* Reads .gltf, .glb, .obj, .ply or .stl; options may be null. */
+GNO_API gno_status gno_scene_load(const char* file, const gno_load_options* options, gno_scene* scene);
+GNO_API gno_status gno_scene_destroy(gno_scene scene);
+/* Each of these adds a copy and gives its index; the index may be null. */
+GNO_API gno_status gno_scene_add_alpha_image(gno_scene scene, const gno_alpha_image* image, uint32_t* index);
+GNO_API gno_status gno_scene_add_material(gno_scene scene, const gno_material* material, uint32_t* index);
+GNO_API gno_status gno_scene_add_mesh(gno_scene scene, const gno_mesh* mesh, uint32_t* index);
+GNO_API gno_status gno_scene_add_instance(gno_scene scene, const gno_instance* instance, uint32_t* index);
+GNO_API gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts);
+GNO_API gno_status gno_scene_get_alpha_image(gno_scene scene, size_t index, gno_alpha_image* image);
+GNO_API gno_status gno_scene_get_material(gno_scene scene, size_t index, gno_material* material);
+GNO_API gno_status gno_scene_get_mesh(gno_scene scene, size_t index, gno_mesh* mesh);
+GNO_API gno_status gno_scene_get_instance(gno_scene scene, size_t index, gno_instance* instance);
+/* The box around all finite vertices of all instances, in the world frame; min > max if there are none. */
+GNO_API gno_status gno_scene_get_bounds(gno_scene scene, double min[3], double max[3]);
+/* An error that names the material, image, mesh, part or instance whose indices or sizes are inconsistent. */
+GNO_API gno_status gno_scene_validate(gno_scene scene);
+GNO_API gno_status gno_scene_write_glb(gno_scene scene, const char* file);
+/* The optics of every material at a wavelength (nm). table may be null. Writes at most `capacity` and gives the number
+ * that there are. */
+GNO_API gno_status gno_scene_get_optics(gno_scene scene, gno_material_table table, double wavelength,
+                                        gno_optics* optics, size_t capacity, size_t* count);
+
+/* ------------------------------------------------------------------------------------------------ sensor */
+
+/* One laser of a spinning sensor. */
+typedef struct gno_channel {
+  double elevation_deg;        /* above the horizon */
+  double azimuth_offset_deg;   /* added to the column's azimuth */
+  double origin[3];            /* x forward along the beam's azimuth, y left, z up */
+  double time_offset;          /* seconds between the column's time and the firing of this laser */
+  double range_min, range_max; /* greater than 0: these replace the sensor's */
+} gno_channel;
+
+typedef int32_t gno_near_hits;
+enum {
+  GNO_NEAR_SEE_THROUGH = 0, /* a beam passes through a surface nearer than its least range */
+  GNO_NEAR_HIDE = 1         /* such a surface blocks the beam, which has no return */
+};
+
+/* What grids and lists have in common. */
+typedef struct gno_sensor_settings {
+  size_t struct_size;
+  const char* name; /* may be null */
+  double range_min, range_max;
+  double divergence_horizontal, divergence_vertical; /* rad, full angles of a beam's footprint */
+  uint32_t max_returns;                              /* echoes that the sensor reports per beam, 1..5 */
+  double rotation_period;                            /* seconds; 0: all beams fire at once */
+  gno_near_hits near_hits;
+  const uint32_t* masked_beams; /* indices of beams that never fire */
+  size_t masked_beam_count;
+} gno_sensor_settings;
+
+/* Beam index = channel * columns + column; the beam in column i has the azimuth start + span * i / columns. */
+typedef struct gno_grid {
+  size_t struct_size;
+  uint32_t columns;
+  const gno_channel* channels;
+  size_t channel_count;
+  double azimuth_start_deg, azimuth_span_deg; /* counter-clockwise from the x axis; a negative span turns clockwise */
+} gno_grid;
+
+/* Beams in any directions, in the order in which a scan lists them. Arrays other than directions may be null. */
+typedef struct gno_beam_list {
+  size_t struct_size;
+  size_t beam_count;
+  const double* directions; /* 3 per beam: unit vectors in the sensor's frame */
+  const double* origins;    /* 3 per beam: metres in the sensor's frame; null: its origin */
+  const double* times;      /* seconds after the start of the scan; null: 0 */
+  const float* range_min;   /* metres; null: the sensor's */
+  const float* range_max;   /* metres; null: the sensor's */
+  const uint16_t* rings;    /* null: 0 */
+  uint32_t width, height;   /* of the organised cloud; 0: one row of all beams */
+} gno_beam_list;
+
+typedef struct gno_sensor_size {
+  size_t struct_size;
+  size_t beams;
+  uint32_t width, height; /* of the organised cloud */
+  size_t patterns;        /* number of beam lists; 0 for a grid */
+} gno_sensor_size;
+
+/* What a sensor file leaves open; null and 0 mean what the file states, or else a default. */
+typedef struct gno_sensor_file_options {
+  size_t struct_size;
+  const char* head; /* a built-in sensor whose ranges, divergence and returns apply */
+  const char* mode; /* one of several that the file describes */
+  double scan_rate; /* scans per second */
+  uint32_t columns; /* of a turn */
+  uint32_t beams_per_scan;
+  const char* fire_times; /* Hesai's file of firing times */
+} gno_sensor_file_options;
+
+/* A real head of the catalogue; a null or 0 means that its source does not state it. */
+typedef struct gno_catalogue_head {
+  size_t struct_size;
+  const char *name, *product, *modes, *source, *remarks; /* modes are separated by commas */
+  double range_at_10_percent;
+} gno_catalogue_head;
+
+/* One of gno_sensor_names() or of the catalogue, the latter with ":MODE" if wanted. */
+GNO_API gno_status gno_sensor_builtin(const char* name, gno_sensor* sensor);
+/* Reads a sensor file of any family that docs/sensors.md lists; options may be null. */
+GNO_API gno_status gno_sensor_load(const char* file, const gno_sensor_file_options* options, gno_sensor* sensor);
+GNO_API gno_status gno_sensor_from_json(const char* json, gno_sensor* sensor);
+GNO_API gno_status gno_sensor_create_grid(const gno_sensor_settings* settings, const gno_grid* grid,
+                                          gno_sensor* sensor);
+/* Scan number n uses pattern n modulo their number. */
+GNO_API gno_status gno_sensor_create_list(const gno_sensor_settings* settings, const gno_beam_list* patterns,
+                                          size_t pattern_count, gno_sensor* sensor);
+GNO_API gno_status gno_sensor_destroy(gno_sensor sensor);
+GNO_API gno_status gno_sensor_get_settings(gno_sensor sensor, gno_sensor_settings* settings);
+GNO_API gno_status gno_sensor_set_settings(gno_sensor sensor, const gno_sensor_settings* settings);
+GNO_API gno_status gno_sensor_get_size(gno_sensor sensor, gno_sensor_size* size);
+/* The beams that scan number `frame` fires, for a grid, too. The arrays live until the next call with this sensor. */
+GNO_API gno_status gno_sensor_get_beams(gno_sensor sensor, uint64_t frame, gno_beam_list* beams);
+GNO_API gno_status gno_sensor_to_json(gno_sensor sensor, const char** json);
+/* For a sensor from a file: its family, what was assumed and what was ignored, a line each. Otherwise empty. */
+GNO_API gno_status gno_sensor_get_report(gno_sensor sensor, const char** lines);
+GNO_API gno_status gno_sensor_names(const char* const** names, size_t* count);
+GNO_API gno_status gno_catalogue_count(size_t* count);
+GNO_API gno_status gno_catalogue_get(size_t index, gno_catalogue_head* head);
+
+/* ----------------------------------------------------------------------------------------------- effects */
+
+/* Automatic: those that the scene and the sensor call for. */
+GNO_API gno_status gno_effects_create(gno_effects* effects);
+/* "clean" (geometry alone), "auto", "carla" and others of gno_effect_presets(). */
+GNO_API gno_status gno_effects_preset(const char* name, gno_effects* effects);
+GNO_API gno_status gno_effects_load(const char* file, gno_effects* effects);
+GNO_API gno_status gno_effects_from_json(const char* json, gno_effects* effects);
+GNO_API gno_status gno_effects_destroy(gno_effects effects);
+/* One assignment as on the command line: "fog.visibility=200" sets a parameter, "divergence=off" the use. */
+GNO_API gno_status gno_effects_assign(gno_effects effects, const char* assignment);
+GNO_API gno_status gno_effects_set_seed(gno_effects effects, uint64_t seed);
+GNO_API gno_status gno_effects_to_json(gno_effects effects, const char** json);
+GNO_API gno_status gno_effect_names(const char* const** names, size_t* count);
+GNO_API gno_status gno_effect_presets(const char* const** names, size_t* count);
+
+/* Reads the format of GnoSphere or ASAM OpenMATERIAL 3D; a null file gives an empty table. */
+GNO_API gno_status gno_material_table_load(const char* file, gno_material_table* table);
+/* Adds the optics of the materials of a name. A negative value means not stated. */
+GNO_API gno_status gno_material_table_add(gno_material_table table, const char* name, float reflectance905,
+                                          float reflectance1550, float roughness, float retro, float transmission);
+GNO_API gno_status gno_material_table_destroy(gno_material_table table);
+
+/* ------------------------------------------------------------------------------------------------ fields */
+
+typedef int32_t gno_field;
+enum { /* docs/api.md and include/gnosphere/scan.hpp say what each is */
+       GNO_FIELD_X = 0,
+       GNO_FIELD_Y,
+       GNO_FIELD_Z,
+       GNO_FIELD_RANGE,
+       GNO_FIELD_RING,
+       GNO_FIELD_BEAM,
+       GNO_FIELD_TRIANGLE,
+       GNO_FIELD_INSTANCE,
+       GNO_FIELD_TIE,
+       GNO_FIELD_TOLERANCE,
+       GNO_FIELD_INTENSITY,
+       GNO_FIELD_TRUE_RANGE,
+       GNO_FIELD_CAUSE,
+       GNO_FIELD_LABEL,
+       GNO_FIELD_RETURN_NUMBER,
+       GNO_FIELD_RETURN_COUNT,
+       GNO_FIELD_WIDTH,
+       GNO_FIELD_NORMAL,
+       GNO_FIELD_INCIDENCE,
+       GNO_FIELD_MATERIAL,
+       GNO_FIELD_BARYCENTRICS,
+       GNO_FIELD_CLASS_ID,
+       GNO_FIELD_VELOCITY,
+       GNO_FIELD_RADIAL_SPEED,
+       GNO_FIELD_TIME,
+       GNO_FIELD_AZIMUTH,
+       GNO_FIELD_ELEVATION
+};
+
+typedef int32_t gno_value_type;
+enum { GNO_F32 = 0, GNO_F64 = 1, GNO_U8 = 2, GNO_U16 = 3, GNO_U32 = 4 };
+
+typedef struct gno_field_description {
+  size_t struct_size;
+  const char* name;
+  gno_value_type type;
+  uint32_t components;
+} gno_field_description;
+
+GNO_API gno_status gno_field_describe(gno_field field, gno_field_description* description);
+/* Parses a list such as "x,y,z,range". Writes at most `capacity` fields and gives the number that there are. */
+GNO_API gno_status gno_fields_parse(const char* names, gno_field* fields, size_t capacity, size_t* count);
+
+/* ----------------------------------------------------------------------------------------------- devices */
+
+typedef struct gno_device_info {
+  size_t struct_size;
+  const char* name;
+  const char* type; /* "discrete", "integrated", "virtual", "cpu", "other", "cuda" or "reference" */
+  const char* driver;
+  const char* api_version;
+  uint64_t max_buffer_bytes;
+  uint32_t subgroup_size;
+  int32_t usable;
+  const char* reason; /* why it is not usable */
+  uint8_t uuid[16];
+} gno_device_info;
+
+/* Lists every device of this machine. `problem` (may be null) gets why there is no Vulkan device, or an empty text. */
+GNO_API gno_status gno_devices(const gno_device_info** devices, size_t* count, const char** problem);
+
+/* --------------------------------------------------------------------------------------------- simulator */
+
+typedef int32_t gno_accuracy;
+enum { GNO_ACCURACY_PAPER = 0, GNO_ACCURACY_DRAFT = 1, GNO_ACCURACY_STANDARD = 2, GNO_ACCURACY_EXACT = 3 };
+typedef int32_t gno_bounds;
+enum { GNO_BOUNDS_PAPER = 0, GNO_BOUNDS_CORNERS = 1, GNO_BOUNDS_EXACT = 2 };
+typedef int32_t gno_cull;
+enum { GNO_CULL_FIRST_CORNER = 0, GNO_CULL_NEAREST_POINT = 1 };
+typedef int32_t gno_inside;
+enum { GNO_INSIDE_PLAIN = 0, GNO_INSIDE_WATERTIGHT = 1, GNO_INSIDE_EXACT = 2 };
+typedef int32_t gno_range_rule;
+enum { GNO_RANGE_PLANE = 0, GNO_RANGE_EDGE_WEIGHTS = 1, GNO_RANGE_EXACT = 2 };
+typedef struct gno_accuracy_parts {
+  size_t struct_size;
+  gno_bounds bounds;
+  gno_cull cull;
+  gno_inside inside;
+  gno_range_rule range;
+} gno_accuracy_parts;
+
+typedef int32_t gno_faces;
+enum { GNO_FACES_MATERIAL = 0, GNO_FACES_FRONT = 1, GNO_FACES_BOTH = 2 };
+typedef int32_t gno_binning;
+enum { GNO_BINNING_AUTOMATIC = 0, GNO_BINNING_NEAREST = 1, GNO_BINNING_LISTS = 2, GNO_BINNING_SLABS = 3 };
+typedef int32_t gno_occlusion;
+enum { GNO_OCCLUSION_AUTOMATIC = 0, GNO_OCCLUSION_ALWAYS = 1, GNO_OCCLUSION_NEVER = 2 };
+
+typedef struct gno_options {
+  size_t struct_size;
+  const char* device;      /* "auto", a number or part of a name of gno_devices(), "reference", "cuda:N"; null: auto */
+  uint8_t device_uuid[16]; /* gno_device_info::uuid of a Vulkan device; all zeros: by `device` */
+  gno_accuracy accuracy;
+  const gno_accuracy_parts* accuracy_parts; /* not null: replaces accuracy */
+  gno_faces faces;
+  gno_material_table materials; /* may be null */
+  const char* cache;            /* folder of compiled pipelines; null: the default; "off": none */
+  /* Gets a sentence about a problem that is no error; may be null. */
+  void (*warn)(const char* message, void* user);
+  void* user;
+  int32_t validation; /* not 0: the Vulkan validation layer is on */
+  /* What follows changes time and memory only. */
+  gno_binning binning;
+  int32_t cull_range, cull_rows, cull_columns, cull_cones; /* 0 turns it off */
+  gno_occlusion occlusion;
+  int32_t keep_still, float64; /* 0 turns it off */
+  uint64_t max_buffer_bytes;   /* 0: the limit of the device */
+} gno_options;
+
+/* A sensor, the effects that its scans simulate, and the fields that its scans hold. */
+typedef struct gno_request {
+  size_t struct_size;
+  gno_sensor sensor;
+  gno_effects effects;     /* null: automatic */
+  const gno_field* fields; /* beyond x, y, z, range, triangle and instance */
+  size_t field_count;
+  int32_t variable_weather; /* not 0: shots may set their weather */
+} gno_request;
+
+/* Dust or spray that fills an axis-aligned box of the world. */
+typedef struct gno_volume {
+  double min[3], max[3];
+  double extinction; /* 1/m */
+} gno_volume;
+typedef struct gno_weather {
+  size_t struct_size;
+  double visibility;           /* m; 0 for no fog */
+  double rain_rate, snow_rate; /* mm/h */
+  const gno_volume* volumes;
+  size_t volume_count;
+} gno_weather;
+
+/* A pose of the sensor at a time in seconds after the start of the scan. */
+typedef struct gno_stamp {
+  double time;
+  gno_pose pose;
+} gno_stamp;
+/* An instance moves from its own transform at the start of the scan to `end` at its end. */
+typedef struct gno_instance_motion {
+  size_t instance;
+  gno_transform end;
+} gno_instance_motion;
+
+/* One scan of a run. */
+typedef struct gno_shot {
+  size_t struct_size;
+  gno_pose pose;
+  size_t sensor;  /* index in the simulator */
+  uint64_t frame; /* part of the key of the random numbers */
+  const gno_stamp* motion;
+  size_t motion_count;
+  const gno_instance_motion* instance_motions;
+  size_t instance_motion_count;
+  const gno_weather* weather; /* may be null */
+} gno_shot;
+
+/* Bytes of device memory by purpose. */
+typedef struct gno_memory_use {
+  size_t struct_size;
+  uint64_t scene, sensor, work;
+} gno_memory_use;
+
+/* Uploads the scene and compiles the stages; options may be null. */
+GNO_API gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, size_t sensor_count,
+                                        const gno_options* options, gno_simulator* simulator);
+GNO_API gno_status gno_simulator_destroy(gno_simulator simulator);
+/* Makes one scan. If *scan is null, a scan is created; otherwise its memory is used again. */
+GNO_API gno_status gno_simulator_scan(gno_simulator simulator, const gno_shot* shot, gno_scan* scan);
+/* Makes many scans, pipelined. `receive` gets the index of the shot and a scan that it may read until it returns; it
+ * must not call this simulator. If it returns another value than 0, the run ends with GNO_CANCELLED. */
+GNO_API gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots, size_t shot_count,
+                                          int32_t (*receive)(size_t shot, gno_scan scan, void* user), void* user);
+
+/* Changes between scans. Indices are stable; the index of a removed object is given to the next one added. */
+GNO_API gno_status gno_simulator_add_sensor(gno_simulator simulator, const gno_request* request, size_t* index);
+GNO_API gno_status gno_simulator_remove_sensor(gno_simulator simulator, size_t index);
+/* `image` (may be null) is the alpha channel of the texture; gno_material::alpha_image is ignored. */
+GNO_API gno_status gno_simulator_add_material(gno_simulator simulator, const gno_material* material,
+                                              const gno_alpha_image* image, size_t* index);
+GNO_API gno_status gno_simulator_remove_material(gno_simulator simulator, size_t index);
+GNO_API gno_status gno_simulator_add_mesh(gno_simulator simulator, const gno_mesh* mesh, size_t* index);
+GNO_API gno_status gno_simulator_remove_mesh(gno_simulator simulator, size_t index);
+/* Moves the vertices of a mesh: 3 values per vertex, relative to gno_mesh::origin. */
+GNO_API gno_status gno_simulator_set_positions(gno_simulator simulator, size_t mesh, const float* positions,
+                                               size_t vertex_count);
+GNO_API gno_status gno_simulator_add_instance(gno_simulator simulator, const gno_instance* instance, size_t* index);
+GNO_API gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index);
+GNO_API gno_status gno_simulator_set_transform(gno_simulator simulator, size_t instance,
+                                               const gno_transform* transform);
+
+/* What a scan of a sensor computes, and why, as JSON. */
+GNO_API gno_status gno_simulator_get_plan(gno_simulator simulator, size_t sensor, const char** json);
+GNO_API gno_status gno_simulator_get_device(gno_simulator simulator, gno_device_info* device);
+GNO_API gno_status gno_simulator_get_memory(gno_simulator simulator, gno_memory_use* use);
+GNO_API gno_status gno_simulator_get_cluster_count(gno_simulator simulator, size_t* count);
+
+/* -------------------------------------------------------------------------------------------------- scan */
+
+typedef struct gno_scan_info {
+  size_t struct_size;
+  const char* sensor;
+  uint32_t columns, channels; /* of the organised cloud */
+  uint32_t returns;           /* entries per beam: entry beam * returns + k is the beam's k-th return */
+  size_t entries;
+  gno_pose pose;
+} gno_scan_info;
+
+/* The values of one field. Component c of entry i is values[i * stride + c] of the type; the points of a scan are the
+ * column GNO_FIELD_X, whose stride is 3. */
+typedef struct gno_column {
+  size_t struct_size;
+  const void* values;
+  size_t entries;
+  size_t stride; /* values, not bytes, from one entry to the next */
+  gno_value_type type;
+  uint32_t components;
+} gno_column;
+
+/* What happened to the scene's triangles and to the sensor's beams; include/gnosphere/scan.hpp describes each. */
+typedef struct gno_counters {
+  size_t struct_size;
+  uint64_t beams, hits, misses, triangles, non_finite, degenerate, culled_by_cluster, reused, culled_by_range,
+      culled_by_face, culled_between_beams, culled_hidden, projected, candidates, integer_sides, integer_ranges,
+      lost_echoes, retries;
+  uint64_t causes[6]; /* beams by cause: returned, no surface, weak, attenuated, dropped out, dead */
+} gno_counters;
+
+typedef struct gno_stage_time {
+  const char* name;
+  double ms;
+} gno_stage_time;
+typedef struct gno_timings {
+  size_t struct_size;
+  double wall_ms, gpu_ms;
+  const gno_stage_time* stages;
+  size_t stage_count;
+} gno_timings;
+
+GNO_API gno_status gno_scan_destroy(gno_scan scan);
+GNO_API gno_status gno_scan_get_info(gno_scan scan, gno_scan_info* info);
+/* An error if the scan does not have the field. */
+GNO_API gno_status gno_scan_get_column(gno_scan scan, gno_field field, gno_column* column);
+GNO_API gno_status gno_scan_get_counters(gno_scan scan, gno_counters* counters);
+/* The stages are valid until the same thread calls this function again. */
+GNO_API gno_status gno_scan_get_timings(gno_scan scan, gno_timings* timings);
+
+/* ------------------------------------------------------------------------------------------------ output */
+
+/* One value of a packed row. */
+typedef struct gno_layout_value {
+  gno_field field;
+  uint32_t component;
+  size_t offset;       /* bytes from the start of the row */
+  gno_value_type type; /* the field's own, or one that holds all of its values */
+} gno_layout_value;
+typedef struct gno_layout {
+  size_t struct_size;
+  const gno_layout_value* values;
+  size_t value_count;
+  size_t stride;   /* bytes from row to row */
+  int32_t compact; /* not 0: only entries with a return become rows */
+} gno_layout;
+
+typedef struct gno_cloud_options {
+  size_t struct_size;
+  const gno_field* fields; /* null: x y z range ring beam triangle instance */
+  size_t field_count;
+  int32_t compact; /* not 0: only returns are written */
+  int32_t ascii;   /* not 0: PCD and PLY are written as text */
+} gno_cloud_options;
+
+/* Differences between two clouds of the same beams; include/gnosphere/output.hpp describes each. */
+typedef struct gno_comparison {
+  size_t struct_size;
+  uint64_t beams, hits, missed, false_hits, wrong_owner, wrong_range, ties, tie_differences, tie_missed, tie_false_hits,
+      tie_wrong_owner;
+  double tie_error_max, range_error_max, range_error_9999, range_error_rms, hit_error_max;
+} gno_comparison;
+
+/* Writes the rows of a scan to `rows` and gives their number; entries * stride bytes always suffice. */
+GNO_API gno_status gno_scan_pack(gno_scan scan, const gno_layout* layout, void* rows, size_t bytes, size_t* row_count);
+/* Writes .pcd, .ply, .bin (KITTI), .npy or .csv; options may be null. */
+GNO_API gno_status gno_scan_write(gno_scan scan, const char* file, const gno_cloud_options* options);
+/* Writes a range image and a view from above as PNG. */
+GNO_API gno_status gno_scan_write_picture(gno_scan scan, const char* file);
+/* Reads a PCD, PLY, NPY or CSV cloud that gno_scan_write() wrote. */
+GNO_API gno_status gno_scan_read(const char* file, gno_scan* scan);
+/* `tolerance` (metres) applies to beams for which the reference states none. */
+GNO_API gno_status gno_scan_compare(gno_scan reference, gno_scan other, double tolerance, gno_comparison* comparison);
+
+/* -------------------------------------------------------------------------------------- default values */
+
+#define GNO_INIT(type)                   \
+  static inline type type##_init(void) { \
+    type value;                          \
+    memset(&value, 0, sizeof value);     \
+    value.struct_size = sizeof value;    \
+    GNO_INIT_##type return value;        \
+  }
+#define GNO_INIT_gno_alpha_image
+#define GNO_INIT_gno_material                                                                \
+  value.base_color[0] = value.base_color[1] = value.base_color[2] = value.base_color[3] = 1; \
+  value.roughness = 1;                                                                       \
+  value.alpha_cutoff = 0.5f;                                                                 \
+  value.alpha_image = GNO_NONE;                                                              \
+  value.double_sided = 1;
+#define GNO_INIT_gno_mesh
+#define GNO_INIT_gno_instance value.transform.rows[0] = value.transform.rows[5] = value.transform.rows[10] = 1;
+#define GNO_INIT_gno_load_options value.scale = 1;
+#define GNO_INIT_gno_scene_counts
+#define GNO_INIT_gno_sensor_settings value.max_returns = 1;
+#define GNO_INIT_gno_grid         \
+  value.azimuth_start_deg = -180; \
+  value.azimuth_span_deg = 360;
+#define GNO_INIT_gno_beam_list
+#define GNO_INIT_gno_sensor_size
+#define GNO_INIT_gno_sensor_file_options
+#define GNO_INIT_gno_catalogue_head
+#define GNO_INIT_gno_field_description
+#define GNO_INIT_gno_device_info
+#define GNO_INIT_gno_accuracy_parts     \
+  value.bounds = GNO_BOUNDS_EXACT;      \
+  value.cull = GNO_CULL_NEAREST_POINT;  \
+  value.inside = GNO_INSIDE_WATERTIGHT; \
+  value.range = GNO_RANGE_EDGE_WEIGHTS;
+#define GNO_INIT_gno_options                                                      \
+  value.accuracy = GNO_ACCURACY_STANDARD;                                         \
+  value.cull_range = value.cull_rows = value.cull_columns = value.cull_cones = 1; \
+  value.keep_still = value.float64 = 1;
+#define GNO_INIT_gno_request
+#define GNO_INIT_gno_weather
+#define GNO_INIT_gno_shot value.pose.orientation[3] = 1;
+#define GNO_INIT_gno_memory_use
+#define GNO_INIT_gno_scan_info
+#define GNO_INIT_gno_column
+#define GNO_INIT_gno_counters
+#define GNO_INIT_gno_timings
+#define GNO_INIT_gno_layout
+#define GNO_INIT_gno_cloud_options
+#define GNO_INIT_gno_comparison
+
+GNO_INIT(gno_alpha_image)
+GNO_INIT(gno_material)
+GNO_INIT(gno_mesh)
+GNO_INIT(gno_instance)
+GNO_INIT(gno_load_options)
+GNO_INIT(gno_scene_counts)
+GNO_INIT(gno_sensor_settings)
+GNO_INIT(gno_grid)
+GNO_INIT(gno_beam_list)
+GNO_INIT(gno_sensor_size)
+GNO_INIT(gno_sensor_file_options)
+GNO_INIT(gno_catalogue_head)
+GNO_INIT(gno_field_description)
+GNO_INIT(gno_device_info)
+GNO_INIT(gno_accuracy_parts)
+GNO_INIT(gno_options)
+GNO_INIT(gno_request)
+GNO_INIT(gno_weather)
+GNO_INIT(gno_shot)
+GNO_INIT(gno_memory_use)
+GNO_INIT(gno_scan_info)
+GNO_INIT(gno_column)
+GNO_INIT(gno_counters)
+GNO_INIT(gno_timings)
+GNO_INIT(gno_layout)
+GNO_INIT(gno_cloud_options)
+GNO_INIT(gno_comparison)
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

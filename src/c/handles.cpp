@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of live objects, and exceptions as statuses.
+#include "c/handles.hpp"
+
+#include <new>
+#include <unordered_map>
+
+namespace gnosphere::c {
+namespace {
+
+struct Entry {
+  const char* kind;
+  std::shared_ptr<void> object;
+};
+
+struct Table {
+  std::mutex mutex;
+  std::unordered_map<uintptr_t, Entry> entries;
+  uintptr_t next = 0x10000;  // distinct from small numbers that a caller may take for a handle
+
+  // Returns the entry of a handle, or throws the sentence that says what is wrong with it.
+  auto at(const char* kind, uintptr_t handle) {
+    if (handle == 0) refuse(std::string("the handle of the ") + kind + " is null");
+    const auto found = entries.find(handle);
+    if (found == entries.end())
+      refuse(std::string("there is no ") + kind + " of this handle: it has been destroyed, or never was a handle");
+    if (std::string_view(found->second.kind) != kind)
+      refuse(std::string("the handle is that of a ") + found->second.kind + ", not of a " + kind);
+    return found;
+  }
+};
+
+// Never destroyed, because other threads may still call the library while the process ends.
+Table& table() {
+  static Table* const theTable = new Table;
+  return *theTable;
+}
+
+thread_local std::string lastError;
+
+gno_status fail(gno_status status, const char* message) noexcept {
+  try {
+    lastError = message;
+  } catch (...) {  // without memory for the sentence, the status says it alone
+    lastError.clear();
+  }
+  return status;
+}
+
+gno_status statusOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::invalidArgument: return GNO_INVALID_ARGUMENT;
+    case ErrorCode::file: return GNO_FILE;
+    case ErrorCode::format: return GNO_FORMAT;
+    case ErrorCode::device: return GNO_DEVICE;
+    case ErrorCode::outOfMemory: break;
+  }
+  return GNO_OUT_OF_MEMORY;
+}
+
+}  // namespace
+
+uintptr_t keep(const char* kind, std::shared_ptr<void> object) {
+  Table& all = table();
+  const std::lock_guard lock(all.mutex);
+  const uintptr_t handle = all.next;
+  all.entries[handle] = {kind, std::move(object)};
+  all.next += 16;
+  return handle;
+}
+
+std::shared_ptr<void> find(const char* kind, uintptr_t handle) {
+  Table& all = table();
+  const std::lock_guard lock(all.mutex);
+  return all.at(kind, handle)->second.object;
+}
+
+void forget(const char* kind, uintptr_t handle) {
+  Table& all = table();
+  std::shared_ptr<void> last;  // destroyed after the lock is released
+  const std::lock_guard lock(all.mutex);
+  const auto entry = all.at(kind, handle);
+  last = std::move(entry->second.object);
+  all.entries.erase(entry);
+}
+
+gno_status statusOfException() noexcept {
+  try {
+    throw;
+  } catch (const Error& error) {
+    return fail(statusOf(error.code()), error.what());
+  } catch (const Cancelled&) {
+    return fail(GNO_CANCELLED, "the function that receives scans has ended the run");
+  } catch (const std::bad_alloc&) {
+    return fail(GNO_OUT_OF_MEMORY, "there is not enough memory");
+  } catch (const std::exception& error) {
+    return fail(GNO_INTERNAL, error.what());
+  } catch (...) {
+    return fail(GNO_INTERNAL, "an unknown exception");
+  }
+}
+
+void refuse(const std::string& why) {
+  throw Error(ErrorCode::invalidArgument, why);
+}
+
+void checkSize(size_t given, size_t known, const char* type) {
+  if (given != known)
+    refuse(std::string(type) + "::struct_size is " + std::to_string(given) + ", but version " +
+           std::to_string(gno_version()) + " of the library has " + std::to_string(known) + "; make the struct with " +
+           type + "_init() of the header of that version");
+}
+
+Pose poseOf(const gno_pose& pose) {
+  const auto& q = pose.orientation;
+  return {vec3(pose.position), {q[0], q[1], q[2], q[3]}};
+}
+
+gno_pose poseOf(const Pose& pose) {
+  const auto& [p, q] = pose;
+  return {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}};
+}
+
+Transform transformOf(const gno_transform& transform) {
+  Transform result;
+  std::copy_n(transform.rows, 12, result.rows.begin());
+  return result;
+}
+
+}  // namespace gnosphere::c
+
+extern "C" const char* gno_last_error(void) {
+  return gnosphere::c::lastError.c_str();
+}
+extern "C" uint32_t gno_version(void) {
+  return GNO_VERSION;
+}

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// Handles of the C interface. The value of a handle is a number that is used once, and an object is looked up by it, so
+// that no value that a caller passes is ever dereferenced.
+#pragma once
+
+#include <gnosphere.h>
+
+#include <gnosphere/gnosphere.hpp>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gnosphere::c {
+
+/// A sensor, and what its file left open.
+struct SensorObject {
+  Sensor sensor;
+  std::string report;
+  BeamList beams;  ///< what gno_sensor_get_beams() last handed out
+  std::vector<double> directions, origins;
+};
+
+struct SimulatorObject {
+  Simulator simulator;
+  bool running = false;  ///< true while gno_simulator_scan_all() calls the caller's function
+};
+
+// Which object stands behind each kind of handle, and what messages call it.
+template <class Handle>
+struct Held;
+template <>
+struct Held<gno_scene> {
+  using Type = Scene;
+  static constexpr const char* kName = "scene";
+};
+template <>
+struct Held<gno_sensor> {
+  using Type = SensorObject;
+  static constexpr const char* kName = "sensor";
+};
+template <>
+struct Held<gno_effects> {
+  using Type = Effects;
+  static constexpr const char* kName = "effects";
+};
+template <>
+struct Held<gno_material_table> {
+  using Type = MaterialTable;
+  static constexpr const char* kName = "material table";
+};
+template <>
+struct Held<gno_simulator> {
+  using Type = SimulatorObject;
+  static constexpr const char* kName = "simulator";
+};
+template <>
+struct Held<gno_scan> {
+  using Type = Scan;
+  static constexpr const char* kName = "scan";
+};
+
+/// An object with the lock that its calls wait for.
+template <class T>
+struct Object {
+  explicit Object(T from) : value(std::move(from)) {}
+  T value;
+  std::recursive_mutex mutex;
+};
+
+// The table of live objects, for any kind. `kind` is the name of Held.
+uintptr_t keep(const char* kind, std::shared_ptr<void> object);
+/// Throws Error(invalidArgument) that says what is wrong with the handle.
+std::shared_ptr<void> find(const char* kind, uintptr_t handle);
+void forget(const char* kind, uintptr_t handle);
+
+template <class Handle>
+using Shared = std::shared_ptr<Object<typename Held<Handle>::Type>>;
+
+template <class Handle>
+Shared<Handle> find(Handle handle) {
+  return std::static_pointer_cast<Object<typename Held<Handle>::Type>>(
+      find(Held<Handle>::kName, reinterpret_cast<uintptr_t>(handle)));
+}
+
+/// Access to the object of a handle, for as long as this lives.
+template <class Handle>
+class Locked {
+ public:
+  explicit Locked(Handle handle) : object_(find(handle)), lock_(object_->mutex) {}
+  typename Held<Handle>::Type& operator*() { return object_->value; }
+  typename Held<Handle>::Type* operator->() { return &object_->value; }
+
+ private:
+  Shared<Handle> object_;
+  std::unique_lock<std::recursive_mutex> lock_;
+};
+
+template <class Handle>
+Handle make(typename Held<Handle>::Type value) {
+  return reinterpret_cast<Handle>(
+      keep(Held<Handle>::kName, std::make_shared<Object<typename Held<Handle>::Type>>(std::move(value))));
+}
+
+template <class Handle>
+void destroy(Handle handle) {
+  forget(Held<Handle>::kName, reinterpret_cast<uintptr_t>(handle));
+}
+
+/// Thrown when a function of the caller ends a call.
+struct Cancelled {};
+
+/// The status of the exception that is being handled; its sentence becomes gno_last_error().
+gno_status statusOfException() noexcept;
+
+/// Runs the body of a function of the interface; an exception becomes a status.
+template <class Body>
+gno_status guard(Body body) noexcept {
+  try {
+    body();
+    return GNO_OK;
+  } catch (...) {
+    return statusOfException();
+  }
+}
+
+[[noreturn]] void refuse(const std::string& why);
+
+/// Returns what a pointer leads to; a null pointer is an error that names it.
+template <class T>
+T& the(T* pointer, const char* name) {
+  if (!pointer) refuse(std::string(name) + " is null");
+  return *pointer;
+}
+
+void checkSize(size_t given, size_t known, const char* type);
+
+/// As the(), for a struct that begins with its size, which must be that of this library.
+template <class T>
+T& sized(T* pointer, const char* type) {
+  T& value = the(pointer, type);
+  checkSize(value.struct_size, sizeof(T), type);
+  return value;
+}
+
+/// Checks an array of the caller, which may be null if it is empty.
+template <class T>
+std::span<T> array(T* values, size_t count, const char* name) {
+  if (!values && count > 0) refuse(std::string(name) + " is null, but its count is " + std::to_string(count));
+  return {values, count};
+}
+
+/// The enumerator of a number; `last` is the greatest there is.
+template <class Enum>
+Enum enumOf(int32_t number, Enum last, const char* name) {
+  if (number < 0 || number > static_cast<int32_t>(last))
+    refuse(std::string(name) + " is " + std::to_string(number) + ", which is none of 0.." +
+           std::to_string(static_cast<int32_t>(last)));
+  return static_cast<Enum>(number);
+}
+
+inline std::string orEmpty(const char* text) {
+  return text ? text : "";
+}
+
+inline Vec3 vec3(const double* v) {
+  return {v[0], v[1], v[2]};
+}
+inline void set(double* to, const Vec3& v) {
+  to[0] = v.x, to[1] = v.y, to[2] = v.z;
+}
+Pose poseOf(const gno_pose& pose);
+gno_pose poseOf(const Pose& pose);
+Transform transformOf(const gno_transform& transform);
+
+// Conversions that several files need.
+Mesh meshOf(const gno_mesh* mesh);
+Material materialOf(const gno_material* material);
+AlphaImage alphaImageOf(const gno_alpha_image* image);
+Instance instanceOf(const gno_instance* instance);
+std::vector<Field> fieldsOf(const gno_field* fields, size_t count);
+void describe(const DeviceInfo& device, gno_device_info& info);
+
+}  // namespace gnosphere::c

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scans as packed rows and files, and their comparison.
+#include "c/handles.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::c;
+
+extern "C" {
+
+gno_status gno_scan_pack(gno_scan scan, const gno_layout* layout, void* rows, size_t bytes, size_t* row_count) {
+  return guard([&] {
+    const gno_layout& from = sized(layout, "gno_layout");
+    the(row_count, "row_count");
+    RecordLayout wanted;
+    wanted.stride = from.stride;
+    wanted.compact = from.compact != 0;
+    for (const gno_layout_value& value : array(from.values, from.value_count, "gno_layout::values"))
+      wanted.values.push_back({fieldsOf(&value.field, 1)[0], value.component, value.offset,
+                               enumOf(value.type, ValueType::u32, "gno_layout_value::type")});
+    *row_count = pack(*Locked(scan), wanted, array(static_cast<std::byte*>(rows), bytes, "rows"));
+  });
+}
+
+gno_status gno_scan_write(gno_scan scan, const char* file, const gno_cloud_options* options) {
+  return guard([&] {
+    CloudOptions wanted;
+    if (options) {
+      sized(options, "gno_cloud_options");
+      wanted.fields = fieldsOf(options->fields, options->field_count);
+      wanted.compact = options->compact != 0;
+      wanted.ascii = options->ascii != 0;
+    }
+    writeCloud(*Locked(scan), &the(file, "file"), wanted);
+  });
+}
+
+gno_status gno_scan_write_picture(gno_scan scan, const char* file) {
+  return guard([&] { writePicture(*Locked(scan), &the(file, "file")); });
+}
+
+gno_status gno_scan_read(const char* file, gno_scan* scan) {
+  return guard([&] {
+    the(scan, "scan");
+    *scan = make<gno_scan>(readCloud(&the(file, "file")));
+  });
+}
+
+gno_status gno_scan_compare(gno_scan reference, gno_scan other, double tolerance, gno_comparison* comparison) {
+  return guard([&] {
+    gno_comparison& to = sized(comparison, "gno_comparison");
+    const auto first = find(reference);
+    const auto second = find(other);
+    const std::scoped_lock lock(first->mutex, second->mutex);
+    const Comparison from = compare(first->value, second->value, tolerance);
+    to.beams = from.beams;
+    to.hits = from.hits;
+    to.missed = from.missed;
+    to.false_hits = from.falseHits;
+    to.wrong_owner = from.wrongOwner;
+    to.wrong_range = from.wrongRange;
+    to.ties = from.ties;
+    to.tie_differences = from.tieDifferences;
+    to.tie_missed = from.tieMissed;
+    to.tie_false_hits = from.tieFalseHits;
+    to.tie_wrong_owner = from.tieWrongOwner;
+    to.tie_error_max = from.tieErrorMax;
+    to.range_error_max = from.rangeErrorMax;
+    to.range_error_9999 = from.rangeError9999;
+    to.range_error_rms = from.rangeErrorRms;
+    to.hit_error_max = from.hitErrorMax;
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// gno_scene and gno_material_table: scenes from files and from arrays.
+#include <algorithm>
+
+#include "c/handles.hpp"
+
+namespace gnosphere::c {
+namespace {
+
+template <class T>
+const T& at(const std::vector<T>& values, size_t index, const char* noun) {
+  if (index >= values.size())
+    refuse(std::string(noun) + " " + std::to_string(index) + " does not exist, there are " +
+           std::to_string(values.size()));
+  return values[index];
+}
+
+template <class T>
+void add(std::vector<T>& values, T value, uint32_t* index) {
+  if (index) *index = static_cast<uint32_t>(values.size());
+  values.push_back(std::move(value));
+}
+
+}  // namespace
+
+AlphaImage alphaImageOf(const gno_alpha_image* image) {
+  const gno_alpha_image& from = sized(image, "gno_alpha_image");
+  const auto texels = array(from.alpha, size_t{from.width} * from.height, "gno_alpha_image::alpha");
+  AlphaImage result;
+  result.width = from.width;
+  result.height = from.height;
+  result.alpha.assign(texels.begin(), texels.end());
+  result.wrapU = enumOf(from.wrap_u, AlphaImage::Wrap::clamp, "gno_alpha_image::wrap_u");
+  result.wrapV = enumOf(from.wrap_v, AlphaImage::Wrap::clamp, "gno_alpha_image::wrap_v");
+  return result;
+}
+
+Material materialOf(const gno_material* material) {
+  const gno_material& from = sized(material, "gno_material");
+  Material result;
+  result.name = orEmpty(from.name);
+  std::copy_n(from.base_color, 4, result.baseColor.begin());
+  result.metallic = from.metallic;
+  result.roughness = from.roughness;
+  result.transmission = from.transmission;
+  result.alphaMode = enumOf(from.alpha_mode, AlphaMode::blend, "gno_material::alpha_mode");
+  result.alphaCutoff = from.alpha_cutoff;
+  result.alphaImage = from.alpha_image;
+  result.retro = from.retro;
+  result.doubleSided = from.double_sided != 0;
+  return result;
+}
+
+Mesh meshOf(const gno_mesh* mesh) {
+  const gno_mesh& from = sized(mesh, "gno_mesh");
+  const auto positions = array(from.positions, 3 * from.vertex_count, "gno_mesh::positions");
+  const auto indices = array(from.indices, 3 * from.triangle_count, "gno_mesh::indices");
+  Mesh result;
+  result.name = orEmpty(from.name);
+  result.origin = vec3(from.origin);
+  result.positions.assign(positions.begin(), positions.end());
+  result.indices.assign(indices.begin(), indices.end());
+  if (from.uvs) result.uvs.assign(from.uvs, from.uvs + 2 * from.vertex_count);
+  for (const gno_mesh_part& part : array(from.parts, from.part_count, "gno_mesh::parts"))
+    result.parts.push_back({part.first_triangle, part.triangle_count, part.material});
+  if (from.part_count == 0) result.parts = {{0, static_cast<uint32_t>(from.triangle_count), 0}};
+  return result;
+}
+
+Instance instanceOf(const gno_instance* instance) {
+  const gno_instance& from = sized(instance, "gno_instance");
+  return {orEmpty(from.name), from.mesh, transformOf(from.transform), from.class_id};
+}
+
+}  // namespace gnosphere::c
+
+using namespace gnosphere;
+using namespace gnosphere::c;
+
+extern "C" {
+
+gno_status gno_scene_create(gno_scene* scene) {
+  return guard([&] { the(scene, "scene") = make<gno_scene>({}); });
+}
+
+gno_status gno_scene_load(const char* file, const gno_load_options* options, gno_scene* scene) {
+  return guard([&] {
+    the(scene, "scene");
+    LoadOptions wanted;
+    if (options) {
+      wanted.up = enumOf(sized(options, "gno_load_options").up, UpAxis::z, "gno_load_options::up");
+      wanted.scale = options->scale;
+    }
+    *scene = make<gno_scene>(loadScene(&the(file, "file"), wanted));
+  });
+}
+
+gno_status gno_scene_destroy(gno_scene scene) {
+  return guard([&] { destroy(scene); });
+}
+
+gno_status gno_scene_add_alpha_image(gno_scene scene, const gno_alpha_image* image, uint32_t* index) {
+  return guard([&] { add(Locked(scene)->alphaImages, alphaImageOf(image), index); });
+}
+
+gno_status gno_scene_add_material(gno_scene scene, const gno_material* material, uint32_t* index) {
+  return guard([&] { add(Locked(scene)->materials, materialOf(material), index); });
+}
+
+gno_status gno_scene_add_mesh(gno_scene scene, const gno_mesh* mesh, uint32_t* index) {
+  return guard([&] { add(Locked(scene)->meshes, meshOf(mesh), index); });
+}
+
+gno_status gno_scene_add_instance(gno_scene scene, const gno_instance* instance, uint32_t* index) {
+  return guard([&] { add(Locked(scene)->instances, instanceOf(instance), index); });
+}
+
+gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts) {
+  return guard([&] {
+    Locked from(scene);
+    gno_scene_counts& to = sized(counts, "gno_scene_counts");
+    to.materials = from->materials.size();
+    to.alpha_images = from->alphaImages.size();
+    to.meshes = from->meshes.size();
+    to.instances = from->instances.size();
+    to.unread_images = from->unreadImages;
+    to.unique_triangles = from->uniqueTriangleCount();
+    to.placed_triangles = from->placedTriangleCount();
+  });
+}
+
+gno_status gno_scene_get_alpha_image(gno_scene scene, size_t index, gno_alpha_image* image) {
+  return guard([&] {
+    Locked locked(scene);
+    const AlphaImage& from = at(locked->alphaImages, index, "alpha image");
+    gno_alpha_image& to = sized(image, "gno_alpha_image");
+    to.width = from.width;
+    to.height = from.height;
+    to.alpha = from.alpha.data();
+    to.wrap_u = static_cast<gno_wrap>(from.wrapU);
+    to.wrap_v = static_cast<gno_wrap>(from.wrapV);
+  });
+}
+
+gno_status gno_scene_get_material(gno_scene scene, size_t index, gno_material* material) {
+  return guard([&] {
+    Locked locked(scene);
+    const Material& from = at(locked->materials, index, "material");
+    gno_material& to = sized(material, "gno_material");
+    to.name = from.name.c_str();
+    std::copy_n(from.baseColor.begin(), 4, to.base_color);
+    to.metallic = from.metallic;
+    to.roughness = from.roughness;
+    to.transmission = from.transmission;
+    to.alpha_mode = static_cast<gno_alpha_mode>(from.alphaMode);
+    to.alpha_cutoff = from.alphaCutoff;
+    to.alpha_image = from.alphaImage;
+    to.retro = from.retro;
+    to.double_sided = from.doubleSided;
+  });
+}
+
+gno_status gno_scene_get_mesh(gno_scene scene, size_t index, gno_mesh* mesh) {
+  return guard([&] {
+    static_assert(sizeof(gno_mesh_part) == sizeof(MeshPart));
+    Locked locked(scene);
+    const Mesh& from = at(locked->meshes, index, "mesh");
+    gno_mesh& to = sized(mesh, "gno_mesh");
+    to.name = from.name.c_str();
+    set(to.origin, from.origin);
+    to.positions = from.positions.data();
+    to.vertex_count = from.vertexCount();
+    to.indices = from.indices.data();
+    to.triangle_count = from.triangleCount();
+    to.uvs = from.uvs.empty() ? nullptr : from.uvs.data();
+    to.parts = reinterpret_cast<const gno_mesh_part*>(from.parts.data());
+    to.part_count = from.parts.size();
+  });
+}
+
+gno_status gno_scene_get_instance(gno_scene scene, size_t index, gno_instance* instance) {
+  return guard([&] {
+    Locked locked(scene);
+    const Instance& from = at(locked->instances, index, "instance");
+    gno_instance& to = sized(instance, "gno_instance");
+    to.name = from.name.c_str();
+    to.mesh = from.mesh;
+    to.class_id = from.classId;
+    std::copy_n(from.transform.rows.begin(), 12, to.transform.rows);
+  });
+}
+
+gno_status gno_scene_get_bounds(gno_scene scene, double min[3], double max[3]) {
+  return guard([&] {
+    the(min, "min"), the(max, "max");
+    const Bounds bounds = worldBounds(*Locked(scene));
+    set(min, bounds.min);
+    set(max, bounds.max);
+  });
+}
+
+gno_status gno_scene_validate(gno_scene scene) {
+  return guard([&] { validate(*Locked(scene)); });
+}
+
+gno_status gno_scene_write_glb(gno_scene scene, const char* file) {
+  return guard([&] { writeGlb(*Locked(scene), &the(file, "file")); });
+}
+
+gno_status gno_scene_get_optics(gno_scene scene, gno_material_table table, double wavelength, gno_optics* optics,
+                                size_t capacity, size_t* count) {
+  return guard([&] {
+    MaterialTable rows;
+    if (table) rows = *Locked(table);
+    const std::vector<Optics> all = opticsOf(*Locked(scene), rows, wavelength);
+    const auto to = array(optics, capacity, "optics");
+    for (size_t i = 0; i < std::min(all.size(), to.size()); ++i)
+      to[i] = {all[i].reflectance, all[i].gloss, all[i].roughness, all[i].retro, all[i].transmission};
+    the(count, "count") = all.size();
+  });
+}
+
+gno_status gno_material_table_load(const char* file, gno_material_table* table) {
+  return guard(
+      [&] { the(table, "table") = make<gno_material_table>(file ? loadMaterialTable(file) : MaterialTable()); });
+}
+
+gno_status gno_material_table_add(gno_material_table table, const char* name, float reflectance905,
+                                  float reflectance1550, float roughness, float retro, float transmission) {
+  return guard([&] {
+    Locked(table)->rows.push_back(
+        {&the(name, "name"), reflectance905, reflectance1550, roughness, retro, transmission});
+  });
+}
+
+gno_status gno_material_table_destroy(gno_material_table table) {
+  return guard([&] { destroy(table); });
+}
+
+}  // extern "C"

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// gno_sensor: sensors of the catalogue, from files, grids and lists of beams.
+#include "c/handles.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::c;
+
+namespace {
+
+void apply(const gno_sensor_settings* settings, Sensor& sensor) {
+  const gno_sensor_settings& from = sized(settings, "gno_sensor_settings");
+  const auto masked = array(from.masked_beams, from.masked_beam_count, "gno_sensor_settings::masked_beams");
+  sensor.name = orEmpty(from.name);
+  sensor.rangeMin = from.range_min;
+  sensor.rangeMax = from.range_max;
+  sensor.divergenceHorizontal = from.divergence_horizontal;
+  sensor.divergenceVertical = from.divergence_vertical;
+  sensor.maxReturns = from.max_returns;
+  sensor.rotationPeriod = from.rotation_period;
+  sensor.nearHits = enumOf(from.near_hits, NearHits::hide, "gno_sensor_settings::near_hits");
+  sensor.maskedBeams.assign(masked.begin(), masked.end());
+}
+
+gno_sensor checked(Sensor sensor) {
+  validate(sensor);
+  return make<gno_sensor>({std::move(sensor), {}, {}, {}, {}});
+}
+
+std::vector<Vec3> vectors(const double* values, size_t count) {
+  std::vector<Vec3> result(values ? count : 0);
+  for (size_t i = 0; i < result.size(); ++i) result[i] = vec3(values + 3 * i);
+  return result;
+}
+
+template <class T>
+std::vector<T> values(const T* from, size_t count) {
+  return from ? std::vector<T>(from, from + count) : std::vector<T>();
+}
+
+BeamList listOf(const gno_beam_list& from) {
+  checkSize(from.struct_size, sizeof from, "gno_beam_list");
+  the(from.directions, "gno_beam_list::directions");
+  BeamList list;
+  list.directions = vectors(from.directions, from.beam_count);
+  list.origins = vectors(from.origins, from.beam_count);
+  list.times = values(from.times, from.beam_count);
+  list.rangeMin = values(from.range_min, from.beam_count);
+  list.rangeMax = values(from.range_max, from.beam_count);
+  list.rings = values(from.rings, from.beam_count);
+  list.width = from.width;
+  list.height = from.height;
+  return list;
+}
+
+std::vector<double> flat(const std::vector<Vec3>& vectors) {
+  std::vector<double> result(3 * vectors.size());
+  for (size_t i = 0; i < vectors.size(); ++i) set(&result[3 * i], vectors[i]);
+  return result;
+}
+
+template <class T>
+const T* orNull(const std::vector<T>& values) {
+  return values.empty() ? nullptr : values.data();
+}
+
+}  // namespace
+
+extern "C" {
+
+gno_status gno_sensor_builtin(const char* name, gno_sensor* sensor) {
+  return guard([&] { the(sensor, "sensor") = checked(builtinSensor(&the(name, "name"))); });
+}
+
+gno_status gno_sensor_load(const char* file, const gno_sensor_file_options* options, gno_sensor* sensor) {
+  return guard([&] {
+    the(sensor, "sensor");
+    SensorFileOptions wanted;
+    if (options) {
+      sized(options, "gno_sensor_file_options");
+      wanted.head = orEmpty(options->head);
+      wanted.mode = orEmpty(options->mode);
+      wanted.scanRate = options->scan_rate;
+      wanted.columns = options->columns;
+      wanted.beamsPerScan = options->beams_per_scan;
+      wanted.fireTimes = orEmpty(options->fire_times);
+    }
+    SensorFile read = readSensorFile(std::filesystem::path(&the(file, "file")), wanted);
+    std::string report = read.family + '\n';
+    for (const std::string& text : read.assumed) report += "assumed: " + text + '\n';
+    for (const std::string& text : read.ignored) report += "ignored: " + text + '\n';
+    *sensor = make<gno_sensor>({std::move(read.sensor), std::move(report), {}, {}, {}});
+  });
+}
+
+gno_status gno_sensor_from_json(const char* json, gno_sensor* sensor) {
+  return guard([&] { the(sensor, "sensor") = checked(sensorFromJson(&the(json, "json"), "the text")); });
+}
+
+gno_status gno_sensor_create_grid(const gno_sensor_settings* settings, const gno_grid* grid, gno_sensor* sensor) {
+  return guard([&] {
+    const gno_grid& from = sized(grid, "gno_grid");
+    Sensor result;
+    apply(settings, result);
+    result.columns = from.columns;
+    result.azimuthStartDeg = from.azimuth_start_deg;
+    result.azimuthSpanDeg = from.azimuth_span_deg;
+    for (const gno_channel& channel : array(from.channels, from.channel_count, "gno_grid::channels"))
+      result.channels.push_back({channel.elevation_deg, channel.azimuth_offset_deg, vec3(channel.origin),
+                                 channel.time_offset, channel.range_min, channel.range_max});
+    the(sensor, "sensor") = checked(std::move(result));
+  });
+}
+
+gno_status gno_sensor_create_list(const gno_sensor_settings* settings, const gno_beam_list* patterns,
+                                  size_t pattern_count, gno_sensor* sensor) {
+  return guard([&] {
+    if (pattern_count == 0) refuse("pattern_count is 0; a sensor needs one list of beams at least");
+    Sensor result;
+    apply(settings, result);
+    for (const gno_beam_list& list : array(patterns, pattern_count, "patterns"))
+      result.patterns.push_back(listOf(list));
+    the(sensor, "sensor") = checked(std::move(result));
+  });
+}
+
+gno_status gno_sensor_destroy(gno_sensor sensor) {
+  return guard([&] { destroy(sensor); });
+}
+
+gno_status gno_sensor_get_settings(gno_sensor sensor, gno_sensor_settings* settings) {
+  return guard([&] {
+    Locked locked(sensor);
+    const Sensor& from = locked->sensor;
+    gno_sensor_settings& to = sized(settings, "gno_sensor_settings");
+    to.name = from.name.c_str();
+    to.range_min = from.rangeMin;
+    to.range_max = from.rangeMax;
+    to.divergence_horizontal = from.divergenceHorizontal;
+    to.divergence_vertical = from.divergenceVertical;
+    to.max_returns = from.maxReturns;
+    to.rotation_period = from.rotationPeriod;
+    to.near_hits = static_cast<gno_near_hits>(from.nearHits);
+    to.masked_beams = orNull(from.maskedBeams);
+    to.masked_beam_count = from.maskedBeams.size();
+  });
+}
+
+gno_status gno_sensor_set_settings(gno_sensor sensor, const gno_sensor_settings* settings) {
+  return guard([&] {
+    Locked locked(sensor);
+    Sensor changed = locked->sensor;
+    apply(settings, changed);
+    validate(changed);
+    locked->sensor = std::move(changed);
+  });
+}
+
+gno_status gno_sensor_get_size(gno_sensor sensor, gno_sensor_size* size) {
+  return guard([&] {
+    Locked locked(sensor);
+    gno_sensor_size& to = sized(size, "gno_sensor_size");
+    to.beams = locked->sensor.beamCount();
+    to.width = locked->sensor.width();
+    to.height = locked->sensor.height();
+    to.patterns = locked->sensor.patterns.size();
+  });
+}
+
+gno_status gno_sensor_get_beams(gno_sensor sensor, uint64_t frame, gno_beam_list* beams) {
+  return guard([&] {
+    Locked locked(sensor);
+    gno_beam_list& to = sized(beams, "gno_beam_list");
+    const BeamList& list = locked->beams = beamsOf(locked->sensor, frame);
+    locked->directions = flat(list.directions);
+    locked->origins = flat(list.origins);
+    to.beam_count = list.size();
+    to.directions = orNull(locked->directions);
+    to.origins = orNull(locked->origins);
+    to.times = orNull(list.times);
+    to.range_min = orNull(list.rangeMin);
+    to.range_max = orNull(list.rangeMax);
+    to.rings = orNull(list.rings);
+    to.width = list.width;
+    to.height = list.height;
+  });
+}
+
+gno_status gno_sensor_to_json(gno_sensor sensor, const char** json) {
+  return guard([&] {
+    thread_local std::string text;
+    text = toJson(Locked(sensor)->sensor);
+    the(json, "json") = text.c_str();
+  });
+}
+
+gno_status gno_sensor_get_report(gno_sensor sensor, const char** lines) {
+  return guard([&] { the(lines, "lines") = Locked(sensor)->report.c_str(); });
+}
+
+gno_status gno_sensor_names(const char* const** names, size_t* count) {
+  return guard([&] {
+    static const std::vector<const char*> all = [] {
+      std::vector<const char*> result;
+      for (const Sensor& sensor : builtinSensors()) result.push_back(sensor.name.c_str());
+      return result;
+    }();
+    the(names, "names") = all.data();
+    the(count, "count") = all.size();
+  });
+}
+
+gno_status gno_catalogue_count(size_t* count) {
+  return guard([&] { the(count, "count") = sensorCatalogue().size(); });
+}
+
+gno_status gno_catalogue_get(size_t index, gno_catalogue_head* head) {
+  return guard([&] {
+    const std::vector<CatalogueHead>& all = sensorCatalogue();
+    gno_catalogue_head& to = sized(head, "gno_catalogue_head");
+    if (index >= all.size())
+      refuse("head " + std::to_string(index) + " does not exist, there are " + std::to_string(all.size()));
+    thread_local std::string modes;
+    modes.clear();
+    for (const std::string& mode : all[index].modes) modes += (modes.empty() ? "" : ",") + mode;
+    to.name = all[index].name.c_str();
+    to.product = all[index].product.c_str();
+    to.modes = modes.c_str();
+    to.source = all[index].source.c_str();
+    to.remarks = all[index].remarks.c_str();
+    to.range_at_10_percent = all[index].rangeAt10Percent;
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+// gno_simulator: scans, and what changes between them.
+#include "c/handles.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::c;
+
+namespace {
+
+SensorRequest requestOf(const gno_request& from) {
+  checkSize(from.struct_size, sizeof from, "gno_request");
+  SensorRequest request;
+  request.sensor = Locked(from.sensor)->sensor;
+  if (from.effects) request.effects = *Locked(from.effects);
+  request.fields = fieldsOf(from.fields, from.field_count);
+  request.variableWeather = from.variable_weather != 0;
+  return request;
+}
+
+AccuracyParts partsOf(const gno_accuracy_parts* parts) {
+  const gno_accuracy_parts& from = sized(parts, "gno_accuracy_parts");
+  return {enumOf(from.bounds, AccuracyParts::Bounds::exact, "gno_accuracy_parts::bounds"),
+          enumOf(from.cull, AccuracyParts::Cull::nearestPoint, "gno_accuracy_parts::cull"),
+          enumOf(from.inside, AccuracyParts::Inside::exact, "gno_accuracy_parts::inside"),
+          enumOf(from.range, AccuracyParts::Range::exact, "gno_accuracy_parts::range")};
+}
+
+Tuning tuningOf(const gno_options& from) {
+  Tuning tuning;
+  tuning.binning = enumOf(from.binning, Binning::slabs, "gno_options::binning");
+  tuning.culling.range = from.cull_range != 0;
+  tuning.culling.rows = from.cull_rows != 0;
+  tuning.culling.columns = from.cull_columns != 0;
+  tuning.culling.cones = from.cull_cones != 0;
+  tuning.culling.occlusion = enumOf(from.occlusion, Culling::Occlusion::never, "gno_options::occlusion");
+  tuning.keepStill = from.keep_still != 0;
+  tuning.float64 = from.float64 != 0;
+  tuning.maxBufferBytes = from.max_buffer_bytes;
+  return tuning;
+}
+
+SimulatorOptions optionsOf(const gno_options* options) {
+  SimulatorOptions result;
+  if (!options) return result;
+  const gno_options& from = sized(options, "gno_options");
+  if (from.device) result.device = deviceByName(from.device);
+  std::copy_n(from.device_uuid, 16, result.device.uuid.begin());
+  result.accuracy = enumOf(from.accuracy, Accuracy::exact, "gno_options::accuracy");
+  if (from.accuracy_parts) result.accuracyParts = partsOf(from.accuracy_parts);
+  result.faces = enumOf(from.faces, ReflectingFaces::both, "gno_options::faces");
+  if (from.materials) result.materials = *Locked(from.materials);
+  result.cache = orEmpty(from.cache);
+  if (from.warn)
+    result.warn = [warn = from.warn, user = from.user](const std::string& text) { warn(text.c_str(), user); };
+  result.validation = from.validation != 0;
+  result.tuning = tuningOf(from);
+  return result;
+}
+
+Shot shotOf(const gno_shot& from) {
+  checkSize(from.struct_size, sizeof from, "gno_shot");
+  Shot shot;
+  shot.pose = poseOf(from.pose);
+  shot.sensor = from.sensor;
+  shot.frame = from.frame;
+  for (const gno_stamp& stamp : array(from.motion, from.motion_count, "gno_shot::motion"))
+    shot.motion.stamps.push_back({stamp.time, poseOf(stamp.pose)});
+  for (const gno_instance_motion& motion :
+       array(from.instance_motions, from.instance_motion_count, "gno_shot::instance_motions"))
+    shot.instanceMotions.push_back({motion.instance, transformOf(motion.end)});
+  if (from.weather) {
+    const gno_weather& weather = sized(from.weather, "gno_weather");
+    shot.weather = Weather{weather.visibility, weather.rain_rate, weather.snow_rate, {}};
+    for (const gno_volume& box : array(weather.volumes, weather.volume_count, "gno_weather::volumes"))
+      shot.weather->volumes.push_back({vec3(box.min), vec3(box.max), box.extinction});
+  }
+  return shot;
+}
+
+/// The simulator of a handle, unless one of its scans is being received on this thread.
+class Idle : public Locked<gno_simulator> {
+ public:
+  explicit Idle(gno_simulator handle) : Locked(handle) {
+    if ((**this).running) refuse("the function that receives scans of a simulator must not call it");
+  }
+  Simulator* operator->() { return &(**this).simulator; }
+};
+
+/// Changes the simulator and gives the index of what was added.
+template <class Add>
+gno_status add(gno_simulator simulator, size_t* index, Add how) {
+  return guard([&] {
+    Idle idle(simulator);
+    const size_t added = how(*idle.operator->());
+    if (index) *index = added;
+  });
+}
+
+}  // namespace
+
+extern "C" {
+
+gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, size_t sensor_count,
+                                const gno_options* options, gno_simulator* simulator) {
+  return guard([&] {
+    the(simulator, "simulator");
+    std::vector<SensorRequest> requests;
+    for (const gno_request& request : array(sensors, sensor_count, "sensors")) requests.push_back(requestOf(request));
+    const SimulatorOptions wanted = optionsOf(options);
+    *simulator = make<gno_simulator>({Simulator(*Locked(scene), requests, wanted)});
+  });
+}
+
+gno_status gno_simulator_destroy(gno_simulator simulator) {
+  return guard([&] {
+    { Idle idle(simulator); }
+    destroy(simulator);
+  });
+}
+
+gno_status gno_simulator_scan(gno_simulator simulator, const gno_shot* shot, gno_scan* scan) {
+  return guard([&] {
+    const Shot wanted = shotOf(the(shot, "shot"));
+    if (!the(scan, "scan")) {
+      Scan result;
+      Idle(simulator)->scanInto(wanted, result);
+      *scan = make<gno_scan>(std::move(result));
+      return;
+    }
+    const auto from = find(simulator);
+    const auto to = find(*scan);
+    const std::scoped_lock lock(from->mutex, to->mutex);
+    Idle(simulator)->scanInto(wanted, to->value);
+  });
+}
+
+gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots, size_t shot_count,
+                                  int32_t (*receive)(size_t shot, gno_scan scan, void* user), void* user) {
+  return guard([&] {
+    the(receive, "receive");
+    std::vector<Shot> wanted;
+    for (const gno_shot& shot : array(shots, shot_count, "shots")) wanted.push_back(shotOf(shot));
+    Idle idle(simulator);
+    SimulatorObject& object = *idle;
+    struct Running {
+      bool& flag;
+      gno_scan received;
+      ~Running() {
+        flag = false;
+        destroy(received);
+      }
+    } run{object.running = true, make<gno_scan>({})};
+    object.simulator.scanAll(wanted, [&](size_t index, const Scan& scan) {
+      *Locked(run.received) = scan;
+      if (receive(index, run.received, user) != 0) throw Cancelled();
+    });
+  });
+}
+
+gno_status gno_simulator_add_sensor(gno_simulator simulator, const gno_request* request, size_t* index) {
+  return add(simulator, index, [&](Simulator& to) { return to.addSensor(requestOf(the(request, "request"))); });
+}
+
+gno_status gno_simulator_remove_sensor(gno_simulator simulator, size_t index) {
+  return guard([&] { Idle(simulator)->removeSensor(index); });
+}
+
+gno_status gno_simulator_add_material(gno_simulator simulator, const gno_material* material,
+                                      const gno_alpha_image* image, size_t* index) {
+  return add(simulator, index, [&](Simulator& to) {
+    if (!image) return to.addMaterial(materialOf(material));
+    const AlphaImage alpha = alphaImageOf(image);
+    return to.addMaterial(materialOf(material), &alpha);
+  });
+}
+
+gno_status gno_simulator_remove_material(gno_simulator simulator, size_t index) {
+  return guard([&] { Idle(simulator)->removeMaterial(index); });
+}
+
+gno_status gno_simulator_add_mesh(gno_simulator simulator, const gno_mesh* mesh, size_t* index) {
+  return add(simulator, index, [&](Simulator& to) { return to.addMesh(meshOf(mesh)); });
+}
+
+gno_status gno_simulator_remove_mesh(gno_simulator simulator, size_t index) {
+  return guard([&] { Idle(simulator)->removeMesh(index); });
+}
+
+gno_status gno_simulator_set_positions(gno_simulator simulator, size_t mesh, const float* positions,
+                                       size_t vertex_count) {
+  return guard([&] { Idle(simulator)->setPositions(mesh, array(positions, 3 * vertex_count, "positions")); });
+}
+
+gno_status gno_simulator_add_instance(gno_simulator simulator, const gno_instance* instance, size_t* index) {
+  return add(simulator, index, [&](Simulator& to) {
+    const Instance from = instanceOf(instance);
+    return to.addInstance(from.mesh, from.transform, from.classId);
+  });
+}
+
+gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index) {
+  return guard([&] { Idle(simulator)->removeInstance(index); });
+}
+
+gno_status gno_simulator_set_transform(gno_simulator simulator, size_t instance, const gno_transform* transform) {
+  return guard([&] { Idle(simulator)->setTransform(instance, transformOf(the(transform, "transform"))); });
+}
+
+gno_status gno_simulator_get_plan(gno_simulator simulator, size_t sensor, const char** json) {
+  return guard([&] {
+    thread_local std::string text;
+    text = toJson(Idle(simulator)->plan(sensor));
+    the(json, "json") = text.c_str();
+  });
+}
+
+gno_status gno_simulator_get_device(gno_simulator simulator, gno_device_info* device) {
+  return guard([&] {
+    Idle idle(simulator);
+    describe(idle->device(), sized(device, "gno_device_info"));
+  });
+}
+
+gno_status gno_simulator_get_memory(gno_simulator simulator, gno_memory_use* use) {
+  return guard([&] {
+    gno_memory_use& to = sized(use, "gno_memory_use");
+    const MemoryUse from = Idle(simulator)->memory();
+    to.scene = from.scene;
+    to.sensor = from.sensor;
+    to.work = from.work;
+  });
+}
+
+gno_status gno_simulator_get_cluster_count(gno_simulator simulator, size_t* count) {
+  return guard([&] { the(count, "count") = Idle(simulator)->clusterCount(); });
+}
+
+}  // extern "C"

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names that earlier levels of the interface had for what is there today.
+#include "rgl/fields.hpp"
+#include "rgl/scene.hpp"
+
+using namespace gnosphere::rgl;
+
+/// Until 0.18.
+RGL_API rgl_status_t rgl_entity_set_pose(rgl_entity_t entity, const rgl_mat3x4f* transform) {
+  return rgl_entity_set_transform(entity, transform);
+}
+
+/// Until 0.17.
+RGL_API rgl_status_t rgl_node_points_compact(rgl_node_t* node) {
+  return rgl_node_points_compact_by_field(node, static_cast<rgl_field_t>(level() <= 17 ? 3 : RGL_FIELD_IS_HIT_I32));
+}
+
+/// Until 0.18: new vertices for every entity of a mesh.
+RGL_API rgl_status_t rgl_mesh_update_vertices(rgl_mesh_t mesh, const rgl_vec3f* vertices, int32_t vertex_count) {
+  return call(
+      "rgl_mesh_update_vertices",
+      [&] {
+        RGL_CHECK(mesh != nullptr);
+        RGL_CHECK(vertices != nullptr);
+        RGL_CHECK(vertex_count > 0);
+        const std::shared_ptr<MeshObject> of = scene().meshes.at(mesh);
+        if (of->vertices.size() != static_cast<size_t>(vertex_count))
+          throw Failure(RGL_INVALID_ARGUMENT, "Invalid argument: vertex counts do not match");
+        scene().entities.each([&](rgl_entity_t entity, const EntityObject& object) {
+          if (object.mesh == of) rgl_entity_apply_external_animation(entity, vertices, vertex_count);
+        });
+        for (int32_t i = 0; i < vertex_count; ++i)
+          of->vertices[i] = {vertices[i].value[0], vertices[i].value[1], vertices[i].value[2]};
+        scene().forget(*of);
+      },
+      mesh, arrayOf(vertices, vertex_count), vertex_count);
+}
+
+/// 0.15 and 0.16.
+RGL_API rgl_status_t rgl_node_raytrace_with_distortion(rgl_node_t* node, rgl_scene_t scene,
+                                                       const rgl_vec3f* linear_velocity,
+                                                       const rgl_vec3f* angular_velocity) {
+  rgl_status_t status = rgl_node_raytrace(node, scene);
+  if (status == RGL_SUCCESS) status = rgl_node_raytrace_configure_velocity(*node, linear_velocity, angular_velocity);
+  if (status == RGL_SUCCESS) status = rgl_node_raytrace_configure_distortion(*node, true);
+  return status;
+}
+
+/// The development version that some bindings are made for.
+RGL_API rgl_status_t rgl_node_raytrace_in_motion(rgl_node_t* node, rgl_scene_t scene, const rgl_vec3f* linear_velocity,
+                                                 const rgl_vec3f* angular_velocity, bool apply_distortion) {
+  rgl_status_t status = rgl_node_raytrace(node, scene);
+  if (status == RGL_SUCCESS) status = rgl_node_raytrace_configure_velocity(*node, linear_velocity, angular_velocity);
+  if (status == RGL_SUCCESS) status = rgl_node_raytrace_configure_distortion(*node, apply_distortion);
+  return status;
+}

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recording calls, and making them again.
+#include "rgl/tape.hpp"
+
+#include <rgl/api/extensions/pcl.h>
+#include <rgl/api/extensions/tape.h>
+#include <yaml-cpp/yaml.h>
+
+#include <functional>
+#include <map>
+#include <thread>
+#include <tuple>
+
+#include "rgl/call.hpp"
+#include "rgl/fields.hpp"
+
+namespace gnosphere::rgl {
+
+Tape& tape() {
+  static Tape theTape;
+  return theTape;
+}
+
+void Tape::begin(const char* path) {
+  if (recording_) throw Failure(RGL_TAPE_ERROR, "the tape is recording already; end that recording first");
+  yaml_.open(std::string(path) + ".yaml");
+  binary_.open(std::string(path) + ".bin", std::ios::binary);
+  if (!yaml_ || !binary_) {
+    yaml_ = {}, binary_ = {};
+    throw Failure(RGL_INVALID_FILE_PATH, std::string("the tape ") + path + " cannot be written");
+  }
+  offset_ = 0;
+  start_ = std::chrono::steady_clock::now();
+  recording_ = true;
+  const Version told = version();
+  record("rgl_get_version_info", told.major, told.minor, told.patch);
+}
+
+void Tape::end() {
+  if (!recording_) throw Failure(RGL_TAPE_ERROR, "no recording has begun");
+  recording_ = false;
+  yaml_.close();
+  binary_.close();
+  if (!yaml_ || !binary_) throw Failure(RGL_TAPE_ERROR, "the tape could not be written to its end");
+  yaml_ = {}, binary_ = {};
+}
+
+std::string Tape::quoted(const std::string& value) {
+  std::string result = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + '"';
+}
+
+std::string Tape::real(double value) {
+  char text[32];
+  if (std::isnan(value)) return ".nan";
+  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+// Arrays begin at multiples of 16 bytes.
+std::string Tape::place(const Array& array) {
+  const uint64_t begin = offset_;
+  binary_.write(static_cast<const char*>(array.data), static_cast<std::streamsize>(array.bytes));
+  const uint64_t padding = (16 - array.bytes % 16) % 16;
+  binary_.write("\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0", static_cast<std::streamsize>(padding));
+  offset_ += array.bytes + padding;
+  return std::to_string(begin);
+}
+
+void Tape::write(const char* name, const std::string& arguments) {
+  const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - start_);
+  yaml_ << "- " << name << ": {t: " << time.count() << ", a: [" << arguments << "]}\n";
+}
+
+namespace {
+
+/// What a tape that is played needs: its arrays, and the handles of now by those of then.
+struct Player {
+  std::string arrays;
+  std::map<uint64_t, uint64_t> handles;
+};
+
+/// An argument of a recorded call. `Type` is that of the function's parameter.
+template <class Type>
+struct Argument {
+  Argument(const YAML::Node& node, Player&) {
+    if constexpr (std::is_enum_v<Type>)
+      value = static_cast<Type>(node.as<int32_t>());
+    else
+      value = node.as<Type>();
+  }
+  Type pass() { return value; }
+  void after() {}
+  Type value;
+};
+
+/// A handle.
+template <class Object>
+struct Argument<Object*> {
+  Argument(const YAML::Node& node, Player& player)
+      : value(reinterpret_cast<Object*>(player.handles[node.as<uint64_t>()])) {}
+  Object* pass() { return value; }
+  void after() {}
+  Object* value;
+};
+
+/// A handle that a call gives or changes.
+template <class Object>
+struct Argument<Object**> {
+  Argument(const YAML::Node& node, Player& of)
+      : then(node.as<uint64_t>()), player(of), value(reinterpret_cast<Object*>(of.handles[then])) {}
+  Object** pass() { return &value; }
+  void after() { player.handles[then] = reinterpret_cast<uintptr_t>(value); }
+  uint64_t then;
+  Player& player;
+  Object* value;
+};
+
+/// An array.
+template <class Element>
+struct Argument<const Element*> {
+  Argument(const YAML::Node& node, Player& player) {
+    const auto offset = node.as<uint64_t>();
+    if (offset > player.arrays.size()) throw Failure(RGL_TAPE_ERROR, "an array of the tape is beyond its binary file");
+    value = reinterpret_cast<const Element*>(player.arrays.data() + offset);
+  }
+  const Element* pass() { return value; }
+  void after() {}
+  const Element* value;
+};
+
+template <>
+struct Argument<const char*> {
+  Argument(const YAML::Node& node, Player&) : value(node.as<std::string>()) {}
+  const char* pass() { return value.empty() ? nullptr : value.c_str(); }
+  void after() {}
+  std::string value;
+};
+
+/// A place for a result, which is not compared.
+template <class Result>
+struct Place {
+  Place(const YAML::Node&, Player&) {}
+  Result* pass() { return &value; }
+  void after() {}
+  Result value{};
+};
+template <>
+struct Argument<int32_t*> : Place<int32_t> {
+  using Place::Place;
+};
+template <>
+struct Argument<bool*> : Place<bool> {
+  using Place::Place;
+};
+
+using Play = std::function<rgl_status_t(const YAML::Node& arguments, Player&)>;
+
+template <class... Parameters, size_t... kPlaces>
+rgl_status_t callWith(rgl_status_t (*function)(Parameters...), const YAML::Node& node, Player& player,
+                      std::index_sequence<kPlaces...>) {
+  std::tuple<Argument<Parameters>...> arguments{Argument<Parameters>(node[kPlaces], player)...};
+  const rgl_status_t status = function(std::get<kPlaces>(arguments).pass()...);
+  (std::get<kPlaces>(arguments).after(), ...);
+  return status;
+}
+
+template <class... Parameters>
+Play playerOf(rgl_status_t (*function)(Parameters...)) {
+  return [function](const YAML::Node& node, Player& player) {
+    if (node.size() != sizeof...(Parameters))
+      throw Failure(RGL_TAPE_ERROR, "a call of the tape has " + std::to_string(node.size()) + " arguments instead of " +
+                                        std::to_string(sizeof...(Parameters)));
+    return callWith(function, node, player, std::index_sequence_for<Parameters...>());
+  };
+}
+
+rgl_status_t playResultSize(const YAML::Node& node, Player& player) {
+  Argument<rgl_node_t> of(node[0], player);
+  int32_t count = 0, size = 0;
+  const rgl_status_t status =
+      rgl_graph_get_result_size(of.pass(), static_cast<rgl_field_t>(node[1].as<int32_t>()), &count, &size);
+  if (count != node[2].as<int32_t>() || size != node[3].as<int32_t>())
+    log(RGL_LOG_LEVEL_WARN, "the tape had a result of " + node[2].as<std::string>() + " x " +
+                                node[3].as<std::string>() + " bytes, now it has " + std::to_string(count) + " x " +
+                                std::to_string(size));
+  return status;
+}
+
+rgl_status_t playResultData(const YAML::Node& node, Player& player) {
+  Argument<rgl_node_t> of(node[0], player);
+  const auto field = static_cast<rgl_field_t>(node[1].as<int32_t>());
+  int32_t count = 0, size = 0;
+  const rgl_status_t status = rgl_graph_get_result_size(of.pass(), field, &count, &size);
+  std::string data(size_t(count) * size + 1, '\0');
+  return status == RGL_SUCCESS ? rgl_graph_get_result_data(of.pass(), field, data.data()) : status;
+}
+
+const std::map<std::string, Play>& players() {
+#define PLAY(function) \
+  { #function, playerOf(function) }
+  static const std::map<std::string, Play> all = {
+      PLAY(rgl_get_extension_info),
+      PLAY(rgl_configure_logging),
+      PLAY(rgl_cleanup),
+      PLAY(rgl_mesh_create),
+      PLAY(rgl_mesh_set_texture_coords),
+      PLAY(rgl_mesh_set_bone_weights),
+      PLAY(rgl_mesh_set_restposes),
+      PLAY(rgl_mesh_destroy),
+      PLAY(rgl_mesh_is_alive),
+      PLAY(rgl_entity_create),
+      PLAY(rgl_entity_destroy),
+      PLAY(rgl_entity_set_transform),
+      PLAY(rgl_entity_set_pose_world),
+      PLAY(rgl_entity_set_id),
+      PLAY(rgl_entity_set_intensity_texture),
+      PLAY(rgl_entity_set_laser_retro),
+      PLAY(rgl_entity_apply_external_animation),
+      PLAY(rgl_entity_is_alive),
+      PLAY(rgl_entity_set_ignored_by_sensor),
+      PLAY(rgl_texture_destroy),
+      PLAY(rgl_texture_is_alive),
+      PLAY(rgl_scene_set_time),
+      PLAY(rgl_node_rays_from_mat3x4f),
+      PLAY(rgl_node_rays_set_ring_ids),
+      PLAY(rgl_node_rays_set_range),
+      PLAY(rgl_node_rays_set_time_offsets),
+      PLAY(rgl_node_rays_transform),
+      PLAY(rgl_node_gaussian_noise_angular_ray),
+      PLAY(rgl_node_raytrace),
+      PLAY(rgl_node_raytrace_configure_velocity),
+      PLAY(rgl_node_raytrace_configure_distortion),
+      PLAY(rgl_node_raytrace_configure_non_hits),
+      PLAY(rgl_node_raytrace_configure_mask),
+      PLAY(rgl_node_raytrace_configure_beam_divergence),
+      PLAY(rgl_node_raytrace_configure_default_intensity),
+      PLAY(rgl_node_raytrace_configure_return_mode),
+      PLAY(rgl_node_raytrace_configure_reflectivity_alpha),
+      PLAY(rgl_node_raytrace_configure_id),
+      PLAY(rgl_node_points_transform),
+      PLAY(rgl_node_points_format),
+      PLAY(rgl_node_points_yield),
+      PLAY(rgl_node_points_compact_by_field),
+      PLAY(rgl_node_points_spatial_merge),
+      PLAY(rgl_node_points_temporal_merge),
+      PLAY(rgl_node_points_from_array),
+      PLAY(rgl_node_points_filter_ground),
+      PLAY(rgl_node_gaussian_noise_angular_hitpoint),
+      PLAY(rgl_node_gaussian_noise_distance),
+      PLAY(rgl_node_points_radar_postprocess),
+      PLAY(rgl_node_points_radar_track_objects),
+      PLAY(rgl_node_points_radar_set_classes),
+      PLAY(rgl_node_is_alive),
+      PLAY(rgl_graph_run),
+      PLAY(rgl_graph_destroy),
+      PLAY(rgl_graph_node_add_child),
+      PLAY(rgl_graph_node_remove_child),
+      PLAY(rgl_graph_node_set_priority),
+      PLAY(rgl_graph_node_get_priority),
+      PLAY(rgl_graph_write_pcd_file),
+      PLAY(rgl_node_points_downsample),
+      PLAY(rgl_node_points_remove_ground),
+      PLAY(rgl_texture_create),
+      {"rgl_graph_get_result_size", playResultSize},
+      {"rgl_graph_get_result_data", playResultData},
+      {"rgl_get_version_info", [](const YAML::Node&, Player&) { return RGL_SUCCESS; }},
+  };
+#undef PLAY
+  return all;
+}
+
+std::string contentOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Failure(RGL_INVALID_FILE_PATH, "the tape's file " + path + " cannot be read");
+  std::ostringstream content;
+  content << file.rdbuf();
+  return content.str();
+}
+
+void checkVersion(const YAML::Node& calls) {
+  const auto refuse = [](const char* why) { throw Failure(RGL_TAPE_ERROR, std::string("the tape ") + why); };
+  if (!calls.IsSequence() || calls.size() == 0) refuse("is empty");
+  const YAML::Node first = calls[0]["rgl_get_version_info"];
+  if (!first || !first["a"] || first["a"].size() != 3) refuse("does not begin with the version of its recording");
+  const int made = first["a"][0].as<int>() * 1000000 + first["a"][1].as<int>() * 1000 + first["a"][2].as<int>();
+  if (made < 16003) refuse("is of a version before 0.16.3, which had another form");
+}
+
+void play(const char* path) {
+  if (tape().recording()) throw Failure(RGL_TAPE_ERROR, "a tape cannot be played while another one is recorded");
+  YAML::Node calls;
+  Player player;
+  try {
+    calls = YAML::Load(contentOf(std::string(path) + ".yaml"));
+    checkVersion(calls);
+    player.arrays = contentOf(std::string(path) + ".bin");
+    const auto start = std::chrono::steady_clock::now();
+    for (const YAML::Node& call : calls) {
+      const auto name = call.begin()->first.as<std::string>();
+      const YAML::Node& details = call.begin()->second;
+      const auto function = players().find(name);
+      if (function == players().end()) throw Failure(RGL_TAPE_ERROR, "the tape calls the unknown function " + name);
+      std::this_thread::sleep_until(start + std::chrono::nanoseconds(details["t"].as<int64_t>()));
+      const rgl_status_t status = function->second(details["a"], player);
+      if (status != RGL_SUCCESS) {
+        const char* why = nullptr;
+        rgl_get_last_error_string(&why);
+        log(RGL_LOG_LEVEL_WARN, "the tape's call of " + name + " failed: " + why);  // as it may have then
+      }
+    }
+  } catch (const YAML::Exception& error) {
+    throw Failure(RGL_TAPE_ERROR, std::string("the tape ") + path + " is no recording: " + error.what());
+  }
+}
+
+}  // namespace
+}  // namespace gnosphere::rgl
+
+using namespace gnosphere::rgl;
+
+RGL_API rgl_status_t rgl_tape_record_begin(const char* path) {
+  return callUnrecorded([&] {
+    RGL_CHECK(path != nullptr);
+    RGL_CHECK(path[0] != '\0');
+    tape().begin(path);
+  });
+}
+
+RGL_API rgl_status_t rgl_tape_record_end(void) {
+  return callUnrecorded([] { tape().end(); });
+}
+
+RGL_API rgl_status_t rgl_tape_record_is_active(bool* is_active) {
+  return callUnrecorded([&] {
+    RGL_CHECK(is_active != nullptr);
+    *is_active = tape().recording();
+  });
+}
+
+RGL_API rgl_status_t rgl_tape_play(const char* path) {
+  return callUnrecorded([&] {
+    RGL_CHECK(path != nullptr);
+    RGL_CHECK(path[0] != '\0');
+    play(path);
+  });
+}

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface against the C++ one: the same scans, and an error instead of a crash for every wrong argument.
+#include <gnosphere.h>
+
+#include <catch2/catch_test_macros.hpp>
+#include <cstring>
+#include <filesystem>
+#include <gnosphere/gnosphere.hpp>
+#include <string>
+#include <thread>
+
+#include "folder.hpp"
+
+using namespace gnosphere;
+
+namespace {
+
+/// A floor of two triangles and a wall, as arrays of C.
+const float kFloor[] = {-20, -20, 0, 20, -20, 0, 20, 20, 0, -20, 20, 0};
+const uint32_t kSquare[] = {0, 1, 2, 0, 2, 3};
+
+gno_mesh squareMesh() {
+  gno_mesh mesh = gno_mesh_init();
+  mesh.name = "square";
+  mesh.positions = kFloor;
+  mesh.vertex_count = 4;
+  mesh.indices = kSquare;
+  mesh.triangle_count = 2;
+  return mesh;
+}
+
+gno_scene makeScene() {
+  gno_scene scene = nullptr;
+  REQUIRE(gno_scene_create(&scene) == GNO_OK);
+  const gno_material material = gno_material_init();
+  const gno_mesh mesh = squareMesh();
+  gno_instance floor = gno_instance_init(), wall = gno_instance_init();
+  floor.class_id = 7;
+  wall.transform = {{0, 0, 1, 8, 0, 1, 0, 0, -1, 0, 0, 0}};
+  uint32_t index = 9;
+  REQUIRE(gno_scene_add_material(scene, &material, &index) == GNO_OK);
+  CHECK(index == 0);
+  REQUIRE(gno_scene_add_mesh(scene, &mesh, nullptr) == GNO_OK);
+  REQUIRE(gno_scene_add_instance(scene, &floor, nullptr) == GNO_OK);
+  REQUIRE(gno_scene_add_instance(scene, &wall, &index) == GNO_OK);
+  CHECK(index == 1);
+  return scene;
+}
+
+Scene sameScene() {
+  Scene scene;
+  scene.materials = {{}};
+  Mesh mesh;
+  mesh.name = "square";
+  mesh.positions.assign(std::begin(kFloor), std::end(kFloor));
+  mesh.indices.assign(std::begin(kSquare), std::end(kSquare));
+  mesh.parts = {{0, 2, 0}};
+  scene.meshes = {mesh};
+  Instance floor, wall;
+  floor.classId = 7;
+  wall.transform = {{0, 0, 1, 8, 0, 1, 0, 0, -1, 0, 0, 0}};
+  scene.instances = {floor, wall};
+  return scene;
+}
+
+gno_simulator makeSimulator(gno_scene scene, const char* effects, std::vector<gno_field> fields) {
+  gno_sensor sensor = nullptr;
+  gno_effects request_effects = nullptr;
+  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
+  REQUIRE(gno_effects_preset(effects, &request_effects) == GNO_OK);
+  gno_request request = gno_request_init();
+  request.sensor = sensor;
+  request.effects = request_effects;
+  request.fields = fields.data();
+  request.field_count = fields.size();
+  gno_options options = gno_options_init();
+  options.device = "reference";
+  gno_simulator simulator = nullptr;
+  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(gno_effects_destroy(request_effects) == GNO_OK);
+  return simulator;
+}
+
+/// Compares a column of a C scan with that of a C++ scan, byte by byte.
+template <class T>
+bool sameColumn(gno_scan scan, gno_field field, const Scan& expected) {
+  gno_column column = gno_column_init();
+  REQUIRE(gno_scan_get_column(scan, field, &column) == GNO_OK);
+  const auto view = expected.column<T>(static_cast<Field>(field));
+  if (column.entries != view.size() || column.stride != view.stride()) return false;
+  const auto* values = static_cast<const T*>(column.values);
+  for (size_t i = 0; i < view.size(); ++i)
+    if (std::memcmp(&values[i * column.stride], &view[i], sizeof(T)) != 0) return false;
+  return true;
+}
+
+/// Whether a call failed with this status, and its sentence has the words.
+bool fails(gno_status status, gno_status expected, const char* words) {
+  INFO(status << ": " << gno_last_error());
+  CHECK(status == expected);
+  CHECK(std::strstr(gno_last_error(), words) != nullptr);
+  return status == expected && std::strstr(gno_last_error(), words);
+}
+
+}  // namespace
+
+TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every field and after every change") {
+  gno_scene scene = makeScene();
+  gno_simulator simulator =
+      makeSimulator(scene, "auto", {GNO_FIELD_INTENSITY, GNO_FIELD_NORMAL, GNO_FIELD_CLASS_ID, GNO_FIELD_TIME});
+  SimulatorOptions options;
+  options.device = DeviceChoice::Kind::reference;
+  Simulator expected(
+      sameScene(),
+      {builtinSensor("VLP-16"), effectPreset("auto"), {Field::intensity, Field::normal, Field::classId, Field::time}},
+      options);
+  const auto compareAll = [&](const Shot& shot, const gno_shot& cShot, gno_scan& scan) {
+    Scan wanted;
+    expected.scanInto(shot, wanted);
+    REQUIRE(gno_simulator_scan(simulator, &cShot, &scan) == GNO_OK);
+    for (gno_field field : {GNO_FIELD_X, GNO_FIELD_Z, GNO_FIELD_RANGE, GNO_FIELD_INTENSITY, GNO_FIELD_NORMAL,
+                            GNO_FIELD_TIME, GNO_FIELD_TOLERANCE})
+      CHECK(sameColumn<float>(scan, field, wanted));
+    CHECK(sameColumn<uint32_t>(scan, GNO_FIELD_INSTANCE, wanted));
+    CHECK(sameColumn<uint16_t>(scan, GNO_FIELD_CLASS_ID, wanted));
+    CHECK(sameColumn<uint8_t>(scan, GNO_FIELD_TIE, wanted));
+    gno_counters counters = gno_counters_init();
+    REQUIRE(gno_scan_get_counters(scan, &counters) == GNO_OK);
+    CHECK(counters.hits == wanted.counters.hits);
+    CHECK(counters.hits > 0);
+  };
+  gno_scan scan = nullptr;
+  gno_shot cShot = gno_shot_init();
+  cShot.pose = {{0, 0, 1.8}, {0, 0, 0.6, 0.8}};
+  cShot.frame = 3;
+  Shot shot;
+  shot.pose = {{0, 0, 1.8}, {0, 0, 0.6, 0.8}};
+  shot.frame = 3;
+  compareAll(shot, cShot, scan);
+
+  const gno_transform place = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1}};
+  CHECK(gno_simulator_set_transform(simulator, 0, &place) == GNO_OK);
+  expected.setTransform(0, {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1}});
+  CHECK(gno_simulator_remove_instance(simulator, 1) == GNO_OK);
+  expected.removeInstance(1);
+  const gno_mesh mesh = squareMesh();
+  size_t added = 99;
+  CHECK(gno_simulator_add_mesh(simulator, &mesh, &added) == GNO_OK);
+  CHECK(added == 1);
+  expected.addMesh(sameScene().meshes[0]);
+  gno_instance instance = gno_instance_init();
+  instance.mesh = 1;
+  instance.transform.rows[11] = 4;
+  CHECK(gno_simulator_add_instance(simulator, &instance, &added) == GNO_OK);
+  expected.addInstance(1, {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 4}});
+  float moved[12];
+  std::copy(std::begin(kFloor), std::end(kFloor), moved);
+  moved[2] = 2;
+  CHECK(gno_simulator_set_positions(simulator, 1, moved, 4) == GNO_OK);
+  expected.setPositions(1, moved);
+  gno_scan before = scan;
+  compareAll(shot, cShot, scan);
+  CHECK(before == scan);
+
+  // The same rows, files and comparison.
+  Scan wanted;
+  expected.scanInto(shot, wanted);
+  gno_layout_value values[] = {{GNO_FIELD_X, 0, 0, GNO_F32}, {GNO_FIELD_INSTANCE, 0, 8, GNO_F64}};
+  gno_layout layout = gno_layout_init();
+  layout.values = values;
+  layout.value_count = 2;
+  layout.stride = 16;
+  std::vector<std::byte> rows(wanted.ranges.size() * 16), same(rows.size());
+  size_t count = 0;
+  REQUIRE(gno_scan_pack(scan, &layout, rows.data(), rows.size(), &count) == GNO_OK);
+  CHECK(count == pack(wanted, {{{Field::x, 0, 0}, {Field::instance, 0, 8, ValueType::f64}}, 16, false}, same));
+  CHECK(rows == same);
+  const test::Folder folder;
+  REQUIRE(gno_scan_write(scan, (folder / "cloud.npy").c_str(), nullptr) == GNO_OK);
+  gno_scan read = nullptr;
+  REQUIRE(gno_scan_read((folder / "cloud.npy").c_str(), &read) == GNO_OK);
+  gno_comparison comparison = gno_comparison_init();
+  REQUIRE(gno_scan_compare(scan, read, 1e-3, &comparison) == GNO_OK);
+  CHECK(comparison.hits == wanted.counters.hits);
+  CHECK(comparison.missed + comparison.false_hits + comparison.wrong_owner + comparison.wrong_range == 0);
+
+  CHECK(gno_scan_destroy(read) == GNO_OK);
+  CHECK(gno_scan_destroy(scan) == GNO_OK);
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+}
+
+TEST_CASE("C: sensors from JSON, grids and lists have the beams that C++ gives them") {
+  gno_sensor sensor = nullptr, list = nullptr;
+  gno_channel channels[2] = {};
+  channels[1].elevation_deg = 3;
+  channels[1].origin[2] = 0.1;
+  gno_grid grid = gno_grid_init();
+  grid.columns = 90;
+  grid.channels = channels;
+  grid.channel_count = 2;
+  gno_sensor_settings settings = gno_sensor_settings_init();
+  settings.name = "mine";
+  settings.range_max = 50;
+  REQUIRE(gno_sensor_create_grid(&settings, &grid, &sensor) == GNO_OK);
+  gno_beam_list beams = gno_beam_list_init();
+  REQUIRE(gno_sensor_get_beams(sensor, 0, &beams) == GNO_OK);
+  Sensor expected;
+  expected.columns = 90;
+  expected.channels = {{}, {3, 0, {0, 0, 0.1}}};
+  expected.rangeMax = 50;
+  const BeamList wanted = beamsOf(expected);
+  REQUIRE(beams.beam_count == wanted.size());
+  for (size_t i = 0; i < wanted.size(); ++i)
+    REQUIRE((beams.directions[3 * i] == wanted.directions[i].x && beams.origins[3 * i + 2] == wanted.origins[i].z));
+
+  // The beams of the grid as a list, through JSON and back.
+  REQUIRE(gno_sensor_create_list(&settings, &beams, 1, &list) == GNO_OK);
+  const char* json = nullptr;
+  REQUIRE(gno_sensor_to_json(list, &json) == GNO_OK);
+  gno_sensor again = nullptr;
+  REQUIRE(gno_sensor_from_json(json, &again) == GNO_OK);
+  gno_sensor_size size = gno_sensor_size_init();
+  REQUIRE(gno_sensor_get_size(again, &size) == GNO_OK);
+  CHECK((size.beams == 180 && size.patterns == 1));
+  for (gno_sensor each : {sensor, list, again}) CHECK(gno_sensor_destroy(each) == GNO_OK);
+
+  gno_effects effects = nullptr;
+  REQUIRE(gno_effects_create(&effects) == GNO_OK);
+  CHECK(gno_effects_assign(effects, "fog.visibility=200") == GNO_OK);
+  CHECK(gno_effects_set_seed(effects, 5) == GNO_OK);
+  REQUIRE(gno_effects_to_json(effects, &json) == GNO_OK);
+  CHECK(effectsFromJson(json, "").fog.visibility == 200);
+  CHECK(effectsFromJson(json, "").seed == 5);
+  CHECK(gno_effects_destroy(effects) == GNO_OK);
+}
+
+TEST_CASE("C: a run hands its scans to a function, which may end it but not call the simulator") {
+  gno_scene scene = makeScene();
+  gno_simulator simulator = makeSimulator(scene, "clean", {});
+  struct Received {
+    gno_simulator simulator;
+    size_t shots, hits;
+    gno_scan kept;
+  } received{simulator, 0, 0, nullptr};
+  const auto receive = [](size_t shot, gno_scan scan, void* user) -> int32_t {
+    auto& to = *static_cast<Received*>(user);
+    gno_counters counters = gno_counters_init();
+    gno_scan_get_counters(scan, &counters);
+    to.hits += counters.hits;
+    to.kept = scan;
+    fails(gno_simulator_remove_instance(to.simulator, 0), GNO_INVALID_ARGUMENT, "must not call it");
+    fails(gno_simulator_destroy(to.simulator), GNO_INVALID_ARGUMENT, "must not call it");
+    ++to.shots;
+    return shot == 1;
+  };
+  gno_shot shots[3] = {gno_shot_init(), gno_shot_init(), gno_shot_init()};
+  for (gno_shot& shot : shots) shot.pose.position[2] = 1.8;
+  CHECK(gno_simulator_scan_all(simulator, shots, 3, receive, &received) == GNO_CANCELLED);
+  CHECK(received.shots == 2);
+  CHECK(received.hits > 0);
+  gno_scan_info info = gno_scan_info_init();
+  CHECK(fails(gno_scan_get_info(received.kept, &info), GNO_INVALID_ARGUMENT, "destroyed"));
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+}
+
+TEST_CASE("C: a null, destroyed or foreign handle, a null pointer and a wrong struct are errors that say so") {
+  gno_scene scene = makeScene();
+  gno_scene_counts counts = gno_scene_counts_init();
+  CHECK(fails(gno_scene_get_counts(nullptr, &counts), GNO_INVALID_ARGUMENT, "the handle of the scene is null"));
+  CHECK(fails(gno_scene_get_counts(reinterpret_cast<gno_scene>(&counts), &counts), GNO_INVALID_ARGUMENT, "no scene"));
+  CHECK(fails(gno_sensor_destroy(reinterpret_cast<gno_sensor>(scene)), GNO_INVALID_ARGUMENT, "of a scene, not of a"));
+  CHECK(fails(gno_scene_get_counts(scene, nullptr), GNO_INVALID_ARGUMENT, "gno_scene_counts is null"));
+  counts.struct_size += 8;
+  CHECK(fails(gno_scene_get_counts(scene, &counts), GNO_INVALID_ARGUMENT, "gno_scene_counts::struct_size"));
+  CHECK(fails(gno_scene_load(nullptr, nullptr, &scene), GNO_INVALID_ARGUMENT, "file is null"));
+  CHECK(fails(gno_scene_load("/nowhere.glb", nullptr, &scene), GNO_FILE, "nowhere.glb"));
+  gno_mesh mesh = squareMesh();
+  mesh.positions = nullptr;
+  CHECK(fails(gno_scene_add_mesh(scene, &mesh, nullptr), GNO_INVALID_ARGUMENT, "positions is null"));
+  gno_material material = gno_material_init();
+  material.alpha_mode = 9;
+  CHECK(fails(gno_scene_add_material(scene, &material, nullptr), GNO_INVALID_ARGUMENT, "alpha_mode is 9"));
+  gno_simulator simulator = nullptr;
+  gno_request request = gno_request_init();
+  CHECK(fails(gno_simulator_create(scene, &request, 1, nullptr, &simulator), GNO_INVALID_ARGUMENT, "sensor is null"));
+  CHECK(fails(gno_simulator_create(scene, nullptr, 1, nullptr, &simulator), GNO_INVALID_ARGUMENT, "sensors is null"));
+  gno_options options = gno_options_init();
+  options.device = "no such device";
+  CHECK(fails(gno_simulator_create(scene, nullptr, 0, &options, &simulator), GNO_INVALID_ARGUMENT, "no such device"));
+  CHECK(simulator == nullptr);
+
+  simulator = makeSimulator(scene, "clean", {});
+  gno_shot shot = gno_shot_init();
+  gno_scan scan = nullptr;
+  shot.sensor = 4;
+  CHECK(fails(gno_simulator_scan(simulator, &shot, &scan), GNO_INVALID_ARGUMENT, "sensor 4"));
+  shot.sensor = 0;
+  CHECK(gno_simulator_scan(simulator, &shot, &scan) == GNO_OK);
+  gno_column column = gno_column_init();
+  CHECK(fails(gno_scan_get_column(scan, GNO_FIELD_NORMAL, &column), GNO_INVALID_ARGUMENT, "normal"));
+  CHECK(fails(gno_scan_get_column(scan, 4711, &column), GNO_INVALID_ARGUMENT, "4711"));
+  CHECK(gno_scan_destroy(scan) == GNO_OK);
+  CHECK(fails(gno_scan_destroy(scan), GNO_INVALID_ARGUMENT, "destroyed"));
+  CHECK(fails(gno_simulator_scan(simulator, &shot, &scan), GNO_INVALID_ARGUMENT, "destroyed"));
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+  CHECK(fails(gno_simulator_scan(simulator, &shot, &scan), GNO_INVALID_ARGUMENT, "destroyed"));
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+  CHECK(fails(gno_scene_validate(scene), GNO_INVALID_ARGUMENT, "destroyed"));
+}
+
+TEST_CASE("C: the sentence of an error belongs to its thread, and threads may share a simulator") {
+  CHECK(gno_scene_destroy(nullptr) == GNO_INVALID_ARGUMENT);
+  const std::string mine = gno_last_error();
+  gno_scene scene = makeScene();
+  gno_simulator simulator = makeSimulator(scene, "clean", {});
+  const auto work = [&](bool& good) {
+    good = std::string(gno_last_error()).empty();
+    gno_scan scan = nullptr;
+    gno_shot shot = gno_shot_init();
+    shot.pose.position[2] = 1.8;
+    for (int i = 0; i < 3; ++i) good &= gno_simulator_scan(simulator, &shot, &scan) == GNO_OK;
+    gno_counters counters = gno_counters_init();
+    good &= gno_scan_get_counters(scan, &counters) == GNO_OK && counters.hits > 0;
+    good &= gno_scan_destroy(scan) == GNO_OK;
+  };
+  bool goodFirst = false, goodSecond = false;
+  std::thread first([&] { work(goodFirst); }), second([&] { work(goodSecond); });
+  first.join();
+  second.join();
+  CHECK((goodFirst && goodSecond));
+  CHECK(gno_last_error() == mine);
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+}

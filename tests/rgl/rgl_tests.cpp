@@ -1,0 +1,620 @@
+// SPDX-License-Identifier: Apache-2.0
+// libgnosphere_rgl as a plug-in uses it: against the C++ interface with the same rays, and against closed forms. Tests
+// run on the device "reference" unless GNOSPHERE_RGL_DEVICE says another.
+#include <dlfcn.h>
+#include <rgl/api/extensions/pcl.h>
+#include <rgl/api/extensions/ros2.h>
+#include <rgl/api/extensions/tape.h>
+
+#include <catch2/catch_approx.hpp>
+#include <cstdlib>
+#include <cstring>
+#include <gnosphere/gnosphere.hpp>
+#include <thread>
+
+#include "folder.hpp"
+#include "rgl/plugin.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Approx;
+
+namespace {
+
+[[maybe_unused]] const bool kPrepared = [] {
+  setenv("GNOSPHERE_RGL_DEVICE", "reference", 0);
+  return rgl_configure_logging(RGL_LOG_LEVEL_OFF, nullptr, false) == RGL_SUCCESS;
+}();
+
+const std::vector<rgl_field_t> kBasic = {RGL_FIELD_XYZ_VEC3_F32, RGL_FIELD_IS_HIT_I32, RGL_FIELD_DISTANCE_F32,
+                                         RGL_FIELD_ENTITY_ID_I32};
+
+/// The same rays and squares with the C++ interface.
+class Expected {
+ public:
+  Expected() {
+    SimulatorOptions options;
+    options.device = deviceByName(std::getenv("GNOSPHERE_RGL_DEVICE"));
+    options.faces = ReflectingFaces::both;
+    gnosphere::Scene scene;
+    scene.materials.resize(1);
+    gnosphere::Mesh mesh;
+    mesh.positions = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    mesh.parts = {{0, 2, 0}};
+    scene.meshes = {mesh};
+    simulator_ = std::make_unique<Simulator>(scene, std::vector<SensorRequest>(), options);
+  }
+  size_t add(const rgl_mat3x4f& transform) { return simulator_->addInstance(0, of(transform)); }
+  Scan scan(const std::vector<rgl_mat3x4f>& rays, const rgl_mat3x4f& pose) {
+    Sensor sensor;
+    sensor.rangeMax = 1000;
+    sensor.patterns.resize(1);
+    for (const rgl_mat3x4f& ray : rays)
+      sensor.patterns[0].directions.push_back({ray.value[0][2], ray.value[1][2], ray.value[2][2]});
+    const size_t index = simulator_->addSensor({sensor, Effects::none()});
+    const double yaw = std::atan2(pose.value[1][0], pose.value[0][0]);
+    Shot shot;
+    shot.sensor = index;
+    shot.pose = {{pose.value[0][3], pose.value[1][3], pose.value[2][3]}, {0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}};
+    Scan scan;
+    simulator_->scanInto(shot, scan);
+    simulator_->removeSensor(index);
+    return scan;
+  }
+  Simulator* operator->() { return simulator_.get(); }
+  static Transform of(const rgl_mat3x4f& matrix) {
+    Transform result;
+    for (int i = 0; i < 12; ++i) result.rows[i] = matrix.value[i / 4][i % 4];
+    return result;
+  }
+
+ private:
+  std::unique_ptr<Simulator> simulator_;
+};
+
+/// Compares a run with a scan of the same rays: what is hit, which entity, and how far.
+void compareWith(const Scan& scan, Lidar& lidar, const std::vector<int32_t>& ids) {
+  const auto hits = lidar.get<int32_t>(RGL_FIELD_IS_HIT_I32), entities = lidar.get<int32_t>(RGL_FIELD_ENTITY_ID_I32);
+  const auto distances = lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+  REQUIRE(hits.size() == scan.ranges.size());
+  size_t count = 0;
+  for (size_t i = 0; i < hits.size(); ++i) {
+    INFO("ray " << i);
+    REQUIRE(hits[i] == scan.hit(i));
+    if (!scan.hit(i)) {
+      REQUIRE(std::isinf(distances[i]));
+      continue;
+    }
+    ++count;
+    REQUIRE(entities[i] == ids[scan.instances[i]]);
+    REQUIRE(distances[i] == Approx(scan.ranges[i]).epsilon(2e-6));
+  }
+  CHECK(count > 0);
+}
+
+}  // namespace
+
+TEST_CASE("RGL: a plug-in's frames have the points of the C++ interface, whatever moves, comes and goes", "[device]") {
+  const auto rays = raysAround(16, 90);
+  Expected expected;
+  const rgl_mesh_t mesh = squareMesh();
+  const rgl_mat3x4f places[] = {matrix(4, 0, 0, 0, 1.5), matrix(0, 3, 0.5, 1, 1), matrix(0, 0, -1)};
+  std::vector<rgl_entity_t> entities;
+  std::vector<int32_t> ids = {11, 22, 33};
+  for (int i = 0; i < 3; ++i) {
+    entities.push_back(place(mesh, places[i]));
+    OK(rgl_entity_set_id(entities[i], ids[i]));
+    CHECK(expected.add(places[i]) == size_t(i));
+  }
+  OK(rgl_mesh_destroy(mesh));  // the entities keep it
+
+  Lidar lidar(rays, kBasic);
+  lidar.run();
+  compareWith(expected.scan(rays, matrix(0, 0, 0)), lidar, ids);
+  // The sensor moves, then an entity; then one goes, and another comes.
+  const rgl_mat3x4f pose = matrix(0.5, -0.25, 0.25, 0.7), other = matrix(3, 1, 0, 0.2, 1.3);
+  lidar.move(pose);
+  OK(rgl_entity_set_transform(entities[0], &other));
+  expected->setTransform(0, Expected::of(other));
+  lidar.run();
+  compareWith(expected.scan(rays, pose), lidar, ids);
+  OK(rgl_entity_destroy(entities[1]));
+  expected->removeInstance(1);
+  lidar.run();
+  compareWith(expected.scan(rays, pose), lidar, ids);
+  const rgl_mesh_t second = squareMesh();
+  OK(rgl_entity_set_id(place(second, places[1]), 44));
+  expected.add(places[1]);
+  ids[1] = 44;
+  lidar.run();
+  compareWith(expected.scan(rays, pose), lidar, ids);
+
+  // Points are on their rays; compacted and packed, they are the same in order.
+  const auto xyz = lidar.get<rgl_vec3f>(RGL_FIELD_XYZ_VEC3_F32);
+  const auto distances = lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+  const auto hits = lidar.get<int32_t>(RGL_FIELD_IS_HIT_I32);
+  rgl_node_t compact = nullptr, format = nullptr;
+  const std::vector<rgl_field_t> fields = {RGL_FIELD_XYZ_VEC3_F32, RGL_FIELD_PADDING_8, RGL_FIELD_DISTANCE_F32};
+  OK(rgl_node_points_compact_by_field(&compact, RGL_FIELD_IS_HIT_I32));
+  OK(rgl_node_points_format(&format, fields.data(), 3));
+  lidar.append(compact);
+  OK(rgl_graph_node_add_child(compact, format));
+  lidar.run();
+  int32_t count = 0, size = 0;
+  OK(rgl_graph_get_result_size(format, RGL_FIELD_DYNAMIC_FORMAT, &count, &size));
+  REQUIRE(size == 17);
+  std::vector<char> rows(count * size);
+  OK(rgl_graph_get_result_data(format, RGL_FIELD_DYNAMIC_FORMAT, rows.data()));
+  size_t row = 0;
+  for (size_t i = 0; i < hits.size(); ++i) {
+    if (!hits[i]) continue;
+    REQUIRE(row < size_t(count));
+    CHECK(std::memcmp(&rows[17 * row], &xyz[i], 12) == 0);
+    CHECK(std::memcmp(&rows[17 * row + 13], &distances[i], 4) == 0);
+    const double x = xyz[i].value[0] - 0.5, y = xyz[i].value[1] + 0.25, z = xyz[i].value[2] - 0.25;
+    CHECK(std::sqrt(x * x + y * y + z * z) == Approx(distances[i]).epsilon(1e-5));
+    ++row;
+  }
+  CHECK(row == size_t(count));
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: rays far apart, scaled, mirrored and without a direction") {
+  std::vector<rgl_mat3x4f> rays = {matrix(0, 0, 0), matrix(5000, 0, 0), matrix(-3000, 7000, 0), matrix(0, 0, 0)};
+  for (auto& row : rays[3].value) row[2] = 0;
+  const rgl_mesh_t mesh = squareMesh(3);
+  for (int i = 0; i < 3; ++i) place(mesh, matrix(rays[i].value[0][3], rays[i].value[1][3], 2 + i));
+  Lidar lidar(rays, kBasic);
+  lidar.run();
+  CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32) ==
+        std::vector<float>{2, 3, 4, std::numeric_limits<float>::infinity()});
+  // A sensor that is twice as large and mirrored: distances are those of the world, limits those of the sensor.
+  const rgl_mat3x4f twice = {{{-2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 2, 0}}};
+  lidar.move(twice);
+  lidar.run();
+  CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32)[0] == 2);
+  rgl_node_t range = nullptr;
+  const rgl_vec2f limits = {{0, 0.75f}};
+  OK(rgl_node_rays_set_range(&range, &limits, 1));
+  OK(rgl_graph_node_remove_child(lidar.rays, lidar.pose));
+  OK(rgl_graph_node_add_child(lidar.rays, range));
+  OK(rgl_graph_node_add_child(range, lidar.pose));
+  lidar.run();
+  CHECK(lidar.get<int32_t>(RGL_FIELD_IS_HIT_I32)[0] == 0);
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: near surfaces hide, and non-hits have the distances that are set") {
+  const rgl_mesh_t mesh = squareMesh();
+  place(mesh, matrix(0, 0, 2));
+  place(mesh, matrix(0, 0, 5));
+  Lidar lidar({matrix(0, 0, 0), matrix(9, 0, 0)}, kBasic);
+  rgl_node_t range = nullptr;
+  const rgl_vec2f limits = {{3, 10}};
+  OK(rgl_node_rays_set_range(&range, &limits, 1));
+  OK(rgl_graph_node_remove_child(lidar.rays, lidar.pose));
+  OK(rgl_graph_node_add_child(lidar.rays, range));
+  OK(rgl_graph_node_add_child(range, lidar.pose));
+  OK(rgl_node_raytrace_configure_non_hits(lidar.raytrace, 1.5f, std::nanf("")));
+  lidar.run();
+  CHECK(lidar.get<int32_t>(RGL_FIELD_IS_HIT_I32) == std::vector<int32_t>{0, 0});
+  CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32)[0] == 1.5f);
+  const auto xyz = lidar.get<rgl_vec3f>(RGL_FIELD_XYZ_VEC3_F32);
+  CHECK(xyz[0].value[2] == 1.5f);
+  CHECK(std::isnan(lidar.get<float>(RGL_FIELD_DISTANCE_F32)[1]));
+  CHECK((xyz[1].value[0] == 0 && xyz[1].value[2] == 0));  // not a number becomes 0
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: surfaces give intensity by texture and angle, normals, retro and angles of the ray") {
+  const rgl_mesh_t mesh = squareMesh();
+  const rgl_vec2f uvs[] = {{{0, 0}}, {{1, 0}}, {{1, 1}}, {{0, 1}}};
+  OK(rgl_mesh_set_texture_coords(mesh, uvs, 4));
+  const uint8_t texels[] = {10, 20, 30, 40};  // row 0 is at v = 0
+  rgl_texture_t texture = nullptr;
+  OK(rgl_texture_create(&texture, texels, 2, 2));
+  const rgl_entity_t entity = place(mesh, matrix(0, 0, 3, 0, std::numbers::pi / 3));
+  OK(rgl_entity_set_intensity_texture(entity, texture));
+  OK(rgl_entity_set_laser_retro(entity, -7.5f));
+  OK(rgl_texture_destroy(texture));  // the entity keeps it
+  Lidar lidar({matrix(0.2, 0.5, 0), matrix(-0.2, 0.5, 0), matrix(0.2, -0.5, 0), matrix(0, 0, 0, 0.3, 0.2)},
+              {RGL_FIELD_INTENSITY_F32, RGL_FIELD_INTENSITY_U8, RGL_FIELD_NORMAL_VEC3_F32, RGL_FIELD_LASER_RETRO_F32,
+               RGL_FIELD_INCIDENT_ANGLE_F32, RGL_FIELD_AZIMUTH_F32, RGL_FIELD_ELEVATION_F32, RGL_FIELD_REFLECTIVITY_F32,
+               RGL_FIELD_DISTANCE_F32, RGL_FIELD_RAY_POSE_MAT3x4_F32, RGL_FIELD_POWER_F32});
+  lidar.run();
+  const auto intensity = lidar.get<float>(RGL_FIELD_INTENSITY_F32);
+  const auto distance = lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+  CHECK(intensity[0] == Approx(40 * 0.5).epsilon(1e-5));
+  CHECK(intensity[1] == Approx(30 * 0.5).epsilon(1e-5));
+  CHECK(intensity[2] == Approx(20 * 0.5).epsilon(1e-5));
+  CHECK(lidar.get<uint8_t>(RGL_FIELD_INTENSITY_U8)[0] == 20);
+  CHECK(distance[0] == Approx(3 - 0.2 * std::sqrt(3)).epsilon(1e-5));
+  CHECK(lidar.get<float>(RGL_FIELD_REFLECTIVITY_F32)[0] ==
+        Approx(0.1 * intensity[0] * distance[0] * distance[0]).epsilon(1e-5));
+  CHECK(lidar.get<float>(RGL_FIELD_INCIDENT_ANGLE_F32)[0] == Approx(std::numbers::pi / 3).epsilon(1e-6));
+  const auto normal = lidar.get<rgl_vec3f>(RGL_FIELD_NORMAL_VEC3_F32)[0];
+  CHECK(normal.value[0] == Approx(std::sqrt(0.75)).epsilon(1e-6));
+  CHECK(normal.value[2] == Approx(0.5).epsilon(1e-6));
+  CHECK(lidar.get<float>(RGL_FIELD_LASER_RETRO_F32)[0] == -7.5f);
+  const rgl_mat3x4f ray = matrix(0, 0, 0, 0.3, 0.2);
+  CHECK(lidar.get<float>(RGL_FIELD_ELEVATION_F32)[3] == Approx(std::asin(ray.value[1][2])));
+  CHECK(lidar.get<float>(RGL_FIELD_AZIMUTH_F32)[3] == Approx(std::atan2(-ray.value[2][0], ray.value[2][2])));
+  CHECK(std::memcmp(&lidar.get<rgl_mat3x4f>(RGL_FIELD_RAY_POSE_MAT3x4_F32)[3], &ray, sizeof ray) == 0);
+  CHECK(lidar.get<float>(RGL_FIELD_POWER_F32) == std::vector<float>(4));
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: velocities follow from the scene's last two times") {
+  const rgl_entity_t entity = place(squareMesh(), matrix(0, 0, 5));
+  Lidar lidar({matrix(0, 0, 0)},
+              {RGL_FIELD_ABSOLUTE_VELOCITY_VEC3_F32, RGL_FIELD_RELATIVE_VELOCITY_VEC3_F32, RGL_FIELD_RADIAL_SPEED_F32});
+  const auto speed = [&] { return lidar.get<float>(RGL_FIELD_RADIAL_SPEED_F32)[0]; };
+  lidar.run();
+  CHECK(std::isnan(speed()));  // there is no time
+  rgl_mat3x4f place = matrix(0, 0, 5);
+  OK(rgl_scene_set_time(nullptr, 1'000'000'000));
+  OK(rgl_entity_set_transform(entity, &place));
+  OK(rgl_scene_set_time(nullptr, 1'500'000'000));
+  place = matrix(0.25, 0, 6);
+  OK(rgl_entity_set_transform(entity, &place));
+  const rgl_vec3f ahead = {{0, 0, 0.5f}}, still = {{0, 0, 0}};
+  OK(rgl_node_raytrace_configure_velocity(lidar.raytrace, &ahead, &still));
+  lidar.run();
+  CHECK(speed() == Approx(2 - 0.5));  // it goes away
+  CHECK(lidar.get<rgl_vec3f>(RGL_FIELD_ABSOLUTE_VELOCITY_VEC3_F32)[0].value[0] == Approx(0.5));
+  CHECK(lidar.get<rgl_vec3f>(RGL_FIELD_RELATIVE_VELOCITY_VEC3_F32)[0].value[2] == Approx(1.5));
+  OK(rgl_scene_set_time(nullptr, 2'000'000'000));
+  lidar.run();
+  CHECK(speed() == Approx(-0.5));  // it has not been moved since
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: animated entities have vertices of their own, by the caller or by bones") {
+  const rgl_mesh_t mesh = squareMesh();
+  const rgl_entity_t moving = place(mesh, matrix(0, 0, 5));
+  place(mesh, matrix(3, 0, 5));
+  Lidar lidar({matrix(0.5, 0, 0), matrix(3.5, 0, 0)}, {RGL_FIELD_DISTANCE_F32, RGL_FIELD_RADIAL_SPEED_F32});
+  const auto distances = [&] {
+    lidar.run();
+    return lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+  };
+  rgl_vec3f vertices[] = {{{-1, -1, 0}}, {{1, -1, 0}}, {{1, 1, 0}}, {{-1, 1, 0}}};
+  for (int k = 0; k < 3; ++k) {
+    OK(rgl_scene_set_time(nullptr, 1'000'000'000ull * k));
+    OK(rgl_entity_apply_external_animation(moving, vertices, 4));
+    CHECK(distances() == std::vector<float>{5 + 0.5f * float(k), 5});  // the other entity of the mesh stays
+    const auto speeds = lidar.get<float>(RGL_FIELD_RADIAL_SPEED_F32);
+    if (k > 0) CHECK((speeds[0] == Approx(0.5).epsilon(0.01) && speeds[1] == 0));
+    for (rgl_vec3f& vertex : vertices) vertex.value[2] += 0.5f;
+  }
+  // Bone 1 holds the vertices at x = 1, and lifts them by 2 m.
+  rgl_bone_weights_t weights[4] = {};
+  for (int v = 0; v < 4; ++v) weights[v].weights[0] = 1, weights[v].bone_indexes[0] = v == 1 || v == 2;
+  const rgl_mat3x4f rest[] = {matrix(0, 0, 0), matrix(-1, 0, 0)}, pose[] = {matrix(0, 0, 4), matrix(1, 0, 6)};
+  OK(rgl_mesh_set_bone_weights(mesh, weights, 4));
+  OK(rgl_mesh_set_restposes(mesh, rest, 2));
+  OK(rgl_entity_set_pose_world(moving, pose, 2));
+  CHECK(distances()[0] == Approx(5.5));
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: distortion moves each ray by its time, and a beam with a divergence has a first and a last return") {
+  place(squareMesh(), matrix(0, 0, 5));
+  place(squareMesh(30), matrix(0, 0, 8));
+  Lidar lidar({matrix(0, 0, 0), matrix(0, 0, 0)},
+              {RGL_FIELD_DISTANCE_F32, RGL_FIELD_TIME_STAMP_U32, RGL_FIELD_RETURN_TYPE_U8, RGL_FIELD_RAY_IDX_U32});
+  const auto distances = [&] { return lidar.get<float>(RGL_FIELD_DISTANCE_F32); };
+  rgl_node_t offsets = nullptr;
+  const float times[] = {0, 500};
+  const rgl_vec3f velocity = {{4, 0, 0}}, still = {{0, 0, 0}};
+  OK(rgl_node_rays_set_time_offsets(&offsets, times, 2));
+  OK(rgl_graph_node_remove_child(lidar.rays, lidar.pose));
+  OK(rgl_graph_node_add_child(lidar.rays, offsets));
+  OK(rgl_graph_node_add_child(offsets, lidar.pose));
+  OK(rgl_node_raytrace_configure_velocity(lidar.raytrace, &velocity, &still));
+  lidar.run();
+  CHECK(distances() == std::vector<float>{5, 5});
+  CHECK(lidar.get<uint32_t>(RGL_FIELD_TIME_STAMP_U32) == std::vector<uint32_t>{0, 0});
+  OK(rgl_node_raytrace_configure_distortion(lidar.raytrace, true));
+  lidar.run();
+  CHECK(distances() == std::vector<float>{5, 8});  // the second ray is 2 m beside the small square
+  CHECK(lidar.get<uint32_t>(RGL_FIELD_TIME_STAMP_U32) == std::vector<uint32_t>{0, 500'000'000});
+
+  OK(rgl_node_raytrace_configure_distortion(lidar.raytrace, false));
+  OK(rgl_node_raytrace_configure_beam_divergence(lidar.raytrace, 0.6f, 0.6f));
+  OK(rgl_node_raytrace_configure_return_mode(lidar.raytrace, RGL_RETURN_FIRST_LAST));
+  lidar.run();
+  const auto both = distances();
+  REQUIRE(both.size() == 4);
+  CHECK(both[0] == 5);
+  CHECK(both[1] == Approx(8 / std::cos(0.3)).epsilon(1e-5));  // the outermost ellipse passes the small square
+  CHECK(lidar.get<uint8_t>(RGL_FIELD_RETURN_TYPE_U8) ==
+        std::vector<uint8_t>{RGL_RETURN_TYPE_FIRST, RGL_RETURN_TYPE_LAST, RGL_RETURN_TYPE_FIRST, RGL_RETURN_TYPE_LAST});
+  CHECK(lidar.get<uint32_t>(RGL_FIELD_RAY_IDX_U32) == std::vector<uint32_t>{0, 0, 1, 1});
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: a sensor passes through the entities that it ignores") {
+  const rgl_entity_t near = place(squareMesh(), matrix(0, 0, 2));
+  place(squareMesh(), matrix(0, 0, 6));
+  Lidar first({matrix(0, 0, 0)}, kBasic), second({matrix(0, 0, 0)}, kBasic);
+  OK(rgl_node_raytrace_configure_id(second.raytrace, 5));
+  OK(rgl_entity_set_ignored_by_sensor(near, 5));
+  for (int i = 0; i < 2; ++i) {
+    first.run();
+    second.run();
+    CHECK(first.get<float>(RGL_FIELD_DISTANCE_F32)[0] == 2);
+    CHECK(second.get<float>(RGL_FIELD_DISTANCE_F32)[0] == 6);
+  }
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: noise has its mean and deviation, and is the same again with the same seed") {
+  place(squareMesh(500), matrix(0, 0, 10));
+  const auto draw = [](const char* seed) {
+    seed ? setenv("GNOSPHERE_RGL_SEED", seed, 1) : unsetenv("GNOSPHERE_RGL_SEED");
+    rgl_node_t noise = nullptr;
+    OK(rgl_node_gaussian_noise_distance(&noise, 0.5f, 0.01f, 0.002f));
+    Lidar lidar(std::vector<rgl_mat3x4f>(20'000, matrix(0, 0, 0)), kBasic);
+    lidar.append(noise);
+    lidar.run();
+    auto result = lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+    OK(rgl_graph_destroy(noise));
+    return result;
+  };
+  const auto first = draw("7");
+  double mean = 0, square = 0;
+  for (const float value : first) mean += value / 20'000.0;
+  for (const float value : first) square += (value - mean) * (value - mean) / 20'000.0;
+  CHECK(mean == Approx(10.5).margin(0.001));
+  CHECK(std::sqrt(square) == Approx(0.01 + 0.002 * 10).epsilon(0.03));
+  OK(rgl_cleanup());
+  place(squareMesh(500), matrix(0, 0, 10));
+  CHECK(draw("7") == first);
+  CHECK(draw(nullptr) != first);
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: merges, ground and voxels") {
+  const rgl_mesh_t mesh = squareMesh(20);
+  place(mesh, matrix(0, 0, -2));
+  place(mesh, matrix(6, 0, 0, 0, std::numbers::pi / 2));
+  const auto rays = raysAround(20, 40);
+  const std::vector<rgl_field_t> fields = {RGL_FIELD_XYZ_VEC3_F32, RGL_FIELD_IS_HIT_I32, RGL_FIELD_NORMAL_VEC3_F32};
+  Lidar lidar(rays, fields), other(rays, fields);
+  rgl_node_t hits = nullptr, ground = nullptr, kept = nullptr, merged = nullptr, all = nullptr;
+  const rgl_vec3f up = {{0, 0, 1}};
+  OK(rgl_node_points_compact_by_field(&hits, RGL_FIELD_IS_HIT_I32));
+  OK(rgl_node_points_filter_ground(&ground, &up, 0.1f));
+  OK(rgl_node_points_compact_by_field(&kept, RGL_FIELD_IS_GROUND_I32));
+  OK(rgl_node_points_temporal_merge(&all, fields.data(), 1));
+  OK(rgl_node_points_spatial_merge(&merged, fields.data(), 1));
+  lidar.append(hits);
+  OK(rgl_graph_node_add_child(hits, ground));
+  OK(rgl_graph_node_add_child(ground, kept));
+  OK(rgl_graph_node_add_child(kept, all));
+  lidar.run();
+  const size_t hitCount = lidar.get<rgl_vec3f>(RGL_FIELD_XYZ_VEC3_F32).size();
+  lidar.last = kept;
+  const auto points = lidar.get<rgl_vec3f>(RGL_FIELD_XYZ_VEC3_F32);
+  CHECK((!points.empty() && points.size() < hitCount));
+  for (const rgl_vec3f& point : points) CHECK(point.value[0] == Approx(6).epsilon(1e-5));  // the wall: not ground
+  lidar.run();
+  lidar.last = all;
+  CHECK(lidar.get<rgl_vec3f>(RGL_FIELD_XYZ_VEC3_F32).size() == 2 * points.size());
+  OK(rgl_graph_node_add_child(kept, merged));
+  CHECK(failed(rgl_graph_run(lidar.rays), RGL_INVALID_PIPELINE, "IPointsNode"));
+  OK(rgl_graph_node_add_child(other.yield, merged));
+  lidar.run();
+  lidar.last = merged;
+  CHECK(lidar.get<rgl_vec3f>(RGL_FIELD_XYZ_VEC3_F32).size() == points.size() + rays.size());
+
+  // Two points in one voxel, one in another; and the plane that most points lie on.
+  OK(rgl_cleanup());
+  const std::vector<rgl_vec3f> some = {{{0.1f, 0.1f, 0.1f}}, {{0.3f, 0.1f, 0.1f}}, {{-0.2f, 0.1f, 0.1f}}};
+  rgl_node_t array = nullptr, voxels = nullptr;
+  const rgl_field_t field = RGL_FIELD_XYZ_VEC3_F32;
+  OK(rgl_node_points_from_array(&array, some.data(), 3, &field, 1));
+  OK(rgl_node_points_downsample(&voxels, 1, 1, 1));
+  OK(rgl_graph_node_add_child(array, voxels));
+  OK(rgl_graph_run(array));
+  rgl_vec3f two[2];
+  OK(rgl_graph_get_result_data(voxels, field, two));
+  CHECK(two[0].value[0] == Approx(-0.2));
+  CHECK(two[1].value[0] == Approx(0.2));
+  const Folder folder;
+  OK(rgl_graph_write_pcd_file(voxels, (folder / "two.pcd").c_str()));
+  const std::string file = bytesOf(folder / "two.pcd");
+  CHECK(file.ends_with(std::string(reinterpret_cast<const char*>(two), sizeof two)));
+  CHECK(file.find("POINTS 2\n") != std::string::npos);
+  std::vector<rgl_vec3f> town;
+  for (int i = 0; i < 400; ++i) {
+    const float x = static_cast<float>(i % 20), y = static_cast<float>(i / 20);
+    town.push_back({{x, y, 0.01f * static_cast<float>(i % 3)}});
+    if (i % 10 == 0) town.push_back({{x, y, 3}});
+  }
+  rgl_node_t clean = nullptr;
+  OK(rgl_node_points_from_array(&array, town.data(), static_cast<int32_t>(town.size()), &field, 1));
+  OK(rgl_node_points_remove_ground(&clean, RGL_AXIS_Z, 0.1f, 0.1f, 0.1f));
+  OK(rgl_graph_node_add_child(array, clean));
+  OK(rgl_graph_run(array));
+  int32_t left = 0;
+  OK(rgl_graph_get_result_size(clean, field, &left, nullptr));
+  CHECK(left == 40);
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: radar detections are clusters, and objects keep their ids") {
+  place(squareMesh(), matrix(0, 0, 20));
+  place(squareMesh(), matrix(9, 0, 40));
+  std::vector<rgl_mat3x4f> rays;
+  for (int i = -20; i <= 20; ++i)
+    for (int k = -5; k <= 5; ++k) {
+      const float a = 0.015f * static_cast<float>(i), e = 0.01f * static_cast<float>(k);
+      const float ca = std::cos(a), sa = std::sin(a), ce = std::cos(e), se = std::sin(e);
+      rays.push_back({{{ca, -sa * se, sa * ce, 0}, {0, ce, se, 0}, {-sa, -ca * se, ca * ce, 0}}});
+    }
+  OK(rgl_scene_set_time(nullptr, 1));
+  OK(rgl_scene_set_time(nullptr, 1'000'000));
+  Lidar lidar(rays, kBasic);
+  rgl_node_t hits = nullptr, radar = nullptr, objects = nullptr, wanted = nullptr;
+  const rgl_radar_scope_t scope = {0, 100, 2, 1, 0.05f};
+  const rgl_field_t fields[] = {RGL_FIELD_RCS_F32, RGL_FIELD_SNR_F32, RGL_FIELD_POWER_F32, RGL_FIELD_NOISE_F32};
+  OK(rgl_node_points_compact_by_field(&hits, RGL_FIELD_IS_HIT_I32));
+  OK(rgl_node_points_radar_postprocess(&radar, &scope, 1, 0.015f, 0.01f, 79e9f, 31, 27, 60, 1));
+  OK(rgl_node_points_yield(&wanted, fields, 4));
+  OK(rgl_node_points_radar_track_objects(&objects, 2, 0.1f, 0.1f, 1, 5, 500, 0.01f));
+  lidar.append(hits);
+  OK(rgl_graph_node_add_child(hits, radar));
+  OK(rgl_graph_node_add_child(radar, wanted));
+  OK(rgl_graph_node_add_child(radar, objects));
+  lidar.run();
+  lidar.last = wanted;
+  const auto power = lidar.get<float>(RGL_FIELD_POWER_F32), noise = lidar.get<float>(RGL_FIELD_NOISE_F32);
+  const auto snr = lidar.get<float>(RGL_FIELD_SNR_F32), distance = lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+  REQUIRE(power.size() == 2);
+  for (int i = 0; i < 2; ++i) CHECK(snr[i] == Approx(power[i] - noise[i]));
+  CHECK(std::min(distance[0], distance[1]) == Approx(20).margin(0.5));
+  lidar.last = objects;
+  const auto first = lidar.get<int32_t>(RGL_FIELD_ENTITY_ID_I32);
+  CHECK(first.size() == 2);
+  OK(rgl_scene_set_time(nullptr, 101'000'000));
+  lidar.run();
+  CHECK(lidar.get<int32_t>(RGL_FIELD_ENTITY_ID_I32) == first);
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: a tape makes the calls again") {
+  const Folder folder;
+  const std::string path = (folder / "tape").string(), pcd = (folder / "cloud.pcd").string();
+  bool active = true;
+  OK(rgl_tape_record_is_active(&active));
+  CHECK(!active);
+  CHECK(failed(rgl_tape_record_end(), RGL_TAPE_ERROR, "begun"));
+  CHECK(failed(rgl_tape_record_begin((folder / "no/tape").c_str()), RGL_INVALID_FILE_PATH, "no/tape"));
+  OK(rgl_tape_record_begin(path.c_str()));
+  CHECK(failed(rgl_tape_record_begin(path.c_str()), RGL_TAPE_ERROR, "already"));
+  CHECK(failed(rgl_tape_play(path.c_str()), RGL_TAPE_ERROR, "recorded"));
+  {
+    const rgl_entity_t entity = place(squareMesh(), matrix(0, 0, 3));
+    OK(rgl_entity_set_laser_retro(entity, std::numeric_limits<float>::infinity()));
+    Lidar lidar(raysAround(8, 20), kBasic);
+    OK(rgl_node_raytrace_configure_distortion(lidar.raytrace, false));
+    lidar.run();
+    (void)lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+    OK(rgl_graph_write_pcd_file(lidar.yield, pcd.c_str()));
+  }
+  OK(rgl_cleanup());
+  OK(rgl_tape_record_end());
+  const std::string expected = bytesOf(pcd);
+  std::filesystem::remove(pcd);
+  OK(rgl_tape_play(path.c_str()));
+  CHECK(bytesOf(pcd) == expected);
+  std::ofstream(folder / "bad.yaml") << "- rgl_get_version_info: {t: 0, a: [0, 14, 0]}\n";
+  std::ofstream(folder / "bad.bin") << "";
+  CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "0.16.3"));
+  std::ofstream(folder / "bad.yaml") << "[1, 2";
+  CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "no recording"));
+  CHECK(failed(rgl_tape_play((folder / "none").c_str()), RGL_INVALID_FILE_PATH, "none.yaml"));
+}
+
+TEST_CASE("RGL: wrong handles, arguments and graphs are statuses with a sentence") {
+  rgl_mesh_t mesh = squareMesh();
+  const rgl_vec3f vertex = {{0, 0, 0}};
+  const rgl_vec3i triangle = {{0, 0, 5}};
+  rgl_mesh_t bad = nullptr;
+  CHECK(failed(rgl_mesh_create(&bad, &vertex, 1, &triangle, 1), RGL_INVALID_ARGUMENT, "the vertex 5"));
+  OK(rgl_mesh_destroy(mesh));
+  CHECK(failed(rgl_mesh_destroy(mesh), RGL_INVALID_API_OBJECT, "Object does not exist: Mesh 0x"));
+  rgl_entity_t entity = nullptr;
+  CHECK(failed(rgl_entity_create(&entity, nullptr, mesh), RGL_INVALID_API_OBJECT, "Mesh"));
+  CHECK(failed(rgl_graph_run(reinterpret_cast<rgl_node_t>(mesh)), RGL_INVALID_API_OBJECT, "Node"));
+  rgl_node_t raytrace = nullptr, yield = nullptr;
+  const rgl_field_t field = RGL_FIELD_XYZ_VEC3_F32, unknown = static_cast<rgl_field_t>(777);
+  OK(rgl_node_raytrace(&raytrace, nullptr));
+  OK(rgl_node_points_yield(&yield, &field, 1));
+  CHECK(failed(rgl_node_points_yield(&yield, &unknown, 1), RGL_INVALID_ARGUMENT, "777"));
+  CHECK(failed(rgl_node_raytrace(&yield, nullptr), RGL_INVALID_API_OBJECT,
+               "Node type mismatch: expected RaytraceNode, got YieldPointsNode"));
+  OK(rgl_graph_node_add_child(raytrace, yield));
+  CHECK(failed(rgl_graph_node_add_child(yield, raytrace), RGL_INVALID_PIPELINE, "circle"));
+  CHECK(failed(rgl_graph_node_add_child(raytrace, raytrace), RGL_INVALID_ARGUMENT, "parent != child"));
+  CHECK(failed(rgl_graph_run(yield), RGL_INVALID_PIPELINE, "looked for IRaysNode"));
+  CHECK(failed(rgl_graph_get_result_size(yield, field, nullptr, nullptr), RGL_INVALID_PIPELINE, "hasn't been run"));
+  int32_t priority = -1;
+  OK(rgl_graph_node_set_priority(yield, 3));
+  OK(rgl_graph_node_get_priority(raytrace, &priority));
+  CHECK(priority == 3);
+  CHECK(failed(rgl_graph_node_set_priority(raytrace, 2), RGL_INVALID_PIPELINE, "cannot set priority"));
+  bool alive = true;
+  OK(rgl_graph_destroy(yield));
+  OK(rgl_node_is_alive(raytrace, &alive));
+  CHECK(!alive);
+  rgl_node_t none = nullptr;
+  CHECK(failed(rgl_node_points_ros2_publish(&none, "topic", "frame"), RGL_NOT_IMPLEMENTED, "ros2"));
+  int32_t available = -1;
+  OK(rgl_get_extension_info(RGL_EXTENSION_ROS2, &available));
+  CHECK(available == 0);
+  CHECK(failed(rgl_configure_logging(RGL_LOG_LEVEL_INFO, "/no/such/folder/log", false), RGL_LOGGING_ERROR, "/no/such"));
+  OK(rgl_cleanup());  // a failure leaves the library usable
+}
+
+TEST_CASE("RGL: several threads run graphs of their own") {
+  place(squareMesh(20), matrix(0, 0, 4));
+  bool good[4] = {};
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 4; ++k)
+    threads.emplace_back([&good, k] {
+      const rgl_mat3x4f ray = matrix(0, 0, k);
+      const rgl_field_t field = RGL_FIELD_DISTANCE_F32;
+      rgl_node_t rays = nullptr, raytrace = nullptr, yield = nullptr;
+      bool fine = rgl_node_rays_from_mat3x4f(&rays, &ray, 1) == RGL_SUCCESS &&
+                  rgl_node_raytrace(&raytrace, nullptr) == RGL_SUCCESS &&
+                  rgl_node_points_yield(&yield, &field, 1) == RGL_SUCCESS &&
+                  rgl_graph_node_add_child(rays, raytrace) == RGL_SUCCESS &&
+                  rgl_graph_node_add_child(raytrace, yield) == RGL_SUCCESS;
+      for (int i = 0; i < 5 && fine; ++i) {
+        float distance = 0;
+        fine = rgl_graph_run(rays) == RGL_SUCCESS &&
+               rgl_graph_get_result_data(yield, field, &distance) == RGL_SUCCESS && distance == 4.0f - float(k);
+      }
+      good[k] = fine;
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const bool each : good) CHECK(each);
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: levels have their numbers of fields and their version", "[.level]") {
+  const std::string level = std::getenv("GNOSPHERE_RGL_ABI");
+  int32_t major = -1, minor = -1, patch = -1;
+  OK(rgl_get_version_info(&major, &minor, &patch));
+  CHECK("0." + std::to_string(minor) == level);
+  // DISTANCE, RING_ID and IS_HIT at levels 0.16, 0.17 and 0.18.
+  const int row = level == "0.16" ? 0 : level == "0.17" ? 1 : 2;
+  const rgl_field_t fields[] = {static_cast<rgl_field_t>(std::vector{7, 7, 8}[row]),
+                                static_cast<rgl_field_t>(std::vector{9, 10, 11}[row]),
+                                static_cast<rgl_field_t>(std::vector{3, 3, 4}[row])};
+  place(squareMesh(), matrix(0, 0, 3));
+  Lidar lidar({matrix(0, 0, 0)}, {fields[0], fields[1], fields[2]});
+  rgl_node_t rings = nullptr;
+  const int32_t ids[] = {12};
+  OK(rgl_node_rays_set_ring_ids(&rings, ids, 1));
+  OK(rgl_graph_node_remove_child(lidar.rays, lidar.pose));
+  OK(rgl_graph_node_add_child(lidar.rays, rings));
+  OK(rgl_graph_node_add_child(rings, lidar.pose));
+  lidar.run();
+  CHECK(lidar.get<float>(fields[0])[0] == 3);
+  CHECK(lidar.get<uint16_t>(fields[1])[0] == 12);
+  CHECK(lidar.get<int32_t>(fields[2])[0] == 1);
+  // Names of earlier levels are there, too.
+  using Compact = rgl_status_t (*)(rgl_node_t*);
+  const auto compact = reinterpret_cast<Compact>(dlsym(RTLD_DEFAULT, "rgl_node_points_compact"));
+  REQUIRE(compact);
+  rgl_node_t node = nullptr;
+  OK(compact(&node));
+  lidar.append(node);
+  lidar.run();
+  OK(rgl_cleanup());
+}
