@@ -21,6 +21,7 @@
 #include "project_triangles_int64.spv.h"
 #include "project_triangles_int64_float64.spv.h"
 #include "resolve.spv.h"
+#include "vulkan/specialise.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -62,22 +63,16 @@ Module moduleOf(const Variant& variant) {
 DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, VkPipelineLayout layout,
                                   VkPipelineCache cache) {
   const VolkDeviceTable& vk = device.vk();
-  const Module spirv = moduleOf(variant);
+  const std::vector<uint32_t> spirv = specialised(moduleOf(variant), wordsOf(variant.options));
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  module.codeSize = spirv.size_bytes();
+  module.codeSize = spirv.size() * sizeof spirv[0];
   module.pCode = spirv.data();
   const DeviceHandle<VkShaderModule> shader = device.make(vk.vkCreateShaderModule, vk.vkDestroyShaderModule, module);
-  const OptionWords words = wordsOf(variant.options);
-  std::array<VkSpecializationMapEntry, words.size()> entries;
-  for (uint32_t i = 0; i < entries.size(); ++i) entries[i] = {i, i * 4, 4};
-  const VkSpecializationInfo specialization = {static_cast<uint32_t>(entries.size()), entries.data(), sizeof words,
-                                               words.data()};
   VkComputePipelineCreateInfo create = {VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   create.stage.module = shader.get();
   create.stage.pName = "main";
-  create.stage.pSpecializationInfo = &specialization;
   const FullSubgroups& subgroups = device.capabilities().subgroups;
   VkPipelineShaderStageRequiredSubgroupSizeCreateInfoEXT size = {
       VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO_EXT};
