@@ -165,6 +165,7 @@ TEST_CASE("every kernel is a valid module with any options") {
         *part %= 4;
       for (uint32_t* flag : {&options.AZIMUTH_OFFSETS, &options.MOTION, &options.LISTED, &options.MAPPED}) *flag %= 2;
       options.LAYERS = options.LAYERS % 4 + 1, options.RETURNS = options.RETURNS % 6 + 1;
+      options.RAYS = placesFor(options.RAYS % 64);
       INFO(file << ", " << i);
       tools.validate(vulkan::specialised(wordsIn(file), wordsOf(options)));
     }

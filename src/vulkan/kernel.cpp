@@ -7,10 +7,7 @@
 #include "bin_int64.spv.h"
 #include "bin_int64_float64.spv.h"
 #include "effects.spv.h"
-#include "effects_footprint1.spv.h"
-#include "effects_footprint19.spv.h"
-#include "effects_footprint61.spv.h"
-#include "effects_footprint7.spv.h"
+#include "effects_footprint.spv.h"
 #include "effects_panes.spv.h"
 #include "effects_strays.spv.h"
 #include "effects_surfaces.spv.h"
@@ -28,14 +25,6 @@ namespace {
 
 using Module = std::span<const uint32_t>;
 
-// Returns the footprint module with the smallest sufficient number of sub-rays.
-Module footprintOf(uint32_t subRays) {
-  if (subRays <= 1) return effects_footprint1;
-  if (subRays <= 7) return effects_footprint7;
-  if (subRays <= 19) return effects_footprint19;
-  return effects_footprint61;
-}
-
 // Returns the module for devices without 64-bit atomics, with them, or with double precision as well.
 Module byAtomics(const Variant& variant, Module without, Module with, Module withDoubles) {
   if (variant.options.BINNING == gpu::kBinningLists && !variant.float64) return without;
@@ -52,7 +41,7 @@ Module moduleOf(const Variant& variant) {
     case gnosphere::Kernel::prefix_sum: return prefix_sum;
     case gnosphere::Kernel::resolve: return resolve;
     case gnosphere::Kernel::effects_strays: return effects_strays;
-    case gnosphere::Kernel::effects_footprint: return footprintOf(variant.subRays);
+    case gnosphere::Kernel::effects_footprint: return effects_footprint;
     case gnosphere::Kernel::effects_panes: return effects_panes;
     case gnosphere::Kernel::effects_surfaces: return effects_surfaces;
     case gnosphere::Kernel::effects: break;
