@@ -2,7 +2,7 @@
 // Stage effects, first pass; it replaces resolve. One invocation per beam: finds the hits of the beam's sub-rays among
 // its candidates, then combines them into echoes. The first pass handles the beams whose whole footprint lies on one
 // triangle, which are most of them, and lists the others for the second pass; otherwise simple beams would wait for
-// complex ones in their subgroup. Built for 1, 7, 19 and 61 sub-rays; unused sub-rays carry no energy.
+// complex ones in their subgroup. There are places for RAYS sub-rays; unused ones carry no energy.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require

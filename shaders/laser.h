@@ -19,8 +19,11 @@ GNO_INLINE vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
 
 GNO_INLINE vec4 between(vec4 a, vec4 b, float share) {
   GNO_PRECISE float rest = 1.0f - share;
-  GNO_PRECISE vec4 result =
-      vec4(a.x * rest + b.x * share, a.y * rest + b.y * share, a.z * rest + b.z * share, a.w * rest + b.w * share);
+  GNO_PRECISE vec4 result;
+  result.x = a.x * rest + b.x * share;
+  result.y = a.y * rest + b.y * share;
+  result.z = a.z * rest + b.z * share;
+  result.w = a.w * rest + b.w * share;
   return result;
 }
 

@@ -5,7 +5,8 @@
 # Packages that the build, the tests and a scan without a GPU need.
 packages=(
   g++ cmake ninja-build pkg-config
-  libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools mesa-vulkan-drivers vulkan-validationlayers
+  libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools spirv-headers mesa-vulkan-drivers
+  vulkan-validationlayers
   libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libboost-dev libnanoflann-dev
   libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libyaml-cpp-dev libpolyclipping-dev catch2
 )

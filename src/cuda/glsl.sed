@@ -5,6 +5,8 @@
 
 # Lines that only Vulkan needs.
 /^#version|^#extension|^layout\(local_size|^#define GNO_(CONST|INLINE)\b/d
+# RAYS is a template argument, because arrays have this size.
+/^layout\(constant_id = [0-9]+\) const uint RAYS /d
 s/__cplusplus/GNO_NEVER/
 s/GNOSPHERE_(\w+)_H\b/GNOSPHERE_CUDA_\1_H/
 s/\bprecise //g

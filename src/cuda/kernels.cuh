@@ -207,10 +207,12 @@ void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
     case Kernel::resolve: return launchMeeting<resolve>(job, groupsX, groupsY);
     case Kernel::effects_strays: return launch<effects_strays>(job, groupsX, groupsY);
     case Kernel::effects_footprint:
-      return job.subRays <= 1    ? launchFootprint<1>(job, groupsX, groupsY)
-             : job.subRays <= 7  ? launchFootprint<7>(job, groupsX, groupsY)
-             : job.subRays <= 19 ? launchFootprint<19>(job, groupsX, groupsY)
-                                 : launchFootprint<61>(job, groupsX, groupsY);
+      switch (job.options.RAYS) {
+        case 1: return launchFootprint<1>(job, groupsX, groupsY);
+        case 7: return launchFootprint<7>(job, groupsX, groupsY);
+        case 19: return launchFootprint<19>(job, groupsX, groupsY);
+        default: return launchFootprint<61>(job, groupsX, groupsY);
+      }
     case Kernel::effects_panes: return launch<effects_panes>(job, groupsX, groupsY);
     case Kernel::effects_surfaces: return launch<effects_surfaces>(job, groupsX, groupsY);
     case Kernel::effects: return launch<effects>(job, groupsX, groupsY);

@@ -20,7 +20,6 @@ struct Job {
   gpu::Addresses addresses;
   gpu::Pass pass;
   Options options;
-  uint32_t subRays;  ///< number of sub-rays of a footprint
 };
 
 /// Launches the given number of workgroups; the next launch sees what this one has written. There are two

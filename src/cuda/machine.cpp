@@ -81,7 +81,6 @@ class CudaMachine final : public Machine {
       case Step::Kind::dispatch:
         job.pass = step.pass;
         job.options = step.variant.options;
-        job.subRays = step.variant.subRays;
         return device_.launch(step.variant.kernel, job, step.groupsX, step.groupsY);
     }
   }

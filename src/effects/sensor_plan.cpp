@@ -145,7 +145,8 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
 bool sameArrays(const SensorPlan& before, const SensorPlan& after) {
   return before.bits == after.bits && before.textures == after.textures &&
          before.optics.size() == after.optics.size() &&
-         std::memcmp(before.optics.data(), after.optics.data(), after.optics.size() * sizeof(gpu::Optics4)) == 0;
+         (before.optics.empty() ||
+          std::memcmp(before.optics.data(), after.optics.data(), after.optics.size() * sizeof(gpu::Optics4)) == 0);
 }
 
 Effects effectsOf(const SensorPlan& plan, const Shot& shot) {

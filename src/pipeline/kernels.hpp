@@ -37,6 +37,7 @@ inline const char* nameOf(Kernel kernel) {
 struct Options {
   uint32_t BOUNDS = 0, CULL = 0, INSIDE = 0, RANGE = 0, AZIMUTH_OFFSETS = 0, FACES = 0, BINNING = 0, PASS = 0;
   uint32_t CULLING = 0, EFFECTS = 0, FIELDS = 0, LAYERS = 1, RETURNS = 1, MOTION = 0, LISTED = 0, MAPPED = 0;
+  uint32_t RAYS = 1;
   uint32_t RECORDS = 0;
 
   auto operator<=>(const Options&) const = default;
@@ -47,11 +48,15 @@ inline OptionWords wordsOf(const Options& options) {
   return std::bit_cast<OptionWords>(options);
 }
 
+/// Returns RAYS for a number of sub-rays. There are few sizes, so that footprints of all sizes share pipelines.
+constexpr uint32_t placesFor(uint32_t subRays) {
+  return subRays <= 1 ? 1 : subRays <= 7 ? 7 : subRays <= 19 ? 19 : 61;
+}
+
 /// One compiled kernel.
 struct Variant {
   Kernel kernel = Kernel::project_groups;
   Options options;
-  uint32_t subRays = 1;  ///< smallest number of sub-rays that a footprint kernel must support
   bool float64 = false;  ///< true if exact tests use double precision before integers
 
   auto operator<=>(const Variant&) const = default;

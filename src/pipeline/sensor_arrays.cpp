@@ -205,7 +205,7 @@ std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups
   variant.options.MOTION = motion;
   variant.options.LISTED = pattern.tables.listed;
   variant.options.MAPPED = pattern.tables.mapped;
-  variant.subRays = static_cast<uint32_t>(plan_.subRays.size());
+  variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
   variant.float64 = float64_ && !motion;
   const bool footprint = plan_.footprint(), lines = plan_.onlyLines();
   StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), pattern.tables.frame, shells_};

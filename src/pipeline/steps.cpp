@@ -186,7 +186,7 @@ class Steps {
     step.variant.kernel = kernel;
     step.variant.options.PASS = number;
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
-    if (kernel != Kernel::effects_footprint) step.variant.subRays = 1;
+    if (kernel != Kernel::effects_footprint) step.variant.options.RAYS = 1;
     if (kernel == Kernel::records) step.variant.options.RECORDS = input_.records;
     step.pass = pass;
     step.groupsX = groupsX;

@@ -7,10 +7,7 @@
 #include "bin_int64.spv.h"
 #include "bin_int64_float64.spv.h"
 #include "effects.spv.h"
-#include "effects_footprint1.spv.h"
-#include "effects_footprint19.spv.h"
-#include "effects_footprint61.spv.h"
-#include "effects_footprint7.spv.h"
+#include "effects_footprint.spv.h"
 #include "effects_panes.spv.h"
 #include "effects_strays.spv.h"
 #include "effects_surfaces.spv.h"
@@ -22,19 +19,12 @@
 #include "project_triangles_int64_float64.spv.h"
 #include "records.spv.h"
 #include "resolve.spv.h"
+#include "vulkan/specialise.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
 
 using Module = std::span<const uint32_t>;
-
-// Returns the footprint module with the smallest sufficient number of sub-rays.
-Module footprintOf(uint32_t subRays) {
-  if (subRays <= 1) return effects_footprint1;
-  if (subRays <= 7) return effects_footprint7;
-  if (subRays <= 19) return effects_footprint19;
-  return effects_footprint61;
-}
 
 // Returns the module for devices without 64-bit atomics, with them, or with double precision as well.
 Module byAtomics(const Variant& variant, Module without, Module with, Module withDoubles) {
@@ -52,7 +42,7 @@ Module moduleOf(const Variant& variant) {
     case gnosphere::Kernel::prefix_sum: return prefix_sum;
     case gnosphere::Kernel::resolve: return resolve;
     case gnosphere::Kernel::effects_strays: return effects_strays;
-    case gnosphere::Kernel::effects_footprint: return footprintOf(variant.subRays);
+    case gnosphere::Kernel::effects_footprint: return effects_footprint;
     case gnosphere::Kernel::effects_panes: return effects_panes;
     case gnosphere::Kernel::effects_surfaces: return effects_surfaces;
     case gnosphere::Kernel::records: return records;
@@ -64,22 +54,16 @@ Module moduleOf(const Variant& variant) {
 DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, VkPipelineLayout layout,
                                   VkPipelineCache cache) {
   const DeviceFunctions& vk = device.vk();
-  const Module spirv = moduleOf(variant);
+  const std::vector<uint32_t> spirv = specialised(moduleOf(variant), wordsOf(variant.options));
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  module.codeSize = spirv.size_bytes();
+  module.codeSize = spirv.size() * sizeof spirv[0];
   module.pCode = spirv.data();
   const DeviceHandle<VkShaderModule> shader = device.make(vk.vkCreateShaderModule, vk.vkDestroyShaderModule, module);
-  const OptionWords words = wordsOf(variant.options);
-  std::array<VkSpecializationMapEntry, words.size()> entries;
-  for (uint32_t i = 0; i < entries.size(); ++i) entries[i] = {i, i * 4, 4};
-  const VkSpecializationInfo specialization = {static_cast<uint32_t>(entries.size()), entries.data(), sizeof words,
-                                               words.data()};
   VkComputePipelineCreateInfo create = {VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   create.stage.module = shader.get();
   create.stage.pName = "main";
-  create.stage.pSpecializationInfo = &specialization;
   const FullSubgroups& subgroups = device.capabilities().subgroups;
   VkPipelineShaderStageRequiredSubgroupSizeCreateInfoEXT size = {
       VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO_EXT};

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "readers.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <string_view>
 
 #include "gnosphere/sensor.hpp"
@@ -65,13 +70,13 @@ void fuzzSensor(std::string_view json) {
   }
 }
 
-/// The family is decided by the content.
-void fuzzSensorFile(std::string_view bytes) {
+void readValid(std::string_view bytes, const std::string& name, const SensorFileOptions& options, bool plain) {
   SensorFile file;
   try {
-    file = readSensorFile(bytes, "fuzz");
+    file = readSensorFile(bytes, name, options);
   } catch (const Error& error) {
-    if (error.code() == ErrorCode::invalidArgument) complain("a sensor reader blames the caller", error.what());
+    if (plain && error.code() == ErrorCode::invalidArgument)
+      complain("a sensor reader blames the caller", error.what());
     return;
   }
   try {
@@ -81,11 +86,30 @@ void fuzzSensorFile(std::string_view bytes) {
   }
 }
 
+/// The family is decided by the content. Options that do not apply to it are refused.
+void fuzzSensorFile(std::string_view bytes) {
+  readValid(bytes, "fuzz", {}, true);
+  readValid(bytes, "fuzz", {.scanRate = 10, .columns = 7}, false);
+  readValid(bytes, "fuzz", {.beamsPerScan = 3}, false);
+}
+
+/// Reads Hesai's firing times for two channels; they are always in a file.
+void fuzzFireTimes(Bytes bytes) {
+  static const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("gnosphere-fuzz-" + std::to_string(::getpid()));
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  for (const char* state : {"", "2"})
+    readValid("Channel,Elevation,Azimuth\n1,1,0\n2,-1,5\n", "angles.csv",
+              {.mode = state, .scanRate = 10, .columns = 36, .fireTimes = file}, false);
+  std::filesystem::remove(file);
+}
+
 }  // namespace
 
 void fuzzReaders(std::span<const uint8_t> input) {
   if (input.empty()) return;
-  constexpr std::string_view kChoices = "gbopsjdf";
+  constexpr std::string_view kChoices = "gbopsjdft";
   const size_t named = kChoices.find(static_cast<char>(input[0]));
   const Bytes bytes = input.subspan(1);
   switch (named != kChoices.npos ? named : input[0] % kChoices.size()) {
@@ -95,6 +119,7 @@ void fuzzReaders(std::span<const uint8_t> input) {
     case 3: return fuzzScene(SceneFormat::ply, bytes);
     case 4: return fuzzScene(SceneFormat::stl, bytes);
     case 6: return fuzzDraco(bytes);
+    case 8: return fuzzFireTimes(bytes);
     case 7: return fuzzSensorFile({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     default: return fuzzSensor({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPIR-V modules with values in place of their specialisation constants.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace gnosphere::vulkan {
+
+/// Returns the module with the value of each specialisation constant in place (constants[SpecId]; booleans are 0 or 1),
+/// without the branches that are then never taken and the functions that are then never called. Drivers do the same,
+/// but only after they have copied every function into its callers, which takes them many times as long.
+///
+/// The module must come from glslang without optimisation: a block follows all blocks that branch to it, except at the
+/// end of a loop, and loops begin without phis. Throws std::logic_error for another module, for operations on constants
+/// that no shader needs yet, and for specialisation constants that are neither boolean nor 32-bit integers.
+std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<const uint32_t> constants);
+
+}  // namespace gnosphere::vulkan

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// The instructions of a SPIR-V module, and constants computed from them.
+#pragma once
+
+#define SPV_ENABLE_UTILITY_CODE
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <spirv/unified1/spirv.hpp>
+#include <vector>
+
+namespace gnosphere::vulkan {
+
+using Words = std::vector<uint32_t>;
+/// The words of one instruction; the first one holds its length and what it does.
+using Instruction = std::span<const uint32_t>;
+
+inline spv::Op opOf(Instruction instruction) {
+  return static_cast<spv::Op>(instruction[0] & spv::OpCodeMask);
+}
+
+/// Returns the id that an instruction defines; 0 if it defines none.
+inline uint32_t resultOf(Instruction instruction) {
+  bool result = false, type = false;
+  spv::HasResultAndType(opOf(instruction), &result, &type);
+  return result ? instruction[type ? 2 : 1] : 0;
+}
+
+inline std::vector<Instruction> instructionsOf(std::span<const uint32_t> words) {
+  std::vector<Instruction> instructions;
+  for (size_t at = 0; at < words.size(); at += instructions.back().size())
+    instructions.push_back(words.subspan(at, words[at] >> spv::WordCountShift));
+  return instructions;
+}
+
+inline void append(Words& words, Instruction instruction) {
+  words.insert(words.end(), instruction.begin(), instruction.end());
+}
+inline void append(Words& words, spv::Op op, std::initializer_list<uint32_t> operands) {
+  words.push_back(static_cast<uint32_t>((operands.size() + 1) << spv::WordCountShift | op));
+  words.insert(words.end(), operands);
+}
+
+/// The ids whose values are known; a boolean is 0 or 1.
+class KnownValues {
+ public:
+  explicit KnownValues(uint32_t bound) : values_(bound) {}
+
+  void set(uint32_t id, std::optional<uint32_t> value) { values_[id] = value; }
+  std::optional<uint32_t> of(uint32_t id) const { return values_[id]; }
+
+  /// Returns the result of an operation on ids; none if it is not known.
+  std::optional<uint32_t> of(spv::Op op, Instruction ids) const {
+    const std::optional<uint32_t> a = of(ids[0]), b = ids.size() > 1 ? of(ids[1]) : a;
+    if (op == spv::OpLogicalAnd && (a == 0u || b == 0u)) return 0;
+    if (op == spv::OpLogicalOr && (a == 1u || b == 1u)) return 1;
+    if (op == spv::OpSelect && a) return *a ? b : of(ids[2]);
+    if (!a || !b) return {};
+    switch (op) {
+      case spv::OpLogicalNot: return !*a;
+      case spv::OpLogicalAnd: return *a & *b;
+      case spv::OpLogicalOr: return *a | *b;
+      case spv::OpIEqual: return *a == *b;
+      case spv::OpINotEqual: return *a != *b;
+      case spv::OpUGreaterThan: return *a > *b;
+      case spv::OpBitwiseAnd: return *a & *b;
+      case spv::OpIAdd: return *a + *b;
+      case spv::OpIMul: return *a * *b;
+      default: return {};
+    }
+  }
+
+ private:
+  std::vector<std::optional<uint32_t>> values_;
+};
+
+}  // namespace gnosphere::vulkan

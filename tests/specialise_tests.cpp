@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// Modules with values in place of their specialisation constants, against SPIRV-Tools: spirv-val must accept them, and
+// spirv-opt, which replaces the constants by itself, must optimise both to the same operations.
+#include <algorithm>
+#include <catch2/catch_test_macros.hpp>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "folder.hpp"
+#include "pipeline/kernels.hpp"
+#include "vulkan/specialise.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+namespace {
+
+using Words = std::vector<uint32_t>;
+
+Words wordsIn(const fs::path& file) {
+  const std::string bytes = bytesOf(file);
+  Words words(bytes.size() / 4);
+  std::memcpy(words.data(), bytes.data(), 4 * words.size());
+  return words;
+}
+
+class Tools {
+ public:
+  void run(const std::string& command) const {
+    INFO(command << "\n" << (fs::exists(file("log")) ? bytesOf(file("log")) : ""));
+    const bool succeeded = std::system((command + " >" + file("log").string() + " 2>&1").c_str()) == 0;
+    INFO(bytesOf(file("log")));
+    REQUIRE(succeeded);
+  }
+
+  Words compile(const std::string& glsl) const {
+    put(file("shader.comp"), glsl);
+    run(std::string(GNOSPHERE_GLSLANG) + " --quiet -V --target-env vulkan1.2 -o " + file("shader.spv").string() + " " +
+        file("shader.comp").string());
+    return wordsIn(file("shader.spv"));
+  }
+
+  void validate(const Words& module) const {
+    run(std::string(GNOSPHERE_SPIRV_VAL) + " --target-env vulkan1.2 --scalar-block-layout " + stored(module));
+  }
+
+  /// Returns how often each operation occurs in a module that spirv-opt has optimised with `passes` before.
+  std::map<uint32_t, int> optimised(const Words& module, const std::string& passes = "") const {
+    run(std::string(GNOSPHERE_SPIRV_OPT) + " --target-env=vulkan1.2 --scalar-block-layout --strip-debug " + passes +
+        " -O -o " + file("optimised.spv").string() + " " + stored(module));
+    const Words words = wordsIn(file("optimised.spv"));
+    std::map<uint32_t, int> counts;
+    for (size_t at = 5; at < words.size(); at += words[at] >> 16) ++counts[words[at] & 0xffff];
+    return counts;
+  }
+
+ private:
+  fs::path file(const std::string& name) const { return folder_ / name; }
+  std::string stored(const Words& module) const {
+    put(file("module.spv"), std::string(reinterpret_cast<const char*>(module.data()), 4 * module.size()));
+    return file("module.spv").string();
+  }
+
+  Folder folder_;
+};
+
+/// Returns the passes of spirv-opt that put the given constants in place. `booleans` has the numbers of booleans.
+std::string placing(const Words& constants, const std::vector<size_t>& booleans) {
+  std::string values;
+  for (size_t i = 0; i < constants.size(); ++i) {
+    const bool boolean = std::find(booleans.begin(), booleans.end(), i) != booleans.end();
+    values +=
+        std::to_string(i) + ":" + (boolean ? (constants[i] ? "true" : "false") : std::to_string(constants[i])) + " ";
+  }
+  return "'--set-spec-const-default-value=" + values + "' --freeze-spec-const --fold-spec-const-op-composite";
+}
+
+}  // namespace
+
+TEST_CASE("a specialised module means what spirv-opt makes of the same constants") {
+  const Tools tools;
+  const Words module = tools.compile(R"(#version 460
+    layout(local_size_x = 64) in;
+    layout(constant_id = 0) const bool A = false;
+    layout(constant_id = 1) const bool B = false;
+    layout(constant_id = 2) const uint N = 3;
+    layout(push_constant) uniform Input { uint x; };
+    layout(binding = 0) buffer Output { uint y[]; };
+    uint table[N * 2 + 1];
+    uint collatz(uint n) {
+      uint steps = 0;
+      while (n > 1) {
+        n = (n & 1) == 0 ? n / 2 : 3 * n + 1;
+        if (A) break;
+        ++steps;
+      }
+      return steps;
+    }
+    uint early(uint n) {
+      if (N == 1) return n;
+      for (uint i = 0; i < n; ++i) {
+        if (B && i == 3) continue;
+        if (A || n == 7) return i;
+        y[i + 100] = i;
+      }
+      return 5;
+    }
+    uint chosen(uint n) {
+      switch (n) {
+        case 0: return A ? early(n) : collatz(n);
+        case 1: if (B) break;
+        case 2: n += 7; break;
+        default: if (!A && N > 2) n *= 3;
+      }
+      return n;
+    }
+    void main() {
+      bool odd = (x & 1) == 1;
+      table[x % 3] = x;
+      if ((A && odd) || (B && N != 2)) y[0] = collatz(x);
+      if ((N & 2) != 0) y[1] = early(x); else y[2] = chosen(x);
+      for (;;) {
+        if (A && B) break;
+        y[3] = table[x % 2];
+        break;
+      }
+      while (A) { y[4] += chosen(y[5]); if (y[4] > 9) break; }
+    })");
+  for (const uint32_t a : {0, 1})
+    for (const uint32_t b : {0, 1})
+      for (const uint32_t n : {1, 2, 3}) {
+        INFO("A = " << a << ", B = " << b << ", N = " << n);
+        const Words constants = {a, b, n};
+        const Words specialised = vulkan::specialised(module, constants);
+        tools.validate(specialised);
+        CHECK(tools.optimised(specialised) == tools.optimised(module, placing(constants, {0, 1})));
+      }
+}
+
+TEST_CASE("a constant expression that cannot be computed is an error, not a wrong module") {
+  const Words module = Tools().compile(R"(#version 460
+    layout(constant_id = 0) const uint N = 3;
+    layout(binding = 0) buffer Output { uint y[]; };
+    void main() { y[0] = N << 2; })");
+  REQUIRE_THROWS_AS(vulkan::specialised(module, Words{1}), std::logic_error);
+}
+
+TEST_CASE("every kernel is a valid module with any options") {
+  const Tools tools;
+  std::mt19937 random(5);
+  std::ifstream list(GNOSPHERE_SPIRV_LIST);
+  for (std::string file; std::getline(list, file);)
+    for (int i = 0; i < 2; ++i) {
+      OptionWords words;
+      for (uint32_t& word : words) word = static_cast<uint32_t>(random() >> random() % 32);
+      Options options = std::bit_cast<Options>(words);
+      for (uint32_t* part : {&options.BOUNDS, &options.CULL, &options.INSIDE, &options.RANGE, &options.FACES,
+                             &options.BINNING, &options.PASS})
+        *part %= 4;
+      for (uint32_t* flag : {&options.AZIMUTH_OFFSETS, &options.MOTION, &options.LISTED, &options.MAPPED}) *flag %= 2;
+      options.LAYERS = options.LAYERS % 4 + 1, options.RETURNS = options.RETURNS % 6 + 1;
+      options.RAYS = placesFor(options.RAYS % 64);
+      INFO(file << ", " << i);
+      tools.validate(vulkan::specialised(wordsIn(file), wordsOf(options)));
+    }
+}
+
+TEST_CASE("kernels of a plain scan are optimised to the operations that spirv-opt finds by itself") {
+  const Tools tools;
+  const fs::path folder = [] {
+    std::ifstream list(GNOSPHERE_SPIRV_LIST);
+    std::string file;
+    std::getline(list, file);
+    return fs::path(file).parent_path();
+  }();
+  Options options = {2, 1, 1, 1};
+  options.BINNING = 2, options.CULLING = 31;
+  const OptionWords words = wordsOf(options);
+  const Words constants(words.begin(), words.end());
+  for (const char* kernel : {"project_groups", "bin_int64", "resolve"}) {
+    INFO(kernel);
+    const Words module = wordsIn(folder / (std::string(kernel) + ".spv"));
+    const Words specialised = vulkan::specialised(module, constants);
+    CHECK(specialised.size() < module.size());
+    CHECK(tools.optimised(specialised) == tools.optimised(module, placing(constants, {4, 13, 14, 15})));
+  }
+}
