@@ -96,12 +96,14 @@ std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
     Box box;
     box.actor = a;
     box.points = times[a].size();
-    box.time = planned.time + median(times[a]);
+    const double seenAt = planned.time + median(times[a]);
+    box.time = recorded.actorsMove ? seenAt : planned.time;
     box.size = bounds.max - bounds.min;
     // An actor that goes during the scan is there until the scan ends.
     const Pose actor = world_.poseOf(a, box.time).value_or(drive_.actors[a].trajectory.at(box.time));
     box.inWorld = actor * Pose{0.5 * (bounds.min + bounds.max), {}};
-    const Pose seen = inverse(drive_.sensorPose(planned.sensor, box.time)) * box.inWorld;
+    const Pose seen =
+        inverse(recorded.sensorMoves ? drive_.sensorPose(planned.sensor, seenAt) : recorded.pose) * box.inWorld;
     box.inSensor = recorded.deskewed ? inverse(recorded.pose) * box.inWorld : seen;
     box.velocity = world_.velocityOf(a, box.time);
     box.moving = world_.isMoving(a, box.time);

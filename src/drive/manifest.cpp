@@ -2,7 +2,6 @@
 #include "drive/manifest.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -25,65 +24,89 @@ void makeFolder(const fs::path& folder) {
   if (failed) throw Error(ErrorCode::file, folder.string() + ": cannot be made: " + failed.message());
 }
 
-/// Parts of this machine begin with its name.
+/// The folders of unfinished files, and their locks, begin with the name of the machine.
 std::string partsOfHost() {
   char host[256] = {};
   gethostname(host, sizeof(host) - 1);
   return std::string("parts-") + host + "-";
 }
 
-/// Removes what processes of this machine that no longer run have left half written.
-void removeAbandoned(const fs::path& folder) {
-  const std::string mine = partsOfHost();
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(mine)) continue;
-    const long process = std::strtol(name.c_str() + mine.size(), nullptr, 10);
-    if (process > 0 && kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH) fs::remove_all(entry, ignored);
-  }
-}
-
-/// Holds a lock on a file, which processes on other machines respect, too, if the file system can.
+/// Holds a lock on a file. The system releases it when the process ends, however it ends. Other machines respect it,
+/// too, if the file system can.
 class FileLock {
  public:
-  explicit FileLock(const fs::path& file) : descriptor_(open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
-    if (descriptor_ >= 0) flock(descriptor_, LOCK_EX);
+  explicit FileLock(const fs::path& file, bool wait = true)
+      : descriptor_(open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666)) {
+    holds_ = descriptor_ >= 0 && flock(descriptor_, wait ? LOCK_EX : LOCK_EX | LOCK_NB) == 0;
   }
   ~FileLock() {
     if (descriptor_ >= 0) close(descriptor_);
   }
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
+  bool holds() const { return holds_; }
 
  private:
   int descriptor_;
+  bool holds_ = false;
 };
 
+/// Removes what processes of this machine have left half written when they were killed: their locks are free.
+void removeAbandoned(const fs::path& folder) {
+  const std::string mine = partsOfHost();
+  std::error_code ignored;
+  std::vector<fs::path> locks;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const fs::path& file = entry.path();
+    if (file.filename().string().starts_with(mine) && file.extension() == ".lock") locks.push_back(file);
+  }
+  for (fs::path file : locks) {
+    const FileLock lock(file, false);
+    if (!lock.holds()) continue;
+    fs::remove(file, ignored);
+    fs::remove_all(file.replace_extension(), ignored);
+  }
+}
+
 }  // namespace
+
+/// A folder for unfinished files with a lock beside it, which are removed together.
+class Manifest::Parts {
+ public:
+  explicit Parts(const fs::path& folder) : folder_(folder), lock_(fs::path(folder).concat(".lock")) {
+    makeFolder(folder_);
+  }
+  ~Parts() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+    fs::remove(fs::path(folder_).concat(".lock"), ignored);
+  }
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+  const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+  FileLock lock_;
+};
 
 Manifest::Manifest(const Drive& drive, const fs::path& out) : drive_(drive), out_(out), folder_(out / "manifest") {
   makeFolder(folder_ / "frames");
   removeAbandoned(folder_);
-  parts_ = folder_ / (partsOfHost() + std::to_string(getpid()));
-  makeFolder(parts_);
+  parts_ = std::make_unique<Parts>(folder_ / (partsOfHost() + std::to_string(getpid())));
   const std::string text =
       Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}.dump(1) + "\n";
   const fs::path file = folder_ / "drive.json";
   std::error_code absent;
   if (!fs::exists(file, absent)) put(file, text);
-  if (readWholeFile(file) == text) return;
-  fs::remove_all(parts_, absent);
-  throw Error(ErrorCode::invalidArgument,
-              out.string() +
-                  ": holds frames of another drive, or of this one before something of it changed; choose "
-                  "another folder");
+  if (readWholeFile(file) != text)
+    throw Error(ErrorCode::invalidArgument,
+                out.string() +
+                    ": holds frames of another drive, or of this one before something of it changed; choose "
+                    "another folder");
 }
 
-Manifest::~Manifest() {
-  std::error_code ignored;
-  fs::remove_all(parts_, ignored);
-}
+Manifest::~Manifest() = default;
 
 fs::path Manifest::frameFile(uint64_t frame) const {
   return folder_ / "frames" / numberText("%06llu.json", frame);
@@ -91,7 +114,7 @@ fs::path Manifest::frameFile(uint64_t frame) const {
 
 void Manifest::put(const fs::path& file, const std::string& bytes) const {
   makeFolder(file.parent_path());
-  AtomicFile out(file, parts_ / "file");
+  AtomicFile out(file, parts_->folder() / "file");
   out.write(bytes);
   out.commit();
 }

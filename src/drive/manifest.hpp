@@ -33,13 +33,16 @@ class Manifest {
   void reopen() const;
 
  private:
+  class Parts;
+
   std::filesystem::path frameFile(uint64_t frame) const;
   void put(const std::filesystem::path& file, const std::string& bytes) const;
   FrameSummary summaryOf(uint64_t frame) const;
   void removeUsed() const;
 
   const Drive& drive_;
-  std::filesystem::path out_, folder_, parts_;
+  std::filesystem::path out_, folder_;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace gnosphere::drive

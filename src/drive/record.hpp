@@ -12,7 +12,8 @@ namespace gnosphere::drive {
 /// An actor that a scan has hit.
 struct Box {
   size_t actor = 0;
-  double time = 0;         ///< median time of its returns, on the clock of the trajectories; the poses are of this time
+  double time =
+      0;  ///< of the actor's pose: the median time of its returns, or the start of the scan if actors stand still in it
   Pose inSensor, inWorld;  ///< of the box's middle
   Vec3 size;               ///< length, width, height
   Vec3 velocity;           ///< m/s in the world
@@ -23,11 +24,13 @@ struct Box {
 
 struct RecordedScan {
   PlannedScan planned;
-  double duration = 0;    ///< seconds
-  Pose pose;              ///< of the sensor in the world at the start
-  bool deskewed = false;  ///< whether points are in the frame of `pose`, rather than in that of their own time
-  Scan scan;              ///< Scan::instances are numbers of objects, see World
-  uint64_t points = 0;    ///< returns
+  double duration = 0;      ///< seconds
+  Pose pose;                ///< of the sensor in the world at the start
+  bool sensorMoves = true;  ///< whether the sensor moves during the scan, as its effects say
+  bool actorsMove = true;   ///< whether actors do
+  bool deskewed = false;    ///< whether points are in the frame of `pose`, rather than in that of their own time
+  Scan scan;                ///< Scan::instances are numbers of objects, see World
+  uint64_t points = 0;      ///< returns
   std::vector<Box> boxes;
 };
 

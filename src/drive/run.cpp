@@ -69,13 +69,15 @@ class Scanner {
     const RigSensor& rigged = drive_.sensors[sensor];
     recorded.duration = durationOf(rigged.sensor, number);
     recorded.pose = drive_.sensorPose(sensor, time);
+    recorded.sensorMoves = recorded.duration > 0 && rigged.effects.sensorMotion.use != EffectUse::off;
+    recorded.actorsMove = recorded.duration > 0 && rigged.effects.objectMotion.use != EffectUse::off;
     recorded.deskewed = rigged.effects.sensorMotion.deskew;
     Shot shot;
     shot.pose = recorded.pose;
     shot.sensor = sensor;
     shot.frame = number;
     shot.weather = weatherFor(sensor, time);
-    if (recorded.duration > 0 && drive_.ego.movesWithin(time, time + recorded.duration))
+    if (recorded.sensorMoves && drive_.ego.movesWithin(time, time + recorded.duration))
       shot.motion = motionOf(recorded);
     placeActors(recorded, shot);
     simulator_->scanInto(shot, recorded.scan);
@@ -110,7 +112,7 @@ class Scanner {
         simulator_->setTransform(instance, transform);
         placed_[instance] = transform;
       });
-      if (recorded.duration > 0 && world_.movesWithin(actor, begin, end))
+      if (recorded.actorsMove && world_.movesWithin(actor, begin, end))
         world_.place(actor, drive_.actors[actor].trajectory.at(end), [&](size_t instance, const Transform& transform) {
           shot.instanceMotions.push_back({instance, transform});
         });

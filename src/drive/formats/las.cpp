@@ -61,7 +61,7 @@ class Las : public Format {
       if (!scan.returned(entry)) continue;
       const float time = timed ? times[entry] : 0;
       const Pose* pose = &recorded.pose;
-      if (!recorded.deskewed) {
+      if (recorded.sensorMoves && !recorded.deskewed) {
         const auto [found, isNew] = poses.try_emplace(time);
         if (isNew) found->second = drive_.sensorPose(recorded.planned.sensor, recorded.planned.time + time);
         pose = &found->second;
