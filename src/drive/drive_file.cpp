@@ -4,220 +4,37 @@
 #include <fnmatch.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <cctype>
+#include <map>
 #include <set>
 
 #include "base/file.hpp"
-#include "drive/drive.hpp"
+#include "drive/drive_reader.hpp"
 #include "drive/fingerprint.hpp"
-#include "drive/pose_math.hpp"
 #include "drive/schema_check.hpp"
 #include "drive_schema.h"
-#include "effects/strict_json.hpp"
 
 namespace gnosphere::drive {
-namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kDegree = std::numbers::pi / 180;
+namespace {
+
 constexpr const char* kDefaultFields = "x,y,z,intensity,ring,time,class,instance,true_range";
 
-const json& memberOf(const json& object, const char* name) {
-  static const json kNothing;
-  const auto found = object.find(name);
-  return found == object.end() ? kNothing : *found;
+/// All mistakes in one line.
+[[noreturn]] void refuseAll(const fs::path& file, const std::vector<std::string>& mistakes) {
+  constexpr size_t kShown = 8;
+  std::string text = file.string() + ": ";
+  for (size_t i = 0; i < std::min(kShown, mistakes.size()); ++i) text += (i ? "; " : "") + mistakes[i];
+  if (mistakes.size() > kShown) text += "; and " + std::to_string(mistakes.size() - kShown) + " more mistakes";
+  throw Error(ErrorCode::format, text);
 }
 
-Vec3 vectorOf(const json& list) {
-  return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
-}
+}  // namespace
 
-class Reader {
- public:
-  Reader(fs::path file, const json& root) : folder_(file.parent_path()), root_(root) {
-    drive_.name = root.value("name", file.stem().string());
-  }
-
-  /// Returns the drive, or throws Error(format) with all mistakes.
-  Drive read(const fs::path& file);
-
- private:
-  /// Runs a step; what it throws becomes a mistake at this path.
-  template <typename Step>
-  void attempt(const std::string& path, const Step& step) {
-    try {
-      step();
-    } catch (const Error& error) {
-      mistakes_.push_back(path + ": " + error.what());
-    }
-  }
-  void refuse(const std::string& path, const std::string& why) { mistakes_.push_back(path + ": " + why); }
-  fs::path file(const json& name) const { return folder_ / name.get<std::string>(); }
-
-  /// Returns the index of a name, or adds a mistake.
-  size_t find(const std::vector<std::string>& names, const json& name, const std::string& path) {
-    const auto found = std::find(names.begin(), names.end(), name.get<std::string>());
-    if (found != names.end()) return static_cast<size_t>(found - names.begin());
-    refuse(path, inQuotes(name.get<std::string>()) + " is unknown; " +
-                     (names.empty() ? "there are none" : nearestText(name.get<std::string>(), names)));
-    return 0;
-  }
-
-  Quaternion orientation(const json& list, const std::string& path);
-  Pose pose(const json& object, const std::string& path);
-  Scene scene(const json& object, const std::string& path);
-  Trajectory trajectory(const json& object, const std::string& path);
-  std::vector<Trajectory::Stamp> waypoints(const json& list, const std::string& path);
-  Sensor sensor(const json& value, const std::string& path);
-  Effects effects(const json& value, const std::string& path);
-  void classes();
-  void scenes();
-  void classifyInstances(const json& object, const std::string& path, Scene& scene);
-  void models();
-  void actors();
-  void sensors();
-  void times();
-  void weather();
-  void outputs();
-
-  fs::path folder_;
-  const json& root_;
-  Drive drive_;
-  std::vector<std::string> mistakes_, classNames_, modelNames_;
-};
-
-Quaternion Reader::orientation(const json& list, const std::string& path) {
-  const Quaternion q = {list[0].get<double>(), list[1].get<double>(), list[2].get<double>(), list[3].get<double>()};
-  const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  if (std::abs(length - 1) < 0.01) return normalized(q);
-  refuse(path, "must be a quaternion qx, qy, qz, qw of length 1, is " + shown(list));
-  return {};
-}
-
-Pose Reader::pose(const json& object, const std::string& path) {
-  Pose pose;
-  if (object.is_null()) return pose;
-  if (object.contains("position")) pose.position = vectorOf(object["position"]);
-  if (object.contains("orientation")) pose.orientation = orientation(object["orientation"], path + ".orientation");
-  if (!object.contains("yaw_pitch_roll_deg")) return pose;
-  if (object.contains("orientation"))
-    refuse(memberPath(path, "yaw_pitch_roll_deg"), "is an alternative to orientation; keep one");
-  const Vec3 angles = kDegree * vectorOf(object["yaw_pitch_roll_deg"]);
-  pose.orientation = yawPitchRoll(angles.x, angles.y, angles.z);
-  return pose;
-}
-
-/// A file of triangles at its pose.
-Scene Reader::scene(const json& object, const std::string& path) {
-  LoadOptions options;
-  if (object.contains("up")) options.up = object["up"] == "y" ? UpAxis::y : UpAxis::z;
-  options.scale = object.value("scale", 1.0);
-  Scene scene;
-  attempt(path + ".file", [&] { scene = loadScene(file(object["file"]), options); });
-  const Transform place = transformOf(pose(memberOf(object, "pose"), memberPath(path, "pose")));
-  for (Instance& instance : scene.instances) instance.transform = place * instance.transform;
-  return scene;
-}
-
-std::vector<Trajectory::Stamp> Reader::waypoints(const json& list, const std::string& path) {
-  std::vector<Trajectory::Stamp> stamps;
-  for (const json& waypoint : list)
-    stamps.push_back({waypoint["time"].get<double>(), {vectorOf(waypoint["position"]), {}}});
-  headAlong(stamps);
-  for (size_t i = 0; i < list.size(); ++i) {
-    const std::string at = entryPath(path, i);
-    Quaternion& turn = stamps[i].pose.orientation;
-    if (list[i].contains("orientation")) turn = orientation(list[i]["orientation"], at + ".orientation");
-    if (!list[i].contains("yaw_deg")) continue;
-    if (list[i].contains("orientation")) refuse(at + ".yaw_deg", "is an alternative to orientation; keep one");
-    turn = yawPitchRoll(kDegree * list[i]["yaw_deg"].get<double>(), 0, 0);
-  }
-  return stamps;
-}
-
-Trajectory Reader::trajectory(const json& object, const std::string& path) {
-  const std::string format = object.value("format", "tum");
-  const auto only = [&](const char* name, const char* owner) {
-    if (object.contains(name) && (format != owner || !object.contains("file")))
-      refuse(memberPath(path, name), std::string("is only for files of the format ") + owner);
-  };
-  only("times", "kitti");
-  only("route", "carla-route");
-  only("speed", "carla-route");
-  if (object.contains("file") == object.contains("waypoints")) {
-    refuse(path, object.contains("file") ? "has a file and waypoints; keep one" : "needs a file or waypoints");
-    return {};
-  }
-  std::vector<Trajectory::Stamp> stamps;
-  if (object.contains("waypoints")) {
-    if (object.contains("format")) refuse(memberPath(path, "format"), "is only for files");
-    stamps = waypoints(object["waypoints"], path + ".waypoints");
-  } else {
-    TrajectoryFileOptions options;
-    if (object.contains("times")) options.times = file(object["times"]);
-    options.route = object.value("route", "");
-    options.speed = object.value("speed", 0.0);
-    attempt(path + ".file", [&] { stamps = readTrajectory(file(object["file"]), format, options); });
-    if (stamps.empty()) return {};
-  }
-  const double from = object.value("from", -INFINITY), to = object.value("to", INFINITY);
-  std::erase_if(stamps, [&](const auto& stamp) { return stamp.time < from || stamp.time > to; });
-  if (stamps.empty()) {
-    refuse(path, "has no pose from 'from' to 'to'");
-    return {};
-  }
-  if (object.value("heading", false)) headAlong(stamps);
-  const double shift = object.contains("begin") ? object["begin"].get<double>() - stamps.front().time : 0;
-  const Vec3 moved = object.contains("shift") ? vectorOf(object["shift"]) : Vec3{};
-  for (auto& stamp : stamps) {
-    stamp.time += shift;
-    stamp.pose.position = stamp.pose.position + moved;
-  }
-  Trajectory result;
-  attempt(path, [&] { result = Trajectory(std::move(stamps)); });
-  return result;
-}
-
-/// Takes what a built-in name stands for, or else a file.
-template <typename T>
-T namedOrFile(const std::string& name, const fs::path& file, T (*named)(const std::string&),
-              T (*load)(const fs::path&)) {
-  try {
-    return named(name);
-  } catch (const Error& unknown) {
-    std::error_code ignored;
-    if (!fs::is_regular_file(file, ignored))
-      throw Error(unknown.code(), std::string(unknown.what()) + "; or give a file");
-  }
-  return load(file);
-}
-
-Sensor Reader::sensor(const json& value, const std::string& path) {
-  Sensor sensor;
-  attempt(path, [&] {
-    sensor = value.is_string() ? namedOrFile(value.get<std::string>(), file(value), builtinSensor, loadSensor)
-                               : sensorFromJson(value.dump(), "the sensor");
-    validate(sensor);
-  });
-  return sensor;
-}
-
-Effects Reader::effects(const json& value, const std::string& path) {
-  Effects effects;
-  attempt(path, [&] {
-    if (value.is_string())
-      effects = namedOrFile(value.get<std::string>(), file(value), effectPreset, loadEffects);
-    else if (value.is_object())
-      effects = effectsFromJson(value.dump(), "the effects");
-  });
-  if (!value.is_object() || !value.contains("seed")) effects.seed = root_.value("seed", uint64_t{1});
-  return effects;
-}
-
-void Reader::classes() {
+void DriveReader::classes() {
   for (const auto& [name, object] : memberOf(root_, "classes").items()) {
     const uint16_t id = object["id"].get<uint16_t>();
     drive_.classes.push_back({name, id, object.value("moving_id", id)});
@@ -226,7 +43,7 @@ void Reader::classes() {
 }
 
 /// Gives each instance the class of the longest pattern that its name matches.
-void Reader::classifyInstances(const json& object, const std::string& path, Scene& scene) {
+void DriveReader::classifyInstances(const json& object, const std::string& path, Scene& scene) {
   const auto idOf = [&](const json& name, const std::string& at) {
     const size_t found = find(classNames_, name, at);
     return found < drive_.classes.size() ? drive_.classes[found].id : uint16_t{0};
@@ -248,7 +65,7 @@ void Reader::classifyInstances(const json& object, const std::string& path, Scen
   }
 }
 
-void Reader::scenes() {
+void DriveReader::scenes() {
   for (size_t i = 0; i < root_["scenes"].size(); ++i) {
     const std::string path = entryPath("scenes", i);
     Scene scene = this->scene(root_["scenes"][i], path);
@@ -257,7 +74,7 @@ void Reader::scenes() {
   }
 }
 
-void Reader::models() {
+void DriveReader::models() {
   for (const auto& [name, object] : memberOf(root_, "models").items()) {
     modelNames_.push_back(name);
     drive_.models.push_back(scene(object, memberPath("models", name)));
@@ -266,7 +83,7 @@ void Reader::models() {
   }
 }
 
-void Reader::actors() {
+void DriveReader::actors() {
   std::set<std::string> names;
   const json& list = memberOf(root_, "actors");
   for (size_t i = 0; i < list.size(); ++i) {
@@ -283,7 +100,7 @@ void Reader::actors() {
   }
 }
 
-void Reader::sensors() {
+void DriveReader::sensors() {
   std::set<std::string> names;
   for (size_t i = 0; i < root_["sensors"].size(); ++i) {
     const json& object = root_["sensors"][i];
@@ -307,7 +124,7 @@ void Reader::sensors() {
   }
 }
 
-void Reader::times() {
+void DriveReader::times() {
   drive_.rate = root_.value("rate", 10.0);
   drive_.epoch = root_.value("epoch", 0.0);
   drive_.ego = trajectory(root_["ego"]["trajectory"], "ego.trajectory");
@@ -318,7 +135,7 @@ void Reader::times() {
   if (drive_.duration * drive_.rate > 1e9) refuse("duration", "would have more than a thousand million frames");
 }
 
-void Reader::weather() {
+void DriveReader::weather() {
   const json& list = memberOf(root_, "weather");
   for (size_t i = 0; i < list.size(); ++i) {
     WeatherStamp stamp;
@@ -332,7 +149,7 @@ void Reader::weather() {
   }
 }
 
-void Reader::outputs() {
+void DriveReader::outputs() {
   std::vector<std::string> names;
   for (const RigSensor& sensor : drive_.sensors) names.push_back(sensor.name);
   std::set<std::string> folders;
@@ -363,16 +180,7 @@ void Reader::outputs() {
   }
 }
 
-/// All mistakes in one line.
-[[noreturn]] void refuseAll(const fs::path& file, const std::vector<std::string>& mistakes) {
-  constexpr size_t kShown = 8;
-  std::string text = file.string() + ": ";
-  for (size_t i = 0; i < std::min(kShown, mistakes.size()); ++i) text += (i ? "; " : "") + mistakes[i];
-  if (mistakes.size() > kShown) text += "; and " + std::to_string(mistakes.size() - kShown) + " more mistakes";
-  throw Error(ErrorCode::format, text);
-}
-
-Drive Reader::read(const fs::path& file) {
+Drive DriveReader::read(const fs::path& file) {
   drive_.accuracy = std::map<std::string, Accuracy>{
       {"paper", Accuracy::paper},
       {"draft", Accuracy::draft},
@@ -392,14 +200,12 @@ Drive Reader::read(const fs::path& file) {
   return std::move(drive_);
 }
 
-}  // namespace
-
 Drive readDrive(const fs::path& file) {
   static const json kSchema = json::parse(kDriveSchema);
   const json root = parseStrict(readWholeFile(file, uint64_t{1} << 28), file.string());
   const std::vector<std::string> mistakes = mistakesOf(root, kSchema);
   if (!mistakes.empty()) refuseAll(file, mistakes);
-  return Reader(file, root).read(file);
+  return DriveReader(file, root).read(file);
 }
 
 }  // namespace gnosphere::drive

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "town_drive.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
 #include "console.hpp"
+#include "drive/trajectory.hpp"
 #include "town/prop.hpp"
 #include "town/town.hpp"
 #include "town/vehicle.hpp"
@@ -84,6 +86,26 @@ Json person(size_t number, const Pose& pose, double time) {
           {"trajectory", {{"waypoints", {stamp(time - 1 - half, side), stamp(time - 1 + half, -side)}}}}};
 }
 
+/// Returns the way of a vehicle that steers: positions averaged over 1.6 s twice, so that corners become curves, and
+/// orientations along the way.
+std::vector<Pose> steered(std::vector<Pose> poses) {
+  constexpr size_t kAround = 8;
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<Pose> sharp = poses;
+    for (size_t i = 0; i < poses.size(); ++i) {
+      const size_t around = std::min({kAround, i, poses.size() - 1 - i});
+      Vec3 sum;
+      for (size_t k = i - around; k <= i + around; ++k) sum = sum + sharp[k].position;
+      poses[i].position = (1 / static_cast<double>(2 * around + 1)) * sum;
+    }
+  }
+  std::vector<drive::Trajectory::Stamp> stamps;
+  for (const Pose& pose : poses) stamps.push_back({0, pose});
+  drive::headAlong(stamps);
+  for (size_t i = 0; i < poses.size(); ++i) poses[i] = stamps[i].pose;
+  return poses;
+}
+
 void writeModel(const Mesh& mesh, const fs::path& file) {
   Scene scene;
   scene.materials = town::townMaterials();
@@ -114,7 +136,8 @@ void writeTum(const std::vector<Pose>& poses, const fs::path& file) {
   output.commit();
 }
 
-void writeTownDrive(const Scene& town, const fs::path& townFile, const std::vector<Pose>& poses, const fs::path& file) {
+void writeTownDrive(const Scene& town, const fs::path& townFile, const std::vector<Pose>& route, const fs::path& file) {
+  const std::vector<Pose> poses = steered(route);
   const std::vector<fs::path> files = townDriveFiles(file);
   const std::string trajectory = files[1].filename().string();
   Json numbers = Json::object(), actors = Json::array();

@@ -12,8 +12,9 @@ namespace gnosphere::cli {
 std::vector<std::filesystem::path> townDriveFiles(const std::filesystem::path& file);
 
 /// Writes an example drive through a town: cars ahead of and behind the vehicle, people who cross the road, and rain
-/// towards the end. `poses` are those of makeDrive().
-void writeTownDrive(const Scene& town, const std::filesystem::path& townFile, const std::vector<Pose>& poses,
+/// towards the end. `route` is that of makeDrive();
+/// the vehicle steers through its corners.
+void writeTownDrive(const Scene& town, const std::filesystem::path& townFile, const std::vector<Pose>& route,
                     const std::filesystem::path& file);
 
 /// Writes poses as lines of time, position and orientation in the format of the TUM benchmarks.
