@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames of a drive: what is in them, and that nothing but the drive file decides it.
+#include <algorithm>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
@@ -220,9 +221,11 @@ TEST_CASE("boxes fit the points of their actor in the frame of the scan, skewed 
       const auto q = car["sensor_frame"]["orientation"].get<std::array<double, 4>>();
       const Pose toBox = drive::inverse({{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}});
       uint64_t points = 0;
+      std::vector<float> times;
       for (const Row& row : rowsOf(folder.get("out/npy/" + scan + ".npy"))) {
         if (row.instance != car["object"]) continue;
         ++points;
+        times.push_back(row.time);
         const Vec3 inBox = drive::operator*(toBox, Vec3{row.x, row.y, row.z});
         // The sensor passes the car at up to 9 m/s; the beams that hit it are at most 0.02 s from their median.
         CHECK(std::abs(inBox.x) < 2 + 0.2);
@@ -230,6 +233,13 @@ TEST_CASE("boxes fit the points of their actor in the frame of the scan, skewed 
         CHECK(std::abs(inBox.z) < 0.75 + 0.2);
       }
       CHECK(car["points"] == points);
+      // The car is at x = 3 + 5 t, and the sensor at -2 + 4 t, or where the scan began if it is de-skewed.
+      std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
+      const double begin = 0.1 * (scan.back() - '0'), after = times[times.size() / 2];
+      CHECK_THAT(car["time"].get<double>(), WithinAbs(after, 1e-6));
+      const double carX = 3 + 5 * (begin + after);
+      CHECK_THAT(car["world_frame"]["position"][0].get<double>(), WithinAbs(carX, 1e-6));
+      CHECK_THAT(p[0], WithinAbs(carX - (-2 + 4 * (begin + (deskew ? 0 : after))), 1e-6));
       CHECK(car["moving"] == true);
       CHECK_THAT(car["velocity"][0].get<double>(), WithinAbs(5, 1e-6));
       CHECK(car["size"] == Json::array({4.0, 2.0, 1.5}));
