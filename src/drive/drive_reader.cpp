@@ -115,6 +115,13 @@ Trajectory DriveReader::trajectory(const json& object, const std::string& path) 
     options.speed = object.value("speed", 0.0);
     attempt(path + ".file", [&] { stamps = readTrajectory(file(object["file"]), format, options); });
     if (stamps.empty()) return {};
+    // Recordings may have a time twice; other disorder is a mistake.
+    const auto sameTime = [](const auto& a, const auto& b) { return a.time == b.time; };
+    const size_t count = stamps.size();
+    stamps.erase(std::unique(stamps.begin(), stamps.end(), sameTime), stamps.end());
+    if (stamps.size() < count)
+      drive_.warnings.push_back(path + ": " + std::to_string(count - stamps.size()) +
+                                " poses have the time of the pose before them and are left out");
   }
   const double from = object.value("from", -INFINITY), to = object.value("to", INFINITY);
   std::erase_if(stamps, [&](const auto& stamp) { return stamp.time < from || stamp.time > to; });

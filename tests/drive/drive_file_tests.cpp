@@ -194,6 +194,15 @@ TEST_CASE("times of trajectories are moved, cut and turned along the way as aske
   CHECK(cut.begin() == -1);
   checkPose(cut.at(0), {0, 2, 2}, {});
   checkPose(read({{"file", "ego.tum"}, {"heading", true}}).at(101), {0, 1, 0}, {0, 0, kHalf, kHalf});
+
+  put(folder / "twice.tum", "1 0 0 0 0 0 0 1\n2 5 0 0 0 0 0 1\n2 6 0 0 0 0 0 1\n3 7 0 0 0 0 0 1\n");
+  Json json = smallDrive();
+  json["ego"]["trajectory"] = {{"file", "twice.tum"}};
+  const drive::Drive twice = folder.read(json);
+  CHECK(twice.ego.stamps().size() == 3);
+  CHECK(twice.ego.at(2).position.x == 5);
+  REQUIRE(twice.warnings.size() == 1);
+  CHECK_THAT(twice.warnings[0], ContainsSubstring("ego.trajectory: 1 poses have the time of the pose before"));
 }
 
 TEST_CASE("every scan belongs to the frame that it starts in, whatever the rates") {
