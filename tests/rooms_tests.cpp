@@ -33,14 +33,17 @@ const std::map<std::string, Names> kRooms = {
     // These two stand on the public headers.
     {"c", {}},
     {"rgl", {"base"}},
+    {"drive", {"base", "effects/strict_json.hpp", "effects/trajectory.hpp", "output/cloud_bytes.hpp"}},
 };
 
 /// Files of src outside rooms. simulator.cpp is above all rooms and may include any of them.
 const Names kLoose = {"simulator.cpp", "third_party.cpp", "third_party_files.cpp"};
 
-/// Quoted includes that the build generates: compiled shaders, and the shaders translated to CUDA.
+/// Quoted includes that the build generates: compiled shaders, the shaders translated to CUDA, the schema of drive
+/// files.
 const std::map<std::string, std::regex> kGenerated = {{"vulkan", std::regex(R"([a-z0-9_]+\.spv\.h)")},
-                                                      {"cuda", std::regex(R"(glsl/[a-z0-9_/]+\.(h|comp))")}};
+                                                      {"cuda", std::regex(R"(glsl/[a-z0-9_/]+\.(h|comp))")},
+                                                      {"drive", std::regex(R"(drive_schema\.h)")}};
 
 struct Tree {
   Names sources, shaders;  // paths relative to src and to shaders

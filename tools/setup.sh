@@ -8,7 +8,7 @@ packages=(
   libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools spirv-headers mesa-vulkan-drivers
   vulkan-validationlayers
   libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libboost-dev libnanoflann-dev
-  libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libyaml-cpp-dev libpolyclipping-dev catch2
+  libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libyaml-cpp-dev libpolyclipping-dev libxxhash-dev catch2
 )
 # Needed for one contender of the bench, which is left out if this architecture lacks the package.
 optional=(libembree-dev)

@@ -43,12 +43,13 @@ inline std::string readWholeFile(const std::filesystem::path& file, uint64_t max
   return bytes;
 }
 
-/// An output file that appears only when it is complete: it is written as NAME.part, which commit() renames and the
-/// destructor removes. Every member throws Error(file) with the system's reason.
+/// An output file that appears only when it is complete: it is written as NAME.part, or as `part` if that is given,
+/// which commit() renames and the destructor removes. Every member throws Error(file) with the system's reason.
 class AtomicFile {
  public:
-  explicit AtomicFile(std::filesystem::path file) : file_(std::move(file)), part_(file_) {
-    part_ += ".part";
+  explicit AtomicFile(std::filesystem::path file, std::filesystem::path part = {})
+      : file_(std::move(file)), part_(std::move(part)) {
+    if (part_.empty()) (part_ = file_) += ".part";
     std::error_code ignored;
     if (std::filesystem::is_directory(file_, ignored)) refuse(EISDIR);
     stream_ = std::fopen(part_.c_str(), "wb");

@@ -2,8 +2,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <functional>
+#include <string_view>
 
 #include "base/file.hpp"
+#include "output/cloud_bytes.hpp"
 #include "output/cloud_format.hpp"
 #include "output/rows.hpp"
 #include "scan/fields.hpp"
@@ -33,10 +36,13 @@ void forBlocks(const Table& table, size_t blockRows, const EffectUse& use) {
   }
 }
 
+/// Takes the bytes of a file one part after the other.
+using Sink = std::function<void(std::string_view bytes)>;
+
 /// Writes the packed rows unchanged, which are little-endian.
-void writeBinary(AtomicFile& file, const Table& table) {
+void writeBinary(const Sink& write, const Table& table) {
   forBlocks(table, kBlockRows, [&](const std::byte* rows, size_t count) {
-    file.write(reinterpret_cast<const char*>(rows), count * table.layout.stride);
+    write({reinterpret_cast<const char*>(rows), count * table.layout.stride});
   });
 }
 
@@ -66,7 +72,7 @@ char* appendText(char* out, size_t room, ValueType type, const std::byte* at) {
 }
 
 /// Writes one line per row; every float is the shortest text that reads back to the same bits.
-void writeText(AtomicFile& file, const Table& table, char separator) {
+void writeText(const Sink& write, const Table& table, char separator) {
   constexpr size_t kWidest = 20;
   constexpr size_t kRows = kBlockRows / 16;
   std::string text(kRows * table.columns.size() * kWidest, '\0');
@@ -79,7 +85,7 @@ void writeText(AtomicFile& file, const Table& table, char separator) {
       }
       out[-1] = '\n';
     }
-    file.write(text.data(), static_cast<size_t>(out - text.data()));
+    write({text.data(), static_cast<size_t>(out - text.data())});
   });
 }
 
@@ -161,10 +167,8 @@ std::string csvHeader(const Table& table) {
   return header + "\n";
 }
 
-}  // namespace
-
-void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options) {
-  const CloudFormat format = cloudFormat(file);
+/// Returns what a file of this format has as rows and columns. Throws Error(invalidArgument) if the scan lacks a field.
+Table tableOf(const Scan& scan, CloudFormat format, const CloudOptions& options) {
   const bool kitti = format == CloudFormat::kitti;
   const bool several = scan.returns > 1;
   std::vector<Field> fields = options.fields;
@@ -179,23 +183,41 @@ void writeCloud(const Scan& scan, const std::filesystem::path& file, const Cloud
   Table table = {Rows(scan, options.compact || several || kitti), layoutOf(fields), columnsOf(fields)};
   // Without intensity the fourth value stays 0, because blocks are initialised with zeros.
   if (kitti) table.layout.stride = 4 * sizeof(float);
+  return table;
+}
 
-  AtomicFile out(file);
+void writeTable(const Table& table, CloudFormat format, bool ascii, const Sink& write) {
   switch (format) {
-    case CloudFormat::pcd: out.write(pcdHeader(table, options.ascii)); break;
-    case CloudFormat::ply: out.write(plyHeader(table, options.ascii)); break;
-    case CloudFormat::npy: out.write(npyHeader(table)); break;
-    case CloudFormat::csv: out.write(csvHeader(table)); break;
+    case CloudFormat::pcd: write(pcdHeader(table, ascii)); break;
+    case CloudFormat::ply: write(plyHeader(table, ascii)); break;
+    case CloudFormat::npy: write(npyHeader(table)); break;
+    case CloudFormat::csv: write(csvHeader(table)); break;
     case CloudFormat::kitti: break;
   }
   if (format == CloudFormat::csv) {
-    writeText(out, table, ',');
-  } else if (options.ascii && (format == CloudFormat::pcd || format == CloudFormat::ply)) {
-    writeText(out, table, ' ');
+    writeText(write, table, ',');
+  } else if (ascii && (format == CloudFormat::pcd || format == CloudFormat::ply)) {
+    writeText(write, table, ' ');
   } else {
-    writeBinary(out, table);
+    writeBinary(write, table);
   }
+}
+
+}  // namespace
+
+void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options) {
+  const CloudFormat format = cloudFormat(file);
+  const Table table = tableOf(scan, format, options);
+  AtomicFile out(file);
+  writeTable(table, format, options.ascii, [&](std::string_view bytes) { out.write(bytes.data(), bytes.size()); });
   out.commit();
+}
+
+std::string cloudBytes(const Scan& scan, const std::string& ending, const CloudOptions& options) {
+  const CloudFormat format = cloudFormat("cloud." + ending);
+  std::string result;
+  writeTable(tableOf(scan, format, options), format, options.ascii, [&](std::string_view bytes) { result += bytes; });
+  return result;
 }
 
 }  // namespace gnosphere

@@ -18,5 +18,6 @@ Action addDevices(CLI::App& app);
 Action addSensors(CLI::App& app);
 Action addEffects(CLI::App& app);
 Action addTown(CLI::App& app);
+Action addDrive(CLI::App& app);
 
 }  // namespace gnosphere::cli

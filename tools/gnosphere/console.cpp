@@ -79,12 +79,27 @@ Progress::~Progress() {
   if (shown_) std::fprintf(stderr, "\r\x1b[K");
 }
 
-void Progress::step(uint64_t done) {
+namespace {
+
+std::string timeText(double seconds) {
+  const auto whole = static_cast<uint64_t>(seconds + 0.5);
+  const unsigned long long hours = whole / 3600, minutes = whole / 60 % 60, rest = whole % 60;
+  return hours > 0 ? formatted("%llu:%02llu:%02llu", hours, minutes, rest) : formatted("%llu:%02llu", minutes, rest);
+}
+
+}  // namespace
+
+void Progress::step(uint64_t done, uint64_t total) {
   const double now = nowMs();
-  if (!terminal_ || now - startMs_ < 1000 || now - lastMs_ < 100) return;
+  if (!terminal_ || now - startMs_ < 1000 || now - lastMs_ < 100 || done == 0 || done > total) return;
   lastMs_ = now;
   shown_ = true;
-  std::fprintf(stderr, "\r\x1b[K%s %s of %s", what_, grouped(done).c_str(), grouped(total_).c_str());
+  constexpr uint64_t kCells = 24;
+  const uint64_t full = kCells * done / total;
+  const double left = (now - startMs_) / 1000 * static_cast<double>(total - done) / static_cast<double>(done);
+  std::fprintf(stderr, "\r\x1b[K[%s%s] %s %s of %s, %s left", std::string(full, '#').c_str(),
+               std::string(kCells - full, ' ').c_str(), what_, grouped(done).c_str(), grouped(total).c_str(),
+               timeText(left).c_str());
 }
 
 std::function<void(const char*, uint64_t, uint64_t)> stepProgress() {

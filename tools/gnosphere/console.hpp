@@ -22,13 +22,14 @@ std::string fileSize(const std::filesystem::path& file);
 /// Prints a line of a summary, with the label in its own column.
 void say(const char* label, const std::string& text);
 
-/// Shows "step 12 of 400" on one line of the terminal once the work has taken more than a second; prints nothing to a
-/// pipe.
+/// Shows a bar, "step 12 of 400" and the time left on one line of the terminal once the work has taken more than a
+/// second; prints nothing to a pipe.
 class Progress {
  public:
   Progress(const char* what, uint64_t total);
   ~Progress();
-  void step(uint64_t done);
+  void step(uint64_t done) { step(done, total_); }
+  void step(uint64_t done, uint64_t total);
 
  private:
   const char* what_;

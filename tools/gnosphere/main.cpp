@@ -39,8 +39,8 @@ int run(const std::vector<Command>& commands) {
     return 1;
   }
   cli::complain(
-      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects or town (see gnosphere "
-      "--help)");
+      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, town or drive (see "
+      "gnosphere --help)");
   return 2;
 }
 
@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
       addCommand(app, "sensors", "List the built-in sensors, or print one as JSON", cli::addSensors),
       addCommand(app, "effects", "List every effect and its parameters, or print a preset as JSON", cli::addEffects),
       addCommand(app, "town", "Write a synthetic town", cli::addTown),
+      addCommand(app, "drive", "Make the data set that a drive file describes", cli::addDrive),
   };
   cli::rememberCommand(argc, argv);
   try {

@@ -6,6 +6,7 @@
 #include "base/file.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "drive/trajectory.hpp"
 #include "effect_options.hpp"
 #include "max_error.hpp"
 #include "output/cloud_format.hpp"
@@ -137,7 +138,7 @@ void check(const ScanOptions& options) {
 int runScan(const ScanOptions& options) {
   check(options);
   std::vector<SensorMotion::Stamp> trajectory;
-  if (!options.trajectory.empty()) trajectory = loadStampedTrajectory(options.trajectory);
+  if (!options.trajectory.empty()) trajectory = drive::readTum(options.trajectory);
   const Effects effects = effectsOf(options);
   const MaterialTable materials = materialsOf(options);
   const CloudOptions cloud = checkOutputs(options, std::max<size_t>(1, trajectory.size()));

@@ -2,7 +2,6 @@
 #include "scanning.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -10,6 +9,8 @@
 
 #include "base/file.hpp"
 #include "console.hpp"
+#include "drive/number_list.hpp"
+#include "drive/trajectory.hpp"
 
 namespace gnosphere::cli {
 
@@ -25,32 +26,6 @@ const std::map<std::string, ReflectingFaces> kFaces = {
 const std::map<std::string, Binning> kBinnings = {
     {"auto", Binning::automatic}, {"nearest", Binning::nearest}, {"lists", Binning::lists}, {"slabs", Binning::slabs}};
 const std::map<std::string, UpAxis> kUpAxes = {{"", UpAxis::formatDefault}, {"y", UpAxis::y}, {"z", UpAxis::z}};
-
-/// Parses finite numbers separated by `separator` (spaces around it are allowed); empty if the text is anything else.
-std::vector<double> parseNumbers(std::string_view text, char separator) {
-  std::vector<double> numbers;
-  const char* at = text.data();
-  const char* end = at + text.size();
-  const auto isBlank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (at <= end) {
-    while (at < end && (isBlank(*at) || *at == '+')) ++at;
-    double value = 0;
-    const auto result = std::from_chars(at, end, value);
-    if (result.ec != std::errc() || !std::isfinite(value)) return {};
-    numbers.push_back(value);
-    at = result.ptr;
-    while (at < end && isBlank(*at)) ++at;
-    if (at == end) break;
-    const bool separated = separator == ' ' ? at > result.ptr : *at == separator;
-    if (!separated) return {};
-    if (separator != ' ') ++at;
-  }
-  return numbers;
-}
-
-/// Tolerance on a quaternion's length, because files have few digits; a larger deviation means that it is no unit
-/// quaternion.
-constexpr double kUnitTolerance = 0.01;
 
 Pose parsePose(const std::string& text) {
   const std::vector<double> numbers = parseNumbers(text, ',');
@@ -161,34 +136,9 @@ std::vector<Pose> posesAround(const Pose& around, size_t count) {
   return poses;
 }
 
-std::vector<SensorMotion::Stamp> loadStampedTrajectory(const std::filesystem::path& file) {
-  const std::string text = readWholeFile(file, uint64_t{1} << 30);
-  std::vector<SensorMotion::Stamp> stamps;
-  size_t number = 0;
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = std::min(text.find('\n', at), text.size());
-    const std::string_view line(text.data() + at, end - at);
-    at = end + 1;
-    ++number;
-    const size_t first = line.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos || line[first] == '#') continue;
-    const auto refuse = [&](const char* why) {
-      throw Error(ErrorCode::format, file.string() + ": line " + std::to_string(number) + " " + why);
-    };
-    const std::vector<double> v = parseNumbers(line, ' ');
-    if (v.size() < 8) refuse("is not t x y z qx qy qz qw, eight finite numbers with spaces between");
-    if (v.size() == 12) refuse("has 12 numbers, as KITTI's matrices do; t x y z qx qy qz qw is wanted");
-    const double norm = std::hypot(std::hypot(v[4], v[5]), std::hypot(v[6], v[7]));
-    if (!(std::abs(norm - 1) < kUnitTolerance)) refuse("has a quaternion whose length is not 1");
-    stamps.push_back({v[0], {{v[1], v[2], v[3]}, {v[4] / norm, v[5] / norm, v[6] / norm, v[7] / norm}}});
-  }
-  if (stamps.empty()) throw Error(ErrorCode::format, file.string() + ": has no pose");
-  return stamps;
-}
-
 std::vector<Pose> loadTrajectory(const std::filesystem::path& file) {
   std::vector<Pose> poses;
-  for (const SensorMotion::Stamp& stamp : loadStampedTrajectory(file)) poses.push_back(stamp.pose);
+  for (const SensorMotion::Stamp& stamp : drive::readTum(file)) poses.push_back(stamp.pose);
   return poses;
 }
 

@@ -54,9 +54,7 @@ Pose poseOf(const ScanningOptions& options, const Scene& scene);
 /// Returns `count` poses: `around` itself, then random ones up to 10 m beside it, rotated about the vertical axis.
 std::vector<Pose> posesAround(const Pose& around, size_t count);
 
-/// Reads lines `t x y z qx qy qz qw` (TUM); # begins a comment, further numbers on a line are ignored. Throws
-/// Error(format) that names the first invalid line, or Error(file) if the file cannot be read.
-std::vector<SensorMotion::Stamp> loadStampedTrajectory(const std::filesystem::path& file);
+/// The poses of a TUM file, see drive::readTum().
 std::vector<Pose> loadTrajectory(const std::filesystem::path& file);
 
 /// Checks output files before the work: throws if one cannot be written, is the scene itself or occurs twice.

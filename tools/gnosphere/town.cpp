@@ -6,6 +6,7 @@
 #include "base/file.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "town_drive.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -13,21 +14,8 @@ namespace {
 struct TownCall {
   TownOptions options;
   bool baked = false;
-  std::string file, xodr, drive;
+  std::string file, xodr, drive, example;
 };
-
-/// Writes lines of time, position and orientation in the format of the TUM benchmarks.
-void writeTum(const std::vector<Pose>& poses, const std::filesystem::path& file) {
-  AtomicFile output(file);
-  output.write("# t x y z qx qy qz qw\n");
-  for (size_t i = 0; i < poses.size(); ++i) {
-    const Vec3& p = poses[i].position;
-    const Quaternion& q = poses[i].orientation;
-    output.write(formatted("%.1f %.6f %.6f %.6f %.9f %.9f %.9f %.9f\n", kDriveInterval * static_cast<double>(i), p.x,
-                           p.y, p.z, q.x, q.y, q.z, q.w));
-  }
-  output.commit();
-}
 
 int runTown(const TownCall& call) {
   const std::filesystem::path file = call.file;
@@ -38,17 +26,27 @@ int runTown(const TownCall& call) {
     throw Error(ErrorCode::invalidArgument,
                 "--trajectory: " + call.drive + " is the --output file, too; use different names");
   }
+  if (!call.example.empty() && std::filesystem::path(call.example).extension() != ".json")
+    throw Error(ErrorCode::invalidArgument, "--drive: " + call.example + ": the name must end in .json");
   checkWritable(file);  // fails before the work, not after it
+  if (!call.example.empty())
+    for (const std::filesystem::path& part : townDriveFiles(call.example)) {
+      if (part == file || part == call.drive)
+        throw Error(ErrorCode::invalidArgument, "--drive would write " + part.string() + ", too; use different names");
+      checkWritable(part);
+    }
   if (!call.drive.empty()) checkWritable(call.drive);
   const std::vector<Pose> drive = makeDrive(call.options);
   Scene town = makeTown(call.options);
   if (call.baked) town = bake(town);
   writeGlb(town, file);
   if (!call.drive.empty()) writeTum(drive, call.drive);
+  if (!call.example.empty()) writeTownDrive(town, file, drive, call.example);
   say("town", grouped(town.placedTriangleCount()) + " triangles (" + grouped(town.uniqueTriangleCount()) +
                   " unique) in " + grouped(town.instances.size()) + " instances of " + grouped(town.meshes.size()) +
                   " meshes, seed " + std::to_string(call.options.seed));
   say("wrote", file.string() + ", " + fileSize(file));
+  if (!call.example.empty()) say("example", call.example + ", for gnosphere drive");
   const Vec3& start = drive.front().position;
   const std::string pose = formatted("%.2f,%.2f,%.2f", start.x, start.y, start.z);
   if (!call.drive.empty()) {
@@ -72,6 +70,9 @@ Action addTown(CLI::App& app) {
   app.add_flag("--bake", call->baked, "Write unique geometry in tiles of 64 m instead of instances");
   app.add_option("--trajectory", call->drive,
                  "Write a drive of 400 poses through the town to a TUM file: t x y z qx qy qz qw");
+  app.add_option("--drive", call->example,
+                 "Write an example drive through the town, for gnosphere drive: a .json file, and beside it its "
+                 "trajectory and models");
   app.footer("Example: gnosphere town --triangles 1000000 -o town.glb");
   return [call] {
     call->options.xodr = call->xodr;

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "drive/pose_math.hpp"
+#include "drive/record.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+/// Where a ray enters the box of this size around the origin; infinity if it passes by or the box lies behind.
+double entryRange(const Vec3& from, const Vec3& along, const Vec3& size) {
+  double near = 0, far = INFINITY;
+  const double origins[] = {from.x, from.y, from.z}, steps[] = {along.x, along.y, along.z},
+               halves[] = {size.x / 2, size.y / 2, size.z / 2};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (steps[axis] == 0) {
+      if (std::abs(origins[axis]) > halves[axis]) return INFINITY;
+      continue;
+    }
+    const double a = (-halves[axis] - origins[axis]) / steps[axis], b = (halves[axis] - origins[axis]) / steps[axis];
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  }
+  return near <= far ? near : INFINITY;
+}
+
+double median(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+const BoxFinder::Beams& BoxFinder::beamsOf(const PlannedScan& planned) {
+  const Sensor& sensor = drive_.sensors[planned.sensor].sensor;
+  const uint64_t pattern = sensor.isGrid() ? 0 : planned.number % sensor.patterns.size();
+  const auto [entry, isNew] = beams_.try_emplace({planned.sensor, pattern});
+  Beams& beams = entry->second;
+  if (!isNew) return beams;
+  const BeamList list = gnosphere::beamsOf(sensor, pattern);
+  for (const Vec3& direction : list.directions) {
+    beams.x.push_back(static_cast<float>(direction.x));
+    beams.y.push_back(static_cast<float>(direction.y));
+    beams.z.push_back(static_cast<float>(direction.z));
+  }
+  beams.origins = list.origins;
+  return beams;
+}
+
+double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, const Vec3& size, uint32_t object) {
+  constexpr double kMargin = 0.1;  // metres before the box that still count as the actor's own
+  const Beams& beams = beamsOf(recorded.planned);
+  const Vec3 centre = seen.position;
+  const double radius = std::sqrt(dot(size, size)) / 2, distance = std::sqrt(dot(centre, centre));
+  double reach = radius;  // beams leave from within this distance of the sensor's origin
+  for (const Vec3& origin : beams.origins) reach = std::max(reach, radius + std::sqrt(dot(origin, origin)));
+  // A beam meets the ball around the box if its angle to the centre is small enough.
+  const float least =
+      distance > reach ? static_cast<float>(std::sqrt(distance * distance - reach * reach) - 1e-3) : -INFINITY;
+  const auto x = static_cast<float>(centre.x), y = static_cast<float>(centre.y), z = static_cast<float>(centre.z);
+  const Pose toBox = inverse(seen);
+  const size_t returns = recorded.scan.returns;
+  uint64_t through = 0, stopped = 0;
+  for (size_t beam = 0; beam < beams.x.size(); ++beam) {
+    if (x * beams.x[beam] + y * beams.y[beam] + z * beams.z[beam] < least) continue;
+    const Vec3 along = toBox.orientation * Vec3{beams.x[beam], beams.y[beam], beams.z[beam]};
+    const Vec3 from = beams.origins.empty() ? toBox.position : toBox * beams.origins[beam];
+    const double entry = entryRange(from, along, size);
+    if (!(entry < INFINITY)) continue;
+    ++through;
+    const size_t first = beam * returns;
+    if (recorded.scan.ranges[first] < entry - kMargin && recorded.scan.instances[first] != object) ++stopped;
+  }
+  return through == 0 ? 1 : 1 - static_cast<double>(stopped) / static_cast<double>(through);
+}
+
+std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
+  const Scan& scan = recorded.scan;
+  const PlannedScan& planned = recorded.planned;
+  std::vector<std::vector<float>> times(drive_.actors.size());
+  const uint32_t firstActor = drive_.actors.empty() ? kNoTriangle : world_.objectOfActor(0);
+  std::vector<size_t> actors(world_.scene().instances.size());
+  for (size_t a = 0; a < drive_.actors.size(); ++a) actors[world_.objectOfActor(a)] = a;
+  const bool timed = recorded.duration > 0;
+  const ColumnView<float> seconds = timed ? scan.column<float>(Field::time) : ColumnView<float>();
+  for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
+    const uint32_t object = scan.instances[entry];
+    if (object >= firstActor && object != kNoTriangle) times[actors[object]].push_back(timed ? seconds[entry] : 0);
+  }
+  std::vector<Box> boxes;
+  for (size_t a = 0; a < times.size(); ++a) {
+    if (times[a].empty()) continue;
+    const Bounds& bounds = world_.boundsOf(a);
+    Box box;
+    box.actor = a;
+    box.points = times[a].size();
+    const double seenAt = planned.time + median(times[a]);
+    box.time = recorded.actorsMove ? seenAt : planned.time;
+    box.size = bounds.max - bounds.min;
+    // An actor that goes during the scan is there until the scan ends.
+    const Pose actor = world_.poseOf(a, box.time).value_or(drive_.actors[a].trajectory.at(box.time));
+    box.inWorld = actor * Pose{0.5 * (bounds.min + bounds.max), {}};
+    const Pose seen =
+        inverse(recorded.sensorMoves ? drive_.sensorPose(planned.sensor, seenAt) : recorded.pose) * box.inWorld;
+    box.inSensor = recorded.deskewed ? inverse(recorded.pose) * box.inWorld : seen;
+    box.velocity = world_.velocityOf(a, box.time);
+    box.moving = world_.isMoving(a, box.time);
+    box.visibility = visibility(recorded, seen, box.size, world_.objectOfActor(a));
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+}  // namespace gnosphere::drive

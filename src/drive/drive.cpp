@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "drive/fingerprint.hpp"
+#include "drive/hash.hpp"
+#include "drive/pose_math.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+void add(Hasher& hasher, const Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) {
+    hasher.add(&mesh.origin, sizeof(mesh.origin));
+    hasher.add(mesh.positions);
+    hasher.add(mesh.indices);
+    hasher.add(mesh.uvs);
+    hasher.add(mesh.parts);
+  }
+  for (const Material& material : scene.materials) {
+    hasher.add(material.name);
+    hasher.add(material.baseColor.data(), sizeof(material.baseColor));
+    const float numbers[] = {material.metallic,
+                             material.roughness,
+                             material.transmission,
+                             material.alphaCutoff,
+                             material.retro,
+                             material.doubleSided ? 1.0f : 0.0f,
+                             static_cast<float>(material.alphaMode)};
+    hasher.add(numbers, sizeof(numbers));
+    hasher.add(&material.alphaImage, sizeof(material.alphaImage));
+  }
+  for (const AlphaImage& image : scene.alphaImages) hasher.add(image.alpha);
+  for (const Instance& instance : scene.instances) {
+    hasher.add(instance.name);
+    hasher.add(&instance.mesh, sizeof(instance.mesh));
+    hasher.add(instance.transform.rows.data(), sizeof(instance.transform.rows));
+    hasher.add(&instance.classId, sizeof(instance.classId));
+  }
+}
+
+}  // namespace
+
+std::string fingerprintOf(const Drive& drive, std::string_view driveFile) {
+  Hasher hasher;
+  hasher.add(driveFile);
+  hasher.add(drive.name);
+  for (const Scene& scene : drive.scenes) add(hasher, scene);
+  for (const Scene& model : drive.models) add(hasher, model);
+  hasher.add(drive.ego.stamps());
+  for (const Actor& actor : drive.actors) hasher.add(actor.trajectory.stamps());
+  for (const RigSensor& sensor : drive.sensors) {
+    hasher.add(toJson(sensor.sensor));
+    hasher.add(toJson(sensor.effects));
+  }
+  return hasher.hex();
+}
+
+uint64_t Drive::frameCount() const {
+  return static_cast<uint64_t>(std::ceil(duration * rate - 1e-6));
+}
+
+Pose Drive::poseOn(const Pose& ego, const Pose& mount) {
+  return ego * mount;
+}
+
+std::optional<Weather> Drive::weatherAt(double time) const {
+  if (weather.empty()) return {};
+  const auto later = [](double t, const WeatherStamp& stamp) { return t < stamp.time; };
+  const auto next = std::upper_bound(weather.begin(), weather.end(), time - start, later);
+  const WeatherStamp& b = next == weather.end() ? weather.back() : *next;
+  const WeatherStamp& a = next == weather.begin() ? b : *(next - 1);
+  const double share = b.time > a.time ? std::clamp((time - start - a.time) / (b.time - a.time), 0.0, 1.0) : 0;
+  const auto between = [&](double WeatherStamp::*value) { return a.*value + share * (b.*value - a.*value); };
+  const double fog = between(&WeatherStamp::fog);
+  Weather result;
+  result.visibility = fog > 0 ? 1 / fog : 0;
+  result.rainRate = between(&WeatherStamp::rain);
+  result.snowRate = between(&WeatherStamp::snow);
+  return result;
+}
+
+}  // namespace gnosphere::drive

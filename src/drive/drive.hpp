@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// A drive: what a drive file says, with every file that it names read.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drive/trajectory.hpp"
+#include "gnosphere/gnosphere.hpp"
+
+namespace gnosphere::drive {
+
+struct Class {
+  std::string name;
+  uint16_t id = 0;
+  uint16_t movingId = 0;  ///< in SemanticKITTI labels of an actor that moves
+};
+
+struct Actor {
+  std::string name;
+  size_t model = 0;          ///< index into Drive::models
+  size_t category = 0;       ///< index into Drive::classes
+  std::optional<Vec3> size;  ///< length, width and height that the model is scaled to
+  Trajectory trajectory;
+  bool goneOutside = false;  ///< whether it is absent, rather than still, outside the trajectory's time
+};
+
+/// A sensor on the vehicle.
+struct RigSensor {
+  std::string name;
+  Sensor sensor;
+  Effects effects;
+  Pose mount;         ///< in the vehicle's frame
+  double rate = 10;   ///< scans a second
+  double offset = 0;  ///< seconds after the start of the drive at which scan 0 starts
+};
+
+struct WeatherStamp {
+  double time = 0;            ///< seconds after the start of the drive
+  double fog = 0;             ///< 1/m, the inverse of the visibility
+  double rain = 0, snow = 0;  ///< mm/h
+};
+
+struct Output {
+  std::string format, folder;
+  std::vector<size_t> sensors;  ///< indices into Drive::sensors
+  std::vector<Field> fields;
+  uint64_t keyframes = 5;
+};
+
+struct Drive {
+  std::string name;
+  double rate = 10, start = 0, duration = 0, epoch = 0;
+  Accuracy accuracy = Accuracy::standard;
+  std::vector<Class> classes;
+  std::vector<Scene> scenes;  ///< placed in the world; their instances have their classes
+  std::vector<Scene> models;  ///< in the actor's frame
+  std::vector<Actor> actors;
+  Trajectory ego;
+  std::vector<RigSensor> sensors;
+  std::vector<WeatherStamp> weather;
+  std::vector<Output> outputs;
+  std::vector<std::string> warnings;  ///< what a user may want to know and is no mistake
+  std::string fingerprint;            ///< hash of the drive file and of everything that was read for it
+
+  uint64_t frameCount() const;
+  /// The pose of a sensor at a time of the trajectories' clock.
+  Pose sensorPose(size_t sensor, double time) const { return poseOn(ego.at(time), sensors[sensor].mount); }
+  /// The weather at a time of the trajectories' clock; none if the drive has no weather.
+  std::optional<Weather> weatherAt(double time) const;
+
+ private:
+  static Pose poseOn(const Pose& ego, const Pose& mount);
+};
+
+/// Reads a drive file and the files that it names. Throws Error(format) that lists the mistakes with their JSON paths,
+/// or Error(file).
+Drive readDrive(const std::filesystem::path& file);
+
+}  // namespace gnosphere::drive

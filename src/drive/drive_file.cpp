@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// JSON -> Drive. The schema decides what the words are and which values they take; what it cannot say is checked here:
+// names that refer to something, and the files.
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+
+#include "base/file.hpp"
+#include "drive/drive_reader.hpp"
+#include "drive/fingerprint.hpp"
+#include "drive/schema_check.hpp"
+#include "drive_schema.h"
+
+namespace gnosphere::drive {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* kDefaultFields = "x,y,z,intensity,ring,time,class,instance,true_range";
+
+/// All mistakes in one line.
+[[noreturn]] void refuseAll(const fs::path& file, const std::vector<std::string>& mistakes) {
+  constexpr size_t kShown = 8;
+  std::string text = file.string() + ": ";
+  for (size_t i = 0; i < std::min(kShown, mistakes.size()); ++i) text += (i ? "; " : "") + mistakes[i];
+  if (mistakes.size() > kShown) text += "; and " + std::to_string(mistakes.size() - kShown) + " more mistakes";
+  throw Error(ErrorCode::format, text);
+}
+
+}  // namespace
+
+void DriveReader::classes() {
+  for (const auto& [name, object] : memberOf(root_, "classes").items()) {
+    const uint16_t id = object["id"].get<uint16_t>();
+    drive_.classes.push_back({name, id, object.value("moving_id", id)});
+    classNames_.push_back(name);
+  }
+}
+
+/// Gives each instance the class of the longest pattern that its name matches.
+void DriveReader::classifyInstances(const json& object, const std::string& path, Scene& scene) {
+  const auto idOf = [&](const json& name, const std::string& at) {
+    const size_t found = find(classNames_, name, at);
+    return found < drive_.classes.size() ? drive_.classes[found].id : uint16_t{0};
+  };
+  if (object.contains("class"))
+    for (Instance& instance : scene.instances) instance.classId = idOf(object["class"], path + ".class");
+  std::vector<size_t> lengths(scene.instances.size());
+  for (const auto& [pattern, name] : memberOf(object, "instances").items()) {
+    const uint16_t id = idOf(name, memberPath(path + ".instances", pattern));
+    bool matches = false;
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+      if (fnmatch(pattern.c_str(), scene.instances[i].name.c_str(), 0) != 0) continue;
+      matches = true;
+      if (pattern.size() < lengths[i]) continue;
+      lengths[i] = pattern.size();
+      scene.instances[i].classId = id;
+    }
+    if (!matches) drive_.warnings.push_back(path + ".instances: '" + pattern + "' matches no instance");
+  }
+}
+
+void DriveReader::scenes() {
+  for (size_t i = 0; i < root_["scenes"].size(); ++i) {
+    const std::string path = entryPath("scenes", i);
+    Scene scene = this->scene(root_["scenes"][i], path);
+    classifyInstances(root_["scenes"][i], path, scene);
+    drive_.scenes.push_back(std::move(scene));
+  }
+}
+
+void DriveReader::models() {
+  for (const auto& [name, object] : memberOf(root_, "models").items()) {
+    modelNames_.push_back(name);
+    drive_.models.push_back(scene(object, memberPath("models", name)));
+    if (drive_.models.back().instances.empty() && mistakes_.empty())
+      refuse(memberPath("models", name), "has no triangles");
+  }
+}
+
+void DriveReader::actors() {
+  std::set<std::string> names;
+  const json& list = memberOf(root_, "actors");
+  for (size_t i = 0; i < list.size(); ++i) {
+    const std::string path = entryPath("actors", i);
+    Actor actor;
+    actor.name = list[i]["name"].get<std::string>();
+    if (!names.insert(actor.name).second) refuse(path + ".name", inQuotes(actor.name) + " is there twice");
+    actor.model = find(modelNames_, list[i]["model"], path + ".model");
+    actor.category = find(classNames_, list[i]["class"], path + ".class");
+    if (list[i].contains("size")) actor.size = vectorOf(list[i]["size"]);
+    actor.trajectory = trajectory(list[i]["trajectory"], path + ".trajectory");
+    actor.goneOutside = list[i].value("outside", "hold") == "gone";
+    drive_.actors.push_back(std::move(actor));
+  }
+}
+
+void DriveReader::sensors() {
+  std::set<std::string> names;
+  for (size_t i = 0; i < root_["sensors"].size(); ++i) {
+    const json& object = root_["sensors"][i];
+    const std::string path = entryPath("sensors", i);
+    RigSensor rigged;
+    rigged.name = object["name"].get<std::string>();
+    const auto isPlain = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
+    if (!std::all_of(rigged.name.begin(), rigged.name.end(), isPlain))
+      refuse(path + ".name", "must have letters, digits, _ and - only, is " + shown(object["name"]));
+    if (!names.insert(rigged.name).second) refuse(path + ".name", inQuotes(rigged.name) + " is there twice");
+    rigged.sensor = sensor(object["sensor"], path + ".sensor");
+    rigged.effects = effects(memberOf(object, "effects"), path + ".effects");
+    rigged.mount = pose(memberOf(object, "mount"), path + ".mount");
+    const double period = rigged.sensor.rotationPeriod;
+    rigged.rate = object.value("rate", period * drive_.rate > 1 ? 1 / period : drive_.rate);
+    rigged.offset = object.value("offset", 0.0);
+    if (rigged.rate * period > 1 + 1e-9)
+      refuse(path + ".rate", "is " + shown(object["rate"]) + " scans a second, but the sensor takes " +
+                                 std::to_string(period) + " s for one");
+    drive_.sensors.push_back(std::move(rigged));
+  }
+}
+
+void DriveReader::times() {
+  drive_.rate = root_.value("rate", 10.0);
+  drive_.epoch = root_.value("epoch", 0.0);
+  drive_.ego = trajectory(root_["ego"]["trajectory"], "ego.trajectory");
+  drive_.start = root_.value("start", drive_.ego.begin());
+  drive_.duration = root_.value("duration", drive_.ego.end() - drive_.start);
+  if (!(drive_.duration > 0) && mistakes_.empty())
+    refuse("duration", "is missing, and the ego's trajectory ends at the start of the drive");
+  if (drive_.duration * drive_.rate > 1e9) refuse("duration", "would have more than a thousand million frames");
+}
+
+void DriveReader::weather() {
+  const json& list = memberOf(root_, "weather");
+  for (size_t i = 0; i < list.size(); ++i) {
+    WeatherStamp stamp;
+    stamp.time = list[i]["time"].get<double>();
+    stamp.fog = list[i].contains("visibility") ? 1 / list[i]["visibility"].get<double>() : 0;
+    stamp.rain = list[i].value("rain", 0.0);
+    stamp.snow = list[i].value("snow", 0.0);
+    if (i > 0 && stamp.time < drive_.weather.back().time)
+      refuse(entryPath("weather", i) + ".time", "comes before the entry in front of it");
+    drive_.weather.push_back(stamp);
+  }
+}
+
+void DriveReader::outputs() {
+  std::vector<std::string> names;
+  for (const RigSensor& sensor : drive_.sensors) names.push_back(sensor.name);
+  std::set<std::string> folders;
+  for (size_t i = 0; i < root_["outputs"].size(); ++i) {
+    const json& object = root_["outputs"][i];
+    const std::string path = entryPath("outputs", i);
+    Output output;
+    output.format = object["format"].get<std::string>();
+    output.folder = object.value("folder", output.format);
+    const bool kitti = output.format.find("kitti") != std::string::npos;
+    const bool rows = output.format == "pcd" || output.format == "npy";
+    const fs::path folder = fs::path(output.folder).lexically_normal();
+    if (folder.is_absolute() || *folder.begin() == ".." || *folder.begin() == "." || *folder.begin() == "manifest")
+      refuse(path + ".folder", "must be a folder in the output folder, other than manifest");
+    if (!folders.insert(folder.generic_string()).second) refuse(path + ".folder", "another output writes there, too");
+    const json& listed = memberOf(object, "sensors");
+    for (size_t s = 0; s < listed.size(); ++s)
+      output.sensors.push_back(find(names, listed[s], entryPath(path + ".sensors", s)));
+    if (listed.is_null())
+      for (size_t s = 0; s < (kitti ? 1 : names.size()); ++s) output.sensors.push_back(s);
+    if (kitti && output.sensors.size() > 1) refuse(path + ".sensors", "KITTI has one lidar; name one sensor");
+    if (object.contains("fields") && !rows) refuse(path + ".fields", "is only for pcd and npy");
+    if (rows) attempt(path + ".fields", [&] { output.fields = parseFields(object.value("fields", kDefaultFields)); });
+    if (object.contains("keyframes") && output.format != "nuscenes")
+      refuse(path + ".keyframes", "is only for nuscenes");
+    output.keyframes = object.value("keyframes", uint64_t{5});
+    drive_.outputs.push_back(std::move(output));
+  }
+}
+
+Drive DriveReader::read(const fs::path& file) {
+  drive_.accuracy = std::map<std::string, Accuracy>{
+      {"paper", Accuracy::paper},
+      {"draft", Accuracy::draft},
+      {"standard", Accuracy::standard},
+      {"exact",
+       Accuracy::exact}}.at(root_.value("accuracy", "standard"));
+  classes();
+  times();
+  sensors();
+  weather();
+  outputs();
+  scenes();
+  models();
+  actors();
+  if (!mistakes_.empty()) refuseAll(file, mistakes_);
+  drive_.fingerprint = fingerprintOf(drive_, root_.dump());
+  return std::move(drive_);
+}
+
+Drive readDrive(const fs::path& file) {
+  static const json kSchema = json::parse(kDriveSchema);
+  const json root = parseStrict(readWholeFile(file, uint64_t{1} << 28), file.string());
+  const std::vector<std::string> mistakes = mistakesOf(root, kSchema);
+  if (!mistakes.empty()) refuseAll(file, mistakes);
+  return DriveReader(file, root).read(file);
+}
+
+}  // namespace gnosphere::drive

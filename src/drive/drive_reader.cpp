@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// The values of a drive file that occur in several places: poses, scenes, trajectories, sensors, effects.
+#include "drive/drive_reader.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "drive/pose_math.hpp"
+#include "drive/schema_check.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Takes what a built-in name stands for, or else a file.
+template <typename T>
+T namedOrFile(const std::string& name, const fs::path& file, T (*named)(const std::string&),
+              T (*load)(const fs::path&)) {
+  try {
+    return named(name);
+  } catch (const Error& unknown) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored))
+      throw Error(unknown.code(), std::string(unknown.what()) + "; or give a file");
+  }
+  return load(file);
+}
+
+}  // namespace
+
+Vec3 vectorOf(const json& list) {
+  return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
+}
+
+const json& memberOf(const json& object, const char* name) {
+  static const json kNothing;
+  const auto found = object.find(name);
+  return found == object.end() ? kNothing : *found;
+}
+
+Quaternion DriveReader::orientation(const json& list, const std::string& path) {
+  const Quaternion q = {list[0].get<double>(), list[1].get<double>(), list[2].get<double>(), list[3].get<double>()};
+  const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  if (std::abs(length - 1) < 0.01) return normalized(q);
+  refuse(path, "must be a quaternion qx, qy, qz, qw of length 1, is " + shown(list));
+  return {};
+}
+
+Pose DriveReader::pose(const json& object, const std::string& path) {
+  Pose pose;
+  if (object.is_null()) return pose;
+  if (object.contains("position")) pose.position = vectorOf(object["position"]);
+  if (object.contains("orientation")) pose.orientation = orientation(object["orientation"], path + ".orientation");
+  if (!object.contains("yaw_pitch_roll_deg")) return pose;
+  if (object.contains("orientation"))
+    refuse(memberPath(path, "yaw_pitch_roll_deg"), "is an alternative to orientation; keep one");
+  const Vec3 angles = kDegree * vectorOf(object["yaw_pitch_roll_deg"]);
+  pose.orientation = yawPitchRoll(angles.x, angles.y, angles.z);
+  return pose;
+}
+
+/// A file of triangles at its pose.
+Scene DriveReader::scene(const json& object, const std::string& path) {
+  LoadOptions options;
+  if (object.contains("up")) options.up = object["up"] == "y" ? UpAxis::y : UpAxis::z;
+  options.scale = object.value("scale", 1.0);
+  Scene scene;
+  attempt(path + ".file", [&] { scene = loadScene(file(object["file"]), options); });
+  const Transform place = transformOf(pose(memberOf(object, "pose"), memberPath(path, "pose")));
+  for (Instance& instance : scene.instances) instance.transform = place * instance.transform;
+  return scene;
+}
+
+std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, const std::string& path) {
+  std::vector<Trajectory::Stamp> stamps;
+  for (const json& waypoint : list)
+    stamps.push_back({waypoint["time"].get<double>(), {vectorOf(waypoint["position"]), {}}});
+  headAlong(stamps);
+  for (size_t i = 0; i < list.size(); ++i) {
+    const std::string at = entryPath(path, i);
+    Quaternion& turn = stamps[i].pose.orientation;
+    if (list[i].contains("orientation")) turn = orientation(list[i]["orientation"], at + ".orientation");
+    if (!list[i].contains("yaw_deg")) continue;
+    if (list[i].contains("orientation")) refuse(at + ".yaw_deg", "is an alternative to orientation; keep one");
+    turn = yawPitchRoll(kDegree * list[i]["yaw_deg"].get<double>(), 0, 0);
+  }
+  return stamps;
+}
+
+Trajectory DriveReader::trajectory(const json& object, const std::string& path) {
+  const std::string format = object.value("format", "tum");
+  const auto only = [&](const char* name, const char* owner) {
+    if (object.contains(name) && (format != owner || !object.contains("file")))
+      refuse(memberPath(path, name), std::string("is only for files of the format ") + owner);
+  };
+  only("times", "kitti");
+  only("route", "carla-route");
+  only("speed", "carla-route");
+  if (object.contains("file") == object.contains("waypoints")) {
+    refuse(path, object.contains("file") ? "has a file and waypoints; keep one" : "needs a file or waypoints");
+    return {};
+  }
+  std::vector<Trajectory::Stamp> stamps;
+  if (object.contains("waypoints")) {
+    if (object.contains("format")) refuse(memberPath(path, "format"), "is only for files");
+    stamps = waypoints(object["waypoints"], path + ".waypoints");
+  } else {
+    TrajectoryFileOptions options;
+    if (object.contains("times")) options.times = file(object["times"]);
+    options.route = object.value("route", "");
+    options.speed = object.value("speed", 0.0);
+    attempt(path + ".file", [&] { stamps = readTrajectory(file(object["file"]), format, options); });
+    if (stamps.empty()) return {};
+    // Recordings may have a time twice; other disorder is a mistake.
+    const auto sameTime = [](const auto& a, const auto& b) { return a.time == b.time; };
+    const size_t count = stamps.size();
+    stamps.erase(std::unique(stamps.begin(), stamps.end(), sameTime), stamps.end());
+    if (stamps.size() < count)
+      drive_.warnings.push_back(path + ": " + std::to_string(count - stamps.size()) +
+                                " poses have the time of the pose before them and are left out");
+  }
+  const double from = object.value("from", -INFINITY), to = object.value("to", INFINITY);
+  std::erase_if(stamps, [&](const auto& stamp) { return stamp.time < from || stamp.time > to; });
+  if (stamps.empty()) {
+    refuse(path, "has no pose from 'from' to 'to'");
+    return {};
+  }
+  if (object.value("heading", false)) headAlong(stamps);
+  const double shift = object.contains("begin") ? object["begin"].get<double>() - stamps.front().time : 0;
+  const Vec3 moved = object.contains("shift") ? vectorOf(object["shift"]) : Vec3{};
+  for (auto& stamp : stamps) {
+    stamp.time += shift;
+    stamp.pose.position = stamp.pose.position + moved;
+  }
+  Trajectory result;
+  attempt(path, [&] { result = Trajectory(std::move(stamps)); });
+  return result;
+}
+
+Sensor DriveReader::sensor(const json& value, const std::string& path) {
+  Sensor sensor;
+  attempt(path, [&] {
+    sensor = value.is_string() ? namedOrFile(value.get<std::string>(), file(value), builtinSensor, loadSensor)
+                               : sensorFromJson(value.dump(), "the sensor");
+    validate(sensor);
+  });
+  return sensor;
+}
+
+Effects DriveReader::effects(const json& value, const std::string& path) {
+  Effects effects;
+  attempt(path, [&] {
+    if (value.is_string())
+      effects = namedOrFile(value.get<std::string>(), file(value), effectPreset, loadEffects);
+    else if (value.is_object())
+      effects = effectsFromJson(value.dump(), "the effects");
+  });
+  if (!value.is_object() || !value.contains("seed")) effects.seed = root_.value("seed", uint64_t{1});
+  return effects;
+}
+
+}  // namespace gnosphere::drive

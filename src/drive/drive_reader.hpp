@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads a drive file that fits the schema. Mistakes are collected, so that all of them are told at once.
+#pragma once
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "drive/drive.hpp"
+#include "drive/schema_check.hpp"
+#include "effects/strict_json.hpp"
+
+namespace gnosphere::drive {
+
+class DriveReader {
+ public:
+  DriveReader(const std::filesystem::path& file, const nlohmann::json& root)
+      : folder_(file.parent_path()), root_(root) {
+    drive_.name = root.value("name", file.stem().string());
+  }
+
+  /// Returns the drive, or throws Error(format) with all mistakes.
+  Drive read(const std::filesystem::path& file);
+
+ private:
+  /// Runs a step; what it throws becomes a mistake at this path.
+  template <typename Step>
+  void attempt(const std::string& path, const Step& step) {
+    try {
+      step();
+    } catch (const Error& error) {
+      mistakes_.push_back(path + ": " + error.what());
+    }
+  }
+  void refuse(const std::string& path, const std::string& why) { mistakes_.push_back(path + ": " + why); }
+  std::filesystem::path file(const nlohmann::json& name) const { return folder_ / name.get<std::string>(); }
+
+  /// Returns the index of a name, or adds a mistake.
+  size_t find(const std::vector<std::string>& names, const nlohmann::json& name, const std::string& path) {
+    const auto found = std::find(names.begin(), names.end(), name.get<std::string>());
+    if (found != names.end()) return static_cast<size_t>(found - names.begin());
+    refuse(path, inQuotes(name.get<std::string>()) + " is unknown; " +
+                     (names.empty() ? "there are none" : nearestText(name.get<std::string>(), names)));
+    return 0;
+  }
+
+  Quaternion orientation(const nlohmann::json& list, const std::string& path);
+  Pose pose(const nlohmann::json& object, const std::string& path);
+  Scene scene(const nlohmann::json& object, const std::string& path);
+  Trajectory trajectory(const nlohmann::json& object, const std::string& path);
+  std::vector<Trajectory::Stamp> waypoints(const nlohmann::json& list, const std::string& path);
+  Sensor sensor(const nlohmann::json& value, const std::string& path);
+  Effects effects(const nlohmann::json& value, const std::string& path);
+  void classes();
+  void scenes();
+  void classifyInstances(const nlohmann::json& object, const std::string& path, Scene& scene);
+  void models();
+  void actors();
+  void sensors();
+  void times();
+  void weather();
+  void outputs();
+
+  std::filesystem::path folder_;
+  const nlohmann::json& root_;
+  Drive drive_;
+  std::vector<std::string> mistakes_, classNames_, modelNames_;
+};
+
+/// Three numbers.
+Vec3 vectorOf(const nlohmann::json& list);
+/// A member of an object, or null.
+const nlohmann::json& memberOf(const nlohmann::json& object, const char* name);
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// SENSOR/000000.jsonl: a line of JSON per actor that the scan has hit.
+#include <nlohmann/json.hpp>
+
+#include "drive/formats/format.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json listOf(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+Json poseOf(const Pose& pose) {
+  const Quaternion& q = pose.orientation;
+  return {{"position", listOf(pose.position)}, {"orientation", {q.x, q.y, q.z, q.w}}};
+}
+
+class Boxes : public Format {
+ public:
+  using Format::Format;
+
+  std::vector<Field> fields() const override { return {}; }
+  bool needsBoxes() const override { return true; }
+
+  void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
+    for (const RecordedScan& recorded : frame.scans) {
+      if (!writes(recorded.planned.sensor)) continue;
+      std::string lines;
+      for (const Box& box : recorded.boxes) lines += lineOf(recorded, box).dump() + "\n";
+      files.push_back(
+          {path(drive_.sensors[recorded.planned.sensor].name + numberText("/%06llu.jsonl", recorded.planned.number)),
+           lines, ""});
+    }
+  }
+
+  void finish(const std::vector<FrameSummary>&, const std::filesystem::path&) const override {}
+
+ private:
+  Json lineOf(const RecordedScan& recorded, const Box& box) const {
+    const Actor& actor = drive_.actors[box.actor];
+    const Class& category = drive_.classes[actor.category];
+    return {{"object", world_.objectOfActor(box.actor)},
+            {"name", actor.name},
+            {"class", category.name},
+            {"class_id", category.id},
+            {"time", box.time - recorded.planned.time},
+            {"sensor_frame", poseOf(box.inSensor)},
+            {"world_frame", poseOf(box.inWorld)},
+            {"size", listOf(box.size)},
+            {"velocity", listOf(box.velocity)},
+            {"moving", box.moving},
+            {"points", box.points},
+            {"visibility", box.visibility}};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeBoxes(const Drive& drive, const World& world, const Output& output) {
+  return std::make_unique<Boxes>(drive, world, output);
+}
+
+}  // namespace gnosphere::drive

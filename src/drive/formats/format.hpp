@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// The interface of the formats that a drive is written in: one source file per format.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drive/record.hpp"
+
+namespace gnosphere::drive {
+
+struct OutputFile {
+  std::string path;  ///< in the output folder
+  std::string bytes;
+  /// The file that finish() makes of this one, which is then removed; empty if the file stays.
+  std::string into;
+};
+
+/// Turns frames into files. Whatever a file holds follows from its frame alone, so frames can be made anywhere and in
+/// any order.
+class Format {
+ public:
+  Format(const Drive& drive, const World& world, const Output& output)
+      : drive_(drive), world_(world), output_(output) {}
+  virtual ~Format() = default;
+
+  /// The fields that scans of these sensors must hold.
+  virtual std::vector<Field> fields() const = 0;
+  virtual bool needsBoxes() const { return false; }
+  /// Appends the files of a frame.
+  virtual void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const = 0;
+  /// Writes the files that need every frame, once all frames are complete. `frames` has the summaries of all frames.
+  virtual void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const = 0;
+
+  bool writes(size_t sensor) const {
+    return std::find(output_.sensors.begin(), output_.sensors.end(), sensor) != output_.sensors.end();
+  }
+
+ protected:
+  std::string path(const std::string& name) const { return output_.folder + "/" + name; }
+
+  const Drive& drive_;
+  const World& world_;
+  const Output& output_;
+};
+
+std::unique_ptr<Format> makeFormat(const Drive& drive, const World& world, const Output& output);
+
+// One function per format, each in a source file of its own.
+std::unique_ptr<Format> makeClouds(const Drive&, const World&, const Output&);  ///< pcd, npy
+std::unique_ptr<Format> makeBoxes(const Drive&, const World&, const Output&);   ///< boxes
+std::unique_ptr<Format> makeKitti(const Drive&, const World&, const Output&);   ///< kitti, semantickitti
+std::unique_ptr<Format> makeKittiRaw(const Drive&, const World&, const Output&);
+std::unique_ptr<Format> makeNuScenes(const Drive&, const World&, const Output&);
+std::unique_ptr<Format> makeLas(const Drive&, const World&, const Output&);
+std::unique_ptr<Format> makeMcap(const Drive&, const World&, const Output&);
+
+// What several formats need.
+
+/// Writes a whole file of the output folder and its folders. It appears when it is complete.
+void writeWhole(const std::filesystem::path& file, const std::string& bytes);
+std::string numberText(const char* format, uint64_t number);
+/// Nanoseconds since 1970 of a time of the trajectories' clock.
+int64_t unixNanoseconds(const Drive& drive, double time);
+/// "2011-09-26 13:02:25.951199337" in UTC.
+std::string dateText(int64_t nanoseconds);
+/// The rows of the returns of a scan.
+std::string packedRows(const Scan& scan, const RecordLayout& layout);
+/// x, y, z and intensity as four floats; without an intensity it is 0.
+RecordLayout kittiLayout(const Scan& scan);
+/// What the intensities of a sensor are multiplied with to have this greatest value for a diffuse white surface.
+float intensityFactor(const RigSensor& sensor, float greatest);
+/// Multiplies one float of every row.
+void scaleFloat(std::string& rows, size_t stride, size_t offset, float factor);
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// The layout of KITTI odometry (Geiger et al., CVPR 2012), and with labels that of SemanticKITTI (Behley et al., ICCV
+// 2019): sequences/00/velodyne/000000.bin, labels/000000.label, times.txt, calib.txt, poses.txt, and poses/00.txt.
+// There is no camera: camera 0 stands where the lidar is, with the axes of a camera, and its projections are the
+// identity.
+#include <cmath>
+#include <cstring>
+
+#include "drive/formats/format.hpp"
+#include "drive/pose_math.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+constexpr uint16_t kOutlier = 1;  ///< SemanticKITTI's class of points that belong to no surface
+
+class Kitti : public Format {
+ public:
+  Kitti(const Drive& drive, const World& world, const Output& output)
+      : Format(drive, world, output), labelled_(output.format == "semantickitti") {}
+
+  std::vector<Field> fields() const override { return {Field::intensity}; }
+
+  void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
+    for (const RecordedScan& recorded : frame.scans) {
+      if (!writes(recorded.planned.sensor)) continue;
+      const RecordLayout layout = kittiLayout(recorded.scan);
+      std::string rows = packedRows(recorded.scan, layout);
+      scaleFloat(rows, layout.stride, 12, intensityFactor(drive_.sensors[recorded.planned.sensor], 1));
+      const std::string number = numberText("%06llu", recorded.planned.number);
+      files.push_back({path("sequences/00/velodyne/" + number + ".bin"), std::move(rows), ""});
+      if (labelled_) files.push_back({path("sequences/00/labels/" + number + ".label"), labelsOf(recorded), ""});
+    }
+  }
+
+  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override {
+    std::string times, poses;
+    double firstTime = 0;
+    Pose toFirst;
+    bool any = false;
+    for (const FrameSummary& frame : frames)
+      for (const ScanSummary& scan : frame.scans) {
+        if (!writes(scan.planned.sensor)) continue;
+        const Pose pose = drive_.sensorPose(scan.planned.sensor, scan.planned.time);
+        if (!any) {
+          firstTime = scan.planned.time;
+          toFirst = inverse(pose);
+          any = true;
+        }
+        char text[64];
+        std::snprintf(text, sizeof(text), "%.9e\n", scan.planned.time - firstTime);
+        times += text;
+        poses += cameraLine(toFirst * pose);
+      }
+    const std::filesystem::path sequence = out / path("sequences/00");
+    writeWhole(sequence / "times.txt", times);
+    writeWhole(sequence / "poses.txt", poses);
+    writeWhole(out / path("poses/00.txt"), poses);
+    std::string calibration;
+    for (const char* camera : {"P0", "P1", "P2", "P3"})
+      calibration.append(camera).append(": 1 0 0 0 0 1 0 0 0 0 1 0\n");
+    writeWhole(sequence / "calib.txt", calibration + "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  }
+
+ private:
+  /// The low 16 bits are the class, the high ones the number of the actor, from 1 on.
+  std::string labelsOf(const RecordedScan& recorded) const {
+    const Scan& scan = recorded.scan;
+    std::vector<uint32_t> byObject(world_.scene().instances.size());
+    for (size_t object = 0; object < byObject.size(); ++object)
+      byObject[object] = world_.scene().instances[object].classId;
+    for (size_t actor = 0; actor < drive_.actors.size(); ++actor) {
+      const Class& category = drive_.classes[drive_.actors[actor].category];
+      const uint16_t id = world_.isMoving(actor, recorded.planned.time) ? category.movingId : category.id;
+      byObject[world_.objectOfActor(actor)] = id | static_cast<uint32_t>(actor + 1) << 16;
+    }
+    std::string bytes;
+    bytes.reserve(scan.ranges.size() * sizeof(uint32_t));
+    for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
+      if (!scan.returned(entry)) continue;
+      const uint32_t object = scan.instances[entry], label = object == kNoTriangle ? kOutlier : byObject[object];
+      bytes.append(reinterpret_cast<const char*>(&label), sizeof(label));
+    }
+    return bytes;
+  }
+
+  /// The matrix of a pose between cameras: the axes of a camera are x right, y down, z ahead.
+  static std::string cameraLine(const Pose& pose) {
+    const auto toCamera = [](const Vec3& v) { return Vec3{-v.y, -v.z, v.x}; };
+    const Vec3 x = toCamera(pose.orientation * Vec3{0, -1, 0}), y = toCamera(pose.orientation * Vec3{0, 0, -1}),
+               z = toCamera(pose.orientation * Vec3{1, 0, 0}), t = toCamera(pose.position);
+    char text[512];
+    std::snprintf(text, sizeof(text), "%.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e %.12e\n", x.x,
+                  y.x, z.x, t.x, x.y, y.y, z.y, t.y, x.z, y.z, z.z, t.z);
+    return text;
+  }
+
+  bool labelled_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeKitti(const Drive& drive, const World& world, const Output& output) {
+  if (output.format == "semantickitti" && drive.actors.size() > 65535)
+    throw Error(ErrorCode::format, "SemanticKITTI labels have 16 bits for the number of an actor; there are " +
+                                       std::to_string(drive.actors.size()) + " actors");
+  return std::make_unique<Kitti>(drive, world, output);
+}
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// The layout of KITTI's raw data (Geiger et al., IJRR 2013): DATE/DATE_drive_0001_sync/velodyne_points and oxts. The
+// inertial unit is at the vehicle's origin; there are no cameras, so calib_velo_to_cam.txt only turns the axes.
+#include <cmath>
+#include <numbers>
+
+#include "drive/formats/format.hpp"
+#include "drive/pose_math.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+// The world's origin, on the earth. KITTI's own tools map latitudes and longitudes to metres by Mercator's projection,
+// scaled by the cosine of the first latitude, and this is its inverse.
+constexpr double kLatitude = 49, kLongitude = 8.4, kAltitude = 115;
+constexpr double kEarthRadius = 6378137;
+constexpr double kDegree = std::numbers::pi / 180;
+
+constexpr const char* kDataFormat =
+    "lat:   latitude of the oxts-unit (deg)\nlon:   longitude of the oxts-unit (deg)\n"
+    "alt:   altitude of the oxts-unit (m)\nroll:  roll angle (rad)\npitch: pitch angle (rad)\nyaw:   heading (rad)\n"
+    "vn:    velocity towards north (m/s)\nve:    velocity towards east (m/s)\nvf:    forward velocity (m/s)\n"
+    "vl:    leftward velocity (m/s)\nvu:    upward velocity (m/s)\nax:    acceleration in x (m/s^2)\n"
+    "ay:    acceleration in y (m/s^2)\naz:    acceleration in z (m/s^2)\naf:    forward acceleration (m/s^2)\n"
+    "al:    leftward acceleration (m/s^2)\nau:    upward acceleration (m/s^2)\nwx:    angular rate around x (rad/s)\n"
+    "wy:    angular rate around y (rad/s)\nwz:    angular rate around z (rad/s)\n"
+    "wf:    angular rate around forward axis (rad/s)\nwl:    angular rate around leftward axis (rad/s)\n"
+    "wu:    angular rate around upward axis (rad/s)\npos_accuracy:  position accuracy (m)\n"
+    "vel_accuracy:  velocity accuracy (m/s)\nnavstat:       navigation status\nnumsats:       number of satellites\n"
+    "posmode:       position mode\nvelmode:       velocity mode\norimode:       orientation mode\n";
+
+std::string formattedLine(const char* format, const std::vector<double>& values) {
+  std::string line;
+  for (double value : values) {
+    char text[64];
+    std::snprintf(text, sizeof(text), format, value);
+    line.append(line.empty() ? "" : " ").append(text);
+  }
+  return line;
+}
+
+std::string calibration(const Pose& pose) {
+  const Transform t = transformOf(pose);
+  const auto& m = t.rows;
+  return "calib_time: 01-Jan-1970 00:00:00\nR: " +
+         formattedLine("%.12e", {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]}) +
+         "\nT: " + formattedLine("%.12e", {m[3], m[7], m[11]}) + "\n";
+}
+
+class KittiRaw : public Format {
+ public:
+  KittiRaw(const Drive& drive, const World& world, const Output& output) : Format(drive, world, output) {
+    date_ = dateText(unixNanoseconds(drive, drive.start)).substr(0, 10);
+    for (char& c : date_)
+      if (c == '-') c = '_';
+    folder_ = path(date_ + "/" + date_ + "_drive_0001_sync/");
+  }
+
+  std::vector<Field> fields() const override { return {Field::intensity}; }
+
+  void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
+    for (const RecordedScan& recorded : frame.scans) {
+      if (!writes(recorded.planned.sensor)) continue;
+      const RecordLayout layout = kittiLayout(recorded.scan);
+      std::string rows = packedRows(recorded.scan, layout);
+      scaleFloat(rows, layout.stride, 12, intensityFactor(drive_.sensors[recorded.planned.sensor], 1));
+      const std::string number = numberText("%010llu", recorded.planned.number);
+      files.push_back({folder_ + "velodyne_points/data/" + number + ".bin", std::move(rows), ""});
+      files.push_back({folder_ + "oxts/data/" + number + ".txt", oxtsOf(recorded.planned.time), ""});
+    }
+  }
+
+  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override {
+    std::string starts, middles, ends;
+    for (const FrameSummary& frame : frames)
+      for (const ScanSummary& scan : frame.scans) {
+        if (!writes(scan.planned.sensor)) continue;
+        const double duration = durationOf(drive_.sensors[scan.planned.sensor].sensor, scan.planned.number);
+        const auto line = [&](double share) {
+          return dateText(unixNanoseconds(drive_, scan.planned.time + share * duration)) + "\n";
+        };
+        starts += line(0);
+        middles += line(0.5);
+        ends += line(1);
+      }
+    const std::filesystem::path drive = out / folder_, day = out / path(date_);
+    writeWhole(drive / "velodyne_points/timestamps_start.txt", starts);
+    writeWhole(drive / "velodyne_points/timestamps.txt", middles);
+    writeWhole(drive / "velodyne_points/timestamps_end.txt", ends);
+    writeWhole(drive / "oxts/timestamps.txt", starts);
+    writeWhole(drive / "oxts/dataformat.txt", kDataFormat);
+    writeWhole(day / "calib_imu_to_velo.txt", calibration(inverse(drive_.sensors[output_.sensors[0]].mount)));
+    const Pose axes = {{}, quaternionOf({Vec3{0, -1, 0}, Vec3{0, 0, -1}, Vec3{1, 0, 0}})};
+    writeWhole(day / "calib_velo_to_cam.txt", calibration(axes));
+    std::string cameras = "calib_time: 01-Jan-1970 00:00:00\n";
+    for (const char* camera : {"00", "01", "02", "03"})
+      cameras +=
+          std::string("R_rect_") + camera + ": 1 0 0 0 1 0 0 0 1\nP_rect_" + camera + ": 1 0 0 0 0 1 0 0 0 0 1 0\n";
+    writeWhole(day / "calib_cam_to_cam.txt", cameras);
+  }
+
+ private:
+  std::string oxtsOf(double time) const {
+    constexpr double kStep = 0.01;  // seconds over which speeds are taken
+    const Pose pose = drive_.ego.at(time), before = drive_.ego.at(time - kStep), after = drive_.ego.at(time + kStep);
+    const Vec3 first = drive_.ego.at(drive_.start).position, p = pose.position - first;
+    const double scale = std::cos(kLatitude * kDegree);
+    const double east = scale * kEarthRadius * kLongitude * kDegree + p.x,
+                 north = scale * kEarthRadius * std::log(std::tan(kDegree * (90 + kLatitude) / 2)) + p.y;
+    const double longitude = east / (scale * kEarthRadius) / kDegree,
+                 latitude = 2 * std::atan(std::exp(north / (scale * kEarthRadius))) / kDegree - 90;
+    const auto [yaw, pitch, roll] = yawPitchRollOf(pose.orientation);
+    const Vec3 v = (1 / (2 * kStep)) * (after.position - before.position);
+    const Vec3 a = (1 / (kStep * kStep)) * (after.position - 2.0 * pose.position + before.position);
+    const Pose turned = inverse(pose);
+    const Vec3 ownV = turned.orientation * v, ownA = turned.orientation * a;
+    const Quaternion turn = inverse(before).orientation * after.orientation;
+    const double sign = turn.w < 0 ? -2 : 2;
+    const Vec3 w = (sign / (2 * kStep)) * Vec3{turn.x, turn.y, turn.z};
+    return formattedLine(
+               "%.14g",
+               {latitude, longitude, kAltitude + p.z, roll,   pitch,  yaw, v.y, v.x, ownV.x, ownV.y, ownV.z, ownA.x,
+                ownA.y,   ownA.z,    ownA.x,          ownA.y, ownA.z, w.x, w.y, w.z, w.x,    w.y,    w.z}) +
+           " 0 0 4 10 4 4 0\n";
+  }
+
+  std::string date_, folder_;
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeKittiRaw(const Drive& drive, const World& world, const Output& output) {
+  return std::make_unique<KittiRaw>(drive, world, output);
+}
+
+}  // namespace gnosphere::drive

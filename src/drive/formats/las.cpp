@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// SENSOR/000000.las: ASPRS LAS 1.4 (R15), point data record format 6 with the object as an extra u32, in the world.
+#include <cmath>
+#include <unordered_map>
+
+#include "drive/bytes.hpp"
+#include "drive/formats/format.hpp"
+#include "drive/pose_math.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+constexpr double kScale = 0.001;  ///< metres per unit of a coordinate
+constexpr uint16_t kHeaderBytes = 375, kVlrHeaderBytes = 54, kExtraRecordBytes = 192;
+constexpr uint16_t kPointBytes = 30 + sizeof(uint32_t);
+/// Adjusted standard GPS time: seconds since 1980-01-06 less 10^9, 18 leap seconds ahead of UTC (since 2017).
+constexpr double kGpsOfUnix = -315964800.0 + 18 - 1e9;
+
+struct Point {
+  int32_t x, y, z;
+};
+
+struct Points {
+  std::string records;
+  Vec3 min = {INFINITY, INFINITY, INFINITY}, max = {-INFINITY, -INFINITY, -INFINITY};
+  uint64_t count = 0;
+  uint64_t byReturn[15] = {};
+};
+
+class Las : public Format {
+ public:
+  using Format::Format;
+
+  std::vector<Field> fields() const override { return {Field::intensity, Field::time}; }
+
+  void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
+    for (const RecordedScan& recorded : frame.scans) {
+      if (!writes(recorded.planned.sensor)) continue;
+      const Vec3& p = recorded.pose.position;
+      const Vec3 offset = {std::round(p.x), std::round(p.y), std::round(p.z)};
+      const Points points = pointsOf(recorded, offset);
+      files.push_back(
+          {path(drive_.sensors[recorded.planned.sensor].name + numberText("/%06llu.las", recorded.planned.number)),
+           headerOf(points, offset) + extraBytes() + points.records, ""});
+    }
+  }
+
+  void finish(const std::vector<FrameSummary>&, const std::filesystem::path&) const override {}
+
+ private:
+  Points pointsOf(const RecordedScan& recorded, const Vec3& offset) const {
+    const Scan& scan = recorded.scan;
+    const bool strong = scan.has(Field::intensity), timed = scan.has(Field::time);
+    const auto intensities = strong ? scan.column<float>(Field::intensity) : ColumnView<float>();
+    const auto times = timed ? scan.column<float>(Field::time) : ColumnView<float>();
+    const float factor = intensityFactor(drive_.sensors[recorded.planned.sensor], 65535);
+    std::unordered_map<float, Pose> poses;  // by time; all beams of a column share one
+    Points points;
+    points.records.reserve(scan.ranges.size() * kPointBytes);
+    for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
+      if (!scan.returned(entry)) continue;
+      const float time = timed ? times[entry] : 0;
+      const Pose* pose = &recorded.pose;
+      if (recorded.sensorMoves && !recorded.deskewed) {
+        const auto [found, isNew] = poses.try_emplace(time);
+        if (isNew) found->second = drive_.sensorPose(recorded.planned.sensor, recorded.planned.time + time);
+        pose = &found->second;
+      }
+      const float* own = &scan.points[3 * entry];
+      const Vec3 world = *pose * Vec3{own[0], own[1], own[2]} - offset;
+      const Point point = {static_cast<int32_t>(std::lround(world.x / kScale)),
+                           static_cast<int32_t>(std::lround(world.y / kScale)),
+                           static_cast<int32_t>(std::lround(world.z / kScale))};
+      size_t number = entry % scan.returns, count = 0;
+      for (size_t k = 0; k < scan.returns; ++k) count += scan.returned(entry - number + k);
+      const float strength = strong ? std::min(65535.0f, std::max(0.0f, factor * intensities[entry])) : 0;
+      add(points, point, offset, strength, number + 1, count, scan.instances[entry], recorded.planned,
+          unixSeconds(recorded.planned.time + time) + kGpsOfUnix);
+    }
+    return points;
+  }
+
+  double unixSeconds(double time) const { return drive_.epoch + time; }
+
+  void add(Points& points, const Point& point, const Vec3& offset, float strength, size_t number, size_t count,
+           uint32_t object, const PlannedScan& planned, double gpsTime) const {
+    std::string& out = points.records;
+    append(out, point.x);
+    append(out, point.y);
+    append(out, point.z);
+    append(out, static_cast<uint16_t>(std::lround(strength)));
+    append(out, static_cast<uint8_t>(number | count << 4));
+    append(out, uint8_t{0});  // flags, scanner channel, direction, edge
+    append(out, static_cast<uint8_t>(object == kNoTriangle ? 0 : world_.scene().instances[object].classId));
+    append(out, uint8_t{0});                                 // user data
+    append(out, int16_t{0});                                 // scan angle
+    append(out, static_cast<uint16_t>(planned.sensor + 1));  // point source
+    append(out, gpsTime);
+    append(out, object);
+    const Vec3 at = kScale * Vec3{double(point.x), double(point.y), double(point.z)} + offset;
+    points.min = {std::min(points.min.x, at.x), std::min(points.min.y, at.y), std::min(points.min.z, at.z)};
+    points.max = {std::max(points.max.x, at.x), std::max(points.max.y, at.y), std::max(points.max.z, at.z)};
+    ++points.count;
+    ++points.byReturn[number - 1];
+  }
+
+  std::string headerOf(const Points& points, const Vec3& offset) const {
+    constexpr uint16_t kAdjustedGpsTime = 1, kWkt = 1 << 4;
+    const Vec3 min = points.count ? points.min : Vec3{}, max = points.count ? points.max : Vec3{};
+    std::string out = "LASF";
+    append(out, uint16_t{0});  // file source
+    append(out, uint16_t{kAdjustedGpsTime | kWkt});
+    out.append(16, '\0');  // project
+    append(out, uint8_t{1});
+    append(out, uint8_t{4});
+    appendFixed(out, "SIMULATION", 32);
+    appendFixed(out, "GnoSphere", 32);
+    append(out, uint16_t{0});  // day and year of creation: unknown, so that the bytes are the same every day
+    append(out, uint16_t{0});
+    append(out, kHeaderBytes);
+    append(out, uint32_t{kHeaderBytes + kVlrHeaderBytes + kExtraRecordBytes});
+    append(out, uint32_t{1});  // variable length records
+    append(out, uint8_t{6});
+    append(out, kPointBytes);
+    out.append(6 * sizeof(uint32_t), '\0');  // counts of old versions
+    for (int axis = 0; axis < 3; ++axis) append(out, kScale);
+    for (double value : {offset.x, offset.y, offset.z, max.x, min.x, max.y, min.y, max.z, min.z}) append(out, value);
+    append(out, uint64_t{0});  // waveforms
+    append(out, uint64_t{0});  // extended records
+    append(out, uint32_t{0});
+    append(out, points.count);
+    for (uint64_t count : points.byReturn) append(out, count);
+    return out;
+  }
+
+  static std::string extraBytes() {
+    constexpr uint8_t kUnsignedLong = 5;  // a u32
+    std::string out(2, '\0');
+    appendFixed(out, "LASF_Spec", 16);
+    append(out, uint16_t{4});
+    append(out, kExtraRecordBytes);
+    appendFixed(out, "Extra bytes", 32);
+    out.append(2, '\0');
+    append(out, kUnsignedLong);
+    append(out, uint8_t{0});
+    appendFixed(out, "object", 32);
+    out.append(4 + 5 * 24, '\0');
+    appendFixed(out, "instance of the scene or actor", 32);
+    return out;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeLas(const Drive& drive, const World& world, const Output& output) {
+  for (const Class& category : drive.classes)
+    if (category.id > 255)
+      throw Error(ErrorCode::format,
+                  "LAS has classes 0 to 255; '" + category.name + "' has the id " + std::to_string(category.id));
+  return std::make_unique<Las>(drive, world, output);
+}
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// drive.mcap: ROS 2 messages, sensor_msgs/PointCloud2 on /NAME/points and tf2_msgs/TFMessage on /tf and /tf_static.
+#include "drive/formats/cdr.hpp"
+#include "drive/formats/format.hpp"
+#include "drive/formats/mcap_file.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+constexpr const char* kLine = "================================================================================\n";
+constexpr const char* kHeaderText =
+    "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+    "================================================================================\n"
+    "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+constexpr uint16_t kTf = 1, kTfStatic = 2, kFirstCloud = 3;
+constexpr int kTransformsPerFrame = 10;
+
+std::vector<McapSchema> schemas() {
+  return {{"tf2_msgs/msg/TFMessage",
+           std::string("geometry_msgs/TransformStamped[] transforms\n") + kLine +
+               "MSG: geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n"
+               "geometry_msgs/Transform transform\n" +
+               kLine +
+               "MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n"
+               "geometry_msgs/Quaternion rotation\n" +
+               kLine + "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n" + kLine +
+               "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" + kLine + kHeaderText},
+          {"sensor_msgs/msg/PointCloud2",
+           std::string("std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\n"
+                       "bool is_bigendian\nuint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n") +
+               kLine +
+               "MSG: sensor_msgs/PointField\nuint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\n"
+               "uint8 INT32=5\nuint8 UINT32=6\nuint8 FLOAT32=7\nuint8 FLOAT64=8\nstring name\nuint32 offset\n"
+               "uint8 datatype\nuint32 count\n" +
+               kLine + kHeaderText}};
+}
+
+/// A field of the cloud. The names are those that drivers use.
+struct CloudField {
+  const char* name;
+  Field field;
+  uint32_t offset;
+};
+constexpr CloudField kFields[] = {{"x", Field::x, 0},
+                                  {"y", Field::y, 4},
+                                  {"z", Field::z, 8},
+                                  {"intensity", Field::intensity, 12},
+                                  {"time", Field::time, 16},
+                                  {"ring", Field::ring, 20},
+                                  {"class", Field::classId, 22},
+                                  {"instance", Field::instance, 24}};
+constexpr uint32_t kPointBytes = 28;
+
+uint8_t datatypeOf(ValueType type) {
+  switch (type) {
+    case ValueType::u8: return 2;
+    case ValueType::u16: return 4;
+    case ValueType::u32: return 6;
+    case ValueType::f64: return 8;
+    case ValueType::f32: break;
+  }
+  return 7;
+}
+
+struct StampedTransform {
+  int64_t time;
+  std::string parent, child;
+  Pose pose;
+};
+
+std::string tfMessage(const std::vector<StampedTransform>& transforms) {
+  CdrWriter cdr;
+  cdr.number(static_cast<uint32_t>(transforms.size()));
+  for (const StampedTransform& transform : transforms) {
+    const auto& [p, q] = transform.pose;
+    cdr.header(transform.time, transform.parent).text(transform.child);
+    for (double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) cdr.number(value);
+  }
+  return cdr.take();
+}
+
+class Mcap : public Format {
+ public:
+  using Format::Format;
+
+  std::vector<Field> fields() const override { return {Field::intensity, Field::time, Field::ring, Field::classId}; }
+
+  void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
+    std::vector<McapMessage> messages;
+    if (frame.frame == 0) messages.push_back({kTfStatic, 0, timeOf(drive_.start), tfMessage(mounts())});
+    for (int i = 0; i < kTransformsPerFrame; ++i) {
+      const uint64_t number = frame.frame * kTransformsPerFrame + static_cast<uint64_t>(i);
+      const double time = drive_.start + static_cast<double>(number) / (drive_.rate * kTransformsPerFrame);
+      messages.push_back({kTf, static_cast<uint32_t>(number), timeOf(time),
+                          tfMessage({{timeOf(time), "map", "base_link", drive_.ego.at(time)}})});
+    }
+    for (const RecordedScan& recorded : frame.scans) {
+      if (!writes(recorded.planned.sensor)) continue;
+      messages.push_back({channelOf(recorded.planned.sensor), static_cast<uint32_t>(recorded.planned.number),
+                          timeOf(recorded.planned.time), cloudMessage(recorded)});
+    }
+    files.push_back({chunkPath(frame.frame), mcapChunk(std::move(messages)), path("drive.mcap")});
+  }
+
+  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override {
+    const std::filesystem::path file = out / path("drive.mcap");
+    std::error_code absent;
+    if (std::filesystem::exists(file, absent)) return;
+    std::vector<std::filesystem::path> chunks;
+    for (uint64_t frame = 0; frame < frames.size(); ++frame) chunks.push_back(out / chunkPath(frame));
+    std::vector<McapChannel> channels = {{1, "/tf", false}, {1, "/tf_static", true}};
+    for (size_t sensor : output_.sensors) channels.push_back({2, "/" + drive_.sensors[sensor].name + "/points", false});
+    writeMcap(file, schemas(), channels, chunks);
+  }
+
+ private:
+  int64_t timeOf(double time) const { return unixNanoseconds(drive_, time); }
+  std::string chunkPath(uint64_t frame) const { return path(numberText("chunks/%06llu", frame)); }
+  uint16_t channelOf(size_t sensor) const {
+    const auto at = std::find(output_.sensors.begin(), output_.sensors.end(), sensor) - output_.sensors.begin();
+    return static_cast<uint16_t>(kFirstCloud + at);
+  }
+
+  std::vector<StampedTransform> mounts() const {
+    std::vector<StampedTransform> transforms;
+    for (size_t sensor : output_.sensors)
+      transforms.push_back(
+          {timeOf(drive_.start), "base_link", drive_.sensors[sensor].name, drive_.sensors[sensor].mount});
+    return transforms;
+  }
+
+  std::string cloudMessage(const RecordedScan& recorded) const {
+    RecordLayout layout;
+    layout.compact = true;
+    layout.stride = kPointBytes;
+    for (const CloudField& field : kFields)
+      if (recorded.scan.has(field.field) || field.field == Field::ring)
+        layout.values.push_back({field.field, 0, field.offset, fieldInfo(field.field).type});
+    const std::string rows = packedRows(recorded.scan, layout);
+    const auto count = static_cast<uint32_t>(rows.size() / kPointBytes);
+    CdrWriter cdr;
+    cdr.header(timeOf(recorded.planned.time), drive_.sensors[recorded.planned.sensor].name);
+    cdr.number(uint32_t{1}).number(count).number(static_cast<uint32_t>(std::size(kFields)));
+    for (const CloudField& field : kFields)
+      cdr.text(field.name).number(field.offset).number(datatypeOf(fieldInfo(field.field).type)).number(uint32_t{1});
+    cdr.number(uint8_t{0}).number(kPointBytes).number(static_cast<uint32_t>(rows.size()));
+    return cdr.blob(rows).number(uint8_t{1}).take();
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Format> makeMcap(const Drive& drive, const World& world, const Output& output) {
+  return std::make_unique<Mcap>(drive, world, output);
+}
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// Records are an opcode, a length of 8 bytes, and their content. Texts and lists begin with their size in 4 bytes. A
+// checksum of 0 means that there is none.
+#include "drive/formats/mcap_file.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "base/file.hpp"
+#include "drive/bytes.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+enum Opcode : uint8_t {
+  kHeader = 1,
+  kFooter,
+  kSchema,
+  kChannel,
+  kMessage,
+  kChunk,
+  kMessageIndex,
+  kChunkIndex,
+  kStatistics = 0x0b,
+  kSummaryOffset = 0x0e,
+  kDataEnd
+};
+
+constexpr char kMagic[] = "\x89MCAP0\r\n";
+constexpr size_t kMagicBytes = 8, kRecordHead = 9;
+
+void appendText(std::string& bytes, const std::string& text) {
+  append(bytes, static_cast<uint32_t>(text.size()));
+  bytes += text;
+}
+
+std::string recordOf(Opcode opcode, const std::string& content) {
+  std::string record;
+  record.reserve(kRecordHead + content.size());
+  append(record, static_cast<uint8_t>(opcode));
+  append(record, static_cast<uint64_t>(content.size()));
+  return record += content;
+}
+
+template <typename T>
+T numberAt(const std::string& bytes, size_t offset) {
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof(T));
+  return value;
+}
+
+std::string schemaRecord(const McapSchema& schema, uint16_t number) {
+  std::string content;
+  append(content, number);
+  appendText(content, schema.name);
+  appendText(content, "ros2msg");
+  appendText(content, schema.text);
+  return recordOf(kSchema, content);
+}
+
+std::string channelRecord(const McapChannel& channel, uint16_t number) {
+  // rosbag2 keeps the quality of service of a topic as YAML. Zeros are durations without a limit.
+  const std::string profile = std::string("- history: 1\n  depth: 10\n  reliability: 1\n  durability: ") +
+                              (channel.latched ? "1" : "2") +
+                              "\n  deadline:\n    sec: 9223372036\n    nsec: 854775807\n  lifespan:\n    sec: "
+                              "9223372036\n    nsec: 854775807\n  liveliness: 1\n  liveliness_lease_duration:\n    "
+                              "sec: 9223372036\n    nsec: 854775807\n  avoid_ros_namespace_conventions: false\n";
+  std::string content, metadata;
+  append(content, number);
+  append(content, channel.schema);
+  appendText(content, channel.topic);
+  appendText(content, "cdr");
+  appendText(metadata, "offered_qos_profiles");
+  appendText(metadata, profile);
+  appendText(content, metadata);
+  return recordOf(kChannel, content);
+}
+
+/// What the summary says of a chunk.
+struct ChunkSummary {
+  uint64_t begin = 0, end = 0;  ///< times of its first and last message
+  uint64_t offset = 0, bytes = 0, indexBytes = 0, contentBytes = 0;
+  std::map<uint16_t, uint64_t> indexOffsets;  ///< by channel
+};
+
+/// Reads the records that mcapChunk() has made, which lie at `offset` of the file, and counts the messages.
+ChunkSummary summaryOf(const std::string& bytes, uint64_t offset, std::map<uint16_t, uint64_t>& counts) {
+  ChunkSummary summary;
+  summary.begin = numberAt<uint64_t>(bytes, kRecordHead);
+  summary.end = numberAt<uint64_t>(bytes, kRecordHead + 8);
+  summary.contentBytes = numberAt<uint64_t>(bytes, kRecordHead + 16);
+  summary.offset = offset;
+  summary.bytes = kRecordHead + numberAt<uint64_t>(bytes, 1);
+  summary.indexBytes = bytes.size() - summary.bytes;
+  for (size_t at = summary.bytes; at < bytes.size(); at += kRecordHead + numberAt<uint64_t>(bytes, at + 1)) {
+    const auto channel = numberAt<uint16_t>(bytes, at + kRecordHead);
+    summary.indexOffsets[channel] = offset + at;
+    counts[channel] += numberAt<uint32_t>(bytes, at + kRecordHead + 2) / 16;
+  }
+  return summary;
+}
+
+void appendMap(std::string& bytes, const std::map<uint16_t, uint64_t>& map) {
+  append(bytes, static_cast<uint32_t>(map.size() * 10));
+  for (const auto& [key, value] : map) {
+    append(bytes, key);
+    append(bytes, value);
+  }
+}
+
+std::string chunkIndexRecord(const ChunkSummary& chunk) {
+  std::string content;
+  for (uint64_t number : {chunk.begin, chunk.end, chunk.offset, chunk.bytes}) append(content, number);
+  appendMap(content, chunk.indexOffsets);
+  append(content, chunk.indexBytes);
+  appendText(content, "");  // no compression
+  append(content, chunk.contentBytes);
+  append(content, chunk.contentBytes);
+  return recordOf(kChunkIndex, content);
+}
+
+std::string statisticsRecord(const std::vector<ChunkSummary>& chunks, const std::map<uint16_t, uint64_t>& counts,
+                             size_t schemas, size_t channels) {
+  uint64_t messages = 0, begin = chunks.empty() ? 0 : UINT64_MAX, end = 0;
+  for (const auto& [channel, count] : counts) messages += count;
+  for (const ChunkSummary& chunk : chunks) {
+    begin = std::min(begin, chunk.begin);
+    end = std::max(end, chunk.end);
+  }
+  std::string content;
+  append(content, messages);
+  append(content, static_cast<uint16_t>(schemas));
+  append(content, static_cast<uint32_t>(channels));
+  append(content, uint32_t{0});  // attachments
+  append(content, uint32_t{0});  // metadata
+  append(content, static_cast<uint32_t>(chunks.size()));
+  append(content, begin);
+  append(content, end);
+  appendMap(content, counts);
+  return recordOf(kStatistics, content);
+}
+
+}  // namespace
+
+std::string mcapChunk(std::vector<McapMessage> messages) {
+  std::stable_sort(messages.begin(), messages.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+  std::string records;
+  std::map<uint16_t, std::string> indexes;
+  for (const McapMessage& message : messages) {
+    std::string& index = indexes[message.channel];
+    append(index, static_cast<uint64_t>(message.time));
+    append(index, static_cast<uint64_t>(records.size()));
+    append(records, static_cast<uint8_t>(kMessage));
+    append(records, static_cast<uint64_t>(22 + message.data.size()));
+    append(records, message.channel);
+    append(records, message.sequence);
+    append(records, static_cast<uint64_t>(message.time));
+    append(records, static_cast<uint64_t>(message.time));
+    records += message.data;
+  }
+  std::string content;
+  append(content, static_cast<uint64_t>(messages.empty() ? 0 : messages.front().time));
+  append(content, static_cast<uint64_t>(messages.empty() ? 0 : messages.back().time));
+  append(content, static_cast<uint64_t>(records.size()));
+  append(content, uint32_t{0});
+  appendText(content, "");  // no compression
+  append(content, static_cast<uint64_t>(records.size()));
+  std::string bytes = recordOf(kChunk, content + records);
+  for (const auto& [channel, index] : indexes) {
+    std::string entries;
+    append(entries, channel);
+    appendText(entries, index);
+    bytes += recordOf(kMessageIndex, entries);
+  }
+  return bytes;
+}
+
+void writeMcap(const std::filesystem::path& file, const std::vector<McapSchema>& schemas,
+               const std::vector<McapChannel>& channels, const std::vector<std::filesystem::path>& chunks) {
+  AtomicFile out(file);
+  uint64_t offset = 0;
+  const auto write = [&](const std::string& bytes) {
+    out.write(bytes);
+    offset += bytes.size();
+  };
+  std::string names, header;
+  for (size_t i = 0; i < schemas.size(); ++i) names += schemaRecord(schemas[i], static_cast<uint16_t>(i + 1));
+  const size_t schemaBytes = names.size();
+  for (size_t i = 0; i < channels.size(); ++i) names += channelRecord(channels[i], static_cast<uint16_t>(i + 1));
+  appendText(header, "ros2");
+  appendText(header, "gnosphere");
+  write(std::string(kMagic, kMagicBytes));
+  write(recordOf(kHeader, header));
+  write(names);
+
+  std::map<uint16_t, uint64_t> counts;
+  std::vector<ChunkSummary> summaries;
+  for (const std::filesystem::path& chunk : chunks) {
+    const std::string bytes = readWholeFile(chunk);
+    summaries.push_back(summaryOf(bytes, offset, counts));
+    write(bytes);
+  }
+  write(recordOf(kDataEnd, std::string(4, '\0')));
+
+  const uint64_t summaryStart = offset;
+  std::string groups;
+  const auto group = [&](Opcode opcode, const std::string& records) {
+    if (records.empty()) return;
+    std::string content;
+    append(content, static_cast<uint8_t>(opcode));
+    append(content, offset);
+    append(content, static_cast<uint64_t>(records.size()));
+    groups += recordOf(kSummaryOffset, content);
+    write(records);
+  };
+  group(kSchema, names.substr(0, schemaBytes));
+  group(kChannel, names.substr(schemaBytes));
+  group(kStatistics, statisticsRecord(summaries, counts, schemas.size(), channels.size()));
+  std::string indexes;
+  for (const ChunkSummary& summary : summaries) indexes += chunkIndexRecord(summary);
+  group(kChunkIndex, indexes);
+  std::string footer;
+  append(footer, summaryStart);
+  append(footer, offset);
+  append(footer, uint32_t{0});
+  write(groups);
+  write(recordOf(kFooter, footer));
+  write(std::string(kMagic, kMagicBytes));
+  out.commit();
+}
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+// The layout of nuScenes (Caesar et al., CVPR 2020): v1.0-drive/*.json, samples and sweeps. Every lidar is a channel. A
+// .pcd.bin file has x, y, z, intensity 0..255 and ring as floats.
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "drive/formats/format.hpp"
+#include "drive/hash.hpp"
+#include "drive/pose_math.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kVersion = "v1.0-drive";
+
+/// A white pixel as PNG: the development kit wants a picture of the map.
+constexpr unsigned char kEmptyMap[] = {
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
+    0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x00, 0x00, 0x00, 0x00, 0x3a, 0x7e, 0x9b, 0x55, 0x00,
+    0x00, 0x00, 0x0a, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0xf8, 0x0f, 0x00, 0x01, 0x01, 0x01, 0x00,
+    0x1c, 0xb0, 0x8c, 0x99, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+
+Json listOf(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+Json turnOf(const Quaternion& q) {
+  return {q.w, q.x, q.y, q.z};
+}
+
+/// The four bins of nuScenes: up to 40, 60, 80 and 100 per cent.
+int visibilityBin(double share) {
+  return share < 0.4 ? 1 : share < 0.6 ? 2 : share < 0.8 ? 3 : 4;
+}
+
+/// A scan and the frame that it belongs to.
+struct Entry {
+  uint64_t frame;
+  bool key;
+  ScanSummary scan;
+};
+
+class NuScenes : public Format {
+ public:
+  using Format::Format;
+
+  std::vector<Field> fields() const override { return {Field::intensity, Field::ring}; }
+  bool needsBoxes() const override { return true; }
+
+  void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
+    std::vector<bool> seen(drive_.sensors.size());
+    for (const RecordedScan& recorded : frame.scans) {
+      const size_t sensor = recorded.planned.sensor;
+      if (!writes(sensor)) continue;
+      const bool key = isKey(frame.frame) && !seen[sensor];
+      seen[sensor] = true;
+      files.push_back({path(fileOf(recorded.planned, key)), pointsOf(recorded), ""});
+    }
+  }
+
+  void finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const override;
+
+ private:
+  bool isKey(uint64_t frame) const { return frame % output_.keyframes == 0; }
+  std::string token(const std::string& what, uint64_t a = 0, uint64_t b = 0) const {
+    return hashOf(drive_.name + "/" + what + "/" + std::to_string(a) + "/" + std::to_string(b));
+  }
+  std::string dataToken(const PlannedScan& scan) const { return token("sample_data", scan.sensor, scan.number); }
+  int64_t microseconds(double time) const { return unixNanoseconds(drive_, time) / 1000; }
+
+  std::string fileOf(const PlannedScan& scan, bool key) const {
+    const std::string& channel = drive_.sensors[scan.sensor].name;
+    return std::string(key ? "samples/" : "sweeps/") + channel + "/" + drive_.name + "__" + channel + "__" +
+           std::to_string(microseconds(scan.time)) + ".pcd.bin";
+  }
+
+  std::string pointsOf(const RecordedScan& recorded) const {
+    RecordLayout layout = kittiLayout(recorded.scan);
+    layout.values.push_back({Field::ring, 0, 16, ValueType::f32});
+    layout.stride = 20;
+    std::string rows = packedRows(recorded.scan, layout);
+    scaleFloat(rows, layout.stride, 12, intensityFactor(drive_.sensors[recorded.planned.sensor], 255));
+    return rows;
+  }
+
+  std::vector<Entry> entriesOf(const std::vector<FrameSummary>& frames) const;
+  void write(const std::filesystem::path& out, const char* table, const Json& rows) const {
+    writeWhole(out / path(std::string(kVersion) + "/" + table + ".json"), rows.dump(1) + "\n");
+  }
+  void writeConstants(const std::filesystem::path& out) const;
+  void writeData(const std::filesystem::path& out, const std::vector<Entry>& entries,
+                 const std::vector<uint64_t>& samples) const;
+  void writeAnnotations(const std::filesystem::path& out, const std::vector<Entry>& entries,
+                        const std::vector<uint64_t>& samples) const;
+  double sampleTime(uint64_t sample, const std::vector<Entry>& entries) const;
+};
+
+std::vector<Entry> NuScenes::entriesOf(const std::vector<FrameSummary>& frames) const {
+  std::vector<Entry> entries;
+  for (uint64_t f = 0; f < frames.size(); ++f) {
+    std::vector<bool> seen(drive_.sensors.size());
+    for (const ScanSummary& scan : frames[f].scans) {
+      if (!writes(scan.planned.sensor)) continue;
+      entries.push_back({f, isKey(f) && !seen[scan.planned.sensor], scan});
+      seen[scan.planned.sensor] = true;
+    }
+  }
+  return entries;
+}
+
+/// A sample has the time of its first scan.
+double NuScenes::sampleTime(uint64_t sample, const std::vector<Entry>& entries) const {
+  for (const Entry& entry : entries)
+    if (entry.frame == sample) return entry.scan.planned.time;
+  return drive_.start + static_cast<double>(sample) / drive_.rate;
+}
+
+void NuScenes::writeConstants(const std::filesystem::path& out) const {
+  Json categories = Json::array(), sensors = Json::array(), mounted = Json::array();
+  for (const Class& category : drive_.classes)
+    categories.push_back({{"token", token("category/" + category.name)}, {"name", category.name}, {"description", ""}});
+  for (size_t s : output_.sensors) {
+    const RigSensor& sensor = drive_.sensors[s];
+    sensors.push_back({{"token", token("sensor", s)}, {"channel", sensor.name}, {"modality", "lidar"}});
+    mounted.push_back({{"token", token("calibrated_sensor", s)},
+                       {"sensor_token", token("sensor", s)},
+                       {"translation", listOf(sensor.mount.position)},
+                       {"rotation", turnOf(sensor.mount.orientation)},
+                       {"camera_intrinsic", Json::array()}});
+  }
+  write(out, "category", categories);
+  write(out, "sensor", sensors);
+  write(out, "calibrated_sensor", mounted);
+  Json attributes = Json::array(), visibilities = Json::array();
+  for (const char* name : {"moving", "standing"})
+    attributes.push_back({{"token", token(name)}, {"name", name}, {"description", ""}});
+  const char* levels[] = {"v0-40", "v40-60", "v60-80", "v80-100"};
+  for (int i = 0; i < 4; ++i)
+    visibilities.push_back(
+        {{"token", std::to_string(i + 1)},
+         {"level", levels[i]},
+         {"description",
+          std::string("share of the beams through the box that nothing before it stops: ") + (levels[i] + 1) + " %"}});
+  write(out, "attribute", attributes);
+  write(out, "visibility", visibilities);
+  const std::string day = dateText(unixNanoseconds(drive_, drive_.start)).substr(0, 10);
+  write(out, "log",
+        Json::array({{{"token", token("log")},
+                      {"logfile", drive_.name},
+                      {"vehicle", "simulated"},
+                      {"date_captured", day},
+                      {"location", drive_.name}}}));
+  write(out, "map",
+        Json::array({{{"token", token("map")},
+                      {"category", "semantic_prior"},
+                      {"filename", "maps/empty.png"},
+                      {"log_tokens", {token("log")}}}}));
+  writeWhole(out / path("maps/empty.png"), std::string(reinterpret_cast<const char*>(kEmptyMap), sizeof(kEmptyMap)));
+}
+
+void NuScenes::writeData(const std::filesystem::path& out, const std::vector<Entry>& entries,
+                         const std::vector<uint64_t>& samples) const {
+  Json sampleRows = Json::array(), rows = Json::array(), poses = Json::array();
+  for (size_t i = 0; i < samples.size(); ++i)
+    sampleRows.push_back({{"token", token("sample", samples[i])},
+                          {"timestamp", microseconds(sampleTime(samples[i], entries))},
+                          {"prev", i == 0 ? "" : token("sample", samples[i - 1])},
+                          {"next", i + 1 == samples.size() ? "" : token("sample", samples[i + 1])},
+                          {"scene_token", token("scene")}});
+  std::map<size_t, std::vector<const Entry*>> bySensor;
+  for (const Entry& entry : entries) bySensor[entry.scan.planned.sensor].push_back(&entry);
+  for (const auto& [sensor, list] : bySensor) {
+    for (size_t i = 0; i < list.size(); ++i) {
+      const Entry& entry = *list[i];
+      const PlannedScan& scan = entry.scan.planned;
+      // A sweep belongs to the sample after it, or to the last one.
+      const auto next = std::lower_bound(samples.begin(), samples.end(), entry.frame);
+      const uint64_t sample = next == samples.end() ? samples.back() : *next;
+      const Pose ego = drive_.ego.at(scan.time);
+      rows.push_back({{"token", dataToken(scan)},
+                      {"sample_token", token("sample", sample)},
+                      {"ego_pose_token", dataToken(scan)},
+                      {"calibrated_sensor_token", token("calibrated_sensor", sensor)},
+                      {"timestamp", microseconds(scan.time)},
+                      {"fileformat", "pcd"},
+                      {"is_key_frame", entry.key},
+                      {"height", 0},
+                      {"width", 0},
+                      {"filename", fileOf(scan, entry.key)},
+                      {"prev", i == 0 ? "" : dataToken(list[i - 1]->scan.planned)},
+                      {"next", i + 1 == list.size() ? "" : dataToken(list[i + 1]->scan.planned)}});
+      poses.push_back({{"token", dataToken(scan)},
+                       {"timestamp", microseconds(scan.time)},
+                       {"rotation", turnOf(ego.orientation)},
+                       {"translation", listOf(ego.position)}});
+    }
+  }
+  write(out, "sample", sampleRows);
+  write(out, "sample_data", rows);
+  write(out, "ego_pose", poses);
+  write(out, "scene",
+        Json::array({{{"token", token("scene")},
+                      {"log_token", token("log")},
+                      {"nbr_samples", samples.size()},
+                      {"first_sample_token", token("sample", samples.front())},
+                      {"last_sample_token", token("sample", samples.back())},
+                      {"name", drive_.name},
+                      {"description", ""}}}));
+}
+
+void NuScenes::writeAnnotations(const std::filesystem::path& out, const std::vector<Entry>& entries,
+                                const std::vector<uint64_t>& samples) const {
+  struct Sight {
+    uint64_t points = 0;
+    double visibility = 0;
+  };
+  std::map<size_t, std::map<uint64_t, Sight>> sights;  // by actor and sample
+  for (const Entry& entry : entries) {
+    if (!entry.key) continue;
+    for (const Box& box : entry.scan.boxes) {
+      Sight& sight = sights[box.actor][entry.frame];
+      sight.points += box.points;
+      sight.visibility = std::max(sight.visibility, box.visibility);
+    }
+  }
+  std::map<uint64_t, double> times;
+  for (uint64_t sample : samples) times[sample] = sampleTime(sample, entries);
+  Json rows = Json::array(), instances = Json::array();
+  for (const auto& [actor, bySample] : sights) {
+    const Bounds& bounds = world_.boundsOf(actor);
+    const Vec3 size = bounds.max - bounds.min;
+    std::vector<uint64_t> seen;
+    for (const auto& [sample, sight] : bySample) seen.push_back(sample);
+    for (size_t i = 0; i < seen.size(); ++i) {
+      const double time = times[seen[i]];
+      const Sight& sight = bySample.at(seen[i]);
+      const Pose box = drive_.actors[actor].trajectory.at(time) * Pose{0.5 * (bounds.min + bounds.max), {}};
+      rows.push_back({{"token", token("annotation", actor, seen[i])},
+                      {"sample_token", token("sample", seen[i])},
+                      {"instance_token", token("instance", actor)},
+                      {"visibility_token", std::to_string(visibilityBin(sight.visibility))},
+                      {"attribute_tokens", {token(world_.isMoving(actor, time) ? "moving" : "standing")}},
+                      {"translation", listOf(box.position)},
+                      {"size", {size.y, size.x, size.z}},
+                      {"rotation", turnOf(box.orientation)},
+                      {"prev", i == 0 ? "" : token("annotation", actor, seen[i - 1])},
+                      {"next", i + 1 == seen.size() ? "" : token("annotation", actor, seen[i + 1])},
+                      {"num_lidar_pts", sight.points},
+                      {"num_radar_pts", 0}});
+    }
+    instances.push_back({{"token", token("instance", actor)},
+                         {"category_token", token("category/" + drive_.classes[drive_.actors[actor].category].name)},
+                         {"nbr_annotations", seen.size()},
+                         {"first_annotation_token", token("annotation", actor, seen.front())},
+                         {"last_annotation_token", token("annotation", actor, seen.back())}});
+  }
+  write(out, "sample_annotation", rows);
+  write(out, "instance", instances);
+}
+
+void NuScenes::finish(const std::vector<FrameSummary>& frames, const std::filesystem::path& out) const {
+  const std::vector<Entry> entries = entriesOf(frames);
+  std::vector<uint64_t> samples;
+  for (const Entry& entry : entries)
+    if (entry.key && (samples.empty() || samples.back() != entry.frame)) samples.push_back(entry.frame);
+  if (samples.empty()) return;
+  writeConstants(out);
+  writeData(out, entries, samples);
+  writeAnnotations(out, entries, samples);
+}
+
+}  // namespace
+
+std::unique_ptr<Format> makeNuScenes(const Drive& drive, const World& world, const Output& output) {
+  return std::make_unique<NuScenes>(drive, world, output);
+}
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a frame of a drive is: its scans and the boxes of the actors in them. Output formats turn it into files.
+#pragma once
+
+#include <vector>
+
+#include "drive/schedule.hpp"
+#include "drive/world.hpp"
+
+namespace gnosphere::drive {
+
+/// An actor that a scan has hit.
+struct Box {
+  size_t actor = 0;
+  double time =
+      0;  ///< of the actor's pose: the median time of its returns, or the start of the scan if actors stand still in it
+  Pose inSensor, inWorld;  ///< of the box's middle
+  Vec3 size;               ///< length, width, height
+  Vec3 velocity;           ///< m/s in the world
+  bool moving = false;
+  uint64_t points = 0;    ///< returns from the actor
+  double visibility = 0;  ///< share of the beams through the box that nothing before the box stops
+};
+
+struct RecordedScan {
+  PlannedScan planned;
+  double duration = 0;      ///< seconds
+  Pose pose;                ///< of the sensor in the world at the start
+  bool sensorMoves = true;  ///< whether the sensor moves during the scan, as its effects say
+  bool actorsMove = true;   ///< whether actors do
+  bool deskewed = false;    ///< whether points are in the frame of `pose`, rather than in that of their own time
+  Scan scan;                ///< Scan::instances are numbers of objects, see World
+  uint64_t points = 0;      ///< returns
+  std::vector<Box> boxes;
+};
+
+struct FrameRecord {
+  uint64_t frame = 0;
+  std::vector<RecordedScan> scans;
+};
+
+/// What stays of a frame when its scans have been written.
+struct ScanSummary {
+  PlannedScan planned;
+  uint64_t points = 0;
+  std::vector<Box> boxes;
+};
+struct FrameSummary {
+  std::vector<ScanSummary> scans;
+};
+
+/// Finds the boxes of the actors that a scan has hit. The scan needs Field::time if it takes any.
+class BoxFinder {
+ public:
+  explicit BoxFinder(const Drive& drive, const World& world) : drive_(drive), world_(world) {}
+  std::vector<Box> find(const RecordedScan& recorded);
+
+ private:
+  /// The beams of one pattern of a sensor; directions by component, so that loops over them are vectorised.
+  struct Beams {
+    std::vector<float> x, y, z;
+    std::vector<Vec3> origins;  // empty: all leave the sensor's origin
+  };
+  const Beams& beamsOf(const PlannedScan& planned);
+  /// `seen` is the box in the frame of the sensor at the box's time.
+  double visibility(const RecordedScan& recorded, const Pose& seen, const Vec3& size, uint32_t object);
+
+  const Drive& drive_;
+  const World& world_;
+  std::map<std::pair<size_t, uint64_t>, Beams> beams_;  // by sensor and pattern
+};
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Makes the frames of a drive.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "drive/drive.hpp"
+
+namespace gnosphere::drive {
+
+struct RunOptions {
+  std::filesystem::path out;
+  uint64_t firstFrame = 0, endFrame = UINT64_MAX;  ///< frames firstFrame..endFrame - 1
+  uint64_t shard = 0, shardCount = 1;              ///< frames whose number modulo shardCount is shard
+  bool verify = false;                             ///< whether complete frames are read and their hashes compared
+  SimulatorOptions simulator;                      ///< its accuracy is replaced by the drive's
+  /// Called when a frame is complete, with the number of frames made and that of frames to make.
+  std::function<void(uint64_t done, uint64_t total)> progress;
+};
+
+struct RunReport {
+  uint64_t chosen = 0;                                   ///< frames of the range and shard
+  uint64_t kept = 0;                                     ///< those that were complete
+  uint64_t scans = 0, points = 0, files = 0, bytes = 0;  ///< made now
+  bool finished = false;  ///< whether all frames of the drive are complete, and the files that need all are written
+  std::string device;     ///< its name; empty if nothing had to be made
+};
+
+/// Makes the frames that are not complete. A frame has the same bytes wherever and whenever it is made. If this throws,
+/// complete frames stay, and a later call goes on from there.
+RunReport run(const Drive& drive, const RunOptions& options);
+
+}  // namespace gnosphere::drive

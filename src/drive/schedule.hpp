@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which scans a drive has, and when.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "drive/drive.hpp"
+
+namespace gnosphere::drive {
+
+/// One scan of a sensor of the rig.
+struct PlannedScan {
+  size_t sensor = 0;
+  uint64_t number = 0;  ///< among the scans of its sensor; Shot::frame
+  double time = 0;      ///< of its start, on the clock of the trajectories
+};
+
+/// The scans that start within a frame, in order of time, then of sensors. They depend on nothing but the drive file.
+std::vector<PlannedScan> scansOf(const Drive& drive, uint64_t frame);
+
+/// Seconds from the start of a scan until its last beam has fired.
+double durationOf(const Sensor& sensor, uint64_t number);
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Poses over time, and the files that they come from.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gnosphere/simulator.hpp"
+
+namespace gnosphere::drive {
+
+/// Poses at ascending times. Between stamps positions are linear and orientations turn by slerp; before the first and
+/// after the last stamp the pose is constant.
+class Trajectory {
+ public:
+  using Stamp = SensorMotion::Stamp;
+
+  /// A trajectory that stands at the origin.
+  Trajectory() : Trajectory(std::vector<Stamp>{{}}) {}
+  /// Throws Error(format) unless there are stamps, and their times ascend.
+  explicit Trajectory(std::vector<Stamp> stamps);
+
+  Pose at(double time) const;
+  double begin() const { return motion_.stamps.front().time; }
+  double end() const { return motion_.stamps.back().time; }
+  bool covers(double time) const { return time >= begin() && time <= end(); }
+  /// Whether the pose changes between two times.
+  bool movesWithin(double from, double to) const;
+  /// Times of the stamps between two times, both excluded.
+  std::vector<double> timesWithin(double from, double to) const;
+  const std::vector<Stamp>& stamps() const { return motion_.stamps; }
+
+ private:
+  SensorMotion motion_;
+};
+
+/// Turns every pose so that x points along the way, level. Where the way does not move on, the last direction holds.
+void headAlong(std::vector<Trajectory::Stamp>& stamps);
+
+/// What a trajectory file leaves open.
+struct TrajectoryFileOptions {
+  std::filesystem::path times;  ///< KITTI: the file with the time of each pose
+  std::string route;            ///< CARLA routes: the id of the route; if empty, the first
+  double speed = 0;             ///< CARLA routes: metres a second
+};
+
+/// Reads lines `t x y z qx qy qz qw` (TUM); # begins a comment, further numbers on a line are ignored. Times need not
+/// ascend. Throws Error(format) that names the first invalid line, or Error(file) if the file cannot be read.
+std::vector<Trajectory::Stamp> readTum(const std::filesystem::path& file);
+
+/// Reads a trajectory file, format "tum", "kitti", "euroc", "nuscenes", "carla" or "carla-route", as docs/drives.md
+/// describes them. Throws Error(file) or Error(format).
+std::vector<Trajectory::Stamp> readTrajectory(const std::filesystem::path& file, const std::string& format,
+                                              const TrajectoryFileOptions& options);
+
+}  // namespace gnosphere::drive

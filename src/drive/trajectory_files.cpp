@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+
+#include "base/file.hpp"
+#include "drive/number_list.hpp"
+#include "drive/pose_math.hpp"
+#include "drive/trajectory.hpp"
+#include "effects/strict_json.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+using Stamps = std::vector<Trajectory::Stamp>;
+
+constexpr uint64_t kLargestFile = uint64_t{1} << 30;
+/// Tolerance on a quaternion's length, because files have few digits; a larger deviation means that it is no unit
+/// quaternion.
+constexpr double kUnitTolerance = 0.01;
+
+/// A line of numbers. `refuse` throws an error that names it.
+struct Line {
+  const std::filesystem::path& file;
+  size_t number;
+  std::string_view text;
+
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw Error(ErrorCode::format, file.string() + ": line " + std::to_string(number) + " " + why);
+  }
+  Quaternion unit(const Quaternion& q) const {
+    const double length = std::hypot(std::hypot(q.x, q.y), std::hypot(q.z, q.w));
+    if (!(std::abs(length - 1) < kUnitTolerance)) refuse("has a quaternion whose length is not 1");
+    return {q.x / length, q.y / length, q.z / length, q.w / length};
+  }
+};
+
+/// Calls use(line) for every line that is neither empty nor a comment.
+template <typename Use>
+void eachLine(const std::filesystem::path& file, const Use& use) {
+  const std::string text = readWholeFile(file, kLargestFile);
+  size_t number = 0;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line(text.data() + at, end - at);
+    at = end + 1;
+    ++number;
+    const size_t first = line.find_first_not_of(" \t\r");
+    if (first != std::string_view::npos && line[first] != '#') use(Line{file, number, line});
+  }
+}
+
+/// A camera looks along z, with x to the right and y down; a vehicle along x, with y to the left and z up.
+Vec3 fromCamera(const Vec3& v) {
+  return {v.z, -v.x, -v.y};
+}
+
+Stamps readKitti(const std::filesystem::path& file, const std::filesystem::path& timesFile) {
+  if (timesFile.empty()) throw Error(ErrorCode::format, file.string() + ": needs the file of its times, \"times\"");
+  std::vector<double> times;
+  eachLine(timesFile, [&](const Line& line) {
+    const std::vector<double> v = parseNumbers(line.text, ' ');
+    if (v.size() != 1) line.refuse("is not one time in seconds");
+    times.push_back(v[0]);
+  });
+  Stamps stamps;
+  eachLine(file, [&](const Line& line) {
+    const std::vector<double> v = parseNumbers(line.text, ' ');
+    if (v.size() != 12) line.refuse("is not a matrix of 3 rows and 4 columns, twelve numbers");
+    if (stamps.size() == times.size()) line.refuse("has no time in " + timesFile.string());
+    // The matrix maps camera to world, both with the axes of a camera. Column j of ours is where it sends our axis j.
+    const auto column = [&](size_t j) { return fromCamera({v[j], v[4 + j], v[8 + j]}); };
+    const Vec3 x = column(2), y = -1.0 * column(0), z = -1.0 * column(1);
+    const Quaternion turn = quaternionOf({Vec3{x.x, y.x, z.x}, Vec3{x.y, y.y, z.y}, Vec3{x.z, y.z, z.z}});
+    if (!(std::abs(dot(cross(x, y), z) - 1) < kUnitTolerance)) line.refuse("is no rotation and translation");
+    stamps.push_back({times[stamps.size()], {column(3), turn}});
+  });
+  if (stamps.size() != times.size())
+    throw Error(ErrorCode::format, timesFile.string() + ": has " + std::to_string(times.size()) + " times for the " +
+                                       std::to_string(stamps.size()) + " poses of " + file.string());
+  return stamps;
+}
+
+/// Splits a line at commas.
+std::vector<std::string_view> cellsOf(std::string_view line) {
+  std::vector<std::string_view> cells;
+  for (size_t at = 0; at <= line.size();) {
+    const size_t end = std::min(line.find(',', at), line.size());
+    cells.push_back(line.substr(at, end - at));
+    at = end + 1;
+  }
+  return cells;
+}
+
+/// t in nanoseconds, x, y, z, qw, qx, qy, qz, and what else there is.
+Stamps readEuroc(const std::filesystem::path& file) {
+  Stamps stamps;
+  eachLine(file, [&](const Line& line) {
+    const std::vector<std::string_view> cells = cellsOf(line.text);
+    const std::vector<double> v = parseNumbers(line.text, ',');
+    if (v.size() < 8) line.refuse("is not t,x,y,z,qw,qx,qy,qz, eight finite numbers with commas between");
+    int64_t nanoseconds = 0;
+    const auto end = cells[0].data() + cells[0].size();
+    if (std::from_chars(cells[0].data(), end, nanoseconds).ptr != end)
+      line.refuse("has a time that is not nanoseconds");
+    stamps.push_back(
+        {static_cast<double>(nanoseconds) / 1e9, {{v[1], v[2], v[3]}, line.unit({v[5], v[6], v[7], v[4]})}});
+  });
+  return stamps;
+}
+
+/// ego_pose.json, a list of {"timestamp": microseconds, "translation": [x, y, z], "rotation": [w, x, y, z]}.
+Stamps readNuScenes(const std::filesystem::path& file) {
+  const nlohmann::json rows = parseStrict(readWholeFile(file, kLargestFile), file.string());
+  std::map<int64_t, Pose> poses;  // several sensors may have poses of one time
+  try {
+    for (const nlohmann::json& row : rows) {
+      const auto p = row.at("translation").get<std::array<double, 3>>();
+      const auto q = row.at("rotation").get<std::array<double, 4>>();
+      const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+      if (!(std::abs(length - 1) < kUnitTolerance))
+        throw Error(ErrorCode::format, file.string() + ": has a rotation whose length is not 1");
+      poses[row.at("timestamp").get<int64_t>()] = {{p[0], p[1], p[2]}, normalized({q[1], q[2], q[3], q[0]})};
+    }
+  } catch (const nlohmann::json::exception&) {
+    throw Error(ErrorCode::format, file.string() +
+                                       ": is not a list of {\"timestamp\": microseconds, \"translation\": [x, y, z], "
+                                       "\"rotation\": [w, x, y, z]}");
+  }
+  Stamps stamps;
+  for (const auto& [time, pose] : poses) stamps.push_back({static_cast<double>(time) / 1e6, pose});
+  return stamps;
+}
+
+/// CARLA's y axis points to the right.
+Vec3 fromCarla(const Vec3& v) {
+  return {v.x, -v.y, v.z};
+}
+
+/// Lines x,y,z,t as ScenarioRunner logs a vehicle.
+Stamps readCarla(const std::filesystem::path& file) {
+  Stamps stamps;
+  eachLine(file, [&](const Line& line) {
+    const std::vector<double> v = parseNumbers(line.text, ',');
+    if (v.size() != 4) line.refuse("is not x,y,z,t, four finite numbers with commas between");
+    stamps.push_back({v[3], {fromCarla({v[0], v[1], v[2]}), {}}});
+  });
+  headAlong(stamps);
+  return stamps;
+}
+
+/// <routes><route id=""><waypoints><position x="" y="" z=""/>; older files have <waypoint> in the route itself.
+Stamps readCarlaRoute(const std::filesystem::path& file, const TrajectoryFileOptions& options) {
+  const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::format, file.string() + ": " + why); };
+  if (!(options.speed > 0)) refuse("a route has no times; give its \"speed\" in metres a second");
+  const std::string text = readWholeFile(file, kLargestFile);
+  pugi::xml_document document;
+  const auto result = document.load_buffer(text.data(), text.size());
+  if (!result) refuse(std::string("is not XML: ") + result.description());
+  const auto routes = document.child("routes");
+  const auto route = options.route.empty() ? routes.child("route")
+                                           : routes.find_child_by_attribute("route", "id", options.route.c_str());
+  if (!route) refuse(options.route.empty() ? "has no route" : "has no route '" + options.route + "'");
+  Stamps stamps;
+  const auto add = [&](const pugi::xml_node& place) {
+    const Vec3 p = fromCarla({place.attribute("x").as_double(NAN), place.attribute("y").as_double(NAN),
+                              place.attribute("z").as_double(NAN)});
+    if (!std::isfinite(p.x + p.y + p.z)) refuse("has a waypoint without finite x, y and z");
+    double time = 0;
+    if (!stamps.empty()) {
+      const Vec3 step = p - stamps.back().pose.position;
+      if (!(dot(step, step) > 0)) return;
+      time = stamps.back().time + std::sqrt(dot(step, step)) / options.speed;
+    }
+    stamps.push_back({time, {p, {}}});
+  };
+  for (const auto& place : route.child("waypoints").children("position")) add(place);
+  for (const auto& place : route.children("waypoint")) add(place);
+  headAlong(stamps);
+  return stamps;
+}
+
+}  // namespace
+
+Stamps readTum(const std::filesystem::path& file) {
+  Stamps stamps;
+  eachLine(file, [&](const Line& line) {
+    const std::vector<double> v = parseNumbers(line.text, ' ');
+    if (v.size() < 8) line.refuse("is not t x y z qx qy qz qw, eight finite numbers with spaces between");
+    if (v.size() == 12) line.refuse("has 12 numbers, as KITTI's matrices do; t x y z qx qy qz qw is wanted");
+    stamps.push_back({v[0], {{v[1], v[2], v[3]}, line.unit({v[4], v[5], v[6], v[7]})}});
+  });
+  if (stamps.empty()) throw Error(ErrorCode::format, file.string() + ": has no pose");
+  return stamps;
+}
+
+Stamps readTrajectory(const std::filesystem::path& file, const std::string& format,
+                      const TrajectoryFileOptions& options) {
+  if (file.extension() == ".feather")
+    throw Error(ErrorCode::format,
+                file.string() +
+                    ": Argoverse 2's feather files are read by Python; pandas.read_feather gives the "
+                    "columns, to be written as lines t x y z qx qy qz qw (docs/drives.md)");
+  if (format == "tum") return readTum(file);
+  Stamps stamps = format == "kitti"      ? readKitti(file, options.times)
+                  : format == "euroc"    ? readEuroc(file)
+                  : format == "nuscenes" ? readNuScenes(file)
+                  : format == "carla"    ? readCarla(file)
+                                         : readCarlaRoute(file, options);
+  if (stamps.empty()) throw Error(ErrorCode::format, file.string() + ": has no pose");
+  return stamps;
+}
+
+}  // namespace gnosphere::drive

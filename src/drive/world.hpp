@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scene of a drive: what stands still, and the actors that move through it.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "drive/drive.hpp"
+
+namespace gnosphere::drive {
+
+class World {
+ public:
+  /// Throws Error(format) for a model that cannot have the size of its actor.
+  explicit World(const Drive& drive);
+
+  /// The scene of the whole drive. Its instances never change: first those of the drive's scenes, in order, then those
+  /// of the actors.
+  const Scene& scene() const { return scene_; }
+
+  /// The number of the object that an instance belongs to. An instance of a scene is an object of its own, and has its
+  /// own number; all instances of an actor have the number of the actor's first. Numbers hold for the whole drive.
+  uint32_t objectOf(size_t instance) const { return objects_[instance]; }
+  uint32_t objectOfActor(size_t actor) const { return static_cast<uint32_t>(bodies_[actor].first); }
+  /// The actor that an object is; none for an object of a scene.
+  std::optional<size_t> actorOf(uint32_t object) const;
+
+  /// The pose of an actor; none where it is gone.
+  std::optional<Pose> poseOf(size_t actor, double time) const;
+  /// An actor's bounds in its own frame.
+  const Bounds& boundsOf(size_t actor) const { return bodies_[actor].bounds; }
+  /// Whether the actor moves faster than 0.1 m/s around a time.
+  bool isMoving(size_t actor, double time) const;
+  Vec3 velocityOf(size_t actor, double time) const;
+
+  /// Calls set(instance, transform) for all instances of an actor at this pose. An actor that is gone (no pose) lies
+  /// out of every sensor's reach, so that all instances keep their numbers.
+  void place(size_t actor, const std::optional<Pose>& pose,
+             const std::function<void(size_t instance, const Transform&)>& set) const;
+  /// Whether an actor that is there at `from` moves until `to`.
+  bool movesWithin(size_t actor, double from, double to) const;
+
+ private:
+  struct Body {
+    size_t first = 0, count = 0;  // instances
+    Bounds bounds;
+  };
+
+  const Drive& drive_;
+  Scene scene_;
+  std::vector<uint32_t> objects_;   // by instance
+  std::vector<Transform> inActor_;  // by instance; unused for those of scenes
+  std::vector<Body> bodies_;        // by actor
+};
+
+}  // namespace gnosphere::drive

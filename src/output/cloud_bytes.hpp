@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "gnosphere/output.hpp"
+
+namespace gnosphere {
+
+/// Returns the bytes of the file that writeCloud() writes, for an ending such as "pcd". Throws as it does.
+std::string cloudBytes(const Scan& scan, const std::string& ending, const CloudOptions& options);
+
+}  // namespace gnosphere

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere drive as a script would run it, also one that ends badly.
+#include <signal.h>
+#include <unistd.h>
+
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "cli_support.hpp"
+#include "drive_support.hpp"
+
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+/// A workplace with a drive of 10 frames.
+struct DrivePlace : Workplace {
+  DrivePlace() {
+    put("cube.obj", kCube);
+    put("floor.obj", kFloor);
+    Json json = smallDrive();
+    json["outputs"] = {{{"format", "semantickitti"}}, {{"format", "boxes"}}, {{"format", "mcap"}}};
+    put("drive.json", json.dump());
+  }
+  Result make(const std::string& arguments, const std::string& before = "") const {
+    return run("drive drive.json --device reference " + arguments, before);
+  }
+  /// The difference of two output folders as diff tells it; empty if there is none.
+  std::string difference(const std::string& a, const std::string& b) const {
+    const Result result = run("-r -x lock " + a + " " + b, "", "/usr/bin/diff");
+    return result.out + result.err;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("gnosphere drive says what it will do, and what it did") {
+  const DrivePlace place;
+  const Result check = place.make("");
+  CHECK(check.status == 0);
+  CHECK(check.err.empty());
+  CHECK_THAT(check.out, ContainsSubstring("small, 10 frames at 10 Hz, 1 s") && ContainsSubstring("2 actors"));
+  const Result some = place.make("-o out_a --frames 2:5");
+  CHECK_THAT(some.out, ContainsSubstring("3: 3 made, 0 complete before") && ContainsSubstring("not complete"));
+  const Result rest = place.make("-o out_a");
+  CHECK(rest.err.empty());  // no progress in a pipe
+  CHECK_THAT(rest.out, ContainsSubstring("10: 7 made, 3 complete before") && ContainsSubstring("drive      complete"));
+}
+
+TEST_CASE("wrong calls of gnosphere drive are refused before anything is written") {
+  const DrivePlace place;
+  const auto refused = [&](const std::string& arguments, int status, const std::string& words) {
+    INFO(arguments);
+    const auto before = place.files();
+    const Result result = place.make(arguments);
+    CHECK(result.status == status);
+    CHECK_THAT(result.err, ContainsSubstring(words));
+    CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
+    CHECK(place.files() == before);
+  };
+  refused("-o out_b --frames 5:5", 2, "--frames: '5:5' is not A:B");
+  refused("-o out_b --frames 7", 2, "--frames: '7' is not A:B");
+  refused("-o out_b --frames 10:", 2, "--frames: the drive has the frames 0 to 9");
+  refused("-o out_b --shard 4/4", 2, "--shard: '4/4' is not I/N");
+  refused("-o out_b --shard a/4", 2, "--shard: 'a/4' is not I/N");
+  place.put("drive.json", "{\"scenes\": [}");
+  refused("-o out_b", 1, "is not JSON");
+  place.put("drive.json", "{\"scenes\": []}");
+  refused("-o out_b", 1, "scenes: must have at least 1 entry, has 0; ego: is missing; sensors: is missing");
+  place.put("wall", "");
+  Json json = smallDrive();
+  place.put("drive.json", json.dump());
+  refused("-o wall/out", 1, "wall/out");
+}
+
+TEST_CASE("a drive that is killed five times and resumed has the same bytes") {
+  const DrivePlace place;
+  Json json = Json::parse(place.get("drive.json"));
+  json["duration"] = 4;
+  place.put("drive.json", json.dump());
+  REQUIRE(place.make("-o whole").status == 0);
+  const auto framesDone = [&] {
+    std::error_code absent;
+    return std::distance(fs::directory_iterator(place / "resumed/manifest/frames", absent), {});
+  };
+  int killed = 0;
+  for (const long frames : {3, 8, 15, 22, 30}) {
+    const std::string file = place / "drive.json", out = place / "resumed";
+    const pid_t child = fork();
+    if (child == 0) {
+      std::freopen("/dev/null", "w", stdout);
+      execl(GNOSPHERE_BINARY, "gnosphere", "drive", file.c_str(), "-o", out.c_str(), "--device", "reference", nullptr);
+      _exit(127);
+    }
+    int status = 0;
+    while (framesDone() < frames && waitpid(child, &status, WNOHANG) == 0) usleep(200);
+    kill(child, SIGKILL);
+    waitpid(child, &status, 0);
+    killed += WIFSIGNALED(status) && framesDone() < 40;
+  }
+  CHECK(killed >= 3);  // on a busy machine a run may be done before it is killed
+  REQUIRE(place.make("-o resumed").status == 0);
+  CHECK(place.difference("whole", "resumed") == "");
+}
+
+TEST_CASE("where the disk is full complete frames stay, and the drive goes on when there is room") {
+  const DrivePlace place;
+  REQUIRE(place.make("-o whole").status == 0);
+  // No file may be larger than 12 KiB. The shell ignores the signal, so that writing fails as on a full disk.
+  const Result full = place.make("-o full", "trap '' XFSZ; ulimit -f 12; ");
+  CHECK(full.status == 1);
+  CHECK(std::count(full.err.begin(), full.err.end(), '\n') == 1);
+  CHECK_THAT(full.err, ContainsSubstring("cannot be written: File too large"));
+  for (const auto& entry : fs::recursive_directory_iterator(place / "full")) CHECK(entry.path().extension() != ".part");
+  REQUIRE(place.make("-o full").status == 0);
+  CHECK(place.difference("whole", "full") == "");
+}
+
+TEST_CASE("the town has an example drive") {
+  const Workplace place;
+  REQUIRE(place.run("town --triangles 3000 -o town.glb --drive example.json").status == 0);
+  CHECK(place.files() == std::vector<std::string>{"example-car.glb", "example-person.glb", "example.json",
+                                                  "example.tum", "floor.obj", "town.glb"});
+  const Result check = place.run("drive example.json");
+  CHECK(check.err.empty());
+  CHECK_THAT(check.out, ContainsSubstring("town, 100 frames") && ContainsSubstring("11 actors"));
+}

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a drive file may say, and what its mistakes get.
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "drive/pose_math.hpp"
+#include "drive/schedule.hpp"
+#include "drive/schema_check.hpp"
+#include "drive_support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+/// Checks that this drive is refused with a line that has all these words.
+void checkRefused(const Json& json, const std::vector<std::string>& words) {
+  const DriveFolder folder;
+  try {
+    folder.read(json);
+    FAIL_CHECK("is accepted: " << words.front());
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::format);
+    CHECK(std::string(error.what()).find('\n') == std::string::npos);
+    for (const std::string& word : words) CHECK_THAT(error.what(), ContainsSubstring(word));
+  }
+}
+
+Json changed(const std::string& pointer, const Json& value) {
+  Json json = smallDrive();
+  json[Json::json_pointer(pointer)] = value;
+  return json;
+}
+
+void checkPose(const Pose& pose, const Vec3& position, const Quaternion& turn, double within = 1e-9) {
+  const auto& [p, q] = pose;
+  const double sign = q.x * turn.x + q.y * turn.y + q.z * turn.z + q.w * turn.w < 0 ? -1 : 1;
+  const double got[] = {p.x, p.y, p.z, sign * q.x, sign * q.y, sign * q.z, sign * q.w};
+  const double wanted[] = {position.x, position.y, position.z, turn.x, turn.y, turn.z, turn.w};
+  for (int i = 0; i < 7; ++i) {
+    INFO("number " << i << " of the pose");
+    CHECK_THAT(got[i], WithinAbs(wanted[i], within));
+  }
+}
+
+const double kHalf = std::sqrt(0.5);
+
+}  // namespace
+
+TEST_CASE("a mistake in a drive file is told with its path, what is expected and the nearest word") {
+  checkRefused(changed("/actors/0/trajectry", 1),
+               {"actors[0].trajectry: is an unknown word; the nearest are trajectory"});
+  checkRefused(changed("/actors/1/outside", "gon"), {"actors[1].outside: 'gon' is unknown", "gone"});
+  checkRefused(changed("/actors/0/class", "carr"), {"actors[0].class: 'carr' is unknown; there are car"});
+  checkRefused(changed("/actors/0/model", "cub"), {"actors[0].model: 'cub' is unknown; there is cube"});
+  checkRefused(changed("/actors/0/size", Json::array({1, 2})), {"actors[0].size: must have 3 entries, has 2"});
+  checkRefused(changed("/actors/0/size/1", -1), {"actors[0].size[1]: must be above 0, is -1"});
+  checkRefused(changed("/actors/1/name", "car-1"), {"actors[1].name: 'car-1' is there twice"});
+  checkRefused(changed("/rate", "fast"), {"rate: must be a number, is \"fast\""});
+  checkRefused(changed("/sensors/0/rate", 20), {"sensors[0].rate: is 20 scans a second, but the sensor takes 0.1"});
+  checkRefused(changed("/sensors/0/sensor", "Puk"), {"sensors[0].sensor: ", "Puck", "or give a file"});
+  checkRefused(changed("/sensors/1/name", "to p"), {"sensors[1].name: must have letters"});
+  checkRefused(changed("/sensors/0/sensor/columns", 0), {"sensors[0].sensor: "});
+  checkRefused(changed("/sensors/0/effects/fogg", "on"), {"sensors[0].effects: ", "no effect is called 'fogg'", "fog"});
+  checkRefused(changed("/sensors/0/mount/orientation", Json::array({0, 0, 0, 2})),
+               {"sensors[0].mount.orientation: must be a quaternion"});
+  checkRefused(changed("/sensors/1/mount/orientation", Json::array({0, 0, 0, 1})),
+               {"sensors[1].mount.yaw_pitch_roll_deg: is an alternative to orientation"});
+  checkRefused(changed("/ego/trajectory", Json::object()), {"ego.trajectory: needs a file or waypoints"});
+  checkRefused(changed("/ego/trajectory", {{"file", "no.tum"}}), {"ego.trajectory.file: ", "no.tum: cannot be read"});
+  checkRefused(changed("/ego/trajectory", {{"file", "no.tum"}, {"speed", 3}}),
+               {"ego.trajectory.speed: is only for files of the format carla-route"});
+  checkRefused(changed("/ego/trajectory/waypoints/1/time", 0), {"ego.trajectory: the time of pose 1"});
+  checkRefused(changed("/scenes/0/file", "flor.obj"), {"scenes[0].file: ", "flor.obj"});
+  checkRefused(changed("/scenes/0/instances", {{"*", "car2"}}), {"scenes[0].instances.*: 'car2' is unknown"});
+  checkRefused(changed("/outputs/0/format", "kiti"), {"outputs[0].format: 'kiti' is unknown; the nearest are kitti"});
+  checkRefused(changed("/outputs/0/folder", "../there"), {"outputs[0].folder: must be a folder in the output folder"});
+  checkRefused(changed("/outputs/0/sensors", Json::array({"tip"})), {"outputs[0].sensors[0]: 'tip' is unknown", "top"});
+  checkRefused(changed("/outputs/0/fields", "x,why"), {"outputs[0].fields: ", "why"});
+  checkRefused(changed("/outputs/1", {{"format", "npy"}}), {"outputs[1].folder: another output writes there, too"});
+  checkRefused(changed("/outputs/1", {{"format", "las"}, {"keyframes", 2}}),
+               {"outputs[1].keyframes: is only for nuscenes"});
+  checkRefused(changed("/weather/1/time", 0.2), {"weather[1].time: comes before"});
+  checkRefused(changed("/ego", {{"trajectory", {{"waypoints", {waypoint(0, 0, 0, 0)}}}}}), {"duration: is missing"});
+}
+
+TEST_CASE("all mistakes are told at once") {
+  Json json = smallDrive();
+  json["rat"] = 3;
+  json["actors"][0].erase("class");
+  json["sensors"][0]["offset"] = -1;
+  checkRefused(json,
+               {"rat: is an unknown word", "actors[0].class: is missing", "sensors[0].offset: must be at least 0"});
+  json = smallDrive();
+  json["actors"][0]["class"] = "cat";
+  json["sensors"][1]["sensor"] = "none";
+  json["scenes"][0]["file"] = "none.obj";
+  checkRefused(json, {"actors[0].class: ", "sensors[1].sensor: ", "scenes[0].file: "});
+}
+
+TEST_CASE("a pattern that matches no instance is told, and the longest that matches counts") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["scenes"][0]["instances"] = {{"*", "car"}, {"flo*", "person"}, {"street *", "ground"}};
+  put(folder / "floor.obj", "o floor\n" + std::string(kFloor));
+  const drive::Drive drive = folder.read(json);
+  REQUIRE(drive.scenes[0].instances.size() == 1);
+  if (drive.scenes[0].instances[0].name.starts_with("flo")) CHECK(drive.scenes[0].instances[0].classId == 30);
+  REQUIRE(drive.warnings.size() == (drive.scenes[0].instances[0].name.starts_with("flo") ? 1 : 2));
+  CHECK_THAT(drive.warnings.back(), ContainsSubstring("'street *' matches no instance"));
+}
+
+TEST_CASE("poses are linear and turn by slerp between the stamps of a trajectory") {
+  const drive::Trajectory way({{1, {{0, 0, 0}, {}}}, {3, {{4, -2, 1}, {0, 0, kHalf, kHalf}}}});
+  checkPose(way.at(1.5), {1, -0.5, 0.25}, {0, 0, std::sin(M_PI / 16), std::cos(M_PI / 16)}, 1e-12);
+  checkPose(way.at(0), {0, 0, 0}, {});
+  checkPose(way.at(9), {4, -2, 1}, {0, 0, kHalf, kHalf});
+  CHECK(way.covers(3));
+  CHECK_FALSE(way.covers(3.01));
+  CHECK(way.movesWithin(2.9, 9));
+  CHECK_FALSE(way.movesWithin(3, 9));
+}
+
+TEST_CASE("every kind of trajectory file is read as its makers define it") {
+  const Folder folder;
+  const auto read = [&](const std::string& name, const std::string& bytes, const std::string& format,
+                        const drive::TrajectoryFileOptions& options = {}) {
+    return drive::readTrajectory(put(folder / name, bytes), format, options);
+  };
+  const auto tum = read("a.tum", "# t x y z qx qy qz qw\n1.5 1 2 3 0 0 0.70710678 0.70710678 9 9\n", "tum");
+  REQUIRE(tum.size() == 1);
+  CHECK(tum[0].time == 1.5);
+  checkPose(tum[0].pose, {1, 2, 3}, {0, 0, kHalf, kHalf});
+
+  const auto euroc = read("a.csv", "#t,p,q\n1403715273262142976,1,2,3,0.70710678,0.70710678,0,0,7,7\n", "euroc");
+  CHECK_THAT(euroc[0].time, WithinAbs(1403715273.262142976, 1e-6));
+  checkPose(euroc[0].pose, {1, 2, 3}, {kHalf, 0, 0, kHalf});
+
+  const auto nuscenes = read("ego_pose.json",
+                             R"([{"token":"b","timestamp":2500000,"rotation":[0,0,0,1],"translation":[4,5,6]},
+                                 {"token":"a","timestamp":1500000,"rotation":[1,0,0,0],"translation":[1,2,3]}])",
+                             "nuscenes");
+  REQUIRE(nuscenes.size() == 2);
+  CHECK(nuscenes[0].time == 1.5);
+  checkPose(nuscenes[0].pose, {1, 2, 3}, {});
+  checkPose(nuscenes[1].pose, {4, 5, 6}, {0, 0, 1, 0});
+
+  // A camera that moves 2 m ahead, 1 m to the right and 3 m down, and turns left by a quarter: about its -y.
+  drive::TrajectoryFileOptions times;
+  times.times = put(folder / "times.txt", "0\n0.1\n");
+  const auto kitti = read("p.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 1 0 1 0 3 1 0 0 2\n", "kitti", times);
+  REQUIRE(kitti.size() == 2);
+  CHECK(kitti[1].time == 0.1);
+  checkPose(kitti[0].pose, {0, 0, 0}, {});
+  checkPose(kitti[1].pose, {2, -1, -3}, {0, 0, kHalf, kHalf});
+
+  // CARLA's y points to the right: a vehicle that drives to larger y turns right.
+  const auto carla = read("ego.csv", "0,0,1,0.05\n0,1,1,0.1\n0,2,1,0.15\n0,2,1,0.2\n0,2,1,0.25\n", "carla");
+  for (const auto& stamp : carla) checkPose({{}, stamp.pose.orientation}, {0, 0, 0}, {0, 0, -kHalf, kHalf});
+  checkPose(carla[2].pose, {0, -2, 1}, {0, 0, -kHalf, kHalf});
+
+  drive::TrajectoryFileOptions route;
+  route.route = "7";
+  route.speed = 2;
+  const std::string xml =
+      "<routes><route id='3'><waypoints><position x='0' y='0' z='0'/></waypoints></route><route "
+      "id='7'><waypoints><position x='0' y='0' z='0'/><position x='0' y='-4' z='0'/></waypoints>"
+      "</route></routes>";
+  const auto carlaRoute = read("r.xml", xml, "carla-route", route);
+  REQUIRE(carlaRoute.size() == 2);
+  CHECK(carlaRoute[1].time == 2);
+  checkPose(carlaRoute[1].pose, {0, 4, 0}, {0, 0, kHalf, kHalf});
+
+  CHECK_THROWS_WITH(read("r.xml", xml, "carla-route"), ContainsSubstring("give its \"speed\""));
+  CHECK_THROWS_WITH(read("a.feather", "", "tum"), ContainsSubstring("Argoverse 2"));
+  CHECK_THROWS_WITH(read("p.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n", "kitti", times),
+                    ContainsSubstring("has 2 times for the 1"));
+  CHECK_THROWS_WITH(read("p.txt", "1 2 3\n", "euroc"), ContainsSubstring("line 1 is not t,x,y,z,qw"));
+  CHECK_THROWS_WITH(read("a.tum", "0 0 0 0 0 0 0 2\n", "tum"), ContainsSubstring("length is not 1"));
+}
+
+TEST_CASE("times of trajectories are moved, cut and turned along the way as asked for") {
+  const DriveFolder folder;
+  put(folder / "ego.tum", "100 0 0 0 0 0 0 1\n101 0 1 0 0 0 0 1\n102 0 2 0 0 0 0 1\n103 0 3 0 0 0 0 1\n");
+  const auto read = [&](const Json& trajectory) {
+    Json json = smallDrive();
+    json["ego"]["trajectory"] = trajectory;
+    return folder.read(json).ego;
+  };
+  const auto cut = read({{"file", "ego.tum"}, {"from", 101}, {"to", 102.5}, {"begin", -1}, {"shift", {0, 0, 2}}});
+  REQUIRE(cut.stamps().size() == 2);
+  CHECK(cut.begin() == -1);
+  checkPose(cut.at(0), {0, 2, 2}, {});
+  checkPose(read({{"file", "ego.tum"}, {"heading", true}}).at(101), {0, 1, 0}, {0, 0, kHalf, kHalf});
+
+  put(folder / "twice.tum", "1 0 0 0 0 0 0 1\n2 5 0 0 0 0 0 1\n2 6 0 0 0 0 0 1\n3 7 0 0 0 0 0 1\n");
+  Json json = smallDrive();
+  json["ego"]["trajectory"] = {{"file", "twice.tum"}};
+  const drive::Drive twice = folder.read(json);
+  CHECK(twice.ego.stamps().size() == 3);
+  CHECK(twice.ego.at(2).position.x == 5);
+  REQUIRE(twice.warnings.size() == 1);
+  CHECK_THAT(twice.warnings[0], ContainsSubstring("ego.trajectory: 1 poses have the time of the pose before"));
+}
+
+TEST_CASE("every scan belongs to the frame that it starts in, whatever the rates") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["rate"] = 10;
+  json["duration"] = 3.05;
+  json["sensors"][0]["rate"] = 10.0 / 3;
+  json["sensors"][1]["rate"] = 7;
+  const drive::Drive drive = folder.read(json);
+  CHECK(drive.frameCount() == 31);
+  std::vector<uint64_t> next(2);
+  for (uint64_t frame = 0; frame < drive.frameCount(); ++frame)
+    for (const drive::PlannedScan& scan : drive::scansOf(drive, frame)) {
+      CHECK(scan.number == next[scan.sensor]++);
+      const double after = scan.time - static_cast<double>(frame) / 10;
+      CHECK((after > -1e-6 && after < 0.1));
+    }
+  CHECK(next[0] == 11);  // 0, 0.3 ... 3 s
+  CHECK(next[1] == 22);  // 0.05 s and every seventh of a second, until 3.05 s
+}
+
+TEST_CASE("weather is linear between entries, and may jump") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["weather"] = {{{"time", 0.2}, {"visibility", 100}},
+                     {{"time", 0.4}, {"visibility", 50}, {"snow", 4}},
+                     {{"time", 0.4}, {"rain", 10}}};
+  json["start"] = 0;
+  const drive::Drive drive = folder.read(json);
+  const auto at = [&](double time) { return drive.weatherAt(time).value(); };
+  CHECK(at(0).visibility == 100);
+  CHECK_THAT(at(0.3).visibility, WithinAbs(1 / 0.015, 1e-9));
+  CHECK_THAT(at(0.3).snowRate, WithinAbs(2, 1e-9));
+  CHECK(at(0.39999).rainRate == 0);
+  CHECK(at(0.4).rainRate == 10);
+  CHECK(at(0.4).visibility == 0);
+  CHECK(at(9).rainRate == 10);
+  json.erase("weather");
+  CHECK_FALSE(folder.read(json).weatherAt(0));
+}

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+// The formats of a drive, byte by byte as their specifications have them, without any code of ours but the runner.
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+#include <map>
+
+#include "drive_support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+template <typename T>
+T at(const std::string& bytes, size_t offset) {
+  REQUIRE(offset + sizeof(T) <= bytes.size());
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof(T));
+  return value;
+}
+
+/// The small drive in every format, run once for all tests.
+const DriveFolder& made() {
+  static const DriveFolder kFolder;
+  static const bool kDone = [] {
+    Json json = smallDrive();
+    json["weather"] = Json::array();
+    json["sensors"][0]["effects"] = "auto";
+    json["outputs"] = everyOutput();
+    json["epoch"] = 1700000000;
+    return kFolder.run(json).finished;
+  }();
+  REQUIRE(kDone);
+  return kFolder;
+}
+
+std::vector<std::vector<double>> numbersOf(const std::string& text) {
+  std::vector<std::vector<double>> rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    rows.emplace_back();
+    for (double number; words >> number;) rows.back().push_back(number);
+  }
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("KITTI odometry: points, times, and poses of a camera that looks ahead") {
+  const DriveFolder& folder = made();
+  const std::string sequence = "out/kitti/sequences/00/";
+  const std::string points = folder.get(sequence + "velodyne/000002.bin");
+  REQUIRE(points.size() % 16 == 0);
+  REQUIRE(points.size() > 300 * 16);
+  for (size_t i = 0; i < points.size(); i += 16) {
+    const float intensity = at<float>(points, i + 12);
+    CHECK((intensity >= 0 && intensity <= 1));
+  }
+  const auto times = numbersOf(folder.get(sequence + "times.txt")),
+             poses = numbersOf(folder.get("out/kitti/poses/00.txt"));
+  REQUIRE(times.size() == 10);
+  REQUIRE(poses.size() == 10);
+  CHECK_THAT(times[3][0], WithinAbs(0.3, 1e-9));
+  // 1.2 m ahead after 0.3 s: along the camera's z.
+  const double wanted[] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1.2};
+  for (size_t i = 0; i < 12; ++i) CHECK_THAT(poses[3][i], WithinAbs(wanted[i], 1e-9));
+  // "Tr" maps the lidar's frame to the camera's: ahead becomes z, left becomes -x, up becomes -y.
+  CHECK_THAT(folder.get(sequence + "calib.txt"), Catch::Matchers::EndsWith("Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n") &&
+                                                     Catch::Matchers::StartsWith("P0: 1 0 0 0"));
+}
+
+TEST_CASE("SemanticKITTI: a label per point, with the actor above and the class below") {
+  const DriveFolder& folder = made();
+  const std::string sequence = "out/semantickitti/sequences/00/";
+  const std::string points = folder.get(sequence + "velodyne/000004.bin"),
+                    labels = folder.get(sequence + "labels/000004.label");
+  CHECK(points == folder.get("out/kitti/sequences/00/velodyne/000004.bin"));
+  REQUIRE(labels.size() * 4 == points.size());
+  std::map<uint32_t, int> counts;
+  for (size_t i = 0; i < labels.size(); i += 4) {
+    const auto label = at<uint32_t>(labels, i);
+    ++counts[label];
+    CHECK((label == 40) == (at<float>(points, 4 * i + 8) < -1.79));  // on the floor
+  }
+  CHECK(counts.size() == 3);
+  CHECK(counts[252 | 1 << 16] > 0);  // the car moves
+  CHECK(counts[30 | 2 << 16] > 0);   // the person stands
+}
+
+TEST_CASE("KITTI raw data: times of the turn, and a vehicle that drives east") {
+  const DriveFolder& folder = made();
+  const std::string drive = "out/kitti-raw/2023_11_14/2023_11_14_drive_0001_sync/";
+  CHECK(folder.get(drive + "velodyne_points/data/0000000002.bin") ==
+        folder.get("out/kitti/sequences/00/velodyne/000002.bin"));
+  const auto line = [&](const std::string& file, size_t number) {
+    std::istringstream lines(folder.get(drive + file));
+    std::string text;
+    for (size_t i = 0; i <= number; ++i) std::getline(lines, text);
+    return text;
+  };
+  CHECK(line("velodyne_points/timestamps_start.txt", 2) == "2023-11-14 22:13:20.200000000");
+  CHECK(line("velodyne_points/timestamps.txt", 2) == "2023-11-14 22:13:20.250000000");
+  CHECK(line("velodyne_points/timestamps_end.txt", 2) == "2023-11-14 22:13:20.300000000");
+  const auto first = numbersOf(folder.get(drive + "oxts/data/0000000000.txt"))[0],
+             later = numbersOf(folder.get(drive + "oxts/data/0000000005.txt"))[0];
+  REQUIRE(first.size() == 30);
+  CHECK(later[0] == first[0]);
+  CHECK_THAT((later[1] - first[1]) * M_PI / 180 * 6378137 * std::cos(first[0] * M_PI / 180), WithinAbs(2, 1e-6));
+  CHECK_THAT(later[7], WithinAbs(4, 1e-6));  // m/s to the east, and ahead
+  CHECK_THAT(later[8], WithinAbs(4, 1e-6));
+}
+
+TEST_CASE("nuScenes: tables whose tokens lead somewhere, points with rings, annotations with the numbers of points") {
+  const DriveFolder& folder = made();
+  const auto table = [&](const std::string& name) {
+    return Json::parse(folder.get("out/nuscenes/v1.0-drive/" + name + ".json"));
+  };
+  std::map<std::string, Json> byToken;
+  for (const char* name : {"attribute", "calibrated_sensor", "category", "ego_pose", "instance", "log", "map", "sample",
+                           "sample_annotation", "sample_data", "scene", "sensor", "visibility"})
+    for (const Json& row : table(name)) byToken[std::string(name) + row["token"].get<std::string>()] = row;
+  const auto has = [&](const std::string& name, const Json& token) {
+    return token == "" || byToken.contains(name + token.get<std::string>());
+  };
+  CHECK(table("sample").size() == 2);  // frames 0 and 5
+  CHECK(table("sample_data").size() == 15);
+  for (const Json& data : table("sample_data")) {
+    CHECK((has("sample", data["sample_token"]) && has("ego_pose", data["ego_pose_token"])));
+    CHECK((has("calibrated_sensor", data["calibrated_sensor_token"]) && has("sample_data", data["next"]) &&
+           has("sample_data", data["prev"])));
+    const std::string file = data["filename"];
+    CHECK(file.starts_with(data["is_key_frame"] ? "samples/" : "sweeps/"));
+    const std::string points = folder.get("out/nuscenes/" + file);
+    REQUIRE(points.size() > 0);
+    REQUIRE(points.size() % 20 == 0);
+    for (size_t i = 0; i < points.size(); i += 20) {
+      const float ring = at<float>(points, i + 16);
+      CHECK((ring >= 0 && ring <= 7 && ring == std::floor(ring)));
+    }
+  }
+  bool car = false;
+  for (const Json& note : table("sample_annotation")) {
+    CHECK((has("sample", note["sample_token"]) && has("instance", note["instance_token"]) &&
+           has("visibility", note["visibility_token"]) && has("attribute", note["attribute_tokens"][0])));
+    CHECK(note["num_lidar_pts"] > 0);
+    const Json& instance = byToken["instance" + note["instance_token"].get<std::string>()];
+    if (byToken["category" + instance["category_token"].get<std::string>()]["name"] != "car") continue;
+    car = true;
+    CHECK(note["size"] == Json::array({2.0, 4.0, 1.5}));  // width, length, height
+    CHECK(note["rotation"] == Json::array({1.0, 0.0, 0.0, 0.0}));
+    const double time = byToken["sample" + note["sample_token"].get<std::string>()]["timestamp"].get<double>() / 1e6;
+    CHECK_THAT(note["translation"][0].get<double>(), WithinAbs(3 + 5 * (time - 1700000000), 1e-3));
+  }
+  CHECK(car);
+}
+
+// Offsets of LAS 1.4 R15, table 3 (header), 15 (point data record format 6) and 24 (extra bytes).
+TEST_CASE("LAS 1.4: header, point format 6, and points in the world") {
+  const DriveFolder& folder = made();
+  const std::string las = folder.get("out/las/top/000003.las");
+  CHECK(las.substr(0, 4) == "LASF");
+  CHECK(at<uint16_t>(las, 6) == 17);  // adjusted GPS time, WKT
+  CHECK((at<uint8_t>(las, 24) == 1 && at<uint8_t>(las, 25) == 4));
+  CHECK(at<uint16_t>(las, 94) == 375);
+  const auto offset = at<uint32_t>(las, 96);
+  CHECK(offset == 375 + 54 + 192);
+  CHECK(at<uint32_t>(las, 100) == 1);
+  CHECK(at<uint8_t>(las, 104) == 6);
+  const auto length = at<uint16_t>(las, 105);
+  CHECK(length == 34);
+  CHECK(at<uint32_t>(las, 107) == 0);
+  const auto count = at<uint64_t>(las, 247);
+  CHECK(las.size() == offset + count * length);
+  CHECK(at<uint64_t>(las, 255) == count);  // first returns
+  CHECK(las.substr(377, 9) == "LASF_Spec");
+  CHECK(at<uint16_t>(las, 393) == 4);
+  CHECK(at<uint8_t>(las, 375 + 54 + 2) == 5);  // the object is a u32
+  const std::string points = folder.get("out/kitti/sequences/00/velodyne/000003.bin");
+  REQUIRE(count == points.size() / 16);
+  double maxX = -1e9, minZ = 1e9;
+  for (uint64_t i = 0; i < count; ++i) {
+    const size_t p = offset + i * length;
+    double xyz[3];
+    for (size_t axis = 0; axis < 3; ++axis)
+      xyz[axis] = at<int32_t>(las, p + 4 * axis) * at<double>(las, 131 + 8 * axis) + at<double>(las, 155 + 8 * axis);
+    const auto category = at<uint8_t>(las, p + 16);
+    const auto object = at<uint32_t>(las, p + 30);
+    const double time = at<double>(las, p + 22) + 1e9 + 315964800 - 18 - 1700000000;  // on the drive's clock
+    CHECK((time > 0.3 - 1e-6 && time < 0.4));
+    // The sensor is at x = -2 + 4 t, and sees along the axes of the world.
+    CHECK_THAT(xyz[0] - (-2 + 4 * time), WithinAbs(at<float>(points, 16 * i), 2e-3));
+    CHECK_THAT(xyz[1], WithinAbs(at<float>(points, 16 * i + 4), 1e-3));
+    CHECK_THAT(xyz[2] - 1.8, WithinAbs(at<float>(points, 16 * i + 8), 1e-3));
+    CHECK((category == 40 ? object == 0 : category == 10 ? object == 1 : category == 30 && object == 2));
+    CHECK(at<uint8_t>(las, p + 14) == 0x11);  // the first of one return
+    maxX = std::max(maxX, xyz[0]);
+    minZ = std::min(minZ, xyz[2]);
+  }
+  CHECK_THAT(at<double>(las, 179), WithinAbs(maxX, 1e-9));
+  CHECK_THAT(at<double>(las, 219), WithinAbs(minZ, 1e-9));
+}
+
+// https://mcap.dev/spec, the messages of ROS 2's common_interfaces, and OMG's CDR.
+TEST_CASE("MCAP: records that follow each other, an index that leads to the chunks, clouds as ROS 2 has them") {
+  const DriveFolder& folder = made();
+  const std::string mcap = folder.get("out/mcap/drive.mcap");
+  CHECK_FALSE(fs::exists(folder / "out/mcap/chunks"));
+  const std::string magic("\x89MCAP0\r\n", 8);
+  REQUIRE((mcap.starts_with(magic) && mcap.ends_with(magic)));
+  std::map<uint8_t, std::vector<size_t>> records;  // places by opcode
+  for (size_t p = 8; p < mcap.size() - 8; p += 9 + at<uint64_t>(mcap, p + 1))
+    records[at<uint8_t>(mcap, p)].push_back(p);
+  CHECK(records[1].size() == 1);
+  CHECK(records[3].size() == 4);  // two schemas, and again in the summary
+  CHECK(records[4].size() == 8);
+  REQUIRE(records[6].size() == 10);
+  REQUIRE(records[8].size() == 10);
+  REQUIRE(records[2].size() == 1);
+  const auto summary = at<uint64_t>(mcap, records[2][0] + 9);
+  CHECK(at<uint8_t>(mcap, summary) == 3);  // the summary begins with a schema
+  CHECK(summary == records[15][0] + 9 + 4);
+  const size_t statistics = records[11][0] + 9;
+  const uint64_t messages = at<uint64_t>(mcap, statistics);
+  CHECK(messages == 10 * 10 + 1 + 10 + 5);
+  for (size_t i = 0; i < 10; ++i) {
+    const size_t index = records[8][i] + 9;
+    CHECK(at<uint64_t>(mcap, index + 16) == records[6][i]);
+    CHECK(at<uint64_t>(mcap, index + 24) == 9 + at<uint64_t>(mcap, records[6][i] + 1));
+  }
+  // The cloud of the sensor "top", channel 3, in the chunk of frame 3.
+  size_t p = records[6][3] + 9 + 8 + 8 + 8 + 4 + 4 + 8;
+  const size_t end = records[6][3] + 9 + at<uint64_t>(mcap, records[6][3] + 1);
+  while (p < end && at<uint16_t>(mcap, p + 9) != 3) p += 9 + at<uint64_t>(mcap, p + 1);
+  REQUIRE(p < end);
+  CHECK(at<uint64_t>(mcap, p + 15) == 1700000000300000000);
+  const std::string cdr = mcap.substr(p + 31, at<uint64_t>(mcap, p + 1) - 22);
+  CHECK(at<uint32_t>(cdr, 0) == 0x100);  // plain CDR, little-endian
+  CHECK(at<int32_t>(cdr, 4) == 1700000000);
+  CHECK(at<uint32_t>(cdr, 8) == 300000000);
+  CHECK(cdr.substr(16, 4) == std::string("top\0", 4));
+  CHECK(at<uint32_t>(cdr, 20) == 1);  // height
+  const std::string points = folder.get("out/kitti/sequences/00/velodyne/000003.bin");
+  const auto width = at<uint32_t>(cdr, 24);
+  CHECK(width == points.size() / 16);
+  CHECK(at<uint32_t>(cdr, 28) == 8);  // fields
+  const size_t data = cdr.size() - 1 - width * 28;
+  CHECK(at<uint32_t>(cdr, data - 4) == width * 28);
+  CHECK(at<uint32_t>(cdr, data - 8) == width * 28);
+  CHECK(at<uint32_t>(cdr, data - 12) == 28);
+  for (uint32_t i = 0; i < width; ++i) CHECK(cdr.substr(data + 28 * i, 16) == points.substr(16 * i, 16));
+}
+
+TEST_CASE("PCD: the header and the rows that it promises") {
+  const std::string pcd = made().get("out/pcd/top/000003.pcd");
+  CHECK_THAT(pcd, Catch::Matchers::ContainsSubstring("FIELDS x y z intensity ring time class instance true_range\n"));
+  const size_t data = pcd.find("DATA binary\n") + 12, points = pcd.find("POINTS ") + 7;
+  CHECK(pcd.size() - data == std::stoul(pcd.substr(points)) * (6 * 4 + 2 + 2 + 4));
+}

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames of a drive: what is in them, and that nothing but the drive file decides it.
+#include <algorithm>
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "drive/pose_math.hpp"
+#include "drive_support.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+/// A row of the .npy files of smallDrive().
+struct Row {
+  float x, y, z, range, time;
+  uint16_t category;
+  uint32_t instance;
+};
+
+/// Reads a structured array without numpy: the data comes after a text whose length stands at byte 8.
+std::vector<Row> rowsOf(const std::string& bytes) {
+  uint16_t header = 0;
+  std::memcpy(&header, bytes.data() + 8, 2);
+  constexpr size_t kStride = 26;
+  std::vector<Row> rows;
+  for (size_t at = 10 + header; at + kStride <= bytes.size(); at += kStride) {
+    Row row;
+    std::memcpy(&row, bytes.data() + at, 20);
+    std::memcpy(&row.category, bytes.data() + at + 20, 2);
+    std::memcpy(&row.instance, bytes.data() + at + 22, 4);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// All files below a folder with their bytes, except those that only say how a run went.
+std::map<std::string, std::string> filesOf(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().filename() != "lock")
+      files[fs::relative(entry.path(), folder).generic_string()] = bytesOf(entry.path());
+  return files;
+}
+
+void checkSameFiles(const fs::path& a, const fs::path& b) {
+  const auto filesA = filesOf(a), filesB = filesOf(b);
+  CHECK(filesA.size() == filesB.size());
+  for (const auto& [name, bytes] : filesA) {
+    INFO(name);
+    const auto other = filesB.find(name);
+    REQUIRE(other != filesB.end());
+    CHECK(bytes == other->second);
+  }
+}
+
+drive::RunOptions optionsFor(const fs::path& out) {
+  drive::RunOptions options;
+  options.out = out;
+  options.simulator.device = DeviceChoice::Kind::reference;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("points have the classes and objects of what they lie on, and objects keep their numbers") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["weather"] = Json::array();
+  json["sensors"][0]["effects"] = "auto";
+  const drive::RunReport report = folder.run(json);
+  CHECK(report.finished);
+  CHECK(report.chosen == 10);
+  CHECK(report.scans == 15);
+  const Json objects = Json::parse(folder.get("out/objects.json"));
+  REQUIRE(objects.size() == 3);
+  std::set<int> framesWithPerson;
+  for (int scan = 0; scan < 10; ++scan) {
+    INFO("scan " << scan);
+    const std::vector<Row> rows = rowsOf(folder.get("out/npy/top/00000" + std::to_string(scan) + ".npy"));
+    REQUIRE(rows.size() > 300);
+    for (const Row& row : rows) {
+      // The sensor drives along x at 4 m/s, 1.8 m above the floor, and its points have the frame of their moment.
+      const double now = 0.1 * scan + row.time, x = -2 + 4 * now + row.x, z = 1.8 + row.z;
+      CHECK(std::abs(std::hypot(row.x, row.y, row.z) - row.range) < 1e-4);
+      if (row.category == 40) {
+        CHECK(row.instance == 0);
+        CHECK_THAT(z, WithinAbs(0, 1e-4));
+      } else if (row.category == 10) {
+        CHECK(row.instance == 1);
+        const double inCar[] = {x - (3 + 5 * now), row.y - 3.0, z - 0.75}, half[] = {2, 1, 0.75};
+        double outside = -1;
+        for (int axis = 0; axis < 3; ++axis) outside = std::max(outside, std::abs(inCar[axis]) - half[axis]);
+        CHECK_THAT(outside, WithinAbs(0, 1e-3));  // on the surface of the car where it is at that moment
+      } else {
+        CHECK(row.category == 30);
+        CHECK(row.instance == 2);
+        framesWithPerson.insert(scan);
+      }
+    }
+  }
+  CHECK(framesWithPerson == std::set<int>{3, 4, 5, 6});  // there from 0.25 s to 0.65 s
+}
+
+TEST_CASE("a drive has the same bytes in one run, in shards and in parts, and complete frames are not made again") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"] = everyOutput();
+  const drive::Drive drive = folder.read(json);
+  CHECK(drive::run(drive, optionsFor(folder / "whole")).finished);
+  for (uint64_t shard : {2, 0, 3, 1}) {
+    drive::RunOptions options = optionsFor(folder / "shards");
+    options.shard = shard;
+    options.shardCount = 4;
+    const drive::RunReport report = drive::run(drive, options);
+    CHECK(report.chosen == (shard < 2 ? 3 : 2));
+    CHECK(report.finished == (shard == 1));
+  }
+  checkSameFiles(folder / "whole", folder / "shards");
+
+  drive::RunOptions part = optionsFor(folder / "parts");
+  part.firstFrame = 6;
+  CHECK_FALSE(drive::run(drive, part).finished);
+  part.firstFrame = 4;
+  part.endFrame = 8;
+  const drive::RunReport overlap = drive::run(drive, part);
+  CHECK(overlap.chosen == 4);
+  CHECK(overlap.kept == 2);
+  const drive::RunReport rest = drive::run(drive, optionsFor(folder / "parts"));
+  CHECK(rest.kept == 6);
+  CHECK(rest.finished);
+  checkSameFiles(folder / "whole", folder / "parts");
+
+  const drive::RunReport again = drive::run(drive, optionsFor(folder / "parts"));
+  CHECK(again.kept == 10);
+  CHECK(again.device.empty());  // nothing was scanned
+}
+
+TEST_CASE("a frame that is half there is made again, and with verify one whose bytes have changed") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"] = {{{"format", "kitti"}}, {{"format", "mcap"}}};
+  const drive::Drive drive = folder.read(json);
+  drive::run(drive, optionsFor(folder / "whole"));
+  drive::run(drive, optionsFor(folder / "out"));
+  const std::string points = "kitti/sequences/00/velodyne/00000";
+  fs::resize_file(folder / "out" / (points + "3.bin"), 100);
+  fs::remove(folder / "out" / (points + "5.bin"));
+  fs::remove(folder / "out/manifest/frames/000007.json");
+  CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 7);
+  checkSameFiles(folder / "whole", folder / "out");
+
+  std::string bytes = folder.get("out/" + points + "4.bin");
+  bytes[17] = static_cast<char>(bytes[17] ^ 1);
+  put(folder / "out" / (points + "4.bin"), bytes);
+  CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 10);
+  drive::RunOptions verify = optionsFor(folder / "out");
+  verify.verify = true;
+  CHECK(drive::run(drive, verify).kept == 9);
+  checkSameFiles(folder / "whole", folder / "out");
+
+  fs::remove(folder / "out/mcap/drive.mcap");  // its chunks are gone, so every frame has to be made again
+  CHECK(drive::run(drive, optionsFor(folder / "out")).kept == 0);
+  checkSameFiles(folder / "whole", folder / "out");
+}
+
+TEST_CASE("a folder with frames of another drive is refused, and so is this drive after a change") {
+  const DriveFolder folder;
+  folder.run(smallDrive());
+  Json json = smallDrive();
+  json["seed"] = 2;
+  CHECK_THROWS_WITH(folder.run(json), Catch::Matchers::ContainsSubstring("holds frames of another drive"));
+  put(folder / "cube.obj", std::string(kCube) + "f 1 2 3\n");  // the drive file is the same, a model is not
+  CHECK_THROWS_WITH(folder.run(smallDrive()), Catch::Matchers::ContainsSubstring("holds frames of another drive"));
+}
+
+TEST_CASE("weather comes when the drive says so, and only to sensors that it can reach") {
+  const DriveFolder folder;
+  Json json = smallDrive(), dry = smallDrive();
+  json["sensors"][0]["effects"] = dry["sensors"][0]["effects"] = "auto";
+  dry["weather"] = {{{"time", 0}}};
+  folder.run(json, "rain");
+  folder.run(dry, "dry");
+  const auto same = [&](const std::string& file) {
+    return folder.get("rain/npy/" + file) == folder.get("dry/npy/" + file);
+  };
+  CHECK(same("top/000004.npy"));
+  CHECK_FALSE(same("top/000005.npy"));
+  CHECK(same("side/000004.npy"));  // at 0.85 s, but its effects are "clean"
+}
+
+TEST_CASE("boxes fit the points of their actor in the frame of the scan, skewed and de-skewed") {
+  for (const bool deskew : {false, true}) {
+    INFO("deskew " << deskew);
+    const DriveFolder folder;
+    Json json = smallDrive();
+    json["weather"] = Json::array();
+    json["sensors"][0]["effects"] = {{"sensor-motion", {{"deskew", deskew}}}};
+    // A wall of 1 m hides the lower part of the car.
+    json["models"]["wall"] = {{"file", "cube.obj"}};
+    json["actors"][2] = {{"name", "wall"},
+                         {"model", "wall"},
+                         {"class", "ground"},
+                         {"size", {30, 0.2, 1}},
+                         {"trajectory", {{"waypoints", {waypoint(0, 0, 1.5, 0.5)}}}}};
+    json["outputs"][1] = {{"format", "boxes"}};
+    folder.run(json);
+    for (const std::string scan : {"top/000001", "top/000004"}) {
+      INFO(scan);
+      std::istringstream lines(folder.get("out/boxes/" + scan + ".jsonl"));
+      std::map<std::string, Json> boxes;
+      for (std::string line; std::getline(lines, line);) boxes[Json::parse(line)["name"]] = Json::parse(line);
+      REQUIRE(boxes.contains("car-1"));
+      const Json& car = boxes["car-1"];
+      const auto p = car["sensor_frame"]["position"].get<std::array<double, 3>>();
+      const auto q = car["sensor_frame"]["orientation"].get<std::array<double, 4>>();
+      const Pose toBox = drive::inverse({{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}});
+      uint64_t points = 0;
+      std::vector<float> times;
+      for (const Row& row : rowsOf(folder.get("out/npy/" + scan + ".npy"))) {
+        if (row.instance != car["object"]) continue;
+        ++points;
+        times.push_back(row.time);
+        const Vec3 inBox = drive::operator*(toBox, Vec3{row.x, row.y, row.z});
+        // The sensor passes the car at up to 9 m/s; the beams that hit it are at most 0.02 s from their median.
+        CHECK(std::abs(inBox.x) < 2 + 0.2);
+        CHECK(std::abs(inBox.y) < 1 + 0.2);
+        CHECK(std::abs(inBox.z) < 0.75 + 0.2);
+      }
+      CHECK(car["points"] == points);
+      // The car is at x = 3 + 5 t, and the sensor at -2 + 4 t, or where the scan began if it is de-skewed.
+      std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
+      const double begin = 0.1 * (scan.back() - '0'), after = times[times.size() / 2];
+      CHECK_THAT(car["time"].get<double>(), WithinAbs(after, 1e-6));
+      const double carX = 3 + 5 * (begin + after);
+      CHECK_THAT(car["world_frame"]["position"][0].get<double>(), WithinAbs(carX, 1e-6));
+      CHECK_THAT(p[0], WithinAbs(carX - (-2 + 4 * (begin + (deskew ? 0 : after))), 1e-6));
+      CHECK(car["moving"] == true);
+      CHECK_THAT(car["velocity"][0].get<double>(), WithinAbs(5, 1e-6));
+      CHECK(car["size"] == Json::array({4.0, 2.0, 1.5}));
+      CHECK(car["visibility"] > 0.1);
+      CHECK(car["visibility"] < 0.9);
+      CHECK(boxes["wall"]["visibility"] == 1.0);
+      CHECK(boxes["wall"]["moving"] == false);
+    }
+  }
+}

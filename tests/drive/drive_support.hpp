@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// A small drive for tests: a floor, a car that passes, a person who comes and goes, and two sensors.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "drive/run.hpp"
+#include "folder.hpp"
+
+namespace gnosphere::test {
+
+using Json = nlohmann::ordered_json;
+
+/// Lines of an .obj file of a unit cube around the origin.
+inline const char* kCube =
+    "v -0.5 -0.5 -0.5\nv 0.5 -0.5 -0.5\nv 0.5 0.5 -0.5\nv -0.5 0.5 -0.5\nv -0.5 -0.5 0.5\nv 0.5 -0.5 0.5\n"
+    "v 0.5 0.5 0.5\nv -0.5 0.5 0.5\nf 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\n"
+    "f 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+inline const char* kFloor = "v -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nf 1 2 3\nf 1 3 4\n";
+
+/// A head of 8 channels and 90 columns that turns ten times a second.
+inline Json smallHead() {
+  return {{"name", "small"},
+          {"columns", 90},
+          {"rotation_period", 0.1},
+          {"range", {{"min", 0.1}, {"max", 60}}},
+          {"elevation_deg", {-40, -30, -22, -16, -12, -8, -4, 0}}};
+}
+
+inline Json waypoint(double time, double x, double y, double z) {
+  return {{"time", time}, {"position", {x, y, z}}};
+}
+
+/// A drive of 10 frames.
+inline Json smallDrive() {
+  return {{"name", "small"},
+          {"classes",
+           {{"ground", {{"id", 40}}},
+            {"car", {{"id", 10}, {"moving_id", 252}}},
+            {"person", {{"id", 30}, {"moving_id", 254}}}}},
+          {"scenes", {{{"file", "floor.obj"}, {"class", "ground"}}}},
+          {"models", {{"cube", {{"file", "cube.obj"}}}}},
+          {"actors",
+           {{{"name", "car-1"},
+             {"model", "cube"},
+             {"class", "car"},
+             {"size", {4, 2, 1.5}},
+             {"trajectory", {{"waypoints", {waypoint(0, 3, 3, 0.75), waypoint(1, 8, 3, 0.75)}}}}},
+            {{"name", "person-1"},
+             {"model", "cube"},
+             {"class", "person"},
+             {"size", {0.6, 0.8, 1.8}},
+             {"trajectory", {{"waypoints", {waypoint(0.25, 1, -3, 0.9), waypoint(0.65, 1, -3, 0.9)}}}},
+             {"outside", "gone"}}}},
+          {"ego", {{"trajectory", {{"waypoints", {waypoint(0, -2, 0, 0), waypoint(1, 2, 0, 0)}}}}}},
+          {"sensors",
+           {{{"name", "top"},
+             {"sensor", smallHead()},
+             {"mount", {{"position", {0, 0, 1.8}}}},
+             {"effects", {{"range-noise", {{"sigma", 0.01}}}}}},
+            {{"name", "side"},
+             {"sensor", smallHead()},
+             {"rate", 5},
+             {"offset", 0.05},
+             {"mount", {{"position", {1, 0.5, 1}}, {"yaw_pitch_roll_deg", {90, 10, 0}}}},
+             {"effects", "clean"}}}},
+          {"weather", {{{"time", 0.5}}, {{"time", 0.5}, {"rain", 50}}}},
+          {"outputs", {{{"format", "npy"}, {"fields", "x,y,z,range,time,class,instance"}}}}};
+}
+
+/// A folder with the files that smallDrive() names.
+class DriveFolder {
+ public:
+  DriveFolder() {
+    put(folder_ / "cube.obj", kCube);
+    put(folder_ / "floor.obj", kFloor);
+  }
+  fs::path operator/(const std::string& name) const { return folder_ / name; }
+  drive::Drive read(const Json& json) const { return drive::readDrive(put(folder_ / "drive.json", json.dump())); }
+  drive::RunReport run(const Json& json, const std::string& out = "out") const {
+    drive::RunOptions options;
+    options.out = folder_ / out;
+    options.simulator.device = DeviceChoice::Kind::reference;
+    return drive::run(read(json), options);
+  }
+  std::string get(const std::string& name) const { return bytesOf(folder_ / name); }
+
+ private:
+  Folder folder_;
+};
+
+inline const std::vector<std::string> kEveryFormat = {"kitti", "semantickitti", "kitti-raw", "nuscenes", "pcd",
+                                                      "npy",   "las",           "mcap",      "boxes"};
+
+inline Json everyOutput() {
+  Json outputs = Json::array();
+  for (const std::string& format : kEveryFormat) outputs.push_back({{"format", format}});
+  return outputs;
+}
+
+}  // namespace gnosphere::test

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/drive.hpp"
+
+#include <charconv>
+#include <memory>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "drive/run.hpp"
+#include "drive/schedule.hpp"
+
+namespace gnosphere::cli {
+namespace {
+
+struct DriveCall {
+  std::string file, out, frames, shard, device = "auto";
+  bool verify = false;
+};
+
+/// Parses two whole numbers with a separator between; each may be left out if it is optional.
+bool parsePair(const std::string& text, char separator, bool optional, uint64_t& a, uint64_t& b) {
+  const size_t at = text.find(separator);
+  if (at == text.npos) return false;
+  const auto parse = [&](const char* begin, const char* end, uint64_t& number) {
+    if (begin == end) return optional;
+    const auto result = std::from_chars(begin, end, number);
+    return result.ec == std::errc() && result.ptr == end;
+  };
+  return parse(text.data(), text.data() + at, a) && parse(text.data() + at + 1, text.data() + text.size(), b);
+}
+
+drive::RunOptions optionsOf(const DriveCall& call) {
+  drive::RunOptions options;
+  options.out = call.out;
+  options.verify = call.verify;
+  if (!call.frames.empty() && (!parsePair(call.frames, ':', true, options.firstFrame, options.endFrame) ||
+                               options.firstFrame >= options.endFrame))
+    throw Error(ErrorCode::invalidArgument,
+                "--frames: '" + call.frames + "' is not A:B, the frames from A on and before B, as 0:100 or 100:");
+  if (!call.shard.empty() &&
+      (!parsePair(call.shard, '/', false, options.shard, options.shardCount) || options.shard >= options.shardCount))
+    throw Error(ErrorCode::invalidArgument,
+                "--shard: '" + call.shard + "' is not I/N with I from 0 to N - 1, as 0/4 to 3/4");
+  options.simulator.device = deviceByName(call.device);
+  options.simulator.warn = [](const std::string& message) { complain("warning: " + message); };
+  return options;
+}
+
+void describe(const drive::Drive& drive) {
+  size_t triangles = 0;
+  for (const Scene& scene : drive.scenes) triangles += scene.placedTriangleCount();
+  say("drive", drive.name + ", " + grouped(drive.frameCount()) + " frames at " + formatted("%g", drive.rate) + " Hz, " +
+                   formatted("%g", drive.duration) + " s");
+  say("scene", grouped(triangles) + " triangles, " + grouped(drive.actors.size()) + " actors");
+  for (const drive::RigSensor& sensor : drive.sensors)
+    say("sensor", sensor.name + ", " + sensor.sensor.name + ", " + grouped(sensor.sensor.beamCount()) + " beams at " +
+                      formatted("%g", sensor.rate) + " Hz");
+  for (const drive::Output& output : drive.outputs) say("output", output.folder + ", " + output.format);
+}
+
+void summarise(const drive::RunReport& report, double seconds) {
+  const uint64_t made = report.chosen - report.kept;
+  say("frames", grouped(report.chosen) + ": " + grouped(made) + " made, " + grouped(report.kept) + " complete before");
+  if (made > 0) {
+    say("device", report.device);
+    say("made", grouped(report.scans) + " scans with " + grouped(report.points) + " points, " + grouped(report.files) +
+                    " files of " + grouped((report.bytes + 500'000) / 1'000'000) + " MB");
+    say("time", formatted("%.1f s, %.2f frames a second", seconds, static_cast<double>(made) / seconds));
+  }
+  say("drive", report.finished ? "complete" : "not complete; its tables are written with its last frame");
+}
+
+int runDrive(const DriveCall& call) {
+  drive::RunOptions options = optionsOf(call);
+  const drive::Drive drive = drive::readDrive(call.file);
+  for (const std::string& warning : drive.warnings) complain("warning: " + warning);
+  if (options.firstFrame >= drive.frameCount())
+    throw Error(ErrorCode::invalidArgument, "--frames: the drive has the frames 0 to " +
+                                                std::to_string(drive.frameCount() - 1) + ", so " + call.frames +
+                                                " is none");
+  describe(drive);
+  if (call.out.empty()) return 0;
+  const double begin = nowMs();
+  drive::RunReport report;
+  {
+    Progress progress("frame", 1);
+    options.progress = [&](uint64_t done, uint64_t total) { progress.step(done, total); };
+    report = drive::run(drive, options);
+  }
+  summarise(report, (nowMs() - begin) / 1000);
+  return 0;
+}
+
+}  // namespace
+
+Action addDrive(CLI::App& app) {
+  const auto call = std::make_shared<DriveCall>();
+  app.add_option("DRIVE", call->file, "The drive file (JSON), see docs/drives.md")->required();
+  app.add_option("-o,--output", call->out,
+                 "Folder to write; frames that are complete there are not made again. Without it the drive file is "
+                 "only checked");
+  app.add_option("--frames", call->frames, "Make the frames from A on and before B only, A:B");
+  app.add_option("--shard", call->shard, "Make the frames whose number modulo N is I only, I/N");
+  app.add_option("--device", call->device,
+                 "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
+      ->capture_default_str();
+  app.add_flag("--verify", call->verify, "Read complete frames, and make those again whose files have changed");
+  app.footer("Example: gnosphere drive town-drive.json -o dataset");
+  return [call] { return runDrive(*call); };
+}
+
+}  // namespace gnosphere::cli
