@@ -18,9 +18,10 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr uint64_t kMostBeams = 0x7fffffffu;
 constexpr uint32_t kMostRows = 65535, kMostColumns = 1 << 22;
 constexpr uint64_t kCellsPerBeam = 4, kLeastCells = 1 << 16;
-// Fewer beams leave most of the sphere empty, which cells of 1 / kColumnsOfFew of a turn show.
+// Fewer beams leave most of the sphere empty. Narrow columns show where; but what is near to scattered lasers may be
+// anywhere, and tries all cells.
 constexpr size_t kFewBeams = 64;
-constexpr uint32_t kColumnsOfFew = 64;
+constexpr uint32_t kColumnsOfFew = 64, kColumnsOfScattered = 16;
 // Elevations closer than this, in radians, are one, unless many of them follow each other.
 constexpr double kSameElevation = 1e-6;
 // So many beams per elevation make it worth a row of its own.
@@ -293,7 +294,7 @@ BeamTables makeListedTables(const Sensor& sensor, uint64_t frame, const OriginGr
       ends = rowEnds(beams);
       columns = columnCount(beams, ends);
     }
-    if (beams.size() < kFewBeams) columns = kColumnsOfFew;
+    if (beams.size() < kFewBeams) columns = group.lasers.distance > 0 ? kColumnsOfScattered : kColumnsOfFew;
     listInCells(sensor, frame, std::move(beams), ends, columns, group, tables);
   }
   tables.masked = static_cast<uint32_t>(group.silent.size());
