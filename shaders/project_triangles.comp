@@ -71,6 +71,18 @@ bool hidden(Box box, float rangeMin) {
          occluded(Window(box.rowFirst, box.rowLast + 1, box.columnMin, box.columnMax), rangeMin);
 }
 
+// True if a box of few rows has cells of a list, but no beam lies in them.
+bool withoutBeams(Box box) {
+  if (!LISTED || boxRowCount(box) > kFewRows) return false;
+  uint first = wrapColumn(firstColumn(box)), end = first + boxColumnCount(box), beams = 0;
+  for (uint row = box.rowFirst; row <= box.rowLast; ++row) {
+    uint cell = row * frame.columns;
+    beams += cellStarts.at[cell + min(end, frame.columns)] - cellStarts.at[cell + first];
+    if (end > frame.columns) beams += cellStarts.at[cell + end - frame.columns] - cellStarts.at[cell];
+  }
+  return beams == 0;
+}
+
 // Computes the outline of a triangle from the angles of its corners and a margin, which is much cheaper than
 // outlineOf(). An edge that spans d radians (at most its length divided by the nearest range) rises above its ends by
 // at most d^2 / 8 times the tangent of its elevation, which is at most 2.4 here: for d up to 0.2 and keys up to 0.6.
@@ -126,7 +138,7 @@ uint boundedBox(vec3 a, vec3 b, vec3 c, out Box box, float rangeMin) {
     outline = outlineOf(a, b, c);
     some = coverRows(outline, box) && coverColumns(a, b, c, outline, box);
   }
-  if (!some) return kBetween;
+  if (!some || withoutBeams(box)) return kBetween;
   return hidden(box, rangeMin) ? kHidden : kKeep;
 }
 

@@ -34,6 +34,8 @@ GNO_CONST uint kSmallBoxBeams = 16;
 GNO_CONST uint kTileBeams = 4096;
 // For a tile of at most this many beams, all rows are tried without computing first which rows can have hits.
 GNO_CONST uint kFewBeams = 32;
+// A box over at most this many rows of cells is searched for beams before its triangle is stored.
+GNO_CONST uint kFewRows = 4;
 // Cells of the table from elevation key to row.
 GNO_CONST uint kRowLookupCells = 16384;
 // Vertices with a larger coordinate are dropped and counted: products of three coordinates would overflow a float.

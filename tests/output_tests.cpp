@@ -180,6 +180,15 @@ TEST_CASE("a cloud that cannot be written leaves no file behind") {
   CHECK(folder.fileCount() == 2);  // folder.pcd and kept.pcd, without a .part file
 }
 
+TEST_CASE("a picture is upright, whether channels count from the bottom or from the top") {
+  const Folder folder;
+  Sensor sensor = builtinSensor("VLP-16");
+  writePicture(syntheticScan(sensor), folder / "up.png");
+  std::reverse(sensor.channels.begin(), sensor.channels.end());
+  writePicture(syntheticScan(sensor), folder / "down.png");
+  CHECK(bytesOf(folder / "up.png") == bytesOf(folder / "down.png"));
+}
+
 TEST_CASE("a picture is a PNG of a reasonable size for every grid") {
   const Folder folder;
   Sensor sensor = builtinSensor("VLP-16");

@@ -308,6 +308,19 @@ TEST_CASE("heads of the catalogue have the figures of their sheets") {
   CHECK(std::abs(std::hypot(origin.x, origin.y) - 0.015806) < 1e-12);
   CHECK(std::abs(std::atan2(origin.y, origin.x) * 180 / std::numbers::pi - 4.2) < 1e-9);  // towards the encoder's angle
 
+  // The lasers of the Pucks cross 41.9 mm before the axis.
+  for (const char* name : {"Puck", "Puck-Hi-Res"})
+    for (const Channel& channel : builtinSensor(name).channels)
+      CHECK(std::abs(channel.origin.z + 0.0419 * std::tan(channel.elevationDeg * std::numbers::pi / 180)) < 5e-4);
+  CHECK(builtinSensor("Alpha-Prime").divergenceVertical == 1.5e-3);
+  const Sensor helios = builtinSensor("RS-Helios-32");
+  CHECK(helios.columns == 1800);
+  CHECK(helios.channels[31].elevationDeg == 15);
+  CHECK(helios.channels[31].timeOffset == 0);
+  CHECK(helios.channels[22].elevationDeg == 0);
+  CHECK(helios.channels[0].elevationDeg == -55.02);
+  CHECK(std::abs(helios.channels[0].timeOffset - 45.15e-6) < 1e-15);
+
   CHECK(builtinSensor("Pandar64").columns == 1800);
   CHECK(builtinSensor("Pandar64:20Hz").columns == 900);
   CHECK(builtinSensor("AT128").azimuthSpanDeg == -120);

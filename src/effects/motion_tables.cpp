@@ -32,6 +32,12 @@ void write(const Frame& from, const Frame& to, gpu::vec4& row0, gpu::vec4& row1,
                 static_cast<float>(shift[r])};
 }
 
+/// The pose of a point of the sensor's frame, with the sensor's orientation.
+Pose movedTo(const Vec3& point, const Pose& pose) {
+  const glm::dvec3 offset = Frame(pose).turn * glm::dvec3(point.x, point.y, point.z);
+  return {{pose.position.x + offset.x, pose.position.y + offset.y, pose.position.z + offset.z}, pose.orientation};
+}
+
 double angleBetween(const Frame& a, const Frame& b) {
   const glm::dquat difference = glm::conjugate(a.quaternion) * b.quaternion;
   return 2 * std::asin(std::min(1.0, glm::length(glm::dvec3(difference.x, difference.y, difference.z))));
@@ -39,12 +45,12 @@ double angleBetween(const Frame& a, const Frame& b) {
 
 }  // namespace
 
-MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBounds& origins, const Shot& shot,
+MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBounds& lasers, const Shot& shot,
                               bool moves, bool deskew) {
   const ScanTimes times = scanTimesOf(sensor, listed, shot.frame);
   const auto poseOf = [&](double time) { return moves ? poseAt(shot.motion, shot.pose, time) : shot.pose; };
   MotionTables tables;
-  tables.middle = poseOf(times.middle);
+  tables.middle = movedTo(lasers.centre, poseOf(times.middle));
   const Frame middle(tables.middle), standing(shot.pose);
   double shift = 0, turn = 0, shiftStep = 0, turnStep = 0;
   Frame before = middle, now = middle;
@@ -52,9 +58,10 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBou
   for (uint32_t i = 0; i < times.count; ++i) {
     const double time = listed ? times.first + i * times.step : sensor.rotationPeriod * i / sensor.columns;
     if (moves || i == 0) {
-      now = Frame(poseOf(time));
+      const Pose pose = poseOf(time);
+      now = Frame(movedTo(lasers.centre, pose));
       write(middle, now, column.row0, column.row1, column.row2);
-      write(now, deskew ? standing : now, column.report0, column.report1, column.report2);
+      write(now, deskew ? standing : Frame(pose), column.report0, column.report1, column.report2);
     }
     const Vec3 v = velocityAt(shot.motion, time);
     const glm::dvec3 velocity = glm::transpose(now.turn) * glm::dvec3(v.x, v.y, v.z);
@@ -70,14 +77,14 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBou
     before = now;
   }
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
-  tables.bounds = {up(shift + origins.distance),
+  tables.bounds = {up(shift + lasers.distance),
                    up(turn),
                    up(shiftStep),
                    up(turnStep),
-                   up(origins.distance),
-                   up(origins.forward),
-                   up(origins.left),
-                   up(origins.up),
+                   up(lasers.distance),
+                   up(lasers.forward),
+                   up(lasers.left),
+                   up(lasers.up),
                    up(times.step),
                    up(std::max(times.last, -times.first)),
                    0,

@@ -11,15 +11,16 @@
 namespace gnosphere {
 
 struct MotionTables {
-  Pose middle;  ///< pose of the sensor at half time; triangles are projected in this frame
+  Pose middle;  ///< pose of the lasers' centre at half time; triangles are projected in this frame
   std::vector<gpu::ColumnMotion> columns;
   gpu::MotionBounds bounds = {};  ///< `instances` stays 0; the caller sets it
 };
 
 /// Computes the tables. If `moves`, the sensor moves by Shot::motion; otherwise only lasers away from the origin and
-/// moving instances count as motion. With `deskew` points are reported in the frame of the shot's pose.
+/// moving instances count as motion. With `deskew` points are reported in the frame of the shot's pose. All else is
+/// seen from the lasers' centre.
 /// `listed` tells that the moments of the table are not those of the columns, see ScanTimes.
-MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBounds& origins, const Shot& shot,
+MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBounds& lasers, const Shot& shot,
                               bool moves, bool deskew);
 
 }  // namespace gnosphere

@@ -118,8 +118,6 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   for (const Field field : request.fields) plan.fields |= bitOf(field);
   plan.layout = request.layout;
   plan.origins = hasOrigins(sensor);
-  for (size_t i = 0; i < std::max<size_t>(sensor.patterns.size(), 1); ++i)
-    plan.originBounds.push_back(originBoundsOf(sensor, i));
   plan.listed = needsBeamList(sensor) || (plan.motion() && hasTimeOffsets(sensor));
   if (plan.listed && accuracyPartsOf(options_).bounds == AccuracyParts::Bounds::paper)
     throw Error(ErrorCode::invalidArgument,

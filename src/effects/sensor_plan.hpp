@@ -29,14 +29,13 @@ struct SensorPlan {
   Sensor sensor;
   Effects effects;  ///< as requested
   std::vector<Plan::Decision> decisions;
-  uint32_t bits = 0;                       ///< bits of effects/bits.h: planned effects, kStrays and kFootprint
-  uint32_t fields = 0;                     ///< gpu::kField... bits of the requested fields
-  uint32_t returns = 1;                    ///< per beam
-  RecordLayout layout;                     ///< of results that stay on the device; empty if the host reads them
-  bool listed = false;                     ///< the beams are a list, in places or cells of a grid
-  bool origins = false;                    ///< some lasers have an origin other than zero
-  std::vector<OriginBounds> originBounds;  ///< by pattern; a grid has one
-  bool looksAtMaterials = false;           ///< the intensity depends on the surface that is hit
+  uint32_t bits = 0;              ///< bits of effects/bits.h: planned effects, kStrays and kFootprint
+  uint32_t fields = 0;            ///< gpu::kField... bits of the requested fields
+  uint32_t returns = 1;           ///< per beam
+  RecordLayout layout;            ///< of results that stay on the device; empty if the host reads them
+  bool listed = false;            ///< the beams are a list, in places or cells of a grid
+  bool origins = false;           ///< some lasers have an origin other than zero
+  bool looksAtMaterials = false;  ///< the intensity depends on the surface that is hit
 
   // Inputs of the device's formulas. The reference computes its own.
   gpu::EffectParameters parameters = {};          ///< for frame 0

@@ -5,13 +5,14 @@
 
 namespace gnosphere {
 
-std::optional<ShotMotion> motionOf(const SensorPlan& plan, const Shot& shot, const InstanceTable& instances) {
+std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,
+                                   const InstanceTable& instances) {
   const bool instancesMove = !shot.instanceMotions.empty() && plan.has(gpu::kObjectMotion);
   const bool sensorMoves = !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
   if (!sensorMoves && !instancesMove && !plan.origins) return {};
   ShotMotion motion;
-  motion.tables = makeMotionTables(plan.sensor, plan.listed, plan.originBounds[shot.frame % plan.originBounds.size()],
-                                   shot, plan.has(gpu::kSensorMotion), plan.effects.sensorMotion.deskew);
+  motion.tables = makeMotionTables(plan.sensor, plan.listed, lasers, shot, plan.has(gpu::kSensorMotion),
+                                   plan.effects.sensorMotion.deskew);
   if (instancesMove) {
     motion.instances.resize(instances.count());
     const double duration = durationOf(plan.sensor, shot.frame);

@@ -17,8 +17,10 @@ struct ShotMotion {
   double farthest = 0;                         ///< largest distance in metres that a point of them moves
 };
 
-/// Empty if neither the sensor nor an instance moves during this shot; the scan then uses the pipelines without motion.
-std::optional<ShotMotion> motionOf(const SensorPlan& plan, const Shot& shot, const InstanceTable& instances);
+/// The motion that the lasers see which fire from around `lasers.centre`. Empty if neither the sensor nor an instance
+/// moves during this shot; the scan then uses the pipelines without motion.
+std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,
+                                   const InstanceTable& instances);
 
 /// Returns by how many metres motion may bring a surface nearer to the sensor; 0 without motion.
 double reachOf(const std::optional<ShotMotion>& motion);

@@ -54,15 +54,27 @@ struct RangeImage {
   }
 };
 
+/// Whether channel 0 is the uppermost: hits of earlier channels are higher, seen from the sensor.
+bool countsFromTop(const Scan& scan) {
+  const double middle = 0.5 * (scan.channels - 1.0);
+  double rise = 0;
+  for (size_t beam = 0; beam < scan.beamCount(); ++beam)
+    if (const float range = scan.ranges[beam]; std::isfinite(range) && range > 0)
+      rise +=
+          (static_cast<double>(beam / scan.columns) - middle) * static_cast<double>(scan.points[3 * beam + 2] / range);
+  return rise < 0;
+}
+
 /// The nearest range of each pixel, so that a thin pole stays visible when columns are grouped. Infinite: no hit.
 std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image, int columns, int channels) {
   std::vector<float> nearest(static_cast<size_t>(columns) * static_cast<size_t>(channels),
                              std::numeric_limits<float>::infinity());
+  const bool fromTop = countsFromTop(scan);
   for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
     const float range = scan.ranges[beam];
     if (!std::isfinite(range)) continue;
-    const size_t column = beam % scan.columns / image.columnsPerPixel;
-    const size_t channel = beam / scan.columns / image.channelsPerPixel;
+    const size_t column = beam % scan.columns / image.columnsPerPixel, row = beam / scan.columns;
+    const size_t channel = (fromTop ? scan.channels - 1 - row : row) / image.channelsPerPixel;
     float& pixel = nearest[channel * static_cast<size_t>(columns) + column];
     pixel = std::min(pixel, range);
   }
@@ -115,8 +127,8 @@ float edgeLight(const Ranges& ranges, int column, int channel) {
   return 0.35f + 0.65f * std::exp(-8 * std::max(depth - 0.02f, 0.0f));
 }
 
-/// Draws the panorama that the sensor sees: forward is in the middle, the sensor's left at the left, channel 0 at the
-/// bottom. Columns run counter-clockwise seen from above, so they are drawn from right to left.
+/// Draws the panorama that the sensor sees: forward is in the middle, the sensor's left at the left, the lowest channel
+/// at the bottom. Columns run counter-clockwise seen from above, so they are drawn from right to left.
 void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, int left, int top) {
   canvas.fill(left, top, image.width, image.height, kMiss);
   std::vector<float> hits;

@@ -18,6 +18,10 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr uint64_t kMostBeams = 0x7fffffffu;
 constexpr uint32_t kMostRows = 65535, kMostColumns = 1 << 22;
 constexpr uint64_t kCellsPerBeam = 4, kLeastCells = 1 << 16;
+// Fewer beams leave most of the sphere empty. Narrow columns show where; but what is near to scattered lasers may be
+// anywhere, and tries all cells.
+constexpr size_t kFewBeams = 64;
+constexpr uint32_t kColumnsOfFew = 64, kColumnsOfScattered = 16;
 // Elevations closer than this, in radians, are one, unless many of them follow each other.
 constexpr double kSameElevation = 1e-6;
 // So many beams per elevation make it worth a row of its own.
@@ -89,14 +93,12 @@ uint32_t columnCount(const std::vector<Listed>& beams, const std::vector<size_t>
   return static_cast<uint32_t>(std::clamp(columns, 16.0, static_cast<double>(most)));
 }
 
-// The beams in order of elevation, without the silent ones.
-std::vector<Listed> sortedBeams(const Sensor& sensor, uint64_t frame, const std::vector<bool>& silent) {
+// The beams in order of elevation.
+std::vector<Listed> sortedBeams(const Sensor& sensor, uint64_t frame, const std::vector<uint32_t>& numbers) {
   std::vector<Listed> beams;
-  beams.reserve(silent.size());
-  for (size_t beam = 0; beam < silent.size(); ++beam)
-    if (!silent[beam])
-      beams.push_back(
-          {azimuthOf(sensor, beam, frame), elevationOf(sensor, beam, frame), static_cast<uint32_t>(beam), 0, 0});
+  beams.reserve(numbers.size());
+  for (const uint32_t beam : numbers)
+    beams.push_back({azimuthOf(sensor, beam, frame), elevationOf(sensor, beam, frame), beam, 0, 0});
   const auto before = [](const Listed& a, const Listed& b) {
     return a.elevation < b.elevation || (a.elevation == b.elevation && a.number < b.number);
   };
@@ -149,7 +151,7 @@ void setSlabs(size_t count, const ColumnOf& columnOf, gpu::Frame& frame) {
 }
 
 // Marks the entries of the farthest-range table that have beams; `placesOf(mark)` calls mark(row, column) for each
-// beam.
+// beam. Empty if all have.
 template <typename PlacesOf>
 std::vector<uint32_t> startFarthest(const gpu::Frame& frame, const PlacesOf& placesOf) {
   const auto entries = [](uint32_t count, uint32_t each) { return (count + each - 1) / each; };
@@ -161,6 +163,7 @@ std::vector<uint32_t> startFarthest(const gpu::Frame& frame, const PlacesOf& pla
     table[row / gpu::kFineRows * finePerRow + column / gpu::kFineColumns] = gpu::kNone;
     table[fine + row / gpu::kCoarseRows * coarsePerRow + column / gpu::kCoarseColumns] = gpu::kNone;
   });
+  if (std::find(table.begin(), table.end(), 0u) == table.end()) table.clear();
   return table;
 }
 
@@ -169,8 +172,7 @@ const gpu::vec2 kNoRange(1, -1);
 
 // Places the beams in a grid. Returns false if one of them does not lie in a place, or two lie in the same.
 bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>& beams,
-                 const std::vector<size_t>& ends, uint32_t columns, const std::vector<bool>& silent,
-                 BeamTables& tables) {
+                 const std::vector<size_t>& ends, uint32_t columns, BeamTables& tables) {
   const uint64_t places = uint64_t{columns} * ends.size();
   if (ends.size() > kMostRows || places > kMostBeams || places > std::max(kLeastCells, kCellsPerBeam * beams.size()))
     return false;
@@ -209,6 +211,7 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
     });
   setSlabs(
       beams.size(), [&](size_t beam) { return indices[beam] % columns; }, tables.frame);
+  const std::vector<bool> silent = silentBeams(sensor);
   for (const uint32_t number : tables.numbers) {
     const bool fires = number != gpu::kNone && !silent[number];
     tables.ranges.push_back(fires ? rangesOf(sensor, frame, number) : kNoRange);
@@ -218,7 +221,7 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
 
 // Sorts the beams into cells.
 void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams, const std::vector<size_t>& ends,
-                 uint32_t columns, const std::vector<bool>& silent, BeamTables& tables) {
+                 uint32_t columns, const OriginGroup& group, BeamTables& tables) {
   std::vector<RowKeys> keys;
   for (size_t row = 0; row < ends.size(); ++row) {
     const size_t begin = row == 0 ? 0 : ends[row - 1];
@@ -229,7 +232,7 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
   tables.rowLookup = makeRowLookup(keys);
   sortIntoCells(beams, ends, columns);
   setFrame(sensor, columns, 0, tables);
-  tables.frame.beams = static_cast<uint32_t>(sensor.beamCount());
+  tables.frame.beams = static_cast<uint32_t>(beams.size() + group.silent.size());
 
   const size_t firing = beams.size();
   setSlabs(
@@ -240,8 +243,7 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
     while (beam < firing && size_t{beams[beam].row} * columns + beams[beam].column == cell) ++beam;
   }
   tables.cellStarts.push_back(static_cast<uint32_t>(firing));
-  for (uint32_t number = 0; number < silent.size(); ++number)
-    if (silent[number]) beams.push_back({azimuthOf(sensor, number, frame), 0, number, 0, 0});
+  for (const uint32_t number : group.silent) beams.push_back({azimuthOf(sensor, number, frame), 0, number, 0, 0});
 
   tables.startFarthest = startFarthest(tables.frame, [&](const auto& mark) {
     for (size_t i = 0; i < firing; ++i) mark(beams[i].row, beams[i].column);
@@ -256,7 +258,8 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
         {onLattice(c), onLattice(s), onLattice(std::cos(elevation)), onLattice(std::sin(elevation))});
     tables.ranges.push_back(i < firing ? rangesOf(sensor, frame, number) : kNoRange);
     // As those of channels, origins are stated forward along the beam's azimuth, left and up.
-    const Vec3 from = originOf(sensor, number, frame);
+    const Vec3 &at = originOf(sensor, number, frame), &centre = group.lasers.centre;
+    const Vec3 from = {at.x - centre.x, at.y - centre.y, at.z - centre.z};
     const double place = times.step > 0 ? (timeOf(sensor, number, frame) - times.first) / times.step : 0;
     tables.origins.push_back({static_cast<float>(c * from.x + s * from.y), static_cast<float>(c * from.y - s * from.x),
                               static_cast<float>(from.z), static_cast<float>(place)});
@@ -273,28 +276,28 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
 
 }  // namespace
 
-BeamTables makeListedTables(const Sensor& sensor, uint64_t frame, bool mayMap) {
+BeamTables makeListedTables(const Sensor& sensor, uint64_t frame, const OriginGroup& group, bool mayMap) {
   if (sensor.beamCount() > kMostBeams)
     throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " + std::to_string(sensor.beamCount()) +
                                                 " beams; the limit of a list is " + std::to_string(kMostBeams));
-  const std::vector<bool> silent = silentBeams(sensor);
-  const auto masked = static_cast<uint32_t>(std::count(silent.begin(), silent.end(), true));
   BeamTables tables;
-  bool mapped = false;
-  if (mayMap) {
-    // Masked beams have places, too, for their numbers.
-    const std::vector<Listed> beams = sortedBeams(sensor, frame, std::vector<bool>(silent.size()));
-    const std::vector<size_t> ends = rowEnds(beams);
-    mapped = !beams.empty() && placeOnGrid(sensor, frame, beams, ends, columnCount(beams, ends), silent, tables);
-  }
-  if (!mapped) {
+  std::vector<uint32_t> numbers = group.beams;
+  // Masked beams have places, too, for their numbers.
+  if (mayMap) numbers.insert(numbers.end(), group.silent.begin(), group.silent.end());
+  std::vector<Listed> beams = sortedBeams(sensor, frame, numbers);
+  std::vector<size_t> ends = rowEnds(beams);
+  uint32_t columns = columnCount(beams, ends);
+  if (!mayMap || beams.empty() || !placeOnGrid(sensor, frame, beams, ends, columns, tables)) {
     tables = {};
-    std::vector<Listed> beams = sortedBeams(sensor, frame, silent);
-    const std::vector<size_t> ends = rowEnds(beams);
-    const uint32_t columns = columnCount(beams, ends);
-    listInCells(sensor, frame, std::move(beams), ends, columns, silent, tables);
+    if (mayMap && !group.silent.empty()) {
+      beams = sortedBeams(sensor, frame, group.beams);
+      ends = rowEnds(beams);
+      columns = columnCount(beams, ends);
+    }
+    if (beams.size() < kFewBeams) columns = group.lasers.distance > 0 ? kColumnsOfScattered : kColumnsOfFew;
+    listInCells(sensor, frame, std::move(beams), ends, columns, group, tables);
   }
-  tables.masked = masked;
+  tables.masked = static_cast<uint32_t>(group.silent.size());
   setRanges(sensor, tables);
   return tables;
 }

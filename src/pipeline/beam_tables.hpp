@@ -20,7 +20,8 @@ struct BeamTables {
   /// The beams of a list, cell by cell (`listed`) or in places of a grid (`mapped`); see arrays.h.
   bool listed = false, mapped = false;
   bool holes = false;  ///< some places have no beam
-  /// The farthest-range table before anything is hit: 0 where there is no beam, otherwise kNone. Empty without holes.
+  /// The farthest-range table before anything is hit: 0 where there is no beam, otherwise kNone. Empty if there is
+  /// none.
   std::vector<uint32_t> startFarthest;
   std::vector<uint32_t> cellStarts, numbers;
   std::vector<gpu::vec2> columnPlaces;

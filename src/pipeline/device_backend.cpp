@@ -50,16 +50,17 @@ class DeviceBackend final : public Backend {
     }
   }
 
-  // Submits the next scan to the device before waiting for the current one.
+  // Submits the next part of a scan, or the next scan, to the device before waiting for the current one.
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override {
     waitForAll();
-    if (!shots.empty()) submit(shots, 0);
-    for (size_t i = 0; i < shots.size(); ++i) {
-      if (slots_.size() > 1 && i + 1 < shots.size()) submit(shots, i + 1);
-      finish(shots, i, result);
+    const std::vector<Part> parts = partsOf(shots);
+    if (!parts.empty()) submit(parts, 0);
+    for (size_t i = 0; i < parts.size(); ++i) {
+      if (slots_.size() > 1 && i + 1 < parts.size()) submit(parts, i + 1);
+      finish(parts, i, result);
       machine_->throwOnMessages();
-      receive(i);
-      if (slots_.size() == 1 && i + 1 < shots.size()) submit(shots, i + 1);
+      if (parts[i].last) receive(parts[i].index);
+      if (slots_.size() == 1 && i + 1 < parts.size()) submit(parts, i + 1);
     }
   }
 
@@ -139,14 +140,30 @@ class DeviceBackend final : public Backend {
     Clock::time_point start;
   };
 
+  // A run on the device: the beams of one group of origins. Most sensors have one group.
+  struct Part {
+    const Shot& shot;
+    size_t index, group;  // of the shot, of the group
+    bool last;            // of the shot's parts
+  };
+
+  std::vector<Part> partsOf(std::span<const Shot> shots) const {
+    std::vector<Part> parts;
+    for (size_t i = 0; i < shots.size(); ++i) {
+      const size_t count = sensors_[shots[i].sensor]->arrays.groups(shots[i].frame).size();
+      for (size_t group = 0; group < count; ++group) parts.push_back({shots[i], i, group, group + 1 == count});
+    }
+    return parts;
+  }
+
   void waitForAll() {
     for (size_t frame = 0; frame < slots_.size(); ++frame) machine_->wait(frame);
   }
 
-  void submit(std::span<const Shot> shots, size_t i) {
+  void submit(std::span<const Part> parts, size_t i) {
     const size_t frame = i % slots_.size();
     slots_[frame].start = Clock::now();
-    run(frame, shots[i]);
+    run(frame, parts[i]);
   }
 
   // Decides how the scan uses the still image. If another frame is making the image, waits until it is known to be
@@ -159,14 +176,16 @@ class DeviceBackend final : public Backend {
     return still.next(pose, scene_.instances());
   }
 
-  void run(size_t frame, const Shot& shot) {
+  void run(size_t frame, const Part& part) {
+    const Shot& shot = part.shot;
     Slot& slot = slots_[frame];
     SensorArrays& sensor = sensors_[shot.sensor]->arrays;
     if (sensor.beams() == 0) return;
     StillImage& still = sensors_[shot.sensor]->still;
     const StillImage::Use use = useStill(still, sensor, shot.pose);
     slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
-    const std::optional<ShotMotion>& motion = slot.motion = motionOf(sensor.sensorPlan(), shot, scene_.instances());
+    const std::optional<ShotMotion>& motion = slot.motion =
+        motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot, scene_.instances());
     const Pose& pose = motion ? motion->tables.middle : shot.pose;
     scene_.place(pose, sensor.reach() + reachOf(motion), still.selection(use), slot.placed);
     if (!scene_.listsHold(slot.placed)) {
@@ -176,36 +195,40 @@ class DeviceBackend final : public Backend {
     BoundArrays arrays = {};
     scene_.bind(arrays);
     slot.placed.bind(arrays);
-    const std::vector<Step> steps = sensor.prepare(frame, shot, motion ? &*motion : nullptr, scene_.instances().count(),
-                                                   slot.placed.groups(), use, arrays);
+    const std::vector<Step> steps = sensor.prepare(frame, shot, part.group, motion ? &*motion : nullptr,
+                                                   scene_.instances().count(), slot.placed.groups(), use, arrays);
     machine_->submit(frame, steps, arrays);
     if (use == StillImage::Use::make) still.begin(frame);
   }
 
-  // Waits for scan i, repeats it while its lists were too small, and reads its results. If the scan after it was cut
+  // Waits for part i, repeats it while its lists were too small, and reads its results. If the part after it was cut
   // short too, that is found out in its own turn from the capacities it was submitted with.
-  void finish(std::span<const Shot> shots, size_t i, Scan& result) {
+  void finish(std::span<const Part> parts, size_t i, Scan& result) {
     const size_t frame = i % slots_.size();
-    SensorArrays& sensor = sensors_[shots[i].sensor]->arrays;
-    clearResult(sensor.sensorPlan(), scene_.instances(), result);
+    const Part& part = parts[i];
+    SensorArrays& sensor = sensors_[part.shot.sensor]->arrays;
+    if (part.group == 0) {
+      clearResult(sensor.sensorPlan(), scene_.instances(), result);
+      start_ = slots_[frame].start;
+    }
     if (sensor.beams() > 0) {
       machine_->wait(frame);
       while (sensor.cutShort(frame)) {
         waitForAll();
         sensor.growLists(frame);
-        run(frame, shots[i]);
+        run(frame, part);
         machine_->wait(frame);
         ++result.counters.retries;
       }
       machine_->readTimings(frame, result.timings);
       const std::optional<ShotMotion>& motion = slots_[frame].motion;
-      readResults(sensor.sensorPlan(), sensor.results(frame), scene_.instances(), shots[i], motion ? &*motion : nullptr,
-                  result);
-      if (sensor.choosesShells()) sensor.setShellHint(shellHintOf(result));
+      readResults(sensor.sensorPlan(), sensor.results(frame), scene_.instances(), part.shot,
+                  motion ? &*motion : nullptr, result);
+      if (part.last && sensor.choosesShells()) sensor.setShellHint(shellHintOf(result));
       result.counters.reused = slots_[frame].reused;
       result.counters.culledByCluster -= slots_[frame].reused;
     }
-    result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - slots_[frame].start).count();
+    result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
   }
 
   const SimulatorOptions options_;
@@ -214,6 +237,7 @@ class DeviceBackend final : public Backend {
   SceneArrays scene_;
   std::vector<std::unique_ptr<SensorState>> sensors_;  // null for a removed sensor
   std::vector<Slot> slots_;
+  Clock::time_point start_;  // of the scan that is being finished
   RecordedScans recorded_;
 };
 

@@ -88,7 +88,8 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   const Shot& shot = *item.shot;
   Slot& slot = frames_[recording.frame][shot.sensor];
   if (!slot.addresses) slot.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
-  const std::optional<ShotMotion> motion = motionOf(sensor.sensorPlan(), shot, scene_.instances());
+  const OriginBounds& lasers = sensor.groups(shot.frame)[0].lasers;
+  const std::optional<ShotMotion> motion = motionOf(sensor.sensorPlan(), lasers, shot, scene_.instances());
   const Pose& pose = motion ? motion->tables.middle : shot.pose;
   scene_.place(pose, sensor.reach() + reachOf(motion), {}, slot.placed);
   if (!scene_.listsHold(slot.placed)) scene_.growLists(slot.placed);
@@ -98,7 +99,7 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   slot.placed.bind(arrays);
   sensor.loadRecords(recording.frame, item.records.bytes, recording.classes, shot.frame);
   const std::vector<Step> steps =
-      sensor.prepare(recording.frame, shot, motion ? &*motion : nullptr, scene_.instances().count(),
+      sensor.prepare(recording.frame, shot, 0, motion ? &*motion : nullptr, scene_.instances().count(),
                      slot.placed.groups(), StillImage::Use::none, arrays);
   arrays[static_cast<size_t>(gpu::Array::records)] = &records;
   arrays[static_cast<size_t>(gpu::Array::recordHeader)] = &header;

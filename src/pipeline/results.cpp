@@ -207,7 +207,8 @@ void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& s
 
 void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
                  const ShotMotion* motion, Scan& scan) {
-  const uint64_t beams = plan.sensor.beamCount();
+  const bool part = device.tables.listed && device.tables.frame.beams < plan.sensor.beamCount();
+  const uint64_t beams = part ? device.tables.frame.beams : plan.sensor.beamCount();
   if (device.words) {
     uint64_t hits = readWords(device, instances, plan.sensor, motion, scan);
     if (device.listed) hits = readListed(device, hits, scan);
@@ -216,7 +217,7 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
   }
   const uint32_t returns = plan.returns;
   std::atomic<uint64_t> hits = 0;
-  inSlices(beams, 1, [&](uint64_t beam, uint64_t beamEnd) {
+  const auto read = [&](uint64_t beam, uint64_t beamEnd) {
     const uint64_t first = beam * returns, count = (beamEnd - beam) * returns;
     const auto from = [&](const auto* output) { return output ? output + first : nullptr; };
     for (uint64_t i = 0; i < count; ++i) {
@@ -233,7 +234,11 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
     if (device.surfaces) readSurfaces(from(device.surfaces), Incidence(plan, shot, scan), first, count, scan);
     readMotions(from(device.motions), first, count, scan);
     readBarycentrics(from(device.barycentrics), first, count, scan);
-  });
+  };
+  if (part)
+    for (const uint32_t beam : device.tables.numbers) read(beam, beam + 1);
+  else
+    inSlices(beams, 1, read);
   const gpu::Counters counters =
       plan.onlyLines() ? withHits(device.counters, hits, beams, device.tables.masked) : device.counters;
   readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);

@@ -46,7 +46,8 @@ struct DeviceResults {
 /// Sets the parts of `scan` that do not come from the device, and resizes its arrays for the others; memory is reused.
 void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& scan);
 
-/// Fills the arrays and counters of `scan` from the outputs of a shot. `motion` is null for a scan without motion.
+/// Fills the arrays of `scan` from the outputs of a shot and adds to its counters. If the tables are those of a part of
+/// the beams, only their entries are written. `motion` is null for a scan without motion.
 void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
                  const ShotMotion* motion, Scan& scan);
 

@@ -42,8 +42,8 @@ Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, b
   return result;
 }
 
-double reachOf(const SimulatorOptions& options, const gpu::Frame& frame) {
-  return cullingBits(options) & gpu::kCullRange ? frame.rangeMax : std::numeric_limits<double>::infinity();
+double reachOf(const SimulatorOptions& options, double rangeMax) {
+  return cullingBits(options) & gpu::kCullRange ? rangeMax : std::numeric_limits<double>::infinity();
 }
 
 bool leavesWords(uint32_t binning, const SensorPlan& plan) {

@@ -14,8 +14,8 @@ namespace gnosphere {
 uint32_t cullingBits(const SimulatorOptions& options);
 /// Returns the options of a sensor's kernels; the caller sets BINNING, PASS and MOTION.
 Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, bool azimuthOffsets);
-/// Returns the distance in metres beyond which instances cannot be hit.
-double reachOf(const SimulatorOptions& options, const gpu::Frame& frame);
+/// Returns the distance in metres beyond which instances cannot be hit by beams of a range.
+double reachOf(const SimulatorOptions& options, double rangeMax);
 /// Returns whether the words (8 bytes per beam) are read back, which the host then resolves, and no results but those
 /// of the beams that meet a pane. This is so if lines answer every beam and the binning keeps the nearest hit.
 bool leavesWords(uint32_t binning, const SensorPlan& plan);

@@ -48,7 +48,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
                            uint64_t triangles)
     : machine_(machine),
       plan_(plan),
-      patterns_(patternsOf(plan)),
+      patterns_(makePatterns()),
       binning_(chooseBinning(options, machine.traits(), plan.footprint())),
       exact_(accuracyPartsOf(options).inside == AccuracyParts::Inside::exact),
       keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
@@ -56,40 +56,33 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       options_(kernelOptions(options, plan, patterns_[0].tables.azimuthOffsets)),
       shells_(mostShells(options, binning_, beams(), triangles)),
       shellClusters_(shellClusters(options, beams())),
-      reach_(reachOf(options, patterns_[0].tables.frame)),
+      reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords(binning_, plan))),
       records_(recordTables(plan.layout)) {
   options_.BINNING = binning_;
-  for (Pattern& pattern : patterns_) {
-    gpu::Frame& frame = pattern.tables.frame;
-    frame.footprint = plan.spread.angle;
-    frame.spreadAcross = plan.spread.across;
-    frame.spreadUp = plan.spread.up;
-    reach_ = std::max(reach_, reachOf(options, frame));
-  }
   for (const bool motion : {false, true})
     if (!motion || plan_.motion())
       for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
         if (still == StillImage::Use::make && !keepsStill_) continue;
         for (const Pattern& pattern : patterns_)
-          for (const Step& step : steps(pattern, everything(), still, motion))
+          for (const Step& step : steps(pattern.tables, everything(), still, motion))
             if (step.kind == Step::Kind::dispatch) machine.prepare(step.variant);
       }
 
-  for (size_t i = 0; i < patterns_.size(); ++i) upload(i);
+  for (Pattern& pattern : patterns_)
+    if (pattern.groups.size() == 1)
+      for (const EffectsArray& array : arraysOf(pattern.tables))
+        pattern.arrays[static_cast<size_t>(array.array)] =
+            uploaded(machine_, array.array, std::span<const std::byte>(array.content));
   const uint64_t beams = this->beams();
   const bool lists = binning_ == gpu::kBinningLists;
-  const uint64_t fine =
-      most([](const gpu::Frame& frame) { return tableEntries(frame, gpu::kFineColumns, gpu::kFineRows); });
-  const uint64_t coarse =
-      most([](const gpu::Frame& frame) { return tableEntries(frame, gpu::kCoarseColumns, gpu::kCoarseRows); });
-  allocate(Array::farthest, 4 * (fine + coarse));
-  allocate(Array::staleEntries, 4 * coarse);
+  allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
+  allocate(Array::staleEntries, 4 * most_.coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
   if ((!lists || plan_.panes()) && !leavesWords(binning_, plan_)) allocate(Array::words, beams * sizeof(Word));
   if (lists || plan_.panes()) allocate(Array::listEnds, beams * 4);
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
-  if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most(slabCount) * (plan_.panes() ? 8 : 4));
+  if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
     for (const EffectsArray& array : lastingArrays(plan, patterns_[0].tables.rows, mostBeams())) {
       allocate(array.array, array.bytes);
@@ -105,18 +98,41 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   addFrame();
 }
 
-std::vector<SensorArrays::Pattern> SensorArrays::patternsOf(const SensorPlan& plan) {
-  std::vector<Pattern> patterns(std::max<size_t>(plan.sensor.patterns.size(), 1));
-  for (size_t i = 0; i < patterns.size(); ++i)
-    patterns[i].tables = plan.listed ? makeListedTables(plan.sensor, i, !plan.motion()) : makeBeamTables(plan.sensor);
+std::vector<SensorArrays::Pattern> SensorArrays::makePatterns() {
+  std::vector<Pattern> patterns(std::max<size_t>(plan_.sensor.patterns.size(), 1));
+  for (size_t i = 0; i < patterns.size(); ++i) {
+    Pattern& pattern = patterns[i];
+    pattern.groups = originGroups(plan_.sensor, i);
+    pattern.tables = tablesOf(i, pattern.groups[0]);
+    include(pattern.tables.frame);
+    for (size_t k = 1; k < pattern.groups.size(); ++k) include(tablesOf(i, pattern.groups[k]).frame);
+  }
   return patterns;
 }
 
-void SensorArrays::upload(size_t index) {
-  Pattern& pattern = patterns_[index];
-  const BeamTables& tables = pattern.tables;
+BeamTables SensorArrays::tablesOf(uint64_t pattern, const OriginGroup& group) const {
+  BeamTables tables =
+      plan_.listed ? makeListedTables(plan_.sensor, pattern, group, !plan_.motion()) : makeBeamTables(plan_.sensor);
+  tables.frame.footprint = plan_.spread.angle;
+  tables.frame.spreadAcross = plan_.spread.across;
+  tables.frame.spreadUp = plan_.spread.up;
+  return tables;
+}
+
+void SensorArrays::include(const gpu::Frame& frame) {
+  most_.beams = std::max<uint64_t>(most_.beams, frame.beams);
+  most_.fine = std::max(most_.fine, tableEntries(frame, gpu::kFineColumns, gpu::kFineRows));
+  most_.coarse = std::max(most_.coarse, tableEntries(frame, gpu::kCoarseColumns, gpu::kCoarseRows));
+  most_.slabs = std::max(most_.slabs, slabCount(frame));
+  most_.rangeMax = std::max(most_.rangeMax, frame.rangeMax);
+}
+
+// Returns the tables as arrays of a device.
+std::vector<EffectsArray> SensorArrays::arraysOf(const BeamTables& tables) const {
+  std::vector<EffectsArray> arrays;
   const auto put = [&]<typename T>(Array array, const std::vector<T>& content) {
-    pattern.arrays[static_cast<size_t>(array)] = uploaded<T>(machine_, array, content);
+    const auto bytes = std::as_bytes(std::span(content));
+    arrays.push_back({array, bytes.size(), {bytes.begin(), bytes.end()}});
   };
   put(Array::rowLookup, tables.rowLookup);
   put(Array::columns, tables.columns);
@@ -124,20 +140,19 @@ void SensorArrays::upload(size_t index) {
   if (!tables.numbers.empty()) put(Array::beamNumbers, tables.numbers);
   if (!tables.ranges.empty()) put(Array::beamRanges, tables.ranges);
   if (!tables.startFarthest.empty()) put(Array::startFarthest, tables.startFarthest);
-  if (const auto facts = beamFacts(plan_, index); !facts.empty()) put(Array::beamFacts, facts);
-  if (const auto directions = beamDirections(plan_, index); !directions.empty()) put(Array::beamDirections, directions);
   if (tables.holes) {
     std::vector<Word> words(tables.numbers.size(), {gpu::kNone, gpu::kNone});
     for (size_t i = 0; i < words.size(); ++i)
       if (tables.numbers[i] == gpu::kNone) words[i] = {0, 0};
     put(Array::startWords, words);
   }
-  if (!tables.listed) return;
+  if (!tables.listed) return arrays;
   put(Array::cellStarts, tables.cellStarts);
   put(Array::beamAngles, tables.angles);
-  if (!plan_.motion()) return;
+  if (!plan_.motion()) return arrays;
   put(Array::beamOrigins, tables.origins);
   put(Array::columnPlaces, tables.columnPlaces);
+  return arrays;
 }
 
 // The outputs stay on the device, so all frames share them.
@@ -149,6 +164,14 @@ void SensorArrays::makeRecordArrays() {
   of(Array::recordValues) = uploaded<gpu::RecordValue>(machine_, Array::recordValues, records_.values);
   of(Array::recordPlaces) = uploaded<gpu::RecordPlace>(machine_, Array::recordPlaces, records_.places);
   of(Array::recordGaps) = uploaded<gpu::RecordPlace>(machine_, Array::recordGaps, records_.gaps);
+  for (size_t i = 0; i < patterns_.size(); ++i) {
+    const auto put = [&](Array array, const std::vector<gpu::vec4>& content) {
+      if (!content.empty())
+        patterns_[i].arrays[static_cast<size_t>(array)] = uploaded<gpu::vec4>(machine_, array, content);
+    };
+    put(Array::beamFacts, beamFacts(plan_, i));
+    put(Array::beamDirections, beamDirections(plan_, i));
+  }
 }
 
 void SensorArrays::allocate(Array array, uint64_t bytes) {
@@ -198,17 +221,17 @@ PlacedGroups SensorArrays::everything() const {
   return {{0, 1, 1}, {}};
 }
 
-std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups& placed, StillImage::Use still,
+std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGroups& placed, StillImage::Use still,
                                       bool motion) const {
   Variant variant;
   variant.options = options_;
   variant.options.MOTION = motion;
-  variant.options.LISTED = pattern.tables.listed;
-  variant.options.MAPPED = pattern.tables.mapped;
+  variant.options.LISTED = tables.listed;
+  variant.options.MAPPED = tables.mapped;
   variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
   variant.float64 = float64_ && !motion;
   const bool footprint = plan_.footprint(), lines = plan_.onlyLines();
-  StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), pattern.tables.frame, shells_};
+  StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), tables.frame, shells_};
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
@@ -216,8 +239,9 @@ std::vector<Step> SensorArrays::steps(const Pattern& pattern, const PlacedGroups
   input.surfaces = plan_.surfaces() && !footprint && !lines;
   input.records = records_.held;
   input.organised = !plan_.layout.compact;
-  input.holes = pattern.tables.holes;
-  input.sparse = shells_ > 1 && !pattern.tables.startFarthest.empty();
+  input.holes = tables.holes;
+  const bool hides = binning_ != gpu::kBinningLists && (options_.CULLING & gpu::kCullOccluded) != 0;
+  input.sparse = hides && !tables.startFarthest.empty();
   using Judged = StepsInput::Judged;
   if (lines)
     input.effects = plan_.panes() ? Judged::listed : Judged::none;
@@ -255,17 +279,22 @@ void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
   }
 }
 
-std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, const ShotMotion* motion,
+std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t group, const ShotMotion* motion,
                                         uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
                                         BoundArrays& arrays) {
   Frame& frame = frameAt(index);
   frame.capacities = capacities_;
   frame.pattern = shot.frame % patterns_.size();
   const Pattern& pattern = patterns_[frame.pattern];
+  if (pattern.groups.size() > 1) {
+    frame.tables = tablesOf(frame.pattern, pattern.groups[group]);
+    load(frame, arraysOf(frame.tables));
+  }
+  const BeamTables& tables = fired(frame);
   if (still == StillImage::Use::make)
     makeRoom(machine_, Array::stillWords, uint64_t{beams()} * sizeof(Word), MemoryKind::device, of(Array::stillWords));
 
-  gpu::Frame content = pattern.tables.frame;
+  gpu::Frame content = tables.frame;
   content.instanceCount = instanceCount;
   content.projectedCapacity = capacities_.projected;
   content.tileCapacity = capacities_.tiles;
@@ -282,7 +311,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, const Sh
   for (const auto* own : {&pattern.arrays, &std::as_const(arrays_), &std::as_const(frame.arrays)})
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
-  return steps(pattern, placed, still, motion != nullptr);
+  return steps(tables, placed, still, motion != nullptr);
 }
 
 SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
@@ -317,8 +346,7 @@ float SensorArrays::recordedHint(size_t index) {
   uint64_t sum = 0;
   uint32_t bucket = 0;
   while (sum < all * 95 / 100) sum += counts[bucket++];
-  const uint32_t first =
-      (std::bit_cast<uint32_t>(patterns_[0].tables.frame.rangeMax) >> gpu::kBucketShift) - (gpu::kShellBuckets - 1);
+  const uint32_t first = (std::bit_cast<uint32_t>(most_.rangeMax) >> gpu::kBucketShift) - (gpu::kShellBuckets - 1);
   return std::bit_cast<float>((first + bucket) << gpu::kBucketShift);
 }
 
@@ -353,7 +381,7 @@ void SensorArrays::growLists(size_t index) {
 
 DeviceResults SensorArrays::results(size_t index) {
   Frame& frame = frames_[index];
-  return DeviceResults::from(patterns_[frame.pattern].tables, exact_, counters(frame), [&](Array array) -> const void* {
+  return DeviceResults::from(fired(frame), exact_, counters(frame), [&](Array array) -> const void* {
     const auto is = [&](const Output& output) { return output.array == array; };
     if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
     DeviceMemory& memory = *frame.arrays[static_cast<size_t>(array)];
@@ -375,7 +403,7 @@ Plan SensorArrays::plan() const {
   plan.effects = plan_.decisions;
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
-  plan.stages = stagesOf(steps(patterns_[0], everything(), StillImage::Use::none, plan_.motion()));
+  plan.stages = stagesOf(steps(patterns_[0].tables, everything(), StillImage::Use::none, plan_.motion()));
   if (leavesWords(binning_, plan_)) plan.stages.push_back({"resolve", 0, {}});
   for (size_t i = 0; i < arrays_.size(); ++i)
     if (const auto& memory = patterns_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});

@@ -8,6 +8,7 @@
 #include "effects/arrays.hpp"
 #include "pipeline/beam_tables.hpp"
 #include "pipeline/machine.hpp"
+#include "pipeline/origin_groups.hpp"
 #include "pipeline/outputs.hpp"
 #include "pipeline/record_tables.hpp"
 #include "pipeline/results.hpp"
@@ -21,18 +22,19 @@ class SensorArrays {
   SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options, uint64_t triangles);
 
   const SensorPlan& sensorPlan() const { return plan_; }
-  /// Number of beams; in a grid with holes, of places.
-  uint32_t beams() const {
-    return static_cast<uint32_t>(most([](const gpu::Frame& frame) { return frame.beams; }));
-  }
+  /// Most beams that are projected at once; in a grid with holes, places.
+  uint32_t beams() const { return static_cast<uint32_t>(most_.beams); }
   /// Distance in metres beyond which instances cannot be hit.
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
 
-  /// Returns the steps of a scan as frame in flight `frame`, which must not be running, and binds the arrays of the
-  /// sensor and of the frame. `motion` is null for a scan without motion.
-  std::vector<Step> prepare(size_t frame, const Shot& shot, const ShotMotion* motion, uint32_t instanceCount,
-                            const PlacedGroups& placed, StillImage::Use still, BoundArrays& arrays);
+  /// The groups of beams that scan number `frame` projects one after the other.
+  std::span<const OriginGroup> groups(uint64_t frame) const { return patterns_[frame % patterns_.size()].groups; }
+  /// Returns the steps of a scan of one group as frame in flight `frame`, which must not be running, and binds the
+  /// arrays of the sensor and of the frame. `motion` is null for a scan without motion.
+  std::vector<Step> prepare(size_t frame, const Shot& shot, size_t group, const ShotMotion* motion,
+                            uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
+                            BoundArrays& arrays);
   /// Returns whether a list was too small for the last scan of this frame. It must run again after growLists().
   bool cutShort(size_t frame);
   /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
@@ -61,28 +63,38 @@ class SensorArrays {
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
     Capacities capacities;  // of the lists when the scan was prepared
     size_t pattern = 0;     // whose beams the scan fires
+    BeamTables tables;      // of the group that fires, if the pattern has several; their arrays are those of the frame
   };
 
-  /// The beams of the sensor and their arrays. Only a list has several patterns, one per frame number.
+  /// The beams of the sensor and their arrays. Only a list has several patterns, one per frame number. If a pattern has
+  /// several groups, their tables are made anew for each scan, because there may be as many groups as beams; `tables`
+  /// are those of the first group, and there are no arrays.
   struct Pattern {
+    std::vector<OriginGroup> groups;
     BeamTables tables;
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
   };
 
-  static std::vector<Pattern> patternsOf(const SensorPlan& plan);
-  void upload(size_t pattern);
+  /// The largest sizes among all patterns and groups.
+  struct Sizes {
+    uint64_t beams = 0, fine = 0, coarse = 0, slabs = 0;  // fine and coarse entries of the farthest-range table
+    float rangeMax = 0;
+  };
+
+  std::vector<Pattern> makePatterns();
   void makeRecordArrays();
   Frame& frameAt(size_t index);
   uint64_t entries() const { return uint64_t{plan_.sensor.beamCount()} * plan_.returns; }
-  /// Returns the largest of the values of all patterns.
-  template <typename Of>
-  uint64_t most(const Of& of) const {
-    uint64_t largest = 0;
-    for (const Pattern& pattern : patterns_) largest = std::max<uint64_t>(largest, of(pattern.tables.frame));
-    return largest;
+  BeamTables tablesOf(uint64_t pattern, const OriginGroup& group) const;
+  std::vector<EffectsArray> arraysOf(const BeamTables& tables) const;
+  void include(const gpu::Frame& frame);
+  const BeamTables& fired(const Frame& frame) const {
+    const Pattern& pattern = patterns_[frame.pattern];
+    return pattern.groups.size() > 1 ? frame.tables : pattern.tables;
   }
   uint64_t mostBeams() const;
-  std::vector<Step> steps(const Pattern& pattern, const PlacedGroups& placed, StillImage::Use still, bool motion) const;
+  std::vector<Step> steps(const BeamTables& tables, const PlacedGroups& placed, StillImage::Use still,
+                          bool motion) const;
   PlacedGroups everything() const;
   uint64_t mostProjected() const;
   uint64_t candidateBytes() const;
@@ -97,6 +109,7 @@ class SensorArrays {
 
   Machine& machine_;
   const SensorPlan& plan_;
+  Sizes most_;
   std::vector<Pattern> patterns_;
   uint32_t binning_;
   bool exact_, keepsStill_, float64_;

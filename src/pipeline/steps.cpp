@@ -39,7 +39,7 @@ class Steps {
   void clear(StillImage::Use still) {
     fill(gpu::Array::counters, 0);
     fill(gpu::Array::shells, 0);
-    if (input_.shells > 1 && still != StillImage::Use::use) {
+    if ((input_.shells > 1 || input_.sparse) && still != StillImage::Use::use) {
       // Where no beam looks, everything is hidden from the start.
       input_.sparse ? copy(gpu::Array::startFarthest, gpu::Array::farthest) : fill(gpu::Array::farthest, gpu::kNone);
       fill(gpu::Array::staleEntries, 0);

@@ -14,6 +14,8 @@ namespace {
 constexpr size_t kLayers = 4;
 /// Most echoes of one beam; farther ones are dropped.
 constexpr size_t kEchoes = 6;
+// Metres: the beams of a list are projected from a place not farther from their lasers.
+constexpr double kFarthestLaser = 0.52;
 
 /// One hit of one sub-ray.
 struct Piece {
@@ -187,7 +189,8 @@ Beam beamOf(const Sensor& sensor, const Shot& shot, bool sensorMoves, size_t ind
   if (sensor.nearHits == NearHits::hide) window.least = 0;
   Beam beam = {{SensorFrame(pose), direction, time, window}, {}, {}, {}, pose, least};
   beam.origin = originOf(sensor, index, shot.frame);
-  beam.axis.reach = norm(beam.origin);
+  // Lists are seen from a place near each laser.
+  beam.axis.reach = sensor.isGrid() ? norm(beam.origin) : std::min(norm(beam.origin), kFarthestLaser);
   beam.left = {-s, c, 0};
   beam.up = {-std::sin(elevation) * c, -std::sin(elevation) * s, std::cos(elevation)};
   beam.axis.frame.position = beam.axis.frame.position + beam.axis.frame.directionToWorld(beam.origin);

@@ -36,8 +36,9 @@ struct Line {
   Vec3 direction;      ///< unit, in that frame
   double time = 0;     ///< seconds after the start of the scan
   RangeWindow window;  ///< a surface counts only within it
-  double reach = 0;    ///< metres from the sensor origin to the laser: its rounding adds to that of the corners
-  double astray = 0;   ///< bound in radians on an error of its direction in single precision, besides kDirectionError
+  /// Metres from the laser to the place that triangles are seen from: their rounding adds to that of the corners.
+  double reach = 0;
+  double astray = 0;  ///< bound in radians on an error of its direction in single precision, besides kDirectionError
 };
 
 inline constexpr uint32_t kNobody = kNoTriangle;

@@ -134,8 +134,8 @@ bool hasOrigins(const Sensor& sensor) {
          });
 }
 
-OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame) {
-  OriginBounds bounds;
+OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame, const Vec3& centre, std::span<const uint32_t> beams) {
+  OriginBounds bounds = {centre};
   const auto include = [&](double forward, double left, double up) {
     bounds.distance = std::max(bounds.distance, std::hypot(forward, left, up));
     bounds.forward = std::max(bounds.forward, std::abs(forward));
@@ -143,10 +143,9 @@ OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame) {
     bounds.up = std::max(bounds.up, std::abs(up));
   };
   for (const Channel& channel : sensor.channels) include(channel.origin.x, channel.origin.y, channel.origin.z);
-  if (sensor.isGrid()) return bounds;
-  const std::vector<Vec3>& origins = patternOf(sensor, frame).origins;
-  for (size_t beam = 0; beam < origins.size(); ++beam) {
-    const Vec3& o = origins[beam];
+  if (sensor.isGrid() || patternOf(sensor, frame).origins.empty()) return bounds;
+  for (const uint32_t beam : beams) {
+    const Vec3 from = originOf(sensor, beam, frame), o = {from.x - centre.x, from.y - centre.y, from.z - centre.z};
     const double azimuth = azimuthOf(sensor, beam, frame), c = std::cos(azimuth), s = std::sin(azimuth);
     include(c * o.x + s * o.y, c * o.y - s * o.x, o.z);
   }

@@ -3,6 +3,8 @@
 // numbered as in a scan. `frame` is the number of the scan, which selects the pattern of a list.
 #pragma once
 
+#include <span>
+
 #include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
@@ -46,11 +48,14 @@ bool hasRings(const Sensor& sensor);
 bool hasTimeOffsets(const Sensor& sensor);
 /// Whether any beam leaves another point than the sensor's origin.
 bool hasOrigins(const Sensor& sensor);
-/// How far lasers are from the sensor's origin, in metres: in all; along the azimuth of the beam, across it, upwards.
+/// How far lasers are from `centre`, a point in the sensor's frame, in metres: in all; along the azimuth of the beam,
+/// across it, upwards.
 struct OriginBounds {
+  Vec3 centre;
   double distance = 0, forward = 0, left = 0, up = 0;
 };
-OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame);
+/// Returns the bounds of the lasers of some beams of a scan; for a grid, of all beams around the sensor's origin.
+OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame, const Vec3& centre, std::span<const uint32_t> beams);
 /// Seconds in which an instance moves from the start to the end of its motion during a scan.
 double durationOf(const Sensor& sensor, uint64_t frame);
 

@@ -36,15 +36,15 @@ inline constexpr HeadFigures kHeads[] = {
    0, "",
    "11.2 -0.7 9.7 -2.2 8.1 -3.7 6.6 -5.1 5.1 -6.6 3.7 -8.1 2.2 -9.7 0.7 -11.2"},
   {"Puck-Hi-Res", "Velodyne VLP-16 Hi-Res (Puck Hi-Res)",
-   "VLP-16 User Manual 63-9243 and Puck Hi-Res data sheet 63-9318: 20 degrees in steps of 1.33, timing of the "
-   "VLP-16, 100 m",
-   "Range at 10 %: not stated. Vertical corrections: not stated, taken as 0.",
+   "VLP-16 User Manual 63-9243, Table 9-1: angles and vertical corrections; timing of the VLP-16; Puck Hi-Res data "
+   "sheet 63-9318: 100 m",
+   "Range at 10 %: not stated. Divergence as VLP-16.",
    "10Hz 5Hz 15Hz 20Hz", 55.296, 0, -360, 0, 100, 0, "3 1.5", 2, true,
    "-10 0.667 -8.667 2 -7.333 3.333 -6 4.667 -4.667 6 -3.333 7.333 -2 8.667 -0.667 10",
    "",
    "0..34.56/16",
    0, "",
-   ""},
+   "7.4 -0.9 6.5 -1.8 5.5 -2.7 4.6 -3.7 3.7 -4.6 2.7 -5.5 1.8 -6.5 0.9 -7.4"},
   {"VLP-32C", "Velodyne VLP-32C (Ultra Puck)",
    "ros-drivers/velodyne, params/VeloView-VLP-32C.yaml: angles; VLP-32C User Manual 63-9325: two lasers every "
    "2.304 us, 55.296 us per sequence, 200 m, 2 returns",
@@ -108,10 +108,9 @@ inline constexpr HeadFigures kHeads[] = {
    ""},
   {"Alpha-Prime", "Velodyne VLS-128 (Alpha Prime)",
    "Isaac Sim profile Velodyne_VLS128.json: angles, firing times and height; ros-drivers/velodyne: 53.3 us per "
-   "sequence; data sheet: 300 m, 2 returns",
-   "Range at 10 %: not stated. Divergence: not stated there. The calibration of ros-drivers/velodyne has azimuth "
-   "offsets of the opposite sign.",
-   "10Hz 5Hz 15Hz 20Hz", 53.3, 0, -360, 0, 300, 0, "", 2, true,
+   "sequence; VLS-128 User Manual, Table F-1: 3.0 x 1.5 mrad; data sheet: 300 m, 2 returns",
+   "Range at 10 %: not stated. The calibration of ros-drivers/velodyne has azimuth offsets of the opposite sign.",
+   "10Hz 5Hz 15Hz 20Hz", 53.3, 0, -360, 0, 300, 0, "3 1.5", 2, true,
    "-11.742 -1.99 3.4 -5.29 -0.78 4.61 -4.08 1.31 -6.5 -1.11 4.28 -4.41 0.1 6.48 -3.2 2.19 -3.86 1.53 -9.244 "
    "-1.77 2.74 -5.95 -0.56 4.83 -2.98 2.41 -6.28 -0.89 3.62 -5.07 0.32 7.58 -0.34 5.18 -3.64 1.75 -25 -2.43 2.96 "
    "-5.73 0.54 9.7 -2.76 2.63 -7.65 -1.55 3.84 -4.85 3.18 -5.51 -0.12 5.73 -4.3 1.09 -16.042 -2.21 4.06 -4.63 "
@@ -374,6 +373,18 @@ inline constexpr HeadFigures kHeads[] = {
    "2.3125..89.5/32",
    "",
    "",
+   0, "",
+   ""},
+  {"RS-Helios-32", "RoboSense RS-Helios-32 (5515)",
+   "RS-Helios-5515 User Guide V3.0.1, Table 5 and section 7.2: vertical angles and firing times, 55.56 us per "
+   "sequence, 0.2 degrees at 10 Hz, 2 returns; MRPT/mvsim, helios-32-FOV-70: angles to 0.001 degrees, 0.2 to 110 m",
+   "Range at 10 %, divergence, origins: not stated there. Horizontal corrections differ from head to head.",
+   "10Hz 5Hz 20Hz", 55.55555556, 0, -360, 0.2, 110, 0, "", 2, true,
+   "15 12.929 10.841 8.754 6.667 5.333 4 2.667 1.333 0 -1.333 -2.667 -4 -5.333 -6.667 -8 -10.939 -13.877 -16.816 "
+   "-19.755 -22.694 -25.632 -28.571 -31.51 -34.449 -37.387 -40.326 -43.265 -46.204 -49.142 -52.081 -55.02",
+   "",
+   "0 1.57 3.15 4.72 6.3 7.87 9.45 11.36 13.26 15.17 17.08 18.99 20.56 22.14 23.71 25.29 26.53 27.77 29.01 30.25 "
+   "31.49 32.73 33.98 35.22 36.46 37.7 38.94 40.18 41.42 42.67 43.91 45.15",
    0, "",
    ""},
   {"TiM781", "SICK TiM781",

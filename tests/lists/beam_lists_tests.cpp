@@ -3,6 +3,7 @@
 // no switch and no order of the beams changes a byte.
 #include "effects/showroom.hpp"
 #include "list_sensors.hpp"
+#include "pipeline/origin_groups.hpp"
 #include "town/town.hpp"
 
 namespace gnosphere::test {
@@ -140,6 +141,83 @@ TEST_CASE("effects and motion of a list equal the reference") {
   // Each round has two effects, so all 17 are tried.
   for (size_t first = 0; first <= effectNames().size() / 2; ++first)
     CHECK(requireEffects(variedList(), first, (first + 9) % effectNames().size()) > 0.2);
+}
+
+TEST_CASE("heads far apart in one list have the hits of each head alone") {
+  needVulkan();
+  const Scene scene = coveredTown();
+  const std::vector<Vec3> places = {{0, 0, 0}, {-4, 1.5, 0.5}, {18, 6, 3}};
+  const BeamList head = rosette(700, 1.2);
+  Sensor rig = listSensor("rig", {});
+  for (size_t i = 0; i < places.size() * head.size(); ++i) {  // beam by beam, head by head
+    rig.patterns[0].directions.push_back(head.directions[i / places.size()]);
+    rig.patterns[0].origins.push_back(places[i % places.size()]);
+  }
+  rig.maskedBeams = {4, 5, 6};
+  const std::vector<OriginGroup> groups = originGroups(rig, 0);
+  REQUIRE(groups.size() == places.size());
+  for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
+    INFO(nameOf(accuracy));
+    Simulator simulator = makeSimulator(scene, {rig, listSensor("head", head)}, optionsWith(accuracy));
+    const Pose level = {{1.3, 0.4, 1.8}, {}};
+    const Scan scan = simulator.scan(level, 0);
+    requireSame(referenceOf(scene, rig, level), scan);
+    CHECK(scan.counters.hits + scan.counters.misses == rig.beamCount());
+    for (size_t k = 0; k < places.size(); ++k) {
+      const Vec3& at = places[k];
+      const Scan alone =
+          simulator.scan({{level.position.x + at.x, level.position.y + at.y, level.position.z + at.z}, {}}, 1);
+      size_t different = 0, farther = 0;
+      for (size_t i = 0; i < head.size(); ++i) {
+        const size_t beam = i * places.size() + k;
+        if (beam >= 4 && beam <= 6) continue;
+        different += std::memcmp(&alone.ranges[i], &scan.ranges[beam], 4) != 0 ||
+                     alone.triangles[i] != scan.triangles[beam] || alone.instances[i] != scan.instances[beam];
+        const float* const p = &alone.points[3 * i];
+        const float* const q = &scan.points[3 * beam];
+        farther += std::hypot(p[0] + at.x - q[0], p[1] + at.y - q[1], p[2] + at.z - q[2]) > 1e-5;
+      }
+      CHECK(alone.counters.hits > 300);
+      CHECK(different == 0);
+      CHECK(farther == 0);
+    }
+  }
+}
+
+TEST_CASE("lasers are grouped by place, whatever the order of the beams") {
+  Sensor sensor = listSensors()[8];
+  std::vector<Vec3>& origins = sensor.patterns[0].origins;
+  const auto groupsOf = [&] {
+    std::vector<std::vector<double>> groups;
+    size_t beams = 0;
+    for (const OriginGroup& group : originGroups(sensor, 0)) {
+      beams += group.beams.size();
+      const Vec3& centre = group.lasers.centre;
+      CHECK(group.lasers.distance <= 0.52);  // the reference relies on it
+      groups.push_back({centre.x, centre.y, centre.z, static_cast<double>(group.beams.size())});
+    }
+    CHECK(beams == sensor.beamCount());
+    return groups;
+  };
+  const std::vector<std::vector<double>> expected = groupsOf();
+  CHECK(expected.size() > 150);
+  std::reverse(origins.begin(), origins.end());
+  CHECK(groupsOf() == expected);
+  origins.assign(origins.size(), {0.1, -0.2, 0.1});
+  CHECK(groupsOf() == std::vector<std::vector<double>>{{0, 0, 0, 250}});  // one head is seen from its own origin
+  origins.assign(origins.size(), {10, -0.2, 0.1});
+  CHECK(groupsOf() == std::vector<std::vector<double>>{{10, -0.2, 0.1, 250}});
+}
+
+TEST_CASE("effects and motion of heads far apart equal the reference") {
+  Sensor sensor = variedList();
+  for (size_t i = 0; i < sensor.patterns[0].origins.size(); ++i) sensor.patterns[0].origins[i].x += 3.0 * double(i % 3);
+  const auto of = [](const char* name) {
+    const std::vector<std::string>& names = effectNames();
+    return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  CHECK(requireEffects(sensor, of("sensor-motion"), of("transmission")) > 0.2);
+  CHECK(requireEffects(sensor, of("object-motion"), of("divergence")) > 0.2);
 }
 
 TEST_CASE("CUDA's kernels give the bytes of Vulkan's for lists") {
