@@ -37,8 +37,8 @@ inline glm::dmat4 matrixOf(const gnosphere::Pose& pose) {
 struct Camera {
   static constexpr double kNear = 0.3, kFar = 3000;  // metres
 
-  double azimuth = -2.45, elevation = 0.42;  ///< radians, from the target to the camera
-  double distance = 24;                      ///< metres
+  double azimuth = -3.1, elevation = 0.4;  ///< radians, from the target to the camera
+  double distance = 24;                    ///< metres
 
   void orbit(double right, double up) {  // radians
     azimuth -= right;

@@ -65,11 +65,10 @@ void onScroll(GLFWwindow* window, double, double steps) {
 class Window {
  public:
   Window(uint32_t width, uint32_t height, Controls& controls) {
-    glfwSetErrorCallback([](int, const char* message) { std::fprintf(stderr, "viewer: %s\n", message); });
-    if (!glfwInit()) throw std::runtime_error("there is no display to open a window on; Xvfb makes one");
+    if (!glfwInit()) fail();
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
     window_ = glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), "GnoSphere", nullptr, nullptr);
-    if (!window_) throw std::runtime_error("cannot open a window");
+    if (!window_) fail();
     glfwSetWindowUserPointer(window_, &controls);
     glfwSetKeyCallback(window_, onKey);
     glfwSetCursorPosCallback(window_, onMouse);
@@ -82,6 +81,13 @@ class Window {
   GLFWwindow* get() const { return window_; }
 
  private:
+  [[noreturn]] static void fail() {
+    const char* reason = "";
+    glfwGetError(&reason);
+    throw std::runtime_error(std::string("cannot open a window: ") + reason +
+                             "; without a screen, Xvfb makes a display");
+  }
+
   GLFWwindow* window_ = nullptr;
 };
 
@@ -133,7 +139,7 @@ void run(const Options& options) {
         controls.camera.toClip(vectorOf(pose.position), static_cast<double>(size.width) / size.height);
     frames.beginPass(frame);
     mesh.draw(frame.commands, world.scene, toClip);
-    cloud.draw(frame.commands, toClip, controls.colouring, static_cast<float>(size.height) / 300 + 1);
+    cloud.draw(frame.commands, toClip, controls.colouring, 1 + static_cast<float>(size.height) / 600);
     vkCmdEndRenderPass(frame.commands);
     if (last && !options.picture.empty()) picture.emplace(device, frames, frame);
     frames.end(frame);
