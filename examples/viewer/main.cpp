@@ -82,9 +82,9 @@ class Window {
 
  private:
   [[noreturn]] static void fail() {
-    const char* reason = "";
+    const char* reason = nullptr;
     glfwGetError(&reason);
-    throw std::runtime_error(std::string("cannot open a window: ") + reason +
+    throw std::runtime_error(std::string("cannot open a window: ") + (reason ? reason : "no reason given") +
                              "; without a screen, Xvfb makes a display");
   }
 
@@ -100,10 +100,10 @@ World worldOf(const Options& options) {
 }
 
 // Moves what moves, in the simulator and in the scene that is drawn.
-void move(World& world, gnosphere::Simulator& simulator, const gnosphere::Scene& atFirst, double time) {
+void move(World& world, gnosphere::Simulator& simulator, double time) {
   for (const World::Mover& mover : world.movers) {
     gnosphere::Transform& place = world.scene.instances[mover.instance].transform;
-    place = World::movedBy(mover, time) * atFirst.instances[mover.instance].transform;
+    place = mover.at(time);
     simulator.setTransform(mover.instance, place);
   }
 }
@@ -112,7 +112,6 @@ void run(const Options& options) {
   Controls controls;
   controls.colouring = options.colouring;
   World world = worldOf(options);
-  const gnosphere::Scene atFirst = world.scene;
   const gnosphere::Sensor sensor = gnosphere::builtinSensor(options.sensor);
   const Window window(options.width, options.height, controls);
   const Device device(window.get(), options.validate);
@@ -129,7 +128,7 @@ void run(const Options& options) {
     if (number > 0 && !controls.paused) time += options.frames ? kStep : now - clock;
     clock = now;
     last = glfwWindowShouldClose(window.get()) || number + 1 == options.frames;
-    move(world, cloud.simulator(), atFirst, time);
+    move(world, cloud.simulator(), time);
     const gnosphere::Pose pose = world.sensorAt(time);
 
     const Frames::Frame frame = frames.begin();

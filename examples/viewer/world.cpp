@@ -122,9 +122,9 @@ gnosphere::Pose World::sensorAt(double time) const {
   return pose;
 }
 
-gnosphere::Transform World::movedBy(const Mover& mover, double time) {
-  gnosphere::Transform result;
-  result.rows[3] = std::copysign(along(mover.way, std::abs(mover.speed) * time), mover.speed);
+gnosphere::Transform World::Mover::at(double time) const {
+  gnosphere::Transform result = start;
+  result.rows[3] += std::copysign(along(way, std::abs(speed) * time), speed);
   return result;
 }
 
@@ -162,7 +162,7 @@ World street() {
   for (const double x : {-18.0, -4.0, 8.5, 24.0}) put("parked car", anyCar(), at(x, -4, true));
   for (const double x : {-15.0, 10.0, 35.0}) put("sign", 8, at(x, -5.4));
   put("moving car", 5, at(10, 1.6, true));
-  world.movers = {{scene.instances.size() - 1, -8, 40}};
+  world.movers = {{scene.instances.size() - 1, scene.instances.back().transform, -8, 40}};
   world.start = {-12, -1.4, 1.9};
   return world;
 }

@@ -11,8 +11,11 @@ namespace viewer {
 struct World {
   struct Mover {
     size_t instance = 0;
+    gnosphere::Transform start;
     double speed = 0;  ///< m/s along the x axis at first
     double way = 0;    ///< metres until it turns back
+
+    gnosphere::Transform at(double time) const;
   };
 
   gnosphere::Scene scene;
@@ -21,8 +24,6 @@ struct World {
   std::vector<Mover> movers;
 
   gnosphere::Pose sensorAt(double time) const;
-  /// How far a mover has gone.
-  static gnosphere::Transform movedBy(const Mover& mover, double time);
 };
 
 /// A street with houses, trees, parked cars, and one that moves.
