@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/instance.hpp"
 
-#include <volk.h>
+#include <dlfcn.h>
 
 #include <cstring>
 
@@ -28,21 +28,41 @@ const char* resultName(VkResult result) {
   }
 }
 
-// Volk keeps its pointers to the loader's functions in global variables. They are written once, before any other use,
-// and serve all threads. The first instance lives until the process ends, so drivers stay loaded: some (NVIDIA's) can
-// be loaded only about ten times, because they never free thread-local storage.
-VkResult loadVulkan(const VkApplicationInfo& application) {
+// The functions of Vulkan's loader that need no instance.
+struct Loader {
+  PFN_vkGetInstanceProcAddr lookUp = nullptr;
+  PFN_vkCreateInstance createInstance = nullptr;
+};
+
+Loader openLoader() {
+  void* library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (!library) library = dlopen("libvulkan.so", RTLD_NOW | RTLD_LOCAL);
+  Loader loader;
+  if (library) loader.lookUp = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
+  if (!loader.lookUp)
+    throw Error(ErrorCode::device,
+                "no Vulkan loader (libvulkan.so.1) was found; install libvulkan1 and a driver, "
+                "for instance mesa-vulkan-drivers");
+  loader.createInstance = reinterpret_cast<PFN_vkCreateInstance>(loader.lookUp(nullptr, "vkCreateInstance"));
+  return loader;
+}
+
+// It is opened once, serves all threads, and stays open until the process ends.
+const Loader& vulkanLoader() {
+  static const Loader loader = openLoader();
+  return loader;
+}
+
+// The first instance lives until the process ends, so drivers stay loaded: some (NVIDIA's) can be loaded only about ten
+// times, because they never free thread-local storage.
+VkResult keepDrivers(const VkApplicationInfo& application) {
   static std::mutex mutex;
   static VkInstance kept = VK_NULL_HANDLE;
   const std::lock_guard lock(mutex);
   if (kept) return VK_SUCCESS;
-  if (volkInitialize() != VK_SUCCESS)
-    throw Error(ErrorCode::device,
-                "no Vulkan loader (libvulkan.so.1) was found; install libvulkan1 and a driver, "
-                "for instance mesa-vulkan-drivers");
   VkInstanceCreateInfo create = {VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   create.pApplicationInfo = &application;
-  return vkCreateInstance(&create, nullptr, &kept);
+  return vulkanLoader().createInstance(&create, nullptr, &kept);
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
@@ -90,7 +110,7 @@ ApiInstance::ApiInstance(bool validation) {
   VkApplicationInfo application = {VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "gnosphere";
   application.apiVersion = VK_API_VERSION_1_2;
-  VkResult result = loadVulkan(application);
+  VkResult result = keepDrivers(application);
   const char* layer = "VK_LAYER_KHRONOS_validation";
   const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
   VkDebugUtilsMessengerCreateInfoEXT messenger = messengerOf(*messages_);
@@ -108,17 +128,17 @@ ApiInstance::ApiInstance(bool validation) {
     create.ppEnabledExtensionNames = &extension;
   }
   VkInstance instance = VK_NULL_HANDLE;
-  if (result == VK_SUCCESS) result = vkCreateInstance(&create, nullptr, &instance);
+  if (result == VK_SUCCESS) result = vulkanLoader().createInstance(&create, nullptr, &instance);
   if (result == VK_ERROR_LAYER_NOT_PRESENT)
     throw Error(ErrorCode::device, "the Vulkan validation layer is not installed; install vulkan-validationlayers");
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
     throw Error(ErrorCode::device, "no Vulkan driver was found; install one, for instance mesa-vulkan-drivers");
   check(result, "vkCreateInstance");
-  functions_ = functionsOf(vkGetInstanceProcAddr, instance);
+  functions_ = functionsOf(vulkanLoader().lookUp, instance);
   instance_ = {instance, functions_.vkDestroyInstance};
   if (!validation) return;
 
-  const auto function = [&](const char* name) { return vkGetInstanceProcAddr(instance, name); };
+  const auto function = [&](const char* name) { return vulkanLoader().lookUp(instance, name); };
   const auto make = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(function("vkCreateDebugUtilsMessengerEXT"));
   const auto destroy =
       reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(function("vkDestroyDebugUtilsMessengerEXT"));
