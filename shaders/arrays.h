@@ -105,6 +105,7 @@
   ARRAY(readonly, RecordValue, recordValues) \
   ARRAY(readonly, RecordPlace, recordPlaces)  /* per value, if all are whole words */ \
   ARRAY(readonly, RecordPlace, recordGaps)    /* words of a record without a value */ \
+  ARRAY(readonly, uint, beamPlaces)        /* per beam, by number: its index; kNone: it never fires */ \
   ARRAY(readonly, vec4, beamFacts)         /* per beam: time, azimuth, elevation, bits of its ring */ \
   ARRAY(readonly, vec4, beamDirections)    /* per beam: unit vector in the sensor's frame, 0 */ \
   ARRAY(readonly, uint, instanceClasses)   /* per instance */ \

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage records: writes the results of a scan that stay on the device, in the caller's layout. The passes count the
 // entries with a return per block of entries, sum the counts and write the header, list the entries in order, and write
-// the records. No workgroup waits for another.
+// the records. No workgroup waits for another. If the nearest hit of each beam is all that there is, the values come
+// from the beams' words, and stage resolve is left out.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -10,6 +11,11 @@
 #include "options.glsl"
 #include "bindings.glsl"
 #include "effects/incidence.h"
+#include "to_sensor.glsl"
+#include "beam.h"
+#include "beams.glsl"
+#include "motion.glsl"
+#include "owner.glsl"
 #include "buckets.glsl"
 
 layout(local_size_x = 64) in;
@@ -26,8 +32,43 @@ RecordPlan plan = recordPlanAt.at[0];
 
 uint blockCount() { return (plan.entries + kPrefixBlock - 1) / kPrefixBlock; }
 
+#define FROM_WORDS ((RECORDS & kFromWords) != 0)
+
+// Returns the word of a beam by its number; kNone for a beam without a return.
+uvec2 wordOf(uint beam) {
+  uint index = beamPlaces.at[beam];
+  if (index == kNone) return uvec2(kNone);
+  uvec2 word = words.at[index];
+  if (word.y != kNone && hidesItself(index, uintBitsToFloat(word.y))) return uvec2(kNone);
+  return word;
+}
+
+float rangeOf(uint entry) {
+  if (!FROM_WORDS) return points.at[entry].w;
+  uint bits = wordOf(entry).y;
+  return uintBitsToFloat(bits == kNone ? 0x7fc00000u : bits);
+}
+
 bool isNumber(float value) { return (floatBitsToUint(value) & 0x7fffffffu) <= 0x7f800000u; }
-bool returned(uint entry) { return isNumber(points.at[entry].w); }
+bool returned(uint entry) { return isNumber(rangeOf(entry)); }
+
+// Returns point and range of an entry, and in `owner` the triangle within its mesh and the instance.
+vec4 resultOf(uint entry, out uvec2 owner) {
+  if (!FROM_WORDS) {
+    owner = owners.at[entry];
+    return points.at[entry];
+  }
+  owner = uvec2(kNone);
+  uvec2 word = wordOf(entry);
+  if (word.y == kNone) return vec4(uintBitsToFloat(0x7fc00000u));
+  owner = ownerOf(word.x);
+  uint index = beamPlaces.at[entry];
+  Beam beam = beamWith(index);
+  float range = uintBitsToFloat(word.y);
+  vec3 point = beam.direction * range;
+  if (MOTION) point = reported(columnOf(index), rowOf(index), beam.azimuth, beam.direction, range);
+  return vec4(point, range);
+}
 
 // Returns the sum over the lanes before this one. All lanes of the workgroup must call this.
 uint sumBefore(uint value, out uint total) {
@@ -68,7 +109,7 @@ void sampleRanges() {
   barrier();
   uint stride = plan.entries / kRangeSamples | 1;  // an odd stride meets all columns of a grid
   for (uint entry = lane * stride; entry < plan.entries; entry += kLanes * stride)
-    if (returned(entry)) atomicAdd(sampled[bucketOf(points.at[entry].w)], 1);
+    if (returned(entry)) atomicAdd(sampled[bucketOf(rangeOf(entry))], 1);
   barrier();
   for (uint bucket = lane; bucket < kShellBuckets; bucket += kLanes) rangeCounts.at[bucket] = sampled[bucket];
 }
@@ -142,17 +183,15 @@ uint returnCountOf(uint first) {
   { \
     uint beam_ = (entry_) / RETURNS; \
     uvec2 owner_ = uvec2(kNone); \
-    if (HOLDS_ANY(BITS(kValueNormalX, kValueBarycentricV) | BITS(kValueTriangle, kValueInstance) | \
-                  BITS(kValueMaterial, kValueClass))) \
-      owner_ = owners.at[entry_]; \
+    vec4 point_ = vec4(0.0); \
+    if (HOLDS_ANY(BITS(kValueX, kValueRange) | BITS(kValueNormalX, kValueBarycentricV) | \
+                  BITS(kValueTriangle, kValueInstance) | BITS(kValueMaterial, kValueClass))) \
+      point_ = resultOf(entry_, owner_); \
     bool hit_ = owner_.x != kNone; \
-    if (HOLDS_ANY(BITS(kValueX, kValueRange))) { \
-      vec4 point_ = points.at[entry_]; \
-      USE(kValueX, floatBitsToUint(point_.x)); \
-      USE(kValueY, floatBitsToUint(point_.y)); \
-      USE(kValueZ, floatBitsToUint(point_.z)); \
-      USE(kValueRange, floatBitsToUint(point_.w)); \
-    } \
+    USE(kValueX, floatBitsToUint(point_.x)); \
+    USE(kValueY, floatBitsToUint(point_.y)); \
+    USE(kValueZ, floatBitsToUint(point_.z)); \
+    USE(kValueRange, floatBitsToUint(point_.w)); \
     if (HOLDS_ANY(BITS(kValueIntensity, kValueWidth) | 1u << kValueLabel)) { \
       SignalRecord signal_ = signals.at[entry_]; \
       USE(kValueIntensity, floatBitsToUint(signal_.intensity)); \
@@ -294,6 +333,7 @@ void writeRecords() {
 }
 
 void main() {
+  loadMotion();
   if (PASS == kPassCountReturns) countReturns();
   if (PASS == kPassHeader) sumBlocks();
   if (PASS == kPassEntries) listEntries();

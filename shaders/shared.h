@@ -165,6 +165,8 @@ GNO_CONST uint kValueClass = 29;
 GNO_CONST uint kValues = 30;
 // In RECORDS beside the bits of the values: every value is a whole word of its own.
 GNO_CONST uint kWholeWords = 0x80000000u;
+// In RECORDS, too: the values come from the words of the beams.
+GNO_CONST uint kFromWords = 0x40000000u;
 
 // Types of values in memory; the numbers of ValueType.
 GNO_CONST uint kTypeF32 = 0;

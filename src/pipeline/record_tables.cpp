@@ -112,6 +112,13 @@ RecordTables recordTables(const RecordLayout& layout) {
   return tables;
 }
 
+std::vector<uint32_t> beamPlaces(const SensorPlan& plan, const BeamTables& tables) {
+  std::vector<uint32_t> places(plan.sensor.beamCount(), gpu::kNone);
+  for (uint32_t index = 0; index < tables.frame.beams; ++index)
+    if (const uint32_t number = tables.numberOf(index); number != gpu::kNone) places[number] = index;
+  return places;
+}
+
 std::vector<gpu::vec4> beamFacts(const SensorPlan& plan, size_t pattern) {
   std::vector<gpu::vec4> facts;
   if (!asks(plan.layout, {Field::time, Field::azimuth, Field::elevation, Field::ring})) return facts;

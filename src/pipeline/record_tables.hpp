@@ -5,17 +5,22 @@
 #include <vector>
 
 #include "effects/sensor_plan.hpp"
+#include "pipeline/beam_tables.hpp"
 
 namespace gnosphere {
 
 struct RecordTables {
-  uint32_t held = 0;  ///< bits of the values, and kWholeWords if every value is a whole word and occurs once
+  /// Bits of the values, kWholeWords if every value is a whole word and occurs once, and kFromWords.
+  uint32_t held = 0;
   std::vector<gpu::RecordStream> streams;
   std::vector<gpu::RecordValue> values;
   std::vector<gpu::RecordPlace> places, gaps;  ///< if every value is a whole word
 };
 /// Returns the layout as the kernel reads it.
 RecordTables recordTables(const RecordLayout& layout);
+
+/// Returns the index of each beam by its number; kNone for a beam that never fires.
+std::vector<uint32_t> beamPlaces(const SensorPlan& plan, const BeamTables& tables);
 
 /// Returns time, azimuth, elevation and ring of every beam of a pattern; empty if the layout has none of them.
 std::vector<gpu::vec4> beamFacts(const SensorPlan& plan, size_t pattern);

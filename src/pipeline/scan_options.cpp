@@ -49,7 +49,8 @@ double reachOf(const SimulatorOptions& options, double rangeMax) {
 bool leavesWords(uint32_t binning, const SensorPlan& plan) {
   const bool geometry =
       (plan.bits & gpu::kFootprintEffects) == 0 && !plan.surfaces() && !plan.signals() && !plan.speeds();
-  return binning != gpu::kBinningLists && plan.layout.empty() && (plan.onlyLines() || geometry);
+  const bool reads = plan.layout.empty() || !plan.panes();
+  return binning != gpu::kBinningLists && reads && (plan.onlyLines() || geometry);
 }
 
 // Surface kernels need the transforms of still instances as well, which a scan that reuses the image does not place.

@@ -60,6 +60,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       outputs_(outputsOf(plan, leavesWords(binning_, plan))),
       records_(recordTables(plan.layout)) {
   options_.BINNING = binning_;
+  if (keepsRecords() && leavesWords(binning_, plan)) records_.held |= gpu::kFromWords;
   for (const bool motion : {false, true})
     if (!motion || plan_.motion())
       for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
@@ -169,6 +170,9 @@ void SensorArrays::makeRecordArrays() {
       if (!content.empty())
         patterns_[i].arrays[static_cast<size_t>(array)] = uploaded<gpu::vec4>(machine_, array, content);
     };
+    if ((records_.held & gpu::kFromWords) != 0)
+      patterns_[i].arrays[static_cast<size_t>(Array::beamPlaces)] =
+          uploaded<uint32_t>(machine_, Array::beamPlaces, beamPlaces(plan_, patterns_[i].tables));
     put(Array::beamFacts, beamFacts(plan_, i));
     put(Array::beamDirections, beamDirections(plan_, i));
   }
@@ -404,7 +408,7 @@ Plan SensorArrays::plan() const {
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
   plan.stages = stagesOf(steps(patterns_[0].tables, everything(), StillImage::Use::none, plan_.motion()));
-  if (leavesWords(binning_, plan_)) plan.stages.push_back({"resolve", 0, {}});
+  if (leavesWords(binning_, plan_) && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
   for (size_t i = 0; i < arrays_.size(); ++i)
     if (const auto& memory = patterns_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
   for (size_t i = 0; i < arrays_.size(); ++i)
