@@ -303,7 +303,7 @@ void play(const char* path) {
     const auto start = std::chrono::steady_clock::now();
     for (const YAML::Node& call : calls) {
       const auto name = call.begin()->first.as<std::string>();
-      const YAML::Node& details = call.begin()->second;
+      const YAML::Node details = call.begin()->second;  // a reference would outlive what begin() returns
       const auto function = players().find(name);
       if (function == players().end()) throw Failure(RGL_TAPE_ERROR, "the tape calls the unknown function " + name);
       std::this_thread::sleep_until(start + std::chrono::nanoseconds(details["t"].as<int64_t>()));
