@@ -56,7 +56,7 @@ std::vector<Recording::Result> RecordedScans::resultsOf(size_t frame, const std:
     if (!slot.recorded) continue;
     SensorArrays& sensor = *sensors[index];
     results.push_back({index, slot.frame, !sensor.cutShort(frame)});
-    sensor.setShellHint(sensor.recordedHint(frame));
+    if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(frame));
     if (!results.back().complete) sensor.growLists(frame);
     slot.recorded = false;
   }

@@ -324,6 +324,7 @@ SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
 }
 
 void SensorArrays::loadRecords(size_t index, uint64_t bytes, std::span<const uint16_t> classes, uint64_t number) {
+  if ((records_.held >> gpu::kValueClass & 1) == 0) classes = {};
   const std::vector<uint32_t> wide(classes.begin(), classes.end());
   gpu::RecordPlan content = {};
   content.entries = static_cast<uint32_t>(entries());

@@ -75,7 +75,7 @@ class SensorArrays {
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
   };
 
-  /// The largest sizes among all patterns and groups.
+  /// Holds, for each size, the largest that any pattern or group has.
   struct Sizes {
     uint64_t beams = 0, fine = 0, coarse = 0, slabs = 0;  // fine and coarse entries of the farthest-range table
     float rangeMax = 0;

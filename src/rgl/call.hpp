@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every function of the interface does: one call at a time, exceptions as statuses, and calls on a tape.
+// Every function of the interface runs through call(): it lets one call run at a time, turns exceptions into statuses,
+// and writes the call to the tape if one is recorded.
 #pragma once
 
 #include <rgl/api/core.h>

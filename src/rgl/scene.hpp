@@ -74,7 +74,8 @@ class SceneState {
   void place(const std::shared_ptr<EntityObject>& entity) { placed_.push_back(entity); }
   void remove(const std::shared_ptr<EntityObject>& entity);
   void clear();
-  /// The vertices of a mesh are others than those in the simulator: the next entity of it gets a new copy.
+  /// Must be called when the vertices of a mesh differ from those in the simulator. The next entity that uses the mesh
+  /// then gets a new copy of it.
   void forget(MeshObject& mesh) { mesh.index = kNoIndex; }
   bool empty() const { return placed_.empty(); }
 

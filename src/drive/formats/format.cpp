@@ -82,4 +82,11 @@ void scaleFloat(std::string& rows, size_t stride, size_t offset, float factor) {
   }
 }
 
+std::string kittiRows(const Scan& scan, const RigSensor& sensor) {
+  const RecordLayout layout = kittiLayout(scan);
+  std::string rows = packedRows(scan, layout);
+  scaleFloat(rows, layout.stride, 12, intensityFactor(sensor, 1));
+  return rows;
+}
+
 }  // namespace gnosphere::drive

@@ -73,6 +73,8 @@ std::string packedRows(const Scan& scan, const RecordLayout& layout);
 RecordLayout kittiLayout(const Scan& scan);
 /// What the intensities of a sensor are multiplied with to have this greatest value for a diffuse white surface.
 float intensityFactor(const RigSensor& sensor, float greatest);
+/// Returns the rows of kittiLayout(), in which a diffuse white surface has the intensity 1.
+std::string kittiRows(const Scan& scan, const RigSensor& sensor);
 /// Multiplies one float of every row.
 void scaleFloat(std::string& rows, size_t stride, size_t offset, float factor);
 

@@ -24,9 +24,7 @@ class Kitti : public Format {
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     for (const RecordedScan& recorded : frame.scans) {
       if (!writes(recorded.planned.sensor)) continue;
-      const RecordLayout layout = kittiLayout(recorded.scan);
-      std::string rows = packedRows(recorded.scan, layout);
-      scaleFloat(rows, layout.stride, 12, intensityFactor(drive_.sensors[recorded.planned.sensor], 1));
+      std::string rows = kittiRows(recorded.scan, drive_.sensors[recorded.planned.sensor]);
       const std::string number = numberText("%06llu", recorded.planned.number);
       files.push_back({path("sequences/00/velodyne/" + number + ".bin"), std::move(rows), ""});
       if (labelled_) files.push_back({path("sequences/00/labels/" + number + ".label"), labelsOf(recorded), ""});

@@ -61,9 +61,7 @@ class KittiRaw : public Format {
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     for (const RecordedScan& recorded : frame.scans) {
       if (!writes(recorded.planned.sensor)) continue;
-      const RecordLayout layout = kittiLayout(recorded.scan);
-      std::string rows = packedRows(recorded.scan, layout);
-      scaleFloat(rows, layout.stride, 12, intensityFactor(drive_.sensors[recorded.planned.sensor], 1));
+      std::string rows = kittiRows(recorded.scan, drive_.sensors[recorded.planned.sensor]);
       const std::string number = numberText("%010llu", recorded.planned.number);
       files.push_back({folder_ + "velodyne_points/data/" + number + ".bin", std::move(rows), ""});
       files.push_back({folder_ + "oxts/data/" + number + ".txt", oxtsOf(recorded.planned.time), ""});
