@@ -327,7 +327,19 @@ class Simulator::Impl {
       throw Error(ErrorCode::invalidArgument,
                   "mesh " + std::to_string(mesh) + " has " + std::to_string(vertexCounts_[mesh]) +
                       " vertices of three numbers each; " + std::to_string(positions.size()) + " numbers were given");
+    if (scene_.meshes[mesh].deformable())
+      throw Error(ErrorCode::invalidArgument,
+                  "mesh " + std::to_string(mesh) + " follows joints or morph targets; setDeformation() moves it");
     backend_->setPositions(mesh, positions);
+  }
+
+  void setDeformation(size_t mesh, const Deformation& deformation) {
+    meshes_.check(mesh);
+    const std::string name = "mesh " + std::to_string(mesh);
+    const Mesh& kept = scene_.meshes[mesh];
+    if (!kept.deformable()) throw Error(ErrorCode::invalidArgument, name + " has neither joints nor morph targets");
+    validate(deformation, name, kept);
+    backend_->setDeformation(mesh, deformation);
   }
 
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId) {
@@ -419,6 +431,8 @@ class Simulator::Impl {
     scene_.meshes.resize(meshes_.size());
     vertexCounts_.resize(meshes_.size());
     scene_.meshes[index].parts = mesh.parts;
+    scene_.meshes[index].jointCount = mesh.jointCount;
+    scene_.meshes[index].morphTargets.resize(mesh.morphTargets.size());
     vertexCounts_[index] = mesh.vertexCount();
     for (const MeshPart& part : mesh.parts) ++materials_.uses(part.material);
   }
@@ -496,6 +510,9 @@ size_t Simulator::addMesh(const Mesh& mesh) {
 }
 void Simulator::removeMesh(size_t mesh) {
   impl_->removeMesh(mesh);
+}
+void Simulator::setDeformation(size_t mesh, const Deformation& deformation) {
+  impl_->setDeformation(mesh, deformation);
 }
 void Simulator::setPositions(size_t mesh, std::span<const float> positions) {
   impl_->setPositions(mesh, positions);

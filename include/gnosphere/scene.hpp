@@ -71,6 +71,16 @@ struct MeshPart {
   uint32_t material = 0;  ///< index into Scene::materials
 };
 
+/// Where the joints and morph targets of a deformable mesh are. Empty: the vertices are at Mesh::positions.
+struct Deformation {
+  /// By joint: maps a vertex of the mesh frame to where the joint takes it, in the mesh frame. In the terms of glTF:
+  /// inverse(node of the mesh) * node of the joint * inverse bind matrix. Mesh::jointCount entries.
+  std::vector<Transform> joints;
+  std::vector<float> morphWeights;  ///< by morph target: its share. As many entries as Mesh::morphTargets.
+
+  bool empty() const { return joints.empty() && morphWeights.empty(); }
+};
+
 /// Indexed triangles. Vertex v is at `origin + positions[3v..3v+2]` in the mesh frame. Positions are floats relative to
 /// an origin in double precision, so georeferenced files keep their precision.
 struct Mesh {
@@ -81,9 +91,23 @@ struct Mesh {
   std::vector<float> uvs;         ///< 2 per vertex; empty if no material of the mesh has an alpha image
   std::vector<MeshPart> parts;    ///< in ascending order; together they cover every triangle
 
+  /// A deformable mesh has joints, morph targets or both. A vertex first moves by the morph targets, each with its
+  /// weight; then it is the mean of where its joints take it, by their weights. (glTF 2.0, sections 3.7.2.2 and 3.7.3.)
+  uint32_t jointCount = 0;
+  uint32_t influences = 0;                       ///< joints that each vertex follows
+  std::vector<uint16_t> joints;                  ///< `influences` per vertex, each less than jointCount
+  std::vector<float> jointWeights;               ///< `influences` per vertex, not negative; those of a vertex sum to 1
+  std::vector<std::vector<float>> morphTargets;  ///< per target 3 per vertex: by how much it moves them, metres
+  Deformation deformation;                       ///< at first; see Simulator::setDeformation()
+
   size_t vertexCount() const { return positions.size() / 3; }
   size_t triangleCount() const { return indices.size() / 3; }
+  bool deformable() const { return jointCount > 0 || !morphTargets.empty(); }
 };
+
+/// The positions of the deformed mesh: 3 per vertex, in metres relative to Mesh::origin. They are computed in single
+/// precision, in the same steps on every device, so all devices see the same triangles.
+GNOSPHERE_API std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation);
 
 /// One placement of a mesh in the world. Instances share the mesh; it is never copied.
 struct Instance {

@@ -274,8 +274,11 @@ class GNOSPHERE_API Simulator {
   /// Removes a mesh; no instance may place it.
   void removeMesh(size_t mesh);
   /// Moves the vertices of a mesh: 3 values per vertex, in metres relative to Mesh::origin, for as many vertices as the
-  /// mesh has. Its triangles do not change.
+  /// mesh has. Its triangles do not change. The mesh must not be deformable.
   void setPositions(size_t mesh, std::span<const float> positions);
+  /// Moves the joints and morph targets of a deformable mesh, whose vertices then are at deformedPositions(). An empty
+  /// deformation puts them back to Mesh::positions.
+  void setDeformation(size_t mesh, const Deformation& deformation);
 
   /// Adds an instance and returns its index, which Scan::instances uses.
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0);

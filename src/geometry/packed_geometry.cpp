@@ -182,14 +182,27 @@ void PackedGeometry::writeMeshTriangles() {
   memory_.write(Array::meshTriangles, 0, std::as_bytes(std::span(firsts)));
 }
 
+PackedGeometry::Entry PackedGeometry::entryOf(const Mesh& mesh, const std::vector<Material>& materials) {
+  Entry entry;
+  entry.origin = mesh.origin;
+  entry.uvs = mesh.uvs;
+  if (!mesh.deformable()) {
+    entry.flat = flatten(mesh, materials);
+    return entry;
+  }
+  entry.mesh = std::make_shared<const Mesh>(mesh);
+  Mesh deformed = mesh;
+  deformed.positions = deformedPositions(mesh, mesh.deformation);
+  entry.flat = flatten(deformed, materials);
+  return entry;
+}
+
 void PackedGeometry::add(std::span<const Mesh> meshes, const std::vector<Material>& materials) {
   const size_t first = meshes_.size();
   std::vector<Entry> entries(meshes.size());
   inRuns(meshes.size(), 1, threadCount(), [&](size_t from, size_t end) {
     for (size_t i = from; i < end; ++i) {
-      entries[i].flat = flatten(meshes[i], materials);
-      entries[i].origin = meshes[i].origin;
-      entries[i].uvs = meshes[i].uvs;
+      entries[i] = entryOf(meshes[i], materials);
     }
   });
   place(entries);
@@ -201,7 +214,7 @@ void PackedGeometry::add(std::span<const Mesh> meshes, const std::vector<Materia
 }
 
 void PackedGeometry::replace(size_t index, const Mesh& mesh, const std::vector<Material>& materials) {
-  Entry entry = {flatten(mesh, materials), 0, 0, 0, 0, mesh.origin, mesh.uvs};
+  Entry entry = entryOf(mesh, materials);
   place({&entry, 1});
   meshes_[index] = std::move(entry);
   write({&meshes_[index], 1});
@@ -211,7 +224,7 @@ void PackedGeometry::replace(size_t index, const Mesh& mesh, const std::vector<M
 
 void PackedGeometry::remove(size_t index) {
   giveBack(meshes_[index]);
-  meshes_[index] = {flatten({}, {}), 0, 0, 0, 0, {}, {}};
+  meshes_[index] = entryOf({}, {});
   instances_.setMesh(index, {});
 }
 
@@ -232,6 +245,10 @@ void PackedGeometry::addTextureCoordinates() {
   for (const Entry& entry : meshes_) coordinates.write(2 * entry.vertex, textureCoordinates(entry));
   coordinates.flush();
   textured_ = true;
+}
+
+void PackedGeometry::setDeformation(size_t index, const Deformation& deformation) {
+  setPositions(index, deformedPositions(*meshes_[index].mesh, deformation));
 }
 
 void PackedGeometry::setPositions(size_t index, std::span<const float> positions) {

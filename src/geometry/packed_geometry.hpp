@@ -2,6 +2,7 @@
 // The flattened meshes in the arrays that a device reads.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -36,6 +37,8 @@ class PackedGeometry {
   void remove(size_t index);
   /// Moves all vertices of a mesh; `positions` has 3 values per vertex.
   void setPositions(size_t index, std::span<const float> positions);
+  /// Deforms a mesh that is deformable.
+  void setDeformation(size_t index, const Deformation& deformation);
 
   /// From now on also keeps meshTriangles and triangleSlots, by which a triangle is found from its mesh and index.
   void addSlots();
@@ -51,9 +54,11 @@ class PackedGeometry {
     FlatMesh flat;  // without positions and triangles, which only the memory has
     uint64_t group = 0, cluster = 0, vertex = 0, triangle = 0;
     Vec3 origin;
-    std::vector<float> uvs;  // 2 per vertex of the Mesh; empty if it has none
+    std::vector<float> uvs;            // 2 per vertex of the Mesh; empty if it has none
+    std::shared_ptr<const Mesh> mesh;  // only if it is deformable
   };
 
+  static Entry entryOf(const Mesh& mesh, const std::vector<Material>& materials);
   void place(std::span<Entry> entries);
   void giveBack(const Entry& entry);
   void reserve();

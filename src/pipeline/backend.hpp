@@ -27,6 +27,8 @@ class Backend {
   virtual void setInstance(size_t index, uint32_t mesh, const Transform& transform) = 0;
   /// Moves all vertices of the mesh; `positions` has 3 values per vertex.
   virtual void setPositions(size_t mesh, std::span<const float> positions) = 0;
+  /// Deforms the mesh, which is deformable; the deformation fits it.
+  virtual void setDeformation(size_t mesh, const Deformation& deformation) = 0;
   virtual Plan plan(size_t sensor) const = 0;
   virtual const DeviceInfo& device() const = 0;
   virtual MemoryUse memory() const = 0;

@@ -109,6 +109,11 @@ class DeviceBackend final : public Backend {
     scene_.geometry().setPositions(mesh, positions);
   }
 
+  void setDeformation(size_t mesh, const Deformation& deformation) override {
+    waitForAll();
+    scene_.geometry().setDeformation(mesh, deformation);
+  }
+
   Plan plan(size_t sensor) const override { return sensors_[sensor]->arrays.plan(); }
   const DeviceInfo& device() const override { return machine_->traits().info; }
   size_t clusterCount() const override { return scene_.geometry().clusterCount(); }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -26,6 +27,8 @@ class ReferenceBackend : public Backend {
   ReferenceBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options)
       : options_(options), scene_(scene), device_(referenceDevice()) {
     for (size_t i = 0; i < sensors.size(); ++i) setSensor(i, sensors[i]);
+    for (size_t i = 0; i < scene.meshes.size(); ++i)
+      if (scene.meshes[i].deformable()) setMesh(i, &scene.meshes[i]);
     build();
   }
 
@@ -39,6 +42,7 @@ class ReferenceBackend : public Backend {
   void setMesh(size_t index, const Mesh* mesh) override;
   void setInstance(size_t index, uint32_t mesh, const Transform& transform) override;
   void setPositions(size_t mesh, std::span<const float> positions) override;
+  void setDeformation(size_t mesh, const Deformation& deformation) override;
 
  private:
   void build();
@@ -48,6 +52,7 @@ class ReferenceBackend : public Backend {
   const SimulatorOptions options_;
   std::vector<std::optional<BeamEffects>> sensors_;  // empty where one was removed
   Scene scene_;                                      // removed instances have no mesh
+  std::map<size_t, Mesh> deformable_;                // by index; in scene_ their positions are the deformed ones
   bool changed_ = false;
   Counters counters_;
   Bvh bvh_ = Bvh({});
@@ -103,6 +108,11 @@ void ReferenceBackend::setMaterials(const std::vector<Material>& materials, cons
 void ReferenceBackend::setMesh(size_t index, const Mesh* mesh) {
   scene_.meshes.resize(std::max(scene_.meshes.size(), index + 1));
   scene_.meshes[index] = mesh ? *mesh : Mesh{};
+  deformable_.erase(index);
+  if (mesh && mesh->deformable()) {
+    deformable_[index] = *mesh;
+    scene_.meshes[index].positions = deformedPositions(*mesh, mesh->deformation);
+  }
 }
 
 void ReferenceBackend::setInstance(size_t index, uint32_t mesh, const Transform& transform) {
@@ -113,6 +123,11 @@ void ReferenceBackend::setInstance(size_t index, uint32_t mesh, const Transform&
 
 void ReferenceBackend::setPositions(size_t mesh, std::span<const float> positions) {
   scene_.meshes[mesh].positions.assign(positions.begin(), positions.end());
+  changed_ = true;
+}
+
+void ReferenceBackend::setDeformation(size_t mesh, const Deformation& deformation) {
+  scene_.meshes[mesh].positions = deformedPositions(deformable_.at(mesh), deformation);
   changed_ = true;
 }
 

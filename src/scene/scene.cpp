@@ -45,10 +45,12 @@ Bounds worldBounds(const Scene& scene) {
   Bounds bounds = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes.at(instance.mesh);
+    const std::vector<float> deformed =
+        mesh.deformation.empty() ? std::vector<float>() : deformedPositions(mesh, mesh.deformation);
+    const std::vector<float>& positions = mesh.deformation.empty() ? mesh.positions : deformed;
     for (size_t v = 0; v < mesh.vertexCount(); ++v) {
-      const Vec3 p =
-          instance.transform * Vec3{mesh.origin.x + mesh.positions[3 * v], mesh.origin.y + mesh.positions[3 * v + 1],
-                                    mesh.origin.z + mesh.positions[3 * v + 2]};
+      const Vec3 p = instance.transform * Vec3{mesh.origin.x + positions[3 * v], mesh.origin.y + positions[3 * v + 1],
+                                               mesh.origin.z + positions[3 * v + 2]};
       if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
       bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y), std::min(bounds.min.z, p.z)};
       bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y), std::max(bounds.max.z, p.z)};
@@ -58,6 +60,9 @@ Bounds worldBounds(const Scene& scene) {
 }
 
 namespace {
+
+// Devices store the number of a joint in 16 bits.
+constexpr uint32_t kMostJoints = 65536;
 
 [[noreturn]] void fail(const std::string& what) {
   throw Error(ErrorCode::invalidArgument, what);
@@ -71,6 +76,57 @@ void validate(const AlphaImage& image, const std::string& name) {
          " pixels need as many values, there are " + std::to_string(image.alpha.size()));
 }
 
+namespace {
+
+void checkJoints(const Mesh& mesh, const std::string& name) {
+  const size_t expected = mesh.vertexCount() * mesh.influences;
+  if (mesh.jointCount > kMostJoints)
+    fail(name + ": it has " + std::to_string(mesh.jointCount) + " joints; the limit is " + std::to_string(kMostJoints));
+  if ((mesh.jointCount > 0) != (mesh.influences > 0))
+    fail(name + ": " + std::to_string(mesh.jointCount) + " joints and " + std::to_string(mesh.influences) +
+         " influences per vertex; both must be 0 or both more");
+  if (mesh.joints.size() != expected || mesh.jointWeights.size() != expected)
+    fail(name + ": " + std::to_string(mesh.vertexCount()) + " vertices with " + std::to_string(mesh.influences) +
+         " influences each need " + std::to_string(expected) + " joints and weights, there are " +
+         std::to_string(mesh.joints.size()) + " and " + std::to_string(mesh.jointWeights.size()));
+  for (uint16_t joint : mesh.joints)
+    if (joint >= mesh.jointCount)
+      fail(name + ": a vertex follows joint " + std::to_string(joint) + ", the mesh has " +
+           std::to_string(mesh.jointCount));
+  for (size_t vertex = 0; vertex < (mesh.influences > 0 ? mesh.vertexCount() : 0); ++vertex) {
+    double sum = 0;
+    for (size_t k = 0; k < mesh.influences; ++k) {
+      const float weight = mesh.jointWeights[vertex * mesh.influences + k];
+      if (!(weight >= 0)) fail(name + ": a joint's weight at vertex " + std::to_string(vertex) + " is negative or NaN");
+      sum += weight;
+    }
+    if (!(std::abs(sum - 1) < 1e-3))
+      fail(name + ": the joints' weights of vertex " + std::to_string(vertex) + " sum to " + std::to_string(sum) +
+           ", not to 1");
+  }
+  for (size_t i = 0; i < mesh.morphTargets.size(); ++i)
+    if (mesh.morphTargets[i].size() != mesh.positions.size())
+      fail(name + ": morph target " + std::to_string(i) + " has " + std::to_string(mesh.morphTargets[i].size()) +
+           " numbers, the positions have " + std::to_string(mesh.positions.size()));
+  validate(mesh.deformation, name, mesh);
+}
+
+}  // namespace
+
+void validate(const Deformation& deformation, const std::string& name, const Mesh& mesh) {
+  if (deformation.empty()) return;
+  if (deformation.joints.size() != mesh.jointCount || deformation.morphWeights.size() != mesh.morphTargets.size())
+    fail(name + ": its deformation has " + std::to_string(deformation.joints.size()) + " joints and " +
+         std::to_string(deformation.morphWeights.size()) + " morph weights, the mesh has " +
+         std::to_string(mesh.jointCount) + " and " + std::to_string(mesh.morphTargets.size()));
+  for (size_t i = 0; i < deformation.joints.size(); ++i)
+    for (double value : deformation.joints[i].rows)
+      if (!std::isfinite(value)) fail(name + ": the map of joint " + std::to_string(i) + " is not finite");
+  for (size_t i = 0; i < deformation.morphWeights.size(); ++i)
+    if (!std::isfinite(deformation.morphWeights[i]))
+      fail(name + ": the weight of morph target " + std::to_string(i) + " is not finite");
+}
+
 void validate(const Mesh& mesh, const std::string& name, const std::vector<Material>& materials) {
   if (mesh.positions.size() % 3 != 0) fail(name + ": positions must come in threes");
   if (!mesh.uvs.empty() && mesh.uvs.size() != 2 * mesh.vertexCount())
@@ -81,6 +137,7 @@ void validate(const Mesh& mesh, const std::string& name, const std::vector<Mater
     if (index >= mesh.vertexCount())
       fail(name + ": index " + std::to_string(index) + " is out of range, the mesh has " +
            std::to_string(mesh.vertexCount()) + " vertices");
+  checkJoints(mesh, name);
   size_t next = 0;
   for (const MeshPart& part : mesh.parts) {
     if (part.firstTriangle != next) fail(name + ": its parts must follow each other without a gap");

@@ -12,4 +12,7 @@ void validate(const AlphaImage& image, const std::string& name);
 /// Arrays of fitting sizes, indices within them, and parts that cover every triangle with materials that exist.
 void validate(const Mesh& mesh, const std::string& name, const std::vector<Material>& materials);
 
+/// As many joints and weights as the mesh has, or none at all; finite values.
+void validate(const Deformation& deformation, const std::string& name, const Mesh& mesh);
+
 }  // namespace gnosphere

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "geometry/deform.hpp"
+
+#include "deform.h"
+
+namespace gnosphere {
+namespace {
+
+gpu::vec3 at(const std::vector<float>& values, size_t vertex) {
+  return {values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]};
+}
+
+gpu::vec4 row(const JointMap& map, size_t number) {
+  return {map[4 * number], map[4 * number + 1], map[4 * number + 2], map[4 * number + 3]};
+}
+
+}  // namespace
+
+std::vector<JointMap> jointMapsOf(const Mesh& mesh, const Deformation& deformation) {
+  std::vector<JointMap> maps;
+  const double origin[3] = {mesh.origin.x, mesh.origin.y, mesh.origin.z};
+  for (const Transform& joint : deformation.joints) {
+    JointMap& map = maps.emplace_back();
+    for (size_t i = 0; i < 3; ++i) {
+      const double* values = &joint.rows[4 * i];
+      // M (origin + p) + t - origin = M p + (M origin + t - origin)
+      const double shift =
+          values[0] * origin[0] + values[1] * origin[1] + values[2] * origin[2] + values[3] - origin[i];
+      for (size_t k = 0; k < 3; ++k) map[4 * i + k] = static_cast<float>(values[k]);
+      map[4 * i + 3] = static_cast<float>(shift);
+    }
+  }
+  return maps;
+}
+
+std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation) {
+  if (deformation.empty()) return mesh.positions;
+  const std::vector<JointMap> maps = jointMapsOf(mesh, deformation);
+  std::vector<float> result;
+  result.reserve(mesh.positions.size());
+  for (size_t vertex = 0; vertex < mesh.vertexCount(); ++vertex) {
+    gpu::vec3 position = at(mesh.positions, vertex);
+    for (size_t i = 0; i < mesh.morphTargets.size(); ++i)
+      position = gpu::morphed(position, at(mesh.morphTargets[i], vertex), deformation.morphWeights[i]);
+    gpu::vec3 sum = {0, 0, 0};
+    for (size_t k = vertex * mesh.influences; k < (vertex + 1) * mesh.influences; ++k) {
+      const JointMap& map = maps[mesh.joints[k]];
+      sum = gpu::withJoint(sum, row(map, 0), row(map, 1), row(map, 2), position, mesh.jointWeights[k]);
+    }
+    const gpu::vec3& end = mesh.influences > 0 ? sum : position;
+    result.insert(result.end(), {end.x, end.y, end.z});
+  }
+  return result;
+}
+
+}  // namespace gnosphere

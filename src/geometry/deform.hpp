@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// The maps of joints as the formulas of shaders/deform.h take them.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "gnosphere/scene.hpp"
+
+namespace gnosphere {
+
+/// Row-major 3x4 in single precision; takes and gives positions relative to Mesh::origin.
+using JointMap = std::array<float, 12>;
+
+/// The maps of a deformation of the mesh, by joint; none if the deformation is empty.
+std::vector<JointMap> jointMapsOf(const Mesh& mesh, const Deformation& deformation);
+
+}  // namespace gnosphere
