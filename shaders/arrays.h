@@ -27,11 +27,19 @@
 #define GNO_SCENE_ARRAYS(BLOCK, ARRAY) \
   ARRAY(readonly, Group, groups) \
   ARRAY(readonly, Cluster, clusters) \
-  ARRAY(readonly, vec3, positions) \
+  ARRAY(, vec3, positions)                   /* those of deformable meshes are written when their cluster is seen */ \
   ARRAY(readonly, uvec2, triangleCorners)    /* three 8-bit vertex numbers of the cluster, index in the mesh */ \
   ARRAY(readonly, vec2, textureCoordinates)  /* per vertex */ \
   ARRAY(readonly, uint, meshTriangles)       /* per mesh: its first entry in triangleSlots */ \
   ARRAY(readonly, uint, triangleSlots)       /* per triangle of a mesh: cluster * kClusterTriangles + number in it */ \
+  ARRAY(readonly, Deformer, deformers)       /* per mesh */ \
+  ARRAY(readonly, vec3, restPositions)       /* per vertex of a deformable mesh, as in positions */ \
+  ARRAY(readonly, uvec2, influences)         /* per such vertex and influence: joint, bits of its weight */ \
+  ARRAY(readonly, vec3, morphOffsets)        /* per such vertex and morph target */ \
+  ARRAY(readonly, uint, boneStarts)          /* per cluster of a deformable mesh and at the end: its first bone */ \
+  ARRAY(readonly, Bone, bones) \
+  ARRAY(readonly, vec4, jointRows)           /* three per joint: its map, row by row */ \
+  ARRAY(readonly, float, morphWeights)       /* per morph target of a mesh */ \
   ARRAY(readonly, Instance, instances) \
   ARRAY(readonly, uint, instanceMeshes) \
   ARRAY(readonly, uvec2, placed)             /* per placed group: its instance and its group */ \

@@ -9,6 +9,7 @@ struct LoadedCluster {
   uint doubleSided;
   uint material;
   uint number;  // number of the instance
+  uint mesh;    // the mesh of the instance if it is deformable, otherwise kNone
   vec2 bound;   // InstanceMotion::bound; only with motion
 };
 
@@ -28,6 +29,7 @@ LoadedCluster loadCluster(uint i) {
   }
   loaded.material = subgroupBroadcast(loaded.material, 0);
   loaded.number = subgroupBroadcast(loaded.number, 0);
+  loaded.mesh = deformableMesh(loaded.number);
   if (MOTION) loaded.bound = subgroupBroadcast(loaded.bound, 0);
   loaded.instance = fromFirstLane(loaded.instance);
   loaded.vertexFirst = subgroupBroadcast(loaded.vertexFirst, 0);
@@ -46,8 +48,16 @@ struct Vertices {
   uint count;
 };
 
+// Later kernels read the positions of deformed vertices, so these are stored.
+vec3 positionOf(LoadedCluster loaded, uint vertex) {
+  if (loaded.mesh == kNone) return positions.at[vertex];
+  vec3 position = deformedPosition(loaded.mesh, vertex);
+  positions.at[vertex] = position;
+  return position;
+}
+
 vec3 toSensor(LoadedCluster loaded, uint vertex) {
-  vec3 p = toSensor(loaded.instance, positions.at[loaded.vertexFirst + vertex]);
+  vec3 p = toSensor(loaded.instance, positionOf(loaded, loaded.vertexFirst + vertex));
   return INSIDE == kInsideExact ? onLattice(p) : p;
 }
 

@@ -17,6 +17,7 @@
 #include "to_sensor.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
+#include "deformed.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -47,14 +48,22 @@ bool showsItsBack(Instance instance, uint cluster) {
   return dot(towards, clusters.at[cluster].coneAxis) >= sine * distance + radius * 1.00001 && keepsShape(instance, towards);
 }
 
-bool seen(uint number, Instance instance, uint cluster) {
-  vec3 low, high;
-  sensorBox(instance, clusters.at[cluster].low, clusters.at[cluster].high, low, high);
+// `mesh` is the mesh of the instance if it is deformable, otherwise kNone.
+bool seen(uint number, Instance instance, uint mesh, uint cluster) {
+  vec3 meshLow, meshHigh, low, high;
+  bool deformed = mesh != kNone && deformers.at[mesh].deformed != 0;
+  if (deformed) {
+    deformedBox(mesh, cluster, meshLow, meshHigh);
+  } else {
+    meshLow = clusters.at[cluster].low;
+    meshHigh = clusters.at[cluster].high;
+  }
+  sensorBox(instance, meshLow, meshHigh, low, high);
   if (MOTION) widenByMotion(number, low, high);
   float nearest = nearestPoint(low, high);
   bool inShell = !(nearest < shellMin) && !(nearest >= shellMax);
   // The cone is tested last because then most clusters do not have to load it.
-  return inShell && !outOfSight(low, high) && (MOTION || !showsItsBack(instance, cluster));
+  return inShell && !outOfSight(low, high) && (MOTION || deformed || !showsItsBack(instance, cluster));
 }
 
 // Records the rows that the part of a box beyond this shell may cover. The farthest-range table is computed only for
@@ -87,9 +96,10 @@ void listClusters(uvec2 pair, uvec2 run, uint lane, inout bool any) {
   Instance instance;
   if (gl_SubgroupInvocationID == 0) instance = instances.at[pair.x];
   instance = fromFirstLane(instance);
+  uint mesh = deformableMesh(pair.x);
   for (uint k = 0; k < run.y; k += gl_SubgroupSize) {
     uint cluster = run.x + k + gl_SubgroupInvocationID;
-    list(k + gl_SubgroupInvocationID < run.y && seen(pair.x, instance, cluster), pair.x, cluster, any);
+    list(k + gl_SubgroupInvocationID < run.y && seen(pair.x, instance, mesh, cluster), pair.x, cluster, any);
   }
 }
 

@@ -26,6 +26,7 @@
 #include "lanes.glsl"
 #include "to_sensor.glsl"
 #include "cull.glsl"
+#include "deformed.glsl"
 #include "cluster_corners.glsl"
 #include "inside.glsl"
 #include "nearest_hit.glsl"
@@ -173,6 +174,8 @@ uint cullOne(LoadedCluster loaded, mat3 corners) {
     setSeeming(0.0);  // it is that of the last triangle that moves
     fate = culledEarly(a, b, c, isOneSided(loaded));
   }
+  // No beam hits a triangle that a deformation has reduced to a line.
+  if (DEFORMED && (a == b || b == c || c == a)) fate = kBetween;
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 

@@ -3,8 +3,9 @@
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
+#include "cuda/twin.hpp"
 #include "deformable.hpp"
-#include "support.hpp"
+#include "geometry/deformables.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -14,6 +15,18 @@ namespace {
 Sensor head() {
   return gridSensor(360, 24, -30, 30, 60);
 }
+
+/// Sees only parts of most clusters of limbs(): few rows, and a range that ends within them.
+Sensor narrowHead() {
+  return gridSensor(720, 6, -2, 2, 5.9);
+}
+
+/// Forgets what is written.
+struct NoMemory : SceneMemory {
+  void reserve(gpu::Array, uint64_t) override {}
+  void write(gpu::Array, uint64_t, std::span<const std::byte>) override {}
+  void read(gpu::Array, uint64_t, std::span<std::byte>) const override {}
+};
 
 }  // namespace
 
@@ -46,19 +59,124 @@ TEST_CASE("deformed meshes are scanned where they are", "[deform][gpu]") {
     TestOptions options = vulkanOptions(), reference;
     options.accuracy = reference.accuracy = accuracy;
     reference.device = DeviceChoice::Kind::reference;
-    Simulator device = makeSimulator(scene, head(), options), truth = makeSimulator(scene, head(), reference);
+    const std::vector<Sensor> heads = {head(), narrowHead()};
+    Simulator device = makeSimulator(scene, heads, options), truth = makeSimulator(scene, heads, reference);
     for (int frame = 0; frame < 4; ++frame) {
       INFO("accuracy " << nameOf(accuracy) << ", frame " << frame);
       const Pose pose = {{0.3 * frame, 0.1, 0.2}, {}};
       const Scan scan = device.scan(pose), expected = truth.scan(pose);
       requireSame(expected, scan);
       REQUIRE(scan.counters.hits > 500);
+      requireSame(truth.scan(pose, 1), device.scan(pose, 1));
       REQUIRE(sameBytes(scan, Simulator(scene, {head(), Effects::none()}, options).scan(pose)));
       for (size_t mesh = 1; mesh < scene.meshes.size(); ++mesh) {
         if (frame == 2 && mesh == 3) continue;
         scene.meshes[mesh].deformation = frame == 1 && mesh == 4 ? Deformation() : bend(random, scene.meshes[mesh]);
         device.setDeformation(mesh, scene.meshes[mesh].deformation);
         truth.setDeformation(mesh, scene.meshes[mesh].deformation);
+      }
+    }
+  }
+}
+
+TEST_CASE("every binning and the surface of each hit follow a deformation", "[deform][gpu]") {
+  needVulkan();
+  Random random(9);
+  Scene scene = limbs(random, 4);
+  std::vector<Deformation> next;
+  for (size_t mesh = 1; mesh < scene.meshes.size(); ++mesh) next.push_back(bend(random, scene.meshes[mesh]));
+  TestOptions options = vulkanOptions(), reference;
+  options.fields = reference.fields = {Field::normal, Field::barycentrics};
+  reference.device = DeviceChoice::Kind::reference;
+  Simulator truth = makeSimulator(scene, head(), reference);
+  for (size_t i = 0; i < next.size(); ++i) truth.setDeformation(i + 1, next[i]);
+  const Scan expected = truth.scan({});
+  for (const Binning binning : {Binning::lists, Binning::nearest, Binning::slabs}) {
+    options.tuning.binning = binning;
+    Simulator device = makeSimulator(scene, head(), options);
+    device.scan({});
+    for (size_t i = 0; i < next.size(); ++i) device.setDeformation(i + 1, next[i]);
+    const Scan scan = device.scan({});
+    requireSame(expected, scan);
+    const auto ties = expected.column<uint8_t>(Field::tie);
+    float worst = 0;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+      const auto normals = scan.column<float>(Field::normal, axis), right = expected.column<float>(Field::normal, axis);
+      for (size_t beam = 0; beam < scan.beamCount(); ++beam)
+        if (expected.hit(beam) && !ties[beam]) worst = std::max(worst, std::abs(normals[beam] - right[beam]));
+    }
+    REQUIRE(worst < 1e-3f);
+  }
+}
+
+TEST_CASE("deformable meshes come and go", "[deform][gpu]") {
+  needVulkan();
+  Random random(21);
+  Scene scene = limbs(random, 3);
+  const TestOptions options = vulkanOptions();
+  const auto fresh = [&] { return makeSimulator(scene, head(), options).scan({}); };
+  Scene rigid = scene;
+  rigid.meshes.resize(1);
+  rigid.instances.resize(1);
+  Simulator device = makeSimulator(rigid, head(), options);
+  device.scan({});
+  for (size_t i = 1; i < scene.meshes.size(); ++i) {
+    const size_t mesh = device.addMesh(scene.meshes[i]);
+    device.addInstance(static_cast<uint32_t>(mesh), scene.instances[i].transform);
+  }
+  REQUIRE(sameBytes(device.scan({}), fresh()));
+  device.removeInstance(2);
+  device.removeMesh(2);
+  scene.meshes[2] = limb(random, 9, 2, 0);
+  scene.meshes[2].deformation = bend(random, scene.meshes[2]);
+  device.addInstance(static_cast<uint32_t>(device.addMesh(scene.meshes[2])), scene.instances[2].transform);
+  scene.meshes[3].deformation = bend(random, scene.meshes[3]);
+  device.setDeformation(3, scene.meshes[3].deformation);
+  REQUIRE(sameBytes(device.scan({}), fresh()));
+}
+
+TEST_CASE("CUDA's kernels deform meshes in the same bytes", "[deform][gpu]") {
+  needVulkan();
+  Random random(11);
+  Scene scene = limbs(random, 5);
+  TestOptions options = vulkanOptions();
+  options.accuracy = Accuracy::exact;
+  Simulator vulkan = makeSimulator(scene, head(), options);
+  CudaOnHost onHost(scene, {head()}, options);
+  for (size_t mesh = 1; mesh < scene.meshes.size(); ++mesh) {
+    const Deformation deformation = bend(random, scene.meshes[mesh]);
+    vulkan.setDeformation(mesh, deformation);
+    onHost.backend().setDeformation(mesh, deformation);
+  }
+  REQUIRE(sameBytes(vulkan.scan({}), onHost.scan({})));
+}
+
+TEST_CASE("the boxes of groups enclose deformed vertices", "[deform]") {
+  Random random(2);
+  NoMemory memory;
+  for (const uint32_t influences : {0u, 1u, 4u}) {
+    const Mesh mesh = limb(random, 6, influences, influences == 4 ? 0 : 2);
+    FlatMesh flat = flatten(mesh, {material(true)});
+    Deformables deformables(memory);
+    deformables.setMeshCount(1);
+    deformables.add(0, mesh, flat, 0, 0);
+    for (int k = 0; k < 20; ++k) {
+      const Deformation deformation = bend(random, mesh);
+      deformables.deform(0, deformation, flat);
+      const std::vector<Vec3> vertices = expectedPositions(mesh, deformation);
+      for (size_t g = 0; g < flat.groupCount(); ++g) {
+        const FlatGroup& group = flat.groups[g];
+        const size_t first = flat.clusters[group.firstCluster].firstVertex,
+                     end = flat.clusters[group.firstCluster + group.clusterCount].firstVertex;
+        for (size_t i = first; i < end; ++i) {
+          const Vec3& p = vertices[flat.vertices[i]];
+          const double values[] = {p.x, p.y, p.z};
+          for (size_t axis = 0; axis < 3; ++axis) {
+            REQUIRE(double{group.low[axis]} < values[axis]);
+            REQUIRE(values[axis] < double{group.high[axis]});
+          }
+        }
+        REQUIRE(group.high[0] - group.low[0] < 6);  // the limb is 4 m long
       }
     }
   }

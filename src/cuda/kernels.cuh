@@ -24,6 +24,7 @@ namespace {
 #include "glsl/shared.h"
 // The formulas of beams and effects stand outside of the stages, so that each is included once.
 #include "glsl/beam.h"
+#include "glsl/deform.h"
 #include "glsl/effects/arithmetic.h"
 #include "glsl/effects/bits.h"
 #include "glsl/effects/detection.h"

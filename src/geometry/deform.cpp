@@ -16,9 +16,9 @@ gpu::vec4 row(const JointMap& map, size_t number) {
 
 }  // namespace
 
-std::vector<JointMap> jointMapsOf(const Mesh& mesh, const Deformation& deformation) {
+std::vector<JointMap> jointMapsOf(const Vec3& o, const Deformation& deformation) {
   std::vector<JointMap> maps;
-  const double origin[3] = {mesh.origin.x, mesh.origin.y, mesh.origin.z};
+  const double origin[3] = {o.x, o.y, o.z};
   for (const Transform& joint : deformation.joints) {
     JointMap& map = maps.emplace_back();
     for (size_t i = 0; i < 3; ++i) {
@@ -35,7 +35,7 @@ std::vector<JointMap> jointMapsOf(const Mesh& mesh, const Deformation& deformati
 
 std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation) {
   if (deformation.empty()) return mesh.positions;
-  const std::vector<JointMap> maps = jointMapsOf(mesh, deformation);
+  const std::vector<JointMap> maps = jointMapsOf(mesh.origin, deformation);
   std::vector<float> result;
   result.reserve(mesh.positions.size());
   for (size_t vertex = 0; vertex < mesh.vertexCount(); ++vertex) {

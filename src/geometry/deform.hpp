@@ -12,7 +12,7 @@ namespace gnosphere {
 /// Row-major 3x4 in single precision; takes and gives positions relative to Mesh::origin.
 using JointMap = std::array<float, 12>;
 
-/// The maps of a deformation of the mesh, by joint; none if the deformation is empty.
-std::vector<JointMap> jointMapsOf(const Mesh& mesh, const Deformation& deformation);
+/// The maps of a deformation of a mesh with this origin, by joint; none if the deformation is empty.
+std::vector<JointMap> jointMapsOf(const Vec3& origin, const Deformation& deformation);
 
 }  // namespace gnosphere

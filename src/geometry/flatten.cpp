@@ -18,6 +18,7 @@ class MeshFlattener {
       : mesh_(mesh), materials_(materials), cluster_(mesh.vertexCount()), number_(mesh.vertexCount()) {}
 
   FlatMesh run() {
+    flat_.deformable = mesh_.deformable();
     flat_.triangles.reserve(mesh_.triangleCount());
     flat_.clusters.reserve(mesh_.triangleCount() / gpu::kClusterTriangles + mesh_.parts.size() + 1);
     for (const MeshPart& part : mesh_.parts) flattenPart(part);
@@ -37,7 +38,7 @@ class MeshFlattener {
 
   bool usable(uint32_t triangle) const {
     const uint32_t* corner = &mesh_.indices[3 * size_t{triangle}];
-    return fateOf(position(corner[0]), position(corner[1]), position(corner[2])) == Fate::usable;
+    return flat_.keeps(fateOf(position(corner[0]), position(corner[1]), position(corner[2])));
   }
 
   // Triangles that lie close together share a cluster: they are sorted along a space-filling curve, which is then cut.
@@ -119,9 +120,11 @@ void fit(FlatCluster& cluster, const float* positions, std::span<FlatTriangle> t
   const auto usable = [&](const FlatTriangle& triangle) {
     const auto corner = [&](int k) { return positions + 3 * (triangle.corners >> (8 * k) & 0xff); };
     const Fate fate = fateOf(corner(0), corner(1), corner(2));
-    dropped.nonFinite += fate == Fate::nonFinite;
-    dropped.degenerate += fate == Fate::degenerate;
-    if (fate != Fate::usable) return false;
+    if (!dropped.keeps(fate)) {
+      dropped.nonFinite += fate == Fate::nonFinite;
+      dropped.degenerate += fate == Fate::degenerate;
+      return false;
+    }
     for (int k = 0; k < 3; ++k)
       for (int axis = 0; axis < 3; ++axis) {
         cluster.low[axis] = std::min(cluster.low[axis], corner(k)[axis]);
@@ -131,7 +134,7 @@ void fit(FlatCluster& cluster, const float* positions, std::span<FlatTriangle> t
   };
   cluster.triangleCount =
       static_cast<uint32_t>(std::partition(triangles.begin(), triangles.end(), usable) - triangles.begin());
-  cluster.cone = coneOf(positions, triangles.first(cluster.triangleCount));
+  cluster.cone = dropped.deformable ? Cone() : coneOf(positions, triangles.first(cluster.triangleCount));
 }
 
 void fit(FlatGroup& group, std::span<const FlatCluster> clusters) {

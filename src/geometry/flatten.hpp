@@ -47,6 +47,10 @@ struct FlatMesh {
   uint32_t nonFinite = 0;   ///< triangles with a corner that is NaN, infinite or beyond 1e9 m
   uint32_t degenerate = 0;  ///< triangles with two corners at the same place
 
+  bool deformable = false;
+
+  /// Whether triangles of this fate are usable. In a deformable mesh corners that coincide may part.
+  bool keeps(Fate fate) const { return fate == Fate::usable || (fate == Fate::degenerate && deformable); }
   uint32_t groupCount() const { return static_cast<uint32_t>(groups.size()) - 1; }
   uint32_t clusterCount() const { return static_cast<uint32_t>(clusters.size()) - 1; }
 };

@@ -182,27 +182,14 @@ void PackedGeometry::writeMeshTriangles() {
   memory_.write(Array::meshTriangles, 0, std::as_bytes(std::span(firsts)));
 }
 
-PackedGeometry::Entry PackedGeometry::entryOf(const Mesh& mesh, const std::vector<Material>& materials) {
-  Entry entry;
-  entry.origin = mesh.origin;
-  entry.uvs = mesh.uvs;
-  if (!mesh.deformable()) {
-    entry.flat = flatten(mesh, materials);
-    return entry;
-  }
-  entry.mesh = std::make_shared<const Mesh>(mesh);
-  Mesh deformed = mesh;
-  deformed.positions = deformedPositions(mesh, mesh.deformation);
-  entry.flat = flatten(deformed, materials);
-  return entry;
-}
-
 void PackedGeometry::add(std::span<const Mesh> meshes, const std::vector<Material>& materials) {
   const size_t first = meshes_.size();
   std::vector<Entry> entries(meshes.size());
   inRuns(meshes.size(), 1, threadCount(), [&](size_t from, size_t end) {
     for (size_t i = from; i < end; ++i) {
-      entries[i] = entryOf(meshes[i], materials);
+      entries[i].flat = flatten(meshes[i], materials);
+      entries[i].origin = meshes[i].origin;
+      entries[i].uvs = meshes[i].uvs;
     }
   });
   place(entries);
@@ -211,20 +198,32 @@ void PackedGeometry::add(std::span<const Mesh> meshes, const std::vector<Materia
   if (slots_) writeMeshTriangles();
   for (const Entry& entry : std::span(meshes_).subspan(first))
     instances_.addMesh(summaryOf(entry.flat, entry.group, entry.origin));
+  deformables_.setMeshCount(meshes_.size());
+  for (size_t i = 0; i < meshes.size(); ++i) deform(first + i, meshes[i]);
 }
 
 void PackedGeometry::replace(size_t index, const Mesh& mesh, const std::vector<Material>& materials) {
-  Entry entry = entryOf(mesh, materials);
+  Entry entry = {flatten(mesh, materials), 0, 0, 0, 0, mesh.origin, mesh.uvs};
   place({&entry, 1});
   meshes_[index] = std::move(entry);
   write({&meshes_[index], 1});
   if (slots_) writeMeshTriangles();
   instances_.setMesh(index, summaryOf(meshes_[index].flat, meshes_[index].group, meshes_[index].origin));
+  deform(index, mesh);
+}
+
+// Makes a mesh deformable, if it is, and puts it into its first deformation.
+void PackedGeometry::deform(size_t index, const Mesh& mesh) {
+  if (!mesh.deformable()) return;
+  const Entry& entry = meshes_[index];
+  deformables_.add(index, mesh, entry.flat, entry.vertex, entry.cluster);
+  setDeformation(index, mesh.deformation);
 }
 
 void PackedGeometry::remove(size_t index) {
   giveBack(meshes_[index]);
-  meshes_[index] = entryOf({}, {});
+  deformables_.remove(index);
+  meshes_[index] = {flatten({}, {}), 0, 0, 0, 0, {}, {}};
   instances_.setMesh(index, {});
 }
 
@@ -248,7 +247,11 @@ void PackedGeometry::addTextureCoordinates() {
 }
 
 void PackedGeometry::setDeformation(size_t index, const Deformation& deformation) {
-  setPositions(index, deformedPositions(*meshes_[index].mesh, deformation));
+  Entry& entry = meshes_[index];
+  deformables_.deform(index, deformation, entry.flat);
+  const std::vector<gpu::Group> groups = packedGroups(entry);
+  memory_.write(Array::groups, entry.group * sizeof(gpu::Group), std::as_bytes(std::span(groups)));
+  instances_.setMesh(index, summaryOf(entry.flat, entry.group, entry.origin));
 }
 
 void PackedGeometry::setPositions(size_t index, std::span<const float> positions) {

@@ -2,32 +2,23 @@
 // The flattened meshes in the arrays that a device reads.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
-#include "arrays.h"
+#include "geometry/deformables.hpp"
 #include "geometry/flatten.hpp"
 #include "geometry/instance_table.hpp"
 #include "geometry/ranges.hpp"
+#include "geometry/scene_memory.hpp"
 
 namespace gnosphere {
-
-/// Interface to the memory that holds the scene's arrays. Places and sizes are in bytes.
-class SceneMemory {
- public:
-  virtual ~SceneMemory() = default;
-  /// Makes room for at least `bytes`; keeps the content.
-  virtual void reserve(gpu::Array array, uint64_t bytes) = 0;
-  virtual void write(gpu::Array array, uint64_t place, std::span<const std::byte> data) = 0;
-  virtual void read(gpu::Array array, uint64_t place, std::span<std::byte> data) const = 0;
-};
 
 /// All meshes share the arrays. A mesh owns a run of entries in each array and gives it back when it is removed.
 class PackedGeometry {
  public:
   /// Writes into `memory` and adds the meshes to `instances`; both must outlive this object.
-  PackedGeometry(SceneMemory& memory, InstanceTable& instances) : memory_(memory), instances_(instances) {}
+  PackedGeometry(SceneMemory& memory, InstanceTable& instances)
+      : memory_(memory), instances_(instances), deformables_(memory) {}
 
   /// Adds meshes after the existing ones. If it throws Error(outOfMemory), none is added.
   void add(std::span<const Mesh> meshes, const std::vector<Material>& materials);
@@ -45,6 +36,7 @@ class PackedGeometry {
   /// From now on also keeps the texture coordinates of every vertex.
   void addTextureCoordinates();
 
+  const Deformables& deformables() const { return deformables_; }
   size_t clusterCount() const;
   size_t meshCount() const { return meshes_.size(); }  ///< including removed meshes
 
@@ -54,11 +46,10 @@ class PackedGeometry {
     FlatMesh flat;  // without positions and triangles, which only the memory has
     uint64_t group = 0, cluster = 0, vertex = 0, triangle = 0;
     Vec3 origin;
-    std::vector<float> uvs;            // 2 per vertex of the Mesh; empty if it has none
-    std::shared_ptr<const Mesh> mesh;  // only if it is deformable
+    std::vector<float> uvs;  // 2 per vertex of the Mesh; empty if it has none
   };
 
-  static Entry entryOf(const Mesh& mesh, const std::vector<Material>& materials);
+  void deform(size_t index, const Mesh& mesh);
   void place(std::span<Entry> entries);
   void giveBack(const Entry& entry);
   void reserve();
@@ -72,6 +63,7 @@ class PackedGeometry {
 
   SceneMemory& memory_;
   InstanceTable& instances_;
+  Deformables deformables_;
   std::vector<Entry> meshes_;
   Ranges groups_, clusters_, vertices_, triangles_;
   bool slots_ = false, textured_ = false;

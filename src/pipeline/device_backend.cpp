@@ -78,8 +78,8 @@ class DeviceBackend final : public Backend {
       if (!plan->layout.empty()) checkLayout(*plan);
       if (plan->surfaces()) scene_.geometry().addSlots();
       if (plan->holes()) scene_.geometry().addTextureCoordinates();
-      sensor =
-          std::make_unique<SensorState>(*machine_, std::move(plan), options_, scene_.instances().counters().triangles);
+      sensor = std::make_unique<SensorState>(*machine_, std::move(plan), options_,
+                                             scene_.instances().counters().triangles, scene_.deformed());
     }
     sensors_.resize(std::max(sensors_.size(), index + 1));
     recorded_.forget(index);
@@ -95,9 +95,14 @@ class DeviceBackend final : public Backend {
   void setMesh(size_t index, const Mesh* mesh) override {
     waitForAll();
     PackedGeometry& geometry = scene_.geometry();
-    if (!mesh) return geometry.remove(index);
-    if (index == geometry.meshCount()) return geometry.add({mesh, 1}, materials_);
-    geometry.replace(index, *mesh, materials_);
+    if (!mesh)
+      geometry.remove(index);
+    else if (index == geometry.meshCount())
+      geometry.add({mesh, 1}, materials_);
+    else
+      geometry.replace(index, *mesh, materials_);
+    for (const auto& sensor : sensors_)
+      if (sensor) sensor->arrays.setDeformed(scene_.deformed());
   }
 
   void setInstance(size_t index, uint32_t mesh, const Transform& transform) override {
@@ -130,8 +135,10 @@ class DeviceBackend final : public Backend {
  private:
   struct SensorState {
     SensorState(Machine& machine, std::shared_ptr<const SensorPlan> sensorPlan, const SimulatorOptions& options,
-                uint64_t triangles)
-        : plan(std::move(sensorPlan)), arrays(machine, *plan, options, triangles), still(arrays.keepsStill()) {}
+                uint64_t triangles, bool deformed)
+        : plan(std::move(sensorPlan)),
+          arrays(machine, *plan, options, triangles, deformed),
+          still(arrays.keepsStill()) {}
     std::shared_ptr<const SensorPlan> plan;
     SensorArrays arrays;
     StillImage still;

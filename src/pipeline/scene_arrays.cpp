@@ -36,11 +36,15 @@ void PlacedArrays::bind(BoundArrays& arrays) const {
   arrays[static_cast<size_t>(Array::placed)] = placed_.get();
   arrays[static_cast<size_t>(Array::instanceMeshes)] = meshes_.get();
   arrays[static_cast<size_t>(Array::ownerRanges)] = ownerRanges_.get();
+  arrays[static_cast<size_t>(Array::deformers)] = deformers_.get();
+  arrays[static_cast<size_t>(Array::jointRows)] = jointRows_.get();
+  arrays[static_cast<size_t>(Array::morphWeights)] = morphWeights_.get();
 }
 
 uint64_t PlacedArrays::bytes() const {
   uint64_t sum = 0;
-  for (const auto* memory : {&instances_, &placed_, &meshes_, &ownerRanges_}) sum += *memory ? (*memory)->bytes() : 0;
+  for (const auto* memory : {&instances_, &placed_, &meshes_, &ownerRanges_, &deformers_, &jointRows_, &morphWeights_})
+    sum += *memory ? (*memory)->bytes() : 0;
   return sum;
 }
 
@@ -89,13 +93,13 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
   const DeviceMemory* before = to.instances_.get();
   room(Array::instances, instances_.count() * sizeof(gpu::Instance), to.instances_);
   auto* instances = static_cast<gpu::Instance*>(to.instances_->host());
-  const bool slots = of(Array::triangleSlots) != nullptr;
-  if (to.instances_.get() != before || to.numbering_ != instances_.numbering() || (slots && !to.meshes_)) {
+  const bool meshes = of(Array::triangleSlots) != nullptr || deformed();
+  if (to.instances_.get() != before || to.numbering_ != instances_.numbering() || (meshes && !to.meshes_)) {
     instances_.writeNumbers(instances);
     room(Array::ownerRanges, instances_.ownerRangeCount() * 2 * sizeof(uint32_t), to.ownerRanges_);
     instances_.writeOwnerRanges(static_cast<uint32_t*>(to.ownerRanges_->host()));
     to.ownerRanges_->flush();
-    if (slots) {
+    if (meshes) {
       room(Array::instanceMeshes, instances_.count() * sizeof(uint32_t), to.meshes_);
       instances_.writeMeshes(static_cast<uint32_t*>(to.meshes_->host()));
       to.meshes_->flush();
@@ -106,6 +110,21 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
   instances_.writePairs(static_cast<uint32_t*>(to.placed_->host()));
   to.instances_->flush();
   to.placed_->flush();
+  if (deformed()) placeDeformations(to);
+}
+
+void SceneArrays::placeDeformations(PlacedArrays& to) {
+  const Deformables& deformables = geometry_.deformables();
+  if (to.deformation_ == deformables.version()) return;
+  const auto put = [&](Array array, std::span<const std::byte> content, std::unique_ptr<DeviceMemory>& memory) {
+    makeRoom(machine_, array, content.size(), MemoryKind::upload, memory);
+    std::copy(content.begin(), content.end(), static_cast<std::byte*>(memory->host()));
+    memory->flush();
+  };
+  put(Array::deformers, std::as_bytes(deformables.deformers()), to.deformers_);
+  put(Array::jointRows, std::as_bytes(deformables.jointRows()), to.jointRows_);
+  put(Array::morphWeights, std::as_bytes(deformables.morphWeights()), to.morphWeights_);
+  to.deformation_ = deformables.version();
 }
 
 bool SceneArrays::listsHold(const PlacedArrays& placed) const {

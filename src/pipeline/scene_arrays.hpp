@@ -31,9 +31,12 @@ class PlacedArrays {
   PlacedGroups groups_;
   std::unique_ptr<DeviceMemory> instances_;    // gpu::Instance; only firstTriangle is valid for instances out of range
   std::unique_ptr<DeviceMemory> placed_;       // (instance, group) pairs of the instances in range
-  std::unique_ptr<DeviceMemory> meshes_;       // mesh of each instance; only for surface kernels
+  std::unique_ptr<DeviceMemory> meshes_;       // mesh of each instance, if kernels ask for it
   std::unique_ptr<DeviceMemory> ownerRanges_;  // see InstanceTable::writeOwnerRanges()
-  uint64_t numbering_ = 0;                     // InstanceTable::numbering() when the numbers were written
+  // Of deformable meshes: gpu::Deformer per mesh, rows of the joints' maps, weights of the morph targets.
+  std::unique_ptr<DeviceMemory> deformers_, jointRows_, morphWeights_;
+  uint64_t deformation_ = 0;  // Deformables::version() when these three were written
+  uint64_t numbering_ = 0;    // InstanceTable::numbering() when the numbers were written
 };
 
 class SceneArrays final : public SceneMemory {
@@ -54,11 +57,15 @@ class SceneArrays final : public SceneMemory {
   /// Grows these lists; no scan may be running.
   void growLists(const PlacedArrays& placed);
 
+  /// Whether the scene has deformable meshes.
+  bool deformed() const { return geometry_.deformables().any(); }
+
   void reserve(gpu::Array array, uint64_t bytes) override;
   void write(gpu::Array array, uint64_t place, std::span<const std::byte> data) override;
   void read(gpu::Array array, uint64_t place, std::span<std::byte> data) const override;
 
  private:
+  void placeDeformations(PlacedArrays& to);
   const std::unique_ptr<DeviceMemory>& of(gpu::Array array) const { return memory_[static_cast<size_t>(array)]; }
   std::unique_ptr<DeviceMemory>& of(gpu::Array array) { return memory_[static_cast<size_t>(array)]; }
 

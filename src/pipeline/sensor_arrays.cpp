@@ -45,7 +45,7 @@ uint32_t grown(Array array, uint64_t needed, uint64_t limit) {
 }  // namespace
 
 SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options,
-                           uint64_t triangles)
+                           uint64_t triangles, bool deformed)
     : machine_(machine),
       plan_(plan),
       patterns_(makePatterns()),
@@ -53,6 +53,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       exact_(accuracyPartsOf(options).inside == AccuracyParts::Inside::exact),
       keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
+      deformed_(deformed),
       options_(kernelOptions(options, plan, patterns_[0].tables.azimuthOffsets)),
       shells_(mostShells(options, binning_, beams(), triangles)),
       shellClusters_(shellClusters(options, beams())),
@@ -61,15 +62,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       records_(recordTables(plan.layout)) {
   options_.BINNING = binning_;
   if (keepsRecords() && leavesWords(binning_, plan)) records_.held |= gpu::kFromWords;
-  for (const bool motion : {false, true})
-    if (!motion || plan_.motion())
-      for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
-        if (still == StillImage::Use::make && !keepsStill_) continue;
-        for (const Pattern& pattern : patterns_)
-          for (const Step& step : steps(pattern.tables, everything(), still, motion))
-            if (step.kind == Step::Kind::dispatch) machine.prepare(step.variant);
-      }
-
+  prepareKernels();
   for (Pattern& pattern : patterns_)
     if (pattern.groups.size() == 1)
       for (const EffectsArray& array : arraysOf(pattern.tables))
@@ -97,6 +90,21 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   room.candidates = within(room.candidates, limit(candidateBytes()));
   makeLists(room);
   addFrame();
+}
+
+void SensorArrays::prepareKernels() {
+  for (const bool motion : {false, true})
+    if (!motion || plan_.motion())
+      for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
+        if (still == StillImage::Use::make && !keepsStill_) continue;
+        for (const Pattern& pattern : patterns_)
+          for (const Step& step : steps(pattern.tables, everything(), still, motion))
+            if (step.kind == Step::Kind::dispatch) machine_.prepare(step.variant);
+      }
+}
+
+void SensorArrays::setDeformed(bool deformed) {
+  if (std::exchange(deformed_, deformed) != deformed) prepareKernels();
 }
 
 std::vector<SensorArrays::Pattern> SensorArrays::makePatterns() {
@@ -243,6 +251,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGrou
   input.surfaces = plan_.surfaces() && !footprint && !lines;
   input.records = records_.held;
   input.organised = !plan_.layout.compact;
+  input.deformed = deformed_;
   input.holes = tables.holes;
   const bool hides = binning_ != gpu::kBinningLists && (options_.CULLING & gpu::kCullOccluded) != 0;
   input.sparse = hides && !tables.startFarthest.empty();

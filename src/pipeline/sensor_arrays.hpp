@@ -18,8 +18,12 @@ namespace gnosphere {
 
 class SensorArrays {
  public:
-  /// Allocates the arrays and compiles the kernels of the scans. `triangles` is the number placed in the scene.
-  SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options, uint64_t triangles);
+  /// Allocates the arrays and compiles the kernels of the scans. `triangles` is the number placed in the scene, and
+  /// `deformed` tells whether it has deformable meshes.
+  SensorArrays(Machine& machine, const SensorPlan& plan, const SimulatorOptions& options, uint64_t triangles,
+               bool deformed);
+  /// Tells whether the scene has deformable meshes now.
+  void setDeformed(bool deformed);
 
   const SensorPlan& sensorPlan() const { return plan_; }
   /// Most beams that are projected at once; in a grid with holes, places.
@@ -81,6 +85,7 @@ class SensorArrays {
     float rangeMax = 0;
   };
 
+  void prepareKernels();
   std::vector<Pattern> makePatterns();
   void makeRecordArrays();
   Frame& frameAt(size_t index);
@@ -112,7 +117,7 @@ class SensorArrays {
   Sizes most_;
   std::vector<Pattern> patterns_;
   uint32_t binning_;
-  bool exact_, keepsStill_, float64_;
+  bool exact_, keepsStill_, float64_, deformed_;
   Options options_;
   uint32_t shells_, shellClusters_;
   float shellHint_ = 0;

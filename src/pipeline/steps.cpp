@@ -187,6 +187,8 @@ class Steps {
     step.variant.options.PASS = number;
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
     if (kernel != Kernel::effects_footprint) step.variant.options.RAYS = 1;
+    const bool placesVertices = kernel == Kernel::project_clusters || kernel == Kernel::project_triangles;
+    if (placesVertices) step.variant.options.DEFORMED = input_.deformed;
     if (kernel == Kernel::records) step.variant.options.RECORDS = input_.records;
     step.pass = pass;
     step.groupsX = groupsX;

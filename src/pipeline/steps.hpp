@@ -44,6 +44,7 @@ struct StepsInput {
   const gpu::Frame& frame;
   uint32_t shells;  ///< most shells of the scan
   bool strays = false, panes = false, footprint = false, resolve = false, surfaces = false;
+  bool deformed = false;   ///< the scene has deformable meshes
   bool holes = false;      ///< some places of the grid have no beam
   bool sparse = false;     ///< parts of the grid have no beams
   uint32_t records = 0;    ///< if results stay on the device: RecordTables::held

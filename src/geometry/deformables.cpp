@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "geometry/deformables.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/common.hpp>
+
+#include "geometry/deform.hpp"
+
+namespace gnosphere {
+namespace {
+
+using gpu::Array;
+
+bool isFinite(const gpu::vec3& p) {
+  return std::abs(p.x) <= gpu::kCoordinateLimit && std::abs(p.y) <= gpu::kCoordinateLimit &&
+         std::abs(p.z) <= gpu::kCoordinateLimit;
+}
+
+gpu::vec3 at(const std::vector<float>& values, size_t vertex) {
+  return {values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]};
+}
+
+gpu::Bone& boneOf(std::vector<gpu::Bone>& bones, uint32_t joint) {
+  const auto found = std::find_if(bones.begin(), bones.end(), [&](const auto& bone) { return bone.joint == joint; });
+  if (found != bones.end()) return *found;
+  const float limit = gpu::kCoordinateLimit;
+  return bones.emplace_back(gpu::Bone{gpu::vec3(limit), joint, gpu::vec3(-limit), 0});
+}
+
+void include(std::vector<gpu::Bone>& bones, uint32_t joint, const gpu::vec3& low, const gpu::vec3& high) {
+  gpu::Bone& bone = boneOf(bones, joint);
+  bone.low = glm::min(bone.low, low);
+  bone.high = glm::max(bone.high, high);
+}
+
+// Returns the boxes of the joints that move a run of vertices.
+std::vector<gpu::Bone> bonesOf(const Mesh& mesh, std::span<const uint32_t> vertices) {
+  std::vector<gpu::Bone> bones;
+  for (const uint32_t vertex : vertices) {
+    const gpu::vec3 position = at(mesh.positions, vertex);
+    if (!isFinite(position)) continue;
+    if (mesh.influences == 0) include(bones, gpu::kNone, position, position);
+    for (size_t k = size_t{vertex} * mesh.influences; k < (size_t{vertex} + 1) * mesh.influences; ++k)
+      if (mesh.jointWeights[k] > 0) include(bones, mesh.joints[k], position, position);
+  }
+  return bones;
+}
+
+// Encloses what a joint makes of a box, in the steps of deformedBox() in deformed.glsl.
+void addBone(const gpu::Bone& bone, const gpu::Deformer& deformer, std::span<const gpu::vec4> rows, FlatGroup& group) {
+  for (int axis = 0; axis < 3; ++axis) {
+    double middle[3], extent[3];
+    for (int k = 0; k < 3; ++k) {
+      const double low = double{bone.low[k]} + deformer.morphLow[k],
+                   high = double{bone.high[k]} + deformer.morphHigh[k];
+      middle[k] = 0.5 * (low + high);
+      extent[k] = 0.5 * (high - low);
+    }
+    double centre = middle[axis], size = extent[axis], reach = std::abs(centre) + size;
+    if (bone.joint != gpu::kNone) {
+      const gpu::vec4& row = rows[3 * size_t{bone.joint} + axis];
+      const double linear[3] = {row.x, row.y, row.z};
+      centre = row.w;
+      size = 0;
+      reach = std::abs(row.w);
+      for (int k = 0; k < 3; ++k) {
+        centre += linear[k] * middle[k];
+        size += std::abs(linear[k]) * extent[k];
+        reach += std::abs(linear[k]) * (std::abs(middle[k]) + extent[k]);
+      }
+    }
+    // The device's boxes of clusters are rounded, so those of groups have twice their margin.
+    size += 4e-5 * reach;
+    group.low[axis] = std::min(group.low[axis], static_cast<float>(centre - size));
+    group.high[axis] = std::max(group.high[axis], static_cast<float>(centre + size));
+  }
+}
+
+template <typename T>
+void write(SceneMemory& memory, Array array, uint64_t first, const std::vector<T>& entries) {
+  if (!entries.empty()) memory.write(array, first * sizeof(T), std::as_bytes(std::span(entries)));
+}
+
+}  // namespace
+
+void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint64_t vertex, uint64_t cluster) {
+  Entry entry;
+  entry.origin = mesh.origin;
+  entry.vertices = flat.vertices.size();
+  entry.clusters = flat.clusterCount();
+  entry.joints = mesh.jointCount;
+  entry.restGroups.assign(flat.groups.begin(), flat.groups.begin() + flat.groupCount());
+  entry.groups.resize(flat.groupCount());
+
+  std::vector<gpu::Bone> bones;
+  std::vector<uint32_t> starts;
+  std::vector<gpu::vec3> positions, offsets;
+  std::vector<std::array<uint32_t, 2>> influences;
+  for (size_t g = 0; g < flat.groupCount(); ++g)
+    for (size_t c = flat.groups[g].firstCluster; c < flat.groups[g].firstCluster + flat.groups[g].clusterCount; ++c) {
+      const size_t first = flat.clusters[c].firstVertex, count = flat.clusters[c + 1].firstVertex - first;
+      starts.push_back(static_cast<uint32_t>(bones.size()));
+      for (const gpu::Bone& bone : bonesOf(mesh, std::span(flat.vertices).subspan(first, count))) {
+        bones.push_back(bone);
+        include(entry.groups[g], bone.joint, bone.low, bone.high);
+      }
+    }
+  starts.push_back(static_cast<uint32_t>(bones.size()));
+  for (const uint32_t v : flat.vertices) {
+    positions.push_back(at(mesh.positions, v));
+    for (size_t k = size_t{v} * mesh.influences; k < (size_t{v} + 1) * mesh.influences; ++k)
+      influences.push_back({mesh.joints[k], std::bit_cast<uint32_t>(mesh.jointWeights[k])});
+    for (const std::vector<float>& target : mesh.morphTargets) offsets.push_back(at(target, v));
+  }
+  for (const std::vector<float>& target : mesh.morphTargets) {
+    std::array<gpu::vec3, 2>& bounds = entry.offsetBounds.emplace_back();
+    for (size_t v = 0; v < mesh.vertexCount(); ++v)
+      if (const gpu::vec3 offset = at(target, v); isFinite(offset))
+        bounds = {glm::min(bounds[0], offset), glm::max(bounds[1], offset)};
+  }
+
+  gpu::Deformer deformer = {};
+  deformer.influences = mesh.influences;
+  deformer.targets = static_cast<uint32_t>(mesh.morphTargets.size());
+  deformer.vertexFirst = static_cast<uint32_t>(vertex);
+  deformer.clusterFirst = static_cast<uint32_t>(cluster);
+  deformer.restFirst = static_cast<uint32_t>(vertices_.take(entry.vertices));
+  deformer.influenceFirst = static_cast<uint32_t>(influences_.take(influences.size()));
+  deformer.offsetFirst = static_cast<uint32_t>(offsets_.take(offsets.size()));
+  deformer.weightFirst = static_cast<uint32_t>(weights_.take(deformer.targets));
+  deformer.rowFirst = static_cast<uint32_t>(rows_.take(3 * uint64_t{mesh.jointCount}));
+  deformer.startFirst = static_cast<uint32_t>(starts_.take(starts.size()));
+  entry.bones = bones.size();
+  entry.firstBone = bones_.take(bones.size());
+  for (uint32_t& start : starts) start += static_cast<uint32_t>(entry.firstBone);
+
+  memory_.reserve(Array::restPositions, vertices_.end() * sizeof(gpu::vec3));
+  memory_.reserve(Array::influences, influences_.end() * 2 * sizeof(uint32_t));
+  memory_.reserve(Array::morphOffsets, offsets_.end() * sizeof(gpu::vec3));
+  memory_.reserve(Array::boneStarts, starts_.end() * sizeof(uint32_t));
+  memory_.reserve(Array::bones, bones_.end() * sizeof(gpu::Bone));
+  write(memory_, Array::restPositions, deformer.restFirst, positions);
+  write(memory_, Array::influences, deformer.influenceFirst, influences);
+  write(memory_, Array::morphOffsets, deformer.offsetFirst, offsets);
+  write(memory_, Array::boneStarts, deformer.startFirst, starts);
+  write(memory_, Array::bones, entry.firstBone, bones);
+
+  deformers_[index] = deformer;
+  jointRows_.resize(std::max<size_t>(jointRows_.size(), rows_.end()));
+  morphWeights_.resize(std::max<size_t>(morphWeights_.size(), weights_.end()));
+  meshes_[index] = std::move(entry);
+  ++version_;
+}
+
+void Deformables::setMeshCount(size_t count) {
+  deformers_.resize(count + 1);
+  ++version_;
+}
+
+void Deformables::remove(size_t index) {
+  const auto found = meshes_.find(index);
+  if (found == meshes_.end()) return;
+  const Entry& entry = found->second;
+  const gpu::Deformer& deformer = deformers_[index];
+  vertices_.giveBack(deformer.restFirst, entry.vertices);
+  influences_.giveBack(deformer.influenceFirst, entry.vertices * deformer.influences);
+  offsets_.giveBack(deformer.offsetFirst, entry.vertices * deformer.targets);
+  weights_.giveBack(deformer.weightFirst, deformer.targets);
+  rows_.giveBack(deformer.rowFirst, 3 * uint64_t{entry.joints});
+  starts_.giveBack(deformer.startFirst, entry.clusters + 1);
+  bones_.giveBack(entry.firstBone, entry.bones);
+  deformers_[index] = {};
+  meshes_.erase(found);
+  ++version_;
+}
+
+void Deformables::deform(size_t index, const Deformation& deformation, FlatMesh& flat) {
+  const Entry& entry = meshes_.at(index);
+  gpu::Deformer& deformer = deformers_[index];
+  ++version_;
+  deformer.deformed = !deformation.empty();
+  if (deformation.empty()) {
+    std::copy(entry.restGroups.begin(), entry.restGroups.end(), flat.groups.begin());
+    return;
+  }
+  const std::vector<JointMap> maps = jointMapsOf(entry.origin, deformation);
+  for (size_t joint = 0; joint < maps.size(); ++joint)
+    for (size_t row = 0; row < 3; ++row) {
+      const float* values = &maps[joint][4 * row];
+      jointRows_[deformer.rowFirst + 3 * joint + row] = {values[0], values[1], values[2], values[3]};
+    }
+  std::copy(deformation.morphWeights.begin(), deformation.morphWeights.end(),
+            morphWeights_.begin() + deformer.weightFirst);
+  deformer.morphLow = deformer.morphHigh = gpu::vec3(0);
+  for (size_t target = 0; target < entry.offsetBounds.size(); ++target) {
+    const float weight = deformation.morphWeights[target];
+    const auto& [low, high] = entry.offsetBounds[target];
+    deformer.morphLow += glm::min(weight * low, weight * high);
+    deformer.morphHigh += glm::max(weight * low, weight * high);
+  }
+  const std::span rows = std::span(jointRows_).subspan(deformer.rowFirst);
+  for (size_t g = 0; g < entry.groups.size(); ++g) {
+    FlatGroup& group = flat.groups[g];
+    std::fill(group.low, group.low + 3, gpu::kCoordinateLimit);
+    std::fill(group.high, group.high + 3, -gpu::kCoordinateLimit);
+    for (const gpu::Bone& bone : entry.groups[g]) addBone(bone, deformer, rows, group);
+  }
+}
+
+}  // namespace gnosphere

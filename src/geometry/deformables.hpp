@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The deformable meshes of a scene, in the arrays from which a device computes where their vertices are.
+#pragma once
+
+#include <array>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "geometry/flatten.hpp"
+#include "geometry/ranges.hpp"
+#include "geometry/scene_memory.hpp"
+#include "shared.h"
+
+namespace gnosphere {
+
+class Deformables {
+ public:
+  explicit Deformables(SceneMemory& memory) : memory_(memory) {}
+
+  /// Adds the mesh at an index, in its first deformation. `vertex` and `cluster` are its first entries in the arrays of
+  /// all meshes.
+  void add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint64_t vertex, uint64_t cluster);
+  void remove(size_t index);
+  /// Tells how many meshes the scene has; a removed instance places the one after the last.
+  void setMeshCount(size_t count);
+  /// Deforms a mesh, and sets the boxes of its groups.
+  void deform(size_t index, const Deformation& deformation, FlatMesh& flat);
+
+  bool any() const { return !meshes_.empty(); }
+
+  /// What a scan reads: an entry per mesh of the scene and one more, three rows per joint, and the morph weights.
+  uint64_t version() const { return version_; }  ///< goes up when one of the following changes
+  std::span<const gpu::Deformer> deformers() const { return deformers_; }
+  std::span<const gpu::vec4> jointRows() const { return jointRows_; }
+  std::span<const float> morphWeights() const { return morphWeights_; }
+
+ private:
+  struct Entry {
+    Vec3 origin;
+    uint64_t vertices = 0, clusters = 0, bones = 0, firstBone = 0;
+    uint32_t joints = 0;
+    std::vector<std::vector<gpu::Bone>> groups;          // by group: the boxes of its joints
+    std::vector<std::array<gpu::vec3, 2>> offsetBounds;  // by morph target: least and largest offset
+    std::vector<FlatGroup> restGroups;
+  };
+
+  SceneMemory& memory_;
+  std::map<size_t, Entry> meshes_;  // by index
+  Ranges vertices_, influences_, offsets_, starts_, bones_, rows_, weights_;
+  uint64_t version_ = 0;
+  std::vector<gpu::Deformer> deformers_;
+  std::vector<gpu::vec4> jointRows_;
+  std::vector<float> morphWeights_;
+};
+
+}  // namespace gnosphere
