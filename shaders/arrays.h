@@ -98,6 +98,8 @@
   BLOCK(readonly, MotionBounds, motion) \
   ARRAY(readonly, ColumnMotion, columnMotions) \
   ARRAY(readonly, InstanceMotion, instanceMotions) \
+  ARRAY(readonly, vec4, endJointRows)      /* like jointRows and morphWeights, at the end of the motion; */ \
+  ARRAY(readonly, float, endMorphWeights)  /* only for meshes that are deformed meanwhile */ \
   ARRAY(readonly, vec4, rowOrigins)        /* position of each row's laser in the head: forward, left, up */ \
   ARRAY(readonly, Optics4, optics)         /* per material */ \
   ARRAY(readonly, uint, deadBeams)         /* one bit per beam */ \

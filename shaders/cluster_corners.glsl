@@ -51,7 +51,7 @@ struct Vertices {
 // Later kernels read the positions of deformed vertices, so these are stored.
 vec3 positionOf(LoadedCluster loaded, uint vertex) {
   if (loaded.mesh == kNone) return positions.at[vertex];
-  vec3 position = deformedPosition(loaded.mesh, vertex);
+  vec3 position = deformedPosition(loaded.mesh, vertex, false);
   positions.at[vertex] = position;
   return position;
 }

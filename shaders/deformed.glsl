@@ -9,22 +9,35 @@ uint deformableMesh(uint instance) {
   return deformers.at[mesh].influences + deformers.at[mesh].targets > 0 ? mesh : kNone;
 }
 
-// Returns the position of a vertex of a deformable mesh, in the mesh frame; `vertex` is its entry in `positions`.
-vec3 deformedPosition(uint mesh, uint vertex) {
+// Returns the position of a vertex of a deformable mesh, in the mesh frame: at the start of the scan, or at the end of
+// the motion of the mesh. `vertex` is its entry in `positions`.
+vec3 deformedPosition(uint mesh, uint vertex, bool atEnd) {
   uint number = vertex - deformers.at[mesh].vertexFirst;
   vec3 position = restPositions.at[deformers.at[mesh].restFirst + number];
-  if (deformers.at[mesh].deformed == 0) return position;
+  if (!atEnd && deformers.at[mesh].deformed == 0) return position;
   uint targets = deformers.at[mesh].targets, offset = deformers.at[mesh].offsetFirst + number * targets;
-  for (uint k = 0; k < targets; ++k)
-    position = morphed(position, morphOffsets.at[offset + k], morphWeights.at[deformers.at[mesh].weightFirst + k]);
+  for (uint k = 0; k < targets; ++k) {
+    uint target = deformers.at[mesh].weightFirst + k;
+    float weight = atEnd ? endMorphWeights.at[target] : morphWeights.at[target];
+    position = morphed(position, morphOffsets.at[offset + k], weight);
+  }
   uint count = deformers.at[mesh].influences, first = deformers.at[mesh].influenceFirst + number * count;
   if (count == 0) return position;
   vec3 sum = vec3(0.0);
   for (uint k = 0; k < count; ++k) {
     uvec2 influence = influences.at[first + k];
     uint row = deformers.at[mesh].rowFirst + 3 * influence.x;
-    sum = withJoint(sum, jointRows.at[row], jointRows.at[row + 1], jointRows.at[row + 2], position,
-                    uintBitsToFloat(influence.y));
+    vec4 x, y, z;
+    if (atEnd) {
+      x = endJointRows.at[row];
+      y = endJointRows.at[row + 1];
+      z = endJointRows.at[row + 2];
+    } else {
+      x = jointRows.at[row];
+      y = jointRows.at[row + 1];
+      z = jointRows.at[row + 2];
+    }
+    sum = withJoint(sum, x, y, z, position, uintBitsToFloat(influence.y));
   }
   return sum;
 }
@@ -53,4 +66,17 @@ void deformedBox(uint mesh, uint cluster, out vec3 low, out vec3 high) {
     low = min(low, middle - extent);
     high = max(high, middle + extent);
   }
+}
+
+// Returns the velocity of a vertex of a moving instance, m/s in the sensor's axes; `corner` is where it is at the start
+// of the scan, in the sensor's frame, and `vertex` its entry in `positions`. The instance moves as InstanceMotion says,
+// and to that comes what the deformation adds, as the instance stands at the end.
+vec3 vertexVelocity(InstanceMotion moving, uint instance, vec3 corner, uint vertex) {
+  vec3 velocity = velocityOf(moving, corner);
+  if (!DEFORMED || moving.bound.z == 0.0) return velocity;
+  uint mesh = instanceMeshes.at[instance];
+  precise vec3 change = deformedPosition(mesh, vertex, true) - deformedPosition(mesh, vertex, false);
+  vec3 seen = rotated(instances.at[instance].row0, instances.at[instance].row1, instances.at[instance].row2, change);
+  precise vec3 sum = velocity + seen * moving.bound.w + rotated(moving.row0, moving.row1, moving.row2, seen);
+  return sum;
 }

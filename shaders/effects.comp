@@ -15,6 +15,8 @@
 #include "effects/doppler.h"
 #include "motion.glsl"
 #include "strays.glsl"
+#include "to_sensor.glsl"
+#include "surface_of.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -79,6 +81,16 @@ Echo loadEcho(uint k) {
   return Echo(hitPoint.w, energy, planned.pulseWidth, cosIncidence, 0);
 }
 
+// Returns the velocity of the point of a deformed triangle that the beam meets, in the column's frame; `point` is as
+// seen from the laser.
+vec3 deformedVelocityAt(uvec2 owner, ColumnMotion now, vec3 point) {
+  Surface surface = surfaceOf(beamIndex, owner);
+  vec2 shares = barycentricsOf(surface.corners, point);
+  precise vec3 velocity = surface.velocities.a + (surface.velocities.b - surface.velocities.a) * shares.x +
+                          (surface.velocities.c - surface.velocities.a) * shares.y;
+  return rotated(now.row0, now.row1, now.row2, velocity);
+}
+
 // Stores the surface's velocity and its radial speed. Without motion both are 0.
 void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0);
@@ -86,7 +98,13 @@ void storeMotion(uint at, uvec2 owner, float range) {
   if (MOTION) {
     ColumnMotion now = columnMotionOf(columnIndex);
     vec3 point = beamDirection * range + originOf(rowIndex, beamAzimuth);
-    if (owner.x != kNone && motion.instances != 0) velocity = velocityAt(instanceMotions.at[owner.y], now, point);
+    if (owner.x != kNone && motion.instances != 0) {
+      InstanceMotion moving = instanceMotions.at[owner.y];
+      if (DEFORMED && moving.bound.z != 0.0)
+        velocity = deformedVelocityAt(owner, now, point - originOf(rowIndex, beamAzimuth));
+      else
+        velocity = velocityAt(moving, now, point);
+    }
     radial = radialSpeed(beamDirection, velocity, now.velocity.xyz);
     velocity = reportedDirection(columnIndex, velocity);
   }

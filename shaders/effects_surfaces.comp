@@ -19,17 +19,6 @@
 
 layout(local_size_x = 64) in;
 
-// Returns the barycentric weights of the second and third corner (Ericson, Real-Time Collision Detection, 3.4).
-vec2 barycentricsOf(Corners t, vec3 p) {
-  GNO_PRECISE vec3 u = t.b - t.a;
-  GNO_PRECISE vec3 v = t.c - t.a;
-  GNO_PRECISE vec3 w = p - t.a;
-  GNO_PRECISE float uu = dotOf(u, u), uv = dotOf(u, v), vv = dotOf(v, v), wu = dotOf(w, u), wv = dotOf(w, v);
-  GNO_PRECISE float area = uu * vv - uv * uv;
-  GNO_PRECISE float second = vv * wu - uv * wv, third = uu * wv - uv * wu;
-  return area > 0.0 ? vec2(quotient(second, area), quotient(third, area)) : vec2(0.0);
-}
-
 // Returns the point that the beam meets, in the frame of its laser.
 vec3 pointOf(uint index, uint at) {
   if (!MOTION && (EFFECTS & kStrays) == 0) return points.at[at].xyz;

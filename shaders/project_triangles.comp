@@ -183,8 +183,8 @@ uint cullOne(LoadedCluster loaded, mat3 corners) {
 struct Survivor {
   mat3 corners;
   uint id;         // the top bit says one-sided
-  uvec3 vertices;  // only with a footprint, as is the material
-  uint material;
+  uvec3 vertices;  // entries in `positions`
+  uint material;   // only with a footprint
   uint instance;  // only with motion, as is the next one
   bool moves;     // the instance
 };
@@ -218,7 +218,9 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
     projected.moves = survivor.moves;
     if (projected.moves) {
       InstanceMotion moving = instanceMotions.at[survivor.instance];
-      projected.velocities = mat3(velocityOf(moving, a), velocityOf(moving, b), velocityOf(moving, c));
+      projected.velocities = mat3(vertexVelocity(moving, survivor.instance, a, survivor.vertices.x),
+                                  vertexVelocity(moving, survivor.instance, b, survivor.vertices.y),
+                                  vertexVelocity(moving, survivor.instance, c, survivor.vertices.z));
     }
     fate = movingBox(survivor.corners, projected.velocities, survivor.moves, side, box, rangeMin, atSeam);
   } else if (BOUNDS == kBoundsPaper) {

@@ -368,7 +368,8 @@ struct Pass {
 struct InstanceMotion {
   vec4 row0, row1, row2;
   // x: largest distance in metres that any of its points moves during the scan; y: largest change of a vector between
-  // two of its points, as a share of the vector's length.
+  // two of its points, as a share of the vector's length. If its mesh is deformed meanwhile, z is 1 and w is one over
+  // the time that this takes, in 1/s; otherwise both are 0.
   vec4 bound;
 };
 

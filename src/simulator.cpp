@@ -334,11 +334,7 @@ class Simulator::Impl {
   }
 
   void setDeformation(size_t mesh, const Deformation& deformation) {
-    meshes_.check(mesh);
-    const std::string name = "mesh " + std::to_string(mesh);
-    const Mesh& kept = scene_.meshes[mesh];
-    if (!kept.deformable()) throw Error(ErrorCode::invalidArgument, name + " has neither joints nor morph targets");
-    validate(deformation, name, kept);
+    checkDeformation(mesh, deformation, "");
     backend_->setDeformation(mesh, deformation);
   }
 
@@ -391,6 +387,14 @@ class Simulator::Impl {
     validate(request.layout);
   }
 
+  void checkDeformation(size_t mesh, const Deformation& deformation, const std::string& which) const {
+    meshes_.check(mesh);
+    const std::string name = which + "mesh " + std::to_string(mesh);
+    const Mesh& kept = scene_.meshes[mesh];
+    if (!kept.deformable()) throw Error(ErrorCode::invalidArgument, name + " has neither joints nor morph targets");
+    validate(deformation, name, kept);
+  }
+
   void check(const Shot& shot, const std::string& which) const {
     validate(shot.pose, which);
     validate(shot.motion, which);
@@ -398,6 +402,7 @@ class Simulator::Impl {
       instances_.check(motion.instance);
       validate(motion.end, motion.instance);
     }
+    for (const MeshMotion& motion : shot.meshMotions) checkDeformation(motion.mesh, motion.end, which);
     if (!sensors_.has(shot.sensor))
       throw Error(
           ErrorCode::invalidArgument,

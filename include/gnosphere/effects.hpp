@@ -133,7 +133,7 @@ struct Effects {
         false;  ///< if true, points are reported in the frame of Shot::pose, otherwise in that of their column
   } sensorMotion;
 
-  /// Instances move during the scan as Shot::instanceMotions says.
+  /// Instances move during the scan as Shot::instanceMotions and Shot::meshMotions say.
   struct ObjectMotion {
     EffectUse use = EffectUse::automatic;
   } objectMotion;

@@ -215,6 +215,13 @@ struct InstanceMotion {
   Transform end;
 };
 
+/// How a deformable mesh moves during a scan: from its deformation at the start to `end`, Sensor::rotationPeriod later.
+/// Vertices move along straight lines at constant speed, those of every instance of the mesh.
+struct MeshMotion {
+  size_t mesh = 0;
+  Deformation end;
+};
+
 /// One scan of a run.
 struct Shot {
   Pose pose;  ///< of the sensor if `motion` is empty; with `deskew`, points are reported in the frame of this pose
@@ -222,6 +229,7 @@ struct Shot {
   uint64_t frame = 0;  ///< frame number, part of the key of the random numbers
   SensorMotion motion;
   std::vector<InstanceMotion> instanceMotions;
+  std::vector<MeshMotion> meshMotions;
   /// If given, replaces the fog, rain, snow and volumes of the sensor's Effects.
   std::optional<Weather> weather;
 };

@@ -90,6 +90,9 @@ std::vector<EffectsArray> shotArrays(const SensorPlan& plan, const Shot& shot, c
     arrays.push_back(table(gpu::Array::columnMotions, motion->tables.columns));
     arrays.push_back(table(gpu::Array::motion, std::vector{motion->tables.bounds}));
     arrays.push_back(table(gpu::Array::instanceMotions, motion->instances));
+    if (!motion->end.jointRows.empty()) arrays.push_back(table(gpu::Array::endJointRows, motion->end.jointRows));
+    if (!motion->end.morphWeights.empty())
+      arrays.push_back(table(gpu::Array::endMorphWeights, motion->end.morphWeights));
   }
   return arrays;
 }

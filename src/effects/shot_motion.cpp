@@ -6,8 +6,9 @@
 namespace gnosphere {
 
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,
-                                   const InstanceTable& instances) {
-  const bool instancesMove = !shot.instanceMotions.empty() && plan.has(gpu::kObjectMotion);
+                                   const InstanceTable& instances, const Deformables& deformables) {
+  const bool instancesMove =
+      (!shot.instanceMotions.empty() || !shot.meshMotions.empty()) && plan.has(gpu::kObjectMotion);
   const bool sensorMoves = !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
   if (!sensorMoves && !instancesMove && !plan.origins) return {};
   ShotMotion motion;
@@ -16,8 +17,11 @@ std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& l
   if (instancesMove) {
     motion.instances.resize(instances.count());
     const double duration = durationOf(plan.sensor, shot.frame);
+    std::map<size_t, double> changes;
+    for (const MeshMotion& mesh : shot.meshMotions)
+      changes[mesh.mesh] = deformables.writeEnd(mesh.mesh, mesh.end, motion.end);
     motion.farthest =
-        instances.writeMotions(motion.tables.middle, shot.instanceMotions, duration, motion.instances.data());
+        instances.writeMotions(motion.tables.middle, shot.instanceMotions, changes, duration, motion.instances.data());
     // Beams may fire before the start and after the end of the motion.
     const float longer = motion.tables.bounds.seconds / static_cast<float>(duration);
     if (plan.listed && longer > 1) {

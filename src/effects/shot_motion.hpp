@@ -6,6 +6,7 @@
 
 #include "effects/motion_tables.hpp"
 #include "effects/sensor_plan.hpp"
+#include "geometry/deformables.hpp"
 #include "geometry/instance_table.hpp"
 
 namespace gnosphere {
@@ -14,13 +15,14 @@ namespace gnosphere {
 struct ShotMotion {
   MotionTables tables;
   std::vector<gpu::InstanceMotion> instances;  ///< one per instance; empty if no instance moves
+  Deformables::End end;                        ///< of the meshes that are deformed meanwhile; empty if none is
   double farthest = 0;                         ///< largest distance in metres that a point of them moves
 };
 
 /// The motion that the lasers see which fire from around `lasers.centre`. Empty if neither the sensor nor an instance
 /// moves during this shot; the scan then uses the pipelines without motion.
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,
-                                   const InstanceTable& instances);
+                                   const InstanceTable& instances, const Deformables& deformables);
 
 /// Returns by how many metres motion may bring a surface nearer to the sensor; 0 without motion.
 double reachOf(const std::optional<ShotMotion>& motion);

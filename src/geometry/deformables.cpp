@@ -78,6 +78,41 @@ void addBone(const gpu::Bone& bone, const gpu::Deformer& deformer, std::span<con
   }
 }
 
+// The rows of a mesh's joints; without joints in the deformation nothing moves.
+std::vector<gpu::vec4> rowsOf(const Vec3& origin, uint32_t joints, const Deformation& deformation) {
+  const std::vector<JointMap> maps = jointMapsOf(origin, deformation);
+  std::vector<gpu::vec4> rows;
+  for (size_t joint = 0; joint < joints; ++joint)
+    for (size_t row = 0; row < 3; ++row) {
+      if (maps.empty()) {
+        rows.push_back({row == 0 ? 1.f : 0.f, row == 1 ? 1.f : 0.f, row == 2 ? 1.f : 0.f, 0});
+        continue;
+      }
+      const float* values = &maps[joint][4 * row];
+      rows.push_back({values[0], values[1], values[2], values[3]});
+    }
+  return rows;
+}
+
+// Returns an upper bound of the distance between where two maps (three rows each) take a point of a box.
+double farthest(const gpu::vec4* from, const gpu::vec4* to, const gpu::vec3& low, const gpu::vec3& high) {
+  double squares = 0;
+  for (int row = 0; row < 3; ++row) {
+    const double a = double{to[row].x} - from[row].x, b = double{to[row].y} - from[row].y,
+                 c = double{to[row].z} - from[row].z, d = double{to[row].w} - from[row].w;
+    // Each coordinate of the change is linear, so it is largest at a corner.
+    const double most = std::max(std::abs(a * low.x), std::abs(a * high.x)) +
+                        std::max(std::abs(b * low.y), std::abs(b * high.y)) +
+                        std::max(std::abs(c * low.z), std::abs(c * high.z)) + std::abs(d);
+    squares += most * most;
+  }
+  return std::sqrt(squares);
+}
+
+double lengthOf(const gpu::vec3& v) {
+  return std::sqrt(double{v.x} * v.x + double{v.y} * v.y + double{v.z} * v.z);
+}
+
 template <typename T>
 void write(SceneMemory& memory, Array array, uint64_t first, const std::vector<T>& entries) {
   if (!entries.empty()) memory.write(array, first * sizeof(T), std::as_bytes(std::span(entries)));
@@ -185,12 +220,8 @@ void Deformables::deform(size_t index, const Deformation& deformation, FlatMesh&
     std::copy(entry.restGroups.begin(), entry.restGroups.end(), flat.groups.begin());
     return;
   }
-  const std::vector<JointMap> maps = jointMapsOf(entry.origin, deformation);
-  for (size_t joint = 0; joint < maps.size(); ++joint)
-    for (size_t row = 0; row < 3; ++row) {
-      const float* values = &maps[joint][4 * row];
-      jointRows_[deformer.rowFirst + 3 * joint + row] = {values[0], values[1], values[2], values[3]};
-    }
+  const std::vector<gpu::vec4> own = rowsOf(entry.origin, entry.joints, deformation);
+  std::copy(own.begin(), own.end(), jointRows_.begin() + deformer.rowFirst);
   std::copy(deformation.morphWeights.begin(), deformation.morphWeights.end(),
             morphWeights_.begin() + deformer.weightFirst);
   deformer.morphLow = deformer.morphHigh = gpu::vec3(0);
@@ -207,6 +238,43 @@ void Deformables::deform(size_t index, const Deformation& deformation, FlatMesh&
     std::fill(group.high, group.high + 3, -gpu::kCoordinateLimit);
     for (const gpu::Bone& bone : entry.groups[g]) addBone(bone, deformer, rows, group);
   }
+}
+
+double Deformables::writeEnd(size_t index, const Deformation& deformation, End& to) const {
+  const Entry& entry = meshes_.at(index);
+  const gpu::Deformer& deformer = deformers_[index];
+  to.jointRows.resize(jointRows_.size());
+  to.morphWeights.resize(morphWeights_.size());
+  const std::vector<gpu::vec4> ends = rowsOf(entry.origin, entry.joints, deformation);
+  std::copy(ends.begin(), ends.end(), to.jointRows.begin() + deformer.rowFirst);
+  std::copy(deformation.morphWeights.begin(), deformation.morphWeights.end(),
+            to.morphWeights.begin() + deformer.weightFirst);
+
+  // A vertex moves with its joints, and by the change of the morph targets, which its joints stretch.
+  const bool deformed = deformer.deformed != 0;
+  const std::vector<gpu::vec4> rest = rowsOf({}, entry.joints, {});
+  const std::span<const gpu::vec4> starts =
+      deformed ? std::span(jointRows_).subspan(deformer.rowFirst) : std::span<const gpu::vec4>(rest);
+  double morphed = 0, most = 0;
+  for (size_t target = 0; target < entry.offsetBounds.size(); ++target) {
+    const auto& [low, high] = entry.offsetBounds[target];
+    const double start = deformed ? morphWeights_[deformer.weightFirst + target] : 0,
+                 end = deformation.empty() ? 0 : deformation.morphWeights[target];
+    morphed += std::abs(end - start) * lengthOf(glm::max(glm::abs(low), glm::abs(high)));
+  }
+  if (entry.joints == 0) return morphed;
+  const gpu::vec3 morphLow = deformed ? deformer.morphLow : gpu::vec3(0),
+                  morphHigh = deformed ? deformer.morphHigh : gpu::vec3(0);
+  for (const std::vector<gpu::Bone>& group : entry.groups)
+    for (const gpu::Bone& bone : group) {
+      const gpu::vec4* end = &ends[3 * size_t{bone.joint}];
+      double stretch = 0;
+      for (int row = 0; row < 3; ++row)
+        stretch += double{end[row].x} * end[row].x + double{end[row].y} * end[row].y + double{end[row].z} * end[row].z;
+      most = std::max(most, farthest(&starts[3 * size_t{bone.joint}], end, bone.low + morphLow, bone.high + morphHigh) +
+                                std::sqrt(stretch) * morphed);
+    }
+  return most;
 }
 
 }  // namespace gnosphere

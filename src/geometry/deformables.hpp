@@ -27,6 +27,15 @@ class Deformables {
   /// Deforms a mesh, and sets the boxes of its groups.
   void deform(size_t index, const Deformation& deformation, FlatMesh& flat);
 
+  /// What kernels read of a deformation at the end of a motion: in the places of jointRows() and morphWeights().
+  struct End {
+    std::vector<gpu::vec4> jointRows;
+    std::vector<float> morphWeights;
+  };
+  /// Writes the end of a mesh's motion and returns the largest distance in metres, in the mesh frame, that it moves a
+  /// vertex.
+  double writeEnd(size_t index, const Deformation& deformation, End& to) const;
+
   bool any() const { return !meshes_.empty(); }
 
   /// What a scan reads: an entry per mesh of the scene and one more, three rows per joint, and the morph weights.

@@ -250,7 +250,8 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
 }
 
 // With v = V x for a point x of the mesh at the start of the scan, and x = M^-1 (p - m) for that point p in the world.
-double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMotion> motions, double period,
+double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMotion> motions,
+                                   const std::map<size_t, double>& changes, double period,
                                    gpu::InstanceMotion* to) const {
   std::fill(to, to + count(), gpu::InstanceMotion{});
   const Quaternion& q = pose.orientation;
@@ -278,6 +279,20 @@ double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMot
     const double bend = std::sqrt(glm::dot(a[0], a[0]) + glm::dot(a[1], a[1]) + glm::dot(a[2], a[2])) * period;
     to[motion.instance] = {
         row(0), row(1), row(2), {static_cast<float>(most * 1.00001), static_cast<float>(bend * 1.00001), 0, 0}};
+    farthest = std::max(farthest, most);
+  }
+  for (uint32_t i = 0; i < (changes.empty() ? 0 : count()); ++i) {
+    const auto change = placements_[i].mesh == kNoMesh ? changes.end() : changes.find(placements_[i].mesh);
+    if (change == changes.end()) continue;
+    // The change is seen as the instance stands at the end of the scan.
+    const auto moved = std::find_if(motions.begin(), motions.end(),
+                                    [&](const InstanceMotion& motion) { return motion.instance == i; });
+    const glm::dmat3 end = moved == motions.end() ? placements_[i].toWorld : linear(moved->end);
+    const double stretch = std::sqrt(glm::dot(end[0], end[0]) + glm::dot(end[1], end[1]) + glm::dot(end[2], end[2]));
+    const double most = to[i].bound.x + change->second * stretch * 1.00001;
+    // Nothing bounds how the vectors between vertices change, so a triangle may face either way.
+    constexpr float kAnyChange = 1e15f;
+    to[i].bound = {static_cast<float>(most * 1.00001), kAnyChange, 1, static_cast<float>(1 / period)};
     farthest = std::max(farthest, most);
   }
   return farthest;

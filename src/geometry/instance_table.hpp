@@ -4,6 +4,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -81,10 +82,11 @@ class InstanceTable {
   };
   Owner ownerOf(uint32_t number) const;
   /// Writes for every instance how it moves in the sensor's frame during `period` seconds to the transform that
-  /// `motions` gives; instances that it does not name stand still. Returns the largest distance that any point moves,
-  /// in metres.
-  double writeMotions(const Pose& pose, std::span<const InstanceMotion> motions, double period,
-                      gpu::InstanceMotion* to) const;
+  /// `motions` gives; instances that it does not name stand still, unless their mesh is deformed meanwhile: `changes`
+  /// has, by mesh, the largest distance that this moves a vertex in the mesh frame. Returns the largest distance that
+  /// any point moves, in metres.
+  double writeMotions(const Pose& pose, std::span<const InstanceMotion> motions,
+                      const std::map<size_t, double>& changes, double period, gpu::InstanceMotion* to) const;
   /// Writes the mesh index of every instance; a removed instance gets the index after the last mesh.
   void writeMeshes(uint32_t* meshes) const;
 

@@ -76,7 +76,7 @@ class DeviceBackend final : public Backend {
     std::unique_ptr<SensorState> sensor;
     if (plan) {
       if (!plan->layout.empty()) checkLayout(*plan);
-      if (plan->surfaces()) scene_.geometry().addSlots();
+      if (plan->surfaces() || plan->speeds()) scene_.geometry().addSlots();
       if (plan->holes()) scene_.geometry().addTextureCoordinates();
       sensor = std::make_unique<SensorState>(*machine_, std::move(plan), options_,
                                              scene_.instances().counters().triangles, scene_.deformed());
@@ -197,7 +197,8 @@ class DeviceBackend final : public Backend {
     const StillImage::Use use = useStill(still, sensor, shot.pose);
     slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
     const std::optional<ShotMotion>& motion = slot.motion =
-        motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot, scene_.instances());
+        motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot, scene_.instances(),
+                 scene_.geometry().deformables());
     const Pose& pose = motion ? motion->tables.middle : shot.pose;
     scene_.place(pose, sensor.reach() + reachOf(motion), still.selection(use), slot.placed);
     if (!scene_.listsHold(slot.placed)) {

@@ -89,7 +89,8 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   Slot& slot = frames_[recording.frame][shot.sensor];
   if (!slot.addresses) slot.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
   const OriginBounds& lasers = sensor.groups(shot.frame)[0].lasers;
-  const std::optional<ShotMotion> motion = motionOf(sensor.sensorPlan(), lasers, shot, scene_.instances());
+  const std::optional<ShotMotion> motion =
+      motionOf(sensor.sensorPlan(), lasers, shot, scene_.instances(), scene_.geometry().deformables());
   const Pose& pose = motion ? motion->tables.middle : shot.pose;
   scene_.place(pose, sensor.reach() + reachOf(motion), {}, slot.placed);
   if (!scene_.listsHold(slot.placed)) scene_.growLists(slot.placed);

@@ -187,13 +187,25 @@ class Steps {
     step.variant.options.PASS = number;
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
     if (kernel != Kernel::effects_footprint) step.variant.options.RAYS = 1;
-    const bool placesVertices = kernel == Kernel::project_clusters || kernel == Kernel::project_triangles;
-    if (placesVertices) step.variant.options.DEFORMED = input_.deformed;
+    step.variant.options.DEFORMED = input_.deformed && deforms(kernel);
     if (kernel == Kernel::records) step.variant.options.RECORDS = input_.records;
     step.pass = pass;
     step.groupsX = groupsX;
     step.groupsY = groupsY;
     if (groupsX > 0 && groupsY > 0) add(step);
+  }
+
+  // Kernels that look at surfaces read the positions that `project` has stored; they need no more unless the vertices
+  // move during the scan.
+  bool deforms(Kernel kernel) const {
+    switch (kernel) {
+      case Kernel::project_clusters:
+      case Kernel::project_triangles: return true;
+      case Kernel::effects_panes:
+      case Kernel::effects_surfaces:
+      case Kernel::effects: return input_.variant.options.MOTION != 0;
+      default: return false;
+    }
   }
 
   void fill(gpu::Array array, uint32_t value) { add({Step::Kind::fill, "", array, {}, 0, 0, value}); }

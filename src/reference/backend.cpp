@@ -70,7 +70,7 @@ Plan ReferenceBackend::plan(size_t sensor) const {
 void ReferenceBackend::build() {
   counters_ = {};
   Sweeps none;
-  bvh_ = Bvh(placeAll(scene_, options_.faces, {}, 0, none, counters_));
+  bvh_ = Bvh(placeAll(scene_, options_.faces, {}, none, counters_));
   places_ = placedMeshesOf(scene_);
   changed_ = false;
 }
@@ -85,8 +85,10 @@ Bvh ReferenceBackend::movingTree(const Shot& shot) const {
     sweeps.last = std::max(sweeps.last, time);
   }
   Counters again;
-  std::vector<Triangle> triangles =
-      placeAll(scene_, options_.faces, shot.instanceMotions, durationOf(sensor, shot.frame), sweeps, again);
+  Movement movement = {shot.instanceMotions, {}, durationOf(sensor, shot.frame)};
+  for (const MeshMotion& motion : shot.meshMotions)
+    movement.positions[motion.mesh] = deformedPositions(deformable_.at(motion.mesh), motion.end);
+  std::vector<Triangle> triangles = placeAll(scene_, options_.faces, movement, sweeps, again);
   return Bvh(std::move(triangles), std::move(sweeps));
 }
 
@@ -156,7 +158,7 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   columns.fill(Field::tolerance, std::numeric_limits<float>::quiet_NaN());
   scan.counters = counters_;
   scan.timings = {};
-  const bool moves = plan.has(gpu::kObjectMotion) && !shot.instanceMotions.empty();
+  const bool moves = plan.has(gpu::kObjectMotion) && (!shot.instanceMotions.empty() || !shot.meshMotions.empty());
   const Bvh moving = moves ? movingTree(shot) : Bvh({});
   View view = viewOf(scene_, moves ? moving : bvh_, places_, sensor, pose, scan.counters);
   view.cutOuts = plan.has(gpu::kCutOuts);

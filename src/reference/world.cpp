@@ -50,18 +50,40 @@ double condition(const Transform& t) {
   return std::clamp(std::sqrt(squares / 3) / std::max(volume, 1e-30), 1.0, kWorstCondition);
 }
 
-/// Transforms the triangles of one instance to the world. `velocity` is that of its points, or null if it stands still.
-void placeInstance(const Scene& scene, uint32_t index, ReflectingFaces faces, const Transform* velocity,
+/// Returns the velocities of an instance's vertices; none if it stands still. `end` is its transform at the end, or
+/// null if that does not change.
+std::vector<Vec3> velocitiesOf(const Instance& instance, const Mesh& mesh, const Transform* end,
+                               const Movement& movement) {
+  const auto moved = movement.positions.find(instance.mesh);
+  const bool deformed = moved != movement.positions.end();
+  if (!end && !deformed) return {};
+  const Transform velocity = end ? velocityOf(instance.transform, *end, movement.period) : Transform{};
+  std::vector<Vec3> velocities(mesh.vertexCount());
+  for (size_t v = 0; v < velocities.size(); ++v) {
+    const float* p = &mesh.positions[3 * v];
+    const Vec3 local = mesh.origin + Vec3{p[0], p[1], p[2]};
+    if (!deformed) {
+      velocities[v] = velocity * local;
+      continue;
+    }
+    const float* q = &moved->second[3 * v];
+    const Vec3 last = (end ? *end : instance.transform) * (mesh.origin + Vec3{q[0], q[1], q[2]});
+    velocities[v] = (1 / movement.period) * (last - instance.transform * local);
+  }
+  return velocities;
+}
+
+/// Transforms the triangles of one instance to the world. `velocities` are those of its vertices; none if it stands
+/// still.
+void placeInstance(const Scene& scene, uint32_t index, ReflectingFaces faces, const std::vector<Vec3>& velocities,
                    std::vector<Triangle>& triangles, Sweeps& sweeps, Counters& counters) {
   const Instance& instance = scene.instances[index];
   const Mesh& mesh = scene.meshes[instance.mesh];
   std::vector<Vec3> world(mesh.vertexCount());
-  std::vector<Vec3> velocities(velocity ? mesh.vertexCount() : 0);
   std::vector<uint8_t> broken(mesh.vertexCount());
   for (size_t v = 0; v < world.size(); ++v) {
     const float* p = &mesh.positions[3 * v];
     const Vec3 local = mesh.origin + Vec3{p[0], p[1], p[2]};
-    if (velocity) velocities[v] = *velocity * local;
     world[v] = instance.transform * local;
     broken[v] = !within(local, kFarthest) || !within(world[v], kFarthestWorld);
   }
@@ -99,7 +121,7 @@ void placeInstance(const Scene& scene, uint32_t index, ReflectingFaces faces, co
     order(1, 2);
     order(0, 1);
     if (oneSided) placed.front = turn;
-    if (velocity) {
+    if (!velocities.empty()) {
       placed.sweep = static_cast<uint32_t>(sweeps.velocities.size());
       const auto of = [&](size_t k) { return velocities[corner[placed.order[k]]]; };
       sweeps.velocities.push_back({of(0), of(1), of(2)});
@@ -123,18 +145,18 @@ double absoluteError(const PlacedMesh& place, const Vec3& position) {
   return 1e-9 + 0x1p-48 * (norm(place.origin) + norm(position)) + 0x1p-45 * norm(place.origin - position);
 }
 
-std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, std::span<const InstanceMotion> motions,
-                               double period, Sweeps& sweeps, Counters& counters) {
+std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, const Movement& movement, Sweeps& sweeps,
+                               Counters& counters) {
   std::vector<Triangle> triangles;
   counters.triangles = scene.placedTriangleCount();
   triangles.reserve(counters.triangles);
   std::vector<const Transform*> ends(scene.instances.size());
-  for (const InstanceMotion& motion : motions) ends[motion.instance] = &motion.end;
+  for (const InstanceMotion& motion : movement.instances) ends[motion.instance] = &motion.end;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     if (scene.instances[i].mesh == kNoMesh) continue;
-    Transform velocity;
-    if (ends[i]) velocity = velocityOf(scene.instances[i].transform, *ends[i], period);
-    placeInstance(scene, i, faces, ends[i] ? &velocity : nullptr, triangles, sweeps, counters);
+    const Instance& instance = scene.instances[i];
+    const std::vector<Vec3> velocities = velocitiesOf(instance, scene.meshes[instance.mesh], ends[i], movement);
+    placeInstance(scene, i, faces, velocities, triangles, sweeps, counters);
   }
   return triangles;
 }

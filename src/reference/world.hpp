@@ -2,6 +2,7 @@
 // Transforms the triangles of a scene to the world and checks each.
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "gnosphere/simulator.hpp"
@@ -29,9 +30,16 @@ std::vector<PlacedMesh> placedMeshesOf(const Scene& scene);
 /// and the remainder of a pivot that is split into two floats (2^-48) and transformed by a rounded matrix.
 double absoluteError(const PlacedMesh& place, const Vec3& position);
 
-/// Returns all triangles of the scene. For instances that move, `sweeps` gets the corner velocities over a turn of
-/// `period` seconds. Dropped triangles are counted.
-std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, std::span<const InstanceMotion> motions,
-                               double period, Sweeps& sweeps, Counters& counters);
+/// What moves during a scan, and for how long.
+struct Movement {
+  std::span<const InstanceMotion> instances;
+  std::map<size_t, std::vector<float>> positions;  ///< by mesh: where its vertices are at the end; only if they move
+  double period = 0;                               ///< seconds
+};
+
+/// Returns all triangles of the scene. For instances that move, `sweeps` gets the corner velocities. Dropped triangles
+/// are counted.
+std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, const Movement& movement, Sweeps& sweeps,
+                               Counters& counters);
 
 }  // namespace gnosphere::reference
