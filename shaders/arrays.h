@@ -34,10 +34,10 @@
   ARRAY(readonly, uint, triangleSlots)       /* per triangle of a mesh: cluster * kClusterTriangles + number in it */ \
   ARRAY(readonly, Deformer, deformers)       /* per mesh */ \
   ARRAY(readonly, vec3, restPositions)       /* per vertex of a deformable mesh, as in positions */ \
-  ARRAY(readonly, uvec2, influences)         /* per such vertex and influence: joint, bits of its weight */ \
-  ARRAY(readonly, vec3, morphOffsets)        /* per such vertex and morph target */ \
+  ARRAY(readonly, vec3, morphOffsets)        /* per morph target and such vertex */ \
   ARRAY(readonly, uint, boneStarts)          /* per cluster of a deformable mesh and at the end: its first bone */ \
-  ARRAY(readonly, Bone, bones) \
+  ARRAY(readonly, Bone, bones)               /* of a cluster in the order of their joints */ \
+  ARRAY(readonly, float, boneWeights)        /* per bone and vertex of its cluster: the joint's weight */ \
   ARRAY(readonly, vec4, jointRows)           /* three per joint: its map, row by row */ \
   ARRAY(readonly, float, morphWeights)       /* per morph target of a mesh */ \
   ARRAY(readonly, Instance, instances) \

@@ -8,7 +8,8 @@ struct LoadedCluster {
   uint vertexFirst, vertexCount, triangleFirst, triangleCount;
   uint doubleSided;
   uint material;
-  uint number;  // number of the instance
+  uint number;   // number of the instance
+  uint cluster;  // number of the cluster
   uint mesh;    // the mesh of the instance if it is deformable, otherwise kNone
   vec2 bound;   // InstanceMotion::bound; only with motion
 };
@@ -19,6 +20,7 @@ LoadedCluster loadCluster(uint i) {
     uvec2 pair = visible.at[i];
     loaded.instance = instances.at[pair.x];
     loaded.number = pair.x;
+    loaded.cluster = pair.y;
     loaded.bound = boundOf(pair.x);
     loaded.vertexFirst = clusters.at[pair.y].vertexFirst;
     loaded.triangleFirst = clusters.at[pair.y].triangleFirst;
@@ -29,6 +31,7 @@ LoadedCluster loadCluster(uint i) {
   }
   loaded.material = subgroupBroadcast(loaded.material, 0);
   loaded.number = subgroupBroadcast(loaded.number, 0);
+  loaded.cluster = subgroupBroadcast(loaded.cluster, 0);
   loaded.mesh = deformableMesh(loaded.number);
   if (MOTION) loaded.bound = subgroupBroadcast(loaded.bound, 0);
   loaded.instance = fromFirstLane(loaded.instance);
@@ -48,28 +51,69 @@ struct Vertices {
   uint count;
 };
 
-// Later kernels read the positions of deformed vertices, so these are stored.
-vec3 positionOf(LoadedCluster loaded, uint vertex) {
-  if (loaded.mesh == kNone) return positions.at[vertex];
-  vec3 position = deformedPosition(loaded.mesh, vertex, false);
-  positions.at[vertex] = position;
-  return position;
+vec3 toSensor(LoadedCluster loaded, vec3 position) {
+  vec3 p = toSensor(loaded.instance, position);
+  return INSIDE == kInsideExact ? onLattice(p) : p;
 }
 
-vec3 toSensor(LoadedCluster loaded, uint vertex) {
-  vec3 p = toSensor(loaded.instance, positionOf(loaded, loaded.vertexFirst + vertex));
-  return INSIDE == kInsideExact ? onLattice(p) : p;
+// Later kernels read the positions of deformed vertices, so these are stored.
+vec3 toSensor(LoadedCluster loaded, uint number) {
+  uint vertex = loaded.vertexFirst + number;
+  if (loaded.mesh == kNone) return toSensor(loaded, positions.at[vertex]);
+  vec3 position = deformedPosition(loaded.mesh, loaded.cluster, vertex, false);
+  positions.at[vertex] = position;
+  return toSensor(loaded, position);
 }
 
 bool haveRoom(uint vertexCount) { return vertexCount <= kVertexRounds * gl_SubgroupSize; }
 
+uint vertexNumber(LoadedCluster loaded, uint round) {
+  return min(round * gl_SubgroupSize + gl_SubgroupInvocationID, loaded.vertexCount - 1);
+}
+
+// Deforms the vertices of a cluster as deformedPosition() does, and transforms them. Each lane loads a joint and the
+// others get it by shuffle.
+void deformVertices(LoadedCluster loaded, inout Vertices vertices) {
+  vec3 position[kVertexRounds], sum[kVertexRounds];
+  [[unroll]] for (uint k = 0; k < kVertexRounds; ++k) {
+    if (k * gl_SubgroupSize < loaded.vertexCount)
+      position[k] = morphedPosition(loaded.mesh, loaded.vertexFirst + vertexNumber(loaded, k), false);
+    sum[k] = vec3(0.0);
+  }
+  if (followsJoints(loaded.mesh, false)) {
+    uvec2 run = bonesOf(loaded.mesh, loaded.cluster);
+    uint rowFirst = deformers.at[loaded.mesh].rowFirst;
+    for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
+      uint bone = min(first + gl_SubgroupInvocationID, run.y - 1);
+      uint row = rowFirst + 3 * bones.at[bone].joint, weightFirst = bones.at[bone].weightFirst;
+      vec4 x = jointRows.at[row], y = jointRows.at[row + 1], z = jointRows.at[row + 2];
+      for (uint lane = 0; lane < min(gl_SubgroupSize, run.y - first); ++lane) {
+        vec4 toldX = subgroupShuffle(x, lane), toldY = subgroupShuffle(y, lane), toldZ = subgroupShuffle(z, lane);
+        uint weights = subgroupShuffle(weightFirst, lane);
+        [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
+          if (k * gl_SubgroupSize < loaded.vertexCount)
+            sum[k] = withJoint(sum[k], toldX, toldY, toldZ, position[k], boneWeights.at[weights + vertexNumber(loaded, k)]);
+      }
+    }
+    [[unroll]] for (uint k = 0; k < kVertexRounds; ++k) position[k] = sum[k];
+  }
+  [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
+    if (k * gl_SubgroupSize < loaded.vertexCount) {
+      positions.at[loaded.vertexFirst + vertexNumber(loaded, k)] = position[k];
+      vertices.corners[k] = toSensor(loaded, position[k]);
+    }
+}
+
 Vertices verticesOf(LoadedCluster loaded) {
   Vertices vertices;
   vertices.count = loaded.vertexCount;
-  if (haveRoom(vertices.count)) {
+  if (!haveRoom(vertices.count)) return vertices;
+  if (DEFORMED && loaded.mesh != kNone) {
+    deformVertices(loaded, vertices);
+  } else {
     [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
       if (k * gl_SubgroupSize < vertices.count)
-        vertices.corners[k] = toSensor(loaded, min(k * gl_SubgroupSize + gl_SubgroupInvocationID, vertices.count - 1));
+        vertices.corners[k] = toSensor(loaded, positions.at[loaded.vertexFirst + vertexNumber(loaded, k)]);
   }
   return vertices;
 }

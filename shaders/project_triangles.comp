@@ -184,6 +184,7 @@ struct Survivor {
   mat3 corners;
   uint id;         // the top bit says one-sided
   uvec3 vertices;  // entries in `positions`
+  uint cluster;
   uint material;   // only with a footprint
   uint instance;  // only with motion, as is the next one
   bool moves;     // the instance
@@ -197,6 +198,7 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
   survivor.corners = cornersOf(loaded, vertices, numbers);
   survivor.id = placedFirstOf(loaded.instance) + triangle.y | (isOneSided(loaded) ? 1u << 31 : 0u);
   survivor.vertices = loaded.vertexFirst + numbers;
+  survivor.cluster = loaded.cluster;
   survivor.material = loaded.material;
   survivor.instance = loaded.number;
   survivor.moves = loaded.bound.x > 0.0;
@@ -218,9 +220,9 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
     projected.moves = survivor.moves;
     if (projected.moves) {
       InstanceMotion moving = instanceMotions.at[survivor.instance];
-      projected.velocities = mat3(vertexVelocity(moving, survivor.instance, a, survivor.vertices.x),
-                                  vertexVelocity(moving, survivor.instance, b, survivor.vertices.y),
-                                  vertexVelocity(moving, survivor.instance, c, survivor.vertices.z));
+      projected.velocities = mat3(vertexVelocity(moving, survivor.instance, a, survivor.cluster, survivor.vertices.x),
+                                  vertexVelocity(moving, survivor.instance, b, survivor.cluster, survivor.vertices.y),
+                                  vertexVelocity(moving, survivor.instance, c, survivor.cluster, survivor.vertices.z));
     }
     fate = movingBox(survivor.corners, projected.velocities, survivor.moves, side, box, rangeMin, atSeam);
   } else if (BOUNDS == kBoundsPaper) {

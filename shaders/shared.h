@@ -211,17 +211,16 @@ struct Group {
 
 // How the vertices of a mesh follow joints and morph targets. A mesh that is not deformable has neither.
 struct Deformer {
-  uint influences;      // joints that each vertex follows
-  uint targets;         // morph targets
-  uint deformed;        // 0: the vertices are where restPositions has them
-  uint vertexFirst;     // the mesh's first entry in positions,
-  uint restFirst;       // in restPositions,
-  uint influenceFirst;  // in influences,
-  uint offsetFirst;     // in morphOffsets,
-  uint weightFirst;     // in morphWeights,
-  uint rowFirst;        // in jointRows,
-  uint clusterFirst;    // in clusters,
-  uint startFirst;      // and in boneStarts
+  uint joints, targets;  // joints and morph targets
+  uint deformed;         // 0: the vertices are where restPositions has them
+  uint vertices;
+  uint vertexFirst;   // the mesh's first entry in positions,
+  uint restFirst;     // in restPositions,
+  uint offsetFirst;   // in morphOffsets,
+  uint weightFirst;   // in morphWeights,
+  uint rowFirst;      // in jointRows,
+  uint clusterFirst;  // in clusters,
+  uint startFirst;    // and in boneStarts
   uint padding;
   vec3 morphLow;   // by how much the morph targets move a vertex: at least
   vec3 morphHigh;  // and at most
@@ -229,10 +228,10 @@ struct Deformer {
 
 // The vertices of a cluster that follow a joint.
 struct Bone {
-  vec3 low;    // lower corner of their box in restPositions
-  uint joint;  // kNone: the mesh has no joints
-  vec3 high;   // upper corner
-  uint padding;
+  vec3 low;          // lower corner of their box in restPositions
+  uint joint;        // kNone: the mesh has no joints
+  vec3 high;         // upper corner
+  uint weightFirst;  // the first entry in boneWeights
 };
 
 // A corner of a projected triangle in the sensor's frame, with the tag that arrays.h describes.

@@ -30,9 +30,9 @@ vec3 normalOf(Corners t) {
 }
 
 // Returns the velocities of the corners of a triangle that moves, m/s in the sensor's axes.
-Corners velocitiesOf(InstanceMotion moving, uint instance, Corners t, uvec3 vertices) {
-  return Corners(vertexVelocity(moving, instance, t.a, vertices.x), vertexVelocity(moving, instance, t.b, vertices.y),
-                 vertexVelocity(moving, instance, t.c, vertices.z));
+Corners velocitiesOf(InstanceMotion moving, uint instance, Corners t, uint cluster, uvec3 vertices) {
+  return Corners(vertexVelocity(moving, instance, t.a, cluster, vertices.x), vertexVelocity(moving, instance, t.b, cluster, vertices.y),
+                 vertexVelocity(moving, instance, t.c, cluster, vertices.z));
 }
 
 // Returns the corners in the frame of the column when it fires, as seen from the laser.
@@ -81,7 +81,7 @@ Surface surfaceOf(uint index, uvec2 owner) {
     uint column = columnOf(index), row = rowOf(index);
     vec2 azimuth = beamWith(index).azimuth;
     if (motion.instances != 0) {
-      surface.velocities = velocitiesOf(instanceMotions.at[owner.y], owner.y, surface.corners, vertices);
+      surface.velocities = velocitiesOf(instanceMotions.at[owner.y], owner.y, surface.corners, cluster, vertices);
       surface.corners = seenFrom(surface.corners, surface.velocities, column, row, azimuth);
     } else {
       surface.corners = seenFrom(surface.corners, column, row, azimuth);

@@ -48,9 +48,9 @@ using Layouts = std::map<std::string, Layout>;
 /// test.
 const Layouts kShared = {
     STRUCT(Instance, row0, row1, row2, offset, firstTriangle),
-    STRUCT(Deformer, influences, targets, deformed, vertexFirst, restFirst, influenceFirst, offsetFirst, weightFirst,
-           rowFirst, clusterFirst, startFirst, padding, morphLow, morphHigh),
-    STRUCT(Bone, low, joint, high, padding),
+    STRUCT(Deformer, joints, targets, deformed, vertices, vertexFirst, restFirst, offsetFirst, weightFirst, rowFirst,
+           clusterFirst, startFirst, padding, morphLow, morphHigh),
+    STRUCT(Bone, low, joint, high, weightFirst),
     STRUCT(Cluster, low, vertexFirst, high, triangleFirst, coneAxis, cone, vertexCount, triangleCount, doubleSided,
            material),
     STRUCT(Group, low, clusterFirst, high, clusterCount),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/deform.hpp"
 
+#include <algorithm>
+
 #include "deform.h"
 
 namespace gnosphere {
@@ -33,19 +35,34 @@ std::vector<JointMap> jointMapsOf(const Vec3& o, const Deformation& deformation)
   return maps;
 }
 
+void influencesOf(const Mesh& mesh, size_t vertex, std::vector<Influence>& influences) {
+  influences.clear();
+  for (size_t k = vertex * mesh.influences; k < (vertex + 1) * mesh.influences; ++k) {
+    const uint32_t joint = mesh.joints[k];
+    const auto place = std::find_if(influences.begin(), influences.end(),
+                                    [&](const Influence& other) { return other.joint >= joint; });
+    if (place != influences.end() && place->joint == joint)
+      place->weight += mesh.jointWeights[k];
+    else if (mesh.jointWeights[k] > 0)
+      influences.insert(place, {joint, mesh.jointWeights[k]});
+  }
+}
+
 std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation) {
   if (deformation.empty()) return mesh.positions;
   const std::vector<JointMap> maps = jointMapsOf(mesh.origin, deformation);
   std::vector<float> result;
   result.reserve(mesh.positions.size());
+  std::vector<Influence> influences;
   for (size_t vertex = 0; vertex < mesh.vertexCount(); ++vertex) {
     gpu::vec3 position = at(mesh.positions, vertex);
     for (size_t i = 0; i < mesh.morphTargets.size(); ++i)
       position = gpu::morphed(position, at(mesh.morphTargets[i], vertex), deformation.morphWeights[i]);
     gpu::vec3 sum = {0, 0, 0};
-    for (size_t k = vertex * mesh.influences; k < (vertex + 1) * mesh.influences; ++k) {
-      const JointMap& map = maps[mesh.joints[k]];
-      sum = gpu::withJoint(sum, row(map, 0), row(map, 1), row(map, 2), position, mesh.jointWeights[k]);
+    influencesOf(mesh, vertex, influences);
+    for (const Influence& influence : influences) {
+      const JointMap& map = maps[influence.joint];
+      sum = gpu::withJoint(sum, row(map, 0), row(map, 1), row(map, 2), position, influence.weight);
     }
     const gpu::vec3& end = mesh.influences > 0 ? sum : position;
     result.insert(result.end(), {end.x, end.y, end.z});

@@ -15,4 +15,13 @@ using JointMap = std::array<float, 12>;
 /// The maps of a deformation of a mesh with this origin, by joint; none if the deformation is empty.
 std::vector<JointMap> jointMapsOf(const Vec3& origin, const Deformation& deformation);
 
+/// A joint that a vertex follows.
+struct Influence {
+  uint32_t joint = 0;
+  float weight = 0;
+};
+
+/// The joints that a vertex follows, in ascending order, each once. Every device adds them up in this order.
+void influencesOf(const Mesh& mesh, size_t vertex, std::vector<Influence>& influences);
+
 }  // namespace gnosphere

@@ -22,30 +22,39 @@ gpu::vec3 at(const std::vector<float>& values, size_t vertex) {
   return {values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]};
 }
 
-gpu::Bone& boneOf(std::vector<gpu::Bone>& bones, uint32_t joint) {
-  const auto found = std::find_if(bones.begin(), bones.end(), [&](const auto& bone) { return bone.joint == joint; });
-  if (found != bones.end()) return *found;
-  const float limit = gpu::kCoordinateLimit;
-  return bones.emplace_back(gpu::Bone{gpu::vec3(limit), joint, gpu::vec3(-limit), 0});
-}
-
+// Extends the box of a joint; the bones are in the order of the joints.
 void include(std::vector<gpu::Bone>& bones, uint32_t joint, const gpu::vec3& low, const gpu::vec3& high) {
-  gpu::Bone& bone = boneOf(bones, joint);
-  bone.low = glm::min(bone.low, low);
-  bone.high = glm::max(bone.high, high);
+  auto place = std::find_if(bones.begin(), bones.end(), [&](const gpu::Bone& other) { return other.joint >= joint; });
+  if (place == bones.end() || place->joint != joint) place = bones.insert(place, {low, joint, high, 0});
+  place->low = glm::min(place->low, low);
+  place->high = glm::max(place->high, high);
 }
 
-// Returns the boxes of the joints that move a run of vertices.
-std::vector<gpu::Bone> bonesOf(const Mesh& mesh, std::span<const uint32_t> vertices) {
-  std::vector<gpu::Bone> bones;
-  for (const uint32_t vertex : vertices) {
-    const gpu::vec3 position = at(mesh.positions, vertex);
+/// The joints that move the vertices of a cluster, and the weights of each at all of the vertices.
+struct ClusterBones {
+  std::vector<gpu::Bone> bones;  ///< weightFirst counts from the first weight of the cluster
+  std::vector<float> weights;
+};
+
+ClusterBones clusterBones(const Mesh& mesh, std::span<const uint32_t> vertices) {
+  ClusterBones result;
+  std::vector<std::vector<Influence>> influences(vertices.size());
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    const gpu::vec3 position = at(mesh.positions, vertices[i]);
+    influencesOf(mesh, vertices[i], influences[i]);
     if (!isFinite(position)) continue;
-    if (mesh.influences == 0) include(bones, gpu::kNone, position, position);
-    for (size_t k = size_t{vertex} * mesh.influences; k < (size_t{vertex} + 1) * mesh.influences; ++k)
-      if (mesh.jointWeights[k] > 0) include(bones, mesh.joints[k], position, position);
+    if (mesh.influences == 0) include(result.bones, gpu::kNone, position, position);
+    for (const Influence& influence : influences[i]) include(result.bones, influence.joint, position, position);
   }
-  return bones;
+  for (gpu::Bone& bone : result.bones) {
+    if (mesh.influences == 0) break;
+    bone.weightFirst = static_cast<uint32_t>(result.weights.size());
+    for (const std::vector<Influence>& own : influences) {
+      const auto found = std::find_if(own.begin(), own.end(), [&](const auto& one) { return one.joint == bone.joint; });
+      result.weights.push_back(found == own.end() ? 0 : found->weight);
+    }
+  }
+  return result;
 }
 
 // Encloses what a joint makes of a box, in the steps of deformedBox() in deformed.glsl.
@@ -125,30 +134,29 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
   entry.origin = mesh.origin;
   entry.vertices = flat.vertices.size();
   entry.clusters = flat.clusterCount();
-  entry.joints = mesh.jointCount;
   entry.restGroups.assign(flat.groups.begin(), flat.groups.begin() + flat.groupCount());
   entry.groups.resize(flat.groupCount());
 
   std::vector<gpu::Bone> bones;
   std::vector<uint32_t> starts;
+  std::vector<float> weights;
   std::vector<gpu::vec3> positions, offsets;
-  std::vector<std::array<uint32_t, 2>> influences;
   for (size_t g = 0; g < flat.groupCount(); ++g)
     for (size_t c = flat.groups[g].firstCluster; c < flat.groups[g].firstCluster + flat.groups[g].clusterCount; ++c) {
       const size_t first = flat.clusters[c].firstVertex, count = flat.clusters[c + 1].firstVertex - first;
+      const ClusterBones own = clusterBones(mesh, std::span(flat.vertices).subspan(first, count));
       starts.push_back(static_cast<uint32_t>(bones.size()));
-      for (const gpu::Bone& bone : bonesOf(mesh, std::span(flat.vertices).subspan(first, count))) {
-        bones.push_back(bone);
+      for (gpu::Bone bone : own.bones) {
         include(entry.groups[g], bone.joint, bone.low, bone.high);
+        bone.weightFirst += static_cast<uint32_t>(weights.size());
+        bones.push_back(bone);
       }
+      weights.insert(weights.end(), own.weights.begin(), own.weights.end());
     }
   starts.push_back(static_cast<uint32_t>(bones.size()));
-  for (const uint32_t v : flat.vertices) {
-    positions.push_back(at(mesh.positions, v));
-    for (size_t k = size_t{v} * mesh.influences; k < (size_t{v} + 1) * mesh.influences; ++k)
-      influences.push_back({mesh.joints[k], std::bit_cast<uint32_t>(mesh.jointWeights[k])});
-    for (const std::vector<float>& target : mesh.morphTargets) offsets.push_back(at(target, v));
-  }
+  for (const uint32_t v : flat.vertices) positions.push_back(at(mesh.positions, v));
+  for (const std::vector<float>& target : mesh.morphTargets)
+    for (const uint32_t v : flat.vertices) offsets.push_back(at(target, v));
   for (const std::vector<float>& target : mesh.morphTargets) {
     std::array<gpu::vec3, 2>& bounds = entry.offsetBounds.emplace_back();
     for (size_t v = 0; v < mesh.vertexCount(); ++v)
@@ -157,30 +165,33 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
   }
 
   gpu::Deformer deformer = {};
-  deformer.influences = mesh.influences;
+  deformer.joints = mesh.jointCount;
+  deformer.vertices = static_cast<uint32_t>(flat.vertices.size());
   deformer.targets = static_cast<uint32_t>(mesh.morphTargets.size());
   deformer.vertexFirst = static_cast<uint32_t>(vertex);
   deformer.clusterFirst = static_cast<uint32_t>(cluster);
   deformer.restFirst = static_cast<uint32_t>(vertices_.take(entry.vertices));
-  deformer.influenceFirst = static_cast<uint32_t>(influences_.take(influences.size()));
   deformer.offsetFirst = static_cast<uint32_t>(offsets_.take(offsets.size()));
   deformer.weightFirst = static_cast<uint32_t>(weights_.take(deformer.targets));
   deformer.rowFirst = static_cast<uint32_t>(rows_.take(3 * uint64_t{mesh.jointCount}));
   deformer.startFirst = static_cast<uint32_t>(starts_.take(starts.size()));
   entry.bones = bones.size();
   entry.firstBone = bones_.take(bones.size());
+  entry.weights = weights.size();
+  entry.firstWeight = boneWeights_.take(weights.size());
   for (uint32_t& start : starts) start += static_cast<uint32_t>(entry.firstBone);
+  for (gpu::Bone& bone : bones) bone.weightFirst += static_cast<uint32_t>(entry.firstWeight);
 
   memory_.reserve(Array::restPositions, vertices_.end() * sizeof(gpu::vec3));
-  memory_.reserve(Array::influences, influences_.end() * 2 * sizeof(uint32_t));
   memory_.reserve(Array::morphOffsets, offsets_.end() * sizeof(gpu::vec3));
   memory_.reserve(Array::boneStarts, starts_.end() * sizeof(uint32_t));
   memory_.reserve(Array::bones, bones_.end() * sizeof(gpu::Bone));
+  memory_.reserve(Array::boneWeights, boneWeights_.end() * sizeof(float));
   write(memory_, Array::restPositions, deformer.restFirst, positions);
-  write(memory_, Array::influences, deformer.influenceFirst, influences);
   write(memory_, Array::morphOffsets, deformer.offsetFirst, offsets);
   write(memory_, Array::boneStarts, deformer.startFirst, starts);
   write(memory_, Array::bones, entry.firstBone, bones);
+  write(memory_, Array::boneWeights, entry.firstWeight, weights);
 
   deformers_[index] = deformer;
   jointRows_.resize(std::max<size_t>(jointRows_.size(), rows_.end()));
@@ -200,12 +211,12 @@ void Deformables::remove(size_t index) {
   const Entry& entry = found->second;
   const gpu::Deformer& deformer = deformers_[index];
   vertices_.giveBack(deformer.restFirst, entry.vertices);
-  influences_.giveBack(deformer.influenceFirst, entry.vertices * deformer.influences);
   offsets_.giveBack(deformer.offsetFirst, entry.vertices * deformer.targets);
   weights_.giveBack(deformer.weightFirst, deformer.targets);
-  rows_.giveBack(deformer.rowFirst, 3 * uint64_t{entry.joints});
+  rows_.giveBack(deformer.rowFirst, 3 * uint64_t{deformer.joints});
   starts_.giveBack(deformer.startFirst, entry.clusters + 1);
   bones_.giveBack(entry.firstBone, entry.bones);
+  boneWeights_.giveBack(entry.firstWeight, entry.weights);
   deformers_[index] = {};
   meshes_.erase(found);
   ++version_;
@@ -220,7 +231,7 @@ void Deformables::deform(size_t index, const Deformation& deformation, FlatMesh&
     std::copy(entry.restGroups.begin(), entry.restGroups.end(), flat.groups.begin());
     return;
   }
-  const std::vector<gpu::vec4> own = rowsOf(entry.origin, entry.joints, deformation);
+  const std::vector<gpu::vec4> own = rowsOf(entry.origin, deformer.joints, deformation);
   std::copy(own.begin(), own.end(), jointRows_.begin() + deformer.rowFirst);
   std::copy(deformation.morphWeights.begin(), deformation.morphWeights.end(),
             morphWeights_.begin() + deformer.weightFirst);
@@ -245,14 +256,14 @@ double Deformables::writeEnd(size_t index, const Deformation& deformation, End& 
   const gpu::Deformer& deformer = deformers_[index];
   to.jointRows.resize(jointRows_.size());
   to.morphWeights.resize(morphWeights_.size());
-  const std::vector<gpu::vec4> ends = rowsOf(entry.origin, entry.joints, deformation);
+  const std::vector<gpu::vec4> ends = rowsOf(entry.origin, deformer.joints, deformation);
   std::copy(ends.begin(), ends.end(), to.jointRows.begin() + deformer.rowFirst);
   std::copy(deformation.morphWeights.begin(), deformation.morphWeights.end(),
             to.morphWeights.begin() + deformer.weightFirst);
 
   // A vertex moves with its joints, and by the change of the morph targets, which its joints stretch.
   const bool deformed = deformer.deformed != 0;
-  const std::vector<gpu::vec4> rest = rowsOf({}, entry.joints, {});
+  const std::vector<gpu::vec4> rest = rowsOf({}, deformer.joints, {});
   const std::span<const gpu::vec4> starts =
       deformed ? std::span(jointRows_).subspan(deformer.rowFirst) : std::span<const gpu::vec4>(rest);
   double morphed = 0, most = 0;
@@ -262,7 +273,7 @@ double Deformables::writeEnd(size_t index, const Deformation& deformation, End& 
                  end = deformation.empty() ? 0 : deformation.morphWeights[target];
     morphed += std::abs(end - start) * lengthOf(glm::max(glm::abs(low), glm::abs(high)));
   }
-  if (entry.joints == 0) return morphed;
+  if (deformer.joints == 0) return morphed;
   const gpu::vec3 morphLow = deformed ? deformer.morphLow : gpu::vec3(0),
                   morphHigh = deformed ? deformer.morphHigh : gpu::vec3(0);
   for (const std::vector<gpu::Bone>& group : entry.groups)

@@ -47,8 +47,7 @@ class Deformables {
  private:
   struct Entry {
     Vec3 origin;
-    uint64_t vertices = 0, clusters = 0, bones = 0, firstBone = 0;
-    uint32_t joints = 0;
+    uint64_t vertices = 0, clusters = 0, bones = 0, firstBone = 0, weights = 0, firstWeight = 0;
     std::vector<std::vector<gpu::Bone>> groups;          // by group: the boxes of its joints
     std::vector<std::array<gpu::vec3, 2>> offsetBounds;  // by morph target: least and largest offset
     std::vector<FlatGroup> restGroups;
@@ -56,7 +55,7 @@ class Deformables {
 
   SceneMemory& memory_;
   std::map<size_t, Entry> meshes_;  // by index
-  Ranges vertices_, influences_, offsets_, starts_, bones_, rows_, weights_;
+  Ranges vertices_, offsets_, starts_, bones_, boneWeights_, rows_, weights_;
   uint64_t version_ = 0;
   std::vector<gpu::Deformer> deformers_;
   std::vector<gpu::vec4> jointRows_;
