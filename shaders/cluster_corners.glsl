@@ -10,7 +10,7 @@ struct LoadedCluster {
   uint material;
   uint number;   // number of the instance
   uint cluster;  // number of the cluster
-  uint mesh;    // the mesh of the instance if it is deformable, otherwise kNone
+  Deformer deformer;  // of the mesh
   vec2 bound;   // InstanceMotion::bound; only with motion
 };
 
@@ -31,8 +31,10 @@ LoadedCluster loadCluster(uint i) {
   }
   loaded.material = subgroupBroadcast(loaded.material, 0);
   loaded.number = subgroupBroadcast(loaded.number, 0);
-  loaded.cluster = subgroupBroadcast(loaded.cluster, 0);
-  loaded.mesh = deformableMesh(loaded.number);
+  if (DEFORMED != kDeformsNothing) {
+    loaded.cluster = subgroupBroadcast(loaded.cluster, 0);
+    loaded.deformer = deformerOf(loaded.number);
+  }
   if (MOTION) loaded.bound = subgroupBroadcast(loaded.bound, 0);
   loaded.instance = fromFirstLane(loaded.instance);
   loaded.vertexFirst = subgroupBroadcast(loaded.vertexFirst, 0);
@@ -56,12 +58,13 @@ vec3 toSensor(LoadedCluster loaded, vec3 position) {
   return INSIDE == kInsideExact ? onLattice(p) : p;
 }
 
-// Later kernels read the positions of deformed vertices, so these are stored.
+bool isDeformable(LoadedCluster loaded) { return DEFORMED != kDeformsNothing && isDeformable(loaded.deformer); }
+
 vec3 toSensor(LoadedCluster loaded, uint number) {
   uint vertex = loaded.vertexFirst + number;
-  if (loaded.mesh == kNone) return toSensor(loaded, positions.at[vertex]);
-  vec3 position = deformedPosition(loaded.mesh, loaded.cluster, vertex, false);
-  positions.at[vertex] = position;
+  if (!isDeformable(loaded)) return toSensor(loaded, positions.at[vertex]);
+  vec3 position = deformedPosition(loaded.deformer, loaded.cluster, vertex, false);
+  if (DEFORMED == kDeformsAndStores) positions.at[vertex] = position;
   return toSensor(loaded, position);
 }
 
@@ -77,12 +80,12 @@ void deformVertices(LoadedCluster loaded, inout Vertices vertices) {
   vec3 position[kVertexRounds], sum[kVertexRounds];
   [[unroll]] for (uint k = 0; k < kVertexRounds; ++k) {
     if (k * gl_SubgroupSize < loaded.vertexCount)
-      position[k] = morphedPosition(loaded.mesh, loaded.vertexFirst + vertexNumber(loaded, k), false);
+      position[k] = morphedPosition(loaded.deformer, loaded.vertexFirst + vertexNumber(loaded, k), false);
     sum[k] = vec3(0.0);
   }
-  if (followsJoints(loaded.mesh, false)) {
-    uvec2 run = bonesOf(loaded.mesh, loaded.cluster);
-    uint rowFirst = deformers.at[loaded.mesh].rowFirst;
+  if (followsJoints(loaded.deformer, false)) {
+    uvec2 run = bonesOf(loaded.deformer, loaded.cluster);
+    uint rowFirst = loaded.deformer.rowFirst;
     for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
       uint bone = min(first + gl_SubgroupInvocationID, run.y - 1);
       uint row = rowFirst + 3 * bones.at[bone].joint, weightFirst = bones.at[bone].weightFirst;
@@ -99,7 +102,7 @@ void deformVertices(LoadedCluster loaded, inout Vertices vertices) {
   }
   [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
     if (k * gl_SubgroupSize < loaded.vertexCount) {
-      positions.at[loaded.vertexFirst + vertexNumber(loaded, k)] = position[k];
+      if (DEFORMED == kDeformsAndStores) positions.at[loaded.vertexFirst + vertexNumber(loaded, k)] = position[k];
       vertices.corners[k] = toSensor(loaded, position[k]);
     }
 }
@@ -108,7 +111,7 @@ Vertices verticesOf(LoadedCluster loaded) {
   Vertices vertices;
   vertices.count = loaded.vertexCount;
   if (!haveRoom(vertices.count)) return vertices;
-  if (DEFORMED && loaded.mesh != kNone) {
+  if (isDeformable(loaded)) {
     deformVertices(loaded, vertices);
   } else {
     [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)

@@ -100,7 +100,7 @@ void storeMotion(uint at, uvec2 owner, float range) {
     vec3 point = beamDirection * range + originOf(rowIndex, beamAzimuth);
     if (owner.x != kNone && motion.instances != 0) {
       InstanceMotion moving = instanceMotions.at[owner.y];
-      if (DEFORMED && moving.bound.z != 0.0)
+      if (DEFORMED != kDeformsNothing && moving.bound.z != 0.0)
         velocity = deformedVelocityAt(owner, now, point - originOf(rowIndex, beamAzimuth));
       else
         velocity = velocityAt(moving, now, point);

@@ -11,3 +11,16 @@ Instance fromFirstLane(Instance instance) {
 // Returns the output slot of a lane whose ballot bit is set. The first lane has reserved one slot per set bit, from
 // its `base` on.
 uint slotAfter(uint base, uvec4 ballot) { return subgroupBroadcast(base, 0) + subgroupBallotExclusiveBitCount(ballot); }
+
+// Returns how the mesh of an instance is deformed, which is the same for all lanes; they must all call this.
+Deformer deformerOf(uint instance) {
+  Deformer told;
+  if (gl_SubgroupInvocationID == 0) told = deformers.at[instanceMeshes.at[instance]];
+  return Deformer(subgroupBroadcast(told.joints, 0), subgroupBroadcast(told.targets, 0),
+                  subgroupBroadcast(told.deformed, 0), subgroupBroadcast(told.vertices, 0),
+                  subgroupBroadcast(told.vertexFirst, 0), subgroupBroadcast(told.restFirst, 0),
+                  subgroupBroadcast(told.offsetFirst, 0), subgroupBroadcast(told.weightFirst, 0),
+                  subgroupBroadcast(told.rowFirst, 0), subgroupBroadcast(told.clusterFirst, 0),
+                  subgroupBroadcast(told.startFirst, 0), 0, subgroupBroadcast(told.morphLow, 0),
+                  subgroupBroadcast(told.morphHigh, 0));
+}

@@ -48,12 +48,12 @@ bool showsItsBack(Instance instance, uint cluster) {
   return dot(towards, clusters.at[cluster].coneAxis) >= sine * distance + radius * 1.00001 && keepsShape(instance, towards);
 }
 
-// `mesh` is the mesh of the instance if it is deformable, otherwise kNone.
-bool seen(uint number, Instance instance, uint mesh, uint cluster) {
+// `deformer` is that of the instance's mesh.
+bool seen(uint number, Instance instance, Deformer deformer, uint cluster) {
   vec3 meshLow, meshHigh, low, high;
-  bool deformed = mesh != kNone && deformers.at[mesh].deformed != 0;
+  bool deformed = DEFORMED != kDeformsNothing && deformer.deformed != 0;
   if (deformed) {
-    deformedBox(mesh, cluster, meshLow, meshHigh);
+    deformedBox(deformer, cluster, meshLow, meshHigh);
   } else {
     meshLow = clusters.at[cluster].low;
     meshHigh = clusters.at[cluster].high;
@@ -96,10 +96,11 @@ void listClusters(uvec2 pair, uvec2 run, uint lane, inout bool any) {
   Instance instance;
   if (gl_SubgroupInvocationID == 0) instance = instances.at[pair.x];
   instance = fromFirstLane(instance);
-  uint mesh = deformableMesh(pair.x);
+  Deformer deformer;
+  if (DEFORMED != kDeformsNothing) deformer = deformerOf(pair.x);
   for (uint k = 0; k < run.y; k += gl_SubgroupSize) {
     uint cluster = run.x + k + gl_SubgroupInvocationID;
-    list(k + gl_SubgroupInvocationID < run.y && seen(pair.x, instance, mesh, cluster), pair.x, cluster, any);
+    list(k + gl_SubgroupInvocationID < run.y && seen(pair.x, instance, deformer, cluster), pair.x, cluster, any);
   }
 }
 

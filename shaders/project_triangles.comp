@@ -175,7 +175,7 @@ uint cullOne(LoadedCluster loaded, mat3 corners) {
     fate = culledEarly(a, b, c, isOneSided(loaded));
   }
   // No beam hits a triangle that a deformation has reduced to a line.
-  if (DEFORMED && (a == b || b == c || c == a)) fate = kBetween;
+  if (DEFORMED != kDeformsNothing && (a == b || b == c || c == a)) fate = kBetween;
   return inLimits(a) && inLimits(b) && inLimits(c) ? fate : kNonFinite;
 }
 

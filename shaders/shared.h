@@ -168,6 +168,11 @@ GNO_CONST uint kWholeWords = 0x80000000u;
 // In RECORDS, too: the values come from the words of the beams.
 GNO_CONST uint kFromWords = 0x40000000u;
 
+// Values of DEFORMED.
+GNO_CONST uint kDeformsNothing = 0;
+GNO_CONST uint kDeforms = 1;
+GNO_CONST uint kDeformsAndStores = 2;  // project stores the vertices, because later kernels read them
+
 // Types of values in memory; the numbers of ValueType.
 GNO_CONST uint kTypeF32 = 0;
 GNO_CONST uint kTypeF64 = 1;

@@ -252,6 +252,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGrou
   input.records = records_.held;
   input.organised = !plan_.layout.compact;
   input.deformed = deformed_;
+  input.looksAtSurfaces = plan_.surfaces() || plan_.panes() || plan_.speeds();
   input.holes = tables.holes;
   const bool hides = binning_ != gpu::kBinningLists && (options_.CULLING & gpu::kCullOccluded) != 0;
   input.sparse = hides && !tables.startFarthest.empty();

@@ -187,7 +187,7 @@ class Steps {
     step.variant.options.PASS = number;
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
     if (kernel != Kernel::effects_footprint) step.variant.options.RAYS = 1;
-    step.variant.options.DEFORMED = input_.deformed && deforms(kernel);
+    step.variant.options.DEFORMED = input_.deformed ? deformedFor(kernel) : gpu::kDeformsNothing;
     if (kernel == Kernel::records) step.variant.options.RECORDS = input_.records;
     step.pass = pass;
     step.groupsX = groupsX;
@@ -195,16 +195,16 @@ class Steps {
     if (groupsX > 0 && groupsY > 0) add(step);
   }
 
-  // Kernels that look at surfaces read the positions that `project` has stored; they need no more unless the vertices
-  // move during the scan.
-  bool deforms(Kernel kernel) const {
+  // Kernels that look at surfaces read the positions that `project` stores for them; they need no more unless the
+  // vertices move during the scan.
+  uint32_t deformedFor(Kernel kernel) const {
     switch (kernel) {
-      case Kernel::project_clusters:
-      case Kernel::project_triangles: return true;
+      case Kernel::project_clusters: return gpu::kDeforms;
+      case Kernel::project_triangles: return input_.looksAtSurfaces ? gpu::kDeformsAndStores : gpu::kDeforms;
       case Kernel::effects_panes:
       case Kernel::effects_surfaces:
-      case Kernel::effects: return input_.variant.options.MOTION != 0;
-      default: return false;
+      case Kernel::effects: return input_.variant.options.MOTION != 0 ? gpu::kDeforms : gpu::kDeformsNothing;
+      default: return gpu::kDeformsNothing;
     }
   }
 

@@ -44,11 +44,12 @@ struct StepsInput {
   const gpu::Frame& frame;
   uint32_t shells;  ///< most shells of the scan
   bool strays = false, panes = false, footprint = false, resolve = false, surfaces = false;
-  bool deformed = false;   ///< the scene has deformable meshes
-  bool holes = false;      ///< some places of the grid have no beam
-  bool sparse = false;     ///< parts of the grid have no beams
-  uint32_t records = 0;    ///< if results stay on the device: RecordTables::held
-  bool organised = false;  ///< records of all entries
+  bool deformed = false;         ///< the scene has deformable meshes
+  bool looksAtSurfaces = false;  ///< some kernels read the corners of the triangles that are hit
+  bool holes = false;            ///< some places of the grid have no beam
+  bool sparse = false;           ///< parts of the grid have no beams
+  uint32_t records = 0;          ///< if results stay on the device: RecordTables::held
+  bool organised = false;        ///< records of all entries
   enum class Judged { none, listed, all } effects = Judged::none;  ///< the beams whose returns are computed from echoes
 };
 
