@@ -47,6 +47,7 @@ void offer(uint beam, float range, uint projected, uint id) {
     offerNearest(beam, range, id);
     return;
   }
+  if (MAPPED && beamNumbers.at[beam] == kNone) return;
   if (PASS == kPassCount) {
     atomicAdd(listEnds.at[beam], 1);
   } else {

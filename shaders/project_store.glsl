@@ -26,22 +26,28 @@ void storeTiles(uint slot, Box box) {
     tiles.at[first + k] = uvec4(slot, k * columnsPerTile, columnsPerTile, 0);
 }
 
-// Prepends one tile to the list of every slab that the box overlaps. The tile of the first slab has the index of the
-// triangle. Panes have lists of their own.
+// Prepends one tile to the list of every slab that the box overlaps and in which beams look. The first tile has the
+// index of the triangle. Panes have lists of their own.
 void storeSlabs(uint slot, Box box, uint material) {
-  uint lists = PANES && isPaneMaterial(material) ? (frame.columns - 1 >> frame.slabShift) + 1 : 0;
+  uint slabs = (frame.columns - 1 >> frame.slabShift) + 1;
+  uint lists = PANES && isPaneMaterial(material) ? slabs : 0;
   uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box)), t = slot;
   bool room = true;  // tiles without room are counted, so that the next scan has enough
+  bool first = true;
   for (uint k = 0; k < count;) {
-    uint slab = column >> frame.slabShift;
+    uint slab = column >> frame.slabShift, after = slab - frame.slabFirst;
     uint run = min(min(slab + 1 << frame.slabShift, frame.columns) - column, count - k);
-    if (room) tiles.at[t] = uvec4(slot, k, run, atomicExchange(slabEnds.at[lists + slab], t));
+    if (min(after, after + slabs) < frame.slabCount) {
+      if (!first) {
+        uint more = atomicAdd(counters.tiles, 1);
+        room = more < frame.tileCapacity;
+        t = frame.projectedCapacity + more;
+      }
+      first = false;
+      if (room) tiles.at[t] = uvec4(slot, k, run, atomicExchange(slabEnds.at[lists + slab], t));
+    }
     k += run;
     column = column + run == frame.columns ? 0 : column + run;
-    if (k == count) return;
-    uint more = atomicAdd(counters.tiles, 1);
-    room = more < frame.tileCapacity;
-    t = frame.projectedCapacity + more;
   }
 }
 

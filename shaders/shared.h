@@ -282,7 +282,7 @@ struct Frame {
   uint ownRanges;                           // 1 if beams have ranges of their own
   uint hidesNear;                           // 1 if a hit nearer than the least range ends its beam
   float phase;                              // azimuth of column 0 beyond -180 degrees, in columns
-  uint padding0, padding1;
+  uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0
 };
 
 // One channel; rows are sorted by elevation. A row of cells has no angles.

@@ -183,6 +183,8 @@ TEST_CASE("sensors tells how a file was understood, writes its beams and draws t
   checkRefused("sensors OS1-64:7", 2, "has no mode '7', but 1024x10, 512x10");
   checkRefused("sensors --beams b.csv", 2, "name a sensor");
   checkRefused("sensors floor.obj", 1, "is of no known family");
+  checkRefused("sensors nowhere.json", 2, "there is no file 'nowhere.json'");
+  checkRefused("sensors vlp-16 --image p.gif", 2, "p.gif must end in .png");
 }
 
 TEST_CASE("an unknown CUDA device is a one-line error, with or without CUDA in the build") {

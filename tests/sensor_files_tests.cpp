@@ -231,7 +231,7 @@ TEST_CASE("Hesai angle correction: mistakes are named with their lines") {
   CHECK_THAT(rows("1,x,3\n"), ContainsSubstring("line 2, elevation is 'x'"));
   CHECK_THAT(rows("1,inf,3\n"), ContainsSubstring("finite"));
   CHECK_THAT(rows("65536,1,3\n"), ContainsSubstring("expected is 1 to 65535"));
-  CHECK_THAT(rows("1,91,3\n"), ContainsSubstring("within -90..90 degrees"));
+  CHECK_THAT(rows("1,91,3\n"), ContainsSubstring("line 2, elevation is '91', expected is -90 to 90"));
   CHECK_THAT(rows(""), ContainsSubstring("there is no channel"));
 }
 
@@ -311,6 +311,7 @@ TEST_CASE("Hesai binary: AT128 has a pattern per mirror face, whose corrections 
   const std::string bytes = hesaiMirrors();
   CHECK_THAT(problemOf(std::string_view(bytes).substr(0, 100), "at.dat"), ContainsSubstring("ends after 100 bytes"));
   CHECK_THAT(problemOf("\xee\xff\x07\x07", "at.dat"), ContainsSubstring("version 7.7"));
+  CHECK_THAT(problemOf("not a binary file", "at.dat"), ContainsSubstring("does not start with EE FF, as Hesai"));
 }
 
 TEST_CASE("Hesai binary: ATX has a pattern for even and one for odd frames") {
@@ -404,6 +405,9 @@ TEST_CASE("NumPy arrays: mistakes") {
   CHECK_THAT(problemOf(npy("<f8", false, {2, 3}, {1, 0, 0}), "a.npy"), ContainsSubstring("its shape needs 48"));
   CHECK_THAT(problemOf(npy("<i8", false, {1, 3}, {1, 0, 0}), "a.npy"), ContainsSubstring("expected are floats"));
   CHECK_THAT(problemOf("\x93NUMPY\x01", "a.npy"), ContainsSubstring("too short"));
+  CHECK_THAT(problemOf("glTF" + std::string(60, '\2'), "a.npy"), ContainsSubstring("as NPY files do"));
+  CHECK_THAT(problemOf(npy("<f4", false, {1000, 2}, {0, 0}), "a.npy"),
+             ContainsSubstring("has 8 bytes of data, its shape needs more"));
 }
 
 TEST_CASE("ray matrices: a ray starts at the translation and points along z") {

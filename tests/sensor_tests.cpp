@@ -327,9 +327,80 @@ TEST_CASE("heads of the catalogue have the figures of their sheets") {
   CHECK(std::abs(builtinSensor("AT128").rotationPeriod - 0.05) < 1e-9);
   CHECK(std::abs(builtinSensor("TiM781").rotationPeriod - 811 * 82.203e-6) < 1e-12);
   CHECK(builtinSensor("HDL-64E-S2").channels[0].elevationDeg < -24.8);
-  const Sensor livox = builtinSensor("Mid-40");
-  CHECK(livox.patterns.size() == 40);
-  CHECK(livox.patterns[0].times[9999] == 9999 / 100000.0);
+  const Sensor ruby = builtinSensor("RS-Ruby-Plus");
+  CHECK(ruby.channels[0].elevationDeg == -25);
+  CHECK(ruby.channels[127].elevationDeg == 15);
+  CHECK(std::abs(ruby.channels[64].origin.x - 0.02892) < 1e-15);
+  const Sensor narrow = builtinSensor("RS-Helios-1615");
+  CHECK(narrow.channels[0].elevationDeg == -16);
+  CHECK(narrow.channels[31].elevationDeg == 15);
+}
+
+TEST_CASE("heads of turning prisms have the field of view and the rate of their sheets") {
+  const struct {
+    const char* name;
+    double horizontal, vertical, perSecond;
+    uint32_t lasers;
+  } sheets[] = {{"Mid-40", 38.4, 38.4, 100000, 1}, {"Mid-70", 70.4, 70.4, 100000, 1}, {"Avia", 70.4, 77.2, 240000, 6}};
+  for (const auto& sheet : sheets) {
+    INFO(sheet.name);
+    const Sensor sensor = builtinSensor(sheet.name);
+    double left = 0, right = 0, down = 0, up = 0;
+    for (const BeamList& list : sensor.patterns) {
+      CHECK(10.0 * static_cast<double>(list.size()) == sheet.perSecond);
+      CHECK(std::abs(list.times.back() - (0.1 - 1 / sheet.perSecond)) < 1e-12);
+      CHECK((list.rings.empty() ? 0u : list.rings.back()) + 1u == sheet.lasers);
+      for (const Vec3& d : list.directions) {
+        const double azimuth = std::atan2(d.y, d.x) * 180 / std::numbers::pi;
+        const double elevation = std::asin(d.z) * 180 / std::numbers::pi;
+        left = std::max(left, azimuth), right = std::min(right, azimuth);
+        up = std::max(up, elevation), down = std::min(down, elevation);
+      }
+    }
+    CHECK(std::abs(left - right - sheet.horizontal) < 0.3);
+    CHECK(std::abs(up - down - sheet.vertical) < 0.2);
+  }
+}
+
+TEST_CASE("two equal prisms deflect most when both are thickest on one side, and not at all on opposite sides") {
+  const double wedge = 18 * std::numbers::pi / 180, index = 1.5089;
+  // Snell's law in the plane of the wedges, all angles from the axis towards the thick side. The second prism's face
+  // is inclined where light enters.
+  const double first = std::asin(index * std::sin(wedge)) - wedge;
+  const double inside = wedge - std::asin(std::sin(wedge - first) / index);
+  const double most = std::asin(index * std::sin(inside));
+  double least = 1, greatest = 0;
+  for (const BeamList& list : builtinSensor("Mid-40").patterns)
+    for (const Vec3& d : list.directions) {
+      const double angle = std::atan2(std::hypot(d.y, d.z), d.x);
+      least = std::min(least, angle), greatest = std::max(greatest, angle);
+    }
+  CHECK(greatest <= most + 1e-12);
+  CHECK(greatest > most - 1e-6);
+  CHECK(least < 1e-3);
+  // The pattern begins with the thick sides on the left.
+  const Vec3 start = builtinSensor("Mid-40").patterns[0].directions[0];
+  CHECK(std::abs(std::atan2(start.y, start.x) - most) < 1e-4);
+  CHECK(std::abs(start.z) < 2e-3);
+}
+
+TEST_CASE("the M1 has five zones of 126 lines and 125 columns that fire together") {
+  const Sensor sensor = builtinSensor("RS-M1");
+  const BeamList& list = sensor.patterns.at(0);
+  REQUIRE(list.size() == 78750);
+  CHECK(list.width == 625);
+  CHECK(list.height == 126);
+  const auto azimuth = [&](size_t beam) { return std::atan2(list.directions[beam].y, list.directions[beam].x); };
+  const double degree = std::numbers::pi / 180;
+  CHECK(std::abs(azimuth(0) - 60 * degree) < 1e-12);
+  CHECK(std::abs(azimuth(124) - 35.2 * degree) < 1e-12);
+  CHECK(std::abs(azimuth(624) + 60 * degree) < 1e-12);
+  CHECK(std::abs(std::asin(list.directions[0].z) - 12.5 * degree) < 1e-12);
+  CHECK(std::abs(std::asin(list.directions.back().z) + 12.5 * degree) < 1e-12);
+  for (size_t zone = 0; zone < 5; ++zone) {
+    CHECK(list.rings[125 * zone] == zone);
+    CHECK(list.times[625 + 125 * zone + 7] == 0.1 * (125 + 7) / 15750);
+  }
 }
 
 TEST_CASE("channel objects may state origins and time offsets") {

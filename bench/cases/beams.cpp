@@ -36,20 +36,6 @@ Sensor asList(const char* name, const Sensor& grid, bool apart) {
   return listOf(name, std::move(beams), grid.rangeMax);
 }
 
-/// A rosette like that of a Livox Avia: 24,000 beams per 0.1 s within 70.4 x 77.2 degrees.
-Sensor rosette() {
-  BeamList beams;
-  constexpr double kAcross = 35.2 * std::numbers::pi / 180, kUp = 38.6 * std::numbers::pi / 180;
-  for (int i = 0; i < 24'000; ++i) {
-    const double t = i / 240'000.0, radius = std::sin(2 * std::numbers::pi * 233 * t);
-    const double azimuth = kAcross * radius * std::cos(2 * std::numbers::pi * 31.7 * t);
-    const double elevation = kUp * radius * std::sin(2 * std::numbers::pi * 31.7 * t);
-    beams.directions.push_back(
-        {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)});
-  }
-  return listOf("rosette of 24,000 beams", std::move(beams), 120);
-}
-
 /// Evenly distributed over the sphere, and sorted by blocks of about 16 beams, which suits ray tracers.
 Sensor anywhere(size_t count) {
   BeamList beams;
@@ -83,7 +69,7 @@ Report beams(Session& session) {
     upright.channels[i].origin.z = 0.032 * static_cast<double>(i) / static_cast<double>(upright.channels.size());
   for (const Sensor& sensor :
        {grid, asList("its beams as a list", grid, false), asList("its beams, a little apart", grid, true), sector,
-        radial, upright, rosette(), anywhere(1'000'000)})
+        radial, upright, named("Livox Avia", builtinSensor("Avia")), anywhere(1'000'000)})
     session.hold({sensor.name, static_cast<double>(sensor.beamCount()), scene, sensor}, report.outcomes);
   Table costs = {"Median time", {{"sensor", "beams", "ours ms", "over the grid's", "ns per beam"}}};
   const double first = report.outcomes.empty() ? 0 : report.outcomes[0].standings[0].totalMs.median;

@@ -128,26 +128,47 @@ gpu::vec2 rangesOf(const Sensor& sensor, uint64_t frame, uint32_t number) {
   return {static_cast<float>(window.least), static_cast<float>(window.most)};
 }
 
-// Sets what kernels must know of ranges. `ranges` has those of all beams, by index; it is emptied if all are equal.
+// Sets what kernels must know of ranges. `ranges` has those of all beams, by index; it is emptied if all that can be
+// hit have the sensor's. Nothing is nearer than the first word of a place without a beam, and the masked beams of a
+// list, its last ones, are in no cell.
 void setRanges(const Sensor& sensor, BeamTables& tables) {
   gpu::Frame& frame = tables.frame;
   frame.hidesNear = sensor.nearHits == NearHits::hide;
-  const auto same = [&](const gpu::vec2& range) { return range.x == frame.rangeMin && range.y == frame.rangeMax; };
-  if (std::all_of(tables.ranges.begin(), tables.ranges.end(), same)) return tables.ranges.clear();
-  frame.ownRanges = 1;
-  // Culling by range must keep what any beam can hit.
-  for (const gpu::vec2& range : tables.ranges) {
+  const gpu::vec2 common(frame.rangeMin, frame.rangeMax);
+  const size_t tried = tables.ranges.size() - (tables.listed ? tables.masked : 0);
+  for (size_t i = 0; i < tried; ++i) {
+    const gpu::vec2& range = tables.ranges[i];
+    if (tables.numbers[i] == gpu::kNone || (range.x == common.x && range.y == common.y)) continue;
+    frame.ownRanges = 1;
+    // Culling by range must keep what any beam can hit.
     frame.rangeMin = std::min(frame.rangeMin, range.x);
     frame.rangeMax = std::max(frame.rangeMax, range.y);
   }
+  if (frame.ownRanges == 0) tables.ranges.clear();
 }
 
-// Divides the columns that have beams among the threads; `columnOf(i)` is the column of beam i.
+// Divides the columns that have beams among the threads, and finds the shortest run of slabs that holds all beams.
+// `columnOf(i)` is the column of beam i.
 template <typename ColumnOf>
 void setSlabs(size_t count, const ColumnOf& columnOf, gpu::Frame& frame) {
   std::vector<bool> taken(frame.columns);
   for (size_t i = 0; i < count; ++i) taken[columnOf(i)] = true;
   frame.slabShift = slabShift(static_cast<uint32_t>(std::count(taken.begin(), taken.end(), true)));
+  const uint32_t slabs = slabsOf(frame);
+  std::vector<bool> used(slabs);
+  for (uint32_t column = 0; column < frame.columns; ++column)
+    if (taken[column]) used[column >> frame.slabShift] = true;
+  frame.slabFirst = frame.slabCount = 0;
+  if (count == 0) return;
+  uint32_t gap = 0, longest = 0;  // unused slabs before slab i, which may lie beyond the turn
+  for (uint32_t i = 0; i < 2 * slabs; ++i) {
+    if (used[i % slabs] && gap >= longest) {
+      longest = gap;
+      frame.slabFirst = i % slabs;
+    }
+    gap = used[i % slabs] ? 0 : gap + 1;
+  }
+  frame.slabCount = slabs - longest;
 }
 
 // Marks the entries of the farthest-range table that have beams; `placesOf(mark)` calls mark(row, column) for each

@@ -108,6 +108,10 @@ gpu::Row rowAt(double elevation, uint32_t channel) {
   return row;
 }
 
+uint32_t slabsOf(const gpu::Frame& frame) {
+  return frame.columns == 0 ? 0 : ((frame.columns - 1) >> frame.slabShift) + 1;
+}
+
 void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& tables) {
   for (uint32_t i = 0; i < columns; ++i) {
     const double azimuth = (-1 + 2.0 * (i + phase) / columns) * std::numbers::pi;
@@ -119,6 +123,7 @@ void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& 
   frame.columns = columns;
   frame.phase = static_cast<float>(phase);
   frame.slabShift = slabShift(columns);
+  frame.slabCount = slabsOf(frame);
   frame.rows = static_cast<uint32_t>(tables.rows.size());
   frame.beams = static_cast<uint32_t>(sensor.beamCount());
 

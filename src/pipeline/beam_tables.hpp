@@ -54,6 +54,8 @@ std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows);
 /// Computes the columns of a turn, and all of the frame that follows from them, from `tables.rows` and the sensor.
 /// `phase` is the azimuth of column 0 beyond -180 degrees, in columns.
 void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& tables);
+/// Number of slabs of a turn.
+uint32_t slabsOf(const gpu::Frame& frame);
 /// Returns a row without azimuth offset from its elevation in radians.
 gpu::Row rowAt(double elevation, uint32_t channel);
 

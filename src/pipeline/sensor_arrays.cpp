@@ -25,10 +25,6 @@ uint64_t tableEntries(const gpu::Frame& frame, uint64_t columns, uint64_t rows) 
   return (frame.columns + columns - 1) / columns * ((frame.rows + rows - 1) / rows);
 }
 
-uint64_t slabCount(const gpu::Frame& frame) {
-  return frame.columns == 0 ? 0 : ((frame.columns - 1) >> frame.slabShift) + 1;
-}
-
 // Triangles that a scan has projected, including those for which there was no room.
 uint64_t projectedCount(const gpu::Counters& counters) {
   return uint64_t{counters.projectedSmall} + counters.projectedLarge;
@@ -132,7 +128,7 @@ void SensorArrays::include(const gpu::Frame& frame) {
   most_.beams = std::max<uint64_t>(most_.beams, frame.beams);
   most_.fine = std::max(most_.fine, tableEntries(frame, gpu::kFineColumns, gpu::kFineRows));
   most_.coarse = std::max(most_.coarse, tableEntries(frame, gpu::kCoarseColumns, gpu::kCoarseRows));
-  most_.slabs = std::max(most_.slabs, slabCount(frame));
+  most_.slabs = std::max<uint64_t>(most_.slabs, slabsOf(frame));
   most_.rangeMax = std::max(most_.rangeMax, frame.rangeMax);
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <string_view>
 
@@ -11,6 +10,7 @@
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
 #include "sensor/catalogue_heads.hpp"
+#include "sensor/catalogue_lists.hpp"
 
 namespace gnosphere {
 namespace {
@@ -116,33 +116,6 @@ Sensor sensorOf(const HeadFigures& figures, std::string_view mode) {
   return sensor;
 }
 
-constexpr const char* kRosette = "Mid-40";
-
-/// Livox Mid-40: two thin prisms that turn against each other deflect the beam. The sizes and phases of the deflections
-/// are fitted to the pattern that Livox published.
-Sensor rosette() {
-  constexpr double kRate = 100000, kScans = 40, kBeams = 10000;
-  constexpr double kTurns[] = {7294.0 / 60, -4664.0 / 60};  // per second
-  const std::complex<double> deflections[] = {{0.16714297, 0.00127724}, {0.16412041, -0.00080118}};
-  Sensor sensor;
-  sensor.rangeMin = 1;
-  sensor.rangeMax = 260;
-  sensor.divergenceHorizontal = 0.28 * kDegree;
-  sensor.divergenceVertical = 0.03 * kDegree;
-  for (double scan = 0; scan < kScans; ++scan) {
-    BeamList& list = sensor.patterns.emplace_back();
-    for (double beam = 0; beam < kBeams; ++beam) {
-      std::complex<double> w = 0;
-      for (int i = 0; i < 2; ++i)
-        w += deflections[i] *
-             std::polar(1.0, 2 * std::numbers::pi * std::fmod(kTurns[i] * (scan * kBeams + beam) / kRate, 1.0));
-      list.directions.push_back({std::sqrt(1 - std::norm(w)), w.real(), w.imag()});
-      list.times.push_back(beam / kRate);
-    }
-  }
-  return sensor;
-}
-
 CatalogueHead headOf(const HeadFigures& figures) {
   return {figures.name,   figures.product, wordsOf(figures.modes),
           figures.source, figures.remarks, figures.rangeAt10Percent};
@@ -165,14 +138,7 @@ const std::vector<CatalogueHead>& sensorCatalogue() {
   static const std::vector<CatalogueHead> heads = [] {
     std::vector<CatalogueHead> list;
     for (const HeadFigures& figures : kHeads) list.push_back(headOf(figures));
-    list.push_back(
-        {kRosette,
-         "Livox Mid-40",
-         {"10Hz"},
-         "Mid series user manual: 38.4 degrees, 100,000 points per second, 1 to 260 m (90 m at 10 %), 0.28 x "
-         "0.03 degrees; prisms of 7294 and -4664 turns per minute; MuJoCo-LiDAR, scan_mode/mid40.npy",
-         "40 scans, within 0.2 degrees of the published pattern, which can be read as a file.",
-         90});
+    for (CatalogueHead& head : listHeads()) list.push_back(std::move(head));
     return list;
   }();
   return heads;
@@ -195,7 +161,7 @@ Sensor builtinSensor(const std::string& name) {
       if (colon < name.size() && !sameWord(known, mode)) continue;
       const auto figures = std::find_if(std::begin(kHeads), std::end(kHeads),
                                         [&](const HeadFigures& candidate) { return head.name == candidate.name; });
-      Sensor sensor = figures == std::end(kHeads) ? rosette() : sensorOf(*figures, known);
+      Sensor sensor = figures == std::end(kHeads) ? listHead(head.name) : sensorOf(*figures, known);
       sensor.name = head.name + (head.modes.size() > 1 ? ":" + known : "");
       return sensor;
     }

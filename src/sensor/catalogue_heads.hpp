@@ -387,6 +387,29 @@ inline constexpr HeadFigures kHeads[] = {
    "31.49 32.73 33.98 35.22 36.46 37.7 38.94 40.18 41.42 42.67 43.91 45.15",
    0, "",
    ""},
+  {"RS-Helios-1615", "RoboSense RS-Helios-32 (1615)",
+   "MRPT/mvsim, helios-32-FOV-31: angles from 15 to -16 degrees in steps of 1, 0.2 to 110 m; RS-Helios-5515 User Guide "
+   "V3.0.1: firing times, 55.56 us per sequence, 0.2 degrees at 10 Hz, 2 returns",
+   "The firing times are those of the 5515. Range at 10 %, divergence, origins: not stated there. Horizontal "
+   "corrections differ from head to head.",
+   "10Hz 5Hz 20Hz", 55.55555556, 0, -360, 0.2, 110, 0, "", 2, true,
+   "15..-16/32",
+   "",
+   "0 1.57 3.15 4.72 6.3 7.87 9.45 11.36 13.26 15.17 17.08 18.99 20.56 22.14 23.71 25.29 26.53 27.77 29.01 30.25 "
+   "31.49 32.73 33.98 35.22 36.46 37.7 38.94 40.18 41.42 42.67 43.91 45.15",
+   0, "",
+   ""},
+  {"RS-Ruby-Plus", "RoboSense RS-Ruby Plus",
+   "RS-Ruby Plus User Manual 1.0.4, section 6: 128 lasers from -25 to 15 degrees, 55.56 us per sequence; rs_driver, "
+   "decoder_RSP128.hpp: 1 to 250 m, 2 returns, origins 28.92 mm off the axis",
+   "Evenly spread, where the lasers of a head are denser about the horizon; the head states its angles when it runs. "
+   "Firing times belong to these angles and are left out. Range at 10 %, divergence: not stated there.",
+   "10Hz 20Hz", 55.55555556, 0, -360, 1, 250, 0, "", 2, true,
+   "15..-25/128",
+   "",
+   "",
+   28.92, "",
+   ""},
   {"TiM781", "SICK TiM781",
    "Isaac Sim profile SICK_tim781.json: 270 degrees in 811 beams, 82.203 us apart, 15 Hz, 0.05 to 25 m",
    "One layer; it turns counter-clockwise, as SICK's drivers count. Range at 10 %: not stated (5 m at 5 %). "

@@ -3,6 +3,7 @@
 // no switch and no order of the beams changes a byte.
 #include "effects/showroom.hpp"
 #include "list_sensors.hpp"
+#include "pipeline/beam_cells.hpp"
 #include "pipeline/origin_groups.hpp"
 #include "town/town.hpp"
 
@@ -311,6 +312,53 @@ TEST_CASE("a sector and a clockwise head have the beams of the full turn") {
   CHECK(different == 0);
   requireSame(referenceOf(scene, sector, kPlace), part);
   requireSame(referenceOf(scene, clockwise, kPlace), reversed);
+}
+
+/// A third of a VLP-16's turn around this azimuth.
+Sensor sectorAround(double azimuthDeg) {
+  Sensor sensor = builtinSensor("VLP-16");
+  sensor.columns /= 3;
+  sensor.azimuthStartDeg = azimuthDeg - 60;
+  sensor.azimuthSpanDeg = 120;
+  return sensor;
+}
+
+TEST_CASE("a sector's slabs are those with beams, also across the seam, and its beams have the sensor's ranges") {
+  for (const double azimuth : {0.0, 97.0, 180.0}) {
+    INFO(azimuth << " degrees");
+    const Sensor sensor = sectorAround(azimuth);
+    const BeamTables tables = makeListedTables(sensor, 0, originGroups(sensor, 0)[0], true);
+    const gpu::Frame& frame = tables.frame;
+    CHECK(tables.mapped);
+    CHECK(tables.ranges.empty());
+    CHECK(frame.ownRanges == 0);
+    const uint32_t slabs = slabsOf(frame);
+    std::vector<bool> used(slabs);
+    for (size_t i = 0; i < tables.numbers.size(); ++i)
+      if (tables.numbers[i] != gpu::kNone) used[i % frame.columns >> frame.slabShift] = true;
+    for (uint32_t slab = 0; slab < slabs; ++slab)
+      CHECK(used[slab] == ((slab + slabs - frame.slabFirst) % slabs < frame.slabCount));
+  }
+}
+
+TEST_CASE("a sector behind the sensor equals the reference, with every way of binning") {
+  needVulkan();
+  const Scene scene = coveredTown();
+  const Sensor sector = sectorAround(180);
+  const Scan expected = referenceOf(scene, sector, kPlace);
+  for (const Binning binning : {Binning::slabs, Binning::nearest, Binning::lists})
+    requireSame(expected, scanOf(scene, sector, kPlace, optionsWith(Accuracy::standard, binning)));
+}
+
+TEST_CASE("three sectors have as many candidates as the turn") {
+  needVulkan();
+  const Scene scene = coveredTown();
+  const TestOptions options = optionsWith(Accuracy::standard, Binning::lists);
+  uint64_t candidates = 0;
+  for (const double azimuth : {-120.0, 0.0, 120.0})
+    candidates += scanOf(scene, sectorAround(azimuth), kPlace, options).counters.candidates;
+  CHECK(candidates > 0);
+  CHECK(candidates == scanOf(scene, builtinSensor("VLP-16"), kPlace, options).counters.candidates);
 }
 
 TEST_CASE("a near surface hides what is behind it, or lets the beam pass") {

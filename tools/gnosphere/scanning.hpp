@@ -34,8 +34,12 @@ T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
     return named(nameOrFile);
   } catch (const Error& unknown) {
     std::error_code ignored;
-    if (nameOrFile.empty() || !std::filesystem::exists(nameOrFile, ignored))
+    const std::filesystem::path path = nameOrFile;
+    if (path.empty() || !std::filesystem::exists(path, ignored)) {
+      if (path.has_extension() || path.has_parent_path())
+        throw Error(unknown.code(), "there is no file '" + nameOrFile + "'");
       throw Error(unknown.code(), std::string(unknown.what()) + "; or give a file");
+    }
   }
   return load(nameOrFile);
 }

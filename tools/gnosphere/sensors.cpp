@@ -172,6 +172,8 @@ int runSensors(const SensorsOptions& options) {
     listCatalogue();
     return 0;
   }
+  if (!options.image.empty() && options.image.extension() != ".png")
+    throw Error(ErrorCode::invalidArgument, "--image: " + options.image.string() + " must end in .png");
   for (const std::filesystem::path& file : {options.beams, options.image})
     if (!file.empty()) checkWritable(file);
   const CatalogueHead* head = nullptr;

@@ -32,6 +32,7 @@ std::string_view after(const SensorSource& source, std::string_view dictionary, 
 
 Header readHeader(const SensorSource& source) {
   const std::string_view all = source.bytes;
+  if (!all.starts_with("\x93NUMPY")) source.refuse("does not start with \\x93NUMPY, as NPY files do");
   if (all.size() < 12) source.refuse("is too short for an NPY file");
   const auto byte = [&](size_t i) { return static_cast<size_t>(static_cast<unsigned char>(all[i])); };
   if (byte(6) < 1 || byte(6) > 3) source.refuse("NPY version " + std::to_string(byte(6)) + " is not read");
@@ -67,7 +68,9 @@ std::vector<double> readNumbers(const SensorSource& source, const Header& header
   uint64_t count = 1;
   for (const uint64_t extent : header.shape) {
     count *= extent;
-    if (count > source.bytes.size()) source.refuse("the NPY array is larger than its file");
+    if (count > source.bytes.size())
+      source.refuse("has " + std::to_string(source.bytes.size() - header.dataAt) +
+                    " bytes of data, its shape needs more");
   }
   if (count * header.itemBytes != source.bytes.size() - header.dataAt)
     source.refuse("has " + std::to_string(source.bytes.size() - header.dataAt) + " bytes of data, its shape needs " +

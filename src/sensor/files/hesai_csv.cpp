@@ -93,8 +93,10 @@ void readHesaiCsv(SensorSource& source) {
     const auto row = static_cast<size_t>(id) - 1;
     if (row >= channels.size()) channels.resize(row + 1);
     if (channels[row]) source.refuse(where + ": channel " + std::string(cells[0]) + " was there before");
-    channels[row] = Channel{numberOf(source, cells[places.elevation], where + ", elevation"),
-                            -numberOf(source, cells[places.azimuth], where + ", azimuth")};
+    const double elevation = numberOf(source, cells[places.elevation], where + ", elevation");
+    if (std::abs(elevation) > 90)
+      source.refuse(where + ", elevation is '" + std::string(cells[places.elevation]) + "', expected is -90 to 90");
+    channels[row] = Channel{elevation, -numberOf(source, cells[places.azimuth], where + ", azimuth")};
   }
   if (channels.empty()) source.refuse("there is no channel");
   for (size_t row = 0; row < channels.size(); ++row) {

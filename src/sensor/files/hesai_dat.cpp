@@ -163,7 +163,8 @@ void readFlash(SensorSource& source, Bytes& bytes, int version) {
 
 void readHesaiDat(SensorSource& source) {
   Bytes bytes(source);
-  if (bytes.next<uint8_t>() != 0xee || bytes.next<uint8_t>() != 0xff) source.refuse("does not start with EE FF");
+  if (bytes.next<uint8_t>() != 0xee || bytes.next<uint8_t>() != 0xff)
+    source.refuse("does not start with EE FF, as Hesai's angle corrections do");
   const int major = bytes.next<uint8_t>(), minor = bytes.next<uint8_t>();
   const bool flash = minor <= 2 && major != 3 && major != 4;
   if (flash)
