@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "gnosphere/error.hpp"
 #include "gnosphere/scene.hpp"
@@ -41,11 +42,11 @@ Json toJson(const Material& material) {
 }
 
 /// Adds the bounds of the positions, which glTF requires. They ignore NaN and infinity, which JSON cannot express.
-void addBounds(Json& accessor, const Mesh& mesh) {
+void addBounds(Json& accessor, std::span<const float> positions) {
   constexpr float kHuge = std::numeric_limits<float>::max();
   std::array<float, 3> low = {kHuge, kHuge, kHuge}, high = {-kHuge, -kHuge, -kHuge};
-  for (size_t i = 0; i < mesh.positions.size(); ++i) {
-    const float value = mesh.positions[i];
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const float value = positions[i];
     if (!std::isfinite(value)) continue;
     low[i % 3] = std::min(low[i % 3], value);
     high[i % 3] = std::max(high[i % 3], value);
@@ -54,6 +55,12 @@ void addBounds(Json& accessor, const Mesh& mesh) {
     if (low[c] > high[c]) low[c] = high[c] = 0;
   accessor["min"] = low;
   accessor["max"] = high;
+}
+
+/// The positions as they are deformed. `storage` holds them if they are not those of the mesh.
+const std::vector<float>& positionsOf(const Mesh& mesh, std::vector<float>& storage) {
+  if (mesh.deformation.empty()) return mesh.positions;
+  return storage = deformedPositions(mesh, mesh.deformation);
 }
 
 class Document {
@@ -102,7 +109,8 @@ class Document {
     if (mesh.triangleCount() > 0) {
       Json positions = {{"componentType", kFloat}, {"type", "VEC3"}, {"count", mesh.vertexCount()}};
       positions["bufferView"] = addView(mesh.positions.size() * sizeof(float), kVertexTarget);
-      addBounds(positions, mesh);
+      std::vector<float> storage;
+      addBounds(positions, positionsOf(mesh, storage));
       const size_t vertices = push("accessors", std::move(positions));
       const size_t view = addView(mesh.indices.size() * sizeof(uint32_t), kIndexTarget);
       for (const MeshPart& part : mesh.parts) {
@@ -210,7 +218,9 @@ void writeGlb(const Scene& scene, const fs::path& file) {
     words({static_cast<uint32_t>(binary), 0x004E4942});  // "BIN"
     for (const Mesh& mesh : scene.meshes) {
       if (mesh.triangleCount() == 0) continue;
-      output.write(mesh.positions.data(), mesh.positions.size() * sizeof(float));
+      std::vector<float> storage;
+      const std::vector<float>& positions = positionsOf(mesh, storage);
+      output.write(positions.data(), positions.size() * sizeof(float));
       output.write(mesh.indices.data(), mesh.indices.size() * sizeof(uint32_t));
     }
   }
