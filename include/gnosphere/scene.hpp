@@ -221,8 +221,8 @@ struct LoadOptions {
 /// Error(format) if its content is invalid.
 GNOSPHERE_API Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
 
-/// Writes a binary glTF 2.0 file (y-up) in which instances share their meshes. Deformable meshes are written as they
-/// are deformed, without joints, morph targets and clips. Throws Error(file) if it cannot be written.
+/// Writes a binary glTF 2.0 file (y-up) with Scene::animation; instances share their meshes. A deformable mesh that no
+/// animated instance places is written as it is deformed. Throws Error(file) if it cannot be written.
 GNOSPHERE_API void writeGlb(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace gnosphere

@@ -60,7 +60,7 @@ size_t widthOf(const Track& track, size_t morphTargets) {
 void checkTrack(const Track& track, const std::string& name, const SceneAnimation& animation,
                 const std::map<uint32_t, size_t>& morphTargets) {
   if (track.node >= animation.nodes.size()) fail(name + ": " + missing("node", track.node, animation.nodes.size()));
-  if (animation.nodes[track.node].matrix)
+  if (animation.nodes[track.node].matrix && track.property != Track::Property::morphWeights)
     fail(name + ": " + label("node", track.node, animation.nodes[track.node].name) +
          " has a matrix, so nothing moves it");
   const auto targets = morphTargets.find(track.node);
