@@ -56,6 +56,22 @@ Simulator twoLidars(const Scene& scene) {
   return Simulator(scene, {first, second});
 }
 
+/// Scans a walking person from beside, eight times a second of the animation `Walk`.
+std::vector<Scan> walk(const std::string& file) {
+  const Scene scene = loadScene(file);
+  const Clip& clip = clipNamed(scene, "Walk");
+  Simulator simulator(scene, builtinSensor("VLP-16"));
+  std::vector<Scan> scans;
+  for (double time = 0; time < clip.duration; time += 0.125) {
+    const SceneState state = stateAt(scene, clip, time);
+    for (size_t i = 0; i < state.transforms.size(); ++i) simulator.setTransform(i, state.transforms[i]);
+    for (size_t i = 0; i < state.deformations.size(); ++i)
+      if (scene.meshes[i].deformable()) simulator.setDeformation(i, state.deformations[i]);
+    scans.push_back(simulator.scan({{-5, 0, 1}, {}}));
+  }
+  return scans;
+}
+
 /// A car drives in for one scan.
 Scan withCar(Simulator& simulator, const Mesh& car, const Transform& place) {
   const size_t mesh = simulator.addMesh(car);

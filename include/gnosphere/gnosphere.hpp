@@ -2,6 +2,7 @@
 // GnoSphere: a LiDAR simulator that never casts a ray. Everything public, in one include.
 #pragma once
 
+#include "gnosphere/animation.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"

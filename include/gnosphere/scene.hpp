@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -117,6 +118,66 @@ struct Instance {
   uint16_t classId = 0;  ///< semantic class, numbered by the user; reported as Field::classId
 };
 
+inline constexpr uint32_t kNoNode = 0xffffffffu;
+inline constexpr uint32_t kNoSkin = 0xffffffffu;
+
+/// A frame that clips move: its map to the frame of its parent is translation * rotation * scale, or `matrix`.
+struct Node {
+  std::string name;
+  uint32_t parent = kNoNode;  ///< index into SceneAnimation::nodes, less than its own; kNoNode: none
+  Vec3 translation;
+  Quaternion rotation;  ///< of any length but 0; only its direction counts
+  Vec3 scale = {1, 1, 1};
+  std::optional<Transform> matrix;  ///< if given, no clip moves the node
+  std::vector<float> morphWeights;  ///< of the mesh that it places: as many as its morph targets, or none for all 0
+};
+
+/// The joints of skinned meshes.
+struct Skin {
+  std::string name;
+  std::vector<uint32_t> joints;         ///< by joint: index into SceneAnimation::nodes
+  std::vector<Transform> inverseBinds;  ///< by joint: maps the mesh frame to the frame of the joint, as it was bound
+};
+
+/// How a clip moves one property of one node: values at key times.
+struct Track {
+  enum class Property : uint8_t { translation, rotation, scale, morphWeights };
+  enum class Interpolation : uint8_t { step, linear, cubic };
+  uint32_t node = 0;  ///< index into SceneAnimation::nodes
+  Property property = Property::translation;
+  Interpolation interpolation = Interpolation::linear;  ///< linear: rotations turn by slerp
+  std::vector<float> times;                             ///< seconds, ascending; at least one
+  /// Per key 3 values, 4 for a rotation (x, y, z, w), or one per morph target. Cubic: per key the slopes before it, the
+  /// values, and the slopes after it (glTF 2.0, appendix C).
+  std::vector<float> values;
+};
+
+/// A named motion of nodes; "animation" in glTF.
+struct Clip {
+  std::string name;
+  double duration = 0;  ///< seconds
+  std::vector<Track> tracks;
+};
+
+/// An instance that follows a node or a skin. Its transform is root * node * offset. With a skin it is root * offset,
+/// and the joints of its mesh are at inverse(offset) * node of the joint * inverse bind.
+struct AnimatedInstance {
+  uint32_t instance = 0;    ///< index into Scene::instances
+  uint32_t node = 0;        ///< index into SceneAnimation::nodes; its morph weights are those of the mesh
+  uint32_t skin = kNoSkin;  ///< index into SceneAnimation::skins
+  Transform offset;
+};
+
+/// What can move by clips; see stateAt() in animation.hpp. A deformable mesh follows one node and one skin, so
+/// instances that follow others have a mesh of their own.
+struct SceneAnimation {
+  Transform root;           ///< maps the frame above all nodes to the world
+  std::vector<Node> nodes;  ///< parents come before their children
+  std::vector<Skin> skins;
+  std::vector<Clip> clips;
+  std::vector<AnimatedInstance> instances;
+};
+
 /// Everything that the sensor can see. It is plain data: build it by hand or with loadScene().
 struct Scene {
   std::vector<Material> materials;
@@ -125,6 +186,9 @@ struct Scene {
   uint32_t unreadImages = 0;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
+  SceneAnimation animation;  ///< empty in a scene that has neither clips nor deformable meshes
+  /// What the file says about motion and the scene leaves out: a line each, with how often.
+  std::vector<std::string> leftOut;
 
   GNOSPHERE_API size_t uniqueTriangleCount() const;  ///< summed over meshes
   GNOSPHERE_API size_t placedTriangleCount() const;  ///< summed over instances
@@ -139,8 +203,8 @@ struct Bounds {
 /// Returns the box around all finite vertices of all instances.
 GNOSPHERE_API Bounds worldBounds(const Scene& scene);
 
-/// Throws Error(invalidArgument) that names the material, image, mesh, part or instance whose indices or sizes are
-/// inconsistent.
+/// Throws Error(invalidArgument) that names the material, image, mesh, part, instance, node, skin or clip whose indices
+/// or sizes are inconsistent.
 GNOSPHERE_API void validate(const Scene& scene);
 
 enum class UpAxis { formatDefault, y, z };
@@ -151,12 +215,14 @@ struct LoadOptions {
 };
 
 /// Reads .gltf, .glb, .obj, .ply or .stl. The only textures read are PNG images of cut-out (AlphaMode::mask) materials
-/// in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). Throws Error(file) if the file cannot be read,
+/// in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). Skins, morph targets and animations of glTF are
+/// in Scene::animation; the instances and the deformations of the meshes are at rest, as the nodes of the file are.
+/// Throws Error(file) if the file cannot be read,
 /// Error(format) if its content is invalid.
 GNOSPHERE_API Scene loadScene(const std::filesystem::path& file, const LoadOptions& options = {});
 
-/// Writes a binary glTF 2.0 file (y-up) in which instances share their meshes. Throws Error(file) if it cannot be
-/// written.
+/// Writes a binary glTF 2.0 file (y-up) with Scene::animation; instances share their meshes. A deformable mesh that no
+/// animated instance places is written as it is deformed. Throws Error(file) if it cannot be written.
 GNOSPHERE_API void writeGlb(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace gnosphere

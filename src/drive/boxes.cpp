@@ -92,7 +92,8 @@ std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
   std::vector<Box> boxes;
   for (size_t a = 0; a < times.size(); ++a) {
     if (times[a].empty()) continue;
-    const Bounds& bounds = world_.boundsOf(a);
+    // Deformable meshes have the shape of the scan's start.
+    const Bounds bounds = world_.boundsOf(a, planned.time);
     Box box;
     box.actor = a;
     box.points = times[a].size();

@@ -11,13 +11,56 @@
 namespace gnosphere::drive {
 namespace {
 
+void add(Hasher& hasher, const Deformation& deformation) {
+  hasher.add(deformation.joints);
+  hasher.add(deformation.morphWeights);
+}
+
+void add(Hasher& hasher, const SceneAnimation& animation) {
+  hasher.add(animation.root.rows.data(), sizeof(animation.root.rows));
+  for (const Node& node : animation.nodes) {
+    const Vec3 &t = node.translation, &s = node.scale;
+    const Quaternion& r = node.rotation;
+    const double numbers[] = {t.x, t.y, t.z, r.x, r.y, r.z, r.w, s.x, s.y, s.z};
+    hasher.add(&node.parent, sizeof(node.parent));
+    hasher.add(numbers, sizeof(numbers));
+    if (node.matrix) hasher.add(node.matrix->rows.data(), sizeof(node.matrix->rows));
+    hasher.add(node.morphWeights);
+  }
+  for (const Skin& skin : animation.skins) {
+    hasher.add(skin.joints);
+    hasher.add(skin.inverseBinds);
+  }
+  for (const Clip& clip : animation.clips) {
+    hasher.add(clip.name);
+    hasher.add(&clip.duration, sizeof(clip.duration));
+    for (const Track& track : clip.tracks) {
+      const uint32_t words[] = {track.node, static_cast<uint32_t>(track.property),
+                                static_cast<uint32_t>(track.interpolation)};
+      hasher.add(words, sizeof(words));
+      hasher.add(track.times);
+      hasher.add(track.values);
+    }
+  }
+  for (const AnimatedInstance& animated : animation.instances) {
+    const uint32_t words[] = {animated.instance, animated.node, animated.skin};
+    hasher.add(words, sizeof(words));
+    hasher.add(animated.offset.rows.data(), sizeof(animated.offset.rows));
+  }
+}
+
 void add(Hasher& hasher, const Scene& scene) {
+  add(hasher, scene.animation);
   for (const Mesh& mesh : scene.meshes) {
     hasher.add(&mesh.origin, sizeof(mesh.origin));
     hasher.add(mesh.positions);
     hasher.add(mesh.indices);
     hasher.add(mesh.uvs);
     hasher.add(mesh.parts);
+    hasher.add(mesh.joints);
+    hasher.add(mesh.jointWeights);
+    for (const std::vector<float>& target : mesh.morphTargets) hasher.add(target);
+    add(hasher, mesh.deformation);
   }
   for (const Material& material : scene.materials) {
     hasher.add(material.name);

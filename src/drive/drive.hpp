@@ -19,12 +19,20 @@ struct Class {
   uint16_t movingId = 0;  ///< in SemanticKITTI labels of an actor that moves
 };
 
+/// A clip that a scene or an actor shows. Its time is offset + speed * seconds since the start of the drive.
+struct Animation {
+  size_t clip = 0;  ///< index into SceneAnimation::clips
+  double speed = 1, offset = 0;
+  ClipEnd end = ClipEnd::loop;
+};
+
 struct Actor {
   std::string name;
   size_t model = 0;          ///< index into Drive::models
   size_t category = 0;       ///< index into Drive::classes
   std::optional<Vec3> size;  ///< length, width and height that the model is scaled to
   Trajectory trajectory;
+  std::optional<Animation> animation;
   bool goneOutside = false;  ///< whether it is absent, rather than still, outside the trajectory's time
 };
 
@@ -56,8 +64,9 @@ struct Drive {
   double rate = 10, start = 0, duration = 0, epoch = 0;
   Accuracy accuracy = Accuracy::standard;
   std::vector<Class> classes;
-  std::vector<Scene> scenes;  ///< placed in the world; their instances have their classes
-  std::vector<Scene> models;  ///< in the actor's frame
+  std::vector<Scene> scenes;                              ///< placed in the world; their instances have their classes
+  std::vector<std::optional<Animation>> sceneAnimations;  ///< by scene
+  std::vector<Scene> models;                              ///< in the actor's frame
   std::vector<Actor> actors;
   Trajectory ego;
   std::vector<RigSensor> sensors;

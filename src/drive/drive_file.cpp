@@ -70,6 +70,7 @@ void DriveReader::scenes() {
     const std::string path = entryPath("scenes", i);
     Scene scene = this->scene(root_["scenes"][i], path);
     classifyInstances(root_["scenes"][i], path, scene);
+    drive_.sceneAnimations.push_back(animation(root_["scenes"][i], path, scene));
     drive_.scenes.push_back(std::move(scene));
   }
 }
@@ -95,6 +96,7 @@ void DriveReader::actors() {
     actor.category = find(classNames_, list[i]["class"], path + ".class");
     if (list[i].contains("size")) actor.size = vectorOf(list[i]["size"]);
     actor.trajectory = trajectory(list[i]["trajectory"], path + ".trajectory");
+    if (actor.model < drive_.models.size()) actor.animation = animation(list[i], path, drive_.models[actor.model]);
     actor.goneOutside = list[i].value("outside", "hold") == "gone";
     drive_.actors.push_back(std::move(actor));
   }

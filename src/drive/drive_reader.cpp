@@ -72,7 +72,23 @@ Scene DriveReader::scene(const json& object, const std::string& path) {
   attempt(path + ".file", [&] { scene = loadScene(file(object["file"]), options); });
   const Transform place = transformOf(pose(memberOf(object, "pose"), memberPath(path, "pose")));
   for (Instance& instance : scene.instances) instance.transform = place * instance.transform;
+  scene.animation.root = place * scene.animation.root;
+  for (const std::string& line : scene.leftOut) drive_.warnings.push_back(path + ".file: left out are " + line);
   return scene;
+}
+
+/// The animation of an object that has one. A scene without instances could not be read, which has been told.
+std::optional<Animation> DriveReader::animation(const json& object, const std::string& path, const Scene& scene) {
+  const json& given = memberOf(object, "animation");
+  if (given.is_null() || scene.instances.empty()) return {};
+  std::vector<std::string> names;
+  for (const Clip& clip : scene.animation.clips) names.push_back(clip.name);
+  Animation animation;
+  animation.clip = find(names, given["clip"], path + ".animation.clip");
+  animation.speed = given.value("speed", 1.0);
+  animation.offset = given.value("offset", 0.0);
+  animation.end = given.value("loop", true) ? ClipEnd::loop : ClipEnd::hold;
+  return animation;
 }
 
 std::vector<Trajectory::Stamp> DriveReader::waypoints(const json& list, const std::string& path) {

@@ -46,6 +46,7 @@ class DriveReader {
   Quaternion orientation(const nlohmann::json& list, const std::string& path);
   Pose pose(const nlohmann::json& object, const std::string& path);
   Scene scene(const nlohmann::json& object, const std::string& path);
+  std::optional<Animation> animation(const nlohmann::json& object, const std::string& path, const Scene& scene);
   Trajectory trajectory(const nlohmann::json& object, const std::string& path);
   std::vector<Trajectory::Stamp> waypoints(const nlohmann::json& list, const std::string& path);
   Sensor sensor(const nlohmann::json& value, const std::string& path);

@@ -79,7 +79,7 @@ class Scanner {
     shot.weather = weatherFor(sensor, time);
     if (recorded.sensorMoves && drive_.ego.movesWithin(time, time + recorded.duration))
       shot.motion = motionOf(recorded);
-    placeActors(recorded, shot);
+    placeWorld(recorded, shot);
     simulator_->scanInto(shot, recorded.scan);
     recorded.points = 0;
     for (size_t entry = 0; entry < recorded.scan.ranges.size(); ++entry) {
@@ -104,18 +104,28 @@ class Scanner {
     return motion;
   }
 
-  void placeActors(const RecordedScan& recorded, Shot& shot) {
+  /// Sets the world of the scan's start, and its motion until the scan's end. Deformable meshes keep the shape of the
+  /// start.
+  void placeWorld(const RecordedScan& recorded, Shot& shot) {
     const double begin = recorded.planned.time, end = begin + recorded.duration;
+    const World::Setter start = {
+        [&](size_t instance, const Transform& transform) {
+          if (placed_[instance].rows == transform.rows) return;
+          simulator_->setTransform(instance, transform);
+          placed_[instance] = transform;
+        },
+        [&](size_t mesh, const Deformation& deformation) { simulator_->setDeformation(mesh, deformation); }};
+    const World::Setter motion = {[&](size_t instance, const Transform& transform) {
+                                    if (placed_[instance].rows != transform.rows)
+                                      shot.instanceMotions.push_back({instance, transform});
+                                  },
+                                  [](size_t, const Deformation&) {}};
+    world_.placeScenes(begin, start);
+    if (recorded.actorsMove) world_.placeScenes(end, motion);
     for (size_t actor = 0; actor < drive_.actors.size(); ++actor) {
-      world_.place(actor, world_.poseOf(actor, begin), [&](size_t instance, const Transform& transform) {
-        if (placed_[instance].rows == transform.rows) return;
-        simulator_->setTransform(instance, transform);
-        placed_[instance] = transform;
-      });
+      world_.place(actor, world_.poseOf(actor, begin), begin, start);
       if (recorded.actorsMove && world_.movesWithin(actor, begin, end))
-        world_.place(actor, drive_.actors[actor].trajectory.at(end), [&](size_t instance, const Transform& transform) {
-          shot.instanceMotions.push_back({instance, transform});
-        });
+        world_.place(actor, drive_.actors[actor].trajectory.at(end), end, motion);
     }
   }
 

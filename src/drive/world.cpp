@@ -2,6 +2,7 @@
 #include "drive/world.hpp"
 
 #include <cmath>
+#include <numeric>
 
 #include "drive/pose_math.hpp"
 
@@ -41,34 +42,58 @@ Transform fitting(const Actor& actor, const Scene& model) {
   return {{actor.size->x / extent.x, 0, 0, 0, 0, actor.size->y / extent.y, 0, 0, 0, 0, actor.size->z / extent.z, 0}};
 }
 
+std::vector<uint32_t> numbersFrom(uint32_t first, const Scene& part) {
+  std::vector<uint32_t> numbers(part.meshes.size());
+  std::iota(numbers.begin(), numbers.end(), first);
+  return numbers;
+}
+
+/// The box around a model after `size`, in a state or at rest.
+Bounds boundsAt(const Scene& model, const Transform& size, const SceneState* state) {
+  Scene placed;
+  placed.meshes = model.meshes;
+  placed.instances = model.instances;
+  for (size_t i = 0; i < placed.instances.size(); ++i) {
+    Transform& transform = placed.instances[i].transform;
+    transform = size * (state ? state->transforms[i] : transform);
+  }
+  for (size_t i = 0; state && i < placed.meshes.size(); ++i) placed.meshes[i].deformation = state->deformations[i];
+  return worldBounds(placed);
+}
+
 }  // namespace
 
 World::World(const Drive& drive) : drive_(drive) {
-  for (const Scene& part : drive.scenes) {
+  for (size_t i = 0; i < drive.scenes.size(); ++i) {
+    const Scene& part = drive.scenes[i];
     const uint32_t firstMesh = addMeshes(scene_, part);
+    if (drive.sceneAnimations[i])
+      scenes_.push_back({&part, objects_.size(), numbersFrom(firstMesh, part), drive.sceneAnimations[i], {}, {}});
     for (Instance instance : part.instances) {
       instance.mesh += firstMesh;
       objects_.push_back(static_cast<uint32_t>(objects_.size()));
       scene_.instances.push_back(std::move(instance));
     }
   }
-  inActor_.resize(objects_.size());
   std::vector<uint32_t> firstMeshes;
   for (const Scene& model : drive.models) firstMeshes.push_back(addMeshes(scene_, model));
   for (const Actor& actor : drive.actors) {
     const Scene& model = drive.models[actor.model];
-    const Transform size = fitting(actor, model);
-    Body body = {objects_.size(), model.instances.size(), {}};
-    Scene bare = model;
-    for (Instance& instance : bare.instances) {
-      instance.transform = size * instance.transform;
-      objects_.push_back(static_cast<uint32_t>(body.first));
-      inActor_.push_back(instance.transform);
-      scene_.instances.push_back(
-          {actor.name, firstMeshes[actor.model] + instance.mesh, kAway, drive.classes[actor.category].id});
+    Body body = {&model,          objects_.size(),       numbersFrom(firstMeshes[actor.model], model),
+                 actor.animation, fitting(actor, model), {}};
+    // What deforms in its own time is a mesh of its own.
+    for (uint32_t& mesh : body.meshes) {
+      if (!body.animation || !scene_.meshes[mesh].deformable()) continue;
+      Mesh own = scene_.meshes[mesh];
+      mesh = static_cast<uint32_t>(scene_.meshes.size());
+      scene_.meshes.push_back(std::move(own));
     }
-    body.bounds = worldBounds(bare);
-    bodies_.push_back(body);
+    for (const Instance& instance : model.instances) {
+      objects_.push_back(static_cast<uint32_t>(body.first));
+      scene_.instances.push_back({actor.name, body.meshes[instance.mesh], kAway, drive.classes[actor.category].id});
+    }
+    body.bounds = boundsAt(model, body.size, nullptr);
+    bodies_.push_back(std::move(body));
   }
 }
 
@@ -94,15 +119,47 @@ bool World::isMoving(size_t actor, double time) const {
   return dot(velocity, velocity) > kMovingSpeed * kMovingSpeed;
 }
 
-void World::place(size_t actor, const std::optional<Pose>& pose,
-                  const std::function<void(size_t, const Transform&)>& set) const {
+SceneState World::stateOf(const Body& body, double time) const {
+  const Animation& animation = *body.animation;
+  return stateAt(*body.model, body.model->animation.clips[animation.clip],
+                 animation.offset + animation.speed * (time - drive_.start), animation.end);
+}
+
+Bounds World::boundsOf(size_t actor, double time) const {
   const Body& body = bodies_[actor];
-  const Transform place = pose ? transformOf(*pose) : kAway;
-  for (size_t i = body.first; i < body.first + body.count; ++i) set(i, pose ? place * inActor_[i] : kAway);
+  if (!body.animation) return body.bounds;
+  const SceneState state = stateOf(body, time);
+  return boundsAt(*body.model, body.size, &state);
+}
+
+void World::place(size_t actor, const std::optional<Pose>& pose, double time, const Setter& set) const {
+  const Body& body = bodies_[actor];
+  if (pose) return place(body, transformOf(*pose), time, set);
+  for (size_t i = 0; i < body.model->instances.size(); ++i) set.transform(body.first + i, kAway);
+}
+
+void World::placeScenes(double time, const Setter& set) const {
+  for (const Body& body : scenes_) place(body, {}, time, set);
+}
+
+void World::place(const Body& body, const Transform& place, double time, const Setter& set) const {
+  const std::vector<Instance>& instances = body.model->instances;
+  if (!body.animation) {
+    for (size_t i = 0; i < instances.size(); ++i)
+      set.transform(body.first + i, place * (body.size * instances[i].transform));
+    return;
+  }
+  const SceneState state = stateOf(body, time);
+  for (size_t i = 0; i < instances.size(); ++i)
+    set.transform(body.first + i, place * (body.size * state.transforms[i]));
+  for (size_t i = 0; i < body.meshes.size(); ++i)
+    if (body.model->meshes[i].deformable()) set.deformation(body.meshes[i], state.deformations[i]);
 }
 
 bool World::movesWithin(size_t actor, double from, double to) const {
-  return poseOf(actor, from) && drive_.actors[actor].trajectory.movesWithin(from, to);
+  if (!poseOf(actor, from)) return false;
+  const std::optional<Animation>& animation = drive_.actors[actor].animation;
+  return (animation && animation->speed != 0) || drive_.actors[actor].trajectory.movesWithin(from, to);
 }
 
 }  // namespace gnosphere::drive

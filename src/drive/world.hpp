@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "drive/drive.hpp"
+#include "gnosphere/animation.hpp"
 
 namespace gnosphere::drive {
 
@@ -28,30 +29,43 @@ class World {
 
   /// The pose of an actor; none where it is gone.
   std::optional<Pose> poseOf(size_t actor, double time) const;
-  /// An actor's bounds in its own frame.
-  const Bounds& boundsOf(size_t actor) const { return bodies_[actor].bounds; }
+  /// An actor's bounds in its own frame, around its vertices as they are at a time.
+  Bounds boundsOf(size_t actor, double time) const;
   /// Whether the actor moves faster than 0.1 m/s around a time.
   bool isMoving(size_t actor, double time) const;
   Vec3 velocityOf(size_t actor, double time) const;
 
-  /// Calls set(instance, transform) for all instances of an actor at this pose. An actor that is gone (no pose) lies
-  /// out of every sensor's reach, so that all instances keep their numbers.
-  void place(size_t actor, const std::optional<Pose>& pose,
-             const std::function<void(size_t instance, const Transform&)>& set) const;
+  /// Gets the transform of an instance, and the deformation of a mesh.
+  struct Setter {
+    std::function<void(size_t instance, const Transform&)> transform;
+    std::function<void(size_t mesh, const Deformation&)> deformation;
+  };
+  /// Sets all instances of an actor at this pose, and its deformable meshes, as its animation has them at a time. An
+  /// actor that is gone (no pose) lies out of every sensor's reach, so that all instances keep their numbers.
+  void place(size_t actor, const std::optional<Pose>& pose, double time, const Setter& set) const;
   /// Whether an actor that is there at `from` moves until `to`.
   bool movesWithin(size_t actor, double from, double to) const;
+  /// Sets what is animated in the drive's scenes.
+  void placeScenes(double time, const Setter& set) const;
 
  private:
+  /// Consecutive instances that come from one file.
   struct Body {
-    size_t first = 0, count = 0;  // instances
-    Bounds bounds;
+    const Scene* model = nullptr;
+    size_t first = 0;
+    std::vector<uint32_t> meshes;  // by mesh of the model: its number in the world
+    std::optional<Animation> animation;
+    Transform size;
+    Bounds bounds;  // at rest; unused for scenes
   };
+  SceneState stateOf(const Body& body, double time) const;
+  void place(const Body& body, const Transform& place, double time, const Setter& set) const;
 
   const Drive& drive_;
   Scene scene_;
-  std::vector<uint32_t> objects_;   // by instance
-  std::vector<Transform> inActor_;  // by instance; unused for those of scenes
-  std::vector<Body> bodies_;        // by actor
+  std::vector<uint32_t> objects_;  // by instance
+  std::vector<Body> scenes_;       // those that are animated
+  std::vector<Body> bodies_;       // by actor
 };
 
 }  // namespace gnosphere::drive

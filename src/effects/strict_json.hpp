@@ -7,13 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include "base/nearest_text.hpp"
+
 namespace gnosphere {
 
 /// Parses JSON. Throws Error(format) for invalid JSON and for duplicate keys, whose meaning JSON leaves open.
 nlohmann::json parseStrict(std::string_view text, const std::string& source);
-
-/// Returns text such as "the nearest are fog, snow, rain", or lists all names if there are few.
-std::string nearestText(const std::string& name, std::vector<std::string> names);
 
 /// Returns the JSON text of a value, shortened if it is long.
 std::string shown(const nlohmann::json& value);

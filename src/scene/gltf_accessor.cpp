@@ -223,6 +223,7 @@ GltfArrays::Layout GltfArrays::layout(int index, const std::string& user) {
                       : accessor.type == TINYGLTF_TYPE_VEC2 ? 2
                       : accessor.type == TINYGLTF_TYPE_VEC3 ? 3
                       : accessor.type == TINYGLTF_TYPE_VEC4 ? 4
+                      : accessor.type == TINYGLTF_TYPE_MAT4 ? 16
                                                             : 0;
   layout.componentType = accessor.componentType;
   layout.normalized = accessor.normalized;

@@ -20,9 +20,11 @@ class GltfArrays {
   std::vector<float> positions(int accessor, const std::string& user);
   /// Reads VEC2 in the same way.
   std::vector<float> uvs(int accessor, const std::string& user);
+  /// Reads vectors of `components` in the same way; `what` names them in messages.
+  std::vector<float> floats(int accessor, size_t components, const char* what, const std::string& user);
   /// Reads SCALAR of unsigned integers and appends them to `indices`.
   void appendIndices(int accessor, const std::string& user, std::vector<uint32_t>& indices);
-  /// Reads instance attributes: `components` doubles per element.
+  /// Reads attributes of instances, keys and matrices: `components` doubles per element.
   std::vector<double> vectors(int accessor, int components, const std::string& user);
   /// Bytes of a bufferView, decompressed if it uses EXT_meshopt_compression.
   Bytes view(int bufferView, const std::string& user);
@@ -50,8 +52,6 @@ class GltfArrays {
                           const std::string& user);
   Bytes bufferRange(int buffer, size_t byteOffset, size_t byteLength, const std::string& user);
   void load(GltfBuffer& buffer, const std::string& user);
-  /// Reads elements of `components` floats; `what` names them in messages.
-  std::vector<float> floats(int accessor, size_t components, const char* what, const std::string& user);
   Bytes decompress(int bufferView, const tinygltf::Value& extension, const std::string& user);
   /// Calls set(element, component, value) for every component, including sparse ones.
   template <typename Set>
@@ -67,11 +67,16 @@ class GltfArrays {
 /// A decoded primitive of KHR_draco_mesh_compression.
 struct DracoMesh {
   std::vector<float> positions;
-  std::vector<float> uvs;  ///< empty: not requested
+  std::vector<float> uvs;                           ///< empty: not requested
+  std::vector<std::vector<float>> joints, weights;  ///< by set, 4 per vertex
   std::vector<uint32_t> indices;
 };
-/// The ids are those of Draco's attributes; a negative `uvId` requests no texture coordinates.
-DracoMesh decodeDraco(Bytes bytes, int positionId, int uvId, const std::string& user, const Source& source);
+/// Ids of Draco's attributes. A negative `uvs` requests no texture coordinates.
+struct DracoIds {
+  int positions = 0, uvs = -1;
+  std::vector<int> joints, weights;  ///< by set
+};
+DracoMesh decodeDraco(Bytes bytes, const DracoIds& ids, const std::string& user, const Source& source);
 
 /// Maps texture coordinates to a material's alpha image: u v of TEXCOORD_n times the 2x3 matrix (row-major) of
 /// KHR_texture_transform.
@@ -83,11 +88,28 @@ struct GltfTexture {
 std::vector<std::optional<GltfTexture>> readGltfImages(const GltfFile& file, GltfArrays& arrays, const Source& source,
                                                        Scene& scene);
 
-/// Reads the meshes that are used, in the order of the file. Adds glTF's default material if a primitive has none.
+/// What a file says and the scene leaves out, with how often.
+class LeftOut {
+ public:
+  void add(const std::string& what, uint64_t count = 1) { counts_[what] += count; }
+  std::vector<std::string> lines() const;
+
+ private:
+  std::map<std::string, uint64_t> counts_;
+};
+
+/// How the nodes of a scene use a mesh of the file.
+struct GltfMeshUse {
+  bool placed = false, skinned = false;
+};
+
+/// Reads the meshes that are placed, in the order of the file. Adds glTF's default material if a primitive has none.
+/// Vertices of a skinned mesh have joints and weights; where a primitive has none, the weights are 0 and stay to be
+/// set.
 std::vector<Mesh> readGltfMeshes(const tinygltf::Model& model, GltfArrays& arrays, const Source& source,
-                                 const std::vector<bool>& isUsed,
+                                 const std::vector<GltfMeshUse>& uses,
                                  const std::vector<std::optional<GltfTexture>>& textures,
-                                 std::vector<Material>& materials);
+                                 std::vector<Material>& materials, LeftOut& leftOut);
 
 /// Returns a label such as "mesh 3 'wall'" for messages.
 std::string gltfLabel(const char* what, size_t index, const std::string& name);

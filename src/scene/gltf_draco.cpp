@@ -25,7 +25,7 @@ std::vector<float> values(const draco::Mesh& mesh, int id, const char* what, con
 
 }  // namespace
 
-DracoMesh decodeDraco(Bytes bytes, int positionId, int uvId, const std::string& user, const Source& source) {
+DracoMesh decodeDraco(Bytes bytes, const DracoIds& ids, const std::string& user, const Source& source) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Decoder decoder;
@@ -34,8 +34,10 @@ DracoMesh decodeDraco(Bytes bytes, int positionId, int uvId, const std::string& 
   const std::unique_ptr<draco::Mesh> mesh = std::move(result).value();
 
   DracoMesh decoded;
-  decoded.positions = values<3>(*mesh, positionId, "position", user, source);
-  if (uvId >= 0) decoded.uvs = values<2>(*mesh, uvId, "texture coordinate", user, source);
+  decoded.positions = values<3>(*mesh, ids.positions, "position", user, source);
+  if (ids.uvs >= 0) decoded.uvs = values<2>(*mesh, ids.uvs, "texture coordinate", user, source);
+  for (int id : ids.joints) decoded.joints.push_back(values<4>(*mesh, id, "joint", user, source));
+  for (int id : ids.weights) decoded.weights.push_back(values<4>(*mesh, id, "weight", user, source));
   decoded.indices.reserve(size_t{mesh->num_faces()} * 3);
   for (uint32_t face = 0; face < mesh->num_faces(); ++face)
     for (const draco::PointIndex& point : mesh->face(draco::FaceIndex(face))) decoded.indices.push_back(point.value());

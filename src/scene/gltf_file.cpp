@@ -147,6 +147,8 @@ class Tidying {
           {"bufferViews", Kind::array},
           {"buffers", Kind::array},
           {"materials", Kind::array},
+          {"skins", Kind::array},
+          {"animations", Kind::array},
           {"textures", Kind::array},
           {"samplers", Kind::array},
           {"images", Kind::array},
@@ -160,6 +162,11 @@ class Tidying {
       keep(o, where, {{"uri", Kind::text}, {"byteLength", Kind::count}}, {"byteLength"});
     });
     each(json, "materials", [&](Json& o, const std::string& where) { material(o, where); });
+    each(json, "skins", [&](Json& o, const std::string& where) {
+      keep(o, where, {{"name", Kind::text}, {"joints", Kind::indices}, {"inverseBindMatrices", Kind::index}},
+           {"joints"});
+    });
+    each(json, "animations", [&](Json& o, const std::string& where) { animation(o, where); });
     // Without alpha cut-outs the textures are not needed, so errors in them do not matter.
     if (!hasHoles_)
       for (const char* name : {"textures", "samplers", "images"}) json.erase(name);
@@ -215,6 +222,8 @@ class Tidying {
           {"rotation", Kind::numbers, 4},
           {"scale", Kind::numbers, 3},
           {"mesh", Kind::index},
+          {"skin", Kind::index},
+          {"weights", Kind::numbers},
           {"children", Kind::indices},
           {"extensions", Kind::object}});
     extension(o, where, "EXT_mesh_gpu_instancing", [&](Json& e, const std::string& at) {
@@ -224,7 +233,7 @@ class Tidying {
   }
 
   void mesh(Json& o, const std::string& where) {
-    keep(o, where, {{"name", Kind::text}, {"primitives", Kind::array}}, {"primitives"});
+    keep(o, where, {{"name", Kind::text}, {"weights", Kind::numbers}, {"primitives", Kind::array}}, {"primitives"});
     each(
         o, "primitives", [&](Json& p, const std::string& at) { primitive(p, at); }, where + ".");
   }
@@ -235,8 +244,15 @@ class Tidying {
           {"indices", Kind::index},
           {"material", Kind::index},
           {"mode", Kind::index},
+          {"targets", Kind::array},
           {"extensions", Kind::object}},
          {"attributes"});
+    each(
+        o, "targets",
+        [&](Json& t, const std::string& at) {
+          keep(t, at, {{"POSITION", Kind::index}});
+        },
+        where + ".");
     Json& attributes = o["attributes"];
     keep(attributes, where + ".attributes", vertexKeys(attributes));
     if (o.contains("indices")) attributes[kIndicesAttribute] = std::move(o["indices"]);
@@ -247,11 +263,27 @@ class Tidying {
     });
   }
 
-  /// Keeps POSITION and every TEXCOORD set.
+  void animation(Json& o, const std::string& where) {
+    keep(o, where, {{"name", Kind::text}, {"channels", Kind::array}, {"samplers", Kind::array}},
+         {"channels", "samplers"});
+    const auto channel = [&](Json& c, const std::string& at) {
+      keep(c, at, {{"sampler", Kind::index}, {"target", Kind::object}}, {"sampler", "target"});
+      keep(c["target"], at + ".target", {{"node", Kind::index}, {"path", Kind::text}}, {"path"});
+    };
+    const auto sampler = [&](Json& s, const std::string& at) {
+      keep(s, at, {{"input", Kind::index}, {"output", Kind::index}, {"interpolation", Kind::text}},
+           {"input", "output"});
+    };
+    each(o, "channels", channel, where + ".");
+    each(o, "samplers", sampler, where + ".");
+  }
+
+  /// Keeps POSITION and every set of TEXCOORD, JOINTS and WEIGHTS.
   static std::vector<Key> vertexKeys(const Json& attributes) {
     std::vector<Key> keys = {{"POSITION", Kind::index}};
     for (auto item = attributes.begin(); item != attributes.end(); ++item)
-      if (item.key().starts_with("TEXCOORD_")) keys.push_back({item.key().c_str(), Kind::index});
+      for (const char* prefix : {"TEXCOORD_", "JOINTS_", "WEIGHTS_"})
+        if (item.key().starts_with(prefix)) keys.push_back({item.key().c_str(), Kind::index});
     return keys;
   }
 
@@ -376,6 +408,10 @@ GltfFile parseGltf(Bytes bytes, const Source& source) {
       for (const Json& image : json["images"])
         file.images.push_back({image.value("uri", std::string()), image.value("bufferView", -1)});
     json.erase("images");
+    for (const auto& [name, kept] : {std::pair("animations", &file.animations), std::pair("skins", &file.skins)}) {
+      if (json.contains(name)) *kept = std::move(json[name]);
+      json.erase(name);
+    }
     stripped = json.dump();
   }
   if (container.binary && !file.buffers.empty() && file.buffers[0].uri.empty()) {

@@ -29,14 +29,15 @@ struct GltfImage {
   int bufferView = -1;
 };
 
-/// tinygltf's model, without the properties that only renderers need and without buffers and images. tinygltf would
-/// copy the binary chunk and refuse whole files for a missing texture, for a buffer without `uri` (which
-/// EXT_meshopt_compression requires) and for indices without bufferView (which KHR_draco_mesh_compression requires).
-/// The types of all kept properties have been checked.
+/// tinygltf's model, without the properties that only renderers need and without buffers, images, skins and animations.
+/// tinygltf would drop channels without a word, copy the binary chunk and refuse whole files for a missing texture, for
+/// a buffer without `uri` (which EXT_meshopt_compression requires) and for indices without bufferView (which
+/// KHR_draco_mesh_compression requires). The types of all kept properties have been checked.
 struct GltfFile {
   tinygltf::Model model;
   std::vector<GltfBuffer> buffers;
   std::vector<GltfImage> images;
+  nlohmann::json skins, animations;  ///< arrays as in the file, or null
 };
 
 /// Name of the attribute under which parseGltf stores the accessor of a primitive's indices.

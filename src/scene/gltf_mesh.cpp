@@ -5,7 +5,7 @@
 #include <span>
 #include <unordered_map>
 
-#include "scene/gltf_accessor.hpp"
+#include "scene/gltf_follow.hpp"
 
 namespace gnosphere {
 namespace {
@@ -16,6 +16,7 @@ struct Vertices {
   int positions = 0;
   int uvs = -1;
   int material = -1;
+  GltfFollow follow;
   auto operator<=>(const Vertices&) const = default;
 };
 
@@ -28,14 +29,20 @@ struct Run {
 class MeshReader {
  public:
   MeshReader(const tinygltf::Model& model, GltfArrays& arrays, const Source& source,
-             const std::vector<std::optional<GltfTexture>>& textures, std::vector<Material>& materials)
-      : model_(model), arrays_(arrays), source_(source), textures_(textures), materials_(materials) {}
+             const std::vector<std::optional<GltfTexture>>& textures, std::vector<Material>& materials,
+             LeftOut& leftOut)
+      : model_(model),
+        arrays_(arrays),
+        source_(source),
+        textures_(textures),
+        materials_(materials),
+        follow_(arrays, source, leftOut) {}
 
-  std::vector<Mesh> read(const std::vector<bool>& isUsed);
+  std::vector<Mesh> read(const std::vector<GltfMeshUse>& uses);
 
  private:
-  Mesh readMesh(size_t index);
-  void readPrimitive(const tinygltf::Primitive& primitive, const std::string& who, Mesh& mesh);
+  Mesh readMesh(size_t index, bool skinned);
+  void readPrimitive(const tinygltf::Primitive& primitive, bool skinned, const std::string& who, Mesh& mesh);
   void appendTriangles(int mode, std::vector<uint32_t>&& list, std::vector<uint32_t>& indices) const;
   void checkRange(const Mesh& mesh, const Run& run, size_t vertexCount, const std::string& who) const;
   void appendVertices(Mesh& mesh, const std::string& who);
@@ -50,6 +57,7 @@ class MeshReader {
   const Source& source_;
   const std::vector<std::optional<GltfTexture>>& textures_;  ///< by material
   std::vector<Material>& materials_;
+  GltfFollowReader follow_;
   uint32_t defaultMaterial_ = std::numeric_limits<uint32_t>::max();
   std::unordered_map<int, int> meshesOfAccessor_;  ///< key: accessor of POSITION; value: how many meshes use it
   std::unordered_map<int, std::vector<float>> sharedPositions_;  ///< key: accessor; only those that several meshes use
@@ -75,9 +83,9 @@ uint32_t MeshReader::materialIndex(int material, const std::string& who) {
   return defaultMaterial_;
 }
 
-std::vector<Mesh> MeshReader::read(const std::vector<bool>& isUsed) {
+std::vector<Mesh> MeshReader::read(const std::vector<GltfMeshUse>& uses) {
   for (size_t i = 0; i < model_.meshes.size(); ++i) {
-    if (!isUsed[i]) continue;
+    if (!uses[i].placed) continue;
     std::vector<int> accessors;
     for (const tinygltf::Primitive& primitive : model_.meshes[i].primitives)
       if (const auto found = primitive.attributes.find("POSITION"); found != primitive.attributes.end())
@@ -88,11 +96,11 @@ std::vector<Mesh> MeshReader::read(const std::vector<bool>& isUsed) {
   }
   std::vector<Mesh> meshes;
   for (size_t i = 0; i < model_.meshes.size(); ++i)
-    if (isUsed[i]) meshes.push_back(readMesh(i));
+    if (uses[i].placed) meshes.push_back(readMesh(i, uses[i].skinned));
   return meshes;
 }
 
-Mesh MeshReader::readMesh(size_t index) {
+Mesh MeshReader::readMesh(size_t index, bool skinned) {
   const tinygltf::Mesh& from = model_.meshes[index];
   const std::string who = gltfLabel("mesh", index, from.name);
   Mesh mesh;
@@ -100,13 +108,20 @@ Mesh MeshReader::readMesh(size_t index) {
   runs_.clear();
   draco_.clear();
   for (size_t p = 0; p < from.primitives.size(); ++p)
-    readPrimitive(from.primitives[p], who + ", primitive " + std::to_string(p), mesh);
+    readPrimitive(from.primitives[p], skinned, who + ", primitive " + std::to_string(p), mesh);
+  size_t sets = 0, targets = 0;
+  for (const Run& run : runs_) {
+    sets = std::max(sets, run.vertices.follow.joints.size());
+    targets = std::max(targets, run.vertices.follow.targets.size());
+  }
+  mesh.influences = static_cast<uint32_t>(4 * sets);
+  mesh.morphTargets.resize(targets);
   appendVertices(mesh, who);
   return mesh;
 }
 
 /// Appends the triangles of a primitive, with indices into its own accessor.
-void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, const std::string& who, Mesh& mesh) {
+void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, bool skinned, const std::string& who, Mesh& mesh) {
   if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
     source_.fail(who + ": mode " + std::to_string(primitive.mode) + " does not exist");
   const auto position = primitive.attributes.find("POSITION");
@@ -119,14 +134,18 @@ void MeshReader::readPrimitive(const tinygltf::Primitive& primitive, const std::
   const GltfTexture* texture = textureOf(primitive);
   const std::string uvName = texture ? "TEXCOORD_" + std::to_string(texture->texCoord) : "";
   if (texture) run.vertices.material = primitive.material;
+  run.vertices.follow = follow_.follow(primitive, skinned, who);
   const auto compression = primitive.extensions.find("KHR_draco_mesh_compression");
   if (compression != primitive.extensions.end()) {
     const tinygltf::Value& attributes = compression->second.Get("attributes");
     if (!attributes.Has("POSITION")) source_.fail(who + ": its Draco data has no POSITION");
     const Bytes bytes = arrays_.view(compression->second.Get("bufferView").GetNumberAsInt(), who);
-    const int uvId = attributes.Has(uvName) ? attributes.Get(uvName).GetNumberAsInt() : -1;
-    DracoMesh& draco =
-        draco_.emplace_back(decodeDraco(bytes, attributes.Get("POSITION").GetNumberAsInt(), uvId, who, source_));
+    DracoIds ids;
+    ids.positions = attributes.Get("POSITION").GetNumberAsInt();
+    if (attributes.Has(uvName)) ids.uvs = attributes.Get(uvName).GetNumberAsInt();
+    follow_.addDracoIds(attributes, run.vertices.follow, who, ids);
+    DracoMesh& draco = draco_.emplace_back(decodeDraco(bytes, ids, who, source_));
+    arrays_.charge(draco.joints.size() * draco.positions.size(), 11, who);
     arrays_.charge(draco.positions.size() + draco.uvs.size() + draco.indices.size(), 4, who);
     run.vertices.positions = -1 - static_cast<int>(draco_.size());
     vertexCount = draco.positions.size() / 3;
@@ -222,6 +241,7 @@ void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
         mesh.positions.insert(mesh.positions.end(), positions.begin(), positions.end());
       if (run.vertices.material >= 0)
         appendUvs(mesh, run.vertices, draco ? draco->uvs : uvsOf(run.vertices, count, who));
+      follow_.append(mesh, run.vertices.follow, draco, nullptr, count, who);
     }
     if (found->second == 0) continue;
     for (size_t i = 0; i < run.indexCount; ++i) mesh.indices[run.firstIndex + i] += found->second;
@@ -284,6 +304,7 @@ void MeshReader::appendUsedVertices(Mesh& mesh, const Vertices& vertices, const 
         usedUvs.insert(usedUvs.end(), {uvs[2 * size_t{vertex}], uvs[2 * size_t{vertex} + 1]});
     appendUvs(mesh, vertices, usedUvs);
   }
+  follow_.append(mesh, vertices.follow, nullptr, &used, all.size() / 3, who);
   for (const Run& run : runs_) {
     if (run.vertices != vertices) continue;
     for (size_t i = run.firstIndex; i < run.firstIndex + run.indexCount; ++i)
@@ -301,10 +322,10 @@ std::string gltfLabel(const char* what, size_t index, const std::string& name) {
 }
 
 std::vector<Mesh> readGltfMeshes(const tinygltf::Model& model, GltfArrays& arrays, const Source& source,
-                                 const std::vector<bool>& isUsed,
+                                 const std::vector<GltfMeshUse>& uses,
                                  const std::vector<std::optional<GltfTexture>>& textures,
-                                 std::vector<Material>& materials) {
-  return MeshReader(model, arrays, source, textures, materials).read(isUsed);
+                                 std::vector<Material>& materials, LeftOut& leftOut) {
+  return MeshReader(model, arrays, source, textures, materials, leftOut).read(uses);
 }
 
 }  // namespace gnosphere

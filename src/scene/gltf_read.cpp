@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/gltf_accessor.hpp"
+#include "scene/gltf_animation.hpp"
+#include "scene/node_transform.hpp"
 
 namespace gnosphere {
 namespace {
@@ -27,26 +28,19 @@ void checkRequiredExtensions(const tinygltf::Model& model, const Source& source)
                   ", which GnoSphere does not read; export it without that extension");
 }
 
-/// Composes translation * rotation * scale. The quaternion may have any length, because it may be quantised.
-Transform composed(const double* t, const double* q, const double* s) {
-  const double x = q[0], y = q[1], z = q[2], w = q[3];
-  const double norm = x * x + y * y + z * z + w * w;
-  const double k = norm > 0 ? 2 / norm : 0;
-  return {{(1 - k * (y * y + z * z)) * s[0], k * (x * y - z * w) * s[1], k * (x * z + y * w) * s[2], t[0],
-           k * (x * y + z * w) * s[0], (1 - k * (x * x + z * z)) * s[1], k * (y * z - x * w) * s[2], t[1],
-           k * (x * z - y * w) * s[0], k * (y * z + x * w) * s[1], (1 - k * (x * x + y * y)) * s[2], t[2]}};
+Vec3 vector(const double* values) {
+  return {values[0], values[1], values[2]};
+}
+
+Quaternion quaternion(const double* values) {
+  return {values[0], values[1], values[2], values[3]};
 }
 
 Transform localTransform(const tinygltf::Node& node) {
-  if (!node.matrix.empty()) {  // column-major
-    Transform transform;
-    for (size_t row = 0; row < 3; ++row)
-      for (size_t column = 0; column < 4; ++column) transform.rows[4 * row + column] = node.matrix[4 * column + row];
-    return transform;
-  }
-  static constexpr double kZero[] = {0, 0, 0}, kUnit[] = {0, 0, 0, 1}, kOne[] = {1, 1, 1};
-  return composed(node.translation.empty() ? kZero : node.translation.data(),
-                  node.rotation.empty() ? kUnit : node.rotation.data(), node.scale.empty() ? kOne : node.scale.data());
+  if (!node.matrix.empty()) return gltfMatrix(node.matrix.data());
+  return composed(node.translation.empty() ? Vec3{} : vector(node.translation.data()),
+                  node.rotation.empty() ? Quaternion{} : quaternion(node.rotation.data()),
+                  node.scale.empty() ? Vec3{1, 1, 1} : vector(node.scale.data()));
 }
 
 class Reader {
@@ -57,25 +51,31 @@ class Reader {
   Scene read() {
     checkRequiredExtensions(model_, source_);
     for (const tinygltf::Material& material : model_.materials) scene_.materials.push_back(readMaterial(material));
+    parents_ = parents();
     readNodes();
     readMeshes();
+    readGltfAnimation(file_, arrays_, source_, parents_, placements_, scene_, leftOut_);
+    scene_.leftOut = leftOut_.lines();
     return std::move(scene_);
   }
 
  private:
   Material readMaterial(const tinygltf::Material& from) const;
   std::vector<int> parents() const;
-  std::vector<int> roots(const std::vector<int>& parents) const;
+  std::vector<int> roots() const;
   void readNodes();
   void place(size_t node, const Transform& transform);
-  void add(const tinygltf::Node& node, const Transform& transform, const std::string& who);
+  void add(const GltfPlacement& placement, const Transform& transform, const std::string& who);
   void readMeshes();
 
   const GltfFile& file_;
   const tinygltf::Model& model_;
   GltfArrays arrays_;
   const Source& source_;
+  std::vector<int> parents_;  // by node; kNone: it is a root
   Scene scene_;
+  std::vector<GltfPlacement> placements_;  // by instance
+  LeftOut leftOut_;
 };
 
 Material Reader::readMaterial(const tinygltf::Material& from) const {
@@ -126,22 +126,23 @@ std::vector<int> Reader::parents() const {
   return parents;
 }
 
-std::vector<int> Reader::roots(const std::vector<int>& parents) const {
+std::vector<int> Reader::roots() const {
   std::vector<int> roots;
   if (model_.scenes.empty()) {
-    for (size_t i = 0; i < parents.size(); ++i)
-      if (parents[i] == kNone) roots.push_back(static_cast<int>(i));
+    for (size_t i = 0; i < parents_.size(); ++i)
+      if (parents_[i] == kNone) roots.push_back(static_cast<int>(i));
     return roots;
   }
   const int chosen = std::max(model_.defaultScene, 0);
   if (static_cast<size_t>(chosen) >= model_.scenes.size())
     source_.fail("scene " + std::to_string(chosen) + " does not exist");
-  std::vector<bool> seen(parents.size());
+  std::vector<bool> seen(parents_.size());
   for (int root : model_.scenes[static_cast<size_t>(chosen)].nodes) {
     const std::string who = "scene " + std::to_string(chosen) + ": node " + std::to_string(root);
-    if (root < 0 || static_cast<size_t>(root) >= parents.size()) source_.fail(who + " does not exist");
-    if (parents[static_cast<size_t>(root)] != kNone)
-      source_.fail(who + " is not a root, it is a child of node " + std::to_string(parents[static_cast<size_t>(root)]));
+    if (root < 0 || static_cast<size_t>(root) >= parents_.size()) source_.fail(who + " does not exist");
+    if (parents_[static_cast<size_t>(root)] != kNone)
+      source_.fail(who + " is not a root, it is a child of node " +
+                   std::to_string(parents_[static_cast<size_t>(root)]));
     if (seen[static_cast<size_t>(root)]) source_.fail(who + " is listed twice");
     seen[static_cast<size_t>(root)] = true;
     roots.push_back(root);
@@ -156,7 +157,7 @@ void Reader::readNodes() {
     Transform parent;
   };
   std::vector<Visit> stack;
-  const std::vector<int> roots = this->roots(parents());
+  const std::vector<int> roots = this->roots();
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, {}});
   while (!stack.empty()) {
     const Visit visit = stack.back();
@@ -169,10 +170,12 @@ void Reader::readNodes() {
   }
 }
 
-void Reader::add(const tinygltf::Node& node, const Transform& transform, const std::string& who) {
+void Reader::add(const GltfPlacement& placement, const Transform& transform, const std::string& who) {
   if (!std::all_of(transform.rows.begin(), transform.rows.end(), [](double value) { return std::isfinite(value); }))
     source_.fail(who + ": its transform is not finite");
+  const tinygltf::Node& node = model_.nodes[placement.node];
   scene_.instances.push_back({node.name, static_cast<uint32_t>(node.mesh), transform});
+  placements_.push_back(placement);
 }
 
 void Reader::place(size_t index, const Transform& transform) {
@@ -181,7 +184,7 @@ void Reader::place(size_t index, const Transform& transform) {
   if (static_cast<size_t>(node.mesh) >= model_.meshes.size())
     source_.fail(who + ": mesh " + std::to_string(node.mesh) + " does not exist");
   const auto instancing = node.extensions.find("EXT_mesh_gpu_instancing");
-  if (instancing == node.extensions.end()) return add(node, transform, who);
+  if (instancing == node.extensions.end()) return add({index}, transform, who);
 
   const tinygltf::Value& attributes = instancing->second.Get("attributes");
   size_t count = 0;
@@ -202,23 +205,27 @@ void Reader::place(size_t index, const Transform& transform) {
   const std::vector<double> rotations = attribute("ROTATION", 4);
   const std::vector<double> scales = attribute("SCALE", 3);
   arrays_.charge(count, sizeof(Instance), who);
-  static constexpr double kZero[] = {0, 0, 0}, kUnit[] = {0, 0, 0, 1}, kOne[] = {1, 1, 1};
-  for (size_t i = 0; i < count; ++i)
-    add(node,
-        transform * composed(translations.empty() ? kZero : &translations[3 * i],
-                             rotations.empty() ? kUnit : &rotations[4 * i], scales.empty() ? kOne : &scales[3 * i]),
-        who + ", instance " + std::to_string(i));
+  for (size_t i = 0; i < count; ++i) {
+    const Transform offset = composed(translations.empty() ? Vec3{} : vector(&translations[3 * i]),
+                                      rotations.empty() ? Quaternion{} : quaternion(&rotations[4 * i]),
+                                      scales.empty() ? Vec3{1, 1, 1} : vector(&scales[3 * i]));
+    add({index, true, offset}, transform * offset, who + ", instance " + std::to_string(i));
+  }
 }
 
 /// Reads only the meshes that the scene places, in the order of the file.
 void Reader::readMeshes() {
   std::vector<uint32_t> newIndex(model_.meshes.size(), 0);
-  std::vector<bool> isUsed(model_.meshes.size());
-  for (const Instance& instance : scene_.instances) isUsed[instance.mesh] = true;
+  std::vector<GltfMeshUse> uses(model_.meshes.size());
+  for (size_t i = 0; i < placements_.size(); ++i) {
+    GltfMeshUse& use = uses[scene_.instances[i].mesh];
+    use.placed = true;
+    use.skinned = use.skinned || (model_.nodes[placements_[i].node].skin >= 0 && !placements_[i].instanced);
+  }
   const auto textures = readGltfImages(file_, arrays_, source_, scene_);
-  scene_.meshes = readGltfMeshes(model_, arrays_, source_, isUsed, textures, scene_.materials);
-  for (size_t i = 0, next = 0; i < isUsed.size(); ++i)
-    if (isUsed[i]) newIndex[i] = static_cast<uint32_t>(next++);
+  scene_.meshes = readGltfMeshes(model_, arrays_, source_, uses, textures, scene_.materials, leftOut_);
+  for (size_t i = 0, next = 0; i < uses.size(); ++i)
+    if (uses[i].placed) newIndex[i] = static_cast<uint32_t>(next++);
   for (Instance& instance : scene_.instances) instance.mesh = newIndex[instance.mesh];
 }
 

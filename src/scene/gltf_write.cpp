@@ -6,9 +6,11 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "gnosphere/error.hpp"
 #include "gnosphere/scene.hpp"
@@ -19,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr int kFloat = 5126, kUnsignedInt = 5125;
+constexpr int kFloat = 5126, kUnsignedInt = 5125, kUnsignedShort = 5123;
 constexpr int kVertexTarget = 34962, kIndexTarget = 34963;
 constexpr int kPoints = 0;
 
@@ -41,11 +43,11 @@ Json toJson(const Material& material) {
 }
 
 /// Adds the bounds of the positions, which glTF requires. They ignore NaN and infinity, which JSON cannot express.
-void addBounds(Json& accessor, const Mesh& mesh) {
+void addBounds(Json& accessor, std::span<const float> positions) {
   constexpr float kHuge = std::numeric_limits<float>::max();
   std::array<float, 3> low = {kHuge, kHuge, kHuge}, high = {-kHuge, -kHuge, -kHuge};
-  for (size_t i = 0; i < mesh.positions.size(); ++i) {
-    const float value = mesh.positions[i];
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const float value = positions[i];
     if (!std::isfinite(value)) continue;
     low[i % 3] = std::min(low[i % 3], value);
     high[i % 3] = std::max(high[i % 3], value);
@@ -56,27 +58,40 @@ void addBounds(Json& accessor, const Mesh& mesh) {
   accessor["max"] = high;
 }
 
+Transform translation(const Vec3& to) {
+  return {{1, 0, 0, to.x, 0, 1, 0, to.y, 0, 0, 1, to.z}};
+}
+
+/// The columns of a 4x4 matrix.
+std::array<double, 16> columnsOf(const Transform& map) {
+  std::array<double, 16> columns;
+  for (size_t column = 0; column < 4; ++column)
+    for (size_t row = 0; row < 4; ++row)
+      columns[4 * column + row] = row < 3 ? map.rows[4 * row + column] : column == 3 ? 1.0 : 0.0;
+  return columns;
+}
+
+/// The JSON of a scene, and the arrays that follow it.
 class Document {
  public:
-  explicit Document(const Scene& scene) {
+  explicit Document(const Scene& scene) : scene_(scene), followed_(scene.meshes.size()) {
     json_["asset"] = {{"version", "2.0"}, {"generator", "GnoSphere"}};
     json_["scene"] = 0;
     for (const Material& material : scene.materials) {
       json_["materials"].push_back(toJson(material));
       if (material.transmission > 0) json_["extensionsUsed"] = {"KHR_materials_transmission"};
     }
-    for (const Mesh& mesh : scene.meshes) add(mesh);
-    Json roots = Json::array();
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-      json_["nodes"].push_back(node(scene, scene.instances[i]));
-      roots.push_back(i);
-    }
-    json_["scenes"] = Json::array({Json::object()});
-    if (!roots.empty()) json_["scenes"][0]["nodes"] = std::move(roots);
+    for (const AnimatedInstance& animated : scene.animation.instances)
+      followed_[scene.instances[animated.instance].mesh] = true;
+    for (size_t i = 0; i < scene.meshes.size(); ++i) add(scene.meshes[i], followed_[i]);
+    addNodes();
+    for (const Clip& clip : scene.animation.clips) add(clip);
     if (byteLength_ > 0) json_["buffers"] = Json::array({{{"byteLength", byteLength_}}});
   }
 
   uint64_t byteLength() const { return byteLength_; }
+  /// The binary chunk, array by array.
+  const std::vector<std::pair<const void*, size_t>>& arrays() const { return arrays_; }
   /// The JSON text, padded with spaces to whole words as GLB requires.
   std::string text() const {
     std::string text = json_.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -90,65 +105,212 @@ class Document {
     return json_[array].size() - 1;
   }
 
-  size_t addView(uint64_t bytes, int target) {
-    const size_t view =
-        push("bufferViews", {{"buffer", 0}, {"byteOffset", byteLength_}, {"byteLength", bytes}, {"target", target}});
-    byteLength_ += bytes;
-    return view;
+  /// The values must live as long as the document.
+  template <typename T>
+  size_t addView(const std::vector<T>& values, int target) {
+    Json view = {{"buffer", 0}, {"byteOffset", byteLength_}, {"byteLength", values.size() * sizeof(T)}};
+    if (target != 0) view["target"] = target;
+    arrays_.emplace_back(values.data(), values.size() * sizeof(T));
+    byteLength_ += values.size() * sizeof(T);
+    return push("bufferViews", std::move(view));
   }
 
-  void add(const Mesh& mesh) {
-    Json primitives = Json::array();
-    if (mesh.triangleCount() > 0) {
-      Json positions = {{"componentType", kFloat}, {"type", "VEC3"}, {"count", mesh.vertexCount()}};
-      positions["bufferView"] = addView(mesh.positions.size() * sizeof(float), kVertexTarget);
-      addBounds(positions, mesh);
-      const size_t vertices = push("accessors", std::move(positions));
-      const size_t view = addView(mesh.indices.size() * sizeof(uint32_t), kIndexTarget);
-      for (const MeshPart& part : mesh.parts) {
-        if (part.triangleCount == 0) continue;
-        const size_t indices = push("accessors", {{"bufferView", view},
-                                                  {"byteOffset", size_t{part.firstTriangle} * 3 * sizeof(uint32_t)},
-                                                  {"componentType", kUnsignedInt},
-                                                  {"type", "SCALAR"},
-                                                  {"count", size_t{part.triangleCount} * 3}});
-        primitives.push_back(
-            {{"attributes", {{"POSITION", vertices}}}, {"indices", indices}, {"material", part.material}});
-      }
-    } else {
-      // glTF has no empty mesh. A single point, which has no area, takes its place, so that mesh and instance numbers
-      // stay.
-      const Json zero = {0, 0, 0};
-      const size_t point =
-          push("accessors", {{"componentType", kFloat}, {"type", "VEC3"}, {"count", 1}, {"min", zero}, {"max", zero}});
-      primitives.push_back({{"attributes", {{"POSITION", point}}}, {"mode", kPoints}});
-    }
-    Json item = {{"primitives", std::move(primitives)}};
-    if (!mesh.name.empty()) item["name"] = mesh.name;
-    push("meshes", std::move(item));
+  template <typename T>
+  size_t addAccessor(const std::vector<T>& values, const char* type, size_t components, int target = 0) {
+    const size_t view = addView(values, target);
+    return push("accessors", {{"bufferView", view},
+                              {"componentType", std::is_same_v<T, uint16_t> ? kUnsignedShort : kFloat},
+                              {"type", type},
+                              {"count", values.size() / components}});
+  }
+  size_t addPositions(const std::vector<float>& positions) {
+    const size_t accessor = addAccessor(positions, "VEC3", 3, kVertexTarget);
+    addBounds(json_["accessors"][accessor], positions);
+    return accessor;
   }
 
-  static Json node(const Scene& scene, const Instance& instance) {
-    const Vec3& origin = scene.meshes[instance.mesh].origin;
-    const Transform toYUp = {{1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0}};
-    const Transform matrix =
-        toYUp * instance.transform * Transform{{1, 0, 0, origin.x, 0, 1, 0, origin.y, 0, 0, 1, origin.z}};
-    for (double value : matrix.rows)
-      if (!std::isfinite(value))
-        throw Error(ErrorCode::invalidArgument, "the origin of mesh " + std::to_string(instance.mesh) +
-                                                    " moves an instance of it beyond finite numbers");
-    Json columns = Json::array();
-    for (size_t column = 0; column < 4; ++column)
-      for (size_t row = 0; row < 4; ++row)
-        columns.push_back(row < 3 ? matrix.rows[4 * row + column] : column == 3 ? 1.0 : 0.0);
-    Json json = {{"mesh", instance.mesh}, {"matrix", std::move(columns)}};
-    if (!instance.name.empty()) json["name"] = instance.name;
-    return json;
-  }
+  void add(const Mesh& mesh, bool followed);
+  void addJoints(const Mesh& mesh, Json& attributes);
+  void addNodes();
+  void addFollower(const AnimatedInstance& animated, Json&& item, Json& roots);
+  void setMatrix(Json& node, const Transform& matrix, uint32_t mesh) const;
+  static Json nodeOf(const Node& node);
+  size_t addSkin(const Skin& skin, const Vec3& origin);
+  void add(const Clip& clip);
 
+  const Scene& scene_;
+  std::vector<bool> followed_;                // by mesh: whether an animated instance places it
+  std::vector<std::vector<size_t>> placers_;  // by node of the animation: nodes of the file that place meshes for it
   Json json_;
   uint64_t byteLength_ = 0;
+  std::vector<std::pair<const void*, size_t>> arrays_;
+  std::deque<std::vector<float>> floats_;     // arrays that the scene does not have
+  std::deque<std::vector<uint16_t>> shorts_;  // the same
 };
+
+/// A deformable mesh that no animated instance places is written as it is deformed.
+void Document::add(const Mesh& mesh, bool followed) {
+  Json primitives = Json::array();
+  if (mesh.triangleCount() > 0) {
+    const bool baked = !followed && !mesh.deformation.empty();
+    Json attributes, targets = Json::array();
+    attributes["POSITION"] =
+        addPositions(baked ? floats_.emplace_back(deformedPositions(mesh, mesh.deformation)) : mesh.positions);
+    if (followed) addJoints(mesh, attributes);
+    if (followed)
+      for (const std::vector<float>& offsets : mesh.morphTargets)
+        targets.push_back({{"POSITION", addPositions(offsets)}});
+    const size_t view = addView(mesh.indices, kIndexTarget);
+    for (const MeshPart& part : mesh.parts) {
+      if (part.triangleCount == 0) continue;
+      const size_t indices = push("accessors", {{"bufferView", view},
+                                                {"byteOffset", size_t{part.firstTriangle} * 3 * sizeof(uint32_t)},
+                                                {"componentType", kUnsignedInt},
+                                                {"type", "SCALAR"},
+                                                {"count", size_t{part.triangleCount} * 3}});
+      primitives.push_back({{"attributes", attributes}, {"indices", indices}, {"material", part.material}});
+      if (!targets.empty()) primitives.back()["targets"] = targets;
+    }
+  } else {
+    // glTF has no empty mesh. A single point, which has no area, takes its place, so that mesh and instance numbers
+    // stay.
+    const Json zero = {0, 0, 0};
+    const size_t point =
+        push("accessors", {{"componentType", kFloat}, {"type", "VEC3"}, {"count", 1}, {"min", zero}, {"max", zero}});
+    primitives.push_back({{"attributes", {{"POSITION", point}}}, {"mode", kPoints}});
+  }
+  Json item = {{"primitives", std::move(primitives)}};
+  if (!mesh.name.empty()) item["name"] = mesh.name;
+  push("meshes", std::move(item));
+}
+
+/// Adds the joints in sets of four. A joint without weight is 0, as glTF wants it.
+void Document::addJoints(const Mesh& mesh, Json& attributes) {
+  for (size_t first = 0; first < mesh.influences; first += 4) {
+    std::vector<uint16_t>& joints = shorts_.emplace_back(4 * mesh.vertexCount());
+    std::vector<float>& weights = floats_.emplace_back(4 * mesh.vertexCount());
+    const size_t count = std::min<size_t>(4, mesh.influences - first);
+    for (size_t vertex = 0; vertex < mesh.vertexCount(); ++vertex)
+      for (size_t i = 0; i < count; ++i) {
+        const size_t from = vertex * mesh.influences + first + i;
+        weights[4 * vertex + i] = mesh.jointWeights[from];
+        if (mesh.jointWeights[from] > 0) joints[4 * vertex + i] = mesh.joints[from];
+      }
+    const std::string set = std::to_string(first / 4);
+    attributes["JOINTS_" + set] = addAccessor(joints, "VEC4", 4, kVertexTarget);
+    attributes["WEIGHTS_" + set] = addAccessor(weights, "VEC4", 4, kVertexTarget);
+  }
+}
+
+void Document::setMatrix(Json& node, const Transform& matrix, uint32_t mesh) const {
+  for (double value : matrix.rows)
+    if (!std::isfinite(value))
+      throw Error(ErrorCode::invalidArgument,
+                  "the origin of mesh " + std::to_string(mesh) + " moves an instance of it beyond finite numbers");
+  node["matrix"] = columnsOf(matrix);
+}
+
+/// Adds the nodes of the animation, below one that turns them, and a node per instance.
+void Document::addNodes() {
+  const SceneAnimation& animation = scene_.animation;
+  const Transform toYUp = {{1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0}};
+  Json roots = Json::array();
+  for (const Node& node : animation.nodes) push("nodes", nodeOf(node));
+  if (!animation.nodes.empty()) {
+    Json turned = {{"children", Json::array()}, {"matrix", columnsOf(toYUp * animation.root)}};
+    for (size_t i = 0; i < animation.nodes.size(); ++i) {
+      const uint32_t parent = animation.nodes[i].parent;
+      (parent == kNoNode ? turned : json_["nodes"][parent])["children"].push_back(i);
+    }
+    roots.push_back(push("nodes", std::move(turned)));
+  }
+  placers_.resize(animation.nodes.size());
+  std::vector<const AnimatedInstance*> followers(scene_.instances.size());
+  for (const AnimatedInstance& animated : animation.instances) followers[animated.instance] = &animated;
+  for (size_t i = 0; i < scene_.instances.size(); ++i) {
+    const Instance& instance = scene_.instances[i];
+    Json item = {{"mesh", instance.mesh}};
+    if (!instance.name.empty()) item["name"] = instance.name;
+    if (followers[i] != nullptr) {
+      addFollower(*followers[i], std::move(item), roots);
+      continue;
+    }
+    setMatrix(item, toYUp * instance.transform * translation(scene_.meshes[instance.mesh].origin), instance.mesh);
+    roots.push_back(push("nodes", std::move(item)));
+  }
+  json_["scenes"] = Json::array({Json::object()});
+  if (!roots.empty()) json_["scenes"][0]["nodes"] = std::move(roots);
+}
+
+/// Adds the node of an instance that follows a node, below that, or a skin.
+void Document::addFollower(const AnimatedInstance& animated, Json&& item, Json& roots) {
+  const uint32_t number = scene_.instances[animated.instance].mesh;
+  const Mesh& mesh = scene_.meshes[number];
+  const Node& node = scene_.animation.nodes[animated.node];
+  if (!mesh.morphTargets.empty()) {
+    std::vector<float> weights = node.morphWeights;
+    weights.resize(mesh.morphTargets.size());
+    item["weights"] = std::move(weights);
+  }
+  const bool skinned = animated.skin != kNoSkin;
+  if (skinned)
+    item["skin"] = addSkin(scene_.animation.skins[animated.skin], mesh.origin);
+  else
+    setMatrix(item, animated.offset * translation(mesh.origin), number);
+  const size_t index = push("nodes", std::move(item));
+  (skinned ? roots : json_["nodes"][animated.node]["children"]).push_back(index);
+  if (!mesh.morphTargets.empty()) placers_[animated.node].push_back(index);
+}
+
+Json Document::nodeOf(const Node& node) {
+  const Vec3 &t = node.translation, &s = node.scale;
+  const Quaternion& r = node.rotation;
+  Json json =
+      node.matrix
+          ? Json{{"matrix", columnsOf(*node.matrix)}}
+          : Json{{"translation", {t.x, t.y, t.z}}, {"rotation", {r.x, r.y, r.z, r.w}}, {"scale", {s.x, s.y, s.z}}};
+  if (!node.name.empty()) json["name"] = node.name;
+  return json;
+}
+
+size_t Document::addSkin(const Skin& skin, const Vec3& origin) {
+  std::vector<float>& binds = floats_.emplace_back();
+  for (const Transform& bind : skin.inverseBinds)
+    for (double value : columnsOf(bind * translation(origin))) binds.push_back(static_cast<float>(value));
+  Json json = {{"joints", skin.joints}, {"inverseBindMatrices", addAccessor(binds, "MAT4", 16)}};
+  if (!skin.name.empty()) json["name"] = skin.name;
+  return push("skins", std::move(json));
+}
+
+void Document::add(const Clip& clip) {
+  static constexpr const char* kPaths[] = {"translation", "rotation", "scale", "weights"};
+  static constexpr const char* kInterpolations[] = {"STEP", "LINEAR", "CUBICSPLINE"};
+  Json channels = Json::array(), samplers = Json::array();
+  for (const Track& track : clip.tracks) {
+    const bool weights = track.property == Track::Property::morphWeights;
+    const bool rotation = track.property == Track::Property::rotation;
+    const size_t input = addAccessor(track.times, "SCALAR", 1);
+    json_["accessors"][input]["min"] = {track.times.front()};
+    json_["accessors"][input]["max"] = {track.times.back()};
+    const size_t output = addAccessor(track.values,
+                                      weights    ? "SCALAR"
+                                      : rotation ? "VEC4"
+                                                 : "VEC3",
+                                      weights    ? 1
+                                      : rotation ? 4
+                                                 : 3);
+    samplers.push_back({{"input", input},
+                        {"output", output},
+                        {"interpolation", kInterpolations[static_cast<size_t>(track.interpolation)]}});
+    const std::vector<size_t> nodes = weights ? placers_[track.node] : std::vector<size_t>{track.node};
+    for (size_t node : nodes)
+      channels.push_back({{"sampler", samplers.size() - 1},
+                          {"target", {{"node", node}, {"path", kPaths[static_cast<size_t>(track.property)]}}}});
+  }
+  // glTF has no animation without channels.
+  if (!channels.empty())
+    push("animations", {{"name", clip.name}, {"channels", std::move(channels)}, {"samplers", std::move(samplers)}});
+}
 
 /// A file that is written as `file.part`, renamed to `file` when it is complete and removed if it is not.
 class PartFile {
@@ -208,11 +370,7 @@ void writeGlb(const Scene& scene, const fs::path& file) {
   output.write(text.data(), text.size());
   if (binary > 0) {
     words({static_cast<uint32_t>(binary), 0x004E4942});  // "BIN"
-    for (const Mesh& mesh : scene.meshes) {
-      if (mesh.triangleCount() == 0) continue;
-      output.write(mesh.positions.data(), mesh.positions.size() * sizeof(float));
-      output.write(mesh.indices.data(), mesh.indices.size() * sizeof(uint32_t));
-    }
+    for (const auto& [bytes, size] : document.arrays()) output.write(bytes, size);
   }
   output.finish();
 }

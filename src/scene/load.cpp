@@ -99,6 +99,7 @@ Scene loadScene(const fs::path& file, const LoadOptions& options) {
   Scene scene = readScene(format, bytes, source);
 
   const Transform root = rootTransform(format, options);
+  scene.animation.root = root;
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     Transform& transform = scene.instances[i].transform;
     transform = root * transform;

@@ -178,6 +178,7 @@ void validate(const Scene& scene) {
   }
   if (placed >= (uint64_t{1} << 31))
     fail("the scene places " + std::to_string(placed) + " triangles; the limit is 2147483647");
+  validateAnimation(scene);
 }
 
 }  // namespace gnosphere

@@ -15,4 +15,8 @@ void validate(const Mesh& mesh, const std::string& name, const std::vector<Mater
 /// As many joints and weights as the mesh has, or none at all; finite values.
 void validate(const Deformation& deformation, const std::string& name, const Mesh& mesh);
 
+/// Scene::animation: indices that exist, times that ascend, sizes that fit, finite numbers. Instances and meshes must
+/// have been checked.
+void validateAnimation(const Scene& scene);
+
 }  // namespace gnosphere

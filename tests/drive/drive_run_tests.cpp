@@ -9,35 +9,13 @@
 
 #include "drive/pose_math.hpp"
 #include "drive_support.hpp"
+#include "npy_rows.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
 using Catch::Matchers::WithinAbs;
 
 namespace {
-
-/// A row of the .npy files of smallDrive().
-struct Row {
-  float x, y, z, range, time;
-  uint16_t category;
-  uint32_t instance;
-};
-
-/// Reads a structured array without numpy: the data comes after a text whose length stands at byte 8.
-std::vector<Row> rowsOf(const std::string& bytes) {
-  uint16_t header = 0;
-  std::memcpy(&header, bytes.data() + 8, 2);
-  constexpr size_t kStride = 26;
-  std::vector<Row> rows;
-  for (size_t at = 10 + header; at + kStride <= bytes.size(); at += kStride) {
-    Row row;
-    std::memcpy(&row, bytes.data() + at, 20);
-    std::memcpy(&row.category, bytes.data() + at + 20, 2);
-    std::memcpy(&row.instance, bytes.data() + at + 22, 4);
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 /// All files below a folder with their bytes, except those that only say how a run went.
 std::map<std::string, std::string> filesOf(const fs::path& folder) {

@@ -51,7 +51,7 @@ void fuzzScene(SceneFormat format, Bytes bytes) {
 /// Calls the Draco decoder without the GLB around it, because mutations break the GLB first.
 void fuzzDraco(Bytes bytes) {
   try {
-    decodeDraco(bytes, 0, -1, "primitive", {"'fuzz'", nullptr});
+    decodeDraco(bytes, {}, "primitive", {"'fuzz'", nullptr});
   } catch (const std::exception&) {  // readScene turns all of them into Errors
   }
 }

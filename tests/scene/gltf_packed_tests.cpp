@@ -108,6 +108,20 @@ TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors") {
     builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(static_cast<uint32_t>(t)),
                                       &positions[3 * indices[3 * t]], &positions[3 * indices[3 * t + 1]],
                                       &positions[3 * indices[3 * t + 2]]);
+  // Vertices follow joint 1 by x / 4 and joint 0 by the rest.
+  const int joints = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 4, draco::DT_UINT8),
+            weights = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 4, draco::DT_FLOAT32);
+  const uint8_t kJoints[4] = {0, 1, 0, 0};
+  for (size_t t = 0; t < indices.size() / 3; ++t) {
+    float shares[3][4] = {};
+    for (size_t k = 0; k < 3; ++k) {
+      shares[k][1] = positions[3 * indices[3 * t + k]] / 4;
+      shares[k][0] = 1 - shares[k][1];
+    }
+    const draco::FaceIndex face(static_cast<uint32_t>(t));
+    builder.SetAttributeValuesForFace(joints, face, kJoints, kJoints, kJoints);
+    builder.SetAttributeValuesForFace(weights, face, shares[0], shares[1], shares[2]);
+  }
   const auto mesh = builder.Finalize();
   draco::Encoder encoder;
   encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);  // keeps the order and the bits
@@ -128,6 +142,23 @@ TEST_CASE("KHR_draco_mesh_compression is decoded without other accessors") {
   REQUIRE(read.indices.size() == indices.size());
   for (size_t i = 0; i < indices.size(); ++i)
     for (size_t c = 0; c < 3; ++c) CHECK(read.positions[3 * read.indices[i] + c] == positions[3 * indices[i] + c]);
+
+  GltfFileMaker skinned = file;
+  Json& primitive = skinned.json["meshes"][0]["primitives"][0];
+  for (const auto& [name, extra] : {std::pair("JOINTS_0", joints), std::pair("WEIGHTS_0", weights)}) {
+    primitive["attributes"][name] = 0;  // its accessor must not be read
+    primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"][name] = mesh->attribute(extra)->unique_id();
+  }
+  skinned.json["skins"] = {{{"joints", {1, 2}}}};
+  skinned.json["nodes"][0]["skin"] = 0;
+  skinned.node({{"name", "low"}});
+  skinned.node({{"name", "high"}, {"translation", {0, 0, 8}}});
+  const Mesh bent = skinned.load().meshes.at(0);
+  const Floats deformed = deformedPositions(bent, bent.deformation);
+  REQUIRE(bent.indices.size() == indices.size());
+  for (size_t i = 0; i < indices.size(); ++i)
+    CHECK(std::abs(deformed[3 * bent.indices[i] + 2] -
+                   (positions[3 * indices[i] + 2] + 2 * positions[3 * indices[i]])) < 1e-5);
 
   file.json["bufferViews"][0]["byteLength"] = buffer.size() / 2;
   CHECK_THAT(file.failure(), ContainsSubstring("mesh 0, primitive 0: its Draco data is invalid"));

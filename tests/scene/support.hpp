@@ -85,7 +85,9 @@ struct GltfFileMaker {
   }
   template <typename T>
   int accessor(const std::vector<T>& values, const char* type, Json more = Json::object()) {
-    const size_t components = type == std::string("SCALAR") ? 1 : static_cast<size_t>(type[3] - '0');  // VEC2 ...
+    const size_t components = type == std::string("SCALAR") ? 1
+                              : type == std::string("MAT4") ? 16
+                                                            : static_cast<size_t>(type[3] - '0');  // VEC2 ...
     more.update({{"bufferView", view(bytesOf(values))},
                  {"componentType", componentType<T>()},
                  {"count", values.size() / components},

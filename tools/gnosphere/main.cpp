@@ -39,7 +39,7 @@ int run(const std::vector<Command>& commands) {
     return 1;
   }
   cli::complain(
-      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, town or drive (see "
+      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, info, town or drive (see "
       "gnosphere --help)");
   return 2;
 }
@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
       addCommand(app, "devices", "List every device, and why one is unusable", cli::addDevices),
       addCommand(app, "sensors", "List the built-in sensors, or print one as JSON", cli::addSensors),
       addCommand(app, "effects", "List every effect and its parameters, or print a preset as JSON", cli::addEffects),
+      addCommand(app, "info", "Tell what a scene holds: meshes, materials, animations", cli::addInfo),
       addCommand(app, "town", "Write a synthetic town", cli::addTown),
       addCommand(app, "drive", "Make the data set that a drive file describes", cli::addDrive),
   };

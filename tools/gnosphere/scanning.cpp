@@ -52,8 +52,15 @@ Quaternion product(const Quaternion& a, const Quaternion& b) {
 
 }  // namespace
 
-void addScanningOptions(CLI::App& app, ScanningOptions& options) {
+void addSceneOptions(CLI::App& app, ScanningOptions& options) {
   app.add_option("SCENE", options.scene, "A .gltf, .glb, .obj, .ply or .stl file")->required();
+  app.add_option("--up", options.up, "The scene's upward axis (default: that of its format)")
+      ->check(CLI::IsMember({"y", "z"}));
+  app.add_option("--scale", options.scale, "Scene units in metres")->capture_default_str();
+}
+
+void addScanningOptions(CLI::App& app, ScanningOptions& options) {
+  addSceneOptions(app, options);
   app.add_option("--sensor", options.sensor,
                  "A built-in name (gnosphere sensors), with :MODE if wanted, or a sensor file")
       ->capture_default_str();
@@ -66,9 +73,10 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   app.add_option("--binning", options.binning, "How triangles are assigned to beams; every choice gives the same cloud")
       ->check(CLI::IsMember(kBinnings))
       ->capture_default_str();
-  app.add_option("--up", options.up, "The scene's upward axis (default: that of its format)")
-      ->check(CLI::IsMember({"y", "z"}));
-  app.add_option("--scale", options.scale, "Scene units in metres")->capture_default_str();
+  CLI::Option* animation =
+      app.add_option("--animation", options.animation, "Show the scene in this animation of its file (gnosphere info)");
+  app.add_option("--time", options.time, "Seconds after the start of the animation, which repeats; default 0")
+      ->needs(animation);
   app.add_option("--device", options.device,
                  "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
       ->capture_default_str();
@@ -88,6 +96,7 @@ void checkScanning(const ScanningOptions& options) {
   if (!std::isfinite(options.scale) || options.scale <= 0) {
     throw Error(ErrorCode::invalidArgument, "--scale must be finite and above 0");
   }
+  if (!std::isfinite(options.time)) throw Error(ErrorCode::invalidArgument, "--time must be finite");
   if (!options.pose.empty()) parsePose(options.pose);
 }
 
@@ -105,8 +114,22 @@ SimulatorOptions simulatorOptions(const ScanningOptions& options) {
   return settings;
 }
 
-Scene loadScene(const ScanningOptions& options) {
+Scene loadSceneAtRest(const ScanningOptions& options) {
   return gnosphere::loadScene(options.scene, {kUpAxes.at(options.up), options.scale});
+}
+
+Scene loadScene(const ScanningOptions& options) {
+  Scene scene = loadSceneAtRest(options);
+  for (const std::string& line : scene.leftOut) complain("warning: " + options.scene + ": left out are " + line);
+  if (options.animation.empty()) return scene;
+  try {
+    SceneState state = stateAt(scene, clipNamed(scene, options.animation), options.time);
+    for (size_t i = 0; i < scene.instances.size(); ++i) scene.instances[i].transform = state.transforms[i];
+    for (size_t i = 0; i < scene.meshes.size(); ++i) scene.meshes[i].deformation = std::move(state.deformations[i]);
+  } catch (const Error& error) {
+    throw Error(error.code(), "--animation: " + options.scene + ": " + error.what());
+  }
+  return scene;
 }
 
 Pose poseOf(const ScanningOptions& options, const Scene& scene) {

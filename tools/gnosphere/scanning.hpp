@@ -15,13 +15,15 @@ namespace gnosphere::cli {
 extern const std::map<std::string, Accuracy> kAccuracies;
 
 struct ScanningOptions {
-  std::string scene, sensor = "HDL-64E", pose, up, device = "auto", faces = "material", binning = "auto";
-  double scale = 1;
+  std::string scene, sensor = "HDL-64E", pose, up, device = "auto", faces = "material", binning = "auto", animation;
+  double scale = 1, time = 0;
   bool validation = false;
 };
 
-/// Adds SCENE and --sensor, --pose, --faces, --binning, --up, --scale, --device, --validation.
+/// Adds SCENE and --sensor, --pose, --faces, --binning, --up, --scale, --animation, --time, --device, --validation.
 void addScanningOptions(CLI::App& app, ScanningOptions& options);
+/// Adds SCENE, --up and --scale.
+void addSceneOptions(CLI::App& app, ScanningOptions& options);
 
 /// Adds --accuracy, one of kAccuracies.
 CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy);
@@ -49,7 +51,10 @@ Sensor sensorOf(const std::string& nameOrFile);
 /// Throws Error(invalidArgument) for mistakes that can be found before the scene is loaded.
 void checkScanning(const ScanningOptions& options);
 SimulatorOptions simulatorOptions(const ScanningOptions& options);
+/// The scene, at --time of --animation if that is given. Complains about what the scene leaves out.
 Scene loadScene(const ScanningOptions& options);
+/// The scene as its file has it.
+Scene loadSceneAtRest(const ScanningOptions& options);
 
 /// Returns --pose. The default is 1.8 m (as on a car's roof) above the ground at the world's origin if the scene is
 /// there, else in the middle of the scene.

@@ -229,13 +229,13 @@ void NuScenes::writeAnnotations(const std::filesystem::path& out, const std::vec
   for (uint64_t sample : samples) times[sample] = sampleTime(sample, entries);
   Json rows = Json::array(), instances = Json::array();
   for (const auto& [actor, bySample] : sights) {
-    const Bounds& bounds = world_.boundsOf(actor);
-    const Vec3 size = bounds.max - bounds.min;
     std::vector<uint64_t> seen;
     for (const auto& [sample, sight] : bySample) seen.push_back(sample);
     for (size_t i = 0; i < seen.size(); ++i) {
       const double time = times[seen[i]];
       const Sight& sight = bySample.at(seen[i]);
+      const Bounds bounds = world_.boundsOf(actor, time);
+      const Vec3 size = bounds.max - bounds.min;
       const Pose box = drive_.actors[actor].trajectory.at(time) * Pose{0.5 * (bounds.min + bounds.max), {}};
       rows.push_back({{"token", token("annotation", actor, seen[i])},
                       {"sample_token", token("sample", seen[i])},

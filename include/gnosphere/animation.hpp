@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "gnosphere/scene.hpp"
+
+namespace gnosphere {
+
+/// Where the instances and the vertices of a scene are at one moment.
+struct SceneState {
+  std::vector<Transform> transforms;      ///< by instance; for Simulator::setTransform()
+  std::vector<Deformation> deformations;  ///< by mesh, empty unless it is deformable; for Simulator::setDeformation()
+};
+
+/// What happens outside the time of a clip: it repeats, or its first or last state holds.
+enum class ClipEnd { loop, hold };
+
+/// The state of the scene `seconds` after the start of a clip of the scene. What the clip does not move is at rest:
+/// instances that follow no node keep their transform, and meshes that none of them places their deformation. An empty
+/// Clip gives the state at rest. The scene must be valid, see validate().
+GNOSPHERE_API SceneState stateAt(const Scene& scene, const Clip& clip, double seconds, ClipEnd end = ClipEnd::loop);
+
+/// The clip of this name. Throws Error(invalidArgument) that tells the nearest names.
+GNOSPHERE_API const Clip& clipNamed(const Scene& scene, const std::string& name);
+
+}  // namespace gnosphere

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/gltf_clips.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace gnosphere {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Returns false for a property that no node has.
+bool parseProperty(const std::string& path, Track::Property& property) {
+  static const std::map<std::string, Track::Property> kPaths = {{"translation", Track::Property::translation},
+                                                                {"rotation", Track::Property::rotation},
+                                                                {"scale", Track::Property::scale},
+                                                                {"weights", Track::Property::morphWeights}};
+  const auto found = kPaths.find(path);
+  if (found != kPaths.end()) property = found->second;
+  return found != kPaths.end();
+}
+
+class ClipReader {
+ public:
+  ClipReader(const GltfFile& file, GltfArrays& arrays, const Source& source, const std::vector<uint32_t>& nodes,
+             const Scene& scene, LeftOut& leftOut)
+      : file_(file), arrays_(arrays), source_(source), nodes_(nodes), animation_(scene.animation), leftOut_(leftOut) {
+    for (const AnimatedInstance& animated : animation_.instances)
+      morphTargets_[animated.node] = scene.meshes[scene.instances[animated.instance].mesh].morphTargets.size();
+  }
+
+  std::vector<Clip> read() {
+    std::vector<Clip> clips;
+    for (size_t i = 0; i < file_.animations.size(); ++i) clips.push_back(clip(i));
+    return clips;
+  }
+
+ private:
+  Clip clip(size_t index);
+  bool target(const Json& channel, const std::string& who, Track& track);
+  void keys(const Json& sampler, const std::string& who, Track& track);
+  size_t widthOf(const Track& track) const;
+
+  const GltfFile& file_;
+  GltfArrays& arrays_;
+  const Source& source_;
+  const std::vector<uint32_t>& nodes_;
+  const SceneAnimation& animation_;
+  LeftOut& leftOut_;
+  std::map<uint32_t, size_t> morphTargets_;  // by node that places a mesh with some
+};
+
+Clip ClipReader::clip(size_t index) {
+  const Json& from = file_.animations[index];
+  Clip clip;
+  clip.name = from.value("name", std::string());
+  const std::string who = gltfLabel("animation", index, clip.name);
+  if (clip.name.empty()) clip.name = std::to_string(index);
+  std::set<std::pair<uint32_t, Track::Property>> seen;
+  const Json &channels = from["channels"], &samplers = from["samplers"];
+  for (size_t i = 0; i < channels.size(); ++i) {
+    const std::string channel = who + ", channel " + std::to_string(i);
+    Track track;
+    if (!target(channels[i], channel, track)) continue;
+    if (!seen.emplace(track.node, track.property).second)
+      source_.fail(channel + " moves what another channel of the animation moves");
+    const auto sampler = channels[i]["sampler"].get<size_t>();
+    if (sampler >= samplers.size()) source_.fail(channel + ": sampler " + std::to_string(sampler) + " does not exist");
+    keys(samplers[sampler], channel, track);
+    clip.duration = std::max(clip.duration, double{track.times.back()});
+    clip.tracks.push_back(std::move(track));
+  }
+  return clip;
+}
+
+/// Sets what the track moves. Returns false if it is nothing that a scene has.
+bool ClipReader::target(const Json& channel, const std::string& who, Track& track) {
+  const Json& target = channel["target"];
+  const std::string path = target["path"].get<std::string>();
+  if (!parseProperty(path, track.property)) {
+    leftOut_.add("animation channels that move " + inQuotes(path));
+    return false;
+  }
+  if (!target.contains("node")) {
+    leftOut_.add("animation channels without a node");
+    return false;
+  }
+  const auto node = target["node"].get<size_t>();
+  if (node >= nodes_.size()) source_.fail(who + ": node " + std::to_string(node) + " does not exist");
+  track.node = nodes_[node];
+  if (animation_.nodes[track.node].matrix && track.property != Track::Property::morphWeights) {
+    leftOut_.add("animation channels that move a node with a matrix");
+    return false;
+  }
+  const auto targets = morphTargets_.find(track.node);
+  if (track.property == Track::Property::morphWeights && (targets == morphTargets_.end() || targets->second == 0)) {
+    leftOut_.add("animation channels for morph weights of a node that places no mesh with morph targets");
+    return false;
+  }
+  return true;
+}
+
+/// Numbers per key.
+size_t ClipReader::widthOf(const Track& track) const {
+  const size_t values = track.property == Track::Property::rotation       ? 4
+                        : track.property == Track::Property::morphWeights ? morphTargets_.at(track.node)
+                                                                          : 3;
+  return track.interpolation == Track::Interpolation::cubic ? 3 * values : values;
+}
+
+void ClipReader::keys(const Json& sampler, const std::string& who, Track& track) {
+  const std::string interpolation = sampler.value("interpolation", std::string("LINEAR"));
+  if (interpolation == "STEP")
+    track.interpolation = Track::Interpolation::step;
+  else if (interpolation == "CUBICSPLINE")
+    track.interpolation = Track::Interpolation::cubic;
+  else if (interpolation != "LINEAR")
+    source_.fail(who + ": interpolation " + inQuotes(interpolation) + " is not STEP, LINEAR or CUBICSPLINE");
+  const auto floats = [&](const char* accessor, int components) {
+    const std::vector<double> values = arrays_.vectors(sampler[accessor].get<int>(), components, who);
+    return std::vector<float>(values.begin(), values.end());
+  };
+  const auto allFinite = [](const std::vector<float>& values) {
+    return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+  };
+  track.times = floats("input", 1);
+  const bool weights = track.property == Track::Property::morphWeights;
+  track.values = floats("output", weights ? 1 : track.property == Track::Property::rotation ? 4 : 3);
+  const size_t width = widthOf(track);
+  if (track.times.empty()) source_.fail(who + " has no keys");
+  if (track.values.size() != width * track.times.size())
+    source_.fail(who + ": " + std::to_string(track.times.size()) + " keys of " + std::to_string(width) +
+                 " numbers need " + std::to_string(width * track.times.size()) + ", there are " +
+                 std::to_string(track.values.size()));
+  if (!allFinite(track.times) || !std::is_sorted(track.times.begin(), track.times.end()) || track.times.front() < 0)
+    source_.fail(who + ": its times do not ascend from 0 or later");
+  if (!allFinite(track.values)) source_.fail(who + ": a value is not finite");
+}
+
+}  // namespace
+
+std::vector<Clip> readGltfClips(const GltfFile& file, GltfArrays& arrays, const Source& source,
+                                const std::vector<uint32_t>& nodes, const Scene& scene, LeftOut& leftOut) {
+  return ClipReader(file, arrays, source, nodes, scene, leftOut).read();
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps of nodes, in double.
+#pragma once
+
+#include "gnosphere/scene.hpp"
+
+namespace gnosphere {
+
+/// Composes translation * rotation * scale. The quaternion may have any length, because it may be quantised.
+inline Transform composed(const Vec3& t, const Quaternion& q, const Vec3& s) {
+  const double norm = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  const double k = norm > 0 ? 2 / norm : 0;
+  return {{(1 - k * (q.y * q.y + q.z * q.z)) * s.x, k * (q.x * q.y - q.z * q.w) * s.y,
+           k * (q.x * q.z + q.y * q.w) * s.z, t.x,  //
+           k * (q.x * q.y + q.z * q.w) * s.x, (1 - k * (q.x * q.x + q.z * q.z)) * s.y,
+           k * (q.y * q.z - q.x * q.w) * s.z, t.y,  //
+           k * (q.x * q.z - q.y * q.w) * s.x, k * (q.y * q.z + q.x * q.w) * s.y,
+           (1 - k * (q.x * q.x + q.y * q.y)) * s.z, t.z}};
+}
+
+/// The inverse of a map whose determinant is not 0.
+inline Transform inverse(const Transform& map) {
+  const auto& m = map.rows;
+  const double c0 = m[5] * m[10] - m[6] * m[9], c1 = m[6] * m[8] - m[4] * m[10], c2 = m[4] * m[9] - m[5] * m[8];
+  const double scale = 1 / (m[0] * c0 + m[1] * c1 + m[2] * c2);
+  Transform r = {{scale * c0, scale * (m[2] * m[9] - m[1] * m[10]), scale * (m[1] * m[6] - m[2] * m[5]), 0,  //
+                  scale * c1, scale * (m[0] * m[10] - m[2] * m[8]), scale * (m[2] * m[4] - m[0] * m[6]), 0,  //
+                  scale * c2, scale * (m[1] * m[8] - m[0] * m[9]), scale * (m[0] * m[5] - m[1] * m[4]), 0}};
+  for (size_t row = 0; row < 12; row += 4)
+    r.rows[row + 3] = -(r.rows[row] * m[3] + r.rows[row + 1] * m[7] + r.rows[row + 2] * m[11]);
+  return r;
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere info, and scans of animated models.
+#include <cmath>
+#include <sstream>
+
+#include "animation/made_model.hpp"
+#include "cli_support.hpp"
+
+using namespace gnosphere::test;
+
+namespace {
+
+/// A wall at y = 5 that moves to y = 9 within two seconds, in y-up coordinates.
+std::string movingWall() {
+  GltfFileMaker file = animatedFile();
+  file.json["nodes"][0].update({{"translation", {-20, -20, -5}}, {"scale", {60, 60, 1}}});
+  addChannel(file, 0, "translation", "LINEAR", {0, 2}, Floats{-20, -20, -5, -20, -20, -9});
+  return file.text();
+}
+
+/// The y coordinates in a CSV file whose second column they are.
+std::vector<double> secondColumn(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string line;
+  std::getline(lines, line);
+  std::vector<double> values;
+  while (std::getline(lines, line)) values.push_back(std::stod(line.substr(line.find(',') + 1)));
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("info tells what is deformable, the animations, and what is left out") {
+  const Workplace place;
+  GltfFileMaker file = skinnedFile();
+  addChannel(file, 2, "rotation", "LINEAR", {0, 1.5f}, Floats{0, 0, 0, 1, 0, 0, 0, 1});
+  file.json["animations"][0]["channels"].push_back({{"sampler", 0}, {"target", {{"path", "rotation"}}}});
+  place.put("strip.gltf", file.text());
+  const nlohmann::json info = place.runJson("info strip.gltf --json");
+  CHECK(info["triangles"] == 4);
+  REQUIRE(info["deformable_meshes"].size() == 1);
+  CHECK(info["deformable_meshes"][0]["joints"] == 2);
+  CHECK(info["deformable_meshes"][0]["joints_per_vertex"] == 4);
+  REQUIRE(info["animations"].size() == 1);
+  CHECK(info["animations"][0]["name"] == "clip");
+  CHECK(info["animations"][0]["duration"] == 1.5);
+  CHECK(info["animations"][0]["nodes"] == 1);
+  CHECK(info["left_out"] == nlohmann::json::array({"1 animation channels without a node"}));
+  const Result text = place.run("info strip.gltf");
+  CHECK(text.status == 0);
+  for (const char* words : {"4 triangles of 1 mesh in 1 instance", "1 animation channels without a node", "clip"})
+    CHECK_THAT(text.out, Catch::Matchers::ContainsSubstring(words));
+  CHECK(place.run("info floor.obj").status == 0);
+}
+
+TEST_CASE("scan shows a scene at a time of an animation") {
+  const Workplace place;
+  place.put("wall.gltf", movingWall());
+  const std::string scan =
+      "scan wall.gltf --pose 0,0,0 --sensor VLP-16 --faces both --device reference --effects clean "
+      "--compact -o out.csv";
+  const auto wallAt = [&](const std::string& more) {
+    const Result result = place.run(scan + more);
+    INFO(result.err);
+    REQUIRE(result.status == 0);
+    const std::vector<double> found = secondColumn(place.get("out.csv"));
+    REQUIRE(found.size() > 100);
+    for (const double y : found) CHECK(std::abs(y - found[0]) < 1e-5);
+    return found[0];
+  };
+  CHECK(std::abs(wallAt("") - 5) < 1e-5);
+  CHECK(std::abs(wallAt(" --animation clip --time 0.5") - 6) < 1e-5);
+  CHECK(std::abs(wallAt(" --animation clip --time 2.5") - 6) < 1e-5);
+  CHECK(std::abs(wallAt(" --animation clip") - 5) < 1e-5);
+  const Result wrong = place.run("scan wall.gltf --animation clap -o no.csv");
+  CHECK(wrong.status == 2);
+  CHECK_THAT(wrong.err, Catch::Matchers::ContainsSubstring("no clip is called 'clap'; there is clip"));
+  CHECK(place.run("scan wall.gltf --time 1 -o no.csv").status == 2);
+  CHECK(place.run("scan wall.gltf --animation clip --time inf -o no.csv").status == 2);
+  CHECK_FALSE(fs::exists(place / "no.csv"));
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Actors and scenes of a drive that show animations.
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+#include <sstream>
+
+#include "animation/panels.hpp"
+#include "drive_support.hpp"
+#include "npy_rows.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinAbs;
+
+namespace {
+
+/// A drive whose sensor stands, with two actors that show the panels: 5 m before it, and 5 m behind it at double speed.
+Json panelDrive() {
+  Json json = smallDrive();
+  json["weather"] = Json::array();
+  json["ego"]["trajectory"]["waypoints"] = {waypoint(0, 0, 0, 0), waypoint(1, 0, 0, 0)};
+  json["sensors"] = {json["sensors"][0]};
+  json["sensors"][0]["effects"] = "auto";
+  json["models"] = {{"panels", {{"file", "panels.gltf"}, {"up", "z"}}}};
+  const auto actor = [](const char* name, double x, const Json& animation) {
+    return Json{{"name", name},
+                {"model", "panels"},
+                {"class", "car"},
+                {"trajectory", {{"waypoints", {waypoint(0, x, 0, 0)}}}},
+                {"animation", animation}};
+  };
+  json["actors"] = {actor("front", 5, {{"clip", "push"}, {"loop", false}}),
+                    actor("back", -5, {{"clip", "push"}, {"speed", 2}, {"offset", 0.25}, {"loop", false}})};
+  json["outputs"].push_back({{"format", "boxes"}});
+  return json;
+}
+
+}  // namespace
+
+TEST_CASE("actors show their animations, each at its own time, and boxes follow their shape") {
+  const DriveFolder folder;
+  put(folder / "panels.gltf", panels());
+  REQUIRE(folder.run(panelDrive()).finished);
+  size_t soft = 0, rigid = 0;
+  for (int scan = 0; scan < 10; ++scan) {
+    INFO("scan " << scan);
+    const double start = 0.1 * scan;
+    for (const Row& row : rowsOf(folder.get("out/npy/top/00000" + std::to_string(scan) + ".npy"))) {
+      if (row.category != 10) continue;
+      const bool front = row.instance == 1;
+      const auto pushed = [&](double time) { return std::min(1.0, front ? time : 0.25 + 2 * time); };
+      const double place = front ? 5 : -5;
+      if (row.y > 0) {
+        ++soft;
+        CHECK_THAT(row.x, WithinAbs(place + pushed(start), 1e-4));
+      } else {
+        // It goes straight from where it is at the scan's start to where it is at its end.
+        ++rigid;
+        const double share = row.time / 0.1, from = pushed(start), to = pushed(start + 0.1);
+        CHECK_THAT(row.x, WithinAbs(place + from + share * (to - from), 1e-4));
+      }
+    }
+    std::istringstream boxes(folder.get("out/boxes/top/00000" + std::to_string(scan) + ".jsonl"));
+    std::string line;
+    size_t found = 0;
+    while (std::getline(boxes, line)) {
+      const Json box = Json::parse(line);
+      ++found;
+      if (box["name"] == "front") {
+        CHECK_THAT(box["world_frame"]["position"][0].get<double>(), WithinAbs(5 + start, 1e-5));
+      }
+    }
+    CHECK(found == 2);
+  }
+  CHECK(soft > 100);
+  CHECK(rigid > 100);
+}
+
+TEST_CASE("a scene of a drive shows an animation, with the same frames in any order") {
+  const DriveFolder folder;
+  put(folder / "panels.gltf", panels());
+  Json json = panelDrive();
+  json["actors"] = Json::array();
+  json["scenes"].push_back({{"file", "panels.gltf"},
+                            {"up", "z"},
+                            {"class", "person"},
+                            {"pose", {{"position", {5, 0, 0}}}},
+                            {"animation", {{"clip", "push"}}}});
+  REQUIRE(folder.run(json).finished);
+  const drive::Drive drive = folder.read(json);
+  drive::RunOptions options;
+  options.out = folder / "late";
+  options.simulator.device = DeviceChoice::Kind::reference;
+  options.firstFrame = 7;
+  options.endFrame = 8;
+  drive::run(drive, options);
+  const std::string bytes = folder.get("out/npy/top/000007.npy");
+  CHECK(bytes == folder.get("late/npy/top/000007.npy"));
+  size_t soft = 0;
+  for (const Row& row : rowsOf(bytes)) {
+    if (row.category != 30 || row.y < 0) continue;
+    ++soft;
+    CHECK_THAT(row.x, WithinAbs(5.7, 1e-4));
+  }
+  CHECK(soft > 5);
+}
+
+TEST_CASE("a wrong animation in a drive file is told with its path and the nearest clip") {
+  const DriveFolder folder;
+  put(folder / "panels.gltf", panels());
+  const auto refused = [&](const char* pointer, const Json& value, const std::string& words) {
+    Json json = panelDrive();
+    json[Json::json_pointer(pointer)] = value;
+    try {
+      folder.read(json);
+      FAIL_CHECK("is accepted: " << words);
+    } catch (const Error& error) {
+      CHECK_THAT(error.what(), ContainsSubstring(words));
+    }
+  };
+  refused("/actors/0/animation/clip", "pusch", "actors[0].animation.clip: 'pusch' is unknown; there is push");
+  refused("/actors/0/animation/sped", 1, "actors[0].animation.sped: is an unknown word");
+  refused("/actors/1/animation", Json::object(), "actors[1].animation.clip: is missing");
+  refused("/scenes/0/animation", {{"clip", "push"}}, "scenes[0].animation.clip: 'push' is unknown; there are none");
+}
