@@ -16,7 +16,6 @@ std::string text(nb::handle object) {
 
 nb::object arrayOfShape(const ArrayLike& argument, const std::string& name, size_t width) {
   const std::string wanted = width == 0 ? "(n,)" : "(n, " + std::to_string(width) + ")";
-  if (argument.object.is_none()) refuse(name + " is None; it must be an array of shape " + wanted);
   nb::object array;
   try {
     array = numpy().attr("asarray")(argument.object);

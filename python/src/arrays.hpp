@@ -66,6 +66,9 @@ using Column = nb::ndarray<nb::numpy, T, nb::ndim<1>>;
 template <typename T, size_t width>
 using Rows = nb::ndarray<nb::numpy, T, nb::shape<-1, width>>;
 
+/// For properties that return arrays, which have their owner already.
+inline constexpr auto kOwned = nb::rv_policy::reference;
+
 /// A view of memory that `owner` keeps.
 template <typename T>
 Column<T> columnView(T* data, size_t size, nb::handle owner) {

@@ -58,6 +58,7 @@ void bindSignal(nb::class_<Effects>& effects) {
           [](Effects::DropOut& self, const ArrayLike& beams) {
             self.deadBeams = arrayOf<uint32_t>(beams, "DropOut: dead_beams").copy();
           },
+          kOwned,
           "Indices of beams that never return anything, shape (n,), uint32: a read-only copy; assign a new array to "
           "change them.");
 }

@@ -4,6 +4,8 @@
 
 NB_MODULE(_gnosphere, m) {
   using namespace gnosphere::python;
+  // A function given as SimulatorOptions.warn may refer to the object that holds it; such a cycle stays until the end.
+  nb::set_leak_warnings(false);
   m.doc() = "A LiDAR simulator that never casts a ray.";
   m.attr("__version__") = GNOSPHERE_VERSION;
   bindErrors(m);

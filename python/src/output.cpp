@@ -58,7 +58,7 @@ void bindLayout(nb::module_& m) {
         "Returns a layout with the fields one after the other without gaps, each component in the field's own type.");
   m.def(
       "pack",
-      [](const SharedScan& scan, const RecordLayout& of, const nb::typed<nb::object, nb::handle>& out) {
+      [](const SharedScan& scan, const RecordLayout& of, const nb::object& out) {
         const std::shared_ptr<Scan> shared = scan.scan;
         const RecordLayout chosen = of;
         const WritableBytes memory(out);

@@ -169,7 +169,7 @@ void readArray(nb::class_<SharedScan>& type, const char* name, std::vector<T> Sc
         std::vector<T>& values = (*self.scan).*array;
         return columnView(values.data(), values.size(), keeperOf(self));
       },
-      doc);
+      kOwned, doc);
 }
 
 }  // namespace
@@ -218,6 +218,7 @@ void bindScan(nb::module_& m) {
       [](const SharedScan& self) {
         return rowsView<3>(self.scan->points.data(), self.scan->points.size() / 3, keeperOf(self));
       },
+      kOwned,
       "Shape (entries, 3), float32: x, y, z in metres in the sensor frame. A view that keeps its memory alive.");
   readArray(scan, "ranges", &Scan::ranges,
             "Shape (entries,), float32: metres along the beam. A view that keeps its memory alive.");

@@ -27,11 +27,10 @@ void bindTransform(nb::module_& m) {
           "rows"_a, "rows: shape (3, 4), float64; of a 4x4 matrix these are the first three rows.")
       .def_prop_ro(
           "rows",
-          [](nb::handle self) {
-            return nb::ndarray<nb::numpy, const double, nb::shape<3, 4>>(nb::inst_ptr<Transform>(self)->rows.data(),
-                                                                         {3, 4}, self);
+          [](const Transform& self) {
+            return nb::ndarray<nb::numpy, const double, nb::shape<3, 4>>(self.rows.data(), {3, 4}, nb::find(self));
           },
-          "Shape (3, 4), float64, read-only.")
+          kOwned, "Shape (3, 4), float64, read-only.")
       .def(
           "__mul__", [](const Transform& a, const Transform& b) { return a * b; }, nb::is_operator(),
           "(a * b) p = a * (b * p)")
@@ -69,11 +68,11 @@ void bindMaterial(nb::module_& m) {
       .def_ro("height", &AlphaImage::height)
       .def_prop_ro(
           "alpha",
-          [](nb::handle self) {
-            AlphaImage& of = *nb::inst_ptr<AlphaImage>(self);
-            return nb::ndarray<nb::numpy, uint8_t, nb::ndim<2>>(of.alpha.data(), {of.height, of.width}, self);
+          [](AlphaImage& self) {
+            return nb::ndarray<nb::numpy, uint8_t, nb::ndim<2>>(self.alpha.data(), {self.height, self.width},
+                                                                nb::find(self));
           },
-          "Shape (height, width), uint8: a view of the image's memory, which it keeps alive.")
+          kOwned, "Shape (height, width), uint8: a view of the image's memory, which it keeps alive.")
       .def_rw("wrap_u", &AlphaImage::wrapU)
       .def_rw("wrap_v", &AlphaImage::wrapV);
 
@@ -151,24 +150,13 @@ void bindMesh(nb::module_& m) {
       .def_rw("origin", &Mesh::origin, "Metres, in the mesh frame.")
       .def_prop_ro(
           "positions",
-          [](nb::handle self) {
-            Mesh& of = *nb::inst_ptr<Mesh>(self);
-            return rowsView<3>(of.positions.data(), of.vertexCount(), self);
-          },
+          [](Mesh& self) { return rowsView<3>(self.positions.data(), self.vertexCount(), nb::find(self)); }, kOwned,
           "Shape (vertices, 3), float32, metres: a view of the mesh's memory, which it keeps alive.")
       .def_prop_ro(
-          "indices",
-          [](nb::handle self) {
-            Mesh& of = *nb::inst_ptr<Mesh>(self);
-            return rowsView<3>(of.indices.data(), of.triangleCount(), self);
-          },
-          "Shape (triangles, 3), uint32: a view of the mesh's memory, which it keeps alive.")
+          "indices", [](Mesh& self) { return rowsView<3>(self.indices.data(), self.triangleCount(), nb::find(self)); },
+          kOwned, "Shape (triangles, 3), uint32: a view of the mesh's memory, which it keeps alive.")
       .def_prop_ro(
-          "uvs",
-          [](nb::handle self) {
-            Mesh& of = *nb::inst_ptr<Mesh>(self);
-            return rowsView<2>(of.uvs.data(), of.uvs.size() / 2, self);
-          },
+          "uvs", [](Mesh& self) { return rowsView<2>(self.uvs.data(), self.uvs.size() / 2, nb::find(self)); }, kOwned,
           "Shape (vertices, 2), float32, or (0, 2): a view of the mesh's memory, which it keeps alive.")
       .def("vertex_count", &Mesh::vertexCount)
       .def("triangle_count", &Mesh::triangleCount);
@@ -211,11 +199,10 @@ void bindScene(nb::module_& m) {
           },
           "materials"_a = nb::make_tuple(), "meshes"_a = nb::make_tuple(), "instances"_a = nb::make_tuple(),
           "alpha_images"_a = nb::make_tuple(), "Copies what it is given.")
-      .def_prop_ro("materials", [](nb::handle self) { return elementsOf(self, nb::inst_ptr<Scene>(self)->materials); })
-      .def_prop_ro("alpha_images",
-                   [](nb::handle self) { return elementsOf(self, nb::inst_ptr<Scene>(self)->alphaImages); })
-      .def_prop_ro("meshes", [](nb::handle self) { return elementsOf(self, nb::inst_ptr<Scene>(self)->meshes); })
-      .def_prop_ro("instances", [](nb::handle self) { return elementsOf(self, nb::inst_ptr<Scene>(self)->instances); })
+      .def_prop_ro("materials", [](Scene& self) { return elementsOf(nb::find(self), self.materials); })
+      .def_prop_ro("alpha_images", [](Scene& self) { return elementsOf(nb::find(self), self.alphaImages); })
+      .def_prop_ro("meshes", [](Scene& self) { return elementsOf(nb::find(self), self.meshes); })
+      .def_prop_ro("instances", [](Scene& self) { return elementsOf(nb::find(self), self.instances); })
       .def_ro("unread_images", &Scene::unreadImages,
               "Number of images of AlphaMode.mask materials that are missing or not PNG.")
       .def("unique_triangle_count", &Scene::uniqueTriangleCount, "Summed over meshes.")

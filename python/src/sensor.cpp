@@ -26,7 +26,7 @@ Column<const T> view(const std::vector<T>& list, nb::handle owner) {
 template <typename T>
 void readView(nb::class_<BeamList>& type, const char* name, std::vector<T> BeamList::*list, const char* doc) {
   type.def_prop_ro(
-      name, [list](nb::handle self) { return view(nb::inst_ptr<BeamList>(self)->*list, self); }, doc);
+      name, [list](const BeamList& self) { return view(self.*list, nb::find(self)); }, kOwned, doc);
 }
 
 void bindBeams(nb::module_& m) {
@@ -131,6 +131,7 @@ void bindSensorItself(nb::module_& m) {
           [](Sensor& self, const ArrayLike& beams) {
             self.maskedBeams = arrayOf<uint32_t>(beams, "Sensor: masked_beams").copy();
           },
+          kOwned,
           "Indices of beams that never fire, shape (n,), uint32: a read-only copy; assign a new array to change them.")
       .def("is_grid", &Sensor::isGrid)
       .def("beam_count", &Sensor::beamCount)
@@ -169,7 +170,7 @@ void bindCatalogue(nb::module_& m) {
       .def_ro("product", &CatalogueHead::product, "Vendor and product.")
       .def_ro("source", &CatalogueHead::source, "Documents from which the figures are.")
       .def_ro("remarks", &CatalogueHead::remarks, "What the model simplifies, and what the source does not state.")
-      .def_ro("range_at_10_percent", &CatalogueHead::rangeAt10Percent, "Metres, on a surface that reflects 10 %.");
+      .def_ro("range_at10_percent", &CatalogueHead::rangeAt10Percent, "Metres, on a surface that reflects 10 %.");
   readTuple(head, "modes", &CatalogueHead::modes, "The first one is the default; none if the head has one mode only.");
   m.def(
       "sensor_catalogue", [] { return tupleOf(sensorCatalogue()); }, "Returns the real heads that are built in.");
