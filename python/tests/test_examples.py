@@ -7,7 +7,10 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, program
+
+from gnosphere import Error
+from gnosphere import drive as drives
 
 EXAMPLES = REPOSITORY / "python" / "examples"
 
@@ -48,17 +51,21 @@ def test_training_data(folder, tmp_path):
 
 def test_dataset(folder, tmp_path):
     drive = folder / "drive.json"
-    assert example(tmp_path, "dataset", drive, "out", 2).endswith("2 of 2 frames\ntown: 0 of 2 frames were there, 10 files were made\n")
+    printed = example(tmp_path, "dataset", drive, "out", 2)
+    assert printed.endswith("2 of 2 frames\ntown: 0 of 2 frames were there, 10 files were made\n")
     assert "2 of 2 frames were there, 0 files" in example(tmp_path, "dataset", drive, "out", 2)
-    from gnosphere import Error, drive as drives
-
     # The same bytes as the command line's.
-    from conftest import program
-
     program("drive", drive, "-o", tmp_path / "cli", "--frames", "0:2")
     made = {path.relative_to(tmp_path / "out"): path.read_bytes() for path in (tmp_path / "out").rglob("*.bin")}
     assert len(made) > 1
     assert made == {path.relative_to(tmp_path / "cli"): path.read_bytes() for path in (tmp_path / "cli").rglob("*.bin")}
+    for options, sentence in (
+        (drives.RunOptions(tmp_path / "out", shard_count=0), "no shard 0 of 0"),
+        (drives.RunOptions(tmp_path / "out", shard=2, shard_count=2), "no shard 2 of 2"),
+        (drives.RunOptions(tmp_path / "out", first_frame=3, end_frame=3), "first_frame is 3"),
+    ):
+        with pytest.raises(Error, match=sentence):
+            drives.run(drives.read_drive(drive), options)
     (tmp_path / "bad.json").write_text('{"scnes": []}')
     with pytest.raises(Error, match="scenes"):
         drives.read_drive(tmp_path / "bad.json")
