@@ -30,7 +30,8 @@ def place(x: float, y: float) -> gnosphere.Transform:
 # A box of 4 x 2 x 1.5 m that overtakes: added to the running simulator.
 corners = np.array([[x, y, z] for x in (-2, 2) for y in (-1, 1) for z in (0, 1.5)], np.float32)
 faces = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [1, 5, 7], [1, 7, 3]], np.uint32
+    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [1, 5, 7], [1, 7, 3]],
+    np.uint32,
 )
 car = simulator.add_instance(
     simulator.add_mesh(gnosphere.Mesh(corners, faces, [gnosphere.MeshPart(0, len(faces), 0)])), place(0, 4), class_id=1

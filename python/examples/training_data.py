@@ -37,7 +37,9 @@ def receive(shot: int, scan: gnosphere.Scan) -> None:
         fog=labels == Label.scatter.value,
     )
     gnosphere.write_picture(scan, f"fog-{shot}.png")
-    print(f"{visibilities[shot]:.0f} m: {returned.sum()} points, {(labels == Label.scatter.value).mean():.1%} in the fog")
+    print(
+        f"{visibilities[shot]:.0f} m: {returned.sum()} points, {(labels == Label.scatter.value).mean():.1%} in the fog"
+    )
 
 
 simulator.scan_all(shots, receive)

@@ -74,7 +74,14 @@ def test_arrays_that_have_to_be_converted_are():
     frozen = CORNERS.copy()
     frozen.flags.writeable = False
     swapped = CORNERS.astype(">f4")
-    for positions in (wide[:, ::2], frozen, swapped, np.asfortranarray(CORNERS), CORNERS.astype(np.float16), [[0, 0, 0]] * 3):
+    for positions in (
+        wide[:, ::2],
+        frozen,
+        swapped,
+        np.asfortranarray(CORNERS),
+        CORNERS.astype(np.float16),
+        [[0, 0, 0]] * 3,
+    ):
         assert np.array_equal(gnosphere.Mesh(positions, FACES, PARTS).positions, CORNERS)
     for indices in (FACES.astype(np.int64), FACES.astype(">u2"), FACES.tolist(), np.repeat(FACES, 2, axis=0)[::2]):
         assert np.array_equal(gnosphere.Mesh(CORNERS, indices, PARTS).indices, FACES)

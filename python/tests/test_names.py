@@ -40,9 +40,13 @@ def names_in(header: str) -> set[str]:
         names |= set(re.findall(r"^\s*(\w+)\s*(?:,|$)", block.replace(",", ",\n"), re.M))
     text = re.sub(r"enum class \w+(?: : \w+)? \{[^}]*\}", "Enumeration", text)
     for line in text.splitlines():  # members: indented, a type, then names with defaults
-        member = re.fullmatch(r" {2,4}(?!return|using|friend|static|template|const auto)([\w:]+(?:<.*>)?) ([^()]+);", line)
+        member = re.fullmatch(
+            r" {2,4}(?!return|using|friend|static|template|const auto)([\w:]+(?:<.*>)?) ([^()]+);", line
+        )
         if member and not line.startswith("     "):
-            names |= set(re.findall(r"(?:^|, )(\w+)(?= =|,|$| \{)", re.sub(r"\{[^}]*\}|= [^,]+", "", member[2]).strip()))
+            names |= set(
+                re.findall(r"(?:^|, )(\w+)(?= =|,|$| \{)", re.sub(r"\{[^}]*\}|= [^,]+", "", member[2]).strip())
+            )
     return {snake(name) for name in names if re.fullmatch(r"[A-Za-z]\w*[a-z0-9]|[a-z]", name)} - LEFT_OUT
 
 

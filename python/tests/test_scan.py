@@ -60,7 +60,7 @@ def test_a_view_keeps_its_memory_after_the_scan_is_deleted(simulator, pose):
     del scan, views
     gc.collect()
     churn = [simulator.scan(gnosphere.Pose((x, 0, 1.8))) for x in range(5)]
-    for kept, copied in zip(slices, copies):
+    for kept, copied in zip(slices, copies, strict=True):
         assert same(kept, copied)
     assert len(churn) == 5
 
@@ -112,7 +112,7 @@ def test_scan_all_gives_what_scan_gives_and_what_is_kept_stays(simulator):
     simulator.scan_all([gnosphere.Shot(pose) for pose in poses], lambda shot, scan: kept.append((shot, scan)))
     assert [shot for shot, _ in kept] == list(range(6))
     assert len({address(scan.points) for _, scan in kept}) == 6
-    for (_, scan), pose in zip(kept, poses):
+    for (_, scan), pose in zip(kept, poses, strict=True):
         assert same(scan.points, simulator.scan(pose).points)
 
     addresses = []

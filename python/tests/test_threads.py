@@ -14,9 +14,7 @@ import gnosphere
 def slow(town):
     """A simulator on the reference whose scan takes a while, and that scan's bytes."""
     request = gnosphere.SensorRequest(gnosphere.builtin_sensor("HDL-64E"), gnosphere.Effects.none())
-    simulator = gnosphere.Simulator(
-        town, request, gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
-    )
+    simulator = gnosphere.Simulator(town, request, gnosphere.SimulatorOptions(gnosphere.device_by_name("reference")))
     return simulator, simulator.scan(gnosphere.Pose((0, 0, 1.8))).points.tobytes()
 
 
