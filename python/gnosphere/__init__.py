@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A LiDAR simulator that never casts a ray.
+
+Everything of the C++ face under the same names in snake_case: docs/python.md. Frames are right-handed, x forward,
+y left, z up, in metres; angles are radians unless a name ends in _deg; times are seconds.
+"""
+
+from ._gnosphere import *
+from ._gnosphere import __version__ as __version__

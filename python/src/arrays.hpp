@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// NumPy arrays that come in, and views of our memory that go out.
+#pragma once
+
+#include <nanobind/ndarray.h>
+
+#include <limits>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "bind.hpp"
+
+namespace gnosphere::python {
+
+/// An argument that NumPy can make an array of.
+struct ArrayLike {
+  nb::object object;
+};
+
+/// The values of an argument, in C order; it holds the array that has them.
+template <typename T>
+class ArrayIn {
+ public:
+  ArrayIn(nb::object array, size_t rows) : array_(nb::cast<Values>(array)), rows_(rows) {}
+  std::span<const T> values() const { return {array_.data(), array_.size()}; }
+  size_t rows() const { return rows_; }
+  std::vector<T> copy() const { return {values().begin(), values().end()}; }
+
+ private:
+  using Values = nb::ndarray<const T, nb::device::cpu, nb::c_contig>;
+  Values array_;
+  size_t rows_;
+};
+
+/// Whether a NumPy array holds numbers that fit `T`: any numbers for a float, integers within its limits otherwise.
+/// Throws Error(invalidArgument) that begins with `name`.
+void checkNumbers(nb::handle array, const std::string& name, const char* type, bool integers, double largest);
+/// Makes a NumPy array of shape (n,), or (n, width) if width is not 0. Throws Error(invalidArgument).
+nb::object arrayOfShape(const ArrayLike& argument, const std::string& name, size_t width);
+nb::object contiguous(nb::handle array, const char* type);
+
+template <typename T>
+constexpr const char* dtypeName() {
+  if (std::is_same_v<T, float>) return "float32";
+  if (std::is_same_v<T, double>) return "float64";
+  if (std::is_same_v<T, uint8_t>) return "uint8";
+  if (std::is_same_v<T, uint16_t>) return "uint16";
+  static_assert(std::is_floating_point_v<T> || std::is_unsigned_v<T>);
+  return "uint32";
+}
+
+/// Takes an argument as an array of `T`, of shape (n,), or (n, width) if width is not 0. An array that already has the
+/// type and C order is not copied. Throws Error(invalidArgument) that begins with `name`.
+template <typename T>
+ArrayIn<T> arrayOf(const ArrayLike& argument, const std::string& name, size_t width = 0) {
+  const nb::object array = arrayOfShape(argument, name, width);
+  checkNumbers(array, name, dtypeName<T>(), std::is_integral_v<T>, static_cast<double>(std::numeric_limits<T>::max()));
+  return ArrayIn<T>(contiguous(array, dtypeName<T>()), nb::len(array));
+}
+
+/// Views, as NumPy arrays of shape (n,) and (n, width). `const` makes them read-only.
+template <typename T>
+using Column = nb::ndarray<nb::numpy, T, nb::ndim<1>>;
+template <typename T, size_t width>
+using Rows = nb::ndarray<nb::numpy, T, nb::shape<-1, width>>;
+
+/// For properties that return arrays, which have their owner already.
+inline constexpr auto kOwned = nb::rv_policy::reference;
+
+/// A view of memory that `owner` keeps.
+template <typename T>
+Column<T> columnView(T* data, size_t size, nb::handle owner) {
+  return Column<T>(data, {size}, owner);
+}
+template <size_t width, typename T>
+Rows<T, width> rowsView(T* data, size_t rows, nb::handle owner) {
+  return Rows<T, width>(data, {rows, width}, owner);
+}
+
+/// A read-only array with a copy of the values.
+template <typename T>
+Column<const T> copiedColumn(const std::vector<T>& values) {
+  auto* copy = new std::vector<T>(values);
+  const nb::capsule owner(copy, [](void* memory) noexcept { delete static_cast<std::vector<T>*>(memory); });
+  return Column<const T>(copy->data(), {copy->size()}, owner);
+}
+
+}  // namespace gnosphere::python
+
+namespace nanobind::detail {
+
+template <>
+struct type_caster<gnosphere::python::ArrayLike> {
+  NB_TYPE_CASTER(gnosphere::python::ArrayLike, const_name("numpy.typing.ArrayLike"))
+  bool from_python(handle source, uint32_t, cleanup_list*) noexcept {
+    value.object = borrow(source);
+    return true;
+  }
+  static handle from_cpp(const gnosphere::python::ArrayLike& array, rv_policy, cleanup_list*) noexcept {
+    return array.object.inc_ref();
+  }
+};
+
+}  // namespace nanobind::detail

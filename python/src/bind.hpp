@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// The bindings, by header of include/gnosphere.
+//
+// Two rules keep Python from reading memory that C++ has given back. An object that stands in a list (a Channel, a
+// Stamp, a Volume) is never changed after it is made, and lists are read as tuples of copies and assigned whole. A
+// Scene's lists keep their length, so their elements are handed out by reference and can be changed in place.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/vector.h>
+
+#include <gnosphere/gnosphere.hpp>
+
+#include "vectors.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace gnosphere::python {
+
+void bindErrors(nb::module_& m);
+void bindScene(nb::module_& m);
+void bindSensor(nb::module_& m);
+void bindEffects(nb::module_& m);
+void bindMaterials(nb::module_& m);
+void bindPlan(nb::module_& m);
+void bindScan(nb::module_& m);
+void bindOutput(nb::module_& m);
+void bindDevices(nb::module_& m);
+void bindOptions(nb::module_& m);
+void bindSimulator(nb::module_& m);
+void bindDrive(nb::module_& m);
+
+using WithoutGil = nb::call_guard<nb::gil_scoped_release>;
+
+[[noreturn]] inline void refuse(const std::string& sentence) {
+  throw Error(ErrorCode::invalidArgument, sentence);
+}
+
+/// tuple[T, ...]
+template <typename T>
+using Tuple = nb::typed<nb::tuple, T, nb::ellipsis>;
+
+template <typename T, typename Element>
+Tuple<T> makeTuple(size_t size, Element&& element) {
+  nb::list list;
+  for (size_t i = 0; i < size; ++i) list.append(element(i));
+  return Tuple<T>(nb::tuple(list));
+}
+
+/// A tuple of copies.
+template <typename T>
+Tuple<T> tupleOf(const std::vector<T>& values) {
+  return makeTuple<T>(values.size(), [&](size_t i) { return nb::cast(values[i], nb::rv_policy::copy); });
+}
+
+/// A tuple of references to the elements; each keeps the owner alive. The list must never change its length.
+template <typename T>
+Tuple<T> elementsOf(nb::handle owner, std::vector<T>& values) {
+  return makeTuple<T>(values.size(),
+                      [&](size_t i) { return nb::cast(values[i], nb::rv_policy::reference_internal, owner); });
+}
+
+/// Defines a property that reads a list as a tuple of copies.
+template <typename Class, typename T>
+void readTuple(nb::class_<Class>& type, const char* name, std::vector<T> Class::*list, const char* doc) {
+  type.def_prop_ro(
+      name, [list](const Class& self) { return tupleOf(self.*list); }, doc);
+}
+
+/// Defines a property that reads a list as a tuple of copies and is assigned whole.
+template <typename Class, typename T>
+void readWriteTuple(nb::class_<Class>& type, const char* name, std::vector<T> Class::*list, const char* doc) {
+  type.def_prop_rw(
+      name, [list](const Class& self) { return tupleOf(self.*list); },
+      [list](Class& self, std::vector<T> values) { self.*list = std::move(values); }, doc);
+}
+
+/// Defines a property that reads a copy of a member and assigns it.
+template <typename Class, typename T>
+void readWriteCopy(nb::class_<Class>& type, const char* name, T Class::*member, const char* doc) {
+  type.def_prop_rw(
+      name, [member](const Class& self) { return self.*member; },
+      [member](Class& self, T value) { self.*member = std::move(value); }, doc);
+}
+
+}  // namespace gnosphere::python

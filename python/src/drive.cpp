@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// drive/drive.hpp and drive/run.hpp, as the module gnosphere.drive
+#include <nanobind/stl/function.h>
+
+#include "bind.hpp"
+#include "drive/run.hpp"
+
+namespace gnosphere::python {
+
+using drive::Drive;
+using drive::RunOptions;
+using drive::RunReport;
+using Progress = std::function<void(uint64_t, uint64_t)>;
+
+void bindDrive(nb::module_& parent) {
+  nb::module_ m = parent.def_submodule("drive", "Makes data sets of drive files, as `gnosphere drive` does.");
+
+  nb::class_<Drive> drive(m, "Drive", "What a drive file says, with every file that it names read.");
+  drive.def_ro("name", &Drive::name)
+      .def_ro("rate", &Drive::rate, "Frames per second.")
+      .def_ro("start", &Drive::start, "Seconds of the trajectories' clock.")
+      .def_ro("duration", &Drive::duration, "Seconds.")
+      .def_ro("fingerprint", &Drive::fingerprint, "Hash of the drive file and of everything that was read for it.")
+      .def("frame_count", &Drive::frameCount);
+  readTuple(drive, "warnings", &Drive::warnings, "What a user may want to know and is no mistake.");
+  m.def("read_drive", &drive::readDrive, "file"_a, WithoutGil(),
+        "Reads a drive file and the files that it names. Raises Error(format) that lists the mistakes with their JSON "
+        "paths, or Error(file).");
+
+  nb::class_<RunOptions>(m, "RunOptions", "Which frames of a drive are made, where and how.")
+      .def(
+          "__init__",
+          [](RunOptions* self, std::filesystem::path out, uint64_t first, uint64_t end, uint64_t shard, uint64_t count,
+             bool verify, const SimulatorOptions& simulator, Progress progress) {
+            new (self) RunOptions{std::move(out), first, end, shard, count, verify, simulator, std::move(progress)};
+          },
+          "out"_a, "first_frame"_a = 0, "end_frame"_a = UINT64_MAX, "shard"_a = 0, "shard_count"_a = 1,
+          "verify"_a = false, "simulator"_a = SimulatorOptions(), "progress"_a = nb::none())
+      .def_rw("out", &RunOptions::out, "The folder of the data set.")
+      .def_rw("first_frame", &RunOptions::firstFrame)
+      .def_rw("end_frame", &RunOptions::endFrame, "The frame after the last one.")
+      .def_rw("shard", &RunOptions::shard, "Only frames whose number modulo shard_count is this are made.")
+      .def_rw("shard_count", &RunOptions::shardCount)
+      .def_rw("verify", &RunOptions::verify, "Whether complete frames are read and their hashes compared.")
+      .def_rw("simulator", &RunOptions::simulator, "Its accuracy is replaced by the drive's.")
+      .def_rw(
+          "progress", &RunOptions::progress, nb::for_setter(nb::arg("progress").none()),
+          "Called when a frame is complete, with the number of frames made and that of frames to make. An exception "
+          "of it ends the run.");
+
+  nb::class_<RunReport>(m, "RunReport")
+      .def_ro("chosen", &RunReport::chosen, "Frames of the range and shard.")
+      .def_ro("kept", &RunReport::kept, "Those that were complete.")
+      .def_ro("scans", &RunReport::scans, "Made now.")
+      .def_ro("points", &RunReport::points, "Made now.")
+      .def_ro("files", &RunReport::files, "Made now.")
+      .def_ro("bytes", &RunReport::bytes, "Made now.")
+      .def_ro("finished", &RunReport::finished,
+              "Whether all frames of the drive are complete, and the files that need all are written.")
+      .def_ro("device", &RunReport::device, "Its name; empty if nothing had to be made.");
+  m.def(
+      "run",
+      [](const Drive& of, const RunOptions& options) {
+        const RunOptions chosen = options;
+        if (chosen.shard >= chosen.shardCount)
+          refuse("RunOptions: there is no shard " + std::to_string(chosen.shard) + " of " +
+                 std::to_string(chosen.shardCount) + "; shards are numbered from 0");
+        if (chosen.firstFrame >= chosen.endFrame)
+          refuse("RunOptions: first_frame is " + std::to_string(chosen.firstFrame) +
+                 "; it must be less than end_frame, " + std::to_string(chosen.endFrame));
+        const nb::gil_scoped_release released;
+        return drive::run(of, chosen);
+      },
+      "drive"_a, "options"_a,
+      "Makes the frames that are not complete, without holding the GIL. A frame has the same bytes wherever and "
+      "whenever "
+      "it is made. If this raises, complete frames stay, and a later call goes on from there. Raises "
+      "Error(invalid_argument) for a shard or a range of frames that there is not.");
+}
+
+}  // namespace gnosphere::python

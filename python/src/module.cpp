@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The extension module. What gnosphere/gnosphere.hpp declares is in it under the same names in snake_case.
+#include "bind.hpp"
+
+NB_MODULE(_gnosphere, m) {
+  using namespace gnosphere::python;
+  // A function given as SimulatorOptions.warn may refer to the object that holds it; such a cycle stays until the end.
+  nb::set_leak_warnings(false);
+  m.doc() = "A LiDAR simulator that never casts a ray.";
+  m.attr("__version__") = GNOSPHERE_VERSION;
+  bindErrors(m);
+  bindScene(m);
+  bindSensor(m);
+  bindEffects(m);
+  bindMaterials(m);
+  bindPlan(m);
+  bindScan(m);
+  bindOutput(m);
+  bindDevices(m);
+  bindOptions(m);
+  bindSimulator(m);
+  bindDrive(m);
+}

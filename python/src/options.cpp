@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere/simulator.hpp: requests, shots, options
+#include "options.hpp"
+
+namespace gnosphere::python {
+namespace {
+
+void bindRequest(nb::module_& m) {
+  auto request = nb::class_<SensorRequest>(
+      m, "SensorRequest", "A sensor, the effects that its scans simulate, and the fields that its scans hold.");
+  request
+      .def(
+          "__init__",
+          [](SensorRequest* self, Sensor sensor, Effects effects, std::vector<Field> fields, bool variableWeather) {
+            new (self) SensorRequest(std::move(sensor), std::move(effects), std::move(fields));
+            self->variableWeather = variableWeather;
+          },
+          "sensor"_a, "effects"_a = Effects(), "fields"_a = nb::make_tuple(), "variable_weather"_a = false,
+          "Copies what it is given.")
+      .def_rw("sensor", &SensorRequest::sensor)
+      .def_rw("effects", &SensorRequest::effects,
+              "By default those that the scene and the sensor call for; Effects.none() is geometry alone.")
+      .def_rw(
+          "variable_weather", &SensorRequest::variableWeather,
+          "If true, shots may set Shot.weather: fog, rain, snow and volumes are planned even if `effects` gives them "
+          "no value, unless they are off.");
+  readWriteTuple(request, "fields", &SensorRequest::fields,
+                 "The fields that scans hold beyond points, ranges, triangles and instances; read them with "
+                 "Scan.column(). A tuple, assigned whole.");
+}
+
+void bindShot(nb::module_& m) {
+  nb::class_<MemoryUse>(m, "MemoryUse", "Bytes of device memory by purpose.")
+      .def_ro("scene", &MemoryUse::scene, "Meshes, instances, and lists whose size follows theirs.")
+      .def_ro("sensor", &MemoryUse::sensor, "Tables of the beams.")
+      .def_ro("work", &MemoryUse::work, "Results, and the intermediate arrays and lists of the stages.");
+
+  auto motion = nb::class_<SensorMotion>(
+      m, "SensorMotion",
+      "How the sensor moves during a scan: poses at times after its start. Between stamps the position is interpolated "
+      "linearly and the orientation by slerp; before the first and after the last stamp the pose is constant. It is "
+      "never "
+      "changed after it is made.");
+  nb::class_<SensorMotion::Stamp>(motion, "Stamp", "It is never changed after it is made.")
+      .def(
+          "__init__",
+          [](SensorMotion::Stamp* self, double time, const Pose& pose) {
+            new (self) SensorMotion::Stamp{time, pose};
+          },
+          "time"_a, "pose"_a)
+      .def_ro("time", &SensorMotion::Stamp::time, "Seconds after the start of the scan, ascending.")
+      .def_ro("pose", &SensorMotion::Stamp::pose);
+  motion.def(
+      "__init__",
+      [](SensorMotion* self, std::vector<SensorMotion::Stamp> stamps) { new (self) SensorMotion{std::move(stamps)}; },
+      "stamps"_a = nb::make_tuple());
+  readTuple(motion, "stamps", &SensorMotion::stamps, "If empty, the sensor stands still.");
+
+  nb::class_<InstanceMotion>(m, "InstanceMotion",
+                             "How an instance moves during a scan: from its own transform at the start to `end`, "
+                             "Sensor.rotation_period later. It is never changed after it is made.")
+      .def(
+          "__init__",
+          [](InstanceMotion* self, size_t instance, const Transform& end) {
+            new (self) InstanceMotion{instance, end};
+          },
+          "instance"_a, "end"_a)
+      .def_ro("instance", &InstanceMotion::instance)
+      .def_ro("end", &InstanceMotion::end);
+
+  nb::class_<Shot> shot(m, "Shot", "One scan of a run.");
+  shot.def(
+          "__init__",
+          [](Shot* self, const Pose& pose, size_t sensor, uint64_t frame, SensorMotion sensorMotion,
+             std::vector<InstanceMotion> instanceMotions, std::optional<Weather> weather) {
+            new (self)
+                Shot{pose, sensor, frame, std::move(sensorMotion), std::move(instanceMotions), std::move(weather)};
+          },
+          "pose"_a = Pose(), "sensor"_a = 0, "frame"_a = 0, "motion"_a = SensorMotion(),
+          "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none())
+      .def_rw("sensor", &Shot::sensor)
+      .def_rw("frame", &Shot::frame, "Frame number, part of the key of the random numbers.");
+  readWriteCopy(shot, "pose", &Shot::pose,
+                "Of the sensor if `motion` is empty; with `deskew`, points are reported in the frame of this pose.");
+  readWriteCopy(shot, "motion", &Shot::motion, "How the sensor moves during the scan.");
+  readWriteCopy(shot, "weather", &Shot::weather,
+                "If given, replaces the fog, rain, snow and volumes of the sensor's Effects.");
+  readWriteTuple(shot, "instance_motions", &Shot::instanceMotions, "A tuple of copies, assigned whole.");
+}
+
+using Function = std::optional<nb::typed<nb::callable, nb::object(std::string)>>;
+
+Function functionOf(const SimulatorOptions& options) {
+  const Warn* const warn = options.warn.target<Warn>();
+  if (!warn) return {};
+  return nb::cast<nb::typed<nb::callable, nb::object(std::string)>>(warn->function());
+}
+
+void setWarn(SimulatorOptions& options, Function function) {
+  options.warn = nullptr;
+  if (function) options.warn = Warn(std::move(*function));
+}
+
+void bindSimulatorOptions(nb::module_& m) {
+  nb::class_<SimulatorOptions> options(m, "SimulatorOptions");
+  options
+      .def(
+          "__init__",
+          [](SimulatorOptions* self, const DeviceChoice& device, Accuracy accuracy, std::optional<AccuracyParts> parts,
+             ReflectingFaces faces, const MaterialTable& materials, std::string cache, Function warn, bool validation,
+             const Tuning& tuning) {
+            SimulatorOptions made{device,           accuracy, std::move(parts), faces, materials,
+                                  std::move(cache), {},       validation,       tuning};
+            setWarn(made, std::move(warn));
+            new (self) SimulatorOptions(std::move(made));
+          },
+          "device"_a = DeviceChoice(), "accuracy"_a = Accuracy::standard, "accuracy_parts"_a = nb::none(),
+          "faces"_a = ReflectingFaces::material, "materials"_a = MaterialTable(), "cache"_a = "", "warn"_a = nb::none(),
+          "validation"_a = false, "tuning"_a = Tuning())
+      .def_rw("accuracy", &SimulatorOptions::accuracy)
+      .def_rw("faces", &SimulatorOptions::faces)
+      .def_rw(
+          "cache", &SimulatorOptions::cache,
+          "Folder in which compiled pipelines are kept. If empty, it is 'gnosphere' in $XDG_CACHE_HOME or ~/.cache; "
+          "if 'off', pipelines are not kept.")
+      .def_prop_rw("warn", &functionOf, &setWarn, nb::for_setter(nb::arg("function").none()),
+                   "Receives a sentence about a problem that is no error, for example that compiled pipelines cannot "
+                   "be kept. The "
+                   "library itself prints nothing. An exception that it raises is printed, and the call goes on.")
+      .def_rw("validation", &SimulatorOptions::validation,
+              "Turns the Vulkan validation layer on; its messages are raised as Error(device).")
+      .def_rw("tuning", &SimulatorOptions::tuning);
+  readWriteCopy(options, "device", &SimulatorOptions::device, "By default the best Vulkan device of the machine.");
+  readWriteCopy(options, "accuracy_parts", &SimulatorOptions::accuracyParts, "If given, replaces `accuracy`.");
+  readWriteCopy(options, "materials", &SimulatorOptions::materials,
+                "Reflectances by name; they override the scene's materials.");
+}
+
+}  // namespace
+
+void bindOptions(nb::module_& m) {
+  bindRequest(m);
+  bindShot(m);
+  bindSimulatorOptions(m);
+}
+
+}  // namespace gnosphere::python

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere/output.hpp and gnosphere/layout.hpp
+#include "scan.hpp"
+
+namespace gnosphere::python {
+namespace {
+
+/// The bytes of a Python object that can be written.
+class WritableBytes {
+ public:
+  explicit WritableBytes(nb::handle object) {
+    if (PyObject_GetBuffer(object.ptr(), &buffer_, PyBUF_WRITABLE | PyBUF_C_CONTIGUOUS) == 0) return;
+    PyErr_Clear();
+    refuse("pack: `out` must be a contiguous array that can be written, such as numpy.empty(bytes, numpy.uint8)");
+  }
+  ~WritableBytes() { PyBuffer_Release(&buffer_); }
+  WritableBytes(const WritableBytes&) = delete;
+  WritableBytes& operator=(const WritableBytes&) = delete;
+  std::span<std::byte> bytes() const {
+    return {static_cast<std::byte*>(buffer_.buf), static_cast<size_t>(buffer_.len)};
+  }
+
+ private:
+  Py_buffer buffer_ = {};
+};
+
+void bindLayout(nb::module_& m) {
+  auto layout = nb::class_<RecordLayout>(
+      m, "RecordLayout", "Describes how a row lies in memory: which values it has, and where each of them is.");
+  nb::class_<RecordLayout::Value>(layout, "Value", "A value of a row. It is never changed after it is made.")
+      .def(
+          "__init__",
+          [](RecordLayout::Value* self, Field field, uint32_t component, size_t offset, ValueType type) {
+            new (self) RecordLayout::Value{field, component, offset, type};
+          },
+          "field"_a, "component"_a = 0, "offset"_a = 0, "type"_a = ValueType::f32)
+      .def_ro("field", &RecordLayout::Value::field)
+      .def_ro("component", &RecordLayout::Value::component)
+      .def_ro("offset", &RecordLayout::Value::offset, "Bytes from the start of the row; no alignment is needed.")
+      .def_ro(
+          "type", &RecordLayout::Value::type,
+          "The field's own type, or a type that holds all of its values: f64 holds every type, f32 holds u8 and u16, "
+          "and an unsigned integer holds shorter unsigned integers.");
+  layout
+      .def(
+          "__init__",
+          [](RecordLayout* self, std::vector<RecordLayout::Value> values, size_t stride, bool compact) {
+            new (self) RecordLayout{std::move(values), stride, compact};
+          },
+          "values"_a = nb::make_tuple(), "stride"_a = 0, "compact"_a = false)
+      .def_rw("stride", &RecordLayout::stride, "Bytes from row to row.")
+      .def_rw("compact", &RecordLayout::compact,
+              "If true, only entries with a return become rows; otherwise every entry of the scan does.")
+      .def("empty", &RecordLayout::empty)
+      .def("bytes_for", &RecordLayout::bytesFor, "rows"_a, "Bytes of that many rows on a device: a multiple of 4.");
+  readWriteTuple(layout, "values", &RecordLayout::values, "A tuple of copies, assigned whole.");
+  m.def("layout_of", &layoutOf, "fields"_a,
+        "Returns a layout with the fields one after the other without gaps, each component in the field's own type.");
+  m.def(
+      "pack",
+      [](const SharedScan& scan, const RecordLayout& of, const nb::object& out) {
+        const std::shared_ptr<Scan> shared = scan.scan;
+        const RecordLayout chosen = of;
+        const WritableBytes memory(out);
+        const nb::gil_scoped_release released;
+        return pack(*shared, chosen, memory.bytes());
+      },
+      "scan"_a, "layout"_a, "out"_a, nb::sig("def pack(scan: Scan, layout: RecordLayout, out: typing.Any) -> int"),
+      "Writes the rows of the scan to the start of `out` and returns their number. `out` is a C-contiguous array that "
+      "can "
+      "be written, of any type; len(scan.ranges) * layout.stride bytes always suffice. Raises Error(invalid_argument), "
+      "before anything is written, for a field that the scan does not have, a type that does not hold the field, "
+      "values "
+      "that overlap or reach beyond the stride, and an array that is too small (the message states the bytes needed).");
+}
+
+void bindComparison(nb::module_& m) {
+  nb::class_<Comparison>(
+      m, "Comparison",
+      "The differences between two clouds of the same beams, counted per beam, or per return if beams "
+      "have several. Returns that the reference marks as ties are counted separately.")
+      .def_ro("beams", &Comparison::beams)
+      .def_ro("hits", &Comparison::hits, "Hits in the reference.")
+      .def_ro("missed", &Comparison::missed, "Hits in the reference but not in the other, without ties.")
+      .def_ro("false_hits", &Comparison::falseHits, "Hits in the other but not in the reference, without ties.")
+      .def_ro("wrong_owner", &Comparison::wrongOwner, "Both hit, but different triangles, without ties.")
+      .def_ro("wrong_range", &Comparison::wrongRange,
+              "Both hit, but the ranges differ by more than the tolerance, without ties.")
+      .def_ro("ties", &Comparison::ties, "Returns that the reference marks as ties.")
+      .def_ro("tie_differences", &Comparison::tieDifferences, "Ties in which the two differ in owner or hit.")
+      .def_ro("tie_missed", &Comparison::tieMissed)
+      .def_ro("tie_false_hits", &Comparison::tieFalseHits)
+      .def_ro("tie_wrong_owner", &Comparison::tieWrongOwner)
+      .def_ro("tie_error_max", &Comparison::tieErrorMax, "Metres, over ties that both hit, whatever the owner.")
+      .def_ro("range_error_max", &Comparison::rangeErrorMax, "Metres, over beams with the same owner, without ties.")
+      .def_ro("range_error9999", &Comparison::rangeError9999, "99.99th percentile of |error|, in metres.")
+      .def_ro("range_error_rms", &Comparison::rangeErrorRms, "Root mean square, in metres.")
+      .def_ro("hit_error_max", &Comparison::hitErrorMax,
+              "Metres, over beams that both hit, whatever the owner, without ties.")
+      .def("same", &Comparison::same, "Whether nothing is missed, false or wrong.");
+  m.def(
+      "compare",
+      [](const SharedScan& reference, const SharedScan& other, double tolerance) {
+        const std::shared_ptr<Scan> truth = reference.scan, compared = other.scan;
+        const nb::gil_scoped_release released;
+        return compare(*truth, *compared, tolerance);
+      },
+      "reference"_a, "other"_a, "tolerance"_a = 1e-3,
+      "Compares two clouds; `reference` is taken as the truth. `tolerance`, in metres, applies to beams for which the "
+      "reference states no tolerance of its own. Raises Error(invalid_argument) if the clouds do not have the same "
+      "beams.");
+}
+
+}  // namespace
+
+void bindOutput(nb::module_& m) {
+  m.def(
+      "parse_fields", [](const std::string& names) { return tupleOf(parseFields(names)); }, "names"_a,
+      "Parses a list such as 'x,y,z,range'. Raises Error(invalid_argument) that lists the known names.");
+  m.def(
+      "default_fields", [] { return tupleOf(defaultFields()); }, "x y z range ring beam triangle instance");
+  bindLayout(m);
+
+  auto options = nb::class_<CloudOptions>(m, "CloudOptions");
+  options
+      .def(
+          "__init__",
+          [](CloudOptions* self, std::vector<Field> fields, bool compact, bool ascii) {
+            new (self) CloudOptions{std::move(fields), compact, ascii};
+          },
+          "fields"_a = nb::make_tuple(), "compact"_a = false, "ascii"_a = false)
+      .def_rw(
+          "compact", &CloudOptions::compact,
+          "If true, only returns are written; otherwise every beam is, with NaN (0xffffffff in indices) for a miss. If "
+          "beams have several returns, the file is always compact: one row per return, and no grid.")
+      .def_rw("ascii", &CloudOptions::ascii, "Writes PCD and PLY as text; CSV always is text.");
+  readWriteTuple(options, "fields", &CloudOptions::fields,
+                 "If empty: default_fields(), plus return_number and return_count if beams have several returns.");
+  m.def(
+      "write_cloud",
+      [](const SharedScan& scan, const std::filesystem::path& file, const CloudOptions& of) {
+        const std::shared_ptr<Scan> shared = scan.scan;
+        const CloudOptions chosen = of;
+        const nb::gil_scoped_release released;
+        writeCloud(*shared, file, chosen);
+      },
+      "scan"_a, "file"_a, "options"_a = CloudOptions(),
+      "Writes .pcd, .ply, .bin (KITTI: x y z and the intensity, or 0; returns only), .npy or .csv; the file's "
+      "extension "
+      "decides. No half-written file is left. Raises Error(invalid_argument) for an unknown extension or a field that "
+      "the "
+      "scan does not have, and Error(file) if the file cannot be written.");
+  m.def(
+      "write_picture",
+      [](const SharedScan& scan, const std::filesystem::path& file) {
+        const std::shared_ptr<Scan> shared = scan.scan;
+        const nb::gil_scoped_release released;
+        writePicture(*shared, file);
+      },
+      "scan"_a, "file"_a,
+      "Writes a PNG: a range image over columns and channels, and below it a bird's-eye view coloured by height. "
+      "Raises "
+      "Error(file) if the file cannot be written.");
+  m.def(
+      "read_cloud",
+      [](const std::filesystem::path& file) {
+        const nb::gil_scoped_release released;
+        return SharedScan{std::make_shared<Scan>(readCloud(file))};
+      },
+      "file"_a,
+      "Reads a PCD, PLY, NPY or CSV cloud that write_cloud() wrote. The scan gets the fields of the file except ring, "
+      "beam, return_number and return_count, which follow from the index of an entry. Raises Error(file), "
+      "Error(format), "
+      "or Error(invalid_argument) for an extension that cannot be read.");
+  bindComparison(m);
+}
+
+}  // namespace gnosphere::python

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere/plan.hpp
+#include "bind.hpp"
+
+namespace gnosphere::python {
+
+void bindPlan(nb::module_& m) {
+  auto plan = nb::class_<Plan>(
+      m, "Plan",
+      "Describes what a scan of one sensor computes, and why. An effect, field or buffer that is not listed costs "
+      "nothing.");
+  nb::class_<Plan::Decision>(plan, "Decision")
+      .def_ro("effect", &Plan::Decision::effect, "One of effect_names().")
+      .def_ro("request", &Plan::Decision::request)
+      .def_ro("in_", &Plan::Decision::in,
+              "True if scans simulate the effect; `in` in C++, which is a word of Python's.")
+      .def_ro("reason", &Plan::Decision::reason, "For example 'the sensor states 3.0 x 1.5 mrad'.");
+  auto pipeline = nb::class_<Plan::Pipeline>(plan, "Pipeline");
+  pipeline.def_ro("name", &Plan::Pipeline::name, "Name of the shader.");
+  readTuple(pipeline, "constants", &Plan::Pipeline::constants,
+            "Specialisation constants in the order of shaders/options.glsl.");
+  auto stage = nb::class_<Plan::Stage>(plan, "Stage");
+  stage.def_ro("name", &Plan::Stage::name, "project, bin, resolve, effects")
+      .def_ro("dispatches", &Plan::Stage::dispatches, "Largest number of dispatches in one scan.");
+  readTuple(stage, "pipelines", &Plan::Stage::pipelines, "Empty if the host computes the stage.");
+  nb::class_<Plan::Buffer>(plan, "Buffer").def_ro("name", &Plan::Buffer::name).def_ro("bytes", &Plan::Buffer::bytes);
+
+  readTuple(plan, "effects", &Plan::effects, "One per effect, in the order of effect_names().");
+  readTuple(plan, "fields", &Plan::fields, "Fields beyond point, range and owner (triangle and instance).");
+  readTuple(plan, "stages", &Plan::stages, "The stages in their order.");
+  readTuple(plan, "buffers", &Plan::buffers, "Buffers of this sensor on the device.");
+  plan.def_ro("binning", &Plan::binning, "nearest, lists or slabs")
+      .def_ro("returns", &Plan::returns, "Returns per beam.")
+      .def("bytes", &Plan::bytes, "Sum over `buffers`.")
+      .def("dispatches", &Plan::dispatches, "Sum over `stages`.")
+      .def("has", &Plan::has, "effect"_a, "Whether scans simulate the effect.");
+  m.def(
+      "to_json", [](const Plan& of) { return toJson(of); }, "plan"_a,
+      "Writes a plan as JSON: its members, and the sums bytes() and dispatches().");
+}
+
+}  // namespace gnosphere::python

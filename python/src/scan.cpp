@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere/scan.hpp
+#include "scan.hpp"
+
+#include <nanobind/stl/array.h>
+
+#include "arrays.hpp"
+
+namespace gnosphere::python {
+namespace {
+
+/// A Python object that keeps a Scan.
+nb::capsule keeperOf(const SharedScan& self) {
+  auto* shared = new std::shared_ptr<Scan>(self.scan);
+  return nb::capsule(shared, [](void* memory) noexcept { delete static_cast<std::shared_ptr<Scan>*>(memory); });
+}
+
+template <typename T>
+nb::object columnOf(const SharedScan& self, Field field, size_t components) {
+  const ColumnView<T> view = self.scan->column<T>(field, 0);
+  const size_t shape[] = {view.size(), components};
+  const int64_t strides[] = {static_cast<int64_t>(view.stride()), 1};
+  return nb::cast(
+      nb::ndarray<nb::numpy, const T>(view.data(), components == 1 ? 1 : 2, shape, keeperOf(self), strides));
+}
+
+nb::object column(const SharedScan& self, Field field) {
+  const FieldInfo info = fieldInfo(field);
+  switch (info.type) {
+    case ValueType::u8: return columnOf<uint8_t>(self, field, info.components);
+    case ValueType::u16: return columnOf<uint16_t>(self, field, info.components);
+    case ValueType::u32: return columnOf<uint32_t>(self, field, info.components);
+    default: return columnOf<float>(self, field, info.components);
+  }
+}
+
+void checkEntry(const Scan& scan, size_t entry) {
+  if (entry >= scan.ranges.size())
+    refuse("the scan has no entry " + std::to_string(entry) + "; it has " + std::to_string(scan.ranges.size()));
+}
+
+void bindFields(nb::module_& m) {
+  nb::enum_<Field> field(
+      m, "Field",
+      "The fields that a scan or a cloud file may have per return. A scan always has x, y, z, range, "
+      "triangle and instance; the device 'reference' adds tie and tolerance. A scan has the other "
+      "fields if SensorRequest.fields names them.");
+  field.value("x", Field::x, "float32, m, sensor frame")
+      .value("y", Field::y, "float32, m, sensor frame")
+      .value("z", Field::z, "float32, m, sensor frame")
+      .value("range", Field::range, "float32, m along the beam")
+      .value("ring", Field::ring, "uint16, the beam's channel")
+      .value("beam", Field::beam, "uint32, channel * columns + column")
+      .value("triangle", Field::triangle, "uint32, index within the instance's mesh, NO_TRIANGLE for none")
+      .value("instance", Field::instance, "uint32, index into Scene.instances, NO_TRIANGLE for none")
+      .value("tie", Field::tie, "uint8, 1 if a rounding error could change the owner or the hit of the beam")
+      .value("tolerance", Field::tolerance, "float32, m, the range error that single precision may show on this beam")
+      .value("intensity", Field::intensity, "float32, in the units of Effects.Intensity.scale")
+      .value("true_range", Field::trueRange, "float32, m, range of the surface without noise and without the medium")
+      .value("cause", Field::cause, "uint8, see Cause")
+      .value("label", Field::label, "uint8, see Label")
+      .value("return_number", Field::returnNumber,
+             "uint8, 1 for the first return of its beam, 0 for an entry without a return")
+      .value("return_count", Field::returnCount, "uint8, number of returns of the beam")
+      .value("width", Field::width, "float32, m, width of the echo: full width at half maximum (s) times c / 2")
+      .value("normal", Field::normal, "3 float32, unit vector in the sensor frame, pointing towards the sensor")
+      .value("incidence", Field::incidence,
+             "float32, rad, angle between beam and normal; 0 for a surface square to the beam")
+      .value("material", Field::material, "uint32, index into Scene.materials")
+      .value("barycentrics", Field::barycentrics, "2 float32, weights of the triangle's second and third corner")
+      .value("class_id", Field::classId, "uint16, Instance.class_id when the scan was made, 0 for none")
+      .value("velocity", Field::velocity, "3 float32, m/s: the surface relative to the world, in sensor axes")
+      .value("radial_speed", Field::radialSpeed,
+             "float32, m/s along the beam, positive if the surface moves away from the sensor")
+      .value("time", Field::time, "float32, s after the start of the scan")
+      .value("azimuth", Field::azimuth, "float32, rad, azimuth of the beam, counter-clockwise from the x axis")
+      .value("elevation", Field::elevation, "float32, rad, elevation of the beam above the horizon");
+  static_assert(kFieldCount == 27, "every field is bound");
+
+  nb::enum_<ValueType>(m, "ValueType", "The type of a number in memory, in the byte order of the machine.")
+      .value("f32", ValueType::f32)
+      .value("f64", ValueType::f64)
+      .value("u8", ValueType::u8)
+      .value("u16", ValueType::u16)
+      .value("u32", ValueType::u32);
+  nb::class_<FieldInfo>(m, "FieldInfo")
+      .def_prop_ro(
+          "name", [](const FieldInfo& self) { return std::string(self.name); }, "The name that parse_fields() takes.")
+      .def_ro("type", &FieldInfo::type, "Type of the field's columns.")
+      .def_ro("components", &FieldInfo::components, "3 for a vector, 2 for barycentrics, otherwise 1.");
+  m.def("field_info", &fieldInfo, "field"_a);
+
+  nb::enum_<Cause>(
+      m, "Cause", nb::is_arithmetic(),
+      "Why a beam has a return or none. Every beam has exactly one cause, so the counts add up to the number "
+      "of beams.")
+      .value("returned", Cause::returned, "The beam has at least one return.")
+      .value("no_surface", Cause::noSurface, "There is no surface in range.")
+      .value("weak", Cause::weak, "All echoes are below the detection threshold.")
+      .value("attenuated", Cause::attenuated,
+             "Below the threshold, but without fog, rain, snow and dust an echo would have been above it.")
+      .value("dropped_out", Cause::droppedOut, "The return was lost at random (Effects.DropOut).")
+      .value("dead", Cause::dead, "The beam is one of Effects.DropOut.dead_beams or Sensor.masked_beams.");
+  nb::enum_<Label>(m, "Label", nb::is_arithmetic(), "The origin of a return.")
+      .value("none", Label::none, "No return.")
+      .value("solid", Label::solid, "A surface.")
+      .value("scatter", Label::scatter, "Particles of the medium: fog, rain, snow or dust.");
+}
+
+void bindCounters(nb::module_& m) {
+  nb::class_<Counters>(
+      m, "Counters",
+      "Counts of what happened to the scene's triangles and to the sensor's beams. Whatever is dropped is "
+      "counted here.")
+      .def_ro("beams", &Counters::beams)
+      .def_ro("hits", &Counters::hits)
+      .def_ro("misses", &Counters::misses, "beams - hits")
+      .def_ro("triangles", &Counters::triangles, "Triangles placed in the scene, summed over instances.")
+      .def_ro("non_finite", &Counters::nonFinite, "Dropped because a vertex is NaN, infinite or beyond 1e9 m.")
+      .def_ro("degenerate", &Counters::degenerate, "Dropped because two corners are the same point.")
+      .def_ro("culled_by_cluster", &Counters::culledByCluster,
+              "In a cluster that is out of range or between the beams.")
+      .def_ro("reused", &Counters::reused,
+              "Not computed again: of instances that have not moved since a scan from the same pose.")
+      .def_ro("culled_by_range", &Counters::culledByRange, "The nearest point is beyond range_max.")
+      .def_ro("culled_by_face", &Counters::culledByFace, "Back faces of one-sided materials.")
+      .def_ro("culled_between_beams", &Counters::culledBetweenBeams,
+              "No beam lies within the triangle's angular bounds.")
+      .def_ro("culled_hidden", &Counters::culledHidden,
+              "Behind the hits that all beams within the triangle's bounds already have.")
+      .def_ro("projected", &Counters::projected, "Triangles that went on to binning.")
+      .def_ro("candidates", &Counters::candidates,
+              "(beam, triangle) pairs whose inside test passed; only with Binning.lists.")
+      .def_ro("integer_sides", &Counters::integerSides, "Exact inside tests that needed integer arithmetic.")
+      .def_ro("integer_ranges", &Counters::integerRanges, "Exact ranges that needed integer arithmetic.")
+      .def_ro("lost_echoes", &Counters::lostEchoes,
+              "Echoes of beams that met more echoes, or more panes in a row, than are kept.")
+      .def_ro("retries", &Counters::retries, "Runs repeated because a list had to grow.")
+      .def_prop_ro(
+          "causes",
+          [](const Counters& self) { return tupleOf(std::vector<uint64_t>(self.causes.begin(), self.causes.end())); },
+          "Beams by Cause; all zero if no effect can lose a beam.");
+
+  nb::class_<StageTime>(m, "StageTime")
+      .def_ro("name", &StageTime::name, "'project', 'bin', 'resolve' or 'effects'.")
+      .def_ro("ms", &StageTime::ms);
+  auto timings =
+      nb::class_<Timings>(m, "Timings",
+                          "Times of one scan. gpu_ms and stages come from device timestamps; without these they "
+                          "are zero and empty.");
+  timings.def_ro("wall_ms", &Timings::wallMs, "From the submission until the results can be read on the host.")
+      .def_ro("gpu_ms", &Timings::gpuMs);
+  readTuple(timings, "stages", &Timings::stages, "The stage 'resolve' runs on the host if only geometry is planned.");
+}
+
+/// Defines a property that reads a copy of a member of the Scan.
+template <typename T>
+void readMember(nb::class_<SharedScan>& type, const char* name, T Scan::*member, const char* doc) {
+  type.def_prop_ro(
+      name, [member](const SharedScan& self) -> T { return (*self.scan).*member; }, doc);
+}
+
+/// Defines a property that views an array of the Scan.
+template <typename T>
+void readArray(nb::class_<SharedScan>& type, const char* name, std::vector<T> Scan::*array, const char* doc) {
+  type.def_prop_ro(
+      name,
+      [array](const SharedScan& self) {
+        std::vector<T>& values = (*self.scan).*array;
+        return columnView(values.data(), values.size(), keeperOf(self));
+      },
+      kOwned, doc);
+}
+
+}  // namespace
+
+void bindScan(nb::module_& m) {
+  m.attr("NO_TRIANGLE") = kNoTriangle;
+  nb::class_<Pose>(
+      m, "Pose",
+      "Position (metres) and orientation of the sensor in the world: maps the sensor frame to the world frame. "
+      "It is never changed after it is made.")
+      .def(
+          "__init__",
+          [](Pose* self, Vec3 position, Quaternion orientation) {
+            new (self) Pose{position, orientation};
+          },
+          "position"_a = Vec3(), "orientation"_a = Quaternion(),
+          "position: x, y, z in metres.\norientation: x, y, z, w of a unit quaternion, Hamilton convention.")
+      .def_ro("position", &Pose::position, "x, y, z in metres.")
+      .def_ro("orientation", &Pose::orientation, "x, y, z, w")
+      .def("__repr__", [](const Pose& self) {
+        return nb::str("Pose({}, {})").format(nb::cast(self.position), nb::cast(self.orientation));
+      });
+  bindFields(m);
+  bindCounters(m);
+
+  nb::class_<SharedScan> scan(
+      m, "Scan",
+      "The result of a scan. Every array and column has `returns` entries per beam: entry beam * returns + k is the "
+      "beam's "
+      "k-th return in order of range (k from 0), where beam = channel * columns + column. In an entry without a return "
+      "`points` and `ranges` are NaN, and `triangles` and `instances` are NO_TRIANGLE.\n\nThe arrays are NumPy views "
+      "of "
+      "the library's memory, which each view keeps alive: also after the Scan is deleted, and after scan_into() or "
+      "scan_all() has gone on, which take new memory while a view is held. So the values of a view change only if you "
+      "write to them.");
+  scan.def(nb::init<>(), "An empty scan, for Simulator.scan_into().");
+  readMember(scan, "sensor", &Scan::sensor, "The sensor's name.");
+  readMember(scan, "columns", &Scan::columns, "Columns of the organised cloud.");
+  readMember(scan, "channels", &Scan::channels, "Rows of the organised cloud.");
+  readMember(scan, "returns", &Scan::returns, "Entries per beam.");
+  readMember(scan, "pose", &Scan::pose, "The pose of the shot.");
+  readMember(scan, "counters", &Scan::counters, "What became of every triangle and every beam.");
+  readMember(scan, "timings", &Scan::timings, "How long the scan took.");
+  scan.def_prop_ro(
+      "points",
+      [](const SharedScan& self) {
+        return rowsView<3>(self.scan->points.data(), self.scan->points.size() / 3, keeperOf(self));
+      },
+      kOwned,
+      "Shape (entries, 3), float32: x, y, z in metres in the sensor frame. A view that keeps its memory alive.");
+  readArray(scan, "ranges", &Scan::ranges,
+            "Shape (entries,), float32: metres along the beam. A view that keeps its memory alive.");
+  readArray(scan, "triangles", &Scan::triangles,
+            "Shape (entries,), uint32: index within the instance's mesh. A view that keeps its memory alive.");
+  readArray(scan, "instances", &Scan::instances,
+            "Shape (entries,), uint32: index into Scene.instances. A view that keeps its memory alive.");
+  scan.def("column", &column, "field"_a, nb::sig("def column(self, field: Field) -> numpy.typing.NDArray[typing.Any]"),
+           "Returns the values of a field, shape (entries,), or (entries, components) of a vector, in the type of "
+           "field_info(): a read-only view that keeps its memory alive. An entry without a value has NaN in floats "
+           "other "
+           "than velocities, NO_TRIANGLE in indices, and 0 in velocities and other integers. Raises "
+           "Error(invalid_argument) if the scan does not have the field.")
+      .def(
+          "has", [](const SharedScan& self, Field field) { return self.scan->has(field); }, "field"_a,
+          "Whether column() has the field. A scan may have more fields than were requested.")
+      .def("beam_count", [](const SharedScan& self) { return self.scan->beamCount(); })
+      .def(
+          "hit",
+          [](const SharedScan& self, size_t entry) {
+            checkEntry(*self.scan, entry);
+            return self.scan->hit(entry);
+          },
+          "entry"_a, "Whether the entry is a return from a surface; of all entries: scan.triangles != NO_TRIANGLE.")
+      .def(
+          "returned",
+          [](const SharedScan& self, size_t entry) {
+            checkEntry(*self.scan, entry);
+            return self.scan->returned(entry);
+          },
+          "entry"_a,
+          "Whether the entry is a return, from a surface or from the medium; of all entries: "
+          "~numpy.isnan(scan.ranges).");
+}
+
+}  // namespace gnosphere::python

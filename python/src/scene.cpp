@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere/scene.hpp
+#include <nanobind/operators.h>
+#include <nanobind/stl/array.h>
+
+#include <algorithm>
+
+#include "arrays.hpp"
+
+namespace gnosphere::python {
+namespace {
+
+void bindTransform(nb::module_& m) {
+  nb::class_<Transform>(m, "Transform",
+                        "Affine map from the mesh frame to the world frame: p' = M p + t, with M = rows[:, :3] and t = "
+                        "rows[:, 3] in metres. It is never changed after it is made.")
+      .def(nb::init<>(), "The identity.")
+      .def(
+          "__init__",
+          [](Transform* self, const ArrayLike& rows) {
+            const auto array = arrayOf<double>(rows, "Transform: rows", 4);
+            if (array.rows() != 3)
+              refuse("Transform: rows has " + std::to_string(array.rows()) + " rows; its shape must be (3, 4)");
+            new (self) Transform;
+            std::copy(array.values().begin(), array.values().end(), self->rows.begin());
+          },
+          "rows"_a, "rows: shape (3, 4), float64; of a 4x4 matrix these are the first three rows.")
+      .def_prop_ro(
+          "rows",
+          [](const Transform& self) {
+            return nb::ndarray<nb::numpy, const double, nb::shape<3, 4>>(self.rows.data(), {3, 4}, nb::find(self));
+          },
+          kOwned, "Shape (3, 4), float64, read-only.")
+      .def(
+          "__mul__", [](const Transform& a, const Transform& b) { return a * b; }, nb::is_operator(),
+          "(a * b) p = a * (b * p)")
+      .def(
+          "__mul__", [](const Transform& a, const Vec3& p) { return a * p; }, nb::is_operator(), "Maps the point p.")
+      .def("__repr__",
+           [](nb::handle self) { return nb::str("Transform({})").format(self.attr("rows").attr("tolist")()); });
+}
+
+void bindMaterial(nb::module_& m) {
+  nb::enum_<AlphaMode>(m, "AlphaMode")
+      .value("opaque", AlphaMode::opaque)
+      .value("mask", AlphaMode::mask)
+      .value("blend", AlphaMode::blend);
+
+  nb::class_<AlphaImage> image(
+      m, "AlphaImage", "The alpha channel of a texture. wrap_u and wrap_v tell what coordinates outside 0..1 read.");
+  nb::enum_<AlphaImage::Wrap>(image, "Wrap")
+      .value("repeat", AlphaImage::Wrap::repeat)
+      .value("mirror", AlphaImage::Wrap::mirror)
+      .value("clamp", AlphaImage::Wrap::clamp);
+  image
+      .def(
+          "__init__",
+          [](AlphaImage* self, const ArrayLike& alpha, AlphaImage::Wrap u, AlphaImage::Wrap v) {
+            const auto shape = nb::cast<nb::tuple>(nb::module_::import_("numpy").attr("shape")(alpha.object));
+            if (nb::len(shape) != 2) refuse("AlphaImage: alpha must be an array of shape (height, width)");
+            const ArrayLike flat{nb::module_::import_("numpy").attr("ravel")(alpha.object)};
+            new (self) AlphaImage{nb::cast<uint32_t>(shape[1]), nb::cast<uint32_t>(shape[0]),
+                                  arrayOf<uint8_t>(flat, "AlphaImage: alpha").copy(), u, v};
+          },
+          "alpha"_a, "wrap_u"_a = AlphaImage::Wrap::repeat, "wrap_v"_a = AlphaImage::Wrap::repeat,
+          "alpha: shape (height, width), uint8; row 0 is at v = 0.")
+      .def_ro("width", &AlphaImage::width)
+      .def_ro("height", &AlphaImage::height)
+      .def_prop_ro(
+          "alpha",
+          [](AlphaImage& self) {
+            return nb::ndarray<nb::numpy, uint8_t, nb::ndim<2>>(self.alpha.data(), {self.height, self.width},
+                                                                nb::find(self));
+          },
+          kOwned, "Shape (height, width), uint8: a view of the image's memory, which it keeps alive.")
+      .def_rw("wrap_u", &AlphaImage::wrapU)
+      .def_rw("wrap_v", &AlphaImage::wrapV);
+
+  nb::class_<Material>(m, "Material",
+                       "Surface properties in the terms of the glTF metallic-roughness model. Colours are linear; "
+                       "factors lie in 0..1.")
+      .def(
+          "__init__",
+          [](Material* self, std::string name, std::array<float, 4> baseColor, float metallic, float roughness,
+             float transmission, AlphaMode alphaMode, float alphaCutoff, uint32_t alphaImage, float retro,
+             bool doubleSided) {
+            new (self) Material{std::move(name), baseColor,   metallic,   roughness, transmission,
+                                alphaMode,       alphaCutoff, alphaImage, retro,     doubleSided};
+          },
+          "name"_a = "", "base_color"_a = std::array<float, 4>{1, 1, 1, 1}, "metallic"_a = 0.f, "roughness"_a = 1.f,
+          "transmission"_a = 0.f, "alpha_mode"_a = AlphaMode::opaque, "alpha_cutoff"_a = 0.5f,
+          "alpha_image"_a = kNoImage, "retro"_a = 0.f, "double_sided"_a = true)
+      .def_rw("name", &Material::name)
+      .def_prop_rw(
+          "base_color",
+          [](const Material& self) {
+            const auto& c = self.baseColor;
+            return nb::typed<nb::tuple, float, float, float, float>(nb::make_tuple(c[0], c[1], c[2], c[3]));
+          },
+          [](Material& self, std::array<float, 4> color) { self.baseColor = color; }, "Red, green, blue, alpha.")
+      .def_rw("metallic", &Material::metallic)
+      .def_rw("roughness", &Material::roughness)
+      .def_rw("transmission", &Material::transmission)
+      .def_rw("alpha_mode", &Material::alphaMode)
+      .def_rw("alpha_cutoff", &Material::alphaCutoff)
+      .def_rw("alpha_image", &Material::alphaImage,
+              "Index into Scene.alpha_images: alpha channel of the base colour texture; NO_IMAGE for none.")
+      .def_rw("retro", &Material::retro,
+              "Retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none. No scene file states it.")
+      .def_rw("double_sided", &Material::doubleSided, "Whether both faces reflect.");
+}
+
+void bindMesh(nb::module_& m) {
+  nb::class_<MeshPart>(m, "MeshPart",
+                       "A run of triangles of one mesh that share a material. It is never changed after it is made.")
+      .def(
+          "__init__",
+          [](MeshPart* self, uint32_t first, uint32_t count, uint32_t material) {
+            new (self) MeshPart{first, count, material};
+          },
+          "first_triangle"_a = 0, "triangle_count"_a = 0, "material"_a = 0)
+      .def_ro("first_triangle", &MeshPart::firstTriangle)
+      .def_ro("triangle_count", &MeshPart::triangleCount)
+      .def_ro("material", &MeshPart::material, "Index into Scene.materials.");
+
+  auto mesh = nb::class_<Mesh>(m, "Mesh",
+                               "Indexed triangles. Vertex v is at origin + positions[v] in the mesh frame, in metres. "
+                               "The arrays keep their size; "
+                               "their values can be changed in place, before the mesh is given to a Simulator.");
+  mesh.def(
+          "__init__",
+          [](Mesh* self, const ArrayLike& positions, const ArrayLike& indices, std::vector<MeshPart> parts,
+             const std::optional<ArrayLike>& uvs, Vec3 origin, std::string name) {
+            Mesh made;
+            made.name = std::move(name);
+            made.origin = origin;
+            made.positions = arrayOf<float>(positions, "Mesh: positions", 3).copy();
+            made.indices = arrayOf<uint32_t>(indices, "Mesh: indices", 3).copy();
+            if (uvs) made.uvs = arrayOf<float>(*uvs, "Mesh: uvs", 2).copy();
+            made.parts = std::move(parts);
+            new (self) Mesh(std::move(made));
+          },
+          "positions"_a, "indices"_a, "parts"_a, "uvs"_a = nb::none(), "origin"_a = Vec3(), "name"_a = "",
+          "positions: shape (vertices, 3), float32, metres relative to `origin`.\n"
+          "indices: shape (triangles, 3), uint32, counter-clockwise seen from the front.\n"
+          "parts: in ascending order; together they cover every triangle.\n"
+          "uvs: shape (vertices, 2), float32; needed only for materials with an alpha image.\n"
+          "The arrays are copied once. Raises Error(invalid_argument) for arrays of another shape or type.")
+      .def_rw("name", &Mesh::name)
+      .def_rw("origin", &Mesh::origin, "Metres, in the mesh frame.")
+      .def_prop_ro(
+          "positions",
+          [](Mesh& self) { return rowsView<3>(self.positions.data(), self.vertexCount(), nb::find(self)); }, kOwned,
+          "Shape (vertices, 3), float32, metres: a view of the mesh's memory, which it keeps alive.")
+      .def_prop_ro(
+          "indices", [](Mesh& self) { return rowsView<3>(self.indices.data(), self.triangleCount(), nb::find(self)); },
+          kOwned, "Shape (triangles, 3), uint32: a view of the mesh's memory, which it keeps alive.")
+      .def_prop_ro(
+          "uvs", [](Mesh& self) { return rowsView<2>(self.uvs.data(), self.uvs.size() / 2, nb::find(self)); }, kOwned,
+          "Shape (vertices, 2), float32, or (0, 2): a view of the mesh's memory, which it keeps alive.")
+      .def("vertex_count", &Mesh::vertexCount)
+      .def("triangle_count", &Mesh::triangleCount);
+  readTuple(mesh, "parts", &Mesh::parts, "In ascending order; together they cover every triangle.");
+
+  nb::class_<Instance>(m, "Instance", "One placement of a mesh in the world. Instances share the mesh.")
+      .def(
+          "__init__",
+          [](Instance* self, uint32_t of, const Transform& transform, uint16_t classId, std::string name) {
+            new (self) Instance{std::move(name), of, transform, classId};
+          },
+          "mesh"_a, "transform"_a = Transform(), "class_id"_a = 0, "name"_a = "")
+      .def_rw("name", &Instance::name)
+      .def_rw("mesh", &Instance::mesh, "Index into Scene.meshes.")
+      .def_prop_rw(
+          "transform", [](const Instance& self) { return self.transform; },
+          [](Instance& self, const Transform& transform) { self.transform = transform; }, "Mesh frame to world frame.")
+      .def_rw("class_id", &Instance::classId, "Semantic class, numbered by the user; reported as Field.class_id.");
+}
+
+}  // namespace
+
+void bindScene(nb::module_& m) {
+  m.attr("NO_IMAGE") = kNoImage;
+  m.attr("NO_MESH") = kNoMesh;
+  bindTransform(m);
+  bindMaterial(m);
+  bindMesh(m);
+
+  nb::class_<Scene>(
+      m, "Scene",
+      "Everything that the sensor can see. Its lists keep their length; what is in them can be changed in "
+      "place, for example scene.instances[3].class_id = 7, and counts for simulators that are made "
+      "afterwards. A scene must not be changed while another thread gives it to the library.")
+      .def(
+          "__init__",
+          [](Scene* self, std::vector<Material> materials, std::vector<Mesh> meshes, std::vector<Instance> instances,
+             std::vector<AlphaImage> alphaImages) {
+            new (self) Scene{std::move(materials), std::move(alphaImages), 0, std::move(meshes), std::move(instances)};
+          },
+          "materials"_a = nb::make_tuple(), "meshes"_a = nb::make_tuple(), "instances"_a = nb::make_tuple(),
+          "alpha_images"_a = nb::make_tuple(), "Copies what it is given.")
+      .def_prop_ro("materials", [](Scene& self) { return elementsOf(nb::find(self), self.materials); })
+      .def_prop_ro("alpha_images", [](Scene& self) { return elementsOf(nb::find(self), self.alphaImages); })
+      .def_prop_ro("meshes", [](Scene& self) { return elementsOf(nb::find(self), self.meshes); })
+      .def_prop_ro("instances", [](Scene& self) { return elementsOf(nb::find(self), self.instances); })
+      .def_ro("unread_images", &Scene::unreadImages,
+              "Number of images of AlphaMode.mask materials that are missing or not PNG.")
+      .def("unique_triangle_count", &Scene::uniqueTriangleCount, "Summed over meshes.")
+      .def("placed_triangle_count", &Scene::placedTriangleCount, "Summed over instances.");
+
+  nb::class_<Bounds>(m, "Bounds", "Axis-aligned box in world coordinates, in metres. It is empty if min > max.")
+      .def_ro("min", &Bounds::min)
+      .def_ro("max", &Bounds::max)
+      .def("empty", &Bounds::empty);
+  m.def("world_bounds", &worldBounds, "scene"_a, WithoutGil(),
+        "Returns the box around all finite vertices of all instances.");
+  m.def(
+      "validate", [](const Scene& scene) { validate(scene); }, "scene"_a,
+      "Raises Error(invalid_argument) that names the material, image, mesh, part or instance whose indices or sizes "
+      "are "
+      "inconsistent.");
+
+  nb::enum_<UpAxis>(m, "UpAxis")
+      .value("format_default", UpAxis::formatDefault, "glTF is y-up by its specification; OBJ, PLY and STL are z-up.")
+      .value("y", UpAxis::y)
+      .value("z", UpAxis::z);
+  nb::class_<LoadOptions>(m, "LoadOptions")
+      .def(
+          "__init__",
+          [](LoadOptions* self, UpAxis up, double scale) {
+            new (self) LoadOptions{up, scale};
+          },
+          "up"_a = UpAxis::formatDefault, "scale"_a = 1.0)
+      .def_rw("up", &LoadOptions::up)
+      .def_rw("scale", &LoadOptions::scale, "Metres per unit of the file.");
+  m.def("load_scene", &loadScene, "file"_a, "options"_a = LoadOptions(), WithoutGil(),
+        "Reads .gltf, .glb, .obj, .ply or .stl, without holding the GIL. The only textures read are PNG images of "
+        "cut-out "
+        "(AlphaMode.mask) materials in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). Raises "
+        "Error(file) if the file cannot be read, Error(format) if its content is invalid.");
+  m.def("write_glb", &writeGlb, "scene"_a, "file"_a, WithoutGil(),
+        "Writes a binary glTF 2.0 file (y-up) in which instances share their meshes. Raises Error(file).");
+}
+
+}  // namespace gnosphere::python

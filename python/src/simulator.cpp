@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere/simulator.hpp: the simulator
+#include <atomic>
+
+#include "arrays.hpp"
+#include "scan.hpp"
+
+namespace gnosphere::python {
+namespace {
+
+/// A Simulator that refuses a second thread, and calls from within its own calls, while it is at work.
+class SimulatorOfOneThread {
+ public:
+  SimulatorOfOneThread(const Scene& scene, const std::vector<SensorRequest>& sensors, const SimulatorOptions& options)
+      : simulator_(scene, sensors, options) {}
+
+  /// Calls work(simulator) without the GIL.
+  template <typename Work>
+  auto use(Work&& work) {
+    if (busy_.exchange(true))
+      refuse(
+          "the simulator is at work: one thread at a time may use it, and the function given to scan_all() may not; "
+          "make "
+          "a simulator for each thread");
+    struct Release {
+      std::atomic<bool>& busy;
+      ~Release() { busy = false; }
+    } const release{busy_};
+    const nb::gil_scoped_release released;
+    return work(simulator_);
+  }
+
+ private:
+  Simulator simulator_;
+  std::atomic<bool> busy_ = false;
+};
+
+using Self = SimulatorOfOneThread;
+
+void construct(Self* self, const Scene& scene, std::vector<SensorRequest> sensors, const SimulatorOptions& options) {
+  const SimulatorOptions chosen = options;
+  const nb::gil_scoped_release released;
+  new (self) Self(scene, sensors, chosen);
+}
+
+SharedScan scan(Self& self, const Pose& pose, size_t sensor) {
+  return {std::make_shared<Scan>(self.use([&](Simulator& simulator) { return simulator.scan(pose, sensor); }))};
+}
+
+void scanInto(Self& self, const Shot& shot, SharedScan& result) {
+  const Shot chosen = shot;
+  std::shared_ptr<Scan> taken = result.take();
+  struct GiveBack {
+    SharedScan& result;
+    std::shared_ptr<Scan>& taken;
+    ~GiveBack() { result.give(std::move(taken)); }
+  } const giveBack{result, taken};
+  self.use([&](Simulator& simulator) { simulator.scanInto(chosen, *taken); });
+}
+
+void scanAll(Self& self, const std::vector<Shot>& shots,
+             const nb::typed<nb::callable, nb::object(size_t, SharedScan)>& receive) {
+  std::shared_ptr<Scan> memory = std::make_shared<Scan>();
+  self.use([&](Simulator& simulator) {
+    simulator.scanAll(shots, [&](size_t shot, const Scan& made) {
+      // The simulator's own Scan is not const, and it writes the next result into whatever arrays it finds there. So
+      // Python gets the arrays of this result without a copy, and the simulator gets them back unless Python keeps
+      // them.
+      Scan& own = const_cast<Scan&>(made);
+      std::swap(own, *memory);
+      const nb::gil_scoped_acquire acquired;
+      receive(shot, SharedScan{memory});
+      if (memory.use_count() == 1)
+        std::swap(own, *memory);
+      else
+        memory = std::make_shared<Scan>();
+    });
+  });
+}
+
+void bindScans(nb::class_<Self>& simulator) {
+  simulator
+      .def("scan", &scan, "pose"_a, "sensor"_a = 0,
+           "Makes one scan from the fixed pose `pose`, without holding the GIL. Raises Error(invalid_argument) for a "
+           "pose "
+           "that is not finite or an unknown sensor, Error(device) or Error(out_of_memory) if the device fails.")
+      .def(
+          "scan_into", &scanInto, "shot"_a, "result"_a,
+          "Makes one scan of a shot, with motion, weather and frame number, into an existing Scan, without holding the "
+          "GIL. Its arrays are reused, so nothing is allocated once they have their size, unless a view of them is "
+          "still "
+          "held: then the scan gets new ones. Raises as scan() does, and Error(invalid_argument) for weather that is "
+          "not "
+          "planned (see SensorRequest.variable_weather).")
+      .def(
+          "scan_all", &scanAll, "shots"_a, "receive"_a,
+          "Makes many scans, each with the same result as scan_into(), pipelined: while Python receives one scan, the "
+          "device works on the next. `receive` gets the index into `shots` and the scan, in order and on the calling "
+          "thread. Keep the scan or views of it, if you like; what is not kept is reused. All shots are checked before "
+          "the first scan. An exception of `receive` ends the run and is raised. `receive` must not call this "
+          "simulator.");
+}
+
+void bindChanges(nb::class_<Self>& simulator) {
+  const auto removal = [&](const char* name, void (Simulator::*remove)(size_t), const char* argument, const char* doc) {
+    simulator.def(
+        name, [remove](Self& self, size_t index) { self.use([&](Simulator& of) { (of.*remove)(index); }); },
+        nb::arg(argument), doc);
+  };
+  simulator.def(
+      "add_sensor",
+      [](Self& self, const SensorRequest& request) {
+        return self.use([&, copy = request](Simulator& of) { return of.addSensor(copy); });
+      },
+      "request"_a, "Adds a sensor and returns its index.");
+  removal("remove_sensor", &Simulator::removeSensor, "sensor", "Removes a sensor.");
+  simulator.def(
+      "add_material",
+      [](Self& self, const Material& material, const AlphaImage* image) {
+        return self.use([&, copy = material](Simulator& of) { return of.addMaterial(copy, image); });
+      },
+      "material"_a, "image"_a = nb::none(),
+      "Adds a material and returns its index. `image` is the alpha channel of its texture, for AlphaMode.mask; the "
+      "material's own alpha_image is ignored.");
+  removal("remove_material", &Simulator::removeMaterial, "material", "Removes a material; no mesh may use it.");
+  simulator.def(
+      "add_mesh",
+      [](Self& self, const Mesh& mesh) { return self.use([&](Simulator& of) { return of.addMesh(mesh); }); }, "mesh"_a,
+      "Adds a mesh and returns its index. Its parts refer to materials by index.");
+  removal("remove_mesh", &Simulator::removeMesh, "mesh", "Removes a mesh; no instance may place it.");
+  simulator.def(
+      "set_positions",
+      [](Self& self, size_t mesh, const ArrayLike& positions) {
+        const auto array = arrayOf<float>(positions, "set_positions: positions", 3);
+        self.use([&](Simulator& of) { of.setPositions(mesh, array.values()); });
+      },
+      "mesh"_a, "positions"_a,
+      "Moves the vertices of a mesh. positions: shape (vertices, 3), float32, metres relative to Mesh.origin, for as "
+      "many "
+      "vertices as the mesh has; in C order they are read where they are.");
+  simulator.def(
+      "add_instance",
+      [](Self& self, uint32_t mesh, const Transform& transform, uint16_t classId) {
+        return self.use([&](Simulator& of) { return of.addInstance(mesh, transform, classId); });
+      },
+      "mesh"_a, "transform"_a, "class_id"_a = 0, "Adds an instance and returns its index, which Scan.instances uses.");
+  removal("remove_instance", &Simulator::removeInstance, "instance", "Removes an instance.");
+  simulator.def(
+      "set_transform",
+      [](Self& self, size_t instance, const Transform& transform) {
+        self.use([&](Simulator& of) { of.setTransform(instance, transform); });
+      },
+      "instance"_a, "transform"_a, "Moves an instance: mesh frame to world frame.");
+}
+
+void bindAnswers(nb::class_<Self>& simulator) {
+  simulator
+      .def(
+          "plan", [](Self& self, size_t sensor) { return self.use([&](Simulator& of) { return of.plan(sensor); }); },
+          "sensor"_a = 0, "Describes what a scan of the sensor computes, and why.")
+      .def("device", [](Self& self) { return self.use([](Simulator& of) { return DeviceInfo(of.device()); }); })
+      .def("memory", [](Self& self) { return self.use([](Simulator& of) { return of.memory(); }); })
+      .def(
+          "cluster_count", [](Self& self) { return self.use([](Simulator& of) { return of.clusterCount(); }); },
+          "Number of clusters of all meshes; 0 on the reference.");
+}
+
+}  // namespace
+
+void bindSimulator(nb::module_& m) {
+  nb::class_<Self> simulator(
+      m, "Simulator",
+      "A scene and sensors on a device. Materials, meshes, instances and sensors can be added and removed between "
+      "scans. "
+      "Only changes are uploaded, and the plans of the sensors are adapted to the scene. Indices are stable; the index "
+      "of "
+      "a removed object is given to the next one added.\n\nA call that raises Error(invalid_argument) or "
+      "Error(out_of_memory) leaves the simulator as it was; a change that names an index that does not exist or was "
+      "removed, or a value that is not valid, is such a call. One thread at a time may use a simulator; a second one "
+      "gets "
+      "an Error. Several simulators may be used by several threads at once: no call holds the GIL while it works.");
+  simulator
+      .def(
+          "__init__",
+          [](Self* self, const Scene& scene, const SensorRequest& sensor, const SimulatorOptions& options) {
+            construct(self, scene, {sensor}, options);
+          },
+          "scene"_a, "sensor"_a, "options"_a = SimulatorOptions(), "A simulator with one sensor.")
+      .def("__init__", &construct, "scene"_a, "sensors"_a, "options"_a = SimulatorOptions(),
+           "Uploads the scene and compiles the stages. Raises Error(invalid_argument) for an invalid argument, "
+           "Error(device) that gives the reason per device if no device is suitable, Error(out_of_memory).");
+  bindScans(simulator);
+  bindChanges(simulator);
+  bindAnswers(simulator);
+}
+
+}  // namespace gnosphere::python

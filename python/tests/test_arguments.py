@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bad input is an exception with a sentence, and never a crash."""
+
+import gc
+
+import numpy as np
+import pytest
+
+import gnosphere
+from gnosphere import ErrorCode
+
+PARTS = [gnosphere.MeshPart(0, 1, 0)]
+CORNERS = np.zeros((3, 3), np.float32)
+FACES = np.array([[0, 1, 2]], np.uint32)
+
+
+def refused(code: ErrorCode, sentence: str):
+    """Whether the block raises an Error of this code whose message has the sentence."""
+
+    class Refused:
+        def __enter__(self):
+            return self
+
+        def __exit__(self, kind, error, trace):
+            assert kind is not None, f"nothing was raised; expected: {sentence}"
+            if kind is not gnosphere.Error:
+                return False
+            assert sentence in str(error)
+            assert error.code == code
+            return True
+
+    return Refused()
+
+
+@pytest.mark.parametrize(
+    ("positions", "sentence"),
+    [
+        (np.zeros((4, 2), np.float32), "positions has the shape (4, 2); it must be (n, 3)"),
+        (np.zeros(9, np.float32), "positions has the shape (9,)"),
+        (np.zeros((2, 2, 3)), "positions has the shape (2, 2, 3)"),
+        (5, "positions has the shape ()"),
+        ("abc", "positions has the shape ()"),
+        ([["a", "b", "c"]], "positions has the type <U1; it must hold numbers"),
+        ([[1j, 0, 0]], "positions has the type complex128"),
+        ([[1, 2, 3], [4, 5]], "positions cannot be made an array"),
+        ([[None, None, None]], "positions has the type object"),
+        (np.zeros((3, 3), bool), "positions has the type bool"),
+        (np.zeros((3, 3), "datetime64[s]"), "positions has the type datetime64"),
+    ],
+)
+def test_arrays_of_the_wrong_kind(positions, sentence, reference):
+    with refused(ErrorCode.invalid_argument, "Mesh: " + sentence):
+        gnosphere.Mesh(positions, FACES, PARTS)
+    with refused(ErrorCode.invalid_argument, "set_positions: " + sentence):
+        reference.set_positions(0, positions)
+
+
+@pytest.mark.parametrize(
+    ("indices", "sentence"),
+    [
+        ([[0, 1, -2]], "holds -2, which does not fit the type uint32"),
+        ([[0, 1, 2**32]], "holds 4294967296, which does not fit"),
+        ([[0, 1, 2.5]], "has the type float64; it must hold integers"),
+        (FACES.T, "has the shape (3, 1)"),
+    ],
+)
+def test_indices_that_are_none(indices, sentence):
+    with refused(ErrorCode.invalid_argument, "Mesh: indices " + sentence):
+        gnosphere.Mesh(CORNERS, indices, PARTS)
+
+
+def test_arrays_that_have_to_be_converted_are():
+    wide = np.zeros((3, 6))
+    frozen = CORNERS.copy()
+    frozen.flags.writeable = False
+    swapped = CORNERS.astype(">f4")
+    for positions in (
+        wide[:, ::2],
+        frozen,
+        swapped,
+        np.asfortranarray(CORNERS),
+        CORNERS.astype(np.float16),
+        [[0, 0, 0]] * 3,
+    ):
+        assert np.array_equal(gnosphere.Mesh(positions, FACES, PARTS).positions, CORNERS)
+    for indices in (FACES.astype(np.int64), FACES.astype(">u2"), FACES.tolist(), np.repeat(FACES, 2, axis=0)[::2]):
+        assert np.array_equal(gnosphere.Mesh(CORNERS, indices, PARTS).indices, FACES)
+    empty = gnosphere.Mesh([], [], [])
+    assert empty.positions.shape == empty.indices.shape == (0, 3) and empty.uvs.shape == (0, 2)
+
+
+def test_wrong_indices_of_a_scene(square):
+    scene = gnosphere.Scene([gnosphere.Material()], [square], [gnosphere.Instance(3)])
+    with refused(ErrorCode.invalid_argument, "mesh 3"):
+        gnosphere.validate(scene)
+    square_beyond = gnosphere.Mesh(CORNERS, [[0, 1, 7]], PARTS, name="beyond")
+    with refused(ErrorCode.invalid_argument, "7"):
+        gnosphere.validate(gnosphere.Scene([gnosphere.Material()], [square_beyond], [gnosphere.Instance(0)]))
+
+
+def test_names_that_are_unknown(tmp_path):
+    with refused(ErrorCode.invalid_argument, "HDL-64E"):
+        gnosphere.builtin_sensor("HDL-65")
+    with refused(ErrorCode.invalid_argument, "range-noise"):
+        gnosphere.assign(gnosphere.Effects(), "range-nose.sigma=1")
+    with refused(ErrorCode.format, "visibility"):
+        gnosphere.effects_from_json('{"fog": {"visibilty": 5}}', "mine.json")
+    with refused(ErrorCode.invalid_argument, "range"):
+        gnosphere.parse_fields("x,y,rnge")
+    with refused(ErrorCode.invalid_argument, "os1-rain"):
+        gnosphere.effect_preset("os2-rain")
+    with refused(ErrorCode.invalid_argument, "no such card"):
+        gnosphere.Simulator(
+            gnosphere.Scene(),
+            gnosphere.SensorRequest(gnosphere.builtin_sensor("VLP-16")),
+            gnosphere.SimulatorOptions(gnosphere.device_by_name("no such card")),
+        )
+    with pytest.raises(AttributeError, match="intensty"):
+        gnosphere.Field.intensty
+    with pytest.raises(AttributeError):
+        gnosphere.Effects().fgo = 1
+
+
+def test_files_that_cannot_be_read(tmp_path, simulator, pose):
+    with refused(ErrorCode.file, "nothing.glb"):
+        gnosphere.load_scene(tmp_path / "nothing.glb")
+    (tmp_path / "bad.glb").write_bytes(b"no scene")
+    with refused(ErrorCode.format, "bad.glb"):
+        gnosphere.load_scene(str(tmp_path / "bad.glb"))
+    with refused(ErrorCode.file, "nothing.json"):
+        gnosphere.load_sensor(tmp_path / "nothing.json")
+    with refused(ErrorCode.format, "mine.json: is not JSON"):
+        gnosphere.read_sensor_file(b"{", "mine.json")
+    scan = simulator.scan(pose)
+    with refused(ErrorCode.invalid_argument, ".xyz"):
+        gnosphere.write_cloud(scan, tmp_path / "cloud.xyz")
+    with refused(ErrorCode.file, "nowhere"):
+        gnosphere.write_cloud(scan, tmp_path / "nowhere" / "cloud.npy")
+    with refused(ErrorCode.invalid_argument, "velocity"):
+        gnosphere.write_cloud(scan, tmp_path / "cloud.npy", gnosphere.CloudOptions([gnosphere.Field.velocity]))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.glb"]
+
+
+def test_calls_that_are_wrong(reference, simulator, pose):
+    with refused(ErrorCode.invalid_argument, "pose"):
+        simulator.scan(gnosphere.Pose((np.nan, 0, 0)))
+    with refused(ErrorCode.invalid_argument, "intensity"):
+        reference.scan(gnosphere.Pose()).column(gnosphere.Field.intensity)
+    with refused(ErrorCode.invalid_argument, "fog, which is not planned"):
+        simulator.scan_into(gnosphere.Shot(pose, weather=gnosphere.Weather(visibility=9)), gnosphere.Scan())
+    with refused(ErrorCode.invalid_argument, "beams"):
+        gnosphere.compare(simulator.scan(pose), reference.scan(gnosphere.Pose()))
+    with refused(ErrorCode.invalid_argument, "(3, 4)"):
+        gnosphere.Transform(np.eye(4))
+    with refused(ErrorCode.invalid_argument, "AlphaImage: alpha"):
+        gnosphere.AlphaImage([1, 2])
+    with refused(ErrorCode.invalid_argument, "AlphaImage: alpha"):
+        gnosphere.AlphaImage([[300]])
+    frozen = np.zeros(10**6, np.uint8)
+    frozen.flags.writeable = False
+    for out in (frozen, b"bytes", 5):
+        with refused(ErrorCode.invalid_argument, "pack: `out` must be"):
+            gnosphere.pack(simulator.scan(pose), gnosphere.layout_of([gnosphere.Field.x]), out)
+
+
+@pytest.mark.filterwarnings("ignore:nanobind. attempted to access an uninitialized instance")
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda s: s.scan(None),
+        lambda s: s.scan((0, 0, 0)),
+        lambda s: s.scan(gnosphere.Pose(), -1),
+        lambda s: s.scan(gnosphere.Pose(), 1.5),
+        lambda s: s.scan_into(None, None),
+        lambda s: s.scan_into(gnosphere.Shot(), None),
+        lambda s: s.scan_all([None], print),
+        lambda s: s.scan_all([gnosphere.Shot()], None),
+        lambda s: s.add_mesh(None),
+        lambda s: s.set_positions(0, None),
+        lambda s: gnosphere.Mesh(None, FACES, PARTS),
+        lambda s: gnosphere.AlphaImage(None),
+        lambda s: s.add_instance(0, None),
+        lambda s: s.add_instance(0, np.eye(4)),
+        lambda s: s.add_sensor(gnosphere.builtin_sensor("VLP-16")),
+        lambda s: gnosphere.Simulator(None, None),
+        lambda s: gnosphere.Pose((1, 2)),
+        lambda s: gnosphere.Pose("abc"),
+        lambda s: gnosphere.Pose((1, 2, 3), (0, 0, 0)),
+        lambda s: gnosphere.load_scene(None),
+        lambda s: gnosphere.SensorRequest(None),
+        lambda s: gnosphere.SimulatorOptions(warn=5),
+        lambda s: gnosphere.write_cloud(None, "x.npy"),
+        lambda s: gnosphere.pack(gnosphere.Scan(), gnosphere.RecordLayout(), None),
+        lambda s: gnosphere.Mesh.positions.fget(42),
+        lambda s: gnosphere.Scene.meshes.fget(gnosphere.Pose()),
+        lambda s: gnosphere.Mesh.__new__(gnosphere.Mesh).positions,
+        lambda s: gnosphere.Simulator.__new__(gnosphere.Simulator).scan(gnosphere.Pose()),
+        lambda s: gnosphere.Scan.__new__(gnosphere.Scan).points,
+    ],
+)
+def test_arguments_of_the_wrong_type(call, reference):
+    with pytest.raises(TypeError):
+        call(reference)
+    gc.collect()
+    assert reference.scan(gnosphere.Pose()).beam_count() == 9

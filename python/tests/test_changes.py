@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes, sensors and effects that are changed, in Python and in a running simulator."""
+
+import numpy as np
+import pytest
+from conftest import at, beams
+
+import gnosphere
+from gnosphere import Field
+
+MIDDLE = 4  # the beam along x
+
+
+def distance(simulator: gnosphere.Simulator, sensor: int = 0) -> float:
+    return float(simulator.scan(gnosphere.Pose(), sensor).ranges[MIDDLE])
+
+
+def test_instances_and_meshes_come_move_and_go(reference, square):
+    assert distance(reference) == pytest.approx(10)
+    reference.set_transform(0, at(20))
+    assert distance(reference) == pytest.approx(20)
+    mesh = reference.add_mesh(square)
+    near = reference.add_instance(mesh, at(5), class_id=9)
+    scan = reference.scan(gnosphere.Pose())
+    assert scan.ranges[MIDDLE] == pytest.approx(5)
+    assert scan.instances[MIDDLE] == near
+    assert scan.column(Field.class_id)[MIDDLE] == 9
+    reference.set_positions(mesh, square.positions + np.float32([1, 0, 0]))
+    assert distance(reference) == pytest.approx(6)
+    reference.remove_instance(near)
+    reference.remove_mesh(mesh)
+    assert distance(reference) == pytest.approx(20)
+    with pytest.raises(gnosphere.Error, match="instance"):
+        reference.set_transform(near, at(1))
+    with pytest.raises(gnosphere.Error, match="mesh"):
+        reference.remove_mesh(0)
+
+
+def test_sensors_and_materials_come_and_go(reference, square):
+    second = reference.add_sensor(gnosphere.SensorRequest(beams(5), gnosphere.Effects.none()))
+    assert reference.scan(gnosphere.Pose(), second).beam_count() == 5
+    reference.remove_sensor(second)
+    with pytest.raises(gnosphere.Error, match="sensor"):
+        reference.scan(gnosphere.Pose(), second)
+    holes = gnosphere.AlphaImage(np.zeros((2, 3), np.uint8), gnosphere.AlphaImage.Wrap.clamp)
+    assert holes.alpha.shape == (holes.height, holes.width) == (2, 3)
+    material = reference.add_material(gnosphere.Material("net", alpha_mode=gnosphere.AlphaMode.mask), holes)
+    reference.remove_material(material)
+    assert reference.cluster_count() == 0  # the reference has none
+
+
+def test_positions_are_taken_in_any_layout(reference, square):
+    moved = np.asarray(square.positions + np.float32([2, 0, 0]))
+    for positions in (moved, moved.astype(np.float64), np.asfortranarray(moved), moved.tolist(), moved[::-1][::-1]):
+        reference.set_positions(0, square.positions)
+        assert distance(reference) == pytest.approx(10)
+        reference.set_positions(0, positions)
+        assert distance(reference) == pytest.approx(12)
+    moved.flags.writeable = False
+    reference.set_positions(0, moved)
+
+
+def test_a_scene_is_changed_in_place(square):
+    scene = gnosphere.Scene([gnosphere.Material("grey")], [square, square], [gnosphere.Instance(0, at(3), name="a")])
+    instance = scene.instances[0]
+    instance.class_id = 4
+    instance.transform = at(8)
+    scene.materials[0].retro = 30
+    scene.meshes[1].positions[:, 0] = 1
+    assert scene.instances[0].class_id == 4
+    assert scene.instances[0].transform.rows[0, 3] == 8
+    assert scene.materials[0].retro == 30
+    assert gnosphere.world_bounds(scene).max == (8, 1, 1)
+    assert square.positions[0, 0] == 0  # the scene has copied it
+    assert scene.placed_triangle_count() == 2 and scene.unique_triangle_count() == 4
+    positions = scene.meshes[1].positions
+    del scene
+    assert positions[0, 0] == 1  # the view keeps the mesh, the mesh keeps the scene
+    with pytest.raises(AttributeError):
+        instance.nmae = "b"
+
+
+def test_what_would_change_a_copy_is_refused():
+    pose, transform = gnosphere.Pose((1, 2, 3)), at(1)
+    sensor = gnosphere.builtin_sensor("VLP-16")
+    sensor.masked_beams = [1, 2]
+    with pytest.raises(TypeError):
+        pose.position[0] = 5
+    with pytest.raises(AttributeError):
+        pose.position = (0, 0, 0)
+    with pytest.raises(ValueError, match="read-only"):
+        transform.rows[0, 3] = 5
+    with pytest.raises(AttributeError):
+        sensor.channels[0].elevation_deg = 3
+    with pytest.raises(AttributeError):
+        sensor.channels.append(gnosphere.Channel())
+    with pytest.raises(ValueError, match="read-only"):
+        sensor.masked_beams[:] = 1
+    sensor.channels = sensor.channels[:8]
+    assert sensor.height() == 8 and sensor.beam_count() == 8 * 1800
+
+
+def test_effects_weather_and_motion(square, device):
+    effects = gnosphere.Effects()
+    effects.range_noise.use = gnosphere.EffectUse.on
+    effects.range_noise.sigma = 0.02
+    gnosphere.assign(effects, "angle-noise.azimuth=0.001")
+    assert effects.angle_noise.use == gnosphere.EffectUse.on
+    effects.drop_out.dead_beams = [1, 2]
+    effects.volumes.boxes = [gnosphere.Effects.Volume((0, 0, 0), (1, 1, 1), 0.1)]
+    copy = gnosphere.effects_from_json(gnosphere.to_json(effects), "here")
+    assert copy.range_noise.sigma == 0.02
+    assert copy.drop_out.dead_beams.tolist() == [1, 2]
+    assert copy.volumes.boxes[0].max == (1, 1, 1)
+
+    scene = gnosphere.Scene([gnosphere.Material()], [square], [gnosphere.Instance(0, at(40))])
+    request = gnosphere.SensorRequest(beams(), variable_weather=True, fields=[Field.label])
+    request.effects.sensor_motion.use = gnosphere.EffectUse.on
+    simulator = gnosphere.Simulator(scene, request, gnosphere.SimulatorOptions(device))
+    scan = gnosphere.Scan()
+    simulator.scan_into(gnosphere.Shot(), scan)
+    assert (scan.column(Field.label) == gnosphere.Label.solid.value).all()
+    simulator.scan_into(gnosphere.Shot(weather=gnosphere.Weather(visibility=5)), scan)
+    assert not (scan.column(Field.label) == gnosphere.Label.solid.value).any()
+
+    shot = gnosphere.Shot(frame=3)
+    shot.motion = gnosphere.SensorMotion([gnosphere.SensorMotion.Stamp(0, gnosphere.Pose((20, 0, 0)))])
+    shot.instance_motions = [gnosphere.InstanceMotion(0, at(41))]
+    assert shot.motion.stamps[0].pose.position == (20, 0, 0)
+    simulator.scan_into(shot, scan)
+    assert scan.ranges[MIDDLE] == pytest.approx(20.5)  # half-way through the scan
+
+
+def test_a_list_of_beams_is_what_it_was_made_of():
+    rng = np.random.default_rng(1)
+    directions = rng.normal(size=(50, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    made = gnosphere.BeamList(
+        directions, origins=np.zeros((50, 3)), times=np.linspace(0, 0.1, 50), range_min=np.full(50, 0.5),
+        range_max=np.full(50, 9, np.float64), rings=np.arange(50) % 7, width=10, height=5,
+    )  # fmt: skip
+    assert np.array_equal(made.directions, directions)
+    assert made.rings.dtype == np.uint16 and made.rings[13] == 6
+    assert made.range_max.dtype == np.float32 and made.times[-1] == 0.1
+    sensor = gnosphere.Sensor()
+    sensor.range_max = 10
+    sensor.patterns = [made]
+    gnosphere.validate(sensor)
+    view = gnosphere.beams_of(sensor).directions
+    assert np.array_equal(view, directions) and not view.flags.writeable
+    again = gnosphere.sensor_from_json(gnosphere.to_json(sensor), "here")
+    assert np.array_equal(again.patterns[0].directions, directions)
+
+
+def test_transforms_compose():
+    turn = gnosphere.Transform([[0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3]])
+    assert turn * (1, 0, 0) == (1, 3, 3)
+    assert (turn * turn) * (1, 0, 0) == turn * (turn * np.array([1.0, 0, 0]))
+    assert repr(gnosphere.Pose()) == "Pose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))"
+
+
+def test_materials_and_tables(town):
+    unused: list[str] = []
+    table = gnosphere.MaterialTable([gnosphere.MaterialTable.Row("no such material", 0.5)])
+    optics = gnosphere.optics_of(town, table, 905, unused)
+    assert len(optics) == len(town.materials)
+    assert unused == ["no such material"]
+    assert 0 <= gnosphere.optics_of(town.materials[0]).reflectance <= 1

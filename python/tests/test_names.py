@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every name of the C++ headers is in Python, in snake_case; and every class says what it is."""
+
+import re
+from pathlib import Path
+
+import pytest
+from conftest import REPOSITORY
+
+import gnosphere
+
+HEADERS = "effects error layout output plan scan scene sensor simulator".split()
+
+# What is left out, because Python has something of its own for it, or because it belongs to adopted devices.
+LEFT_OUT = {
+    "Vec3", "Quaternion",  # tuples
+    "ColumnView", "Iterator", "begin",  # NumPy arrays
+    "RecordHeader", "instance_count", "first_vertex", "first_instance", "wanted", "rows", "incomplete",
+    "AdoptedDevice", "Recorder", "Recording", "adopted", "layout",
+    "w",  # a quaternion is x, y, z, w
+    "add",  # results are read only
+}  # fmt: skip
+RENAMED = {"in": "in_", "k_no_triangle": "NO_TRIANGLE", "k_no_image": "NO_IMAGE", "k_no_mesh": "NO_MESH"}
+
+
+def snake(name: str) -> str:
+    return name if name[0].isupper() else re.sub(r"(?<=[a-z0-9])([A-Z])", lambda m: "_" + m[1].lower(), name)
+
+
+def names_in(header: str) -> set[str]:
+    """Types, functions, members and enumerators that a header declares, in snake_case."""
+    text = (REPOSITORY / "include" / "gnosphere" / f"{header}.hpp").read_text()
+    text = re.sub(r" *//.*", "", text)
+    text = re.sub(r"class GNOSPHERE_API (\w+)", r"class \1", text)
+    text = re.sub(r"\n private:.*?\n};", "\n};", text, flags=re.S)
+    names = set(re.findall(r"^ *(?:struct|class|enum class) (\w+)", text, re.M))
+    names |= set(re.findall(r"^ *GNOSPHERE_API (?:static )?[\w:<>,&*\s]+?[\s&*](\w+)\(", text, re.M))
+    names |= set(re.findall(r"^  (?!return)[\w:<>]+[\s&*]+(\w+)\([^;{]*\)(?: const)?(?: noexcept)? ?[;{]", text, re.M))
+    for block in re.findall(r"enum class \w+(?: : \w+)? \{([^}]*)\}", text):
+        names |= set(re.findall(r"^\s*(\w+)\s*(?:,|$)", block.replace(",", ",\n"), re.M))
+    text = re.sub(r"enum class \w+(?: : \w+)? \{[^}]*\}", "Enumeration", text)
+    for line in text.splitlines():  # members: indented, a type, then names with defaults
+        member = re.fullmatch(
+            r" {2,4}(?!return|using|friend|static|template|const auto)([\w:]+(?:<.*>)?) ([^()]+);", line
+        )
+        if member and not line.startswith("     "):
+            names |= set(
+                re.findall(r"(?:^|, )(\w+)(?= =|,|$| \{)", re.sub(r"\{[^}]*\}|= [^,]+", "", member[2]).strip())
+            )
+    return {snake(name) for name in names if re.fullmatch(r"[A-Za-z]\w*[a-z0-9]|[a-z]", name)} - LEFT_OUT
+
+
+def names_of(holder: object, depth: int = 0) -> set[str]:
+    names = {name for name in dir(holder) if not name.startswith("__")}
+    for name in list(names):
+        value = getattr(holder, name)
+        if isinstance(value, type) and depth < 3:
+            names |= names_of(value, depth + 1)
+    return names
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_every_name_of_a_header_is_there(header):
+    wanted = {RENAMED.get(name, name) for name in names_in(header)}
+    assert len(wanted) > (5 if header in ("error", "layout") else 20)
+    assert not sorted(wanted - names_of(gnosphere))
+
+
+def test_the_headers_are_all_of_them():
+    there = {path.stem for path in (REPOSITORY / "include" / "gnosphere").glob("*.hpp")}
+    assert there - {"export", "gnosphere", "vulkan"} == set(HEADERS)
+
+
+def test_functions_have_docstrings():
+    for name in sorted(set(dir(gnosphere)) - {"drive", "field_info", "annotations"}):
+        value = getattr(gnosphere, name)
+        if name.startswith("_") or not callable(value) or isinstance(value, type):
+            continue
+        text = value.__doc__.split("\n", 1)
+        assert len(value.__doc__) > 60, name
+        assert len(text) == 2 and text[1].strip(), f"{name} has no docstring beyond its signature"
+
+
+def test_the_package_ships_its_types():
+    package = Path(gnosphere.__file__).parent
+    assert (package / "py.typed").exists()
+    stub = (package / "_gnosphere" / "__init__.pyi").read_text()
+    assert "def scan(self, pose: Pose, sensor: int = 0) -> Scan:" in stub
+    assert "def points(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, 3))]:" in stub

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scans: the same bytes as the command line's, views that keep their memory, packed rows, files."""
+
+import gc
+
+import numpy as np
+import pytest
+from conftest import program
+
+import gnosphere
+from gnosphere import Field
+
+
+def address(array: np.ndarray) -> int:
+    return array.__array_interface__["data"][0]
+
+
+def same(a: np.ndarray, b: np.ndarray) -> bool:
+    return a.dtype == b.dtype and a.tobytes() == b.tobytes()
+
+
+def test_arrays_and_files_have_the_bytes_of_the_command_line(folder, town, device, tmp_path):
+    names = "x,y,z,range,triangle,instance,intensity,normal,ring,class"
+    program("scan", folder / "town.glb", "--sensor", "VLP-16", "--pose", "1,2,1.8", "--fields", names, "--device",
+            gnosphere.name_of(device), "-o", tmp_path / "cli.npy")  # fmt: skip
+    fields = gnosphere.parse_fields(names)
+    request = gnosphere.SensorRequest(gnosphere.builtin_sensor("VLP-16"), fields=fields)
+    simulator = gnosphere.Simulator(town, request, gnosphere.SimulatorOptions(device))
+    scan = simulator.scan(gnosphere.Pose((1, 2, 1.8)))
+
+    rows = np.load(tmp_path / "cli.npy").ravel()
+    assert len(rows) == len(scan.ranges) == 28800
+    assert np.count_nonzero(scan.triangles != gnosphere.NO_TRIANGLE) > 10000
+    for i, axis in enumerate("xyz"):
+        assert same(rows[axis], scan.points[:, i])
+        assert same(rows[axis], scan.column(Field.normal)[:, i]) is False
+        assert same(rows["normal_" + axis], scan.column(Field.normal)[:, i])
+    assert same(rows["range"], scan.ranges)
+    assert same(rows["triangle"], scan.triangles)
+    assert same(rows["instance"], scan.instances)
+    for field in (Field.intensity, Field.ring, Field.class_id):
+        assert same(rows[gnosphere.field_info(field).name], scan.column(field))
+
+    gnosphere.write_cloud(scan, tmp_path / "python.npy", gnosphere.CloudOptions(fields))
+    assert (tmp_path / "python.npy").read_bytes() == (tmp_path / "cli.npy").read_bytes()
+    read = gnosphere.read_cloud(tmp_path / "cli.npy")
+    assert same(read.points, scan.points)
+    assert gnosphere.compare(scan, read).same()
+    gnosphere.write_picture(scan, tmp_path / "cloud.png")
+    assert (tmp_path / "cloud.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_view_keeps_its_memory_after_the_scan_is_deleted(simulator, pose):
+    scan = simulator.scan(pose)
+    views = [scan.points, scan.ranges, scan.triangles, scan.instances] + [
+        scan.column(field) for field in (Field.x, Field.normal, Field.intensity, Field.ring)
+    ]
+    slices = [view[::7] for view in views]
+    copies = [view.copy() for view in slices]
+    del scan, views
+    gc.collect()
+    churn = [simulator.scan(gnosphere.Pose((x, 0, 1.8))) for x in range(1, 6)]  # into memory that is free
+    for kept, copied in zip(slices, copies, strict=True):
+        assert same(kept, copied)
+    assert len(churn) == 5
+
+
+def test_views_are_not_copies_and_go_on_by_dlpack(simulator, pose):
+    scan = simulator.scan(pose)
+    assert address(scan.points) == address(scan.points) == address(scan.column(Field.x))
+    assert address(scan.column(Field.y)) == address(scan.points) + 4
+    assert scan.column(Field.x).strides == (12,)
+    assert np.shares_memory(np.from_dlpack(scan.ranges), scan.ranges)
+    assert np.shares_memory(np.from_dlpack(scan.points), scan.column(Field.z))
+    normal = scan.column(Field.normal)
+    assert normal.shape == (28800, 3) and not normal.flags.writeable
+    scan.points[0] = 7  # as in C++, the arrays that every scan has can be written
+    assert scan.column(Field.z)[0] == 7
+    held = memoryview(scan.ranges)
+    del scan
+    gc.collect()
+    assert held.nbytes == 4 * 28800
+
+
+def test_scan_into_uses_its_arrays_again_unless_a_view_is_held(simulator, pose):
+    scan = gnosphere.Scan()
+    assert scan.points.shape == (0, 3) and scan.ranges.shape == (0,)
+    simulator.scan_into(gnosphere.Shot(pose), scan)
+    first = address(scan.points)
+    simulator.scan_into(gnosphere.Shot(pose), scan)
+    assert address(scan.points) == first
+
+    held = scan.points
+    copied = held.copy()
+    simulator.scan_into(gnosphere.Shot(gnosphere.Pose((5, 0, 1.8))), scan)
+    assert same(held, copied)
+    assert address(scan.points) != first
+    assert not same(scan.points, copied)
+
+
+def test_a_failed_scan_into_leaves_a_scan_that_can_be_used(simulator, pose):
+    scan = simulator.scan(pose)
+    with pytest.raises(gnosphere.Error, match="sensor"):
+        simulator.scan_into(gnosphere.Shot(pose, sensor=7), scan)
+    simulator.scan_into(gnosphere.Shot(pose), scan)
+    assert scan.beam_count() == 28800
+
+
+def test_scan_all_gives_what_scan_gives_and_what_is_kept_stays(simulator):
+    poses = [gnosphere.Pose((x, 0, 1.8)) for x in range(6)]
+    kept = []
+    simulator.scan_all([gnosphere.Shot(pose) for pose in poses], lambda shot, scan: kept.append((shot, scan)))
+    assert [shot for shot, _ in kept] == list(range(6))
+    assert len({address(scan.points) for _, scan in kept}) == 6
+    for (_, scan), pose in zip(kept, poses, strict=True):
+        assert same(scan.points, simulator.scan(pose).points)
+
+    addresses = []
+    simulator.scan_all([gnosphere.Shot(pose) for pose in poses], lambda _, scan: addresses.append(address(scan.points)))
+    assert len(set(addresses)) == 1
+
+
+def test_scan_all_passes_an_exception_on(simulator, pose):
+    calls = []
+
+    def receive(shot, scan):
+        calls.append(shot)
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        simulator.scan_all([gnosphere.Shot(pose)] * 3, receive)
+    assert calls == [0]
+    assert simulator.scan(pose).beam_count() == 28800
+
+
+def test_pack_fills_a_structured_array(simulator, pose):
+    scan = simulator.scan(pose)
+    layout = gnosphere.layout_of([Field.x, Field.y, Field.z, Field.ring])
+    layout.compact = True
+    rows = np.zeros(len(scan.ranges), np.dtype("<f4,<f4,<f4,<u2"))
+    assert layout.stride == rows.itemsize == 14
+    rows = rows[: gnosphere.pack(scan, layout, rows)]
+    returned = ~np.isnan(scan.ranges)
+    assert len(rows) == returned.sum()
+    assert same(rows["f1"], scan.points[returned, 1])
+    assert same(rows["f3"], scan.column(Field.ring)[returned])
+
+    value = gnosphere.RecordLayout.Value(Field.normal, 2, 4, gnosphere.ValueType.f64)
+    layout = gnosphere.RecordLayout([value], stride=16)
+    doubles = np.zeros((len(scan.ranges), 2))
+    with pytest.raises(gnosphere.Error, match="460800"):
+        gnosphere.pack(scan, layout, doubles[1:].copy())
+    gnosphere.pack(scan, layout, doubles.view(np.uint8).ravel())
+    assert layout.values[0].component == 2
+    with pytest.raises(gnosphere.Error, match="contiguous"):
+        gnosphere.pack(scan, layout, doubles[:, ::2])
+
+
+def test_memory_stays_the_same(town, device):
+    def resident() -> int:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            return int(file.read().split()[1]) * 4096
+
+    sensor = gnosphere.builtin_sensor("VLP-16")
+    sensor.columns = 180
+    request = gnosphere.SensorRequest(sensor, fields=[Field.normal])
+    simulator = gnosphere.Simulator(town, request, gnosphere.SimulatorOptions(device))
+
+    def scans(count: int) -> None:
+        for i in range(count // 4):
+            scan = simulator.scan(gnosphere.Pose((0.01 * i, 0, 1.8)))
+            views = scan.points[::9], scan.column(Field.normal)
+            simulator.scan_into(gnosphere.Shot(frame=i), scan)
+            assert len(views) == 2
+            simulator.scan_all([gnosphere.Shot(frame=i)] * 2, lambda _, made: made.ranges)
+
+    scans(40)
+    before = resident()
+    scans(2000)
+    # A view that leaked would keep 2880 x 40 bytes; 1000 of them are 115 MB.
+    assert resident() - before < 16e6
+
+
+def test_a_scan_tells_what_happened(simulator, pose):
+    scan = simulator.scan(pose)
+    assert (scan.sensor, scan.columns, scan.channels, scan.returns) == ("VLP-16", 1800, 16, 1)
+    assert scan.pose.position == (0, 0, 1.8)
+    counters = scan.counters
+    assert counters.beams == counters.hits + counters.misses == scan.beam_count()
+    assert len(counters.causes) == len(gnosphere.Cause)
+    assert scan.timings.wall_ms > 0
+    entry = int(np.flatnonzero(scan.triangles != gnosphere.NO_TRIANGLE)[0])
+    assert scan.hit(entry) and scan.returned(entry)
+    with pytest.raises(gnosphere.Error, match="28800"):
+        scan.hit(28800)
+    plan = simulator.plan()
+    assert [decision.effect for decision in plan.effects] == list(gnosphere.effect_names())
+    assert plan.has("intensity") and next(d for d in plan.effects if d.effect == "intensity").in_
+    assert plan.bytes() == sum(buffer.bytes for buffer in plan.buffers)
+    assert simulator.device().name

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Threads: no call holds the GIL while it works, and a simulator belongs to one thread at a time."""
+
+import sys
+import threading
+import time
+
+import pytest
+
+import gnosphere
+
+
+@pytest.fixture(scope="module")
+def slow(town):
+    """A simulator on the reference whose scan takes a while, and that scan's bytes."""
+    request = gnosphere.SensorRequest(gnosphere.builtin_sensor("HDL-64E"), gnosphere.Effects.none())
+    simulator = gnosphere.Simulator(town, request, gnosphere.SimulatorOptions(gnosphere.device_by_name("reference")))
+    return simulator, simulator.scan(gnosphere.Pose((0, 0, 1.8))).points.tobytes()
+
+
+def in_thread(work):
+    thread = threading.Thread(target=work)
+    thread.start()
+    return thread
+
+
+def test_other_threads_run_while_a_scan_is_made(slow, pose):
+    counted, stop = [0], threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counted[0] += 1
+            time.sleep(0.001)
+
+    counter = in_thread(count)
+    before = counted[0]
+    start = time.monotonic()
+    slow[0].scan(pose)
+    during, seconds = counted[0] - before, time.monotonic() - start
+    stop.set()
+    counter.join()
+    print(f"{during} turns of another thread during a scan of {seconds:.2f} s")
+    assert during > 3  # at most 1 if the GIL were held
+
+
+def test_two_simulators_scan_at_once(slow, simulator, pose):
+    events, started = [], threading.Event()
+    bytes_of = {}
+
+    def long():
+        started.set()
+        bytes_of["slow"] = slow[0].scan(pose).points.tobytes()
+        events.append("slow")
+
+    expected = simulator.scan(pose).points.tobytes()
+    thread = in_thread(long)
+    started.wait()
+    bytes_of["fast"] = simulator.scan(pose).points.tobytes()
+    events.append("fast")
+    thread.join()
+    assert events == ["fast", "slow"]  # the short scan began after the long one and ended before it
+    assert bytes_of == {"slow": slow[1], "fast": expected}
+
+
+def test_a_second_thread_is_refused(slow, pose):
+    started = threading.Event()
+
+    def long():
+        started.set()
+        slow[0].scan(pose)
+
+    thread = in_thread(long)
+    started.wait()
+    with pytest.raises(gnosphere.Error, match="one thread at a time"):
+        for _ in range(1000):  # the other thread may need a moment to begin
+            slow[0].device()
+            time.sleep(0.0001)
+    thread.join()
+    assert slow[0].scan(pose).points.tobytes() == slow[1]
+
+
+def test_receive_may_not_call_its_simulator(simulator, pose):
+    with pytest.raises(gnosphere.Error, match="scan_all"):
+        simulator.scan_all([gnosphere.Shot(pose)], lambda shot, scan: simulator.scan(pose))
+    assert simulator.scan(pose).beam_count() == 28800
+
+
+def test_warn_gets_what_is_no_error(town, device, tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    said = []
+    request = gnosphere.SensorRequest(gnosphere.builtin_sensor("VLP-16"))
+    options = gnosphere.SimulatorOptions(device, cache=str(tmp_path / "file"), warn=said.append)
+    assert options.warn == said.append
+    gnosphere.Simulator(town, request, options)
+    options.warn = None
+    assert options.warn is None
+
+    def angry(sentence):
+        raise ValueError("mine")
+
+    options.warn = angry
+    if said:  # the reference keeps no pipelines
+        assert str(tmp_path / "file") in said[0]
+        printed = []
+        monkeypatch.setattr(sys, "unraisablehook", printed.append)
+        gnosphere.Simulator(town, request, options)
+        assert [type(of.exc_value) for of in printed] == [ValueError]
