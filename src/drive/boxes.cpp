@@ -92,13 +92,12 @@ std::vector<Box> BoxFinder::find(const RecordedScan& recorded) {
   std::vector<Box> boxes;
   for (size_t a = 0; a < times.size(); ++a) {
     if (times[a].empty()) continue;
-    // Deformable meshes have the shape of the scan's start.
-    const Bounds bounds = world_.boundsOf(a, planned.time);
     Box box;
     box.actor = a;
     box.points = times[a].size();
     const double seenAt = planned.time + median(times[a]);
     box.time = recorded.actorsMove ? seenAt : planned.time;
+    const Bounds bounds = world_.boundsOf(a, box.time);
     box.size = bounds.max - bounds.min;
     // An actor that goes during the scan is there until the scan ends.
     const Pose actor = world_.poseOf(a, box.time).value_or(drive_.actors[a].trajectory.at(box.time));

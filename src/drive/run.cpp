@@ -104,8 +104,7 @@ class Scanner {
     return motion;
   }
 
-  /// Sets the world of the scan's start, and its motion until the scan's end. Deformable meshes keep the shape of the
-  /// start.
+  /// Sets the world of the scan's start, and its motion until the scan's end.
   void placeWorld(const RecordedScan& recorded, Shot& shot) {
     const double begin = recorded.planned.time, end = begin + recorded.duration;
     const World::Setter start = {
@@ -119,7 +118,9 @@ class Scanner {
                                     if (placed_[instance].rows != transform.rows)
                                       shot.instanceMotions.push_back({instance, transform});
                                   },
-                                  [](size_t, const Deformation&) {}};
+                                  [&](size_t mesh, const Deformation& deformation) {
+                                    shot.meshMotions.push_back({mesh, deformation});
+                                  }};
     world_.placeScenes(begin, start);
     if (recorded.actorsMove) world_.placeScenes(end, motion);
     for (size_t actor = 0; actor < drive_.actors.size(); ++actor) {
