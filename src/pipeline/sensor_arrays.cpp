@@ -55,7 +55,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
       options_(kernelOptions(options, plan, patterns_[0].tables.azimuthOffsets)),
       shells_(mostShells(options, binning_, beams(), triangles)),
-      shellClusters_(shellClusters(options, beams())),
+      shellClusters_(shellClusters(options, beams(), triangles)),
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords(binning_, plan))),
       records_(recordTables(plan.layout)) {
