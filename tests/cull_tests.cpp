@@ -104,6 +104,18 @@ TEST_CASE("culling: many shells leave the cloud of a town unchanged") {
   CHECK(sameBytes(scan, scanWith(town, sensor, pose, Accuracy::standard, nothing())));
 }
 
+TEST_CASE("culling: what near triangles hide is skipped in a small scene, too") {
+  needVulkan();
+  const Scene town = makeTown({40'000, 3});
+  const Pose pose = {{0, 0, 1.8}, {}};
+  Culling culling;
+  const Scan scan = scanWith(town, builtinSensor("VLP-16"), pose, Accuracy::standard, culling);
+  culling.occlusion = Culling::Occlusion::never;
+  const Scan seen = scanWith(town, builtinSensor("VLP-16"), pose, Accuracy::standard, culling);
+  CHECK(scan.counters.culledByCluster > seen.counters.culledByCluster + town.placedTriangleCount() / 20);
+  CHECK(sameBytes(scan, seen));
+}
+
 TEST_CASE("culling: hidden triangles, and those out of range or between beams, are skipped") {
   needVulkan();
   const Scene town = makeTown({200'000, 1});
