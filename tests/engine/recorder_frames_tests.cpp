@@ -122,7 +122,7 @@ TEST_CASE("a list that is too small is reported, grows before the next scan, and
   needVulkan();
   VulkanApp app;
   // Nearly all triangles are wider than a slab, which the first capacity of the tiles does not expect.
-  const SensorRequest request = {listSensor("rosette", rosette(3000, 0.35)), Effects::none()};
+  const SensorRequest request = {listSensor("rosette", rosette(3000, 1.5)), Effects::none()};
   Scene scene = boxes();
   for (int i = 1; i < 16; ++i) scene.instances.push_back({"", 0, scaling(1 + 0.01 * i, 1 + 0.01 * i, 1)});
   Recorded recorded(app, scene, request, plainOptions(), pointLayout());
