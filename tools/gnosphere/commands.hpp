@@ -19,5 +19,6 @@ Action addSensors(CLI::App& app);
 Action addEffects(CLI::App& app);
 Action addTown(CLI::App& app);
 Action addDrive(CLI::App& app);
+Action addView(CLI::App& app);
 
 }  // namespace gnosphere::cli

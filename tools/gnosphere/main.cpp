@@ -39,7 +39,7 @@ int run(const std::vector<Command>& commands) {
     return 1;
   }
   cli::complain(
-      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, town or drive (see "
+      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, town, drive or view (see "
       "gnosphere --help)");
   return 2;
 }
@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
       addCommand(app, "effects", "List every effect and its parameters, or print a preset as JSON", cli::addEffects),
       addCommand(app, "town", "Write a synthetic town", cli::addTown),
       addCommand(app, "drive", "Make the data set that a drive file describes", cli::addDrive),
+      addCommand(app, "view", "Make an HTML page that shows clouds", cli::addView),
   };
   cli::rememberCommand(argc, argv);
   try {
