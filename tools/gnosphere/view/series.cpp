@@ -56,6 +56,7 @@ class DriveOutput {
       if (entry.path().extension() == ".json") frames.push_back(entry.path());
     std::sort(frames.begin(), frames.end());
     for (const fs::path& frame : frames) readFrame(frame);
+    complete_ = frames.size();
   }
 
   Series choose(const std::string& sensor) {
@@ -82,6 +83,10 @@ class DriveOutput {
     if (!best->sensor.empty()) series.name += ", " + best->sensor;
     if (unknown > 0)
       series.notes.push_back("boxes are left out, because the format does not tell the sensor of its clouds");
+    const uint64_t frames = drive.value("frames", uint64_t{0});
+    if (complete_ < frames)
+      series.notes.push_back("the drive is not complete: it has " + std::to_string(complete_) + " of " +
+                             std::to_string(frames) + " frames");
     addNames(*best, series);
     return series;
   }
@@ -180,6 +185,7 @@ class DriveOutput {
   }
 
   fs::path folder_;
+  uint64_t complete_ = 0;  // frames
   std::map<std::string, Candidate> candidates_;
   std::vector<std::string> order_;
   std::map<std::pair<uint64_t, std::string>, std::vector<fs::path>> boxes_;  // by frame and sensor
