@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "base/file.hpp"
@@ -78,6 +79,25 @@ Json readBoxes(const fs::path& file) {
   return boxes;
 }
 
+/// Names the classes of what moves, which have numbers of their own in SemanticKITTI's labels, as the boxes do.
+void nameMovingClasses(PageFrame& frame) {
+  ViewCloud& cloud = frame.cloud;
+  const ViewColumn* instance = cloud.find("instance");
+  const auto category =
+      std::find_if(cloud.columns.begin(), cloud.columns.end(), [](const auto& c) { return c.name == "class"; });
+  if (!instance || category == cloud.columns.end()) return;
+  std::map<std::string, std::string> moving;  // classes by names of actors
+  for (const Json& box : frame.boxes)
+    if (box.at("moving") == true) moving[box.at("name")] = box.at("class").get<std::string>() + ", moving";
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    if (std::isnan(category->values[i]) || std::isnan(instance->values[i])) continue;
+    const auto id = static_cast<uint32_t>(category->values[i]);
+    if (category->names.contains(id)) continue;
+    const auto name = instance->names.find(static_cast<uint32_t>(instance->values[i]));
+    if (name != instance->names.end() && moving.contains(name->second)) category->names[id] = moving[name->second];
+  }
+}
+
 /// Refuses a page that is too large, or will be when the rest of its frames are in it.
 void checkSize(const ViewCall& call, const Page& page, size_t frames) {
   const uint64_t bytes = page.dataBytes() * frames / page.frameCount();
@@ -114,6 +134,7 @@ Json addSeries(const ViewCall& call, Page& page) {
     for (ViewColumn& column : shown.cloud.columns)
       if (column.isId && series.names.contains(column.name)) column.names.merge(series.names[column.name]);
     if (!frame.boxes.empty()) shown.boxes = readBoxes(frame.boxes);
+    nameMovingClasses(shown);
     page.add(std::move(shown));
     checkSize(call, page, series.frames.size());
     progress.step(page.frameCount());
@@ -140,7 +161,7 @@ Json addDifference(const ViewCall& call, Page& page) {
   say("points", summary);
   page.add({"A and B", everyNth(both, call.every)});
   checkSize(call, page, 1);
-  const bool byBeam = a.find("beam") && b.find("beam");
+  const bool byBeam = comparesBeams(a, b);
   return {{"title", fs::path(call.a).filename().string() + " and " + fs::path(call.b).filename().string()},
           {"notes",
            {"A is " + call.a + ", B is " + call.b + ".",

@@ -36,9 +36,11 @@ ViewCloud readViewCloud(const std::filesystem::path& file);
 /// Returns every n-th point, from the first on.
 ViewCloud everyNth(const ViewCloud& cloud, size_t n);
 
+/// Whether both clouds tell the beams of their points.
+bool comparesBeams(const ViewCloud& a, const ViewCloud& b);
 /// Returns the points of both clouds, with three more columns: the cloud, the kind of difference, and the distance to
-/// the point compared with. If both have the column `beam`, points of one beam (and one return) are compared; otherwise
-/// each point is compared with the nearest one of the other cloud. Points further apart than `distance` differ.
+/// the point compared with. If both tell their beams, points of one beam (and one return) are compared; otherwise each
+/// point is compared with the nearest one of the other cloud. Points further apart than `distance` differ.
 ViewCloud differenceOf(const ViewCloud& a, const ViewCloud& b, double distance);
 
 }  // namespace gnosphere::cli

@@ -22,10 +22,10 @@ double distanceOf(const ViewCloud& a, size_t i, const ViewCloud& b, size_t j) {
 /// A number for the beam and the return of each point.
 std::vector<uint64_t> returnsOf(const ViewCloud& cloud) {
   const ViewColumn *beam = cloud.find("beam"), *number = cloud.find("return");
+  const auto whole = [](double id) { return std::isnan(id) ? UINT32_MAX : static_cast<uint64_t>(id); };
   std::vector<uint64_t> keys;
   for (size_t i = 0; i < cloud.size(); ++i)
-    keys.push_back(static_cast<uint64_t>(beam->values[i]) << 8 |
-                   (number ? static_cast<uint64_t>(number->values[i]) & 0xff : 1));
+    keys.push_back(whole(beam->values[i]) << 8 | (number ? whole(number->values[i]) & 0xff : 1));
   return keys;
 }
 
@@ -91,8 +91,16 @@ void append(const ViewCloud& part, ViewCloud& all) {
 
 }  // namespace
 
+bool comparesBeams(const ViewCloud& a, const ViewCloud& b) {
+  const auto hasBeams = [](const ViewCloud& cloud) {
+    const ViewColumn *beam = cloud.find("beam"), *number = cloud.find("return");
+    return beam && beam->isId && (!number || number->isId);
+  };
+  return hasBeams(a) && hasBeams(b);
+}
+
 ViewCloud differenceOf(const ViewCloud& a, const ViewCloud& b, double distance) {
-  const bool byBeam = a.find("beam") && b.find("beam");
+  const bool byBeam = comparesBeams(a, b);
   ViewColumn cloud{"cloud", true, {}, {{0, "A"}, {1, "B"}}};
   ViewColumn difference{"difference", true, {}, {{kSame, "same"}, {kOnlyA, "only in A"}, {kOnlyB, "only in B"}}};
   ViewColumn apart{"distance", false, {}, {}};

@@ -23,9 +23,13 @@ function rampColour(share) {
   return kRamp[low].map((c, i) => c + (kRamp[low + 1][i] - c) * (at - low));
 }
 
+/// A colour of its own for each id, in the order in which ids appear; those of the first frame by their numbers.
 function idColour(field, id) {
   if (field.name === 'difference') return kDifferences[id];
-  const hue = (id * 0.61803398875 + 0.55) % 1 * 6, bright = 235, dark = id % 2 ? 70 : 105;
+  if (!field.ranks)
+    field.ranks = new Map(Array.from(new Set(frameOf(0).columns[field.name].filter(v => !isNaN(v)).sort()), (v, i) => [v, i]));
+  if (!field.ranks.has(id)) field.ranks.set(id, field.ranks.size);
+  const rank = field.ranks.get(id), hue = (rank * 0.61803398875 + 0.55) % 1 * 6, bright = 235, dark = rank % 2 ? 70 : 105;
   const part = n => {
     const k = (n + hue) % 6;
     return bright - (bright - dark) * Math.max(0, Math.min(k, 4 - k, 1));
