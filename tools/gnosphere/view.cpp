@@ -132,7 +132,7 @@ Json addSeries(const ViewCall& call, Page& page) {
   for (const SeriesFrame& frame : series.frames) {
     PageFrame shown{"frame " + std::to_string(frame.number), everyNth(readViewCloud(frame.cloud), call.every)};
     for (ViewColumn& column : shown.cloud.columns)
-      if (column.isId && series.names.contains(column.name)) column.names.merge(series.names[column.name]);
+      if (column.isId) column.names.insert(series.names[column.name].begin(), series.names[column.name].end());
     if (!frame.boxes.empty()) shown.boxes = readBoxes(frame.boxes);
     nameMovingClasses(shown);
     page.add(std::move(shown));

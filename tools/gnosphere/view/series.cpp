@@ -108,6 +108,7 @@ class DriveOutput {
       for (const Json& entry : frame.at("files")) {
         const fs::path path = entry.at("path").get<std::string>();
         addFile(number, path, kindOf(path, all));
+        if (endsWith(entry.value("into", ""), ".mcap")) others_.insert("mcap");
         if (endsWith(path, ".jsonl")) boxed.push_back(path.parent_path().filename().string());
       }
       if (boxed.size() != frame.at("scans").size()) return;
@@ -122,7 +123,6 @@ class DriveOutput {
     const std::string parent = path.parent_path().filename().string();
     if (endsWith(path, ".jsonl")) boxes_[{number, parent}].push_back(folder_ / path);
     if (endsWith(path, ".las")) others_.insert("las");
-    if (path.parent_path().filename() == "chunks") others_.insert("mcap");
     if (!kind) return;
     const auto [entry, isNew] = candidates_.try_emplace(keyOf(path));
     Candidate& candidate = entry->second;
