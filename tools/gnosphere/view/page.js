@@ -67,7 +67,7 @@ const field = () => fields[byId('field').value];
 function textOf(field, value) {
   if (isNaN(value)) return 'none';
   if (field.id) return field.names[value] === undefined ? String(value) : field.names[value];
-  return String(Number(value.toPrecision(4)));
+  return String(Number(value.toPrecision(6)));
 }
 
 function colourPoints() {
@@ -105,9 +105,11 @@ function numberLegend(chosen, legend) {
   bar.style.background = `linear-gradient(to right, ${kRamp.map(c => `rgb(${c})`).join(', ')})`;
   const ticks = element('div', undefined, legend);
   ticks.id = 'ticks';
-  element('span', (span.below ? '≤ ' : '') + textOf(chosen, span.low), ticks);
-  element('span', textOf(chosen, (span.low + span.high) / 2), ticks);
-  element('span', (span.above ? '≥ ' : '') + textOf(chosen, span.high), ticks);
+  const digits = Math.min(Math.max(Math.ceil(2 - Math.log10(span.high - span.low || 1)), 0), 12);
+  const text = value => String(Number(value.toFixed(digits)));
+  element('span', (span.below ? '≤ ' : '') + text(span.low), ticks);
+  element('span', text((span.low + span.high) / 2), ticks);
+  element('span', (span.above ? '≥ ' : '') + text(span.high), ticks);
 }
 
 function idLegend(chosen, legend) {
@@ -179,7 +181,9 @@ function show(index) {
   byId('name').textContent = info.name;
   const lines = [`${count.toLocaleString('en')} points` + (head.every > 1 ? `, one of ${head.every} is shown` : '')];
   if (info.misses) lines.push(`${info.misses.toLocaleString('en')} beams without a point`);
-  lines.push(`positions to ${Number((1000 * info.step / 2).toPrecision(2))} mm`, ...head.notes);
+  // Far from the origin the 32-bit numbers from which the positions come are coarser than the steps.
+  const error = Math.max(info.step / 2, Math.max(...info.origin.map(Math.abs)) * 2 ** -24);
+  lines.push(`positions to ${Number((1000 * error).toPrecision(2))} mm`, ...head.notes);
   byId('about').textContent = '';
   lines.forEach(line => element('div', line, byId('about')));
   byId('picked').hidden = true;
