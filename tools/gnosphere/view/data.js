@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clouds of a page of gnosphere view, and the colours of their values; page.hpp says how they are stored. The page's
-// elements are found by their ids.
+// The clouds of a page of gnosphere view, and the colours of their values; page.hpp says how they are stored. The
+// page's elements are found by their ids.
 'use strict';
 
 const byId = id => document.getElementById(id);
@@ -26,9 +26,11 @@ function rampColour(share) {
 function idColour(field, id) {
   if (field.name === 'difference') return kDifferences[id];
   if (!field.ranks)
-    field.ranks = new Map(Array.from(new Set(frameOf(0).columns[field.name].filter(v => !isNaN(v)).sort()), (v, i) => [v, i]));
+    field.ranks = new Map(Array.from(new Set(frameOf(0).columns[field.name].filter(value => !isNaN(value)).sort()),
+                                     (value, i) => [value, i]));
   if (!field.ranks.has(id)) field.ranks.set(id, field.ranks.size);
-  const rank = field.ranks.get(id), hue = (rank * 0.61803398875 + 0.55) % 1 * 6, bright = 235, dark = rank % 2 ? 70 : 105;
+  const rank = field.ranks.get(id), bright = 235, dark = rank % 2 ? 70 : 105;
+  const hue = (rank * 0.61803398875 + 0.55) % 1 * 6;  // the golden ratio keeps the hues of all ranks apart
   const part = n => {
     const k = (n + hue) % 6;
     return bright - (bright - dark) * Math.max(0, Math.min(k, 4 - k, 1));

@@ -90,7 +90,7 @@ std::string Page::encode(const PageFrame& frame, Json& head) const {
     origin[axis] = least;
     extent = std::max(extent, greatest - least);
   }
-  const double step = extent > 0 ? extent / kSteps : 1;
+  const double step = extent > 0 ? extent / kSteps : 1e-6;
   for (size_t axis = 0; axis < 3; ++axis)
     for (size_t i = axis; i < cloud.points.size(); i += 3)
       put(bytes, static_cast<uint32_t>(std::lround((cloud.points[i] - origin[axis]) / step)), 2);

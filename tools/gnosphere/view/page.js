@@ -144,7 +144,8 @@ function addBoxes(info) {
     lines.quaternion.set(...box.orientation);
     boxGroup.add(lines);
     const tag = element('div', `${box.name}, ${box.class}, ${box.points} points`, byId('tags'), 'tag');
-    tags.push({element: tag, position: new THREE.Vector3(...box.position).add(new THREE.Vector3(0, 0, box.size[2] / 2))});
+    const top = new THREE.Vector3(...box.position).add(new THREE.Vector3(0, 0, box.size[2] / 2));
+    tags.push({element: tag, position: top});
   }
 }
 
@@ -197,7 +198,8 @@ function pick(event) {
   for (const i of index) {
     at.fromArray(frame.positions, 3 * i).project(camera);
     if (at.z > 1) continue;
-    const dx = (at.x + 1) / 2 * window.innerWidth - event.clientX, dy = (1 - at.y) / 2 * window.innerHeight - event.clientY;
+    const dx = (at.x + 1) / 2 * window.innerWidth - event.clientX;
+    const dy = (1 - at.y) / 2 * window.innerHeight - event.clientY;
     if (dx * dx + dy * dy < least) [best, least] = [i, dx * dx + dy * dy];
   }
   byId('picked').hidden = best < 0;
@@ -257,7 +259,7 @@ renderer.domElement.addEventListener('click', event => {
 });
 window.addEventListener('keydown', event => {
   const step = {ArrowRight: 1, ArrowLeft: -1}[event.key], count = head.frames.length;
-  if (step && event.target.tagName !== 'INPUT' && event.target.tagName !== 'SELECT') show((current + step + count) % count);
+  if (step && !['INPUT', 'SELECT'].includes(event.target.tagName)) show((current + step + count) % count);
 });
 window.addEventListener('resize', resize);
 controls.addEventListener('change', draw);
