@@ -12,7 +12,7 @@ using Catch::Matchers::StartsWith;
 using namespace gnosphere::test;
 
 TEST_CASE("a wrong call ends with status 2 and lists the choices") {
-  checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects, info, town or drive");
+  checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects, info, town, drive or view");
   checkRefused("look", 2, "look");
   checkRefused("scan", 2, "SCENE");
   checkRefused("scan floor.obj --frob", 2, "--frob");

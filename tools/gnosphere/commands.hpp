@@ -20,5 +20,6 @@ Action addEffects(CLI::App& app);
 Action addInfo(CLI::App& app);
 Action addTown(CLI::App& app);
 Action addDrive(CLI::App& app);
+Action addView(CLI::App& app);
 
 }  // namespace gnosphere::cli

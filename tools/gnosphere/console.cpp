@@ -4,12 +4,24 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
 
 namespace gnosphere::cli {
+
+bool parsePair(const std::string& text, char separator, bool optional, uint64_t& a, uint64_t& b) {
+  const size_t at = text.find(separator);
+  if (at == text.npos) return false;
+  const auto parse = [&](const char* begin, const char* end, uint64_t& number) {
+    if (begin == end) return optional;
+    const auto result = std::from_chars(begin, end, number);
+    return result.ec == std::errc() && result.ptr == end;
+  };
+  return parse(text.data(), text.data() + at, a) && parse(text.data() + at + 1, text.data() + text.size(), b);
+}
 
 void complain(const std::string& message) {
   std::string line = message;

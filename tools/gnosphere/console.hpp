@@ -10,6 +10,9 @@
 
 namespace gnosphere::cli {
 
+/// Parses two whole numbers with a separator between; each may be left out if it is optional, and then stays.
+bool parsePair(const std::string& text, char separator, bool optional, uint64_t& a, uint64_t& b);
+
 /// Prints `gnosphere: message` as one line on stderr.
 void complain(const std::string& message);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/drive.hpp"
 
-#include <charconv>
 #include <memory>
 
 #include "commands.hpp"
@@ -16,18 +15,6 @@ struct DriveCall {
   std::string file, out, frames, shard, device = "auto";
   bool verify = false;
 };
-
-/// Parses two whole numbers with a separator between; each may be left out if it is optional.
-bool parsePair(const std::string& text, char separator, bool optional, uint64_t& a, uint64_t& b) {
-  const size_t at = text.find(separator);
-  if (at == text.npos) return false;
-  const auto parse = [&](const char* begin, const char* end, uint64_t& number) {
-    if (begin == end) return optional;
-    const auto result = std::from_chars(begin, end, number);
-    return result.ec == std::errc() && result.ptr == end;
-  };
-  return parse(text.data(), text.data() + at, a) && parse(text.data() + at + 1, text.data() + text.size(), b);
-}
 
 drive::RunOptions optionsOf(const DriveCall& call) {
   drive::RunOptions options;

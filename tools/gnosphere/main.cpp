@@ -39,7 +39,8 @@ int run(const std::vector<Command>& commands) {
     return 1;
   }
   cli::complain(
-      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, info, town or drive (see "
+      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, info, town, drive or view "
+      "(see "
       "gnosphere --help)");
   return 2;
 }
@@ -62,6 +63,7 @@ int main(int argc, char** argv) {
       addCommand(app, "info", "Tell what a scene holds: meshes, materials, animations", cli::addInfo),
       addCommand(app, "town", "Write a synthetic town", cli::addTown),
       addCommand(app, "drive", "Make the data set that a drive file describes", cli::addDrive),
+      addCommand(app, "view", "Make an HTML page that shows clouds", cli::addView),
   };
   cli::rememberCommand(argc, argv);
   try {

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "view/cloud.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "output/cloud_table.hpp"
+
+namespace gnosphere::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Rows of 32-bit floats without a head, as KITTI and nuScenes have them.
+CloudTable readFloats(std::string bytes, const std::string& source, const std::vector<const char*>& names) {
+  CloudTable table;
+  table.source = source;
+  table.bytes = std::move(bytes);
+  for (const char* name : names) table.columns.push_back({name});
+  const size_t stride = names.size() * sizeof(float);
+  if (table.bytes.size() % stride != 0)
+    table.refuse("its " + std::to_string(table.bytes.size()) + " bytes are not rows of " + std::to_string(stride) +
+                 " bytes");
+  table.rows = table.bytes.size() / stride;
+  table.layRows(0);
+  return table;
+}
+
+CloudTable readTable(const fs::path& file) {
+  const std::string name = file.string();
+  const CloudFormat format = cloudFormat(file);
+  std::string bytes = readWholeFile(file);
+  switch (format) {
+    case CloudFormat::pcd: return readPcd(std::move(bytes), name);
+    case CloudFormat::ply: return readPly(std::move(bytes), name);
+    case CloudFormat::npy: return readNpy(std::move(bytes), name);
+    case CloudFormat::csv: return readCsv(std::move(bytes), name);
+    case CloudFormat::kitti: break;
+  }
+  if (lower(name).ends_with(".pcd.bin"))
+    return readFloats(std::move(bytes), name, {"x", "y", "z", "intensity", "ring"});
+  return readFloats(std::move(bytes), name, {"x", "y", "z", "intensity"});
+}
+
+/// Whether the values of a column are numbers of things: whole, from 0 on, and of at most 32 bits. The type of the
+/// fields that we know counts, because some formats hold rings as floats.
+bool holdsIds(const CloudTable& table, const CloudColumn& column) {
+  const ColumnInfo* known = findColumn(column.name);
+  if (known ? known->type == ValueType::f32 : column.type == 'F') return false;
+  for (size_t row = 0; row < table.rows; ++row) {
+    const double value = table.value(column, row);
+    if (!(value >= 0 && value <= UINT32_MAX && value == std::floor(value))) return false;
+  }
+  return true;
+}
+
+ValueNames namesOf(const std::string& column) {
+  if (column == "label") return {{0, "no return"}, {1, "surface"}, {2, "fog, rain, snow or dust"}};
+  return {};
+}
+
+/// Appends the class and the instance of SemanticKITTI's labels, if the cloud has any.
+void addLabels(const fs::path& file, const std::vector<size_t>& rows, size_t rowCount, ViewCloud& cloud) {
+  const fs::path labels = file.parent_path().parent_path() / "labels" / file.filename().replace_extension(".label");
+  std::error_code absent;
+  if (!fs::exists(labels, absent)) return;
+  const std::string bytes = readWholeFile(labels);
+  if (bytes.size() != rowCount * sizeof(uint32_t))
+    throw Error(ErrorCode::format, labels.string() + ": has " + std::to_string(bytes.size() / sizeof(uint32_t)) +
+                                       " labels, the cloud has " + std::to_string(rowCount) + " points");
+  ViewColumn category{"class", true, {}, {{1, "outlier"}}}, instance{"instance", true, {}, {}};
+  for (size_t row : rows) {
+    uint32_t label;
+    std::memcpy(&label, bytes.data() + row * sizeof(label), sizeof(label));
+    category.values.push_back(label & 0xffff);
+    instance.values.push_back(label >> 16 ? static_cast<double>(label >> 16) : NAN);
+  }
+  cloud.columns.push_back(std::move(category));
+  cloud.columns.push_back(std::move(instance));
+}
+
+}  // namespace
+
+const ViewColumn* ViewCloud::find(const std::string& name) const {
+  const auto found = std::find_if(columns.begin(), columns.end(), [&](const auto& c) { return c.name == name; });
+  return found == columns.end() ? nullptr : &*found;
+}
+
+ViewCloud readViewCloud(const fs::path& file) {
+  const CloudTable table = readTable(file);
+  const CloudColumn* axes[] = {table.find("x"), table.find("y"), table.find("z")};
+  if (!axes[0] || !axes[1] || !axes[2])
+    table.refuse("has no x, y and z, so it cannot be shown; scan with these fields");
+  ViewCloud cloud;
+  std::vector<size_t> rows;
+  for (size_t row = 0; row < table.rows; ++row) {
+    float point[3];
+    for (int axis = 0; axis < 3; ++axis) point[axis] = static_cast<float>(table.value(*axes[axis], row));
+    if (!std::isfinite(point[0]) || !std::isfinite(point[1]) || !std::isfinite(point[2])) continue;
+    rows.push_back(row);
+    cloud.points.insert(cloud.points.end(), point, point + 3);
+  }
+  cloud.misses = table.rows - rows.size();
+  for (const CloudColumn& column : table.columns) {
+    // PCL pads its rows with columns named _, and histograms have many values per point.
+    if (std::find(axes, axes + 3, &column) != axes + 3 || column.count != 1 || column.name == "_") continue;
+    ViewColumn& out = cloud.columns.emplace_back(ViewColumn{column.name, holdsIds(table, column), {}, {}});
+    if (out.isId) out.names = namesOf(out.name);
+    out.values.reserve(rows.size());
+    for (size_t row : rows) {
+      const double value = table.value(column, row);
+      out.values.push_back(std::isfinite(value) && !(out.isId && value == UINT32_MAX) ? value : NAN);
+    }
+  }
+  if (cloudFormat(file) == CloudFormat::kitti) addLabels(file, rows, table.rows, cloud);
+  return cloud;
+}
+
+ViewCloud everyNth(const ViewCloud& cloud, size_t n) {
+  ViewCloud some;
+  some.misses = cloud.misses;
+  for (size_t i = 0; i < cloud.size(); i += n)
+    some.points.insert(some.points.end(), &cloud.points[3 * i], &cloud.points[3 * i] + 3);
+  for (const ViewColumn& column : cloud.columns) {
+    ViewColumn& out = some.columns.emplace_back(ViewColumn{column.name, column.isId, {}, column.names});
+    for (size_t i = 0; i < cloud.size(); i += n) out.values.push_back(column.values[i]);
+  }
+  return some;
+}
+
+}  // namespace gnosphere::cli

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clouds as gnosphere view shows them: points, and a column of values for each field of the file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace gnosphere::cli {
+
+using ValueNames = std::map<uint32_t, std::string>;
+
+struct ViewColumn {
+  std::string name;
+  bool isId = false;           ///< whether values are numbers of things, which have no order, as rings and instances do
+  std::vector<double> values;  ///< one per point; NaN: the point has none
+  ValueNames names;            ///< of ids; an id may have none
+};
+
+struct ViewCloud {
+  std::vector<float> points;  ///< x, y, z, in metres
+  std::vector<ViewColumn> columns;
+  uint64_t misses = 0;  ///< rows of the file without a finite point, which are left out
+
+  size_t size() const { return points.size() / 3; }
+  const ViewColumn* find(const std::string& name) const;
+};
+
+/// Reads .pcd, .ply, .npy, .csv, .bin (KITTI: x y z intensity) and .pcd.bin (nuScenes: x y z intensity ring). A .bin
+/// file with a file of SemanticKITTI's labels (../labels/NAME.label) has also the class and the instance of each point.
+/// Throws Error(file), Error(format), or Error(invalidArgument) for an ending that is not known.
+ViewCloud readViewCloud(const std::filesystem::path& file);
+
+/// Returns every n-th point, from the first on.
+ViewCloud everyNth(const ViewCloud& cloud, size_t n);
+
+/// Whether both clouds tell the beams of their points.
+bool comparesBeams(const ViewCloud& a, const ViewCloud& b);
+/// Returns the points of both clouds, with three more columns: the cloud, the kind of difference, and the distance to
+/// the point compared with. If both tell their beams, points of one beam (and one return) are compared; otherwise each
+/// point is compared with the nearest one of the other cloud. Points further apart than `distance` differ.
+ViewCloud differenceOf(const ViewCloud& a, const ViewCloud& b, double distance);
+
+}  // namespace gnosphere::cli
