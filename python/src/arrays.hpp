@@ -56,8 +56,8 @@ constexpr const char* dtypeName() {
   return "uint32";
 }
 
-/// Takes an argument as an array of `T`, of shape (n,), or (n, width) if width is not 0. An array that already has the
-/// type and C order is not copied. Throws Error(invalidArgument) that begins with `name`.
+/// Takes an argument as an array of `T`, of shape (n,), or (n, width) if width is not 0; see kAnyWidth. An array that
+/// already has the type and C order is not copied. Throws Error(invalidArgument) that begins with `name`.
 template <typename T>
 ArrayIn<T> arrayOf(const ArrayLike& argument, const std::string& name, size_t width = 0) {
   const nb::object array = arrayOfShape(argument, name, width);
@@ -102,19 +102,22 @@ inline nb::ndarray<nb::numpy, const double, nb::shape<-1, 3, 4>> transformsView(
                                                                    {maps.size(), 3, 4}, owner);
 }
 
+/// Deletes the values when no array shows them any more.
+template <typename T>
+nb::capsule ownerOf(std::vector<T>* values) {
+  return nb::capsule(values, [](void* memory) noexcept { delete static_cast<std::vector<T>*>(memory); });
+}
 /// An array that has the values as its own.
 template <size_t width, typename T>
 Rows<T, width> ownedRows(std::vector<T> values) {
   auto* own = new std::vector<T>(std::move(values));
-  const nb::capsule owner(own, [](void* memory) noexcept { delete static_cast<std::vector<T>*>(memory); });
-  return Rows<T, width>(own->data(), {own->size() / width, width}, owner);
+  return Rows<T, width>(own->data(), {own->size() / width, width}, ownerOf(own));
 }
 /// A read-only array with a copy of the values.
 template <typename T>
 Column<const T> copiedColumn(const std::vector<T>& values) {
   auto* copy = new std::vector<T>(values);
-  const nb::capsule owner(copy, [](void* memory) noexcept { delete static_cast<std::vector<T>*>(memory); });
-  return Column<const T>(copy->data(), {copy->size()}, owner);
+  return Column<const T>(copy->data(), {copy->size()}, ownerOf(copy));
 }
 
 }  // namespace gnosphere::python

@@ -30,7 +30,9 @@ void setJoints(Mesh& mesh, uint32_t count, const std::optional<ArrayLike>& joint
   mesh.jointWeights = shares.copy();
 }
 
-void setMorphTargets(Mesh& mesh, const nb::iterable& targets) {
+using Targets = nb::typed<nb::iterable, ArrayLike>;
+
+void setMorphTargets(Mesh& mesh, const Targets& targets) {
   for (const nb::handle target : targets) {
     const std::string name = "Mesh: morph_targets[" + std::to_string(mesh.morphTargets.size()) + "]";
     const auto array = arrayOf<float>({nb::borrow(target)}, name, 3);
@@ -131,7 +133,7 @@ void bindMeshItself(nb::module_& m) {
           [](Mesh* self, const ArrayLike& positions, const ArrayLike& indices, std::vector<MeshPart> parts,
              const std::optional<ArrayLike>& uvs, Vec3 origin, std::string name, uint32_t jointCount,
              const std::optional<ArrayLike>& joints, const std::optional<ArrayLike>& jointWeights,
-             const std::optional<nb::iterable>& morphTargets, const Deformation& deformation) {
+             const std::optional<Targets>& morphTargets, const Deformation& deformation) {
             Mesh made;
             made.name = std::move(name);
             made.origin = origin;

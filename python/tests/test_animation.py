@@ -19,21 +19,20 @@ def strip(**changes) -> gnosphere.Mesh:
     positions = np.stack([0 * upward, np.tile([-1.0, 1.0], 3), upward], axis=1)
     faces = [[0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4]]
     upper = (upward + 1) / 2
-    given = dict(
-        origin=(0, 0, 7), joint_count=2, joints=np.tile([0, 1], (6, 1)),
-        joint_weights=np.stack([1 - upper, upper], axis=1),
-        morph_targets=[np.linspace(0, 1, 18).reshape(6, 3)],
-    ) | changes  # fmt: skip
+    given = {
+        "origin": (0, 0, 7), "joint_count": 2, "joints": np.tile([0, 1], (6, 1)),
+        "joint_weights": np.stack([1 - upper, upper], axis=1),
+        "morph_targets": [np.linspace(0, 1, 18).reshape(6, 3)],
+    } | changes  # fmt: skip
     return gnosphere.Mesh(positions, faces, [gnosphere.MeshPart(0, 4, 0)], **given)
 
 
 def plate() -> gnosphere.Mesh:
     """A square of 2 x 2 m, square to the x axis, with one joint."""
     positions = [[0, -1, -1], [0, 1, -1], [0, 1, 1], [0, -1, 1]]
-    parts = [gnosphere.MeshPart(0, 2, 0)]
-    return gnosphere.Mesh(
-        positions, [[0, 1, 2], [0, 2, 3]], parts, joint_count=1, joints=np.zeros((4, 1), int), joint_weights=np.ones((4, 1))
-    )
+    faces, parts = [[0, 1, 2], [0, 2, 3]], [gnosphere.MeshPart(0, 2, 0)]
+    joints, weights = np.zeros((4, 1), int), np.ones((4, 1))
+    return gnosphere.Mesh(positions, faces, parts, joint_count=1, joints=joints, joint_weights=weights)
 
 
 @pytest.fixture
@@ -191,12 +190,14 @@ def test_what_cannot_be_right_is_refused(square):
     refused("joints holds 1; it must be less than joint_count, 1", strip, joint_count=1)
     refused("joints holds 70000, which does not fit the type uint16", strip, joints=np.full((6, 2), 70000))
     refused("given together", strip, joints=None)
-    refused(r"morph_targets\[1\] has 5 rows; there are 6 vertices", strip, morph_targets=[np.zeros((6, 3)), np.zeros((5, 3))])
+    targets = [np.zeros((6, 3)), np.zeros((5, 3))]
+    refused(r"morph_targets\[1\] has 5 rows; there are 6 vertices", strip, morph_targets=targets)
     refused(r"morph_targets\[0\] has the shape \(6, 2\)", strip, morph_targets=np.zeros((1, 6, 2)))
     refused("its deformation has 1 joints and 0 morph weights", strip, deformation=gnosphere.Deformation([at(0)]))
     refused(r"joints has the shape \(3, 4\); it must be \(n, 3, 4\)", gnosphere.Deformation, MAPS[0])
     refused("2 joints and 0 morph weights", gnosphere.deformed_positions, strip(), gnosphere.Deformation(MAPS))
-    refused("sum to", gnosphere.validate, gnosphere.Scene([gnosphere.Material()], [strip(joint_weights=np.ones((6, 2)))]))
+    heavy = gnosphere.Scene([gnosphere.Material()], [strip(joint_weights=np.ones((6, 2)))])
+    refused("sum to 2", gnosphere.validate, heavy)
 
     translation = gnosphere.Track.Property.translation
     refused("2 and 1 rows", gnosphere.Track, 0, translation, [0, 1], [[0, 0, 0]])
