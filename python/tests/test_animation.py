@@ -11,6 +11,8 @@ MIDDLE = 4  # the beam along x
 MAPS = np.array(
     [[[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0]], [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, -2]]], np.float64
 )
+UPPER = np.array([0, 0, 0.25, 0.25, 1, 1])  # how much the vertices of the strip follow joint 1; joint 0 has the rest
+SWELL = np.linspace(0, 1, 18).reshape(6, 3)
 
 
 def strip(**changes) -> gnosphere.Mesh:
@@ -18,11 +20,9 @@ def strip(**changes) -> gnosphere.Mesh:
     upward = np.repeat([-1.0, 0.0, 1.0], 2)
     positions = np.stack([0 * upward, np.tile([-1.0, 1.0], 3), upward], axis=1)
     faces = [[0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4]]
-    upper = (upward + 1) / 2
     given = {
-        "origin": (0, 0, 7), "joint_count": 2, "joints": np.tile([0, 1], (6, 1)),
-        "joint_weights": np.stack([1 - upper, upper], axis=1),
-        "morph_targets": [np.linspace(0, 1, 18).reshape(6, 3)],
+        "origin": (0, 0, 7), "joint_count": 2, "joints": np.tile([1, 0], (6, 1)),
+        "joint_weights": np.stack([UPPER, 1 - UPPER], axis=1), "morph_targets": [SWELL],
     } | changes  # fmt: skip
     return gnosphere.Mesh(positions, faces, [gnosphere.MeshPart(0, 4, 0)], **given)
 
@@ -51,11 +51,9 @@ def test_deformed_positions_are_those_of_glTF():
     mesh = strip()
     assert mesh.deformable() and (mesh.joint_count, mesh.influences) == (2, 2)
     deformation = gnosphere.Deformation(MAPS, [0.25])
-    rest = mesh.positions.astype(np.float64) + 0.25 * mesh.morph_targets[0] + mesh.origin
-    taken = np.einsum("jab,vb->vja", MAPS[:, :, :3], rest) + MAPS[:, :, 3]  # by vertex and joint
-    weights = np.zeros((6, 2))
-    np.put_along_axis(weights, mesh.joints.astype(int), mesh.joint_weights, axis=1)
-    expected = np.einsum("vj,vja->va", weights, taken) - mesh.origin
+    rest = mesh.positions.astype(np.float64) + 0.25 * SWELL + mesh.origin
+    lower, upper = (rest @ joint[:, :3].T + joint[:, 3] for joint in MAPS)
+    expected = (1 - UPPER)[:, None] * lower + UPPER[:, None] * upper - mesh.origin
     made = gnosphere.deformed_positions(mesh, deformation)
     assert made.dtype == np.float32 and made.shape == (6, 3)
     assert np.abs(made - expected).max() < 3e-6
@@ -65,10 +63,10 @@ def test_deformed_positions_are_those_of_glTF():
 
 def test_what_was_given_is_read_back():
     mesh = strip(deformation=gnosphere.Deformation([gnosphere.Transform(rows) for rows in MAPS], np.ones(1)))
-    assert mesh.joints.dtype == np.uint16 and mesh.joints.tolist() == [[0, 1]] * 6
-    assert mesh.joint_weights.dtype == np.float32 and mesh.joint_weights[:, 1].tolist() == [0, 0, 0.5, 0.5, 1, 1]
+    assert mesh.joints.dtype == np.uint16 and mesh.joints.tolist() == [[1, 0]] * 6
+    assert mesh.joint_weights.dtype == np.float32 and np.array_equal(mesh.joint_weights[:, 0], UPPER)
     (target,) = mesh.morph_targets
-    assert target.shape == (6, 3) and target.dtype == np.float32 and target[5, 2] == 1
+    assert target.dtype == np.float32 and np.array_equal(target, SWELL.astype(np.float32))
     assert np.array_equal(mesh.deformation.joints, MAPS) and mesh.deformation.morph_weights.tolist() == [1]
     for view in (mesh.joints, mesh.joint_weights, target, mesh.deformation.joints):
         assert not view.flags.writeable
