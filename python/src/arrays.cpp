@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.hpp"
 
+#include <algorithm>
+
 namespace gnosphere::python {
 namespace {
 
@@ -15,7 +17,7 @@ std::string text(nb::handle object) {
 }  // namespace
 
 nb::object arrayOfShape(const ArrayLike& argument, const std::string& name, size_t width) {
-  const std::string wanted = width == 0 ? "(n,)" : "(n, " + std::to_string(width) + ")";
+  const std::string wanted = width == 0 ? "(n,)" : width == kAnyWidth ? "(n, m)" : "(n, " + std::to_string(width) + ")";
   nb::object array;
   try {
     array = numpy().attr("asarray")(argument.object);
@@ -24,8 +26,9 @@ nb::object arrayOfShape(const ArrayLike& argument, const std::string& name, size
   }
   const nb::tuple shape = nb::cast<nb::tuple>(array.attr("shape"));
   if (nb::len(shape) == 1 && nb::cast<size_t>(shape[0]) == 0 && width != 0)  // an empty list
-    return array.attr("reshape")(0, width);
-  const bool fits = width == 0 ? nb::len(shape) == 1 : nb::len(shape) == 2 && nb::cast<size_t>(shape[1]) == width;
+    return array.attr("reshape")(0, width == kAnyWidth ? 0 : width);
+  const bool fits = width == 0 ? nb::len(shape) == 1
+                               : nb::len(shape) == 2 && (width == kAnyWidth || nb::cast<size_t>(shape[1]) == width);
   if (!fits) refuse(name + " has the shape " + text(shape) + "; it must be " + wanted);
   return array;
 }
@@ -48,6 +51,25 @@ void checkNumbers(nb::handle array, const std::string& name, const char* type, b
 
 nb::object contiguous(nb::handle array, const char* type) {
   return numpy().attr("ascontiguousarray")(array, type);
+}
+
+std::vector<Transform> transformsOf(const TransformsLike& argument, const std::string& name) {
+  if (const auto* maps = std::get_if<std::vector<Transform>>(&argument)) return *maps;
+  const std::string wanted = "it must be (n, 3, 4), or a sequence of Transform";
+  nb::object array;
+  try {
+    array = numpy().attr("asarray")(std::get<ArrayLike>(argument).object);
+  } catch (const nb::python_error& error) {
+    refuse(name + " cannot be made an array; " + wanted + ": " + error.what());
+  }
+  const nb::tuple shape = nb::cast<nb::tuple>(array.attr("shape"));
+  if (nb::len(shape) != 3 || nb::cast<size_t>(shape[1]) != 3 || nb::cast<size_t>(shape[2]) != 4)
+    refuse(name + " has the shape " + text(shape) + "; " + wanted);
+  const auto rows = arrayOf<double>({array.attr("reshape")(-1, 4)}, name, 4);
+  std::vector<Transform> maps(rows.rows() / 3);
+  for (size_t i = 0; i < maps.size(); ++i)
+    std::copy_n(rows.values().begin() + static_cast<ptrdiff_t>(12 * i), 12, maps[i].rows.begin());
+  return maps;
 }
 
 }  // namespace gnosphere::python

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/variant.h>
 
 #include <limits>
 #include <span>
 #include <string>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "bind.hpp"
@@ -26,6 +28,7 @@ class ArrayIn {
   ArrayIn(nb::object array, size_t rows) : array_(nb::cast<Values>(array)), rows_(rows) {}
   std::span<const T> values() const { return {array_.data(), array_.size()}; }
   size_t rows() const { return rows_; }
+  size_t width() const { return array_.ndim() == 2 ? array_.shape(1) : 1; }
   std::vector<T> copy() const { return {values().begin(), values().end()}; }
 
  private:
@@ -37,6 +40,8 @@ class ArrayIn {
 /// Whether a NumPy array holds numbers that fit `T`: any numbers for a float, integers within its limits otherwise.
 /// Throws Error(invalidArgument) that begins with `name`.
 void checkNumbers(nb::handle array, const std::string& name, const char* type, bool integers, double largest);
+/// Rows of any one width.
+inline constexpr size_t kAnyWidth = std::numeric_limits<size_t>::max();
 /// Makes a NumPy array of shape (n,), or (n, width) if width is not 0. Throws Error(invalidArgument).
 nb::object arrayOfShape(const ArrayLike& argument, const std::string& name, size_t width);
 nb::object contiguous(nb::handle array, const char* type);
@@ -51,14 +56,19 @@ constexpr const char* dtypeName() {
   return "uint32";
 }
 
-/// Takes an argument as an array of `T`, of shape (n,), or (n, width) if width is not 0. An array that already has the
-/// type and C order is not copied. Throws Error(invalidArgument) that begins with `name`.
+/// Takes an argument as an array of `T`, of shape (n,), or (n, width) if width is not 0; see kAnyWidth. An array that
+/// already has the type and C order is not copied. Throws Error(invalidArgument) that begins with `name`.
 template <typename T>
 ArrayIn<T> arrayOf(const ArrayLike& argument, const std::string& name, size_t width = 0) {
   const nb::object array = arrayOfShape(argument, name, width);
   checkNumbers(array, name, dtypeName<T>(), std::is_integral_v<T>, static_cast<double>(std::numeric_limits<T>::max()));
   return ArrayIn<T>(contiguous(array, dtypeName<T>()), nb::len(array));
 }
+
+/// An argument that is a list of maps: of Transforms, or an array of shape (n, 3, 4).
+using TransformsLike = std::variant<std::vector<Transform>, ArrayLike>;
+/// Throws Error(invalidArgument) that begins with `name`.
+std::vector<Transform> transformsOf(const TransformsLike& argument, const std::string& name);
 
 /// Views, as NumPy arrays of shape (n,) and (n, width). `const` makes them read-only.
 template <typename T>
@@ -79,12 +89,35 @@ Rows<T, width> rowsView(T* data, size_t rows, nb::handle owner) {
   return Rows<T, width>(data, {rows, width}, owner);
 }
 
+/// A read-only view of rows whose width only the owner knows.
+template <typename T>
+nb::ndarray<nb::numpy, const T, nb::ndim<2>> tableView(const T* data, size_t rows, size_t width, nb::handle owner) {
+  return nb::ndarray<nb::numpy, const T, nb::ndim<2>>(data, {rows, width}, owner);
+}
+/// A read-only view of maps, as an array of shape (n, 3, 4).
+inline nb::ndarray<nb::numpy, const double, nb::shape<-1, 3, 4>> transformsView(const std::vector<Transform>& maps,
+                                                                                nb::handle owner) {
+  static_assert(sizeof(Transform) == 12 * sizeof(double), "a list of maps is an array of doubles");
+  return nb::ndarray<nb::numpy, const double, nb::shape<-1, 3, 4>>(maps.empty() ? nullptr : maps[0].rows.data(),
+                                                                   {maps.size(), 3, 4}, owner);
+}
+
+/// Deletes the values when no array shows them any more.
+template <typename T>
+nb::capsule ownerOf(std::vector<T>* values) {
+  return nb::capsule(values, [](void* memory) noexcept { delete static_cast<std::vector<T>*>(memory); });
+}
+/// An array that has the values as its own.
+template <size_t width, typename T>
+Rows<T, width> ownedRows(std::vector<T> values) {
+  auto* own = new std::vector<T>(std::move(values));
+  return Rows<T, width>(own->data(), {own->size() / width, width}, ownerOf(own));
+}
 /// A read-only array with a copy of the values.
 template <typename T>
 Column<const T> copiedColumn(const std::vector<T>& values) {
   auto* copy = new std::vector<T>(values);
-  const nb::capsule owner(copy, [](void* memory) noexcept { delete static_cast<std::vector<T>*>(memory); });
-  return Column<const T>(copy->data(), {copy->size()}, owner);
+  return Column<const T>(copy->data(), {copy->size()}, ownerOf(copy));
 }
 
 }  // namespace gnosphere::python

@@ -24,6 +24,9 @@ namespace gnosphere::python {
 
 void bindErrors(nb::module_& m);
 void bindScene(nb::module_& m);
+void bindMesh(nb::module_& m);
+void bindAnimation(nb::module_& m);
+void bindStates(nb::module_& m);
 void bindSensor(nb::module_& m);
 void bindEffects(nb::module_& m);
 void bindMaterials(nb::module_& m);

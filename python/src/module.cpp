@@ -9,7 +9,8 @@ NB_MODULE(_gnosphere, m) {
   m.doc() = "A LiDAR simulator that never casts a ray.";
   m.attr("__version__") = GNOSPHERE_VERSION;
   bindErrors(m);
-  bindScene(m);
+  bindScene(m);  // with bindMesh and bindAnimation
+  bindStates(m);
   bindSensor(m);
   bindEffects(m);
   bindMaterials(m);

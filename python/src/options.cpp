@@ -68,16 +68,35 @@ void bindShot(nb::module_& m) {
       .def_ro("instance", &InstanceMotion::instance)
       .def_ro("end", &InstanceMotion::end);
 
+  nb::class_<MeshMotion>(m, "MeshMotion",
+                         "How a deformable mesh moves during a scan: from its deformation at the start to `end`, "
+                         "Sensor.rotation_period later. Vertices move along straight lines at constant speed, those of "
+                         "every instance of the mesh. It is never changed after it is made.")
+      .def(
+          "__init__",
+          [](MeshMotion* self, size_t mesh, const Deformation& end) {
+            new (self) MeshMotion{mesh, end};
+          },
+          "mesh"_a, "end"_a)
+      .def_ro("mesh", &MeshMotion::mesh, "Index of the mesh.")
+      .def_ro("end", &MeshMotion::end);
+
   nb::class_<Shot> shot(m, "Shot", "One scan of a run.");
   shot.def(
           "__init__",
           [](Shot* self, const Pose& pose, size_t sensor, uint64_t frame, SensorMotion sensorMotion,
-             std::vector<InstanceMotion> instanceMotions, std::optional<Weather> weather) {
-            new (self)
-                Shot{pose, sensor, frame, std::move(sensorMotion), std::move(instanceMotions), std::move(weather)};
+             std::vector<InstanceMotion> instanceMotions, std::optional<Weather> weather,
+             std::vector<MeshMotion> meshMotions) {
+            new (self) Shot{pose,
+                            sensor,
+                            frame,
+                            std::move(sensorMotion),
+                            std::move(instanceMotions),
+                            std::move(meshMotions),
+                            std::move(weather)};
           },
           "pose"_a = Pose(), "sensor"_a = 0, "frame"_a = 0, "motion"_a = SensorMotion(),
-          "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none())
+          "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none(), "mesh_motions"_a = nb::make_tuple())
       .def_rw("sensor", &Shot::sensor)
       .def_rw("frame", &Shot::frame, "Frame number, part of the key of the random numbers.");
   readWriteCopy(shot, "pose", &Shot::pose,
@@ -86,6 +105,7 @@ void bindShot(nb::module_& m) {
   readWriteCopy(shot, "weather", &Shot::weather,
                 "If given, replaces the fog, rain, snow and volumes of the sensor's Effects.");
   readWriteTuple(shot, "instance_motions", &Shot::instanceMotions, "A tuple of copies, assigned whole.");
+  readWriteTuple(shot, "mesh_motions", &Shot::meshMotions, "Of deformable meshes: a tuple of copies, assigned whole.");
 }
 
 using Function = std::optional<nb::typed<nb::callable, nb::object(std::string)>>;

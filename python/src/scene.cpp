@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/scene.hpp
+// gnosphere/scene.hpp: transforms, materials, scenes
 #include <nanobind/operators.h>
 #include <nanobind/stl/array.h>
 
@@ -110,73 +110,6 @@ void bindMaterial(nb::module_& m) {
       .def_rw("double_sided", &Material::doubleSided, "Whether both faces reflect.");
 }
 
-void bindMesh(nb::module_& m) {
-  nb::class_<MeshPart>(m, "MeshPart",
-                       "A run of triangles of one mesh that share a material. It is never changed after it is made.")
-      .def(
-          "__init__",
-          [](MeshPart* self, uint32_t first, uint32_t count, uint32_t material) {
-            new (self) MeshPart{first, count, material};
-          },
-          "first_triangle"_a = 0, "triangle_count"_a = 0, "material"_a = 0)
-      .def_ro("first_triangle", &MeshPart::firstTriangle)
-      .def_ro("triangle_count", &MeshPart::triangleCount)
-      .def_ro("material", &MeshPart::material, "Index into Scene.materials.");
-
-  auto mesh = nb::class_<Mesh>(m, "Mesh",
-                               "Indexed triangles. Vertex v is at origin + positions[v] in the mesh frame, in metres. "
-                               "The arrays keep their size; "
-                               "their values can be changed in place, before the mesh is given to a Simulator.");
-  mesh.def(
-          "__init__",
-          [](Mesh* self, const ArrayLike& positions, const ArrayLike& indices, std::vector<MeshPart> parts,
-             const std::optional<ArrayLike>& uvs, Vec3 origin, std::string name) {
-            Mesh made;
-            made.name = std::move(name);
-            made.origin = origin;
-            made.positions = arrayOf<float>(positions, "Mesh: positions", 3).copy();
-            made.indices = arrayOf<uint32_t>(indices, "Mesh: indices", 3).copy();
-            if (uvs) made.uvs = arrayOf<float>(*uvs, "Mesh: uvs", 2).copy();
-            made.parts = std::move(parts);
-            new (self) Mesh(std::move(made));
-          },
-          "positions"_a, "indices"_a, "parts"_a, "uvs"_a = nb::none(), "origin"_a = Vec3(), "name"_a = "",
-          "positions: shape (vertices, 3), float32, metres relative to `origin`.\n"
-          "indices: shape (triangles, 3), uint32, counter-clockwise seen from the front.\n"
-          "parts: in ascending order; together they cover every triangle.\n"
-          "uvs: shape (vertices, 2), float32; needed only for materials with an alpha image.\n"
-          "The arrays are copied once. Raises Error(invalid_argument) for arrays of another shape or type.")
-      .def_rw("name", &Mesh::name)
-      .def_rw("origin", &Mesh::origin, "Metres, in the mesh frame.")
-      .def_prop_ro(
-          "positions",
-          [](Mesh& self) { return rowsView<3>(self.positions.data(), self.vertexCount(), nb::find(self)); }, kOwned,
-          "Shape (vertices, 3), float32, metres: a view of the mesh's memory, which it keeps alive.")
-      .def_prop_ro(
-          "indices", [](Mesh& self) { return rowsView<3>(self.indices.data(), self.triangleCount(), nb::find(self)); },
-          kOwned, "Shape (triangles, 3), uint32: a view of the mesh's memory, which it keeps alive.")
-      .def_prop_ro(
-          "uvs", [](Mesh& self) { return rowsView<2>(self.uvs.data(), self.uvs.size() / 2, nb::find(self)); }, kOwned,
-          "Shape (vertices, 2), float32, or (0, 2): a view of the mesh's memory, which it keeps alive.")
-      .def("vertex_count", &Mesh::vertexCount)
-      .def("triangle_count", &Mesh::triangleCount);
-  readTuple(mesh, "parts", &Mesh::parts, "In ascending order; together they cover every triangle.");
-
-  nb::class_<Instance>(m, "Instance", "One placement of a mesh in the world. Instances share the mesh.")
-      .def(
-          "__init__",
-          [](Instance* self, uint32_t of, const Transform& transform, uint16_t classId, std::string name) {
-            new (self) Instance{std::move(name), of, transform, classId};
-          },
-          "mesh"_a, "transform"_a = Transform(), "class_id"_a = 0, "name"_a = "")
-      .def_rw("name", &Instance::name)
-      .def_rw("mesh", &Instance::mesh, "Index into Scene.meshes.")
-      .def_prop_rw(
-          "transform", [](const Instance& self) { return self.transform; },
-          [](Instance& self, const Transform& transform) { self.transform = transform; }, "Mesh frame to world frame.")
-      .def_rw("class_id", &Instance::classId, "Semantic class, numbered by the user; reported as Field.class_id.");
-}
-
 }  // namespace
 
 void bindScene(nb::module_& m) {
@@ -185,20 +118,24 @@ void bindScene(nb::module_& m) {
   bindTransform(m);
   bindMaterial(m);
   bindMesh(m);
+  bindAnimation(m);
 
-  nb::class_<Scene>(
+  nb::class_<Scene> scene(
       m, "Scene",
       "Everything that the sensor can see. Its lists keep their length; what is in them can be changed in "
       "place, for example scene.instances[3].class_id = 7, and counts for simulators that are made "
-      "afterwards. A scene must not be changed while another thread gives it to the library.")
+      "afterwards. Its animation is assigned whole. A scene must not be changed while another thread gives it to the "
+      "library.");
+  scene
       .def(
           "__init__",
           [](Scene* self, std::vector<Material> materials, std::vector<Mesh> meshes, std::vector<Instance> instances,
-             std::vector<AlphaImage> alphaImages) {
-            new (self) Scene{std::move(materials), std::move(alphaImages), 0, std::move(meshes), std::move(instances)};
+             std::vector<AlphaImage> alphaImages, SceneAnimation animation) {
+            new (self) Scene{std::move(materials), std::move(alphaImages), 0, std::move(meshes),
+                             std::move(instances), std::move(animation),   {}};
           },
           "materials"_a = nb::make_tuple(), "meshes"_a = nb::make_tuple(), "instances"_a = nb::make_tuple(),
-          "alpha_images"_a = nb::make_tuple(), "Copies what it is given.")
+          "alpha_images"_a = nb::make_tuple(), "animation"_a = SceneAnimation(), "Copies what it is given.")
       .def_prop_ro("materials", [](Scene& self) { return elementsOf(nb::find(self), self.materials); })
       .def_prop_ro("alpha_images", [](Scene& self) { return elementsOf(nb::find(self), self.alphaImages); })
       .def_prop_ro("meshes", [](Scene& self) { return elementsOf(nb::find(self), self.meshes); })
@@ -207,6 +144,10 @@ void bindScene(nb::module_& m) {
               "Number of images of AlphaMode.mask materials that are missing or not PNG.")
       .def("unique_triangle_count", &Scene::uniqueTriangleCount, "Summed over meshes.")
       .def("placed_triangle_count", &Scene::placedTriangleCount, "Summed over instances.");
+  readWriteCopy(scene, "animation", &Scene::animation,
+                "Empty in a scene that has neither clips nor deformable meshes. A copy, assigned whole.");
+  readTuple(scene, "left_out", &Scene::leftOut,
+            "What the file says about motion and the scene leaves out: a line each, with how often.");
 
   nb::class_<Bounds>(m, "Bounds", "Axis-aligned box in world coordinates, in metres. It is empty if min > max.")
       .def_ro("min", &Bounds::min)
@@ -216,9 +157,8 @@ void bindScene(nb::module_& m) {
         "Returns the box around all finite vertices of all instances.");
   m.def(
       "validate", [](const Scene& scene) { validate(scene); }, "scene"_a,
-      "Raises Error(invalid_argument) that names the material, image, mesh, part or instance whose indices or sizes "
-      "are "
-      "inconsistent.");
+      "Raises Error(invalid_argument) that names the material, image, mesh, part, instance, node, skin or clip whose "
+      "indices or sizes are inconsistent.");
 
   nb::enum_<UpAxis>(m, "UpAxis")
       .value("format_default", UpAxis::formatDefault, "glTF is y-up by its specification; OBJ, PLY and STL are z-up.")
@@ -236,10 +176,13 @@ void bindScene(nb::module_& m) {
   m.def("load_scene", &loadScene, "file"_a, "options"_a = LoadOptions(), WithoutGil(),
         "Reads .gltf, .glb, .obj, .ply or .stl, without holding the GIL. The only textures read are PNG images of "
         "cut-out "
-        "(AlphaMode.mask) materials in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). Raises "
-        "Error(file) if the file cannot be read, Error(format) if its content is invalid.");
+        "(AlphaMode.mask) materials in glTF. y-up files are turned so that (x, y, z) becomes (x, -z, y). Skins, "
+        "morph targets and animations of glTF are in Scene.animation; the instances and the deformations of the meshes "
+        "are at rest, as the nodes of the file are. Raises Error(file) if the file cannot be read, Error(format) if "
+        "its content is invalid.");
   m.def("write_glb", &writeGlb, "scene"_a, "file"_a, WithoutGil(),
-        "Writes a binary glTF 2.0 file (y-up) in which instances share their meshes. Raises Error(file).");
+        "Writes a binary glTF 2.0 file (y-up) with Scene.animation; instances share their meshes. A deformable mesh "
+        "that no animated instance places is written as it is deformed. Raises Error(file).");
 }
 
 }  // namespace gnosphere::python

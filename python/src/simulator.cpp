@@ -137,7 +137,15 @@ void bindChanges(nb::class_<Self>& simulator) {
       "mesh"_a, "positions"_a,
       "Moves the vertices of a mesh. positions: shape (vertices, 3), float32, metres relative to Mesh.origin, for as "
       "many "
-      "vertices as the mesh has; in C order they are read where they are.");
+      "vertices as the mesh has; in C order they are read where they are. The mesh must not be deformable.");
+  simulator.def(
+      "set_deformation",
+      [](Self& self, size_t mesh, const Deformation& deformation) {
+        self.use([&](Simulator& of) { of.setDeformation(mesh, deformation); });
+      },
+      "mesh"_a, "deformation"_a,
+      "Moves the joints and morph targets of a deformable mesh, whose vertices then are at deformed_positions(). An "
+      "empty deformation puts them back to Mesh.positions.");
   simulator.def(
       "add_instance",
       [](Self& self, uint32_t mesh, const Transform& transform, uint16_t classId) {

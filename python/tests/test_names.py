@@ -9,7 +9,7 @@ from conftest import REPOSITORY
 
 import gnosphere
 
-HEADERS = "effects error layout output plan scan scene sensor simulator".split()
+HEADERS = "animation effects error layout output plan scan scene sensor simulator".split()
 
 # What is left out, because Python has something of its own for it, or because it belongs to adopted devices.
 LEFT_OUT = {
@@ -20,7 +20,10 @@ LEFT_OUT = {
     "w",  # a quaternion is x, y, z, w
     "add",  # results are read only
 }  # fmt: skip
-RENAMED = {"in": "in_", "k_no_triangle": "NO_TRIANGLE", "k_no_image": "NO_IMAGE", "k_no_mesh": "NO_MESH"}
+RENAMED = {
+    "in": "in_", "k_no_triangle": "NO_TRIANGLE", "k_no_image": "NO_IMAGE", "k_no_mesh": "NO_MESH",
+    "k_no_node": "NO_NODE", "k_no_skin": "NO_SKIN",
+}  # fmt: skip
 
 
 def snake(name: str) -> str:
@@ -62,7 +65,7 @@ def names_of(holder: object, depth: int = 0) -> set[str]:
 @pytest.mark.parametrize("header", HEADERS)
 def test_every_name_of_a_header_is_there(header):
     wanted = {RENAMED.get(name, name) for name in names_in(header)}
-    assert len(wanted) > (5 if header in ("error", "layout") else 20)
+    assert len(wanted) > (5 if header in ("animation", "error", "layout") else 20)
     assert not sorted(wanted - names_of(gnosphere))
 
 
