@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/scene.hpp: what clips move; gnosphere/animation.hpp
+// Binds gnosphere/animation.hpp, and what clips move in gnosphere/scene.hpp.
 #include "arrays.hpp"
 #include "scene/validate.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/simulator.hpp: devices, and how a scan is computed
+// Binds what gnosphere/simulator.hpp says of devices and of how a scan is computed.
 #include "bind.hpp"
 
 namespace gnosphere::python {

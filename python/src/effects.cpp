@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/effects.hpp: the effects
+// Binds the effects of gnosphere/effects.hpp.
 #include "arrays.hpp"
 
 namespace gnosphere::python {

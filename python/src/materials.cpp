@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/effects.hpp: the optics of materials
+// Binds the optics of materials of gnosphere/effects.hpp.
 #include "bind.hpp"
 
 namespace gnosphere::python {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/scene.hpp: meshes, deformations, instances
+// Binds the meshes, deformations and instances of gnosphere/scene.hpp.
 #include "arrays.hpp"
 #include "scene/validate.hpp"
 

@@ -4,7 +4,8 @@
 
 NB_MODULE(_gnosphere, m) {
   using namespace gnosphere::python;
-  // A function given as SimulatorOptions.warn may refer to the object that holds it; such a cycle stays until the end.
+  // Python's collector does not see a function that is given as SimulatorOptions.warn. If the function refers to the
+  // options that hold it, both live until the program ends, and nanobind would report them as leaks.
   nb::set_leak_warnings(false);
   m.doc() = "A LiDAR simulator that never casts a ray.";
   m.attr("__version__") = GNOSPHERE_VERSION;

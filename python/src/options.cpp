@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/simulator.hpp: requests, shots, options
+// Binds the requests, shots and options of gnosphere/simulator.hpp.
 #include "options.hpp"
 
 namespace gnosphere::python {

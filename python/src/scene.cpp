@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/scene.hpp: transforms, materials, scenes
+// Binds the transforms, materials and scenes of gnosphere/scene.hpp.
 #include <nanobind/operators.h>
 #include <nanobind/stl/array.h>
 

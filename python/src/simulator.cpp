@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/simulator.hpp: the simulator
+// Binds the simulator of gnosphere/simulator.hpp.
 #include <atomic>
 
 #include "arrays.hpp"

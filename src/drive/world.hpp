@@ -29,7 +29,8 @@ class World {
 
   /// The pose of an actor; none where it is gone.
   std::optional<Pose> poseOf(size_t actor, double time) const;
-  /// An actor's bounds in its own frame, around its vertices as they are at a time.
+  /// Returns the bounds of an actor in its own frame, which enclose its vertices as they are deformed at `time`
+  /// (seconds).
   Bounds boundsOf(size_t actor, double time) const;
   /// Whether the actor moves faster than 0.1 m/s around a time.
   bool isMoving(size_t actor, double time) const;

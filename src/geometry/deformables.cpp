@@ -261,7 +261,8 @@ double Deformables::writeEnd(size_t index, const Deformation& deformation, End& 
   std::copy(deformation.morphWeights.begin(), deformation.morphWeights.end(),
             to.morphWeights.begin() + deformer.weightFirst);
 
-  // A vertex moves with its joints, and by the change of the morph targets, which its joints stretch.
+  // The distance that a vertex moves is at most the sum of two: how far its joints move it, and how far the morph
+  // targets do, which the maps of its joints stretch.
   const bool deformed = deformer.deformed != 0;
   const std::vector<gpu::vec4> rest = rowsOf({}, deformer.joints, {});
   const std::span<const gpu::vec4> starts =

@@ -284,7 +284,7 @@ double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMot
   for (uint32_t i = 0; i < (changes.empty() ? 0 : count()); ++i) {
     const auto change = placements_[i].mesh == kNoMesh ? changes.end() : changes.find(placements_[i].mesh);
     if (change == changes.end()) continue;
-    // The change is seen as the instance stands at the end of the scan.
+    // The distance is one of the mesh frame, and the instance's transform at the end of the scan stretches it.
     const auto moved = std::find_if(motions.begin(), motions.end(),
                                     [&](const InstanceMotion& motion) { return motion.instance == i; });
     const glm::dmat3 end = moved == motions.end() ? placements_[i].toWorld : linear(moved->end);

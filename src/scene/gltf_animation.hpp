@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes, skins and animations of a glTF file -> Scene::animation.
+// Turns the nodes, skins and animations of a glTF file into Scene::animation.
 #pragma once
 
 #include "scene/gltf_accessor.hpp"

@@ -41,7 +41,7 @@ inline GltfFileMaker skinnedFile() {
   const int indices = file.accessor(std::vector<uint16_t>{0, 2, 1, 1, 2, 3, 2, 4, 3, 3, 4, 5}, "SCALAR");
   file.mesh(
       {{"attributes", {{"POSITION", positions}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}}}, {"indices", indices}});
-  // Column-major: identity, and a translation by -1 along x.
+  // The two matrices are column-major: the identity, and one that translates by -1 along x.
   const int binds = file.accessor(
       Floats{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -1, 0, 0, 1}, "MAT4");
   file.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", binds}}};

@@ -51,7 +51,8 @@ Sensor sensorOf(const std::string& nameOrFile);
 /// Throws Error(invalidArgument) for mistakes that can be found before the scene is loaded.
 void checkScanning(const ScanningOptions& options);
 SimulatorOptions simulatorOptions(const ScanningOptions& options);
-/// The scene, at --time of --animation if that is given. Complains about what the scene leaves out.
+/// Reads the scene, puts it into the state that --animation has at --time if an animation is given, and prints a
+/// warning for everything that the scene leaves out of its file.
 Scene loadScene(const ScanningOptions& options);
 /// The scene as its file has it.
 Scene loadSceneAtRest(const ScanningOptions& options);
