@@ -95,7 +95,8 @@ void deformVertices(LoadedCluster loaded, inout Vertices vertices) {
         uint weights = subgroupShuffle(weightFirst, lane);
         [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
           if (k * gl_SubgroupSize < loaded.vertexCount)
-            sum[k] = withJoint(sum[k], toldX, toldY, toldZ, position[k], boneWeights.at[weights + vertexNumber(loaded, k)]);
+            sum[k] = withShare(sum[k], through(toldX, toldY, toldZ, position[k]),
+                               boneWeights.at[weights + vertexNumber(loaded, k)]);
       }
     }
     [[unroll]] for (uint k = 0; k < kVertexRounds; ++k) position[k] = sum[k];

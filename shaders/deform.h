@@ -4,26 +4,28 @@
 #ifndef GNOSPHERE_DEFORM_H
 #define GNOSPHERE_DEFORM_H
 
-#include "effects/arithmetic.h"
+#include "effects/vector.h"
 
 #ifdef __cplusplus
 namespace gnosphere::gpu {
 #endif
 
-// Adds the offset of a morph target.
-GNO_INLINE vec3 morphed(vec3 position, vec3 offset, float weight) {
-  GNO_PRECISE vec3 result =
-      vec3(position.x + offset.x * weight, position.y + offset.y * weight, position.z + offset.z * weight);
+// Margin of a box of deformed vertices, as a share of the coordinates. It covers the vertices' rounding, that of the
+// sum of their weights included.
+GNO_CONST float kBoneMargin = 2e-5f;
+
+// Adds a share of a vector: of the offset by a morph target, or of the place to which a joint takes a vertex.
+GNO_INLINE vec3 withShare(vec3 sum, vec3 vector, float share) {
+  GNO_PRECISE vec3 result = vec3(sum.x + vector.x * share, sum.y + vector.y * share, sum.z + vector.z * share);
   return result;
 }
 
-// Adds the share of a joint to the position of a deformed vertex; the rows are those of the joint's map.
-GNO_INLINE vec3 withJoint(vec3 sum, vec4 row0, vec4 row1, vec4 row2, vec3 position, float weight) {
-  GNO_PRECISE vec3 p = vec3(row0.x * position.x + row0.y * position.y + row0.z * position.z + row0.w,
-                            row1.x * position.x + row1.y * position.y + row1.z * position.z + row1.w,
-                            row2.x * position.x + row2.y * position.y + row2.z * position.z + row2.w);
-  GNO_PRECISE vec3 result = vec3(sum.x + p.x * weight, sum.y + p.y * weight, sum.z + p.z * weight);
-  return result;
+// Returns the middle and half the size, along one axis, of a box around what a joint makes of a box; `row` is the row
+// of that axis in the joint's map. The box has a margin as a share of its coordinates.
+GNO_INLINE vec2 spanThrough(vec4 row, vec3 middle, vec3 extent, float margin) {
+  float size = abs(row.x) * extent.x + abs(row.y) * extent.y + abs(row.z) * extent.z;
+  float reach = abs(row.x * middle.x) + abs(row.y * middle.y) + abs(row.z * middle.z) + abs(row.w) + size;
+  return vec2(row.x * middle.x + row.y * middle.y + row.z * middle.z + row.w, size + margin * reach);
 }
 
 #ifdef __cplusplus

@@ -21,13 +21,19 @@ vec3 morphedPosition(Deformer deformer, uint vertex, bool atEnd) {
   for (uint k = 0; k < targets; ++k) {
     uint target = deformer.weightFirst + k;
     float weight = atEnd ? endMorphWeights.at[target] : morphWeights.at[target];
-    position = morphed(position, morphOffsets.at[deformer.offsetFirst + k * deformer.vertices + number], weight);
+    position = withShare(position, morphOffsets.at[deformer.offsetFirst + k * deformer.vertices + number], weight);
   }
   return position;
 }
 
 bool followsJoints(Deformer deformer, bool atEnd) {
   return deformer.joints > 0 && (atEnd || deformer.deformed != 0);
+}
+
+// endJointRows is there only if a mesh is deformed during the scan.
+vec4 jointRow(uint row, bool atEnd) {
+  if (atEnd) return endJointRows.at[row];
+  return jointRows.at[row];
 }
 
 // Returns the deformed position of a vertex of a cluster.
@@ -39,43 +45,34 @@ vec3 deformedPosition(Deformer deformer, uint cluster, uint vertex, bool atEnd) 
   for (uint k = run.x; k < run.y; ++k) {
     uint row = deformer.rowFirst + 3 * bones.at[k].joint;
     float weight = boneWeights.at[bones.at[k].weightFirst + vertex - clusters.at[cluster].vertexFirst];
-    vec4 x, y, z;
-    if (atEnd) {
-      x = endJointRows.at[row];
-      y = endJointRows.at[row + 1];
-      z = endJointRows.at[row + 2];
-    } else {
-      x = jointRows.at[row];
-      y = jointRows.at[row + 1];
-      z = jointRows.at[row + 2];
-    }
-    sum = withJoint(sum, x, y, z, position, weight);
+    vec3 there = through(jointRow(row, atEnd), jointRow(row + 1, atEnd), jointRow(row + 2, atEnd), position);
+    sum = withShare(sum, there, weight);
   }
   return sum;
 }
 
 // Encloses the deformed vertices of a cluster. Each is a mean of the points to which its joints take it, so it lies in
-// the box around the boxes of all joints. The margin covers rounding, that of the weights' sum included.
+// the box around the boxes of all joints.
 void deformedBox(Deformer deformer, uint cluster, out vec3 low, out vec3 high) {
   low = vec3(kCoordinateLimit);
   high = vec3(-kCoordinateLimit);
   uvec2 run = bonesOf(deformer, cluster);
-  vec3 morphLow = deformer.morphLow, morphHigh = deformer.morphHigh;
   for (uint k = run.x; k < run.y; ++k) {
-    vec3 from = bones.at[k].low + morphLow, to = bones.at[k].high + morphHigh;
-    vec3 middle = 0.5 * (from + to), extent = 0.5 * (to - from), reach = abs(middle) + extent;
+    vec3 from = bones.at[k].low + deformer.morphLow, to = bones.at[k].high + deformer.morphHigh;
+    vec3 middle = 0.5 * (from + to), extent = 0.5 * (to - from);
+    vec4 rowX = vec4(1.0, 0.0, 0.0, 0.0), rowY = vec4(0.0, 1.0, 0.0, 0.0), rowZ = vec4(0.0, 0.0, 1.0, 0.0);
     uint joint = bones.at[k].joint;
     if (joint != kNone) {
       uint row = deformer.rowFirst + 3 * joint;
-      vec4 x = jointRows.at[row], y = jointRows.at[row + 1], z = jointRows.at[row + 2];
-      vec3 shift = vec3(x.w, y.w, z.w);
-      reach = vec3(dot(abs(x.xyz), reach), dot(abs(y.xyz), reach), dot(abs(z.xyz), reach)) + abs(shift);
-      extent = vec3(dot(abs(x.xyz), extent), dot(abs(y.xyz), extent), dot(abs(z.xyz), extent));
-      middle = vec3(dot(x.xyz, middle), dot(y.xyz, middle), dot(z.xyz, middle)) + shift;
+      rowX = jointRows.at[row];
+      rowY = jointRows.at[row + 1];
+      rowZ = jointRows.at[row + 2];
     }
-    extent += 2e-5 * reach;
-    low = min(low, middle - extent);
-    high = max(high, middle + extent);
+    vec2 x = spanThrough(rowX, middle, extent, kBoneMargin), y = spanThrough(rowY, middle, extent, kBoneMargin),
+         z = spanThrough(rowZ, middle, extent, kBoneMargin);
+    vec3 centre = vec3(x.x, y.x, z.x), size = vec3(x.y, y.y, z.y);
+    low = min(low, centre - size);
+    high = max(high, centre + size);
   }
 }
 

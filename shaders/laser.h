@@ -4,18 +4,11 @@
 #ifndef GNOSPHERE_LASER_H
 #define GNOSPHERE_LASER_H
 
-#include "effects/arithmetic.h"
+#include "effects/vector.h"
 
 #ifdef __cplusplus
 namespace gnosphere::gpu {
 #endif
-
-GNO_INLINE vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
-  GNO_PRECISE vec3 result =
-      vec3(row0.x * p.x + row0.y * p.y + row0.z * p.z + row0.w, row1.x * p.x + row1.y * p.y + row1.z * p.z + row1.w,
-           row2.x * p.x + row2.y * p.y + row2.z * p.z + row2.w);
-  return result;
-}
 
 GNO_INLINE vec4 between(vec4 a, vec4 b, float share) {
   GNO_PRECISE float rest = 1.0f - share;

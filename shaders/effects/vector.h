@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dot and cross products that give the same bytes everywhere: the built-in ones may use fused multiply-add.
+// Products of vectors and affine maps that give the same bytes everywhere: the built-in ones may use fused
+// multiply-add.
 #ifndef GNOSPHERE_EFFECTS_VECTOR_H
 #define GNOSPHERE_EFFECTS_VECTOR_H
 
@@ -16,6 +17,14 @@ GNO_INLINE float dotOf(vec3 a, vec3 b) {
 
 GNO_INLINE vec3 crossOf(vec3 a, vec3 b) {
   GNO_PRECISE vec3 result = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  return result;
+}
+
+// Returns where the affine map with these rows takes a point.
+GNO_INLINE vec3 through(vec4 row0, vec4 row1, vec4 row2, vec3 p) {
+  GNO_PRECISE vec3 result =
+      vec3(row0.x * p.x + row0.y * p.y + row0.z * p.z + row0.w, row1.x * p.x + row1.y * p.y + row1.z * p.z + row1.w,
+           row2.x * p.x + row2.y * p.y + row2.z * p.z + row2.w);
   return result;
 }
 

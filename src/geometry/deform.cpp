@@ -57,12 +57,12 @@ std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deform
   for (size_t vertex = 0; vertex < mesh.vertexCount(); ++vertex) {
     gpu::vec3 position = at(mesh.positions, vertex);
     for (size_t i = 0; i < mesh.morphTargets.size(); ++i)
-      position = gpu::morphed(position, at(mesh.morphTargets[i], vertex), deformation.morphWeights[i]);
+      position = gpu::withShare(position, at(mesh.morphTargets[i], vertex), deformation.morphWeights[i]);
     gpu::vec3 sum = {0, 0, 0};
     influencesOf(mesh, vertex, influences);
     for (const Influence& influence : influences) {
       const JointMap& map = maps[influence.joint];
-      sum = gpu::withJoint(sum, row(map, 0), row(map, 1), row(map, 2), position, influence.weight);
+      sum = gpu::withShare(sum, gpu::through(row(map, 0), row(map, 1), row(map, 2), position), influence.weight);
     }
     const gpu::vec3& end = mesh.influences > 0 ? sum : position;
     result.insert(result.end(), {end.x, end.y, end.z});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
+#include "deform.h"
 #include "geometry/deform.hpp"
 
 namespace gnosphere {
@@ -57,50 +58,19 @@ ClusterBones clusterBones(const Mesh& mesh, std::span<const uint32_t> vertices) 
   return result;
 }
 
-// Encloses what a joint makes of a box, in the steps of deformedBox() in deformed.glsl.
-void addBone(const gpu::Bone& bone, const gpu::Deformer& deformer, std::span<const gpu::vec4> rows, FlatGroup& group) {
-  for (int axis = 0; axis < 3; ++axis) {
-    double middle[3], extent[3];
-    for (int k = 0; k < 3; ++k) {
-      const double low = double{bone.low[k]} + deformer.morphLow[k],
-                   high = double{bone.high[k]} + deformer.morphHigh[k];
-      middle[k] = 0.5 * (low + high);
-      extent[k] = 0.5 * (high - low);
-    }
-    double centre = middle[axis], size = extent[axis], reach = std::abs(centre) + size;
-    if (bone.joint != gpu::kNone) {
-      const gpu::vec4& row = rows[3 * size_t{bone.joint} + axis];
-      const double linear[3] = {row.x, row.y, row.z};
-      centre = row.w;
-      size = 0;
-      reach = std::abs(row.w);
-      for (int k = 0; k < 3; ++k) {
-        centre += linear[k] * middle[k];
-        size += std::abs(linear[k]) * extent[k];
-        reach += std::abs(linear[k]) * (std::abs(middle[k]) + extent[k]);
-      }
-    }
-    // The device's boxes of clusters are rounded, so those of groups have twice their margin.
-    size += 4e-5 * reach;
-    group.low[axis] = std::min(group.low[axis], static_cast<float>(centre - size));
-    group.high[axis] = std::max(group.high[axis], static_cast<float>(centre + size));
-  }
-}
+// The rows of the map that moves nothing.
+constexpr gpu::vec4 kIdentity[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 
-// The rows of a mesh's joints; without joints in the deformation nothing moves.
-std::vector<gpu::vec4> rowsOf(const Vec3& origin, uint32_t joints, const Deformation& deformation) {
-  const std::vector<JointMap> maps = jointMapsOf(origin, deformation);
-  std::vector<gpu::vec4> rows;
-  for (size_t joint = 0; joint < joints; ++joint)
-    for (size_t row = 0; row < 3; ++row) {
-      if (maps.empty()) {
-        rows.push_back({row == 0 ? 1.f : 0.f, row == 1 ? 1.f : 0.f, row == 2 ? 1.f : 0.f, 0});
-        continue;
-      }
-      const float* values = &maps[joint][4 * row];
-      rows.push_back({values[0], values[1], values[2], values[3]});
-    }
-  return rows;
+// Encloses what a joint makes of a box. The device's boxes of clusters are rounded, so those of groups have twice their
+// margin.
+void addBone(const gpu::Bone& bone, const gpu::Deformer& deformer, std::span<const gpu::vec4> rows, FlatGroup& group) {
+  const gpu::vec3 low = bone.low + deformer.morphLow, high = bone.high + deformer.morphHigh;
+  const gpu::vec4* own = bone.joint == gpu::kNone ? kIdentity : &rows[3 * size_t{bone.joint}];
+  for (int axis = 0; axis < 3; ++axis) {
+    const gpu::vec2 span = gpu::spanThrough(own[axis], 0.5f * (low + high), 0.5f * (high - low), 2 * gpu::kBoneMargin);
+    group.low[axis] = std::min(group.low[axis], span.x - span.y);
+    group.high[axis] = std::max(group.high[axis], span.x + span.y);
+  }
 }
 
 // Returns an upper bound of the distance between where two maps (three rows each) take a point of a box.
@@ -222,25 +192,36 @@ void Deformables::remove(size_t index) {
   ++version_;
 }
 
+// Writes the maps of a mesh's joints and the weights of its morph targets; an empty deformation moves nothing.
+void Deformables::writeMaps(const Entry& entry, const gpu::Deformer& deformer, const Deformation& deformation,
+                            std::vector<gpu::vec4>& rows, std::vector<float>& weights) {
+  const std::vector<JointMap> maps = jointMapsOf(entry.origin, deformation);
+  for (uint32_t joint = 0; joint < deformer.joints; ++joint)
+    for (uint32_t row = 0; row < 3; ++row) {
+      const float* values = maps.empty() ? nullptr : &maps[joint][4 * row];
+      rows[deformer.rowFirst + 3 * joint + row] =
+          values ? gpu::vec4{values[0], values[1], values[2], values[3]} : kIdentity[row];
+    }
+  for (uint32_t target = 0; target < deformer.targets; ++target)
+    weights[deformer.weightFirst + target] = deformation.empty() ? 0 : deformation.morphWeights[target];
+}
+
 void Deformables::deform(size_t index, const Deformation& deformation, FlatMesh& flat) {
   const Entry& entry = meshes_.at(index);
   gpu::Deformer& deformer = deformers_[index];
   ++version_;
   deformer.deformed = !deformation.empty();
-  if (deformation.empty()) {
-    std::copy(entry.restGroups.begin(), entry.restGroups.end(), flat.groups.begin());
-    return;
-  }
-  const std::vector<gpu::vec4> own = rowsOf(entry.origin, deformer.joints, deformation);
-  std::copy(own.begin(), own.end(), jointRows_.begin() + deformer.rowFirst);
-  std::copy(deformation.morphWeights.begin(), deformation.morphWeights.end(),
-            morphWeights_.begin() + deformer.weightFirst);
+  writeMaps(entry, deformer, deformation, jointRows_, morphWeights_);
   deformer.morphLow = deformer.morphHigh = gpu::vec3(0);
   for (size_t target = 0; target < entry.offsetBounds.size(); ++target) {
-    const float weight = deformation.morphWeights[target];
+    const float weight = morphWeights_[deformer.weightFirst + target];
     const auto& [low, high] = entry.offsetBounds[target];
     deformer.morphLow += glm::min(weight * low, weight * high);
     deformer.morphHigh += glm::max(weight * low, weight * high);
+  }
+  if (deformation.empty()) {
+    std::copy(entry.restGroups.begin(), entry.restGroups.end(), flat.groups.begin());
+    return;
   }
   const std::span rows = std::span(jointRows_).subspan(deformer.rowFirst);
   for (size_t g = 0; g < entry.groups.size(); ++g) {
@@ -256,35 +237,28 @@ double Deformables::writeEnd(size_t index, const Deformation& deformation, End& 
   const gpu::Deformer& deformer = deformers_[index];
   to.jointRows.resize(jointRows_.size());
   to.morphWeights.resize(morphWeights_.size());
-  const std::vector<gpu::vec4> ends = rowsOf(entry.origin, deformer.joints, deformation);
-  std::copy(ends.begin(), ends.end(), to.jointRows.begin() + deformer.rowFirst);
-  std::copy(deformation.morphWeights.begin(), deformation.morphWeights.end(),
-            to.morphWeights.begin() + deformer.weightFirst);
+  writeMaps(entry, deformer, deformation, to.jointRows, to.morphWeights);
 
   // The distance that a vertex moves is at most the sum of two: how far its joints move it, and how far the morph
   // targets do, which the maps of its joints stretch.
-  const bool deformed = deformer.deformed != 0;
-  const std::vector<gpu::vec4> rest = rowsOf({}, deformer.joints, {});
-  const std::span<const gpu::vec4> starts =
-      deformed ? std::span(jointRows_).subspan(deformer.rowFirst) : std::span<const gpu::vec4>(rest);
   double morphed = 0, most = 0;
   for (size_t target = 0; target < entry.offsetBounds.size(); ++target) {
     const auto& [low, high] = entry.offsetBounds[target];
-    const double start = deformed ? morphWeights_[deformer.weightFirst + target] : 0,
-                 end = deformation.empty() ? 0 : deformation.morphWeights[target];
-    morphed += std::abs(end - start) * lengthOf(glm::max(glm::abs(low), glm::abs(high)));
+    const size_t place = deformer.weightFirst + target;
+    morphed += std::abs(double{to.morphWeights[place]} - morphWeights_[place]) *
+               lengthOf(glm::max(glm::abs(low), glm::abs(high)));
   }
   if (deformer.joints == 0) return morphed;
-  const gpu::vec3 morphLow = deformed ? deformer.morphLow : gpu::vec3(0),
-                  morphHigh = deformed ? deformer.morphHigh : gpu::vec3(0);
   for (const std::vector<gpu::Bone>& group : entry.groups)
     for (const gpu::Bone& bone : group) {
-      const gpu::vec4* end = &ends[3 * size_t{bone.joint}];
+      const size_t place = deformer.rowFirst + 3 * size_t{bone.joint};
+      const gpu::vec4* end = &to.jointRows[place];
       double stretch = 0;
       for (int row = 0; row < 3; ++row)
         stretch += double{end[row].x} * end[row].x + double{end[row].y} * end[row].y + double{end[row].z} * end[row].z;
-      most = std::max(most, farthest(&starts[3 * size_t{bone.joint}], end, bone.low + morphLow, bone.high + morphHigh) +
-                                std::sqrt(stretch) * morphed);
+      most = std::max(most,
+                      farthest(&jointRows_[place], end, bone.low + deformer.morphLow, bone.high + deformer.morphHigh) +
+                          std::sqrt(stretch) * morphed);
     }
   return most;
 }

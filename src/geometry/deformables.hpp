@@ -53,6 +53,9 @@ class Deformables {
     std::vector<FlatGroup> restGroups;
   };
 
+  static void writeMaps(const Entry& entry, const gpu::Deformer& deformer, const Deformation& deformation,
+                        std::vector<gpu::vec4>& rows, std::vector<float>& weights);
+
   SceneMemory& memory_;
   std::map<size_t, Entry> meshes_;  // by index
   Ranges vertices_, offsets_, starts_, bones_, boneWeights_, rows_, weights_;
