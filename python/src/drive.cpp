@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// drive/drive.hpp and drive/run.hpp, as the module gnosphere.drive
+// Binds drive/drive.hpp and drive/run.hpp, as the module gnosphere.drive.
 #include <nanobind/stl/function.h>
 
 #include "bind.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/error.hpp
+// Binds gnosphere/error.hpp: an Error becomes a Python exception.
 #include "bind.hpp"
 
 namespace gnosphere::python {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/output.hpp and gnosphere/layout.hpp
+// Binds gnosphere/output.hpp and gnosphere/layout.hpp.
 #include "scan.hpp"
 
 namespace gnosphere::python {

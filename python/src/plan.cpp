@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/plan.hpp
+// Binds gnosphere/plan.hpp.
 #include "bind.hpp"
 
 namespace gnosphere::python {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/scan.hpp
+// Binds gnosphere/scan.hpp.
 #include "scan.hpp"
 
 #include <nanobind/stl/array.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere/sensor.hpp
+// Binds gnosphere/sensor.hpp.
 #include "arrays.hpp"
 
 namespace gnosphere::python {
