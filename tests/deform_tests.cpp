@@ -217,6 +217,33 @@ TEST_CASE("deformable meshes come and go", "[deform][gpu]") {
   REQUIRE(sameBytes(device.scan({}), fresh()));
 }
 
+TEST_CASE("a deformable mesh whose arrays do not fit is refused, and the scans go on", "[deform][gpu]") {
+  needVulkan();
+  Random random(31);
+  Scene scene = limbs(random, 2);
+  TestOptions options = vulkanOptions();
+  options.tuning.maxBufferBytes = 1 << 20;
+  Simulator device = makeSimulator(scene, head(), options);
+  const Scan before = device.scan({});
+  // The positions of this mesh fit, and the offsets of its morph targets do not.
+  const Mesh large = limb(random, 5, 4, 400);
+  CHECK_THROWS_AS(device.addMesh(large), Error);
+  REQUIRE(sameBytes(device.scan({}), before));
+
+  const size_t free = device.addMesh(limb(random, 5, 4, 1));
+  device.removeMesh(free);
+  CHECK_THROWS_AS(device.addMesh(large), Error);
+  REQUIRE(sameBytes(device.scan({}), before));
+
+  scene.meshes.push_back(limb(random, 8, 4, 1));
+  scene.meshes.back().deformation = bend(random, scene.meshes.back());
+  scene.instances.push_back({"", 1, translation(0, 0, 9)});
+  scene.instances.back().mesh = static_cast<uint32_t>(device.addMesh(scene.meshes.back()));
+  REQUIRE(scene.instances.back().mesh == free);
+  device.addInstance(static_cast<uint32_t>(free), scene.instances.back().transform);
+  REQUIRE(sameBytes(device.scan({}), makeSimulator(scene, head(), options).scan({})));
+}
+
 TEST_CASE("CUDA's kernels deform meshes in the same bytes", "[deform][gpu]") {
   needVulkan();
   Random random(11);

@@ -46,7 +46,8 @@ inline Mesh limb(Random& random, uint32_t joints, uint32_t influences, uint32_t 
   for (uint32_t vertex = 0; influences > 0 && vertex < mesh.vertexCount(); ++vertex) {
     const double along = (double{mesh.positions[3 * vertex + 2]} + 2) / 4 * (joints - 1);
     const auto nearest = static_cast<uint32_t>(along + 0.5);
-    float left = 1;
+    // The weights are as inexact as a mesh's may be.
+    float left = 1 + 9e-4f * static_cast<float>(random());
     for (uint32_t k = 0; k < influences; ++k) {
       mesh.joints.push_back(static_cast<uint16_t>((nearest + k) % joints));
       const float weight = k + 1 == influences ? left : left * static_cast<float>(0.6 + 0.3 * random());
@@ -86,10 +87,12 @@ inline std::vector<Vec3> expectedPositions(const Mesh& mesh, const Deformation& 
       continue;
     }
     Vec3 sum, shift = mesh.origin;
+    double weights = 0;
+    for (size_t k = v * mesh.influences; k < (v + 1) * mesh.influences; ++k) weights += mesh.jointWeights[k];
     for (size_t k = v * mesh.influences; k < (v + 1) * mesh.influences; ++k) {
       const Vec3 moved = deformation.joints[mesh.joints[k]] * morphed;
-      const double weight = mesh.jointWeights[k];
-      // The weights sum to 1 only within rounding, so far from the origin only differences may be weighted.
+      const double weight = mesh.jointWeights[k] / weights;
+      // These sum to 1 only within rounding, so far from the origin only differences may be weighted.
       sum = {sum.x + weight * (moved.x - shift.x), sum.y + weight * (moved.y - shift.y),
              sum.z + weight * (moved.z - shift.z)};
     }

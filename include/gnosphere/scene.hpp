@@ -95,9 +95,10 @@ struct Mesh {
   /// A deformable mesh has joints, morph targets or both. A vertex first moves by the morph targets, each with its
   /// weight; then it is the mean of where its joints take it, by their weights. (glTF 2.0, sections 3.7.2.2 and 3.7.3.)
   uint32_t jointCount = 0;
-  uint32_t influences = 0;                       ///< joints that each vertex follows
-  std::vector<uint16_t> joints;                  ///< `influences` per vertex, each less than jointCount
-  std::vector<float> jointWeights;               ///< `influences` per vertex, not negative; those of a vertex sum to 1
+  uint32_t influences = 0;       ///< joints that each vertex follows
+  std::vector<uint16_t> joints;  ///< `influences` per vertex, each less than jointCount
+  /// `influences` per vertex, not negative; those of a vertex sum to 1 within 0.001, and are divided by their sum
+  std::vector<float> jointWeights;
   std::vector<std::vector<float>> morphTargets;  ///< per target 3 per vertex: by how much it moves them, metres
   Deformation deformation;                       ///< at first; see Simulator::setDeformation()
 

@@ -37,8 +37,10 @@ std::vector<JointMap> jointMapsOf(const Vec3& o, const Deformation& deformation)
 
 void influencesOf(const Mesh& mesh, size_t vertex, std::vector<Influence>& influences) {
   influences.clear();
+  double sum = 0;
   for (size_t k = vertex * mesh.influences; k < (vertex + 1) * mesh.influences; ++k) {
     const uint32_t joint = mesh.joints[k];
+    sum += mesh.jointWeights[k];
     const auto place = std::find_if(influences.begin(), influences.end(),
                                     [&](const Influence& other) { return other.joint >= joint; });
     if (place != influences.end() && place->joint == joint)
@@ -46,6 +48,7 @@ void influencesOf(const Mesh& mesh, size_t vertex, std::vector<Influence>& influ
     else if (mesh.jointWeights[k] > 0)
       influences.insert(place, {joint, mesh.jointWeights[k]});
   }
+  for (Influence& influence : influences) influence.weight = static_cast<float>(influence.weight / sum);
 }
 
 std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation) {

@@ -152,22 +152,30 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
   for (uint32_t& start : starts) start += static_cast<uint32_t>(entry.firstBone);
   for (gpu::Bone& bone : bones) bone.weightFirst += static_cast<uint32_t>(entry.firstWeight);
 
+  deformers_[index] = deformer;
+  jointRows_.resize(std::max<size_t>(jointRows_.size(), rows_.end()));
+  morphWeights_.resize(std::max<size_t>(morphWeights_.size(), weights_.end()));
+  const Entry& added = meshes_[index] = std::move(entry);
+  ++version_;
+  try {
+    reserve();
+  } catch (...) {
+    remove(index);
+    throw;
+  }
+  write(memory_, Array::restPositions, deformer.restFirst, positions);
+  write(memory_, Array::morphOffsets, deformer.offsetFirst, offsets);
+  write(memory_, Array::boneStarts, deformer.startFirst, starts);
+  write(memory_, Array::bones, added.firstBone, bones);
+  write(memory_, Array::boneWeights, added.firstWeight, weights);
+}
+
+void Deformables::reserve() {
   memory_.reserve(Array::restPositions, vertices_.end() * sizeof(gpu::vec3));
   memory_.reserve(Array::morphOffsets, offsets_.end() * sizeof(gpu::vec3));
   memory_.reserve(Array::boneStarts, starts_.end() * sizeof(uint32_t));
   memory_.reserve(Array::bones, bones_.end() * sizeof(gpu::Bone));
   memory_.reserve(Array::boneWeights, boneWeights_.end() * sizeof(float));
-  write(memory_, Array::restPositions, deformer.restFirst, positions);
-  write(memory_, Array::morphOffsets, deformer.offsetFirst, offsets);
-  write(memory_, Array::boneStarts, deformer.startFirst, starts);
-  write(memory_, Array::bones, entry.firstBone, bones);
-  write(memory_, Array::boneWeights, entry.firstWeight, weights);
-
-  deformers_[index] = deformer;
-  jointRows_.resize(std::max<size_t>(jointRows_.size(), rows_.end()));
-  morphWeights_.resize(std::max<size_t>(morphWeights_.size(), weights_.end()));
-  meshes_[index] = std::move(entry);
-  ++version_;
 }
 
 void Deformables::setMeshCount(size_t count) {

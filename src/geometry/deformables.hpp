@@ -19,7 +19,7 @@ class Deformables {
   explicit Deformables(SceneMemory& memory) : memory_(memory) {}
 
   /// Adds the mesh at an index, in its first deformation. `vertex` and `cluster` are its first entries in the arrays of
-  /// all meshes.
+  /// all meshes. If it throws Error(outOfMemory), the mesh is not added.
   void add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint64_t vertex, uint64_t cluster);
   void remove(size_t index);
   /// Tells how many meshes the scene has; a removed instance places the one after the last.
@@ -53,6 +53,7 @@ class Deformables {
     std::vector<FlatGroup> restGroups;
   };
 
+  void reserve();
   static void writeMaps(const Entry& entry, const gpu::Deformer& deformer, const Deformation& deformation,
                         std::vector<gpu::vec4>& rows, std::vector<float>& weights);
 

@@ -124,17 +124,26 @@ size_t PackedGeometry::clusterCount() const {
   return count;
 }
 
-void PackedGeometry::place(std::span<Entry> entries) {
+// Gives the meshes that will have the indices from `first` on their runs in the arrays.
+void PackedGeometry::place(size_t first, std::span<const Mesh> meshes, std::span<Entry> entries) {
   for (Entry& entry : entries) {
     entry.group = groups_.take(entry.flat.groupCount());
     entry.cluster = clusters_.take(entry.flat.clusterCount());
     entry.vertex = vertices_.take(entry.flat.vertices.size());
     entry.triangle = triangles_.take(entry.flat.clusters.back().firstTriangle);
   }
+  deformables_.setMeshCount(std::max(meshes_.size(), first + entries.size()));
   try {
     reserve();
+    for (size_t i = 0; i < entries.size(); ++i)
+      if (meshes[i].deformable())
+        deformables_.add(first + i, meshes[i], entries[i].flat, entries[i].vertex, entries[i].cluster);
   } catch (...) {
-    for (const Entry& entry : entries) giveBack(entry);
+    for (size_t i = 0; i < entries.size(); ++i) {
+      giveBack(entries[i]);
+      deformables_.remove(first + i);
+    }
+    deformables_.setMeshCount(meshes_.size());
     throw;
   }
 }
@@ -192,32 +201,24 @@ void PackedGeometry::add(std::span<const Mesh> meshes, const std::vector<Materia
       entries[i].uvs = meshes[i].uvs;
     }
   });
-  place(entries);
+  place(first, meshes, entries);
   std::move(entries.begin(), entries.end(), std::back_inserter(meshes_));
   write(std::span(meshes_).subspan(first));
   if (slots_) writeMeshTriangles();
   for (const Entry& entry : std::span(meshes_).subspan(first))
     instances_.addMesh(summaryOf(entry.flat, entry.group, entry.origin));
-  deformables_.setMeshCount(meshes_.size());
-  for (size_t i = 0; i < meshes.size(); ++i) deform(first + i, meshes[i]);
+  for (size_t i = 0; i < meshes.size(); ++i)
+    if (meshes[i].deformable()) setDeformation(first + i, meshes[i].deformation);
 }
 
 void PackedGeometry::replace(size_t index, const Mesh& mesh, const std::vector<Material>& materials) {
   Entry entry = {flatten(mesh, materials), 0, 0, 0, 0, mesh.origin, mesh.uvs};
-  place({&entry, 1});
+  place(index, {&mesh, 1}, {&entry, 1});
   meshes_[index] = std::move(entry);
   write({&meshes_[index], 1});
   if (slots_) writeMeshTriangles();
   instances_.setMesh(index, summaryOf(meshes_[index].flat, meshes_[index].group, meshes_[index].origin));
-  deform(index, mesh);
-}
-
-// Makes a mesh deformable, if it is, and puts it into its first deformation.
-void PackedGeometry::deform(size_t index, const Mesh& mesh) {
-  if (!mesh.deformable()) return;
-  const Entry& entry = meshes_[index];
-  deformables_.add(index, mesh, entry.flat, entry.vertex, entry.cluster);
-  setDeformation(index, mesh.deformation);
+  if (mesh.deformable()) setDeformation(index, mesh.deformation);
 }
 
 void PackedGeometry::remove(size_t index) {

@@ -22,7 +22,7 @@ class PackedGeometry {
 
   /// Adds meshes after the existing ones. If it throws Error(outOfMemory), none is added.
   void add(std::span<const Mesh> meshes, const std::vector<Material>& materials);
-  /// Adds a mesh at the index of a removed one.
+  /// Adds a mesh at the index of a removed one. If it throws Error(outOfMemory), the index stays free.
   void replace(size_t index, const Mesh& mesh, const std::vector<Material>& materials);
   /// Removes a mesh; no instance may place it.
   void remove(size_t index);
@@ -49,8 +49,7 @@ class PackedGeometry {
     std::vector<float> uvs;  // 2 per vertex of the Mesh; empty if it has none
   };
 
-  void deform(size_t index, const Mesh& mesh);
-  void place(std::span<Entry> entries);
+  void place(size_t first, std::span<const Mesh> meshes, std::span<Entry> entries);
   void giveBack(const Entry& entry);
   void reserve();
   void write(std::span<Entry> entries);
