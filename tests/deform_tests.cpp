@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Meshes whose vertices follow joints and morph targets.
+#include <algorithm>
 #include <catch2/matchers/catch_matchers_exception.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <limits>
 
 #include "cuda/twin.hpp"
 #include "deformable.hpp"

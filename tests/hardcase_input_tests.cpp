@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hard cases of inputs: invalid corners, far worlds, unusual instances and sensors, empty scenes.
 #include <algorithm>
+#include <limits>
 
 #include "hardcases.hpp"
 #include "town/town.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene that was changed is scanned like a new scene with the same content.
+#include <algorithm>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <limits>
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiled pipelines on disk: used if valid, checked first, and never a reason to fail.
+#include <algorithm>
+#include <chrono>
 #include <functional>
 
 #include "folder.hpp"

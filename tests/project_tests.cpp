@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step project: no triangle that a beam can hit is culled, whatever its shape and position.
+#include <limits>
+
 #include "support.hpp"
 
 using namespace gnosphere;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Doubtful beams of the reference: a plain single-precision simulator must stay within its ties and tolerances.
+#include <limits>
+
 #include "columns.hpp"
 #include "reference_support.hpp"
 

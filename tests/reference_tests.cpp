@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks the reference by closed forms and by brute force in quadruple precision.
+#include <limits>
+
 #include "columns.hpp"
 #include "reference_support.hpp"
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reusing the still part of earlier scans changes no byte.
+#include <algorithm>
+
 #include "support.hpp"
 
 namespace gnosphere::test {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gnosphere town as a script would run it.
 #include <catch2/catch_test_macros.hpp>
+#include <cmath>
 #include <sstream>
 
 #include "cli_support.hpp"

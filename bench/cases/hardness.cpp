@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cases/hardness.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -2,6 +2,7 @@
 // Reads whole files, and writes files that appear only when they are complete.
 #pragma once
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>

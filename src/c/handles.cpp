@@ -2,6 +2,7 @@
 // The table of live objects, and exceptions as statuses.
 #include "c/handles.hpp"
 
+#include <algorithm>
 #include <new>
 #include <unordered_map>
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // gno_simulator: scans, and what changes between them.
+#include <algorithm>
+
 #include "c/handles.hpp"
 
 using namespace gnosphere;

@@ -2,6 +2,8 @@
 // A CUDA device as the pipeline sees it: memory, and scans launched from lists of steps.
 #include "pipeline/machine.hpp"
 
+#include <algorithm>
+
 #include "cuda/runtime.hpp"
 #include "pipeline/backend.hpp"
 #include "pipeline/device_backend.hpp"

@@ -6,6 +6,7 @@
 #include <rgl/api/extensions/tape.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <thread>

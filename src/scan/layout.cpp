@@ -2,6 +2,7 @@
 #include "scan/layout.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 
 #include "gnosphere/error.hpp"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "gnosphere/error.hpp"
 #include "scene/validate.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Skins, morph targets and animations of glTF: what is read, and where things are at a time.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <functional>

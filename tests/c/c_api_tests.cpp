@@ -2,6 +2,7 @@
 // The C interface against the C++ one: the same scans, and an error instead of a crash for every wrong argument.
 #include <gnosphere.h>
 
+#include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <cstring>
 #include <filesystem>

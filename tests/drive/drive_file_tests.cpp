@@ -2,6 +2,7 @@
 // What a drive file may say, and what its mistakes get.
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
 
 #include "drive/pose_math.hpp"
 #include "drive/schedule.hpp"

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The formats of a drive, byte by byte as their specifications have them, without any code of ours but the runner.
+#include <algorithm>
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
+#include <cstring>
 #include <map>
+#include <sstream>
 
 #include "drive_support.hpp"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "drive/pose_math.hpp"
 #include "drive_support.hpp"

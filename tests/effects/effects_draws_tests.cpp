@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random numbers depend only on a seed, a sensor, a frame, a beam and an effect.
+#include <bit>
 #include <catch2/generators/catch_generators.hpp>
 
 #include "effects/beam_signal.hpp"

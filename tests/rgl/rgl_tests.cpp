@@ -6,10 +6,12 @@
 #include <rgl/api/extensions/ros2.h>
 #include <rgl/api/extensions/tape.h>
 
+#include <algorithm>
 #include <catch2/catch_approx.hpp>
 #include <cstdlib>
 #include <cstring>
 #include <gnosphere/gnosphere.hpp>
+#include <limits>
 #include <thread>
 
 #include "folder.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The alpha of cut-out textures, and its mapping to a mesh.
 #include <catch2/generators/catch_generators.hpp>
+#include <cmath>
 
 #include "support.hpp"
 

@@ -5,6 +5,7 @@
 #include <meshoptimizer.h>
 
 #include <catch2/generators/catch_generators.hpp>
+#include <cmath>
 
 #include "support.hpp"
 
