@@ -186,6 +186,30 @@ TEST_CASE("an approaching wall appears slanted, and its speed is measured") {
   CHECK(hits > 300);
 }
 
+TEST_CASE("the velocity of a fast turning plate is that of the point that the beam meets") {
+  const std::string device = ON_EVERY_DEVICE;
+  Scene scene = sceneOf(plate(0, 12));
+  scene.instances[0].transform = translation(15, 0, 0);
+  const double angle = 0.8, c = std::cos(angle), s = std::sin(angle);
+  Shot shot;
+  shot.instanceMotions = {{0, {{c, -s, 0, 15, s, c, 0, 0, 0, 0, 1, 0}}}};
+  const Sensor sensor = spinning();
+  const Scan scan = scanned(device, scene, sensor, shot);
+  size_t hits = 0;
+  for (size_t i = 0; i < scan.beamCount(); ++i) {
+    if (!scan.hit(i)) continue;
+    ++hits;
+    // A corner at (x, y) of the plate goes straight from (x, y) to (c x - s y, s x + c y), about the plate's centre.
+    // The map at the time of the beam is inverted, which gives the point of the plate that the beam meets.
+    const double share = timeOfColumn(sensor, i) / kPeriod, cosine = 1 - share + share * c, sine = share * s;
+    const double px = scan.points[3 * i] - 15, py = scan.points[3 * i + 1], square = cosine * cosine + sine * sine;
+    const double x = (cosine * px + sine * py) / square, y = (cosine * py - sine * px) / square;
+    CHECK(scan.column<float>(Field::velocity, 0)[i] == Approx(((c - 1) * x - s * y) / kPeriod).margin(1e-3));
+    CHECK(scan.column<float>(Field::velocity, 1)[i] == Approx((s * x + (c - 1) * y) / kPeriod).margin(1e-3));
+  }
+  CHECK(hits > 300);
+}
+
 TEST_CASE("a sensor that moves with its target measures no speed and no distortion") {
   const std::string device = ON_EVERY_DEVICE;
   Scene scene = sceneOf(plate(0, 12));
