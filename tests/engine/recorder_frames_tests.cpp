@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recorded scans over many frames: what they allocate, lists that grow, changes while frames are in flight, and misuse.
+#include <catch2/generators/catch_generators.hpp>
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
@@ -100,7 +101,10 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
   needVulkan();
   VulkanApp app("", countingLookUp());
   const int frames = everyCombination() ? 1000 : 60;
-  Recorded recorded(app, boxes(), {gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(), pointLayout());
+  const bool far = GENERATE(false, true);
+  const Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {0, 2, 0}, {-1, 0, 0}}, rosette(300, 0.9)));
+  Recorded recorded(app, boxes(), {far ? rig : gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(),
+                    pointLayout());
   CHECK(calls.all > 20);
   Shot shot;
   const auto next = [&] {
@@ -142,6 +146,20 @@ TEST_CASE("a list that is too small is reported, grows before the next scan, and
   CHECK(small.header.hits == 3000);
   REQUIRE(first.size() == 777 * pointLayout().stride);
   CHECK(std::equal(first.begin(), first.end(), rows.begin()));
+}
+
+TEST_CASE("a list that is too small for the first of several heads is reported, too") {
+  needVulkan();
+  VulkanApp app;
+  Sensor rig = listSensor("rig", headsAt({{-2, 0, 0}}, rosette(3000, 1.5)));
+  rig.patterns[0].directions.push_back({0, 0, 1});
+  rig.patterns[0].origins.push_back({2, 0, 0});
+  Scene scene = boxes();
+  for (int i = 1; i < 16; ++i) scene.instances.push_back({"", 0, scaling(1 + 0.01 * i, 1 + 0.01 * i, 1)});
+  Recorded recorded(app, scene, {rig, Effects::none()}, plainOptions(), pointLayout());
+  const std::vector<std::byte> rows = recorded.scan({});
+  CHECK((recorded.incomplete == 1 || recorded.incomplete == 2));
+  CHECK(rows.size() == 3001 * pointLayout().stride);
 }
 
 TEST_CASE("columns and rows share one buffer") {
