@@ -1,18 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * GnoSphere's C interface: C99, the only stable binary interface of the library. docs/c.md shows how to use it.
+ * gnosphere_vulkan.h has what needs Vulkan's headers: scans on a Vulkan device of the caller.
  *
- * Status.   Every function that can fail returns a gno_status. gno_last_error() has the sentence that says what is
- * wrong and what to do. No exception leaves the library. Handles.  A handle is never dereferenced and its value is
- * never used again, so a null handle, a destroyed one and one of another kind are all errors. Every object that a
- * function creates has a gno_..._destroy(). Handles that go into another object are copied there: they may be destroyed
- * afterwards. Structs.  A struct whose first member is struct_size must be made by its gno_..._init() function, which
- * sets that member and the default values. A struct of another size than the library knows is an error. Pointers.
- * Arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_column and others)
- * live until the handle is destroyed or changed. Texts and lists of no handle are valid until the same thread calls the
- * same function again. Texts are UTF-8 and end with a zero. Threads.  Every function may be called by any thread; calls
- * with the same handle wait for each other. Units.    Metres, seconds and radians, unless a name says otherwise. Frames
- * are right-handed: x forward, y left, z up.
+ * Status: every function that can fail returns a gno_status. gno_last_error() has the sentence that says what is wrong
+ * and what to do. No exception leaves the library.
+ *
+ * Handles: a handle is never dereferenced and its value is never used again, so a null handle, a destroyed one and one
+ * of another kind are all errors. Every object that a function creates has a gno_..._destroy(). Handles that go into
+ * another object are copied there: they may be destroyed afterwards.
+ *
+ * Structs: a struct whose first member is struct_size must be made by its gno_..._init() function, which sets that
+ * member and the default values. A struct of another size than the library knows is an error.
+ *
+ * Pointers: arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_column and
+ * others) live until the handle is destroyed or changed. Texts and lists of no handle are valid until the same thread
+ * calls the same function again. Texts are UTF-8 and end with a zero.
+ *
+ * Threads: every function may be called by any thread; calls with the same handle wait for each other.
+ *
+ * Units: metres, seconds and radians, unless a name says otherwise. Frames are right-handed: x forward, y left, z up.
  */
 #ifndef GNOSPHERE_H
 #define GNOSPHERE_H
@@ -345,6 +352,31 @@ GNO_API gno_status gno_field_describe(gno_field field, gno_field_description* de
 /* Parses a list such as "x,y,z,range". Writes at most `capacity` fields and gives the number that there are. */
 GNO_API gno_status gno_fields_parse(const char* names, gno_field* fields, size_t capacity, size_t* count);
 
+/* One value of a packed row, or a column. */
+typedef struct gno_layout_value {
+  gno_field field;
+  uint32_t component;
+  size_t offset;       /* bytes from the start of the row */
+  gno_value_type type; /* the field's own, or one that holds all of its values */
+  /* 0 if the value is part of the row. Otherwise the values of all rows form a column that begins at byte `offset` of
+   * the buffer, a multiple of 4, with a value every `stride` bytes: the size of the type, or a larger multiple of 4.
+   * Only results that stay on a device may have columns. */
+  size_t stride;
+} gno_layout_value;
+/* How the results of a scan lie in memory. */
+typedef struct gno_layout {
+  size_t struct_size;
+  const gno_layout_value* values;
+  size_t value_count;
+  size_t stride;   /* bytes from row to row; 0 if all values are in columns */
+  int32_t compact; /* not 0: only entries with a return become rows */
+} gno_layout;
+
+/* Rows of the fields without gaps. The values are valid until the same thread calls this function again. */
+GNO_API gno_status gno_layout_of(const gno_field* fields, size_t field_count, gno_layout* layout);
+/* The bytes that so many rows need on a device. */
+GNO_API gno_status gno_layout_bytes_for(const gno_layout* layout, uint64_t rows, uint64_t* bytes);
+
 /* ----------------------------------------------------------------------------------------------- devices */
 
 typedef struct gno_device_info {
@@ -390,10 +422,14 @@ enum { GNO_BINNING_AUTOMATIC = 0, GNO_BINNING_NEAREST = 1, GNO_BINNING_LISTS = 2
 typedef int32_t gno_occlusion;
 enum { GNO_OCCLUSION_AUTOMATIC = 0, GNO_OCCLUSION_ALWAYS = 1, GNO_OCCLUSION_NEVER = 2 };
 
+/* A Vulkan device of the caller, see gnosphere_vulkan.h. */
+typedef struct gno_vulkan_adopted_device gno_vulkan_adopted_device;
+
 typedef struct gno_options {
   size_t struct_size;
   const char* device;      /* "auto", a number or part of a name of gno_devices(), "reference", "cuda:N"; null: auto */
   uint8_t device_uuid[16]; /* gno_device_info::uuid of a Vulkan device; all zeros: by `device` */
+  const gno_vulkan_adopted_device* adopted; /* not null: the caller's device, and the two above are ignored */
   gno_accuracy accuracy;
   const gno_accuracy_parts* accuracy_parts; /* not null: replaces accuracy */
   gno_faces faces;
@@ -419,6 +455,9 @@ typedef struct gno_request {
   const gno_field* fields; /* beyond x, y, z, range, triangle and instance */
   size_t field_count;
   int32_t variable_weather; /* not 0: shots may set their weather */
+  /* On a device of the caller: what the recorded scans leave in the caller's buffers. Its fields need not be repeated
+   * above. Must be null on any other device. */
+  const gno_layout* layout;
 } gno_request;
 
 /* Dust or spray that fills an axis-aligned box of the world. */
@@ -549,21 +588,6 @@ GNO_API gno_status gno_scan_get_counters(gno_scan scan, gno_counters* counters);
 GNO_API gno_status gno_scan_get_timings(gno_scan scan, gno_timings* timings);
 
 /* ------------------------------------------------------------------------------------------------ output */
-
-/* One value of a packed row. */
-typedef struct gno_layout_value {
-  gno_field field;
-  uint32_t component;
-  size_t offset;       /* bytes from the start of the row */
-  gno_value_type type; /* the field's own, or one that holds all of its values */
-} gno_layout_value;
-typedef struct gno_layout {
-  size_t struct_size;
-  const gno_layout_value* values;
-  size_t value_count;
-  size_t stride;   /* bytes from row to row */
-  int32_t compact; /* not 0: only entries with a return become rows */
-} gno_layout;
 
 typedef struct gno_cloud_options {
   size_t struct_size;

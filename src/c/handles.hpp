@@ -69,6 +69,8 @@ struct Object {
   std::recursive_mutex mutex;
 };
 
+[[noreturn]] void refuse(const std::string& why);
+
 // The table of live objects, for any kind. `kind` is the name of Held.
 uintptr_t keep(const char* kind, std::shared_ptr<void> object);
 /// Throws Error(invalidArgument) that says what is wrong with the handle.
@@ -95,6 +97,15 @@ class Locked {
  private:
   Shared<Handle> object_;
   std::unique_lock<std::recursive_mutex> lock_;
+};
+
+/// The simulator of a handle, unless one of its scans is being received on this thread.
+class Idle : public Locked<gno_simulator> {
+ public:
+  explicit Idle(gno_simulator handle) : Locked(handle) {
+    if ((**this).running) refuse("the function that receives scans of a simulator must not call it");
+  }
+  Simulator* operator->() { return &(**this).simulator; }
 };
 
 template <class Handle>
@@ -124,8 +135,6 @@ gno_status guard(Body body) noexcept {
     return statusOfException();
   }
 }
-
-[[noreturn]] void refuse(const std::string& why);
 
 /// Returns what a pointer leads to; a null pointer is an error that names it.
 template <class T>
@@ -180,6 +189,10 @@ Material materialOf(const gno_material* material);
 AlphaImage alphaImageOf(const gno_alpha_image* image);
 Instance instanceOf(const gno_instance* instance);
 std::vector<Field> fieldsOf(const gno_field* fields, size_t count);
+RecordLayout recordLayoutOf(const gno_layout* layout);
+Shot shotOf(const gno_shot* shot);
+/// Adopts a Vulkan device of the caller.
+DeviceChoice deviceOf(const gno_vulkan_adopted_device& device);
 void describe(const DeviceInfo& device, gno_device_info& info);
 
 }  // namespace gnosphere::c
