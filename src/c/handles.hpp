@@ -14,6 +14,11 @@
 
 namespace gnosphere::c {
 
+struct SceneObject : Scene {
+  SceneObject(Scene from = {}) : Scene(std::move(from)) {}
+  bool valid = false;  ///< whether validate() has found it so since it was last changed
+};
+
 /// A sensor, and what its file left open.
 struct SensorObject {
   Sensor sensor;
@@ -32,7 +37,7 @@ template <class Handle>
 struct Held;
 template <>
 struct Held<gno_scene> {
-  using Type = Scene;
+  using Type = SceneObject;
   static constexpr const char* kName = "scene";
 };
 template <>
@@ -179,12 +184,41 @@ inline Vec3 vec3(const double* v) {
 inline void set(double* to, const Vec3& v) {
   to[0] = v.x, to[1] = v.y, to[2] = v.z;
 }
+template <class T>
+const T* orNull(const std::vector<T>& values) {
+  return values.empty() ? nullptr : values.data();
+}
+/// Returns the value at a caller's index; an index that does not exist is an error that names the noun.
+template <class T>
+const T& at(const std::vector<T>& values, size_t index, const char* noun) {
+  if (index >= values.size())
+    refuse(std::string(noun) + " " + std::to_string(index) + " does not exist, there are " +
+           std::to_string(values.size()));
+  return values[index];
+}
+/// Returns the scene; one that is not valid is an error that says why.
+const Scene& valid(SceneObject& scene);
+/// Adds to a list of the scene, and gives the index of what was added unless `index` is null.
+template <class T>
+void add(SceneObject& scene, std::vector<T>& values, T value, uint32_t* index) {
+  if (index) *index = static_cast<uint32_t>(values.size());
+  values.push_back(std::move(value));
+  scene.valid = false;
+}
+
 Pose poseOf(const gno_pose& pose);
 gno_pose poseOf(const Pose& pose);
 Transform transformOf(const gno_transform& transform);
+inline const gno_transform* transformsOf(const std::vector<Transform>& transforms) {
+  static_assert(sizeof(gno_transform) == sizeof(Transform));
+  return reinterpret_cast<const gno_transform*>(orNull(transforms));
+}
 
 // Conversions that several files need.
 Mesh meshOf(const gno_mesh* mesh);
+Deformation deformationOf(const gno_deformation& deformation);
+/// The pointers lead into `deformation`.
+gno_deformation deformationOf(const Deformation& deformation);
 Material materialOf(const gno_material* material);
 AlphaImage alphaImageOf(const gno_alpha_image* image);
 Instance instanceOf(const gno_instance* instance);

@@ -82,6 +82,8 @@ Shot c::shotOf(const gno_shot* shot) {
   for (const gno_instance_motion& motion :
        array(from.instance_motions, from.instance_motion_count, "gno_shot::instance_motions"))
     result.instanceMotions.push_back({motion.instance, transformOf(motion.end)});
+  for (const gno_mesh_motion& motion : array(from.mesh_motions, from.mesh_motion_count, "gno_shot::mesh_motions"))
+    result.meshMotions.push_back({motion.mesh, deformationOf(motion.end)});
   if (from.weather) {
     const gno_weather& weather = sized(from.weather, "gno_weather");
     result.weather = Weather{weather.visibility, weather.rain_rate, weather.snow_rate, {}};
@@ -92,6 +94,17 @@ Shot c::shotOf(const gno_shot* shot) {
 }
 
 extern "C" {
+
+gno_status gno_accuracy_get_parts(gno_accuracy accuracy, gno_accuracy_parts* parts) {
+  return guard([&] {
+    gno_accuracy_parts& to = sized(parts, "gno_accuracy_parts");
+    const AccuracyParts from = accuracyPartsOf(enumOf(accuracy, Accuracy::exact, "the accuracy"));
+    to.bounds = static_cast<gno_bounds>(from.bounds);
+    to.cull = static_cast<gno_cull>(from.cull);
+    to.inside = static_cast<gno_inside>(from.inside);
+    to.range = static_cast<gno_range_rule>(from.range);
+  });
+}
 
 gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, size_t sensor_count,
                                 const gno_options* options, gno_simulator* simulator) {
@@ -182,6 +195,11 @@ gno_status gno_simulator_remove_mesh(gno_simulator simulator, size_t index) {
 gno_status gno_simulator_set_positions(gno_simulator simulator, size_t mesh, const float* positions,
                                        size_t vertex_count) {
   return guard([&] { Idle(simulator)->setPositions(mesh, array(positions, 3 * vertex_count, "positions")); });
+}
+
+gno_status gno_simulator_set_deformation(gno_simulator simulator, size_t mesh, const gno_deformation* deformation) {
+  return guard(
+      [&] { Idle(simulator)->setDeformation(mesh, deformation ? deformationOf(*deformation) : Deformation()); });
 }
 
 gno_status gno_simulator_add_instance(gno_simulator simulator, const gno_instance* instance, size_t* index) {
