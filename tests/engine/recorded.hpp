@@ -11,6 +11,13 @@
 
 namespace gnosphere::test {
 
+/// Returns the rows of a scan as pack() lays them out; bytes without a value are 0, as on the device.
+inline std::vector<std::byte> rowsOf(const Scan& scan, const RecordLayout& layout) {
+  std::vector<std::byte> bytes(layout.stride * scan.ranges.size());
+  bytes.resize(layout.stride * pack(scan, layout, bytes));
+  return bytes;
+}
+
 /// A simulator on the application's device with one sensor, two frames in flight, and the buffers for their results.
 class Recorded {
  public:
@@ -71,6 +78,7 @@ class Recorded {
 
   /// The records of a frame in flight that has completed.
   const std::byte* bytes(size_t at) const { return records_[at]->bytes().data(); }
+  const RecordHeader& headerOf(size_t at) const { return *headers_[at]->as<RecordHeader>(); }
 
   RecordHeader header;
   int incomplete = 0;

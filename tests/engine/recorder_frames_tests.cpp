@@ -4,6 +4,7 @@
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
+#include "deformable.hpp"
 #include "effects/scan_support.hpp"
 #include "engine/recorded.hpp"
 #include "lists/list_sensors.hpp"
@@ -101,9 +102,15 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
   needVulkan();
   VulkanApp app("", countingLookUp());
   const int frames = everyCombination() ? 1000 : 60;
-  const bool far = GENERATE(false, true);
+  const bool far = GENERATE(false, true);  // heads far apart, and deformed meshes
+  Random random(3);
+  Scene scene = boxes();
+  if (far) {
+    scene.meshes.push_back(limb(random, 7, 4, 1, {}));
+    scene.instances.push_back({"", 2, translation(-6, 0, 0), 0});
+  }
   const Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {0, 2, 0}, {-1, 0, 0}}, rosette(300, 0.9)));
-  Recorded recorded(app, boxes(), {far ? rig : gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(),
+  Recorded recorded(app, scene, {far ? rig : gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(),
                     pointLayout());
   CHECK(calls.all > 20);
   Shot shot;
@@ -111,6 +118,7 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
     ++shot.frame;
     shot.pose.position = {0.01 * static_cast<double>(shot.frame % 100), 0.2, 0.1};
     recorded.simulator().setTransform(1, translation(6, 0.02 * static_cast<double>(shot.frame % 100), 0));
+    if (far) recorded.simulator().setDeformation(2, bend(random, scene.meshes[2]));
     for (const vulkan::RecordedScan& before : recorded.submit(shot)) CHECK(before.frame + 2 == shot.frame);
   };
   for (int i = 0; i < 8; ++i) next();
@@ -225,10 +233,8 @@ TEST_CASE("meshes, instances and sensors come and go while frames are in flight"
       Scan scan;
       expected.scanInto(shot, scan);
       const std::vector<std::byte> found = recorded.scan(shot);
-      std::vector<std::byte> rows(pointLayout().stride * scan.ranges.size());
-      rows.resize(pointLayout().stride * pack(scan, pointLayout(), rows));
       INFO("round " << round);
-      REQUIRE(found == rows);
+      REQUIRE(found == rowsOf(scan, pointLayout()));
     }
     const size_t second = simulator.addSensor({gridSensor(30 + round % 9, 4, -9, 9), Effects::none(), {}});
     recorded.submit(shot);
