@@ -11,6 +11,18 @@
 
 namespace gnosphere::test {
 
+/// A box around the sensor, and a smaller one in it, instance 1.
+inline Scene boxes() {
+  Scene scene;
+  scene.materials = {material(true)};
+  MeshBuilder outer, inner;
+  outer.box({-20, -20, -3}, {20, 20, 12}, 6);
+  inner.box({-1, -1, -1}, {1, 1, 1}, 3);
+  scene.meshes = {outer.take(), inner.take()};
+  scene.instances = {{"", 0, {}}, {"", 1, translation(6, 0, 0)}};
+  return scene;
+}
+
 /// Returns the rows of a scan as pack() lays them out; bytes without a value are 0, as on the device.
 inline std::vector<std::byte> rowsOf(const Scan& scan, const RecordLayout& layout) {
   std::vector<std::byte> bytes(layout.stride * scan.ranges.size());

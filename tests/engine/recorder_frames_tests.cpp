@@ -20,18 +20,6 @@ RecordLayout pointLayout(bool compact = true) {
   return layout;
 }
 
-/// A box around the sensor, and a smaller one in it, instance 1.
-Scene boxes() {
-  Scene scene;
-  scene.materials = {material(true)};
-  MeshBuilder outer, inner;
-  outer.box({-20, -20, -3}, {20, 20, 12}, 6);
-  inner.box({-1, -1, -1}, {1, 1, 1}, 3);
-  scene.meshes = {outer.take(), inner.take()};
-  scene.instances = {{"", 0, {}}, {"", 1, translation(6, 0, 0)}};
-  return scene;
-}
-
 SimulatorOptions plainOptions() {
   SimulatorOptions options;
   options.cache = "off";
