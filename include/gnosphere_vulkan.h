@@ -109,8 +109,8 @@ typedef struct gno_vulkan_recorded_scan {
   int32_t complete;
 } gno_vulkan_recorded_scan;
 
-/* The caller has several frames in flight, at most 16, each with a number below `frames_in_flight`. The recorder is of
- * no use once its simulator is destroyed. */
+/* The caller has several frames in flight, at most 16, each with a number below `frames_in_flight`. The simulator must
+ * not be destroyed while a recorded command is running. Once it is destroyed, the recorder is of no use. */
 GNO_API gno_status gno_vulkan_recorder_create(gno_simulator simulator, size_t frames_in_flight,
                                               gno_vulkan_recorder* recorder);
 GNO_API gno_status gno_vulkan_recorder_destroy(gno_vulkan_recorder recorder);
