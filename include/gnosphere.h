@@ -1,18 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * GnoSphere's C interface: C99, the only stable binary interface of the library. docs/c.md shows how to use it.
+ * gnosphere_vulkan.h has what needs Vulkan's headers: scans on a Vulkan device of the caller.
  *
- * Status.   Every function that can fail returns a gno_status. gno_last_error() has the sentence that says what is
- * wrong and what to do. No exception leaves the library. Handles.  A handle is never dereferenced and its value is
- * never used again, so a null handle, a destroyed one and one of another kind are all errors. Every object that a
- * function creates has a gno_..._destroy(). Handles that go into another object are copied there: they may be destroyed
- * afterwards. Structs.  A struct whose first member is struct_size must be made by its gno_..._init() function, which
- * sets that member and the default values. A struct of another size than the library knows is an error. Pointers.
- * Arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_column and others)
- * live until the handle is destroyed or changed. Texts and lists of no handle are valid until the same thread calls the
- * same function again. Texts are UTF-8 and end with a zero. Threads.  Every function may be called by any thread; calls
- * with the same handle wait for each other. Units.    Metres, seconds and radians, unless a name says otherwise. Frames
- * are right-handed: x forward, y left, z up.
+ * Status: every function that can fail returns a gno_status. gno_last_error() has the sentence that says what is wrong
+ * and what to do. No exception leaves the library.
+ *
+ * Handles: a handle is never dereferenced and its value is never used again, so a null handle, a destroyed one and one
+ * of another kind are all errors. Every object that a function creates has a gno_..._destroy(). Handles that go into
+ * another object are copied there: they may be destroyed afterwards.
+ *
+ * Structs: a struct whose first member is struct_size must be made by its gno_..._init() function, which sets that
+ * member and the default values. A struct of another size than the library knows is an error.
+ *
+ * Pointers: arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_column and
+ * others) live until the handle is destroyed or changed. Texts and lists of no handle are valid until the same thread
+ * calls the same function again. Texts are UTF-8 and end with a zero.
+ *
+ * Threads: every function may be called by any thread; calls with the same handle wait for each other.
+ *
+ * Units: metres, seconds and radians, unless a name says otherwise. Frames are right-handed: x forward, y left, z up.
  */
 #ifndef GNOSPHERE_H
 #define GNOSPHERE_H
@@ -62,7 +69,7 @@ typedef struct gno_material_table_object* gno_material_table; /* optical propert
 typedef struct gno_simulator_object* gno_simulator;           /* a scene and sensors on a device */
 typedef struct gno_scan_object* gno_scan;                     /* the result of a scan, or a cloud from a file */
 
-#define GNO_NONE 0xffffffffu /* no triangle, no instance, no mesh, no image */
+#define GNO_NONE 0xffffffffu /* no triangle, instance, mesh, image, node, skin or clip */
 
 /* ------------------------------------------------------------------------------------------------- scene */
 
@@ -108,6 +115,16 @@ typedef struct gno_mesh_part {
   uint32_t first_triangle, triangle_count, material;
 } gno_mesh_part;
 
+/* Where the joints and morph targets of a deformable mesh are. All zeros: the vertices are at gno_mesh::positions. */
+typedef struct gno_deformation {
+  /* By joint: maps a vertex of the mesh frame to where the joint takes it, in the mesh frame. In the terms of glTF:
+   * inverse(node of the mesh) * node of the joint * inverse bind matrix. */
+  const gno_transform* joints;
+  size_t joint_count;         /* gno_mesh::joint_count */
+  const float* morph_weights; /* by morph target: its share */
+  size_t morph_weight_count;  /* gno_mesh::morph_target_count */
+} gno_deformation;
+
 /* Indexed triangles. Vertex v is at origin + positions[3v..3v+2] in the mesh frame. */
 typedef struct gno_mesh {
   size_t struct_size;
@@ -120,6 +137,15 @@ typedef struct gno_mesh {
   const float* uvs;           /* 2 per vertex, or null */
   const gno_mesh_part* parts; /* in ascending order, covering every triangle; null: all triangles have material 0 */
   size_t part_count;
+  /* A deformable mesh has joints, morph targets or both. A vertex first moves by the morph targets, each with its
+   * weight; then it is the mean of where its joints take it, by their weights. */
+  uint32_t joint_count;
+  uint32_t influences;               /* joints that each vertex follows */
+  const uint16_t* joints;            /* `influences` per vertex, each less than joint_count */
+  const float* joint_weights;        /* `influences` per vertex, not negative; those of a vertex sum to 1 */
+  const float* const* morph_targets; /* per target 3 per vertex: by how much it moves them, metres */
+  size_t morph_target_count;
+  gno_deformation deformation; /* at first; see gno_simulator_set_deformation() */
 } gno_mesh;
 
 /* One placement of a mesh in the world. */
@@ -144,6 +170,7 @@ typedef struct gno_scene_counts {
   size_t materials, alpha_images, meshes, instances;
   size_t unread_images; /* images of cut-out materials that are missing or not PNG */
   size_t unique_triangles, placed_triangles;
+  size_t nodes, skins, clips, animated_instances; /* see "animation" */
 } gno_scene_counts;
 
 /* Diffuse reflectance, share and roughness of gloss, retro gain and transmission of a material at a wavelength. */
@@ -174,6 +201,110 @@ GNO_API gno_status gno_scene_write_glb(gno_scene scene, const char* file);
  * that there are. */
 GNO_API gno_status gno_scene_get_optics(gno_scene scene, gno_material_table table, double wavelength,
                                         gno_optics* optics, size_t capacity, size_t* count);
+
+/* The positions of a mesh in a deformation, or if that is null in its own: 3 per vertex, in metres relative to
+ * gno_mesh::origin. All devices see these. */
+GNO_API gno_status gno_scene_get_deformed_positions(gno_scene scene, size_t mesh, const gno_deformation* deformation,
+                                                    float* positions, size_t vertex_count);
+/* What the file of the scene says about motion and the scene leaves out, a line each. */
+GNO_API gno_status gno_scene_get_left_out(gno_scene scene, const char** lines);
+
+/* --------------------------------------------------------------------------------------------- animation */
+
+/* A frame that clips move: its map to the frame of its parent is translation * rotation * scale, or `matrix`. */
+typedef struct gno_node {
+  size_t struct_size;
+  const char* name; /* may be null */
+  uint32_t parent;  /* index of a node, less than its own; GNO_NONE: none */
+  double translation[3];
+  double rotation[4]; /* quaternion x, y, z, w of any length but 0 */
+  double scale[3];
+  const gno_transform* matrix; /* if not null, no clip moves the node */
+  const float* morph_weights;  /* of the mesh that it places: as many as its morph targets, or none for all 0 */
+  size_t morph_weight_count;
+} gno_node;
+
+/* The joints of skinned meshes. */
+typedef struct gno_skin {
+  size_t struct_size;
+  const char* name;                   /* may be null */
+  const uint32_t* joints;             /* by joint: index of its node */
+  const gno_transform* inverse_binds; /* by joint: maps the mesh frame to the frame of the joint, as it was bound */
+  size_t joint_count;
+} gno_skin;
+
+typedef int32_t gno_track_property;
+enum { GNO_TRACK_TRANSLATION = 0, GNO_TRACK_ROTATION = 1, GNO_TRACK_SCALE = 2, GNO_TRACK_MORPH_WEIGHTS = 3 };
+typedef int32_t gno_interpolation;
+enum { GNO_INTERPOLATION_STEP = 0, GNO_INTERPOLATION_LINEAR = 1, GNO_INTERPOLATION_CUBIC = 2 };
+
+/* How a clip moves one property of one node: values at key times. */
+typedef struct gno_track {
+  uint32_t node;
+  gno_track_property property;
+  gno_interpolation interpolation; /* linear: rotations turn by slerp */
+  const float* times;              /* seconds, ascending; at least one */
+  size_t key_count;
+  /* Per key 3 values, 4 for a rotation (x, y, z, w), or one per morph target. Cubic: per key the slopes before it, the
+   * values, and the slopes after it. */
+  const float* values;
+  size_t value_count;
+} gno_track;
+
+/* A named motion of nodes; "animation" in glTF. */
+typedef struct gno_clip {
+  size_t struct_size;
+  const char* name; /* may be null */
+  double duration;  /* seconds */
+  const gno_track* tracks;
+  size_t track_count;
+} gno_clip;
+
+/* An instance that follows a node or a skin. Its transform is root * node * offset. With a skin it is root * offset,
+ * and the joints of its mesh are at inverse(offset) * node of the joint * inverse bind. A deformable mesh follows one
+ * node and one skin, so instances that follow others have a mesh of their own. */
+typedef struct gno_animated_instance {
+  size_t struct_size;
+  uint32_t instance; /* index of an instance of the scene */
+  uint32_t node;     /* its morph weights are those of the mesh */
+  uint32_t skin;     /* GNO_NONE: none */
+  gno_transform offset;
+} gno_animated_instance;
+
+/* Where the instances and the vertices of a scene are at one moment. */
+typedef struct gno_scene_state {
+  size_t struct_size;
+  const gno_transform* transforms; /* by instance; for gno_simulator_set_transform() */
+  size_t transform_count;
+  const gno_deformation* deformations; /* by mesh, empty unless deformable; for gno_simulator_set_deformation() */
+  size_t deformation_count;
+} gno_scene_state;
+
+/* What happens outside the time of a clip: it repeats, or its first or last state holds. */
+typedef int32_t gno_clip_end;
+enum { GNO_CLIP_LOOP = 0, GNO_CLIP_HOLD = 1 };
+
+/* Each of these adds a copy and gives its index; the index may be null. */
+GNO_API gno_status gno_scene_add_node(gno_scene scene, const gno_node* node, uint32_t* index);
+GNO_API gno_status gno_scene_add_skin(gno_scene scene, const gno_skin* skin, uint32_t* index);
+GNO_API gno_status gno_scene_add_clip(gno_scene scene, const gno_clip* clip, uint32_t* index);
+GNO_API gno_status gno_scene_add_animated_instance(gno_scene scene, const gno_animated_instance* animated,
+                                                   uint32_t* index);
+/* Maps the frame above all nodes to the world; the identity if it is not set. */
+GNO_API gno_status gno_scene_set_animation_root(gno_scene scene, const gno_transform* root);
+GNO_API gno_status gno_scene_get_node(gno_scene scene, size_t index, gno_node* node);
+GNO_API gno_status gno_scene_get_skin(gno_scene scene, size_t index, gno_skin* skin);
+/* The tracks are valid until the same thread calls this function again; what they point to belongs to the scene. */
+GNO_API gno_status gno_scene_get_clip(gno_scene scene, size_t index, gno_clip* clip);
+GNO_API gno_status gno_scene_get_animated_instance(gno_scene scene, size_t index, gno_animated_instance* animated);
+GNO_API gno_status gno_scene_get_animation_root(gno_scene scene, gno_transform* root);
+/* The index of the clip of this name; the error for another name tells the nearest names. */
+GNO_API gno_status gno_scene_find_clip(gno_scene scene, const char* name, uint32_t* index);
+/* The state of the scene `seconds` after the start of a clip; for GNO_NONE as a clip, the state at rest. What the clip
+ * does not move is at rest: instances that follow no node keep their transform, and meshes that none of them places
+ * their deformation. The arrays are valid until the same thread calls this function again. */
+GNO_API gno_status gno_scene_get_state(gno_scene scene, uint32_t clip, double seconds, gno_clip_end end,
+                                       gno_scene_state* state);
 
 /* ------------------------------------------------------------------------------------------------ sensor */
 
@@ -256,6 +387,9 @@ typedef struct gno_catalogue_head {
 GNO_API gno_status gno_sensor_builtin(const char* name, gno_sensor* sensor);
 /* Reads a sensor file of any family that docs/sensors.md lists; options may be null. */
 GNO_API gno_status gno_sensor_load(const char* file, const gno_sensor_file_options* options, gno_sensor* sensor);
+/* Reads a sensor file from memory; the ending of `name` says what it is expected to be. */
+GNO_API gno_status gno_sensor_read(const void* bytes, size_t size, const char* name,
+                                   const gno_sensor_file_options* options, gno_sensor* sensor);
 GNO_API gno_status gno_sensor_from_json(const char* json, gno_sensor* sensor);
 GNO_API gno_status gno_sensor_create_grid(const gno_sensor_settings* settings, const gno_grid* grid,
                                           gno_sensor* sensor);
@@ -345,6 +479,31 @@ GNO_API gno_status gno_field_describe(gno_field field, gno_field_description* de
 /* Parses a list such as "x,y,z,range". Writes at most `capacity` fields and gives the number that there are. */
 GNO_API gno_status gno_fields_parse(const char* names, gno_field* fields, size_t capacity, size_t* count);
 
+/* One value of a packed row, or a column. */
+typedef struct gno_layout_value {
+  gno_field field;
+  uint32_t component;
+  size_t offset;       /* bytes from the start of the row */
+  gno_value_type type; /* the field's own, or one that holds all of its values */
+  /* 0 if the value is part of the row. Otherwise the values of all rows form a column that begins at byte `offset` of
+   * the buffer, a multiple of 4, with a value every `stride` bytes: the size of the type, or a larger multiple of 4.
+   * Only results that stay on a device may have columns. */
+  size_t stride;
+} gno_layout_value;
+/* How the results of a scan lie in memory. */
+typedef struct gno_layout {
+  size_t struct_size;
+  const gno_layout_value* values;
+  size_t value_count;
+  size_t stride;   /* bytes from row to row; 0 if all values are in columns */
+  int32_t compact; /* not 0: only entries with a return become rows */
+} gno_layout;
+
+/* Rows of the fields without gaps. The values are valid until the same thread calls this function again. */
+GNO_API gno_status gno_layout_of(const gno_field* fields, size_t field_count, gno_layout* layout);
+/* The bytes that so many rows need on a device. */
+GNO_API gno_status gno_layout_bytes_for(const gno_layout* layout, uint64_t rows, uint64_t* bytes);
+
 /* ----------------------------------------------------------------------------------------------- devices */
 
 typedef struct gno_device_info {
@@ -382,6 +541,8 @@ typedef struct gno_accuracy_parts {
   gno_inside inside;
   gno_range_rule range;
 } gno_accuracy_parts;
+/* The parts of a named accuracy. */
+GNO_API gno_status gno_accuracy_get_parts(gno_accuracy accuracy, gno_accuracy_parts* parts);
 
 typedef int32_t gno_faces;
 enum { GNO_FACES_MATERIAL = 0, GNO_FACES_FRONT = 1, GNO_FACES_BOTH = 2 };
@@ -390,10 +551,14 @@ enum { GNO_BINNING_AUTOMATIC = 0, GNO_BINNING_NEAREST = 1, GNO_BINNING_LISTS = 2
 typedef int32_t gno_occlusion;
 enum { GNO_OCCLUSION_AUTOMATIC = 0, GNO_OCCLUSION_ALWAYS = 1, GNO_OCCLUSION_NEVER = 2 };
 
+/* A Vulkan device of the caller, see gnosphere_vulkan.h. */
+typedef struct gno_vulkan_adopted_device gno_vulkan_adopted_device;
+
 typedef struct gno_options {
   size_t struct_size;
   const char* device;      /* "auto", a number or part of a name of gno_devices(), "reference", "cuda:N"; null: auto */
   uint8_t device_uuid[16]; /* gno_device_info::uuid of a Vulkan device; all zeros: by `device` */
+  const gno_vulkan_adopted_device* adopted; /* not null: the caller's device, and the two above are ignored */
   gno_accuracy accuracy;
   const gno_accuracy_parts* accuracy_parts; /* not null: replaces accuracy */
   gno_faces faces;
@@ -419,6 +584,9 @@ typedef struct gno_request {
   const gno_field* fields; /* beyond x, y, z, range, triangle and instance */
   size_t field_count;
   int32_t variable_weather; /* not 0: shots may set their weather */
+  /* On a device of the caller: what the recorded scans leave in the caller's buffers. Its fields need not be repeated
+   * above. Must be null on any other device. */
+  const gno_layout* layout;
 } gno_request;
 
 /* Dust or spray that fills an axis-aligned box of the world. */
@@ -445,6 +613,13 @@ typedef struct gno_instance_motion {
   gno_transform end;
 } gno_instance_motion;
 
+/* A deformable mesh moves from its deformation at the start of the scan to `end` at its end. Vertices move along
+ * straight lines at constant speed, those of every instance of the mesh. */
+typedef struct gno_mesh_motion {
+  size_t mesh;
+  gno_deformation end;
+} gno_mesh_motion;
+
 /* One scan of a run. */
 typedef struct gno_shot {
   size_t struct_size;
@@ -455,6 +630,8 @@ typedef struct gno_shot {
   size_t motion_count;
   const gno_instance_motion* instance_motions;
   size_t instance_motion_count;
+  const gno_mesh_motion* mesh_motions;
+  size_t mesh_motion_count;
   const gno_weather* weather; /* may be null */
 } gno_shot;
 
@@ -484,9 +661,12 @@ GNO_API gno_status gno_simulator_add_material(gno_simulator simulator, const gno
 GNO_API gno_status gno_simulator_remove_material(gno_simulator simulator, size_t index);
 GNO_API gno_status gno_simulator_add_mesh(gno_simulator simulator, const gno_mesh* mesh, size_t* index);
 GNO_API gno_status gno_simulator_remove_mesh(gno_simulator simulator, size_t index);
-/* Moves the vertices of a mesh: 3 values per vertex, relative to gno_mesh::origin. */
+/* Moves the vertices of a mesh: 3 values per vertex, relative to gno_mesh::origin. The mesh must not be deformable. */
 GNO_API gno_status gno_simulator_set_positions(gno_simulator simulator, size_t mesh, const float* positions,
                                                size_t vertex_count);
+/* Moves the joints and morph targets of a deformable mesh; null puts its vertices back to gno_mesh::positions. */
+GNO_API gno_status gno_simulator_set_deformation(gno_simulator simulator, size_t mesh,
+                                                 const gno_deformation* deformation);
 GNO_API gno_status gno_simulator_add_instance(gno_simulator simulator, const gno_instance* instance, size_t* index);
 GNO_API gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index);
 GNO_API gno_status gno_simulator_set_transform(gno_simulator simulator, size_t instance,
@@ -550,21 +730,6 @@ GNO_API gno_status gno_scan_get_timings(gno_scan scan, gno_timings* timings);
 
 /* ------------------------------------------------------------------------------------------------ output */
 
-/* One value of a packed row. */
-typedef struct gno_layout_value {
-  gno_field field;
-  uint32_t component;
-  size_t offset;       /* bytes from the start of the row */
-  gno_value_type type; /* the field's own, or one that holds all of its values */
-} gno_layout_value;
-typedef struct gno_layout {
-  size_t struct_size;
-  const gno_layout_value* values;
-  size_t value_count;
-  size_t stride;   /* bytes from row to row */
-  int32_t compact; /* not 0: only entries with a return become rows */
-} gno_layout;
-
 typedef struct gno_cloud_options {
   size_t struct_size;
   const gno_field* fields; /* null: x y z range ring beam triangle instance */
@@ -610,6 +775,16 @@ GNO_API gno_status gno_scan_compare(gno_scan reference, gno_scan other, double t
   value.double_sided = 1;
 #define GNO_INIT_gno_mesh
 #define GNO_INIT_gno_instance value.transform.rows[0] = value.transform.rows[5] = value.transform.rows[10] = 1;
+#define GNO_INIT_gno_node  \
+  value.parent = GNO_NONE; \
+  value.rotation[3] = 1;   \
+  value.scale[0] = value.scale[1] = value.scale[2] = 1;
+#define GNO_INIT_gno_skin
+#define GNO_INIT_gno_clip
+#define GNO_INIT_gno_animated_instance \
+  value.skin = GNO_NONE;               \
+  value.offset.rows[0] = value.offset.rows[5] = value.offset.rows[10] = 1;
+#define GNO_INIT_gno_scene_state
 #define GNO_INIT_gno_load_options value.scale = 1;
 #define GNO_INIT_gno_scene_counts
 #define GNO_INIT_gno_sensor_settings value.max_returns = 1;
@@ -647,6 +822,11 @@ GNO_INIT(gno_alpha_image)
 GNO_INIT(gno_material)
 GNO_INIT(gno_mesh)
 GNO_INIT(gno_instance)
+GNO_INIT(gno_node)
+GNO_INIT(gno_skin)
+GNO_INIT(gno_clip)
+GNO_INIT(gno_animated_instance)
+GNO_INIT(gno_scene_state)
 GNO_INIT(gno_load_options)
 GNO_INIT(gno_scene_counts)
 GNO_INIT(gno_sensor_settings)

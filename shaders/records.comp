@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage records: writes the results of a scan that stay on the device, in the caller's layout. The passes count the
 // entries with a return per block of entries, sum the counts and write the header, list the entries in order, and write
-// the records. No workgroup waits for another. If the nearest hit of each beam is all that there is, the values come
+// the records. No workgroup waits for another. A scan that projects its beams in several groups runs these passes once,
+// after the last group. If the nearest hit of each beam is all that there is, and there is one group, the values come
 // from the beams' words, and stage resolve is left out.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -75,7 +76,7 @@ uint sumBefore(uint value, out uint total) {
   uint lane = gl_LocalInvocationID.x;
   laneSums[lane] = value;
   barrier();
-  uint before = 0;
+  uint before = plan.group == 0 ? 0 : recordHeader.at[6];
   total = 0;
   for (uint k = 0; k < kLanes; ++k) {
     if (k < lane) before += laneSums[k];
@@ -119,6 +120,12 @@ bool listsTooSmall() {
          counters.tiles > frame.tileCapacity || counters.candidates > frame.candidateCapacity;
 }
 
+// Notes in the header whether a list was too small for any group of beams so far.
+void noteLists() {
+  uint before = plan.group == 0 ? 0 : recordHeader.at[6];
+  recordHeader.at[6] = listsTooSmall() ? 1 : before;
+}
+
 // Runs in one workgroup; each lane processes a range of consecutive blocks.
 void sumBlocks() {
   uint run = (blockCount() + kLanes - 1) / kLanes;
@@ -141,7 +148,7 @@ void sumBlocks() {
   recordHeader.at[3] = 0;
   recordHeader.at[4] = wanted;
   recordHeader.at[5] = total;
-  recordHeader.at[6] = listsTooSmall() ? 1 : 0;
+  noteLists();
   recordHeader.at[7] = plan.frame;
 }
 
@@ -334,6 +341,7 @@ void writeRecords() {
 
 void main() {
   loadMotion();
+  if (PASS == kPassLists && gl_LocalInvocationID.x == 0) noteLists();
   if (PASS == kPassCountReturns) countReturns();
   if (PASS == kPassHeader) sumBlocks();
   if (PASS == kPassEntries) listEntries();

@@ -129,6 +129,7 @@ GNO_CONST uint kPassCountReturns = 0;
 GNO_CONST uint kPassHeader = 1;
 GNO_CONST uint kPassEntries = 2;  // lists the entries with a return
 GNO_CONST uint kPassRecords = 3;
+GNO_CONST uint kPassLists = 4;  // only notes whether a list was too small for a group of beams that is not the last
 
 // The values that records may hold: floats first, then integers.
 GNO_CONST uint kValueX = 0;
@@ -321,6 +322,7 @@ struct RecordPlan {
   uint classes;     // entries of instanceClasses
   uint directions;  // 1 if points do not lie on their beams, which then have an entry in beamDirections
   uint frame;       // number of the scan
+  uint group;       // number of the group of beams
 };
 
 // Values that lie side by side in memory: all of a record, or a column. Places are in bytes.

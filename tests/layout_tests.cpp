@@ -66,7 +66,7 @@ const Layouts kShared = {
            nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden, integerSides, integerRanges,
            causes, lostEchoes, hardBeams, tried),
     STRUCT(RecordPlace, first, stride),
-    STRUCT(RecordPlan, entries, capacity, organised, streams, gaps, classes, directions, frame),
+    STRUCT(RecordPlan, entries, capacity, organised, streams, gaps, classes, directions, frame, group),
     STRUCT(RecordStream, start, stride, firstValue, values, column),
     STRUCT(RecordValue, value, type, offset),
     STRUCT(Workgroups, x, y, z),

@@ -120,14 +120,14 @@ TEST_CASE("a room includes only the rooms below it") {
   CHECK(count > 500);  // fails if the pattern matches nothing
 }
 
-TEST_CASE("names of Vulkan's API occur only in src/vulkan") {
+TEST_CASE("names of Vulkan's API occur only in src/vulkan, and in the C interface to it") {
   static const std::regex kWords(R"(\b(Vk[A-Z]|volk))");
   const Tree tree = readTree(GNOSPHERE_SOURCES);
   eachLine(tree, [&](const std::string& file, int number, const std::string& line) {
     std::smatch match;
-    if (file.starts_with("vulkan/") || !std::regex_search(line, match, kWords)) return;
+    if (file.starts_with("vulkan/") || file == "c/vulkan.cpp" || !std::regex_search(line, match, kWords)) return;
     FAIL_CHECK("src/" << file << ":" << number << ": says " << match[0]
-                      << ", but only src/vulkan may know Vulkan's API");
+                      << ", but only src/vulkan and src/c/vulkan.cpp may know Vulkan's API");
   });
 }
 

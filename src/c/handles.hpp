@@ -14,6 +14,11 @@
 
 namespace gnosphere::c {
 
+struct SceneObject : Scene {
+  SceneObject(Scene from = {}) : Scene(std::move(from)) {}
+  bool valid = false;  ///< whether validate() has found it so since it was last changed
+};
+
 /// A sensor, and what its file left open.
 struct SensorObject {
   Sensor sensor;
@@ -32,7 +37,7 @@ template <class Handle>
 struct Held;
 template <>
 struct Held<gno_scene> {
-  using Type = Scene;
+  using Type = SceneObject;
   static constexpr const char* kName = "scene";
 };
 template <>
@@ -69,6 +74,8 @@ struct Object {
   std::recursive_mutex mutex;
 };
 
+[[noreturn]] void refuse(const std::string& why);
+
 // The table of live objects, for any kind. `kind` is the name of Held.
 uintptr_t keep(const char* kind, std::shared_ptr<void> object);
 /// Throws Error(invalidArgument) that says what is wrong with the handle.
@@ -95,6 +102,15 @@ class Locked {
  private:
   Shared<Handle> object_;
   std::unique_lock<std::recursive_mutex> lock_;
+};
+
+/// The simulator of a handle, unless one of its scans is being received on this thread.
+class Idle : public Locked<gno_simulator> {
+ public:
+  explicit Idle(gno_simulator handle) : Locked(handle) {
+    if ((**this).running) refuse("the function that receives scans of a simulator must not call it");
+  }
+  Simulator* operator->() { return &(**this).simulator; }
 };
 
 template <class Handle>
@@ -124,8 +140,6 @@ gno_status guard(Body body) noexcept {
     return statusOfException();
   }
 }
-
-[[noreturn]] void refuse(const std::string& why);
 
 /// Returns what a pointer leads to; a null pointer is an error that names it.
 template <class T>
@@ -170,16 +184,49 @@ inline Vec3 vec3(const double* v) {
 inline void set(double* to, const Vec3& v) {
   to[0] = v.x, to[1] = v.y, to[2] = v.z;
 }
+template <class T>
+const T* orNull(const std::vector<T>& values) {
+  return values.empty() ? nullptr : values.data();
+}
+/// Returns the value at a caller's index; an index that does not exist is an error that names the noun.
+template <class T>
+const T& at(const std::vector<T>& values, size_t index, const char* noun) {
+  if (index >= values.size())
+    refuse(std::string(noun) + " " + std::to_string(index) + " does not exist, there are " +
+           std::to_string(values.size()));
+  return values[index];
+}
+/// Returns the scene; one that is not valid is an error that says why.
+const Scene& valid(SceneObject& scene);
+/// Adds to a list of the scene, and gives the index of what was added unless `index` is null.
+template <class T>
+void add(SceneObject& scene, std::vector<T>& values, T value, uint32_t* index) {
+  if (index) *index = static_cast<uint32_t>(values.size());
+  values.push_back(std::move(value));
+  scene.valid = false;
+}
+
 Pose poseOf(const gno_pose& pose);
 gno_pose poseOf(const Pose& pose);
 Transform transformOf(const gno_transform& transform);
+inline const gno_transform* transformsOf(const std::vector<Transform>& transforms) {
+  static_assert(sizeof(gno_transform) == sizeof(Transform));
+  return reinterpret_cast<const gno_transform*>(orNull(transforms));
+}
 
 // Conversions that several files need.
 Mesh meshOf(const gno_mesh* mesh);
+Deformation deformationOf(const gno_deformation& deformation);
+/// The pointers lead into `deformation`.
+gno_deformation deformationOf(const Deformation& deformation);
 Material materialOf(const gno_material* material);
 AlphaImage alphaImageOf(const gno_alpha_image* image);
 Instance instanceOf(const gno_instance* instance);
 std::vector<Field> fieldsOf(const gno_field* fields, size_t count);
+RecordLayout recordLayoutOf(const gno_layout* layout);
+Shot shotOf(const gno_shot* shot);
+/// Adopts a Vulkan device of the caller.
+DeviceChoice deviceOf(const gno_vulkan_adopted_device& device);
 void describe(const DeviceInfo& device, gno_device_info& info);
 
 }  // namespace gnosphere::c

@@ -1,22 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans as packed rows and files, and their comparison.
+// Layouts, scans as packed rows and files, and their comparison.
 #include "c/handles.hpp"
+
+namespace gnosphere::c {
+
+RecordLayout recordLayoutOf(const gno_layout* layout) {
+  const gno_layout& from = sized(layout, "gno_layout");
+  RecordLayout result;
+  result.stride = from.stride;
+  result.compact = from.compact != 0;
+  for (const gno_layout_value& value : array(from.values, from.value_count, "gno_layout::values"))
+    result.values.push_back({fieldsOf(&value.field, 1)[0], value.component, value.offset,
+                             enumOf(value.type, ValueType::u32, "gno_layout_value::type"), value.stride});
+  return result;
+}
+
+}  // namespace gnosphere::c
 
 using namespace gnosphere;
 using namespace gnosphere::c;
 
 extern "C" {
 
+gno_status gno_layout_of(const gno_field* fields, size_t field_count, gno_layout* layout) {
+  return guard([&] {
+    gno_layout& to = sized(layout, "gno_layout");
+    thread_local std::vector<gno_layout_value> values;
+    const RecordLayout from = layoutOf(fieldsOf(fields, field_count));
+    values.clear();
+    for (const RecordLayout::Value& value : from.values)
+      values.push_back({static_cast<gno_field>(value.field), value.component, value.offset,
+                        static_cast<gno_value_type>(value.type), value.stride});
+    to.values = values.data();
+    to.value_count = values.size();
+    to.stride = from.stride;
+    to.compact = from.compact;
+  });
+}
+
+gno_status gno_layout_bytes_for(const gno_layout* layout, uint64_t rows, uint64_t* bytes) {
+  return guard([&] { the(bytes, "bytes") = recordLayoutOf(layout).bytesFor(rows); });
+}
+
 gno_status gno_scan_pack(gno_scan scan, const gno_layout* layout, void* rows, size_t bytes, size_t* row_count) {
   return guard([&] {
-    const gno_layout& from = sized(layout, "gno_layout");
+    const RecordLayout wanted = recordLayoutOf(layout);
     the(row_count, "row_count");
-    RecordLayout wanted;
-    wanted.stride = from.stride;
-    wanted.compact = from.compact != 0;
-    for (const gno_layout_value& value : array(from.values, from.value_count, "gno_layout::values"))
-      wanted.values.push_back({fieldsOf(&value.field, 1)[0], value.component, value.offset,
-                               enumOf(value.type, ValueType::u32, "gno_layout_value::type")});
     *row_count = pack(*Locked(scan), wanted, array(static_cast<std::byte*>(rows), bytes, "rows"));
   });
 }

@@ -5,24 +5,6 @@
 #include "c/handles.hpp"
 
 namespace gnosphere::c {
-namespace {
-
-template <class T>
-const T& at(const std::vector<T>& values, size_t index, const char* noun) {
-  if (index >= values.size())
-    refuse(std::string(noun) + " " + std::to_string(index) + " does not exist, there are " +
-           std::to_string(values.size()));
-  return values[index];
-}
-
-template <class T>
-void add(std::vector<T>& values, T value, uint32_t* index) {
-  if (index) *index = static_cast<uint32_t>(values.size());
-  values.push_back(std::move(value));
-}
-
-}  // namespace
-
 AlphaImage alphaImageOf(const gno_alpha_image* image) {
   const gno_alpha_image& from = sized(image, "gno_alpha_image");
   const auto texels = array(from.alpha, size_t{from.width} * from.height, "gno_alpha_image::alpha");
@@ -64,12 +46,45 @@ Mesh meshOf(const gno_mesh* mesh) {
   for (const gno_mesh_part& part : array(from.parts, from.part_count, "gno_mesh::parts"))
     result.parts.push_back({part.first_triangle, part.triangle_count, part.material});
   if (from.part_count == 0) result.parts = {{0, static_cast<uint32_t>(from.triangle_count), 0}};
+  const size_t influences = from.vertex_count * from.influences;
+  const auto joints = array(from.joints, influences, "gno_mesh::joints");
+  const auto weights = array(from.joint_weights, influences, "gno_mesh::joint_weights");
+  result.jointCount = from.joint_count;
+  result.influences = from.influences;
+  result.joints.assign(joints.begin(), joints.end());
+  result.jointWeights.assign(weights.begin(), weights.end());
+  for (const float* target : array(from.morph_targets, from.morph_target_count, "gno_mesh::morph_targets")) {
+    const auto offsets = array(target, 3 * from.vertex_count, "a target of gno_mesh::morph_targets");
+    result.morphTargets.emplace_back(offsets.begin(), offsets.end());
+  }
+  result.deformation = deformationOf(from.deformation);
   return result;
+}
+
+Deformation deformationOf(const gno_deformation& deformation) {
+  Deformation result;
+  for (const gno_transform& joint : array(deformation.joints, deformation.joint_count, "gno_deformation::joints"))
+    result.joints.push_back(transformOf(joint));
+  const auto weights =
+      array(deformation.morph_weights, deformation.morph_weight_count, "gno_deformation::morph_weights");
+  result.morphWeights.assign(weights.begin(), weights.end());
+  return result;
+}
+
+gno_deformation deformationOf(const Deformation& deformation) {
+  return {transformsOf(deformation.joints), deformation.joints.size(), orNull(deformation.morphWeights),
+          deformation.morphWeights.size()};
 }
 
 Instance instanceOf(const gno_instance* instance) {
   const gno_instance& from = sized(instance, "gno_instance");
   return {orEmpty(from.name), from.mesh, transformOf(from.transform), from.class_id};
+}
+
+const Scene& valid(SceneObject& scene) {
+  if (!scene.valid) validate(scene);
+  scene.valid = true;
+  return scene;
 }
 
 }  // namespace gnosphere::c
@@ -100,19 +115,31 @@ gno_status gno_scene_destroy(gno_scene scene) {
 }
 
 gno_status gno_scene_add_alpha_image(gno_scene scene, const gno_alpha_image* image, uint32_t* index) {
-  return guard([&] { add(Locked(scene)->alphaImages, alphaImageOf(image), index); });
+  return guard([&] {
+    Locked to(scene);
+    add(*to, to->alphaImages, alphaImageOf(image), index);
+  });
 }
 
 gno_status gno_scene_add_material(gno_scene scene, const gno_material* material, uint32_t* index) {
-  return guard([&] { add(Locked(scene)->materials, materialOf(material), index); });
+  return guard([&] {
+    Locked to(scene);
+    add(*to, to->materials, materialOf(material), index);
+  });
 }
 
 gno_status gno_scene_add_mesh(gno_scene scene, const gno_mesh* mesh, uint32_t* index) {
-  return guard([&] { add(Locked(scene)->meshes, meshOf(mesh), index); });
+  return guard([&] {
+    Locked to(scene);
+    add(*to, to->meshes, meshOf(mesh), index);
+  });
 }
 
 gno_status gno_scene_add_instance(gno_scene scene, const gno_instance* instance, uint32_t* index) {
-  return guard([&] { add(Locked(scene)->instances, instanceOf(instance), index); });
+  return guard([&] {
+    Locked to(scene);
+    add(*to, to->instances, instanceOf(instance), index);
+  });
 }
 
 gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts) {
@@ -126,6 +153,10 @@ gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts) {
     to.unread_images = from->unreadImages;
     to.unique_triangles = from->uniqueTriangleCount();
     to.placed_triangles = from->placedTriangleCount();
+    to.nodes = from->animation.nodes.size();
+    to.skins = from->animation.skins.size();
+    to.clips = from->animation.clips.size();
+    to.animated_instances = from->animation.instances.size();
   });
 }
 
@@ -172,9 +203,19 @@ gno_status gno_scene_get_mesh(gno_scene scene, size_t index, gno_mesh* mesh) {
     to.vertex_count = from.vertexCount();
     to.indices = from.indices.data();
     to.triangle_count = from.triangleCount();
-    to.uvs = from.uvs.empty() ? nullptr : from.uvs.data();
+    to.uvs = orNull(from.uvs);
     to.parts = reinterpret_cast<const gno_mesh_part*>(from.parts.data());
     to.part_count = from.parts.size();
+    to.joint_count = from.jointCount;
+    to.influences = from.influences;
+    to.joints = orNull(from.joints);
+    to.joint_weights = orNull(from.jointWeights);
+    thread_local std::vector<const float*> targets;
+    targets.clear();
+    for (const std::vector<float>& target : from.morphTargets) targets.push_back(target.data());
+    to.morph_targets = orNull(targets);
+    to.morph_target_count = targets.size();
+    to.deformation = deformationOf(from.deformation);
   });
 }
 
@@ -193,14 +234,18 @@ gno_status gno_scene_get_instance(gno_scene scene, size_t index, gno_instance* i
 gno_status gno_scene_get_bounds(gno_scene scene, double min[3], double max[3]) {
   return guard([&] {
     the(min, "min"), the(max, "max");
-    const Bounds bounds = worldBounds(*Locked(scene));
+    Locked from(scene);
+    const Bounds bounds = worldBounds(valid(*from));
     set(min, bounds.min);
     set(max, bounds.max);
   });
 }
 
 gno_status gno_scene_validate(gno_scene scene) {
-  return guard([&] { validate(*Locked(scene)); });
+  return guard([&] {
+    Locked from(scene);
+    valid(*from);
+  });
 }
 
 gno_status gno_scene_write_glb(gno_scene scene, const char* file) {
@@ -217,6 +262,34 @@ gno_status gno_scene_get_optics(gno_scene scene, gno_material_table table, doubl
     for (size_t i = 0; i < std::min(all.size(), to.size()); ++i)
       to[i] = {all[i].reflectance, all[i].gloss, all[i].roughness, all[i].retro, all[i].transmission};
     the(count, "count") = all.size();
+  });
+}
+
+gno_status gno_scene_get_deformed_positions(gno_scene scene, size_t mesh, const gno_deformation* deformation,
+                                            float* positions, size_t vertex_count) {
+  return guard([&] {
+    Locked locked(scene);
+    const Mesh& from = at(valid(*locked).meshes, mesh, "mesh");
+    const Deformation wanted = deformation ? deformationOf(*deformation) : from.deformation;
+    if (!wanted.empty() &&
+        (wanted.joints.size() != from.jointCount || wanted.morphWeights.size() != from.morphTargets.size()))
+      refuse("the deformation has " + std::to_string(wanted.joints.size()) + " joints and " +
+             std::to_string(wanted.morphWeights.size()) + " morph weights, mesh " + std::to_string(mesh) + " has " +
+             std::to_string(from.jointCount) + " and " + std::to_string(from.morphTargets.size()));
+    const auto to = array(positions, 3 * vertex_count, "positions");
+    if (vertex_count != from.vertexCount())
+      refuse("mesh " + std::to_string(mesh) + " has " + std::to_string(from.vertexCount()) + " vertices, not " +
+             std::to_string(vertex_count));
+    std::ranges::copy(deformedPositions(from, wanted), to.begin());
+  });
+}
+
+gno_status gno_scene_get_left_out(gno_scene scene, const char** lines) {
+  return guard([&] {
+    thread_local std::string text;
+    text.clear();
+    for (const std::string& line : Locked(scene)->leftOut) text += line + '\n';
+    the(lines, "lines") = text.c_str();
   });
 }
 

@@ -26,6 +26,27 @@ gno_sensor checked(Sensor sensor) {
   return make<gno_sensor>({std::move(sensor), {}, {}, {}, {}});
 }
 
+SensorFileOptions optionsOf(const gno_sensor_file_options* options) {
+  SensorFileOptions result;
+  if (!options) return result;
+  const gno_sensor_file_options& from = sized(options, "gno_sensor_file_options");
+  result.head = orEmpty(from.head);
+  result.mode = orEmpty(from.mode);
+  result.scanRate = from.scan_rate;
+  result.columns = from.columns;
+  result.beamsPerScan = from.beams_per_scan;
+  result.fireTimes = orEmpty(from.fire_times);
+  return result;
+}
+
+// The sensor with a report of how its file was understood.
+gno_sensor reported(SensorFile read) {
+  std::string report = read.family + '\n';
+  for (const std::string& text : read.assumed) report += "assumed: " + text + '\n';
+  for (const std::string& text : read.ignored) report += "ignored: " + text + '\n';
+  return make<gno_sensor>({std::move(read.sensor), std::move(report), {}, {}, {}});
+}
+
 std::vector<Vec3> vectors(const double* values, size_t count) {
   std::vector<Vec3> result(values ? count : 0);
   for (size_t i = 0; i < result.size(); ++i) result[i] = vec3(values + 3 * i);
@@ -58,11 +79,6 @@ std::vector<double> flat(const std::vector<Vec3>& vectors) {
   return result;
 }
 
-template <class T>
-const T* orNull(const std::vector<T>& values) {
-  return values.empty() ? nullptr : values.data();
-}
-
 }  // namespace
 
 extern "C" {
@@ -74,21 +90,16 @@ gno_status gno_sensor_builtin(const char* name, gno_sensor* sensor) {
 gno_status gno_sensor_load(const char* file, const gno_sensor_file_options* options, gno_sensor* sensor) {
   return guard([&] {
     the(sensor, "sensor");
-    SensorFileOptions wanted;
-    if (options) {
-      sized(options, "gno_sensor_file_options");
-      wanted.head = orEmpty(options->head);
-      wanted.mode = orEmpty(options->mode);
-      wanted.scanRate = options->scan_rate;
-      wanted.columns = options->columns;
-      wanted.beamsPerScan = options->beams_per_scan;
-      wanted.fireTimes = orEmpty(options->fire_times);
-    }
-    SensorFile read = readSensorFile(std::filesystem::path(&the(file, "file")), wanted);
-    std::string report = read.family + '\n';
-    for (const std::string& text : read.assumed) report += "assumed: " + text + '\n';
-    for (const std::string& text : read.ignored) report += "ignored: " + text + '\n';
-    *sensor = make<gno_sensor>({std::move(read.sensor), std::move(report), {}, {}, {}});
+    *sensor = reported(readSensorFile(std::filesystem::path(&the(file, "file")), optionsOf(options)));
+  });
+}
+
+gno_status gno_sensor_read(const void* bytes, size_t size, const char* name, const gno_sensor_file_options* options,
+                           gno_sensor* sensor) {
+  return guard([&] {
+    the(sensor, "sensor");
+    const auto content = array(static_cast<const char*>(bytes), size, "bytes");
+    *sensor = reported(readSensorFile({content.data(), content.size()}, &the(name, "name"), optionsOf(options)));
   });
 }
 

@@ -16,6 +16,7 @@ SensorRequest requestOf(const gno_request& from) {
   if (from.effects) request.effects = *Locked(from.effects);
   request.fields = fieldsOf(from.fields, from.field_count);
   request.variableWeather = from.variable_weather != 0;
+  if (from.layout) request.layout = recordLayoutOf(from.layout);
   return request;
 }
 
@@ -47,6 +48,7 @@ SimulatorOptions optionsOf(const gno_options* options) {
   const gno_options& from = sized(options, "gno_options");
   if (from.device) result.device = deviceByName(from.device);
   std::copy_n(from.device_uuid, 16, result.device.uuid.begin());
+  if (from.adopted) result.device = deviceOf(*from.adopted);
   result.accuracy = enumOf(from.accuracy, Accuracy::exact, "gno_options::accuracy");
   if (from.accuracy_parts) result.accuracyParts = partsOf(from.accuracy_parts);
   result.faces = enumOf(from.faces, ReflectingFaces::both, "gno_options::faces");
@@ -58,35 +60,6 @@ SimulatorOptions optionsOf(const gno_options* options) {
   result.tuning = tuningOf(from);
   return result;
 }
-
-Shot shotOf(const gno_shot& from) {
-  checkSize(from.struct_size, sizeof from, "gno_shot");
-  Shot shot;
-  shot.pose = poseOf(from.pose);
-  shot.sensor = from.sensor;
-  shot.frame = from.frame;
-  for (const gno_stamp& stamp : array(from.motion, from.motion_count, "gno_shot::motion"))
-    shot.motion.stamps.push_back({stamp.time, poseOf(stamp.pose)});
-  for (const gno_instance_motion& motion :
-       array(from.instance_motions, from.instance_motion_count, "gno_shot::instance_motions"))
-    shot.instanceMotions.push_back({motion.instance, transformOf(motion.end)});
-  if (from.weather) {
-    const gno_weather& weather = sized(from.weather, "gno_weather");
-    shot.weather = Weather{weather.visibility, weather.rain_rate, weather.snow_rate, {}};
-    for (const gno_volume& box : array(weather.volumes, weather.volume_count, "gno_weather::volumes"))
-      shot.weather->volumes.push_back({vec3(box.min), vec3(box.max), box.extinction});
-  }
-  return shot;
-}
-
-/// The simulator of a handle, unless one of its scans is being received on this thread.
-class Idle : public Locked<gno_simulator> {
- public:
-  explicit Idle(gno_simulator handle) : Locked(handle) {
-    if ((**this).running) refuse("the function that receives scans of a simulator must not call it");
-  }
-  Simulator* operator->() { return &(**this).simulator; }
-};
 
 /// Changes the simulator and gives the index of what was added.
 template <class Add>
@@ -100,7 +73,40 @@ gno_status add(gno_simulator simulator, size_t* index, Add how) {
 
 }  // namespace
 
+Shot c::shotOf(const gno_shot* shot) {
+  const gno_shot& from = sized(shot, "gno_shot");
+  Shot result;
+  result.pose = poseOf(from.pose);
+  result.sensor = from.sensor;
+  result.frame = from.frame;
+  for (const gno_stamp& stamp : array(from.motion, from.motion_count, "gno_shot::motion"))
+    result.motion.stamps.push_back({stamp.time, poseOf(stamp.pose)});
+  for (const gno_instance_motion& motion :
+       array(from.instance_motions, from.instance_motion_count, "gno_shot::instance_motions"))
+    result.instanceMotions.push_back({motion.instance, transformOf(motion.end)});
+  for (const gno_mesh_motion& motion : array(from.mesh_motions, from.mesh_motion_count, "gno_shot::mesh_motions"))
+    result.meshMotions.push_back({motion.mesh, deformationOf(motion.end)});
+  if (from.weather) {
+    const gno_weather& weather = sized(from.weather, "gno_weather");
+    result.weather = Weather{weather.visibility, weather.rain_rate, weather.snow_rate, {}};
+    for (const gno_volume& box : array(weather.volumes, weather.volume_count, "gno_weather::volumes"))
+      result.weather->volumes.push_back({vec3(box.min), vec3(box.max), box.extinction});
+  }
+  return result;
+}
+
 extern "C" {
+
+gno_status gno_accuracy_get_parts(gno_accuracy accuracy, gno_accuracy_parts* parts) {
+  return guard([&] {
+    gno_accuracy_parts& to = sized(parts, "gno_accuracy_parts");
+    const AccuracyParts from = accuracyPartsOf(enumOf(accuracy, Accuracy::exact, "the accuracy"));
+    to.bounds = static_cast<gno_bounds>(from.bounds);
+    to.cull = static_cast<gno_cull>(from.cull);
+    to.inside = static_cast<gno_inside>(from.inside);
+    to.range = static_cast<gno_range_rule>(from.range);
+  });
+}
 
 gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, size_t sensor_count,
                                 const gno_options* options, gno_simulator* simulator) {
@@ -122,7 +128,7 @@ gno_status gno_simulator_destroy(gno_simulator simulator) {
 
 gno_status gno_simulator_scan(gno_simulator simulator, const gno_shot* shot, gno_scan* scan) {
   return guard([&] {
-    const Shot wanted = shotOf(the(shot, "shot"));
+    const Shot wanted = shotOf(shot);
     if (!the(scan, "scan")) {
       Scan result;
       Idle(simulator)->scanInto(wanted, result);
@@ -141,7 +147,7 @@ gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots
   return guard([&] {
     the(receive, "receive");
     std::vector<Shot> wanted;
-    for (const gno_shot& shot : array(shots, shot_count, "shots")) wanted.push_back(shotOf(shot));
+    for (const gno_shot& shot : array(shots, shot_count, "shots")) wanted.push_back(shotOf(&shot));
     Idle idle(simulator);
     SimulatorObject& object = *idle;
     struct Running {
@@ -191,6 +197,11 @@ gno_status gno_simulator_remove_mesh(gno_simulator simulator, size_t index) {
 gno_status gno_simulator_set_positions(gno_simulator simulator, size_t mesh, const float* positions,
                                        size_t vertex_count) {
   return guard([&] { Idle(simulator)->setPositions(mesh, array(positions, 3 * vertex_count, "positions")); });
+}
+
+gno_status gno_simulator_set_deformation(gno_simulator simulator, size_t mesh, const gno_deformation* deformation) {
+  return guard(
+      [&] { Idle(simulator)->setDeformation(mesh, deformation ? deformationOf(*deformation) : Deformation()); });
 }
 
 gno_status gno_simulator_add_instance(gno_simulator simulator, const gno_instance* instance, size_t* index) {

@@ -5,7 +5,6 @@
 #include <bit>
 
 #include "gnosphere/error.hpp"
-#include "pipeline/origin_groups.hpp"
 #include "scan/fields.hpp"
 #include "scan/layout.hpp"
 #include "sensor/beams.hpp"
@@ -149,12 +148,6 @@ void checkLayout(const SensorPlan& plan) {
   for (const RecordLayout::Value& value : plan.layout.values)
     if (std::max({value.offset, value.stride, plan.layout.stride}) > 0x7fffffffu)
       throw Error(ErrorCode::invalidArgument, "the record layout: offsets and strides on a device have 31 bits");
-  for (size_t pattern = 0; pattern < std::max<size_t>(plan.sensor.patterns.size(), 1); ++pattern)
-    if (originGroups(plan.sensor, pattern).size() > 1)
-      throw Error(ErrorCode::invalidArgument,
-                  "sensor '" + plan.sensor.name +
-                      "': its lasers are so far apart that they are scanned in groups, which only scan() does; make a "
-                      "sensor of each group");
   if (plan.sensor.beamCount() == 0)
     throw Error(ErrorCode::invalidArgument, "sensor '" + plan.sensor.name + "' has no beams");
   if (asks(plan.layout, {Field::incidence}) && plan.has(gpu::kSensorMotion) && plan.effects.sensorMotion.deskew)

@@ -28,6 +28,11 @@ class CallerMemory final : public DeviceMemory {
   Recording::Range range_;
 };
 
+// The number under which the sensor's arrays know a group's run in a frame in flight.
+size_t indexOf(const SensorArrays& sensor, size_t frame, size_t group) {
+  return frame * sensor.mostGroups() + group;
+}
+
 void check(const Recording::Range& range, uint64_t least, size_t sensor, const char* what) {
   const std::string which = "sensor " + std::to_string(sensor) + ": the buffer for the " + what;
   if (range.address == 0 || range.address % kAlignment != 0)
@@ -46,7 +51,8 @@ void RecordedScans::forget(size_t sensor) {
 uint64_t RecordedScans::bytes() const {
   uint64_t sum = 0;
   for (const Slots& slots : frames_)
-    for (const auto& [sensor, slot] : slots) sum += slot.placed.bytes();
+    for (const auto& [sensor, slot] : slots)
+      for (const Run& run : slot.runs) sum += run.placed.bytes();
   return sum;
 }
 
@@ -55,9 +61,16 @@ std::vector<Recording::Result> RecordedScans::resultsOf(size_t frame, const std:
   for (auto& [index, slot] : frames_[frame]) {
     if (!slot.recorded) continue;
     SensorArrays& sensor = *sensors[index];
-    results.push_back({index, slot.frame, !sensor.cutShort(frame)});
-    if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(frame));
-    if (!results.back().complete) sensor.growLists(frame);
+    const size_t groups = sensor.groups(slot.frame).size();
+    if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(indexOf(sensor, frame, groups - 1)));
+    bool complete = true;
+    for (size_t group = 0; group < groups; ++group) {
+      const size_t run = indexOf(sensor, frame, group);
+      if (!sensor.cutShort(run)) continue;
+      complete = false;
+      sensor.growLists(run);
+    }
+    results.push_back({index, slot.frame, complete});
     slot.recorded = false;
   }
   return results;
@@ -87,26 +100,36 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
 void RecordedScans::record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor) {
   const Shot& shot = *item.shot;
   Slot& slot = frames_[recording.frame][shot.sensor];
-  if (!slot.addresses) slot.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
-  const OriginBounds& lasers = sensor.groups(shot.frame)[0].lasers;
+  const size_t groups = sensor.groups(shot.frame).size();
+  if (slot.runs.size() < groups) slot.runs.resize(groups);
+  for (size_t group = 0; group < groups; ++group) record(recording, item, sensor, group, slot.runs[group]);
+  slot.frame = shot.frame;
+  slot.recorded = true;
+}
+
+// Records the stages for one group of the beams. The last group's run ends with the records of all.
+void RecordedScans::record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor, size_t group,
+                           Run& run) {
+  const Shot& shot = *item.shot;
+  const size_t index = indexOf(sensor, recording.frame, group);
+  if (!run.addresses) run.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
+  const OriginBounds& lasers = sensor.groups(shot.frame)[group].lasers;
   const std::optional<ShotMotion> motion =
       motionOf(sensor.sensorPlan(), lasers, shot, scene_.instances(), scene_.geometry().deformables());
   const Pose& pose = motion ? motion->tables.middle : shot.pose;
-  scene_.place(pose, sensor.reach() + reachOf(motion), {}, slot.placed);
-  if (!scene_.listsHold(slot.placed)) scene_.growLists(slot.placed);
+  scene_.place(pose, sensor.reach() + reachOf(motion), {}, run.placed);
+  if (!scene_.listsHold(run.placed)) scene_.growLists(run.placed);
   CallerMemory records(item.records), header(item.header);
   BoundArrays arrays = {};
   scene_.bind(arrays);
-  slot.placed.bind(arrays);
-  sensor.loadRecords(recording.frame, item.records.bytes, recording.classes, shot.frame);
+  run.placed.bind(arrays);
+  sensor.loadRecords(index, group, item.records.bytes, recording.classes, shot.frame);
   const std::vector<Step> steps =
-      sensor.prepare(recording.frame, shot, 0, motion ? &*motion : nullptr, scene_.instances().count(),
-                     slot.placed.groups(), StillImage::Use::none, arrays);
+      sensor.prepare(index, shot, group, motion ? &*motion : nullptr, scene_.instances().count(), run.placed.groups(),
+                     StillImage::Use::none, arrays);
   arrays[static_cast<size_t>(gpu::Array::records)] = &records;
   arrays[static_cast<size_t>(gpu::Array::recordHeader)] = &header;
-  machine_.record(*slot.addresses, steps, arrays);
-  slot.frame = shot.frame;
-  slot.recorded = true;
+  machine_.record(*run.addresses, steps, arrays);
 }
 
 }  // namespace gnosphere

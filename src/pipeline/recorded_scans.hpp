@@ -24,10 +24,14 @@ class RecordedScans {
   uint64_t bytes() const;
 
  private:
-  /// The arrays of one sensor's scan in one frame in flight that do not depend on the sensor.
-  struct Slot {
+  /// The arrays of a run of the stages that do not depend on the sensor. Each group of beams has a run.
+  struct Run {
     std::unique_ptr<DeviceMemory> addresses;  // gpu::Addresses
     PlacedArrays placed;
+  };
+  /// One sensor's scan in one frame in flight.
+  struct Slot {
+    std::vector<Run> runs;  // at least as many as the scan has groups
     uint64_t frame = 0;
     bool recorded = false;
   };
@@ -35,6 +39,7 @@ class RecordedScans {
 
   std::vector<Recording::Result> resultsOf(size_t frame, const std::vector<SensorArrays*>& sensors);
   void record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor);
+  void record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor, size_t group, Run& run);
 
   Machine& machine_;
   SceneArrays& scene_;

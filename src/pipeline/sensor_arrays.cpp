@@ -46,6 +46,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       plan_(plan),
       patterns_(makePatterns()),
       binning_(chooseBinning(options, machine.traits(), plan.footprint())),
+      leavesWords_(leavesWords(binning_, plan) && !(keepsRecords() && mostGroups() > 1)),
       exact_(accuracyPartsOf(options).inside == AccuracyParts::Inside::exact),
       keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
@@ -54,10 +55,10 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       shells_(mostShells(options, binning_, beams(), triangles)),
       shellClusters_(shellClusters(options, beams(), triangles)),
       reach_(reachOf(options, most_.rangeMax)),
-      outputs_(outputsOf(plan, leavesWords(binning_, plan))),
+      outputs_(outputsOf(plan, leavesWords_)),
       records_(recordTables(plan.layout)) {
   options_.BINNING = binning_;
-  if (keepsRecords() && leavesWords(binning_, plan)) records_.held |= gpu::kFromWords;
+  if (keepsRecords() && leavesWords_) records_.held |= gpu::kFromWords;
   prepareKernels();
   for (Pattern& pattern : patterns_)
     if (pattern.groups.size() == 1)
@@ -69,7 +70,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
   allocate(Array::staleEntries, 4 * most_.coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
-  if ((!lists || plan_.panes()) && !leavesWords(binning_, plan_)) allocate(Array::words, beams * sizeof(Word));
+  if ((!lists || plan_.panes()) && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
   if (lists || plan_.panes()) allocate(Array::listEnds, beams * 4);
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
@@ -94,9 +95,18 @@ void SensorArrays::prepareKernels() {
       for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
         if (still == StillImage::Use::make && !keepsStill_) continue;
         for (const Pattern& pattern : patterns_)
-          for (const Step& step : steps(pattern.tables, everything(), still, motion))
-            if (step.kind == Step::Kind::dispatch) machine_.prepare(step.variant);
+          for (const bool last : {false, true}) {
+            if (!last && pattern.groups.size() == 1) continue;
+            for (const Step& step : steps(pattern.tables, everything(), still, motion, last))
+              if (step.kind == Step::Kind::dispatch) machine_.prepare(step.variant);
+          }
       }
+}
+
+size_t SensorArrays::mostGroups() const {
+  size_t most = 0;
+  for (const Pattern& pattern : patterns_) most = std::max(most, pattern.groups.size());
+  return most;
 }
 
 void SensorArrays::setDeformed(bool deformed) {
@@ -230,7 +240,7 @@ PlacedGroups SensorArrays::everything() const {
 }
 
 std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGroups& placed, StillImage::Use still,
-                                      bool motion) const {
+                                      bool motion, bool lastGroup) const {
   Variant variant;
   variant.options = options_;
   variant.options.MOTION = motion;
@@ -243,10 +253,12 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGrou
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
-  input.resolve = !footprint && !leavesWords(binning_, plan_);
+  input.resolve = !footprint && !leavesWords_;
   input.surfaces = plan_.surfaces() && !footprint && !lines;
   input.records = records_.held;
+  input.entries = entries();
   input.organised = !plan_.layout.compact;
+  input.lastGroup = lastGroup;
   input.deformed = deformed_;
   input.looksAtSurfaces = plan_.surfaces() || plan_.panes() || plan_.speeds();
   input.holes = tables.holes;
@@ -296,9 +308,11 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   frame.capacities = capacities_;
   frame.pattern = shot.frame % patterns_.size();
   const Pattern& pattern = patterns_[frame.pattern];
-  if (pattern.groups.size() > 1) {
+  const std::pair fires(frame.pattern, group);
+  if (pattern.groups.size() > 1 && frame.loaded != fires) {
     frame.tables = tablesOf(frame.pattern, pattern.groups[group]);
     load(frame, arraysOf(frame.tables));
+    frame.loaded = fires;
   }
   const BeamTables& tables = fired(frame);
   if (still == StillImage::Use::make)
@@ -318,10 +332,11 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
   if (!plan_.bare()) load(frame, shotArrays(plan_, shot, motion));
 
-  for (const auto* own : {&pattern.arrays, &std::as_const(arrays_), &std::as_const(frame.arrays)})
+  // The pattern's come last: a frame that has fired another pattern, group by group, still has the tables of that one.
+  for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &pattern.arrays})
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
-  return steps(tables, placed, still, motion != nullptr);
+  return steps(tables, placed, still, motion != nullptr, group + 1 == pattern.groups.size());
 }
 
 SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
@@ -329,7 +344,8 @@ SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
   return frames_[index];
 }
 
-void SensorArrays::loadRecords(size_t index, uint64_t bytes, std::span<const uint16_t> classes, uint64_t number) {
+void SensorArrays::loadRecords(size_t index, size_t group, uint64_t bytes, std::span<const uint16_t> classes,
+                               uint64_t number) {
   if ((records_.held >> gpu::kValueClass & 1) == 0) classes = {};
   const std::vector<uint32_t> wide(classes.begin(), classes.end());
   gpu::RecordPlan content = {};
@@ -341,6 +357,7 @@ void SensorArrays::loadRecords(size_t index, uint64_t bytes, std::span<const uin
   content.classes = static_cast<uint32_t>(wide.size());
   content.directions = patterns_[0].arrays[static_cast<size_t>(Array::beamDirections)] != nullptr;
   content.frame = static_cast<uint32_t>(number);
+  content.group = static_cast<uint32_t>(group);
   const auto planned = std::as_bytes(std::span(&content, 1)), listed = std::as_bytes(std::span(wide));
   load(frameAt(index), {{Array::recordPlan, planned.size(), {planned.begin(), planned.end()}},
                         {Array::instanceClasses, listed.size(), {listed.begin(), listed.end()}}});
@@ -414,8 +431,8 @@ Plan SensorArrays::plan() const {
   plan.effects = plan_.decisions;
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
-  plan.stages = stagesOf(steps(patterns_[0].tables, everything(), StillImage::Use::none, plan_.motion()));
-  if (leavesWords(binning_, plan_) && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
+  plan.stages = stagesOf(steps(patterns_[0].tables, everything(), StillImage::Use::none, plan_.motion(), true));
+  if (leavesWords_ && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
   for (size_t i = 0; i < arrays_.size(); ++i)
     if (const auto& memory = patterns_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});
   for (size_t i = 0; i < arrays_.size(); ++i)

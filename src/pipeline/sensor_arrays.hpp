@@ -34,6 +34,8 @@ class SensorArrays {
 
   /// The groups of beams that scan number `frame` projects one after the other.
   std::span<const OriginGroup> groups(uint64_t frame) const { return patterns_[frame % patterns_.size()].groups; }
+  /// The largest number of groups that any scan projects.
+  size_t mostGroups() const;
   /// Returns the steps of a scan of one group as frame in flight `frame`, which must not be running, and binds the
   /// arrays of the sensor and of the frame. `motion` is null for a scan without motion.
   std::vector<Step> prepare(size_t frame, const Shot& shot, size_t group, const ShotMotion* motion,
@@ -50,8 +52,8 @@ class SensorArrays {
   /// Whether the results stay on the device, as records.
   bool keepsRecords() const { return !plan_.layout.empty(); }
   /// Loads what the records of the next scan of this frame depend on, before prepare(): the size of the caller's buffer
-  /// in bytes, the classes of the instances, and the number of the scan.
-  void loadRecords(size_t frame, uint64_t bytes, std::span<const uint16_t> classes, uint64_t number);
+  /// in bytes, the classes of the instances, and the number of the scan. `group` is that of prepare().
+  void loadRecords(size_t frame, size_t group, uint64_t bytes, std::span<const uint16_t> classes, uint64_t number);
   /// Returns a hint for setShellHint() from the records of the last scan of this frame.
   float recordedHint(size_t frame);
   /// Tells the next scans where to end a shell: at this distance in metres, behind most hits of the last scan; 0 if
@@ -68,11 +70,12 @@ class SensorArrays {
     Capacities capacities;  // of the lists when the scan was prepared
     size_t pattern = 0;     // whose beams the scan fires
     BeamTables tables;      // of the group that fires, if the pattern has several; their arrays are those of the frame
+    std::optional<std::pair<size_t, size_t>> loaded;  // pattern and group of these tables
   };
 
   /// The beams of the sensor and their arrays. Only a list has several patterns, one per frame number. If a pattern has
-  /// several groups, their tables are made anew for each scan, because there may be as many groups as beams; `tables`
-  /// are those of the first group, and there are no arrays.
+  /// several groups, a frame makes the tables of the one that it fires, because there may be as many groups as beams;
+  /// `tables` are those of the first group, and there are no arrays.
   struct Pattern {
     std::vector<OriginGroup> groups;
     BeamTables tables;
@@ -98,8 +101,8 @@ class SensorArrays {
     return pattern.groups.size() > 1 ? frame.tables : pattern.tables;
   }
   uint64_t mostBeams() const;
-  std::vector<Step> steps(const BeamTables& tables, const PlacedGroups& placed, StillImage::Use still,
-                          bool motion) const;
+  std::vector<Step> steps(const BeamTables& tables, const PlacedGroups& placed, StillImage::Use still, bool motion,
+                          bool lastGroup) const;
   PlacedGroups everything() const;
   uint64_t mostProjected() const;
   uint64_t candidateBytes() const;
@@ -117,7 +120,7 @@ class SensorArrays {
   Sizes most_;
   std::vector<Pattern> patterns_;
   uint32_t binning_;
-  bool exact_, keepsStill_, float64_, deformed_;
+  bool leavesWords_, exact_, keepsStill_, float64_, deformed_;
   Options options_;
   uint32_t shells_, shellClusters_;
   float shellHint_ = 0;

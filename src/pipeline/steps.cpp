@@ -31,7 +31,7 @@ class Steps {
       finish("resolve");
     }
     judge();
-    if (input_.records != 0) writeRecords();
+    if (input_.records != 0) input_.lastGroup ? writeRecords() : noteLists();
     return std::move(steps_);
   }
 
@@ -142,10 +142,12 @@ class Steps {
     if (input_.footprint || input_.surfaces || input_.effects != StepsInput::Judged::none) finish("effects");
   }
 
+  // The records come after the last group of beams, when the counters of this one are gone.
+  void noteLists() { dispatch("records", Kernel::records, 1, {}, gpu::kPassLists); }
+
   void writeRecords() {
-    const uint64_t entries = uint64_t{input_.frame.beams} * input_.variant.options.RETURNS;
     const auto pass = [&](uint32_t number, uint64_t entriesPerGroup) {
-      const uint64_t groups = std::min<uint64_t>(input_.sizes.groups, entries / entriesPerGroup + 1);
+      const uint64_t groups = std::min<uint64_t>(input_.sizes.groups, input_.entries / entriesPerGroup + 1);
       dispatch("records", Kernel::records, static_cast<uint32_t>(groups), {}, number);
     };
     pass(gpu::kPassCountReturns, gpu::kPrefixBlock);

@@ -49,7 +49,9 @@ struct StepsInput {
   bool holes = false;            ///< some places of the grid have no beam
   bool sparse = false;           ///< parts of the grid have no beams
   uint32_t records = 0;          ///< if results stay on the device: RecordTables::held
+  uint64_t entries = 0;          ///< returns of all beams of the sensor, with those that are missing
   bool organised = false;        ///< records of all entries
+  bool lastGroup = true;         ///< of the groups of beams that the scan projects; after it come the records
   enum class Judged { none, listed, all } effects = Judged::none;  ///< the beams whose returns are computed from echoes
 };
 

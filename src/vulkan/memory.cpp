@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <utility>
 
 namespace gnosphere::vulkan {
@@ -42,18 +43,32 @@ void Recordings::retire(Buffer buffer) {
   if (recording_ > 0) retired_.push_back({recording_, std::move(buffer)});
 }
 
-// Most writes continue the one before them, so these are joined.
+bool Recordings::join(Write& to, const Write& write) {
+  if (to.memory != write.memory || write.place > to.place + to.bytes || to.place > write.place + write.bytes)
+    return false;
+  const uint64_t end = std::max(to.place + to.bytes, write.place + write.bytes);
+  to.place = std::min(to.place, write.place);
+  to.bytes = end - to.place;
+  return true;
+}
+
+// Most writes continue the one before them.
 void Recordings::add(const RecordedMemory& memory, uint64_t place, uint64_t bytes) {
-  if (!writes_.empty() && writes_.back().memory == &memory) {
-    Write& last = writes_.back();
-    const uint64_t end = std::max(last.place + last.bytes, place + bytes);
-    if (place <= last.place + last.bytes && place + bytes >= last.place) {
-      last.place = std::min(last.place, place);
-      last.bytes = end - last.place;
-      return;
-    }
-  }
-  writes_.push_back({&memory, place, bytes});
+  const Write write = {&memory, place, bytes};
+  if (writes_.empty() || !join(writes_.back(), write)) writes_.push_back(write);
+}
+
+// The copies of one recording have no barriers between them, so no two of them may have a byte in common.
+std::vector<Recordings::Write> Recordings::takeWrites() {
+  std::vector<Write> writes = std::exchange(writes_, {});
+  std::sort(writes.begin(), writes.end(), [](const Write& a, const Write& b) {
+    return a.memory != b.memory ? std::less<>()(a.memory, b.memory) : a.place < b.place;
+  });
+  size_t count = 0;
+  for (const Write& write : writes)
+    if (count == 0 || !join(writes[count - 1], write)) writes[count++] = write;
+  writes.resize(count);
+  return writes;
 }
 
 void Recordings::forget(const RecordedMemory& memory) {
@@ -65,14 +80,15 @@ void Recordings::begin(CommandBuffer& commands, size_t number) {
   Frame& frame = frames_[number];
   // The recordings run in the order of their numbers, so with this one all before it have completed, too.
   std::erase_if(retired_, [&](const Retired& retired) { return retired.recording <= frame.recording; });
+  const std::vector<Write> writes = takeWrites();
   uint64_t bytes = 0;
-  for (const Write& write : writes_) bytes += write.bytes;
+  for (const Write& write : writes) bytes += write.bytes;
   if (frame.staging.bytes() < bytes || frame.staging.bytes() > std::max(bytes, kKeptStagingBytes))
     frame.staging = bytes > 0 ? Buffer(device_, "staging", bytes + bytes / 4, MemoryKind::upload) : Buffer();
   frame.recording = ++recording_;
   commands.fullBarrier();
   uint64_t at = 0;
-  for (const Write& write : std::exchange(writes_, {})) {
+  for (const Write& write : writes) {
     std::memcpy(static_cast<std::byte*>(frame.staging.mapped()) + at, write.memory->written() + write.place,
                 write.bytes);
     commands.copy(frame.staging, write.memory->buffer(), {at, write.place, write.bytes});

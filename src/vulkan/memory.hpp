@@ -84,6 +84,11 @@ class Recordings {
     const RecordedMemory* memory;
     uint64_t place, bytes;
   };
+  /// Makes `to` both writes if they touch each other; returns whether they do.
+  static bool join(Write& to, const Write& write);
+  /// Returns the writes since the last recording, without overlaps.
+  std::vector<Write> takeWrites();
+
   struct Retired {
     uint64_t recording;  // the last one that may use the buffer
     Buffer buffer;

@@ -237,6 +237,30 @@ TEST_CASE("C: sensors from JSON, grids and lists have the beams that C++ gives t
   CHECK(gno_effects_destroy(effects) == GNO_OK);
 }
 
+TEST_CASE("C: a sensor file from memory, and the parts of an accuracy") {
+  const std::string json = toJson(builtinSensor("VLP-16"));
+  gno_sensor sensor = nullptr;
+  REQUIRE(gno_sensor_read(json.data(), json.size(), "head.json", nullptr, &sensor) == GNO_OK);
+  gno_sensor_size size = gno_sensor_size_init();
+  REQUIRE(gno_sensor_get_size(sensor, &size) == GNO_OK);
+  CHECK(size.beams == 28800);
+  const char* report = nullptr;
+  REQUIRE(gno_sensor_get_report(sensor, &report) == GNO_OK);
+  CHECK(std::string(report).find(readSensorFile(json, "head.json").family) == 0);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(fails(gno_sensor_read("{", 1, "bad.json", nullptr, &sensor), GNO_FORMAT, "bad.json"));
+  CHECK(fails(gno_sensor_read(nullptr, 1, "bad.json", nullptr, &sensor), GNO_INVALID_ARGUMENT, "bytes is null"));
+
+  for (gno_accuracy accuracy = GNO_ACCURACY_PAPER; accuracy <= GNO_ACCURACY_EXACT; ++accuracy) {
+    const AccuracyParts expected = accuracyPartsOf(static_cast<Accuracy>(accuracy));
+    gno_accuracy_parts parts = gno_accuracy_parts_init();
+    REQUIRE(gno_accuracy_get_parts(accuracy, &parts) == GNO_OK);
+    CHECK((parts.bounds == static_cast<int>(expected.bounds) && parts.cull == static_cast<int>(expected.cull)));
+    CHECK((parts.inside == static_cast<int>(expected.inside) && parts.range == static_cast<int>(expected.range)));
+  }
+  CHECK(gno_accuracy_get_parts(4, nullptr) == GNO_INVALID_ARGUMENT);
+}
+
 TEST_CASE("C: a run hands its scans to a function, which may end it but not call the simulator") {
   gno_scene scene = makeScene();
   gno_simulator simulator = makeSimulator(scene, "clean", {});

@@ -11,6 +11,25 @@
 
 namespace gnosphere::test {
 
+/// A box around the sensor, and a smaller one in it, instance 1.
+inline Scene boxes() {
+  Scene scene;
+  scene.materials = {material(true)};
+  MeshBuilder outer, inner;
+  outer.box({-20, -20, -3}, {20, 20, 12}, 6);
+  inner.box({-1, -1, -1}, {1, 1, 1}, 3);
+  scene.meshes = {outer.take(), inner.take()};
+  scene.instances = {{"", 0, {}}, {"", 1, translation(6, 0, 0)}};
+  return scene;
+}
+
+/// Returns the rows of a scan as pack() lays them out; bytes without a value are 0, as on the device.
+inline std::vector<std::byte> rowsOf(const Scan& scan, const RecordLayout& layout) {
+  std::vector<std::byte> bytes(layout.stride * scan.ranges.size());
+  bytes.resize(layout.stride * pack(scan, layout, bytes));
+  return bytes;
+}
+
 /// A simulator on the application's device with one sensor, two frames in flight, and the buffers for their results.
 class Recorded {
  public:
@@ -71,6 +90,7 @@ class Recorded {
 
   /// The records of a frame in flight that has completed.
   const std::byte* bytes(size_t at) const { return records_[at]->bytes().data(); }
+  const RecordHeader& headerOf(size_t at) const { return *headers_[at]->as<RecordHeader>(); }
 
   RecordHeader header;
   int incomplete = 0;

@@ -6,6 +6,7 @@
 #include "effects/showroom.hpp"
 #include "engine/recorded.hpp"
 #include "lists/list_sensors.hpp"
+#include "pipeline/origin_groups.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -40,13 +41,6 @@ const std::vector<Field> kAllFields = [] {
     fields.push_back(field);
   return fields;
 }();
-
-/// Returns the rows of a scan as pack() lays them out; bytes without a value are 0, as on the device.
-std::vector<std::byte> rowsOf(const Scan& scan, const RecordLayout& layout) {
-  std::vector<std::byte> bytes(layout.stride * scan.ranges.size());
-  bytes.resize(layout.stride * pack(scan, layout, bytes));
-  return bytes;
-}
 
 /// The showroom, with a class for each instance.
 Scene classifiedRoom() {
@@ -99,6 +93,29 @@ TEST_CASE("recorded scans have the bytes of scan(), for grids, lists and every a
                       {shotOf(false), moved});
     }
   }
+}
+
+TEST_CASE("recorded scans have the bytes of scan(), for heads far apart in one list", "[second-driver]") {
+  needVulkan();
+  VulkanApp app;
+  const BeamList head = rosette(600, 1.2);
+  Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {-1.5, 1.5, 0.5}, {1, -0.9, -0.3}}, head));
+  REQUIRE(originGroups(rig, 0).size() == 3);
+  rig.patterns.push_back(headsAt({{0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}}, head));
+  REQUIRE(originGroups(rig, 1).size() == 1);
+  rig.maskedBeams = {4, 5, 6};
+  std::vector<Shot> shots(3, shotOf(false));
+  for (size_t i = 0; i < shots.size(); ++i) shots[i].frame = i;
+  requireSameRows(app, classifiedRoom(), {rig, Effects::none()}, vulkanOptions(), oddLayout(kPlainFields, false),
+                  shots);
+}
+
+TEST_CASE("recorded scans have the bytes of scan(), for heads far apart with all effects and in motion") {
+  needVulkan();
+  VulkanApp app;
+  const Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {-1.5, 1.5, 0.5}}, rosette(400, 1.2)));
+  requireSameRows(app, classifiedRoom(), {rig, loud()}, vulkanOptions(), oddLayout(kAllFields, true),
+                  {shotOf(false), shotOf(true)});
 }
 
 TEST_CASE("recorded scans have the bytes of scan(), with all effects and in motion") {

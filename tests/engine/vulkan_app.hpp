@@ -18,8 +18,11 @@ namespace gnosphere::test {
 class VulkanApp {
  public:
   /// Uses the first device that meets the requirements and whose name contains `name`. `lookUp` replaces
-  /// vkGetInstanceProcAddr() for the library, but not for the application.
-  explicit VulkanApp(const std::string& name = "", PFN_vkGetInstanceProcAddr lookUp = nullptr) {
+  /// vkGetInstanceProcAddr() for the library, but not for the application. Of `extensions`, which the application wants
+  /// for itself, the device has those that it can have; see has().
+  explicit VulkanApp(const std::string& name = "", PFN_vkGetInstanceProcAddr lookUp = nullptr,
+                     const std::vector<std::string>& extensions = {})
+      : wanted_(extensions) {
     loader_ = dlopen("libvulkan.so.1", RTLD_NOW);
     REQUIRE(loader_);
     get_ = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader_, "vkGetInstanceProcAddr"));
@@ -157,6 +160,25 @@ class VulkanApp {
   void setAdopted(const vulkan::AdoptedDevice& device) { adopted_ = device; }
   const std::string& deviceName() const { return name_; }
   const vulkan::DeviceFunctions& vk() const { return vk_; }
+  VkQueue queue() const { return queue_; }
+  bool has(const std::string& extension) const { return std::ranges::count(extensions_, extension) > 0; }
+  /// A function of the device that is not in vk().
+  template <typename Function>
+  Function function(const char* name) const {
+    const auto found = reinterpret_cast<Function>(instanceFunctions_.vkGetDeviceProcAddr(device_, name));
+    REQUIRE(found);
+    return found;
+  }
+  /// A type of memory that the host sees.
+  uint32_t hostMemory(uint32_t typeBits) const {
+    VkPhysicalDeviceMemoryProperties memory;
+    instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(adopted_.physicalDevice, &memory);
+    constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
+      if ((typeBits >> i & 1) && (memory.memoryTypes[i].propertyFlags & kHost) == kHost) return i;
+    FAIL("the device has no memory that the host sees");
+    return 0;
+  }
   PFN_vkGetInstanceProcAddr loader() const { return get_; }
 
   std::vector<std::string> messages;  ///< of the validation layer
@@ -202,6 +224,18 @@ class VulkanApp {
     REQUIRE(make(instance_, &messenger, nullptr, &messenger_) == VK_SUCCESS);
   }
 
+  void chooseExtensions() {
+    extensions_.assign(adopted_.enabled.extensions.begin(), adopted_.enabled.extensions.end());
+    uint32_t count = 0;
+    const auto list = instanceFunctions_.vkEnumerateDeviceExtensionProperties;
+    list(adopted_.physicalDevice, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> all(count);
+    list(adopted_.physicalDevice, nullptr, &count, all.data());
+    for (const std::string& extension : wanted_)
+      if (std::ranges::any_of(all, [&](const auto& each) { return each.extensionName == extension; }))
+        extensions_.push_back(extension);
+  }
+
   void createDevice(const std::string& name) {
     uint32_t count = 0;
     instanceFunctions_.vkEnumeratePhysicalDevices(instance_, &count, nullptr);
@@ -232,21 +266,14 @@ class VulkanApp {
     VkDeviceCreateInfo info = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
-    info.enabledExtensionCount = static_cast<uint32_t>(adopted_.enabled.extensions.size());
-    info.ppEnabledExtensionNames = adopted_.enabled.extensions.data();
+    chooseExtensions();
+    std::vector<const char*> names;
+    for (const std::string& extension : extensions_) names.push_back(extension.c_str());
+    info.enabledExtensionCount = static_cast<uint32_t>(names.size());
+    info.ppEnabledExtensionNames = names.data();
     REQUIRE(instanceFunctions_.vkCreateDevice(adopted_.physicalDevice, &info, nullptr, &device_) == VK_SUCCESS);
     vk_ = vulkan::functionsOf(instanceFunctions_.vkGetDeviceProcAddr, device_);
     vk_.vkGetDeviceQueue(device_, 0, 0, &queue_);
-  }
-
-  uint32_t hostMemory(uint32_t typeBits) const {
-    VkPhysicalDeviceMemoryProperties memory;
-    instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(adopted_.physicalDevice, &memory);
-    constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-      if ((typeBits >> i & 1) && (memory.memoryTypes[i].propertyFlags & kHost) == kHost) return i;
-    FAIL("the device has no memory that the host sees");
-    return 0;
   }
 
   void* loader_ = nullptr;
@@ -259,6 +286,7 @@ class VulkanApp {
   VkQueue queue_ = VK_NULL_HANDLE;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   vulkan::AdoptedDevice adopted_;
+  std::vector<std::string> wanted_, extensions_;
   std::string name_;
 };
 

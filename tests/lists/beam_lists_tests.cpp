@@ -149,11 +149,7 @@ TEST_CASE("heads far apart in one list have the hits of each head alone") {
   const Scene scene = coveredTown();
   const std::vector<Vec3> places = {{0, 0, 0}, {-4, 1.5, 0.5}, {18, 6, 3}};
   const BeamList head = rosette(700, 1.2);
-  Sensor rig = listSensor("rig", {});
-  for (size_t i = 0; i < places.size() * head.size(); ++i) {  // beam by beam, head by head
-    rig.patterns[0].directions.push_back(head.directions[i / places.size()]);
-    rig.patterns[0].origins.push_back(places[i % places.size()]);
-  }
+  Sensor rig = listSensor("rig", headsAt(places, head));
   rig.maskedBeams = {4, 5, 6};
   const std::vector<OriginGroup> groups = originGroups(rig, 0);
   REQUIRE(groups.size() == places.size());
@@ -182,6 +178,26 @@ TEST_CASE("heads far apart in one list have the hits of each head alone") {
       CHECK(different == 0);
       CHECK(farther == 0);
     }
+  }
+}
+
+TEST_CASE("patterns with heads far apart and with one head alternate") {
+  needVulkan();
+  const BeamList head = rosette(300, 1.2);
+  Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {-4, 1.5, 0.5}, {18, 6, 3}}, head));
+  rig.patterns.push_back(headsAt({{0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}}, head));
+  TestOptions options = optionsWith(Accuracy::standard);
+  Simulator device = makeSimulator(coveredTown(), rig, options);
+  options.device = DeviceChoice::Kind::reference;
+  Simulator reference = makeSimulator(coveredTown(), rig, options);
+  Shot shot;
+  shot.pose = {{1.3, 0.4, 1.8}, {}};
+  for (; shot.frame < 4; ++shot.frame) {
+    INFO("frame " << shot.frame);
+    Scan expected, found;
+    reference.scanInto(shot, expected);
+    device.scanInto(shot, found);
+    requireSame(expected, found);
   }
 }
 

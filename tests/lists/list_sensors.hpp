@@ -47,6 +47,16 @@ inline BeamList rosette(uint32_t count, double halfAngle, double phase = 0) {
   return list;
 }
 
+/// Heads at several places in one list: beam by beam, and of each beam head by head.
+inline BeamList headsAt(const std::vector<Vec3>& places, const BeamList& head) {
+  BeamList list;
+  for (size_t i = 0; i < places.size() * head.size(); ++i) {
+    list.directions.push_back(head.directions[i / places.size()]);
+    list.origins.push_back(places[i % places.size()]);
+  }
+  return list;
+}
+
 inline Vec3 anyDirection(Random& random) {
   while (true) {
     const Vec3 v = {random(), random(), random()};

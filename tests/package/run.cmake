@@ -97,5 +97,8 @@ if(SHARED AND NOT SOURCE)
   find_program(CC NAMES cc gcc clang REQUIRED)
   run(${CC} -std=c99 -O2 -Wall -Wextra ${CMAKE_CURRENT_LIST_DIR}/../../examples/c/scan.c ${flags} -lm -o ${WORK}/c_consumer)
   run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${prefix}/${LIBDIR} ${WORK}/c_consumer town.glb c.pcd)
+  run(${CC} -std=c99 -O2 -Wall -Wextra ${CMAKE_CURRENT_LIST_DIR}/../../examples/c/record.c ${flags} -lvulkan
+    -o ${WORK}/c_recorder)
+  run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${prefix}/${LIBDIR} ${WORK}/c_recorder town.glb rows.bin)
   run(${CMAKE_CURRENT_LIST_DIR}/symbols ${prefix}/${LIBDIR}/libgnosphere.so)
 endif()

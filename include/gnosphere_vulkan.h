@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The part of GnoSphere's C interface (see gnosphere.h) that needs Vulkan's headers: scans on the caller's own Vulkan
+ * device. They are recorded into the caller's command buffers, and the results stay in the caller's buffers. The
+ * library submits nothing and waits for nothing. docs/engine.md shows how to use it, in C++ under the same names.
+ */
+#ifndef GNOSPHERE_VULKAN_H
+#define GNOSPHERE_VULKAN_H
+
+#include <gnosphere.h>
+#include <vulkan/vulkan_core.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------------------------------ device */
+
+/* What a device must be created with, in the form that vkCreateDevice() takes. The instance must be one of Vulkan 1.2
+ * or later. */
+typedef struct gno_vulkan_requirements {
+  size_t struct_size;
+  const char* const* extensions; /* for VkDeviceCreateInfo::ppEnabledExtensionNames */
+  uint32_t extension_count;
+  VkPhysicalDeviceFeatures features;
+  VkPhysicalDeviceVulkan12Features features12;
+  VkPhysicalDeviceSubgroupSizeControlFeaturesEXT subgroup_size_control;
+  const char* const* missing; /* a sentence for each requirement that the physical device does not meet */
+  size_t missing_count;       /* 0 if it can be used */
+} gno_vulkan_requirements;
+
+/* Gives what a device on `physical` must be created with. Features without which the library works, but more slowly
+ * (64-bit atomics and doubles), are included if the physical device has them. The names and sentences are valid until
+ * the same thread calls this function again. */
+GNO_API gno_status gno_vulkan_get_requirements(PFN_vkGetInstanceProcAddr get_instance_proc_addr, VkInstance instance,
+                                               VkPhysicalDevice physical, gno_vulkan_requirements* requirements);
+/* Sets every required feature in the caller's own structures, which otherwise keep their values. Null for a structure
+ * that the caller's chain does not have; a chain must not hold a structure twice. */
+GNO_API gno_status gno_vulkan_add_features(const gno_vulkan_requirements* requirements,
+                                           VkPhysicalDeviceFeatures* features,
+                                           VkPhysicalDeviceVulkan12Features* features12,
+                                           VkPhysicalDeviceSubgroupSizeControlFeaturesEXT* subgroup_size_control);
+
+/* Memory for one buffer, from the caller. */
+typedef struct gno_vulkan_allocation {
+  VkDeviceMemory memory;
+  VkDeviceSize offset;
+  void* mapped;     /* host address of the first byte; needed if the memory type is host-visible */
+  void* allocation; /* not looked at */
+} gno_vulkan_allocation;
+
+/* A device of the caller, for gno_options::adopted. It must outlive every simulator that uses it, and the objects below
+ * must not be destroyed before them. */
+struct gno_vulkan_adopted_device {
+  size_t struct_size;
+  PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+  VkInstance instance;
+  VkPhysicalDevice physical_device;
+  VkDevice device;
+  uint32_t queue_family; /* of the queue to which the caller submits the recorded scans; it must support compute */
+  /* What the device was created with: gno_vulkan_get_requirements(), without the features that the caller has left off.
+   */
+  const gno_vulkan_requirements* enabled;
+  /* The caller's allocator of device memory; if both are null, every buffer gets memory of its own from
+   * vkAllocateMemory(). `allocate` sets *allocation, whose bytes are 0 before, to memory of the type `memory_type` that
+   * was allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT, or leaves it if there is none left. */
+  void (*allocate)(const VkMemoryRequirements* requirements, uint32_t memory_type, gno_vulkan_allocation* allocation,
+                   void* user);
+  void (*release)(const gno_vulkan_allocation* allocation, void* user);
+  void* user;
+};
+
+/* --------------------------------------------------------------------------------------------- recording */
+
+/* Records the scans of a simulator on an adopted device. */
+typedef struct gno_vulkan_recorder_object* gno_vulkan_recorder;
+
+/* A buffer of the caller's device, by address. The buffer was created with
+ * VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT and VK_BUFFER_USAGE_STORAGE_BUFFER_BIT. */
+typedef struct gno_vulkan_range {
+  VkDeviceAddress address; /* a multiple of 16 */
+  VkDeviceSize bytes;
+} gno_vulkan_range;
+
+/* What a recorded scan tells about its results, in device memory. The first four numbers are the arguments of an
+ * indirect draw with a vertex per row (VkDrawIndirectCommand). */
+typedef struct gno_vulkan_record_header {
+  uint32_t rows;           /* in the buffer */
+  uint32_t instance_count; /* always 1 */
+  uint32_t first_vertex, first_instance;
+  uint32_t wanted;     /* rows that the scan has; more than `rows` if the buffer is too small */
+  uint32_t hits;       /* returns of all beams */
+  uint32_t incomplete; /* not 0 if a list was too small, so that hits may be missing */
+  uint32_t frame;      /* low 32 bits of gno_shot::frame */
+} gno_vulkan_record_header;
+
+/* A scan to be recorded, and the buffers for its results. */
+typedef struct gno_vulkan_recorded_shot {
+  const gno_shot* shot;
+  gno_vulkan_range records; /* gets the records in the layout of gno_request::layout */
+  gno_vulkan_range header;  /* gets a gno_vulkan_record_header */
+} gno_vulkan_recorded_shot;
+
+/* What became of a recorded scan. */
+typedef struct gno_vulkan_recorded_scan {
+  size_t sensor;
+  uint64_t frame; /* gno_shot::frame */
+  /* 0 if a list was too small: the results may lack hits. The list has grown; the next recorded scan has room. */
+  int32_t complete;
+} gno_vulkan_recorded_scan;
+
+/* The caller has several frames in flight, at most 16, each with a number below `frames_in_flight`. The simulator must
+ * not be destroyed while a recorded command is running. Once it is destroyed, the recorder is of no use. */
+GNO_API gno_status gno_vulkan_recorder_create(gno_simulator simulator, size_t frames_in_flight,
+                                              gno_vulkan_recorder* recorder);
+GNO_API gno_status gno_vulkan_recorder_destroy(gno_vulkan_recorder recorder);
+/* Records the scans, of sensors that have a layout and each of a different one, into a command buffer in the recording
+ * state, outside of a render pass. When a frame in flight is recorded, the commands recorded with it before must have
+ * completed. All commands go to one queue, in the order in which they were recorded. Earlier commands on the queue that
+ * write to the simulator's inputs or read its results need no barrier, and later commands see the results without one.
+ * `before` and `before_count` (both may be null) get what became of the scans that were recorded with this frame in
+ * flight before; the list is valid until the same thread calls this function again. After an error with
+ * GNO_INVALID_ARGUMENT nothing is recorded. */
+GNO_API gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer commands, size_t frame_in_flight,
+                                     const gno_vulkan_recorded_shot* shots, size_t shot_count,
+                                     const gno_vulkan_recorded_scan** before, size_t* before_count);
+
+/* ---------------------------------------------------------------------------------------- default values */
+
+#define GNO_INIT_gno_vulkan_requirements                                          \
+  value.features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES; \
+  value.subgroup_size_control.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT;
+#define GNO_INIT_gno_vulkan_adopted_device
+
+GNO_INIT(gno_vulkan_requirements)
+GNO_INIT(gno_vulkan_adopted_device)
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// gno_vulkan: scans on a Vulkan device of the caller.
+#include <gnosphere_vulkan.h>
+
+#include <gnosphere/vulkan.hpp>
+
+#include "c/handles.hpp"
+
+namespace gnosphere::c {
+namespace {
+
+static_assert(sizeof(gno_vulkan_record_header) == sizeof(RecordHeader));
+
+/// A recorder, which refers to its simulator as long as the handle is that of a live one.
+struct RecorderObject {
+  gno_simulator simulator;
+  vulkan::Recorder recorder;
+};
+
+}  // namespace
+
+template <>
+struct Held<gno_vulkan_recorder> {
+  using Type = RecorderObject;
+  static constexpr const char* kName = "recorder";
+};
+
+namespace {
+
+// Returns the features; the names of extensions and what is missing are not needed.
+vulkan::Requirements featuresOf(const gno_vulkan_requirements* requirements) {
+  const gno_vulkan_requirements& from = sized(requirements, "gno_vulkan_requirements");
+  vulkan::Requirements result;
+  result.features = from.features;
+  result.features12 = from.features12;
+  result.subgroupSizeControl = from.subgroup_size_control;
+  return result;
+}
+
+vulkan::Allocator allocatorOf(const gno_vulkan_adopted_device& device) {
+  vulkan::Allocator allocator;
+  if (device.allocate)
+    allocator.allocate = [allocate = device.allocate, user = device.user](const VkMemoryRequirements& requirements,
+                                                                          uint32_t memoryType) {
+      gno_vulkan_allocation made = {};
+      allocate(&requirements, memoryType, &made, user);
+      return vulkan::Allocation{made.memory, made.offset, made.mapped, made.allocation};
+    };
+  if (device.release)
+    allocator.release = [release = device.release, user = device.user](const vulkan::Allocation& from) {
+      const gno_vulkan_allocation made = {from.memory, from.offset, from.mapped, from.user};
+      release(&made, user);
+    };
+  return allocator;
+}
+
+vulkan::DeviceRange rangeOf(const gno_vulkan_range& range) {
+  return {range.address, range.bytes};
+}
+
+}  // namespace
+
+DeviceChoice deviceOf(const gno_vulkan_adopted_device& device) {
+  checkSize(device.struct_size, sizeof device, "gno_vulkan_adopted_device");
+  vulkan::AdoptedDevice adopted;
+  adopted.getInstanceProcAddr = device.get_instance_proc_addr;
+  adopted.instance = device.instance;
+  adopted.physicalDevice = device.physical_device;
+  adopted.device = device.device;
+  adopted.queueFamily = device.queue_family;
+  adopted.enabled = featuresOf(device.enabled);
+  adopted.allocator = allocatorOf(device);
+  return vulkan::adopt(adopted);
+}
+
+}  // namespace gnosphere::c
+
+using namespace gnosphere;
+using namespace gnosphere::c;
+
+extern "C" {
+
+gno_status gno_vulkan_get_requirements(PFN_vkGetInstanceProcAddr get_instance_proc_addr, VkInstance instance,
+                                       VkPhysicalDevice physical, gno_vulkan_requirements* requirements) {
+  return guard([&] {
+    gno_vulkan_requirements& to = sized(requirements, "gno_vulkan_requirements");
+    thread_local vulkan::Requirements from;
+    thread_local std::vector<const char*> missing;
+    from = vulkan::requirementsOf(get_instance_proc_addr, instance, physical);
+    missing.clear();
+    for (const std::string& sentence : from.missing) missing.push_back(sentence.c_str());
+    to.extensions = from.extensions.data();
+    to.extension_count = static_cast<uint32_t>(from.extensions.size());
+    to.features = from.features;
+    to.features12 = from.features12;
+    to.subgroup_size_control = from.subgroupSizeControl;
+    to.missing = missing.data();
+    to.missing_count = missing.size();
+  });
+}
+
+gno_status gno_vulkan_add_features(const gno_vulkan_requirements* requirements, VkPhysicalDeviceFeatures* features,
+                                   VkPhysicalDeviceVulkan12Features* features12,
+                                   VkPhysicalDeviceSubgroupSizeControlFeaturesEXT* subgroup_size_control) {
+  return guard([&] { featuresOf(requirements).addTo(features, features12, subgroup_size_control); });
+}
+
+gno_status gno_vulkan_recorder_create(gno_simulator simulator, size_t frames_in_flight, gno_vulkan_recorder* recorder) {
+  return guard([&] {
+    the(recorder, "recorder");
+    Idle idle(simulator);
+    *recorder = make<gno_vulkan_recorder>({simulator, vulkan::Recorder(*idle.operator->(), frames_in_flight)});
+  });
+}
+
+gno_status gno_vulkan_recorder_destroy(gno_vulkan_recorder recorder) {
+  return guard([&] { destroy(recorder); });
+}
+
+gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer commands, size_t frame_in_flight,
+                             const gno_vulkan_recorded_shot* shots, size_t shot_count,
+                             const gno_vulkan_recorded_scan** before, size_t* before_count) {
+  return guard([&] {
+    thread_local std::vector<gno_vulkan_recorded_scan> results;
+    std::vector<vulkan::RecordedShot> wanted;
+    for (const gno_vulkan_recorded_shot& shot : array(shots, shot_count, "shots"))
+      wanted.push_back({shotOf(shot.shot), rangeOf(shot.records), rangeOf(shot.header)});
+    Locked locked(recorder);
+    const Idle idle(locked->simulator);
+    results.clear();
+    for (const vulkan::RecordedScan& scan : locked->recorder.record(commands, frame_in_flight, wanted))
+      results.push_back({scan.sensor, scan.frame, scan.complete});
+    if (before) *before = results.data();
+    if (before_count) *before_count = results.size();
+  });
+}
+
+}  // extern "C"
