@@ -8,7 +8,8 @@ packages=(
   libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools spirv-headers mesa-vulkan-drivers
   vulkan-validationlayers
   libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libboost-dev libnanoflann-dev
-  libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libyaml-cpp-dev libpolyclipping-dev libxxhash-dev catch2
+  libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libyaml-cpp-dev libpolyclipping-dev libxxhash-dev
+  libprotozero-dev catch2
 )
 # Needed for one contender of the bench, for examples/viewer and its test, for the Python package, and for gnosphere
 # view. What needs a package that this architecture lacks is left out.

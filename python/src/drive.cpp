@@ -62,19 +62,12 @@ void bindDrive(nb::module_& parent) {
       "run",
       [](const Drive& of, const RunOptions& options) {
         const RunOptions chosen = options;
-        if (chosen.shard >= chosen.shardCount)
-          refuse("RunOptions: there is no shard " + std::to_string(chosen.shard) + " of " +
-                 std::to_string(chosen.shardCount) + "; shards are numbered from 0");
-        if (chosen.firstFrame >= chosen.endFrame)
-          refuse("RunOptions: first_frame is " + std::to_string(chosen.firstFrame) +
-                 "; it must be less than end_frame, " + std::to_string(chosen.endFrame));
         const nb::gil_scoped_release released;
         return drive::run(of, chosen);
       },
       "drive"_a, "options"_a,
       "Makes the frames that are not complete, without holding the GIL. A frame has the same bytes wherever and "
-      "whenever "
-      "it is made. If this raises, complete frames stay, and a later call goes on from there. Raises "
+      "whenever it is made. If this raises, complete frames stay, and a later call goes on from there. Raises "
       "Error(invalid_argument) for a shard or a range of frames that there is not.");
 }
 

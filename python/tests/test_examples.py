@@ -62,7 +62,7 @@ def test_dataset(folder, tmp_path):
     for options, sentence in (
         (drives.RunOptions(tmp_path / "out", shard_count=0), "no shard 0 of 0"),
         (drives.RunOptions(tmp_path / "out", shard=2, shard_count=2), "no shard 2 of 2"),
-        (drives.RunOptions(tmp_path / "out", first_frame=3, end_frame=3), "first_frame is 3"),
+        (drives.RunOptions(tmp_path / "out", first_frame=3, end_frame=3), "the first frame is 3"),
     ):
         with pytest.raises(Error, match=sentence):
             drives.run(drives.read_drive(drive), options)

@@ -136,6 +136,16 @@ class Scanner {
   std::optional<Simulator> simulator_;
 };
 
+void check(const RunOptions& options) {
+  const auto refuse = [](const std::string& text) { throw Error(ErrorCode::invalidArgument, "RunOptions: " + text); };
+  if (options.shard >= options.shardCount)
+    refuse("there is no shard " + std::to_string(options.shard) + " of " + std::to_string(options.shardCount) +
+           "; N shards are numbered from 0 to N - 1");
+  if (options.firstFrame >= options.endFrame)
+    refuse("the first frame is " + std::to_string(options.firstFrame) + "; it must be less than the end, " +
+           std::to_string(options.endFrame));
+}
+
 std::vector<uint64_t> framesToMake(const Drive& drive, const RunOptions& options, const Manifest& manifest,
                                    RunReport& report) {
   std::vector<uint64_t> frames;
@@ -201,6 +211,7 @@ void makeFrames(const Drive& drive, const World& world, const Formats& formats, 
 }  // namespace
 
 RunReport run(const Drive& drive, const RunOptions& options) {
+  check(options);
   const World world(drive);
   Formats formats;
   for (const Output& output : drive.outputs) formats.push_back(makeFormat(drive, world, output));

@@ -28,7 +28,8 @@ struct RunReport {
 };
 
 /// Makes the frames that are not complete. A frame has the same bytes wherever and whenever it is made. If this throws,
-/// complete frames stay, and a later call goes on from there.
+/// complete frames stay, and a later call goes on from there. Throws Error(invalidArgument) for a shard that there is
+/// not, for an empty range of frames and for a folder of another drive, and Error(file).
 RunReport run(const Drive& drive, const RunOptions& options);
 
 }  // namespace gnosphere::drive

@@ -120,6 +120,23 @@ TEST_CASE("a drive has the same bytes in one run, in shards and in parts, and co
   CHECK(again.device.empty());  // nothing was scanned
 }
 
+TEST_CASE("a shard that there is not and an empty range of frames are refused before anything is written") {
+  const DriveFolder folder;
+  const drive::Drive drive = folder.read(smallDrive());
+  const auto refused = [&](const drive::RunOptions& options, const std::string& words) {
+    CHECK_THROWS_WITH(drive::run(drive, options), Catch::Matchers::StartsWith("RunOptions: " + words));
+    CHECK_FALSE(fs::exists(options.out));
+  };
+  drive::RunOptions options = optionsFor(folder / "out");
+  options.shardCount = 0;
+  refused(options, "there is no shard 0 of 0");
+  options.shardCount = options.shard = 4;
+  refused(options, "there is no shard 4 of 4");
+  options.shard = 3;
+  options.firstFrame = options.endFrame = 5;
+  refused(options, "the first frame is 5; it must be less than the end, 5");
+}
+
 TEST_CASE("a frame that is half there is made again, and with verify one whose bytes have changed") {
   const DriveFolder folder;
   Json json = smallDrive();

@@ -90,7 +90,7 @@ class DriveFolder {
 };
 
 inline const std::vector<std::string> kEveryFormat = {"kitti", "semantickitti", "kitti-raw", "nuscenes", "pcd",
-                                                      "npy",   "las",           "mcap",      "boxes"};
+                                                      "npy",   "las",           "mcap",      "osi",      "boxes"};
 
 inline Json everyOutput() {
   Json outputs = Json::array();

@@ -17,6 +17,7 @@ std::unique_ptr<Format> makeFormat(const Drive& drive, const World& world, const
                     : format == "kitti-raw"                          ? makeKittiRaw
                     : format == "nuscenes"                           ? makeNuScenes
                     : format == "las"                                ? makeLas
+                    : format == "osi"                                ? makeOsi
                                                                      : makeMcap;
   return make(drive, world, output);
 }

@@ -57,6 +57,7 @@ std::unique_ptr<Format> makeKittiRaw(const Drive&, const World&, const Output&);
 std::unique_ptr<Format> makeNuScenes(const Drive&, const World&, const Output&);
 std::unique_ptr<Format> makeLas(const Drive&, const World&, const Output&);
 std::unique_ptr<Format> makeMcap(const Drive&, const World&, const Output&);
+std::unique_ptr<Format> makeOsi(const Drive&, const World&, const Output&);
 
 // What several formats need.
 

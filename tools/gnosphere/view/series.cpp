@@ -110,6 +110,7 @@ class DriveOutput {
         const fs::path path = entry.at("path").get<std::string>();
         addFile(number, path, kindOf(path, all));
         if (endsWith(entry.value("into", ""), ".mcap")) others_.insert("mcap");
+        if (endsWith(entry.value("into", ""), ".osi")) others_.insert("osi");
         if (endsWith(path, ".jsonl")) boxed.push_back(path.parent_path().filename().string());
       }
       if (boxed.size() != frame.at("scans").size()) return;
