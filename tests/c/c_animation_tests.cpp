@@ -2,6 +2,7 @@
 // Deformable meshes and animations in the C interface, against those of C++.
 #include <gnosphere.h>
 
+#include <algorithm>
 #include <catch2/catch_test_macros.hpp>
 #include <cstring>
 #include <gnosphere/animation.hpp>

@@ -2,6 +2,7 @@
 // Traces of ASAM OSI, read with protozero by the numbers of fields in the .proto files of OSI 3.7.0.
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <protozero/pbf_reader.hpp>
 
