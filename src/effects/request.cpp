@@ -273,7 +273,8 @@ void assign(Effects& effects, const std::string& assignment) {
     const EffectInfo& info = findEffect(name);
     info.use(changed) = useOf(value, name);
   } else {
-    const EffectInfo& info = findEffect(name.substr(0, dot));
+    const std::string effect = name.substr(0, dot);
+    const EffectInfo& info = findEffect(effect);
     readParameter(changed, info, name.substr(dot + 1), value);
     info.use(changed) = EffectUse::on;
   }
