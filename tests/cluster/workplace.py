@@ -10,7 +10,9 @@ import subprocess
 import tempfile
 import time
 
-FRAMES, SHARDS = 24, 4
+FRAMES, SHARDS = 200, 4
+HEAD = {"name": "small", "columns": 360, "rotation_period": 0.1, "range": {"min": 0.1, "max": 100},
+        "elevation_deg": [-24, -18, -12, -9, -6, -4, -2, 0]}
 
 
 class Workplace:
@@ -27,7 +29,11 @@ class Workplace:
         with open(self.path("drive.json"), encoding="utf-8") as file:
             drive = json.load(file)
         drive["duration"] = FRAMES / 10
-        drive["weather"] = [{"time": 1.2}, {"time": 1.2, "rain": 20}]
+        drive["weather"] = [{"time": FRAMES / 20}, {"time": FRAMES / 20, "rain": 20}]
+        drive["sensors"] = [{"name": name, "sensor": HEAD, "mount": {"position": [x, 0, z]}}
+                            for name, x, z in (("top", 0, 1.8), ("front", 2.2, 0.6), ("rear", -2.2, 0.6))]
+        drive["outputs"] = [{"format": "semantickitti", "sensors": ["top"]}, {"format": "boxes"}, {"format": "mcap"},
+                            {"format": "osi"}]
         with open(self.path("drive.json"), "w", encoding="utf-8") as file:
             json.dump(drive, file)
         self.run(["gnosphere", "drive", "drive.json", "-o", "whole"])

@@ -2,7 +2,9 @@
 // The C interface to a device of the caller: its scans against those of C++, and an error for every wrong argument.
 #include <gnosphere_vulkan.h>
 
+#include <algorithm>
 #include <cstring>
+#include <vector>
 
 #include "engine/vulkan_app.hpp"
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recorded scans of meshes that are deformed anew in every frame, against scans on a device of our own.
+#include <algorithm>
 #include <catch2/generators/catch_generators.hpp>
+#include <vector>
 
 #include "deformable.hpp"
 #include "engine/recorded.hpp"

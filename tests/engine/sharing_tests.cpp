@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an application does with the results of recorded scans by means of Vulkan alone: memory that others import, and
 // timeline semaphores. The buffers and the submissions are the application's, so the library has no part in it.
+#include <cstring>
+#include <string>
+#include <vector>
+
 #include "engine/recorded.hpp"
 
 namespace gnosphere::test {
