@@ -61,7 +61,8 @@ class Workplace:
 
     def run(self, command):
         """Returns what a command prints; ends the test with the logs if it fails."""
-        done = subprocess.run(command, cwd=self.folder, env=self.environment, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, cwd=self.folder, env=self.environment, capture_output=True, text=True,
+                              check=False)
         if done.returncode:
             self.fail(f"status {done.returncode} from {command}\n{done.stdout}{done.stderr}")
         return done.stdout
