@@ -36,6 +36,12 @@ ColumnMotion columnMotionOf(uint column) {
   return columnMotionAt(beamOrigins.at[column].w);
 }
 
+// Returns the sensor at a place in its table; for a grid it is rounded down to a column.
+ColumnMotion columnMotionOfPlace(float place) {
+  if (!LISTED) return columnMotions.at[uint(place)];
+  return columnMotionAt(place);
+}
+
 // Returns the origin of a row's laser in the head: forward along the beam's azimuth, left, up.
 vec3 laserOf(uint row) { return LISTED ? beamOrigins.at[row].xyz : rowOrigins.at[row].xyz; }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bounds of a triangle for a sensor that moves while it rotates. A column fires at one time, so the triangle is
 // bounded in the frame of the column that looks at it; the bounds are then widened by the possible motion until the
-// other columns of its box fire. The columns at the seam are the start and the end of the scan, far apart in time, so
-// a triangle at the seam gets one box on each side of it.
+// other columns of its box fire. A triangle that moves fast around the sensor, because it is near, or that both the
+// start and the end of the scan may see, is bounded for intervals of the scan, and has a box for each.
 
 // True if all lasers see a triangle from one place and always in the same place.
 bool atRest(bool moves) { return !moves && motion.sensor == 0 && motion.origins == 0.0; }
@@ -25,17 +25,70 @@ uint culledMoving(vec3 a, vec3 b, vec3 c, bool oneSided, vec2 bound) {
   return rangeMin > frame.rangeMax ? kRange : fate;
 }
 
+// How a triangle moves relative to the sensor during the scan. Both may be fast and yet stay side by side.
+struct Course {
+  float perColumn;  // metres: most that a point of it moves from one column to the next
+  float shift;      // metres: most that it is away from where the sensor sees it in the middle of the scan
+  float rounding;   // metres: most by which the corners are wrong in the frames of the columns
+  float nearest;    // metres: lower bound of its distance from any laser at any time
+};
+
+Course courseOf(mat3 corners, mat3 velocities) {
+  float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2])) * 1.00001;
+  vec3 ofA = velocities[0] * motion.secondsPerColumn - motion.drift,
+       ofB = velocities[1] * motion.secondsPerColumn - motion.drift,
+       ofC = velocities[2] * motion.secondsPerColumn - motion.drift;
+  float apart = motion.shiftPerColumn + speed * motion.secondsPerColumn;
+  float beside = max(max(length(ofA), length(ofB)), length(ofC)) * 1.00001 + 1e-6 * apart;
+  vec3 a = corners[0] + velocities[0] * motion.middle, b = corners[1] + velocities[1] * motion.middle,
+       c = corners[2] + velocities[2] * motion.middle;
+  vec3 low = min(min(a, b), c), high = max(max(a, b), c);
+  float shiftApart = motion.shift + speed * motion.seconds;
+  Course course;
+  course.perColumn = min(apart, beside + motion.wanderPerColumn);
+  course.rounding = 1e-6 * (length(max(abs(low), abs(high))) + shiftApart);
+  course.shift = min(shiftApart, beside * motion.columnsToMiddle + motion.wander + motion.origins) + course.rounding;
+  course.nearest = max(nearestPoint(low, high) - course.shift, 0.0);
+  return course;
+}
+
+// Widens the bounds of a triangle that appears elsewhere by up to `angle`. Up to half a radian, asin(x) is at most
+// 1.05 x; beyond that, every column is covered.
+void widenBy(float angle, inout Outline outline, inout Box box) {
+  float inverse = 1.0 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6), across = angle * inverse;
+  if (across + spreadAcross() * inverse > 0.5) {
+    box.columnMin = 0.0;
+    box.columnMax = float(frame.columns);
+  } else {
+    float more = across * frame.columnsPerRadian * 1.05 + frame.columnSlack;  // the latter covers rounding
+    box.columnMin -= more;
+    box.columnMax += more;
+  }
+  outline.keyMin -= angle;
+  outline.keyMax += angle;
+}
+
+// Returns the column that sees the middle of a triangle, or one near it.
+uint seeingColumn(mat3 corners, mat3 velocities) {
+  float last = float(frame.columns - 1);
+  vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
+  uint at = uint(clamp(columnAt(azimuthOf(middle.y, middle.x)), 0.0, last));
+  // The column is computed a second time, with the triangle's position at the time of the first estimate.
+  middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
+  return uint(clamp(columnAt(azimuthOf(middle.y, middle.x)), 0.0, last));
+}
+
 // Widens the bounds of a triangle that were found in the frame of column `at`, a column near the triangle. The box's
-// columns are unwrapped so that they lie around `at`. Returns false if the motion is so large that the triangle may be
-// in any direction.
-bool widenByMotion(uint at, float distance, float speed, inout Outline outline, inout Box box) {
+// columns are unwrapped so that they lie around `at`. Returns false if the triangle moves too fast for this, or if both
+// the start and the end of the scan may see it.
+bool widenByMotion(uint at, Course course, inout Outline outline, inout Box box) {
   float turnColumns = float(frame.columns);
   if (box.columnMax - box.columnMin >= 0.5 * turnColumns) return false;
   float wrap = floor((float(at) - 0.5 * (box.columnMin + box.columnMax)) / turnColumns + 0.5) * turnColumns;
   box.columnMin += wrap;
   box.columnMax += wrap;
   // Radians per column, and columns per column, which grows towards the poles.
-  float perColumn = seemingAngle(motion.shiftPerColumn + speed * motion.secondsPerColumn, motion.turnPerColumn, distance);
+  float perColumn = seemingAngle(course.perColumn, motion.turnPerColumn, course.nearest);
   float inverse = 1.0 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
   float ratio = perColumn * inverse * frame.columnsPerRadian * 1.05;
   if (!(ratio < 0.5)) return false;
@@ -43,128 +96,72 @@ bool widenByMotion(uint at, float distance, float speed, inout Outline outline, 
   // A row with an azimuth offset looks in that direction with an earlier or later column.
   if (AZIMUTH_OFFSETS) reach += max(abs(frame.shiftMin), abs(frame.shiftMax));
   float columnsAway = reach / (1.0 - ratio);
-  float origins = seemingAngle(motion.origins, 0.0, distance);
-  float angle = perColumn * columnsAway + origins;
+  float angle = perColumn * columnsAway + seemingAngle(motion.origins + course.rounding, 0.0, course.nearest);
   if (angle > 0.25) return false;
-  float more = angle * inverse * frame.columnsPerRadian * 1.05 + frame.columnSlack;  // the latter covers rounding
-  box.columnMin -= more;
-  box.columnMax += more;
-  outline.keyMin -= angle;
-  outline.keyMax += angle;
-  return true;
+  widenBy(angle, outline, box);
+  // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
+  float apart = seemingAngle(2.0 * course.shift, 2.0 * motion.turn, course.nearest);
+  float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
+  vec2 shifts = AZIMUTH_OFFSETS ? vec2(frame.shiftMin, frame.shiftMax) : vec2(0.0);
+  return box.columnMin >= margin + shifts.y && box.columnMax <= turnColumns - 1.0 - margin + shifts.x;
 }
 
-// Returns the least and the largest place in the table of the sensor's poses among the listed beams in the columns of a
-// box; the first is larger if there are none.
-vec2 placesWithin(Box box) {
-  uint blocks = (frame.columns - 1) / kPlaceColumns + 1;
-  uint column = wrapColumn(firstColumn(box)), count = boxColumnCount(box), block = column / kPlaceColumns;
-  vec2 places = vec2(1e9, -1.0);
-  // One block more than the columns fill, because the last block of a turn may be smaller.
-  for (uint k = 0; k < min((column % kPlaceColumns + count - 1) / kPlaceColumns + 2, blocks); ++k) {
-    vec2 of = columnPlaces.at[block];
-    places = vec2(min(places.x, of.x), max(places.y, of.y));
-    block = block + 1 == blocks ? 0 : block + 1;
-  }
-  return places;
+#include "project_intervals.glsl"
+
+uint fateIn(Outline outline, float rangeMin, inout Box box) {
+  bool any = coverRows(outline, box) && boxColumnCount(box) > 0;
+  return !any ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
 }
 
-// Bounds a triangle for beams of a list. The bounds with all motion during the scan tell which columns may see it;
-// their beams fire within a part of the scan, and the bounds that count are those with the motion during that part.
-uint listedBox(mat3 corners, mat3 velocities, float speed, float distance, float rangeMin, out Box box) {
-  vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
-  vec3 a = corners[0], b = corners[1], c = corners[2];
-  setSeeming(seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high)));
-  bool some = false;
-  // This is a loop because some compilers take gigabytes if the bounds are inlined several times.
-  for (uint pass_ = 0; pass_ < 2; ++pass_) {
-    Outline outline = outlineOf(a, b, c);
-    some = coverColumns(a, b, c, outline, box);
-    some = coverRows(outline, box) && some;
-    if (!some || pass_ == 1) break;
-    vec2 places = placesWithin(box);
-    if (places.x > places.y) return kBetween;
-    // The beams fire at most `apart` entries of the table before or after the middle; the rest covers rounding.
-    float apart = 0.5 * (places.y - places.x) + 0.01;
-    float angle = seemingAngle((motion.shiftPerColumn + speed * motion.secondsPerColumn) * apart + motion.origins,
-                               motion.turnPerColumn * apart, distance) + 2e-6;
-    if (!(angle < seeming)) break;
-    setSeeming(angle);
-    ColumnMotion at = columnMotionAt(0.5 * (places.x + places.y));
-    a = inColumn(at, a, velocities[0]);
-    b = inColumn(at, b, velocities[1]);
-    c = inColumn(at, c, velocities[2]);
-  }
-  return !some ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
-}
-
-// The frame in which a triangle is bounded: that of the column that sees it; that of the first or last column, for a
-// triangle at the seam; or that of the middle of the scan, with bounds widened by all motion during the scan.
-const uint kItsColumn = 0, kEndColumn = 1, kMiddle = 2;
-
-// Sets `atSeam` if the triangle needs a box on the second side as well.
-uint movingBox(mat3 corners, mat3 velocities, bool moves, uint side, out Box box, out float rangeMin, out bool atSeam) {
-  atSeam = false;
-  vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
-  float speed = max(max(length(velocities[0]), length(velocities[1])), length(velocities[2])) * 1.00001;
-  float distance = max(nearestPoint(low, high) - motion.shift - speed * motion.seconds, 0.0);
-  rangeMin = distance;
-  if (rangeMin > frame.rangeMax) return kRange;
-  uint last = frame.columns - 1, at = 0, from = kMiddle;
-  bool still = !moves && motion.sensor == 0;
-  if (LISTED && !still) return listedBox(corners, velocities, speed, distance, rangeMin, box);
-  if (!still) {
-    vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
-    float azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
-    at = min(uint(max(azimuth, 0.0)), last);
-    // The column is computed a second time, with the triangle's position at the time of the first estimate.
-    middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
-    azimuth = (azimuthOf(middle.y, middle.x) + kPi) * frame.columnsPerRadian;
-    at = min(uint(max(azimuth, 0.0)), last);
-    from = kItsColumn;
-  }
-  if (still) {
+// Bounds a triangle for the columns from interval.from on that a first box can hold, and sets the interval of the next
+// box; it is empty if there is none.
+uint movingBox(mat3 corners, mat3 velocities, bool moves, inout Interval interval, out Box box, out float rangeMin) {
+  Interval part = interval;
+  interval = noInterval();
+  if (!moves && motion.sensor == 0) {
+    vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
+    rangeMin = max(nearestPoint(low, high) - motion.shift, 0.0);
+    if (rangeMin > frame.rangeMax) return kRange;
     seemFromLasers(low, high);
     return boundedBox(corners[0], corners[1], corners[2], box, rangeMin);
   }
-  Outline outline;
-  // This is a loop although each frame is tried at most once: some compilers take gigabytes if the bounds are inlined
-  // three times.
+  Course course = courseOf(corners, velocities);
+  rangeMin = course.nearest;
+  if (rangeMin > frame.rangeMax) return kRange;
+  setSeeming(0.0);
+  bool inOne = !LISTED && part.from == 0 && frame.columns <= kMostExactColumns;  // one box is tried first
+  // This is one loop because some compilers take gigabytes if the bounds are inlined several times.
   while (true) {
-    vec3 a = corners[0], b = corners[1], c = corners[2];
-    setSeeming(seemingAngle(motion.shift + speed * motion.seconds, motion.turn, nearestPoint(low, high)));
-    if (from != kMiddle) {
-      ColumnMotion column = columnMotions.at[at];
-      a = inColumn(column, a, velocities[0]);
-      b = inColumn(column, b, velocities[1]);
-      c = inColumn(column, c, velocities[2]);
-      setSeeming(0.0);
+    vec2 places = inOne ? vec2(float(seeingColumn(corners, velocities))) : placesOf(part.from, part.to);
+    bool anyBeams = places.x <= places.y;
+    ColumnMotion at = columnMotionOfPlace(anyBeams ? 0.5 * (places.x + places.y) : 0.0);
+    vec3 a = inColumn(at, corners[0], velocities[0]), b = inColumn(at, corners[1], velocities[1]),
+         c = inColumn(at, corners[2], velocities[2]);
+    Outline outline = outlineOf(a, b, c);
+    coverColumns(a, b, c, outline, box);
+    if (inOne) {
+      inOne = false;
+      if (widenByMotion(uint(places.x), course, outline, box)) return fateIn(outline, rangeMin, box);
+      continue;
     }
-    outline = outlineOf(a, b, c);
-    bool any = coverColumns(a, b, c, outline, box);
-    if (from == kMiddle) return !(coverRows(outline, box) && any) ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
-    bool bounded = widenByMotion(at, distance, speed, outline, box);
-    if (from == kEndColumn && bounded) break;
-    // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
-    float apart = seemingAngle(2.0 * motion.shift + speed * motion.seconds, 2.0 * motion.turn, distance);
-    float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
-    bool shifted = AZIMUTH_OFFSETS && (box.columnMin - margin < frame.shiftMax ||
-                                       box.columnMax + margin > float(last) + frame.shiftMin);
-    atSeam = box.columnMin < margin || box.columnMax > float(last) - margin;
-    // The two sides of the seam are distinguished by column numbers as floats, which are not exact above 2^24.
-    bool anywhere = !bounded || shifted || frame.columns > 1u << 24;
-    atSeam = atSeam && !anywhere;
-    if (!anywhere && !atSeam) break;
-    from = anywhere ? kMiddle : kEndColumn;
-    at = side == 0 ? 0 : last;
+    float reach = reachOf(places), nearest = nearestPoint(min(min(a, b), c), max(max(a, b), c));
+    float shift = min(course.perColumn * reach + motion.origins + course.rounding, 2.0 * course.shift);
+    float angle = seemingAngle(shift, min(motion.turnPerColumn * reach, 2.0 * motion.turn), nearest);
+    rangeMin = max(nearest - shift, course.nearest);
+    float area = areaOf(outline, box);
+    widenBy(angle, outline, box);
+    bool muchWider = areaOf(outline, box) > 2.0 * area;
+    cutColumns(part, box);
+    bool any = coverRows(outline, box) && boxColumnCount(box) > 0 && anyBeams;
+    if (any && !(muchWider && repaysDivision(part, box, reach))) {
+      interval = intervalAfter(part);
+      return hidden(box, rangeMin) ? kHidden : kKeep;
+    }
+    if (any) {
+      divide(box, part);
+    } else {
+      part = intervalAfter(part);
+      if (isEmpty(part)) return kBetween;
+    }
   }
-  if (from == kEndColumn) {
-    float half_ = 0.5 * float(frame.columns);
-    box.columnMin = max(box.columnMin, side == 0 ? 0.0 : ceil(half_));
-    box.columnMax = min(box.columnMax, side == 0 ? ceil(half_) - 1.0 : float(last));
-    if (box.columnMin > box.columnMax) return side == 0 ? kBetween : kNoTriangle;
-  }
-  bool any = coverRows(outline, box) && boxColumnCount(box) > 0;
-  uint fate = !any ? kBetween : hidden(box, rangeMin) ? kHidden : kKeep;
-  return side == 1 && fate != kKeep ? kNoTriangle : fate;
 }

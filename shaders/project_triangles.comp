@@ -205,7 +205,7 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
   return survivor;
 }
 
-uint projectOne(Survivor survivor, uint side, out Projected projected, out Box box, out bool atSeam) {
+uint projectOne(Survivor survivor, inout Interval interval, out Projected projected, out Box box) {
   vec3 a = survivor.corners[0], b = survivor.corners[1], c = survivor.corners[2];
   if ((EFFECTS & kCutOuts) != 0) {
     projected.uvA = textureCoordinates.at[survivor.vertices.x];
@@ -213,7 +213,6 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
     projected.uvC = textureCoordinates.at[survivor.vertices.z];
   }
   float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
-  atSeam = false;
   uint fate;
   if (MOTION) {
     projected.velocities = mat3(0.0);
@@ -224,7 +223,7 @@ uint projectOne(Survivor survivor, uint side, out Projected projected, out Box b
                                   vertexVelocity(moving, survivor.instance, b, survivor.cluster, survivor.vertices.y),
                                   vertexVelocity(moving, survivor.instance, c, survivor.cluster, survivor.vertices.z));
     }
-    fate = movingBox(survivor.corners, projected.velocities, survivor.moves, side, box, rangeMin, atSeam);
+    fate = movingBox(survivor.corners, projected.velocities, survivor.moves, interval, box, rangeMin);
   } else if (BOUNDS == kBoundsPaper) {
     fate = paperBox(a, b, c, (survivor.id >> 31) != 0, box, rangeMin);
   } else {
@@ -306,17 +305,20 @@ void tryBox(Projected projected, Box box) {
 
 bool stored = false;  // whether this subgroup has stored any triangle
 
-// All lanes of the subgroup must call this; `there` is true if the lane has a survivor. With motion, a triangle at the
-// seam of the columns may be seen twice: at the start and at the end of the scan.
+// All lanes of the subgroup must call this; `there` is true if the lane has a survivor. With motion, a triangle may
+// have several boxes, for intervals of the scan.
 void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
-  for (uint side = 0; side < 2; ++side) {
+  Interval interval = wholeScan();
+  bool any = false;
+  while (true) {
     uint fate = kNoTriangle;
     Projected projected;
     Box box;
-    bool atSeam = false;
     if (there) {
-      fate = projectOne(survivor, side, projected, box, atSeam);
-      culled += countOf(fate);
+      fate = projectOne(survivor, interval, projected, box);
+      any = any || fate == kKeep;
+      there = MOTION && !isEmpty(interval);
+      if (!there && !any) culled += countOf(fate);
       if (fate == kKeep && triesSmallBoxes(survivor.material, survivor.moves) && boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams) {
         tryBox(projected, box);
         fate = kNoTriangle;
@@ -326,7 +328,6 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
       storeKept(fate == kKeep, projected, box, survivor.material);
       stored = true;
     }
-    there = there && atSeam;
     if (!MOTION || !subgroupAny(there)) return;
   }
 }

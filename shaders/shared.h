@@ -62,6 +62,10 @@ GNO_CONST uint kShellBuckets = 64;
 GNO_CONST uint kBucketShift = 21;  // of a float's bits: two of the mantissa are left
 // Beams of a channel that one workgroup resolves: enough to keep the atomics on the hit counter few.
 GNO_CONST uint kResolveColumns = 1024;
+// A triangle that moves fast around the sensor is bounded for intervals of the scan. An interval is divided if its box
+// has more beams than this, and the scan fewer intervals of this length than the other number.
+GNO_CONST uint kFewIntervalBeams = 128;
+GNO_CONST uint kMostIntervals = 64;
 // Columns of cells per entry of columnPlaces.
 GNO_CONST uint kPlaceColumns = 16;
 // Number of placed triangles per entry of ownerRanges.
@@ -395,10 +399,13 @@ struct MotionBounds {
   float forward, left, up;              // metres: largest parts of it, along the beam's azimuth, across and upwards
   float secondsPerColumn, seconds;      // per column, and for the whole scan
   uint instances, sensor;               // 1 if instances move, if the sensor moves; else its columns' frames are one
+  float middle, columnsToMiddle;        // from the start of the scan to its middle: seconds, and columns
+  vec3 drift;                           // metres by which the sensor moves from column to column, on average
+  float wander, wanderPerColumn;        // most metres that it is elsewhere than with this average, and per column
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(MotionBounds) == 48);
+static_assert(sizeof(MotionBounds) == 76);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 112 &&

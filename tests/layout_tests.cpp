@@ -77,7 +77,7 @@ const Layouts kShared = {
     STRUCT(InstanceMotion, row0, row1, row2, bound),
     STRUCT(ColumnMotion, row0, row1, row2, report0, report1, report2, velocity),
     STRUCT(MotionBounds, shift, turn, shiftPerColumn, turnPerColumn, origins, forward, left, up, secondsPerColumn,
-           seconds, instances, sensor),
+           seconds, instances, sensor, middle, columnsToMiddle, drift, wander, wanderPerColumn),
     STRUCT(Particles, countsNear, countsFar, firstRange, lastRange, slope, reflectance),
     STRUCT(EffectParameters, rain, snow, seedLow, seedHigh, sensor, frame, subRays, volumeCount, deadBeams, returnsMode,
            returnsPerBeam, intensityModel, intensityScale, angleNoiseAt, attenuation, threshold, softness, dropRate,

@@ -43,6 +43,25 @@ double angleBetween(const Frame& a, const Frame& b) {
   return 2 * std::asin(std::min(1.0, glm::length(glm::dvec3(difference.x, difference.y, difference.z))));
 }
 
+/// A steady motion, and by how much another motion differs from it.
+struct Drift {
+  glm::dvec3 perColumn = glm::dvec3(0);
+  double wander = 0, wanderPerColumn = 0;
+};
+
+/// Compares the places of the columns with a steady motion that is at 0 after `toMiddle` columns.
+Drift driftOf(const std::vector<glm::dvec3>& places, double toMiddle) {
+  Drift drift;
+  if (places.size() > 1) drift.perColumn = (places.back() - places.front()) / static_cast<double>(places.size() - 1);
+  for (size_t i = 0; i < places.size(); ++i) {
+    const glm::dvec3 steady = (static_cast<double>(i) - toMiddle) * drift.perColumn;
+    drift.wander = std::max(drift.wander, glm::length(places[i] - steady));
+    if (i > 0)
+      drift.wanderPerColumn = std::max(drift.wanderPerColumn, glm::length(places[i] - places[i - 1] - drift.perColumn));
+  }
+  return drift;
+}
+
 }  // namespace
 
 MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBounds& lasers, const Shot& shot,
@@ -53,6 +72,7 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBou
   tables.middle = movedTo(lasers.centre, poseOf(times.middle));
   const Frame middle(tables.middle), standing(shot.pose);
   double shift = 0, turn = 0, shiftStep = 0, turnStep = 0;
+  std::vector<glm::dvec3> places;  // relative to the middle
   Frame before = middle, now = middle;
   gpu::ColumnMotion column = {};
   for (uint32_t i = 0; i < times.count; ++i) {
@@ -74,8 +94,12 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBou
       shiftStep = std::max(shiftStep, glm::length(now.place - before.place));
       turnStep = std::max(turnStep, angleBetween(now, before));
     }
+    places.push_back(now.place - middle.place);
     before = now;
   }
+  const double toMiddle = 0.5 * (listed ? times.count - 2 : times.count);
+  const Drift drift = driftOf(places, toMiddle);
+  const glm::dvec3 perColumn = glm::transpose(middle.turn) * drift.perColumn;
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
   tables.bounds = {up(shift + lasers.distance),
                    up(turn),
@@ -88,7 +112,12 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBou
                    up(times.step),
                    up(std::max(times.last, -times.first)),
                    0,
-                   moves && !shot.motion.stamps.empty()};
+                   moves && !shot.motion.stamps.empty(),
+                   static_cast<float>(times.middle),
+                   static_cast<float>(toMiddle),
+                   glm::vec3(perColumn),
+                   up(drift.wander),
+                   up(drift.wanderPerColumn)};
   return tables;
 }
 

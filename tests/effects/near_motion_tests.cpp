@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// Things that move beside a sensor, or past it at almost no distance.
+#include <ctime>
+
+#include "effects/scan_support.hpp"
+#include "lists/list_sensors.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+constexpr double kPeriod = 0.1;  // seconds of a rotation
+constexpr uint32_t kThing = 1;   // the instance that is near
+
+/// Walls far away, and a thing of 800 triangles in the middle.
+Scene nearScene() {
+  MeshBuilder walls;
+  walls.box({-20, -30, -15}, {20, 30, 15}, 4);
+  Scene scene = sceneOf(walls.take());
+  scene.meshes.push_back(ball(20, 20, 0.5));
+  scene.instances.push_back({"thing", kThing, {}});
+  return scene;
+}
+
+Sensor spinning() {
+  Sensor sensor = gridSensor(240, 9, -25, 20, 100);
+  sensor.rotationPeriod = kPeriod;
+  return sensor;
+}
+
+/// Lasers with azimuth offsets, some of them more than a column, away from the sensor's origin.
+Sensor uneven() {
+  Sensor sensor = spinning();
+  sensor.name = "uneven";
+  for (size_t j = 0; j < sensor.channels.size(); ++j) {
+    sensor.channels[j].azimuthOffsetDeg = 1.3 * double(j % 5) - 2.9;
+    sensor.channels[j].origin = {0.02, 0.01 * double(j % 3), 0.01};
+  }
+  return sensor;
+}
+
+Sensor prisms() {
+  Sensor sensor = listSensor("prisms", rosette(2000, 0.6));
+  sensor.rotationPeriod = kPeriod;
+  return sensor;
+}
+
+Quaternion yaw(double angle) {
+  return {0, 0, std::sin(angle / 2), std::cos(angle / 2)};
+}
+
+/// A sensor that drives along x at `speed` and turns at `turn` rad/s, in 8 straight pieces.
+SensorMotion driving(double speed, double turn) {
+  SensorMotion motion;
+  for (int i = 0; i <= 8; ++i) {
+    const double time = kPeriod * i / 8, angle = turn * time;
+    const Vec3 place = turn == 0 ? Vec3{speed * time, 0, 0}
+                                 : Vec3{speed / turn * std::sin(angle), speed / turn * (1 - std::cos(angle)), 0};
+    motion.stamps.push_back({time, {place, yaw(angle)}});
+  }
+  return motion;
+}
+
+/// Where the thing is at the start and at the end of a scan, and how the sensor moves.
+struct Passage {
+  const char* name;
+  Transform start, end;
+  SensorMotion motion;
+};
+
+/// The thing has a radius of 0.5 m, so its surface is as near as its centre is away, less half a metre.
+std::vector<Passage> passages() {
+  std::vector<Passage> all;
+  for (const double azimuth : {0.4, 3.1}) {  // the second one is at the seam
+    const double x = 0.9 * std::cos(azimuth), y = 0.9 * std::sin(azimuth);
+    all.push_back({"beside the sensor", translation(x, y, 0), translation(x + 1.5, y, 0), driving(15, 0)});
+    const SensorMotion turning = driving(15, 3);
+    const Vec3 end = turning.stamps.back().pose.position;
+    all.push_back({"beside a sensor that turns fast", translation(x, y, 0),
+                   translation(end.x, end.y, 0) * rotationZ(3 * kPeriod) * translation(x, y, 0), turning});
+  }
+  all.push_back({"past a standing sensor, 5 mm", translation(-1.2, 0.505, 0), translation(1.2, 0.505, 0), {}});
+  all.push_back({"against the rotation", translation(0.505, 1.5, 0), translation(0.505, -1.5, 0.2), {}});
+  all.push_back({"with the rotation, turning", translation(-0.7, -2, 0), translation(-0.7, 2, 0) * rotationZ(1), {}});
+  all.push_back(
+      {"past the sensor, which drives", translation(3, -0.51, 0), translation(1.5, -0.51, 0), driving(15, 1)});
+  all.push_back({"at rest, passed", translation(0.7, 0.52, 0), translation(0.7, 0.52, 0), driving(20, 0)});
+  all.push_back({"through the sensor", translation(-1, 0.1, 0), translation(1, -0.1, 0), {}});
+  all.push_back({"around the sensor", translation(0, 0, 0), translation(0.2, 0.1, 0) * rotationZ(0.5), driving(5, -2)});
+  return all;
+}
+
+Shot shotOf(const Passage& passage, size_t sensor) {
+  Shot shot;
+  shot.sensor = sensor;
+  shot.motion = passage.motion;
+  shot.instanceMotions = {{kThing, passage.end}};
+  return shot;
+}
+
+TestOptions moving(TestOptions options) {
+  options.effects.sensorMotion.use = options.effects.objectMotion.use = EffectUse::on;
+  return options;
+}
+
+/// The reference's scans, in the order of sensors and passages.
+std::vector<Scan> expectedScans(const std::vector<Sensor>& sensors) {
+  Simulator truth = makeSimulator(nearScene(), sensors, moving(optionsOn("reference")));
+  std::vector<Scan> scans;
+  for (size_t sensor = 0; sensor < sensors.size(); ++sensor)
+    for (const Passage& passage : passages()) {
+      truth.setTransform(kThing, passage.start);
+      truth.scanInto(shotOf(passage, sensor), scans.emplace_back());
+    }
+  return scans;
+}
+
+double cpuOf(Simulator& simulator, const Shot& shot) {
+  Scan scan;
+  const std::clock_t start = std::clock();
+  simulator.scanInto(shot, scan);
+  return double(std::clock() - start);
+}
+
+}  // namespace
+
+TEST_CASE("nothing is lost of what moves beside a sensor or past it", "[combinations]") {
+  needVulkan();
+  std::vector<Sensor> sensors = {spinning(), uneven(), prisms()};
+  if (everyCombination()) sensors.push_back(asList(spinning()));
+  const std::vector<Scan> expected = expectedScans(sensors);
+  std::vector<Binning> ways = {Binning::automatic};
+  if (everyCombination()) ways = {Binning::nearest, Binning::lists, Binning::slabs};
+  for (const Binning binning : ways) {
+    TestOptions options = moving(vulkanOptions());
+    options.tuning.binning = binning;
+    Simulator device = makeSimulator(nearScene(), sensors, options);
+    CudaOnHost onHost(nearScene(), sensors, options);
+    size_t hits = 0;
+    auto truth = expected.begin();
+    for (size_t sensor = 0; sensor < sensors.size(); ++sensor)
+      for (const Passage& passage : passages()) {
+        INFO("binning " << int(binning) << ", " << sensors[sensor].name << " " << sensor << ": " << passage.name);
+        device.setTransform(kThing, passage.start);
+        Scan scan, twin;
+        device.scanInto(shotOf(passage, sensor), scan);
+        if (sensors[sensor].isGrid() || everyCombination()) {  // on the host, lists take seconds
+          onHost.backend().setInstance(kThing, kThing, passage.start);
+          onHost.scanInto(shotOf(passage, sensor), twin);
+          CHECK(firstBytes(scan, twin) == "none");
+        }
+        const Differences found = differences(*truth, scan, {1e-4});
+        INFO("ties " << found.ties << ", returns " << found.returns << ", owners " << found.owners << ", ranges "
+                     << found.ranges << ", points " << found.points << "; first: " << found.first);
+        CHECK(found.all() == 0);
+        CHECK(found.ties < found.beams / 20);
+        for (const uint32_t instance : truth->instances) hits += instance == kThing;
+        ++truth;
+      }
+    CHECK(hits > 5'000);
+  }
+}
+
+// Without a bound of its own for each part of the scan, every triangle near the sensor's way is tried by all beams,
+// which takes hundreds of times as long.
+TEST_CASE("a thing that moves beside a sensor costs about as much as one far away") {
+  needVulkan();
+  Scene scene = nearScene();
+  scene.meshes[kThing] = ball(50, 60, 0.5);
+  Sensor sensor = spinning();
+  sensor.columns = 1200;
+  Simulator simulator = makeSimulator(scene, sensor, moving(vulkanOptions()));
+  const Passage away = {"", translation(0, 8, 0), translation(1.5, 8, 0), driving(15, 0)};
+  const auto costOf = [&](const Passage& passage) {
+    simulator.setTransform(kThing, passage.start);
+    cpuOf(simulator, shotOf(passage, 0));  // the first scan may enlarge lists
+    return std::min(cpuOf(simulator, shotOf(passage, 0)), cpuOf(simulator, shotOf(passage, 0)));
+  };
+  const double usual = costOf(away);
+  CHECK(costOf({"", translation(0.2, 0.9, 0), translation(1.7, 0.9, 0), driving(15, 0)}) < 20 * usual);
+  CHECK(costOf({"", translation(0.75, 0.8, 0), translation(0.75, 0.8, 0), driving(15, 0)}) < 20 * usual);
+  CHECK(costOf({"", translation(1, 0.8, 0), translation(-0.5, 0.8, 0), {}}) < 20 * usual);
+}
+
+}  // namespace gnosphere::test
