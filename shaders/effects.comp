@@ -19,6 +19,7 @@
 #include "surface_of.glsl"
 
 layout(local_size_x = 64) in;
+#include "runs.glsl"
 
 // These depend on specialisation constants; declared as constants they trip up glslang 11.
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
@@ -202,15 +203,16 @@ void main() {
   uint first, end, stride;
   BeamRow row = loadRow(gl_WorkGroupID.y);
   if (listed) {
-    first = gl_WorkGroupID.x * gl_WorkGroupSize.x;
+    first = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
     end = counters.hardBeams;
     stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   } else {
-    first = gl_WorkGroupID.x * kResolveColumns;
-    end = min(first + kResolveColumns, beamsPerRow());
-    stride = gl_WorkGroupSize.x;
+    uvec2 run = runOfBeams();
+    first = run.x + laneNumber();
+    end = run.y;
+    stride = lanes();
   }
-  for (uint i = first + gl_LocalInvocationID.x; i < end; i += stride) {
+  for (uint i = first; i < end; i += stride) {
     uint index = listed ? hardBeams.at[i] : indexOf(gl_WorkGroupID.y, i);
     if (listed) row = loadRow(rowOf(index));
     answer(row, index);

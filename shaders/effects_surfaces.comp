@@ -18,6 +18,7 @@
 #include "surface_of.glsl"
 
 layout(local_size_x = 64) in;
+#include "runs.glsl"
 
 // Returns the point that the beam meets, in the frame of its laser.
 vec3 pointOf(uint index, uint at) {
@@ -57,10 +58,10 @@ Surface told(Surface surface, uint leader) {
 void main() {
   loadMotion();
   BeamRow row = loadRow(gl_WorkGroupID.y);
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
+  uvec2 run = runOfBeams();
   // No lane leaves the loop early, because all lanes take part in the shuffles.
-  for (uint from = first; from < end; from += gl_WorkGroupSize.x) {
-    uint column = min(from + gl_LocalInvocationID.x, end - 1);
+  for (uint from = run.x; from < run.y; from += lanes()) {
+    uint column = min(from + laneNumber(), run.y - 1);
     uint index = indexOf(gl_WorkGroupID.y, column), at = numberIn(row, index, column);
     bool there = !MAPPED || at != kNone;
     at = there ? at * RETURNS : 0;
@@ -70,7 +71,7 @@ void main() {
     Surface surface;
     if (leading) surface = surfaceOf(index, owner);
     if (!MOTION) surface = told(surface, leaderOf(leading));
-    if (from + gl_LocalInvocationID.x >= end || !there) continue;
+    if (from + laneNumber() >= run.y || !there) continue;
     surfaces.at[at] = SurfaceRecord(surface.normal, surface.material);
     if ((FIELDS & kFieldBarycentrics) != 0 && owner.x != kNone)
       barycentrics.at[at] = barycentricsOf(surface.corners, pointOf(index, at));

@@ -19,6 +19,7 @@
 #include "panes.glsl"
 
 layout(local_size_x = 64) in;
+#include "runs.glsl"
 
 float nearestSoFar;  // of the beam whose list is being visited
 float farthestOf(uint index) { return nearestSoFar; }
@@ -94,8 +95,8 @@ void main() {
   loadMotion();
   BeamRow row = loadRow(gl_WorkGroupID.y);
   uint hits = 0;
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
-  for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
+  uvec2 run = runOfBeams();
+  for (uint column = run.x + laneNumber(); column < run.y; column += lanes()) {
     uint index = indexOf(gl_WorkGroupID.y, column), number = numberIn(row, index, column);
     if (MAPPED && number == kNone) continue;
     Beam beam = beamIn(row, column);
