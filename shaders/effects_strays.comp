@@ -12,14 +12,14 @@
 #include "effects/noise.h"
 #include "beam.h"
 #include "beams.glsl"
+#include "runs.glsl"
 
 layout(local_size_x = 64) in;
-#include "runs.glsl"
 
 void main() {
   BeamRow row = loadRow(gl_WorkGroupID.y);
   uvec2 run = runOfBeams();
-  for (uint column = run.x + laneNumber(); column < run.y; column += lanes()) {
+  for (uint column = run.x + gl_SubgroupInvocationID; column < run.y; column += gl_SubgroupSize) {
     uint index = indexOf(gl_WorkGroupID.y, column);
     vec2 error = angleError(parameters, numberIn(row, index, column));
     float cosElevation = LISTED ? beamAngles.at[index].z : row.angles.x;
