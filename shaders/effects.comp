@@ -218,25 +218,13 @@ void main() {
   // because compilers inline answer() at every call. No invocation leaves it early, because all of a subgroup share
   // surfaces.
   bool listed = PANES && PASS == kPassListed;
-  uint first, end, stride, number;
+  uvec2 run = listed ? runOf(counters.hardBeams) : runOfBeams();
   BeamRow row = loadRow(gl_WorkGroupID.y);
-  if (listed) {
-    first = gl_WorkGroupID.x * gl_WorkGroupSize.x;
-    end = counters.hardBeams;
-    stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-    number = gl_LocalInvocationID.x;
-  } else {
-    uvec2 run = runOfBeams();
-    first = run.x;
-    end = run.y;
-    stride = gl_SubgroupSize;
-    number = gl_SubgroupInvocationID;
-  }
-  for (; first < end; first += stride) {
-    uint i = min(first + number, end - 1);
+  for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
+    uint i = min(first + gl_SubgroupInvocationID, run.y - 1);
     wordIndex = listed ? hardBeams.at[i] : indexOf(gl_WorkGroupID.y, i);
     if (listed) row = loadRow(rowOf(wordIndex));
-    answer(row, first + number < end);
+    answer(row, first + gl_SubgroupInvocationID < run.y);
   }
   if (!listed) addCounts();
 }

@@ -22,6 +22,7 @@
 #include "each_ray.glsl"
 #include "echoes.glsl"
 #include "lanes.glsl"
+#include "runs.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -397,13 +398,12 @@ void main() {
 #define LOAD(s) loadSubRay(s);
   EACH_RAY(LOAD)
   looksAtMaterials = (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical;
-  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x, count = PASS == kPassWithinOne ? frame.beams : counters.hardBeams;
-  uint rounds = (count + stride - 1) / stride;
-  for (uint round_ = 0; round_ < rounds; ++round_) {
-    uint i = round_ * stride + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  uvec2 run = runOf(PASS == kPassWithinOne ? frame.beams : counters.hardBeams);
+  for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
+    uint i = first + gl_SubgroupInvocationID;
     bool hard = false;
     uint index = 0;
-    if (i < count) {
+    if (i < run.y) {
       index = PASS == kPassWithinOne ? i : hardBeams.at[i];
       hard = !finish(index);
     }
