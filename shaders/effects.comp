@@ -44,9 +44,6 @@ vec2 hitBarycentrics;
 uint hits, causeCounts[kCauses];  // counted by this invocation
 EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
 
-// A beam that meets panes has at most one echo per surface.
-uint firstEcho() { return beamIndex * (PANES ? kMaxLayers : kMaxEchoes); }
-
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
 VolumeBox loadVolume(uint i) {
@@ -68,7 +65,7 @@ bool isDead(uint beam) {
 
 Echo loadEcho(uint k) {
   if (many) {
-    vec4 echo = echoes.at[firstEcho() + k];
+    vec4 echo = echoes.at[echoPlace(wordIndex, k)];
     return Echo(echo.x, echo.y, echo.z, echo.w, k);
   }
   float energy = 1.0, cosIncidence = 1.0;
@@ -118,7 +115,7 @@ void storeReturn(uint j, Return value) {
   SurfaceRecord surface = SurfaceRecord(vec3(0.0), kNone);
   vec2 weights = vec2(notANumber());
   if (value.label == kLabelSolid && many) {
-    uint echo = firstEcho() + value.echo;
+    uint echo = echoPlace(wordIndex, value.echo);
     owner = echoOwners.at[echo];
     if ((FIELDS & kFieldSurface) != 0) surface = echoSurfaces.at[echo];
   } else if (value.label == kLabelSolid) {

@@ -316,7 +316,7 @@ void addTo(inout vec3 sums, inout float most, inout uint strongest, float first,
   strongest = metCandidates[piece];
 }
 
-void gatherEchoes(uint beam, vec2 azimuth) {
+void gatherEchoes(uint index, uint beam, vec2 azimuth) {
   uint count = 0;
   float first = nextRange(0.0);
   while (first < kNothing) {
@@ -331,7 +331,7 @@ void gatherEchoes(uint beam, vec2 azimuth) {
 #define ADD(s) addTo(sums, most, strongest, first, end, layer * RAYS + s);
       EACH_RAY(ADD)
     }
-    storeEcho(beam * kMaxEchoes + count, echoOf(first, sums), strongest, azimuth);
+    storeEcho(echoPlace(index, count), echoOf(first, sums), strongest, azimuth);
     ++count;
     first = nextRange(end);
   }
@@ -389,7 +389,7 @@ bool finish(uint index) {
     }
     if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
   }
-  gatherEchoes(number, axis.azimuth);
+  gatherEchoes(index, number, axis.azimuth);
   return true;
 }
 

@@ -164,7 +164,7 @@ void gatherEchoes(uint beam) {
       strongest = ids[k];
     }
     if (!any) break;
-    storeEcho(beam * kMaxLayers + count, echoOf(first, sums), strongest);
+    storeEcho(echoPlace(beamIndex, count), echoOf(first, sums), strongest);
     ++count;
   }
   echoCounts.at[beam] = count;
