@@ -79,8 +79,9 @@
   ARRAY(, uint, hardBeams)                 /* beams, in row order, for the second footprint pass or effects_panes */ \
   ARRAY(, uint, echoCounts)                /* per beam: its echoes, in order of range, at most kMaxEchoes, or */ \
                                            /* kMaxLayers with panes; kNone: the beam meets no pane */ \
-  ARRAY(, vec4, echoes)                    /* per echo: range, energy, width, cosine of the incidence */ \
-  ARRAY(, uvec2, echoOwners)               /* per echo, laid out like owners */ \
+  ARRAY(, vec4, echoes)                    /* echo by echo, per beam: range, energy, width, cosine of the */ \
+                                           /* incidence */ \
+  ARRAY(, uvec2, echoOwners)               /* in the order of echoes, laid out like owners */ \
   ARRAY(, SurfaceRecord, echoSurfaces)
 
 // Results for every return of every beam, in the sensor's own order.

@@ -1,51 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage effects, last pass. One row of workgroups per channel, one invocation per beam: turns the echoes of a beam
-// into returns. A beam without a footprint that meets no pane has one echo, its nearest hit.
+// into returns. A beam without a footprint that meets no pane has one echo, the nearest hit in its word.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_vote : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
 #include "effects/vector.h"
 #include "beam.h"
 #include "beams.glsl"
+#include "runs.glsl"
 #include "effects/doppler.h"
 #include "motion.glsl"
+#include "owner.glsl"
 #include "strays.glsl"
 #include "to_sensor.glsl"
 #include "surface_of.glsl"
+#include "shared_surface.glsl"
 
 layout(local_size_x = 64) in;
 
 // These depend on specialisation constants; declared as constants they trip up glslang 11.
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
+#define MOST_ECHOES ((EFFECTS & (kFootprint | kTransmission)) != 0 ? kMaxEchoes : 1u)
 #define MANY_ECHOES ((EFFECTS & kFootprint) != 0 || PASS == kPassListed)
-// True if some beams have more than one echo.
-#define SOME_ECHOES ((EFFECTS & (kFootprint | kTransmission)) != 0)
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && planned.intensityModel == kModelPhysical)
-// True if surfaces must be copied from echoes to returns. With one return and no footprint they are already in place.
-#define SURFACES_MOVE ((FIELDS & kFieldSurface) != 0 && (SOME_ECHOES || RETURNS > 1))
-#define BARYCENTRICS_MOVE ((FIELDS & kFieldBarycentrics) != 0 && (SOME_ECHOES || RETURNS > 1))
 
-// The beam being processed; whether `echoes` has its echoes; and its hit if there is no footprint. The hit is loaded
-// first because the beam's first return overwrites it.
-uint beamIndex, rowIndex, columnIndex;
+// The beam being processed: its number, its index in `words`, and whether `echoes` has its echoes. If not, its hit.
+uint beamIndex, wordIndex, rowIndex, columnIndex;
 bool many;
 vec2 beamAzimuth;
 vec3 beamDirection, lightDirection, pointDirection;
-vec4 hitPoint;
-SurfaceRecord hitSurface;
+float hitRange;  // NaN if there is no hit
 uvec2 hitOwner;
+SurfaceRecord hitSurface;
 vec2 hitBarycentrics;
-uint causeCounts[kCauses];  // counted by this invocation
+uint hits, causeCounts[kCauses];  // counted by this invocation
 EffectParameters planned;   // loaded once, because a compiler must reload memory after each store that may alias it
-
-// A beam that meets panes has at most one echo per surface.
-uint firstEcho() { return beamIndex * (PANES ? kMaxLayers : kMaxEchoes); }
 
 Echo loadEcho(uint k);
 void storeReturn(uint j, Return value);
@@ -68,7 +65,7 @@ bool isDead(uint beam) {
 
 Echo loadEcho(uint k) {
   if (many) {
-    vec4 echo = echoes.at[firstEcho() + k];
+    vec4 echo = echoes.at[echoPlace(wordIndex, k)];
     return Echo(echo.x, echo.y, echo.z, echo.w, k);
   }
   float energy = 1.0, cosIncidence = 1.0;
@@ -78,13 +75,13 @@ Echo loadEcho(uint k) {
     cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
   }
-  return Echo(hitPoint.w, energy, planned.pulseWidth, cosIncidence, 0);
+  return Echo(hitRange, energy, planned.pulseWidth, cosIncidence, 0);
 }
 
 // Returns the velocity of the point of a deformed triangle that the beam meets, in the column's frame; `point` is as
 // seen from the laser.
 vec3 deformedVelocityAt(uvec2 owner, ColumnMotion now, vec3 point) {
-  Surface surface = surfaceOf(beamIndex, owner);
+  Surface surface = surfaceOf(wordIndex, owner);
   vec2 shares = barycentricsOf(surface.corners, point);
   precise vec3 velocity = surface.velocities.a + (surface.velocities.b - surface.velocities.a) * shares.x +
                           (surface.velocities.c - surface.velocities.a) * shares.y;
@@ -118,9 +115,9 @@ void storeReturn(uint j, Return value) {
   SurfaceRecord surface = SurfaceRecord(vec3(0.0), kNone);
   vec2 weights = vec2(notANumber());
   if (value.label == kLabelSolid && many) {
-    uint echo = firstEcho() + value.echo;
+    uint echo = echoPlace(wordIndex, value.echo);
     owner = echoOwners.at[echo];
-    if (SURFACES_MOVE) surface = echoSurfaces.at[echo];
+    if ((FIELDS & kFieldSurface) != 0) surface = echoSurfaces.at[echo];
   } else if (value.label == kLabelSolid) {
     owner = hitOwner;
     surface = hitSurface;
@@ -133,87 +130,98 @@ void storeReturn(uint j, Return value) {
   owners.at[at] = owner;
   if ((FIELDS & kFieldSignal) != 0)
     signals.at[at] = SignalRecord(value.intensity, value.trueRange, value.width,
-                                  value.label | value.number << 16 | value.count << 24);
-  if (SURFACES_MOVE) surfaces.at[at] = surface;
-  if (BARYCENTRICS_MOVE) barycentrics.at[at] = weights;
+                                  value.label | value.cause << 8 | value.number << 16 | value.count << 24);
+  if ((FIELDS & kFieldSurface) != 0) surfaces.at[at] = surface;
+  if ((FIELDS & kFieldBarycentrics) != 0) barycentrics.at[at] = weights;
   if (SPEEDS) storeMotion(at, owner, value.trueRange);
 }
 
-// Computes one beam's returns. The cause is stored with the beam's first return.
+// Computes one beam's returns.
 void judge(bool hit) {
   uint count = hit ? 1 : 0, returned;
   if (many) count = echoCounts.at[beamIndex];
   uint cause = signalsOf(planned, beamIndex, beamDirection, count, returned);
-  if (NUMBERED && planned.rangeMax < 0.0) cause = kCauseDead;  // the window of a masked beam is empty
-  if ((FIELDS & kFieldSignal) != 0) {
-    uint at = beamIndex * RETURNS;
-    signals.at[at].word |= cause << 8;
-  }
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] += cause == k ? 1 : 0;
 }
 
+// Stores the hit as the only return of a beam without signals.
+void storeHit() {
+  Return value = noReturn();
+  value.range = value.trueRange = hitRange;
+  if (hitOwner.x != kNone) value.label = kLabelSolid;
+  storeReturn(0, value);
+  hits += hitOwner.x != kNone ? 1 : 0;
+}
+
 // All invocations of the subgroup must call this.
-void countCauses() {
-  for (uint k = 0; k < kCauses; ++k) {
-    uint sum = subgroupAdd(causeCounts[k]);
-    if (subgroupElect() && sum > 0) atomicAdd(counters.causes[k], sum);
+void addCounts() {
+  if (SIGNALS) {
+    for (uint k = 0; k < kCauses; ++k) {
+      uint sum = subgroupAdd(causeCounts[k]);
+      if (subgroupElect() && sum > 0) atomicAdd(counters.causes[k], sum);
+    }
+  } else {
+    uint sum = subgroupAdd(hits);
+    if (subgroupElect() && sum > 0) atomicAdd(counters.hits, sum);
   }
 }
 
-// Computes the returns of one beam of a row; `index` is that in `words`.
-void answer(BeamRow row, uint index) {
-  rowIndex = rowOf(index);
-  columnIndex = columnOf(index);
-  beamIndex = numberIn(row, index, columnIndex);
-  if (MAPPED && beamIndex == kNone) return;
+// Finds the hit of the beam's axis, and its surface if that is needed. All invocations of the subgroup must call this.
+void loadHit() {
+  uvec2 word = words.at[wordIndex];
+  bool there = word.y != kNone && !(MAPPED && beamIndex == kNone) && !hidesItself(wordIndex, uintBitsToFloat(word.y));
+  hitRange = there ? uintBitsToFloat(word.y) : notANumber();
+  bool looks = (FIELDS & kSurfaceFields) != 0;
+  if (SIGNALS) looks = looks || LOOKS_AT_MATERIALS;
+  Surface surface;
+  findHit(wordIndex, there ? word.x : kNone, looks, hitOwner, surface);
+  hitSurface = SurfaceRecord(surface.normal, surface.material);
+  if ((FIELDS & kFieldBarycentrics) != 0) hitBarycentrics = barycentricsOf(surface.corners, lightDirection * hitRange);
+}
+
+// Computes the returns of a beam. An invocation that has no beam of its own takes part with that of another.
+void answer(BeamRow row, bool own) {
+  rowIndex = rowOf(wordIndex);
+  columnIndex = columnOf(wordIndex);
+  beamIndex = numberIn(row, wordIndex, columnIndex);
   Beam axis = beamIn(row, columnIndex);
   beamAzimuth = axis.azimuth;
+  beamDirection = lightDirection = axis.direction;
+  if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[wordIndex]);
+  if (!MANY_ECHOES) loadHit();
+  if (!own || (MAPPED && beamIndex == kNone)) return;
   if (NUMBERED && SIGNALS) {
-    vec2 window = rangesOf(index);
+    vec2 window = rangesOf(wordIndex);
     planned.rangeMin = window.x;
     planned.rangeMax = window.y;
   }
-  beamDirection = lightDirection = axis.direction;
   many = MANY_ECHOES;
   if (PANES && PASS == kPassAll) many = echoCounts.at[beamIndex] != kNone;
-  if (!MANY_ECHOES) {
-    if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[index]);
-    hitPoint = points.at[beamIndex * RETURNS];
-    hitOwner = owners.at[beamIndex * RETURNS];
-    if (LOOKS_AT_MATERIALS || SURFACES_MOVE) hitSurface = surfaces.at[beamIndex * RETURNS];
-    if (BARYCENTRICS_MOVE) hitBarycentrics = barycentrics.at[beamIndex * RETURNS];
-  }
   pointDirection = beamDirection;
   if ((EFFECTS & kAngleNoise) != 0 && planned.angleNoiseAt == kAngleAtPoint)
     pointDirection = astray(beamDirection, angleError(planned, beamIndex));
   if (SIGNALS)
     judge(hitOwner.x != kNone);
-  else if (SPEEDS)
-    storeMotion(beamIndex, hitOwner, hitPoint.w);
+  else
+    storeHit();
 }
 
 void main() {
   loadMotion();
   if (SIGNALS) planned = parameters;
+  hits = 0;
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] = 0;
   // Only the listed beams are processed if nothing but panes can change an answer. There is one loop for both cases,
-  // because compilers inline answer() at every call.
+  // because compilers inline answer() at every call. No invocation leaves it early, because all of a subgroup share
+  // surfaces.
   bool listed = PANES && PASS == kPassListed;
-  uint first, end, stride;
+  uvec2 run = listed ? runOf(counters.hardBeams) : runOfBeams();
   BeamRow row = loadRow(gl_WorkGroupID.y);
-  if (listed) {
-    first = gl_WorkGroupID.x * gl_WorkGroupSize.x;
-    end = counters.hardBeams;
-    stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  } else {
-    first = gl_WorkGroupID.x * kResolveColumns;
-    end = min(first + kResolveColumns, beamsPerRow());
-    stride = gl_WorkGroupSize.x;
+  for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
+    uint i = min(first + gl_SubgroupInvocationID, run.y - 1);
+    wordIndex = listed ? hardBeams.at[i] : indexOf(gl_WorkGroupID.y, i);
+    if (listed) row = loadRow(rowOf(wordIndex));
+    answer(row, first + gl_SubgroupInvocationID < run.y);
   }
-  for (uint i = first + gl_LocalInvocationID.x; i < end; i += stride) {
-    uint index = listed ? hardBeams.at[i] : indexOf(gl_WorkGroupID.y, i);
-    if (listed) row = loadRow(rowOf(index));
-    answer(row, index);
-  }
-  if (SIGNALS && !listed) countCauses();
+  if (!listed) addCounts();
 }

@@ -22,6 +22,7 @@
 #include "each_ray.glsl"
 #include "echoes.glsl"
 #include "lanes.glsl"
+#include "runs.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -315,7 +316,7 @@ void addTo(inout vec3 sums, inout float most, inout uint strongest, float first,
   strongest = metCandidates[piece];
 }
 
-void gatherEchoes(uint beam, vec2 azimuth) {
+void gatherEchoes(uint index, uint beam, vec2 azimuth) {
   uint count = 0;
   float first = nextRange(0.0);
   while (first < kNothing) {
@@ -330,7 +331,7 @@ void gatherEchoes(uint beam, vec2 azimuth) {
 #define ADD(s) addTo(sums, most, strongest, first, end, layer * RAYS + s);
       EACH_RAY(ADD)
     }
-    storeEcho(beam * kMaxEchoes + count, echoOf(first, sums), strongest, azimuth);
+    storeEcho(echoPlace(index, count), echoOf(first, sums), strongest, azimuth);
     ++count;
     first = nextRange(end);
   }
@@ -388,7 +389,7 @@ bool finish(uint index) {
     }
     if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
   }
-  gatherEchoes(number, axis.azimuth);
+  gatherEchoes(index, number, axis.azimuth);
   return true;
 }
 
@@ -397,13 +398,12 @@ void main() {
 #define LOAD(s) loadSubRay(s);
   EACH_RAY(LOAD)
   looksAtMaterials = (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical;
-  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x, count = PASS == kPassWithinOne ? frame.beams : counters.hardBeams;
-  uint rounds = (count + stride - 1) / stride;
-  for (uint round_ = 0; round_ < rounds; ++round_) {
-    uint i = round_ * stride + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  uvec2 run = runOf(PASS == kPassWithinOne ? frame.beams : counters.hardBeams);
+  for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
+    uint i = first + gl_SubgroupInvocationID;
     bool hard = false;
     uint index = 0;
-    if (i < count) {
+    if (i < run.y) {
       index = PASS == kPassWithinOne ? i : hardBeams.at[i];
       hard = !finish(index);
     }

@@ -6,6 +6,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -19,6 +20,7 @@
 #include "owner.glsl"
 #include "surface_of.glsl"
 #include "panes.glsl"
+#include "runs.glsl"
 #include "echoes.glsl"
 
 layout(local_size_x = 64) in;
@@ -162,7 +164,7 @@ void gatherEchoes(uint beam) {
       strongest = ids[k];
     }
     if (!any) break;
-    storeEcho(beam * kMaxLayers + count, echoOf(first, sums), strongest);
+    storeEcho(echoPlace(beamIndex, count), echoOf(first, sums), strongest);
     ++count;
   }
   echoCounts.at[beam] = count;
@@ -170,8 +172,8 @@ void gatherEchoes(uint beam) {
 
 void main() {
   loadMotion();
-  uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
-  for (uint i = gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.hardBeams; i += stride) {
+  uvec2 run = runOf(counters.hardBeams);
+  for (uint i = run.x + gl_SubgroupInvocationID; i < run.y; i += gl_SubgroupSize) {
     beamIndex = hardBeams.at[i];
     beamRow = rowOf(beamIndex);
     beamColumn = columnOf(beamIndex);

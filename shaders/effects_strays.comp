@@ -5,19 +5,21 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
 #include "effects/noise.h"
 #include "beam.h"
 #include "beams.glsl"
+#include "runs.glsl"
 
 layout(local_size_x = 64) in;
 
 void main() {
   BeamRow row = loadRow(gl_WorkGroupID.y);
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
-  for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
+  uvec2 run = runOfBeams();
+  for (uint column = run.x + gl_SubgroupInvocationID; column < run.y; column += gl_SubgroupSize) {
     uint index = indexOf(gl_WorkGroupID.y, column);
     vec2 error = angleError(parameters, numberIn(row, index, column));
     float cosElevation = LISTED ? beamAngles.at[index].z : row.angles.x;

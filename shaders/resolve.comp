@@ -2,7 +2,8 @@
 // Stage resolve. One row of workgroups per channel: writes point, range and owner of every beam's nearest hit. Without
 // lists it unpacks the beam's word; with lists it tries the beam's candidates, nearest first, and skips those that are
 // farther than the best hit. If there are panes, the hit is the nearest opaque one; with lists it also becomes the
-// beam's word, and the beams that meet a pane before it are listed.
+// beam's word, and the beams that meet a pane before it are listed. If stage effects computes the results, only the
+// words are written.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -16,6 +17,7 @@
 #include "inside.glsl"
 #include "seen.glsl"
 #include "owner.glsl"
+#include "runs.glsl"
 #include "panes.glsl"
 
 layout(local_size_x = 64) in;
@@ -72,10 +74,9 @@ uvec2 wordOfList(uint index, Beam beam) {
   uint start = index == 0 ? 0 : listEnds.at[index - 1];
   uint end = min(listEnds.at[index], frame.candidateCapacity);
   uvec2 word = nearestOfList(index, beam, start, end);
-  if (PANES) {
-    words.at[index] = word;
-    if (meetsPane(index, beam, start, end, word)) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = index;
-  }
+  if (PANES || PASS == kPassWords) words.at[index] = word;
+  if (PANES && meetsPane(index, beam, start, end, word))
+    hardBeams.at[atomicAdd(counters.hardBeams, 1)] = index;
   return word;
 }
 
@@ -94,12 +95,13 @@ void main() {
   loadMotion();
   BeamRow row = loadRow(gl_WorkGroupID.y);
   uint hits = 0;
-  uint first = gl_WorkGroupID.x * kResolveColumns, end = min(first + kResolveColumns, beamsPerRow());
-  for (uint column = first + gl_LocalInvocationID.x; column < end; column += gl_WorkGroupSize.x) {
+  uvec2 run = runOfBeams();
+  for (uint column = run.x + gl_SubgroupInvocationID; column < run.y; column += gl_SubgroupSize) {
     uint index = indexOf(gl_WorkGroupID.y, column), number = numberIn(row, index, column);
     if (MAPPED && number == kNone) continue;
     Beam beam = beamIn(row, column);
     uvec2 word = BINNING == kBinningLists ? wordOfList(index, beam) : words.at[index];
+    if (PASS == kPassWords) continue;
     if (word.y != kNone && hidesItself(index, uintBitsToFloat(word.y))) word = uvec2(kNone);
     store(index, number, beam, word);
     hits += word.y != kNone ? 1 : 0;

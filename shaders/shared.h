@@ -113,8 +113,8 @@ GNO_CONST uint kTableNone = 0;
 GNO_CONST uint kTableLater = 1;  // only rows with content in later shells
 GNO_CONST uint kTableAll = 2;
 
-// Values of PASS, shader by shader: project_groups, bin with lists, bin with words, prefix_sum, effects_footprint,
-// effects, records.
+// Values of PASS, shader by shader: project_groups, bin with lists, bin with words, prefix_sum, resolve,
+// effects_footprint, effects, records.
 GNO_CONST uint kPassList = 0;
 GNO_CONST uint kPassShells = 1;
 GNO_CONST uint kPassCount = 0;
@@ -125,6 +125,8 @@ GNO_CONST uint kPassTable = 2;  // no hits, the farthest-range table instead
 GNO_CONST uint kPassReduce = 0;
 GNO_CONST uint kPassBlocks = 1;
 GNO_CONST uint kPassApply = 2;
+GNO_CONST uint kPassResults = 0;
+GNO_CONST uint kPassWords = 1;      // only the words, which lists do not have
 GNO_CONST uint kPassWithinOne = 0;  // beams whose footprint lies on one triangle
 GNO_CONST uint kPassOthers = 1;
 GNO_CONST uint kPassAll = 0;

@@ -67,11 +67,16 @@ vec2 barycentricsOf(Corners t, vec3 p) {
   return area > 0.0 ? vec2(quotient(second, area), quotient(third, area)) : vec2(0.0);
 }
 
-// Returns the surface that the beam with this index has hit.
-Surface surfaceOf(uint index, uvec2 owner) {
+Surface noSurface() {
   Surface surface;
   surface.normal = vec3(0.0);
   surface.material = kNone;
+  return surface;
+}
+
+// Returns the surface that the beam with this index has hit.
+Surface surfaceOf(uint index, uvec2 owner) {
+  Surface surface = noSurface();
   if (owner.x == kNone) return surface;
   uint slot = triangleSlots.at[meshTriangles.at[instanceMeshes.at[owner.y]] + owner.x];
   uint cluster = slot / kClusterTriangles;

@@ -7,6 +7,9 @@
 #include "doppler.h"
 #include "parameters.h"
 
+#define RETURNS parameters.returnsPerBeam
+#define MOST_ECHOES kMaxEchoes
+
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
 

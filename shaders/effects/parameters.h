@@ -112,6 +112,7 @@ struct Return {
   uint echo;    // Echo::index; kNone for the medium and for no return
   uint number;  // 1 for the first return of its beam, 0 for no return
   uint count;   // number of returns of its beam
+  uint cause;   // of its beam, if it is the beam's first entry
 };
 
 #ifdef __cplusplus

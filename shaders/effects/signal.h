@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Turns the echoes of one beam into its returns: medium, material, detection and drop-out, choice of returns, noise.
 //
-// The including file must define EFFECTS, the planned effects as bits of bits.h, and these functions:
+// The including file must define EFFECTS, the planned effects as bits of bits.h; RETURNS, the number of returns per
+// beam; MOST_ECHOES, the largest number of echoes from surfaces; and these functions:
 //   Echo loadEcho(uint k)                  k < echoCount, in order of range, none farther than p.rangeMax
-//   void storeReturn(uint j, Return value) is called once for each j < p.returnsPerBeam
+//   void storeReturn(uint j, Return value) is called once for each j < RETURNS
 //   VolumeBox loadVolume(uint i)           i < p.volumeCount
 //   bool isDead(uint beam)                 whether DropOut::deadBeams has the beam; called only if p.deadBeams > 0
 // In C++ this file is included within a struct that has these as members (tests/effects/beam_signal.hpp).
@@ -83,7 +84,7 @@ GNO_INLINE Return noReturn() {
   none.range = none.trueRange = none.intensity = none.width = notANumber();
   none.label = kLabelNone;
   none.echo = kNone;
-  none.number = none.count = 0u;
+  none.number = none.count = none.cause = 0u;
   return none;
 }
 
@@ -105,6 +106,35 @@ GNO_INLINE Return measured(EffectParameters p, uint beam, vec3 direction, Echo e
   return result;
 }
 
+// True if an echo reaches the receiver and is not dropped; if it is not, `cause` becomes the reason. `number` is that
+// of the echo's random draws.
+GNO_INLINE bool isReturned(EffectParameters p, uint beam, Echo echo, uint number, float depth, float power,
+                           GNO_INOUT(uint) cause) {
+  if (p.hidesNear > 0u && echo.range < p.rangeMin) return false;
+  if (JUDGED) {
+    float chance = p.softness > 0.0f ? uniform01(draw(p, beam, number, kDetection).x) : 0.0f;
+    if (!detected(p, power, chance)) {
+      if (number == kScatterDraw) return false;
+      bool inClearAir = PLANNED(kMediumEffects) && detected(p, received(echo.energy, echo.range, 0.0f), chance);
+      if (inClearAir && cause != kCauseDroppedOut) cause = kCauseAttenuated;
+      if (!inClearAir && cause == kCauseNoSurface) cause = kCauseWeak;
+      return false;
+    }
+  }
+  if (PLANNED(kDropOut) && p.dropAtZero > 0.0f) {
+    float unit = unitIntensity(p, echo.energy, echo.range, depth);
+    if (returnDropped(p, unit, uniform01(draw(p, beam, number + 1u, kDropOut).x))) {
+      cause = kCauseDroppedOut;
+      return false;
+    }
+  }
+  return true;
+}
+
+// Most echoes of a beam, with that of the medium. Loops over them have this constant bound, so that compilers remove
+// the loop where there is one.
+#define MOST_OF_ALL (MOST_ECHOES + (PLANNED(kMediumEffects) ? 1u : 0u))
+
 // Stores the returns of one beam. Sets their number and returns the beam's Cause. `direction` is the beam's unit
 // vector in the sensor's frame.
 GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint echoCount, GNO_OUT(uint) returnCount) {
@@ -119,6 +149,10 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
       cause = echoCount > 0u ? kCauseDroppedOut : kCauseNoSurface;
     }
   }
+  if (p.rangeMax < 0.0f) {  // the window of a masked beam is empty
+    works = false;
+    cause = kCauseDead;
+  }
 
   // The medium's echo counts if it is nearer than the last surface by more than the separation. Its place is by range.
   uint count = works ? echoCount : 0u;
@@ -130,53 +164,41 @@ GNO_INLINE uint signalsOf(EffectParameters p, uint beam, vec3 direction, uint ec
     scatter = mediumEcho(p, beam, direction, far);
     if (scatter.range < kNever) {
       scatterAt = 0u;
-      while (scatterAt < count && loadEcho(scatterAt).range <= scatter.range) ++scatterAt;
+      for (uint k = 0u; k < MOST_ECHOES; ++k)
+        if (k < count && loadEcho(k).range <= scatter.range) ++scatterAt;
       ++count;
     }
   }
 
   Choice choice = noChoice();
-  for (uint k = 0u; k < count; ++k) {
-    Echo echo = echoAt(k, scatter, scatterAt);
-    if (p.hidesNear > 0u && echo.range < p.rangeMin) continue;
-    uint number = drawOf(k, scatterAt);
-    float depth = depthOf(p, direction, echo.range);
-    float power = received(echo.energy, echo.range, depth);
-    if (JUDGED) {
-      float chance = p.softness > 0.0f ? uniform01(draw(p, beam, number, kDetection).x) : 0.0f;
-      if (!detected(p, power, chance)) {
-        if (k == scatterAt) continue;
-        bool inClearAir = PLANNED(kMediumEffects) && detected(p, received(echo.energy, echo.range, 0.0f), chance);
-        if (inClearAir && cause != kCauseDroppedOut) cause = kCauseAttenuated;
-        if (!inClearAir && cause == kCauseNoSurface) cause = kCauseWeak;
-        continue;
-      }
+  for (uint k = 0u; k < MOST_OF_ALL; ++k)
+    if (k < count) {
+      Echo echo = echoAt(k, scatter, scatterAt);
+      float depth = depthOf(p, direction, echo.range);
+      float power = received(echo.energy, echo.range, depth);
+      if (isReturned(p, beam, echo, drawOf(k, scatterAt), depth, power, cause)) consider(choice, k, power);
     }
-    if (PLANNED(kDropOut) && p.dropAtZero > 0.0f) {
-      float unit = unitIntensity(p, echo.energy, echo.range, depth);
-      if (returnDropped(p, unit, uniform01(draw(p, beam, number + 1u, kDropOut).x))) {
-        cause = kCauseDroppedOut;
-        continue;
-      }
-    }
-    consider(choice, k, power);
-  }
 
   uint mode = kModeStrongest;
   if (PLANNED(kReturns)) mode = p.returnsMode;
   uint wanted = chosen(choice, mode);
   returnCount = 0u;
-  for (uint k = 0u; k < count; ++k)
-    if ((wanted >> k & 1u) != 0u && returnCount < p.returnsPerBeam) ++returnCount;
-  uint stored = 0u;
-  for (uint k = 0u; k < count && stored < returnCount; ++k)
-    if ((wanted >> k & 1u) != 0u) {
-      Return value = measured(p, beam, direction, echoAt(k, scatter, scatterAt), drawOf(k, scatterAt));
-      value.number = stored + 1u;
+  for (uint k = 0u; k < MOST_OF_ALL; ++k) returnCount += wanted >> k & 1u;
+  returnCount = min(returnCount, RETURNS);
+  if (returnCount > 0u) cause = kCauseReturned;
+  for (uint j = 0u; j < RETURNS; ++j) {
+    Return value = noReturn();
+    if (j < returnCount) {
+      uint k = 0u;
+      for (uint i = MOST_OF_ALL; i > 0u; --i)
+        if ((wanted >> (i - 1u) & 1u) != 0u) k = i - 1u;
+      wanted ^= 1u << k;
+      value = measured(p, beam, direction, echoAt(k, scatter, scatterAt), drawOf(k, scatterAt));
+      value.number = j + 1u;
       value.count = returnCount;
-      storeReturn(stored, value);
-      ++stored;
     }
-  for (; stored < p.returnsPerBeam; ++stored) storeReturn(stored, noReturn());
-  return returnCount > 0u ? kCauseReturned : cause;
+    if (j == 0u) value.cause = cause;
+    storeReturn(j, value);
+  }
+  return cause;
 }

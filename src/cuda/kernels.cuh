@@ -160,11 +160,6 @@ struct effects_panes {
 #include "glsl/effects_panes.comp"
 };
 
-struct effects_surfaces {
-  const Job& job;
-#include "glsl/effects_surfaces.comp"
-};
-
 struct effects {
   const Job& job;
 #include "glsl/effects.comp"
@@ -215,7 +210,6 @@ void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
         default: return launchFootprint<61>(job, groupsX, groupsY);
       }
     case Kernel::effects_panes: return launch<effects_panes>(job, groupsX, groupsY);
-    case Kernel::effects_surfaces: return launch<effects_surfaces>(job, groupsX, groupsY);
     case Kernel::effects: return launch<effects>(job, groupsX, groupsY);
     case Kernel::records: return;  // results stay only on Vulkan devices
   }

@@ -59,9 +59,6 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const 
     arrays.push_back(table(gpu::Array::texels, plan.textures->texels));
   }
   if (!plan.deadBeams.empty()) arrays.push_back(table(gpu::Array::deadBeams, plan.deadBeams));
-  // Surfaces that are needed but not requested as a field stay on the device.
-  if (plan.surfaces() && !plan.footprint() && !plan.onlyLines() && !plan.asks(gpu::kFieldSurface))
-    addRoom(gpu::Array::surfaces, plan.returns * sizeof(gpu::SurfaceRecord));
   return arrays;
 }
 

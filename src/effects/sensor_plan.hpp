@@ -70,6 +70,8 @@ struct SensorPlan {
   /// Whether the answer of a beam that meets no pane is the nearest hit of its line, and no field asks for more:
   /// geometry, in which surfaces may have holes and let light pass, and beams may deviate.
   bool onlyLines() const;
+  /// Whether stage effects computes the results of all beams.
+  bool judged() const { return !onlyLines() && (signals() || speeds() || surfaces()); }
 };
 
 /// Plans sensors. When the scene changes, plan() is called again with the changed scene.

@@ -20,15 +20,14 @@ enum class Kernel : uint32_t {
   effects_strays,
   effects_footprint,
   effects_panes,
-  effects_surfaces,
   effects,
   records
 };
 
 inline const char* nameOf(Kernel kernel) {
-  constexpr const char* kNames[] = {"project_groups", "project_clusters", "project_triangles", "bin",
-                                    "prefix_sum",     "resolve",          "effects_strays",    "effects_footprint",
-                                    "effects_panes",  "effects_surfaces", "effects",           "records"};
+  constexpr const char* kNames[] = {
+      "project_groups", "project_clusters",  "project_triangles", "bin",     "prefix_sum", "resolve",
+      "effects_strays", "effects_footprint", "effects_panes",     "effects", "records"};
   return kNames[static_cast<uint32_t>(kernel)];
 }
 

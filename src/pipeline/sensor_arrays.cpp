@@ -70,7 +70,8 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
   allocate(Array::staleEntries, 4 * most_.coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
-  if ((!lists || plan_.panes()) && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
+  const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
+  if (words && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
   if (lists || plan_.panes()) allocate(Array::listEnds, beams * 4);
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
@@ -248,13 +249,11 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGrou
   variant.options.MAPPED = tables.mapped;
   variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
   variant.float64 = float64_ && !motion;
-  const bool footprint = plan_.footprint(), lines = plan_.onlyLines();
+  const bool footprint = plan_.footprint(), lists = binning_ == gpu::kBinningLists;
   StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), tables.frame, shells_};
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
-  input.resolve = !footprint && !leavesWords_;
-  input.surfaces = plan_.surfaces() && !footprint && !lines;
   input.records = records_.held;
   input.entries = entries();
   input.organised = !plan_.layout.compact;
@@ -265,10 +264,9 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGrou
   const bool hides = binning_ != gpu::kBinningLists && (options_.CULLING & gpu::kCullOccluded) != 0;
   input.sparse = hides && !tables.startFarthest.empty();
   using Judged = StepsInput::Judged;
-  if (lines)
-    input.effects = plan_.panes() ? Judged::listed : Judged::none;
-  else
-    input.effects = plan_.signals() || plan_.speeds() ? Judged::all : Judged::none;
+  input.effects = plan_.judged() ? Judged::all : plan_.panes() ? Judged::listed : Judged::none;
+  // Stage effects reads the nearest hits from the words, which lists have only after stage resolve.
+  input.resolve = !footprint && !leavesWords(binning_, plan_) && (lists || !plan_.judged());
   return stepsOf(input, placed, still);
 }
 

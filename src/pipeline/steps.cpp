@@ -27,7 +27,7 @@ class Steps {
     if (still != StillImage::Use::none) scanMoving(placed.moving);
     if (input_.panes && binning_ != gpu::kBinningLists) binPanes();
     if (input_.resolve) {
-      dispatchOnBeams("resolve", Kernel::resolve);
+      dispatchOnBeams("resolve", Kernel::resolve, judged() ? gpu::kPassWords : gpu::kPassResults);
       finish("resolve");
     }
     judge();
@@ -51,7 +51,7 @@ class Steps {
     if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0);
     if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::slabEnds, gpu::kNone);
     if (input_.panes && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
-    if (input_.panes && input_.effects == StepsInput::Judged::all) fill(gpu::Array::echoCounts, gpu::kNone);
+    if (input_.panes && judged()) fill(gpu::Array::echoCounts, gpu::kNone);
   }
 
   // Scans shell by shell, near shells first, because near triangles hide many of the far ones. The device chooses where
@@ -136,10 +136,9 @@ class Steps {
       for (const uint32_t pass : {gpu::kPassWithinOne, gpu::kPassOthers})
         dispatchOnList(Kernel::effects_footprint, pass);
     if (input_.panes) dispatchOnList(Kernel::effects_panes, 0);
-    if (input_.surfaces) dispatchOnBeams("effects", Kernel::effects_surfaces);
-    if (input_.effects == StepsInput::Judged::all) dispatchOnBeams("effects", Kernel::effects);
+    if (judged()) dispatchOnBeams("effects", Kernel::effects);
     if (input_.effects == StepsInput::Judged::listed) dispatchOnList(Kernel::effects, gpu::kPassListed);
-    if (input_.footprint || input_.surfaces || input_.effects != StepsInput::Judged::none) finish("effects");
+    if (input_.footprint || input_.effects != StepsInput::Judged::none) finish("effects");
   }
 
   // The records come after the last group of beams, when the counters of this one are gone.
@@ -163,11 +162,13 @@ class Steps {
     dispatch("effects", kernel, std::min(groups, input_.frame.beams / 64 + 1), {}, pass);
   }
 
+  bool judged() const { return input_.effects == StepsInput::Judged::all; }
+
   // Dispatches one row of workgroups per channel; the beams of a list are one row.
-  void dispatchOnBeams(const char* stage, Kernel kernel) {
+  void dispatchOnBeams(const char* stage, Kernel kernel, uint32_t pass = 0) {
     const bool listed = input_.variant.options.LISTED != 0;
     const uint32_t columns = listed ? input_.frame.beams : input_.frame.columns;
-    dispatch(stage, kernel, (columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, {}, 0,
+    dispatch(stage, kernel, (columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, {}, pass,
              listed ? 1 : input_.frame.rows);
   }
 
@@ -204,7 +205,6 @@ class Steps {
       case Kernel::project_clusters: return gpu::kDeforms;
       case Kernel::project_triangles: return input_.looksAtSurfaces ? gpu::kDeformsAndStores : gpu::kDeforms;
       case Kernel::effects_panes:
-      case Kernel::effects_surfaces:
       case Kernel::effects: return input_.variant.options.MOTION != 0 ? gpu::kDeforms : gpu::kDeformsNothing;
       default: return gpu::kDeformsNothing;
     }

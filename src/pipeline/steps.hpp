@@ -43,7 +43,7 @@ struct StepsInput {
   DispatchSizes sizes;
   const gpu::Frame& frame;
   uint32_t shells;  ///< most shells of the scan
-  bool strays = false, panes = false, footprint = false, resolve = false, surfaces = false;
+  bool strays = false, panes = false, footprint = false, resolve = false;
   bool deformed = false;         ///< the scene has deformable meshes
   bool looksAtSurfaces = false;  ///< some kernels read the corners of the triangles that are hit
   bool holes = false;            ///< some places of the grid have no beam

@@ -10,7 +10,6 @@
 #include "effects_footprint.spv.h"
 #include "effects_panes.spv.h"
 #include "effects_strays.spv.h"
-#include "effects_surfaces.spv.h"
 #include "prefix_sum.spv.h"
 #include "project_clusters.spv.h"
 #include "project_groups.spv.h"
@@ -44,7 +43,6 @@ Module moduleOf(const Variant& variant) {
     case gnosphere::Kernel::effects_strays: return effects_strays;
     case gnosphere::Kernel::effects_footprint: return effects_footprint;
     case gnosphere::Kernel::effects_panes: return effects_panes;
-    case gnosphere::Kernel::effects_surfaces: return effects_surfaces;
     case gnosphere::Kernel::records: return records;
     case gnosphere::Kernel::effects: break;
   }

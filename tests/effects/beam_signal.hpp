@@ -25,7 +25,10 @@ struct BeamSignal {
   VolumeBox loadVolume(uint i) const { return volumes[i]; }
   bool isDead(uint beam) const { return (deadBeams[beam / 32] >> beam % 32 & 1) != 0; }
 
+  static constexpr uint MOST_ECHOES = kMaxEchoes;
+#define RETURNS uint(returns.size())
 #include "effects/signal.h"
+#undef RETURNS
 };
 
 }  // namespace gnosphere::gpu
