@@ -266,7 +266,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGrou
   using Judged = StepsInput::Judged;
   input.effects = plan_.judged() ? Judged::all : plan_.panes() ? Judged::listed : Judged::none;
   // Stage effects reads the nearest hits from the words, which lists have only after stage resolve.
-  input.resolve = !footprint && !leavesWords(binning_, plan_) && (lists || !plan_.judged());
+  input.resolve = !footprint && !leavesWords_ && (lists || !plan_.judged());
   return stepsOf(input, placed, still);
 }
 
