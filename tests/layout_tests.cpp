@@ -87,7 +87,7 @@ const Layouts kShared = {
     STRUCT(Optics4, reflection, passage, alphaImage),
     STRUCT(VolumeBox, row0, row1, row2, extinction, scatter, padding0, padding1),
     STRUCT(Echo, range, energy, width, cosIncidence, index),
-    STRUCT(Return, range, trueRange, intensity, width, label, echo, number, count),
+    STRUCT(Return, range, trueRange, intensity, width, label, echo, number, count, cause),
 };
 
 /// The structs that a SPIR-V module stores in buffers, without the enclosing blocks. A module has five header words,
