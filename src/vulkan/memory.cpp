@@ -42,22 +42,22 @@ void Recordings::retire(Buffer buffer) {
   if (recording_ > 0) retired_.push_back({recording_, std::move(buffer)});
 }
 
-// Most writes continue the one before them, so these are joined.
+// Runs of one memory that touch are joined: the copies of a recording are not ordered, so they must not overlap.
 void Recordings::add(const RecordedMemory& memory, uint64_t place, uint64_t bytes) {
-  if (!writes_.empty() && writes_.back().memory == &memory) {
-    Write& last = writes_.back();
-    const uint64_t end = std::max(last.place + last.bytes, place + bytes);
-    if (place <= last.place + last.bytes && place + bytes >= last.place) {
-      last.place = std::min(last.place, place);
-      last.bytes = end - last.place;
-      return;
-    }
+  std::map<uint64_t, uint64_t>& runs = writes_[&memory];
+  uint64_t end = place + bytes;
+  auto next = runs.upper_bound(place);
+  if (next != runs.begin() && std::prev(next)->second >= place) --next;
+  while (next != runs.end() && next->first <= end) {
+    place = std::min(place, next->first);
+    end = std::max(end, next->second);
+    next = runs.erase(next);
   }
-  writes_.push_back({&memory, place, bytes});
+  runs.emplace(place, end);
 }
 
 void Recordings::forget(const RecordedMemory& memory) {
-  std::erase_if(writes_, [&](const Write& write) { return write.memory == &memory; });
+  writes_.erase(&memory);
 }
 
 void Recordings::begin(CommandBuffer& commands, size_t number) {
@@ -66,18 +66,19 @@ void Recordings::begin(CommandBuffer& commands, size_t number) {
   // The recordings run in the order of their numbers, so with this one all before it have completed, too.
   std::erase_if(retired_, [&](const Retired& retired) { return retired.recording <= frame.recording; });
   uint64_t bytes = 0;
-  for (const Write& write : writes_) bytes += write.bytes;
+  for (const auto& [memory, runs] : writes_)
+    for (const auto& [place, end] : runs) bytes += end - place;
   if (frame.staging.bytes() < bytes || frame.staging.bytes() > std::max(bytes, kKeptStagingBytes))
     frame.staging = bytes > 0 ? Buffer(device_, "staging", bytes + bytes / 4, MemoryKind::upload) : Buffer();
   frame.recording = ++recording_;
   commands.fullBarrier();
   uint64_t at = 0;
-  for (const Write& write : std::exchange(writes_, {})) {
-    std::memcpy(static_cast<std::byte*>(frame.staging.mapped()) + at, write.memory->written() + write.place,
-                write.bytes);
-    commands.copy(frame.staging, write.memory->buffer(), {at, write.place, write.bytes});
-    at += write.bytes;
-  }
+  for (const auto& [memory, runs] : std::exchange(writes_, {}))
+    for (const auto& [place, end] : runs) {
+      std::memcpy(static_cast<std::byte*>(frame.staging.mapped()) + at, memory->written() + place, end - place);
+      commands.copy(frame.staging, memory->buffer(), {at, place, end - place});
+      at += end - place;
+    }
   if (at == 0) return;
   frame.staging.flush();
   commands.barrier();

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <vector>
 
 #include "vulkan/command_buffer.hpp"
@@ -80,10 +81,6 @@ class Recordings {
   void forget(const RecordedMemory& memory);
 
  private:
-  struct Write {
-    const RecordedMemory* memory;
-    uint64_t place, bytes;
-  };
   struct Retired {
     uint64_t recording;  // the last one that may use the buffer
     Buffer buffer;
@@ -96,7 +93,8 @@ class Recordings {
   const Device& device_;
   uint64_t recording_ = 0;  // number of the last recording
   std::deque<Frame> frames_;
-  std::vector<Write> writes_;
+  std::map<const RecordedMemory*, std::map<uint64_t, uint64_t>>
+      writes_;  // runs of bytes: from their place to their end
   std::vector<Retired> retired_;
 };
 

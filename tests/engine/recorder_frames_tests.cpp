@@ -226,6 +226,31 @@ TEST_CASE("meshes, instances and sensors come and go while frames are in flight"
   }
 }
 
+TEST_CASE("a mesh changes and another one comes before one recording") {
+  needVulkan();
+  VulkanApp app;
+  const Sensor sensor = gridSensor(90, 8, -18, 9);
+  Recorded recorded(app, boxes(), {sensor, Effects::none()}, plainOptions(), pointLayout());
+  recorded.scan({});
+  // The new mesh makes the arrays grow, so that all of them is copied, and then a part once more.
+  std::vector<float> positions = boxes().meshes[1].positions;
+  for (float& value : positions) value *= 1.5f;
+  TestOptions own = vulkanOptions();
+  own.device = {DeviceChoice::Kind::vulkan, app.deviceName()};
+  Simulator expected = makeSimulator(boxes(), sensor, own);
+  for (Simulator* each : {&recorded.simulator(), &expected}) {
+    each->setPositions(1, positions);
+    const auto mesh = static_cast<uint32_t>(each->addMesh(ball(40, 60, 1)));
+    each->addInstance(mesh, translation(-4, 4, 1));
+    each->setPositions(1, positions);
+  }
+  Scan scan;
+  expected.scanInto({}, scan);
+  std::vector<std::byte> rows(pointLayout().stride * scan.ranges.size());
+  rows.resize(pointLayout().stride * pack(scan, pointLayout(), rows));
+  CHECK(recorded.scan({}) == rows);
+}
+
 TEST_CASE("all memory comes from the caller's allocator, and goes back to it") {
   needVulkan();
   VulkanApp app;
