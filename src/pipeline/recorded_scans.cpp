@@ -44,7 +44,7 @@ void RecordedScans::forget(size_t sensor) {
 }
 
 uint64_t RecordedScans::bytes() const {
-  uint64_t sum = 0;
+  uint64_t sum = vertices_.bytes();
   for (const Slots& slots : frames_)
     for (const auto& [sensor, slot] : slots) sum += slot.placed.bytes();
   return sum;
@@ -52,10 +52,11 @@ uint64_t RecordedScans::bytes() const {
 
 std::vector<Recording::Result> RecordedScans::resultsOf(size_t frame, const std::vector<SensorArrays*>& sensors) {
   std::vector<Recording::Result> results;
+  const auto [nonFinite, degenerate] = scene_.geometry().vertexSources().dropped();
   for (auto& [index, slot] : frames_[frame]) {
     if (!slot.recorded) continue;
     SensorArrays& sensor = *sensors[index];
-    results.push_back({index, slot.frame, !sensor.cutShort(frame)});
+    results.push_back({index, slot.frame, !sensor.cutShort(frame), nonFinite, degenerate});
     if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(frame));
     if (!results.back().complete) sensor.growLists(frame);
     slot.recorded = false;
@@ -79,7 +80,9 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
   }
   if (frames_.size() <= recording.frame) frames_.resize(recording.frame + 1);
   machine_.beginRecording(recording.commands, recording.frame);
+  vertices_.readDropped(recording.frame);
   recording.results = resultsOf(recording.frame, sensors);
+  vertices_.record(recording.frame);
   for (const Recording::Item& item : recording.scans) record(recording, item, *sensors[item.shot->sensor]);
   machine_.endRecording();
 }
