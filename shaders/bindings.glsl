@@ -56,6 +56,7 @@ void loadMotion() {
 #undef shells
 #undef parameters
 #undef motion
+using CallerBuffer = uvec2;  // no kernel of CUDA reads it
 #define ARRAY(access_, type_, name_) type_* name_ = reinterpret_cast<type_*>(job.addresses.name_);
 #define BLOCK(access_, type_, name_) type_* name_##At = reinterpret_cast<type_*>(job.addresses.name_);
 GNO_ARRAYS(BLOCK, ARRAY)

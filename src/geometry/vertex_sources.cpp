@@ -80,7 +80,7 @@ void VertexSources::takeAgain() {
   for (auto& [mesh, entry] : sources_) entry.changed = anyChanged_ = true;
 }
 
-const VertexSources::Work& VertexSources::takeChanged() {
+const VertexSources::Work& VertexSources::changed() {
   work_.meshes.clear();
   work_.sources.clear();
   work_.buffers.clear();
@@ -93,10 +93,13 @@ const VertexSources::Work& VertexSources::takeChanged() {
     work_.meshes.push_back(mesh);
     work_.sources.push_back(entry.source);
     work_.buffers.push_back({entry.address});
-    entry.changed = false;
   }
-  anyChanged_ = false;
   return work_;
+}
+
+void VertexSources::taken() {
+  for (const size_t mesh : work_.meshes) sources_.at(mesh).changed = false;
+  anyChanged_ = false;
 }
 
 void VertexSources::setDropped(size_t mesh, const Dropped& dropped) {

@@ -49,8 +49,10 @@ class VertexSources {
     std::vector<gpu::CallerBuffer> buffers;
     std::vector<std::array<uint32_t, 2>> groups;
   };
-  /// Returns the meshes that have changed since the last call.
-  const Work& takeChanged();
+  /// Returns what has changed since taken() was called.
+  const Work& changed();
+  /// Must be called when a device takes what changed() has returned.
+  void taken();
 
   /// Triangles that a device has left out.
   struct Dropped {

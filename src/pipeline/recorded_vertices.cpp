@@ -30,7 +30,8 @@ void RecordedVertices::readDropped(size_t number) {
 }
 
 void RecordedVertices::record(size_t number) {
-  const VertexSources::Work& work = scene_.geometry().vertexSources().takeChanged();
+  VertexSources& vertexSources = scene_.geometry().vertexSources();
+  const VertexSources::Work& work = vertexSources.changed();
   if (work.groups.empty()) return;
   while (frames_.size() <= number) frames_.emplace_back();
   Frame& frame = frames_[number];
@@ -55,6 +56,7 @@ void RecordedVertices::record(size_t number) {
   steps[1].pass.placedCount = static_cast<uint32_t>(work.groups.size());
   steps[1].groupsX = std::min(machine_.traits().groups, steps[1].pass.placedCount);
   machine_.record(*frame.addresses, steps, arrays);
+  vertexSources.taken();
 }
 
 uint64_t RecordedVertices::bytes() const {

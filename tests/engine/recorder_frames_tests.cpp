@@ -100,17 +100,18 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
   needVulkan();
   VulkanApp app("", countingLookUp());
   const int frames = everyCombination() ? 1000 : 60;
-  Recorded recorded(app, boxes(), {gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(), pointLayout());
-  CHECK(calls.all > 20);
-  Shot shot;
   // The engine writes the vertices of the second mesh, in turns to one of two buffers.
   const std::vector<float> inner = boxes().meshes[1].positions;
   std::array<VulkanApp::Buffer, 2> vertices = {VulkanApp::Buffer(app, 4 * inner.size()),
                                                VulkanApp::Buffer(app, 4 * inner.size())};
+  Recorded recorded(app, boxes(), {gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(), pointLayout());
+  CHECK(calls.all > 20);
+  Shot shot;
   const auto next = [&] {
     ++shot.frame;
-    VulkanApp::Buffer& buffer = vertices[shot.frame % 2];
-    recorded.frame(shot.frame % 2).wait();
+    const size_t inFlight = (shot.frame - 1) % 2;
+    recorded.frame(inFlight).wait();
+    VulkanApp::Buffer& buffer = vertices[inFlight];
     std::memcpy(buffer.bytes().data(), inner.data(), 4 * inner.size());
     recorded.recorder().setVertices(1, {buffer.range().address, buffer.range().bytes});
     shot.pose.position = {0.01 * static_cast<double>(shot.frame % 100), 0.2, 0.1};

@@ -21,8 +21,8 @@ RecordLayout layoutWith(std::vector<Field> fields) {
   return layout;
 }
 
-/// A room, a ball twice, once mirrored, and a cloth of several groups of clusters and a flag. The last two are out of
-/// range, and of the cloth only the side that looks away is seen.
+/// A room, a ball three times, once mirrored, and a cloth of several groups of clusters and a flag. The last two are
+/// out of range, and of the cloth only the side that looks away is seen.
 Scene room() {
   Scene scene;
   scene.materials = {material(true), material(false)};
@@ -35,7 +35,8 @@ Scene room() {
                      {"", kBall, translation(6, 1, 0.5)},
                      {"", kBall, translation(-5, -6, 0.3) * scaling(2, -1.5, 1)},
                      {"", kCloth, {}},
-                     {"", kFlag, {}}};
+                     {"", kFlag, {}},
+                     {"", kBall, translation(-5, 3, 0.5) * scaling(0.5, 0.5, 0.5)}};
   return scene;
 }
 
@@ -294,10 +295,13 @@ TEST_CASE("meshes come and go beside vertices in the caller's buffers, and field
             layoutWith({Field::x, Field::normal, Field::barycentrics, Field::material, Field::triangle}));
   scans.requireSame();
 
-  // The arrays of the scene grow.
+  // The arrays of the scene grow, for a mesh that the library deforms.
   Mesh other = ball(40, 60, 1);
+  other.morphTargets = {other.positions};
   scans.change([&](Simulator& simulator) {
-    simulator.addInstance(static_cast<uint32_t>(simulator.addMesh(other)), translation(-4, 4, 1));
+    const size_t added = simulator.addMesh(other);
+    simulator.addInstance(static_cast<uint32_t>(added), translation(-4, 4, 1));
+    simulator.setDeformation(added, {{}, {0.3f}});
   });
   scans.requireSame();
 
