@@ -27,7 +27,7 @@
 #define GNO_SCENE_ARRAYS(BLOCK, ARRAY) \
   ARRAY(readonly, Group, groups) \
   ARRAY(readonly, Cluster, clusters) \
-  ARRAY(, vec3, positions)                   /* those of deformable meshes are written when their cluster is seen */ \
+  ARRAY(, vec3, positions)                   /* kernels write those of deformable meshes and of vertexSources */ \
   ARRAY(readonly, uvec2, triangleCorners)    /* three 8-bit vertex numbers of the cluster, index in the mesh */ \
   ARRAY(readonly, vec2, textureCoordinates)  /* per vertex */ \
   ARRAY(readonly, uint, meshTriangles)       /* per mesh: its first entry in triangleSlots */ \
@@ -40,6 +40,12 @@
   ARRAY(readonly, float, boneWeights)        /* per bone and vertex of its cluster: the joint's weight */ \
   ARRAY(readonly, vec4, jointRows)           /* three per joint: its map, row by row */ \
   ARRAY(readonly, float, morphWeights)       /* per morph target of a mesh */ \
+  ARRAY(readonly, VertexSource, vertexSources)  /* per mesh whose vertices are taken from a buffer of the caller */ \
+  ARRAY(readonly, CallerBuffer, vertexBuffers)  /* per such mesh: where its first vertex is */ \
+  ARRAY(, uint, droppedTriangles)            /* two per such mesh: triangles with a corner that is not finite; others */ \
+                                             /* with two corners at one place */ \
+  ARRAY(readonly, uvec2, sourceGroups)       /* per group of such a mesh: its entry in vertexSources, the group */ \
+  ARRAY(readonly, uint, vertexNumbers)       /* per vertex of such a mesh, as in positions: its number in the mesh */ \
   ARRAY(readonly, Instance, instances) \
   ARRAY(readonly, uint, instanceMeshes) \
   ARRAY(readonly, uvec2, placed)             /* per placed group: its instance and its group */ \

@@ -5,8 +5,19 @@
 
 #ifdef VULKAN
 
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CallerMemory { uint at[]; };
+struct CallerBuffer {
+  CallerMemory memory;
+};
+
+// A kernel that runs outside of scans may write every array.
+#ifdef OUTSIDE_OF_SCANS
+#define ARRAY(access_, type_, name_) \
+  layout(buffer_reference, scalar, buffer_reference_align = 16) buffer name_##Array { type_ at[]; };
+#else
 #define ARRAY(access_, type_, name_) \
   layout(buffer_reference, scalar, buffer_reference_align = 16) access_ buffer name_##Array { type_ at[]; };
+#endif
 GNO_ARRAYS(ARRAY, ARRAY)
 #undef ARRAY
 
@@ -25,8 +36,10 @@ GNO_ARRAYS(BLOCK, ARRAY)
 #undef ARRAY
 #undef BLOCK
 
+#ifndef OUTSIDE_OF_SCANS
 // The frame is copied once because it is read often: a compiler must reload memory after each store that may alias it.
 Frame frame = frameAt.at[0];
+#endif
 MotionBounds motion;  // copied by loadMotion() for the same reason; a scan without motion has no such array
 void loadMotion() {
   if (MOTION) motion = motionAt.at[0];
@@ -43,6 +56,7 @@ void loadMotion() {
 #undef shells
 #undef parameters
 #undef motion
+using CallerBuffer = uvec2;  // no kernel of CUDA reads it
 #define ARRAY(access_, type_, name_) type_* name_ = reinterpret_cast<type_*>(job.addresses.name_);
 #define BLOCK(access_, type_, name_) type_* name_##At = reinterpret_cast<type_*>(job.addresses.name_);
 GNO_ARRAYS(BLOCK, ARRAY)

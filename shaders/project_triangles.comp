@@ -26,6 +26,7 @@
 #include "lanes.glsl"
 #include "to_sensor.glsl"
 #include "cull.glsl"
+#include "limits.glsl"
 #include "deformed.glsl"
 #include "cluster_corners.glsl"
 #include "inside.glsl"
@@ -45,12 +46,6 @@ struct Projected {
   mat3 velocities;     // of the corners; only with motion, as is the next one
   bool moves;          // the triangle itself
 };
-
-// Tests the bits, because the compiler may assume that NaN does not occur.
-bool inLimits(vec3 p) {
-  uvec3 magnitude = floatBitsToUint(p) & 0x7fffffffu;
-  return all(lessThanEqual(magnitude, uvec3(floatBitsToUint(kCoordinateLimit))));
-}
 
 // True only if rounding cannot have changed the side; otherwise the inside test decides for each beam.
 bool facesAway(vec3 a, vec3 b, vec3 c) {

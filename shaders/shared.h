@@ -15,6 +15,10 @@ using glm::vec3;
 struct alignas(16) vec4 {
   float x, y, z, w;
 };
+/// Memory of the caller by its address. Only Vulkan's bindings have it in GLSL.
+struct CallerBuffer {
+  uint64_t memory;
+};
 #define GNO_CONST inline constexpr
 #else
 #define GNO_CONST const
@@ -180,6 +184,12 @@ GNO_CONST uint kDeformsNothing = 0;
 GNO_CONST uint kDeforms = 1;
 GNO_CONST uint kDeformsAndStores = 2;  // project stores the vertices, because later kernels read them
 
+// Coordinates in buffers of the caller.
+GNO_CONST uint kVertexF32 = 0;      // single precision, taken as they are
+GNO_CONST uint kVertexU16 = 1;      // unsigned integers of 16 bits
+GNO_CONST uint kVertexS16 = 2;      // signed ones
+GNO_CONST uint kVertexSnorm16 = 3;  // signed ones, of which -32768 means the same as -32767
+
 // Types of values in memory; the numbers of ValueType.
 GNO_CONST uint kTypeF32 = 0;
 GNO_CONST uint kTypeF64 = 1;
@@ -244,6 +254,17 @@ struct Bone {
   uint joint;        // kNone: the mesh has no joints
   vec3 high;         // upper corner
   uint weightFirst;  // the first entry in boneWeights
+};
+
+// A mesh whose vertices lie in a buffer of the caller, and the runs of arrays to which they are taken. A position is
+// value * scale + offset, except that floats are the position.
+struct VertexSource {
+  vec3 scale;
+  uint stride;  // bytes from one position to the next
+  vec3 offset;
+  uint format;       // kVertex...
+  uint numberFirst;  // first entry in vertexNumbers
+  uint vertexFirst;  // and in positions
 };
 
 // A corner of a projected triangle in the sensor's frame, with the tag that arrays.h describes.
@@ -407,7 +428,7 @@ struct MotionBounds {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(MotionBounds) == 76);
+static_assert(sizeof(MotionBounds) == 76 && sizeof(VertexSource) == 40);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 112 &&

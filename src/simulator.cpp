@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "effects/sensor_plan.hpp"
+#include "geometry/vertex_sources.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
 #include "pipeline/recording.hpp"
@@ -338,6 +339,16 @@ class Simulator::Impl {
     backend_->setDeformation(mesh, deformation);
   }
 
+  void setVertices(size_t mesh, const CallerVertices& buffer) {
+    meshes_.check(mesh);
+    const std::string name = "mesh " + std::to_string(mesh);
+    if (scene_.meshes[mesh].deformable())
+      throw Error(ErrorCode::invalidArgument,
+                  name + " follows joints or morph targets; its vertices cannot come from a buffer");
+    validate(buffer, vertexCounts_[mesh], name);
+    backend_->setVertices(mesh, buffer);
+  }
+
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId) {
     meshes_.check(mesh);
     const size_t index = instances_.next();
@@ -496,6 +507,9 @@ void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(si
 
 void Simulator::record(Recording& recording) {
   impl_->record(recording);
+}
+void Simulator::setVertices(size_t mesh, const CallerVertices& buffer) {
+  impl_->setVertices(mesh, buffer);
 }
 
 size_t Simulator::addSensor(const SensorRequest& request) {

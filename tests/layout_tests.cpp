@@ -54,6 +54,8 @@ const Layouts kShared = {
     STRUCT(Cluster, low, vertexFirst, high, triangleFirst, coneAxis, cone, vertexCount, triangleCount, doubleSided,
            material),
     STRUCT(Group, low, clusterFirst, high, clusterCount),
+    STRUCT(CallerBuffer, memory),
+    STRUCT(VertexSource, scale, stride, offset, format, numberFirst, vertexFirst),
     STRUCT(TaggedCorner, corner, tag),
     STRUCT(SurfaceRecord, normal, material),
     STRUCT(SignalRecord, intensity, trueRange, width, word),

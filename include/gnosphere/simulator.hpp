@@ -26,6 +26,7 @@ struct AdoptedDevice;
 class Recorder;
 }  // namespace vulkan
 struct Recording;
+struct CallerVertices;
 
 /// The accuracy setting: named choices of the parts in AccuracyParts.
 enum class Accuracy {
@@ -303,6 +304,7 @@ class GNOSPHERE_API Simulator {
   friend class vulkan::Recorder;
   class Impl;
   void record(Recording& recording);
+  void setVertices(size_t mesh, const CallerVertices& buffer);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -82,6 +83,20 @@ struct DeviceRange {
   VkDeviceSize bytes = 0;
 };
 
+/// The positions of a mesh's vertices in a buffer of the caller's device, which was created with the same usages as
+/// that of a DeviceRange. Other attributes may lie between the positions.
+struct VertexBuffer {
+  VkDeviceAddress address = 0;  ///< of the first position; a multiple of 4
+  VkDeviceSize bytes = 0;       ///< from there to the end of the buffer
+  uint32_t stride = 12;         ///< bytes from one position to the next; a multiple of 4, or of 2 for 16-bit formats
+  /// VK_FORMAT_R32G32B32_SFLOAT, or R16G16B16 with UNORM, SNORM, USCALED or SSCALED; each also with a fourth component,
+  /// which is not looked at. Floats are positions in metres relative to Mesh::origin.
+  VkFormat format = VK_FORMAT_R32G32B32_SFLOAT;
+  /// Of 16-bit formats, by axis: position = value * scale + offset, in metres relative to Mesh::origin. Value is what
+  /// the format says; the library computes in single precision integer * (scale / 65535) + offset, or 32767 for SNORM.
+  std::array<float, 3> scale = {1, 1, 1}, offset = {};
+};
+
 /// A scan to be recorded, and the buffers for its results.
 struct RecordedShot {
   Shot shot;
@@ -95,6 +110,9 @@ struct RecordedScan {
   uint64_t frame = 0;  ///< Shot::frame
   /// False if a list was too small: the results may lack hits. The list has grown; the next recorded scan has room.
   bool complete = true;
+  /// Triangles of the meshes of Recorder::setVertices() that the scan left out: with a corner that is not finite or
+  /// beyond 1e9 m, and others with two corners at one place. Each mesh counts once, however often it is placed.
+  uint32_t nonFinite = 0, degenerate = 0;
 };
 
 /// Records the scans of a simulator on an adopted device into the caller's command buffers. The caller has several
@@ -111,6 +129,14 @@ class GNOSPHERE_API Recorder {
   /// that were recorded with this number before. Throws Error(invalidArgument) for invalid shots and buffers, in which
   /// case nothing is recorded, and Error(outOfMemory).
   std::vector<RecordedScan> record(VkCommandBuffer commands, size_t frame, std::span<const RecordedShot> shots);
+
+  /// From the next recording on, the vertices of a mesh are those in a buffer of the caller, as
+  /// Simulator::setPositions() would set them, but read by the recorded commands. Must be called again whenever the
+  /// buffer's content has changed, with the same buffer or with another one. The content must stay until then, because
+  /// the library reads it again when its own arrays grow. Simulator::setPositions() ends this, and so does the removal
+  /// of the mesh. Throws Error(invalidArgument) for a mesh that does not exist or is deformable, and for a buffer that
+  /// cannot have its vertices, and Error(outOfMemory).
+  void setVertices(size_t mesh, const VertexBuffer& vertices);
 
  private:
   Simulator& simulator_;

@@ -224,6 +224,7 @@ void PackedGeometry::replace(size_t index, const Mesh& mesh, const std::vector<M
 void PackedGeometry::remove(size_t index) {
   giveBack(meshes_[index]);
   deformables_.remove(index);
+  vertexSources_.remove(index);
   meshes_[index] = {flatten({}, {}), 0, 0, 0, 0, {}, {}};
   instances_.setMesh(index, {});
 }
@@ -255,7 +256,33 @@ void PackedGeometry::setDeformation(size_t index, const Deformation& deformation
   instances_.setMesh(index, summaryOf(entry.flat, entry.group, entry.origin));
 }
 
+// Prepares a mesh for vertices that only the device knows. All its triangles may become usable, and their normals may
+// point anywhere. The instances of the mesh may be anywhere, too; the device culls by the boxes of groups.
+void PackedGeometry::releaseVertices(size_t index) {
+  Entry& entry = meshes_[index];
+  vertexSources_.add(index, entry.flat, entry.group, entry.vertex);
+  FlatMesh& flat = entry.flat;
+  flat.nonFinite = flat.degenerate = 0;
+  for (size_t i = 0; i < flat.clusterCount(); ++i) {
+    flat.clusters[i].triangleCount =
+        static_cast<uint32_t>(flat.clusters[i + 1].firstTriangle - flat.clusters[i].firstTriangle);
+    flat.clusters[i].cone = {};
+  }
+  const std::vector<gpu::Cluster> clusters = packedClusters(entry);
+  memory_.write(Array::clusters, entry.cluster * sizeof(gpu::Cluster), std::as_bytes(std::span(clusters)));
+  MeshSummary summary = summaryOf(flat, entry.group, entry.origin);
+  summary.low = glm::dvec3(-gpu::kCoordinateLimit);
+  summary.high = -summary.low;
+  instances_.setMesh(index, summary);
+}
+
+void PackedGeometry::setVertices(size_t index, const CallerVertices& vertices) {
+  if (!vertexSources_.has(index)) releaseVertices(index);
+  vertexSources_.set(index, vertices);
+}
+
 void PackedGeometry::setPositions(size_t index, std::span<const float> positions) {
+  vertexSources_.remove(index);
   Entry& entry = meshes_[index];
   FlatMesh& flat = entry.flat;
   flat.nonFinite = flat.degenerate = 0;

@@ -10,6 +10,7 @@
 #include "geometry/instance_table.hpp"
 #include "geometry/ranges.hpp"
 #include "geometry/scene_memory.hpp"
+#include "geometry/vertex_sources.hpp"
 
 namespace gnosphere {
 
@@ -18,7 +19,7 @@ class PackedGeometry {
  public:
   /// Writes into `memory` and adds the meshes to `instances`; both must outlive this object.
   PackedGeometry(SceneMemory& memory, InstanceTable& instances)
-      : memory_(memory), instances_(instances), deformables_(memory) {}
+      : memory_(memory), instances_(instances), deformables_(memory), vertexSources_(memory) {}
 
   /// Adds meshes after the existing ones. If it throws Error(outOfMemory), none is added.
   void add(std::span<const Mesh> meshes, const std::vector<Material>& materials);
@@ -30,6 +31,9 @@ class PackedGeometry {
   void setPositions(size_t index, std::span<const float> positions);
   /// Deforms a mesh that is deformable.
   void setDeformation(size_t index, const Deformation& deformation);
+  /// From now on a device takes the vertices of a mesh, which is not deformable, from a buffer, until setPositions().
+  void setVertices(size_t index, const CallerVertices& vertices);
+  VertexSources& vertexSources() { return vertexSources_; }  ///< the meshes of setVertices()
 
   /// From now on also keeps meshTriangles and triangleSlots, by which a triangle is found from its mesh and index.
   void addSlots();
@@ -53,6 +57,7 @@ class PackedGeometry {
   void giveBack(const Entry& entry);
   void reserve();
   void write(std::span<Entry> entries);
+  void releaseVertices(size_t index);
   void writeMeshTriangles();
   std::vector<uint32_t> slotsOf(const Entry& entry, std::span<const FlatTriangle> triangles) const;
   std::vector<FlatTriangle> trianglesOf(const Entry& entry) const;
@@ -63,6 +68,7 @@ class PackedGeometry {
   SceneMemory& memory_;
   InstanceTable& instances_;
   Deformables deformables_;
+  VertexSources vertexSources_;
   std::vector<Entry> meshes_;
   Ranges groups_, clusters_, vertices_, triangles_;
   bool slots_ = false, textured_ = false;

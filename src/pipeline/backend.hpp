@@ -8,6 +8,7 @@ namespace gnosphere {
 
 struct Recording;
 struct SensorPlan;
+struct CallerVertices;
 
 /// Computes the scans of one scene. Implemented by device_backend (on vulkan/ or cuda/) and by reference/.
 class Backend {
@@ -29,6 +30,9 @@ class Backend {
   virtual void setPositions(size_t mesh, std::span<const float> positions) = 0;
   /// Deforms the mesh, which is deformable; the deformation fits it.
   virtual void setDeformation(size_t mesh, const Deformation& deformation) = 0;
+  /// The vertices of the mesh, which is not deformable, are in a valid buffer of the caller. Only a device of the
+  /// caller is asked for this.
+  virtual void setVertices(size_t /*mesh*/, const CallerVertices& /*buffer*/) {}
   virtual Plan plan(size_t sensor) const = 0;
   virtual const DeviceInfo& device() const = 0;
   virtual MemoryUse memory() const = 0;

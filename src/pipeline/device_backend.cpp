@@ -119,6 +119,12 @@ class DeviceBackend final : public Backend {
     scene_.geometry().setDeformation(mesh, deformation);
   }
 
+  void setVertices(size_t mesh, const CallerVertices& buffer) override {
+    recorded_.takeVertices();
+    scene_.geometry().setVertices(mesh, buffer);
+    machine_->throwOnMessages();
+  }
+
   Plan plan(size_t sensor) const override { return sensors_[sensor]->arrays.plan(); }
   const DeviceInfo& device() const override { return machine_->traits().info; }
   size_t clusterCount() const override { return scene_.geometry().clusterCount(); }

@@ -9,8 +9,9 @@
 
 namespace gnosphere {
 
-/// The kernels in the order in which a scan runs them, with the names of the shaders.
+/// The kernels in the order in which they run, with the names of the shaders. All but the first belong to a scan.
 enum class Kernel : uint32_t {
+  fit_clusters,
   project_groups,
   project_clusters,
   project_triangles,
@@ -26,8 +27,8 @@ enum class Kernel : uint32_t {
 
 inline const char* nameOf(Kernel kernel) {
   constexpr const char* kNames[] = {
-      "project_groups", "project_clusters",  "project_triangles", "bin",     "prefix_sum", "resolve",
-      "effects_strays", "effects_footprint", "effects_panes",     "effects", "records"};
+      "fit_clusters", "project_groups", "project_clusters",  "project_triangles", "bin",     "prefix_sum",
+      "resolve",      "effects_strays", "effects_footprint", "effects_panes",     "effects", "records"};
   return kNames[static_cast<uint32_t>(kernel)];
 }
 

@@ -49,7 +49,7 @@ void RecordedScans::forget(size_t sensor) {
 }
 
 uint64_t RecordedScans::bytes() const {
-  uint64_t sum = 0;
+  uint64_t sum = vertices_.bytes();
   for (const Slots& slots : frames_)
     for (const auto& [sensor, slot] : slots)
       for (const Run& run : slot.runs) sum += run.placed.bytes();
@@ -58,6 +58,7 @@ uint64_t RecordedScans::bytes() const {
 
 std::vector<Recording::Result> RecordedScans::resultsOf(size_t frame, const std::vector<SensorArrays*>& sensors) {
   std::vector<Recording::Result> results;
+  const auto [nonFinite, degenerate] = scene_.geometry().vertexSources().dropped();
   for (auto& [index, slot] : frames_[frame]) {
     if (!slot.recorded) continue;
     SensorArrays& sensor = *sensors[index];
@@ -70,7 +71,7 @@ std::vector<Recording::Result> RecordedScans::resultsOf(size_t frame, const std:
       complete = false;
       sensor.growLists(run);
     }
-    results.push_back({index, slot.frame, complete});
+    results.push_back({index, slot.frame, complete, nonFinite, degenerate});
     slot.recorded = false;
   }
   return results;
@@ -92,7 +93,9 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
   }
   if (frames_.size() <= recording.frame) frames_.resize(recording.frame + 1);
   machine_.beginRecording(recording.commands, recording.frame);
+  vertices_.readDropped(recording.frame);
   recording.results = resultsOf(recording.frame, sensors);
+  vertices_.record(recording.frame);
   for (const Recording::Item& item : recording.scans) record(recording, item, *sensors[item.shot->sensor]);
   machine_.endRecording();
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "pipeline/recorded_vertices.hpp"
 #include "pipeline/recording.hpp"
 #include "pipeline/scene_arrays.hpp"
 #include "pipeline/sensor_arrays.hpp"
@@ -14,13 +15,15 @@ namespace gnosphere {
 
 class RecordedScans {
  public:
-  RecordedScans(Machine& machine, SceneArrays& scene) : machine_(machine), scene_(scene) {}
+  RecordedScans(Machine& machine, SceneArrays& scene) : machine_(machine), scene_(scene), vertices_(machine, scene) {}
 
   /// Records the scans. `sensors` has the arrays by sensor. Lists that were too small for the scans recorded before
   /// grow first.
   void record(Recording& recording, const std::vector<SensorArrays*>& sensors);
   /// Must be called before the arrays of a sensor are destroyed.
   void forget(size_t sensor);
+  /// Must be called when the vertices of a mesh come from a buffer of the caller.
+  void takeVertices() { vertices_.prepare(); }
   uint64_t bytes() const;
 
  private:
@@ -43,6 +46,7 @@ class RecordedScans {
 
   Machine& machine_;
   SceneArrays& scene_;
+  RecordedVertices vertices_;
   std::vector<Slots> frames_;
 };
 

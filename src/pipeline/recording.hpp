@@ -23,6 +23,7 @@ struct Recording {
     size_t sensor;
     uint64_t frame;
     bool complete;
+    uint32_t nonFinite, degenerate;  // triangles that were left out of meshes with vertices of the caller
   };
 
   void* commands = nullptr;  ///< null: nothing is recorded, only checked whether the simulator can record at all

@@ -73,6 +73,8 @@ void SceneArrays::reserve(Array array, uint64_t bytes) {
     larger->write(place, run);
   }
   memory = std::move(larger);
+  // What the device itself has written to the array is lost.
+  geometry_.vertexSources().takeAgain();
 }
 
 void SceneArrays::write(Array array, uint64_t place, std::span<const std::byte> data) {

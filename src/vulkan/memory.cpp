@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
 #include <utility>
 
 namespace gnosphere::vulkan {
@@ -43,36 +42,22 @@ void Recordings::retire(Buffer buffer) {
   if (recording_ > 0) retired_.push_back({recording_, std::move(buffer)});
 }
 
-bool Recordings::join(Write& to, const Write& write) {
-  if (to.memory != write.memory || write.place > to.place + to.bytes || to.place > write.place + write.bytes)
-    return false;
-  const uint64_t end = std::max(to.place + to.bytes, write.place + write.bytes);
-  to.place = std::min(to.place, write.place);
-  to.bytes = end - to.place;
-  return true;
-}
-
-// Most writes continue the one before them.
+// Runs of one memory that touch are joined: the copies of a recording are not ordered, so they must not overlap.
 void Recordings::add(const RecordedMemory& memory, uint64_t place, uint64_t bytes) {
-  const Write write = {&memory, place, bytes};
-  if (writes_.empty() || !join(writes_.back(), write)) writes_.push_back(write);
-}
-
-// The copies of one recording have no barriers between them, so no two of them may have a byte in common.
-std::vector<Recordings::Write> Recordings::takeWrites() {
-  std::vector<Write> writes = std::exchange(writes_, {});
-  std::sort(writes.begin(), writes.end(), [](const Write& a, const Write& b) {
-    return a.memory != b.memory ? std::less<>()(a.memory, b.memory) : a.place < b.place;
-  });
-  size_t count = 0;
-  for (const Write& write : writes)
-    if (count == 0 || !join(writes[count - 1], write)) writes[count++] = write;
-  writes.resize(count);
-  return writes;
+  std::map<uint64_t, uint64_t>& runs = writes_[&memory];
+  uint64_t end = place + bytes;
+  auto next = runs.upper_bound(place);
+  if (next != runs.begin() && std::prev(next)->second >= place) --next;
+  while (next != runs.end() && next->first <= end) {
+    place = std::min(place, next->first);
+    end = std::max(end, next->second);
+    next = runs.erase(next);
+  }
+  runs.emplace(place, end);
 }
 
 void Recordings::forget(const RecordedMemory& memory) {
-  std::erase_if(writes_, [&](const Write& write) { return write.memory == &memory; });
+  writes_.erase(&memory);
 }
 
 void Recordings::begin(CommandBuffer& commands, size_t number) {
@@ -80,20 +65,20 @@ void Recordings::begin(CommandBuffer& commands, size_t number) {
   Frame& frame = frames_[number];
   // The recordings run in the order of their numbers, so with this one all before it have completed, too.
   std::erase_if(retired_, [&](const Retired& retired) { return retired.recording <= frame.recording; });
-  const std::vector<Write> writes = takeWrites();
   uint64_t bytes = 0;
-  for (const Write& write : writes) bytes += write.bytes;
+  for (const auto& [memory, runs] : writes_)
+    for (const auto& [place, end] : runs) bytes += end - place;
   if (frame.staging.bytes() < bytes || frame.staging.bytes() > std::max(bytes, kKeptStagingBytes))
     frame.staging = bytes > 0 ? Buffer(device_, "staging", bytes + bytes / 4, MemoryKind::upload) : Buffer();
   frame.recording = ++recording_;
   commands.fullBarrier();
   uint64_t at = 0;
-  for (const Write& write : writes) {
-    std::memcpy(static_cast<std::byte*>(frame.staging.mapped()) + at, write.memory->written() + write.place,
-                write.bytes);
-    commands.copy(frame.staging, write.memory->buffer(), {at, write.place, write.bytes});
-    at += write.bytes;
-  }
+  for (const auto& [memory, runs] : std::exchange(writes_, {}))
+    for (const auto& [place, end] : runs) {
+      std::memcpy(static_cast<std::byte*>(frame.staging.mapped()) + at, memory->written() + place, end - place);
+      commands.copy(frame.staging, memory->buffer(), {at, place, end - place});
+      at += end - place;
+    }
   if (at == 0) return;
   frame.staging.flush();
   commands.barrier();

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <vector>
 
 #include "vulkan/command_buffer.hpp"
@@ -80,15 +81,6 @@ class Recordings {
   void forget(const RecordedMemory& memory);
 
  private:
-  struct Write {
-    const RecordedMemory* memory;
-    uint64_t place, bytes;
-  };
-  /// Makes `to` both writes if they touch each other; returns whether they do.
-  static bool join(Write& to, const Write& write);
-  /// Returns the writes since the last recording, without overlaps.
-  std::vector<Write> takeWrites();
-
   struct Retired {
     uint64_t recording;  // the last one that may use the buffer
     Buffer buffer;
@@ -101,7 +93,8 @@ class Recordings {
   const Device& device_;
   uint64_t recording_ = 0;  // number of the last recording
   std::deque<Frame> frames_;
-  std::vector<Write> writes_;
+  std::map<const RecordedMemory*, std::map<uint64_t, uint64_t>>
+      writes_;  // runs of bytes: from their place to their end
   std::vector<Retired> retired_;
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "geometry/vertex_sources.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/vulkan.hpp"
 #include "pipeline/recording.hpp"
@@ -7,6 +8,18 @@ namespace gnosphere::vulkan {
 namespace {
 
 constexpr size_t kMostFrames = 16;
+
+/// What a vertex format means: how a device reads it, and the number by which its integers are divided.
+struct Format {
+  VkFormat three, four;  // with three and with four components
+  uint32_t format;
+  double divisor;
+};
+constexpr Format kFormats[] = {{VK_FORMAT_R32G32B32_SFLOAT, VK_FORMAT_R32G32B32A32_SFLOAT, gpu::kVertexF32, 1},
+                               {VK_FORMAT_R16G16B16_UNORM, VK_FORMAT_R16G16B16A16_UNORM, gpu::kVertexU16, 65535},
+                               {VK_FORMAT_R16G16B16_SNORM, VK_FORMAT_R16G16B16A16_SNORM, gpu::kVertexSnorm16, 32767},
+                               {VK_FORMAT_R16G16B16_USCALED, VK_FORMAT_R16G16B16A16_USCALED, gpu::kVertexU16, 1},
+                               {VK_FORMAT_R16G16B16_SSCALED, VK_FORMAT_R16G16B16A16_SSCALED, gpu::kVertexS16, 1}};
 
 }  // namespace
 
@@ -34,8 +47,21 @@ std::vector<RecordedScan> Recorder::record(VkCommandBuffer commands, size_t fram
   simulator_.record(recording);
   std::vector<RecordedScan> results;
   for (const Recording::Result& result : recording.results)
-    results.push_back({result.sensor, result.frame, result.complete});
+    results.push_back({result.sensor, result.frame, result.complete, result.nonFinite, result.degenerate});
   return results;
+}
+
+void Recorder::setVertices(size_t mesh, const VertexBuffer& vertices) {
+  for (const Format& known : kFormats) {
+    if (vertices.format != known.three && vertices.format != known.four) continue;
+    CallerVertices buffer = {vertices.address, vertices.bytes, vertices.stride, known.format};
+    for (int axis = 0; axis < 3; ++axis) buffer.scale[axis] = static_cast<float>(vertices.scale[axis] / known.divisor);
+    buffer.offset = vertices.offset;
+    return simulator_.setVertices(mesh, buffer);
+  }
+  throw Error(ErrorCode::invalidArgument, "mesh " + std::to_string(mesh) + ": positions cannot have the VkFormat " +
+                                              std::to_string(vertices.format) +
+                                              "; see vulkan::VertexBuffer for those that they can have");
 }
 
 }  // namespace gnosphere::vulkan

@@ -100,10 +100,19 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
   const Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {0, 2, 0}, {-1, 0, 0}}, rosette(300, 0.9)));
   Recorded recorded(app, scene, {far ? rig : gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(),
                     pointLayout());
+  // The engine writes the vertices of the second mesh, in turns to one of two buffers.
+  const std::vector<float> inner = boxes().meshes[1].positions;
+  std::array<VulkanApp::Buffer, 2> vertices = {VulkanApp::Buffer(app, 4 * inner.size()),
+                                               VulkanApp::Buffer(app, 4 * inner.size())};
   CHECK(calls.all > 20);
   Shot shot;
   const auto next = [&] {
     ++shot.frame;
+    const size_t inFlight = (shot.frame - 1) % 2;
+    recorded.frame(inFlight).wait();
+    VulkanApp::Buffer& buffer = vertices[inFlight];
+    std::memcpy(buffer.bytes().data(), inner.data(), 4 * inner.size());
+    recorded.recorder().setVertices(1, {buffer.range().address, buffer.range().bytes});
     shot.pose.position = {0.01 * static_cast<double>(shot.frame % 100), 0.2, 0.1};
     recorded.simulator().setTransform(1, translation(6, 0.02 * static_cast<double>(shot.frame % 100), 0));
     if (far) recorded.simulator().setDeformation(2, bend(random, scene.meshes[2]));
@@ -236,6 +245,31 @@ TEST_CASE("meshes, instances and sensors come and go while frames are in flight"
     if (round == 2) bytes = use.scene + use.sensor + use.work;
     if (round > 2) REQUIRE(use.scene + use.sensor + use.work <= bytes);
   }
+}
+
+TEST_CASE("a mesh changes and another one comes before one recording") {
+  needVulkan();
+  VulkanApp app;
+  const Sensor sensor = gridSensor(90, 8, -18, 9);
+  Recorded recorded(app, boxes(), {sensor, Effects::none()}, plainOptions(), pointLayout());
+  recorded.scan({});
+  // The new mesh makes the arrays grow, so that all of them is copied, and then a part once more.
+  std::vector<float> positions = boxes().meshes[1].positions;
+  for (float& value : positions) value *= 1.5f;
+  TestOptions own = vulkanOptions();
+  own.device = {DeviceChoice::Kind::vulkan, app.deviceName()};
+  Simulator expected = makeSimulator(boxes(), sensor, own);
+  for (Simulator* each : {&recorded.simulator(), &expected}) {
+    each->setPositions(1, positions);
+    const auto mesh = static_cast<uint32_t>(each->addMesh(ball(40, 60, 1)));
+    each->addInstance(mesh, translation(-4, 4, 1));
+    each->setPositions(1, positions);
+  }
+  Scan scan;
+  expected.scanInto({}, scan);
+  std::vector<std::byte> rows(pointLayout().stride * scan.ranges.size());
+  rows.resize(pointLayout().stride * pack(scan, pointLayout(), rows));
+  CHECK(recorded.scan({}) == rows);
 }
 
 TEST_CASE("all memory comes from the caller's allocator, and goes back to it") {

@@ -60,7 +60,8 @@ class VulkanApp {
       const auto& vk = app.vk_;
       VkBufferCreateInfo create = {VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
       create.size = bytes + 2 * kGuard;
-      create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+      create.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
+                     VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
       REQUIRE(vk.vkCreateBuffer(app.device_, &create, nullptr, &buffer_) == VK_SUCCESS);
       VkMemoryRequirements requirements;
       vk.vkGetBufferMemoryRequirements(app.device_, buffer_, &requirements);
@@ -89,6 +90,12 @@ class VulkanApp {
       return {app_.vk_.vkGetBufferDeviceAddress(app_.device_, &where) + kGuard, bytes_};
     }
     std::span<const std::byte> bytes() const { return {host_ + kGuard, bytes_}; }
+    std::span<std::byte> bytes() { return {host_ + kGuard, bytes_}; }
+    /// Records a copy of all of another buffer of this size to this one.
+    void copyFrom(VkCommandBuffer commands, const Buffer& other) {
+      const VkBufferCopy region = {kGuard, kGuard, bytes_};
+      app_.vk_.vkCmdCopyBuffer(commands, other.buffer_, buffer_, 1, &region);
+    }
     template <typename T>
     const T* as() const {
       return reinterpret_cast<const T*>(host_ + kGuard);

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/recorded_vertices.hpp"
+
+#include <algorithm>
+
+namespace gnosphere {
+namespace {
+
+using gpu::Array;
+
+const Variant kFitClusters = {Kernel::fit_clusters, {}, false};
+
+}  // namespace
+
+void RecordedVertices::prepare() {
+  if (prepared_) return;
+  machine_.prepare(kFitClusters);
+  machine_.prepared();
+  prepared_ = true;
+}
+
+void RecordedVertices::readDropped(size_t number) {
+  if (number >= frames_.size() || frames_[number].meshes.empty()) return;
+  Frame& frame = frames_[number];
+  frame.dropped->invalidate();
+  const auto* dropped = static_cast<const VertexSources::Dropped*>(frame.dropped->host());
+  for (size_t i = 0; i < frame.meshes.size(); ++i)
+    scene_.geometry().vertexSources().setDropped(frame.meshes[i], dropped[i]);
+  frame.meshes.clear();
+}
+
+void RecordedVertices::record(size_t number) {
+  VertexSources& vertexSources = scene_.geometry().vertexSources();
+  const VertexSources::Work& work = vertexSources.changed();
+  if (work.groups.empty()) return;
+  while (frames_.size() <= number) frames_.emplace_back();
+  Frame& frame = frames_[number];
+  if (!frame.addresses) frame.addresses = machine_.allocate("addresses", sizeof(gpu::Addresses), MemoryKind::upload);
+  BoundArrays arrays = {};
+  scene_.bind(arrays);
+  const auto put = [&](Array array, std::span<const std::byte> content, std::unique_ptr<DeviceMemory>& memory) {
+    makeRoom(machine_, array, content.size(), MemoryKind::upload, memory);
+    std::copy(content.begin(), content.end(), static_cast<std::byte*>(memory->host()));
+    memory->flush();
+    arrays[static_cast<size_t>(array)] = memory.get();
+  };
+  put(Array::vertexSources, std::as_bytes(std::span(work.sources)), frame.sources);
+  put(Array::vertexBuffers, std::as_bytes(std::span(work.buffers)), frame.buffers);
+  put(Array::sourceGroups, std::as_bytes(std::span(work.groups)), frame.groups);
+  makeRoom(machine_, Array::droppedTriangles, work.meshes.size() * sizeof(VertexSources::Dropped), MemoryKind::readback,
+           frame.dropped);
+  arrays[static_cast<size_t>(Array::droppedTriangles)] = frame.dropped.get();
+  frame.meshes = work.meshes;
+  std::array<Step, 2> steps = {Step{Step::Kind::fill, "", Array::droppedTriangles}, Step{Step::Kind::dispatch}};
+  steps[1].variant = kFitClusters;
+  steps[1].pass.placedCount = static_cast<uint32_t>(work.groups.size());
+  steps[1].groupsX = std::min(machine_.traits().groups, steps[1].pass.placedCount);
+  machine_.record(*frame.addresses, steps, arrays);
+  vertexSources.taken();
+}
+
+uint64_t RecordedVertices::bytes() const {
+  uint64_t sum = 0;
+  for (const Frame& frame : frames_)
+    for (const auto* memory : {&frame.sources, &frame.buffers, &frame.groups, &frame.dropped})
+      sum += *memory ? (*memory)->bytes() : 0;
+  return sum;
+}
+
+}  // namespace gnosphere
