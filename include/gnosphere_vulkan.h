@@ -107,7 +107,23 @@ typedef struct gno_vulkan_recorded_scan {
   uint64_t frame; /* gno_shot::frame */
   /* 0 if a list was too small: the results may lack hits. The list has grown; the next recorded scan has room. */
   int32_t complete;
+  /* Triangles of the meshes of gno_vulkan_recorder_set_vertices() that the scan left out: with a corner that is not
+   * finite or beyond 1e9 m, and others with two corners at one place. Each mesh counts once. */
+  uint32_t non_finite, degenerate;
 } gno_vulkan_recorded_scan;
+
+/* The positions of a mesh's vertices in a buffer of the caller's device, which was created with the usages of a
+ * gno_vulkan_range. Other attributes may lie between the positions. */
+typedef struct gno_vulkan_vertex_buffer {
+  size_t struct_size;
+  VkDeviceAddress address; /* of the first position; a multiple of 4 */
+  VkDeviceSize bytes;      /* from there to the end of the buffer */
+  uint32_t stride;         /* bytes from one position to the next; a multiple of 4, or of 2 for 16-bit formats */
+  /* VK_FORMAT_R32G32B32_SFLOAT, or R16G16B16 with UNORM, SNORM, USCALED or SSCALED; each also with a fourth component,
+   * which is not looked at. Floats are positions in metres relative to gno_mesh::origin. */
+  VkFormat format;
+  float scale[3], offset[3]; /* of 16-bit formats, by axis: position = value * scale + offset */
+} gno_vulkan_vertex_buffer;
 
 /* The caller has several frames in flight, at most 16, each with a number below `frames_in_flight`. The simulator must
  * not be destroyed while a recorded command is running. Once it is destroyed, the recorder is of no use. */
@@ -125,15 +141,26 @@ GNO_API gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuff
                                      const gno_vulkan_recorded_shot* shots, size_t shot_count,
                                      const gno_vulkan_recorded_scan** before, size_t* before_count);
 
+/* From the next recording on, the vertices of a mesh are those in the buffer, as gno_simulator_set_positions() would
+ * set them, but read by the recorded commands. Must be called again whenever the buffer's content has changed, with the
+ * same buffer or another; until then the content must stay. gno_simulator_set_positions() ends this. */
+GNO_API gno_status gno_vulkan_recorder_set_vertices(gno_vulkan_recorder recorder, size_t mesh,
+                                                    const gno_vulkan_vertex_buffer* vertices);
+
 /* ---------------------------------------------------------------------------------------- default values */
 
 #define GNO_INIT_gno_vulkan_requirements                                          \
   value.features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES; \
   value.subgroup_size_control.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT;
 #define GNO_INIT_gno_vulkan_adopted_device
+#define GNO_INIT_gno_vulkan_vertex_buffer    \
+  value.stride = 12;                         \
+  value.format = VK_FORMAT_R32G32B32_SFLOAT; \
+  value.scale[0] = value.scale[1] = value.scale[2] = 1;
 
 GNO_INIT(gno_vulkan_requirements)
 GNO_INIT(gno_vulkan_adopted_device)
+GNO_INIT(gno_vulkan_vertex_buffer)
 
 #ifdef __cplusplus
 }

@@ -2,6 +2,7 @@
 // gno_vulkan: scans on a Vulkan device of the caller.
 #include <gnosphere_vulkan.h>
 
+#include <algorithm>
 #include <gnosphere/vulkan.hpp>
 
 #include "c/handles.hpp"
@@ -129,9 +130,26 @@ gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer comma
     const Idle idle(locked->simulator);
     results.clear();
     for (const vulkan::RecordedScan& scan : locked->recorder.record(commands, frame_in_flight, wanted))
-      results.push_back({scan.sensor, scan.frame, scan.complete});
+      results.push_back({scan.sensor, scan.frame, scan.complete, scan.nonFinite, scan.degenerate});
     if (before) *before = results.data();
     if (before_count) *before_count = results.size();
+  });
+}
+
+gno_status gno_vulkan_recorder_set_vertices(gno_vulkan_recorder recorder, size_t mesh,
+                                            const gno_vulkan_vertex_buffer* vertices) {
+  return guard([&] {
+    const gno_vulkan_vertex_buffer& from = sized(vertices, "gno_vulkan_vertex_buffer");
+    vulkan::VertexBuffer buffer;
+    buffer.address = from.address;
+    buffer.bytes = from.bytes;
+    buffer.stride = from.stride;
+    buffer.format = from.format;
+    std::copy_n(from.scale, 3, buffer.scale.begin());
+    std::copy_n(from.offset, 3, buffer.offset.begin());
+    Locked locked(recorder);
+    const Idle idle(locked->simulator);
+    locked->recorder.setVertices(mesh, buffer);
   });
 }
 

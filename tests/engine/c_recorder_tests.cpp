@@ -3,6 +3,7 @@
 #include <gnosphere_vulkan.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -197,6 +198,75 @@ TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in ro
     CHECK(gno_sensor_destroy(request.sensor) == GNO_OK);
     CHECK(gno_effects_destroy(request.effects) == GNO_OK);
   }
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+}
+
+TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
+  needVulkan();
+  VulkanApp app;
+  AdoptedInC adopted(app);
+  gno_layout layout = gno_layout_init();
+  const gno_field fields[] = {GNO_FIELD_RANGE, GNO_FIELD_BEAM};
+  REQUIRE(gno_layout_of(fields, 2, &layout) == GNO_OK);
+  const Sensor sensor = gridSensor(60, 8, -20, 20);
+  gno_request request = gno_request_init();
+  request.sensor = sensorOf(sensor);
+  request.layout = &layout;
+  REQUIRE(gno_effects_preset("clean", &request.effects) == GNO_OK);
+  gno_scene scene = squareInC();
+  gno_simulator simulator = nullptr;
+  gno_vulkan_recorder recorder = nullptr;
+  const gno_options options = optionsOn(adopted);
+  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
+  REQUIRE(gno_vulkan_recorder_create(simulator, 1, &recorder) == GNO_OK);
+
+  // Integers of 16 bits, four per vertex, that place the square half as far away. The last corner is at the third.
+  const std::vector<int16_t> corners = {250, -200, -150, 0, 250, 200, -150, 0, 300, 200, 150, 0, 300, 200, 150, 0};
+  VulkanApp::Buffer vertices(app, 2 * corners.size());
+  const VulkanApp::Buffer records(app, 8 * 480), header(app, sizeof(gno_vulkan_record_header));
+  std::memcpy(vertices.bytes().data(), corners.data(), 2 * corners.size());
+  gno_vulkan_vertex_buffer buffer = gno_vulkan_vertex_buffer_init();
+  CHECK(refused(gno_vulkan_recorder_set_vertices(recorder, 0, &buffer), "address"));
+  buffer.address = vertices.range().address;
+  buffer.bytes = vertices.range().bytes;
+  CHECK(refused(gno_vulkan_recorder_set_vertices(recorder, 0, nullptr), "gno_vulkan_vertex_buffer is null"));
+  CHECK(refused(gno_vulkan_recorder_set_vertices(recorder, 7, &buffer), "no mesh 7"));
+  buffer.stride = 8;
+  buffer.format = VK_FORMAT_R16G16B16A16_SSCALED;
+  std::fill(buffer.scale, buffer.scale + 3, 0.01f);
+  REQUIRE(gno_vulkan_recorder_set_vertices(recorder, 0, &buffer) == GNO_OK);
+
+  const gno_shot shot = gno_shot_init();
+  const gno_vulkan_recorded_shot recorded = {&shot, rangeOf(records), rangeOf(header)};
+  VulkanApp::Frame frame(app);
+  const gno_vulkan_recorded_scan* before = nullptr;
+  size_t count = 0;
+  for (int i = 0; i < 2; ++i) {
+    REQUIRE(gno_vulkan_record(recorder, frame.begin(), 0, &recorded, 1, &before, &count) == GNO_OK);
+    frame.submit();
+    frame.wait();
+  }
+  REQUIRE(count == 1);
+  CHECK(before[0].non_finite == 0);
+  CHECK(before[0].degenerate == 1);
+
+  TestOptions reference;
+  reference.device = DeviceChoice::Kind::reference;
+  Scene moved = square();
+  moved.meshes[0].positions.clear();
+  for (size_t i = 0; i < corners.size(); ++i)
+    if (i % 4 < 3) moved.meshes[0].positions.push_back(0.01f * static_cast<float>(corners[i]));
+  const Scan expected = makeSimulator(moved, sensor, reference).scan({});
+  REQUIRE(expected.counters.hits > 20);
+  REQUIRE(header.as<gno_vulkan_record_header>()->hits == expected.counters.hits);
+  for (uint32_t row = 0; row < 480; ++row) {
+    const float range = records.as<float>()[2 * row], right = expected.ranges[row];
+    REQUIRE((std::isnan(right) ? std::isnan(range) : std::abs(range - right) < 1e-4f));
+  }
+  CHECK(gno_vulkan_recorder_destroy(recorder) == GNO_OK);
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+  CHECK(gno_sensor_destroy(request.sensor) == GNO_OK);
+  CHECK(gno_effects_destroy(request.effects) == GNO_OK);
   CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
