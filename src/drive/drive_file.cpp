@@ -42,14 +42,16 @@ void DriveReader::classes() {
   }
 }
 
-/// Gives each instance the class of the longest pattern that its name matches.
+/// Gives each instance the class of the longest pattern that its name matches. Others keep the class that their file
+/// states; those without one get that of the whole scene.
 void DriveReader::classifyInstances(const json& object, const std::string& path, Scene& scene) {
   const auto idOf = [&](const json& name, const std::string& at) {
     const size_t found = find(classNames_, name, at);
     return found < drive_.classes.size() ? drive_.classes[found].id : uint16_t{0};
   };
-  if (object.contains("class"))
-    for (Instance& instance : scene.instances) instance.classId = idOf(object["class"], path + ".class");
+  const uint16_t usual = object.contains("class") ? idOf(object["class"], path + ".class") : uint16_t{0};
+  for (Instance& instance : scene.instances)
+    if (instance.classId == 0) instance.classId = usual;
   std::vector<size_t> lengths(scene.instances.size());
   for (const auto& [pattern, name] : memberOf(object, "instances").items()) {
     const uint16_t id = idOf(name, memberPath(path + ".instances", pattern));
@@ -63,6 +65,12 @@ void DriveReader::classifyInstances(const json& object, const std::string& path,
     }
     if (!matches) drive_.warnings.push_back(path + ".instances: '" + pattern + "' matches no instance");
   }
+  std::set<uint16_t> unknown;
+  for (const Instance& instance : scene.instances) unknown.insert(instance.classId);
+  unknown.erase(0);
+  for (const Class& known : drive_.classes) unknown.erase(known.id);
+  for (const uint16_t id : unknown)
+    drive_.warnings.push_back(path + ".file: states the class " + std::to_string(id) + ", which classes does not name");
 }
 
 void DriveReader::scenes() {

@@ -214,9 +214,22 @@ class Tidying {
     if (found->contains(name)) visit((*found)[name], where + "." + name);
   }
 
+  /// Keeps the number of a class of the extras, as "class". Extras may hold anything, so the rest is not ours.
+  void classOf(Json& o) {
+    if (!o.is_object() || !o.contains("extras")) return;
+    Json number;
+    for (const char* key : {"label", "class"})
+      if (o["extras"].is_object() && o["extras"].contains(key))
+        if (Json stated = o["extras"][key]; makeWhole(stated, 65535)) number = stated;
+    o.erase("extras");
+    if (!number.is_null()) o["extras"] = {{"class", number}};
+  }
+
   void node(Json& o, const std::string& where) {
+    classOf(o);
     keep(o, where,
-         {{"name", Kind::text},
+         {{"extras", Kind::object},
+          {"name", Kind::text},
           {"matrix", Kind::numbers, 16},
           {"translation", Kind::numbers, 3},
           {"rotation", Kind::numbers, 4},
@@ -233,7 +246,10 @@ class Tidying {
   }
 
   void mesh(Json& o, const std::string& where) {
-    keep(o, where, {{"name", Kind::text}, {"weights", Kind::numbers}, {"primitives", Kind::array}}, {"primitives"});
+    classOf(o);
+    keep(o, where,
+         {{"extras", Kind::object}, {"name", Kind::text}, {"weights", Kind::numbers}, {"primitives", Kind::array}},
+         {"primitives"});
     each(
         o, "primitives", [&](Json& p, const std::string& at) { primitive(p, at); }, where + ".");
   }
@@ -330,8 +346,10 @@ class Tidying {
   }
 
   void material(Json& o, const std::string& where) {
+    classOf(o);
     keep(o, where,
-         {{"name", Kind::text},
+         {{"extras", Kind::object},
+          {"name", Kind::text},
           {"pbrMetallicRoughness", Kind::object},
           {"alphaMode", Kind::text},
           {"alphaCutoff", Kind::number},

@@ -113,6 +113,29 @@ TEST_CASE("a pattern that matches no instance is told, and the longest that matc
   CHECK_THAT(drive.warnings.back(), ContainsSubstring("'street *' matches no instance"));
 }
 
+TEST_CASE("classes that a scene's file states count before that of the whole scene, and behind patterns") {
+  const DriveFolder folder;
+  Scene scene;
+  scene.materials.emplace_back();
+  Mesh mesh;
+  mesh.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  mesh.indices = {0, 1, 2};
+  mesh.parts = {{0, 1, 0}};
+  scene.meshes = {mesh};
+  scene.instances = {{"stated", 0, {}, 30}, {"unknown", 0, {}, 999}, {"none", 0, {}}, {"matched", 0, {}, 999}};
+  writeGlb(scene, folder / "classes.glb");
+  Json json = smallDrive();
+  json["scenes"][0] = {{"file", "classes.glb"}, {"class", "car"}, {"instances", {{"match*", "person"}}}};
+  const drive::Drive drive = folder.read(json);
+  std::vector<int> ids;
+  for (const Instance& instance : drive.scenes[0].instances) ids.push_back(instance.classId);
+  const int car = drive.scenes[0].instances[2].classId;
+  CHECK(ids == std::vector<int>{30, 999, car, 30});
+  CHECK((car != 0 && car != 30));
+  REQUIRE(drive.warnings.size() == 1);
+  CHECK_THAT(drive.warnings[0], ContainsSubstring("scenes[0].file: states the class 999, which classes does not name"));
+}
+
 TEST_CASE("poses are linear and turn by slerp between the stamps of a trajectory") {
   const drive::Trajectory way({{1, {{0, 0, 0}, {}}}, {3, {{4, -2, 1}, {0, 0, kHalf, kHalf}}}});
   checkPose(way.at(1.5), {1, -0.5, 0.25}, {0, 0, std::sin(M_PI / 16), std::cos(M_PI / 16)}, 1e-12);

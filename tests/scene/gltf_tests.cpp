@@ -242,6 +242,44 @@ TEST_CASE("materials are read with their transmission, alpha and sides") {
   CHECK_FALSE(plain.doubleSided);
 }
 
+TEST_CASE("extras of nodes, meshes and materials state classes") {
+  GltfFileMaker file = triangleFile();
+  Json& json = file.json;
+  const auto classes = [&] {
+    std::vector<int> ids;
+    for (const Instance& instance : file.load().instances) ids.push_back(instance.classId);
+    return ids;
+  };
+  const Json primitive = json["meshes"][0]["primitives"][0];
+  json["materials"] = {{{"extras", {{"class", 5}}}}, {{"extras", {{"label", 6}}}}, Json::object()};
+  const auto meshOf = [&](const std::vector<int>& materials) {
+    Json mesh = {{"primitives", Json::array()}};
+    for (const int material : materials) {
+      mesh["primitives"].push_back(primitive);
+      mesh["primitives"].back()["material"] = material;
+    }
+    return mesh;
+  };
+  json["meshes"] = {meshOf({0}), meshOf({0, 0}), meshOf({0, 1}), meshOf({1, 2}), meshOf({1})};
+  json["meshes"][4]["extras"] = {{"class", 9}, {"label", 8}};
+  json["nodes"] = {{{"mesh", 0}}, {{"mesh", 1}}, {{"mesh", 2}}, {{"mesh", 3}}, {{"mesh", 4}}};
+  json["scenes"][0]["nodes"] = {0, 1, 2, 3, 4};
+  CHECK(classes() == std::vector<int>{5, 5, 0, 0, 9});
+  // A node counts before its mesh, and for all nodes below it that state none.
+  json["nodes"] = {{{"children", {1, 2}}, {"extras", {{"label", 3}}}},
+                   {{"mesh", 4}},
+                   {{"mesh", 4}, {"extras", {{"class", 65535}}}},
+                   {{"mesh", 4}, {"extras", {{"class", "car"}, {"label", 4}}}}};
+  json["scenes"][0]["nodes"] = {0, 3};
+  CHECK(classes() == std::vector<int>{3, 65535, 4});
+  // What is not the number of a class is somebody else's.
+  for (const Json& other : {Json(-1), Json(65536), Json(2.5), Json("7"), Json::array({1}), Json(nullptr)}) {
+    json["nodes"] = {{{"mesh", 0}, {"extras", {{"class", other}}}}};
+    json["scenes"][0]["nodes"] = {0};
+    CHECK(classes() == std::vector<int>{5});
+  }
+}
+
 TEST_CASE("EXT_mesh_gpu_instancing places the mesh once per element") {
   GltfFileMaker file = triangleFile();
   const int translations = file.accessor(Floats{1, 0, 0, 0, 2, 0}, "VEC3");
