@@ -230,7 +230,7 @@ TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
   buffer.address = vertices.range().address;
   buffer.bytes = vertices.range().bytes;
   CHECK(refused(gno_vulkan_recorder_set_vertices(recorder, 0, nullptr), "gno_vulkan_vertex_buffer is null"));
-  CHECK(refused(gno_vulkan_recorder_set_vertices(recorder, 7, &buffer), "no mesh 7"));
+  CHECK(refused(gno_vulkan_recorder_set_vertices(recorder, 7, &buffer), "mesh 7 does not exist"));
   buffer.stride = 8;
   buffer.format = VK_FORMAT_R16G16B16A16_SSCALED;
   std::fill(buffer.scale, buffer.scale + 3, 0.01f);
