@@ -98,12 +98,12 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
     scene.instances.push_back({"", 2, translation(-6, 0, 0), 0});
   }
   const Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {0, 2, 0}, {-1, 0, 0}}, rosette(300, 0.9)));
-  Recorded recorded(app, scene, {far ? rig : gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(),
-                    pointLayout());
   // The engine writes the vertices of the second mesh, in turns to one of two buffers.
   const std::vector<float> inner = boxes().meshes[1].positions;
   std::array<VulkanApp::Buffer, 2> vertices = {VulkanApp::Buffer(app, 4 * inner.size()),
                                                VulkanApp::Buffer(app, 4 * inner.size())};
+  Recorded recorded(app, scene, {far ? rig : gridSensor(180, 16, -20, 20), Effects::none()}, plainOptions(),
+                    pointLayout());
   CHECK(calls.all > 20);
   Shot shot;
   const auto next = [&] {
