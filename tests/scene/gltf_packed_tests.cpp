@@ -39,7 +39,11 @@ TEST_CASE("EXT_meshopt_compression is decoded in every mode, with a fallback buf
   const bool exponential = GENERATE(false, true);
   if (exponential) {
     Indices filtered(positions.size());
+#if MESHOPTIMIZER_VERSION > 180  // before, a vector always had one exponent
+    meshopt_encodeFilterExp(filtered.data(), vertices, 12, 16, positions.data(), meshopt_EncodeExpSharedVector);
+#else
     meshopt_encodeFilterExp(filtered.data(), vertices, 12, 16, positions.data());
+#endif
     packed.resize(meshopt_encodeVertexBuffer(data(packed), packed.size(), filtered.data(), vertices, 12));
   } else {
     packed.resize(meshopt_encodeVertexBuffer(data(packed), packed.size(), positions.data(), vertices, 12));
