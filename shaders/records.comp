@@ -76,7 +76,7 @@ uint sumBefore(uint value, out uint total) {
   uint lane = gl_LocalInvocationID.x;
   laneSums[lane] = value;
   barrier();
-  uint before = plan.group == 0 ? 0 : recordHeader.at[6];
+  uint before = 0;
   total = 0;
   for (uint k = 0; k < kLanes; ++k) {
     if (k < lane) before += laneSums[k];

@@ -165,6 +165,26 @@ TEST_CASE("a list that is too small for the first of several heads is reported, 
   const std::vector<std::byte> rows = recorded.scan({});
   CHECK((recorded.incomplete == 1 || recorded.incomplete == 2));
   CHECK(rows.size() == 3001 * pointLayout().stride);
+
+  // The incomplete scan lacks hits, and all rows that it has are in their places.
+  RecordLayout layout = layoutOf({Field::range, Field::beam});
+  layout.compact = true;
+  Recorded first(app, scene, {rig, Effects::none()}, plainOptions(), layout);
+  first.submit({});
+  first.frame(0).wait();
+  const RecordHeader& header = first.headerOf(0);
+  REQUIRE(header.incomplete == 1);
+  REQUIRE(header.rows > 0);
+  int64_t before = -1;
+  for (uint32_t row = 0; row < header.rows; ++row) {
+    float range;
+    uint32_t beam;
+    std::memcpy(&range, first.bytes(0) + 8 * row, 4);
+    std::memcpy(&beam, first.bytes(0) + 8 * row + 4, 4);
+    REQUIRE(range > 1);
+    REQUIRE(int64_t{beam} > before);
+    before = beam;
+  }
 }
 
 TEST_CASE("columns and rows share one buffer") {
