@@ -10,8 +10,8 @@
 namespace gnosphere::gpu {
 #endif
 
-// Margin of a box of deformed vertices, as a share of the coordinates. It covers the vertices' rounding, that of the
-// sum of their weights included.
+// A box of deformed vertices is wider than they need by this share of its coordinates. The margin covers the rounding
+// of the vertices and that of the sum of their weights.
 GNO_CONST float kBoneMargin = 2e-5f;
 
 // Adds a share of a vector: of the offset by a morph target, or of the place to which a joint takes a vertex.

@@ -235,7 +235,7 @@ TEST_CASE("a deformable mesh whose arrays do not fit is refused, and the scans g
   options.tuning.maxBufferBytes = 1 << 20;
   Simulator device = makeSimulator(scene, head(), options);
   const Scan before = device.scan({});
-  // The positions of this mesh fit, and the offsets of its morph targets do not.
+  // The positions of this mesh fit into arrays of 1 MiB, and the offsets of its morph targets do not.
   const Mesh large = limb(random, 5, 4, 400);
   CHECK_THROWS_AS(device.addMesh(large), Error);
   REQUIRE(sameBytes(device.scan({}), before));

@@ -93,8 +93,8 @@ class Recordings {
   const Device& device_;
   uint64_t recording_ = 0;  // number of the last recording
   std::deque<Frame> frames_;
-  std::map<const RecordedMemory*, std::map<uint64_t, uint64_t>>
-      writes_;  // runs of bytes: from their place to their end
+  // What the next recording copies: runs of bytes, from their place to their end.
+  std::map<const RecordedMemory*, std::map<uint64_t, uint64_t>> writes_;
   std::vector<Retired> retired_;
 };
 
