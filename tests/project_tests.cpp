@@ -120,8 +120,9 @@ TEST_CASE("a wall in a vertical plane through the axis costs little and is not h
   const Scene scene = sceneOf(builder.take());
   requireAsReference(scene, kAround);
   const Scan scan = scanOf(scene, kAround, {}, vulkanOptions());
-  // Seen edge-on the wall lies within one column or between two; its bounds never cover the whole sensor.
-  CHECK(scan.counters.culledBetweenBeams + scan.counters.projected >= 3200);
+  // Seen edge-on the wall lies within one column or between two. None of its 3,200 triangles could be left out if its
+  // bounds covered the whole sensor.
+  CHECK(scan.counters.culledBetweenBeams + scan.counters.culledByCluster >= 1500);
 }
 
 TEST_CASE("only front faces reflect if one side is requested, also on mirrored instances") {

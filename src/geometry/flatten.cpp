@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/flatten.hpp"
 
-#include <meshoptimizer.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "geometry/partition.hpp"
 #include "shared.h"
 
 namespace gnosphere {
 namespace {
+
+// The work for a cluster in triangles, and for a group in clusters. On lavapipe a cluster takes as long as 20
+// triangles. Scans take the same time within 5 % for 8 to 64, and for 2 to 32.
+constexpr float kClusterCost = 32, kGroupCost = 8;
 
 class MeshFlattener {
  public:
@@ -19,10 +22,17 @@ class MeshFlattener {
 
   FlatMesh run() {
     flat_.deformable = mesh_.deformable();
+    sorted_.reserve(mesh_.triangleCount());
+    for (const MeshPart& part : mesh_.parts) divide(part);
     flat_.triangles.reserve(mesh_.triangleCount());
-    flat_.clusters.reserve(mesh_.triangleCount() / gpu::kClusterTriangles + mesh_.parts.size() + 1);
-    for (const MeshPart& part : mesh_.parts) flattenPart(part);
-    for (size_t from = 0; from < flat_.clusters.size(); from += gpu::kGroupClusters) addGroup(from);
+    flat_.clusters.reserve(runs_.size() + 1);
+    const Partition groups = partition(boxes_, gpu::kGroupClusters, kGroupCost);
+    size_t first = 0;
+    for (const size_t end : groups.ends) {
+      for (size_t i = first; i < end; ++i) addCluster(runs_[groups.order[i]]);
+      addGroup(first, end);
+      first = end;
+    }
     FlatGroup endGroup;
     endGroup.firstCluster = static_cast<uint32_t>(flat_.clusters.size());
     flat_.groups.push_back(endGroup);
@@ -34,6 +44,12 @@ class MeshFlattener {
   }
 
  private:
+  /// The triangles that become a cluster, in `sorted_`.
+  struct Run {
+    size_t first, count;
+    uint32_t material;
+  };
+
   const float* position(uint32_t vertex) const { return &mesh_.positions[3 * size_t{vertex}]; }
 
   bool usable(uint32_t triangle) const {
@@ -41,40 +57,43 @@ class MeshFlattener {
     return flat_.keeps(fateOf(position(corner[0]), position(corner[1]), position(corner[2])));
   }
 
-  // Triangles that lie close together share a cluster: they are sorted along a space-filling curve, which is then cut.
-  void flattenPart(const MeshPart& part) {
-    std::vector<uint32_t> triangles, others;
-    triangles.reserve(part.triangleCount);
-    for (uint32_t k = part.firstTriangle; k < part.firstTriangle + part.triangleCount; ++k)
-      (usable(k) ? triangles : others).push_back(k);
-    std::vector<float> centres(3 * triangles.size());
-    for (size_t i = 0; i < triangles.size(); ++i)
-      for (int axis = 0; axis < 3; ++axis) {
-        const uint32_t* corner = &mesh_.indices[3 * size_t{triangles[i]}];
-        centres[3 * i + axis] =
-            position(corner[0])[axis] / 3 + position(corner[1])[axis] / 3 + position(corner[2])[axis] / 3;
-      }
-    std::vector<uint32_t> place(triangles.size());
-    meshopt_spatialSortRemap(place.data(), centres.data(), triangles.size(), 3 * sizeof(float));
-    std::vector<uint32_t> sorted(triangles.size());
-    for (size_t i = 0; i < triangles.size(); ++i) sorted[place[i]] = triangles[i];
-    sorted.insert(sorted.end(), others.begin(), others.end());
-    for (size_t first = 0; first < sorted.size(); first += gpu::kClusterTriangles)
-      addCluster(&sorted[first], std::min<size_t>(gpu::kClusterTriangles, sorted.size() - first), part.material);
+  // The box of a triangle that cannot be used is empty, so it makes no cluster larger.
+  BoundingBox boxOf(uint32_t triangle) const {
+    BoundingBox box;
+    if (usable(triangle))
+      for (int k = 0; k < 3; ++k) box.add(position(mesh_.indices[3 * size_t{triangle} + k]));
+    return box;
   }
 
-  void addCluster(const uint32_t* triangles, size_t count, uint32_t material) {
+  // Divides the triangles of a part into runs of neighbours.
+  void divide(const MeshPart& part) {
+    std::vector<BoundingBox> boxes;
+    boxes.reserve(part.triangleCount);
+    for (uint32_t k = 0; k < part.triangleCount; ++k) boxes.push_back(boxOf(part.firstTriangle + k));
+    const Partition triangles = partition(boxes, gpu::kClusterTriangles, kClusterCost);
+    size_t first = 0;
+    for (const size_t end : triangles.ends) {
+      runs_.push_back({sorted_.size(), end - first, part.material});
+      boxes_.emplace_back();
+      for (; first < end; ++first) {
+        sorted_.push_back(part.firstTriangle + triangles.order[first]);
+        boxes_.back().add(boxes[triangles.order[first]]);
+      }
+    }
+  }
+
+  void addCluster(const Run& run) {
     FlatCluster cluster;
     cluster.firstVertex = flat_.positions.size() / 3;
     cluster.firstTriangle = flat_.triangles.size();
-    cluster.doubleSided = materials_[material].doubleSided;
-    cluster.material = material;
+    cluster.doubleSided = materials_[run.material].doubleSided;
+    cluster.material = run.material;
     const uint32_t stamp = static_cast<uint32_t>(flat_.clusters.size()) + 1;
     uint32_t vertexCount = 0;
-    for (size_t i = 0; i < count; ++i) {
+    for (const uint32_t triangle : std::span(sorted_).subspan(run.first, run.count)) {
       uint32_t packed = 0;
       for (int k = 0; k < 3; ++k) {
-        const uint32_t vertex = mesh_.indices[3 * size_t{triangles[i]} + k];
+        const uint32_t vertex = mesh_.indices[3 * size_t{triangle} + k];
         if (cluster_[vertex] != stamp) {
           cluster_[vertex] = stamp;
           number_[vertex] = static_cast<uint8_t>(vertexCount++);
@@ -83,16 +102,16 @@ class MeshFlattener {
         }
         packed |= uint32_t{number_[vertex]} << (8 * k);
       }
-      flat_.triangles.push_back({packed, triangles[i]});
+      flat_.triangles.push_back({packed, triangle});
     }
-    fit(cluster, &flat_.positions[3 * cluster.firstVertex], std::span(flat_.triangles).last(count), flat_);
+    fit(cluster, &flat_.positions[3 * cluster.firstVertex], std::span(flat_.triangles).last(run.count), flat_);
     flat_.clusters.push_back(cluster);
   }
 
-  void addGroup(size_t first) {
+  void addGroup(size_t first, size_t end) {
     FlatGroup group;
     group.firstCluster = static_cast<uint32_t>(first);
-    group.clusterCount = static_cast<uint32_t>(std::min<size_t>(gpu::kGroupClusters, flat_.clusters.size() - first));
+    group.clusterCount = static_cast<uint32_t>(end - first);
     fit(group, std::span(flat_.clusters).subspan(first, group.clusterCount));
     flat_.groups.push_back(group);
   }
@@ -100,8 +119,11 @@ class MeshFlattener {
   const Mesh& mesh_;
   const std::vector<Material>& materials_;
   FlatMesh flat_;
-  std::vector<uint32_t> cluster_;  // by vertex: the last cluster that uses it, plus one
-  std::vector<uint8_t> number_;    // by vertex: its number in that cluster
+  std::vector<uint32_t> sorted_;  // triangles, neighbour by neighbour
+  std::vector<Run> runs_;
+  std::vector<BoundingBox> boxes_;  // of the runs
+  std::vector<uint32_t> cluster_;   // by vertex: the last cluster that uses it, plus one
+  std::vector<uint8_t> number_;     // by vertex: its number in that cluster
 };
 
 }  // namespace

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "geometry/partition.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace gnosphere {
+namespace {
+
+// Many boxes are divided between two of this many bins of equal width, after Wald, "On fast construction of SAH-based
+// bounding volume hierarchies" (2007).
+constexpr size_t kBins = 16;
+// Fewer boxes than this are sorted, and divided at the best of all places.
+constexpr size_t kFew = 64;
+// Below this depth boxes are halved, so that no scene makes the recursion deep.
+constexpr int kDeepest = 64;
+
+struct Item {
+  BoundingBox box;
+  uint32_t index;
+
+  float centre(int axis) const { return 0.5f * box.low[axis] + 0.5f * box.high[axis]; }
+};
+
+struct Bin {
+  BoundingBox box;
+  size_t count = 0;
+
+  void add(const Bin& other) {
+    box.add(other.box);
+    count += other.count;
+  }
+};
+
+/// A place to divide boxes: before a bin or before a position, along an axis.
+struct Split {
+  float cost = std::numeric_limits<float>::infinity();
+  int axis = -1;  // none was found
+  size_t at = 0;
+};
+
+class Partitioner {
+ public:
+  Partitioner(std::span<const BoundingBox> boxes, size_t most, float runCost) : most_(most), runCost_(runCost) {
+    items_.reserve(boxes.size());
+    for (const BoundingBox& box : boxes) items_.push_back({box, static_cast<uint32_t>(items_.size())});
+  }
+
+  Partition run() {
+    if (!items_.empty()) divide(0, items_.size(), 0);
+    result_.order.reserve(items_.size());
+    for (const Item& item : items_) result_.order.push_back(item.index);
+    return std::move(result_);
+  }
+
+ private:
+  // The work for a beam that comes near boxes, if they fill as few runs as possible.
+  float cost(const BoundingBox& box, size_t count) const {
+    const size_t runs = (count + most_ - 1) / most_;
+    return box.halfArea() * (runCost_ * static_cast<float>(runs) + static_cast<float>(count));
+  }
+
+  void divide(size_t first, size_t end, int depth) {
+    if (end - first <= most_) {
+      result_.ends.push_back(end);
+      return;
+    }
+    const std::span<Item> items = std::span(items_).subspan(first, end - first);
+    const size_t middle = first + (depth == kDeepest      ? items.size() / 2
+                                   : items.size() <= kFew ? splitSorted(items)
+                                                          : splitBinned(items));
+    divide(first, middle, std::min(depth + 1, kDeepest));
+    divide(middle, end, std::min(depth + 1, kDeepest));
+  }
+
+  using Keys = std::array<std::pair<float, size_t>, kFew>;  // centres and positions
+
+  static void sort(std::span<const Item> items, int axis, Keys& keys) {
+    for (size_t i = 0; i < items.size(); ++i) keys[i] = {items[i].centre(axis), i};
+    std::sort(keys.begin(), keys.begin() + static_cast<ptrdiff_t>(items.size()));
+  }
+
+  size_t splitSorted(std::span<Item> items) const {
+    const size_t count = items.size();
+    Split best;
+    Keys keys;
+    std::array<float, kFew> before;
+    for (int axis = 0; axis < 3; ++axis) {
+      sort(items, axis, keys);
+      BoundingBox box;
+      for (size_t i = 0; i < count; ++i) {
+        box.add(items[keys[i].second].box);
+        before[i] = cost(box, i + 1);
+      }
+      box = {};
+      for (size_t i = count - 1; i > 0; --i) {
+        box.add(items[keys[i].second].box);
+        const float sum = before[i - 1] + cost(box, count - i);
+        if (sum < best.cost) best = {sum, axis, i};
+      }
+    }
+    if (best.axis < 0) return count / 2;
+    sort(items, best.axis, keys);
+    std::array<Item, kFew> sorted;
+    for (size_t i = 0; i < count; ++i) sorted[i] = items[keys[i].second];
+    std::copy_n(sorted.begin(), count, items.begin());
+    return best.at;
+  }
+
+  size_t splitBinned(std::span<Item> items) const {
+    BoundingBox centres;
+    for (const Item& item : items) {
+      const float centre[3] = {item.centre(0), item.centre(1), item.centre(2)};
+      centres.add(centre);
+    }
+    float scale[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const float width = centres.high[axis] - centres.low[axis];
+      scale[axis] = width > 0.0f ? static_cast<float>(kBins) / width : 0.0f;
+    }
+    const auto binOf = [&](const Item& item, int axis) {
+      return std::min(static_cast<size_t>((item.centre(axis) - centres.low[axis]) * scale[axis]), kBins - 1);
+    };
+    std::array<std::array<Bin, kBins>, 3> bins;
+    for (const Item& item : items)
+      for (int axis = 0; axis < 3; ++axis) bins[axis][binOf(item, axis)].add({item.box, 1});
+    Split best;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::array<Bin, kBins> before;
+      Bin sum;
+      for (size_t k = 0; k < kBins; ++k) {
+        before[k] = sum;
+        sum.add(bins[axis][k]);
+      }
+      sum = {};
+      for (size_t k = kBins - 1; k > 0; --k) {
+        sum.add(bins[axis][k]);
+        if (sum.count == 0 || before[k].count == 0) continue;
+        const float total = cost(before[k].box, before[k].count) + cost(sum.box, sum.count);
+        if (total < best.cost) best = {total, axis, k};
+      }
+    }
+    if (best.axis < 0) return items.size() / 2;
+    const auto middle =
+        std::partition(items.begin(), items.end(), [&](const Item& item) { return binOf(item, best.axis) < best.at; });
+    return static_cast<size_t>(middle - items.begin());
+  }
+
+  size_t most_;
+  float runCost_;
+  std::vector<Item> items_;
+  Partition result_;
+};
+
+}  // namespace
+
+void BoundingBox::enclose(const float* least, const float* most) {
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = std::min(low[axis], least[axis]);
+    high[axis] = std::max(high[axis], most[axis]);
+  }
+}
+
+float BoundingBox::halfArea() const {
+  const float x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+  return x * y + y * z + z * x;
+}
+
+Partition partition(std::span<const BoundingBox> boxes, size_t most, float runCost) {
+  return Partitioner(boxes, most, runCost).run();
+}
+
+}  // namespace gnosphere
