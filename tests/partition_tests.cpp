@@ -5,12 +5,13 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <span>
 
 #include "geometry/partition.hpp"
 
 using gnosphere::BoundingBox;
+using gnosphere::Boxed;
 using gnosphere::Partition;
-using gnosphere::partition;
 
 namespace {
 
@@ -22,19 +23,16 @@ BoundingBox boxAt(float x, float y, float z, float size) {
   return box;
 }
 
-std::vector<BoundingBox> runsOf(const Partition& result, const std::vector<BoundingBox>& boxes) {
-  std::vector<BoundingBox> runs;
-  size_t first = 0;
-  for (const size_t end : result.ends) {
-    BoundingBox& run = runs.emplace_back();
-    for (; first < end; ++first) run.add(boxes[result.order[first]]);
-  }
-  return runs;
+Partition partition(const std::vector<BoundingBox>& boxes, size_t most, float runCost) {
+  std::vector<Boxed> items;
+  for (const BoundingBox& box : boxes) items.push_back({box, static_cast<uint32_t>(items.size())});
+  return gnosphere::partition(std::move(items), most, runCost);
 }
 
 // Every box is in one run, and no run is empty or has more than `most`.
 void checkRuns(const Partition& result, size_t count, size_t most) {
-  std::vector<uint32_t> all = result.order, expected(count);
+  std::vector<uint32_t> all, expected(count);
+  for (const Boxed& item : result.items) all.push_back(item.index);
   std::sort(all.begin(), all.end());
   std::iota(expected.begin(), expected.end(), 0);
   CHECK(all == expected);
@@ -75,8 +73,8 @@ TEST_CASE("objects that lie apart share no run") {
   const Partition result = partition(boxes, 32, 16);
   size_t first = 0;
   for (const size_t end : result.ends) {
-    const uint32_t object = result.order[first] % 3;
-    for (; first < end; ++first) CHECK(result.order[first] % 3 == object);
+    const uint32_t object = result.items[first].index % 3;
+    for (; first < end; ++first) CHECK(result.items[first].index % 3 == object);
   }
 }
 
@@ -86,8 +84,9 @@ TEST_CASE("a large box beside many small ones has a run of its own") {
   const Partition result = partition(boxes, 32, 16);
   size_t first = 0;
   for (const size_t end : result.ends) {
-    const auto begin = result.order.begin();
-    if (std::find(begin + first, begin + end, 0u) != begin + end) CHECK(end - first == 1);
+    const auto isLarge = [](const Boxed& item) { return item.index == 0; };
+    const std::span run = std::span(result.items).subspan(first, end - first);
+    if (std::any_of(run.begin(), run.end(), isLarge)) CHECK(run.size() == 1);
     first = end;
   }
 }
@@ -101,7 +100,12 @@ TEST_CASE("runs of a grid are nearly full and nearly square") {
   checkRuns(result, boxes.size(), 32);
   CHECK(result.ends.size() <= 128 * 128 / 32 * 5 / 4);
   double area = 0;
-  for (const BoundingBox& run : runsOf(result, boxes)) area += run.halfArea();
+  size_t first = 0;
+  for (const size_t end : result.ends) {
+    BoundingBox box;
+    for (; first < end; ++first) box.add(result.items[first].box);
+    area += box.halfArea();
+  }
   // Runs of 8 by 4 boxes have 8 * 4 + 8 + 4 each.
   CHECK(area <= 1.1 * 44 * 128 * 128 / 32);
 }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <utility>
 
 #include "geometry/partition.hpp"
 #include "shared.h"
@@ -26,10 +26,10 @@ class MeshFlattener {
     for (const MeshPart& part : mesh_.parts) divide(part);
     flat_.triangles.reserve(mesh_.triangleCount());
     flat_.clusters.reserve(runs_.size() + 1);
-    const Partition groups = partition(boxes_, gpu::kGroupClusters, kGroupCost);
+    const Partition groups = partition(std::move(boxes_), gpu::kGroupClusters, kGroupCost);
     size_t first = 0;
     for (const size_t end : groups.ends) {
-      for (size_t i = first; i < end; ++i) addCluster(runs_[groups.order[i]]);
+      for (size_t i = first; i < end; ++i) addCluster(runs_[groups.items[i].index]);
       addGroup(first, end);
       first = end;
     }
@@ -67,17 +67,18 @@ class MeshFlattener {
 
   // Divides the triangles of a part into runs of neighbours.
   void divide(const MeshPart& part) {
-    std::vector<BoundingBox> boxes;
-    boxes.reserve(part.triangleCount);
-    for (uint32_t k = 0; k < part.triangleCount; ++k) boxes.push_back(boxOf(part.firstTriangle + k));
-    const Partition triangles = partition(boxes, gpu::kClusterTriangles, kClusterCost);
+    std::vector<Boxed> items;
+    items.reserve(part.triangleCount);
+    for (uint32_t k = part.firstTriangle; k < part.firstTriangle + part.triangleCount; ++k)
+      items.push_back({boxOf(k), k});
+    const Partition triangles = partition(std::move(items), gpu::kClusterTriangles, kClusterCost);
     size_t first = 0;
     for (const size_t end : triangles.ends) {
+      boxes_.push_back({{}, static_cast<uint32_t>(runs_.size())});
       runs_.push_back({sorted_.size(), end - first, part.material});
-      boxes_.emplace_back();
       for (; first < end; ++first) {
-        sorted_.push_back(part.firstTriangle + triangles.order[first]);
-        boxes_.back().add(boxes[triangles.order[first]]);
+        sorted_.push_back(triangles.items[first].index);
+        boxes_.back().box.add(triangles.items[first].box);
       }
     }
   }
@@ -121,9 +122,9 @@ class MeshFlattener {
   FlatMesh flat_;
   std::vector<uint32_t> sorted_;  // triangles, neighbour by neighbour
   std::vector<Run> runs_;
-  std::vector<BoundingBox> boxes_;  // of the runs
-  std::vector<uint32_t> cluster_;   // by vertex: the last cluster that uses it, plus one
-  std::vector<uint8_t> number_;     // by vertex: its number in that cluster
+  std::vector<Boxed> boxes_;       // of the runs
+  std::vector<uint32_t> cluster_;  // by vertex: the last cluster that uses it, plus one
+  std::vector<uint8_t> number_;    // by vertex: its number in that cluster
 };
 
 }  // namespace

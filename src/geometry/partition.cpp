@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 namespace gnosphere {
@@ -16,12 +17,9 @@ constexpr size_t kFew = 64;
 // Below this depth boxes are halved, so that no scene makes the recursion deep.
 constexpr int kDeepest = 64;
 
-struct Item {
-  BoundingBox box;
-  uint32_t index;
-
-  float centre(int axis) const { return 0.5f * box.low[axis] + 0.5f * box.high[axis]; }
-};
+float centre(const BoundingBox& box, int axis) {
+  return 0.5f * box.low[axis] + 0.5f * box.high[axis];
+}
 
 struct Bin {
   BoundingBox box;
@@ -42,16 +40,12 @@ struct Split {
 
 class Partitioner {
  public:
-  Partitioner(std::span<const BoundingBox> boxes, size_t most, float runCost) : most_(most), runCost_(runCost) {
-    items_.reserve(boxes.size());
-    for (const BoundingBox& box : boxes) items_.push_back({box, static_cast<uint32_t>(items_.size())});
-  }
+  Partitioner(std::vector<Boxed> items, size_t most, float runCost)
+      : most_(most), runCost_(runCost), items_(std::move(items)) {}
 
   Partition run() {
     if (!items_.empty()) divide(0, items_.size(), 0);
-    result_.order.reserve(items_.size());
-    for (const Item& item : items_) result_.order.push_back(item.index);
-    return std::move(result_);
+    return {std::move(items_), std::move(ends_)};
   }
 
  private:
@@ -63,10 +57,10 @@ class Partitioner {
 
   void divide(size_t first, size_t end, int depth) {
     if (end - first <= most_) {
-      result_.ends.push_back(end);
+      ends_.push_back(end);
       return;
     }
-    const std::span<Item> items = std::span(items_).subspan(first, end - first);
+    const std::span<Boxed> items = std::span(items_).subspan(first, end - first);
     const size_t middle = first + (depth == kDeepest      ? items.size() / 2
                                    : items.size() <= kFew ? splitSorted(items)
                                                           : splitBinned(items));
@@ -76,12 +70,12 @@ class Partitioner {
 
   using Keys = std::array<std::pair<float, size_t>, kFew>;  // centres and positions
 
-  static void sort(std::span<const Item> items, int axis, Keys& keys) {
-    for (size_t i = 0; i < items.size(); ++i) keys[i] = {items[i].centre(axis), i};
+  static void sort(std::span<const Boxed> items, int axis, Keys& keys) {
+    for (size_t i = 0; i < items.size(); ++i) keys[i] = {centre(items[i].box, axis), i};
     std::sort(keys.begin(), keys.begin() + static_cast<ptrdiff_t>(items.size()));
   }
 
-  size_t splitSorted(std::span<Item> items) const {
+  size_t splitSorted(std::span<Boxed> items) const {
     const size_t count = items.size();
     Split best;
     Keys keys;
@@ -102,28 +96,28 @@ class Partitioner {
     }
     if (best.axis < 0) return count / 2;
     sort(items, best.axis, keys);
-    std::array<Item, kFew> sorted;
+    std::array<Boxed, kFew> sorted;
     for (size_t i = 0; i < count; ++i) sorted[i] = items[keys[i].second];
     std::copy_n(sorted.begin(), count, items.begin());
     return best.at;
   }
 
-  size_t splitBinned(std::span<Item> items) const {
+  size_t splitBinned(std::span<Boxed> items) const {
     BoundingBox centres;
-    for (const Item& item : items) {
-      const float centre[3] = {item.centre(0), item.centre(1), item.centre(2)};
-      centres.add(centre);
+    for (const Boxed& item : items) {
+      const float point[3] = {centre(item.box, 0), centre(item.box, 1), centre(item.box, 2)};
+      centres.add(point);
     }
     float scale[3];
     for (int axis = 0; axis < 3; ++axis) {
       const float width = centres.high[axis] - centres.low[axis];
       scale[axis] = width > 0.0f ? static_cast<float>(kBins) / width : 0.0f;
     }
-    const auto binOf = [&](const Item& item, int axis) {
-      return std::min(static_cast<size_t>((item.centre(axis) - centres.low[axis]) * scale[axis]), kBins - 1);
+    const auto binOf = [&](const Boxed& item, int axis) {
+      return std::min(static_cast<size_t>((centre(item.box, axis) - centres.low[axis]) * scale[axis]), kBins - 1);
     };
     std::array<std::array<Bin, kBins>, 3> bins;
-    for (const Item& item : items)
+    for (const Boxed& item : items)
       for (int axis = 0; axis < 3; ++axis) bins[axis][binOf(item, axis)].add({item.box, 1});
     Split best;
     for (int axis = 0; axis < 3; ++axis) {
@@ -143,14 +137,14 @@ class Partitioner {
     }
     if (best.axis < 0) return items.size() / 2;
     const auto middle =
-        std::partition(items.begin(), items.end(), [&](const Item& item) { return binOf(item, best.axis) < best.at; });
+        std::partition(items.begin(), items.end(), [&](const Boxed& item) { return binOf(item, best.axis) < best.at; });
     return static_cast<size_t>(middle - items.begin());
   }
 
   size_t most_;
   float runCost_;
-  std::vector<Item> items_;
-  Partition result_;
+  std::vector<Boxed> items_;
+  std::vector<size_t> ends_;
 };
 
 }  // namespace
@@ -167,8 +161,8 @@ float BoundingBox::halfArea() const {
   return x * y + y * z + z * x;
 }
 
-Partition partition(std::span<const BoundingBox> boxes, size_t most, float runCost) {
-  return Partitioner(boxes, most, runCost).run();
+Partition partition(std::vector<Boxed> items, size_t most, float runCost) {
+  return Partitioner(std::move(items), most, runCost).run();
 }
 
 }  // namespace gnosphere

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides boxes into runs of neighbours by the surface area heuristic, as the builders of ray tracing's trees do:
-// a beam meets a box with a probability in proportion to its surface.
+// Divides what has a box into runs of neighbours by the surface area heuristic, as the builders of ray tracing's trees
+// do: a beam meets a box with a probability in proportion to its surface.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <vector>
 
 namespace gnosphere {
@@ -25,14 +24,20 @@ struct BoundingBox {
   void enclose(const float* least, const float* most);
 };
 
-/// A permutation of boxes, cut into runs.
-struct Partition {
-  std::vector<uint32_t> order;  ///< indices of boxes, run after run
-  std::vector<size_t> ends;     ///< where each run ends in `order`
+/// What is divided: something with a box.
+struct Boxed {
+  BoundingBox box;
+  uint32_t index = 0;  ///< says what it is; of no meaning here
 };
 
-/// Divides boxes into runs of at most `most`. `runCost` says how much work a run is for a beam that meets its box,
-/// besides that for the boxes in it, each of which is 1.
-Partition partition(std::span<const BoundingBox> boxes, size_t most, float runCost);
+/// Items in an order in which those of a run are neighbours.
+struct Partition {
+  std::vector<Boxed> items;
+  std::vector<size_t> ends;  ///< where each run ends in `items`
+};
+
+/// Divides items into runs of at most `most`. `runCost` says how much work a run is for a beam that meets its box,
+/// besides that for the items in it, each of which is 1.
+Partition partition(std::vector<Boxed> items, size_t most, float runCost);
 
 }  // namespace gnosphere
