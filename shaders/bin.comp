@@ -23,6 +23,7 @@
 #include "sphere.glsl"
 #include "bounds.glsl"
 #include "inside.glsl"
+#include "lanes.glsl"
 #include "rows_between.glsl"
 #include "seen.glsl"
 #include "nearest_hit.glsl"
@@ -107,7 +108,7 @@ void trySmall(uint i) {
   }
 }
 
-// A tile's triangle and its range of columns in the triangle's box. The first lane loads it and broadcasts it.
+// A tile's triangle and its range of columns in the triangle's box, the same for all lanes.
 struct Tile {
   uint slot;
   Triangle triangle;
@@ -124,23 +125,14 @@ uint columnOf(Tile tile, uint k) {
 }
 
 Tile tileAt(uint t) {
-  uvec4 tile;
-  TaggedCorner a, c;
-  vec4 b;
-  vec2 span;
-  if (gl_SubgroupInvocationID == 0) {
-    tile = tiles.at[t];
-    a = projectedA.at[tile.x];
-    b = projectedB.at[tile.x];
-    c = projectedC.at[tile.x];
-    span = projectedColumns.at[tile.x];
-  }
-  tile = subgroupBroadcast(tile, 0);
-  a = TaggedCorner(subgroupBroadcast(a.corner, 0), subgroupBroadcast(a.tag, 0));
-  Box box = boxOf(subgroupBroadcast(span, 0), subgroupBroadcast(c.tag, 0));
-  Triangle triangle = triangleOf(a, subgroupBroadcast(b, 0), subgroupBroadcast(c.corner, 0));
-  return Tile(tile.x, triangle, box, tile.y,
-              min(tile.y + tile.z, boxColumnCount(box)), wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
+  uvec4 tile = LOADED_4(tiles.at[t]);
+  uint slot = tile.x;
+  TaggedCorner a = TaggedCorner(LOADED_3(projectedA.at[slot].corner), projectedA.at[slot].tag);
+  TaggedCorner c = TaggedCorner(LOADED_3(projectedC.at[slot].corner), projectedC.at[slot].tag);
+  Box box = boxOf(LOADED_2(projectedColumns.at[slot]), c.tag);
+  Triangle triangle = triangleOf(a, LOADED_4(projectedB.at[slot]), c.corner);
+  return Tile(slot, triangle, box, tile.y, min(tile.y + tile.z, boxColumnCount(box)),
+              wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
 }
 
 // The angle by which a triangle at rest appears to move while neighbouring columns that span `angle` fire.

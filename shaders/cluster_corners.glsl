@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loads a cluster and transforms the corners of its triangles to the sensor's frame. One lane loads each vertex and
-// the others get it by shuffle: a software device pays for every lane's load, and a shuffle is one instruction.
+// the others get it by shuffle, which is one instruction. On a CPU a load takes many.
 
-// A cluster and its instance, loaded by the first lane and broadcast.
+// A cluster and its instance, the same for all lanes.
 struct LoadedCluster {
   Instance instance;
   uint vertexFirst, vertexCount, triangleFirst, triangleCount;
@@ -16,32 +16,21 @@ struct LoadedCluster {
 
 LoadedCluster loadCluster(uint i) {
   LoadedCluster loaded;
-  if (gl_SubgroupInvocationID == 0) {
-    uvec2 pair = visible.at[i];
-    loaded.instance = instances.at[pair.x];
-    loaded.number = pair.x;
-    loaded.cluster = pair.y;
-    loaded.bound = boundOf(pair.x);
-    loaded.vertexFirst = clusters.at[pair.y].vertexFirst;
-    loaded.triangleFirst = clusters.at[pair.y].triangleFirst;
-    loaded.vertexCount = clusters.at[pair.y].vertexCount;
-    loaded.triangleCount = clusters.at[pair.y].triangleCount;
-    loaded.doubleSided = clusters.at[pair.y].doubleSided;
-    loaded.material = clusters.at[pair.y].material;
+  uvec2 pair = LOADED_2(visible.at[i]);
+  loaded.instance = instanceAt(pair.x);
+  loaded.number = pair.x;
+  loaded.cluster = pair.y;
+  loaded.vertexFirst = clusters.at[pair.y].vertexFirst;
+  loaded.triangleFirst = clusters.at[pair.y].triangleFirst;
+  loaded.vertexCount = clusters.at[pair.y].vertexCount;
+  loaded.triangleCount = clusters.at[pair.y].triangleCount;
+  loaded.doubleSided = clusters.at[pair.y].doubleSided;
+  loaded.material = clusters.at[pair.y].material;
+  if (DEFORMED != kDeformsNothing) loaded.deformer = deformerOf(loaded.number);
+  if (MOTION) {
+    if (gl_SubgroupInvocationID == 0) loaded.bound = boundOf(pair.x);
+    loaded.bound = subgroupBroadcast(loaded.bound, 0);
   }
-  loaded.material = subgroupBroadcast(loaded.material, 0);
-  loaded.number = subgroupBroadcast(loaded.number, 0);
-  if (DEFORMED != kDeformsNothing) {
-    loaded.cluster = subgroupBroadcast(loaded.cluster, 0);
-    loaded.deformer = deformerOf(loaded.number);
-  }
-  if (MOTION) loaded.bound = subgroupBroadcast(loaded.bound, 0);
-  loaded.instance = fromFirstLane(loaded.instance);
-  loaded.vertexFirst = subgroupBroadcast(loaded.vertexFirst, 0);
-  loaded.triangleFirst = subgroupBroadcast(loaded.triangleFirst, 0);
-  loaded.vertexCount = subgroupBroadcast(loaded.vertexCount, 0);
-  loaded.triangleCount = subgroupBroadcast(loaded.triangleCount, 0);
-  loaded.doubleSided = subgroupBroadcast(loaded.doubleSided, 0);
   return loaded;
 }
 

@@ -1,11 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 // Operations across the lanes of a subgroup. All active lanes must call them.
 
-// Broadcasts an instance that the first lane has loaded.
-Instance fromFirstLane(Instance instance) {
-  return Instance(subgroupBroadcast(instance.row0, 0), subgroupBroadcast(instance.row1, 0),
-                  subgroupBroadcast(instance.row2, 0), subgroupBroadcast(instance.offset, 0),
-                  subgroupBroadcast(instance.firstTriangle, 0));
+// Load a vector from an array at an index that is the same for all lanes. Each component is loaded by another lane,
+// because on a device that gathers the loads of all lanes, a load of one lane takes as long.
+#define LOADED_4(vector_) (gl_SubgroupSize < 4 ? vector_ : fromFourLanes(vector_[min(gl_SubgroupInvocationID, 3u)]))
+#define LOADED_3(vector_) (gl_SubgroupSize < 4 ? vector_ : fromFourLanes(vector_[min(gl_SubgroupInvocationID, 2u)]).xyz)
+#define LOADED_2(vector_) (gl_SubgroupSize < 4 ? vector_ : fromFourLanes(vector_[min(gl_SubgroupInvocationID, 1u)]).xy)
+
+vec4 fromFourLanes(float own) {
+  return vec4(subgroupBroadcast(own, 0), subgroupBroadcast(own, 1), subgroupBroadcast(own, 2),
+              subgroupBroadcast(own, 3));
+}
+
+uvec4 fromFourLanes(uint own) {
+  return uvec4(subgroupBroadcast(own, 0), subgroupBroadcast(own, 1), subgroupBroadcast(own, 2),
+               subgroupBroadcast(own, 3));
+}
+
+// Returns an instance, the same for all lanes.
+Instance instanceAt(uint number) {
+  return Instance(LOADED_4(instances.at[number].row0), LOADED_4(instances.at[number].row1),
+                  LOADED_4(instances.at[number].row2), LOADED_3(instances.at[number].offset),
+                  instances.at[number].firstTriangle);
 }
 
 // Returns the output slot of a lane whose ballot bit is set. The first lane has reserved one slot per set bit, from

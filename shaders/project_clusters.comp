@@ -93,9 +93,7 @@ void list(bool keep, uint instance, uint cluster, inout bool any) {
 void listClusters(uvec2 pair, uvec2 run, uint lane, inout bool any) {
   pair = subgroupShuffle(pair, lane);
   run = subgroupShuffle(run, lane);
-  Instance instance;
-  if (gl_SubgroupInvocationID == 0) instance = instances.at[pair.x];
-  instance = fromFirstLane(instance);
+  Instance instance = instanceAt(pair.x);
   Deformer deformer;
   if (DEFORMED != kDeformsNothing) deformer = deformerOf(pair.x);
   for (uint k = 0; k < run.y; k += gl_SubgroupSize) {

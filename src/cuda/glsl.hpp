@@ -38,6 +38,7 @@ struct alignas(2 * sizeof(T)) Vec2 {
     return Vec2<decltype(f(a.x, others.x...))>(f(a.x, others.x...), f(a.y, others.y...));
   }
   GNO_DEVICE T sum() const { return x + y; }
+  GNO_DEVICE T operator[](uint i) const { return i == 0 ? x : y; }
 };
 
 template <typename T>
@@ -55,6 +56,7 @@ struct Vec3 {
     return Vec3<decltype(f(a.x, others.x...))>(f(a.x, others.x...), f(a.y, others.y...), f(a.z, others.z...));
   }
   GNO_DEVICE T sum() const { return x + y + z; }
+  GNO_DEVICE T operator[](uint i) const { return i == 0 ? x : i == 1 ? y : z; }
   GNO_DEVICE Vec2<T> xy() const { return {x, y}; }
   GNO_DEVICE Vec3 yzx() const { return {y, z, x}; }
   GNO_DEVICE Vec3 zxy() const { return {z, x, y}; }
@@ -79,6 +81,7 @@ struct alignas(sizeof(T) < 4 ? 4 : 16) Vec4 {
                                                f(a.w, others.w...));
   }
   GNO_DEVICE T sum() const { return x + y + z + w; }
+  GNO_DEVICE T operator[](uint i) const { return i == 0 ? x : i == 1 ? y : i == 2 ? z : w; }
   GNO_DEVICE Vec2<T> xy() const { return {x, y}; }
   GNO_DEVICE Vec2<T> zw() const { return {z, w}; }
   GNO_DEVICE Vec3<T> xyz() const { return {x, y, z}; }
