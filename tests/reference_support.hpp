@@ -174,12 +174,27 @@ struct Answer {
   Quad range = 0;
 };
 
+/// Whether a beam passes beside a triangle by far more than the rounding errors of double precision.
+inline bool clearlyBeside(const QuadVector& corner, const QuadVector& side1, const QuadVector& side2, const Vec3& d) {
+  const auto rounded = [](const QuadVector& v) {
+    return Vec3{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+  };
+  const Vec3 a = rounded(corner), e1 = rounded(side1), e2 = rounded(side2);
+  const Vec3 p = gnosphere::cross(d, e2), q = gnosphere::cross(e1, a);
+  double det = gnosphere::dot(e1, p), u = -gnosphere::dot(a, p), v = gnosphere::dot(d, q);
+  const double size = reference::norm(a) + reference::norm(e1) + reference::norm(e2), error = 1e-13 * size * size;
+  if (!(std::abs(det) > error)) return false;
+  if (det < 0) det = -det, u = -u, v = -v;
+  return u < -error || v < -error || u + v - det > 3 * error;
+}
+
 /// Intersection by Moller and Trumbore 1997, with a division, in quadruple precision.
 inline Answer bruteForce(const std::vector<QuadVector>& corners, const Vec3& direction, double rangeMax) {
   const QuadVector d = {direction.x, direction.y, direction.z};
   Answer answer;
   for (size_t t = 0; 3 * t < corners.size(); ++t) {
     const QuadVector a = corners[3 * t], e1 = corners[3 * t + 1] - a, e2 = corners[3 * t + 2] - a;
+    if (clearlyBeside(a, e1, e2, direction)) continue;
     const QuadVector p = cross(d, e2), s = QuadVector{} - a, q = cross(s, e1);
     const Quad det = dot(e1, p);
     if (det == 0) continue;

@@ -251,9 +251,6 @@ GNO_DEVICE vec3 normalize(vec3 v) {
 GNO_DEVICE uint floatBitsToUint(float x) {
   return __builtin_bit_cast(uint, x);
 }
-GNO_DEVICE int floatBitsToInt(float x) {
-  return __builtin_bit_cast(int, x);
-}
 GNO_DEVICE int findMSB(uint x) {
   int bit = -1;
   for (; x > 0; x >>= 1) ++bit;

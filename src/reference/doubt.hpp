@@ -125,10 +125,16 @@ inline Doubt doubtOf(const Across& beam, const Vec3 (&corners)[3], int front, co
     c[k].x = dot(beam.u, v);
     c[k].y = dot(beam.v, v);
     c[k].depth = dot(beam.d, v);
-    c[k].distance = length(c[k].x, c[k].y);
     c[k].place = error.relative * norm(v) + error.absolute;
     c[k].reach = c[k].place + kDirectionError * c[k].depth;
   }
+  // Most triangles are clearly beside the beam.
+  const double reach = std::max({c[0].reach, c[1].reach, c[2].reach});
+  const auto beside = [&](double x0, double x1, double x2) {
+    return std::min({x0, x1, x2}) > 2 * reach || std::max({x0, x1, x2}) < -2 * reach;
+  };
+  if (beside(c[0].x, c[1].x, c[2].x) || beside(c[0].y, c[1].y, c[2].y)) return {};
+  for (SeenCorner& corner : c) corner.distance = length(corner.x, corner.y);
   const double ab = cross(c[0], c[1]), bc = cross(c[1], c[2]), ca = cross(c[2], c[0]);
   const bool inside = (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
   const bool edgy = near(c[0], c[1]) || near(c[1], c[2]) || near(c[2], c[0]);
@@ -137,7 +143,6 @@ inline Doubt doubtOf(const Across& beam, const Vec3 (&corners)[3], int front, co
   const double area = ab + bc + ca;
   const double longest = std::max({length(c[1].x - c[0].x, c[1].y - c[0].y), length(c[2].x - c[1].x, c[2].y - c[1].y),
                                    length(c[0].x - c[2].x, c[0].y - c[2].y)});
-  const double reach = std::max({c[0].reach, c[1].reach, c[2].reach});
   const double thinness = 2 * reach * longest / std::abs(area);  // 2 max r / H; infinite where edge-on
   const bool turns = front != 0 && !(thinness < 1);
   if (front != 0 && !turns && (area > 0) != (front > 0)) return {};

@@ -90,9 +90,12 @@ bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool
   }
   if (doubt) return true;
   // Widened by twice the errors of a corner, across the beam and along it.
+  const Ray thin(line.frame.position, line.frame.directionToWorld(line.direction), 0, 0);
   const auto fat = [&](const CornerError& error) {
-    return Ray(line.frame.position, line.frame.directionToWorld(line.direction),
-               2 * (error.relative + kDirectionError + line.astray), 2 * error.absolute);
+    Ray ray = thin;
+    ray.spread = 2 * (error.relative + kDirectionError + line.astray);
+    ray.floor = 2 * error.absolute;
+    return ray;
   };
   const auto isHit = [&](uint32_t i) {
     return std::any_of(hits.begin(), hits.end(), [=](const Hit& hit) { return hit.triangle == i; });
