@@ -35,8 +35,8 @@ layout(local_size_x = 64) in;
 // Only the subgroup that owns the beam's slab may call this; therefore no atomics are needed.
 void keepNearer(uint beam, bool met, float range, uint id) {
 #ifdef INT64_ATOMICS
-  if (!met) return;
-  uint64_t word = packUint2x32(uvec2(id, floatBitsToUint(range)));
+  // Without a branch, because a store of some lanes takes longer than one of all lanes.
+  uint64_t word = packUint2x32(met ? uvec2(id, floatBitsToUint(range)) : uvec2(kNone));
   words64.at[beam] = min(words64.at[beam], word);
 #endif
 }
