@@ -201,7 +201,7 @@ TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in ro
   CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
-TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
+TEST_CASE("C: recorded scans take the vertices of a mesh and the transform of an instance from buffers") {
   needVulkan();
   VulkanApp app;
   AdoptedInC adopted(app);
@@ -236,6 +236,25 @@ TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
   std::fill(buffer.scale, buffer.scale + 3, 0.01f);
   REQUIRE(gno_vulkan_recorder_set_vertices(recorder, 0, &buffer) == GNO_OK);
 
+  // Column by column: 1 m to the left and 0.5 m up from a place 0.25 m nearer.
+  const std::array<float, 16> place = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0.5f, 1};
+  VulkanApp::Buffer transforms(app, sizeof place);
+  std::memcpy(transforms.bytes().data(), place.data(), sizeof place);
+  gno_vulkan_transform_buffer instances = gno_vulkan_transform_buffer_init();
+  CHECK(instances.stride == 48);
+  instances.address = transforms.range().address;
+  instances.bytes = transforms.range().bytes;
+  instances.stride = 64;
+  instances.format = 2;
+  instances.instance_count = 1;
+  instances.origin[0] = -0.25;
+  CHECK(refused(gno_vulkan_recorder_set_transforms(recorder, &instances), "transform format is 2"));
+  instances.format = GNO_VULKAN_TRANSFORM_COLUMNS_4X4;
+  instances.first_instance = 1;
+  CHECK(refused(gno_vulkan_recorder_set_transforms(recorder, &instances), "instance 1 does not exist"));
+  instances.first_instance = 0;
+  REQUIRE(gno_vulkan_recorder_set_transforms(recorder, &instances) == GNO_OK);
+
   const gno_shot shot = gno_shot_init();
   const gno_vulkan_recorded_shot recorded = {&shot, rangeOf(records), rangeOf(header)};
   VulkanApp::Frame frame(app);
@@ -249,6 +268,7 @@ TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
   REQUIRE(count == 1);
   CHECK(before[0].non_finite == 0);
   CHECK(before[0].degenerate == 1);
+  CHECK(before[0].unplaced == 0);
 
   TestOptions reference;
   reference.device = DeviceChoice::Kind::reference;
@@ -256,6 +276,7 @@ TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
   moved.meshes[0].positions.clear();
   for (size_t i = 0; i < corners.size(); ++i)
     if (i % 4 < 3) moved.meshes[0].positions.push_back(0.01f * static_cast<float>(corners[i]));
+  moved.instances[0].transform = translation(-0.25, 1, 0.5);
   const Scan expected = makeSimulator(moved, sensor, reference).scan({});
   REQUIRE(expected.counters.hits > 20);
   REQUIRE(header.as<gno_vulkan_record_header>()->hits == expected.counters.hits);
