@@ -332,7 +332,8 @@ double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMot
     const double bend = std::sqrt(glm::dot(a[0], a[0]) + glm::dot(a[1], a[1]) + glm::dot(a[2], a[2])) * period;
     to[motion.instance] = {
         row(0), row(1), row(2), {static_cast<float>(most * 1.00001), static_cast<float>(bend * 1.00001), 0, 0}};
-    farthest = std::max(farthest, most);
+    // Instances that may be anywhere are placed in any case.
+    if (mesh.high.x - mesh.low.x < 2 * double{gpu::kCoordinateLimit}) farthest = std::max(farthest, most);
   }
   for (uint32_t i = 0; i < (changes.empty() ? 0 : count()); ++i) {
     const auto change = placements_[i].mesh == kNoMesh ? changes.end() : changes.find(placements_[i].mesh);
