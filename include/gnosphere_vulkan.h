@@ -110,6 +110,9 @@ typedef struct gno_vulkan_recorded_scan {
   /* Triangles of the meshes of gno_vulkan_recorder_set_vertices() that the scan left out: with a corner that is not
    * finite or beyond 1e9 m, and others with two corners at one place. Each mesh counts once. */
   uint32_t non_finite, degenerate;
+  /* Instances of gno_vulkan_recorder_set_transforms() that the scan left out: with a transform in which a number is not
+   * finite or beyond 1e9. */
+  uint32_t unplaced;
 } gno_vulkan_recorded_scan;
 
 /* The positions of a mesh's vertices in a buffer of the caller's device, which was created with the usages of a
@@ -117,13 +120,35 @@ typedef struct gno_vulkan_recorded_scan {
 typedef struct gno_vulkan_vertex_buffer {
   size_t struct_size;
   VkDeviceAddress address; /* of the first position; a multiple of 4 */
-  VkDeviceSize bytes;      /* from there to the end of the buffer */
-  uint32_t stride;         /* bytes from one position to the next; a multiple of 4, or of 2 for 16-bit formats */
+  /* From there to the end of the buffer. It is read in words of 4 bytes, so 16-bit positions that end within a word
+   * need 2 bytes behind them. */
+  VkDeviceSize bytes;
+  uint32_t stride; /* bytes from one position to the next; a multiple of 4, or of 2 for 16-bit formats */
   /* VK_FORMAT_R32G32B32_SFLOAT, or R16G16B16 with UNORM, SNORM, USCALED or SSCALED; each also with a fourth component,
    * which is not looked at. Floats are positions in metres relative to gno_mesh::origin. */
   VkFormat format;
   float scale[3], offset[3]; /* of 16-bit formats, by axis: position = value * scale + offset */
 } gno_vulkan_vertex_buffer;
+
+/* How the numbers of a transform, in single precision, lie in memory. */
+typedef int32_t gno_vulkan_transform_format;
+enum {
+  GNO_VULKAN_TRANSFORM_ROWS_3X4 = 0,   /* three rows of four, as in VkTransformMatrixKHR */
+  GNO_VULKAN_TRANSFORM_COLUMNS_4X4 = 1 /* four columns of four; the fourth row is not looked at */
+};
+
+/* The transforms of instances in a buffer of the caller's device, which was created with the usages of a
+ * gno_vulkan_range. A transform takes points of the mesh's frame to the axes of the world, relative to `origin`. */
+typedef struct gno_vulkan_transform_buffer {
+  size_t struct_size;
+  VkDeviceAddress address; /* of the first transform; a multiple of 4 */
+  VkDeviceSize bytes;      /* from there to the end of the buffer */
+  uint32_t stride;         /* bytes from one transform to the next; a multiple of 4 */
+  gno_vulkan_transform_format format;
+  double origin[3];      /* in the world, in metres */
+  size_t first_instance; /* the instance to which the first transform belongs; the next one follows */
+  size_t instance_count; /* all must exist */
+} gno_vulkan_transform_buffer;
 
 /* The caller has several frames in flight, at most 16, each with a number below `frames_in_flight`. The simulator must
  * not be destroyed while a recorded command is running. Once it is destroyed, the recorder is of no use. */
@@ -147,6 +172,13 @@ GNO_API gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuff
 GNO_API gno_status gno_vulkan_recorder_set_vertices(gno_vulkan_recorder recorder, size_t mesh,
                                                     const gno_vulkan_vertex_buffer* vertices);
 
+/* From the next recording on, the transforms of the instances are those in the buffer, which every recorded scan reads
+ * anew, as gno_simulator_set_transform() would set them, except that the device composes transform and pose with about
+ * 46 instead of 53 bits. gno_simulator_set_transform() ends this for an instance, and so does its removal. Until then
+ * neither the instance nor its mesh may move during a scan. */
+GNO_API gno_status gno_vulkan_recorder_set_transforms(gno_vulkan_recorder recorder,
+                                                      const gno_vulkan_transform_buffer* transforms);
+
 /* ---------------------------------------------------------------------------------------- default values */
 
 #define GNO_INIT_gno_vulkan_requirements                                          \
@@ -158,9 +190,12 @@ GNO_API gno_status gno_vulkan_recorder_set_vertices(gno_vulkan_recorder recorder
   value.format = VK_FORMAT_R32G32B32_SFLOAT; \
   value.scale[0] = value.scale[1] = value.scale[2] = 1;
 
+#define GNO_INIT_gno_vulkan_transform_buffer value.stride = 48;
+
 GNO_INIT(gno_vulkan_requirements)
 GNO_INIT(gno_vulkan_adopted_device)
 GNO_INIT(gno_vulkan_vertex_buffer)
+GNO_INIT(gno_vulkan_transform_buffer)
 
 #ifdef __cplusplus
 }

@@ -46,6 +46,10 @@
                                              /* with two corners at one place */ \
   ARRAY(readonly, uvec2, sourceGroups)       /* per group of such a mesh: its entry in vertexSources, the group */ \
   ARRAY(readonly, uint, vertexNumbers)       /* per vertex of such a mesh, as in positions: its number in the mesh */ \
+  ARRAY(readonly, TransformSource, transformSources)  /* per buffer of the caller from which transforms are taken */ \
+  ARRAY(readonly, CallerBuffer, transformBuffers)     /* per such buffer: where its first transform is */ \
+  ARRAY(readonly, TransformedInstance, transformedInstances) \
+  ARRAY(, uint, unplacedInstances)           /* how many of these have a transform that is not finite */ \
   ARRAY(readonly, Instance, instances) \
   ARRAY(readonly, uint, instanceMeshes) \
   ARRAY(readonly, uvec2, placed)             /* per placed group: its instance and its group */ \

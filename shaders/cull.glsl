@@ -27,8 +27,22 @@ vec2 boundOf(uint instance) {
   return MOTION && motion.instances != 0 ? instanceMotions.at[instance].bound.xy : vec2(0.0);
 }
 
+// Returns the largest distance in metres that a point of a box moves with an instance that is not deformed meanwhile.
+// The velocity is affine, so it is largest at a corner. 1e-6 of each term covers rounding.
+float farthestMove(InstanceMotion moving, vec3 low, vec3 high) {
+  vec3 middle = 0.5 * (low + high), extent = 0.5 * (high - low);
+  vec3 size = abs(middle) * 1e-6 + abs(extent) * 1.00001;
+  vec3 most = abs(velocityOf(moving, middle)) +
+              vec3(dot(abs(moving.row0.xyz), size), dot(abs(moving.row1.xyz), size), dot(abs(moving.row2.xyz), size)) +
+              1e-6 * abs(vec3(moving.row0.w, moving.row1.w, moving.row2.w));
+  return length(most) * motion.seconds * 1.00001;
+}
+
 void widenByMotion(uint instance, inout vec3 low, inout vec3 high) {
   float reach = boundOf(instance).x;
+  // The bound is that of the whole instance, and of one whose vertices only the device knows it is no bound at all.
+  if (reach > 0.0 && instanceMotions.at[instance].bound.z == 0.0)
+    reach = min(reach, farthestMove(instanceMotions.at[instance], low, high));
   low -= reach;
   high += reach;
 }

@@ -267,6 +267,24 @@ struct VertexSource {
   uint vertexFirst;  // and in positions
 };
 
+// A buffer of the caller with transforms, and the sensor as seen from the point in the world to which they are
+// relative. Each number is the sum of two floats: what the first leaves of it by rounding is in `...Low`.
+struct TransformSource {
+  vec3 row0, row1, row2;  // rotation from the world to the sensor's frame
+  vec3 row0Low, row1Low, row2Low;
+  vec3 shift, shiftLow;  // that point minus the sensor, in the world's axes
+  uint stride;           // bytes from one transform to the next
+  uint byColumns;        // 1: 4 x 4 numbers, column by column; 0: 3 x 4 numbers, row by row
+};
+
+// An instance whose transform lies in such a buffer.
+struct TransformedInstance {
+  vec3 origin, originLow;  // of its mesh, as a sum of two floats
+  uint instance;
+  uint source;  // entry in transformSources
+  uint number;  // of its transform in the buffer
+};
+
 // A corner of a projected triangle in the sensor's frame, with the tag that arrays.h describes.
 struct TaggedCorner {
   vec3 corner;
@@ -429,6 +447,7 @@ struct MotionBounds {
 
 #ifdef __cplusplus
 static_assert(sizeof(MotionBounds) == 76 && sizeof(VertexSource) == 40);
+static_assert(sizeof(TransformSource) == 104 && sizeof(TransformedInstance) == 36);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 112 &&

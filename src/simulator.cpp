@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "effects/sensor_plan.hpp"
+#include "geometry/transform_sources.hpp"
 #include "geometry/vertex_sources.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
@@ -349,6 +350,13 @@ class Simulator::Impl {
     backend_->setVertices(mesh, buffer);
   }
 
+  void setTransforms(const CallerTransforms& buffer) {
+    validate(buffer);
+    for (size_t i = 0; i < buffer.instances; ++i) instances_.check(buffer.firstInstance + i);
+    backend_->setTransforms(buffer);
+    for (size_t i = 0; i < buffer.instances; ++i) inBuffer_[buffer.firstInstance + i] = 1;
+  }
+
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId) {
     meshes_.check(mesh);
     const size_t index = instances_.next();
@@ -364,6 +372,7 @@ class Simulator::Impl {
   void removeInstance(size_t index) {
     instances_.check(index);
     backend_->setInstance(index, kNoMesh, {});
+    inBuffer_[index] = 0;
     uint32_t& mesh = scene_.instances[index].mesh;
     placedTriangles_ -= trianglesOf(mesh);
     stale_ |= --meshes_.uses(mesh) == 0;
@@ -375,6 +384,7 @@ class Simulator::Impl {
     instances_.check(instance);
     validate(transform, instance);
     backend_->setInstance(instance, scene_.instances[instance].mesh, transform);
+    inBuffer_[instance] = 0;
   }
 
   Plan plan(size_t sensor) {
@@ -412,8 +422,13 @@ class Simulator::Impl {
     for (const InstanceMotion& motion : shot.instanceMotions) {
       instances_.check(motion.instance);
       validate(motion.end, motion.instance);
+      if (inBuffer_[motion.instance]) refuseMotion(motion.instance, which);
     }
-    for (const MeshMotion& motion : shot.meshMotions) checkDeformation(motion.mesh, motion.end, which);
+    for (const MeshMotion& motion : shot.meshMotions) {
+      checkDeformation(motion.mesh, motion.end, which);
+      for (size_t i = 0; i < inBuffer_.size(); ++i)
+        if (inBuffer_[i] && scene_.instances[i].mesh == motion.mesh) refuseMotion(i, which);
+    }
     if (!sensors_.has(shot.sensor))
       throw Error(
           ErrorCode::invalidArgument,
@@ -421,6 +436,14 @@ class Simulator::Impl {
               (shot.sensor < sensors_.size() ? " has been removed"
                                              : " does not exist, there are " + std::to_string(sensors_.size())));
     if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);
+  }
+
+  // How far the instance moves during the scan would bound what it may hide, and only the device knows it.
+  static void refuseMotion(size_t instance, const std::string& which) {
+    throw Error(ErrorCode::invalidArgument,
+                which + "the transform of instance " + std::to_string(instance) +
+                    " comes from a buffer, so neither it nor its mesh can move during a scan; "
+                    "Simulator::setTransform() sets the transform from the host again");
   }
 
   // Plans the sensors again whose effects depend on the scene, after the set of visible materials has changed.
@@ -462,6 +485,7 @@ class Simulator::Impl {
     stale_ |= meshes_.uses(mesh)++ == 0;
     classes_.resize(instances_.size());
     classes_[index] = classId;
+    inBuffer_.resize(instances_.size());
     return index;
   }
 
@@ -472,6 +496,7 @@ class Simulator::Impl {
   std::vector<size_t> vertexCounts_;  // by mesh
   uint64_t placedTriangles_ = 0;
   std::vector<uint16_t> classes_;          // by instance
+  std::vector<uint8_t> inBuffer_;          // by instance: 1 if its transform comes from a buffer
   std::vector<SensorRequest> requests_;    // by sensor
   std::vector<ComputedColumns> computed_;  // by sensor
   SensorPlans plans_;                      // by sensor
@@ -510,6 +535,9 @@ void Simulator::record(Recording& recording) {
 }
 void Simulator::setVertices(size_t mesh, const CallerVertices& buffer) {
   impl_->setVertices(mesh, buffer);
+}
+void Simulator::setTransforms(const CallerTransforms& buffer) {
+  impl_->setTransforms(buffer);
 }
 
 size_t Simulator::addSensor(const SensorRequest& request) {

@@ -107,8 +107,8 @@ struct Mesh {
   bool deformable() const { return jointCount > 0 || !morphTargets.empty(); }
 };
 
-/// The positions of the deformed mesh: 3 per vertex, in metres relative to Mesh::origin. They are computed in single
-/// precision, in the same steps on every device, so all devices see the same triangles.
+/// The positions of the deformed mesh, 3 per vertex, in metres relative to Mesh::origin; every device rounds alike.
+/// Throws Error(invalidArgument) for a deformation that is not empty and has other numbers of joints or weights.
 GNOSPHERE_API std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation);
 
 /// One placement of a mesh in the world. Instances share the mesh; it is never copied.

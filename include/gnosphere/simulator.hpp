@@ -27,6 +27,7 @@ class Recorder;
 }  // namespace vulkan
 struct Recording;
 struct CallerVertices;
+struct CallerTransforms;
 
 /// The accuracy setting: named choices of the parts in AccuracyParts.
 enum class Accuracy {
@@ -305,6 +306,7 @@ class GNOSPHERE_API Simulator {
   class Impl;
   void record(Recording& recording);
   void setVertices(size_t mesh, const CallerVertices& buffer);
+  void setTransforms(const CallerTransforms& buffer);
   std::unique_ptr<Impl> impl_;
 };
 

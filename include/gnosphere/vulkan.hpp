@@ -87,14 +87,37 @@ struct DeviceRange {
 /// that of a DeviceRange. Other attributes may lie between the positions.
 struct VertexBuffer {
   VkDeviceAddress address = 0;  ///< of the first position; a multiple of 4
-  VkDeviceSize bytes = 0;       ///< from there to the end of the buffer
-  uint32_t stride = 12;         ///< bytes from one position to the next; a multiple of 4, or of 2 for 16-bit formats
+  /// From there to the end of the buffer. It is read in words of 4 bytes, so 16-bit positions that end within a word
+  /// need 2 bytes behind them.
+  VkDeviceSize bytes = 0;
+  uint32_t stride = 12;  ///< bytes from one position to the next; a multiple of 4, or of 2 for 16-bit formats
   /// VK_FORMAT_R32G32B32_SFLOAT, or R16G16B16 with UNORM, SNORM, USCALED or SSCALED; each also with a fourth component,
   /// which is not looked at. Floats are positions in metres relative to Mesh::origin.
   VkFormat format = VK_FORMAT_R32G32B32_SFLOAT;
   /// Of 16-bit formats, by axis: position = value * scale + offset, in metres relative to Mesh::origin. Value is what
   /// the format says; the library computes in single precision integer * (scale / 65535) + offset, or 32767 for SNORM.
   std::array<float, 3> scale = {1, 1, 1}, offset = {};
+};
+
+/// How the numbers of a transform, in single precision, lie in memory.
+enum class TransformFormat {
+  rows3x4,     ///< three rows of four, as in VkTransformMatrixKHR and Transform::rows
+  columns4x4,  ///< four columns of four, as a mat4 of GLSL has them; the fourth row is not looked at
+};
+
+/// The transforms of instances in a buffer of the caller's device, which was created with the same usages as that of a
+/// DeviceRange. A transform takes points of the mesh's frame to the axes of the world, relative to `origin`: near it
+/// single precision is enough, wherever in the world it is.
+struct TransformBuffer {
+  VkDeviceAddress address = 0;  ///< of the first transform; a multiple of 4
+  VkDeviceSize bytes = 0;       ///< from there to the end of the buffer
+  /// Bytes from one transform to the next; a multiple of 4, for example 64 for an array of
+  /// VkAccelerationStructureInstanceKHR.
+  uint32_t stride = 48;
+  TransformFormat format = TransformFormat::rows3x4;
+  Vec3 origin;               ///< in the world, in metres
+  size_t firstInstance = 0;  ///< the instance to which the first transform belongs; the next one follows
+  size_t instances = 0;      ///< how many; all must exist
 };
 
 /// A scan to be recorded, and the buffers for its results.
@@ -113,6 +136,9 @@ struct RecordedScan {
   /// Triangles of the meshes of Recorder::setVertices() that the scan left out: with a corner that is not finite or
   /// beyond 1e9 m, and others with two corners at one place. Each mesh counts once, however often it is placed.
   uint32_t nonFinite = 0, degenerate = 0;
+  /// Instances of Recorder::setTransforms() that the scan left out: with a transform in which a number is not finite or
+  /// beyond 1e9.
+  uint32_t unplaced = 0;
 };
 
 /// Records the scans of a simulator on an adopted device into the caller's command buffers. The caller has several
@@ -137,6 +163,14 @@ class GNOSPHERE_API Recorder {
   /// of the mesh. Throws Error(invalidArgument) for a mesh that does not exist or is deformable, and for a buffer that
   /// cannot have its vertices, and Error(outOfMemory).
   void setVertices(size_t mesh, const VertexBuffer& vertices);
+
+  /// From the next recording on, the transforms of the instances are those in a buffer of the caller, which every
+  /// recorded scan reads anew. Its results are those of Simulator::setTransform() with the same numbers, except that
+  /// the device composes transform and pose with about 46 instead of 53 bits. Simulator::setTransform() ends this for
+  /// an instance, and so does its removal. Until then neither the instance nor its mesh may move during a scan
+  /// (Shot::instanceMotions, Shot::meshMotions). Throws Error(invalidArgument) for an instance that does not exist and
+  /// for a buffer that cannot have the transforms, and Error(outOfMemory).
+  void setTransforms(const TransformBuffer& transforms);
 
  private:
   Simulator& simulator_;

@@ -16,7 +16,7 @@ LEFT_OUT = {
     "Vec3", "Quaternion",  # tuples
     "ColumnView", "Iterator", "begin",  # NumPy arrays
     "RecordHeader", "instance_count", "first_vertex", "first_instance", "wanted", "rows", "incomplete",
-    "AdoptedDevice", "Recorder", "Recording", "CallerVertices", "adopted", "layout",
+    "AdoptedDevice", "Recorder", "Recording", "CallerVertices", "CallerTransforms", "adopted", "layout",
     "w",  # a quaternion is x, y, z, w
     "add",  # results are read only
 }  # fmt: skip

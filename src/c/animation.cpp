@@ -57,6 +57,14 @@ AnimatedInstance animatedOf(const gno_animated_instance* animated) {
   return {from.instance, from.node, from.skin, transformOf(from.offset)};
 }
 
+// Returns the function from a scene to a list of its animation.
+template <class List>
+auto inAnimation(List list) {
+  return [list](Scene & scene) -> auto& {
+    return scene.animation.*list;
+  };
+}
+
 }  // namespace
 }  // namespace gnosphere::c
 
@@ -66,31 +74,19 @@ using namespace gnosphere::c;
 extern "C" {
 
 gno_status gno_scene_add_node(gno_scene scene, const gno_node* node, uint32_t* index) {
-  return guard([&] {
-    Locked to(scene);
-    add(*to, to->animation.nodes, nodeOf(node), index);
-  });
+  return addTo(scene, inAnimation(&SceneAnimation::nodes), nodeOf, node, index);
 }
 
 gno_status gno_scene_add_skin(gno_scene scene, const gno_skin* skin, uint32_t* index) {
-  return guard([&] {
-    Locked to(scene);
-    add(*to, to->animation.skins, skinOf(skin), index);
-  });
+  return addTo(scene, inAnimation(&SceneAnimation::skins), skinOf, skin, index);
 }
 
 gno_status gno_scene_add_clip(gno_scene scene, const gno_clip* clip, uint32_t* index) {
-  return guard([&] {
-    Locked to(scene);
-    add(*to, to->animation.clips, clipOf(clip), index);
-  });
+  return addTo(scene, inAnimation(&SceneAnimation::clips), clipOf, clip, index);
 }
 
 gno_status gno_scene_add_animated_instance(gno_scene scene, const gno_animated_instance* animated, uint32_t* index) {
-  return guard([&] {
-    Locked to(scene);
-    add(*to, to->animation.instances, animatedOf(animated), index);
-  });
+  return addTo(scene, inAnimation(&SceneAnimation::instances), animatedOf, animated, index);
 }
 
 gno_status gno_scene_set_animation_root(gno_scene scene, const gno_transform* root) {

@@ -5,6 +5,7 @@
 
 #include <gnosphere.h>
 
+#include <functional>
 #include <gnosphere/gnosphere.hpp>
 #include <memory>
 #include <mutex>
@@ -198,12 +199,16 @@ const T& at(const std::vector<T>& values, size_t index, const char* noun) {
 }
 /// Returns the scene; one that is not valid is an error that says why.
 const Scene& valid(SceneObject& scene);
-/// Adds to a list of the scene, and gives the index of what was added unless `index` is null.
-template <class T>
-void add(SceneObject& scene, std::vector<T>& values, T value, uint32_t* index) {
-  if (index) *index = static_cast<uint32_t>(values.size());
-  values.push_back(std::move(value));
-  scene.valid = false;
+/// Adds what is made of an argument to a list of the scene, and gives its index unless `index` is null.
+template <class List, class Make, class From>
+gno_status addTo(gno_scene scene, List list, Make make, const From* from, uint32_t* index) {
+  return guard([&] {
+    Locked to(scene);
+    auto& values = std::invoke(list, *to);
+    values.push_back(make(from));
+    if (index) *index = static_cast<uint32_t>(values.size() - 1);
+    to->valid = false;
+  });
 }
 
 Pose poseOf(const gno_pose& pose);

@@ -115,31 +115,19 @@ gno_status gno_scene_destroy(gno_scene scene) {
 }
 
 gno_status gno_scene_add_alpha_image(gno_scene scene, const gno_alpha_image* image, uint32_t* index) {
-  return guard([&] {
-    Locked to(scene);
-    add(*to, to->alphaImages, alphaImageOf(image), index);
-  });
+  return addTo(scene, &Scene::alphaImages, alphaImageOf, image, index);
 }
 
 gno_status gno_scene_add_material(gno_scene scene, const gno_material* material, uint32_t* index) {
-  return guard([&] {
-    Locked to(scene);
-    add(*to, to->materials, materialOf(material), index);
-  });
+  return addTo(scene, &Scene::materials, materialOf, material, index);
 }
 
 gno_status gno_scene_add_mesh(gno_scene scene, const gno_mesh* mesh, uint32_t* index) {
-  return guard([&] {
-    Locked to(scene);
-    add(*to, to->meshes, meshOf(mesh), index);
-  });
+  return addTo(scene, &Scene::meshes, meshOf, mesh, index);
 }
 
 gno_status gno_scene_add_instance(gno_scene scene, const gno_instance* instance, uint32_t* index) {
-  return guard([&] {
-    Locked to(scene);
-    add(*to, to->instances, instanceOf(instance), index);
-  });
+  return addTo(scene, &Scene::instances, instanceOf, instance, index);
 }
 
 gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts) {
@@ -271,11 +259,6 @@ gno_status gno_scene_get_deformed_positions(gno_scene scene, size_t mesh, const 
     Locked locked(scene);
     const Mesh& from = at(valid(*locked).meshes, mesh, "mesh");
     const Deformation wanted = deformation ? deformationOf(*deformation) : from.deformation;
-    if (!wanted.empty() &&
-        (wanted.joints.size() != from.jointCount || wanted.morphWeights.size() != from.morphTargets.size()))
-      refuse("the deformation has " + std::to_string(wanted.joints.size()) + " joints and " +
-             std::to_string(wanted.morphWeights.size()) + " morph weights, mesh " + std::to_string(mesh) + " has " +
-             std::to_string(from.jointCount) + " and " + std::to_string(from.morphTargets.size()));
     const auto to = array(positions, 3 * vertex_count, "positions");
     if (vertex_count != from.vertexCount())
       refuse("mesh " + std::to_string(mesh) + " has " + std::to_string(from.vertexCount()) + " vertices, not " +

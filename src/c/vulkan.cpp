@@ -130,7 +130,7 @@ gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer comma
     const Idle idle(locked->simulator);
     results.clear();
     for (const vulkan::RecordedScan& scan : locked->recorder.record(commands, frame_in_flight, wanted))
-      results.push_back({scan.sensor, scan.frame, scan.complete, scan.nonFinite, scan.degenerate});
+      results.push_back({scan.sensor, scan.frame, scan.complete, scan.nonFinite, scan.degenerate, scan.unplaced});
     if (before) *before = results.data();
     if (before_count) *before_count = results.size();
   });
@@ -150,6 +150,24 @@ gno_status gno_vulkan_recorder_set_vertices(gno_vulkan_recorder recorder, size_t
     Locked locked(recorder);
     const Idle idle(locked->simulator);
     locked->recorder.setVertices(mesh, buffer);
+  });
+}
+
+gno_status gno_vulkan_recorder_set_transforms(gno_vulkan_recorder recorder,
+                                              const gno_vulkan_transform_buffer* transforms) {
+  return guard([&] {
+    const gno_vulkan_transform_buffer& from = sized(transforms, "gno_vulkan_transform_buffer");
+    vulkan::TransformBuffer buffer;
+    buffer.address = from.address;
+    buffer.bytes = from.bytes;
+    buffer.stride = from.stride;
+    buffer.format = enumOf(from.format, vulkan::TransformFormat::columns4x4, "transform format");
+    buffer.origin = {from.origin[0], from.origin[1], from.origin[2]};
+    buffer.firstInstance = from.first_instance;
+    buffer.instances = from.instance_count;
+    Locked locked(recorder);
+    const Idle idle(locked->simulator);
+    locked->recorder.setTransforms(buffer);
   });
 }
 

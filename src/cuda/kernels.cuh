@@ -212,6 +212,7 @@ void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
     case Kernel::effects_panes: return launch<effects_panes>(job, groupsX, groupsY);
     case Kernel::effects: return launch<effects>(job, groupsX, groupsY);
     case Kernel::fit_clusters:
+    case Kernel::place_instances:
     case Kernel::records: return;  // only Vulkan devices read and write buffers of the caller
   }
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "deform.h"
+#include "gnosphere/error.hpp"
 
 namespace gnosphere {
 namespace {
@@ -53,6 +54,11 @@ void influencesOf(const Mesh& mesh, size_t vertex, std::vector<Influence>& influ
 
 std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation) {
   if (deformation.empty()) return mesh.positions;
+  if (deformation.joints.size() != mesh.jointCount || deformation.morphWeights.size() != mesh.morphTargets.size())
+    throw Error(ErrorCode::invalidArgument, "the deformation has " + std::to_string(deformation.joints.size()) +
+                                                " joints and " + std::to_string(deformation.morphWeights.size()) +
+                                                " morph weights, the mesh has " + std::to_string(mesh.jointCount) +
+                                                " and " + std::to_string(mesh.morphTargets.size()));
   const std::vector<JointMap> maps = jointMapsOf(mesh.origin, deformation);
   std::vector<float> result;
   result.reserve(mesh.positions.size());

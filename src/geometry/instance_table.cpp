@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/quaternion.hpp>
+#include <limits>
 
 #include "base/threads.hpp"
 
@@ -41,6 +42,21 @@ void compose(const glm::dmat3& toSensor, const glm::dvec3& sensor, const glm::dm
   out.row2 = row(2);
   out.offset = {offset.x, offset.y, offset.z};
   out.firstTriangle = number;
+}
+
+glm::dmat3 rotationToSensor(const Pose& pose) {
+  const Quaternion& q = pose.orientation;
+  return glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
+}
+
+// Divides numbers into sums of two floats. The rounded number is volatile because gcc 12, when it vectorizes, takes the
+// double of the float of a double for that double itself.
+void divide(const glm::dvec3& numbers, gpu::vec3& high, gpu::vec3& low) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const volatile float rounded = static_cast<float>(numbers[axis]);
+    high[axis] = rounded;
+    low[axis] = static_cast<float>(numbers[axis] - double{rounded});
+  }
 }
 
 // Compares bits, because zeros of different sign make different clouds.
@@ -82,13 +98,14 @@ void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform)
   placement.toWorld = linear(transform);
   const Transform placed = transform * Transform{{1, 0, 0, origin.x, 0, 1, 0, origin.y, 0, 0, 1, origin.z}};
   placement.position = {placed.rows[3], placed.rows[7], placed.rows[11]};
-  if (before.mesh == mesh && same(before.toWorld, placement.toWorld) && same(before.position, placement.position))
-    return;
+  const bool known = !transformSources_.has(index) && before.mesh == mesh;
+  transformSources_.remove(index);
+  if (known && same(before.toWorld, placement.toWorld) && same(before.position, placement.position)) return;
   placement.changedAt = ++changes_;
   const double volume = glm::determinant(placement.toWorld);
   placement.mirrored = volume < 0;
   placement.fromWorld = std::abs(volume) > 1e-30 ? glm::inverse(placement.toWorld) : glm::dmat3(0);
-  spheres_[index] = sphereOf(placement);
+  spheres_[index] = sphereOf(index);
 }
 
 void InstanceTable::setMesh(size_t mesh, MeshSummary summary) {
@@ -115,13 +132,15 @@ uint64_t InstanceTable::usableTriangles(size_t instance) const {
 void InstanceTable::moveSpheres() {
   if (!anyReshaped_) return;
   for (size_t i = 0; i < placements_.size(); ++i)
-    if (placements_[i].mesh != kNoMesh && reshaped_[placements_[i].mesh]) spheres_[i] = sphereOf(placements_[i]);
+    if (placements_[i].mesh != kNoMesh && reshaped_[placements_[i].mesh]) spheres_[i] = sphereOf(i);
   std::fill(reshaped_.begin(), reshaped_.end(), 0);
   anyReshaped_ = false;
 }
 
-// Sphere in the world around the transformed box of the mesh.
-InstanceTable::Sphere InstanceTable::sphereOf(const Placement& placement) const {
+// Sphere in the world around the transformed box of the mesh; around everything if only the device knows the transform.
+InstanceTable::Sphere InstanceTable::sphereOf(size_t instance) const {
+  const Placement& placement = placements_[instance];
+  if (transformSources_.has(instance)) return {placement.position, std::numeric_limits<double>::infinity()};
   const MeshSummary& mesh = meshOf(placement);
   const glm::dvec3 centre = 0.5 * (mesh.low + mesh.high), half = 0.5 * (mesh.high - mesh.low);
   const glm::dmat3& m = placement.toWorld;
@@ -235,13 +254,13 @@ PlacedGroups InstanceTable::choose(const Pose& pose, double reach, const Selecti
 }
 
 void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) const {
-  const Quaternion& q = pose.orientation;
-  const glm::dmat3 toSensor = glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
+  const glm::dmat3 toSensor = rotationToSensor(pose);
   const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
   for (const std::vector<uint32_t>* visible : {&visibleStill_, &visibleMoving_})
     inRuns(visible->size(), kInstancesPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
       for (uint64_t k = first; k < end; ++k) {
         const uint32_t i = (*visible)[k];
+        if (transformSources_.has(i)) continue;
         const Placement& placement = placements_[i];
         compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, numberOf(i),
                 instances[i]);
@@ -249,13 +268,47 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
     });
 }
 
+void InstanceTable::setTransforms(const CallerTransforms& buffer) {
+  transformSources_.set(buffer);
+  for (size_t i = buffer.firstInstance; i < buffer.firstInstance + buffer.instances; ++i) {
+    placements_[i].changedAt = ++changes_;
+    spheres_[i] = sphereOf(i);
+  }
+}
+
+void InstanceTable::writeTransformSources(const Pose& pose, gpu::TransformSource* sources, gpu::CallerBuffer* buffers,
+                                          gpu::TransformedInstance* instances) const {
+  const glm::dmat3 rows = glm::transpose(rotationToSensor(pose));
+  const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
+  for (const CallerTransforms& buffer : transformSources_.buffers()) {
+    gpu::TransformSource source = {};
+    divide(rows[0], source.row0, source.row0Low);
+    divide(rows[1], source.row1, source.row1Low);
+    divide(rows[2], source.row2, source.row2Low);
+    divide(glm::dvec3(buffer.origin.x, buffer.origin.y, buffer.origin.z) - sensor, source.shift, source.shiftLow);
+    source.stride = buffer.stride;
+    source.byColumns = buffer.byColumns;
+    *sources++ = source;
+    *buffers++ = {buffer.address};
+  }
+  for (uint32_t i = 0; i < count(); ++i) {
+    if (!transformSources_.has(i)) continue;
+    const Vec3& origin = meshOf(placements_[i]).origin;
+    gpu::TransformedInstance instance = {};
+    divide({origin.x, origin.y, origin.z}, instance.origin, instance.originLow);
+    instance.instance = i;
+    instance.source = transformSources_.bufferOf(i);
+    instance.number = transformSources_.numberOf(i);
+    *instances++ = instance;
+  }
+}
+
 // With v = V x for a point x of the mesh at the start of the scan, and x = M^-1 (p - m) for that point p in the world.
 double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMotion> motions,
                                    const std::map<size_t, double>& changes, double period,
                                    gpu::InstanceMotion* to) const {
   std::fill(to, to + count(), gpu::InstanceMotion{});
-  const Quaternion& q = pose.orientation;
-  const glm::dmat3 toSensor = glm::transpose(glm::mat3_cast(glm::normalize(glm::dquat(q.w, q.x, q.y, q.z))));
+  const glm::dmat3 toSensor = rotationToSensor(pose);
   const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
   double farthest = 0;
   for (const InstanceMotion& motion : motions) {
@@ -279,7 +332,8 @@ double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMot
     const double bend = std::sqrt(glm::dot(a[0], a[0]) + glm::dot(a[1], a[1]) + glm::dot(a[2], a[2])) * period;
     to[motion.instance] = {
         row(0), row(1), row(2), {static_cast<float>(most * 1.00001), static_cast<float>(bend * 1.00001), 0, 0}};
-    farthest = std::max(farthest, most);
+    // Instances that may be anywhere are placed in any case.
+    if (mesh.high.x - mesh.low.x < 2 * double{gpu::kCoordinateLimit}) farthest = std::max(farthest, most);
   }
   for (uint32_t i = 0; i < (changes.empty() ? 0 : count()); ++i) {
     const auto change = placements_[i].mesh == kNoMesh ? changes.end() : changes.find(placements_[i].mesh);

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/transform_sources.hpp"
 #include "gnosphere/simulator.hpp"
 #include "shared.h"
 
@@ -49,6 +50,14 @@ class InstanceTable {
   /// Adds the next instance, or moves or replaces an existing one; kNoMesh removes it.
   void set(size_t index, uint32_t mesh, const Transform& transform);
 
+  /// From now on the transforms of existing instances lie in a buffer of the caller, each until it is set(). Every scan
+  /// places them, because only the device knows where they are.
+  void setTransforms(const CallerTransforms& buffer);
+  const TransformSources& transformSources() const { return transformSources_; }
+  /// Writes what a device needs to compose these transforms with a pose: per buffer, and per instance.
+  void writeTransformSources(const Pose& pose, gpu::TransformSource* sources, gpu::CallerBuffer* buffers,
+                             gpu::TransformedInstance* instances) const;
+
   uint32_t count() const { return static_cast<uint32_t>(placements_.size()); }
   /// Counts of triangles placed, and of triangles dropped while flattening.
   const Counters& counters() const { return counters_; }
@@ -65,7 +74,8 @@ class InstanceTable {
 
   /// Chooses what a scan places: the selected instances within reach (metres). The writers below write the chosen ones.
   PlacedGroups choose(const Pose& pose, double reach, const Selection& selection);
-  /// Writes the transforms to the sensor's frame, composed in double; `instances` has room for count().
+  /// Writes the transforms to the sensor's frame, composed in double, except for those of transformSources();
+  /// `instances` has room for count().
   void writeTransforms(const Pose& pose, gpu::Instance* instances) const;
   /// Writes the (instance, group) pairs.
   void writePairs(uint32_t* pairs) const;
@@ -109,7 +119,7 @@ class InstanceTable {
   }
   const MeshSummary& meshOf(const Placement& placement) const;
   void moveSpheres();
-  Sphere sphereOf(const Placement& placement) const;
+  Sphere sphereOf(size_t instance) const;
   void count(uint32_t mesh, int64_t instances);
   void number();
   void findOwnerRanges();
@@ -125,6 +135,7 @@ class InstanceTable {
   std::vector<uint32_t> visibleStill_, visibleMoving_;  // instances chosen for the last scan
   std::vector<uint32_t> firstTriangles_;                // by instance
   std::vector<std::array<uint32_t, 2>> ownerRanges_;    // see writeOwnerRanges()
+  TransformSources transformSources_;
   Counters counters_;
   uint64_t changes_ = 0, renumberedAt_ = 0;
   uint32_t numberCount_ = 0;

@@ -27,10 +27,11 @@ void validate(const CallerVertices& buffer, size_t vertices, const std::string& 
     refuse("its vertices are " + std::to_string(buffer.stride) + " bytes apart; positions of this format need " +
            std::to_string(size) + " or more, in multiples of " + std::to_string(unit));
   if (vertices == 0) return;
-  const uint64_t needed = (vertices - 1) * uint64_t{buffer.stride} + size;
+  // Kernels read whole words.
+  const uint64_t needed = ((vertices - 1) * uint64_t{buffer.stride} + size + 3) / 4 * 4;
   if (needed > buffer.bytes)
     refuse("it has " + std::to_string(vertices) + " vertices, " + std::to_string(buffer.stride) +
-           " bytes apart; they need " + std::to_string(needed) + " bytes, and the buffer has " +
+           " bytes apart; in words of 4 bytes they need " + std::to_string(needed) + " bytes, and the buffer has " +
            std::to_string(buffer.bytes));
   if (needed > UINT32_MAX) refuse("its vertices take more than 4 GiB");
   for (int axis = 0; axis < 3; ++axis) {

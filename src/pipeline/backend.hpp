@@ -9,6 +9,7 @@ namespace gnosphere {
 struct Recording;
 struct SensorPlan;
 struct CallerVertices;
+struct CallerTransforms;
 
 /// Computes the scans of one scene. Implemented by device_backend (on vulkan/ or cuda/) and by reference/.
 class Backend {
@@ -33,6 +34,9 @@ class Backend {
   /// The vertices of the mesh, which is not deformable, are in a valid buffer of the caller. Only a device of the
   /// caller is asked for this.
   virtual void setVertices(size_t /*mesh*/, const CallerVertices& /*buffer*/) {}
+  /// The transforms of instances are in a valid buffer of the caller, each until setInstance(). Only a device of the
+  /// caller is asked for this.
+  virtual void setTransforms(const CallerTransforms& /*buffer*/) {}
   virtual Plan plan(size_t sensor) const = 0;
   virtual const DeviceInfo& device() const = 0;
   virtual MemoryUse memory() const = 0;

@@ -125,6 +125,12 @@ class DeviceBackend final : public Backend {
     machine_->throwOnMessages();
   }
 
+  void setTransforms(const CallerTransforms& buffer) override {
+    recorded_.takeTransforms();
+    scene_.instances().setTransforms(buffer);
+    machine_->throwOnMessages();
+  }
+
   Plan plan(size_t sensor) const override { return sensors_[sensor]->arrays.plan(); }
   const DeviceInfo& device() const override { return machine_->traits().info; }
   size_t clusterCount() const override { return scene_.geometry().clusterCount(); }

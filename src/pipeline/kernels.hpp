@@ -12,6 +12,7 @@ namespace gnosphere {
 /// The kernels in the order in which they run, with the names of the shaders. All but the first belong to a scan.
 enum class Kernel : uint32_t {
   fit_clusters,
+  place_instances,
   project_groups,
   project_clusters,
   project_triangles,
@@ -27,8 +28,9 @@ enum class Kernel : uint32_t {
 
 inline const char* nameOf(Kernel kernel) {
   constexpr const char* kNames[] = {
-      "fit_clusters", "project_groups", "project_clusters",  "project_triangles", "bin",     "prefix_sum",
-      "resolve",      "effects_strays", "effects_footprint", "effects_panes",     "effects", "records"};
+      "fit_clusters",  "place_instances", "project_groups", "project_clusters", "project_triangles",
+      "bin",           "prefix_sum",      "resolve",        "effects_strays",   "effects_footprint",
+      "effects_panes", "effects",         "records"};
   return kNames[static_cast<uint32_t>(kernel)];
 }
 

@@ -52,7 +52,7 @@ uint64_t RecordedScans::bytes() const {
   uint64_t sum = vertices_.bytes();
   for (const Slots& slots : frames_)
     for (const auto& [sensor, slot] : slots)
-      for (const Run& run : slot.runs) sum += run.placed.bytes();
+      for (const Run& run : slot.runs) sum += run.placed.bytes() + run.transforms.bytes();
   return sum;
 }
 
@@ -71,7 +71,7 @@ std::vector<Recording::Result> RecordedScans::resultsOf(size_t frame, const std:
       complete = false;
       sensor.growLists(run);
     }
-    results.push_back({index, slot.frame, complete, nonFinite, degenerate});
+    results.push_back({index, slot.frame, complete, nonFinite, degenerate, slot.runs[0].transforms.unplaced()});
     slot.recorded = false;
   }
   return results;
@@ -127,9 +127,10 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   scene_.bind(arrays);
   run.placed.bind(arrays);
   sensor.loadRecords(index, group, item.records.bytes, recording.classes, shot.frame);
-  const std::vector<Step> steps =
-      sensor.prepare(index, shot, group, motion ? &*motion : nullptr, scene_.instances().count(), run.placed.groups(),
-                     StillImage::Use::none, arrays);
+  std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), pose, arrays);
+  for (const Step& step : sensor.prepare(index, shot, group, motion ? &*motion : nullptr, scene_.instances().count(),
+                                         run.placed.groups(), StillImage::Use::none, arrays))
+    steps.push_back(step);
   arrays[static_cast<size_t>(gpu::Array::records)] = &records;
   arrays[static_cast<size_t>(gpu::Array::recordHeader)] = &header;
   machine_.record(*run.addresses, steps, arrays);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "pipeline/recorded_transforms.hpp"
 #include "pipeline/recorded_vertices.hpp"
 #include "pipeline/recording.hpp"
 #include "pipeline/scene_arrays.hpp"
@@ -24,6 +25,8 @@ class RecordedScans {
   void forget(size_t sensor);
   /// Must be called when the vertices of a mesh come from a buffer of the caller.
   void takeVertices() { vertices_.prepare(); }
+  /// Must be called when transforms of instances come from a buffer of the caller.
+  void takeTransforms() { RecordedTransforms::prepare(machine_); }
   uint64_t bytes() const;
 
  private:
@@ -31,6 +34,7 @@ class RecordedScans {
   struct Run {
     std::unique_ptr<DeviceMemory> addresses;  // gpu::Addresses
     PlacedArrays placed;
+    RecordedTransforms transforms;
   };
   /// One sensor's scan in one frame in flight.
   struct Slot {

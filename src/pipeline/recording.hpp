@@ -24,6 +24,7 @@ struct Recording {
     uint64_t frame;
     bool complete;
     uint32_t nonFinite, degenerate;  // triangles that were left out of meshes with vertices of the caller
+    uint32_t unplaced;               // instances whose transforms in a buffer of the caller are not finite
   };
 
   void* commands = nullptr;  ///< null: nothing is recorded, only checked whether the simulator can record at all

@@ -11,6 +11,7 @@
 #include "effects_panes.spv.h"
 #include "effects_strays.spv.h"
 #include "fit_clusters.spv.h"
+#include "place_instances.spv.h"
 #include "prefix_sum.spv.h"
 #include "project_clusters.spv.h"
 #include "project_groups.spv.h"
@@ -35,6 +36,7 @@ Module byAtomics(const Variant& variant, Module without, Module with, Module wit
 Module moduleOf(const Variant& variant) {
   switch (variant.kernel) {
     case gnosphere::Kernel::fit_clusters: return fit_clusters;
+    case gnosphere::Kernel::place_instances: return place_instances;
     case gnosphere::Kernel::project_groups: return project_groups;
     case gnosphere::Kernel::project_clusters: return project_clusters;
     case gnosphere::Kernel::project_triangles:

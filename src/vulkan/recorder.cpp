@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "geometry/transform_sources.hpp"
 #include "geometry/vertex_sources.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/vulkan.hpp"
@@ -47,7 +48,8 @@ std::vector<RecordedScan> Recorder::record(VkCommandBuffer commands, size_t fram
   simulator_.record(recording);
   std::vector<RecordedScan> results;
   for (const Recording::Result& result : recording.results)
-    results.push_back({result.sensor, result.frame, result.complete, result.nonFinite, result.degenerate});
+    results.push_back(
+        {result.sensor, result.frame, result.complete, result.nonFinite, result.degenerate, result.unplaced});
   return results;
 }
 
@@ -62,6 +64,12 @@ void Recorder::setVertices(size_t mesh, const VertexBuffer& vertices) {
   throw Error(ErrorCode::invalidArgument, "mesh " + std::to_string(mesh) + ": positions cannot have the VkFormat " +
                                               std::to_string(vertices.format) +
                                               "; see vulkan::VertexBuffer for those that they can have");
+}
+
+void Recorder::setTransforms(const TransformBuffer& transforms) {
+  simulator_.setTransforms({transforms.address, transforms.bytes, transforms.stride,
+                            transforms.format == TransformFormat::columns4x4, transforms.origin,
+                            transforms.firstInstance, transforms.instances});
 }
 
 }  // namespace gnosphere::vulkan

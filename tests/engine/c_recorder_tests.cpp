@@ -112,14 +112,49 @@ gno_vulkan_range rangeOf(const VulkanApp::Buffer& buffer) {
   return {buffer.range().address, buffer.range().bytes};
 }
 
+/// A simulator of the square on the application's device, and its recorder.
+struct RecorderInC {
+  struct Scanner {
+    Sensor sensor;
+    const gno_layout* layout;
+  };
+  RecorderInC(const VulkanApp& app, const std::vector<Scanner>& scanners, size_t framesInFlight) : adopted(app) {
+    for (const Scanner& scanner : scanners) {
+      gno_request& request = requests.emplace_back(gno_request_init());
+      request.layout = scanner.layout;
+      request.sensor = sensorOf(scanner.sensor);
+      REQUIRE(gno_effects_preset("clean", &request.effects) == GNO_OK);
+    }
+    const gno_options options = optionsOn(adopted);
+    REQUIRE(gno_simulator_create(scene, requests.data(), requests.size(), &options, &simulator) == GNO_OK);
+    CHECK(adopted.made > 20);
+    REQUIRE(gno_vulkan_recorder_create(simulator, framesInFlight, &recorder) == GNO_OK);
+  }
+  ~RecorderInC() {
+    CHECK(gno_vulkan_recorder_destroy(recorder) == GNO_OK);
+    CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+    CHECK(adopted.alive == 0);
+    for (const gno_request& request : requests) {
+      CHECK(gno_sensor_destroy(request.sensor) == GNO_OK);
+      CHECK(gno_effects_destroy(request.effects) == GNO_OK);
+    }
+    CHECK(gno_scene_destroy(scene) == GNO_OK);
+  }
+  RecorderInC(const RecorderInC&) = delete;
+  RecorderInC& operator=(const RecorderInC&) = delete;
+
+  AdoptedInC adopted;
+  std::vector<gno_request> requests;
+  gno_scene scene = squareInC();
+  gno_simulator simulator = nullptr;
+  gno_vulkan_recorder recorder = nullptr;
+};
+
 }  // namespace
 
 TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in rows and in columns") {
   needVulkan();
   VulkanApp app;
-  AdoptedInC adopted(app);
-  CHECK(adopted.enabled.missing_count == 0);
-  CHECK(adopted.enabled.extension_count == app.adopted().enabled.extensions.size());
   const Sensor first = gridSensor(60, 8, -20, 20), second = gridSensor(30, 4, -9, 9);
 
   const std::vector<gno_field> fields = {GNO_FIELD_X, GNO_FIELD_Y, GNO_FIELD_Z, GNO_FIELD_TIME, GNO_FIELD_INSTANCE};
@@ -132,19 +167,9 @@ TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in ro
   uint64_t columnBytes = 0;
   REQUIRE(gno_layout_bytes_for(&columns, 120, &columnBytes) == GNO_OK);
   CHECK(columnBytes == 8 * 120);
-  gno_request requests[2] = {gno_request_init(), gno_request_init()};
-  requests[0].layout = &rows;
-  requests[1].layout = &columns;
-  requests[0].sensor = sensorOf(first);
-  requests[1].sensor = sensorOf(second);
-  for (gno_request& request : requests) REQUIRE(gno_effects_preset("clean", &request.effects) == GNO_OK);
-  gno_scene scene = squareInC();
-  gno_simulator simulator = nullptr;
-  gno_vulkan_recorder recorder = nullptr;
-  const gno_options options = optionsOn(adopted);
-  REQUIRE(gno_simulator_create(scene, requests, 2, &options, &simulator) == GNO_OK);
-  CHECK(adopted.made > 20);
-  REQUIRE(gno_vulkan_recorder_create(simulator, 2, &recorder) == GNO_OK);
+  const RecorderInC c(app, {{first, &rows}, {second, &columns}}, 2);
+  CHECK(c.adopted.enabled.missing_count == 0);
+  CHECK(c.adopted.enabled.extension_count == app.adopted().enabled.extensions.size());
 
   TestOptions own = vulkanOptions();
   own.device = {DeviceChoice::Kind::vulkan, app.deviceName()};
@@ -158,7 +183,7 @@ TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in ro
       ranges(app, columnBytes), secondHeader(app, sizeof(gno_vulkan_record_header));
   for (uint64_t number = 0; number < 3; ++number) {
     gno_transform place = {{1, 0, 0, 0.5 * static_cast<double>(number), 0, 1, 0, 0, 0, 0, 1, 0}};
-    REQUIRE(gno_simulator_set_transform(simulator, 0, &place) == GNO_OK);
+    REQUIRE(gno_simulator_set_transform(c.simulator, 0, &place) == GNO_OK);
     Transform same;
     std::copy_n(place.rows, 12, same.rows.begin());
     expected.setTransform(0, same);
@@ -170,7 +195,7 @@ TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in ro
     const gno_vulkan_recorded_scan* before = nullptr;
     size_t count = 9;
     const VkCommandBuffer commands = frame.begin();
-    REQUIRE(gno_vulkan_record(recorder, commands, 0, recorded, 2, &before, &count) == GNO_OK);
+    REQUIRE(gno_vulkan_record(c.recorder, commands, 0, recorded, 2, &before, &count) == GNO_OK);
     frame.submit();
     frame.wait();
     REQUIRE(count == (number == 0 ? 0 : 2));
@@ -190,35 +215,16 @@ TEST_CASE("C: recorded scans of two sensors have the bytes of C++'s scans, in ro
     for (uint32_t beam = 0; beam < 120; ++beam) REQUIRE(ranges.as<uint32_t>()[120 + beam] == beam);
     for (const auto* buffer : {&records, &firstHeader, &ranges, &secondHeader}) CHECK(buffer->guarded());
   }
-
-  CHECK(gno_vulkan_recorder_destroy(recorder) == GNO_OK);
-  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
-  CHECK(adopted.alive == 0);
-  for (const gno_request& request : requests) {
-    CHECK(gno_sensor_destroy(request.sensor) == GNO_OK);
-    CHECK(gno_effects_destroy(request.effects) == GNO_OK);
-  }
-  CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
-TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
+TEST_CASE("C: recorded scans take the vertices of a mesh and the transform of an instance from buffers") {
   needVulkan();
   VulkanApp app;
-  AdoptedInC adopted(app);
   gno_layout layout = gno_layout_init();
   const gno_field fields[] = {GNO_FIELD_RANGE, GNO_FIELD_BEAM};
   REQUIRE(gno_layout_of(fields, 2, &layout) == GNO_OK);
   const Sensor sensor = gridSensor(60, 8, -20, 20);
-  gno_request request = gno_request_init();
-  request.sensor = sensorOf(sensor);
-  request.layout = &layout;
-  REQUIRE(gno_effects_preset("clean", &request.effects) == GNO_OK);
-  gno_scene scene = squareInC();
-  gno_simulator simulator = nullptr;
-  gno_vulkan_recorder recorder = nullptr;
-  const gno_options options = optionsOn(adopted);
-  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
-  REQUIRE(gno_vulkan_recorder_create(simulator, 1, &recorder) == GNO_OK);
+  const RecorderInC c(app, {{sensor, &layout}}, 1);
 
   // Integers of 16 bits, four per vertex, that place the square half as far away. The last corner is at the third.
   const std::vector<int16_t> corners = {250, -200, -150, 0, 250, 200, -150, 0, 300, 200, 150, 0, 300, 200, 150, 0};
@@ -226,15 +232,34 @@ TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
   const VulkanApp::Buffer records(app, 8 * 480), header(app, sizeof(gno_vulkan_record_header));
   std::memcpy(vertices.bytes().data(), corners.data(), 2 * corners.size());
   gno_vulkan_vertex_buffer buffer = gno_vulkan_vertex_buffer_init();
-  CHECK(refused(gno_vulkan_recorder_set_vertices(recorder, 0, &buffer), "address"));
+  CHECK(refused(gno_vulkan_recorder_set_vertices(c.recorder, 0, &buffer), "address"));
   buffer.address = vertices.range().address;
   buffer.bytes = vertices.range().bytes;
-  CHECK(refused(gno_vulkan_recorder_set_vertices(recorder, 0, nullptr), "gno_vulkan_vertex_buffer is null"));
-  CHECK(refused(gno_vulkan_recorder_set_vertices(recorder, 7, &buffer), "mesh 7 does not exist"));
+  CHECK(refused(gno_vulkan_recorder_set_vertices(c.recorder, 0, nullptr), "gno_vulkan_vertex_buffer is null"));
+  CHECK(refused(gno_vulkan_recorder_set_vertices(c.recorder, 7, &buffer), "mesh 7 does not exist"));
   buffer.stride = 8;
   buffer.format = VK_FORMAT_R16G16B16A16_SSCALED;
   std::fill(buffer.scale, buffer.scale + 3, 0.01f);
-  REQUIRE(gno_vulkan_recorder_set_vertices(recorder, 0, &buffer) == GNO_OK);
+  REQUIRE(gno_vulkan_recorder_set_vertices(c.recorder, 0, &buffer) == GNO_OK);
+
+  // Column by column: 1 m to the left and 0.5 m up from a place 0.25 m nearer.
+  const std::array<float, 16> place = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0.5f, 1};
+  VulkanApp::Buffer transforms(app, sizeof place);
+  std::memcpy(transforms.bytes().data(), place.data(), sizeof place);
+  gno_vulkan_transform_buffer instances = gno_vulkan_transform_buffer_init();
+  CHECK(instances.stride == 48);
+  instances.address = transforms.range().address;
+  instances.bytes = transforms.range().bytes;
+  instances.stride = 64;
+  instances.format = 2;
+  instances.instance_count = 1;
+  instances.origin[0] = -0.25;
+  CHECK(refused(gno_vulkan_recorder_set_transforms(c.recorder, &instances), "transform format is 2"));
+  instances.format = GNO_VULKAN_TRANSFORM_COLUMNS_4X4;
+  instances.first_instance = 1;
+  CHECK(refused(gno_vulkan_recorder_set_transforms(c.recorder, &instances), "instance 1 does not exist"));
+  instances.first_instance = 0;
+  REQUIRE(gno_vulkan_recorder_set_transforms(c.recorder, &instances) == GNO_OK);
 
   const gno_shot shot = gno_shot_init();
   const gno_vulkan_recorded_shot recorded = {&shot, rangeOf(records), rangeOf(header)};
@@ -242,13 +267,14 @@ TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
   const gno_vulkan_recorded_scan* before = nullptr;
   size_t count = 0;
   for (int i = 0; i < 2; ++i) {
-    REQUIRE(gno_vulkan_record(recorder, frame.begin(), 0, &recorded, 1, &before, &count) == GNO_OK);
+    REQUIRE(gno_vulkan_record(c.recorder, frame.begin(), 0, &recorded, 1, &before, &count) == GNO_OK);
     frame.submit();
     frame.wait();
   }
   REQUIRE(count == 1);
   CHECK(before[0].non_finite == 0);
   CHECK(before[0].degenerate == 1);
+  CHECK(before[0].unplaced == 0);
 
   TestOptions reference;
   reference.device = DeviceChoice::Kind::reference;
@@ -256,6 +282,7 @@ TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
   moved.meshes[0].positions.clear();
   for (size_t i = 0; i < corners.size(); ++i)
     if (i % 4 < 3) moved.meshes[0].positions.push_back(0.01f * static_cast<float>(corners[i]));
+  moved.instances[0].transform = translation(-0.25, 1, 0.5);
   const Scan expected = makeSimulator(moved, sensor, reference).scan({});
   REQUIRE(expected.counters.hits > 20);
   REQUIRE(header.as<gno_vulkan_record_header>()->hits == expected.counters.hits);
@@ -263,11 +290,6 @@ TEST_CASE("C: recorded scans take the vertices of a mesh from a buffer") {
     const float range = records.as<float>()[2 * row], right = expected.ranges[row];
     REQUIRE((std::isnan(right) ? std::isnan(range) : std::abs(range - right) < 1e-4f));
   }
-  CHECK(gno_vulkan_recorder_destroy(recorder) == GNO_OK);
-  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
-  CHECK(gno_sensor_destroy(request.sensor) == GNO_OK);
-  CHECK(gno_effects_destroy(request.effects) == GNO_OK);
-  CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
 TEST_CASE("C: misuse of adopted devices and recorders is an error that says so") {

@@ -97,6 +97,10 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
     scene.meshes.push_back(limb(random, 7, 4, 1, {}));
     scene.instances.push_back({"", 2, translation(-6, 0, 0), 0});
   }
+  // Another box, whose transform the engine writes, in turns to one of two buffers.
+  scene.instances.push_back({"", 1, {}});
+  const size_t last = scene.instances.size() - 1;
+  std::array<VulkanApp::Buffer, 2> transforms = {VulkanApp::Buffer(app, 48), VulkanApp::Buffer(app, 48)};
   const Sensor rig = listSensor("rig", headsAt({{0, 0, 0}, {0, 2, 0}, {-1, 0, 0}}, rosette(300, 0.9)));
   // The engine writes the vertices of the second mesh, in turns to one of two buffers.
   const std::vector<float> inner = boxes().meshes[1].positions;
@@ -113,6 +117,11 @@ TEST_CASE("in a steady state recorded scans allocate nothing, submit nothing and
     VulkanApp::Buffer& buffer = vertices[inFlight];
     std::memcpy(buffer.bytes().data(), inner.data(), 4 * inner.size());
     recorded.recorder().setVertices(1, {buffer.range().address, buffer.range().bytes});
+    const std::array<float, 12> place = {1, 0, 0, 0, 0, 1, 0, 0.01f * static_cast<float>(shot.frame % 100) - 6,
+                                         0, 0, 1, 0};
+    std::memcpy(transforms[inFlight].bytes().data(), place.data(), sizeof place);
+    const vulkan::DeviceRange range = transforms[inFlight].range();
+    recorded.recorder().setTransforms({range.address, range.bytes, 48, {}, {}, last, 1});
     shot.pose.position = {0.01 * static_cast<double>(shot.frame % 100), 0.2, 0.1};
     recorded.simulator().setTransform(1, translation(6, 0.02 * static_cast<double>(shot.frame % 100), 0));
     if (far) recorded.simulator().setDeformation(2, bend(random, scene.meshes[2]));

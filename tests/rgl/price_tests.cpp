@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What RGL's interface costs beside ours for the same rays, on the best device: `rgl_tests "[.price]"`.
-#include <algorithm>
-#include <chrono>
+// What RGL's interface costs beside ours for the same rays, for the sensors of the paper's figure 7, in turns:
+// GNOSPHERE_RGL_DEVICE=auto rgl_tests "[.price]".
 #include <cstdio>
-#include <ctime>
 #include <gnosphere/gnosphere.hpp>
 
+#include "price.hpp"
 #include "rgl/plugin.hpp"
 #include "town/town.hpp"
 
@@ -13,36 +12,6 @@ using namespace gnosphere;
 using namespace gnosphere::test;
 
 namespace {
-
-/// CPU time of the process in ms, because the machine may be shared.
-double processMs() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-double wallMs() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-struct Times {
-  std::vector<double> wall, cpu;
-  template <class Frame>
-  void add(Frame frame) {
-    const double w = wallMs(), c = processMs();
-    frame();
-    wall.push_back(wallMs() - w);
-    cpu.push_back(processMs() - c);
-  }
-  static double middle(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-  }
-  void print(const char* name) const {
-    std::printf("%-28s wall median %7.2f, min %7.2f ms; CPU median %7.2f, min %7.2f ms\n", name, middle(wall),
-                *std::min_element(wall.begin(), wall.end()), middle(cpu), *std::min_element(cpu.begin(), cpu.end()));
-  }
-};
 
 void addToRgl(const gnosphere::Scene& scene) {
   std::vector<rgl_mesh_t> meshes;
@@ -69,14 +38,13 @@ void addToRgl(const gnosphere::Scene& scene) {
 }  // namespace
 
 TEST_CASE("RGL: the price of the interface", "[.price]") {
-  const gnosphere::Scene scene = makeTown({300'000, 1, {}});
+  const gnosphere::Scene scene = makeTown({1'000'000, 1, {}});
   addToRgl(scene);
   SimulatorOptions options;
   options.faces = ReflectingFaces::both;
   Simulator simulator(scene, std::vector<SensorRequest>(), options);
   const auto drive = makeDrive();
-  for (const char* name : {"VLP-16", "OS1-64:1024x10", "OS1-128:2048x10"}) {
-    Sensor sensor = builtinSensor(name);
+  for (const Sensor& sensor : builtinSensors()) {
     const BeamList beams = beamsOf(sensor);
     std::vector<rgl_mat3x4f> rays;
     for (const Vec3& d : beams.directions) {
@@ -106,8 +74,8 @@ TEST_CASE("RGL: the price of the interface", "[.price]") {
 
     Times ours, ourList, theirs;
     Scan scan;
-    for (int frame = 0; frame < 42; ++frame) {
-      const Pose& pose = drive[frame];
+    for (size_t frame = 0; frame < 12; ++frame) {
+      const Pose& pose = drive[10 * frame];
       const double yaw = 2 * std::atan2(pose.orientation.z, pose.orientation.w);
       Shot shot;
       shot.pose = pose;
@@ -124,7 +92,7 @@ TEST_CASE("RGL: the price of the interface", "[.price]") {
         points = lidar.get<rgl_vec3f>(RGL_FIELD_XYZ_VEC3_F32);
       });
       if (frame == 2)
-        std::printf("%s: %zu rays, %zu points, ours %zu\n", name, rays.size(), points.size(),
+        std::printf("%s: %zu rays, %zu points, ours %zu\n", sensor.name.c_str(), rays.size(), points.size(),
                     size_t(scan.counters.hits));
     }
     ours.print("Simulator, the sensor");
