@@ -140,7 +140,7 @@ typedef struct gno_mesh {
   /* A deformable mesh has joints, morph targets or both. A vertex first moves by the morph targets, each with its
    * weight; then it is the mean of where its joints take it, by their weights. */
   uint32_t joint_count;
-  uint32_t influences;    /* joints that each vertex follows */
+  uint32_t influences;    /* joints that each vertex follows, at most 16 */
   const uint16_t* joints; /* `influences` per vertex, each less than joint_count */
   /* `influences` per vertex, not negative; those of a vertex sum to 1 within 0.001, and are divided by their sum */
   const float* joint_weights;

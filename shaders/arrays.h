@@ -35,9 +35,11 @@
   ARRAY(readonly, Deformer, deformers)       /* per mesh */ \
   ARRAY(readonly, vec3, restPositions)       /* per vertex of a deformable mesh, as in positions */ \
   ARRAY(readonly, vec3, morphOffsets)        /* per morph target and such vertex */ \
-  ARRAY(readonly, uint, boneStarts)          /* per cluster of a deformable mesh and at the end: its first bone */ \
-  ARRAY(readonly, Bone, bones)               /* of a cluster in the order of their joints */ \
-  ARRAY(readonly, float, boneWeights)        /* per bone and vertex of its cluster: the joint's weight */ \
+  ARRAY(readonly, ClusterBones, clusterBones)  /* per cluster of a deformable mesh */ \
+  ARRAY(readonly, uint, bones)               /* of a cluster in the order of their joints: the joint, and its least */ \
+                                             /* weight at a vertex, see deform.h */ \
+  ARRAY(readonly, uint, boneWeights)         /* per vertex of a cluster and influence: the bone's number among those */ \
+                                             /* of the cluster, and its weight, see deform.h */ \
   ARRAY(readonly, vec4, jointRows)           /* three per joint: its map, row by row */ \
   ARRAY(readonly, float, morphWeights)       /* per morph target of a mesh */ \
   ARRAY(readonly, VertexSource, vertexSources)  /* per mesh whose vertices are taken from a buffer of the caller */ \

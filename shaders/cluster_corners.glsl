@@ -63,8 +63,8 @@ uint vertexNumber(LoadedCluster loaded, uint round) {
   return min(round * gl_SubgroupSize + gl_SubgroupInvocationID, loaded.vertexCount - 1);
 }
 
-// Deforms the vertices of a cluster as deformedPosition() does, and transforms them. Each lane loads a joint and the
-// others get it by shuffle.
+// Deforms the vertices of a cluster as deformedPosition() does, and transforms them. Each lane loads the map of a bone,
+// and the others get it by shuffle.
 void deformVertices(LoadedCluster loaded, inout Vertices vertices) {
   vec3 position[kVertexRounds], sum[kVertexRounds];
   [[unroll]] for (uint k = 0; k < kVertexRounds; ++k) {
@@ -73,19 +73,21 @@ void deformVertices(LoadedCluster loaded, inout Vertices vertices) {
     sum[k] = vec3(0.0);
   }
   if (followsJoints(loaded.deformer, false)) {
-    uvec2 run = bonesOf(loaded.deformer, loaded.cluster);
-    uint rowFirst = loaded.deformer.rowFirst;
-    for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
-      uint bone = min(first + gl_SubgroupInvocationID, run.y - 1);
-      uint row = rowFirst + 3 * bones.at[bone].joint, weightFirst = bones.at[bone].weightFirst;
+    ClusterBones own = bonesOf(loaded.deformer, loaded.cluster);
+    for (uint first = 0; first < own.count; first += gl_SubgroupSize) {
+      uint bone = bones.at[own.first + min(first + gl_SubgroupInvocationID, own.count - 1)];
+      uint row = loaded.deformer.rowFirst + 3 * jointOf(bone);
       vec4 x = jointRows.at[row], y = jointRows.at[row + 1], z = jointRows.at[row + 2];
-      for (uint lane = 0; lane < min(gl_SubgroupSize, run.y - first); ++lane) {
-        vec4 toldX = subgroupShuffle(x, lane), toldY = subgroupShuffle(y, lane), toldZ = subgroupShuffle(z, lane);
-        uint weights = subgroupShuffle(weightFirst, lane);
+      for (uint i = 0; i < own.influences; ++i) {
         [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
-          if (k * gl_SubgroupSize < loaded.vertexCount)
-            sum[k] = withShare(sum[k], through(toldX, toldY, toldZ, position[k]),
-                               boneWeights.at[weights + vertexNumber(loaded, k)]);
+          if (k * gl_SubgroupSize < loaded.vertexCount) {
+            uint weight = boneWeights.at[own.weightFirst + vertexNumber(loaded, k) * own.influences + i];
+            uint lane = boneOf(weight) - first;
+            bool here = lane < gl_SubgroupSize;
+            lane &= gl_SubgroupSize - 1;
+            vec4 toldX = subgroupShuffle(x, lane), toldY = subgroupShuffle(y, lane), toldZ = subgroupShuffle(z, lane);
+            sum[k] = withShare(sum[k], through(toldX, toldY, toldZ, position[k]), here ? shareOf(weight) : 0.0);
+          }
       }
     }
     [[unroll]] for (uint k = 0; k < kVertexRounds; ++k) position[k] = sum[k];

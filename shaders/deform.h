@@ -10,6 +10,35 @@
 namespace gnosphere::gpu {
 #endif
 
+// Weights of joints are multiples of 2^-20, and those of a vertex sum to 1 exactly.
+GNO_CONST uint kWeightUnits = 1u << 20;
+
+// In an entry of boneWeights the number of a bone has the low 11 bits, its weight the 21 bits above.
+GNO_CONST uint kMostBones = 1u << 11;
+GNO_CONST uint kMostInfluences = 16;  // validate() refuses more
+
+GNO_INLINE uint packedWeight(uint bone, uint units) {
+  return bone | units * kMostBones;
+}
+GNO_INLINE uint boneOf(uint weight) {
+  return weight & (kMostBones - 1u);
+}
+GNO_INLINE float shareOf(uint weight) {
+  return float(weight / kMostBones) * (1.0f / float(kWeightUnits));
+}
+
+// The joint of an entry of `bones` has the low 16 bits, the least weight the 16 bits above, rounded down.
+GNO_INLINE uint packedBone(uint joint, uint leastUnits) {
+  uint least = leastUnits / (kWeightUnits >> 16);
+  return joint | (least > 0xffffu ? 0xffffu : least) << 16;
+}
+GNO_INLINE uint jointOf(uint bone) {
+  return bone & 0xffffu;
+}
+GNO_INLINE float leastShareOf(uint bone) {
+  return float(bone >> 16) * (1.0f / 65536.0f);
+}
+
 // A box of deformed vertices is wider than they need by this share of its coordinates. The margin covers the rounding
 // of the vertices and that of the sum of their weights.
 GNO_CONST float kBoneMargin = 2e-5f;

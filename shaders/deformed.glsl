@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vertices and boxes of deformable meshes. A vertex is the sum of where its joints take it, in the order of the joints,
-// so it gets the same bytes in every cluster; joints that it does not follow have weight 0 and add nothing.
+// so it gets the same bytes in every cluster.
 #include "deform.h"
 
 // True if the mesh is deformable. A mesh that is not has a record of zeros.
 bool isDeformable(Deformer deformer) { return deformer.joints + deformer.targets > 0; }
 
-// Returns the first bone of a cluster, and the one after its last.
-uvec2 bonesOf(Deformer deformer, uint cluster) {
-  uint start = deformer.startFirst + cluster - deformer.clusterFirst;
-  return uvec2(boneStarts.at[start], boneStarts.at[start + 1]);
+ClusterBones bonesOf(Deformer deformer, uint cluster) {
+  return clusterBones.at[deformer.bonesFirst + cluster - deformer.clusterFirst];
 }
 
 // Returns a vertex of a deformable mesh moved by the morph targets alone, in the mesh frame: at the start of the scan,
@@ -17,6 +15,7 @@ uvec2 bonesOf(Deformer deformer, uint cluster) {
 vec3 morphedPosition(Deformer deformer, uint vertex, bool atEnd) {
   uint number = vertex - deformer.vertexFirst;
   vec3 position = restPositions.at[deformer.restFirst + number];
+  if (deformer.targets == 0) return position;
   uint targets = atEnd || deformer.deformed != 0 ? deformer.targets : 0;
   for (uint k = 0; k < targets; ++k) {
     uint target = deformer.weightFirst + k;
@@ -41,39 +40,48 @@ vec3 deformedPosition(Deformer deformer, uint cluster, uint vertex, bool atEnd) 
   vec3 position = morphedPosition(deformer, vertex, atEnd);
   if (!followsJoints(deformer, atEnd)) return position;
   vec3 sum = vec3(0.0);
-  uvec2 run = bonesOf(deformer, cluster);
-  for (uint k = run.x; k < run.y; ++k) {
-    uint row = deformer.rowFirst + 3 * bones.at[k].joint;
-    float weight = boneWeights.at[bones.at[k].weightFirst + vertex - clusters.at[cluster].vertexFirst];
+  ClusterBones own = bonesOf(deformer, cluster);
+  uint first = own.weightFirst + (vertex - clusters.at[cluster].vertexFirst) * own.influences;
+  for (uint k = first; k < first + own.influences; ++k) {
+    uint weight = boneWeights.at[k];
+    uint row = deformer.rowFirst + 3 * jointOf(bones.at[own.first + boneOf(weight)]);
     vec3 there = through(jointRow(row, atEnd), jointRow(row + 1, atEnd), jointRow(row + 2, atEnd), position);
-    sum = withShare(sum, there, weight);
+    sum = withShare(sum, there, shareOf(weight));
   }
   return sum;
 }
 
-// Encloses the deformed vertices of a cluster. Each is a mean of the points to which its joints take it, so it lies in
-// the box around the boxes of all joints.
+// Encloses the deformed vertices of a cluster. Each is a mean of the points to which its joints take it. All follow a
+// joint with at least its least weight in the cluster; with the weight that is left they may follow any of the joints.
 void deformedBox(Deformer deformer, uint cluster, out vec3 low, out vec3 high) {
+  vec3 from = clusters.at[cluster].low + deformer.morphLow, to = clusters.at[cluster].high + deformer.morphHigh;
+  vec3 middle = 0.5 * (from + to), extent = 0.5 * (to - from);
+  if (deformer.joints == 0) {
+    vec3 size = extent + kBoneMargin * (abs(middle) + extent);
+    low = middle - size;
+    high = middle + size;
+    return;
+  }
+  vec3 leastLow = vec3(0.0), leastHigh = vec3(0.0);
+  float left = 1.0;
   low = vec3(kCoordinateLimit);
   high = vec3(-kCoordinateLimit);
-  uvec2 run = bonesOf(deformer, cluster);
-  for (uint k = run.x; k < run.y; ++k) {
-    vec3 from = bones.at[k].low + deformer.morphLow, to = bones.at[k].high + deformer.morphHigh;
-    vec3 middle = 0.5 * (from + to), extent = 0.5 * (to - from);
-    vec4 rowX = vec4(1.0, 0.0, 0.0, 0.0), rowY = vec4(0.0, 1.0, 0.0, 0.0), rowZ = vec4(0.0, 0.0, 1.0, 0.0);
-    uint joint = bones.at[k].joint;
-    if (joint != kNone) {
-      uint row = deformer.rowFirst + 3 * joint;
-      rowX = jointRows.at[row];
-      rowY = jointRows.at[row + 1];
-      rowZ = jointRows.at[row + 2];
-    }
-    vec2 x = spanThrough(rowX, middle, extent, kBoneMargin), y = spanThrough(rowY, middle, extent, kBoneMargin),
-         z = spanThrough(rowZ, middle, extent, kBoneMargin);
+  ClusterBones own = bonesOf(deformer, cluster);
+  for (uint k = own.first; k < own.first + own.count; ++k) {
+    uint bone = bones.at[k], row = deformer.rowFirst + 3 * jointOf(bone);
+    vec2 x = spanThrough(jointRows.at[row], middle, extent, kBoneMargin),
+         y = spanThrough(jointRows.at[row + 1], middle, extent, kBoneMargin),
+         z = spanThrough(jointRows.at[row + 2], middle, extent, kBoneMargin);
     vec3 centre = vec3(x.x, y.x, z.x), size = vec3(x.y, y.y, z.y);
+    float least = leastShareOf(bone);
+    leastLow += least * (centre - size);
+    leastHigh += least * (centre + size);
+    left -= least;
     low = min(low, centre - size);
     high = max(high, centre + size);
   }
+  low = leastLow + left * low;
+  high = leastHigh + left * high;
 }
 
 // Returns the velocity of a vertex of a moving instance, m/s in the sensor's axes; `corner` is where it is at the start

@@ -28,15 +28,18 @@ Instance instanceAt(uint number) {
 // its `base` on.
 uint slotAfter(uint base, uvec4 ballot) { return subgroupBroadcast(base, 0) + subgroupBallotExclusiveBitCount(ballot); }
 
-// Returns how the mesh of an instance is deformed, which is the same for all lanes; they must all call this.
+// Returns how the mesh of an instance is deformed, which is the same for all lanes; they must all call this. Of a mesh
+// that is not deformable it loads no more than that.
 Deformer deformerOf(uint instance) {
-  Deformer told;
-  if (gl_SubgroupInvocationID == 0) told = deformers.at[instanceMeshes.at[instance]];
+  Deformer told = Deformer(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, vec3(0.0), vec3(0.0));
+  uint mesh = instanceMeshes.at[instance];
+  if (deformers.at[mesh].joints + deformers.at[mesh].targets == 0) return told;
+  if (gl_SubgroupInvocationID == 0) told = deformers.at[mesh];
   return Deformer(subgroupBroadcast(told.joints, 0), subgroupBroadcast(told.targets, 0),
                   subgroupBroadcast(told.deformed, 0), subgroupBroadcast(told.vertices, 0),
                   subgroupBroadcast(told.vertexFirst, 0), subgroupBroadcast(told.restFirst, 0),
                   subgroupBroadcast(told.offsetFirst, 0), subgroupBroadcast(told.weightFirst, 0),
                   subgroupBroadcast(told.rowFirst, 0), subgroupBroadcast(told.clusterFirst, 0),
-                  subgroupBroadcast(told.startFirst, 0), 0, subgroupBroadcast(told.morphLow, 0),
+                  subgroupBroadcast(told.bonesFirst, 0), 0, subgroupBroadcast(told.morphLow, 0),
                   subgroupBroadcast(told.morphHigh, 0));
 }

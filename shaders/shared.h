@@ -242,18 +242,17 @@ struct Deformer {
   uint weightFirst;   // in morphWeights,
   uint rowFirst;      // in jointRows,
   uint clusterFirst;  // in clusters,
-  uint startFirst;    // and in boneStarts
+  uint bonesFirst;    // and in clusterBones
   uint padding;
   vec3 morphLow;   // by how much the morph targets move a vertex: at least
   vec3 morphHigh;  // and at most
 };
 
-// The vertices of a cluster that follow a joint.
-struct Bone {
-  vec3 low;          // lower corner of their box in restPositions
-  uint joint;        // kNone: the mesh has no joints
-  vec3 high;         // upper corner
-  uint weightFirst;  // the first entry in boneWeights
+// The bones of a cluster, which are the joints that its vertices follow.
+struct ClusterBones {
+  uint first, count;  // the run of `bones`
+  uint weightFirst;   // the first entry in boneWeights
+  uint influences;    // entries in boneWeights per vertex
 };
 
 // A mesh whose vertices lie in a buffer of the caller, and the runs of arrays to which they are taken. A position is

@@ -322,6 +322,7 @@ TEST_CASE("a deformation that does not fit its mesh is refused", "[deform]") {
   refused(with([](Mesh& mesh) { mesh.jointWeights[0] = -1; }), "is negative or NaN");
   refused(with([](Mesh& mesh) { mesh.joints.pop_back(); }), "joints and weights, there are");
   refused(with([](Mesh& mesh) { mesh.influences = 0; }), "both must be 0 or both more");
+  refused(with([](Mesh& mesh) { mesh.influences = 17; }), "17 influences per vertex; the limit is 16");
   refused(with([](Mesh& mesh) { mesh.morphTargets[0].pop_back(); }), "morph target 0 has");
   refused(with([](Mesh& mesh) { mesh.deformation.joints.resize(2); }), "its deformation has 2 joints");
   Simulator simulator = makeSimulator(scene, head(), options);

@@ -108,7 +108,8 @@ inline Scene limbs(Random& random, uint32_t count) {
   Scene scene = sceneOf(floor.take());
   for (uint32_t i = 0; i < count; ++i) {
     const uint32_t influences = i % 3 == 2 ? 0 : 1 + 3 * (i % 3);
-    Mesh mesh = limb(random, 5 + i, influences, influences == 0 || i % 2 == 0 ? 2 : 0);
+    // The clusters of a limb with 60 joints follow more of them than a subgroup of 8 has lanes.
+    Mesh mesh = limb(random, i % 3 == 1 ? 60 : 5 + i, influences, influences == 0 || i % 2 == 0 ? 2 : 0);
     mesh.deformation = bend(random, mesh);
     scene.meshes.push_back(std::move(mesh));
     const double angle = 2 * std::numbers::pi * i / count;

@@ -95,7 +95,7 @@ struct Mesh {
   /// A deformable mesh has joints, morph targets or both. A vertex first moves by the morph targets, each with its
   /// weight; then it is the mean of where its joints take it, by their weights. (glTF 2.0, sections 3.7.2.2 and 3.7.3.)
   uint32_t jointCount = 0;
-  uint32_t influences = 0;       ///< joints that each vertex follows
+  uint32_t influences = 0;       ///< joints that each vertex follows, at most 16
   std::vector<uint16_t> joints;  ///< `influences` per vertex, each less than jointCount
   /// `influences` per vertex, not negative; those of a vertex sum to 1 within 0.001, and are divided by their sum
   std::vector<float> jointWeights;
@@ -116,7 +116,8 @@ struct Instance {
   std::string name;
   uint32_t mesh = 0;  ///< index into Scene::meshes
   Transform transform;
-  uint16_t classId = 0;  ///< semantic class, numbered by the user; reported as Field::classId
+  uint16_t classId = 0;   ///< semantic class, numbered by the user; reported as Field::classId
+  std::string className;  ///< class that the file states by its name instead; a drive file gives it a number
 };
 
 inline constexpr uint32_t kNoNode = 0xffffffffu;

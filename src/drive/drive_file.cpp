@@ -42,16 +42,25 @@ void DriveReader::classes() {
   }
 }
 
-/// Gives each instance the class of the longest pattern that its name matches. Others keep the class that their file
-/// states; those without one get that of the whole scene.
+/// Gives each instance the class of the longest pattern that its name matches. Others have the class that their file
+/// states by number or name; those without one get that of the whole scene.
 void DriveReader::classifyInstances(const json& object, const std::string& path, Scene& scene) {
   const auto idOf = [&](const json& name, const std::string& at) {
     const size_t found = find(classNames_, name, at);
     return found < drive_.classes.size() ? drive_.classes[found].id : uint16_t{0};
   };
   const uint16_t usual = object.contains("class") ? idOf(object["class"], path + ".class") : uint16_t{0};
-  for (Instance& instance : scene.instances)
+  std::set<std::string> unknown;  // classes that the file states
+  for (Instance& instance : scene.instances) {
+    if (instance.classId == 0 && !instance.className.empty()) {
+      const auto known = std::ranges::find(drive_.classes, instance.className, &Class::name);
+      if (known != drive_.classes.end())
+        instance.classId = known->id;
+      else
+        unknown.insert(inQuotes(instance.className));
+    }
     if (instance.classId == 0) instance.classId = usual;
+  }
   std::vector<size_t> lengths(scene.instances.size());
   for (const auto& [pattern, name] : memberOf(object, "instances").items()) {
     const uint16_t id = idOf(name, memberPath(path + ".instances", pattern));
@@ -65,12 +74,12 @@ void DriveReader::classifyInstances(const json& object, const std::string& path,
     }
     if (!matches) drive_.warnings.push_back(path + ".instances: '" + pattern + "' matches no instance");
   }
-  std::set<uint16_t> unknown;
-  for (const Instance& instance : scene.instances) unknown.insert(instance.classId);
-  unknown.erase(0);
-  for (const Class& known : drive_.classes) unknown.erase(known.id);
-  for (const uint16_t id : unknown)
-    drive_.warnings.push_back(path + ".file: states the class " + std::to_string(id) + ", which classes does not name");
+  for (const Instance& instance : scene.instances)
+    if (instance.classId != 0 &&
+        std::ranges::find(drive_.classes, instance.classId, &Class::id) == drive_.classes.end())
+      unknown.insert(std::to_string(instance.classId));
+  for (const std::string& stated : unknown)
+    drive_.warnings.push_back(path + ".file: states the class " + stated + ", which classes does not name");
 }
 
 void DriveReader::scenes() {

@@ -51,13 +51,18 @@ std::vector<uint32_t> numbersFrom(uint32_t first, const Scene& part) {
 /// The box around a model after `size`, in a state or at rest.
 Bounds boundsAt(const Scene& model, const Transform& size, const SceneState* state) {
   Scene placed;
-  placed.meshes = model.meshes;
+  for (size_t i = 0; i < model.meshes.size(); ++i) {
+    const Mesh& mesh = model.meshes[i];
+    Mesh shape;
+    shape.origin = mesh.origin;
+    shape.positions = deformedPositions(mesh, state ? state->deformations[i] : mesh.deformation);
+    placed.meshes.push_back(std::move(shape));
+  }
   placed.instances = model.instances;
   for (size_t i = 0; i < placed.instances.size(); ++i) {
     Transform& transform = placed.instances[i].transform;
     transform = size * (state ? state->transforms[i] : transform);
   }
-  for (size_t i = 0; state && i < placed.meshes.size(); ++i) placed.meshes[i].deformation = state->deformations[i];
   return worldBounds(placed);
 }
 

@@ -2,6 +2,7 @@
 #include "geometry/deform.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "deform.h"
 #include "gnosphere/error.hpp"
@@ -49,7 +50,16 @@ void influencesOf(const Mesh& mesh, size_t vertex, std::vector<Influence>& influ
     else if (mesh.jointWeights[k] > 0)
       influences.insert(place, {joint, mesh.jointWeights[k]});
   }
-  for (Influence& influence : influences) influence.weight = static_cast<float>(influence.weight / sum);
+  if (influences.empty()) return;
+  // What rounding leaves of the sum goes to the largest weight.
+  double left = gpu::kWeightUnits;
+  for (Influence& influence : influences) {
+    influence.weight = static_cast<float>(std::round(influence.weight / sum * gpu::kWeightUnits));
+    left -= influence.weight;
+  }
+  std::ranges::max_element(influences, {}, &Influence::weight)->weight += static_cast<float>(left);
+  std::erase_if(influences, [](const Influence& influence) { return influence.weight == 0; });
+  for (Influence& influence : influences) influence.weight /= gpu::kWeightUnits;
 }
 
 std::vector<float> deformedPositions(const Mesh& mesh, const Deformation& deformation) {

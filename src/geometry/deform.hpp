@@ -21,8 +21,9 @@ struct Influence {
   float weight = 0;
 };
 
-/// The joints that a vertex follows, in ascending order, each once, with weights that sum to 1. Every device adds them
-/// up in this order. A vertex whose weights do not sum to 1 would leave the boxes of its joints.
+/// The joints that a vertex follows, in ascending order, each once, with weights above 0 that sum to 1 and are
+/// multiples of 1 / gpu::kWeightUnits. Every device adds them up in this order. A vertex whose weights do not sum to 1
+/// would leave the boxes of its joints.
 void influencesOf(const Mesh& mesh, size_t vertex, std::vector<Influence>& influences);
 
 }  // namespace gnosphere

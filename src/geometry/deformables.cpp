@@ -14,6 +14,9 @@ namespace {
 
 using gpu::Array;
 
+static_assert(3 * gpu::kClusterTriangles * gpu::kMostInfluences <= gpu::kMostBones,
+              "every bone of a cluster has a number");
+
 bool isFinite(const gpu::vec3& p) {
   return std::abs(p.x) <= gpu::kCoordinateLimit && std::abs(p.y) <= gpu::kCoordinateLimit &&
          std::abs(p.z) <= gpu::kCoordinateLimit;
@@ -23,38 +26,48 @@ gpu::vec3 at(const std::vector<float>& values, size_t vertex) {
   return {values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]};
 }
 
-// Extends the box of a joint; the bones are in the order of the joints.
-void include(std::vector<gpu::Bone>& bones, uint32_t joint, const gpu::vec3& low, const gpu::vec3& high) {
-  auto place = std::find_if(bones.begin(), bones.end(), [&](const gpu::Bone& other) { return other.joint >= joint; });
-  if (place == bones.end() || place->joint != joint) place = bones.insert(place, {low, joint, high, 0});
-  place->low = glm::min(place->low, low);
-  place->high = glm::max(place->high, high);
+// Extends the box of a joint; the boxes are in the order of the joints.
+void include(std::vector<JointBox>& boxes, uint32_t joint, const gpu::vec3& position) {
+  auto place = std::find_if(boxes.begin(), boxes.end(), [&](const JointBox& other) { return other.joint >= joint; });
+  if (place == boxes.end() || place->joint != joint) place = boxes.insert(place, {joint, position, position});
+  place->low = glm::min(place->low, position);
+  place->high = glm::max(place->high, position);
 }
 
-/// The joints that move the vertices of a cluster, and the weights of each at all of the vertices.
-struct ClusterBones {
-  std::vector<gpu::Bone> bones;  ///< weightFirst counts from the first weight of the cluster
-  std::vector<float> weights;
-};
+uint32_t unitsOf(const Influence& influence) {
+  return static_cast<uint32_t>(influence.weight * gpu::kWeightUnits);
+}
 
-ClusterBones clusterBones(const Mesh& mesh, std::span<const uint32_t> vertices) {
-  ClusterBones result;
-  std::vector<std::vector<Influence>> influences(vertices.size());
-  for (size_t i = 0; i < vertices.size(); ++i) {
-    const gpu::vec3 position = at(mesh.positions, vertices[i]);
-    influencesOf(mesh, vertices[i], influences[i]);
-    if (!isFinite(position)) continue;
-    if (mesh.influences == 0) include(result.bones, gpu::kNone, position, position);
-    for (const Influence& influence : influences[i]) include(result.bones, influence.joint, position, position);
-  }
-  for (gpu::Bone& bone : result.bones) {
-    if (mesh.influences == 0) break;
-    bone.weightFirst = static_cast<uint32_t>(result.weights.size());
-    for (const std::vector<Influence>& own : influences) {
-      const auto found = std::find_if(own.begin(), own.end(), [&](const auto& one) { return one.joint == bone.joint; });
-      result.weights.push_back(found == own.end() ? 0 : found->weight);
+// Appends the bones of a cluster, and their weights at its vertices.
+gpu::ClusterBones addClusterBones(std::span<const std::vector<Influence>> influences, std::vector<uint32_t>& bones,
+                                  std::vector<uint32_t>& weights) {
+  struct Bone {
+    uint32_t number = 0;  // among those of the cluster
+    uint32_t least = gpu::kWeightUnits;
+    size_t vertices = 0;  // that follow the joint
+  };
+  std::map<uint32_t, Bone> own;  // by joint
+  size_t most = 0;
+  for (const std::vector<Influence>& vertex : influences) {
+    most = std::max(most, vertex.size());
+    for (const Influence& influence : vertex) {
+      Bone& bone = own[influence.joint];
+      bone.least = std::min(bone.least, unitsOf(influence));
+      ++bone.vertices;
     }
   }
+  gpu::ClusterBones result;
+  result.first = static_cast<uint32_t>(bones.size());
+  result.count = static_cast<uint32_t>(own.size());
+  result.weightFirst = static_cast<uint32_t>(weights.size());
+  result.influences = static_cast<uint32_t>(most);
+  for (auto& [joint, bone] : own) {
+    bone.number = static_cast<uint32_t>(bones.size()) - result.first;
+    bones.push_back(gpu::packedBone(joint, bone.vertices == influences.size() ? bone.least : 0));
+  }
+  for (const std::vector<Influence>& vertex : influences)
+    for (size_t k = 0; k < most; ++k)
+      weights.push_back(k < vertex.size() ? gpu::packedWeight(own[vertex[k].joint].number, unitsOf(vertex[k])) : 0);
   return result;
 }
 
@@ -63,7 +76,7 @@ constexpr gpu::vec4 kIdentity[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 
 // Encloses what a joint makes of a box. The device's boxes of clusters are rounded, so those of groups have twice their
 // margin.
-void addBone(const gpu::Bone& bone, const gpu::Deformer& deformer, std::span<const gpu::vec4> rows, FlatGroup& group) {
+void addBone(const JointBox& bone, const gpu::Deformer& deformer, std::span<const gpu::vec4> rows, FlatGroup& group) {
   const gpu::vec3 low = bone.low + deformer.morphLow, high = bone.high + deformer.morphHigh;
   const gpu::vec4* own = bone.joint == gpu::kNone ? kIdentity : &rows[3 * size_t{bone.joint}];
   for (int axis = 0; axis < 3; ++axis) {
@@ -107,23 +120,23 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
   entry.restGroups.assign(flat.groups.begin(), flat.groups.begin() + flat.groupCount());
   entry.groups.resize(flat.groupCount());
 
-  std::vector<gpu::Bone> bones;
-  std::vector<uint32_t> starts;
-  std::vector<float> weights;
+  std::vector<gpu::ClusterBones> clusters;
+  std::vector<uint32_t> bones, weights;
   std::vector<gpu::vec3> positions, offsets;
+  std::vector<std::vector<Influence>> influences;
   for (size_t g = 0; g < flat.groupCount(); ++g)
     for (size_t c = flat.groups[g].firstCluster; c < flat.groups[g].firstCluster + flat.groups[g].clusterCount; ++c) {
       const size_t first = flat.clusters[c].firstVertex, count = flat.clusters[c + 1].firstVertex - first;
-      const ClusterBones own = clusterBones(mesh, std::span(flat.vertices).subspan(first, count));
-      starts.push_back(static_cast<uint32_t>(bones.size()));
-      for (gpu::Bone bone : own.bones) {
-        include(entry.groups[g], bone.joint, bone.low, bone.high);
-        bone.weightFirst += static_cast<uint32_t>(weights.size());
-        bones.push_back(bone);
+      influences.resize(count);
+      for (size_t i = 0; i < count; ++i) {
+        influencesOf(mesh, flat.vertices[first + i], influences[i]);
+        const gpu::vec3 position = at(mesh.positions, flat.vertices[first + i]);
+        if (!isFinite(position)) continue;
+        if (mesh.influences == 0) include(entry.groups[g], gpu::kNone, position);
+        for (const Influence& influence : influences[i]) include(entry.groups[g], influence.joint, position);
       }
-      weights.insert(weights.end(), own.weights.begin(), own.weights.end());
+      clusters.push_back(addClusterBones(influences, bones, weights));
     }
-  starts.push_back(static_cast<uint32_t>(bones.size()));
   for (const uint32_t v : flat.vertices) positions.push_back(at(mesh.positions, v));
   for (const std::vector<float>& target : mesh.morphTargets)
     for (const uint32_t v : flat.vertices) offsets.push_back(at(target, v));
@@ -144,13 +157,15 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
   deformer.offsetFirst = static_cast<uint32_t>(offsets_.take(offsets.size()));
   deformer.weightFirst = static_cast<uint32_t>(weights_.take(deformer.targets));
   deformer.rowFirst = static_cast<uint32_t>(rows_.take(3 * uint64_t{mesh.jointCount}));
-  deformer.startFirst = static_cast<uint32_t>(starts_.take(starts.size()));
+  deformer.bonesFirst = static_cast<uint32_t>(clusterBones_.take(clusters.size()));
   entry.bones = bones.size();
   entry.firstBone = bones_.take(bones.size());
   entry.weights = weights.size();
   entry.firstWeight = boneWeights_.take(weights.size());
-  for (uint32_t& start : starts) start += static_cast<uint32_t>(entry.firstBone);
-  for (gpu::Bone& bone : bones) bone.weightFirst += static_cast<uint32_t>(entry.firstWeight);
+  for (gpu::ClusterBones& own : clusters) {
+    own.first += static_cast<uint32_t>(entry.firstBone);
+    own.weightFirst += static_cast<uint32_t>(entry.firstWeight);
+  }
 
   deformers_[index] = deformer;
   jointRows_.resize(std::max<size_t>(jointRows_.size(), rows_.end()));
@@ -165,7 +180,7 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
   }
   write(memory_, Array::restPositions, deformer.restFirst, positions);
   write(memory_, Array::morphOffsets, deformer.offsetFirst, offsets);
-  write(memory_, Array::boneStarts, deformer.startFirst, starts);
+  write(memory_, Array::clusterBones, deformer.bonesFirst, clusters);
   write(memory_, Array::bones, added.firstBone, bones);
   write(memory_, Array::boneWeights, added.firstWeight, weights);
 }
@@ -173,9 +188,9 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
 void Deformables::reserve() {
   memory_.reserve(Array::restPositions, vertices_.end() * sizeof(gpu::vec3));
   memory_.reserve(Array::morphOffsets, offsets_.end() * sizeof(gpu::vec3));
-  memory_.reserve(Array::boneStarts, starts_.end() * sizeof(uint32_t));
-  memory_.reserve(Array::bones, bones_.end() * sizeof(gpu::Bone));
-  memory_.reserve(Array::boneWeights, boneWeights_.end() * sizeof(float));
+  memory_.reserve(Array::clusterBones, clusterBones_.end() * sizeof(gpu::ClusterBones));
+  memory_.reserve(Array::bones, bones_.end() * sizeof(uint32_t));
+  memory_.reserve(Array::boneWeights, boneWeights_.end() * sizeof(uint32_t));
 }
 
 void Deformables::setMeshCount(size_t count) {
@@ -192,7 +207,7 @@ void Deformables::remove(size_t index) {
   offsets_.giveBack(deformer.offsetFirst, entry.vertices * deformer.targets);
   weights_.giveBack(deformer.weightFirst, deformer.targets);
   rows_.giveBack(deformer.rowFirst, 3 * uint64_t{deformer.joints});
-  starts_.giveBack(deformer.startFirst, entry.clusters + 1);
+  clusterBones_.giveBack(deformer.bonesFirst, entry.clusters);
   bones_.giveBack(entry.firstBone, entry.bones);
   boneWeights_.giveBack(entry.firstWeight, entry.weights);
   deformers_[index] = {};
@@ -236,7 +251,7 @@ void Deformables::deform(size_t index, const Deformation& deformation, FlatMesh&
     FlatGroup& group = flat.groups[g];
     std::fill(group.low, group.low + 3, gpu::kCoordinateLimit);
     std::fill(group.high, group.high + 3, -gpu::kCoordinateLimit);
-    for (const gpu::Bone& bone : entry.groups[g]) addBone(bone, deformer, rows, group);
+    for (const JointBox& bone : entry.groups[g]) addBone(bone, deformer, rows, group);
   }
 }
 
@@ -257,8 +272,8 @@ double Deformables::writeEnd(size_t index, const Deformation& deformation, End& 
                lengthOf(glm::max(glm::abs(low), glm::abs(high)));
   }
   if (deformer.joints == 0) return morphed;
-  for (const std::vector<gpu::Bone>& group : entry.groups)
-    for (const gpu::Bone& bone : group) {
+  for (const std::vector<JointBox>& group : entry.groups)
+    for (const JointBox& bone : group) {
       const size_t place = deformer.rowFirst + 3 * size_t{bone.joint};
       const gpu::vec4* end = &to.jointRows[place];
       double stretch = 0;

@@ -14,6 +14,12 @@
 
 namespace gnosphere {
 
+/// Encloses the vertices that follow a joint, where they are at rest.
+struct JointBox {
+  uint32_t joint;  ///< gpu::kNone: the mesh has no joints
+  gpu::vec3 low, high;
+};
+
 class Deformables {
  public:
   explicit Deformables(SceneMemory& memory) : memory_(memory) {}
@@ -48,7 +54,7 @@ class Deformables {
   struct Entry {
     Vec3 origin;
     uint64_t vertices = 0, clusters = 0, bones = 0, firstBone = 0, weights = 0, firstWeight = 0;
-    std::vector<std::vector<gpu::Bone>> groups;          // by group: the boxes of its joints
+    std::vector<std::vector<JointBox>> groups;           // by group
     std::vector<std::array<gpu::vec3, 2>> offsetBounds;  // by morph target: least and largest offset
     std::vector<FlatGroup> restGroups;
   };
@@ -59,7 +65,7 @@ class Deformables {
 
   SceneMemory& memory_;
   std::map<size_t, Entry> meshes_;  // by index
-  Ranges vertices_, offsets_, starts_, bones_, boneWeights_, rows_, weights_;
+  Ranges vertices_, offsets_, clusterBones_, bones_, boneWeights_, rows_, weights_;
   uint64_t version_ = 0;
   std::vector<gpu::Deformer> deformers_;
   std::vector<gpu::vec4> jointRows_;

@@ -214,15 +214,19 @@ class Tidying {
     if (found->contains(name)) visit((*found)[name], where + "." + name);
   }
 
-  /// Keeps the number of a class of the extras, as "class". Extras may hold anything, so the rest is not ours.
+  /// Keeps the class that the extras state, as "class": its number, or else its name. Extras may hold anything, so the
+  /// rest is not ours.
   void classOf(Json& o) {
     if (!o.is_object() || !o.contains("extras")) return;
-    Json number;
-    for (const char* key : {"label", "class"})
-      if (o["extras"].is_object() && o["extras"].contains(key))
-        if (Json stated = o["extras"][key]; makeWhole(stated, 65535)) number = stated;
+    Json number, name;
+    for (const char* key : {"label", "class"}) {
+      if (!o["extras"].is_object() || !o["extras"].contains(key)) continue;
+      Json stated = o["extras"][key];
+      if (makeWhole(stated, 65535)) number = stated;
+      if (stated.is_string() && !stated.get_ref<const std::string&>().empty()) name = stated;
+    }
     o.erase("extras");
-    if (!number.is_null()) o["extras"] = {{"class", number}};
+    if (const Json& stated = number.is_null() ? name : number; !stated.is_null()) o["extras"] = {{"class", stated}};
   }
 
   void node(Json& o, const std::string& where) {

@@ -43,9 +43,21 @@ Transform localTransform(const tinygltf::Node& node) {
                   node.scale.empty() ? Vec3{1, 1, 1} : vector(node.scale.data()));
 }
 
-/// The number of the semantic class that parseGltf() has left in extras; 0 if they state none.
-uint16_t classIn(const tinygltf::Value& extras) {
-  return extras.Has("class") ? static_cast<uint16_t>(extras.Get("class").GetNumberAsInt()) : uint16_t{0};
+/// A semantic class by its number or its name.
+struct StatedClass {
+  uint16_t id = 0;
+  std::string name;
+
+  bool operator==(const StatedClass&) const = default;
+  bool stated() const { return *this != StatedClass(); }
+};
+
+/// The class that parseGltf() has left in extras.
+StatedClass classIn(const tinygltf::Value& extras) {
+  if (!extras.Has("class")) return {};
+  const tinygltf::Value& stated = extras.Get("class");
+  if (stated.IsString()) return {0, stated.Get<std::string>()};
+  return {static_cast<uint16_t>(stated.GetNumberAsInt()), {}};
 }
 
 class Reader {
@@ -69,9 +81,10 @@ class Reader {
   std::vector<int> parents() const;
   std::vector<int> roots() const;
   void readNodes();
-  void place(size_t node, const Transform& transform, uint16_t classId);
-  uint16_t classOf(size_t mesh) const;
-  void add(const GltfPlacement& placement, const Transform& transform, uint16_t classId, const std::string& who);
+  void place(size_t node, const Transform& transform, const StatedClass& stated);
+  StatedClass classOf(size_t mesh) const;
+  void add(const GltfPlacement& placement, const Transform& transform, const StatedClass& stated,
+           const std::string& who);
   void readMeshes();
 
   const GltfFile& file_;
@@ -161,54 +174,56 @@ void Reader::readNodes() {
   struct Visit {
     int node;
     Transform parent;
-    uint16_t classId;  // stated by the nearest node above; 0: by none
+    StatedClass stated;  // by the nearest node above
   };
   std::vector<Visit> stack;
   const std::vector<int> roots = this->roots();
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, {}, 0});
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, {}, {}});
   while (!stack.empty()) {
-    const Visit visit = stack.back();
+    const Visit visit = std::move(stack.back());
     stack.pop_back();
     const tinygltf::Node& node = model_.nodes[static_cast<size_t>(visit.node)];
     const Transform transform = visit.parent * localTransform(node);
-    const uint16_t own = classIn(node.extras), classId = own != 0 ? own : visit.classId;
+    const StatedClass own = classIn(node.extras), stated = own.stated() ? own : visit.stated;
     if (node.mesh >= 0)
       place(static_cast<size_t>(visit.node), transform,
-            classId != 0 ? classId : classOf(static_cast<size_t>(node.mesh)));
+            stated.stated() ? stated : classOf(static_cast<size_t>(node.mesh)));
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-      stack.push_back({*child, transform, classId});
+      stack.push_back({*child, transform, stated});
   }
 }
 
 /// The class that a mesh states, or else all its materials: an instance has one class, so they must agree.
-uint16_t Reader::classOf(size_t mesh) const {
-  if (mesh >= model_.meshes.size()) return 0;
-  if (const uint16_t own = classIn(model_.meshes[mesh].extras)) return own;
-  uint16_t common = 0;
+StatedClass Reader::classOf(size_t mesh) const {
+  if (mesh >= model_.meshes.size()) return {};
+  if (StatedClass own = classIn(model_.meshes[mesh].extras); own.stated()) return own;
+  StatedClass common;
   for (const tinygltf::Primitive& primitive : model_.meshes[mesh].primitives) {
     const auto material = static_cast<size_t>(primitive.material);
-    const uint16_t id = material < model_.materials.size() ? classIn(model_.materials[material].extras) : uint16_t{0};
-    if (id == 0 || (common != 0 && common != id)) return 0;
-    common = id;
+    const StatedClass own =
+        material < model_.materials.size() ? classIn(model_.materials[material].extras) : StatedClass();
+    if (!own.stated() || (common.stated() && common != own)) return {};
+    common = own;
   }
   return common;
 }
 
-void Reader::add(const GltfPlacement& placement, const Transform& transform, uint16_t classId, const std::string& who) {
+void Reader::add(const GltfPlacement& placement, const Transform& transform, const StatedClass& stated,
+                 const std::string& who) {
   if (!std::all_of(transform.rows.begin(), transform.rows.end(), [](double value) { return std::isfinite(value); }))
     source_.fail(who + ": its transform is not finite");
   const tinygltf::Node& node = model_.nodes[placement.node];
-  scene_.instances.push_back({node.name, static_cast<uint32_t>(node.mesh), transform, classId});
+  scene_.instances.push_back({node.name, static_cast<uint32_t>(node.mesh), transform, stated.id, stated.name});
   placements_.push_back(placement);
 }
 
-void Reader::place(size_t index, const Transform& transform, uint16_t classId) {
+void Reader::place(size_t index, const Transform& transform, const StatedClass& stated) {
   const tinygltf::Node& node = model_.nodes[index];
   const std::string who = gltfLabel("node", index, node.name);
   if (static_cast<size_t>(node.mesh) >= model_.meshes.size())
     source_.fail(who + ": mesh " + std::to_string(node.mesh) + " does not exist");
   const auto instancing = node.extensions.find("EXT_mesh_gpu_instancing");
-  if (instancing == node.extensions.end()) return add({index}, transform, classId, who);
+  if (instancing == node.extensions.end()) return add({index}, transform, stated, who);
 
   const tinygltf::Value& attributes = instancing->second.Get("attributes");
   size_t count = 0;
@@ -233,7 +248,7 @@ void Reader::place(size_t index, const Transform& transform, uint16_t classId) {
     const Transform offset = composed(translations.empty() ? Vec3{} : vector(&translations[3 * i]),
                                       rotations.empty() ? Quaternion{} : quaternion(&rotations[4 * i]),
                                       scales.empty() ? Vec3{1, 1, 1} : vector(&scales[3 * i]));
-    add({index, true, offset}, transform * offset, classId, who + ", instance " + std::to_string(i));
+    add({index, true, offset}, transform * offset, stated, who + ", instance " + std::to_string(i));
   }
 }
 

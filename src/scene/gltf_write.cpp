@@ -231,7 +231,10 @@ void Document::addNodes() {
     const Instance& instance = scene_.instances[i];
     Json item = {{"mesh", instance.mesh}};
     if (!instance.name.empty()) item["name"] = instance.name;
-    if (instance.classId != 0) item["extras"] = {{"class", instance.classId}};
+    if (instance.classId != 0)
+      item["extras"] = {{"class", instance.classId}};
+    else if (!instance.className.empty())
+      item["extras"] = {{"class", instance.className}};
     if (followers[i] != nullptr) {
       addFollower(*followers[i], std::move(item), roots);
       continue;

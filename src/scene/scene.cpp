@@ -64,6 +64,9 @@ namespace {
 // Devices store the number of a joint in 16 bits.
 constexpr uint32_t kMostJoints = 65536;
 
+// Devices number the joints of a cluster in 11 bits.
+constexpr uint32_t kMostInfluences = 16;
+
 [[noreturn]] void fail(const std::string& what) {
   throw Error(ErrorCode::invalidArgument, what);
 }
@@ -85,6 +88,9 @@ void checkJoints(const Mesh& mesh, const std::string& name) {
   if ((mesh.jointCount > 0) != (mesh.influences > 0))
     fail(name + ": " + std::to_string(mesh.jointCount) + " joints and " + std::to_string(mesh.influences) +
          " influences per vertex; both must be 0 or both more");
+  if (mesh.influences > kMostInfluences)
+    fail(name + ": it has " + std::to_string(mesh.influences) + " influences per vertex; the limit is " +
+         std::to_string(kMostInfluences));
   if (mesh.joints.size() != expected || mesh.jointWeights.size() != expected)
     fail(name + ": " + std::to_string(mesh.vertexCount()) + " vertices with " + std::to_string(mesh.influences) +
          " influences each need " + std::to_string(expected) + " joints and weights, there are " +

@@ -122,7 +122,9 @@ TEST_CASE("classes that a scene's file states count before that of the whole sce
   mesh.indices = {0, 1, 2};
   mesh.parts = {{0, 1, 0}};
   scene.meshes = {mesh};
-  scene.instances = {{"stated", 0, {}, 30}, {"unknown", 0, {}, 999}, {"none", 0, {}}, {"matched", 0, {}, 999}};
+  scene.instances = {{"stated", 0, {}, 30},         {"unknown", 0, {}, 999},       {"none", 0, {}},
+                     {"matched", 0, {}, 999},       {"named", 0, {}, 0, "person"}, {"misnamed", 0, {}, 0, "pers"},
+                     {"match too", 0, {}, 0, "car"}};
   writeGlb(scene, folder / "classes.glb");
   Json json = smallDrive();
   json["scenes"][0] = {{"file", "classes.glb"}, {"class", "car"}, {"instances", {{"match*", "person"}}}};
@@ -130,10 +132,12 @@ TEST_CASE("classes that a scene's file states count before that of the whole sce
   std::vector<int> ids;
   for (const Instance& instance : drive.scenes[0].instances) ids.push_back(instance.classId);
   const int car = drive.scenes[0].instances[2].classId;
-  CHECK(ids == std::vector<int>{30, 999, car, 30});
+  CHECK(ids == std::vector<int>{30, 999, car, 30, 30, car, 30});
   CHECK((car != 0 && car != 30));
-  REQUIRE(drive.warnings.size() == 1);
-  CHECK_THAT(drive.warnings[0], ContainsSubstring("scenes[0].file: states the class 999, which classes does not name"));
+  REQUIRE(drive.warnings.size() == 2);
+  CHECK_THAT(drive.warnings[0],
+             ContainsSubstring("scenes[0].file: states the class 'pers', which classes does not name"));
+  CHECK_THAT(drive.warnings[1], ContainsSubstring("scenes[0].file: states the class 999, which classes does not name"));
 }
 
 TEST_CASE("poses are linear and turn by slerp between the stamps of a trajectory") {

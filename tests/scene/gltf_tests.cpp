@@ -272,8 +272,27 @@ TEST_CASE("extras of nodes, meshes and materials state classes") {
                    {{"mesh", 4}, {"extras", {{"class", "car"}, {"label", 4}}}}};
   json["scenes"][0]["nodes"] = {0, 3};
   CHECK(classes() == std::vector<int>{3, 65535, 4});
+  // A class may have a name instead of a number.
+  const auto names = [&] {
+    std::vector<std::string> found;
+    for (const Instance& instance : file.load().instances) found.push_back(instance.className);
+    return found;
+  };
+  CHECK(names() == std::vector<std::string>{"", "", ""});
+  json["materials"][0]["extras"] = json["materials"][1]["extras"] = {{"class", "wall"}};
+  json["nodes"] = {{{"children", {1}}, {"extras", {{"class", "car"}, {"label", "7"}}}},
+                   {{"mesh", 4}},
+                   {{"mesh", 2}},
+                   {{"mesh", 2}, {"extras", {{"label", "tree"}}}},
+                   {{"mesh", 2}, {"extras", {{"class", ""}}}}};
+  json["scenes"][0]["nodes"] = {0, 2, 3, 4};
+  CHECK(names() == std::vector<std::string>{"car", "wall", "tree", "wall"});
+  CHECK(classes() == std::vector<int>{0, 0, 0, 0});
+  json["materials"][0]["extras"]["class"] = "roof";
+  CHECK(names() == std::vector<std::string>{"car", "", "tree", ""});
+  json["materials"][0]["extras"]["class"] = 5;
   // What is not the number of a class is somebody else's.
-  for (const Json& other : {Json(-1), Json(65536), Json(2.5), Json("7"), Json::array({1}), Json(nullptr)}) {
+  for (const Json& other : {Json(-1), Json(65536), Json(2.5), Json(""), Json::array({1}), Json(nullptr)}) {
     json["nodes"] = {{{"mesh", 0}, {"extras", {{"class", other}}}}};
     json["scenes"][0]["nodes"] = {0};
     CHECK(classes() == std::vector<int>{5});

@@ -27,6 +27,8 @@ class CdrWriter {
   }
   CdrWriter& blob(const std::string& value) {
     number(static_cast<uint32_t>(value.size()));
+    constexpr size_t kRest = 64;  // what may follow fits in without a copy of the blob
+    bytes_.reserve(bytes_.size() + value.size() + kRest);
     bytes_ += value;
     return *this;
   }

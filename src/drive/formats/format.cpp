@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drive/formats/format.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <ctime>
@@ -53,7 +54,9 @@ std::string dateText(int64_t nanoseconds) {
 }
 
 std::string packedRows(const Scan& scan, const RecordLayout& layout) {
-  std::string rows(scan.ranges.size() * layout.stride, '\0');
+  size_t most = scan.ranges.size();
+  if (layout.compact) most -= static_cast<size_t>(std::ranges::count_if(scan.ranges, [](float r) { return r != r; }));
+  std::string rows(most * layout.stride, '\0');
   const size_t count = pack(scan, layout, {reinterpret_cast<std::byte*>(rows.data()), rows.size()});
   rows.resize(count * layout.stride);
   return rows;

@@ -144,14 +144,18 @@ std::string statisticsRecord(const std::vector<ChunkSummary>& chunks, const std:
 
 std::string mcapChunk(std::vector<McapMessage> messages) {
   std::stable_sort(messages.begin(), messages.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+  constexpr size_t kMessageHead = 22;
+  size_t recordBytes = 0;
+  for (const McapMessage& message : messages) recordBytes += kRecordHead + kMessageHead + message.data.size();
   std::string records;
+  records.reserve(recordBytes);
   std::map<uint16_t, std::string> indexes;
   for (const McapMessage& message : messages) {
     std::string& index = indexes[message.channel];
     append(index, static_cast<uint64_t>(message.time));
     append(index, static_cast<uint64_t>(records.size()));
     append(records, static_cast<uint8_t>(kMessage));
-    append(records, static_cast<uint64_t>(22 + message.data.size()));
+    append(records, static_cast<uint64_t>(kMessageHead + message.data.size()));
     append(records, message.channel);
     append(records, message.sequence);
     append(records, static_cast<uint64_t>(message.time));
@@ -165,14 +169,18 @@ std::string mcapChunk(std::vector<McapMessage> messages) {
   append(content, uint32_t{0});
   appendText(content, "");  // no compression
   append(content, static_cast<uint64_t>(records.size()));
-  std::string bytes = recordOf(kChunk, content + records);
+  std::string ends;
   for (const auto& [channel, index] : indexes) {
     std::string entries;
     append(entries, channel);
     appendText(entries, index);
-    bytes += recordOf(kMessageIndex, entries);
+    ends += recordOf(kMessageIndex, entries);
   }
-  return bytes;
+  std::string bytes;
+  bytes.reserve(kRecordHead + content.size() + records.size() + ends.size());
+  append(bytes, static_cast<uint8_t>(kChunk));
+  append(bytes, static_cast<uint64_t>(content.size() + records.size()));
+  return bytes.append(content).append(records).append(ends);
 }
 
 void writeMcap(const std::filesystem::path& file, const std::vector<McapSchema>& schemas,
