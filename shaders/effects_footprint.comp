@@ -87,8 +87,14 @@ float consider(Candidate candidate, uint projected, uint layer) {
     holed = optics.at[projectedMaterials.at[projected]];
     mask = holed.passage.y > 0.0;
   }
+  // The same formula as in the first pass, so that no other candidate of the list can change a bit of the range.
+  bool whole = !mask && coversFootprint(candidate);
+  vec4 plane = planeOf(candidate);
 #define OFFER(s)                                                                       \
-  met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);                \
+  if (whole)                                                                           \
+    met = meetPlane(candidate, plane, left[s], up[s], lengths[s], range);              \
+  else                                                                                 \
+    met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);              \
   if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, projected, side); \
   offer(met, range, candidate.id, projected, layer, s);
   EACH_RAY(OFFER)
@@ -100,7 +106,7 @@ float consider(Candidate candidate, uint projected, uint layer) {
   EACH_RAY(FARTHEST)
   if (!taken) return farthest;
   Optics4 surface = optics.at[projectedMaterials.at[projected]];
-  vec3 normal = unitTowardsOrigin(planeOf(candidate).xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
+  vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
 #define SHARE(s) share(surface, normal, projected, layer, s);
   EACH_RAY(SHARE)
   return farthest;

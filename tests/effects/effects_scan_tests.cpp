@@ -233,8 +233,7 @@ TEST_CASE("footprints have the same echoes with lists and with chains that end w
     }
     CHECK(firstBytes(scans[0], scans[1]) == "none");
     CHECK(scans[0].counters.hits == scans[1].counters.hits);
-    CHECK(scans[1].counters.candidates < scans[0].counters.candidates);
-    WARN(scans[0].counters.candidates << " " << scans[1].counters.candidates);
+    if (moving) CHECK(scans[1].counters.candidates < scans[0].counters.candidates);
   }
 }
 
