@@ -57,8 +57,8 @@ void offer(uint beam, float range, uint projected, uint id) {
   }
 }
 
-// Prepends a hit to the chain of a beam, and lists the beam when its chain begins. A link has three entries: the
-// projected triangle, the range of the hit, and the link before.
+// Prepends a candidate to the chain of a beam. A link has three entries: the projected triangle, the range of its hit
+// (with a footprint, the least range), and the link before. A beam that meets a pane is listed when its chain begins.
 void link(uint beam, uint projected, float range) {
   uint place = atomicAdd(counters.candidates, 1);
   if (place >= frame.candidateCapacity) return;
@@ -66,13 +66,67 @@ void link(uint beam, uint projected, float range) {
   candidates.at[3 * place] = projected;
   candidates.at[3 * place + 1] = floatBitsToUint(range);
   candidates.at[3 * place + 2] = before;
-  if (before == kNone) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = beam;
+  if (PANES && before == kNone) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = beam;
+}
+
+// True if a triangle stops the whole footprint of a beam: every line within it hits the triangle clearly within its
+// edges. `farthest` becomes an upper bound of the ranges of these hits. The range of a line that deviates by up to
+// `footprint` from the axis is at most that of the axis divided by the change of the cosine to the normal; the other
+// terms are far more than the rounding errors.
+bool stopsFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3 side, uint index,
+                    uint projected, out float farthest) {
+  vec3 reach = 1.02 * prepared.reach;
+  bool inside = all(lessThan(side, -reach)) || (all(greaterThan(side, reach)) && !triangle.oneSided);
+  vec3 depth = cornerDepths(turned, beam.cosElevation, beam.sinElevation);
+  float along = side.x + side.y + side.z, sum = abs(along), spread = 1.02 * frame.footprint;
+  float slope = prepared.area / max(sum - spread * prepared.area, 1e-30);
+  float range = dot(side, depth) / along;  // less than 0 if the triangle lies behind the beam
+  farthest = range * (1.0 + spread * slope) * (1.0 + spread * spread);
+  farthest = max(farthest * (1.00001 + 1e-6 * slope), triangle.rangeMin);
+  vec2 window = prepared.window;
+  if (NUMBERED && frame.ownRanges != 0) window = beamRanges.at[index];
+  if (NUMBERED && frame.hidesNear != 0) window.x = 0.0;
+  bool stops = inside && range > 0.0 && sum > spread * prepared.area && frame.footprint < 0.2 && triangle.rangeMin >= window.x &&
+               farthest <= window.y;
+  if ((EFFECTS & kCutOuts) != 0 && stops) stops = optics.at[projectedMaterials.at[projected]].passage.y <= 0.0;
+  return stops;
+}
+
+// Keeps a triangle that a line within the beam's footprint may hit. The word has the nearest triangle that stops the
+// whole footprint, and the range at which it surely has. Others go to the beam's list, unless they lie behind that.
+void offerFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3 side, uint index,
+                    uint projected) {
+#ifdef INT64_ATOMICS
+  float nearest = triangle.rangeMin, farthest;
+  uint stopped = words.at[index].y;
+  if (floatBitsToUint(nearest) > stopped) return;
+  if (stopsFootprint(triangle, prepared, turned, beam, side, index, projected, farthest)) {
+    uvec2 word = uvec2(projected, floatBitsToUint(farthest));
+    uint64_t other = atomicMin(words64.at[index], packUint2x32(word));
+    uvec2 before = uvec2(uint(other), uint(other >> 32));
+    if (before.y == kNone) return;
+    // The other one of both triangles may still matter.
+    bool stays = before.y < word.y || (before.y == word.y && before.x < word.x);
+    stopped = min(before.y, word.y);
+    if (!stays) {
+      projected = before.x;
+      nearest = rangeMinOf(projected);
+    }
+    if (floatBitsToUint(nearest) > stopped) return;
+  }
+  link(index, projected, nearest);
+#endif
 }
 
 // Compilers inline it at every call, so each loop over beams has one call.
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
   if ((EFFECTS & kFootprint) != 0) {
-    if (mayMeet(triangle, prepared, turned, beam)) offer(index, 0.0, projected, triangle.id);
+    vec3 side = watertightSides(turned, beam.cosElevation, beam.sinElevation);
+    if (!mayMeet(triangle, prepared, side)) return;
+    if (BINNING == kBinningLists)
+      offer(index, 0.0, projected, triangle.id);
+    else
+      offerFootprint(triangle, prepared, turned, beam, side, index, projected);
     return;
   }
   float range;

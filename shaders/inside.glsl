@@ -33,6 +33,7 @@ Triangle loadProjected(uint i) { return triangleOf(projectedA.at[i], projectedB.
 // Values of a triangle that do not depend on the beam. A pipeline computes only those that it uses.
 struct Prepared {
   vec3 reach;  // half angle of the footprint times the length of each edge's normal
+  float area;  // twice the triangle's, with a footprint
   EdgeNormals normals;
   vec4 plane;
   ExactTriangle exact;
@@ -42,10 +43,12 @@ struct Prepared {
 Prepared prepare(Triangle triangle) {
   Prepared prepared;
   prepared.window = vec2(frame.rangeMin, frame.rangeMax);
-  if ((EFFECTS & kFootprint) != 0)
+  if ((EFFECTS & kFootprint) != 0) {
     prepared.reach = (frame.footprint * 1.001 + 1e-6) * vec3(length(cross(triangle.b, triangle.c)),
                                                              length(cross(triangle.c, triangle.a)),
                                                              length(cross(triangle.a, triangle.b)));
+    prepared.area = length(cross(triangle.b - triangle.a, triangle.c - triangle.a));
+  }
   if (INSIDE == kInsidePlain) prepared.normals = edgeNormals(triangle);
   if (RANGE == kRangePlane) prepared.plane = supportingPlane(triangle);
   if (INSIDE == kInsideExact) prepared.exact = exactTriangle(triangle);
@@ -90,8 +93,7 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
 // True if a line within the footprint around the beam may hit the triangle. The line's direction differs from the
 // beam's by at most the footprint angle, so its side of an edge's plane differs by at most that angle times the length
 // of the normal. Near corners the test accepts too much, but it misses nothing.
-bool mayMeet(Triangle triangle, Prepared prepared, Turned turned, Beam beam) {
-  vec3 side = watertightSides(turned, beam.cosElevation, beam.sinElevation);
+bool mayMeet(Triangle triangle, Prepared prepared, vec3 side) {
   bool facing = all(lessThanEqual(side, prepared.reach));
   bool averted = all(greaterThanEqual(side, -prepared.reach));
   return facing || (averted && !triangle.oneSided);

@@ -262,7 +262,7 @@ uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, 
 // True if the beams of small boxes are tried here, instead of in stage bin. Stage bin needs panes and holes.
 bool triesSmallBoxes(uint material, bool moves) {
   bool seenFromOnePlace = !MOTION || (SHIFTS_TURNED && motion.sensor == 0 && !moves);
-  return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kCutOuts) == 0 &&
+  return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & (kCutOuts | kFootprint)) == 0 &&
          !(PANES && isPaneMaterial(material));
 }
 

@@ -151,7 +151,7 @@ struct Counters {
   uint64_t culledBetweenBeams = 0;  ///< no beam lies within the triangle's angular bounds
   uint64_t culledHidden = 0;        ///< behind the hits that all beams within the triangle's bounds already have
   uint64_t projected = 0;           ///< triangles that went on to binning
-  uint64_t candidates = 0;          ///< (beam, triangle) pairs whose inside test passed; only with Binning::lists
+  uint64_t candidates = 0;          ///< (beam, triangle) pairs listed: with Binning::lists, footprints or panes
   uint64_t integerSides = 0;        ///< exact inside tests that needed integer arithmetic
   uint64_t integerRanges = 0;       ///< exact ranges that needed integer arithmetic
   uint64_t lostEchoes = 0;          ///< echoes of beams that met more echoes, or more panes in a row, than are kept

@@ -61,7 +61,7 @@ struct EffectLines {
 };
 
 struct Footprints {
-  static GNO_DEVICE void fix(Options& options) { options.EFFECTS = kFootprint; }
+  static GNO_DEVICE void fix(Options& options) { options.EFFECTS = kFootprint | (options.EFFECTS & kCutOuts); }
 };
 
 template <uint kLayers>

@@ -45,7 +45,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
     : machine_(machine),
       plan_(plan),
       patterns_(makePatterns()),
-      binning_(chooseBinning(options, machine.traits(), plan.footprint())),
+      binning_(chooseBinning(options, machine.traits(), plan.footprint(), plan.layers())),
       leavesWords_(leavesWords(binning_, plan) && !(keepsRecords() && mostGroups() > 1)),
       exact_(accuracyPartsOf(options).inside == AccuracyParts::Inside::exact),
       keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
@@ -72,7 +72,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   allocate(Array::shells, sizeof(gpu::Shells));
   const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
   if (words && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
-  if (lists || plan_.panes()) allocate(Array::listEnds, beams * 4);
+  if (lists || plan_.panes() || plan_.footprint()) allocate(Array::listEnds, beams * 4);
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
@@ -82,7 +82,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
     }
   if (keepsRecords()) makeRecordArrays();
   const auto within = [](uint64_t count, uint64_t most) { return static_cast<uint32_t>(std::min(count, most)); };
-  Capacities room = firstCapacities(binning_, plan_.panes(), beams, triangles);
+  Capacities room = firstCapacities(binning_, plan_.panes(), plan_.footprint(), beams, triangles);
   room.projected = within(room.projected, std::min(mostProjected(), limit(kTileBytes) / 2));
   room.tiles = within(room.tiles, limit(kTileBytes) - tilesBehind(room));
   room.candidates = within(room.candidates, limit(candidateBytes()));
@@ -208,7 +208,7 @@ uint64_t SensorArrays::mostProjected() const {
   return limit(bytes);
 }
 
-// In a chain of panes, a candidate has its range and a link to the next.
+// In a chain, a candidate has its range and a link to the next.
 uint64_t SensorArrays::candidateBytes() const {
   return binning_ == gpu::kBinningLists ? 4 : 12;
 }

@@ -50,7 +50,7 @@ class Steps {
       input_.holes ? copy(gpu::Array::startWords, gpu::Array::words) : fill(gpu::Array::words, gpu::kNone);
     if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0);
     if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::slabEnds, gpu::kNone);
-    if (input_.panes && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
+    if ((input_.panes || input_.footprint) && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
     if (input_.panes && judged()) fill(gpu::Array::echoCounts, gpu::kNone);
   }
 

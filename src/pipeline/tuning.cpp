@@ -42,8 +42,10 @@ DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning) {
   return {groups, 4 * threads, binning == gpu::kBinningSlabs ? threads : groups, 8 * groups};
 }
 
-uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint) {
-  if (footprint || !traits.int64Atomics) return gpu::kBinningLists;
+uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint, uint32_t layers) {
+  // Nothing bounds the candidates of a footprint whose light passes panes, and compact lists are read faster than
+  // chains.
+  if (!traits.int64Atomics || (footprint && layers > 1)) return gpu::kBinningLists;
   bool slabs = traits.cpu;
   switch (options.tuning.binning) {
     case Binning::lists: return gpu::kBinningLists;
@@ -54,7 +56,8 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
     case Binning::slabs: slabs = true; break;
     case Binning::nearest: slabs = false; break;
   }
-  return slabs ? gpu::kBinningSlabs : gpu::kBinningNearest;
+  // Footprints are chained with atomics anyway, and most of their boxes are too small for a subgroup.
+  return slabs && !footprint ? gpu::kBinningSlabs : gpu::kBinningNearest;
 }
 
 // With lists every hit of a beam is needed, so no triangle may be skipped as hidden.
@@ -80,12 +83,12 @@ uint32_t slabShift(uint32_t columns) {
 }
 
 // Only large boxes are cut into tiles; with slabs also those that lie in more than one slab.
-Capacities firstCapacities(uint32_t binning, bool panes, uint64_t beams, uint64_t triangles) {
+Capacities firstCapacities(uint32_t binning, bool panes, bool footprint, uint64_t beams, uint64_t triangles) {
   const auto projected = static_cast<uint32_t>(
       std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));
-  const uint64_t candidates = binning == gpu::kBinningLists ? beams * kCandidatesPerBeam
-                              : panes                       ? beams / kBeamsPerPane
-                                                            : 0;
+  const uint64_t candidates = binning == gpu::kBinningLists || footprint ? beams * kCandidatesPerBeam
+                              : panes                                    ? beams / kBeamsPerPane
+                                                                         : 0;
   return {projected, binning == gpu::kBinningSlabs ? std::max(projected / 2, kFirstTiles) : kFirstTiles,
           static_cast<uint32_t>(std::min<uint64_t>(candidates, 0xffffffff))};
 }

@@ -18,8 +18,9 @@ struct DispatchSizes {
 };
 DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning);
 
-/// Returns the gpu::kBinning... value for the options and the device. A footprint needs lists.
-uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint);
+/// Returns the gpu::kBinning... value for the options and the device. `layers` is the number of surfaces that light may
+/// meet.
+uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint, uint32_t layers);
 
 /// Returns the most shells of a scan, 1 or kMostShells. Triangles of nearer shells are binned first, so that they can
 /// hide those of farther shells.
@@ -35,6 +36,6 @@ struct Capacities {
   uint32_t projected = 0, tiles = 0, candidates = 0;
 };
 /// Returns the initial capacities; lists grow when a scan needs more.
-Capacities firstCapacities(uint32_t binning, bool panes, uint64_t beams, uint64_t triangles);
+Capacities firstCapacities(uint32_t binning, bool panes, bool footprint, uint64_t beams, uint64_t triangles);
 
 }  // namespace gnosphere

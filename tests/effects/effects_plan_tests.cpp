@@ -145,8 +145,8 @@ TEST_CASE("removing an effect from all effects clears its bit in every pipeline"
     assign(effects, effectNames()[i] + "=off");
     const Plan plan = planOnHost(scene, able(), effects);
     CHECK(!plan.has(effectNames()[i]));
-    // Without sub-rays the surfaces of all beams are kept instead of lists.
-    if (effectNames()[i] != "divergence") CHECK(plan.bytes() <= all.bytes());
+    // Without sub-rays the surfaces of all beams are kept instead of lists; without transmission, chains and words.
+    if (effectNames()[i] != "divergence" && effectNames()[i] != "transmission") CHECK(plan.bytes() <= all.bytes());
     for (const Plan::Stage& stage : plan.stages)
       for (const Plan::Pipeline& pipeline : stage.pipelines) CHECK((pipeline.constants.at(9) >> i & 1) == 0);
   }
@@ -196,7 +196,7 @@ TEST_CASE("lines answer for holes, angle errors and panes with standard accuracy
   options.effects.transmission.use = EffectUse::off;
   options.accuracy = Accuracy::exact;
   const Plan exact = makeSimulator(scene, able(), options).plan();
-  CHECK(exact.binning == "lists");
+  CHECK(exact.binning == "nearest");
   CHECK(stagesOf(exact) == "effects project bin ");
 }
 

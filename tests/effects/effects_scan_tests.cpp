@@ -197,6 +197,46 @@ TEST_CASE("effects of lines give the same bytes with every way of binning, and e
     }
 }
 
+// With lists every candidate of a footprint is kept, otherwise only those before a triangle that stops the whole
+// footprint. Large triangles in several shells stop many of them.
+TEST_CASE("footprints have the same echoes with lists and with chains that end where the footprint is stopped") {
+  Scene scene = town();
+  addFence(scene, plate(3, 2), translation(1.3, 0.4, 1.8));
+  for (const bool moving : {false, true}) {
+    INFO((moving ? "moving" : "at rest"));
+    TestOptions options = optionsOn("vulkan");
+    options.tuning.culling.occlusion = Culling::Occlusion::always;
+    options.effects = physical();
+    options.effects.divergence = {EffectUse::on, moving ? 7u : 19u, Effects::Divergence::Profile::gaussian, 3e-3,
+                                  1.5e-3};
+    options.effects.returns.use = EffectUse::on;
+    options.effects.cutOuts.use = moving ? EffectUse::off : EffectUse::on;
+    options.effects.returns.count = 3;
+    if (!moving) options.effects.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+    options.fields = {Field::intensity, Field::label, Field::cause, Field::normal, Field::material};
+    Shot shot;
+    shot.pose = kPose;
+    Sensor sensor = coarse(720);
+    if (moving) {
+      options.effects.sensorMotion.use = EffectUse::on;
+      sensor.rotationPeriod = 0.1;
+      Pose end = kPose;
+      end.position.x += 1.5;
+      shot.motion = {{{0, kPose}, {0.1, end}}};
+    }
+    std::vector<Scan> scans;
+    for (const Binning binning : {Binning::lists, Binning::automatic}) {
+      options.tuning.binning = binning;
+      Simulator simulator = makeSimulator(scene, sensor, options);
+      scans.emplace_back();
+      simulator.scanInto(shot, scans.back());
+    }
+    CHECK(firstBytes(scans[0], scans[1]) == "none");
+    CHECK(scans[0].counters.hits == scans[1].counters.hits);
+    if (moving) CHECK(scans[1].counters.candidates < scans[0].counters.candidates);
+  }
+}
+
 TEST_CASE("transmitted light passes the same panes on every device") {
   Scene scene = town();
   for (Material& one : scene.materials) one.transmission = 0.5f;

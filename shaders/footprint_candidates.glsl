@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// The candidates of a beam with a footprint: their list, and the tests of sub-rays against them. Sub-ray (1, u, v) is
+// given by its tangents to the left and up and its length.
+
+uint idOf(uint projected) { return projectedA.at[projected].tag & 0x7fffffffu; }
+
+// The candidates of a beam. With kBinningLists they are a run of `candidates`; otherwise the triangle in its word, if
+// there is one, and those of its chain (see bin.comp).
+const uint kOfWord = kNone - 1;
+uint listFirst, listEnd, chainFirst, wordCandidate;
+
+void openList(uint index) {
+  if (BINNING == kBinningLists) {
+    // If the lists were too small, they are cut off here; the host enlarges them and runs the scan again.
+    listEnd = min(listEnds.at[index], frame.candidateCapacity);
+    listFirst = index == 0 ? 0 : min(listEnds.at[max(index, 1) - 1], listEnd);
+    return;
+  }
+  listEnd = kNone;
+  listFirst = chainFirst = listEnds.at[index];
+  wordCandidate = words.at[index].x;
+  if (wordCandidate != kNone) listFirst = kOfWord;
+}
+
+uint nextOf(uint k) {
+  if (BINNING == kBinningLists) return k + 1;
+  if (k == kOfWord) return chainFirst;
+  return candidates.at[3 * k + 2];
+}
+
+uint projectedAt(uint k) {
+  if (BINNING == kBinningLists) return candidates.at[k];
+  if (k == kOfWord) return wordCandidate;
+  return candidates.at[3 * k];
+}
+
+float nearestAt(uint k) {
+  if (BINNING == kBinningLists || k == kOfWord) return rangeMinOf(projectedAt(k));
+  return uintBitsToFloat(candidates.at[3 * k + 1]);
+}
+
+// A candidate in the beam's own frame: one component per corner.
+struct Candidate {
+  vec3 ahead, left, up;
+  float rangeMin;
+  uint id;
+  bool oneSided;
+};
+
+uint beamRow, beamColumn;
+
+// Returns a projected triangle in the frame of the beam's laser.
+Triangle triangleAt(uint projected, vec2 azimuth) {
+  Triangle triangle = loadProjected(projected);
+  if (MOTION) triangle = seenFrom(triangle, projected, beamColumn, beamRow, azimuth);
+  return triangle;
+}
+
+Candidate candidateOf(uint projected, Beam beam) {
+  Triangle triangle = triangleAt(projected, beam.azimuth);
+  Turned turned = turn(triangle, beam.azimuth);
+  precise vec3 above = turned.z * beam.cosElevation - turned.p * beam.sinElevation;
+  return Candidate(cornerDepths(turned, beam.cosElevation, beam.sinElevation), turned.q, above, triangle.rangeMin,
+                   triangle.id, triangle.oneSided);
+}
+
+vec3 normalOf(vec3 a, vec3 b, vec3 c) {
+  precise vec3 u = b - a;
+  precise vec3 v = c - a;
+  return unitTowardsOrigin(crossOf(u, v), a);
+}
+
+// Code that runs for every sub-ray has no branches; it combines computed booleans with && and ||.
+float rangeMin, rangeMax;
+
+// A watertight test as in inside_watertight.glsl: sub-ray (1, u, v) shears every corner by the same operations.
+bool meetSubRay(Candidate candidate, float u, float v, float length_, out float range, out vec3 side) {
+  precise vec3 q = candidate.left - u * candidate.ahead;
+  precise vec3 w = candidate.up - v * candidate.ahead;
+  precise vec3 sides = q.yzx * w.zxy - w.yzx * q.zxy;
+  side = sides;
+  precise float sum = side.x + side.y + side.z;
+  precise float weighted = side.x * candidate.ahead.x + side.y * candidate.ahead.y + side.z * candidate.ahead.z;
+  bool facing = all(lessThanEqual(side, vec3(0.0)));
+  bool averted = all(greaterThanEqual(side, vec3(0.0)));
+  precise float along = quotient(weighted, sum) * length_;
+  range = max(along, candidate.rangeMin);
+  bool bothSided = !candidate.oneSided, ahead = along > 0.0, flat_ = sum == 0.0;
+  bool near = range >= rangeMin, far = range <= rangeMax;
+  bool seen = facing || (averted && bothSided);
+  bool around = !MOTION || surrounds(q, w);
+  return seen && around && !flat_ && ahead && near && far;
+}
+
+// The supporting plane in the beam's frame: a normal that is not normalised, and the plane's distance times its
+// length.
+vec4 planeOf(Candidate c) {
+  vec3 a = vec3(c.ahead.x, c.left.x, c.up.x), b = vec3(c.ahead.y, c.left.y, c.up.y);
+  precise vec3 u = b - a;
+  precise vec3 v = vec3(c.ahead.z, c.left.z, c.up.z) - a;
+  vec3 normal = crossOf(u, v);
+  return vec4(normal, dotOf(normal, a));
+}
+
+// True if the whole footprint lies within the triangle: the beam's axis is farther from the plane of each edge than
+// the footprint reaches.
+bool coversFootprint(Candidate c) {
+  precise vec3 side = c.left.yzx * c.up.zxy - c.up.yzx * c.left.zxy;
+  precise vec3 second = c.up.yzx * c.ahead.zxy - c.ahead.yzx * c.up.zxy;
+  precise vec3 third = c.ahead.yzx * c.left.zxy - c.left.yzx * c.ahead.zxy;
+  precise vec3 square = side * side;
+  precise vec3 reach = (square + second * second + third * third) * (frame.footprint * frame.footprint * 1.01 + 1e-12);
+  bool facing = all(lessThan(side, vec3(0.0)));
+  bool averted = all(greaterThan(side, vec3(0.0)));
+  return (facing || (averted && !c.oneSided)) && all(greaterThan(square, reach));
+}
+
+vec2 halfAxes;  // tangents: of an ellipse around the beam's axis, or around its deviation, that holds all sub-rays
+
+// True if a sub-ray may hit the triangle: the middle of the footprint is no farther outside of the plane of each edge
+// than the footprint reaches. It misses nothing; the margin is far more than the rounding errors.
+bool touchesFootprint(Candidate c, vec2 middle) {
+  vec3 side = c.left.yzx * c.up.zxy - c.up.yzx * c.left.zxy;
+  vec3 second = c.up.yzx * c.ahead.zxy - c.ahead.yzx * c.up.zxy;
+  vec3 third = c.ahead.yzx * c.left.zxy - c.left.yzx * c.ahead.zxy;
+  side += middle.x * second + middle.y * third;
+  vec3 across = halfAxes.x * second, upwards = halfAxes.y * third, square = across * across + upwards * upwards;
+  vec3 margin = 4e-6 * (abs(side) + abs(second) + abs(third));
+  vec3 reach = 1.01 * vec3(sqrt(square.x), sqrt(square.y), sqrt(square.z)) + margin;
+  bool facing = all(lessThanEqual(side, reach));
+  bool averted = all(greaterThanEqual(side, -reach));
+  return facing || (averted && !c.oneSided);
+}
+
+// Like meetSubRay(), for a triangle that contains the whole footprint: only the range is tested.
+bool meetPlane(Candidate candidate, vec4 plane, float u, float v, float length_, out float range) {
+  precise float along = plane.x + u * plane.y + v * plane.z;
+  precise float depth = quotient(plane.w, along) * length_;
+  range = max(depth, candidate.rangeMin);
+  bool ahead = depth > 0.0, near = range >= rangeMin, far = range <= rangeMax;
+  return ahead && near && far;
+}
+
+// Returns the cosine of a sub-ray's incidence on a surface whose normal is given as (ahead, left, up).
+float cosineOf(vec3 normal, float u, float v, float length_) {
+  precise float along = normal.x + u * normal.y + v * normal.z;
+  return min(abs(quotient(along, length_)), 1.0);
+}
+

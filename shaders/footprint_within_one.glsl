@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// First pass of effects_footprint: beams whose whole footprint lies on one triangle. Most of them have one echo.
+
+// Adds the hits of all sub-rays on a surface to the sums of an echo.
+vec3 sumsOf(Optics4 surface, vec3 normal, float first) {
+  vec3 sums = vec3(0.0);
+#define ADD_REFLECTED(s)                                                                                         \
+  addPiece(sums, product(carried[s], reflected(surface, cosineOf(normal, left[s], up[s], lengths[s]))), \
+           sumOf(ranges[0 * RAYS + s], -first));
+#define ADD_CARRIED(s) addPiece(sums, carried[s], sumOf(ranges[0 * RAYS + s], -first));
+  if (looksAtMaterials) {
+    EACH_RAY(ADD_REFLECTED)
+  } else {
+    EACH_RAY(ADD_CARRIED)
+  }
+  return sums;
+}
+
+// Keeps these hits, whose ranges are known, for gatherEchoes().
+void keepHits(Optics4 surface, vec3 normal, uint projected) {
+#define KEEP(s)                                                                              \
+  energies[0 * RAYS + s] = carried[s];                                                       \
+  if (looksAtMaterials)                                                                      \
+    energies[0 * RAYS + s] =                                                                 \
+        product(carried[s], reflected(surface, cosineOf(normal, left[s], up[s], lengths[s]))); \
+  ranges[0 * RAYS + s] = carried[s] > 0.0 ? ranges[0 * RAYS + s] : kNothing;                 \
+  metCandidates[0 * RAYS + s] = projected;
+  EACH_RAY(KEEP)
+}
+
+// Handles a beam whose whole footprint lies on its best candidate, with no other triangle in front of it. Returns
+// false for any other beam.
+bool findWithinOne(uint index, uint beam, Beam axis) {
+  uint best = bestOf();
+  if (best == listEnd) {
+    echoCounts.at[beam] = 0;
+    return true;
+  }
+  uint projected = projectedAt(best);
+  Optics4 surface = optics.at[projectedMaterials.at[projected]];
+  Candidate candidate = candidateOf(projected, axis);
+  bool holed = (EFFECTS & kCutOuts) != 0 && surface.passage.y > 0.0, clear = LAYERS > 1 && transmitted(surface) > 0.0;
+  if (holed || clear || !coversFootprint(candidate)) return false;
+  vec4 plane = planeOf(candidate);
+  float least = kNothing, most = 0.0, farthest = 0.0, range;
+  bool met = true, lit, hit;
+#define MEET(s)                                                       \
+  hit = meetPlane(candidate, plane, left[s], up[s], lengths[s], range); \
+  ranges[0 * RAYS + s] = range;                                       \
+  farthest = max(farthest, range);                                    \
+  lit = carried[s] > 0.0;                                             \
+  least = min(least, lit ? range : kNothing);                         \
+  most = max(most, lit ? range : 0.0);                                \
+  met = met && hit;
+  EACH_RAY(MEET)
+  for (uint k = listFirst; k != listEnd && met; k = nextOf(k)) met = k == best || nearestAt(k) > farthest;
+  if (!met) return false;
+  vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
+  if (most > sumOf(least, parameters.separation)) {
+    keepHits(surface, normal, projected);
+    gatherEchoes(index, beam, axis.azimuth);
+    return true;
+  }
+  storeEcho(echoPlace(index, 0), echoOf(least, sumsOf(surface, normal, least)), projected, axis.azimuth);
+  echoCounts.at[beam] = 1;
+  return true;
+}
