@@ -83,17 +83,16 @@ bool stopsFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam be
   float range = dot(side, depth) / along;  // less than 0 if the triangle lies behind the beam
   farthest = range * (1.0 + spread * slope) * (1.0 + spread * spread);
   farthest = max(farthest * (1.00001 + 1e-6 * slope), triangle.rangeMin);
-  vec2 window = prepared.window;
-  if (NUMBERED && frame.ownRanges != 0) window = beamRanges.at[index];
-  if (NUMBERED && frame.hidesNear != 0) window.x = 0.0;
-  bool stops = inside && range > 0.0 && sum > spread * prepared.area && frame.footprint < 0.2 && triangle.rangeMin >= window.x &&
-               farthest <= window.y;
+  vec2 window = windowOf(prepared, index);
+  bool stops = inside && range > 0.0 && sum > spread * prepared.area && frame.footprint < 0.2 &&
+               triangle.rangeMin >= window.x && farthest <= window.y;
   if ((EFFECTS & kCutOuts) != 0 && stops) stops = optics.at[projectedMaterials.at[projected]].passage.y <= 0.0;
   return stops;
 }
 
-// Keeps a triangle that a line within the beam's footprint may hit. The word has the nearest triangle that stops the
-// whole footprint, and the range at which it surely has. Others go to the beam's list, unless they lie behind that.
+// Keeps a triangle that a line within the beam's footprint may hit. The beam's word holds the nearest triangle that
+// stops the whole footprint, and a range beyond which no line goes on. Other triangles go to the beam's chain, unless
+// they lie behind that range.
 void offerFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3 side, uint index,
                     uint projected) {
 #ifdef INT64_ATOMICS

@@ -13,7 +13,7 @@ namespace gnosphere::gpu {
 // Weights of joints are multiples of 2^-20, and those of a vertex sum to 1 exactly.
 GNO_CONST uint kWeightUnits = 1u << 20;
 
-// In an entry of boneWeights the number of a bone has the low 11 bits, its weight the 21 bits above.
+// An entry of boneWeights holds the number of a bone in its low 11 bits and the weight of that bone in the others.
 GNO_CONST uint kMostBones = 1u << 11;
 GNO_CONST uint kMostInfluences = 16;  // validate() refuses more
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The candidates of a beam with a footprint: their list, and the tests of sub-rays against them. Sub-ray (1, u, v) is
-// given by its tangents to the left and up and its length.
+// The candidates of a beam with a footprint: their list, and the tests of sub-rays against them. A sub-ray has the
+// direction (1, u, v), where u and v are the tangents of its angles to the left and up. That vector has the length
+// `length_`.
 
 uint idOf(uint projected) { return projectedA.at[projected].tag & 0x7fffffffu; }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // First pass of effects_footprint: beams whose whole footprint lies on one triangle. Most of them have one echo.
+// Indices are written as 0 * RAYS + s, because glslang checks constant ones against the default value of RAYS.
 
 // Adds the hits of all sub-rays on a surface to the sums of an echo.
 vec3 sumsOf(Optics4 surface, vec3 normal, float first) {

@@ -99,15 +99,21 @@ bool mayMeet(Triangle triangle, Prepared prepared, vec3 side) {
   return facing || (averted && !triangle.oneSided);
 }
 
+// The least and the largest range at which a hit of the beam with this index counts.
+vec2 windowOf(Prepared prepared, uint index) {
+  vec2 window = prepared.window;
+  if (NUMBERED && frame.ownRanges != 0) window = beamRanges.at[index];
+  if (NUMBERED && frame.hidesNear != 0) window.x = 0.0;
+  return window;
+}
+
 // True if the beam with this index hits the projected triangle `slot` within the range window, and not in a hole. NaN
 // is a miss.
 bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint slot, out float range) {
   vec3 side = vec3(0.0);
   bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, index, range)
                                        : meetRounded(triangle, prepared, turned, beam, index, side, range);
-  vec2 window = prepared.window;
-  if (NUMBERED && frame.ownRanges != 0) window = beamRanges.at[index];
-  if (NUMBERED && frame.hidesNear != 0) window.x = 0.0;
+  vec2 window = windowOf(prepared, index);
   bool met = inside && (INSIDE != kInsideExact || range > 0.0) && range >= window.x && range <= window.y;
   // Whether a hit that cannot change the result of the beam is in a hole does not matter.
   if ((EFFECTS & kCutOuts) != 0 && met && range <= farthestOf(index))

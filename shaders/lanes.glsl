@@ -17,7 +17,7 @@ uvec4 fromFourLanes(uint own) {
                subgroupBroadcast(own, 3));
 }
 
-// Returns an instance, the same for all lanes.
+// Returns the instance with a number, which must be the same for all lanes of the subgroup.
 Instance instanceAt(uint number) {
   return Instance(LOADED_4(instances.at[number].row0), LOADED_4(instances.at[number].row1),
                   LOADED_4(instances.at[number].row2), LOADED_3(instances.at[number].offset),

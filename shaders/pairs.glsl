@@ -71,7 +71,8 @@ struct PairsMatrix {
   Pairs of[3];
 };
 
-// Returns the sum of the matrix's columns, or rows, each times a number of `a`.
+// Returns a matrix times the vector `a`, as the sum of the matrix's columns, each times one number of `a`; with rows in
+// place of columns it is the transposed matrix that is multiplied.
 Pairs combined(PairsMatrix matrix, Pairs a) {
   return plus(plus(times(matrix.of[0], each(a, 0)), times(matrix.of[1], each(a, 1))),
               times(matrix.of[2], each(a, 2)));

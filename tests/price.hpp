@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures what frames cost.
+// A clock that measures the wall time and the CPU time of frames.
 #pragma once
 
 #include <algorithm>

@@ -175,7 +175,7 @@ TEST_CASE("a list that is too small for the first of several heads is reported, 
   CHECK((recorded.incomplete == 1 || recorded.incomplete == 2));
   CHECK(rows.size() == 3001 * pointLayout().stride);
 
-  // The incomplete scan lacks hits, and all rows that it has are in their places.
+  // A scan that is incomplete lacks hits. The rows of those that it has must lie where the complete scan has them.
   RecordLayout layout = layoutOf({Field::range, Field::beam});
   layout.compact = true;
   Recorded first(app, scene, {rig, Effects::none()}, plainOptions(), layout);
