@@ -12,6 +12,10 @@
 
 namespace gnosphere::test {
 
+/// The fields that most tests ask for.
+inline const std::vector<rgl_field_t> kBasic = {RGL_FIELD_XYZ_VEC3_F32, RGL_FIELD_IS_HIT_I32, RGL_FIELD_DISTANCE_F32,
+                                                RGL_FIELD_ENTITY_ID_I32};
+
 #define OK(call)                                  \
   do {                                            \
     const rgl_status_t status = call;             \

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// What libgnosphere_rgl as a library owes its caller: tapes, statuses with a sentence, threads, levels of the
+// interface.
+#include <dlfcn.h>
+#include <rgl/api/extensions/pcl.h>
+#include <rgl/api/extensions/ros2.h>
+#include <rgl/api/extensions/tape.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <thread>
+
+#include "folder.hpp"
+#include "rgl/plugin.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::test;
+
+TEST_CASE("RGL: a tape makes the calls again") {
+  const Folder folder;
+  const std::string path = (folder / "tape").string(), pcd = (folder / "cloud.pcd").string();
+  bool active = true;
+  OK(rgl_tape_record_is_active(&active));
+  CHECK(!active);
+  CHECK(failed(rgl_tape_record_end(), RGL_TAPE_ERROR, "begun"));
+  CHECK(failed(rgl_tape_record_begin((folder / "no/tape").c_str()), RGL_INVALID_FILE_PATH, "no/tape"));
+  OK(rgl_tape_record_begin(path.c_str()));
+  CHECK(failed(rgl_tape_record_begin(path.c_str()), RGL_TAPE_ERROR, "already"));
+  CHECK(failed(rgl_tape_play(path.c_str()), RGL_TAPE_ERROR, "recorded"));
+  {
+    const rgl_entity_t entity = place(squareMesh(), matrix(0, 0, 3));
+    OK(rgl_entity_set_laser_retro(entity, std::numeric_limits<float>::infinity()));
+    Lidar lidar(raysAround(8, 20), kBasic);
+    OK(rgl_node_raytrace_configure_distortion(lidar.raytrace, false));
+    lidar.run();
+    (void)lidar.get<float>(RGL_FIELD_DISTANCE_F32);
+    OK(rgl_graph_write_pcd_file(lidar.yield, pcd.c_str()));
+  }
+  OK(rgl_cleanup());
+  OK(rgl_tape_record_end());
+  const std::string expected = bytesOf(pcd);
+  std::filesystem::remove(pcd);
+  OK(rgl_tape_play(path.c_str()));
+  CHECK(bytesOf(pcd) == expected);
+  std::ofstream(folder / "bad.yaml") << "- rgl_get_version_info: {t: 0, a: [0, 14, 0]}\n";
+  std::ofstream(folder / "bad.bin") << "";
+  CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "0.16.3"));
+  std::ofstream(folder / "bad.yaml") << "[1, 2";
+  CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "no recording"));
+  CHECK(failed(rgl_tape_play((folder / "none").c_str()), RGL_INVALID_FILE_PATH, "none.yaml"));
+}
+
+TEST_CASE("RGL: wrong handles, arguments and graphs are statuses with a sentence") {
+  rgl_mesh_t mesh = squareMesh();
+  const rgl_vec3f vertex = {{0, 0, 0}};
+  const rgl_vec3i triangle = {{0, 0, 5}};
+  rgl_mesh_t bad = nullptr;
+  CHECK(failed(rgl_mesh_create(&bad, &vertex, 1, &triangle, 1), RGL_INVALID_ARGUMENT, "the vertex 5"));
+  OK(rgl_mesh_destroy(mesh));
+  CHECK(failed(rgl_mesh_destroy(mesh), RGL_INVALID_API_OBJECT, "Object does not exist: Mesh 0x"));
+  rgl_entity_t entity = nullptr;
+  CHECK(failed(rgl_entity_create(&entity, nullptr, mesh), RGL_INVALID_API_OBJECT, "Mesh"));
+  CHECK(failed(rgl_graph_run(reinterpret_cast<rgl_node_t>(mesh)), RGL_INVALID_API_OBJECT, "Node"));
+  rgl_node_t raytrace = nullptr, yield = nullptr;
+  const rgl_field_t field = RGL_FIELD_XYZ_VEC3_F32, unknown = static_cast<rgl_field_t>(777);
+  OK(rgl_node_raytrace(&raytrace, nullptr));
+  OK(rgl_node_points_yield(&yield, &field, 1));
+  CHECK(failed(rgl_node_points_yield(&yield, &unknown, 1), RGL_INVALID_ARGUMENT, "777"));
+  CHECK(failed(rgl_node_raytrace(&yield, nullptr), RGL_INVALID_API_OBJECT,
+               "Node type mismatch: expected RaytraceNode, got YieldPointsNode"));
+  OK(rgl_graph_node_add_child(raytrace, yield));
+  CHECK(failed(rgl_graph_node_add_child(yield, raytrace), RGL_INVALID_PIPELINE, "circle"));
+  CHECK(failed(rgl_graph_node_add_child(raytrace, raytrace), RGL_INVALID_ARGUMENT, "parent != child"));
+  CHECK(failed(rgl_graph_run(yield), RGL_INVALID_PIPELINE, "looked for IRaysNode"));
+  CHECK(failed(rgl_graph_get_result_size(yield, field, nullptr, nullptr), RGL_INVALID_PIPELINE, "hasn't been run"));
+  int32_t priority = -1;
+  OK(rgl_graph_node_set_priority(yield, 3));
+  OK(rgl_graph_node_get_priority(raytrace, &priority));
+  CHECK(priority == 3);
+  CHECK(failed(rgl_graph_node_set_priority(raytrace, 2), RGL_INVALID_PIPELINE, "cannot set priority"));
+  bool alive = true;
+  OK(rgl_graph_destroy(yield));
+  OK(rgl_node_is_alive(raytrace, &alive));
+  CHECK(!alive);
+  rgl_node_t none = nullptr;
+  CHECK(failed(rgl_node_points_ros2_publish(&none, "topic", "frame"), RGL_NOT_IMPLEMENTED, "ros2"));
+  int32_t available = -1;
+  OK(rgl_get_extension_info(RGL_EXTENSION_ROS2, &available));
+  CHECK(available == 0);
+  CHECK(failed(rgl_configure_logging(RGL_LOG_LEVEL_INFO, "/no/such/folder/log", false), RGL_LOGGING_ERROR, "/no/such"));
+  OK(rgl_cleanup());  // a failure leaves the library usable
+}
+
+TEST_CASE("RGL: several threads run graphs of their own") {
+  place(squareMesh(20), matrix(0, 0, 4));
+  bool good[4] = {};
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 4; ++k)
+    threads.emplace_back([&good, k] {
+      const rgl_mat3x4f ray = matrix(0, 0, k);
+      const rgl_field_t field = RGL_FIELD_DISTANCE_F32;
+      rgl_node_t rays = nullptr, raytrace = nullptr, yield = nullptr;
+      bool fine = rgl_node_rays_from_mat3x4f(&rays, &ray, 1) == RGL_SUCCESS &&
+                  rgl_node_raytrace(&raytrace, nullptr) == RGL_SUCCESS &&
+                  rgl_node_points_yield(&yield, &field, 1) == RGL_SUCCESS &&
+                  rgl_graph_node_add_child(rays, raytrace) == RGL_SUCCESS &&
+                  rgl_graph_node_add_child(raytrace, yield) == RGL_SUCCESS;
+      for (int i = 0; i < 5 && fine; ++i) {
+        float distance = 0;
+        fine = rgl_graph_run(rays) == RGL_SUCCESS &&
+               rgl_graph_get_result_data(yield, field, &distance) == RGL_SUCCESS && distance == 4.0f - float(k);
+      }
+      good[k] = fine;
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const bool each : good) CHECK(each);
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: levels have their numbers of fields and their version", "[.level]") {
+  const std::string level = std::getenv("GNOSPHERE_RGL_ABI");
+  int32_t major = -1, minor = -1, patch = -1;
+  OK(rgl_get_version_info(&major, &minor, &patch));
+  CHECK("0." + std::to_string(minor) == level);
+  // DISTANCE, RING_ID and IS_HIT at levels 0.16, 0.17 and 0.18.
+  const int row = level == "0.16" ? 0 : level == "0.17" ? 1 : 2;
+  const rgl_field_t fields[] = {static_cast<rgl_field_t>(std::vector{7, 7, 8}[row]),
+                                static_cast<rgl_field_t>(std::vector{9, 10, 11}[row]),
+                                static_cast<rgl_field_t>(std::vector{3, 3, 4}[row])};
+  place(squareMesh(), matrix(0, 0, 3));
+  Lidar lidar({matrix(0, 0, 0)}, {fields[0], fields[1], fields[2]});
+  rgl_node_t rings = nullptr;
+  const int32_t ids[] = {12};
+  OK(rgl_node_rays_set_ring_ids(&rings, ids, 1));
+  OK(rgl_graph_node_remove_child(lidar.rays, lidar.pose));
+  OK(rgl_graph_node_add_child(lidar.rays, rings));
+  OK(rgl_graph_node_add_child(rings, lidar.pose));
+  lidar.run();
+  CHECK(lidar.get<float>(fields[0])[0] == 3);
+  CHECK(lidar.get<uint16_t>(fields[1])[0] == 12);
+  CHECK(lidar.get<int32_t>(fields[2])[0] == 1);
+  // Names of earlier levels are there, too.
+  using Compact = rgl_status_t (*)(rgl_node_t*);
+  const auto compact = reinterpret_cast<Compact>(dlsym(RTLD_DEFAULT, "rgl_node_points_compact"));
+  REQUIRE(compact);
+  rgl_node_t node = nullptr;
+  OK(compact(&node));
+  lidar.append(node);
+  lidar.run();
+  OK(rgl_cleanup());
+}
