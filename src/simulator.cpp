@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/slots.hpp"
 #include "effects/sensor_plan.hpp"
 #include "geometry/transform_sources.hpp"
 #include "geometry/vertex_sources.hpp"
@@ -62,49 +63,13 @@ std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sens
   return makeVulkanBackend(scene, sensors, options);
 }
 
-/// Keeps which of the indices 0..size - 1 exist and how often each is used. A freed index is taken again first.
-class Slots {
- public:
-  explicit Slots(const char* noun) : noun_(noun) {}
-
-  size_t size() const { return uses_.size(); }
-  bool has(size_t index) const { return index < uses_.size() && uses_[index] != kFree; }
-  /// Returns the index that the next take() will occupy.
-  size_t next() const { return free_.empty() ? uses_.size() : free_.back(); }
-  void take() {
-    if (free_.empty())
-      uses_.push_back(0);
-    else {
-      uses_[free_.back()] = 0;
-      free_.pop_back();
-    }
-  }
-  void giveBack(size_t index) {
-    uses_[index] = kFree;
-    free_.push_back(index);
-  }
-  /// Throws Error(invalidArgument) if the index never existed or was removed; the message says which.
-  void check(size_t index) const {
-    if (has(index)) return;
-    throw Error(ErrorCode::invalidArgument,
-                std::string(noun_) + " " + std::to_string(index) +
-                    (index < size() ? " has been removed" : " does not exist, there are " + std::to_string(size())));
-  }
-  uint64_t& uses(size_t index) { return uses_[index]; }
-  void checkUnused(size_t index, const char* users) const {
-    check(index);
-    if (uses_[index] > 0)
-      throw Error(ErrorCode::invalidArgument, std::string(noun_) + " " + std::to_string(index) + " is used by " +
-                                                  std::to_string(uses_[index]) + " " + users +
-                                                  "; remove them before it");
-  }
-
- private:
-  static constexpr uint64_t kFree = ~uint64_t{0};
-  const char* noun_;
-  std::vector<uint64_t> uses_;
-  std::vector<size_t> free_;
-};
+// Returns the request with the fields of its layout among its fields.
+SensorRequest withFieldsOfLayout(SensorRequest request) {
+  for (const Field field : fieldsOf(request.layout))
+    if (std::find(request.fields.begin(), request.fields.end(), field) == request.fields.end())
+      request.fields.push_back(field);
+  return request;
+}
 
 }  // namespace
 
@@ -116,79 +81,6 @@ void Timings::add(const std::string& stage, double ms) {
   else
     found->ms += ms;
 }
-
-const char* nameOf(Accuracy accuracy) {
-  switch (accuracy) {
-    case Accuracy::paper: return "paper";
-    case Accuracy::draft: return "draft";
-    case Accuracy::standard: return "standard";
-    case Accuracy::exact: break;
-  }
-  return "exact";
-}
-
-AccuracyParts accuracyPartsOf(Accuracy accuracy) {
-  using E = AccuracyParts;
-  switch (accuracy) {
-    case Accuracy::paper: return {E::Bounds::paper, E::Cull::firstCorner, E::Inside::plain, E::Range::plane};
-    case Accuracy::draft: return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::plain, E::Range::plane};
-    case Accuracy::standard:
-      return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::watertight, E::Range::edgeWeights};
-    case Accuracy::exact: break;
-  }
-  return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::exact, E::Range::exact};
-}
-
-std::vector<DeviceInfo> listDevices(std::string* vulkanProblem) {
-  std::vector<DeviceInfo> devices = listVulkanDevices(vulkanProblem);
-  std::string cudaProblem;
-  for (DeviceInfo& device : cuda::devices(cudaProblem)) devices.push_back(std::move(device));
-  devices.push_back(referenceDevice());
-  return devices;
-}
-
-DeviceChoice::DeviceChoice(const DeviceInfo& device)
-    : kind(device.type == "reference" ? Kind::reference
-           : device.type == "cuda"    ? Kind::cuda
-                                      : Kind::vulkan),
-      name(device.name),
-      uuid(device.uuid) {}
-
-DeviceChoice deviceByName(const std::string& text) {
-  using Kind = DeviceChoice::Kind;
-  if (text == "auto") return {};
-  if (text == "reference") return Kind::reference;
-  for (const auto& [prefix, kind] : {std::pair("cuda:", Kind::cuda), std::pair("cuda-fast:", Kind::cudaFast)})
-    if (text.starts_with(prefix)) return {kind, text.substr(std::string_view(prefix).size())};
-  if (text.empty() || text.starts_with("cuda"))
-    throw Error(ErrorCode::invalidArgument, "device '" + text +
-                                                "' is not auto, the number or a part of the name of a Vulkan device, "
-                                                "reference, cuda:N or cuda-fast:N");
-  return {Kind::vulkan, text};
-}
-
-std::string nameOf(const DeviceChoice& choice) {
-  if (choice.adopted) return "adopted";
-  switch (choice.kind) {
-    case DeviceChoice::Kind::cuda: return "cuda:" + choice.name;
-    case DeviceChoice::Kind::cudaFast: return "cuda-fast:" + choice.name;
-    case DeviceChoice::Kind::reference: return "reference";
-    case DeviceChoice::Kind::vulkan: break;
-  }
-  return choice.name.empty() ? "auto" : choice.name;
-}
-
-namespace {
-
-// Returns the request with the fields of its layout among its fields.
-SensorRequest withFieldsOfLayout(SensorRequest request) {
-  for (const Field field : fieldsOf(request.layout))
-    if (std::find(request.fields.begin(), request.fields.end(), field) == request.fields.end())
-      request.fields.push_back(field);
-  return request;
-}
-
-}  // namespace
 
 // Keeps the parts of the scene from which plans are made; the backend keeps the rest.
 class Simulator::Impl {

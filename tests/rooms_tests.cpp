@@ -36,8 +36,8 @@ const std::map<std::string, Names> kRooms = {
     {"drive", {"base", "effects/strict_json.hpp", "effects/trajectory.hpp", "output/cloud_bytes.hpp"}},
 };
 
-/// Files of src outside rooms. simulator.cpp is above all rooms and may include any of them.
-const Names kLoose = {"simulator.cpp", "third_party_files.cpp"};
+/// Files of src outside rooms. They are above all rooms and may include any of them.
+const Names kLoose = {"simulator.cpp", "simulator_options.cpp", "third_party_files.cpp"};
 
 /// Quoted includes that the build generates: compiled shaders, the shaders translated to CUDA, the schema of drive
 /// files.
