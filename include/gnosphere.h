@@ -105,9 +105,11 @@ typedef struct gno_material {
   float metallic, roughness, transmission;
   gno_alpha_mode alpha_mode;
   float alpha_cutoff;
-  uint32_t alpha_image; /* index of an image of the scene, or GNO_NONE */
-  float retro;          /* retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none */
-  int32_t double_sided; /* not 0: both faces reflect */
+  uint32_t alpha_image;   /* index of an image of the scene, or GNO_NONE */
+  float retro;            /* retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none */
+  int32_t double_sided;   /* not 0: both faces reflect */
+  uint16_t class_id;      /* semantic class, numbered by the caller; 0: that of the instance counts */
+  const char* class_name; /* class that the file states by its name instead; may be null */
 } gno_material;
 
 /* A run of triangles of one mesh that share a material. */
@@ -154,8 +156,9 @@ typedef struct gno_instance {
   size_t struct_size;
   const char* name; /* may be null */
   uint32_t mesh;
-  uint16_t class_id; /* numbered by the caller; 0 for none */
+  uint16_t class_id; /* of all surfaces whose material states none, numbered by the caller; 0 for none */
   gno_transform transform;
+  const char* class_name; /* class that the file states by its name instead; may be null */
 } gno_instance;
 
 typedef int32_t gno_up_axis;

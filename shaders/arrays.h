@@ -131,7 +131,8 @@
   ARRAY(readonly, uint, beamPlaces)        /* per beam, by number: its index; kNone: it never fires */ \
   ARRAY(readonly, vec4, beamFacts)         /* per beam: time, azimuth, elevation, bits of its ring */ \
   ARRAY(readonly, vec4, beamDirections)    /* per beam: unit vector in the sensor's frame, 0 */ \
-  ARRAY(readonly, uint, instanceClasses)   /* per instance */ \
+  ARRAY(readonly, InstanceClass, instanceClasses) \
+  ARRAY(readonly, ClassRun, classRuns)     /* mesh by mesh, in the order of the triangles */ \
   ARRAY(, uint, recordBlocks)              /* per block of entries: returns in it, then returns before it */ \
   ARRAY(, uint, recordEntries)             /* entries with a return */ \
   ARRAY(, uint, rangeCounts)               /* per bucket of distance: returns of a sample of the entries */ \

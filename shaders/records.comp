@@ -185,6 +185,23 @@ uint returnCountOf(uint first) {
   return count;
 }
 
+// Returns the class of a triangle: the one that its material states, else that of its instance.
+uint classOf(uvec2 owner) {
+  if (owner.y >= plan.classes) return 0;
+  InstanceClass instance = instanceClasses.at[owner.y];
+  if (instance.runs == 0) return instance.classId;
+  uint first = instance.firstRun, end = first + instance.runs;
+  while (end - first > 1) {
+    uint middle = (first + end) / 2;
+    if (classRuns.at[middle].firstTriangle <= owner.x)
+      first = middle;
+    else
+      end = middle;
+  }
+  uint stated = classRuns.at[first].classId;
+  return stated != 0 ? stated : instance.classId;
+}
+
 // Calls USE(number of the value, its bits) for every value of an entry. A float has its own bits.
 #define EACH_VALUE(entry_, USE) \
   { \
@@ -240,7 +257,7 @@ uint returnCountOf(uint first) {
     if (HOLDS(kValueCause)) USE(kValueCause, signals.at[beam_ * RETURNS].word >> 8 & 0xff); \
     if (HOLDS(kValueReturnNumber)) USE(kValueReturnNumber, returned(entry_) ? (entry_) % RETURNS + 1 : 0); \
     if (HOLDS(kValueReturnCount)) USE(kValueReturnCount, returnCountOf(beam_ * RETURNS)); \
-    if (HOLDS(kValueClass)) USE(kValueClass, owner_.y < plan.classes ? instanceClasses.at[owner_.y] : 0); \
+    if (HOLDS(kValueClass)) USE(kValueClass, classOf(owner_)); \
   }
 
 // Returns the bits of a float as a double, low word first; denormals become zero.

@@ -356,6 +356,17 @@ struct RecordPlace {
   uint first, stride;
 };
 
+// The semantic class of an instance, and the run of classRuns that its mesh has.
+struct InstanceClass {
+  uint classId;
+  uint firstRun, runs;  // runs: 0 if no material of the mesh states a class
+};
+
+// Triangles of a mesh, up to the next run, whose materials state the same class; 0 if they state none.
+struct ClassRun {
+  uint firstTriangle, classId;
+};
+
 // How the results that stay on the device are written.
 struct RecordPlan {
   uint entries;     // returns of all beams, with those that are missing

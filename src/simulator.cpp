@@ -132,7 +132,7 @@ class Simulator::Impl {
     planAgain();
     for (size_t i = 0; i < recording.scans.size(); ++i)
       check(*recording.scans[i].shot, recording.scans.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
-    recording.classes = classes_;
+    recording.classes = &classes_;
     backend_->record(recording);
   }
 
@@ -366,6 +366,7 @@ class Simulator::Impl {
     scene_.meshes[index].morphTargets.resize(mesh.morphTargets.size());
     vertexCounts_[index] = mesh.vertexCount();
     for (const MeshPart& part : mesh.parts) ++materials_.uses(part.material);
+    classes_.setMesh(index, mesh.parts, scene_.materials);
   }
 
   size_t keep(uint32_t mesh, uint16_t classId) {
@@ -375,8 +376,7 @@ class Simulator::Impl {
     scene_.instances[index].mesh = mesh;
     placedTriangles_ += trianglesOf(mesh);
     stale_ |= meshes_.uses(mesh)++ == 0;
-    classes_.resize(instances_.size());
-    classes_[index] = classId;
+    classes_.setInstance(index, mesh, classId);
     inBuffer_.resize(instances_.size());
     return index;
   }
@@ -387,7 +387,7 @@ class Simulator::Impl {
   Slots materials_{"material"}, meshes_{"mesh"}, instances_{"instance"}, sensors_{"sensor"};
   std::vector<size_t> vertexCounts_;  // by mesh
   uint64_t placedTriangles_ = 0;
-  std::vector<uint16_t> classes_;          // by instance
+  ClassTable classes_;
   std::vector<uint8_t> inBuffer_;          // by instance: 1 if its transform comes from a buffer
   std::vector<SensorRequest> requests_;    // by sensor
   std::vector<ComputedColumns> computed_;  // by sensor

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fields that effects add to a cloud, and several returns per beam.
+#include <array>
 #include <bit>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -74,7 +75,10 @@ Scan full(uint32_t returns) {
   setColumn(scan, Field::label, labels);
   setColumn(scan, Field::cause, causes);
   setColumn(scan, Field::tie, ties);
-  ComputedColumns(smallSensor(), kComputed).set({500, 1, 65535}, 0, scan);
+  ClassTable classes;
+  classes.setMesh(0, {}, {});
+  for (size_t i = 0; i < 3; ++i) classes.setInstance(i, 0, std::array<uint16_t, 3>{500, 1, 65535}[i]);
+  ComputedColumns(smallSensor(), kComputed).set(classes, 0, scan);
   return scan;
 }
 

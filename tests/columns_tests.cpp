@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "api_example.hpp"
+#include "classified_fences.hpp"
 #include "cloud_support.hpp"
 #include "scan/fields.hpp"
 #include "support.hpp"
@@ -168,6 +169,39 @@ TEST_CASE("the class of a scan is the one that its instances had when it was mad
   CHECK(simulator.scan({}).column<uint16_t>(Field::classId)[0] == 4);
   CHECK(simulator.addInstance(0, {}) == 0);
   CHECK(simulator.scan({}).column<uint16_t>(Field::classId)[0] == 0);
+}
+
+TEST_CASE("a point has the class of its surface's material, and else that of its instance") {
+  const Scan scan = makeSimulator(classifiedFences(), fenceSensor(), asking({Field::classId})).scan({});
+  const auto classes = scan.column<uint16_t>(Field::classId);
+  std::map<int, int> counts;
+  for (size_t i = 0; i < scan.ranges.size(); ++i) {
+    if (scan.hit(i))
+      checkClass(scan.points[3 * i], scan.points[3 * i + 1], scan.points[3 * i + 2], classes[i], counts);
+    else
+      CHECK(classes[i] == 0);
+  }
+  checkCounts(counts);
+}
+
+TEST_CASE("materials that come and go bring their classes with them") {
+  Simulator simulator = makeSimulator(floorScene(), smallSensor(), asking({Field::classId}));
+  const auto classOf = [&] { return simulator.scan({}).column<uint16_t>(Field::classId)[0]; };
+  Mesh floor = floorScene().meshes[0];
+  Material stating;
+  stating.classId = 40;
+  floor.parts[0].material = static_cast<uint32_t>(simulator.addMaterial(stating));
+  const size_t mesh = simulator.addMesh(floor);
+  const size_t upper = simulator.addInstance(static_cast<uint32_t>(mesh), translation(0, 0, 0.5), 8);
+  CHECK(classOf() == 40);
+  simulator.removeInstance(upper);
+  simulator.removeMesh(mesh);
+  simulator.removeMaterial(floor.parts[0].material);
+  CHECK(classOf() == 9);
+  CHECK(simulator.addMaterial({}) == floor.parts[0].material);
+  CHECK(simulator.addMesh(floor) == mesh);
+  simulator.addInstance(static_cast<uint32_t>(mesh), translation(0, 0, 0.5), 8);
+  CHECK(classOf() == 8);
 }
 
 TEST_CASE("columns are used again: a second scan allocates none") {

@@ -70,6 +70,8 @@ const Layouts kShared = {
            nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden, integerSides, integerRanges,
            causes, lostEchoes, hardBeams, tried),
     STRUCT(RecordPlace, first, stride),
+    STRUCT(InstanceClass, classId, firstRun, runs),
+    STRUCT(ClassRun, firstTriangle, classId),
     STRUCT(RecordPlan, entries, capacity, organised, streams, gaps, classes, directions, frame, group),
     STRUCT(RecordStream, start, stride, firstValue, values, column),
     STRUCT(RecordValue, value, type, offset),

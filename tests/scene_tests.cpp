@@ -30,6 +30,8 @@ Scene sampleScene() {
   scene.instances = {{"b", 1, {}},
                      {"a", 0, {{0.1, 0.2, 0.3, 1e6 + 0.1, 0.4, 0.5, 0.6, -7.7, 0.7, 0.8, -0.9, 1.0 / 3}}},
                      {"c", 0, {{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}}};
+  scene.materials[1].classId = scene.instances[1].classId = 65535;
+  scene.materials[2].className = scene.instances[2].className = "road";
   return scene;
 }
 
@@ -57,6 +59,8 @@ TEST_CASE("loadScene reads back the output of writeGlb bit for bit") {
   for (size_t i = 0; i < 3; ++i) {
     CHECK(read.instances[i].name == scene.instances[i].name);
     CHECK(read.instances[i].mesh == scene.instances[i].mesh);
+    CHECK(read.instances[i].classId == scene.instances[i].classId);
+    CHECK(read.instances[i].className == scene.instances[i].className);
   }
   CHECK(read.instances[1].transform.rows == scene.instances[1].transform.rows);
   CHECK(read.instances[2].transform.rows == scene.instances[2].transform.rows);
@@ -73,6 +77,8 @@ TEST_CASE("loadScene reads back the output of writeGlb bit for bit") {
     CHECK(a.alphaMode == b.alphaMode);
     CHECK(a.alphaCutoff == b.alphaCutoff);
     CHECK(a.doubleSided == b.doubleSided);
+    CHECK(a.classId == b.classId);
+    CHECK(a.className == b.className);
   }
 }
 

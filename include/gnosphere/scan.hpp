@@ -46,7 +46,7 @@ enum class Field {
   incidence,     ///< f32 rad, angle between beam and normal; 0 for a surface square to the beam
   material,      ///< u32, index into Scene::materials
   barycentrics,  ///< 2 f32 u v, weights of the triangle's second and third corner
-  classId,       ///< u16, Instance::classId when the scan was made, 0 for none
+  classId,       ///< u16, the surface's Material::classId, else Instance::classId, when the scan was made; 0 for none
   velocity,      ///< 3 f32 velocity_x velocity_y velocity_z, m/s: the surface relative to the world, in sensor axes
   radialSpeed,   ///< f32 m/s along the beam, positive if the surface moves away from the sensor
   time,          ///< f32 s after the start of the scan

@@ -63,6 +63,8 @@ struct Material {
   float retro = 0;
   /// If true, both faces reflect. glTF states this per material; scenes from other formats are double-sided.
   bool doubleSided = true;
+  uint16_t classId = 0;   ///< semantic class, numbered by the user; if 0, that of the instance counts
+  std::string className;  ///< class that the file states by its name instead; a drive file gives it a number
 };
 
 /// A run of triangles of one mesh that share a material.
@@ -116,7 +118,7 @@ struct Instance {
   std::string name;
   uint32_t mesh = 0;  ///< index into Scene::meshes
   Transform transform;
-  uint16_t classId = 0;   ///< semantic class, numbered by the user; reported as Field::classId
+  uint16_t classId = 0;   ///< semantic class of all surfaces whose material states none; 0 for none
   std::string className;  ///< class that the file states by its name instead; a drive file gives it a number
 };
 

@@ -190,7 +190,8 @@ void bindInstance(nb::module_& m) {
       .def_prop_rw(
           "transform", [](const Instance& self) { return self.transform; },
           [](Instance& self, const Transform& transform) { self.transform = transform; }, "Mesh frame to world frame.")
-      .def_rw("class_id", &Instance::classId, "Semantic class, numbered by the user; reported as Field.class_id.")
+      .def_rw("class_id", &Instance::classId,
+              "Semantic class of all surfaces whose material states none; 0 for none. See Field.class_id.")
       .def_rw("class_name", &Instance::className,
               "Class that the file states by its name instead; a drive file gives it a number.");
 }

@@ -68,7 +68,8 @@ void bindFields(nb::module_& m) {
              "float32, rad, angle between beam and normal; 0 for a surface square to the beam")
       .value("material", Field::material, "uint32, index into Scene.materials")
       .value("barycentrics", Field::barycentrics, "2 float32, weights of the triangle's second and third corner")
-      .value("class_id", Field::classId, "uint16, Instance.class_id when the scan was made, 0 for none")
+      .value("class_id", Field::classId,
+             "uint16, the surface's Material.class_id, else Instance.class_id, when the scan was made; 0 for none")
       .value("velocity", Field::velocity, "3 float32, m/s: the surface relative to the world, in sensor axes")
       .value("radial_speed", Field::radialSpeed,
              "float32, m/s along the beam, positive if the surface moves away from the sensor")

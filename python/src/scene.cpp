@@ -83,13 +83,13 @@ void bindMaterial(nb::module_& m) {
           "__init__",
           [](Material* self, std::string name, std::array<float, 4> baseColor, float metallic, float roughness,
              float transmission, AlphaMode alphaMode, float alphaCutoff, uint32_t alphaImage, float retro,
-             bool doubleSided) {
-            new (self) Material{std::move(name), baseColor,   metallic,   roughness, transmission,
-                                alphaMode,       alphaCutoff, alphaImage, retro,     doubleSided};
+             bool doubleSided, uint16_t classId) {
+            new (self) Material{std::move(name), baseColor,  metallic, roughness,   transmission, alphaMode,
+                                alphaCutoff,     alphaImage, retro,    doubleSided, classId};
           },
           "name"_a = "", "base_color"_a = std::array<float, 4>{1, 1, 1, 1}, "metallic"_a = 0.f, "roughness"_a = 1.f,
           "transmission"_a = 0.f, "alpha_mode"_a = AlphaMode::opaque, "alpha_cutoff"_a = 0.5f,
-          "alpha_image"_a = kNoImage, "retro"_a = 0.f, "double_sided"_a = true)
+          "alpha_image"_a = kNoImage, "retro"_a = 0.f, "double_sided"_a = true, "class_id"_a = 0)
       .def_rw("name", &Material::name)
       .def_prop_rw(
           "base_color",
@@ -107,7 +107,11 @@ void bindMaterial(nb::module_& m) {
               "Index into Scene.alpha_images: alpha channel of the base colour texture; NO_IMAGE for none.")
       .def_rw("retro", &Material::retro,
               "Retro-reflection: gain over a Lambertian surface of reflectance 1; 0 for none. No scene file states it.")
-      .def_rw("double_sided", &Material::doubleSided, "Whether both faces reflect.");
+      .def_rw("double_sided", &Material::doubleSided, "Whether both faces reflect.")
+      .def_rw("class_id", &Material::classId,
+              "Semantic class, numbered by the user; if 0, that of the instance counts. See Field.class_id.")
+      .def_rw("class_name", &Material::className,
+              "Class that the file states by its name instead; a drive file gives it a number.");
 }
 
 }  // namespace

@@ -49,6 +49,13 @@ def test_sensors_and_materials_come_and_go(reference, square):
     assert reference.cluster_count() == 0  # the reference has none
 
 
+def test_the_class_of_a_material_counts_before_that_of_an_instance(reference, square):
+    road = reference.add_material(gnosphere.Material("road", class_id=40))
+    mesh = gnosphere.Mesh(square.positions, square.indices, [gnosphere.MeshPart(0, 2, road)])
+    reference.add_instance(reference.add_mesh(mesh), at(5), class_id=9)
+    assert reference.scan(gnosphere.Pose()).column(Field.class_id)[MIDDLE] == 40
+
+
 def test_positions_are_taken_in_any_layout(reference, square):
     moved = np.asarray(square.positions + np.float32([2, 0, 0]))
     for positions in (moved, moved.astype(np.float64), np.asfortranarray(moved), moved.tolist(), moved[::-1][::-1]):
@@ -66,10 +73,13 @@ def test_a_scene_is_changed_in_place(square):
     instance.class_id = 4
     instance.transform = at(8)
     scene.materials[0].retro = 30
+    scene.materials[0].class_id = 7
+    scene.materials[0].class_name = "road"
     scene.meshes[1].positions[:, 0] = 1
     assert scene.instances[0].class_id == 4
     assert scene.instances[0].transform.rows[0, 3] == 8
     assert scene.materials[0].retro == 30
+    assert (scene.materials[0].class_id, scene.materials[0].class_name) == (7, "road")
     assert gnosphere.world_bounds(scene).max == (8, 1, 1)
     assert square.positions[0, 0] == 0  # the scene has copied it
     assert scene.placed_triangle_count() == 2 and scene.unique_triangle_count() == 4

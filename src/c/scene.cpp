@@ -30,6 +30,8 @@ Material materialOf(const gno_material* material) {
   result.alphaImage = from.alpha_image;
   result.retro = from.retro;
   result.doubleSided = from.double_sided != 0;
+  result.classId = from.class_id;
+  result.className = orEmpty(from.class_name);
   return result;
 }
 
@@ -78,7 +80,7 @@ gno_deformation deformationOf(const Deformation& deformation) {
 
 Instance instanceOf(const gno_instance* instance) {
   const gno_instance& from = sized(instance, "gno_instance");
-  return {orEmpty(from.name), from.mesh, transformOf(from.transform), from.class_id};
+  return {orEmpty(from.name), from.mesh, transformOf(from.transform), from.class_id, orEmpty(from.class_name)};
 }
 
 const Scene& valid(SceneObject& scene) {
@@ -176,6 +178,8 @@ gno_status gno_scene_get_material(gno_scene scene, size_t index, gno_material* m
     to.alpha_image = from.alphaImage;
     to.retro = from.retro;
     to.double_sided = from.doubleSided;
+    to.class_id = from.classId;
+    to.class_name = from.className.c_str();
   });
 }
 
@@ -215,6 +219,7 @@ gno_status gno_scene_get_instance(gno_scene scene, size_t index, gno_instance* i
     to.name = from.name.c_str();
     to.mesh = from.mesh;
     to.class_id = from.classId;
+    to.class_name = from.className.c_str();
     std::copy_n(from.transform.rows.begin(), 12, to.transform.rows);
   });
 }

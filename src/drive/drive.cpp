@@ -74,6 +74,7 @@ void add(Hasher& hasher, const Scene& scene) {
                              static_cast<float>(material.alphaMode)};
     hasher.add(numbers, sizeof(numbers));
     hasher.add(&material.alphaImage, sizeof(material.alphaImage));
+    hasher.add(&material.classId, sizeof(material.classId));
   }
   for (const AlphaImage& image : scene.alphaImages) hasher.add(image.alpha);
   for (const Instance& instance : scene.instances) {

@@ -42,42 +42,51 @@ void DriveReader::classes() {
   }
 }
 
-/// Gives each instance the class of the longest pattern that its name matches. Others have the class that their file
-/// states by number or name; those without one get that of the whole scene.
-void DriveReader::classifyInstances(const json& object, const std::string& path, Scene& scene) {
-  const auto idOf = [&](const json& name, const std::string& at) {
-    const size_t found = find(classNames_, name, at);
-    return found < drive_.classes.size() ? drive_.classes[found].id : uint16_t{0};
-  };
-  const uint16_t usual = object.contains("class") ? idOf(object["class"], path + ".class") : uint16_t{0};
-  std::set<std::string> unknown;  // classes that the file states
-  for (Instance& instance : scene.instances) {
-    if (instance.classId == 0 && !instance.className.empty()) {
-      const auto known = std::ranges::find(drive_.classes, instance.className, &Class::name);
+/// Gives each instance or material the class of the longest pattern in `table` that its name matches. Others have the
+/// class that their file states by number or name, and otherwise `usual`. Adds stated classes that the drive does not
+/// name to `unknown`.
+template <typename Named>
+void DriveReader::classify(const json& object, const std::string& path, const std::string& table, uint16_t usual,
+                           std::vector<Named>& all, std::set<std::string>& unknown) {
+  std::vector<std::optional<std::pair<size_t, uint16_t>>> matches(all.size());  // length of the pattern, class
+  for (const auto& [pattern, name] : memberOf(object, table.c_str()).items()) {
+    const uint16_t id = classNamed(name, memberPath(path + "." + table, pattern));
+    bool any = false;
+    for (size_t i = 0; i < all.size(); ++i) {
+      if (fnmatch(pattern.c_str(), all[i].name.c_str(), 0) != 0) continue;
+      any = true;
+      if (!matches[i] || pattern.size() >= matches[i]->first) matches[i] = {pattern.size(), id};
+    }
+    if (!any)
+      drive_.warnings.push_back(path + "." + table + ": '" + pattern + "' matches no " +
+                                table.substr(0, table.size() - 1));
+  }
+  for (size_t i = 0; i < all.size(); ++i) {
+    Named& named = all[i];
+    if (matches[i]) {
+      named.classId = matches[i]->second;
+      continue;
+    }
+    if (named.classId == 0 && !named.className.empty()) {
+      const auto known = std::ranges::find(drive_.classes, named.className, &Class::name);
       if (known != drive_.classes.end())
-        instance.classId = known->id;
+        named.classId = known->id;
       else
-        unknown.insert(inQuotes(instance.className));
+        unknown.insert(inQuotes(named.className));
+    } else if (named.classId != 0 &&
+               std::ranges::find(drive_.classes, named.classId, &Class::id) == drive_.classes.end()) {
+      unknown.insert(std::to_string(named.classId));
     }
-    if (instance.classId == 0) instance.classId = usual;
+    if (named.classId == 0) named.classId = usual;
   }
-  std::vector<size_t> lengths(scene.instances.size());
-  for (const auto& [pattern, name] : memberOf(object, "instances").items()) {
-    const uint16_t id = idOf(name, memberPath(path + ".instances", pattern));
-    bool matches = false;
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-      if (fnmatch(pattern.c_str(), scene.instances[i].name.c_str(), 0) != 0) continue;
-      matches = true;
-      if (pattern.size() < lengths[i]) continue;
-      lengths[i] = pattern.size();
-      scene.instances[i].classId = id;
-    }
-    if (!matches) drive_.warnings.push_back(path + ".instances: '" + pattern + "' matches no instance");
-  }
-  for (const Instance& instance : scene.instances)
-    if (instance.classId != 0 &&
-        std::ranges::find(drive_.classes, instance.classId, &Class::id) == drive_.classes.end())
-      unknown.insert(std::to_string(instance.classId));
+}
+
+uint16_t DriveReader::classNamed(const json& name, const std::string& path) {
+  const size_t found = find(classNames_, name, path);
+  return found < drive_.classes.size() ? drive_.classes[found].id : uint16_t{0};
+}
+
+void DriveReader::warnOfClasses(const std::set<std::string>& unknown, const std::string& path) {
   for (const std::string& stated : unknown)
     drive_.warnings.push_back(path + ".file: states the class " + stated + ", which classes does not name");
 }
@@ -86,7 +95,12 @@ void DriveReader::scenes() {
   for (size_t i = 0; i < root_["scenes"].size(); ++i) {
     const std::string path = entryPath("scenes", i);
     Scene scene = this->scene(root_["scenes"][i], path);
-    classifyInstances(root_["scenes"][i], path, scene);
+    const json& object = root_["scenes"][i];
+    const uint16_t usual = object.contains("class") ? classNamed(object["class"], path + ".class") : uint16_t{0};
+    std::set<std::string> unknown;
+    classify(object, path, "instances", usual, scene.instances, unknown);
+    classify(object, path, "materials", 0, scene.materials, unknown);
+    warnOfClasses(unknown, path);
     drive_.sceneAnimations.push_back(animation(root_["scenes"][i], path, scene));
     drive_.scenes.push_back(std::move(scene));
   }
@@ -95,9 +109,13 @@ void DriveReader::scenes() {
 void DriveReader::models() {
   for (const auto& [name, object] : memberOf(root_, "models").items()) {
     modelNames_.push_back(name);
-    drive_.models.push_back(scene(object, memberPath("models", name)));
-    if (drive_.models.back().instances.empty() && mistakes_.empty())
-      refuse(memberPath("models", name), "has no triangles");
+    const std::string path = memberPath("models", name);
+    Scene model = scene(object, path);
+    std::set<std::string> unknown;
+    classify(object, path, "materials", 0, model.materials, unknown);
+    warnOfClasses(unknown, path);
+    if (model.instances.empty() && mistakes_.empty()) refuse(path, "has no triangles");
+    drive_.models.push_back(std::move(model));
   }
 }
 

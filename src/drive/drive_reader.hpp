@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "drive/drive.hpp"
 #include "drive/schema_check.hpp"
@@ -53,7 +54,11 @@ class DriveReader {
   Effects effects(const nlohmann::json& value, const std::string& path);
   void classes();
   void scenes();
-  void classifyInstances(const nlohmann::json& object, const std::string& path, Scene& scene);
+  template <typename Named>
+  void classify(const nlohmann::json& object, const std::string& path, const std::string& table, uint16_t usual,
+                std::vector<Named>& all, std::set<std::string>& unknown);
+  uint16_t classNamed(const nlohmann::json& name, const std::string& path);
+  void warnOfClasses(const std::set<std::string>& unknown, const std::string& path);
   void models();
   void actors();
   void sensors();

@@ -126,7 +126,7 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   BoundArrays arrays = {};
   scene_.bind(arrays);
   run.placed.bind(arrays);
-  sensor.loadRecords(index, group, item.records.bytes, recording.classes, shot.frame);
+  sensor.loadRecords(index, group, item.records.bytes, *recording.classes, shot.frame);
   std::vector<Step> steps = run.transforms.steps(machine_, scene_.instances(), pose, arrays);
   for (const Step& step : sensor.prepare(index, shot, group, motion ? &*motion : nullptr, scene_.instances().count(),
                                          run.placed.groups(), StillImage::Use::none, arrays))

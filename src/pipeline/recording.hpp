@@ -2,10 +2,10 @@
 // One call that records scans into the caller's command buffer.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "gnosphere/simulator.hpp"
+#include "scan/class_table.hpp"
 
 namespace gnosphere {
 
@@ -30,8 +30,8 @@ struct Recording {
   void* commands = nullptr;  ///< null: nothing is recorded, only checked whether the simulator can record at all
   size_t frame = 0;          ///< in flight
   std::vector<Item> scans;
-  std::span<const uint16_t> classes;  ///< of the instances
-  std::vector<Result> results;        ///< of the scans recorded for this frame in flight the last time
+  const ClassTable* classes = nullptr;
+  std::vector<Result> results;  ///< of the scans recorded for this frame in flight the last time
 };
 
 }  // namespace gnosphere

@@ -2,8 +2,10 @@
 #include "pipeline/sensor_arrays.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "gnosphere/error.hpp"
@@ -342,23 +344,25 @@ SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
   return frames_[index];
 }
 
-void SensorArrays::loadRecords(size_t index, size_t group, uint64_t bytes, std::span<const uint16_t> classes,
-                               uint64_t number) {
-  if ((records_.held >> gpu::kValueClass & 1) == 0) classes = {};
-  const std::vector<uint32_t> wide(classes.begin(), classes.end());
+void SensorArrays::loadRecords(size_t index, size_t group, uint64_t bytes, const ClassTable& classes, uint64_t number) {
+  ClassTable::Packed table;
+  if ((records_.held >> gpu::kValueClass & 1) != 0) table = classes.packed();
   gpu::RecordPlan content = {};
   content.entries = static_cast<uint32_t>(entries());
   content.capacity = static_cast<uint32_t>(rowsIn(plan_.layout, bytes));
   content.organised = !plan_.layout.compact;
   content.streams = static_cast<uint32_t>(records_.streams.size());
   content.gaps = static_cast<uint32_t>(records_.gaps.size());
-  content.classes = static_cast<uint32_t>(wide.size());
+  content.classes = static_cast<uint32_t>(table.instances.size());
   content.directions = patterns_[0].arrays[static_cast<size_t>(Array::beamDirections)] != nullptr;
   content.frame = static_cast<uint32_t>(number);
   content.group = static_cast<uint32_t>(group);
-  const auto planned = std::as_bytes(std::span(&content, 1)), listed = std::as_bytes(std::span(wide));
-  load(frameAt(index), {{Array::recordPlan, planned.size(), {planned.begin(), planned.end()}},
-                        {Array::instanceClasses, listed.size(), {listed.begin(), listed.end()}}});
+  const auto arrayOf = [](Array array, const auto& values) {
+    const auto raw = std::as_bytes(std::span(values));
+    return EffectsArray{array, raw.size(), {raw.begin(), raw.end()}};
+  };
+  load(frameAt(index), {arrayOf(Array::recordPlan, std::array{content}),
+                        arrayOf(Array::instanceClasses, table.instances), arrayOf(Array::classRuns, table.runs)});
 }
 
 // The range within which 95 % of the sampled returns lie, rounded up to the end of a bucket.

@@ -13,6 +13,7 @@
 #include "pipeline/record_tables.hpp"
 #include "pipeline/results.hpp"
 #include "pipeline/scan_options.hpp"
+#include "scan/class_table.hpp"
 
 namespace gnosphere {
 
@@ -52,8 +53,8 @@ class SensorArrays {
   /// Whether the results stay on the device, as records.
   bool keepsRecords() const { return !plan_.layout.empty(); }
   /// Loads what the records of the next scan of this frame depend on, before prepare(): the size of the caller's buffer
-  /// in bytes, the classes of the instances, and the number of the scan. `group` is that of prepare().
-  void loadRecords(size_t frame, size_t group, uint64_t bytes, std::span<const uint16_t> classes, uint64_t number);
+  /// in bytes, the classes of surfaces, and the number of the scan. `group` is that of prepare().
+  void loadRecords(size_t frame, size_t group, uint64_t bytes, const ClassTable& classes, uint64_t number);
   /// Returns a hint for setShellHint() from the records of the last scan of this frame.
   float recordedHint(size_t frame);
   /// Tells the next scans where to end a shell: at this distance in metres, behind most hits of the last scan; 0 if

@@ -45,7 +45,7 @@ bool ComputedColumns::asks(Field field) const {
   return std::find(fields_.begin(), fields_.end(), field) != fields_.end();
 }
 
-void ComputedColumns::set(const std::vector<uint16_t>& classes, uint64_t frame, Scan& scan) const {
+void ComputedColumns::set(const ClassTable& classes, uint64_t frame, Scan& scan) const {
   const uint32_t returns = scan.returns;
   const Values& pattern = patterns_[frame % patterns_.size()];
   const auto setBeams = [&](Field field, const std::vector<float>& values) {
@@ -56,10 +56,8 @@ void ComputedColumns::set(const std::vector<uint16_t>& classes, uint64_t frame, 
   setBeams(Field::elevation, pattern.elevations);
   setColumn<uint16_t>(scan, Field::ring, !pattern.rings.empty(),
                       [&](size_t entry) { return pattern.rings[entry / returns]; });
-  setColumn<uint16_t>(scan, Field::classId, asks(Field::classId), [&](size_t entry) {
-    const uint32_t instance = scan.instances[entry];
-    return instance < classes.size() ? classes[instance] : uint16_t{0};
-  });
+  setColumn<uint16_t>(scan, Field::classId, asks(Field::classId),
+                      [&](size_t entry) { return classes.classOf(scan.instances[entry], scan.triangles[entry]); });
   setColumn<uint32_t>(scan, Field::beam, asks(Field::beam), [&](size_t entry) { return entry / returns; });
   setColumn<uint8_t>(scan, Field::returnNumber, asks(Field::returnNumber),
                      [&](size_t entry) { return returnNumberOf(scan, entry); });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gnosphere/scan.hpp"
+#include "scan/class_table.hpp"
 
 namespace gnosphere {
 
@@ -16,10 +17,9 @@ class ComputedColumns {
   /// Throws Error(invalidArgument) if `ring` is requested and the sensor has too many channels for it.
   ComputedColumns(const Sensor& sensor, const std::vector<Field>& fields);
 
-  /// Sets the requested columns in a scan whose owners and ranges are complete, and removes the others. `classes` has
-  /// the class of each instance; an instance beyond its end has class 0.
-  /// `frame` is the number of the scan.
-  void set(const std::vector<uint16_t>& classes, uint64_t frame, Scan& scan) const;
+  /// Sets the requested columns in a scan whose owners and ranges are complete, and removes the others. `frame` is the
+  /// number of the scan.
+  void set(const ClassTable& classes, uint64_t frame, Scan& scan) const;
 
  private:
   bool asks(Field field) const;

@@ -81,8 +81,7 @@ class Reader {
   std::vector<int> parents() const;
   std::vector<int> roots() const;
   void readNodes();
-  void place(size_t node, const Transform& transform, const StatedClass& stated);
-  StatedClass classOf(size_t mesh) const;
+  void place(size_t node, const Transform& transform, const StatedClass& byNodes);
   void add(const GltfPlacement& placement, const Transform& transform, const StatedClass& stated,
            const std::string& who);
   void readMeshes();
@@ -110,6 +109,9 @@ Material Reader::readMaterial(const tinygltf::Material& from) const {
                                                    : AlphaMode::opaque;
   material.alphaCutoff = static_cast<float>(from.alphaCutoff);
   material.doubleSided = from.doubleSided;
+  const StatedClass stated = classIn(from.extras);
+  material.classId = stated.id;
+  material.className = stated.name;
   const auto transmission = from.extensions.find("KHR_materials_transmission");
   if (transmission != from.extensions.end() && transmission->second.Has("transmissionFactor"))
     material.transmission = unit(transmission->second.Get("transmissionFactor").GetNumberAsDouble());
@@ -185,27 +187,10 @@ void Reader::readNodes() {
     const tinygltf::Node& node = model_.nodes[static_cast<size_t>(visit.node)];
     const Transform transform = visit.parent * localTransform(node);
     const StatedClass own = classIn(node.extras), stated = own.stated() ? own : visit.stated;
-    if (node.mesh >= 0)
-      place(static_cast<size_t>(visit.node), transform,
-            stated.stated() ? stated : classOf(static_cast<size_t>(node.mesh)));
+    if (node.mesh >= 0) place(static_cast<size_t>(visit.node), transform, stated);
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
       stack.push_back({*child, transform, stated});
   }
-}
-
-/// The class that a mesh states, or else all its materials: an instance has one class, so they must agree.
-StatedClass Reader::classOf(size_t mesh) const {
-  if (mesh >= model_.meshes.size()) return {};
-  if (StatedClass own = classIn(model_.meshes[mesh].extras); own.stated()) return own;
-  StatedClass common;
-  for (const tinygltf::Primitive& primitive : model_.meshes[mesh].primitives) {
-    const auto material = static_cast<size_t>(primitive.material);
-    const StatedClass own =
-        material < model_.materials.size() ? classIn(model_.materials[material].extras) : StatedClass();
-    if (!own.stated() || (common.stated() && common != own)) return {};
-    common = own;
-  }
-  return common;
 }
 
 void Reader::add(const GltfPlacement& placement, const Transform& transform, const StatedClass& stated,
@@ -217,11 +202,12 @@ void Reader::add(const GltfPlacement& placement, const Transform& transform, con
   placements_.push_back(placement);
 }
 
-void Reader::place(size_t index, const Transform& transform, const StatedClass& stated) {
+void Reader::place(size_t index, const Transform& transform, const StatedClass& byNodes) {
   const tinygltf::Node& node = model_.nodes[index];
   const std::string who = gltfLabel("node", index, node.name);
   if (static_cast<size_t>(node.mesh) >= model_.meshes.size())
     source_.fail(who + ": mesh " + std::to_string(node.mesh) + " does not exist");
+  const StatedClass stated = byNodes.stated() ? byNodes : classIn(model_.meshes[static_cast<size_t>(node.mesh)].extras);
   const auto instancing = node.extensions.find("EXT_mesh_gpu_instancing");
   if (instancing == node.extensions.end()) return add({index}, transform, stated, who);
 

@@ -25,6 +25,14 @@ constexpr int kFloat = 5126, kUnsignedInt = 5125, kUnsignedShort = 5123;
 constexpr int kVertexTarget = 34962, kIndexTarget = 34963;
 constexpr int kPoints = 0;
 
+/// Adds the class of a material or an instance: its number, or else its name.
+void addClass(Json& item, uint16_t id, const std::string& name) {
+  if (id != 0)
+    item["extras"] = {{"class", id}};
+  else if (!name.empty())
+    item["extras"] = {{"class", name}};
+}
+
 Json toJson(const Material& material) {
   Json json = {{"pbrMetallicRoughness",
                 {{"baseColorFactor", material.baseColor},
@@ -39,6 +47,7 @@ Json toJson(const Material& material) {
   }
   if (material.transmission > 0)
     json["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = material.transmission;
+  addClass(json, material.classId, material.className);
   return json;
 }
 
@@ -231,10 +240,7 @@ void Document::addNodes() {
     const Instance& instance = scene_.instances[i];
     Json item = {{"mesh", instance.mesh}};
     if (!instance.name.empty()) item["name"] = instance.name;
-    if (instance.classId != 0)
-      item["extras"] = {{"class", instance.classId}};
-    else if (!instance.className.empty())
-      item["extras"] = {{"class", instance.className}};
+    addClass(item, instance.classId, instance.className);
     if (followers[i] != nullptr) {
       addFollower(*followers[i], std::move(item), roots);
       continue;

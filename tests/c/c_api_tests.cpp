@@ -192,6 +192,27 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
+TEST_CASE("C: classes of materials and instances, by number and name, are what they were given as") {
+  gno_scene scene = makeScene();
+  gno_material material = gno_material_init();
+  material.class_id = 65535;
+  material.class_name = "road";
+  gno_instance instance = gno_instance_init();
+  instance.class_name = "house";
+  REQUIRE(gno_scene_add_material(scene, &material, nullptr) == GNO_OK);
+  REQUIRE(gno_scene_add_instance(scene, &instance, nullptr) == GNO_OK);
+  material = gno_material_init();
+  instance = gno_instance_init();
+  REQUIRE(gno_scene_get_material(scene, 1, &material) == GNO_OK);
+  REQUIRE(gno_scene_get_instance(scene, 2, &instance) == GNO_OK);
+  CHECK(material.class_id == 65535);
+  CHECK(std::strcmp(material.class_name, "road") == 0);
+  CHECK(std::strcmp(instance.class_name, "house") == 0);
+  REQUIRE(gno_scene_get_material(scene, 0, &material) == GNO_OK);
+  CHECK((material.class_id == 0 && material.class_name[0] == 0));
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+}
+
 TEST_CASE("C: sensors from JSON, grids and lists have the beams that C++ gives them") {
   gno_sensor sensor = nullptr, list = nullptr;
   gno_channel channels[2] = {};

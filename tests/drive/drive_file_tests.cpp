@@ -140,6 +140,47 @@ TEST_CASE("classes that a scene's file states count before that of the whole sce
   CHECK_THAT(drive.warnings[1], ContainsSubstring("scenes[0].file: states the class 999, which classes does not name"));
 }
 
+TEST_CASE("classes of materials: by the longest pattern, else as the file states them, in scenes and models") {
+  const DriveFolder folder;
+  Scene scene;
+  Mesh mesh;
+  mesh.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  mesh.indices = {0, 1, 2};
+  mesh.parts = {{0, 1, 0}};
+  scene.meshes = {mesh};
+  scene.instances = {{"", 0, {}}};
+  scene.materials.resize(6);
+  const char* names[] = {"road", "road wet", "lawn", "named", "misnamed", "unknown"};
+  for (size_t i = 0; i < 6; ++i) scene.materials[i].name = names[i];
+  scene.materials[1].classId = 777;
+  scene.materials[2].classId = 30;
+  scene.materials[3].className = "person";
+  scene.materials[4].className = "pers";
+  scene.materials[5].classId = 999;
+  writeGlb(scene, folder / "materials.glb");
+  Json json = smallDrive();
+  json["classes"]["none"] = {{"id", 0}};
+  json["scenes"][0] = {{"file", "materials.glb"},
+                       {"class", "ground"},
+                       {"materials", {{"road*", "car"}, {"road w*", "person"}, {"kerb", "car"}}}};
+  json["models"]["cube"] = {{"file", "materials.glb"}, {"materials", {{"*", "none"}, {"lawn", "ground"}}}};
+  const drive::Drive drive = folder.read(json);
+  const auto idsOf = [](const Scene& of) {
+    std::vector<int> ids;
+    for (const Material& material : of.materials) ids.push_back(material.classId);
+    return ids;
+  };
+  CHECK(idsOf(drive.scenes[0]) == std::vector<int>{10, 30, 30, 30, 0, 999});
+  CHECK(idsOf(drive.models[0]) == std::vector<int>{0, 0, 40, 0, 0, 0});
+  CHECK(drive.scenes[0].instances[0].classId == 40);
+  REQUIRE(drive.warnings.size() == 3);
+  CHECK_THAT(drive.warnings[0], ContainsSubstring("scenes[0].materials: 'kerb' matches no material"));
+  CHECK_THAT(drive.warnings[1], ContainsSubstring("scenes[0].file: states the class 'pers', which"));
+  CHECK_THAT(drive.warnings[2], ContainsSubstring("scenes[0].file: states the class 999, which"));
+  json["models"]["cube"]["materials"]["lawn"] = "gras";
+  checkRefused(json, {"models.cube.materials.lawn: ", "'gras' is unknown"});
+}
+
 TEST_CASE("poses are linear and turn by slerp between the stamps of a trajectory") {
   const drive::Trajectory way({{1, {{0, 0, 0}, {}}}, {3, {{4, -2, 1}, {0, 0, kHalf, kHalf}}}});
   checkPose(way.at(1.5), {1, -0.5, 0.25}, {0, 0, std::sin(M_PI / 16), std::cos(M_PI / 16)}, 1e-12);

@@ -9,6 +9,8 @@
 #include <sstream>
 
 #include "drive_support.hpp"
+#include "npy_rows.hpp"
+#include "support.hpp"
 
 using namespace gnosphere;
 using namespace gnosphere::test;
@@ -91,6 +93,75 @@ TEST_CASE("SemanticKITTI: a label per point, with the actor above and the class 
   CHECK(counts.size() == 3);
   CHECK(counts[252 | 1 << 16] > 0);  // the car moves
   CHECK(counts[30 | 2 << 16] > 0);   // the person stands
+}
+
+namespace {
+
+/// A map of one mesh, whose strips along x are asphalt without a class, paint without a class, and grass of this class.
+/// And a cube whose side towards -x is glass.
+void putMaterialFiles(const DriveFolder& folder, uint16_t grass) {
+  MeshBuilder strips, cube;
+  for (const auto& [from, to] : {std::pair(-20, -1), {-1, 2}, {2, 20}})
+    strips.quad({double(from), -20, 0}, {double(to - from), 0, 0}, {0, 40, 0});
+  cube.box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5});
+  Scene map = sceneOf(strips.take()), van = sceneOf(cube.take());
+  map.materials.resize(3);
+  map.materials[0].name = "asphalt 1";
+  map.materials[1].name = "paint";
+  map.materials[2].classId = grass;
+  map.meshes[0].parts = {{0, 2, 0}, {2, 2, 1}, {4, 2, 2}};
+  writeGlb(map, folder / "map.glb");
+  van.materials.resize(2);
+  van.materials[1].className = "glass";
+  van.meshes[0].parts = {{0, 8, 0}, {8, 2, 1}, {10, 2, 0}};
+  writeGlb(van, folder / "van.glb");
+}
+
+}  // namespace
+
+TEST_CASE("points have the class of their material, else that of their instance; boxes have that of the actor") {
+  const DriveFolder folder;
+  putMaterialFiles(folder, 72);
+  Json json = smallDrive();
+  json["weather"] = Json::array();
+  json["sensors"][0]["effects"] = "clean";
+  json["classes"].update({{"road", {{"id", 41}}}, {"grass", {{"id", 72}}}, {"glass", {{"id", 5}, {"moving_id", 6}}}});
+  json["scenes"] = {{{"file", "map.glb"}, {"class", "ground"}, {"materials", {{"asph*", "road"}}}}};
+  json["models"] = {{"van", {{"file", "van.glb"}}}};
+  json["actors"].erase(1);
+  json["actors"][0]["model"] = "van";
+  for (const char* format : {"semantickitti", "las", "boxes"}) json["outputs"].push_back({{"format", format}});
+  REQUIRE(folder.run(json).finished);
+  // At 0.4 s the sensor is at x = -0.4 m, and the van's side towards it at 3 m.
+  const std::string labels = folder.get("out/semantickitti/sequences/00/labels/000004.label"),
+                    las = folder.get("out/las/top/000004.las");
+  const std::vector<Row> rows = rowsOf(folder.get("out/npy/top/000004.npy"));
+  REQUIRE(labels.size() == 4 * rows.size());
+  std::map<uint32_t, int> counts;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const double x = rows[i].x - 0.4, z = rows[i].z + 1.8;
+    if (std::min(std::abs(x + 1), std::abs(x - 2)) < 1e-3) continue;
+    const bool onVan = z > 1e-3, onGlass = onVan && std::abs(x - 3) < 1e-3;
+    const int category = onGlass ? 5 : onVan ? 10 : x < -1 ? 41 : x < 2 ? 40 : 72;
+    const auto label = at<uint32_t>(labels, 4 * i);
+    INFO(x << ' ' << z);
+    CHECK(rows[i].category == category);
+    CHECK(label == (onGlass ? 6u | 1 << 16 : onVan ? 252u | 1 << 16 : static_cast<uint32_t>(category)));
+    CHECK(at<uint8_t>(las, 621 + 34 * i + 16) == category);
+    ++counts[label];
+  }
+  CHECK(counts.size() == 5);
+  for (const auto& [label, count] : counts) CHECK(count > 2);
+  const Json box = Json::parse(folder.get("out/boxes/top/000004.jsonl"));
+  CHECK((box["class"] == "car" && box["class_id"] == 10));
+  CHECK(box["points"] == counts[6 | 1 << 16] + counts[252 | 1 << 16]);
+
+  const std::string before = folder.read(json).fingerprint;
+  putMaterialFiles(folder, 73);
+  CHECK(folder.read(json).fingerprint != before);
+  putMaterialFiles(folder, 300);
+  CHECK_THROWS_WITH(folder.run(json, "other"),
+                    Catch::Matchers::ContainsSubstring("the file of material '' states the id 300"));
 }
 
 TEST_CASE("KITTI raw data: times of the turn, and a vehicle that drives east") {

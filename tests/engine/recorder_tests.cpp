@@ -3,6 +3,7 @@
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
+#include "classified_fences.hpp"
 #include "effects/showroom.hpp"
 #include "engine/recorded.hpp"
 #include "lists/list_sensors.hpp"
@@ -42,9 +43,18 @@ const std::vector<Field> kAllFields = [] {
   return fields;
 }();
 
-/// The showroom, with a class for each instance.
+/// The showroom, with a class for each instance, and walls whose triangles alternate between plaster that states
+/// classes and plaster that states none.
 Scene classifiedRoom() {
   Scene scene = showroom();
+  scene.meshes[0].parts.clear();
+  for (uint32_t triangle = 0; triangle < scene.meshes[0].triangleCount(); triangle += 6) {
+    scene.meshes[0].parts.push_back(
+        {triangle, 6, triangle % 18 == 0 ? 0 : static_cast<uint32_t>(scene.materials.size())});
+    if (triangle % 18 == 0) continue;
+    scene.materials.push_back(scene.materials[0]);
+    scene.materials.back().classId = static_cast<uint16_t>(1000 + triangle);
+  }
   for (size_t i = 0; i < scene.instances.size(); ++i) scene.instances[i].classId = static_cast<uint16_t>(300 + i);
   return scene;
 }
@@ -93,6 +103,24 @@ TEST_CASE("recorded scans have the bytes of scan(), for grids, lists and every a
                       {shotOf(false), moved});
     }
   }
+}
+
+TEST_CASE("on the device, too, a point has the class of its surface's material, and else that of its instance") {
+  needVulkan();
+  VulkanApp app;
+  RecordLayout layout = layoutOf({Field::x, Field::y, Field::z, Field::classId});
+  layout.compact = true;
+  Recorded recorded(app, classifiedFences(), {fenceSensor(), Effects::none()}, vulkanOptions(), layout);
+  const std::vector<std::byte> rows = recorded.scan({});
+  std::map<int, int> counts;
+  for (size_t at = 0; at < rows.size(); at += layout.stride) {
+    float point[3];
+    uint16_t classId;
+    std::memcpy(point, &rows[at], sizeof(point));
+    std::memcpy(&classId, &rows[at + 12], sizeof(classId));
+    checkClass(point[0], point[1], point[2], classId, counts);
+  }
+  checkCounts(counts);
 }
 
 TEST_CASE("recorded scans have the bytes of scan(), for heads far apart in one list", "[second-driver]") {

@@ -245,57 +245,57 @@ TEST_CASE("materials are read with their transmission, alpha and sides") {
 TEST_CASE("extras of nodes, meshes and materials state classes") {
   GltfFileMaker file = triangleFile();
   Json& json = file.json;
-  const auto classes = [&] {
+  const auto classesOf = [](const auto& all) {
     std::vector<int> ids;
-    for (const Instance& instance : file.load().instances) ids.push_back(instance.classId);
+    for (const auto& each : all) ids.push_back(each.classId);
     return ids;
   };
-  const Json primitive = json["meshes"][0]["primitives"][0];
-  json["materials"] = {{{"extras", {{"class", 5}}}}, {{"extras", {{"label", 6}}}}, Json::object()};
-  const auto meshOf = [&](const std::vector<int>& materials) {
-    Json mesh = {{"primitives", Json::array()}};
-    for (const int material : materials) {
-      mesh["primitives"].push_back(primitive);
-      mesh["primitives"].back()["material"] = material;
-    }
-    return mesh;
+  const auto namesOf = [](const auto& all) {
+    std::vector<std::string> names;
+    for (const auto& each : all) names.push_back(each.className);
+    return names;
   };
-  json["meshes"] = {meshOf({0}), meshOf({0, 0}), meshOf({0, 1}), meshOf({1, 2}), meshOf({1})};
-  json["meshes"][4]["extras"] = {{"class", 9}, {"label", 8}};
-  json["nodes"] = {{{"mesh", 0}}, {{"mesh", 1}}, {{"mesh", 2}}, {{"mesh", 3}}, {{"mesh", 4}}};
-  json["scenes"][0]["nodes"] = {0, 1, 2, 3, 4};
-  CHECK(classes() == std::vector<int>{5, 5, 0, 0, 9});
+  using Names = std::vector<std::string>;
+  using Ids = std::vector<int>;
+  json["materials"] = {{{"extras", {{"class", 5}}}}, {{"extras", {{"label", 6}}}}, {{"extras", {{"class", "wall"}}}}};
+  json["meshes"][0]["primitives"][0]["material"] = 0;
+  json["meshes"].push_back(json["meshes"][0]);
+  json["meshes"][1]["extras"] = {{"class", 9}, {"label", 8}};
+  json["nodes"] = {{{"mesh", 0}}, {{"mesh", 1}}};
+  json["scenes"][0]["nodes"] = {0, 1};
+  Scene scene = file.load();
+  CHECK(classesOf(scene.instances) == Ids{0, 9});  // a material's class is not that of the instance
+  CHECK(classesOf(scene.materials) == Ids{5, 6, 0});
+  CHECK(namesOf(scene.materials) == Names{"", "", "wall"});
   // A node counts before its mesh, and for all nodes below it that state none.
   json["nodes"] = {{{"children", {1, 2}}, {"extras", {{"label", 3}}}},
-                   {{"mesh", 4}},
-                   {{"mesh", 4}, {"extras", {{"class", 65535}}}},
-                   {{"mesh", 4}, {"extras", {{"class", "car"}, {"label", 4}}}}};
+                   {{"mesh", 1}},
+                   {{"mesh", 1}, {"extras", {{"class", 65535}}}},
+                   {{"mesh", 1}, {"extras", {{"class", "car"}, {"label", 4}}}}};
   json["scenes"][0]["nodes"] = {0, 3};
-  CHECK(classes() == std::vector<int>{3, 65535, 4});
+  scene = file.load();
+  CHECK(classesOf(scene.instances) == Ids{3, 65535, 4});
+  CHECK(namesOf(scene.instances) == Names{"", "", ""});
   // A class may have a name instead of a number.
-  const auto names = [&] {
-    std::vector<std::string> found;
-    for (const Instance& instance : file.load().instances) found.push_back(instance.className);
-    return found;
-  };
-  CHECK(names() == std::vector<std::string>{"", "", ""});
-  json["materials"][0]["extras"] = json["materials"][1]["extras"] = {{"class", "wall"}};
+  json["meshes"][1]["extras"] = {{"class", "house"}};
   json["nodes"] = {{{"children", {1}}, {"extras", {{"class", "car"}, {"label", "7"}}}},
-                   {{"mesh", 4}},
-                   {{"mesh", 2}},
-                   {{"mesh", 2}, {"extras", {{"label", "tree"}}}},
-                   {{"mesh", 2}, {"extras", {{"class", ""}}}}};
+                   {{"mesh", 1}},
+                   {{"mesh", 1}},
+                   {{"mesh", 1}, {"extras", {{"label", "tree"}}}},
+                   {{"mesh", 1}, {"extras", {{"class", ""}}}}};
   json["scenes"][0]["nodes"] = {0, 2, 3, 4};
-  CHECK(names() == std::vector<std::string>{"car", "wall", "tree", "wall"});
-  CHECK(classes() == std::vector<int>{0, 0, 0, 0});
-  json["materials"][0]["extras"]["class"] = "roof";
-  CHECK(names() == std::vector<std::string>{"car", "", "tree", ""});
-  json["materials"][0]["extras"]["class"] = 5;
+  scene = file.load();
+  CHECK(namesOf(scene.instances) == Names{"car", "house", "tree", "house"});
+  CHECK(classesOf(scene.instances) == Ids{0, 0, 0, 0});
   // What is not the number of a class is somebody else's.
+  json["meshes"][1]["extras"] = {{"class", 5}};
   for (const Json& other : {Json(-1), Json(65536), Json(2.5), Json(""), Json::array({1}), Json(nullptr)}) {
-    json["nodes"] = {{{"mesh", 0}, {"extras", {{"class", other}}}}};
+    json["nodes"] = {{{"mesh", 1}, {"extras", {{"class", other}}}}};
+    json["materials"][1]["extras"] = {{"label", other}};
     json["scenes"][0]["nodes"] = {0};
-    CHECK(classes() == std::vector<int>{5});
+    scene = file.load();
+    CHECK(classesOf(scene.instances) == Ids{5});
+    CHECK(classesOf(scene.materials) == Ids{5, 0, 0});
   }
 }
 

@@ -19,7 +19,9 @@ class Kitti : public Format {
   Kitti(const Drive& drive, const World& world, const Output& output)
       : Format(drive, world, output), labelled_(output.format == "semantickitti") {}
 
-  std::vector<Field> fields() const override { return {Field::intensity}; }
+  std::vector<Field> fields() const override {
+    return labelled_ ? std::vector{Field::intensity, Field::classId} : std::vector{Field::intensity};
+  }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     for (const RecordedScan& recorded : frame.scans) {
@@ -64,22 +66,31 @@ class Kitti : public Format {
   /// The low 16 bits are the class, the high ones the number of the actor, from 1 on.
   std::string labelsOf(const RecordedScan& recorded) const {
     const Scan& scan = recorded.scan;
-    std::vector<uint32_t> byObject(world_.scene().instances.size());
-    for (size_t object = 0; object < byObject.size(); ++object)
-      byObject[object] = world_.scene().instances[object].classId;
+    const auto classes = scan.column<uint16_t>(Field::classId);
+    std::vector<uint32_t> actors(world_.scene().instances.size());  // by object: number of the actor, 0 for none
+    std::vector<bool> moving(drive_.actors.size() + 1);             // by number of the actor
     for (size_t actor = 0; actor < drive_.actors.size(); ++actor) {
-      const Class& category = drive_.classes[drive_.actors[actor].category];
-      const uint16_t id = world_.isMoving(actor, recorded.planned.time) ? category.movingId : category.id;
-      byObject[world_.objectOfActor(actor)] = id | static_cast<uint32_t>(actor + 1) << 16;
+      actors[world_.objectOfActor(actor)] = static_cast<uint32_t>(actor + 1);
+      moving[actor + 1] = world_.isMoving(actor, recorded.planned.time);
     }
     std::string bytes;
     bytes.reserve(scan.ranges.size() * sizeof(uint32_t));
     for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
       if (!scan.returned(entry)) continue;
-      const uint32_t object = scan.instances[entry], label = object == kNoTriangle ? kOutlier : byObject[object];
+      const uint32_t object = scan.instances[entry], actor = object == kNoTriangle ? 0 : actors[object];
+      const uint16_t own = object == kNoTriangle ? kOutlier : classes[entry];
+      const uint32_t label = (moving[actor] ? movingIdOf(own, actor - 1) : own) | actor << 16;
       bytes.append(reinterpret_cast<const char*>(&label), sizeof(label));
     }
     return bytes;
+  }
+
+  /// The number that a class has while it moves. Where several classes share an id, that of the actor counts.
+  uint16_t movingIdOf(uint16_t id, size_t actor) const {
+    const Class& category = drive_.classes[drive_.actors[actor].category];
+    if (category.id == id) return category.movingId;
+    const auto found = std::ranges::find(drive_.classes, id, &Class::id);
+    return found == drive_.classes.end() ? id : found->movingId;
   }
 
   /// The matrix of a pose between cameras: the axes of a camera are x right, y down, z ahead.

@@ -31,7 +31,7 @@ class Las : public Format {
  public:
   using Format::Format;
 
-  std::vector<Field> fields() const override { return {Field::intensity, Field::time}; }
+  std::vector<Field> fields() const override { return {Field::intensity, Field::time, Field::classId}; }
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     for (const RecordedScan& recorded : frame.scans) {
@@ -53,6 +53,7 @@ class Las : public Format {
     const bool strong = scan.has(Field::intensity), timed = scan.has(Field::time);
     const auto intensities = strong ? scan.column<float>(Field::intensity) : ColumnView<float>();
     const auto times = timed ? scan.column<float>(Field::time) : ColumnView<float>();
+    const auto classes = scan.column<uint16_t>(Field::classId);
     const float factor = intensityFactor(drive_.sensors[recorded.planned.sensor], 65535);
     std::unordered_map<float, Pose> poses;  // by time; all beams of a column share one
     Points points;
@@ -74,7 +75,7 @@ class Las : public Format {
       size_t number = entry % scan.returns, count = 0;
       for (size_t k = 0; k < scan.returns; ++k) count += scan.returned(entry - number + k);
       const float strength = strong ? std::min(65535.0f, std::max(0.0f, factor * intensities[entry])) : 0;
-      add(points, point, offset, strength, number + 1, count, scan.instances[entry], recorded.planned,
+      add(points, point, offset, strength, number + 1, count, classes[entry], scan.instances[entry], recorded.planned,
           unixSeconds(recorded.planned.time + time) + kGpsOfUnix);
     }
     return points;
@@ -83,7 +84,7 @@ class Las : public Format {
   double unixSeconds(double time) const { return drive_.epoch + time; }
 
   void add(Points& points, const Point& point, const Vec3& offset, float strength, size_t number, size_t count,
-           uint32_t object, const PlannedScan& planned, double gpsTime) const {
+           uint16_t classId, uint32_t object, const PlannedScan& planned, double gpsTime) const {
     std::string& out = points.records;
     append(out, point.x);
     append(out, point.y);
@@ -91,7 +92,7 @@ class Las : public Format {
     append(out, static_cast<uint16_t>(std::lround(strength)));
     append(out, static_cast<uint8_t>(number | count << 4));
     append(out, uint8_t{0});  // flags, scanner channel, direction, edge
-    append(out, static_cast<uint8_t>(object == kNoTriangle ? 0 : world_.scene().instances[object].classId));
+    append(out, static_cast<uint8_t>(classId));
     append(out, uint8_t{0});                                 // user data
     append(out, int16_t{0});                                 // scan angle
     append(out, static_cast<uint16_t>(planned.sensor + 1));  // point source
@@ -153,10 +154,14 @@ class Las : public Format {
 }  // namespace
 
 std::unique_ptr<Format> makeLas(const Drive& drive, const World& world, const Output& output) {
-  for (const Class& category : drive.classes)
-    if (category.id > 255)
-      throw Error(ErrorCode::format,
-                  "LAS has classes 0 to 255; '" + category.name + "' has the id " + std::to_string(category.id));
+  const auto check = [](const std::string& who, uint16_t id) {
+    if (id > 255) throw Error(ErrorCode::format, "LAS has classes 0 to 255; " + who + " the id " + std::to_string(id));
+  };
+  for (const Class& category : drive.classes) check("'" + category.name + "' has", category.id);
+  for (const Instance& instance : world.scene().instances)
+    check("the file of instance '" + instance.name + "' states", instance.classId);
+  for (const Material& material : world.scene().materials)
+    check("the file of material '" + material.name + "' states", material.classId);
   return std::make_unique<Las>(drive, world, output);
 }
 
