@@ -27,12 +27,15 @@ inline std::string readWholeFile(const std::filesystem::path& file, uint64_t max
   std::string bytes;
   std::error_code unknown;  // a pipe has no size; it is read block by block like the rest
   const uint64_t size = std::filesystem::file_size(file, unknown);
-  if (!unknown && size <= maxBytes) bytes.reserve(size);
-  std::string block(size_t{1} << 20, '\0');
+  // One byte more than the size, so that the first block shows the end of a file.
+  const size_t block = std::max(!unknown && size < maxBytes ? size_t{size} + 1 : 0, size_t{1} << 16);
   size_t count = 0;
-  while (bytes.size() <= maxBytes && (count = std::fread(block.data(), 1, block.size(), stream)) > 0) {
-    bytes.append(block, 0, count);
-  }
+  do {
+    const size_t start = bytes.size();
+    bytes.resize(start + block);
+    count = std::fread(bytes.data() + start, 1, block, stream);
+    bytes.resize(start + count);
+  } while (count == block && bytes.size() <= maxBytes);
   const bool failed = std::ferror(stream) != 0;
   const int reason = errno;
   std::fclose(stream);

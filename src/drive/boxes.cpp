@@ -63,15 +63,24 @@ double BoxFinder::visibility(const RecordedScan& recorded, const Pose& seen, con
   const Pose toBox = inverse(seen);
   const size_t returns = recorded.scan.returns;
   uint64_t through = 0, stopped = 0;
-  for (size_t beam = 0; beam < beams.x.size(); ++beam) {
-    if (x * beams.x[beam] + y * beams.y[beam] + z * beams.z[beam] < least) continue;
+  const auto isNear = [&](size_t beam) { return x * beams.x[beam] + y * beams.y[beam] + z * beams.z[beam] >= least; };
+  const auto follow = [&](size_t beam) {
     const Vec3 along = toBox.orientation * Vec3{beams.x[beam], beams.y[beam], beams.z[beam]};
     const Vec3 from = beams.origins.empty() ? toBox.position : toBox * beams.origins[beam];
     const double entry = entryRange(from, along, size);
-    if (!(entry < INFINITY)) continue;
+    if (!(entry < INFINITY)) return;
     ++through;
     const size_t first = beam * returns;
     if (recorded.scan.ranges[first] < entry - kMargin && recorded.scan.instances[first] != object) ++stopped;
+  };
+  // Few beams come near a box. The count of those of a block is vectorised, because it does not branch.
+  constexpr size_t kBlock = 64;
+  for (size_t start = 0; start < beams.x.size(); start += kBlock) {
+    const size_t end = std::min(start + kBlock, beams.x.size());
+    uint32_t near = 0;
+    for (size_t beam = start; beam < end; ++beam) near += isNear(beam) ? 1 : 0;
+    for (size_t beam = start; near > 0 && beam < end; ++beam)
+      if (isNear(beam)) follow(beam);
   }
   return through == 0 ? 1 : 1 - static_cast<double>(stopped) / static_cast<double>(through);
 }

@@ -11,12 +11,16 @@ namespace gnosphere::drive {
 
 class CdrWriter {
  public:
-  CdrWriter() : bytes_("\x00\x01\x00\x00", 4) {}
+  /// Appends a message to `bytes`.
+  explicit CdrWriter(std::string& bytes) : bytes_(bytes) {
+    bytes_.append("\x00\x01\x00\x00", 4);
+    start_ = bytes_.size();
+  }
 
   /// Numbers are aligned to their own size, counted from the end of the head of 4 bytes.
   template <typename T>
   CdrWriter& number(T value) {
-    while ((bytes_.size() - kHead) % sizeof(T) != 0) bytes_ += '\0';
+    while ((bytes_.size() - start_) % sizeof(T) != 0) bytes_ += '\0';
     append(bytes_, value);
     return *this;
   }
@@ -25,11 +29,14 @@ class CdrWriter {
     bytes_.append(value).append(1, '\0');
     return *this;
   }
-  CdrWriter& blob(const std::string& value) {
-    number(static_cast<uint32_t>(value.size()));
-    constexpr size_t kRest = 64;  // what may follow fits in without a copy of the blob
-    bytes_.reserve(bytes_.size() + value.size() + kRest);
-    bytes_ += value;
+  /// A list of bytes, which the function appends.
+  template <typename Append>
+  CdrWriter& blob(const Append& appendBytes) {
+    number(uint32_t{0});
+    const size_t start = bytes_.size();
+    appendBytes(bytes_);
+    const auto count = static_cast<uint32_t>(bytes_.size() - start);
+    std::memcpy(bytes_.data() + start - sizeof(count), &count, sizeof(count));
     return *this;
   }
   /// std_msgs/Header; nanoseconds since 1970.
@@ -39,11 +46,10 @@ class CdrWriter {
     number(static_cast<uint32_t>(time % kSecond));
     return text(frame);
   }
-  std::string take() { return std::move(bytes_); }
 
  private:
-  static constexpr size_t kHead = 4;
-  std::string bytes_;
+  std::string& bytes_;
+  size_t start_;  // from where positions are counted
 };
 
 }  // namespace gnosphere::drive

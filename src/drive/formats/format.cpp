@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <ctime>
+#include <span>
 
 #include "base/file.hpp"
 
@@ -53,12 +54,18 @@ std::string dateText(int64_t nanoseconds) {
   return text;
 }
 
-std::string packedRows(const Scan& scan, const RecordLayout& layout) {
+void appendRows(std::string& bytes, const Scan& scan, const RecordLayout& layout) {
   size_t most = scan.ranges.size();
   if (layout.compact) most -= static_cast<size_t>(std::ranges::count_if(scan.ranges, [](float r) { return r != r; }));
-  std::string rows(most * layout.stride, '\0');
-  const size_t count = pack(scan, layout, {reinterpret_cast<std::byte*>(rows.data()), rows.size()});
-  rows.resize(count * layout.stride);
+  const size_t start = bytes.size();
+  bytes.resize(start + most * layout.stride);
+  const size_t count = pack(scan, layout, std::as_writable_bytes(std::span(bytes).subspan(start)));
+  bytes.resize(start + count * layout.stride);
+}
+
+std::string packedRows(const Scan& scan, const RecordLayout& layout) {
+  std::string rows;
+  appendRows(rows, scan, layout);
   return rows;
 }
 

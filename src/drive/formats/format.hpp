@@ -70,6 +70,7 @@ int64_t unixNanoseconds(const Drive& drive, double time);
 std::string dateText(int64_t nanoseconds);
 /// The rows of the returns of a scan.
 std::string packedRows(const Scan& scan, const RecordLayout& layout);
+void appendRows(std::string& bytes, const Scan& scan, const RecordLayout& layout);
 /// x, y, z and intensity as four floats; without an intensity it is 0.
 RecordLayout kittiLayout(const Scan& scan);
 /// What the intensities of a sensor are multiplied with to have this greatest value for a diffuse white surface.

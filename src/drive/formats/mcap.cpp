@@ -50,6 +50,7 @@ constexpr CloudField kFields[] = {{"x", Field::x, 0},
                                   {"class", Field::classId, 22},
                                   {"instance", Field::instance, 24}};
 constexpr uint32_t kPointBytes = 28;
+constexpr size_t kCloudHeadBytes = 512, kTransformBytes = 160;  // about
 
 uint8_t datatypeOf(ValueType type) {
   switch (type) {
@@ -68,15 +69,14 @@ struct StampedTransform {
   Pose pose;
 };
 
-std::string tfMessage(const std::vector<StampedTransform>& transforms) {
-  CdrWriter cdr;
+void appendTf(std::string& bytes, const std::vector<StampedTransform>& transforms) {
+  CdrWriter cdr(bytes);
   cdr.number(static_cast<uint32_t>(transforms.size()));
   for (const StampedTransform& transform : transforms) {
     const auto& [p, q] = transform.pose;
     cdr.header(transform.time, transform.parent).text(transform.child);
     for (double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) cdr.number(value);
   }
-  return cdr.take();
 }
 
 class Mcap : public Format {
@@ -87,17 +87,21 @@ class Mcap : public Format {
 
   void encode(const FrameRecord& frame, std::vector<OutputFile>& files) const override {
     std::vector<McapMessage> messages;
-    if (frame.frame == 0) messages.push_back({kTfStatic, 0, timeOf(drive_.start), tfMessage(mounts())});
+    const auto addTf = [&](uint16_t channel, uint64_t number, int64_t time, std::vector<StampedTransform> transforms) {
+      messages.push_back({channel, static_cast<uint32_t>(number), time, transforms.size() * kTransformBytes,
+                          [transforms = std::move(transforms)](std::string& bytes) { appendTf(bytes, transforms); }});
+    };
+    if (frame.frame == 0) addTf(kTfStatic, 0, timeOf(drive_.start), mounts());
     for (int i = 0; i < kTransformsPerFrame; ++i) {
       const uint64_t number = frame.frame * kTransformsPerFrame + static_cast<uint64_t>(i);
       const double time = drive_.start + static_cast<double>(number) / (drive_.rate * kTransformsPerFrame);
-      messages.push_back({kTf, static_cast<uint32_t>(number), timeOf(time),
-                          tfMessage({{timeOf(time), "map", "base_link", drive_.ego.at(time)}})});
+      addTf(kTf, number, timeOf(time), {{timeOf(time), "map", "base_link", drive_.ego.at(time)}});
     }
     for (const RecordedScan& recorded : frame.scans) {
       if (!writes(recorded.planned.sensor)) continue;
       messages.push_back({channelOf(recorded.planned.sensor), static_cast<uint32_t>(recorded.planned.number),
-                          timeOf(recorded.planned.time), cloudMessage(recorded)});
+                          timeOf(recorded.planned.time), kCloudHeadBytes + recorded.points * kPointBytes,
+                          [&](std::string& bytes) { appendCloud(bytes, recorded); }});
     }
     files.push_back({chunkPath(frame.frame), mcapChunk(std::move(messages)), path("drive.mcap")});
   }
@@ -129,22 +133,21 @@ class Mcap : public Format {
     return transforms;
   }
 
-  std::string cloudMessage(const RecordedScan& recorded) const {
+  void appendCloud(std::string& bytes, const RecordedScan& recorded) const {
     RecordLayout layout;
     layout.compact = true;
     layout.stride = kPointBytes;
     for (const CloudField& field : kFields)
       if (recorded.scan.has(field.field) || field.field == Field::ring)
         layout.values.push_back({field.field, 0, field.offset, fieldInfo(field.field).type});
-    const std::string rows = packedRows(recorded.scan, layout);
-    const auto count = static_cast<uint32_t>(rows.size() / kPointBytes);
-    CdrWriter cdr;
+    const auto count = static_cast<uint32_t>(recorded.points);
+    CdrWriter cdr(bytes);
     cdr.header(timeOf(recorded.planned.time), drive_.sensors[recorded.planned.sensor].name);
     cdr.number(uint32_t{1}).number(count).number(static_cast<uint32_t>(std::size(kFields)));
     for (const CloudField& field : kFields)
       cdr.text(field.name).number(field.offset).number(datatypeOf(fieldInfo(field.field).type)).number(uint32_t{1});
-    cdr.number(uint8_t{0}).number(kPointBytes).number(static_cast<uint32_t>(rows.size()));
-    return cdr.blob(rows).number(uint8_t{1}).take();
+    cdr.number(uint8_t{0}).number(kPointBytes).number(count * kPointBytes);
+    cdr.blob([&](std::string& rows) { appendRows(rows, recorded.scan, layout); }).number(uint8_t{1});
   }
 };
 

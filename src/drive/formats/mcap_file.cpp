@@ -144,43 +144,49 @@ std::string statisticsRecord(const std::vector<ChunkSummary>& chunks, const std:
 
 std::string mcapChunk(std::vector<McapMessage> messages) {
   std::stable_sort(messages.begin(), messages.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
-  constexpr size_t kMessageHead = 22;
-  size_t recordBytes = 0;
-  for (const McapMessage& message : messages) recordBytes += kRecordHead + kMessageHead + message.data.size();
-  std::string records;
-  records.reserve(recordBytes);
+  constexpr size_t kMessageHead = 22, kIndexEntry = 16;
+  const auto headOf = [&](uint64_t recordBytes) {
+    std::string content, head;
+    append(content, static_cast<uint64_t>(messages.empty() ? 0 : messages.front().time));
+    append(content, static_cast<uint64_t>(messages.empty() ? 0 : messages.back().time));
+    append(content, recordBytes);
+    append(content, uint32_t{0});
+    appendText(content, "");  // no compression
+    append(content, recordBytes);
+    append(head, static_cast<uint8_t>(kChunk));
+    append(head, uint64_t{content.size() + recordBytes});
+    return head + content;
+  };
+  // The messages append to the chunk itself, because clouds are large. Sizes in front of them are set afterwards.
+  std::string bytes = headOf(0);
+  const size_t start = bytes.size();
+  size_t room = start;
+  for (const McapMessage& message : messages) room += kRecordHead + kMessageHead + message.bytes + kIndexEntry;
+  bytes.reserve(room);
   std::map<uint16_t, std::string> indexes;
   for (const McapMessage& message : messages) {
     std::string& index = indexes[message.channel];
     append(index, static_cast<uint64_t>(message.time));
-    append(index, static_cast<uint64_t>(records.size()));
-    append(records, static_cast<uint8_t>(kMessage));
-    append(records, static_cast<uint64_t>(kMessageHead + message.data.size()));
-    append(records, message.channel);
-    append(records, message.sequence);
-    append(records, static_cast<uint64_t>(message.time));
-    append(records, static_cast<uint64_t>(message.time));
-    records += message.data;
+    append(index, static_cast<uint64_t>(bytes.size() - start));
+    append(bytes, static_cast<uint8_t>(kMessage));
+    const size_t sizeAt = bytes.size();
+    append(bytes, uint64_t{0});
+    append(bytes, message.channel);
+    append(bytes, message.sequence);
+    append(bytes, static_cast<uint64_t>(message.time));
+    append(bytes, static_cast<uint64_t>(message.time));
+    message.append(bytes);
+    const uint64_t size = bytes.size() - sizeAt - sizeof(size);
+    std::memcpy(bytes.data() + sizeAt, &size, sizeof(size));
   }
-  std::string content;
-  append(content, static_cast<uint64_t>(messages.empty() ? 0 : messages.front().time));
-  append(content, static_cast<uint64_t>(messages.empty() ? 0 : messages.back().time));
-  append(content, static_cast<uint64_t>(records.size()));
-  append(content, uint32_t{0});
-  appendText(content, "");  // no compression
-  append(content, static_cast<uint64_t>(records.size()));
-  std::string ends;
+  bytes.replace(0, start, headOf(bytes.size() - start));
   for (const auto& [channel, index] : indexes) {
     std::string entries;
     append(entries, channel);
     appendText(entries, index);
-    ends += recordOf(kMessageIndex, entries);
+    bytes += recordOf(kMessageIndex, entries);
   }
-  std::string bytes;
-  bytes.reserve(kRecordHead + content.size() + records.size() + ends.size());
-  append(bytes, static_cast<uint8_t>(kChunk));
-  append(bytes, static_cast<uint64_t>(content.size() + records.size()));
-  return bytes.append(content).append(records).append(ends);
+  return bytes;
 }
 
 void writeMcap(const std::filesystem::path& file, const std::vector<McapSchema>& schemas,

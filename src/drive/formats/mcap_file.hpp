@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct McapChannel {
 struct McapMessage {
   uint16_t channel = 1;  ///< number of the channel, from 1 on
   uint32_t sequence = 0;
-  int64_t time = 0;  ///< nanoseconds since 1970
-  std::string data;  ///< CDR
+  int64_t time = 0;                                  ///< nanoseconds since 1970
+  size_t bytes = 0;                                  ///< about the size of the content, for which room is made
+  std::function<void(std::string& records)> append;  ///< appends the content, which is CDR
 };
 
 /// Returns a chunk and its message indexes. The messages are sorted by time.
