@@ -78,6 +78,7 @@
   ARRAY(, vec2, projectedColumns) \
   ARRAY(, uvec4, tiles) \
   ARRAY(coherent, uvec2, words)            /* per beam, by rows: triangle, range bits (little-endian 64-bit word) */ \
+                                           /* of its nearest hit; without kFieldPoints, at last of its return */ \
   ARRAY(, uvec2, stillWords)               /* the words after the objects that do not move have been binned */ \
   ARRAY(coherent, uint, listEnds)          /* per beam, row by row: count, then start, then end of its candidates; */ \
                                            /* or the last link of its chain of panes */ \
@@ -101,6 +102,7 @@
   ARRAY(, vec4, points)                    /* x, y, z, range */ \
   ARRAY(, uvec2, owners)                   /* triangle within its mesh, instance */ \
   ARRAY(, SurfaceRecord, surfaces) \
+  ARRAY(, float, intensities) \
   ARRAY(, SignalRecord, signals) \
   ARRAY(, vec4, motions)                   /* velocity in the sensor's axes, radial speed */ \
   ARRAY(, vec2, barycentrics)

@@ -26,10 +26,11 @@
 layout(local_size_x = 64) in;
 
 // These depend on specialisation constants; declared as constants they trip up glslang 11.
-#define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & kFieldSignal) != 0)
+#define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & (kFieldSignal | kFieldIntensity)) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
 #define MOST_ECHOES ((EFFECTS & (kFootprint | kTransmission)) != 0 ? kMaxEchoes : 1u)
 #define MANY_ECHOES ((EFFECTS & kFootprint) != 0 || PASS == kPassListed)
+#define POINTS ((FIELDS & kFieldPoints) != 0)
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && planned.intensityModel == kModelPhysical)
 
 // The beam being processed: its number, its index in `words`, and whether `echoes` has its echoes. If not, its hit.
@@ -37,8 +38,9 @@ uint beamIndex, wordIndex, rowIndex, columnIndex;
 bool many;
 vec2 beamAzimuth;
 vec3 beamDirection, lightDirection, pointDirection;
+uvec2 hitWord;
 float hitRange;  // NaN if there is no hit
-uvec2 hitOwner;
+uvec2 hitOwner;  // found only if it is stored
 SurfaceRecord hitSurface;
 vec2 hitBarycentrics;
 uint hits, causeCounts[kCauses];  // counted by this invocation
@@ -108,9 +110,23 @@ void storeMotion(uint at, uvec2 owner, float range) {
   motions.at[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());
 }
 
+// Makes the return the beam's word, from which the result is resolved as that of a nearest hit.
+void storeWord(Return value, uvec2 owner) {
+  uvec2 word = uvec2(kNone);
+  if (value.label != kLabelNone) word.y = floatBitsToUint(value.range);
+  if (value.label == kLabelSolid) word.x = many ? firstTriangleOf(owner.y) + owner.x : hitWord.x;
+  if (many || word.x != hitWord.x || word.y != hitWord.y) words.at[wordIndex] = word;
+}
+
+void storePoint(uint at, Return value, uvec2 owner) {
+  vec3 position = MOTION ? reported(columnIndex, rowIndex, beamAzimuth, pointDirection, value.range)
+                         : pointDirection * value.range;
+  points.at[at] = value.label != kLabelNone ? vec4(position, value.range) : vec4(notANumber());
+  owners.at[at] = owner;
+}
+
 void storeReturn(uint j, Return value) {
   uint at = beamIndex * RETURNS + j;
-  bool here = value.label != kLabelNone;
   uvec2 owner = uvec2(kNone);
   SurfaceRecord surface = SurfaceRecord(vec3(0.0), kNone);
   vec2 weights = vec2(notANumber());
@@ -123,22 +139,25 @@ void storeReturn(uint j, Return value) {
     surface = hitSurface;
     weights = hitBarycentrics;
   }
-  vec3 position = MOTION ? reported(columnIndex, rowIndex, beamAzimuth, pointDirection, value.range)
-                         : pointDirection * value.range;
-  vec4 point = here ? vec4(position, value.range) : vec4(notANumber());
-  points.at[at] = point;
-  owners.at[at] = owner;
+  if (POINTS)
+    storePoint(at, value, owner);
+  else
+    storeWord(value, owner);
+  if ((FIELDS & kFieldIntensity) != 0) intensities.at[at] = value.intensity;
   if ((FIELDS & kFieldSignal) != 0)
-    signals.at[at] = SignalRecord(value.intensity, value.trueRange, value.width,
+    signals.at[at] = SignalRecord(value.trueRange, value.width,
                                   value.label | value.cause << 8 | value.number << 16 | value.count << 24);
   if ((FIELDS & kFieldSurface) != 0) surfaces.at[at] = surface;
   if ((FIELDS & kFieldBarycentrics) != 0) barycentrics.at[at] = weights;
   if (SPEEDS) storeMotion(at, owner, value.trueRange);
 }
 
+// Whether the beam has a hit in range.
+bool isHit() { return floatBitsToUint(hitRange) <= 0x7f800000u; }
+
 // Computes one beam's returns.
-void judge(bool hit) {
-  uint count = hit ? 1 : 0, returned;
+void judge() {
+  uint count = isHit() ? 1 : 0, returned;
   if (many) count = echoCounts.at[beamIndex];
   uint cause = signalsOf(planned, beamIndex, beamDirection, count, returned);
   for (uint k = 0; k < kCauses; ++k) causeCounts[k] += cause == k ? 1 : 0;
@@ -148,9 +167,10 @@ void judge(bool hit) {
 void storeHit() {
   Return value = noReturn();
   value.range = value.trueRange = hitRange;
-  if (hitOwner.x != kNone) value.label = kLabelSolid;
+  bool hit = isHit();
+  if (hit) value.label = kLabelSolid;
   storeReturn(0, value);
-  hits += hitOwner.x != kNone ? 1 : 0;
+  hits += hit ? 1 : 0;
 }
 
 // All invocations of the subgroup must call this.
@@ -168,21 +188,21 @@ void addCounts() {
 
 // Finds the hit of the beam's axis, and its surface if that is needed. All invocations of the subgroup must call this.
 void loadHit() {
-  uvec2 word = words.at[wordIndex];
-  bool there = word.y != kNone && !(MAPPED && beamIndex == kNone) && !hidesItself(wordIndex, uintBitsToFloat(word.y));
-  hitRange = there ? uintBitsToFloat(word.y) : notANumber();
+  hitWord = words.at[wordIndex];
+  float range = uintBitsToFloat(hitWord.y);
+  bool there = hitWord.y != kNone && !(MAPPED && beamIndex == kNone) && !hidesItself(wordIndex, range);
+  hitRange = there ? range : notANumber();
   bool looks = (FIELDS & kSurfaceFields) != 0;
   if (SIGNALS) looks = looks || LOOKS_AT_MATERIALS;
+  if (!(looks || SPEEDS || POINTS)) return;
   Surface surface;
-  findHit(wordIndex, there ? word.x : kNone, looks, hitOwner, surface);
+  findHit(wordIndex, there ? hitWord.x : kNone, looks, hitOwner, surface);
   hitSurface = SurfaceRecord(surface.normal, surface.material);
   if ((FIELDS & kFieldBarycentrics) != 0) hitBarycentrics = barycentricsOf(surface.corners, lightDirection * hitRange);
 }
 
 // Computes the returns of a beam. An invocation that has no beam of its own takes part with that of another.
 void answer(BeamRow row, bool own) {
-  rowIndex = rowOf(wordIndex);
-  columnIndex = columnOf(wordIndex);
   beamIndex = numberIn(row, wordIndex, columnIndex);
   Beam axis = beamIn(row, columnIndex);
   beamAzimuth = axis.azimuth;
@@ -201,7 +221,7 @@ void answer(BeamRow row, bool own) {
   if ((EFFECTS & kAngleNoise) != 0 && planned.angleNoiseAt == kAngleAtPoint)
     pointDirection = astray(beamDirection, angleError(planned, beamIndex));
   if (SIGNALS)
-    judge(hitOwner.x != kNone);
+    judge();
   else
     storeHit();
 }
@@ -219,8 +239,16 @@ void main() {
   BeamRow row = loadRow(gl_WorkGroupID.y);
   for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
     uint i = min(first + gl_SubgroupInvocationID, run.y - 1);
-    wordIndex = listed ? hardBeams.at[i] : indexOf(gl_WorkGroupID.y, i);
-    if (listed) row = loadRow(rowOf(wordIndex));
+    // Row and column are known except for listed beams; to divide the index by the number of columns would be slow.
+    rowIndex = gl_WorkGroupID.y;
+    columnIndex = i;
+    wordIndex = indexOf(rowIndex, i);
+    if (LISTED || listed) {
+      if (listed) wordIndex = hardBeams.at[i];
+      rowIndex = rowOf(wordIndex);
+      columnIndex = columnOf(wordIndex);
+    }
+    if (listed) row = loadRow(rowIndex);
     answer(row, first + gl_SubgroupInvocationID < run.y);
   }
   if (!listed) addCounts();

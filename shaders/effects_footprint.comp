@@ -95,7 +95,7 @@ float consider(Candidate candidate, uint projected, uint layer) {
     met = meetPlane(candidate, plane, left[s], up[s], lengths[s], range);              \
   else                                                                                 \
     met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);              \
-  if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, projected, side); \
+  if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, textureCornersOf(projected), side); \
   offer(met, range, candidate.id, projected, layer, s);
   EACH_RAY(OFFER)
   bool taken = false, mine;

@@ -21,19 +21,28 @@ float alphaAt(uint image, vec2 uv) {
   return float(texels.at[number / 4] >> (8 * (number % 4)) & 0xff) * (1.0 / 255.0);
 }
 
-// `weights` are the weights of the corners, not yet divided by their sum.
-bool isHole(Optics4 surface, uint projected, vec3 weights) {
-  if (!(surface.passage.y > 0.0)) return false;
+// The coordinates of a triangle's corners in its texture.
+struct TextureCorners {
+  vec2 a, b, c;
+};
+
+// Whether the point is in a hole, of a surface whose alpha cut-off is above 0. `weights` are the weights of the corners,
+// not yet divided by their sum.
+bool isHole(Optics4 surface, TextureCorners corners, vec3 weights) {
   float alpha = surface.passage.z;
   uint image = surface.alphaImage;
   if (image != kNone) {
     precise float sum = weights.x + weights.y + weights.z;
     precise vec3 w = weights * quotient(1.0, sum);
-    vec4 ab = projectedTexture.at[2 * projected];
-    vec2 c = projectedTexture.at[2 * projected + 1].xy;
-    precise vec2 uv = w.x * ab.xy + w.y * ab.zw + w.z * c;
+    precise vec2 uv = w.x * corners.a + w.y * corners.b + w.z * corners.c;
     precise float product_ = alpha * alphaAt(image, uv);
     alpha = product_;
   }
   return alpha < surface.passage.y;
+}
+
+// Of a projected triangle.
+TextureCorners textureCornersOf(uint projected) {
+  vec4 ab = projectedTexture.at[2 * projected];
+  return TextureCorners(ab.xy, ab.zw, projectedTexture.at[2 * projected + 1].xy);
 }

@@ -107,6 +107,15 @@ vec2 windowOf(Prepared prepared, uint index) {
   return window;
 }
 
+// Whether a hit of the projected triangle `slot` is in a hole. The stages that find triangles again look their materials
+// and textures up.
+#ifndef HOLES_ARE_AT_HAND
+bool inHole(uint slot, vec3 weights) {
+  Optics4 surface = optics.at[projectedMaterials.at[slot]];
+  return surface.passage.y > 0.0 && isHole(surface, textureCornersOf(slot), weights);
+}
+#endif
+
 // True if the beam with this index hits the projected triangle `slot` within the range window, and not in a hole. NaN
 // is a miss.
 bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint slot, out float range) {
@@ -117,6 +126,6 @@ bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint i
   bool met = inside && (INSIDE != kInsideExact || range > 0.0) && range >= window.x && range <= window.y;
   // Whether a hit that cannot change the result of the beam is in a hole does not matter.
   if ((EFFECTS & kCutOuts) != 0 && met && range <= farthestOf(index))
-    met = !isHole(optics.at[projectedMaterials.at[slot]], slot, side);
+    met = !inHole(slot, side);
   return met;
 }

@@ -9,8 +9,8 @@ void store(uint slot, Projected projected, Box box, uint material) {
   projectedColumns.at[slot] = vec2(box.columnMin, box.columnMax);
   if ((EFFECTS & (kFootprint | kCutOuts | kTransmission)) != 0) projectedMaterials.at[slot] = material;
   if ((EFFECTS & kCutOuts) != 0) {
-    projectedTexture.at[2 * slot] = vec4(projected.uvA, projected.uvB);
-    projectedTexture.at[2 * slot + 1] = vec4(projected.uvC, 0.0, 0.0);
+    projectedTexture.at[2 * slot] = vec4(projected.inTexture.a, projected.inTexture.b);
+    projectedTexture.at[2 * slot + 1] = vec4(projected.inTexture.c, 0.0, 0.0);
   }
   if (moves)
     for (uint k = 0; k < 3; ++k) projectedMotions.at[3 * slot + k] = vec4(projected.velocities[k], 0.0);

@@ -29,7 +29,10 @@
 #include "limits.glsl"
 #include "deformed.glsl"
 #include "cluster_corners.glsl"
+#define HOLES_ARE_AT_HAND
+bool inHole(uint slot, vec3 weights);
 #include "inside.glsl"
+#undef HOLES_ARE_AT_HAND
 #include "nearest_hit.glsl"
 #include "seen.glsl"
 
@@ -42,9 +45,9 @@ struct Projected {
   TaggedCorner a;
   vec4 b;
   TaggedCorner c;
-  vec2 uvA, uvB, uvC;  // only with cut-outs
-  mat3 velocities;     // of the corners; only with motion, as is the next one
-  bool moves;          // the triangle itself
+  TextureCorners inTexture;  // only with cut-outs
+  mat3 velocities;           // of the corners; only with motion, as is the next one
+  bool moves;                // the triangle itself
 };
 
 // True only if rounding cannot have changed the side; otherwise the inside test decides for each beam.
@@ -202,11 +205,6 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
 
 uint projectOne(Survivor survivor, inout Interval interval, out Projected projected, out Box box) {
   vec3 a = survivor.corners[0], b = survivor.corners[1], c = survivor.corners[2];
-  if ((EFFECTS & kCutOuts) != 0) {
-    projected.uvA = textureCoordinates.at[survivor.vertices.x];
-    projected.uvB = textureCoordinates.at[survivor.vertices.y];
-    projected.uvC = textureCoordinates.at[survivor.vertices.z];
-  }
   float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
   uint fate;
   if (MOTION) {
@@ -227,6 +225,11 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
   projected.a = TaggedCorner(a, survivor.id);
   projected.b = vec4(b, rangeMin);
   projected.c = TaggedCorner(c, box.rowFirst | box.rowLast << 16);
+  if ((EFFECTS & kCutOuts) != 0 && fate == kKeep) {
+    projected.inTexture.a = textureCoordinates.at[survivor.vertices.x];
+    projected.inTexture.b = textureCoordinates.at[survivor.vertices.y];
+    projected.inTexture.c = textureCoordinates.at[survivor.vertices.z];
+  }
   return fate;
 }
 
@@ -259,10 +262,10 @@ uint nthSetBit(uint bits, uint n) {
 
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
-// True if the beams of small boxes are tried here, instead of in stage bin. Stage bin needs panes and holes.
+// True if the beams of small boxes are tried here, instead of in stage bin. Stage bin needs panes.
 bool triesSmallBoxes(uint material, bool moves) {
   bool seenFromOnePlace = !MOTION || (SHIFTS_TURNED && motion.sensor == 0 && !moves);
-  return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & (kCutOuts | kFootprint)) == 0 &&
+  return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kFootprint) == 0 &&
          !(PANES && isPaneMaterial(material));
 }
 
@@ -274,8 +277,20 @@ void markStale(uint row, uint column) {
   if (staleEntries.at[entry] == 0) atomicMax(staleEntries.at[entry], 1);
 }
 
+// The surface of the triangle whose beams are tried, and its texture.
+Optics4 triedSurface;
+TextureCorners triedTexture;
+
+bool inHole(uint slot, vec3 weights) {
+  return triedSurface.passage.y > 0.0 && isHole(triedSurface, triedTexture, weights);
+}
+
 // Tries all beams of a small box. It is one loop, not two nested ones: a subgroup then runs as long as its largest box.
-void tryBox(Projected projected, Box box) {
+void tryBox(Projected projected, Box box, uint material) {
+  if ((EFFECTS & kCutOuts) != 0) {
+    triedSurface = optics.at[material];
+    triedTexture = projected.inTexture;
+  }
   Triangle triangle = triangleOf(projected.a, projected.b, projected.c.corner);
   Prepared prepared = prepare(triangle);
   uint columnCount = boxColumnCount(box);
@@ -315,7 +330,7 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
       there = MOTION && !isEmpty(interval);
       if (!there && !any) culled += countOf(fate);
       if (fate == kKeep && triesSmallBoxes(survivor.material, survivor.moves) && boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams) {
-        tryBox(projected, box);
+        tryBox(projected, box, survivor.material);
         fate = kNoTriangle;
       }
     }

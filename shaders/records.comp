@@ -2,8 +2,8 @@
 // Stage records: writes the results of a scan that stay on the device, in the caller's layout. The passes count the
 // entries with a return per block of entries, sum the counts and write the header, list the entries in order, and write
 // the records. No workgroup waits for another. A scan that projects its beams in several groups runs these passes once,
-// after the last group. If the nearest hit of each beam is all that there is, and there is one group, the values come
-// from the beams' words, and stage resolve is left out.
+// after the last group. If the words of the beams tell their returns (see leavesWords()), the results come from them,
+// and no stage stores points.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -35,12 +35,14 @@ uint blockCount() { return (plan.entries + kPrefixBlock - 1) / kPrefixBlock; }
 
 #define FROM_WORDS ((RECORDS & kFromWords) != 0)
 
-// Returns the word of a beam by its number; kNone for a beam without a return.
+// Returns the word of a beam by its number; kNone for a beam without a return. Stage effects asks whether a hit hides
+// itself before it adds noise to ranges.
 uvec2 wordOf(uint beam) {
   uint index = beamPlaces.at[beam];
   if (index == kNone) return uvec2(kNone);
   uvec2 word = words.at[index];
-  if (word.y != kNone && hidesItself(index, uintBitsToFloat(word.y))) return uvec2(kNone);
+  if ((EFFECTS & kRangeNoise) == 0 && word.y != kNone && hidesItself(index, uintBitsToFloat(word.y)))
+    return uvec2(kNone);
   return word;
 }
 
@@ -62,7 +64,7 @@ vec4 resultOf(uint entry, out uvec2 owner) {
   owner = uvec2(kNone);
   uvec2 word = wordOf(entry);
   if (word.y == kNone) return vec4(uintBitsToFloat(0x7fc00000u));
-  owner = ownerOf(word.x);
+  if (word.x != kNone) owner = ownerOf(word.x);
   uint index = beamPlaces.at[entry];
   Beam beam = beamWith(index);
   float range = uintBitsToFloat(word.y);
@@ -172,8 +174,7 @@ void listEntries() {
 
 float notANumberIf(bool condition, float value) { return condition ? uintBitsToFloat(0x7fc00000u) : value; }
 
-float incidenceAt(uint entry) {
-  vec4 point = points.at[entry];
+float incidenceAt(uint entry, vec4 point) {
   vec3 normal = surfaces.at[entry].normal;
   if (plan.directions != 0) return incidenceOf(normal, beamDirections.at[entry / RETURNS].xyz, 1.0);
   return incidenceOf(normal, point.xyz, point.w);
@@ -216,9 +217,9 @@ uint classOf(uvec2 owner) {
     USE(kValueY, floatBitsToUint(point_.y)); \
     USE(kValueZ, floatBitsToUint(point_.z)); \
     USE(kValueRange, floatBitsToUint(point_.w)); \
-    if (HOLDS_ANY(BITS(kValueIntensity, kValueWidth) | 1u << kValueLabel)) { \
+    if (HOLDS(kValueIntensity)) USE(kValueIntensity, floatBitsToUint(intensities.at[entry_])); \
+    if (HOLDS_ANY(BITS(kValueTrueRange, kValueWidth) | 1u << kValueLabel)) { \
       SignalRecord signal_ = signals.at[entry_]; \
-      USE(kValueIntensity, floatBitsToUint(signal_.intensity)); \
       USE(kValueTrueRange, floatBitsToUint(signal_.trueRange)); \
       USE(kValueWidth, floatBitsToUint(signal_.width)); \
       USE(kValueLabel, signal_.word & 0xff); \
@@ -230,7 +231,7 @@ uint classOf(uvec2 owner) {
       USE(kValueNormalZ, floatBitsToUint(notANumberIf(!hit_, surface_.normal.z))); \
       USE(kValueMaterial, hit_ ? surface_.material : kNone); \
     } \
-    if (HOLDS(kValueIncidence)) USE(kValueIncidence, floatBitsToUint(notANumberIf(!hit_, incidenceAt(entry_)))); \
+    if (HOLDS(kValueIncidence)) USE(kValueIncidence, floatBitsToUint(notANumberIf(!hit_, incidenceAt(entry_, point_)))); \
     if (HOLDS_ANY(BITS(kValueBarycentricU, kValueBarycentricV))) { \
       vec2 weights_ = barycentrics.at[entry_]; \
       USE(kValueBarycentricU, floatBitsToUint(notANumberIf(!hit_, weights_.x))); \

@@ -296,9 +296,9 @@ struct SurfaceRecord {
   uint material;  // kNone: no surface
 };
 
-// The receiver's measurements of a return.
+// What is told of a return besides its range and its intensity.
 struct SignalRecord {
-  float intensity, trueRange, width;
+  float trueRange, width;
   uint word;  // label | cause << 8 | number << 16 | count << 24
 };
 

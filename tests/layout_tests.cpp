@@ -60,7 +60,7 @@ const Layouts kShared = {
     STRUCT(TransformedInstance, origin, originLow, instance, source, number),
     STRUCT(TaggedCorner, corner, tag),
     STRUCT(SurfaceRecord, normal, material),
-    STRUCT(SignalRecord, intensity, trueRange, width, word),
+    STRUCT(SignalRecord, trueRange, width, word),
     STRUCT(Frame, columns, rows, beams, instanceCount, rangeMin, rangeMax, columnsPerRadian, columnSlack,
            projectedCapacity, tileCapacity, candidateCapacity, paperFirstElevation, paperRowsPerRadian, shiftMin,
            shiftMax, footprint, slabShift, cullWorkgroups, triangleWorkgroups, shellClusters, shellHint, spreadAcross,

@@ -52,9 +52,9 @@ GNO_INLINE float received(float energy, float range, float depth) {
 // Unit intensity: the reflectance at which a Lambertian target, square to the beam at that range, would return as
 // much.
 GNO_INLINE float unitIntensity(EffectParameters p, float energy, float range, float depth) {
-  GNO_PRECISE float carla = exponential(-p.attenuation * range);  // RayCastLidar.cpp of CARLA 0.9
+  if (p.intensityModel == kModelCarla) return exponential(-p.attenuation * range);  // RayCastLidar.cpp of CARLA 0.9
   GNO_PRECISE float physical = energy * exponential(-2.0f * depth);
-  return p.intensityModel == kModelCarla ? carla : physical;
+  return physical;
 }
 
 // Converts unit intensity to the requested scale. Bytes follow Velodyne's calibrated reflectivity (VLP-16 user manual,

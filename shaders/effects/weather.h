@@ -87,10 +87,18 @@ GNO_INLINE Echo particleEcho(EffectParameters p, Particles particles, float far,
   Echo echo = noEcho();
   GNO_PRECISE float count = -naturalLog(uniformAboveZero(words.x));
   if (!(count < particles.countsFar.w)) return echo;
+  // The particle lies between entries i - 1 and i. Every entry is compared, because lanes that search end together
+  // anyway.
   uint i = 1u;
-  while (i < kParticleRanges && countAt(particles, i) <= count) ++i;
-  GNO_PRECISE float before = countAt(particles, i - 1u);
-  GNO_PRECISE float share = quotient(count - before, max(countAt(particles, i) - before, 1e-30f));
+  GNO_PRECISE float before = 0.0f;
+  GNO_PRECISE float after = countAt(particles, 1u);
+  for (uint k = 1u; k < kParticleRanges; ++k)
+    if (countAt(particles, k) <= count) {
+      i = k + 1u;
+      before = countAt(particles, k);
+      after = countAt(particles, k + 1u);
+    }
+  GNO_PRECISE float share = quotient(count - before, max(after - before, 1e-30f));
   GNO_PRECISE float start = rangeOf(particles, i - 1u);
   GNO_PRECISE float range = start + (rangeOf(particles, i) - start) * min(share, 1.0f);
   if (!(range < far)) return echo;

@@ -35,4 +35,4 @@ s/(^|[^A-Za-z0-9_.])([0-9]+\.[0-9]*(e[-+]?[0-9]+)?|[0-9]+e[-+]?[0-9]+)([^0-9A-Za
 s/([0-9.])@/\1/g
 
 # Structs that are loaded as a whole, 16 bytes at a time.
-s/^struct (Instance|Cluster|Group|TaggedCorner|SurfaceRecord|SignalRecord|ClusterBones) \{/struct alignas(16) \1 {/
+s/^struct (Instance|Cluster|Group|TaggedCorner|SurfaceRecord|ClusterBones) \{/struct alignas(16) \1 {/

@@ -41,11 +41,9 @@ std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const 
     arrays.push_back({array, beams * bytesPerBeam, {}});
   };
   if (plan.motion() && !plan.listed) arrays.push_back(table(gpu::Array::rowOrigins, rowOrigins(plan, rows)));
-  if (plan.footprint()) {
-    arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
-    addRoom(gpu::Array::hardBeams, sizeof(uint32_t));
-  }
+  if (plan.footprint()) arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
   if (plan.footprint() || plan.panes()) {
+    addRoom(gpu::Array::hardBeams, sizeof(uint32_t));
     addRoom(gpu::Array::echoCounts, sizeof(uint32_t));
     const uint64_t most = plan.footprint() ? gpu::kMaxEchoes : gpu::kMaxLayers;
     addRoom(gpu::Array::echoes, most * sizeof(gpu::vec4));

@@ -18,7 +18,7 @@ namespace {
 
 uint32_t bitOf(Field field) {
   switch (field) {
-    case Field::intensity:
+    case Field::intensity: return gpu::kFieldIntensity;
     case Field::trueRange:
     case Field::width:
     case Field::label:
@@ -194,7 +194,8 @@ void resizeArrays(const SensorPlan& plan, Scan& scan, bool cleared) {
     for (const Field field : fields) cleared ? columns.fill(field, nothing, wanted) : columns.make(field, wanted);
   };
   const bool signal = plan.asks(gpu::kFieldSignal), surface = plan.asks(gpu::kFieldSurface);
-  make({Field::intensity, Field::trueRange, Field::width}, signal, kMiss);
+  make({Field::intensity}, plan.asks(gpu::kFieldIntensity), kMiss);
+  make({Field::trueRange, Field::width}, signal, kMiss);
   make({Field::label, Field::cause}, signal, uint8_t{0});
   make({Field::normal, Field::incidence}, surface, kMiss);
   make({Field::material}, surface, kNoTriangle);

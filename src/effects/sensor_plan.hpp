@@ -61,7 +61,7 @@ struct SensorPlan {
   /// Whether the stages read the optics of materials.
   bool looksAtOptics() const { return surfaces() || has(gpu::kFootprintEffects); }
   /// Whether the stages compute the signal of each return, because an effect or a field needs it.
-  bool signals() const { return has(gpu::kSignalEffects) || asks(gpu::kFieldSignal); }
+  bool signals() const { return has(gpu::kSignalEffects) || asks(gpu::kFieldSignal | gpu::kFieldIntensity); }
   bool speeds() const { return has(gpu::kRadialSpeed) || asks(gpu::kFieldMotion); }
   /// Largest number of surfaces that a sub-ray hits.
   uint32_t layers() const { return has(gpu::kTransmission) ? gpu::kMaxLayers : 1; }
@@ -70,6 +70,8 @@ struct SensorPlan {
   /// Whether the answer of a beam that meets no pane is the nearest hit of its line, and no field asks for more:
   /// geometry, in which surfaces may have holes and let light pass, and beams may deviate.
   bool onlyLines() const;
+  /// Whether points lie on the axes of their beams, as seen from the lasers: with words, ranges are then enough.
+  bool pointsOnAxes() const { return !has(gpu::kAngleNoise) || has(gpu::kStrays); }
   /// Whether stage effects computes the results of all beams.
   bool judged() const { return !onlyLines() && (signals() || speeds() || surfaces()); }
 };

@@ -4,13 +4,16 @@
 namespace gnosphere {
 
 std::vector<Output> outputsOf(const SensorPlan& plan, bool words) {
-  std::vector<Output> outputs;
-  if (words) outputs.push_back({gpu::Array::words, 2 * sizeof(uint32_t)});
-  if (plan.panes()) outputs.push_back({gpu::Array::hardBeams, sizeof(uint32_t)});
-  if (words && !plan.panes()) return outputs;
   const uint32_t four = plan.returns * sizeof(gpu::vec4), two = plan.returns * 2 * sizeof(uint32_t);
-  outputs.insert(outputs.end(), {{gpu::Array::points, four}, {gpu::Array::owners, two}});
-  if (plan.asks(gpu::kFieldSignal)) outputs.push_back({gpu::Array::signals, four});
+  std::vector<Output> outputs;
+  if (words)
+    outputs = {{gpu::Array::words, 2 * sizeof(uint32_t)}};
+  else
+    outputs = {{gpu::Array::points, four}, {gpu::Array::owners, two}};
+  if (plan.asks(gpu::kFieldIntensity))
+    outputs.push_back({gpu::Array::intensities, plan.returns * static_cast<uint32_t>(sizeof(float))});
+  if (plan.asks(gpu::kFieldSignal))
+    outputs.push_back({gpu::Array::signals, plan.returns * static_cast<uint32_t>(sizeof(gpu::SignalRecord))});
   if (plan.asks(gpu::kFieldSurface)) outputs.push_back({gpu::Array::surfaces, four});
   if (plan.speeds()) outputs.push_back({gpu::Array::motions, four});
   if (plan.asks(gpu::kFieldBarycentrics)) outputs.push_back({gpu::Array::barycentrics, two});

@@ -13,8 +13,8 @@ struct Output {
   uint32_t bytesPerBeam;
 };
 
-/// Lists all outputs except the counters: points, owners and then those of effects. If `words` is true (see
-/// leavesWords()), only `words`, and with panes the list of the beams that meet one, their points and owners.
+/// Lists all outputs except the counters: points and owners or, if `words` is true (see leavesWords()), words; then
+/// those of effects.
 std::vector<Output> outputsOf(const SensorPlan& plan, bool words);
 
 }  // namespace gnosphere

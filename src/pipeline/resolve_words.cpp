@@ -26,6 +26,10 @@ class Resolver {
   void hit(size_t beam, uint32_t triangle, float range, const gpu::vec3& point) {
     std::copy_n(&point.x, 3, &scan_.points[3 * beam]);
     scan_.ranges[beam] = range;
+    if (triangle == gpu::kNone) {
+      scan_.triangles[beam] = scan_.instances[beam] = gpu::kNone;
+      return;
+    }
     if (triangle - owner_.first >= owner_.triangles) owner_ = instances_.ownerOf(triangle);
     scan_.triangles[beam] = triangle - owner_.first;
     scan_.instances[beam] = owner_.instance;
@@ -52,15 +56,18 @@ gpu::Beam beamWith(const BeamTables& tables, uint32_t index) {
 }
 
 // Beams of a list, or in places of a grid.
-uint64_t resolveNumbered(const Word* words, const BeamTables& tables, const InstanceTable& instances,
-                         const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan) {
+uint64_t resolveNumbered(const SensorPlan& plan, const Word* words, const BeamTables& tables,
+                         const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
+                         Scan& scan) {
+  // Stage effects asks whether a hit hides itself before it adds noise to ranges.
+  const bool reported = plan.has(gpu::kRangeNoise);
   Resolver resolver(instances, scan);
   for (uint32_t index = first; index < end; ++index) {
     const Word& word = words[index];
     const uint32_t number = tables.numbers[index];
     if (number == gpu::kNone) continue;
     const float range = std::bit_cast<float>(word.range);
-    if (word.range == gpu::kNone || !tables.reports(index, range)) {
+    if (word.range == gpu::kNone || !(reported || tables.reports(index, range))) {
       resolver.miss(number);
       continue;
     }
@@ -80,15 +87,16 @@ uint64_t resolveNumbered(const Word* words, const BeamTables& tables, const Inst
 
 }  // namespace
 
-uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, const InstanceTable& instances,
-                      const Sensor& sensor, const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan) {
-  if (tables.listed || tables.mapped) return resolveNumbered(words, tables, instances, motion, first, end, scan);
+uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables, bool exact,
+                      const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
+                      Scan& scan) {
+  if (tables.listed || tables.mapped) return resolveNumbered(plan, words, tables, instances, motion, first, end, scan);
   const uint32_t columns = tables.frame.columns;
   Resolver resolver(instances, scan);
   for (uint32_t row = first; row < end; ++row) {
     const auto& angles = tables.rows[row].angles;
     const gpu::vec4& offset = tables.rows[row].offset;
-    const Vec3& laser = sensor.channels[tables.rows[row].channel].origin;
+    const Vec3& laser = plan.sensor.channels[tables.rows[row].channel].origin;
     const gpu::vec3 origin = {static_cast<float>(laser.x), static_cast<float>(laser.y), static_cast<float>(laser.z)};
     const uint64_t begin = uint64_t{tables.rows[row].channel} * columns;
     const Word* word = words + uint64_t{row} * columns;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage "resolve" on the host, for scans without surfaces and signals: computes the cloud from the 8-byte words of
-// the beams. The host must write every byte of the cloud anyway, so resolving on the device would only write it a
-// second time.
+// The stage "resolve" on the host: computes points, ranges and owners from the 8-byte words of the beams. The host must
+// write every byte of the cloud anyway, so resolving on the device would only write it a second time.
 #pragma once
 
+#include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
 #include "geometry/instance_table.hpp"
 #include "gnosphere/scan.hpp"
@@ -11,16 +11,17 @@
 
 namespace gnosphere {
 
-/// The nearest hit of a beam as the stage `bin` stores it: the bits of the range and the number of the placed triangle;
-/// both are kNone for a miss.
+/// The nearest hit of a beam as the stage `bin` stores it, or its return as stage `effects` does: the bits of the range
+/// and the number of the placed triangle. Both are kNone for no return, and the triangle for a return of the medium.
 struct Word {
   uint32_t triangle, range;
 };
 
 /// Writes points, ranges and owners of rows first..end - 1 of a grid, or of beams first..end - 1 of a list, with the
-/// same bytes as resolve.comp. `words` has one word per beam, in order of index. `exact` rounds offset azimuths to the
-/// lattice of exact directions. `motion` is null for a scan without motion. Returns the number of hits.
-uint64_t resolveWords(const Word* words, const BeamTables& tables, bool exact, const InstanceTable& instances,
-                      const Sensor& sensor, const ShotMotion* motion, uint32_t first, uint32_t end, Scan& scan);
+/// same bytes as resolve.comp and effects.comp. `words` has one word per beam, in order of index. `exact` rounds offset
+/// azimuths to the lattice of exact directions. `motion` is null for a scan without motion. Returns the number of hits.
+uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables, bool exact,
+                      const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
+                      Scan& scan);
 
 }  // namespace gnosphere

@@ -32,36 +32,21 @@ void inSlices(uint64_t count, uint64_t beamsEach, const Work& work) {
 }
 
 // Resolves the words of all rows on several threads; returns the number of hits.
-uint64_t readWords(const DeviceResults& device, const InstanceTable& instances, const Sensor& sensor,
+uint64_t readWords(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
                    const ShotMotion* motion, Scan& scan) {
   const Clock::time_point start = Clock::now();
   const gpu::Frame& frame = device.tables.frame;
   std::atomic<uint64_t> hits = 0;
   const bool listed = device.tables.listed || device.tables.mapped;
   inSlices(listed ? frame.beams : frame.rows, listed ? 1 : frame.columns, [&](uint64_t first, uint64_t end) {
-    hits += resolveWords(device.words, device.tables, device.exact, instances, sensor, motion,
+    hits += resolveWords(plan, device.words, device.tables, device.exact, instances, motion,
                          static_cast<uint32_t>(first), static_cast<uint32_t>(end), scan);
   });
   scan.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   return hits;
 }
 
-// Replaces the results of the beams that meet a pane; returns the number of hits, which was `hits` before.
-uint64_t readListed(const DeviceResults& device, uint64_t hits, Scan& scan) {
-  for (uint32_t i = 0; i < device.counters.hardBeams; ++i) {
-    const size_t beam = device.tables.numberOf(device.listed[i]);
-    const gpu::vec4& point = device.points[beam];
-    hits -= scan.triangles[beam] != gpu::kNone;
-    std::copy_n(&point.x, 3, &scan.points[3 * beam]);
-    scan.ranges[beam] = point.w;
-    scan.triangles[beam] = device.owners[beam][0];
-    scan.instances[beam] = device.owners[beam][1];
-    hits += scan.triangles[beam] != gpu::kNone;
-  }
-  return hits;
-}
-
-// The counters of a scan in which lines answer every beam: a beam without a return met nothing.
+// The counters of a scan without effects that lose returns: a beam without a return met nothing.
 gpu::Counters withHits(gpu::Counters counters, uint64_t hits, uint64_t beams, uint32_t masked) {
   counters.hits = counters.causes[gpu::kCauseReturned] = static_cast<uint32_t>(hits);
   counters.causes[gpu::kCauseDead] = masked;
@@ -90,17 +75,30 @@ void readCounters(const SensorPlan& plan, uint64_t beams, const gpu::Counters& d
   result.integerRanges += device.integerRanges;
 }
 
+void readPoints(const DeviceResults& device, uint64_t first, uint64_t count, Scan& scan) {
+  for (uint64_t entry = first; entry < first + count; ++entry) {
+    const gpu::vec4& point = device.points[entry];
+    std::copy_n(&point.x, 3, &scan.points[3 * entry]);
+    scan.ranges[entry] = point.w;
+    scan.triangles[entry] = device.owners[entry][0];
+    scan.instances[entry] = device.owners[entry][1];
+  }
+}
+
+uint64_t hitsAmong(const Scan& scan, uint64_t first, uint64_t count) {
+  const auto begin = scan.triangles.begin() + static_cast<ptrdiff_t>(first);
+  return count - static_cast<uint64_t>(std::count(begin, begin + static_cast<ptrdiff_t>(count), gpu::kNone));
+}
+
 void readSignals(const gpu::SignalRecord* signals, uint64_t first, uint64_t count, uint32_t returns, Scan& scan) {
   if (!signals) return;
   const ScanColumns columns(scan);
-  float* const intensities = columns.data<float>(Field::intensity) + first;
   float* const trueRanges = columns.data<float>(Field::trueRange) + first;
   float* const widths = columns.data<float>(Field::width) + first;
   uint8_t* const labels = columns.data<uint8_t>(Field::label) + first;
   uint8_t* const causes = columns.data<uint8_t>(Field::cause) + first;
   for (uint64_t i = 0; i < count; ++i) {
     const gpu::SignalRecord& signal = signals[i];
-    intensities[i] = signal.intensity;
     trueRanges[i] = signal.trueRange;
     widths[i] = signal.width;
     labels[i] = static_cast<uint8_t>(signal.word & 0xff);
@@ -209,27 +207,17 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
                  const ShotMotion* motion, Scan& scan) {
   const bool part = device.tables.listed && device.tables.frame.beams < plan.sensor.beamCount();
   const uint64_t beams = part ? device.tables.frame.beams : plan.sensor.beamCount();
-  if (device.words) {
-    uint64_t hits = readWords(device, instances, plan.sensor, motion, scan);
-    if (device.listed) hits = readListed(device, hits, scan);
-    return readCounters(plan, beams, withHits(device.counters, hits, beams, device.tables.masked),
-                        instances.usableTriangles(), scan.counters);
-  }
-  const uint32_t returns = plan.returns;
+  const bool judged = plan.judged();
   std::atomic<uint64_t> hits = 0;
+  if (device.words) hits = readWords(plan, device, instances, motion, scan);
+  const uint32_t returns = plan.returns;
   const auto read = [&](uint64_t beam, uint64_t beamEnd) {
     const uint64_t first = beam * returns, count = (beamEnd - beam) * returns;
     const auto from = [&](const auto* output) { return output ? output + first : nullptr; };
-    for (uint64_t i = 0; i < count; ++i) {
-      const gpu::vec4& point = device.points[first + i];
-      std::copy_n(&point.x, 3, &scan.points[3 * (first + i)]);
-      scan.ranges[first + i] = point.w;
-      scan.triangles[first + i] = device.owners[first + i][0];
-      scan.instances[first + i] = device.owners[first + i][1];
-    }
-    if (plan.onlyLines())
-      hits +=
-          count - static_cast<uint64_t>(std::count(&scan.triangles[first], &scan.triangles[first] + count, gpu::kNone));
+    if (device.points) readPoints(device, first, count, scan);
+    if (device.points && !judged) hits += hitsAmong(scan, first, count);
+    if (device.intensities)
+      std::copy_n(device.intensities + first, count, ScanColumns(scan).data<float>(Field::intensity) + first);
     readSignals(from(device.signals), first, count, returns, scan);
     if (device.surfaces) readSurfaces(from(device.surfaces), Incidence(plan, shot, scan), first, count, scan);
     readMotions(from(device.motions), first, count, scan);
@@ -237,10 +225,10 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
   };
   if (part)
     for (const uint32_t beam : device.tables.numbers) read(beam, beam + 1);
-  else
+  else if (!device.words || judged)
     inSlices(beams, 1, read);
   const gpu::Counters counters =
-      plan.onlyLines() ? withHits(device.counters, hits, beams, device.tables.masked) : device.counters;
+      judged ? device.counters : withHits(device.counters, hits, beams, device.tables.masked);
   readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
 }
 

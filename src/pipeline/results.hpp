@@ -16,10 +16,10 @@ namespace gnosphere {
 struct DeviceResults {
   const BeamTables& tables;
   bool exact = false;           ///< beam directions are rounded to the lattice of exact arithmetic
-  const Word* words = nullptr;  ///< see resolveWords(); if given, the other outputs are those of the listed beams alone
-  const uint32_t* listed = nullptr;  ///< indices of the beams, in row order, that meet a pane
+  const Word* words = nullptr;  ///< see resolveWords(); if given, there are no points and no owners
   const gpu::vec4* points = nullptr;
   const std::array<uint32_t, 2>* owners = nullptr;
+  const float* intensities = nullptr;
   const gpu::SignalRecord* signals = nullptr;
   const gpu::SurfaceRecord* surfaces = nullptr;
   const gpu::vec4* motions = nullptr;
@@ -32,9 +32,9 @@ struct DeviceResults {
     return {tables,
             exact,
             static_cast<const Word*>(of(gpu::Array::words)),
-            static_cast<const uint32_t*>(of(gpu::Array::hardBeams)),
             static_cast<const gpu::vec4*>(of(gpu::Array::points)),
             static_cast<const std::array<uint32_t, 2>*>(of(gpu::Array::owners)),
+            static_cast<const float*>(of(gpu::Array::intensities)),
             static_cast<const gpu::SignalRecord*>(of(gpu::Array::signals)),
             static_cast<const gpu::SurfaceRecord*>(of(gpu::Array::surfaces)),
             static_cast<const gpu::vec4*>(of(gpu::Array::motions)),

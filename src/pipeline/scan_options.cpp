@@ -47,10 +47,8 @@ double reachOf(const SimulatorOptions& options, double rangeMax) {
 }
 
 bool leavesWords(uint32_t binning, const SensorPlan& plan) {
-  const bool geometry =
-      (plan.bits & gpu::kFootprintEffects) == 0 && !plan.surfaces() && !plan.signals() && !plan.speeds();
-  const bool reads = plan.layout.empty() || !plan.panes();
-  return binning != gpu::kBinningLists && reads && (plan.onlyLines() || geometry);
+  if (plan.judged()) return plan.returns == 1 && plan.pointsOnAxes();
+  return binning != gpu::kBinningLists;
 }
 
 // Surface kernels need the transforms of still instances as well, which a scan that reuses the image does not place.

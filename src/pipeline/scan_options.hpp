@@ -12,12 +12,13 @@ namespace gnosphere {
 
 /// Returns the gpu::kCull... bits of the options.
 uint32_t cullingBits(const SimulatorOptions& options);
-/// Returns the options of a sensor's kernels; the caller sets BINNING, PASS and MOTION.
+/// Returns the options of a sensor's kernels; the caller sets BINNING, PASS, MOTION and kFieldPoints.
 Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, bool azimuthOffsets);
 /// Returns the distance in metres beyond which instances cannot be hit by beams of a range.
 double reachOf(const SimulatorOptions& options, double rangeMax);
-/// Returns whether the words (8 bytes per beam) are read back, which the host then resolves, and no results but those
-/// of the beams that meet a pane. This is so if lines answer every beam and the binning keeps the nearest hit.
+/// Returns whether the words (8 bytes per beam) tell points, ranges and owners: the host reads and resolves them, and
+/// no stage does. This is so if there is one return per beam, on the beam's axis. The nearest hits must be in words,
+/// which lists have only if stage effects computes the results.
 bool leavesWords(uint32_t binning, const SensorPlan& plan);
 /// Returns whether a StillImage may be kept.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan);

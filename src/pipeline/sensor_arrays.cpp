@@ -60,6 +60,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       outputs_(outputsOf(plan, leavesWords_)),
       records_(recordTables(plan.layout)) {
   options_.BINNING = binning_;
+  if (!leavesWords_) options_.FIELDS |= gpu::kFieldPoints;
   if (keepsRecords() && leavesWords_) records_.held |= gpu::kFromWords;
   prepareKernels();
   for (Pattern& pattern : patterns_)
@@ -268,7 +269,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGrou
   using Judged = StepsInput::Judged;
   input.effects = plan_.judged() ? Judged::all : plan_.panes() ? Judged::listed : Judged::none;
   // Stage effects reads the nearest hits from the words, which lists have only after stage resolve.
-  input.resolve = !footprint && !leavesWords_ && (lists || !plan_.judged());
+  input.resolve = !footprint && (lists || !(leavesWords_ || plan_.judged()));
   return stepsOf(input, placed, still);
 }
 

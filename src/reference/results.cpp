@@ -86,8 +86,9 @@ void Judge::store(const Reported& reported, const Return& value, size_t at, Scan
   const ScanColumns columns(scan);
   columns.data<float>(Field::tolerance)[at] = static_cast<float>(value.range.error);
   const bool solid = value.hit.triangle != kNobody;
+  if (float* const intensities = columns.data<float>(Field::intensity))
+    intensities[at] = static_cast<float>(value.intensity);
   if (columns.data<uint8_t>(Field::label)) {
-    columns.data<float>(Field::intensity)[at] = static_cast<float>(value.intensity);
     columns.data<float>(Field::trueRange)[at] = static_cast<float>(value.trueRange);
     columns.data<float>(Field::width)[at] = static_cast<float>(value.width);
     columns.data<uint8_t>(Field::label)[at] = static_cast<uint8_t>(solid ? Label::solid : Label::scatter);

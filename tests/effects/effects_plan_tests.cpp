@@ -188,7 +188,7 @@ TEST_CASE("lines answer for holes, angle errors and panes with standard accuracy
   const Scene pane = glassWithHoles();
   CHECK(stagesOf(makeSimulator(pane, able(), options).plan()) == "effects project bin resolve(host) ");
   options.fields = {Field::intensity};
-  CHECK(stagesOf(makeSimulator(pane, able(), options).plan()) == "effects project bin ");
+  CHECK(stagesOf(makeSimulator(pane, able(), options).plan()) == "effects project bin resolve(host) ");
   options.fields.clear();
   assign(options.effects, "divergence.sub_rays=2");
   CHECK(makeSimulator(pane, able(), options).plan().binning == "lists");
@@ -197,7 +197,7 @@ TEST_CASE("lines answer for holes, angle errors and panes with standard accuracy
   options.accuracy = Accuracy::exact;
   const Plan exact = makeSimulator(scene, able(), options).plan();
   CHECK(exact.binning == "nearest");
-  CHECK(stagesOf(exact) == "effects project bin ");
+  CHECK(stagesOf(exact) == "effects project bin resolve(host) ");
 }
 
 }  // namespace gnosphere::test

@@ -196,7 +196,7 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
   const uint32_t returns = reference.returns;
   const auto ties = reference.column<uint8_t>(Field::tie);
   const auto tolerances = reference.column<float>(Field::tolerance);
-  // The signals, what is told of surfaces, and the weights come and go together.
+  // What is told of surfaces and the weights come and go together; so do the signals but for the intensity.
   const auto bothOf = [&](Field field) {
     return std::pair(valuesOf<float>(reference, field), valuesOf<float>(other, field));
   };
@@ -236,13 +236,13 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
         note(sum.owners, i, "triangle", reference.triangles[i], other.triangles[i]);
         continue;
       }
-      if (labelled) {
+      if (!intensities.first.empty()) {
         const double intensity = intensities.first[i];
         if (!near(intensity, intensities.second[i], slack.intensity * intensity + 1e-6))
           note(sum.intensities, i, "intensity", intensity, intensities.second[i]);
-        if (!near(widths.first[i], widths.second[i], tolerance + 1e-5))
-          note(sum.widths, i, "width", widths.first[i], widths.second[i]);
       }
+      if (labelled && !near(widths.first[i], widths.second[i], tolerance + 1e-5))
+        note(sum.widths, i, "width", widths.first[i], widths.second[i]);
       if (!normals.first.empty()) {
         for (size_t k = 3 * i; k < 3 * i + 3; ++k)
           if (!near(normals.first[k], normals.second[k], 1e-3))
