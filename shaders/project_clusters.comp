@@ -139,9 +139,9 @@ void main() {
         sensorBox(instances.at[entry.x], groups.at[entry.y].low, groups.at[entry.y].high, low, high);
         if (MOTION) widenByMotion(entry.x, low, high);
         keep = pass.occluders == 0 || !outOfSight(low, high);
-        goesOn = keep && farthestPoint(low, high) >= shellMax;
-        if (goesOn) noteLater(low, high, later);
         if (keep) run = uvec2(groups.at[entry.y].clusterFirst, groups.at[entry.y].clusterCount);
+        goesOn = run.y > 1 && farthestPoint(low, high) >= shellMax;
+        if (goesOn) noteLater(low, high, later);
       }
     }
     handOn(goesOn, entry, anyLater);

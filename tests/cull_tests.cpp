@@ -104,6 +104,31 @@ TEST_CASE("culling: many shells leave the cloud of a town unchanged") {
   CHECK(sameBytes(scan, scanWith(town, sensor, pose, Accuracy::standard, nothing())));
 }
 
+TEST_CASE("culling: a mesh of one cluster that reaches through several shells is projected once") {
+  needVulkan();
+  // Walls that lead away from the sensor, each from another distance on; none hides another one.
+  Scene scene;
+  for (uint32_t i = 0; i < 8; ++i) {
+    const float from = 3.0f + 4.0f * static_cast<float>(i), up = 0.25f * from;
+    Mesh wall;
+    wall.positions = {from, 0, -up, 60, 20, -up, 60, 20, up, from, 0, up};
+    wall.indices = {0, 1, 2, 0, 2, 3};
+    wall.parts = {{0, 2, 0}};
+    scene.meshes.push_back(wall);
+    const double c = std::cos(0.7 * i), s = std::sin(0.7 * i);
+    scene.instances.push_back({"", i, {}});
+    scene.instances.back().transform.rows = {c, -s, 0, 0, s, c, 0, 0, 0, 0, 1, 0};
+  }
+  scene.materials.push_back({});
+  TestOptions options = vulkanOptions();
+  options.faces = ReflectingFaces::both;
+  options.tuning.binning = GENERATE(Binning::slabs, Binning::nearest);
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
+  const Scan scan = scanOf(scene, gridSensor(700, 40, -24, 24, 100), {}, options);
+  CHECK(scan.counters.projected == 16);
+  CHECK(scan.counters.culledByCluster == 0);
+}
+
 TEST_CASE("culling: what near triangles hide is skipped in a small scene, too") {
   needVulkan();
   const Scene town = makeTown({40'000, 3});

@@ -55,7 +55,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       deformed_(deformed),
       options_(kernelOptions(options, plan, patterns_[0].tables.azimuthOffsets)),
       shells_(mostShells(options, binning_, beams(), triangles)),
-      shellClusters_(shellClusters(options, beams(), triangles)),
+      shellClusters_(shellClusters(options, triangles)),
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords_)),
       records_(recordTables(plan.layout)) {

@@ -26,7 +26,7 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
 /// hide those of farther shells.
 uint32_t mostShells(const SimulatorOptions& options, uint32_t binning, uint64_t beams, uint64_t triangles);
 /// Returns how many clusters the first shell should hold.
-uint32_t shellClusters(const SimulatorOptions& options, uint64_t beams, uint64_t triangles);
+uint32_t shellClusters(const SimulatorOptions& options, uint64_t triangles);
 
 /// Returns the binary logarithm of the number of columns that one subgroup owns with Binning::slabs.
 uint32_t slabShift(uint32_t columns);
