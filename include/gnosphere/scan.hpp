@@ -64,7 +64,7 @@ struct FieldInfo {
   uint32_t components;  ///< 3 for a vector, 2 for barycentrics, otherwise 1
 };
 
-FieldInfo fieldInfo(Field field);
+GNOSPHERE_API FieldInfo fieldInfo(Field field);
 
 /// Returns the ValueType of the C++ type of a column.
 template <typename T>
@@ -203,7 +203,7 @@ struct Scan {
     return {static_cast<const T*>(raw.data), ranges.size(), raw.stride};
   }
   /// Returns whether column() has the field. A scan may have more fields than were requested.
-  bool has(Field field) const;
+  GNOSPHERE_API bool has(Field field) const;
 
   size_t beamCount() const { return ranges.size() / returns; }
   /// Returns whether the entry is a return from a surface.
@@ -217,7 +217,7 @@ struct Scan {
     const void* data;
     size_t stride;
   };
-  RawColumn find(Field field, uint32_t component, ValueType type) const;
+  GNOSPHERE_API RawColumn find(Field field, uint32_t component, ValueType type) const;
 
   // By field: the values of fields without a public array; empty if the scan does not have the field.
   std::array<std::vector<std::byte>, kFieldCount> columns_;

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+// Links the examples of docs/api.md with the library as users have it: a shared one exports only what the public
+// headers mark, while the archive that the tests link has everything.
+#include "api_example.hpp"
+
+int main() {
+  const Scan scan;
+  return fieldInfo(Field::normal).components == 3 && !scan.has(Field::normal) ? 0 : 1;
+}
