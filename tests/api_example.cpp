@@ -4,6 +4,5 @@
 #include "api_example.hpp"
 
 int main() {
-  const Scan scan;
-  return fieldInfo(Field::normal).components == 3 && !scan.has(Field::normal) ? 0 : 1;
+  return fieldInfo(Field::normal).components == 3 && Scan().has(Field::range) ? 0 : 1;
 }

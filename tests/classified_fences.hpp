@@ -2,6 +2,7 @@
 // A scene whose materials and instances state classes, and the class that each of its points must have.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 

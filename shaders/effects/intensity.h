@@ -52,7 +52,10 @@ GNO_INLINE float received(float energy, float range, float depth) {
 // Unit intensity: the reflectance at which a Lambertian target, square to the beam at that range, would return as
 // much.
 GNO_INLINE float unitIntensity(EffectParameters p, float energy, float range, float depth) {
-  if (p.intensityModel == kModelCarla) return exponential(-p.attenuation * range);  // RayCastLidar.cpp of CARLA 0.9
+  if (p.intensityModel == kModelCarla) {  // RayCastLidar.cpp of CARLA 0.9
+    GNO_PRECISE float depthOfCarla = p.attenuation * range;
+    return exponential(-depthOfCarla);
+  }
   GNO_PRECISE float physical = energy * exponential(-2.0f * depth);
   return physical;
 }
