@@ -110,7 +110,7 @@ void storeMotion(uint at, uvec2 owner, float range) {
   motions.at[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());
 }
 
-// Makes the return the beam's word, from which the result is resolved as that of a nearest hit.
+// Stores the return in the word of its beam. Point and owner are then computed from the word as for a nearest hit.
 void storeWord(Return value, uvec2 owner) {
   uvec2 word = uvec2(kNone);
   if (value.label != kLabelNone) word.y = floatBitsToUint(value.range);

@@ -296,7 +296,7 @@ struct SurfaceRecord {
   uint material;  // kNone: no surface
 };
 
-// What is told of a return besides its range and its intensity.
+// A return has these values besides its range and its intensity.
 struct SignalRecord {
   float trueRange, width;
   uint word;  // label | cause << 8 | number << 16 | count << 24
@@ -356,13 +356,13 @@ struct RecordPlace {
   uint first, stride;
 };
 
-// The semantic class of an instance, and the run of classRuns that its mesh has.
+// An instance has a semantic class, and its mesh has entries of classRuns from `firstRun` on.
 struct InstanceClass {
   uint classId;
   uint firstRun, runs;  // runs: 0 if no material of the mesh states a class
 };
 
-// Triangles of a mesh, up to the next run, whose materials state the same class; 0 if they state none.
+// A run covers triangles of a mesh, up to the next run, whose materials state the same class; 0 if they state none.
 struct ClassRun {
   uint firstTriangle, classId;
 };

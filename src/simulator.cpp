@@ -321,12 +321,7 @@ class Simulator::Impl {
       for (size_t i = 0; i < inBuffer_.size(); ++i)
         if (inBuffer_[i] && scene_.instances[i].mesh == motion.mesh) refuseMotion(i, which);
     }
-    if (!sensors_.has(shot.sensor))
-      throw Error(
-          ErrorCode::invalidArgument,
-          which + "sensor " + std::to_string(shot.sensor) +
-              (shot.sensor < sensors_.size() ? " has been removed"
-                                             : " does not exist, there are " + std::to_string(sensors_.size())));
+    sensors_.check(shot.sensor, which);
     if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Indices of things that come and go.
+// Slots hand out the indices of things that come and go.
 #pragma once
 
 #include <cstddef>
@@ -32,11 +32,11 @@ class Slots {
     uses_[index] = kFree;
     free_.push_back(index);
   }
-  /// Throws Error(invalidArgument) if the index never existed or was removed; the message says which.
-  void check(size_t index) const {
+  /// Throws Error(invalidArgument) if the index never existed or was removed; the message says which, after `start`.
+  void check(size_t index, const std::string& start = "") const {
     if (has(index)) return;
     throw Error(ErrorCode::invalidArgument,
-                std::string(noun_) + " " + std::to_string(index) +
+                start + noun_ + " " + std::to_string(index) +
                     (index < size() ? " has been removed" : " does not exist, there are " + std::to_string(size())));
   }
   uint64_t& uses(size_t index) { return uses_[index]; }

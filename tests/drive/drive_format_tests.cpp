@@ -97,8 +97,8 @@ TEST_CASE("SemanticKITTI: a label per point, with the actor above and the class 
 
 namespace {
 
-/// A map of one mesh, whose strips along x are asphalt without a class, paint without a class, and grass of this class.
-/// And a cube whose side towards -x is glass.
+/// Writes a map and a cube. The map is one mesh, with strips along x: asphalt and paint without a class, and grass of
+/// class `grass`. The side of the cube towards -x is glass.
 void putMaterialFiles(const DriveFolder& folder, uint16_t grass) {
   MeshBuilder strips, cube;
   for (const auto& [from, to] : {std::pair(-20, -1), {-1, 2}, {2, 20}})
