@@ -242,6 +242,18 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
   }
 }
 
+// Loads a word near a column in each of the rows from..to - 1. The loop over these rows needs their words one after the
+// other and would wait for memory at each; here it waits once. The result is always true, because no triangle has such
+// a number, but the compiler does not know that and keeps the loads.
+bool areAtHand(uint from, uint to, uint column) {
+  if (BINNING != kBinningSlabs || LISTED) return true;
+  uint largest = 0;
+  for (uint row = from; row < to; row += gl_SubgroupSize)
+    largest = max(largest, words.at[min(row + gl_SubgroupInvocationID, to - 1) * frame.columns +
+                                    min(column, frame.columns - 1)].x + 1);
+  return largest != kNone;
+}
+
 // One subgroup tries all beams of one tile. The lanes cover `width` columns; if the tile has fewer columns than the
 // subgroup has lanes, they cover several rows as well.
 void tryTile(Tile tile) {
@@ -268,6 +280,7 @@ void tryTile(Tile tile) {
       if (row >= rowEnd) continue;
       uint k = part + j * width + (lane & (width - 1));
       uint column = columnOf(tile, k);
+      if (!areAtHand(box.rowFirst + row, box.rowFirst + rowEnd, column)) continue;
       vec2 azimuth = columns.at[column];
       Triangle seen = tile.triangle;
       if (MOTION && !LISTED) seen = seenFrom(tile.triangle, tile.slot, column);

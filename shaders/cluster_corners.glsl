@@ -14,24 +14,45 @@ struct LoadedCluster {
   vec2 bound;   // InstanceMotion::bound; only with motion
 };
 
-LoadedCluster loadCluster(uint i) {
-  LoadedCluster loaded;
-  uvec2 pair = LOADED_2(visible.at[i]);
-  loaded.instance = instanceAt(pair.x);
-  loaded.number = pair.x;
-  loaded.cluster = pair.y;
-  loaded.vertexFirst = clusters.at[pair.y].vertexFirst;
-  loaded.triangleFirst = clusters.at[pair.y].triangleFirst;
-  loaded.vertexCount = clusters.at[pair.y].vertexCount;
-  loaded.triangleCount = clusters.at[pair.y].triangleCount;
-  loaded.doubleSided = clusters.at[pair.y].doubleSided;
-  loaded.material = clusters.at[pair.y].material;
-  if (DEFORMED != kDeformsNothing) loaded.deformer = deformerOf(loaded.number);
-  if (MOTION) {
-    if (gl_SubgroupInvocationID == 0) loaded.bound = boundOf(pair.x);
-    loaded.bound = subgroupBroadcast(loaded.bound, 0);
+// Clusters that the subgroup processes one after the other. Each lane has loaded one, so that the subgroup waits for
+// memory once, not once per cluster.
+struct Batch {
+  uint count, done;  // the clusters of the batch, and those that have been processed
+  uvec2 pair;        // the lane's instance and cluster
+  uint vertexFirst, triangleFirst, doubleSided, material;
+  uint counts;  // vertices, and triangles << 16
+};
+
+// Loads the i-th visible cluster in each lane that has one.
+void loadBatch(uint i, bool there, inout Batch batch) {
+  batch.pair = visible.at[there ? i : 0];
+  batch.vertexFirst = clusters.at[batch.pair.y].vertexFirst;
+  batch.triangleFirst = clusters.at[batch.pair.y].triangleFirst;
+  batch.counts = clusters.at[batch.pair.y].vertexCount | clusters.at[batch.pair.y].triangleCount << 16;
+  batch.doubleSided = clusters.at[batch.pair.y].doubleSided;
+  batch.material = clusters.at[batch.pair.y].material;
+}
+
+// Moves on to the next cluster of a batch. Neighbouring clusters mostly belong to one instance.
+void loadNext(inout Batch batch, inout LoadedCluster loaded) {
+  uint lane = batch.done++;
+  uint number = subgroupShuffle(batch.pair.x, lane), counts = subgroupShuffle(batch.counts, lane);
+  if (number != loaded.number) {
+    loaded.instance = instanceAt(number);
+    if (DEFORMED != kDeformsNothing) loaded.deformer = deformerOf(number);
+    if (MOTION) {
+      if (gl_SubgroupInvocationID == 0) loaded.bound = boundOf(number);
+      loaded.bound = subgroupBroadcast(loaded.bound, 0);
+    }
   }
-  return loaded;
+  loaded.number = number;
+  loaded.cluster = subgroupShuffle(batch.pair.y, lane);
+  loaded.vertexFirst = subgroupShuffle(batch.vertexFirst, lane);
+  loaded.triangleFirst = subgroupShuffle(batch.triangleFirst, lane);
+  loaded.vertexCount = counts & 0xffff;
+  loaded.triangleCount = counts >> 16;
+  loaded.doubleSided = subgroupShuffle(batch.doubleSided, lane);
+  loaded.material = subgroupShuffle(batch.material, lane);
 }
 
 // Holds vertices lane, lane + subgroup size, ... of a cluster, or nothing if the cluster has too many for

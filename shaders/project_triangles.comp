@@ -237,15 +237,27 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
 #include "project_store.glsl"
 
 // Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
-// shared counter hands out the next cluster; otherwise each subgroup has a fixed share.
-bool nextCluster(inout uint i) {
-  if (BINNING == kBinningSlabs) {
-    if (gl_SubgroupInvocationID == 0) i = atomicAdd(shells.of[pass.shell].nextCluster, 1);
-    i = subgroupBroadcast(i, 0);
-  } else {
-    i = i == kNone ? gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID : i + gl_NumWorkGroups.x * gl_NumSubgroups;
+// shared counter hands out the next clusters; otherwise each subgroup has a fixed share.
+bool nextCluster(inout uint next, inout Batch batch, inout LoadedCluster loaded) {
+  if (batch.done == batch.count) {
+    uint count = shells.of[pass.shell].visible, subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, stride = 1, i;
+    uint wanted = gl_SubgroupSize;
+    if (BINNING == kBinningSlabs) {
+      wanted = min(count / (4 * subgroups) + 1, gl_SubgroupSize);
+      if (gl_SubgroupInvocationID == 0) i = atomicAdd(shells.of[pass.shell].nextCluster, wanted);
+      i = subgroupBroadcast(i, 0);
+    } else {
+      stride = subgroups;
+      i = next;
+      next += stride * wanted;
+    }
+    if (i >= count) return false;
+    batch.count = min(wanted, (count - i + stride - 1) / stride);
+    batch.done = 0;
+    loadBatch(i + gl_SubgroupInvocationID * stride, gl_SubgroupInvocationID < batch.count, batch);
   }
-  return i < shells.of[pass.shell].visible;
+  loadNext(batch, loaded);
+  return true;
 }
 
 // Returns the position of the n-th set bit.
@@ -300,8 +312,9 @@ void tryBox(Projected projected, Box box, uint material) {
     Beam beam;
     if (!stepTo(box, columnCount, walk, beam, index)) continue;
     float range;
+    uint known = words.at[index].y;  // loaded before the test, which then need not wait for it
     if (meet(triangle, prepared, turnedFrom(triangle, rowOf(index), beam.azimuth), beam, index, kNone, range) &&
-        floatBitsToUint(range) <= words.at[index].y) {
+        floatBitsToUint(range) <= known) {
       offerNearest(index, range, triangle.id);
       met = true;
     }
@@ -345,17 +358,20 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
 void main() {
   loadMotion();
   uvec4 culled = uvec4(0);  // range, face, between beams, hidden
-  uint nonFinite = 0, triangleCount = 0, lane = gl_SubgroupInvocationID, i = kNone;
+  uint nonFinite = 0, triangleCount = 0, lane = gl_SubgroupInvocationID;
+  uint next = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID;
+  Batch batch;
+  batch.count = batch.done = 0;
+  LoadedCluster loaded;
+  loaded.number = kNone;
   // Most clusters leave few triangles. These wait in the first lanes until every lane has one.
   Survivor survivor;
   uint waiting = 0;
   for (bool more = true; more;) {
-    more = nextCluster(i);
-    LoadedCluster loaded;
+    more = nextCluster(next, batch, loaded);
     Vertices vertices;
     uint left = 0;  // one bit for each triangle that needs bounds
     if (more) {
-      loaded = loadCluster(i);
       triangleCount += loaded.triangleCount;
       vertices = verticesOf(loaded);
       for (uint first = 0; first < loaded.triangleCount; first += gl_SubgroupSize) {
