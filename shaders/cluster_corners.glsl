@@ -23,7 +23,7 @@ struct Batch {
   uint counts;  // vertices, and triangles << 16
 };
 
-// Loads the i-th visible cluster in each lane that has one.
+// Each lane that takes a cluster loads the i-th visible one.
 void loadBatch(uint i, bool there, inout Batch batch) {
   batch.pair = visible.at[there ? i : 0];
   batch.vertexFirst = clusters.at[batch.pair.y].vertexFirst;
@@ -33,7 +33,8 @@ void loadBatch(uint i, bool there, inout Batch batch) {
   batch.material = clusters.at[batch.pair.y].material;
 }
 
-// Moves on to the next cluster of a batch. Neighbouring clusters mostly belong to one instance.
+// Makes `loaded` the next cluster of a batch. The instance is loaded only if it is another one, because neighbouring
+// clusters mostly belong to one.
 void loadNext(inout Batch batch, inout LoadedCluster loaded) {
   uint lane = batch.done++;
   uint number = subgroupShuffle(batch.pair.x, lane), counts = subgroupShuffle(batch.counts, lane);

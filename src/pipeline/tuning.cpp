@@ -16,8 +16,8 @@ constexpr uint64_t kShellTriangles = 30'000;
 // The first shell has so many clusters. The farthest-range table that follows a shell costs time per beam, yet sensors
 // of more beams gain nothing from a larger first shell, which has no table: with 18,000 clusters, scans of 4.6 million
 // beams took 0.98 to 1.07 of the time in four scenes. With an HDL-64E, twice and half as many took the same time within
-// 3 %. Of a small scene it holds at most one cluster in kFirstShare, because otherwise it would hold most of the scene:
-// that took 1.25 of the time in scenes of 50,000 to 500,000 triangles.
+// 3 %. Of a small scene the first shell holds at most one cluster in kFirstShare. Without that limit it would hold most
+// of the scene, and scans took 1.25 of the time in scenes of 50,000 to 500,000 triangles.
 constexpr uint64_t kFirstShellClusters = 1024, kFirstShare = 16;
 // Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
 // beam.
