@@ -26,6 +26,7 @@
 #include "lanes.glsl"
 #include "rows_between.glsl"
 #include "seen.glsl"
+#include "columns_between.glsl"
 #include "nearest_hit.glsl"
 #include "occluders.glsl"
 #include "panes.glsl"
@@ -148,10 +149,11 @@ void trySmall(uint i) {
   Box box = boxOf(projectedColumns.at[i], c.tag);
   Prepared prepared = prepare(triangle);
   uint columnCount = boxColumnCount(box);
+  Silhouette silhouette = silhouetteOf(triangle, prepared, box);
   for (Walk walk = walkOf(box); !ended(box, walk);) {
     uint index;
     Beam beam;
-    if (!stepTo(box, columnCount, walk, beam, index)) continue;
+    if (!stepTo(box, columnCount, silhouette, walk, beam, index)) continue;
     Triangle seen = triangle;
     if (MOTION) {
       seen = seenFrom(triangle, i, columnOf(index), rowOf(index), beam.azimuth);

@@ -20,10 +20,12 @@ void offerNearest(uint beam, float range, uint id) {
 // Walks over the beams of a box, row by row and column by column.
 struct Walk {
   uint row, k;       // the next beam of a grid; for a list the next cell
+  uint kEnd;         // of a grid: the end of the row's columns in which beams may hit; k if the row is not entered yet
+  vec2 angles;       // of a grid: cosine and sine of the row's elevation
   uint index, end;   // of a list: the beams of cells before that are left
 };
 
-Walk walkOf(Box box) { return Walk(box.rowFirst, 0, 0, 0); }
+Walk walkOf(Box box) { return Walk(box.rowFirst, 0, 0, vec2(0.0), 0, 0); }
 
 // Finds the run of cells from the walk's cell on that lie in one row and do not wrap, and moves on behind it.
 void enterCells(Box box, uint columnCount, inout Walk walk) {
@@ -32,6 +34,19 @@ void enterCells(Box box, uint columnCount, inout Walk walk) {
   walk.index = cellStarts.at[cell];
   walk.end = cellStarts.at[cell + run];
   walk.k += run;
+}
+
+// Finds the columns of the walk's row whose beams may hit.
+void enterRow(Box box, uint columnCount, Silhouette silhouette, inout Walk walk) {
+  walk.angles = rows.at[walk.row].angles.xy;
+  walk.k = 0;
+  walk.kEnd = columnCount;
+  if (!silhouette.known) return;
+  vec2 between = columnsBetween(silhouette, walk.angles.y / walk.angles.x);
+  float first = float(firstColumn(box)) - box.columnMin;
+  int from = int(ceil(between.x - first)) - (BESIDE_COLUMNS ? 1 : 0), to = int(floor(between.y - first)) + 1;
+  walk.k = uint(min(max(from, 0), int(columnCount)));
+  walk.kEnd = uint(min(max(to, int(walk.k)), int(columnCount)));
 }
 
 // Returns the beam in the k-th column of a box and in a row, and its index in `words`. If the row's azimuth offset
@@ -47,9 +62,9 @@ Beam beamAt(Box box, uint k, uint row, out uint index) {
 
 bool ended(Box box, Walk walk) { return walk.row > box.rowLast && walk.index == walk.end; }
 
-// Moves on by one beam. Returns false if this step has found none because it entered other cells. Walks of one loop,
-// without inner loops, take a subgroup as long as its longest walk.
-bool stepTo(Box box, uint columnCount, inout Walk walk, out Beam beam, out uint index) {
+// Moves on by one beam. Returns false if this step has found none because it entered other cells, or a row without
+// beams that may hit. Walks of one loop, without inner loops, take a subgroup as long as its longest walk.
+bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, out Beam beam, out uint index) {
   if (LISTED) {
     if (walk.index == walk.end) enterCells(box, columnCount, walk);
     bool there = walk.index < walk.end;
@@ -64,10 +79,19 @@ bool stepTo(Box box, uint columnCount, inout Walk walk, out Beam beam, out uint 
     }
     return there;
   }
-  beam = beamAt(box, walk.k, walk.row, index);
-  if (++walk.k == columnCount) {
-    walk.k = 0;
+  if (walk.k == walk.kEnd) enterRow(box, columnCount, silhouette, walk);
+  bool there = walk.k < walk.kEnd;  // all lanes load a beam, because loads in divergent branches cost more
+  if (AZIMUTH_OFFSETS) {
+    beam = beamAt(box, min(walk.k, columnCount - 1), walk.row, index);
+  } else {
+    uint column = wrapColumn(firstColumn(box) + int(min(walk.k, columnCount - 1)));
+    index = walk.row * frame.columns + column;
+    beam = beamOf(columns.at[column], walk.angles.x, walk.angles.y);
+  }
+  walk.k += there ? 1 : 0;
+  if (walk.k == walk.kEnd) {
+    walk.k = walk.kEnd = 0;
     ++walk.row;
   }
-  return true;
+  return there;
 }

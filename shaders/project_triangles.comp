@@ -33,6 +33,8 @@
 bool inHole(uint slot, vec3 weights);
 #include "inside.glsl"
 #undef HOLES_ARE_AT_HAND
+#include "rows_between.glsl"
+#include "columns_between.glsl"
 #include "nearest_hit.glsl"
 #include "seen.glsl"
 
@@ -274,19 +276,28 @@ uint nthSetBit(uint bits, uint n) {
 
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
-// True if the beams of small boxes are tried here, instead of in stage bin. Stage bin needs panes.
-bool triesSmallBoxes(uint material, bool moves) {
+// True if the beams of a box are tried here, instead of in stage bin, which needs panes. See kTriedBoxBeams.
+bool isTriedHere(Box box, uint material, bool moves) {
   bool seenFromOnePlace = !MOTION || (SHIFTS_TURNED && motion.sensor == 0 && !moves);
+  bool findsColumns = BINNING == kBinningSlabs && !MOTION && !LISTED;
   return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kFootprint) == 0 &&
-         !(PANES && isPaneMaterial(material));
+         !(PANES && isPaneMaterial(material)) &&
+         boxColumnCount(box) * boxRowCount(box) <= (findsColumns ? kTriedBoxBeams : kSmallBoxBeams);
 }
 
 uint triedCount = 0;  // triangles that this invocation has tried
 
-// Notes that the entry of the farthest-range table that holds this beam is out of date.
-void markStale(uint row, uint column) {
-  uint entry = row / kCoarseRows * ((frame.columns - 1) / kCoarseColumns + 1) + column / kCoarseColumns;
-  if (staleEntries.at[entry] == 0) atomicMax(staleEntries.at[entry], 1);
+// Notes that the entries of the farthest-range table that hold beams of this box are out of date.
+void markStale(Box box) {
+  uint perRow = (frame.columns - 1) / kCoarseColumns + 1, columnCount = boxColumnCount(box);
+  for (uint k = 0; k < columnCount;) {
+    uint column = wrapColumn(firstColumn(box) + int(k));
+    for (uint y = box.rowFirst / kCoarseRows; y <= box.rowLast / kCoarseRows; ++y) {
+      uint entry = y * perRow + column / kCoarseColumns;
+      if (staleEntries.at[entry] == 0) atomicMax(staleEntries.at[entry], 1);
+    }
+    k += min(kCoarseColumns - column % kCoarseColumns, frame.columns - column);
+  }
 }
 
 // The surface of the triangle whose beams are tried, and its texture.
@@ -297,7 +308,8 @@ bool inHole(uint slot, vec3 weights) {
   return triedSurface.passage.y > 0.0 && isHole(triedSurface, triedTexture, weights);
 }
 
-// Tries all beams of a small box. It is one loop, not two nested ones: a subgroup then runs as long as its largest box.
+// Tries the beams of a box that may hit. It is one loop, not two nested ones: a subgroup then runs as long as its
+// largest box.
 void tryBox(Projected projected, Box box, uint material) {
   if ((EFFECTS & kCutOuts) != 0) {
     triedSurface = optics.at[material];
@@ -306,11 +318,12 @@ void tryBox(Projected projected, Box box, uint material) {
   Triangle triangle = triangleOf(projected.a, projected.b, projected.c.corner);
   Prepared prepared = prepare(triangle);
   uint columnCount = boxColumnCount(box);
+  Silhouette silhouette = silhouetteOf(triangle, prepared, box);
   bool met = false;
   for (Walk walk = walkOf(box); !ended(box, walk);) {
     uint index;
     Beam beam;
-    if (!stepTo(box, columnCount, walk, beam, index)) continue;
+    if (!stepTo(box, columnCount, silhouette, walk, beam, index)) continue;
     float range;
     uint known = words.at[index].y;  // loaded before the test, which then need not wait for it
     if (meet(triangle, prepared, turnedFrom(triangle, rowOf(index), beam.azimuth), beam, index, kNone, range) &&
@@ -320,10 +333,7 @@ void tryBox(Projected projected, Box box, uint material) {
     }
   }
   ++triedCount;
-  if (!met || pass.last != 0) return;
-  uint first = wrapColumn(firstColumn(box)), last = wrapColumn(firstColumn(box) + int(columnCount) - 1);
-  for (uint corner = 0; corner < 4; ++corner)
-    markStale((corner & 1) == 0 ? box.rowFirst : box.rowLast, (corner & 2) == 0 ? first : last);
+  if (met && pass.last == 0) markStale(box);
 }
 
 bool stored = false;  // whether this subgroup has stored any triangle
@@ -342,7 +352,7 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
       any = any || fate == kKeep;
       there = MOTION && !isEmpty(interval);
       if (!there && !any) culled += countOf(fate);
-      if (fate == kKeep && triesSmallBoxes(survivor.material, survivor.moves) && boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams) {
+      if (fate == kKeep && isTriedHere(box, survivor.material, survivor.moves)) {
         tryBox(projected, box, survivor.material);
         fate = kNoTriangle;
       }

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Finds the columns of a row whose beams may hit a small triangle. With the azimuth as abscissa and the tangent of the
+// elevation as ordinate, a great circle is a sine curve: its second derivative is its negative ordinate. So an edge
+// that spans d radians of azimuth is off its chord by at most d^2 / 8 times the largest tangent, and the triangle lies
+// within the plane triangle of its corners, widened by so much.
+
+// The corners of a triangle as the sensor sees them: one component per corner.
+struct Silhouette {
+  bool known;               // if not, the beams of all columns may hit
+  vec3 across, up;          // columns from the box's columnMin, and tangents of the elevation
+  float slackAcross, slackUp;
+};
+
+// Returns the silhouette of a triangle that spans at most a tenth of a radian, below 56 degrees of elevation. Of any
+// other one, and where beams have grid columns of their own or see the triangle from elsewhere, it is not known.
+Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
+  Silhouette result = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
+  if (BOUNDS != kBoundsExact || MOTION || LISTED) return result;
+  vec3 a = triangle.a, b = triangle.b, c = triangle.c;
+  result.up = vec3(a.z, b.z, c.z) / vec3(length(a.xy), length(b.xy), length(c.xy));
+  float steepest = max(max(abs(result.up.x), abs(result.up.y)), abs(result.up.z));
+  vec2 along = vec2(dot(a.xy, b.xy), dot(a.xy, c.xy));
+  // The arc tangent by two terms of its series; below 0.1 the third one is less than 2e-6.
+  vec2 tangent = vec2(a.x * b.y - a.y * b.x, a.x * c.y - a.y * c.x) / along;
+  vec2 angle = tangent - tangent * tangent * tangent * (1.0 / 3.0);
+  float span = max(max(angle.x, angle.y), 0.0) - min(min(angle.x, angle.y), 0.0);
+  result.known = max(abs(tangent.x), abs(tangent.y)) < 0.1 && min(along.x, along.y) > 0.0 && steepest < 1.5 &&
+                 boxColumnCount(box) < frame.columns;
+  float blur = blurOf(triangle, prepared, vec3(length(a), length(b), length(c)));
+  // The derivative of the tangent by the elevation key is (1 + tangent)^2.
+  float slope = (1.1 + steepest) * (1.1 + steepest), key = steepest / (1.0 + steepest);
+  result.slackUp = slope * (kKeySlack + blur) + 0.14 * span * span * steepest;
+  float start = columnAt(azimuthOf(a.y, a.x)) - box.columnMin;
+  result.across = vec3(start, start + angle.x * frame.columnsPerRadian, start + angle.y * frame.columnsPerRadian);
+  // The difference of two column numbers is rounded; the arc tangent's third term adds to that.
+  result.slackAcross = columnSlack(-key, key) + 5e-7 * float(frame.columns) +
+                       (1.1 * blur / (1.0 - key) + 2e-6) * frame.columnsPerRadian;
+  return result;
+}
+
+// Returns the first and the last place between which beams with this tangent of the elevation may hit, in columns from
+// the box's columnMin. If no beam may hit, the first place is behind the last.
+vec2 columnsBetween(Silhouette s, float tangent) {
+  vec3 inverse = vec3(1.0) / notZero(s.up.yzx - s.up), from = vec3(tangent) - s.up;
+  // t0..t1 is the part of each edge that lies within the slack.
+  vec3 ta = (from - s.slackUp) * inverse, tb = (from + s.slackUp) * inverse;
+  vec3 t0 = max(min(ta, tb), vec3(0.0)), t1 = min(max(ta, tb), vec3(1.0));
+  vec3 along = s.across.yzx - s.across, x0 = s.across + along * t0, x1 = s.across + along * t1;
+  bvec3 there = lessThanEqual(t0, t1);
+  vec3 low = mix(vec3(1e9), min(x0, x1), there), high = mix(vec3(-1e9), max(x0, x1), there);
+  return vec2(min(min(low.x, low.y), low.z) - s.slackAcross, max(max(high.x, high.y), high.z) + s.slackAcross);
+}
