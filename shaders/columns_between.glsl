@@ -11,8 +11,9 @@ struct Silhouette {
   float slackAcross, slackUp;
 };
 
-// Returns the silhouette of a triangle that spans at most a tenth of a radian, below 56 degrees of elevation. Of any
-// other one, and where beams have grid columns of their own or see the triangle from elsewhere, it is not known.
+// Returns the silhouette of a triangle that spans at most a tenth of a radian and lies within 56 degrees of the
+// horizon. That of any other triangle is not known; nor is any one if the cells of a grid hold the beams of a list, or
+// if motion shows the triangle from elsewhere.
 Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
   Silhouette result = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
   if (BOUNDS != kBoundsExact || MOTION || LISTED) return result;
@@ -36,6 +37,17 @@ Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
   result.slackAcross = columnSlack(-key, key) + 5e-7 * float(frame.columns) +
                        (1.1 * blur / (1.0 - key) + 2e-6) * frame.columnsPerRadian;
   return result;
+}
+
+// Returns how many steps a walk over the beams that may hit takes, estimated by the triangle's area: at least one for
+// each row.
+float walkLength(Silhouette s, Box box) {
+  float rowCount = float(boxRowCount(box));
+  if (!s.known) return rowCount * float(boxColumnCount(box));
+  vec3 up = s.up - s.up.x, across = s.across - s.across.x;
+  float area = 0.5 * abs(across.y * up.z - across.z * up.y);
+  float height = max(max(up.y, up.z), 0.0) - min(min(up.y, up.z), 0.0) + 2.0 * s.slackUp;
+  return rowCount * (1.0 + area / height);
 }
 
 // Returns the first and the last place between which beams with this tangent of the elevation may hit, in columns from

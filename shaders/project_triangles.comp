@@ -276,13 +276,13 @@ uint nthSetBit(uint bits, uint n) {
 
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
-// True if the beams of a box are tried here, instead of in stage bin, which needs panes. See kTriedBoxBeams.
-bool isTriedHere(Box box, uint material, bool moves) {
+// True if the beams of a box are tried here, instead of in stage bin, which needs panes.
+bool isTriedHere(Box box, Silhouette silhouette, uint material, bool moves) {
   bool seenFromOnePlace = !MOTION || (SHIFTS_TURNED && motion.sensor == 0 && !moves);
-  bool findsColumns = BINNING == kBinningSlabs && !MOTION && !LISTED;
+  bool small = boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
+  bool few = BINNING == kBinningSlabs && silhouette.known && walkLength(silhouette, box) <= kTriedSteps;
   return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kFootprint) == 0 &&
-         !(PANES && isPaneMaterial(material)) &&
-         boxColumnCount(box) * boxRowCount(box) <= (findsColumns ? kTriedBoxBeams : kSmallBoxBeams);
+         !(PANES && isPaneMaterial(material)) && (small || few);
 }
 
 uint triedCount = 0;  // triangles that this invocation has tried
@@ -309,16 +309,9 @@ bool inHole(uint slot, vec3 weights) {
 }
 
 // Tries the beams of a box that may hit. It is one loop, not two nested ones: a subgroup then runs as long as its
-// largest box.
-void tryBox(Projected projected, Box box, uint material) {
-  if ((EFFECTS & kCutOuts) != 0) {
-    triedSurface = optics.at[material];
-    triedTexture = projected.inTexture;
-  }
-  Triangle triangle = triangleOf(projected.a, projected.b, projected.c.corner);
-  Prepared prepared = prepare(triangle);
+// longest walk.
+void tryBox(Triangle triangle, Prepared prepared, Silhouette silhouette, Box box) {
   uint columnCount = boxColumnCount(box);
-  Silhouette silhouette = silhouetteOf(triangle, prepared, box);
   bool met = false;
   for (Walk walk = walkOf(box); !ended(box, walk);) {
     uint index;
@@ -352,8 +345,17 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
       any = any || fate == kKeep;
       there = MOTION && !isEmpty(interval);
       if (!there && !any) culled += countOf(fate);
-      if (fate == kKeep && isTriedHere(box, survivor.material, survivor.moves)) {
-        tryBox(projected, box, survivor.material);
+    }
+    if (fate == kKeep) {
+      Triangle triangle = triangleOf(projected.a, projected.b, projected.c.corner);
+      Prepared prepared = prepare(triangle);
+      Silhouette silhouette = silhouetteOf(triangle, prepared, box);
+      if (isTriedHere(box, silhouette, survivor.material, survivor.moves)) {
+        if ((EFFECTS & kCutOuts) != 0) {
+          triedSurface = optics.at[survivor.material];
+          triedTexture = projected.inTexture;
+        }
+        tryBox(triangle, prepared, silhouette, box);
         fate = kNoTriangle;
       }
     }

@@ -34,11 +34,11 @@ GNO_CONST uint kGroupClusters = 64;
 // One invocation processes a box of at most this many beams; a larger box is cut into tiles, and one subgroup
 // processes a tile.
 GNO_CONST uint kSmallBoxBeams = 16;
-// The same in stage project where there are few threads, if one invocation need not try all beams of a box, but in each
-// row only those between the triangle's edges (see columns_between.glsl). On two CPU cores 128 took 0.89 of the time of
-// 16 with an HDL-64E, 256 took 0.93 and 512 took 0.99; with Hypothetical-256 0.84, 0.84 and 0.83 (geometric means of 13
-// and 9 scenes).
-GNO_CONST uint kTriedBoxBeams = 128;
+// Where there are few threads, stage project tries a triangle at once if that takes at most so many steps: beams
+// between its edges, and rows (see columns_between.glsl). On two CPU cores, beside boxes of at most 16 beams alone, 128
+// took 0.85 of the time with an HDL-64E (five scenes), and 0.84 with Hypothetical-256 (nine scenes, with boxes of up to
+// 128 beams); 256 took 1.06 and 1.02 of the time of 128. All are geometric means of CPU times.
+GNO_CONST float kTriedSteps = 128.0f;
 // Beams per tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
 GNO_CONST uint kTileBeams = 4096;
 // For a tile of at most this many beams, all rows are tried without computing first which rows can have hits.
