@@ -35,9 +35,9 @@ GNO_CONST uint kGroupClusters = 64;
 // processes a tile.
 GNO_CONST uint kSmallBoxBeams = 16;
 // Where there are few threads, stage project tries a triangle at once if that takes at most so many steps: beams
-// between its edges, and rows (see columns_between.glsl). On two CPU cores, beside boxes of at most 16 beams alone, 128
-// took 0.85 of the time with an HDL-64E (five scenes), and 0.84 with Hypothetical-256 (nine scenes, with boxes of up to
-// 128 beams); 256 took 1.06 and 1.02 of the time of 128. All are geometric means of CPU times.
+// between its edges, and rows (see columns_between.glsl). On two CPU cores, beside boxes of at most 16 beams that are
+// all tried, 128 took 0.92 of the CPU time with an HDL-64E (geometric mean of 17 scenes) and 0.85 with Hypothetical-256
+// (16 scenes); 256 took 1.06 and 1.02 of the time of 128 (5 and 4 scenes).
 GNO_CONST float kTriedSteps = 128.0f;
 // Beams per tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
 GNO_CONST uint kTileBeams = 4096;
