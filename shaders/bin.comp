@@ -310,7 +310,7 @@ void tryTile(Tile tile) {
               beam = beamOf(azimuth, elevation.x, elevation.y);
               if (shifts) own = shifted(turned, laserOf(box.rowFirst + mine));
             } else {
-              beam = beamAt(box, k, box.rowFirst + mine, index);
+              beam = beamAt(box, k, box.rowFirst + mine, elevation, index);
               if (MOTION) {
                 // Because of the row's offset the beam may belong to another column than the grid column.
                 if (AZIMUTH_OFFSETS) ofBeam = seenFrom(tile.triangle, tile.slot, index % frame.columns);

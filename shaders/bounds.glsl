@@ -111,6 +111,9 @@ uint boxColumnCount(Box box) {
   return uint(min(max(int(floor(box.columnMax)) + 1 - firstColumn(box), 0), int(frame.columns)));
 }
 
+// True if the box has so few beams that one invocation processes it.
+bool isSmall(Box box) { return boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams; }
+
 // Sets the columns that the triangle may cover; false if it lies between two columns. A rounding error means a larger
 // error in azimuth near a pole: 1 - |key| is cos(elevation) within a factor of 1.42. So near a pole every column is
 // covered. A triangle that contains no pole spans less than pi, so its azimuths are found relative to corner a.

@@ -33,8 +33,8 @@ void loadBatch(uint i, bool there, inout Batch batch) {
   batch.material = clusters.at[batch.pair.y].material;
 }
 
-// Makes `loaded` the next cluster of a batch. The instance is loaded only if it is another one, because neighbouring
-// clusters mostly belong to one.
+// Makes `loaded` the next cluster of a batch. The instance is loaded only if the cluster before belongs to another one,
+// which is rare, because neighbouring clusters mostly share an instance.
 void loadNext(inout Batch batch, inout LoadedCluster loaded) {
   uint lane = batch.done++;
   uint number = subgroupShuffle(batch.pair.x, lane), counts = subgroupShuffle(batch.counts, lane);

@@ -12,8 +12,8 @@ struct Silhouette {
 };
 
 // Returns the silhouette of a triangle that spans at most a tenth of a radian and lies within 56 degrees of the
-// horizon. That of any other triangle is not known; nor is any one if the cells of a grid hold the beams of a list, or
-// if motion shows the triangle from elsewhere.
+// horizon. The silhouette of any other triangle is not known. No silhouette is known where the cells of a grid hold the
+// beams of a list, or where motion shows the triangle from elsewhere.
 Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
   Silhouette result = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
   if (BOUNDS != kBoundsExact || MOTION || LISTED) return result;
@@ -39,8 +39,8 @@ Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
   return result;
 }
 
-// Returns how many steps a walk over the beams that may hit takes, estimated by the triangle's area: at least one for
-// each row.
+// Estimates by the triangle's area how many steps a walk over the beams that may hit takes. Each row takes at least one
+// step.
 float walkLength(Silhouette s, Box box) {
   float rowCount = float(boxRowCount(box));
   if (!s.known) return rowCount * float(boxColumnCount(box));

@@ -49,11 +49,11 @@ void enterRow(Box box, uint columnCount, Silhouette silhouette, inout Walk walk)
   walk.kEnd = uint(min(max(to, int(walk.k)), int(columnCount)));
 }
 
-// Returns the beam in the k-th column of a box and in a row, and its index in `words`. If the row's azimuth offset
+// Returns the beam in the k-th column of a box and in a row whose cosine and sine of the elevation are `angles`, and the
+// beam's index in `words`. If the row's azimuth offset
 // is n columns, rounded down, its beam at a grid column is beam number (grid column - n) of the row. So k counts grid
 // columns in every row, and the slab that owns the grid column owns the beam.
-Beam beamAt(Box box, uint k, uint row, out uint index) {
-  vec3 angles = rows.at[row].angles;
+Beam beamAt(Box box, uint k, uint row, vec2 angles, out uint index) {
   vec4 offset = AZIMUTH_OFFSETS ? rows.at[row].offset : vec4(0.0);
   uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? int(floor(offset.z)) : 0));
   index = row * frame.columns + column;
@@ -62,8 +62,8 @@ Beam beamAt(Box box, uint k, uint row, out uint index) {
 
 bool ended(Box box, Walk walk) { return walk.row > box.rowLast && walk.index == walk.end; }
 
-// Moves on by one beam. Returns false if this step has found none because it entered other cells, or a row without
-// beams that may hit. Walks of one loop, without inner loops, take a subgroup as long as its longest walk.
+// Moves the walk on by one beam. Returns false if this step has found no beam, because it entered other cells or a row
+// without beams that may hit. A walk has no inner loops, so a subgroup takes as long as its longest walk.
 bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, out Beam beam, out uint index) {
   if (LISTED) {
     if (walk.index == walk.end) enterCells(box, columnCount, walk);
@@ -81,13 +81,7 @@ bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, o
   }
   if (walk.k == walk.kEnd) enterRow(box, columnCount, silhouette, walk);
   bool there = walk.k < walk.kEnd;  // all lanes load a beam, because loads in divergent branches cost more
-  if (AZIMUTH_OFFSETS) {
-    beam = beamAt(box, min(walk.k, columnCount - 1), walk.row, index);
-  } else {
-    uint column = wrapColumn(firstColumn(box) + int(min(walk.k, columnCount - 1)));
-    index = walk.row * frame.columns + column;
-    beam = beamOf(columns.at[column], walk.angles.x, walk.angles.y);
-  }
+  beam = beamAt(box, min(walk.k, columnCount - 1), walk.row, walk.angles, index);
   walk.k += there ? 1 : 0;
   if (walk.k == walk.kEnd) {
     walk.k = walk.kEnd = 0;

@@ -52,7 +52,7 @@ void storeSlabs(uint slot, Box box, uint material) {
 }
 
 void storeKept(bool keep, Projected projected, Box box, uint material) {
-  bool small = BINNING == kBinningSlabs || boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
+  bool small = BINNING == kBinningSlabs || isSmall(box);
   uvec4 smallOnes = subgroupBallot(keep && small);
   uint slot = 0;
   if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));

@@ -67,8 +67,7 @@ bool outOfRange(vec3 a, float rangeMin) {
 // True if in the whole box an earlier shell has nearer hits. Small boxes are not tested, because trying their beams is
 // cheaper.
 bool hidden(Box box, float rangeMin) {
-  return (CULLING & kCullOccluded) != 0 && pass.occluders != 0 &&
-         boxColumnCount(box) * boxRowCount(box) > kSmallBoxBeams &&
+  return (CULLING & kCullOccluded) != 0 && pass.occluders != 0 && !isSmall(box) &&
          occluded(Window(box.rowFirst, box.rowLast + 1, box.columnMin, box.columnMax), rangeMin);
 }
 
@@ -279,10 +278,9 @@ uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, 
 // True if the beams of a box are tried here, instead of in stage bin, which needs panes.
 bool isTriedHere(Box box, Silhouette silhouette, uint material, bool moves) {
   bool seenFromOnePlace = !MOTION || (SHIFTS_TURNED && motion.sensor == 0 && !moves);
-  bool small = boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams;
   bool few = BINNING == kBinningSlabs && silhouette.known && walkLength(silhouette, box) <= kTriedSteps;
   return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kFootprint) == 0 &&
-         !(PANES && isPaneMaterial(material)) && (small || few);
+         !(PANES && isPaneMaterial(material)) && (isSmall(box) || few);
 }
 
 uint triedCount = 0;  // triangles that this invocation has tried

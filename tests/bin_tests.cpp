@@ -85,8 +85,8 @@ TEST_CASE("the rows of a triangle between two columns include all its beams") {
 
 TEST_CASE("the columns of a small triangle in a row include all its beams") {
   needVulkan();
-  // Round triangles and slivers along and across the rows, of none to some hundred beams, at elevations of up to 58
-  // degrees either way. Their edges bulge by up to four rows.
+  // The triangles are round, or slivers along or across the rows. They cover from none to some hundred beams and lie up
+  // to 60 degrees above or below the horizon. An edge of a small one bulges by up to a row of the 900.
   Random uniform(5);
   MeshBuilder builder;
   for (int i = 0; i < 4000; ++i) {
