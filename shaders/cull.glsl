@@ -85,22 +85,55 @@ void coverAzimuths(vec3 low, vec3 high, float keyMin, float keyMax, inout Window
   window.to = columnAt(middle + most) + slack;
 }
 
+// Returns the beams that may hit a box.
+Window windowOf(vec3 low, vec3 high) {
+  float keyMin, keyMax;
+  coverKeys(low, high, 0.0, keyMin, keyMax);
+  Window window;
+  rowsBetween(keyMin, keyMax, window.first, window.end);
+  coverAzimuths(low, high, keyMin, keyMax, window);
+  return window;
+}
+
+// Returns a window's first column, and the column after its last, which is beyond the number of columns if the window
+// wraps. With offsets, they include the columns of every row.
+uvec2 columnsOf(Window window) {
+  int unwrapped = int(ceil(window.from - frame.shiftMax));
+  uint from = wrapColumn(unwrapped);
+  return uvec2(from, uint(int(floor(window.to - frame.shiftMin)) + int(from) - unwrapped + 1));
+}
+
+// True if a window has at most `most` beams, which lie in the same columns of each row. With offsets they do not. The
+// window of a box with NaN bounds may begin at any column, and is none of few beams.
+bool hasFewBeams(Window window, uint most) {
+  uvec2 span = columnsOf(window);
+  uint columnCount = span.y - span.x;
+  return !BESIDE_COLUMNS && span.x < frame.columns && columnCount <= most &&
+         columnCount * (window.end - window.first) <= most;
+}
+
+// True if every beam of a window has a hit nearer than `nearest`. It is one loop, so that lanes with different windows
+// take only as long as the longest.
+bool behindHits(Window window, float nearest) {
+  uvec2 span = columnsOf(window);
+  uint nearestBits = floatBitsToUint(nearest), row = window.first, column = span.x;
+  bool behind = true;
+  while (behind && row < window.end && column < span.y) {
+    behind = words.at[row * frame.columns + (column < frame.columns ? column : column - frame.columns)].y < nearestBits;
+    bool rowEnds = ++column == span.y;
+    column = rowEnds ? span.x : column;
+    row += rowEnds ? 1 : 0;
+  }
+  return behind;
+}
+
 // True if the box is farther than the largest range that any beam of the window has found so far; then nothing in it
 // can be a hit.
 bool occluded(Window window, float nearest) {
+  if (hasFewBeams(window, kMaxLookups)) return behindHits(window, nearest);
   uint nearestBits = floatBitsToUint(nearest);
-  int unwrapped = int(ceil(window.from - frame.shiftMax));
-  uint from = wrapColumn(unwrapped), to = uint(int(floor(window.to - frame.shiftMin)) + int(from) - unwrapped);
-  uvec2 shift = uvec2(findMSB(kFineColumns), findMSB(kFineRows));
-  uint base = 0;
-  uint columnCount = to - from + 1, rowCount = window.end - window.first;
-  // A window of few beams is compared with the hits of these beams. With offsets, rows have different columns.
-  if (!BESIDE_COLUMNS && columnCount <= kMaxLookups && columnCount * rowCount <= kMaxLookups) {
-    for (uint row = window.first; row < window.end; ++row)
-      for (uint k = from; k <= to; ++k)
-        if (words.at[row * frame.columns + (k < frame.columns ? k : k - frame.columns)].y >= nearestBits) return false;
-    return true;
-  }
+  uvec2 span = columnsOf(window), shift = uvec2(findMSB(kFineColumns), findMSB(kFineRows));
+  uint from = span.x, to = span.y - 1, base = 0;
   for (uint level = 0; level < 2; ++level) {
     uint perRow = (frame.columns - 1 >> shift.x) + 1;
     // Columns wrap, and so do table entries. The last entry of a row may cover fewer columns, so one more entry is
@@ -143,13 +176,8 @@ bool outOfSight(vec3 low, vec3 high) {
     if (seeming > 1.0) return (CULLING & kCullRange) != 0 && nearest > frame.rangeMax;
   }
   if ((CULLING & kCullRange) != 0 && nearest > frame.rangeMax) return true;
-  float keyMin, keyMax;
-  coverKeys(low, high, 0.0, keyMin, keyMax);
-  Window window;
-  rowsBetween(keyMin, keyMax, window.first, window.end);
+  Window window = windowOf(low, high);
   if ((CULLING & kCullRows) != 0 && window.first >= window.end) return true;
-  if ((CULLING & (kCullColumns | kCullOccluded)) == 0) return false;
-  coverAzimuths(low, high, keyMin, keyMax, window);
   if ((CULLING & kCullColumns) != 0 && betweenColumns(window.from, window.to)) return true;
   return (CULLING & kCullOccluded) != 0 && pass.occluders != 0 && window.first < window.end &&
          occluded(window, nearest);

@@ -237,8 +237,21 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
 #include "panes.glsl"
 #include "project_store.glsl"
 
+// True if every beam that may meet the cluster has a nearer hit by now. The cluster was not hidden when it was listed,
+// but since then triangles of the same shell have been tried. Each lane may ask about another cluster.
+bool isHiddenByNow(uvec2 pair) {
+  bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && !MOTION;
+  if (!triesHere || (CULLING & kCullOccluded) == 0) return false;
+  if (DEFORMED != kDeformsNothing && deformers.at[instanceMeshes.at[pair.x]].deformed != 0) return false;
+  vec3 low, high;
+  sensorBox(instances.at[pair.x], clusters.at[pair.y].low, clusters.at[pair.y].high, low, high);
+  Window window = windowOf(low, high);
+  return hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearestPoint(low, high));
+}
+
 // Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
-// shared counter hands out the next clusters; otherwise each subgroup has a fixed share.
+// shared counter hands out the next clusters; otherwise each subgroup has a fixed share. Clusters that are hidden by
+// now come without triangles.
 bool nextCluster(inout uint next, inout Batch batch, inout LoadedCluster loaded) {
   if (batch.done == batch.count) {
     uint count = shells.of[pass.shell].visible, subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, stride = 1, i;
@@ -256,6 +269,7 @@ bool nextCluster(inout uint next, inout Batch batch, inout LoadedCluster loaded)
     batch.count = min(wanted, (count - i + stride - 1) / stride);
     batch.done = 0;
     loadBatch(i + gl_SubgroupInvocationID * stride, gl_SubgroupInvocationID < batch.count, batch);
+    if (isHiddenByNow(batch.pair)) batch.counts = 0;
   }
   loadNext(batch, loaded);
   return true;
@@ -381,7 +395,7 @@ void main() {
     more = nextCluster(next, batch, loaded);
     Vertices vertices;
     uint left = 0;  // one bit for each triangle that needs bounds
-    if (more) {
+    if (more && loaded.triangleCount > 0) {
       triangleCount += loaded.triangleCount;
       vertices = verticesOf(loaded);
       for (uint first = 0; first < loaded.triangleCount; first += gl_SubgroupSize) {

@@ -65,6 +65,8 @@ GNO_CONST uint kCoarseColumns = 64;
 GNO_CONST uint kCoarseRows = 32;
 // Most table entries that are read for one box; a box over more entries counts as visible.
 GNO_CONST uint kMaxLookups = 16;
+// A cluster that at most so many beams may meet is compared with their hits again before it is projected.
+GNO_CONST uint kBeamsAskedAgain = 128;
 // Most shells of a scan, and the buckets of distance, four per octave, in which groups are counted to choose them.
 GNO_CONST uint kMostShells = 8;
 GNO_CONST uint kShellBuckets = 64;

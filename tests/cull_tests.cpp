@@ -141,6 +141,26 @@ TEST_CASE("culling: what near triangles hide is skipped in a small scene, too") 
   CHECK(sameBytes(scan, seen));
 }
 
+TEST_CASE("culling: what triangles of the same shell hide is skipped") {
+  needVulkan();
+  // Stage project tries the small triangles of the near wall before it comes to those of the far one.
+  Scene scene = sceneOf(wallAround(10, 360, 20, 360));
+  scene.meshes.push_back(wallAround(40, 360, 20, 360));
+  scene.instances.push_back({"", 1, {}});
+  TestOptions options = vulkanOptions();
+  options.faces = ReflectingFaces::both;
+  options.tuning.binning = Binning::slabs;
+  const Sensor sensor = gridSensor(700, 40, -24, 24, 100);
+  Simulator oneShell = makeSimulator(scene, sensor, options);
+  REQUIRE(oneShell.plan().stages[0].dispatches == 3);
+  const Scan scan = oneShell.scan({});
+  options.tuning.culling.occlusion = Culling::Occlusion::never;
+  const Scan seen = scanOf(scene, sensor, {}, options);
+  CHECK(seen.counters.culledByCluster == 0);
+  CHECK(scan.counters.culledByCluster > scene.meshes[1].triangleCount() / 4);
+  CHECK(sameBytes(scan, seen));
+}
+
 TEST_CASE("culling: hidden triangles, and those out of range or between beams, are skipped") {
   needVulkan();
   const Scene town = makeTown({200'000, 1});

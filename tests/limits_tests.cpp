@@ -177,6 +177,7 @@ TEST_CASE("a town in two shells with a buffer limit has the same bytes and is cu
   const Scene scene = makeTown({.triangles = 30'000});
   TestOptions options = vulkanOptions();
   options.tuning.culling.occlusion = Culling::Occlusion::always;
+  options.tuning.binning = Binning::nearest;  // with slabs the counts depend on which triangles have been tried before
   const Pose pose = {{0, 0, 1.8}, {}};
   const Scan whole = scanOf(scene, builtinSensors()[0], pose, options);
   options.tuning.maxBufferBytes = kMebibyte / 2;

@@ -136,7 +136,8 @@ enum class Label : uint8_t {
 
 /// Counts of what happened to the scene's triangles and to the sensor's beams. Whatever is dropped is counted here.
 /// Beams of a list that start far apart are projected group by group; the counts of culled and projected triangles are
-/// then sums over the groups.
+/// then sums over the groups. These counts depend on the order in which the device's threads process triangles, and on
+/// the scan before; clouds do not.
 struct Counters {
   uint64_t beams = 0;
   uint64_t hits = 0;
@@ -144,7 +145,7 @@ struct Counters {
   uint64_t triangles = 0;        ///< triangles placed in the scene, summed over instances
   uint64_t nonFinite = 0;        ///< dropped because a vertex is NaN, infinite or beyond 1e9 m
   uint64_t degenerate = 0;       ///< dropped because two corners are the same point
-  uint64_t culledByCluster = 0;  ///< in a cluster that is out of range or between the beams
+  uint64_t culledByCluster = 0;  ///< in a cluster that is out of range, between the beams or hidden
   uint64_t reused = 0;         ///< not computed again: of instances that have not moved since a scan from the same pose
   uint64_t culledByRange = 0;  ///< the nearest point is beyond rangeMax
   uint64_t culledByFace = 0;   ///< back faces of one-sided materials

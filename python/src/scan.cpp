@@ -120,7 +120,7 @@ void bindCounters(nb::module_& m) {
       .def_ro("non_finite", &Counters::nonFinite, "Dropped because a vertex is NaN, infinite or beyond 1e9 m.")
       .def_ro("degenerate", &Counters::degenerate, "Dropped because two corners are the same point.")
       .def_ro("culled_by_cluster", &Counters::culledByCluster,
-              "In a cluster that is out of range or between the beams.")
+              "In a cluster that is out of range, between the beams or hidden.")
       .def_ro("reused", &Counters::reused,
               "Not computed again: of instances that have not moved since a scan from the same pose.")
       .def_ro("culled_by_range", &Counters::culledByRange, "The nearest point is beyond range_max.")
