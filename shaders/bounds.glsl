@@ -111,7 +111,7 @@ uint boxColumnCount(Box box) {
   return uint(min(max(int(floor(box.columnMax)) + 1 - firstColumn(box), 0), int(frame.columns)));
 }
 
-// True if the box has so few beams that one invocation processes it.
+// True if a box has so few beams that one invocation tries them all; a subgroup shares the beams of a larger box.
 bool isSmall(Box box) { return boxColumnCount(box) * boxRowCount(box) <= kSmallBoxBeams; }
 
 // Sets the columns that the triangle may cover; false if it lies between two columns. A rounding error means a larger

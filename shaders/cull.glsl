@@ -85,7 +85,7 @@ void coverAzimuths(vec3 low, vec3 high, float keyMin, float keyMax, inout Window
   window.to = columnAt(middle + most) + slack;
 }
 
-// Returns the beams that may hit a box.
+// Returns the window of the beams that may hit a box.
 Window windowOf(vec3 low, vec3 high) {
   float keyMin, keyMax;
   coverKeys(low, high, 0.0, keyMin, keyMax);
@@ -95,16 +95,18 @@ Window windowOf(vec3 low, vec3 high) {
   return window;
 }
 
-// Returns a window's first column, and the column after its last, which is beyond the number of columns if the window
-// wraps. With offsets, they include the columns of every row.
+// Returns the first column of a window and the column after its last one. If the window continues behind the sensor's
+// last column with column 0, the second number is larger than the number of columns. If rows have azimuth offsets, the
+// two numbers include the columns of every row.
 uvec2 columnsOf(Window window) {
   int unwrapped = int(ceil(window.from - frame.shiftMax));
   uint from = wrapColumn(unwrapped);
   return uvec2(from, uint(int(floor(window.to - frame.shiftMin)) + int(from) - unwrapped + 1));
 }
 
-// True if a window has at most `most` beams, which lie in the same columns of each row. With offsets they do not. The
-// window of a box with NaN bounds may begin at any column, and is none of few beams.
+// True if a window has at most `most` beams, and they lie in the same columns of each row. If rows have azimuth
+// offsets, the columns differ, and this is false. It is also false if NaN bounds of a box have led to a column that
+// does not exist.
 bool hasFewBeams(Window window, uint most) {
   uvec2 span = columnsOf(window);
   uint columnCount = span.y - span.x;
@@ -112,8 +114,8 @@ bool hasFewBeams(Window window, uint most) {
          columnCount * (window.end - window.first) <= most;
 }
 
-// True if every beam of a window has a hit nearer than `nearest`. It is one loop, so that lanes with different windows
-// take only as long as the longest.
+// True if every beam of a window has a hit nearer than `nearest`. Each lane may ask about another window. There is one
+// loop instead of two nested ones, because a subgroup then takes only as long as its lane with the most beams.
 bool behindHits(Window window, float nearest) {
   uvec2 span = columnsOf(window);
   uint nearestBits = floatBitsToUint(nearest), row = window.first, column = span.x;

@@ -49,10 +49,10 @@ void enterRow(Box box, uint columnCount, Silhouette silhouette, inout Walk walk)
   walk.kEnd = uint(min(max(to, int(walk.k)), int(columnCount)));
 }
 
-// Returns the beam in the k-th column of a box and in a row whose cosine and sine of the elevation are `angles`, and the
-// beam's index in `words`. If the row's azimuth offset
-// is n columns, rounded down, its beam at a grid column is beam number (grid column - n) of the row. So k counts grid
-// columns in every row, and the slab that owns the grid column owns the beam.
+// Returns the beam in the k-th column of a box and in a row, and the beam's index in `words`. `angles` are the cosine
+// and the sine of the row's elevation. If the row's azimuth offset is n columns, rounded down, its beam at a grid
+// column is beam number (grid column - n) of the row. So k counts grid columns in every row, and the slab that owns the
+// grid column owns the beam.
 Beam beamAt(Box box, uint k, uint row, vec2 angles, out uint index) {
   vec4 offset = AZIMUTH_OFFSETS ? rows.at[row].offset : vec4(0.0);
   uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? int(floor(offset.z)) : 0));

@@ -237,8 +237,9 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
 #include "panes.glsl"
 #include "project_store.glsl"
 
-// True if every beam that may meet the cluster has a nearer hit by now. The cluster was not hidden when it was listed,
-// but since then triangles of the same shell have been tried. Each lane may ask about another cluster.
+// True if every beam that may meet a cluster has a hit nearer than the cluster by now. The cluster was not hidden when
+// project_clusters listed it, but since then this kernel has tried other triangles of the same shell. Each lane may ask
+// about another cluster.
 bool isHiddenByNow(uvec2 pair) {
   bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && !MOTION;
   if (!triesHere || (CULLING & kCullOccluded) == 0) return false;
@@ -250,8 +251,8 @@ bool isHiddenByNow(uvec2 pair) {
 }
 
 // Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
-// shared counter hands out the next clusters; otherwise each subgroup has a fixed share. Clusters that are hidden by
-// now come without triangles.
+// shared counter hands out the next clusters; otherwise each subgroup has a fixed share. A cluster that is hidden by
+// now is returned with no triangles.
 bool nextCluster(inout uint next, inout Batch batch, inout LoadedCluster loaded) {
   if (batch.done == batch.count) {
     uint count = shells.of[pass.shell].visible, subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, stride = 1, i;

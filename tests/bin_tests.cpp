@@ -86,7 +86,8 @@ TEST_CASE("the rows of a triangle between two columns include all its beams") {
 TEST_CASE("the columns of a small triangle in a row include all its beams") {
   needVulkan();
   // The triangles are round, or slivers along or across the rows. They cover from none to some hundred beams and lie up
-  // to 60 degrees above or below the horizon. An edge of a small one bulges by up to a row of the 900.
+  // to 60 degrees above or below the horizon. On the way between its ends,
+  // an edge rises above the straight line by up to one of 900 rows.
   Random uniform(5);
   MeshBuilder builder;
   for (int i = 0; i < 4000; ++i) {
