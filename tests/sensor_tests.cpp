@@ -337,6 +337,27 @@ TEST_CASE("heads of the catalogue have the figures of their sheets") {
   CHECK(narrow.channels[31].elevationDeg == 15);
 }
 
+TEST_CASE("the Alpha Prime has the angles of the vendor's calibration") {
+  // Lasers 0, 2, 7, 36 and 59 of ros-drivers/velodyne, params/VLS128.yaml: vert_correction and rot_correction.
+  const struct {
+    double vertical, rotation;
+  } lasers[] = {{-0.2049365607691742, -0.1108982206717197},
+                {0.059341194567807204, -0.04768239516448509},
+                {0.022863813201125717, 0.1108982206717197},
+                {-0.4363323129985824, 0.015899949485668342},
+                {0.2617993877991494, -0.015899949485668342}};
+  const Sensor sensor = builtinSensor("Alpha-Prime");
+  const double degree = std::numbers::pi / 180, turned = sensor.azimuthSpanDeg / sensor.rotationPeriod;
+  for (const auto& laser : lasers) {
+    INFO(laser.vertical / degree);
+    const auto channel =
+        std::find_if(sensor.channels.begin(), sensor.channels.end(),
+                     [&](const Channel& c) { return std::abs(c.elevationDeg - laser.vertical / degree) < 1e-3; });
+    REQUIRE(channel != sensor.channels.end());
+    CHECK(std::abs(channel->azimuthOffsetDeg - turned * channel->timeOffset - laser.rotation / degree) < 1e-3);
+  }
+}
+
 TEST_CASE("heads of turning prisms have the field of view and the rate of their sheets") {
   const struct {
     const char* name;

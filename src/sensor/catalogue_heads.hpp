@@ -107,9 +107,10 @@ inline constexpr HeadFigures kHeads[] = {
    0, "",
    ""},
   {"Alpha-Prime", "Velodyne VLS-128 (Alpha Prime)",
-   "Isaac Sim profile Velodyne_VLS128.json: angles, firing times and height; ros-drivers/velodyne: 53.3 us per "
-   "sequence; VLS-128 User Manual, Table F-1: 3.0 x 1.5 mrad; data sheet: 300 m, 2 returns",
-   "Range at 10 %: not stated. The calibration of ros-drivers/velodyne has azimuth offsets of the opposite sign.",
+   "ros-drivers/velodyne, params/VLS128.yaml: angles, and 53.3 us per sequence; Isaac Sim profile "
+   "Velodyne_VLS128.json: firing times and height; VLS-128 User Manual, Table F-1: 3.0 x 1.5 mrad; data sheet: 300 m, "
+   "2 returns",
+   "Range at 10 %: not stated. The Isaac Sim profile has azimuth offsets of the opposite sign.",
    "10Hz 5Hz 15Hz 20Hz", 53.3, 0, -360, 0, 300, 0, "3 1.5", 2, true,
    "-11.742 -1.99 3.4 -5.29 -0.78 4.61 -4.08 1.31 -6.5 -1.11 4.28 -4.41 0.1 6.48 -3.2 2.19 -3.86 1.53 -9.244 "
    "-1.77 2.74 -5.95 -0.56 4.83 -2.98 2.41 -6.28 -0.89 3.62 -5.07 0.32 7.58 -0.34 5.18 -3.64 1.75 -25 -2.43 2.96 "
@@ -118,7 +119,7 @@ inline constexpr HeadFigures kHeads[] = {
    "-7.15 -1.44 3.95 -2.1 3.29 -5.4 -0.01 4.5 -4.19 1.2 -13.565 -1.22 4.17 -4.52 0.87 6.08 -3.31 2.08 -6.65 1.42 "
    "-10.346 -1.88 3.51 -6.06 -0.67 4.72 -3.97 2.3 -6.39 -1 4.39 -5.18 0.21 6.98 -3.09 4.98 -3.75 1.64 -8.352 "
    "-2.54 2.85 -5.84 -0.45 8.43 -2.87 2.52 -6.17 -1.66 3.73 -4.96 0.43",
-   "6.354 4.548 2.732 0.911 -0.911 -2.732 -4.548 -6.354",
+   "-6.354 -4.548 -2.732 -0.911 0.911 2.732 4.548 6.354",
    "0 0 0 0 0 0 0 0 2.665 2.665 2.665 2.665 2.665 2.665 2.665 2.665 5.33 5.33 5.33 5.33 5.33 5.33 5.33 5.33 7.995 "
    "7.995 7.995 7.995 7.995 7.995 7.995 7.995 10.66 10.66 10.66 10.66 10.66 10.66 10.66 10.66 13.325 13.325 "
    "13.325 13.325 13.325 13.325 13.325 13.325 15.99 15.99 15.99 15.99 15.99 15.99 15.99 15.99 18.655 18.655 "
