@@ -188,6 +188,22 @@ TEST_CASE("Ouster metadata: the pixels without a laser of a head of 16 beams are
   CHECK(lists(file.assumed, "lidar_to_sensor_transform"));
 }
 
+TEST_CASE("Ouster metadata: a head of 16 beams does not have angles of 64") {
+  std::string altitudes = "16", azimuths = "3.1";
+  for (int row = 1; row < 64; ++row) {
+    altitudes.append(", ").append(std::to_string(16 - 0.5 * row));
+    azimuths.append(", -3.1");
+  }
+  const auto text = [&](const char* product) {
+    return std::string(R"({"prod_line": ")") + product + R"(", "lidar_mode": "1024x10", "beam_altitude_angles": [)" +
+           altitudes + R"(], "beam_azimuth_angles": [)" + azimuths + "]}";
+  };
+  CHECK_THAT(problemOf(text("OS-1-16-A0"), "old.json"),
+             ContainsSubstring("has angles of 64 lasers, but OS-1-16-A0 has 16"));
+  CHECK(readSensorFile(text("OS-1-64"), "old.json").sensor.maskedBeams.empty());
+  CHECK(readSensorFile(text("OS-1"), "old.json").sensor.channels.size() == 64);
+}
+
 TEST_CASE("Ouster metadata: mistakes are named with their keys") {
   const auto edited = [](const std::string& from, const std::string& to) {
     return problemOf(replaced(kOusterNested, from, to), "os.json");
@@ -199,6 +215,8 @@ TEST_CASE("Ouster metadata: mistakes are named with their keys") {
   CHECK_THAT(edited("[4, -4]", "7"), ContainsSubstring("is not a list of numbers"));
   CHECK_THAT(edited("512x20", "513x20"), ContainsSubstring("known are 512x10, 512x20"));
   CHECK_THAT(edited("512x20", "1024x10"), ContainsSubstring("'columns_per_frame' is 512"));
+  CHECK_THAT(edited("\"columns_per_frame\": 512", "\"columns_per_frame\": 4000000000"),
+             ContainsSubstring("'columns_per_frame' is 4000000000, which"));
   CHECK_THAT(edited("\"sensor_info\"", "\"sensor\""), ContainsSubstring("lacks 'sensor_info'"));
   CHECK_THAT(edited("\"columns_per_frame\": 512, ", ""), ContainsSubstring("'columns_per_frame' is missing in"));
   CHECK_THAT(edited("\"pixels_per_column\": 2", "\"pixels_per_column\": 3"), ContainsSubstring("expected are 3"));

@@ -2,7 +2,6 @@
 // Attributes of CARLA's lidars, as the ROS bridge lists them. CARLA's frame is left-handed, y to the right; its lidar
 // turns clockwise seen from above, from half its field of view left of the front. Its lasers are numbered from the top.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 
@@ -24,9 +23,7 @@ void collect(const json& node, std::vector<const json*>& lidars, int depth = 0) 
 double attribute(SensorSource& source, const json& lidar, const std::string& key, double otherwise) {
   const auto found = lidar.find(key);
   if (found == lidar.end()) {
-    std::string text(32, '\0');
-    text.resize(static_cast<size_t>(std::to_chars(text.data(), text.data() + 32, otherwise).ptr - text.data()));
-    source.assume("'" + key + "' " + text + ", CARLA's default");
+    source.assume("'" + key + "' " + shownNumber(otherwise) + ", CARLA's default");
     return otherwise;
   }
   if (found->is_string()) return numberOf(source, found->get<std::string>(), "'" + key + "'");

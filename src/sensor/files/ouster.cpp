@@ -5,6 +5,7 @@
 // lidar_to_sensor_transform.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -127,8 +128,7 @@ void maskColumns(const SensorSource& source, const Metadata& metadata, double st
   const std::vector<double> window = metadata.numbers("column_window");
   if (window.size() != 2 ||
       !(window[0] >= 0 && window[0] < statedColumns && window[1] >= 0 && window[1] < statedColumns))
-    source.refuse("'column_window' must be two columns from 0 to " +
-                  std::to_string(static_cast<int>(statedColumns) - 1));
+    source.refuse("'column_window' must be two columns from 0 to " + shownNumber(statedColumns - 1));
   const double scale = sensor.columns / statedColumns;  // if another mode than that of the file is asked for
   const auto first = static_cast<uint32_t>(window[0] * scale),
              last = static_cast<uint32_t>((window[1] + 1) * scale - 1);
@@ -137,6 +137,25 @@ void maskColumns(const SensorSource& source, const Metadata& metadata, double st
     if (inside) continue;
     for (size_t ring = 0; ring < sensor.channels.size(); ++ring) masked[ring * sensor.columns + column] = true;
   }
+}
+
+/// Which rows of the cloud have a laser: heads of 16 and 32 beams of firmware 1.x list 64 pixels, of which those
+/// without a laser have only zeros. Refuses more lasers than a product such as OS-1-16-A0 has.
+std::vector<bool> lasersOf(const SensorSource& source, const std::vector<double>& altitudes,
+                           const std::vector<double>& azimuths, const std::string& product) {
+  const bool sparse = std::count(altitudes.begin(), altitudes.end(), 0.0) > 1;
+  std::vector<bool> lasers(altitudes.size(), true);
+  for (size_t row = 0; sparse && row < lasers.size(); ++row) lasers[row] = altitudes[row] != 0 || azimuths[row] != 0;
+  const auto count = static_cast<size_t>(std::count(lasers.begin(), lasers.end(), true));
+  if (!product.starts_with("OS-")) return lasers;
+  const size_t dash = product.find('-', 3);
+  size_t stated = 0;
+  if (dash != product.npos)
+    std::from_chars(product.data() + dash + 1, product.data() + product.size(), stated);  // leaves 0 if it is no number
+  if (stated > 0 && count > stated)
+    source.refuse("'beam_altitude_angles' has angles of " + std::to_string(count) + " lasers, but " + product +
+                  " has " + std::to_string(stated));
+  return lasers;
 }
 
 void placeBeams(SensorSource& source, const Metadata& metadata, const std::vector<double>& altitudes,
@@ -186,7 +205,8 @@ void readOuster(SensorSource& source, const json& root) {
                                                                : 64);  // all heads of firmware 1.x
   if (rows != static_cast<double>(altitudes.size()))
     source.refuse("'beam_altitude_angles' has " + std::to_string(altitudes.size()) + " entries, expected are " +
-                  std::to_string(static_cast<int>(rows)) + ", one per pixel of a column");
+                  shownNumber(rows) + ", one per pixel of a column");
+  const std::vector<bool> lasers = lasersOf(source, altitudes, azimuths, product);
 
   const std::string stated = metadata.text("lidar_mode");
   if (stated.empty() && source.options.mode.empty()) source.refuse("'lidar_mode' is missing");
@@ -194,18 +214,16 @@ void readOuster(SensorSource& source, const json& root) {
   const double statedColumns =
       metadata.number("columns_per_frame", stated.empty() ? mode.columns : modeOf(source, stated).columns);
   if (source.options.mode.empty() && statedColumns != mode.columns)
-    source.refuse("'columns_per_frame' is " + std::to_string(static_cast<int>(statedColumns)) +
-                  ", which does not suit the 'lidar_mode' " + stated);
+    source.refuse("'columns_per_frame' is " + shownNumber(statedColumns) + ", which does not suit the 'lidar_mode' " +
+                  stated);
 
   Sensor& sensor = source.file.sensor;
   sensor.columns = mode.columns;
   sensor.rotationPeriod = 1 / mode.rate;
   placeBeams(source, metadata, altitudes, azimuths, beamOrigin(source, metadata, product));
   std::vector<bool> masked(sensor.beamCount());
-  // Heads of 16 and 32 beams of firmware 1.x list 64 pixels, of which those without a laser have only zeros.
-  const bool sparse = std::count_if(altitudes.begin(), altitudes.end(), zero) > 1;
-  for (size_t row = 0; sparse && row < altitudes.size(); ++row)
-    if (altitudes[row] == 0 && azimuths[row] == 0)
+  for (size_t row = 0; row < lasers.size(); ++row)
+    if (!lasers[row])
       std::fill_n(masked.begin() + static_cast<std::ptrdiff_t>(row * sensor.columns), sensor.columns, true);
   maskColumns(source, metadata, statedColumns, sensor, masked);
   for (size_t beam = 0; beam < masked.size(); ++beam)

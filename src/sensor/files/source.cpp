@@ -110,6 +110,20 @@ std::vector<std::string_view> cellsOf(std::string_view line) {
   }
 }
 
+std::string shownNumber(double value) {
+  if (value == std::floor(value) && std::abs(value) < 1e15) return std::to_string(static_cast<long long>(value));
+  char text[32];
+  return std::string(text, std::to_chars(text, text + sizeof(text), value).ptr);
+}
+
+void refuseSurplus(const SensorSource& source, const std::vector<std::string_view>& cells, size_t expected,
+                   const std::string& where) {
+  for (size_t i = expected; i < cells.size(); ++i)
+    if (!cells[i].empty())
+      source.refuse(where + " has " + std::to_string(cells.size()) + " cells, expected are " +
+                    std::to_string(expected) + "; decimals need a point, not a comma");
+}
+
 double numberOf(const SensorSource& source, std::string_view text, const std::string& where) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double value = 0;

@@ -68,8 +68,15 @@ void setBeams(SensorSource& source, BeamList list);
 /// Splits a text into lines without their ends, and a line into cells without surrounding spaces.
 std::vector<std::string_view> linesOf(std::string_view text);
 std::vector<std::string_view> cellsOf(std::string_view line);
+/// Refuses a row whose cells beyond the first `expected` are not all empty; `where` names it in the message. Decimal
+/// commas make such rows.
+void refuseSurplus(const SensorSource& source, const std::vector<std::string_view>& cells, size_t expected,
+                   const std::string& where);
 /// Parses a finite number; `where` names it in the message, such as "line 3, Elevation".
 double numberOf(const SensorSource& source, std::string_view text, const std::string& where);
+
+/// A number for a message, as short as it can be.
+std::string shownNumber(double value);
 
 /// Members of a JSON object. Every message names the key.
 double numberIn(const SensorSource& source, const nlohmann::json& object, const std::string& key);
