@@ -246,6 +246,8 @@ TEST_CASE("Hesai angle correction: mistakes are named with their lines") {
   CHECK_THAT(rows("1,2,3\n1,2,3\n"), ContainsSubstring("line 3: channel 1 was there before"));
   CHECK_THAT(rows("1,2,3\n3,2,3\n"), ContainsSubstring("channel 2 is missing"));
   CHECK_THAT(rows("1,2\n"), ContainsSubstring("line 2 has 2 cells"));
+  CHECK_THAT(rows("1,14,882,-1,042\n"), ContainsSubstring("line 2 has 5 cells, expected are 3; decimals need a point"));
+  CHECK_THAT(problemOf("1,2,3\n2,14,882,-1\n", "a.csv", {.columns = 8}), ContainsSubstring("line 2 has 4 cells"));
   CHECK_THAT(rows("1,x,3\n"), ContainsSubstring("line 2, elevation is 'x'"));
   CHECK_THAT(rows("1,inf,3\n"), ContainsSubstring("finite"));
   CHECK_THAT(rows("65536,1,3\n"), ContainsSubstring("expected is 1 to 65535"));
@@ -286,6 +288,30 @@ TEST_CASE("Hesai firing times delay channels, turn the head on, and alternate wi
     const Sensor sensor = read("EEFF,1,1\nChannel num,2,Loop num,2\nID,us,ID,us\n1,4,2,8\n2,6,1,10\n").sensor;
     CHECK_THAT(timeOf(sensor, 0), WithinAbs(4e-6, 1e-15));
     CHECK_THAT(timeOf(sensor, 360 + 1), WithinAbs(0.1 / 360 + 8e-6, 1e-15));
+  }
+  SECTION("surplus cells") {
+    CHECK_THROWS_WITH(read("Channel,fire time(us)\n1,2,5\n2,3,0\n"), ContainsSubstring("line 2 has 3 cells"));
+    CHECK_THAT(read("Channel,fire time(us)\n1,2.5,,\n2,3,\n").sensor.channels[0].timeOffset, WithinAbs(2.5e-6, 1e-18));
+    CHECK_THROWS_WITH(read("Operational State,0,2\nAzimuth State,0,0\n1,1,5,2,5\n"), ContainsSubstring("has 5 cells"));
+  }
+  SECTION("a Pandar128E3X does not fire in the states in which it states 0 twice") {
+    // Channels 25 and 26 of laser-ts.csv in HesaiLidar_Swift_ROS.
+    const char* text =
+        "2.85,distance>=A1,distance<A1,distance>=A1,distance<A1,distance>=A1,distance<A1,distance>=A1,distance<A1,"
+        "distance>=A1,distance<A1,distance>=A1,distance<A1,distance>=A1,distance<A1,distance>=A1,distance<A1\n"
+        "operation mode,0,0,0,0,0,0,0,0,2,2,2,2,3,3,3,3\n"
+        "angle state,0,0,1,1,2,2,3,3,0,0,1,1,0,0,1,1\n"
+        "1,4558,4558,0,0,4558,4558,0,0,4558,4558,4558,4558,4558,4558,4558,4558\n"
+        "2,11227,11227,11477,13130,11227,11227,10811,10811,39255,40908,38589,38589,39255,40908,38589,38589\n";
+    const Sensor sensor = read(text).sensor;
+    REQUIRE(sensor.patterns.size() == 1);
+    CHECK(sensor.beamCount() == 2 * 360);
+    CHECK(sensor.maskedBeams.size() == 180);  // channel 1 rests in every second column
+    CHECK(sensor.maskedBeams[0] == 1);
+    CHECK_THAT(timeOf(sensor, 2), WithinAbs(0.2 / 360 + 4.558e-6, 1e-15));
+    CHECK_THAT(timeOf(sensor, 360 + 3), WithinAbs(0.3 / 360 + 10.811e-6, 1e-15));
+    CHECK(read(text, "2").sensor.maskedBeams.empty());
+    CHECK_THAT(problemOf(text, "times.csv"), ContainsSubstring("is a Hesai file of firing times"));
   }
   SECTION("far and near") {
     std::string text = "Distance 2.85\nx\ny\n";
@@ -379,6 +405,9 @@ TEST_CASE("Livox patterns: azimuth and zenith, times of one scan or a count of b
   CHECK(readSensorFile(counted, "l.csv").sensor.patterns[0].times.empty());
 
   CHECK_THAT(problemOf("Time/s,Azimuth/deg,Zenith/deg\n0,1\n", "l.csv"), ContainsSubstring("line 2 has 2 cells"));
+  CHECK_THAT(problemOf("Time/s,Azimuth/deg,Zenith/deg\n0,0,1,5,90\n", "l.csv"),
+             ContainsSubstring("decimals need a point"));
+  CHECK(readSensorFile("Time/s,Azimuth/deg,Zenith/deg\n0,1,90,,\n", "l.csv").sensor.beamCount() == 1);
   CHECK_THAT(problemOf("Time/s,Azimuth/deg,Zenith/deg\n0,1,b\n", "l.csv"), ContainsSubstring("Zenith/deg is 'b'"));
   CHECK_THAT(problemOf("Time/s,Azimuth/deg,Zenith/deg\n0,1,200\n", "l.csv"), ContainsSubstring("no angles of a beam"));
   CHECK_THAT(problemOf("Time/s,Azimuth/deg,Zenith/deg\n", "l.csv"), ContainsSubstring("the pattern has no beam"));

@@ -17,13 +17,14 @@ bool isChecksum(std::string_view cell) {
   return cell.size() >= 32 && cell.find_first_not_of("0123456789abcdefABCDEF") == cell.npos;
 }
 
-/// Places of the two angles in a row. The header may name them in either order.
+/// Places of the two angles in a row, and its number of cells. The header may name the angles in either order.
 struct Places {
-  size_t elevation = 1, azimuth = 2;
+  size_t elevation = 1, azimuth = 2, cells = 3;
 };
 
 Places placesOf(const std::vector<std::string_view>& header) {
   Places places;
+  places.cells = std::max(places.cells, header.size());
   for (size_t i = 0; i < header.size(); ++i) {
     if (containsWord(header[i], "elevation")) places.elevation = i;
     if (containsWord(header[i], "azimuth")) places.azimuth = i;
@@ -87,6 +88,7 @@ void readHesaiCsv(SensorSource& source) {
     if (cells.size() <= std::max(places.elevation, places.azimuth))
       source.refuse(where + " has " + std::to_string(cells.size()) +
                     " cells, expected are channel, elevation, azimuth");
+    refuseSurplus(source, cells, places.cells, where);
     const double id = numberOf(source, cells[0], where + ", channel");
     if (!(id >= 1 && id <= 65535) || id != std::floor(id))
       source.refuse(where + ": the channel is " + std::string(cells[0]) + ", expected is 1 to 65535");

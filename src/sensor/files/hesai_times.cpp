@@ -5,7 +5,8 @@
 //   Operational State ... / Azimuth State ... / rows   in us; the kinds of one state alternate, "-" does not fire
 //   EEFF ... / Channel num, N, Loop num, L / header    L pairs of a channel and its time (us) per row
 //   three lines, then a channel and 16 times (ns)      two times, for far and for near surfaces, for each of four kinds
-//                                                      of state 0, two of state 2 and two of state 3
+//                                                      of state 0, two of state 2 and two of state 3; a kind in which
+//                                                      both are 0 does not fire
 #include <cmath>
 #include <limits>
 
@@ -46,59 +47,77 @@ std::vector<size_t> columnsOfState(const SensorSource& source, const std::vector
   return columns;
 }
 
+/// How the rows of a file are read.
+struct Layout {
+  std::vector<size_t> kinds;  ///< the cell of each kind in a row
+  bool pairs = false;         ///< whether a kind is a channel and its time; else the row's first cell is the channel
+  bool farNear = false;       ///< whether a kind is a time for far and one for near surfaces
+  double unit = kMicro;
+  size_t firstLine = 1, cells = 0;  ///< cells of a row
+};
+
+Layout layoutOf(SensorSource& angles, const SensorSource& source, const std::vector<std::string_view>& lines) {
+  Layout layout;
+  if (lines.empty()) source.refuse("is empty");
+  const std::vector<std::string_view> header = cellsOf(lines[0]);
+  layout.cells = header.size();
+  if (containsWord(lines[0], "operational")) {
+    layout.kinds = columnsOfState(source, header, source.options.mode);
+    layout.firstLine = 2;
+  } else if (containsWord(lines[0], "eeff")) {
+    const auto cells = lines.size() > 1 ? cellsOf(lines[1]) : std::vector<std::string_view>();
+    if (cells.size() < 4) source.refuse("line 2: expected is 'Channel num, N, Loop num, L'");
+    const double loops = numberOf(source, cells[3], "line 2, loop number");
+    if (!(loops >= 1 && loops <= 16)) source.refuse("line 2: the loop number must be 1 to 16");
+    for (size_t i = 0; i < static_cast<size_t>(loops); ++i) layout.kinds.push_back(2 * i);
+    layout.pairs = true;
+    layout.firstLine = 3;
+    layout.cells = 2 * layout.kinds.size();
+  } else if (lines.size() > 3 && cellsOf(lines[3]).size() >= 17) {
+    const std::string& mode = source.options.mode;
+    if (mode.empty() || mode == "0")
+      layout.kinds = {1, 3, 5, 7};
+    else if (mode == "2" || mode == "3")
+      layout.kinds = mode == "2" ? std::vector<size_t>{9, 11} : std::vector<size_t>{13, 15};
+    else
+      source.refuse("there is no operational state '" + mode + "', but 0, 2 and 3");
+    angles.ignore("firing times for near surfaces");
+    layout.farNear = true;
+    layout.unit = kNano;
+    layout.firstLine = 3;
+    layout.cells = 17;
+  } else if (containsWord(lines[0], "fire")) {
+    for (size_t i = 1; i < header.size(); ++i) layout.kinds.push_back(i);
+    if (containsWord(lines[0], "(ns)") || containsWord(lines[0], "/ns")) layout.unit = kNano;
+  } else {
+    source.refuse("is no file of Hesai's firing times");
+  }
+  return layout;
+}
+
 }  // namespace
 
 FireTimes readFireTimes(SensorSource& angles, size_t channels) {
   const std::string bytes = readWholeFile(angles.options.fireTimes, size_t{16} << 20);
   SensorSource source{bytes, angles.options.fireTimes.string(), angles.options, angles.file};
   const std::vector<std::string_view> lines = linesOf(bytes);
+  const Layout layout = layoutOf(angles, source, lines);
   Table table{source, channels, {}};
-  std::vector<size_t> columns;  // the cells of a row that are the kinds
-  bool pairs = false;
-  double unit = kMicro;
-  size_t first = 1;
-  if (lines.empty()) source.refuse("is empty");
-  if (containsWord(lines[0], "operational")) {
-    columns = columnsOfState(source, cellsOf(lines[0]), source.options.mode);
-    first = 2;
-  } else if (containsWord(lines[0], "eeff")) {
-    const auto cells = lines.size() > 1 ? cellsOf(lines[1]) : std::vector<std::string_view>();
-    if (cells.size() < 4) source.refuse("line 2: expected is 'Channel num, N, Loop num, L'");
-    const double loops = numberOf(source, cells[3], "line 2, loop number");
-    if (!(loops >= 1 && loops <= 16)) source.refuse("line 2: the loop number must be 1 to 16");
-    for (size_t i = 0; i < static_cast<size_t>(loops); ++i) columns.push_back(2 * i);
-    pairs = true;
-    first = 3;
-  } else if (lines.size() > 3 && cellsOf(lines[3]).size() >= 17) {
-    const std::string& mode = source.options.mode;
-    if (mode.empty() || mode == "0")
-      columns = {1, 3, 5, 7};
-    else if (mode == "2" || mode == "3")
-      columns = mode == "2" ? std::vector<size_t>{9, 11} : std::vector<size_t>{13, 15};
-    else
-      source.refuse("there is no operational state '" + mode + "', but 0, 2 and 3");
-    angles.ignore("firing times for near surfaces");
-    unit = kNano;
-    first = 3;
-  } else if (containsWord(lines[0], "fire")) {
-    for (size_t i = 1; i < cellsOf(lines[0]).size(); ++i) columns.push_back(i);
-    if (containsWord(lines[0], "(ns)") || containsWord(lines[0], "/ns")) unit = kNano;
-  } else {
-    source.refuse("is no file of Hesai's firing times");
-  }
-  table.addKinds(columns.size());
-  for (size_t i = first; i < lines.size(); ++i) {
+  table.addKinds(layout.kinds.size());
+  for (size_t i = layout.firstLine; i < lines.size(); ++i) {
     const std::vector<std::string_view> cells = cellsOf(lines[i]);
     if (cells.size() == 1) continue;  // an empty line, or a checksum
     const std::string where = "line " + std::to_string(i + 1);
-    for (size_t kind = 0; kind < columns.size(); ++kind) {
-      const size_t cell = columns[kind];
-      if (cell + (pairs ? 1 : 0) >= cells.size())
+    refuseSurplus(source, cells, layout.cells, where);
+    for (size_t kind = 0; kind < layout.kinds.size(); ++kind) {
+      const size_t cell = layout.kinds[kind];
+      if (cell + (layout.pairs || layout.farNear ? 1 : 0) >= cells.size())
         source.refuse(where + " has " + std::to_string(cells.size()) + " cells, expected are more");
-      if (!pairs)
-        table.set(kind, cells[0], cells[cell], unit, where);
+      const bool silent = layout.farNear && cells[cell] == "0" && cells[cell + 1] == "0";
+      if (!layout.pairs)
+        table.set(kind, cells[0], silent ? "-" : cells[cell], layout.unit, where);
       else if (cells[cell] != "0" && !cells[cell].starts_with('-'))
-        table.set(kind, cells[cell], cells[cell + 1], unit, where);
+        table.set(kind, cells[cell], cells[cell + 1], layout.unit, where);
     }
   }
   for (size_t channel = 0; channel < channels; ++channel) {

@@ -47,6 +47,7 @@ void readLivoxCsv(SensorSource& source) {
     if (cells.size() < header.size())
       source.refuse(where + " has " + std::to_string(cells.size()) + " cells, the header " +
                     std::to_string(header.size()));
+    refuseSurplus(source, cells, header.size(), where);
     const auto value = [&](const std::optional<Place>& place) {
       return place->unit * numberOf(source, cells[place->cell], where + ", " + std::string(header[place->cell]));
     };

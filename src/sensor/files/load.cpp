@@ -59,7 +59,8 @@ bool isRayTable(std::string_view bytes) {
 bool isFireTable(std::string_view bytes) {
   const std::string_view line = firstLine(bytes);
   return line.find(',') != line.npos && !isAngleTable(bytes) &&
-         (containsWord(line, "fire") || containsWord(line, "operational state") || containsWord(line, "eeff"));
+         (containsWord(line, "fire") || containsWord(line, "operational state") || containsWord(line, "eeff") ||
+          containsWord(line, "distance>="));
 }
 
 bool isXml(std::string_view bytes) {
