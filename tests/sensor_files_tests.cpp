@@ -172,36 +172,36 @@ TEST_CASE("Ouster metadata: every mode, and windows of columns are masked beams"
              ContainsSubstring("'column_window' must be two columns from 0 to 511"));
 }
 
-TEST_CASE("Ouster metadata: the pixels without a laser of a head of 16 beams are masked") {
-  std::string altitudes = "0", azimuths = "0";
-  for (int row = 1; row < 64; ++row) {
-    altitudes.append(", ").append(std::to_string(row % 4 == 3 ? 33 - row : 0));
-    azimuths.append(row % 4 == 3 ? ", -3.1" : ", 0");
-  }
-  const std::string text = R"({"prod_line": "OS-1-16-A0", "lidar_mode": "1024x10", "beam_altitude_angles": [)" +
-                           altitudes + R"(], "beam_azimuth_angles": [)" + azimuths + "]}";
-  const SensorFile file = readSensorFile(text, "old.json");
-  CHECK(file.sensor.channels.size() == 64);
-  CHECK(file.sensor.maskedBeams.size() == 48 * 1024);
-  CHECK(file.sensor.maskedBeams[3 * 1024] == 4 * 1024);  // row 3 has a laser
+TEST_CASE("Ouster metadata: old firmware states as many angles as the product has lasers") {
+  const auto text = [](const std::string& product, int rows, bool padded) {
+    std::string altitudes, azimuths;
+    for (int row = 0; row < rows; ++row) {
+      const bool laser = !padded || row % 4 == 3;
+      altitudes.append(row ? ", " : "").append(std::to_string(laser ? 33.25 - row : 0));
+      azimuths.append(row ? ", " : "").append(laser ? "-3.1" : "0");
+    }
+    return "{" + product + R"("lidar_mode": "1024x10", "beam_altitude_angles": [)" + altitudes +
+           R"(], "beam_azimuth_angles": [)" + azimuths + "]}";
+  };
+  // ouster-sdk 1.0 refuses 1_13_os1-991937000062-16A0_legacy.json, an OS-1-16-A0 that lists 64 pixels, and reads it
+  // without those that have no laser.
+  const std::string small = R"("prod_line": "OS-1-16-A0", )";
+  for (const bool padded : {true, false})
+    CHECK_THAT(problemOf(text(small, 64, padded), "old.json"),
+               ContainsSubstring("has 64 entries, but OS-1-16-A0 has 16 lasers"));
+  const SensorFile file = readSensorFile(text(small, 16, false), "old.json");
+  CHECK(file.sensor.channels.size() == 16);
+  CHECK(file.sensor.maskedBeams.empty());
   CHECK(lists(file.assumed, "15.806 mm"));
   CHECK(lists(file.assumed, "lidar_to_sensor_transform"));
-}
+  CHECK_THAT(problemOf(text(small, 15, false), "old.json"), ContainsSubstring("has 15 entries, expected are 16"));
+  CHECK(readSensorFile(text(R"("prod_line": "OS-1-64", )", 64, false), "old.json").sensor.channels.size() == 64);
 
-TEST_CASE("Ouster metadata: a head of 16 beams does not have angles of 64") {
-  std::string altitudes = "16", azimuths = "3.1";
-  for (int row = 1; row < 64; ++row) {
-    altitudes.append(", ").append(std::to_string(16 - 0.5 * row));
-    azimuths.append(", -3.1");
-  }
-  const auto text = [&](const char* product) {
-    return std::string(R"({"prod_line": ")") + product + R"(", "lidar_mode": "1024x10", "beam_altitude_angles": [)" +
-           altitudes + R"(], "beam_azimuth_angles": [)" + azimuths + "]}";
-  };
-  CHECK_THAT(problemOf(text("OS-1-16-A0"), "old.json"),
-             ContainsSubstring("has angles of 64 lasers, but OS-1-16-A0 has 16"));
-  CHECK(readSensorFile(text("OS-1-64"), "old.json").sensor.maskedBeams.empty());
-  CHECK(readSensorFile(text("OS-1"), "old.json").sensor.channels.size() == 64);
+  const Sensor unnamed = readSensorFile(text("", 64, true), "old.json").sensor;
+  CHECK(unnamed.channels.size() == 64);
+  CHECK(unnamed.maskedBeams.size() == 48 * 1024);
+  CHECK(unnamed.maskedBeams[3 * 1024] == 4 * 1024);  // row 3 has a laser
+  CHECK_THAT(problemOf(text("", 16, false), "old.json"), ContainsSubstring("expected are 64"));
 }
 
 TEST_CASE("Ouster metadata: mistakes are named with their keys") {

@@ -139,23 +139,26 @@ void maskColumns(const SensorSource& source, const Metadata& metadata, double st
   }
 }
 
-/// Which rows of the cloud have a laser: heads of 16 and 32 beams of firmware 1.x list 64 pixels, of which those
-/// without a laser have only zeros. Refuses more lasers than a product such as OS-1-16-A0 has.
-std::vector<bool> lasersOf(const SensorSource& source, const std::vector<double>& altitudes,
-                           const std::vector<double>& azimuths, const std::string& product) {
-  const bool sparse = std::count(altitudes.begin(), altitudes.end(), 0.0) > 1;
-  std::vector<bool> lasers(altitudes.size(), true);
-  for (size_t row = 0; sparse && row < lasers.size(); ++row) lasers[row] = altitudes[row] != 0 || azimuths[row] != 0;
-  const auto count = static_cast<size_t>(std::count(lasers.begin(), lasers.end(), true));
-  if (!product.starts_with("OS-")) return lasers;
-  const size_t dash = product.find('-', 3);
-  size_t stated = 0;
-  if (dash != product.npos)
-    std::from_chars(product.data() + dash + 1, product.data() + product.size(), stated);  // leaves 0 if it is no number
-  if (stated > 0 && count > stated)
-    source.refuse("'beam_altitude_angles' has angles of " + std::to_string(count) + " lasers, but " + product +
-                  " has " + std::to_string(stated));
+/// The number of lasers that a product such as OS-1-16-A0 states, or 0.
+size_t lasersOf(const std::string& product) {
+  size_t lasers = 0;
+  const size_t dash = product.starts_with("OS-") ? product.find('-', 3) : product.npos;
+  if (dash != product.npos) std::from_chars(product.data() + dash + 1, product.data() + product.size(), lasers);
   return lasers;
+}
+
+/// The pixels of a column. Firmware 1.x does not state them: there are as many as the product has lasers, or else 64.
+void checkRows(const SensorSource& source, const Metadata& metadata, bool nested, const std::string& product,
+               size_t angles) {
+  const bool old = !metadata.find("data_format") && !nested;
+  const size_t lasers = lasersOf(product);
+  const double rows = metadata.number("pixels_per_column", static_cast<double>(!old ? angles : lasers ? lasers : 64));
+  if (rows == static_cast<double>(angles)) return;
+  const std::string found = "'beam_altitude_angles' has " + std::to_string(angles) + " entries, ";
+  if (old && lasers > 0 && angles > lasers)
+    source.refuse(found + "but " + product + " has " + std::to_string(lasers) +
+                  " lasers, which ouster-sdk demands, too: leave out the angles of pixels without a laser");
+  source.refuse(found + "expected are " + shownNumber(rows) + ", one per pixel of a column");
 }
 
 void placeBeams(SensorSource& source, const Metadata& metadata, const std::vector<double>& altitudes,
@@ -200,13 +203,7 @@ void readOuster(SensorSource& source, const json& root) {
   const auto zero = [](double angle) { return angle == 0; };
   if (altitudes.size() > 1 && std::all_of(altitudes.begin(), altitudes.end(), zero))
     source.refuse("all 'beam_altitude_angles' are 0, which is no calibration");
-  const double rows = metadata.number("pixels_per_column", metadata.find("data_format") || nested
-                                                               ? static_cast<double>(altitudes.size())
-                                                               : 64);  // all heads of firmware 1.x
-  if (rows != static_cast<double>(altitudes.size()))
-    source.refuse("'beam_altitude_angles' has " + std::to_string(altitudes.size()) + " entries, expected are " +
-                  shownNumber(rows) + ", one per pixel of a column");
-  const std::vector<bool> lasers = lasersOf(source, altitudes, azimuths, product);
+  checkRows(source, metadata, nested, product, altitudes.size());
 
   const std::string stated = metadata.text("lidar_mode");
   if (stated.empty() && source.options.mode.empty()) source.refuse("'lidar_mode' is missing");
@@ -222,8 +219,10 @@ void readOuster(SensorSource& source, const json& root) {
   sensor.rotationPeriod = 1 / mode.rate;
   placeBeams(source, metadata, altitudes, azimuths, beamOrigin(source, metadata, product));
   std::vector<bool> masked(sensor.beamCount());
-  for (size_t row = 0; row < lasers.size(); ++row)
-    if (!lasers[row])
+  // Files of firmware 1.x that name no product may list pixels without a laser, which have only zeros.
+  const bool sparse = std::count_if(altitudes.begin(), altitudes.end(), zero) > 1;
+  for (size_t row = 0; sparse && row < altitudes.size(); ++row)
+    if (altitudes[row] == 0 && azimuths[row] == 0)
       std::fill_n(masked.begin() + static_cast<std::ptrdiff_t>(row * sensor.columns), sensor.columns, true);
   maskColumns(source, metadata, statedColumns, sensor, masked);
   for (size_t beam = 0; beam < masked.size(); ++beam)
