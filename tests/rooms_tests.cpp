@@ -30,6 +30,7 @@ const std::map<std::string, Names> kRooms = {
     {"cuda", {"base", "geometry", "effects", "pipeline"}},
     {"reference", {"base", "sensor", "scan", "effects", "pipeline/backend.hpp"}},
     {"eval", {"base", "output"}},
+    {"ros2", {"scan/fields.hpp"}},
     // These two stand on the public headers.
     {"c", {}},
     {"rgl", {"base"}},
@@ -43,7 +44,8 @@ const Names kLoose = {"simulator.cpp", "simulator_options.cpp", "third_party_fil
 /// files.
 const std::map<std::string, std::regex> kGenerated = {{"vulkan", std::regex(R"([a-z0-9_]+\.spv\.h)")},
                                                       {"cuda", std::regex(R"(glsl/[a-z0-9_/]+\.(h|comp))")},
-                                                      {"drive", std::regex(R"(drive_schema\.h)")}};
+                                                      {"drive", std::regex(R"(drive_schema\.h)")},
+                                                      {"ros2", std::regex(R"(messages\.h)")}};
 
 struct Tree {
   Names sources, shaders;  // paths relative to src and to shaders

@@ -11,9 +11,10 @@ packages=(
   libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libyaml-cpp-dev libpolyclipping-dev libxxhash-dev
   libprotozero-dev catch2
 )
-# Needed for one contender of the bench, for examples/viewer and its test, for the Python package, and for gnosphere
-# view. What needs a package that this architecture lacks is left out.
-optional=(libembree-dev libglfw3-dev xvfb python3-dev python3-venv libjs-three)
+# Needed for one contender of the bench, for examples/viewer and its test, for the Python package, for gnosphere view,
+# and for messages of ROS 2. What needs a package that this architecture lacks is left out.
+optional=(libembree-dev libglfw3-dev xvfb python3-dev python3-venv libjs-three cyclonedds-dev
+  cyclonedds-tools)
 # Debian 12 has older versions of these; its backports have the versions needed.
 backported=("catch2 3" "mesa-vulkan-drivers 25.0.7")
 

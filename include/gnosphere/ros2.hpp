@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Publishes messages that nodes of ROS 2 receive, without ROS: docs/ros2.md. It needs libgnosphere_ros2, which is
+// opened when the first publisher is made.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gnosphere/scan.hpp"
+
+namespace gnosphere::ros2 {
+
+/// A field of a PointCloud2. The enumerators of Type have the numbers that ROS gives them.
+struct PointField {
+  enum class Type : uint8_t { i8 = 1, u8, i16, u16, i32, u32, f32, f64 };
+  std::string name;
+  uint32_t offset = 0;  ///< bytes from the start of the point
+  Type type = Type::f32;
+  uint32_t count = 1;
+};
+
+/// sensor_msgs/PointCloud2.
+struct PointCloud2 {
+  int64_t stamp = 0;  ///< nanoseconds since 1970, or since the start of a simulated clock
+  std::string frame;
+  uint32_t height = 1, width = 0;
+  std::vector<PointField> fields;
+  uint32_t pointStep = 0;     ///< bytes of a point
+  std::vector<uint8_t> data;  ///< height * width points, little-endian
+  bool dense = true;          ///< whether every point is a number
+};
+
+/// sensor_msgs/LaserScan.
+struct LaserScan {
+  int64_t stamp = 0;  ///< of the first ray, nanoseconds
+  std::string frame;
+  float angleMin = 0, angleMax = 0, angleIncrement = 0;  ///< rad, counter-clockwise from the x axis
+  float timeIncrement = 0, scanTime = 0;                 ///< s between rays, and between scans
+  float rangeMin = 0, rangeMax = 0;                      ///< m
+  std::vector<float> ranges;                             ///< m; +inf where nothing is hit
+  std::vector<float> intensities;                        ///< one per range, or none
+};
+
+/// geometry_msgs/TransformStamped: the pose of a frame in its parent.
+struct StampedTransform {
+  int64_t stamp = 0;  ///< nanoseconds
+  std::string parent, child;
+  Pose pose;
+};
+using Transforms = std::vector<StampedTransform>;  ///< tf2_msgs/TFMessage
+
+/// rosgraph_msgs/Clock.
+struct Clock {
+  int64_t time = 0;  ///< nanoseconds
+};
+
+using Message = std::variant<PointCloud2, LaserScan, Transforms, Clock>;
+enum class MessageType { pointCloud2, laserScan, transforms, clock };  ///< in the order of Message
+
+/// Quality of service. Messages beyond `depth` replace the oldest ones ("keep last").
+struct Qos {
+  enum class Reliability { reliable, bestEffort };
+  enum class Durability { volatileData, transientLocal };  ///< transientLocal: who subscribes late gets the last ones
+  Reliability reliability = Reliability::reliable;
+  Durability durability = Durability::volatileData;
+  uint32_t depth = 5;
+};
+
+struct PublisherOptions {
+  Qos qos;
+  std::optional<uint32_t> domain;     ///< 0 to 232; unless given ROS_DOMAIN_ID, or 0
+  std::optional<bool> localhostOnly;  ///< unless given what ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE says
+};
+
+struct PublisherCounts {
+  uint64_t published = 0;    ///< messages that were given to publish()
+  uint64_t sent = 0;         ///< of them, those that went to the network
+  uint64_t dropped = 0;      ///< of them, those that newer ones replaced before they went there, or that it refused
+  uint64_t waiting = 0;      ///< of them, those that wait now
+  uint32_t subscribers = 0;  ///< now
+};
+
+/// Publishes the messages of one topic. A thread of its own sends them, so that publish() never waits for subscribers
+/// or for the network. Any thread may call any function.
+class Publisher {
+ public:
+  /// `topic` is a name of ROS, such as "points" or "/front/points". Throws Error(invalidArgument) for a name that ROS
+  /// does not allow and for other wrong arguments, and Error(device) that says what is missing if GnoSphere was built
+  /// without Cyclone DDS, or if Cyclone DDS cannot publish.
+  GNOSPHERE_API Publisher(MessageType type, const std::string& topic, const PublisherOptions& options = {});
+  /// Messages that wait are dropped; flush() before it sends them.
+  GNOSPHERE_API ~Publisher();
+  GNOSPHERE_API Publisher(Publisher&&) noexcept;
+  GNOSPHERE_API Publisher& operator=(Publisher&&) noexcept;
+
+  /// Throws Error(invalidArgument) for a message of another type, and for one whose sizes contradict each other.
+  GNOSPHERE_API void publish(Message message);
+  /// Waits until all messages have been given to the network. Returns false if that takes longer than so many seconds.
+  GNOSPHERE_API bool flush(double seconds);
+  GNOSPHERE_API PublisherCounts counts() const;
+
+ private:
+  class Queue;
+  std::unique_ptr<Queue> queue_;
+};
+
+/// Returns why nothing can be published; an empty text if messages can be.
+GNOSPHERE_API std::string unavailable();
+
+/// Returns the returns of a scan as a cloud with these fields and without gaps. Its fields have the names of the
+/// columns of cloud files. Throws Error(invalidArgument) for a field that the scan does not have.
+GNOSPHERE_API PointCloud2 cloudOf(const Scan& scan, const std::vector<Field>& fields, const std::string& frame,
+                                  int64_t stamp);
+
+/// Returns the first returns of one channel of a grid of beams that turns, from the first column to the last. Throws
+/// Error(invalidArgument) for a channel that there is not, and for a list of beams.
+GNOSPHERE_API LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, const std::string& frame,
+                                    int64_t stamp);
+
+}  // namespace gnosphere::ros2

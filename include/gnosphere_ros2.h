@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: Apache-2.0
+ *
+ * The part of GnoSphere's C interface (see gnosphere.h) that publishes messages for ROS 2, without ROS: docs/ros2.md.
+ */
+#ifndef GNOSPHERE_ROS2_H
+#define GNOSPHERE_ROS2_H
+
+#include <gnosphere.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct gno_ros2_publisher_object* gno_ros2_publisher; /* the messages of one topic */
+
+typedef int32_t gno_ros2_type;
+enum { GNO_ROS2_POINT_CLOUD2 = 0, GNO_ROS2_LASER_SCAN = 1, GNO_ROS2_TRANSFORMS = 2, GNO_ROS2_CLOCK = 3 };
+typedef int32_t gno_ros2_reliability;
+enum { GNO_ROS2_RELIABLE = 0, GNO_ROS2_BEST_EFFORT = 1 };
+typedef int32_t gno_ros2_durability;
+enum { GNO_ROS2_VOLATILE = 0, GNO_ROS2_TRANSIENT_LOCAL = 1 };
+
+typedef struct gno_ros2_options {
+  size_t struct_size;
+  gno_ros2_reliability reliability;
+  gno_ros2_durability durability;
+  uint32_t depth;         /* of the queue; newer messages replace the oldest ones. The default is 5 */
+  int32_t domain;         /* 0 to 232; -1, the default: what ROS_DOMAIN_ID says, or 0 */
+  int32_t localhost_only; /* 0 or 1; -1, the default: what ROS_LOCALHOST_ONLY says, or 0 */
+} gno_ros2_options;
+
+/* A field of a cloud. `type` has ROS's numbers: 1 int8, 2 uint8, 3 int16, 4 uint16, 5 int32, 6 uint32, 7 float32,
+ * 8 float64. */
+typedef struct gno_ros2_field {
+  const char* name;
+  uint32_t offset;
+  uint8_t type;
+  uint32_t count;
+} gno_ros2_field;
+
+/* sensor_msgs/PointCloud2, little-endian. Stamps are nanoseconds since 1970. */
+typedef struct gno_ros2_cloud {
+  size_t struct_size;
+  int64_t stamp;
+  const char* frame;
+  uint32_t height, width;
+  const gno_ros2_field* fields;
+  size_t field_count;
+  uint32_t point_step; /* bytes of a point */
+  const void* data;    /* height * width points */
+  size_t bytes;
+  int32_t dense; /* not 0, the default: every point is a number */
+} gno_ros2_cloud;
+
+/* sensor_msgs/LaserScan; radians, seconds and metres. */
+typedef struct gno_ros2_laser {
+  size_t struct_size;
+  int64_t stamp;
+  const char* frame;
+  float angle_min, angle_max, angle_increment, time_increment, scan_time, range_min, range_max;
+  const float* ranges;
+  const float* intensities; /* one per range, or null */
+  size_t range_count;
+} gno_ros2_laser;
+
+/* geometry_msgs/TransformStamped: the pose of the frame `child` in the frame `parent`. */
+typedef struct gno_ros2_transform {
+  int64_t stamp;
+  const char* parent;
+  const char* child;
+  gno_pose pose;
+} gno_ros2_transform;
+
+typedef struct gno_ros2_counts {
+  size_t struct_size;
+  uint64_t published; /* messages that were given to the functions below */
+  uint64_t sent;      /* of them, those that went to the network */
+  uint64_t dropped;   /* of them, those that newer ones replaced before they went there, or that it refused */
+  uint64_t waiting;   /* of them, those that wait now */
+  uint32_t subscribers;
+} gno_ros2_counts;
+
+/* Why nothing can be published; an empty text if messages can be. */
+GNO_API const char* gno_ros2_unavailable(void);
+
+/* Makes the publisher of a topic such as "points" or "/front/points". Null options are the default ones. A missing
+ * libgnosphere_ros2 or Cyclone DDS is GNO_DEVICE, with a sentence that names the package. */
+GNO_API gno_status gno_ros2_publisher_create(gno_ros2_type type, const char* topic, const gno_ros2_options* options,
+                                             gno_ros2_publisher* publisher);
+/* Messages that wait are dropped. */
+GNO_API gno_status gno_ros2_publisher_destroy(gno_ros2_publisher publisher);
+
+/* Messages are copied. None of these functions waits for subscribers or for the network. */
+GNO_API gno_status gno_ros2_publish_cloud(gno_ros2_publisher publisher, const gno_ros2_cloud* cloud);
+GNO_API gno_status gno_ros2_publish_laser(gno_ros2_publisher publisher, const gno_ros2_laser* laser);
+GNO_API gno_status gno_ros2_publish_transforms(gno_ros2_publisher publisher, const gno_ros2_transform* transforms,
+                                               size_t count);
+GNO_API gno_status gno_ros2_publish_clock(gno_ros2_publisher publisher, int64_t nanoseconds);
+/* The returns of a scan with these fields, as a cloud. */
+GNO_API gno_status gno_ros2_publish_scan(gno_ros2_publisher publisher, gno_scan scan, const gno_field* fields,
+                                         size_t field_count, const char* frame, int64_t stamp);
+/* The first returns of one channel of a grid of beams, as a laser scan. */
+GNO_API gno_status gno_ros2_publish_channel(gno_ros2_publisher publisher, gno_sensor sensor, gno_scan scan,
+                                            uint32_t channel, const char* frame, int64_t stamp);
+
+/* Waits until all messages have been given to the network; `done` is 0 if that takes longer. */
+GNO_API gno_status gno_ros2_publisher_flush(gno_ros2_publisher publisher, double seconds, int32_t* done);
+GNO_API gno_status gno_ros2_publisher_counts(gno_ros2_publisher publisher, gno_ros2_counts* counts);
+
+/* ---------------------------------------------------------------------------------------- default values */
+
+#define GNO_INIT_gno_ros2_options \
+  value.depth = 5;                \
+  value.domain = -1;              \
+  value.localhost_only = -1;
+#define GNO_INIT_gno_ros2_cloud \
+  value.height = 1;             \
+  value.dense = 1;
+#define GNO_INIT_gno_ros2_laser
+#define GNO_INIT_gno_ros2_counts
+
+GNO_INIT(gno_ros2_options)
+GNO_INIT(gno_ros2_cloud)
+GNO_INIT(gno_ros2_laser)
+GNO_INIT(gno_ros2_counts)
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// libgnosphere_ros2: writers of Eclipse Cyclone DDS, with the types that idlc makes of messages.idl.
+#include <dds/dds.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+
+#include "messages.h"
+#include "ros2/wire.hpp"
+
+namespace gnosphere::ros2 {
+namespace {
+
+struct Failure {
+  std::string why;
+};
+
+dds_entity_t entityOf(dds_entity_t made, const char* what) {
+  if (made < 0) throw Failure{std::string(what) + " cannot be made: " + dds_strretcode(-made)};
+  return made;
+}
+
+// Linux's loopback interface knows no multicast, so the processes ask each other at the ports of the first hundred.
+constexpr const char* kLocalhost =
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
+    "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
+    "<MaxAutoParticipantIndex>99</MaxAutoParticipantIndex><Peers><Peer address='127.0.0.1'/></Peers></Discovery>"
+    "</Domain></CycloneDDS>";
+
+std::string configuration(bool localhostOnly) {
+  const char* const own = std::getenv("CYCLONEDDS_URI");
+  const std::string chosen = own ? own : "";
+  if (!localhostOnly) return chosen;
+  return chosen.empty() ? kLocalhost : kLocalhost + ("," + chosen);  // what comes later counts
+}
+
+/// A domain of this process, which all its topics share.
+class Domain {
+ public:
+  Domain(uint32_t number, bool localhostOnly) : localhostOnly_(localhostOnly) {
+    const dds_entity_t made = dds_create_domain(number, configuration(localhostOnly).c_str());
+    if (made != DDS_RETCODE_PRECONDITION_NOT_MET)  // another part of the process has made it
+      domain_ = entityOf(made, "the domain");
+    participant_ = dds_create_participant(number, nullptr, nullptr);
+    if (participant_ < 0 && domain_ > 0) dds_delete(domain_);
+    entityOf(participant_, "the participant");
+  }
+  ~Domain() { dds_delete(domain_ > 0 ? domain_ : participant_); }
+  Domain(const Domain&) = delete;
+  Domain& operator=(const Domain&) = delete;
+
+  dds_entity_t participant() const { return participant_; }
+  bool localhostOnly() const { return localhostOnly_; }
+
+ private:
+  bool localhostOnly_;
+  dds_entity_t domain_ = 0, participant_ = 0;
+};
+
+std::shared_ptr<Domain> domainOf(uint32_t number, bool localhostOnly) {
+  static std::mutex mutex;
+  static auto* const domains = new std::map<uint32_t, std::weak_ptr<Domain>>;
+  const std::lock_guard lock(mutex);
+  std::weak_ptr<Domain>& known = (*domains)[number];
+  std::shared_ptr<Domain> domain = known.lock();
+  if (!domain) known = domain = std::make_shared<Domain>(number, localhostOnly);
+  if (domain->localhostOnly() != localhostOnly)
+    throw Failure{"other topics of the domain " + std::to_string(number) + " are " +
+                  (localhostOnly ? "on every network" : "on this machine only")};
+  return domain;
+}
+
+const dds_topic_descriptor_t& descriptorOf(MessageType type) {
+  switch (type) {
+    case MessageType::laserScan: return sensor_msgs_msg_dds__LaserScan__desc;
+    case MessageType::transforms: return tf2_msgs_msg_dds__TFMessage__desc;
+    case MessageType::clock: return rosgraph_msgs_msg_dds__Clock__desc;
+    case MessageType::pointCloud2: break;
+  }
+  return sensor_msgs_msg_dds__PointCloud2__desc;
+}
+
+struct DeleteQos {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+
+std::unique_ptr<dds_qos_t, DeleteQos> qosOf(const Qos& from) {
+  std::unique_ptr<dds_qos_t, DeleteQos> qos(dds_create_qos());
+  const auto depth = static_cast<int32_t>(std::min<uint32_t>(from.depth, 0x7fffffff));
+  const bool latched = from.durability == Qos::Durability::transientLocal;
+  dds_qset_reliability(
+      qos.get(),
+      from.reliability == Qos::Reliability::reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+      DDS_MSECS(100));
+  dds_qset_durability(qos.get(), latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
+  if (latched)
+    dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED,
+                                DDS_LENGTH_UNLIMITED);
+  dds_qset_writer_data_lifecycle(qos.get(), false);
+  const dds_data_representation_id_t plain = DDS_DATA_REPRESENTATION_XCDR1;  // that of ROS
+  dds_qset_data_representation(qos.get(), 1, &plain);
+  return qos;
+}
+
+// Messages as idlc has them. They refer to what they are made of.
+
+builtin_interfaces_msg_dds__Time_ timeOf(int64_t nanoseconds) {
+  constexpr int64_t kSecond = 1'000'000'000;
+  const int64_t rest = ((nanoseconds % kSecond) + kSecond) % kSecond;
+  return {static_cast<int32_t>((nanoseconds - rest) / kSecond), static_cast<uint32_t>(rest)};
+}
+
+char* textOf(const std::string& text) {
+  return const_cast<char*>(text.c_str());  // it is only read
+}
+
+std_msgs_msg_dds__Header_ headerOf(int64_t stamp, const std::string& frame) {
+  return {timeOf(stamp), textOf(frame)};
+}
+
+template <class Sequence, class T>
+Sequence sequenceOf(const std::vector<T>& values) {
+  const auto count = static_cast<uint32_t>(values.size());
+  return {count, count, const_cast<T*>(values.data()), false};
+}
+
+struct Writing {
+  dds_entity_t writer;
+
+  dds_return_t operator()(const PointCloud2& cloud) const {
+    std::vector<sensor_msgs_msg_dds__PointField_> fields;
+    for (const PointField& field : cloud.fields)
+      fields.push_back({textOf(field.name), field.offset, static_cast<uint8_t>(field.type), field.count});
+    sensor_msgs_msg_dds__PointCloud2_ message = {};
+    message.header = headerOf(cloud.stamp, cloud.frame);
+    message.height = cloud.height;
+    message.width = cloud.width;
+    message.fields = sequenceOf<dds_sequence_sensor_msgs_msg_dds__PointField_>(fields);
+    message.point_step = cloud.pointStep;
+    message.row_step = cloud.pointStep * cloud.width;
+    message.data = sequenceOf<dds_sequence_octet>(cloud.data);
+    message.is_dense = cloud.dense;
+    return dds_write(writer, &message);
+  }
+  dds_return_t operator()(const LaserScan& scan) const {
+    sensor_msgs_msg_dds__LaserScan_ message = {};
+    message.header = headerOf(scan.stamp, scan.frame);
+    message.angle_min = scan.angleMin;
+    message.angle_max = scan.angleMax;
+    message.angle_increment = scan.angleIncrement;
+    message.time_increment = scan.timeIncrement;
+    message.scan_time = scan.scanTime;
+    message.range_min = scan.rangeMin;
+    message.range_max = scan.rangeMax;
+    message.ranges = sequenceOf<dds_sequence_float>(scan.ranges);
+    message.intensities = sequenceOf<dds_sequence_float>(scan.intensities);
+    return dds_write(writer, &message);
+  }
+  dds_return_t operator()(const Transforms& transforms) const {
+    std::vector<geometry_msgs_msg_dds__TransformStamped_> list;
+    for (const StampedTransform& from : transforms) {
+      const auto& [p, q] = from.pose;
+      list.push_back({headerOf(from.stamp, from.parent), textOf(from.child), {{p.x, p.y, p.z}, {q.x, q.y, q.z, q.w}}});
+    }
+    const tf2_msgs_msg_dds__TFMessage_ message = {
+        sequenceOf<dds_sequence_geometry_msgs_msg_dds__TransformStamped_>(list)};
+    return dds_write(writer, &message);
+  }
+  dds_return_t operator()(const Clock& clock) const {
+    const rosgraph_msgs_msg_dds__Clock_ message = {timeOf(clock.time)};
+    return dds_write(writer, &message);
+  }
+};
+
+class CycloneWire : public Wire {
+ public:
+  explicit CycloneWire(const Topic& topic) : domain_(domainOf(topic.domain, topic.localhostOnly)) {
+    topic_ = entityOf(
+        dds_create_topic(domain_->participant(), &descriptorOf(topic.type), topic.name.c_str(), nullptr, nullptr),
+        "the topic");
+    writer_ = dds_create_writer(domain_->participant(), topic_, qosOf(topic.qos).get(), nullptr);
+    if (writer_ < 0) dds_delete(topic_);
+    entityOf(writer_, "the writer");
+  }
+  // Cyclone DDS waits up to a second for subscribers to confirm what was written last.
+  ~CycloneWire() override {
+    dds_delete(writer_);
+    dds_delete(topic_);
+  }
+  CycloneWire(const CycloneWire&) = delete;
+  CycloneWire& operator=(const CycloneWire&) = delete;
+
+  bool write(const Message& message) override { return std::visit(Writing{writer_}, message) == DDS_RETCODE_OK; }
+  uint32_t subscribers() override {
+    dds_publication_matched_status_t status = {};
+    dds_get_publication_matched_status(writer_, &status);
+    return status.current_count;
+  }
+
+ private:
+  std::shared_ptr<Domain> domain_;
+  dds_entity_t topic_ = 0, writer_ = 0;
+};
+
+}  // namespace
+}  // namespace gnosphere::ros2
+
+using namespace gnosphere::ros2;
+
+extern "C" __attribute__((visibility("default"))) Wire* gnosphere_ros2_open(const Topic& topic, std::string& error) {
+  try {
+    return new CycloneWire(topic);
+  } catch (const Failure& failure) {
+    error = failure.why;
+  } catch (const std::exception& exception) {
+    error = exception.what();
+  }
+  return nullptr;
+}
+
+extern "C" __attribute__((visibility("default"))) const char* gnosphere_ros2_version() {
+  return GNOSPHERE_ROS2_VERSION;
+}

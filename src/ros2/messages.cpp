@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scans as messages, and what messages must fulfil.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "gnosphere/error.hpp"
+#include "gnosphere/output.hpp"
+#include "ros2/check.hpp"
+#include "scan/fields.hpp"
+
+namespace gnosphere::ros2 {
+namespace {
+
+constexpr uint64_t kMostBytes = 0x7fffffff;  // of a message's data
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw Error(ErrorCode::invalidArgument, why);
+}
+
+void checkText(const std::string& text, const char* what) {
+  if (text.find('\0') != std::string::npos) refuse(std::string(what) + " contains a zero");
+}
+
+size_t bytesOf(PointField::Type type) {
+  constexpr size_t kBytes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
+  const auto number = static_cast<size_t>(type);
+  return number < std::size(kBytes) ? kBytes[number] : 0;
+}
+
+PointField::Type typeOf(ValueType type) {
+  switch (type) {
+    case ValueType::f64: return PointField::Type::f64;
+    case ValueType::u8: return PointField::Type::u8;
+    case ValueType::u16: return PointField::Type::u16;
+    case ValueType::u32: return PointField::Type::u32;
+    case ValueType::f32: break;
+  }
+  return PointField::Type::f32;
+}
+
+struct Checker {
+  void operator()(const PointCloud2& cloud) const {
+    checkText(cloud.frame, "PointCloud2::frame");
+    for (const PointField& field : cloud.fields) {
+      checkText(field.name, "PointField::name");
+      const uint64_t bytes = bytesOf(field.type);
+      if (bytes == 0) refuse("PointField::type of " + field.name + " is no type of ROS");
+      if (field.offset + bytes * field.count > cloud.pointStep)
+        refuse("the field " + field.name + " ends beyond PointCloud2::pointStep, which is " +
+               std::to_string(cloud.pointStep));
+    }
+    const uint64_t points = uint64_t{cloud.height} * cloud.width;
+    if (cloud.data.size() > kMostBytes) refuse("PointCloud2::data has more than 2 GB");
+    if (points > kMostBytes || points * cloud.pointStep != cloud.data.size())
+      refuse("PointCloud2::data has " + std::to_string(cloud.data.size()) +
+             " bytes, but height * width * pointStep is " + std::to_string(cloud.height) + " * " +
+             std::to_string(cloud.width) + " * " + std::to_string(cloud.pointStep));
+  }
+  void operator()(const LaserScan& scan) const {
+    checkText(scan.frame, "LaserScan::frame");
+    if (!scan.intensities.empty() && scan.intensities.size() != scan.ranges.size())
+      refuse("LaserScan::intensities has " + std::to_string(scan.intensities.size()) + " values, but there are " +
+             std::to_string(scan.ranges.size()) + " ranges");
+    if (scan.ranges.size() > kMostBytes / 8) refuse("LaserScan::ranges has too many values");
+  }
+  void operator()(const Transforms& transforms) const {
+    for (const StampedTransform& transform : transforms) {
+      checkText(transform.parent, "StampedTransform::parent");
+      checkText(transform.child, "StampedTransform::child");
+    }
+  }
+  void operator()(const Clock&) const {}
+};
+
+}  // namespace
+
+void check(const Message& message) {
+  std::visit(Checker(), message);
+}
+
+PointCloud2 cloudOf(const Scan& scan, const std::vector<Field>& fields, const std::string& frame, int64_t stamp) {
+  PointCloud2 cloud;
+  cloud.stamp = stamp;
+  cloud.frame = frame;
+  RecordLayout layout = layoutOf(fields);
+  layout.compact = true;
+  for (const RecordLayout::Value& value : layout.values)
+    for (const ColumnInfo& column : allColumns())
+      if (column.field == value.field && column.component == value.component)
+        cloud.fields.push_back({column.name, static_cast<uint32_t>(value.offset), typeOf(value.type), 1});
+  cloud.pointStep = static_cast<uint32_t>(layout.stride);
+  const auto missed = std::count_if(scan.ranges.begin(), scan.ranges.end(), [](float range) { return range != range; });
+  cloud.data.resize((scan.ranges.size() - static_cast<size_t>(missed)) * layout.stride);
+  cloud.width = static_cast<uint32_t>(pack(scan, layout, std::as_writable_bytes(std::span(cloud.data))));
+  return cloud;
+}
+
+LaserScan laserScanOf(const Sensor& sensor, const Scan& scan, uint32_t channel, const std::string& frame,
+                      int64_t stamp) {
+  if (!sensor.isGrid()) refuse("laserScanOf: the sensor " + sensor.name + " is a list of beams, which has no channels");
+  if (channel >= sensor.channels.size() || scan.columns != sensor.columns || scan.channels != sensor.channels.size())
+    refuse("laserScanOf: the scan has no channel " + std::to_string(channel) + " of the sensor " + sensor.name);
+  constexpr double kRadians = std::numbers::pi / 180;
+  const Channel& of = sensor.channels[channel];
+  const double step = sensor.azimuthSpanDeg * kRadians / sensor.columns;
+  const double begin = (sensor.azimuthStartDeg + of.azimuthOffsetDeg) * kRadians;
+  LaserScan laser;
+  laser.stamp = stamp;
+  laser.frame = frame;
+  laser.angleMin = static_cast<float>(begin);
+  laser.angleMax = static_cast<float>(begin + step * (sensor.columns - 1));
+  laser.angleIncrement = static_cast<float>(step);
+  laser.timeIncrement = static_cast<float>(sensor.rotationPeriod / sensor.columns);
+  laser.scanTime = static_cast<float>(sensor.rotationPeriod);
+  laser.rangeMin = static_cast<float>(of.rangeMin > 0 ? of.rangeMin : sensor.rangeMin);
+  laser.rangeMax = static_cast<float>(of.rangeMax > 0 ? of.rangeMax : sensor.rangeMax);
+  const bool intense = scan.has(Field::intensity);
+  for (uint32_t column = 0; column < sensor.columns; ++column) {
+    const size_t entry = (size_t{channel} * sensor.columns + column) * scan.returns;
+    const bool returned = scan.returned(entry);
+    laser.ranges.push_back(returned ? scan.ranges[entry] : std::numeric_limits<float>::infinity());
+    if (intense) laser.intensities.push_back(returned ? scan.column<float>(Field::intensity)[entry] : 0);
+  }
+  return laser;
+}
+
+}  // namespace gnosphere::ros2

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// The C interface to messages of ROS 2: what arrives, and an error for every wrong argument.
+#include <gnosphere_ros2.h>
+
+#include "ros2/listening.hpp"
+
+using namespace gnosphere::test;
+
+namespace {
+
+bool failed(gno_status status, const char* sentence) {
+  return status == GNO_INVALID_ARGUMENT && std::string(gno_last_error()).find(sentence) != std::string::npos;
+}
+
+gno_ros2_publisher latched(gno_ros2_type type) {
+  loopbackDomain();
+  gno_ros2_options options = gno_ros2_options_init();
+  options.durability = GNO_ROS2_TRANSIENT_LOCAL;
+  gno_ros2_publisher publisher = nullptr;
+  REQUIRE(gno_ros2_publisher_create(type, "c", &options, &publisher) == GNO_OK);
+  return publisher;
+}
+
+std::string received(gno_ros2_publisher publisher, const char* type) {
+  int32_t done = 0;
+  REQUIRE(gno_ros2_publisher_flush(publisher, 10, &done) == GNO_OK);
+  CHECK(done == 1);
+  Listener listener({.type = type, .qos = "latched"}, {"rt/c"});
+  const std::vector<std::string> lines = listener.lines();
+  gno_ros2_counts counts = gno_ros2_counts_init();
+  REQUIRE(gno_ros2_publisher_counts(publisher, &counts) == GNO_OK);
+  CHECK(counts.published == 1);
+  CHECK(counts.sent == 1);
+  REQUIRE(gno_ros2_publisher_destroy(publisher) == GNO_OK);
+  CHECK(failed(gno_ros2_publisher_destroy(publisher), "there is no publisher"));
+  return lines.size() == 1 ? lines[0] : "";
+}
+
+}  // namespace
+
+TEST_CASE("ROS 2 from C: messages arrive") {
+  REQUIRE(std::string(gno_ros2_unavailable()).empty());
+  const gno_ros2_field field = {"x", 0, 7, 1};
+  const float points[] = {1, 2};
+  gno_ros2_cloud cloud = gno_ros2_cloud_init();
+  cloud.stamp = 1'000'000'002;
+  cloud.frame = "c";
+  cloud.width = 2;
+  cloud.fields = &field;
+  cloud.field_count = 1;
+  cloud.point_step = 4;
+  cloud.data = points;
+  cloud.bytes = sizeof(points);
+  gno_ros2_publisher publisher = latched(GNO_ROS2_POINT_CLOUD2);
+  REQUIRE(gno_ros2_publish_cloud(publisher, &cloud) == GNO_OK);
+  CHECK(received(publisher, "cloud").starts_with("rt/c 1.000000002 c 1x2 step 4 row 8 bytes 8 "));
+
+  gno_ros2_laser laser = gno_ros2_laser_init();
+  laser.angle_max = 0.5f;
+  laser.ranges = laser.intensities = points;
+  laser.range_count = 2;
+  publisher = latched(GNO_ROS2_LASER_SCAN);
+  REQUIRE(gno_ros2_publish_laser(publisher, &laser) == GNO_OK);
+  CHECK(received(publisher, "laser") == "rt/c 0.000000000  0 0.5 0 0 0 0 0 ranges 1 2 intensities 1 2");
+
+  const gno_ros2_transform transform = {3, "map", "base", {{1, 2, 3}, {0, 0, 0, 1}}};
+  publisher = latched(GNO_ROS2_TRANSFORMS);
+  REQUIRE(gno_ros2_publish_transforms(publisher, &transform, 1) == GNO_OK);
+  CHECK(received(publisher, "transforms") == "rt/c 0.000000003 map>base 1 2 3 0 0 0 1");
+
+  publisher = latched(GNO_ROS2_CLOCK);
+  REQUIRE(gno_ros2_publish_clock(publisher, 5'000'000'000) == GNO_OK);
+  CHECK(received(publisher, "clock") == "rt/c 5.000000000");
+}
+
+TEST_CASE("ROS 2 from C: wrong arguments are errors") {
+  loopbackDomain();
+  gno_ros2_publisher publisher = nullptr;
+  CHECK(failed(gno_ros2_publisher_create(4, "a", nullptr, &publisher), "none of 0..3"));
+  CHECK(failed(gno_ros2_publisher_create(0, nullptr, nullptr, &publisher), "topic is null"));
+  CHECK(failed(gno_ros2_publisher_create(0, "a b", nullptr, &publisher), "is no name of a topic"));
+  CHECK(failed(gno_ros2_publisher_create(0, "a", nullptr, nullptr), "publisher is null"));
+  gno_ros2_options options = {};
+  CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "struct_size"));
+  options = gno_ros2_options_init();
+  options.reliability = 2;
+  CHECK(failed(gno_ros2_publisher_create(0, "a", &options, &publisher), "reliability"));
+  CHECK(failed(gno_ros2_publish_clock(nullptr, 0), "the handle of the publisher is null"));
+  REQUIRE(gno_ros2_publisher_create(GNO_ROS2_POINT_CLOUD2, "a", nullptr, &publisher) == GNO_OK);
+  gno_ros2_cloud cloud = gno_ros2_cloud_init();
+  cloud.bytes = 3;
+  CHECK(failed(gno_ros2_publish_cloud(publisher, &cloud), "data is null"));
+  CHECK(failed(gno_ros2_publish_cloud(publisher, nullptr), "gno_ros2_cloud is null"));
+  CHECK(failed(gno_ros2_publish_clock(publisher, 0), "another type"));
+  CHECK(failed(gno_ros2_publish_scan(publisher, nullptr, nullptr, 0, "c", 0), "scan"));
+  CHECK(failed(gno_ros2_publish_channel(publisher, nullptr, nullptr, 0, "c", 0), "sensor"));
+  CHECK(failed(gno_ros2_publisher_flush(publisher, 1, nullptr), "done is null"));
+  REQUIRE(gno_ros2_publisher_destroy(publisher) == GNO_OK);
+}

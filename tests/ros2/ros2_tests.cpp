@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+// What arrives at a subscriber, and what a subscriber can do to a publisher.
+#include <algorithm>
+#include <catch2/catch_approx.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "gnosphere/gnosphere.hpp"
+#include "gnosphere/ros2.hpp"
+#include "ros2/listening.hpp"
+
+using namespace gnosphere;
+using namespace gnosphere::ros2;
+using namespace gnosphere::test;
+using Catch::Approx;
+using Catch::Matchers::ContainsSubstring;
+using Time = std::chrono::steady_clock;
+
+namespace {
+
+PublisherOptions latched() {
+  loopbackDomain();
+  PublisherOptions options;
+  options.qos.durability = Qos::Durability::transientLocal;
+  options.qos.depth = 1;
+  return options;
+}
+
+/// What a subscriber that comes late gets of a latched message.
+std::string received(const Message& message, const char* type) {
+  Publisher publisher(static_cast<MessageType>(message.index()), "/a/b_1", latched());
+  publisher.publish(message);
+  REQUIRE(publisher.flush(10));
+  Listener listener({.type = type, .qos = "latched"}, {"rt/a/b_1"});
+  const std::vector<std::string> lines = listener.lines();
+  REQUIRE(lines.size() == 1);
+  return lines[0];
+}
+
+PointCloud2 cloudOfSize(int64_t number, uint32_t points) {
+  PointCloud2 cloud;
+  cloud.stamp = number;
+  cloud.frame = "lidar";
+  cloud.width = points;
+  cloud.fields = {{"x", 0}, {"y", 4}, {"z", 8}, {"intensity", 12}};
+  cloud.pointStep = 16;
+  cloud.data.assign(size_t{points} * 16, static_cast<uint8_t>(number));
+  return cloud;
+}
+
+/// Publishes clouds at 10 Hz on every topic, and returns how many calls of publish() took so long that a scan would
+/// have been late. A machine that does something else may cause one.
+int publishSteadily(std::vector<Publisher>& publishers, int first, int count, uint32_t points) {
+  int late = 0;
+  const auto begin = Time::now();
+  for (int i = first; i < first + count; ++i) {
+    for (Publisher& publisher : publishers) {
+      PointCloud2 cloud = cloudOfSize(i, points);
+      const auto before = Time::now();
+      publisher.publish(std::move(cloud));
+      late += Time::now() - before > std::chrono::milliseconds(50);
+    }
+    std::this_thread::sleep_until(begin + std::chrono::milliseconds(100 * (i - first + 1)));
+  }
+  return late;
+}
+
+/// The numbers of the clouds in lines of a topic.
+std::vector<int> numbersIn(const std::vector<std::string>& lines, const std::string& topic) {
+  std::vector<int> numbers;
+  for (const std::string& line : lines)
+    if (line.starts_with(topic + " ")) numbers.push_back(std::stoi(line.substr(line.find('.') + 1)));
+  return numbers;
+}
+
+std::vector<int> upTo(int count) {
+  std::vector<int> numbers;
+  for (int i = 0; i < count; ++i) numbers.push_back(i);
+  return numbers;
+}
+
+void noneIsLost(int count) {
+  loopbackDomain();
+  std::vector<Publisher> publishers;
+  publishers.emplace_back(MessageType::pointCloud2, "points");
+  Listener listener({.count = count, .seconds = count / 10 + 30}, {"rt/points"});
+  REQUIRE(eventually([&] { return publishers[0].counts().subscribers == 1; }));
+  publishSteadily(publishers, 0, count, 28800);
+  CHECK(numbersIn(listener.lines(), "rt/points") == upTo(count));
+  const PublisherCounts counts = publishers[0].counts();
+  CHECK(counts.published == static_cast<uint64_t>(count));
+  CHECK(counts.sent == counts.published);
+  CHECK(counts.dropped == 0);
+}
+
+}  // namespace
+
+TEST_CASE("ROS 2: every value of every message arrives") {
+  REQUIRE(unavailable().empty());
+  PointCloud2 cloud;
+  cloud.stamp = 1'700'000'000'000'000'005;
+  cloud.frame = "front left";
+  cloud.height = 2;
+  cloud.width = 1;
+  cloud.fields = {{"x", 0, PointField::Type::f64, 1}, {"ring", 8, PointField::Type::u16, 2}};
+  cloud.pointStep = 13;
+  cloud.data.assign(26, 0);
+  cloud.data[25] = 7;
+  cloud.dense = false;
+  CHECK(received(cloud, "cloud") ==
+        "rt/a/b_1 1700000000.000000005 front left 2x1 step 13 row 13 bytes 26 sum 7 big 0 dense 0 x:0:8:1 ring:8:4:2");
+
+  LaserScan laser;
+  laser.stamp = -1;
+  laser.frame = "laser";
+  laser.angleMin = -1.5f;
+  laser.angleMax = 1.5f;
+  laser.angleIncrement = 0.5f;
+  laser.timeIncrement = 0.25f;
+  laser.scanTime = 2;
+  laser.rangeMin = 0.125f;
+  laser.rangeMax = 30;
+  laser.ranges = {1, INFINITY, 3};
+  laser.intensities = {0.5f, 0, 9};
+  CHECK(received(laser, "laser") ==
+        "rt/a/b_1 -1.999999999 laser -1.5 1.5 0.5 0.25 2 0.125 30 ranges 1 inf 3 intensities 0.5 0 9");
+
+  const Transforms transforms = {{5, "map", "base_link", {{1, 2, 3}, {0, 0, 0.6, 0.8}}}, {6, "base_link", "top", {}}};
+  CHECK(received(transforms, "transforms") ==
+        "rt/a/b_1 0.000000005 map>base_link 1 2 3 0 0 0.6 0.8 0.000000006 base_link>top 0 0 0 0 0 0 1");
+  CHECK(received(Clock{12'000'000'003}, "clock") == "rt/a/b_1 12.000000003");
+  CHECK(received(Transforms(), "transforms") == "rt/a/b_1");
+  CHECK(received(PointCloud2(), "cloud") == "rt/a/b_1 0.000000000  1x0 step 0 row 0 bytes 0 sum 0 big 0 dense 1");
+}
+
+TEST_CASE("ROS 2: a scan as a cloud and as a laser scan") {
+  Scan scan;
+  scan.columns = 4;
+  scan.channels = 1;
+  scan.points = {1, 0, 0, NAN, NAN, NAN, -1, 0, 0, 0, -2, 0};
+  scan.ranges = {1, NAN, 1, 2};
+  scan.triangles = {0, kNoTriangle, 0, 0};
+  scan.instances = {5, kNoTriangle, 6, 7};
+  const PointCloud2 cloud = cloudOf(scan, {Field::x, Field::y, Field::z, Field::ring, Field::instance}, "top", 9);
+  CHECK(cloud.width == 3);
+  CHECK(cloud.height == 1);
+  CHECK(cloud.pointStep == 18);
+  REQUIRE(cloud.fields.size() == 5);
+  CHECK(cloud.fields[3].name == "ring");
+  CHECK(cloud.fields[3].offset == 12);
+  CHECK(cloud.fields[3].type == PointField::Type::u16);
+  REQUIRE(cloud.data.size() == 54);
+  float y = 0;
+  uint32_t instance = 0;
+  std::memcpy(&y, &cloud.data[36 + 4], 4);
+  std::memcpy(&instance, &cloud.data[18 + 14], 4);
+  CHECK(y == -2);
+  CHECK(instance == 6);
+  CHECK_THROWS_WITH(cloudOf(scan, {Field::intensity}, "top", 0), ContainsSubstring("intensity"));
+
+  Sensor sensor;
+  sensor.columns = 4;
+  sensor.channels = {{}};
+  sensor.rangeMax = 50;
+  sensor.rotationPeriod = 0.1;
+  const LaserScan laser = laserScanOf(sensor, scan, 0, "top", 9);
+  CHECK(laser.ranges == std::vector<float>{1, INFINITY, 1, 2});
+  CHECK(laser.intensities.empty());
+  CHECK(laser.angleMin == Approx(-M_PI));
+  CHECK(laser.angleMax == Approx(M_PI / 2));
+  CHECK(laser.angleIncrement == Approx(M_PI / 2));
+  CHECK(laser.timeIncrement == Approx(0.025));
+  CHECK(laser.scanTime == Approx(0.1));
+  CHECK(laser.rangeMax == 50);
+  CHECK_THROWS_WITH(laserScanOf(sensor, scan, 1, "top", 0), ContainsSubstring("no channel 1"));
+}
+
+TEST_CASE("ROS 2: wrong names, domains and messages are refused with a sentence") {
+  loopbackDomain();
+  const auto make = [](const char* topic, PublisherOptions options = {}) {
+    Publisher(MessageType::clock, topic, options);
+  };
+  for (const char* topic : {"", "/", "a//b", "a/", "2d", "a/2d", "a-b", "~/a", "a b"})
+    CHECK_THROWS_WITH(make(topic), ContainsSubstring("is no name of a topic"));
+  PublisherOptions options;
+  options.qos.depth = 0;
+  CHECK_THROWS_WITH(make("a", options), ContainsSubstring("depth"));
+  options.qos.depth = 1;
+  options.domain = 233;
+  CHECK_THROWS_WITH(make("a", options), ContainsSubstring("232"));
+  const std::string domain = std::getenv("ROS_DOMAIN_ID");
+  setenv("ROS_DOMAIN_ID", "7x", 1);
+  CHECK_THROWS_WITH(make("a"), ContainsSubstring("ROS_DOMAIN_ID is '7x'"));
+  setenv("ROS_DOMAIN_ID", domain.c_str(), 1);
+
+  Publisher clouds(MessageType::pointCloud2, "points");
+  CHECK_THROWS_WITH(clouds.publish(Clock()), ContainsSubstring("another type"));
+  PointCloud2 cloud = cloudOfSize(0, 2);
+  cloud.width = 3;
+  CHECK_THROWS_WITH(clouds.publish(cloud),
+                    ContainsSubstring("has 32 bytes, but height * width * pointStep is 1 * 3 * 16"));
+  cloud = cloudOfSize(0, 2);
+  cloud.fields[3].type = PointField::Type::f64;
+  CHECK_THROWS_WITH(clouds.publish(cloud), ContainsSubstring("intensity ends beyond"));
+  cloud.fields[3].type = static_cast<PointField::Type>(9);
+  CHECK_THROWS_WITH(clouds.publish(cloud), ContainsSubstring("no type of ROS"));
+  LaserScan laser;
+  laser.ranges = {1};
+  laser.intensities = {1, 2};
+  Publisher lasers(MessageType::laserScan, "scan");
+  CHECK_THROWS_WITH(lasers.publish(laser), ContainsSubstring("2 values, but there are 1 ranges"));
+  CHECK(clouds.counts().published == 0);
+}
+
+TEST_CASE("ROS 2: three seconds at 10 Hz without loss") {
+  noneIsLost(30);
+}
+
+TEST_CASE("ROS 2: a minute at 10 Hz without loss", "[.minute]") {
+  noneIsLost(600);
+}
+
+TEST_CASE("ROS 2: subscribers that stop, sleep, die and come back stall nobody") {
+  loopbackDomain();
+  constexpr uint32_t kPoints = 131072;  // 2 MB
+  std::vector<Publisher> publishers;
+  publishers.emplace_back(MessageType::pointCloud2, "points");
+  Publisher& publisher = publishers[0];
+  Listener healthy({.count = 60, .seconds = 60}, {"rt/points"});
+  Listener slow({.count = 60, .seconds = 60, .sleepMs = 500}, {"rt/points"});
+  Listener stopped({.count = 60, .seconds = 60}, {"rt/points"});
+  Listener killed({.count = 60, .seconds = 60}, {"rt/points"});
+  REQUIRE(eventually([&] { return publisher.counts().subscribers == 4; }));
+  int late = publishSteadily(publishers, 0, 10, kPoints);
+  const double before = residentMegabytes();
+  stopped.tell(SIGSTOP);
+  killed.end(SIGKILL);
+  late += publishSteadily(publishers, 10, 40, kPoints);
+  stopped.tell(SIGCONT);
+  Listener restarted({.count = 5, .seconds = 30}, {"rt/points"});
+  REQUIRE(eventually([&] { return publisher.counts().subscribers >= 4; }));
+  late += publishSteadily(publishers, 50, 10, kPoints);
+  CHECK(numbersIn(healthy.lines(), "rt/points") == upTo(60));
+  CHECK(restarted.lines().size() == 5);
+  CHECK(late <= 1);
+  CHECK(publisher.counts().dropped == 0);
+  CHECK(residentMegabytes() - before < 40);  // the queue and what is not confirmed: 2 * depth * 2 MB, and some
+}
+
+TEST_CASE("ROS 2: ten publishers at once") {
+  loopbackDomain();
+  std::vector<Publisher> publishers;
+  std::vector<std::string> topics;
+  for (int i = 0; i < 10; ++i) {
+    publishers.emplace_back(MessageType::pointCloud2, "head" + std::to_string(i) + "/points");
+    topics.push_back("rt/head" + std::to_string(i) + "/points");
+  }
+  Listener listener({.count = 200, .seconds = 60}, topics);
+  for (Publisher& publisher : publishers) REQUIRE(eventually([&] { return publisher.counts().subscribers == 1; }));
+  publishSteadily(publishers, 0, 5, 4000);
+  const double before = residentMegabytes();
+  const int late = publishSteadily(publishers, 5, 15, 4000);
+  const std::vector<std::string> lines = listener.lines();
+  for (const std::string& topic : topics) CHECK(numbersIn(lines, topic) == upTo(20));
+  CHECK(late <= 1);
+  CHECK(residentMegabytes() - before < 10);
+}
+
+TEST_CASE("ROS 2: what waits too long is replaced and counted") {
+  loopbackDomain();
+  PublisherOptions options;
+  options.qos.depth = 2;
+  Publisher publisher(MessageType::pointCloud2, "points", options);
+  for (int i = 0; i < 200; ++i) {
+    publisher.publish(cloudOfSize(i, 131072));
+    CHECK(publisher.counts().waiting <= 3);  // one of them is being sent
+  }
+  REQUIRE(publisher.flush(20));
+  const PublisherCounts counts = publisher.counts();
+  CHECK(counts.published == 200);
+  CHECK(counts.waiting == 0);
+  CHECK(counts.sent + counts.dropped == 200);
+  CHECK(counts.sent >= 2);
+}
+
+// It runs in a process that has an unusable library: see tests/CMakeLists.txt.
+TEST_CASE("ROS 2: without Cyclone DDS a sentence names the package", "[.absent]") {
+  CHECK_THAT(unavailable(), ContainsSubstring("cyclonedds-dev"));
+  CHECK_THROWS_WITH(Publisher(MessageType::clock, "clock"),
+                    ContainsSubstring("install the Debian packages cyclonedds-dev"));
+  CHECK_THROWS_WITH(Publisher(MessageType::clock, "2"), ContainsSubstring("is no name of a topic"));
+}
