@@ -71,9 +71,10 @@ void link(uint beam, uint projected, float range) {
 }
 
 // True if a triangle stops the whole footprint of a beam: every line within it hits the triangle clearly within its
-// edges. `farthest` becomes an upper bound of the ranges of these hits. The range of a line that deviates by up to
-// `footprint` from the axis is at most that of the axis divided by the change of the cosine to the normal; the other
-// terms are far more than the rounding errors.
+// edges, and no light goes on behind it, neither through a hole nor because it is a pane. `farthest` becomes an upper
+// bound of the ranges of these hits. The range of a line that deviates by up to `footprint` from the axis is at most
+// that of the axis divided by the change of the cosine to the normal; the other terms are far more than the rounding
+// errors.
 bool stopsFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3 side, uint index,
                     uint projected, out float farthest) {
   vec3 reach = 1.02 * prepared.reach;
@@ -88,6 +89,7 @@ bool stopsFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam be
   bool stops = inside && range > 0.0 && sum > spread * prepared.area && frame.footprint < 0.2 &&
                triangle.rangeMin >= window.x && farthest <= window.y;
   if ((EFFECTS & kCutOuts) != 0 && stops) stops = optics.at[projectedMaterials.at[projected]].passage.y <= 0.0;
+  if (LAYERS > 1 && stops) stops = !isPane(projected);
   return stops;
 }
 

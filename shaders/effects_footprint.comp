@@ -22,6 +22,7 @@
 #include "owner.glsl"
 #include "each_ray.glsl"
 #include "echoes.glsl"
+#include "panes.glsl"
 #include "lanes.glsl"
 #include "runs.glsl"
 
@@ -45,19 +46,19 @@ uint metIds[kPieces], metCandidates[kPieces];
 
 #include "footprint_candidates.glsl"
 
-// True if the range is clearly beyond the sub-ray's hit in the previous layer. Surfaces closer to each other, relative
-// to their range, count as one: light through a shared edge hits both of its triangles, but they are not two panes.
+// True if the range is clearly beyond the sub-ray's hit in the previous layer. Panes closer to each other, relative to
+// their range, count as one: light through a shared edge hits both of its triangles, but they are not two panes.
 bool isBehind(float range, uint piece) {
   precise float before = ranges[piece] * (1.0 + 9.5367431640625e-7);
   return range > before;
 }
 
-// Keeps a sub-ray's hit if it is the nearest one of this layer so far.
-void offer(bool met, float range, uint id, uint projected, uint layer, uint s) {
+// Keeps a sub-ray's hit if it is the nearest one of this layer so far. An opaque hit counts however close to a pane.
+void offer(bool met, float range, uint id, uint projected, bool opaque, uint layer, uint s) {
   uint piece = layer * RAYS + s;
   bool lit = carried[s] > 0.0, nearer = range < ranges[piece], even = range == ranges[piece];
   bool first = id < metIds[piece], behind = true;
-  if (layer > 0) behind = isBehind(range, piece - RAYS);
+  if (layer > 0) behind = opaque || isBehind(range, piece - RAYS);
   bool taken = met && lit && behind && (nearer || (even && first));
   ranges[piece] = taken ? range : ranges[piece];
   metIds[piece] = taken ? id : metIds[piece];
@@ -87,6 +88,7 @@ float consider(Candidate candidate, uint projected, uint layer) {
     holed = optics.at[projectedMaterials.at[projected]];
     mask = holed.passage.y > 0.0;
   }
+  bool opaque = LAYERS > 1 && layer > 0 && !isPane(projected);
   // The same formula as in the first pass, so that no other candidate of the list can change a bit of the range.
   bool whole = !mask && coversFootprint(candidate);
   vec4 plane = planeOf(candidate);
@@ -96,7 +98,7 @@ float consider(Candidate candidate, uint projected, uint layer) {
   else                                                                                 \
     met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);              \
   if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, textureCornersOf(projected), side); \
-  offer(met, range, candidate.id, projected, layer, s);
+  offer(met, range, candidate.id, projected, opaque, layer, s);
   EACH_RAY(OFFER)
   bool taken = false, mine;
 #define FARTHEST(s)                                                                \

@@ -75,7 +75,7 @@ uint paneOf(uint k, out float range) {
   return met ? projected : kNone;
 }
 
-// Finds the nearest pane that is clearly behind the range `before`, and before the opaque hit. Surfaces closer to each
+// Finds the nearest pane that is clearly behind the range `before`, and before the opaque hit. Panes closer to each
 // other, relative to their range, count as one: light through a shared edge hits both of its triangles, but they are
 // not two panes. Returns its projected triangle, or kNone.
 uint nextPane(float before, uvec2 opaque, out float range, out uint id) {

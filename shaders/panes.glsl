@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Panes: triangles of materials that let light pass. Where beams are single lines, `words` has the nearest opaque hit
-// of each beam, and its list has the panes before that hit.
+// of each beam, and its list has the panes before that hit. An opaque hit ends light, however close to a pane.
 
 bool isPaneMaterial(uint material) { return optics.at[material].passage.x > 0.0; }
 bool isPane(uint projected) { return isPaneMaterial(projectedMaterials.at[projected]); }

@@ -47,7 +47,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
     : machine_(machine),
       plan_(plan),
       patterns_(makePatterns()),
-      binning_(chooseBinning(options, machine.traits(), plan.footprint(), plan.layers())),
+      binning_(chooseBinning(options, machine.traits(), plan.footprint())),
       leavesWords_(leavesWords(binning_, plan) && !(keepsRecords() && mostGroups() > 1)),
       exact_(accuracyPartsOf(options).inside == AccuracyParts::Inside::exact),
       keepsStill_(gnosphere::keepsStill(options, binning_, plan)),

@@ -40,10 +40,8 @@ DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning) {
   return {groups, 4 * threads, binning == gpu::kBinningSlabs ? threads : groups, 8 * groups};
 }
 
-uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint, uint32_t layers) {
-  // Nothing bounds the candidates of a footprint whose light passes panes, and compact lists are read faster than
-  // chains.
-  if (!traits.int64Atomics || (footprint && layers > 1)) return gpu::kBinningLists;
+uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint) {
+  if (!traits.int64Atomics) return gpu::kBinningLists;
   bool slabs = traits.cpu;
   switch (options.tuning.binning) {
     case Binning::lists: return gpu::kBinningLists;

@@ -18,9 +18,8 @@ struct DispatchSizes {
 };
 DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning);
 
-/// Returns the gpu::kBinning... value for the options and the device. `layers` is the number of surfaces that light may
-/// meet.
-uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint, uint32_t layers);
+/// Returns the gpu::kBinning... value for the options and the device.
+uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint);
 
 /// Returns the most shells of a scan, 1 or kMostShells. Triangles of nearer shells are binned first, so that they can
 /// hide those of farther shells.

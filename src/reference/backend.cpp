@@ -162,6 +162,8 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   const Bvh moving = moves ? movingTree(shot) : Bvh({});
   View view = viewOf(scene_, moves ? moving : bvh_, places_, sensor, pose, scan.counters);
   view.cutOuts = plan.has(gpu::kCutOuts);
+  if (plan.has(gpu::kTransmission))
+    for (const Optics& optics : effects.optics) view.panes.push_back(optics.transmission > 0);
   const Judge judge(view, shot, effects);
   std::vector<Cause> causes(beams);
   inRuns(beams, 1024, threadCount(), [&](size_t first, size_t last) {

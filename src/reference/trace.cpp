@@ -13,6 +13,10 @@ std::array<Vec3, 3> seenFrom(const Line& line, const Triangle& triangle) {
           line.frame.toSensor(triangle.corners[2])};
 }
 
+bool isPane(const View& view, const Triangle& triangle) {
+  return !view.panes.empty() && view.panes[materialOf(view.scene, triangle)] != 0;
+}
+
 /// The error of a corner as the laser of the line sees it.
 CornerError errorOf(const View& view, const Line& line, uint32_t instance) {
   CornerError error = view.errors[instance];
@@ -63,7 +67,7 @@ Hit nearest(const View& view, const Line& line, double behind) {
     if (!hit.inside || (triangle.front != 0 && (hit.facing > 0) != (triangle.front > 0))) return limit;
     if (!(hit.range > 0) || hit.range < line.window.least || hit.range > line.window.most) return limit;
     if (best.triangle != kNobody && rank(best.triangle, best.range) < rank(i, hit.range)) return limit;
-    if (hit.range <= behind * (1 + kOneSurface)) return limit;
+    if (hit.range <= behind * (1 + kOneSurface) && isPane(view, triangle)) return limit;
     if (view.cutOuts && isHole(view.scene, triangle, hit.weights)) return limit;
     best = {i, hit.range, hit.weights};
     return hit.range;
@@ -79,13 +83,16 @@ bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool
     error.relative += line.astray;
     return doubtOf(across, {a, b, c}, triangle.front, error, line.window);
   };
-  double farthest = line.window.most;
+  double farthest = line.window.most, before = 0;
   bool doubt = false;
   for (const Hit& hit : hits) {
     const Triangle triangle = view.tree.sweeps().at(view.tree.triangles()[hit.triangle], line.time);
     const Doubt owner = look(triangle);
     tolerance = std::max({hit.range - owner.nearest, owner.farthest - hit.range, kUnitRoundoff * hit.range, tolerance});
     doubt = doubt || !owner.certain || (view.cutOuts && isHoleInDoubt(view.scene, triangle, hit.weights));
+    // Two hits in a row may change places, or two panes become one.
+    doubt = doubt || owner.nearest <= before * (1 + kOneSurface);
+    before = owner.farthest;
     if (!goesOn && &hit == &hits.back()) farthest = std::min(farthest, owner.farthest);
   }
   if (doubt) return true;

@@ -18,6 +18,7 @@ struct View {
   const Bvh& tree;
   const Sensor& sensor;
   bool cutOuts = false;                  ///< whether textures may have holes
+  std::vector<uint8_t> panes = {};       ///< per material: whether light passes it; empty if it passes none
   std::vector<CornerError> errors = {};  ///< per instance
   std::vector<uint8_t> dropped = {};     ///< per triangle of the tree: out of bounds from this pose; empty if none is
   double spread = 0;                     ///< relative widening of a beam, so that it finds every triangle in doubt
@@ -49,17 +50,18 @@ struct Hit {
   Weights weights = {};
 };
 
-/// Surfaces closer to each other than this, relative to their range, count as one: a line through a shared edge passes
+/// Panes closer to each other than this, relative to their range, count as one: a line through a shared edge passes
 /// both triangles, and those are not two panes.
 inline constexpr double kOneSurface = 0x1p-20;
 
-/// Returns the nearest hit, or the nearest that is clearly behind a range; among equals the lower instance and
-/// triangle.
+/// Returns the nearest hit, or the nearest one after that of a pane at the range `behind`: an opaque one, however close
+/// to the pane, or another pane clearly behind it. Among equals it is the lower instance and triangle.
 Hit nearest(const View& view, const Line& line, double behind = 0);
 
 /// Returns whether single precision may see other hits than these. A line is certain if every hit is certain and no
-/// other triangle can be hit before the last one (or before the end of the range if light passes the last, `goesOn`);
-/// otherwise it is a tie. `tolerance` is raised to the range error that single precision may show.
+/// other triangle can be hit before the last one (or before the end of the range if light passes the last, `goesOn`),
+/// and their order is certain; otherwise it is a tie. `tolerance` is raised to the range error that single precision
+/// may show.
 bool inDoubt(const View& view, const Line& line, std::span<const Hit> hits, bool goesOn, double& tolerance);
 
 }  // namespace gnosphere::reference

@@ -219,6 +219,34 @@ TEST_CASE("a pane of glass and the wall behind it share a beam") {
   CHECK(scan.column<uint32_t>(Field::material)[first + 1] == 1);
 }
 
+// The pane and the wall have one place, or the wall is 5e-7 of the range behind. Of equal ranges the lower instance is
+// first.
+TEST_CASE("a wall ends light, however close to the pane before it") {
+  const std::string device = ON_EVERY_DEVICE;
+  const double gap = GENERATE(0.0, 4e-6);
+  const bool paneFirst = gap > 0 || GENERATE(true, false);
+  const bool footprint = GENERATE(false, true);
+  CAPTURE(gap, paneFirst, footprint);
+  const Plate pane = {8, 5, 0.5f}, near = {8 + gap, 5, 0.6f}, far = {14, 8, 0.7f};
+  Scene scene = platesOf({paneFirst ? pane : near, paneFirst ? near : pane, far});
+  scene.materials[paneFirst ? 0 : 1].transmission = 0.8f;
+  Setup setup(device, scene, fan(3600, 1, 0, 50));
+  setup.effects.transmission.use = setup.effects.returns.use = EffectUse::on;
+  setup.effects.returns.count = 3;
+  if (footprint) setup.effects.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 1e-4, 1e-4};
+  for (const Binning binning : {Binning::automatic, Binning::lists}) {
+    TestOptions options = setup.options();
+    options.tuning.binning = binning;
+    const Scan scan = scanOn(scene, setup.sensor, Pose{}, options);
+    const size_t first = 3 * ahead(setup.sensor);
+    CHECK(scan.ranges[first] == Approx(8).epsilon(1e-5));
+    CHECK(!scan.hit(first + 1));
+    const double wall = 0.6 + kGloss, both = 0.5 * 0.2 + kGloss + 0.8 * 0.8 * wall;
+    CHECK(scan.column<float>(Field::intensity)[first] == Approx(paneFirst ? both : wall).epsilon(1e-4));
+    if (device == "reference") break;
+  }
+}
+
 TEST_CASE("beams pass exactly the holes of a texture") {
   const std::string device = ON_EVERY_DEVICE;
   using Wrap = AlphaImage::Wrap;

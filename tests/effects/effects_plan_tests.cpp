@@ -167,6 +167,27 @@ TEST_CASE("auto plans the effects that the scene needs: glass, holes and neither
   CHECK(!sameWork(holes, plain));
 }
 
+TEST_CASE("no head of the catalogue falls to lists, whatever the scene shows and moves") {
+  std::vector<Sensor> heads = builtinSensors();
+  for (const CatalogueHead& entry : sensorCatalogue()) heads.push_back(builtinSensor(entry.name));
+  const Scene scene = glassWithHoles();
+  size_t footprints = 0;
+  for (const Sensor& head : heads)
+    for (const EffectUse moving : {EffectUse::off, EffectUse::on}) {
+      INFO(head.name << (moving == EffectUse::on ? ", moving" : ", at rest"));
+      Effects effects;
+      const bool moves = moving == EffectUse::on && head.rotationPeriod > 0;
+      effects.objectMotion.use = effects.sensorMotion.use = moves ? EffectUse::on : EffectUse::off;
+      const Plan plan = planOnHost(scene, head, effects);
+      CHECK(plan.has("transmission"));
+      CHECK(plan.has("cut-outs"));
+      CHECK(plan.has("object-motion") == moves);
+      CHECK(plan.binning != "lists");
+      footprints += plan.has("divergence");
+    }
+  CHECK(footprints > heads.size() / 2);
+}
+
 TEST_CASE("lines answer for holes, angle errors and panes with standard accuracy") {
   needVulkan();
   const auto stagesOf = [](const Plan& plan) {
@@ -191,7 +212,7 @@ TEST_CASE("lines answer for holes, angle errors and panes with standard accuracy
   CHECK(stagesOf(makeSimulator(pane, able(), options).plan()) == "effects project bin resolve(host) ");
   options.fields.clear();
   assign(options.effects, "divergence.sub_rays=2");
-  CHECK(makeSimulator(pane, able(), options).plan().binning == "lists");
+  CHECK(makeSimulator(pane, able(), options).plan().binning == "nearest");
   options.effects.divergence.use = EffectUse::off;
   options.effects.transmission.use = EffectUse::off;
   options.accuracy = Accuracy::exact;
