@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage effects, first passes; they replace resolve. Find the hits of the sub-rays of each beam among its candidates,
 // and combine them into echoes, one invocation per beam. The first pass handles the beams whose whole footprint lies on
-// one triangle, which are most of them, and lists the others for the second pass; otherwise simple beams would wait for
-// complex ones in their subgroup.
+// one triangle, which are most of them, and lists the others for two more passes: those whose light meets no pane, and
+// those whose light may have to be followed through panes, layer by layer. Otherwise simple beams would wait for complex
+// ones in their subgroup, and all of them would run the code of the last pass.
 // There are places for RAYS sub-rays; unused ones carry no energy.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -37,48 +38,50 @@ float farthestOf(uint index) { return frame.rangeMax; }
 // The sub-rays of a beam: tangents to the left and up, length of (1, left, up), original energy, the energy that
 // reaches this layer, and the energy that passes through it.
 float left[RAYS], up[RAYS], lengths[RAYS], weights[RAYS], carried[RAYS], passed[RAYS];
-// The hits of the sub-rays, layer by layer: range (kNothing if there is none), share of the beam's energy, placed
-// triangle and candidate. The first pass has one layer.
+// Their hits in this layer: range (kNothing if there is none), share of the beam's energy, placed triangle, candidate,
+// and the range in the layer before.
+float hitRanges[RAYS], hitShares[RAYS], rangesBefore[RAYS];
+uint hitIds[RAYS], hitCandidates[RAYS];
+// Their hits in all layers. The first pass has one layer.
 const uint kPieces = RAYS * kMaxLayers;
 #define HELD_LAYERS (PASS == kPassWithinOne ? 1u : LAYERS)
 float ranges[kPieces], energies[kPieces];
-uint metIds[kPieces], metCandidates[kPieces];
+uint metCandidates[kPieces];
 
 #include "footprint_candidates.glsl"
 
 // True if the range is clearly beyond the sub-ray's hit in the previous layer. Panes closer to each other, relative to
 // their range, count as one: light through a shared edge hits both of its triangles, but they are not two panes.
-bool isBehind(float range, uint piece) {
-  precise float before = ranges[piece] * (1.0 + 9.5367431640625e-7);
-  return range > before;
+bool isBehind(float range, uint s) {
+  precise float end = rangesBefore[s] * (1.0 + 9.5367431640625e-7);
+  return range > end;
 }
 
 // Keeps a sub-ray's hit if it is the nearest one of this layer so far. An opaque hit counts however close to a pane.
-void offer(bool met, float range, uint id, uint projected, bool opaque, uint layer, uint s) {
-  uint piece = layer * RAYS + s;
-  bool lit = carried[s] > 0.0, nearer = range < ranges[piece], even = range == ranges[piece];
-  bool first = id < metIds[piece], behind = true;
-  if (layer > 0) behind = opaque || isBehind(range, piece - RAYS);
+void offer(bool met, float range, uint id, uint projected, bool opaque, uint s) {
+  bool lit = carried[s] > 0.0, nearer = range < hitRanges[s], even = range == hitRanges[s];
+  bool first = id < hitIds[s], behind = true;
+  if (LAYERS > 1) behind = opaque || isBehind(range, s);
   bool taken = met && lit && behind && (nearer || (even && first));
-  ranges[piece] = taken ? range : ranges[piece];
-  metIds[piece] = taken ? id : metIds[piece];
-  metCandidates[piece] = taken ? projected : metCandidates[piece];
+  hitRanges[s] = taken ? range : hitRanges[s];
+  hitIds[s] = taken ? id : hitIds[s];
+  hitCandidates[s] = taken ? projected : hitCandidates[s];
 }
 
 // Computes how much of a sub-ray's light a surface reflects and how much it transmits.
-void share(Optics4 surface, vec3 normal, uint projected, uint layer, uint s) {
-  if (metCandidates[layer * RAYS + s] != projected) return;
+void share(Optics4 surface, vec3 normal, uint projected, uint s) {
+  if (hitCandidates[s] != projected) return;
   float energy = carried[s];
   if (looksAtMaterials) energy = product(energy, reflected(surface, cosineOf(normal, left[s], up[s], lengths[s])));
-  energies[layer * RAYS + s] = energy;
+  hitShares[s] = energy;
   if (LAYERS > 1) {
     passed[s] = product(carried[s], transmitted(surface));
-    if (energy == 0.0 && passed[s] > 0.0) energies[layer * RAYS + s] = kUnseen;
+    if (energy == 0.0 && passed[s] > 0.0) hitShares[s] = kUnseen;
   }
 }
 
 // Tries a candidate on every sub-ray. Returns the range beyond which further candidates cannot matter.
-float consider(Candidate candidate, uint projected, uint layer) {
+float consider(Candidate candidate, uint projected) {
   float farthest = 0.0;
   float range;
   bool met, mask = false;
@@ -88,7 +91,7 @@ float consider(Candidate candidate, uint projected, uint layer) {
     holed = optics.at[projectedMaterials.at[projected]];
     mask = holed.passage.y > 0.0;
   }
-  bool opaque = LAYERS > 1 && layer > 0 && !isPane(projected);
+  bool opaque = LAYERS > 1 && !isPane(projected);
   // The same formula as in the first pass, so that no other candidate of the list can change a bit of the range.
   bool whole = !mask && coversFootprint(candidate);
   vec4 plane = planeOf(candidate);
@@ -98,18 +101,18 @@ float consider(Candidate candidate, uint projected, uint layer) {
   else                                                                                 \
     met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);              \
   if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, textureCornersOf(projected), side); \
-  offer(met, range, candidate.id, projected, opaque, layer, s);
+  offer(met, range, candidate.id, projected, opaque, s);
   EACH_RAY(OFFER)
   bool taken = false, mine;
-#define FARTHEST(s)                                                                \
-  farthest = max(farthest, carried[s] > 0.0 ? ranges[layer * RAYS + s] : 0.0); \
-  mine = metCandidates[layer * RAYS + s] == projected;                           \
+#define FARTHEST(s)                                            \
+  farthest = max(farthest, carried[s] > 0.0 ? hitRanges[s] : 0.0); \
+  mine = hitCandidates[s] == projected;                    \
   taken = taken || mine;
   EACH_RAY(FARTHEST)
   if (!taken) return farthest;
   Optics4 surface = optics.at[projectedMaterials.at[projected]];
   vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
-#define SHARE(s) share(surface, normal, projected, layer, s);
+#define SHARE(s) share(surface, normal, projected, s);
   EACH_RAY(SHARE)
   return farthest;
 }
@@ -129,21 +132,33 @@ uint bestOf() {
   return best;
 }
 
-void forget(uint layer) {
-#define FORGET(s)                            \
-  ranges[layer * RAYS + s] = kNothing;     \
-  energies[layer * RAYS + s] = 0.0;        \
-  metIds[layer * RAYS + s] = kNone;        \
-  metCandidates[layer * RAYS + s] = kNone; \
+void forget() {
+#define FORGET(s)               \
+  hitRanges[s] = kNothing;        \
+  hitShares[s] = 0.0;              \
+  hitIds[s] = kNone;        \
+  hitCandidates[s] = kNone; \
   passed[s] = 0.0;
   EACH_RAY(FORGET)
 }
 
+// True if light of the beam may meet a pane before the triangle that stops all of it, if there is one.
+bool meetsPane(uint index, Beam beam) {
+  if (LAYERS == 1) return false;
+  vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
+  float end = BINNING == kBinningLists || wordCandidate == kNone ? kNothing : uintBitsToFloat(words.at[index].y);
+  bool meets = false;
+  for (uint k = listFirst; k != listEnd && !meets; k = nextOf(k)) {
+    uint projected = projectedAt(k);
+    if (nearestAt(k) <= end && isPane(projected)) meets = touchesFootprint(candidateOf(projected, beam), middle);
+  }
+  return meets;
+}
+
 // Tries the nearest candidate first, as resolve does, and skips candidates behind all hits. Each lane first searches
 // for the next candidate that it must try, so that the lanes of a subgroup try their candidates together.
-void findLayer(bool lit, uint index, Beam beam, uint layer) {
-  forget(layer);
-  if (!lit) return;
+void findLayer(uint index, Beam beam) {
+  forget();
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
   uint best = bestOf(), k = best, next = listFirst;
   float farthest = kNothing;
@@ -158,15 +173,30 @@ void findLayer(bool lit, uint index, Beam beam, uint layer) {
       k = next == best ? nextOf(next) : next;  // the best one comes first, and only once
       if (k != listEnd) next = nextOf(k);
     }
-    if (projected != kNone) farthest = consider(candidate, projected, layer);
+    if (projected != kNone) farthest = consider(candidate, projected);
+  }
+}
+
+// Keeps the hits of a layer. Arrays that are indexed by a number that a loop counts lie in memory, so each layer has
+// code of its own; this is all that differs between them.
+void keepLayer(uint layer) {
+  [[unroll]] for (uint held = 0; held < LAYERS; ++held) {
+#define KEEP_HIT(s)                                \
+  ranges[held * RAYS + s] = hitRanges[s];            \
+  energies[held * RAYS + s] = hitShares[s];           \
+  metCandidates[held * RAYS + s] = hitCandidates[s];
+    if (held == layer) {
+      EACH_RAY(KEEP_HIT)
+    }
   }
 }
 
 // Passes the remaining light on to the next layer. Returns whether there is any.
-bool goOn(uint layer) {
+bool goOn() {
   bool any = false;
-#define GO_ON(s)                                                       \
-  carried[s] = ranges[layer * RAYS + s] < kNothing ? passed[s] : 0.0; \
+#define GO_ON(s)                                         \
+  rangesBefore[s] = hitRanges[s];                                \
+  carried[s] = hitRanges[s] < kNothing ? passed[s] : 0.0; \
   any = any || carried[s] > 0.0;
   EACH_RAY(GO_ON)
   return any;
@@ -249,6 +279,26 @@ void gatherEchoes(uint index, uint beam, vec2 azimuth) {
   echoCounts.at[beam] = count;
 }
 
+// Follows the light of a beam from layer to layer, and gathers its echoes.
+void follow(uint index, uint beam, Beam axis) {
+  if (LAYERS > 1) {
+    [[unroll]] for (uint layer = 0; layer < LAYERS; ++layer) {
+#define NO_HIT(s) ranges[layer * RAYS + s] = kNothing;
+      EACH_RAY(NO_HIT)
+    }
+  }
+#define NONE_BEFORE(s) rangesBefore[s] = 0.0;
+  EACH_RAY(NONE_BEFORE)
+  bool lit = true;
+  [[dont_unroll]] for (uint layer = 0; layer < LAYERS && lit; ++layer) {
+    findLayer(index, axis);
+    keepLayer(layer);
+    lit = goOn();
+  }
+  if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
+  gatherEchoes(index, beam, axis.azimuth);
+}
+
 #include "footprint_within_one.glsl"
 
 // Loads a sub-ray of the footprint, which is the same for every beam; shift() moves it if angle noise deflects the
@@ -278,10 +328,10 @@ void aim(uint index) {
   EACH_RAY(LIGHT)
 }
 
-// Returns false if the beam is left to the second pass.
-bool finish(uint index) {
+// Returns the pass in which the beam is finished.
+uint finish(uint index) {
   uint number = numberOf(index);
-  if (MAPPED && number == kNone) return true;
+  if (MAPPED && number == kNone) return PASS;
   beamRow = rowOf(index);
   beamColumn = columnOf(index);
   Beam axis = beamWith(index);
@@ -290,15 +340,26 @@ bool finish(uint index) {
   rangeMax = window.y;
   openList(index);
   aim(index);
-  if (PASS == kPassWithinOne) return findWithinOne(index, number, axis);
-  bool lit = true;
-  [[unroll]] for (uint layer = 0; layer < LAYERS; ++layer) {
-    findLayer(lit, index, axis, layer);
-    lit = goOn(layer);
+  if (PASS != kPassWithinOne) {
+    follow(index, number, axis);
+    return PASS;
   }
-  if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
-  gatherEchoes(index, number, axis.azimuth);
-  return true;
+  if (findWithinOne(index, number, axis)) return kPassWithinOne;
+  return meetsPane(index, axis) ? kPassPanesToo : kPassOthers;
+}
+
+// Lists the beams of a subgroup that are left to the two passes. All lanes of the subgroup must call this.
+void leave(uint index, uint toPass) {
+  uvec4 others = subgroupBallot(toPass == kPassOthers), panes = subgroupBallot(toPass == kPassPanesToo);
+  uint slot = 0, paneSlot = 0;
+  if (subgroupElect()) {
+    slot = atomicAdd(counters.hardBeams, subgroupBallotBitCount(others));
+    if (LAYERS > 1) paneSlot = atomicAdd(counters.paneBeams, subgroupBallotBitCount(panes));
+  }
+  slot = slotAfter(slot, others);
+  paneSlot = slotAfter(paneSlot, panes);
+  if (toPass == kPassOthers) hardBeams.at[slot] = index;
+  if (toPass == kPassPanesToo) hardBeams.at[frame.beams - 1 - paneSlot] = index;
 }
 
 void main() {
@@ -315,20 +376,17 @@ void main() {
   EACH_RAY(BEYOND)
   halfAxes *= sqrt(beyond);
   looksAtMaterials = (EFFECTS & kIntensity) != 0 && parameters.intensityModel == kModelPhysical;
-  uvec2 run = runOf(PASS == kPassWithinOne ? frame.beams : counters.hardBeams);
+  uint beams = frame.beams;
+  if (PASS == kPassOthers) beams = counters.hardBeams;
+  if (PASS == kPassPanesToo) beams = counters.paneBeams;
+  uvec2 run = runOf(beams);
   for (uint first = run.x; first < run.y; first += gl_SubgroupSize) {
-    uint i = first + gl_SubgroupInvocationID;
-    bool hard = false;
-    uint index = 0;
+    uint i = first + gl_SubgroupInvocationID, index = i, toPass = PASS;
     if (i < run.y) {
-      index = PASS == kPassWithinOne ? i : hardBeams.at[i];
-      hard = !finish(index);
+      if (PASS == kPassOthers) index = hardBeams.at[i];
+      if (PASS == kPassPanesToo) index = hardBeams.at[frame.beams - 1 - i];
+      toPass = finish(index);
     }
-    if (PASS != kPassWithinOne) continue;
-    uvec4 ballot = subgroupBallot(hard);
-    uint slot = 0;
-    if (subgroupElect()) slot = atomicAdd(counters.hardBeams, subgroupBallotBitCount(ballot));
-    slot = slotAfter(slot, ballot);
-    if (hard) hardBeams.at[slot] = index;
+    if (PASS == kPassWithinOne) leave(index, toPass);
   }
 }

@@ -139,7 +139,8 @@ GNO_CONST uint kPassApply = 2;
 GNO_CONST uint kPassResults = 0;
 GNO_CONST uint kPassWords = 1;      // only the words, which lists do not have
 GNO_CONST uint kPassWithinOne = 0;  // beams whose footprint lies on one triangle
-GNO_CONST uint kPassOthers = 1;
+GNO_CONST uint kPassOthers = 1;      // the others whose light meets no pane
+GNO_CONST uint kPassPanesToo = 2;    // those whose light may meet panes
 GNO_CONST uint kPassAll = 0;
 GNO_CONST uint kPassListed = 1;  // only the beams of hardBeams
 GNO_CONST uint kPassCountReturns = 0;
@@ -354,7 +355,8 @@ struct Counters {
   uint integerSides, integerRanges;  // `exact`: tests that floating point could not decide
   uint causes[6];                    // beams by Cause, if effects are planned
   uint lostEchoes;                   // echoes beyond kMaxEchoes of a beam
-  uint hardBeams;                    // beams whose footprint does not lie on one triangle, or that meet a pane
+  uint hardBeams;                    // beams whose footprint does not lie on one triangle; lines that meet a pane
+  uint paneBeams;                    // beams whose footprint may meet a pane; not among hardBeams
   uint tried;                        // triangles whose beams project has tried; they are on no list
 };
 
@@ -469,7 +471,7 @@ static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
 static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 112 &&
               sizeof(Row) == 32);
-static_assert(sizeof(Counters) == 96 && sizeof(Pass) == 32 && sizeof(Shell) == 64);
+static_assert(sizeof(Counters) == 100 && sizeof(Pass) == 32 && sizeof(Shell) == 64);
 }  // namespace gnosphere::gpu
 #endif
 #endif

@@ -68,7 +68,7 @@ const Layouts kShared = {
     STRUCT(Row, angles, channel, offset),
     STRUCT(Counters, projectedSmall, projectedLarge, tiles, candidates, binnedSmall, binnedTiles, hits, triangles,
            nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden, integerSides, integerRanges,
-           causes, lostEchoes, hardBeams, tried),
+           causes, lostEchoes, hardBeams, paneBeams, tried),
     STRUCT(RecordPlace, first, stride),
     STRUCT(InstanceClass, classId, firstRun, runs),
     STRUCT(ClassRun, firstTriangle, classId),

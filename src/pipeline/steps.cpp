@@ -132,9 +132,11 @@ class Steps {
   }
 
   void judge() {
-    if (input_.footprint)
+    if (input_.footprint) {
       for (const uint32_t pass : {gpu::kPassWithinOne, gpu::kPassOthers})
         dispatchOnList(Kernel::effects_footprint, pass);
+      if (input_.variant.options.LAYERS > 1) dispatchOnList(Kernel::effects_footprint, gpu::kPassPanesToo);
+    }
     if (input_.panes) dispatchOnList(Kernel::effects_panes, 0);
     if (judged()) dispatchOnBeams("effects", Kernel::effects);
     if (input_.effects == StepsInput::Judged::listed) dispatchOnList(Kernel::effects, gpu::kPassListed);
@@ -190,6 +192,7 @@ class Steps {
     step.variant.options.PASS = number;
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
     if (kernel != Kernel::effects_footprint) step.variant.options.RAYS = 1;
+    if (kernel == Kernel::effects_footprint && number == gpu::kPassOthers) step.variant.options.LAYERS = 1;
     step.variant.options.DEFORMED = input_.deformed ? deformedFor(kernel) : gpu::kDeformsNothing;
     if (kernel == Kernel::records) step.variant.options.RECORDS = input_.records;
     step.pass = pass;
