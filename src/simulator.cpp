@@ -12,6 +12,7 @@
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
 #include "pipeline/recording.hpp"
+#include "scan/columns.hpp"
 #include "scan/computed_columns.hpp"
 #include "scan/layout.hpp"
 #include "scene/validate.hpp"
@@ -115,6 +116,7 @@ class Simulator::Impl {
       check(shots[i], shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
     backend_->scanAll(shots, result, [&](size_t i) {
       const Sensor& sensor = requests_[shots[i].sensor].sensor;
+      for (const Field owner : {Field::triangle, Field::instance}) ScanColumns(result).setUnknown(owner, false);
       result.sensor = sensor.name;
       result.columns = sensor.width();
       result.channels = sensor.height();

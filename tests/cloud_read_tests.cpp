@@ -49,6 +49,37 @@ std::string problemOf(const fs::path& file) {
 
 }  // namespace
 
+TEST_CASE("a PCD file with a field of no values is refused") {
+  const Folder folder;
+  for (const std::string data : {"binary", "binary_compressed", "ascii"}) {
+    const std::string header =
+        "FIELDS x y z t\nSIZE 4 4 4 8\nTYPE F F F F\nCOUNT 1 1 1 0\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA " + data + "\n";
+    std::ofstream(folder / "a.pcd") << header << std::string(24, '\0');
+    CHECK_THAT(problemOf(folder / "a.pcd"), ContainsSubstring("COUNT must be 1 to 65536, is 0"));
+  }
+}
+
+TEST_CASE("a cloud without owners has none, and says so") {
+  const Folder folder;
+  std::ofstream(folder / "a.csv") << "x,y,z\n1,2,3\n4,5,6\n";
+  const Scan scan = readCloud(folder / "a.csv");
+  CHECK(scan.triangles == std::vector<uint32_t>{kNoTriangle, kNoTriangle});
+  CHECK(scan.instances == std::vector<uint32_t>{kNoTriangle, kNoTriangle});
+  CHECK_FALSE(scan.hit(0));
+  CHECK(scan.returned(1));
+  CHECK_FALSE(scan.has(Field::triangle));
+  CHECK_THROWS_AS(scan.column<uint32_t>(Field::instance), Error);
+  CHECK_THROWS_AS(compare(scan, scan, 0.1), Error);
+  // The memory of a scan that was read serves the next scan of a simulator.
+  Scan reused = scan;
+  Scene scene;
+  SimulatorOptions options;
+  options.device.kind = DeviceChoice::Kind::reference;
+  Simulator simulator(scene, SensorRequest{builtinSensor("VLP-16"), Effects::none(), {}}, options);
+  simulator.scanInto({}, reused);
+  CHECK(reused.has(Field::triangle));
+}
+
 TEST_CASE("every format that identifies beams reads back to the same bits") {
   const Folder folder;
   const std::string ending = GENERATE("pcd", "ply", "npy", "csv");

@@ -204,6 +204,16 @@ TEST_CASE("Ouster metadata: old firmware states as many angles as the product ha
   CHECK_THAT(problemOf(text("", 16, false), "old.json"), ContainsSubstring("expected are 64"));
 }
 
+TEST_CASE("Ouster metadata: columns of less than one per turn are refused, because no window divides them") {
+  for (const char* count : {"-1e300", "1e-300", "0", "0.5"}) {
+    std::string text(kOusterFlat);
+    const std::string stated = "\"columns_per_frame\": ";
+    text.replace(text.find(stated), stated.size() + 3, stated + count + ", \"column_window\": [0, 0]");
+    INFO(count);
+    CHECK_THROWS_AS(readSensorFile(text, "a.json", {.mode = "512x10"}), Error);
+  }
+}
+
 TEST_CASE("Ouster metadata: mistakes are named with their keys") {
   const auto edited = [](const std::string& from, const std::string& to) {
     return problemOf(replaced(kOusterNested, from, to), "os.json");

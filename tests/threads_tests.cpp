@@ -2,6 +2,8 @@
 // Work shared among threads, and simulators in several threads.
 #include <pthread.h>
 
+#include <chrono>
+#include <new>
 #include <thread>
 
 #include "base/threads.hpp"
@@ -46,6 +48,20 @@ TEST_CASE("all runs are completed by however many threads the system starts") {
   const NoMoreThreads none;
   REQUIRE_THROWS_AS(std::thread([] {}), std::system_error);
   CHECK(runsOf(4));
+}
+
+TEST_CASE("an exception of the work ends all threads and is thrown by inRuns()") {
+  for (const uint64_t threads : {1, 4}) {
+    std::atomic<int> done = 0;
+    CHECK_THROWS_AS(inRuns(1'000'000, 1, threads,
+                           [&](uint64_t first, uint64_t) {
+                             ++done;
+                             if (first == 3) throw std::bad_alloc();
+                             std::this_thread::sleep_for(std::chrono::microseconds(10));
+                           }),
+                    std::bad_alloc);
+    CHECK(done < 500'000);
+  }
 }
 
 TEST_CASE("the reference gives the same result with only the caller's thread") {

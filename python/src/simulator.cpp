@@ -37,14 +37,15 @@ class SimulatorOfOneThread {
 
 using Self = SimulatorOfOneThread;
 
-void construct(Self* self, const Scene& scene, std::vector<SensorRequest> sensors, const SimulatorOptions& options) {
-  const SimulatorOptions chosen = options;
+// What Python may change meanwhile from another thread is copied before the GIL is released: scenes, meshes, shots.
+void construct(Self* self, Scene scene, std::vector<SensorRequest> sensors, SimulatorOptions options) {
   const nb::gil_scoped_release released;
-  new (self) Self(scene, sensors, chosen);
+  new (self) Self(scene, sensors, options);
 }
 
 SharedScan scan(Self& self, const Pose& pose, size_t sensor) {
-  return {std::make_shared<Scan>(self.use([&](Simulator& simulator) { return simulator.scan(pose, sensor); }))};
+  const Pose chosen = pose;
+  return {std::make_shared<Scan>(self.use([&](Simulator& simulator) { return simulator.scan(chosen, sensor); }))};
 }
 
 void scanInto(Self& self, const Shot& shot, SharedScan& result) {
@@ -117,7 +118,9 @@ void bindChanges(nb::class_<Self>& simulator) {
   simulator.def(
       "add_material",
       [](Self& self, const Material& material, const AlphaImage* image) {
-        return self.use([&, copy = material](Simulator& of) { return of.addMaterial(copy, image); });
+        const std::optional<AlphaImage> alpha = image ? std::optional(*image) : std::nullopt;
+        return self.use(
+            [&, copy = material](Simulator& of) { return of.addMaterial(copy, alpha ? &*alpha : nullptr); });
       },
       "material"_a, "image"_a = nb::none(),
       "Adds a material and returns its index. `image` is the alpha channel of its texture, for AlphaMode.mask; the "
@@ -125,8 +128,8 @@ void bindChanges(nb::class_<Self>& simulator) {
   removal("remove_material", &Simulator::removeMaterial, "material", "Removes a material; no mesh may use it.");
   simulator.def(
       "add_mesh",
-      [](Self& self, const Mesh& mesh) { return self.use([&](Simulator& of) { return of.addMesh(mesh); }); }, "mesh"_a,
-      "Adds a mesh and returns its index. Its parts refer to materials by index.");
+      [](Self& self, const Mesh& mesh) { return self.use([copy = mesh](Simulator& of) { return of.addMesh(copy); }); },
+      "mesh"_a, "Adds a mesh and returns its index. Its parts refer to materials by index.");
   removal("remove_mesh", &Simulator::removeMesh, "mesh", "Removes a mesh; no instance may place it.");
   simulator.def(
       "set_positions",
@@ -141,7 +144,7 @@ void bindChanges(nb::class_<Self>& simulator) {
   simulator.def(
       "set_deformation",
       [](Self& self, size_t mesh, const Deformation& deformation) {
-        self.use([&](Simulator& of) { of.setDeformation(mesh, deformation); });
+        self.use([&, copy = deformation](Simulator& of) { of.setDeformation(mesh, copy); });
       },
       "mesh"_a, "deformation"_a,
       "Moves the joints and morph targets of a deformable mesh, whose vertices then are at deformed_positions(). An "
@@ -149,14 +152,14 @@ void bindChanges(nb::class_<Self>& simulator) {
   simulator.def(
       "add_instance",
       [](Self& self, uint32_t mesh, const Transform& transform, uint16_t classId) {
-        return self.use([&](Simulator& of) { return of.addInstance(mesh, transform, classId); });
+        return self.use([&, copy = transform](Simulator& of) { return of.addInstance(mesh, copy, classId); });
       },
       "mesh"_a, "transform"_a, "class_id"_a = 0, "Adds an instance and returns its index, which Scan.instances uses.");
   removal("remove_instance", &Simulator::removeInstance, "instance", "Removes an instance.");
   simulator.def(
       "set_transform",
       [](Self& self, size_t instance, const Transform& transform) {
-        self.use([&](Simulator& of) { of.setTransform(instance, transform); });
+        self.use([&, copy = transform](Simulator& of) { of.setTransform(instance, copy); });
       },
       "instance"_a, "transform"_a, "Moves an instance: mesh frame to world frame.");
 }
@@ -191,7 +194,7 @@ void bindSimulator(nb::module_& m) {
       .def(
           "__init__",
           [](Self* self, const Scene& scene, const SensorRequest& sensor, const SimulatorOptions& options) {
-            construct(self, scene, {sensor}, options);
+            construct(self, scene, {sensor}, options);  // copies of all three
           },
           "scene"_a, "sensor"_a, "options"_a = SimulatorOptions(), "A simulator with one sensor.")
       .def("__init__", &construct, "scene"_a, "sensors"_a, "options"_a = SimulatorOptions(),

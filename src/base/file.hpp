@@ -2,6 +2,8 @@
 // Reads whole files, and writes files that appear only when they are complete.
 #pragma once
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
@@ -71,7 +73,11 @@ class AtomicFile {
   }
   void write(const std::string& text) { write(text.data(), text.size()); }
 
+  /// The content reaches the disk before the name does, so that a file that is there is complete after a power failure,
+  /// too. File systems that cannot promise this, and pipes and devices, say so by EINVAL or ENOTSUP.
   void commit() {
+    if (std::fflush(stream_) != 0) refuse(errno);
+    if (::fsync(::fileno(stream_)) != 0 && errno != EINVAL && errno != ENOTSUP) refuse(errno);
     if (std::fclose(std::exchange(stream_, nullptr)) != 0) refuse(errno);
     if (std::rename(part_.c_str(), file_.c_str()) != 0) refuse(errno);
     committed_ = true;

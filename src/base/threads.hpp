@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <exception>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -18,20 +20,31 @@ inline unsigned threadCount() {
 
 /// Calls work(first, end) for 0..count - 1 in runs of `run`, on at most `threads` threads, the caller's among them.
 /// Each thread takes the next run when it is done with one, because a thread may start late. If the system starts fewer
-/// threads, those that run do all the work.
+/// threads, those that run do all the work. If `work` throws, the other threads end after the runs that they are at,
+/// and inRuns() throws the first exception after all threads have ended.
 template <typename Work>
 void inRuns(uint64_t count, uint64_t run, uint64_t threads, const Work& work) {
   std::atomic<uint64_t> next = 0;
-  const auto loop = [&] {
-    for (uint64_t first = next.fetch_add(run); first < count; first = next.fetch_add(run))
-      work(first, std::min(count, first + run));
+  std::atomic<bool> failed = false;
+  std::exception_ptr failure;  // written by the thread that sets `failed`, and read when all threads have ended
+  const auto loop = [&]() noexcept {
+    try {
+      for (uint64_t first = next.fetch_add(run); first < count && !failed; first = next.fetch_add(run))
+        work(first, std::min(count, first + run));
+    } catch (...) {
+      if (!failed.exchange(true)) failure = std::current_exception();
+    }
   };
-  std::vector<std::jthread> others;
-  try {
-    for (uint64_t k = 1; k < threads && k * run < count; ++k) others.emplace_back(loop);
-  } catch (const std::system_error&) {
+  {
+    std::vector<std::jthread> others;
+    try {
+      for (uint64_t k = 1; k < threads && k * run < count; ++k) others.emplace_back(loop);
+    } catch (const std::system_error&) {
+    } catch (const std::bad_alloc&) {
+    }
+    loop();
   }
-  loop();
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace gnosphere

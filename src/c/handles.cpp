@@ -12,6 +12,7 @@ namespace {
 struct Entry {
   const char* kind;
   std::shared_ptr<void> object;
+  bool borrowed = false;
 };
 
 struct Table {
@@ -28,6 +29,14 @@ struct Table {
     if (std::string_view(found->second.kind) != kind)
       refuse(std::string("the handle is that of a ") + found->second.kind + ", not of a " + kind);
     return found;
+  }
+
+  uintptr_t add(const Entry& entry) {
+    const std::lock_guard lock(mutex);
+    const uintptr_t handle = next;
+    entries[handle] = entry;
+    next += 16;
+    return handle;
   }
 };
 
@@ -62,12 +71,11 @@ gno_status statusOf(ErrorCode code) {
 }  // namespace
 
 uintptr_t keep(const char* kind, std::shared_ptr<void> object) {
-  Table& all = table();
-  const std::lock_guard lock(all.mutex);
-  const uintptr_t handle = all.next;
-  all.entries[handle] = {kind, std::move(object)};
-  all.next += 16;
-  return handle;
+  return table().add({kind, std::move(object)});
+}
+
+uintptr_t keepBorrowed(const char* kind, std::shared_ptr<void> object) {
+  return table().add({kind, std::move(object), true});
 }
 
 std::shared_ptr<void> find(const char* kind, uintptr_t handle) {
@@ -81,6 +89,18 @@ void forget(const char* kind, uintptr_t handle) {
   std::shared_ptr<void> last;  // destroyed after the lock is released
   const std::lock_guard lock(all.mutex);
   const auto entry = all.at(kind, handle);
+  if (entry->second.borrowed)
+    refuse(std::string("this ") + kind + " belongs to the library, which destroys it after the call");
+  last = std::move(entry->second.object);
+  all.entries.erase(entry);
+}
+
+void release(uintptr_t handle) noexcept {
+  Table& all = table();
+  std::shared_ptr<void> last;  // destroyed after the lock is released
+  const std::lock_guard lock(all.mutex);
+  const auto entry = all.entries.find(handle);
+  if (entry == all.entries.end()) return;
   last = std::move(entry->second.object);
   all.entries.erase(entry);
 }

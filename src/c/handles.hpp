@@ -81,7 +81,12 @@ struct Object {
 uintptr_t keep(const char* kind, std::shared_ptr<void> object);
 /// Throws Error(invalidArgument) that says what is wrong with the handle.
 std::shared_ptr<void> find(const char* kind, uintptr_t handle);
+/// As find(), for an object that is then destroyed. An object that keepBorrowed() has kept is refused.
 void forget(const char* kind, uintptr_t handle);
+/// As keep(), for an object that only release() destroys: one that the library lends to a function of the caller.
+uintptr_t keepBorrowed(const char* kind, std::shared_ptr<void> object);
+/// Destroys an object that the library has lent.
+void release(uintptr_t handle) noexcept;
 
 template <class Handle>
 using Shared = std::shared_ptr<Object<typename Held<Handle>::Type>>;
@@ -124,6 +129,24 @@ template <class Handle>
 void destroy(Handle handle) {
   forget(Held<Handle>::kName, reinterpret_cast<uintptr_t>(handle));
 }
+
+/// An object that the library lends to a function of the caller, which cannot destroy it.
+template <class Handle>
+class Lent {
+ public:
+  Lent()
+      : object_(std::make_shared<Object<typename Held<Handle>::Type>>(typename Held<Handle>::Type())),
+        handle_(keepBorrowed(Held<Handle>::kName, object_)) {}
+  Lent(const Lent&) = delete;
+  Lent& operator=(const Lent&) = delete;
+  ~Lent() { release(handle_); }
+  Handle handle() const { return reinterpret_cast<Handle>(handle_); }
+  Object<typename Held<Handle>::Type>& object() { return *object_; }
+
+ private:
+  Shared<Handle> object_;
+  uintptr_t handle_;
+};
 
 /// Thrown when a function of the caller ends a call.
 struct Cancelled {};

@@ -61,6 +61,36 @@ SimulatorOptions optionsOf(const gno_options* options) {
   return result;
 }
 
+/// Notes that the caller's function receives the scans of a simulator, for as long as this lives.
+class Running {
+ public:
+  explicit Running(bool& flag) : flag_(flag) { flag_ = true; }
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+  ~Running() { flag_ = false; }
+
+ private:
+  bool& flag_;
+};
+
+/// Hands a scan over without a copy: the object of a handle has it for as long as this lives.
+class Exchanged {
+ public:
+  Exchanged(Object<Scan>& object, Scan& scan) : object_(object), scan_(scan) { exchange(); }
+  Exchanged(const Exchanged&) = delete;
+  Exchanged& operator=(const Exchanged&) = delete;
+  ~Exchanged() { exchange(); }
+
+ private:
+  void exchange() {
+    const std::lock_guard lock(object_.mutex);
+    std::swap(object_.value, scan_);
+  }
+
+  Object<Scan>& object_;
+  Scan& scan_;
+};
+
 /// Changes the simulator and gives the index of what was added.
 template <class Add>
 gno_status add(gno_simulator simulator, size_t* index, Add how) {
@@ -150,17 +180,11 @@ gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots
     for (const gno_shot& shot : array(shots, shot_count, "shots")) wanted.push_back(shotOf(&shot));
     Idle idle(simulator);
     SimulatorObject& object = *idle;
-    struct Running {
-      bool& flag;
-      gno_scan received;
-      ~Running() {
-        flag = false;
-        destroy(received);
-      }
-    } run{object.running = true, make<gno_scan>({})};
+    Lent<gno_scan> received;
+    const Running running(object.running);
     object.simulator.scanAll(wanted, [&](size_t index, const Scan& scan) {
-      *Locked(run.received) = scan;
-      if (receive(index, run.received, user) != 0) throw Cancelled();
+      const Exchanged exchanged(received.object(), const_cast<Scan&>(scan));
+      if (receive(index, received.handle(), user) != 0) throw Cancelled();
     });
   });
 }

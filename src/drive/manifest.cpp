@@ -5,6 +5,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -70,6 +71,88 @@ void removeAbandoned(const fs::path& folder) {
 
 }  // namespace
 
+namespace {
+
+/// What the manifest of a frame says about one of its files.
+struct FileEntry {
+  fs::path path;  // within the folder of the drive
+  std::string into, hash;
+  uint64_t bytes = 0;
+};
+
+/// The manifest of a frame. Data sets are exchanged, so nothing in it is trusted: every member throws Error(format)
+/// that names the file if it is not what Manifest::write() writes.
+class FrameManifest {
+ public:
+  explicit FrameManifest(const fs::path& file)
+      : file_(file), content_(Json::parse(readWholeFile(file), nullptr, false)) {
+    if (!content_.is_object()) refuse("is not a manifest");
+  }
+
+  std::vector<FileEntry> files() const {
+    std::vector<FileEntry> entries;
+    for (const Json& from : list(content_, "files")) {
+      FileEntry& entry = entries.emplace_back();
+      entry.path = pathOf(from, "path");
+      if (from.contains("into")) entry.into = pathOf(from, "into");
+      entry.hash = text(from, "hash");
+      entry.bytes = count(from, "bytes");
+    }
+    return entries;
+  }
+
+  std::vector<ScanSummary> scans(const std::vector<PlannedScan>& planned) const {
+    const Json& scans = list(content_, "scans");
+    if (scans.size() != planned.size())
+      refuse("has " + std::to_string(scans.size()) + " scans instead of " + std::to_string(planned.size()));
+    std::vector<ScanSummary> result;
+    for (size_t i = 0; i < planned.size(); ++i) {
+      ScanSummary& entry = result.emplace_back(ScanSummary{planned[i], count(scans[i], "points"), {}});
+      if (!scans[i].contains("boxes")) continue;
+      for (const Json& seen : list(scans[i], "boxes")) {
+        Box& box = entry.boxes.emplace_back();
+        box.actor = count(seen, "actor");
+        box.points = count(seen, "points");
+        box.visibility = number(seen, "visibility");
+      }
+    }
+    return result;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw Error(ErrorCode::format, file_.string() + ": " + why);
+  }
+  const Json& member(const Json& object, const char* key, bool (Json::*is)() const noexcept) const {
+    const auto found = object.is_object() ? object.find(key) : object.end();
+    if (found == object.end() || !((*found).*is)())
+      refuse(std::string("lacks '") + key + "', or it is of another type");
+    return *found;
+  }
+  const Json& list(const Json& object, const char* key) const { return member(object, key, &Json::is_array); }
+  std::string text(const Json& object, const char* key) const {
+    return member(object, key, &Json::is_string).get<std::string>();
+  }
+  uint64_t count(const Json& object, const char* key) const {
+    return member(object, key, &Json::is_number_unsigned).get<uint64_t>();
+  }
+  double number(const Json& object, const char* key) const {
+    return member(object, key, &Json::is_number).get<double>();
+  }
+  /// A path that cannot lead out of the folder of the drive.
+  fs::path pathOf(const Json& object, const char* key) const {
+    const fs::path path = text(object, key);
+    if (path.empty() || path.has_root_path() || std::find(path.begin(), path.end(), "..") != path.end())
+      refuse("has the path '" + path.string() + "', which leads out of the folder");
+    return path;
+  }
+
+  fs::path file_;
+  Json content_;
+};
+
+}  // namespace
+
 /// A folder for unfinished files with a lock beside it, which are removed together.
 class Manifest::Parts {
  public:
@@ -122,14 +205,21 @@ void Manifest::put(const fs::path& file, const std::string& bytes) const {
 bool Manifest::isComplete(uint64_t frame, bool verify) const {
   std::error_code absent;
   if (!fs::exists(frameFile(frame), absent)) return false;
-  const Json manifest = Json::parse(readWholeFile(frameFile(frame)), nullptr, false);
-  if (manifest.is_discarded()) return false;
-  for (const Json& entry : manifest.at("files")) {
-    const fs::path file = out_ / entry.at("path").get<std::string>();
-    if (entry.contains("into") && fs::exists(out_ / entry.at("into").get<std::string>(), absent)) continue;
+  std::vector<FileEntry> entries;
+  try {
+    const FrameManifest manifest(frameFile(frame));
+    entries = manifest.files();
+    manifest.scans(scansOf(drive_, frame));
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::format) throw;
+    return false;  // the frame is made again, and its manifest with it
+  }
+  for (const FileEntry& entry : entries) {
+    const fs::path file = out_ / entry.path;
+    if (!entry.into.empty() && fs::exists(out_ / entry.into, absent)) continue;
     const uintmax_t bytes = fs::file_size(file, absent);
-    if (absent || bytes != entry.at("bytes").get<uint64_t>()) return false;
-    if (verify && hashOf(readWholeFile(file)) != entry.at("hash").get<std::string>()) return false;
+    if (absent || bytes != entry.bytes) return false;
+    if (verify && hashOf(readWholeFile(file)) != entry.hash) return false;
   }
   return true;
 }
@@ -152,21 +242,7 @@ void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& fi
 }
 
 FrameSummary Manifest::summaryOf(uint64_t frame) const {
-  const Json manifest = Json::parse(readWholeFile(frameFile(frame)));
-  const std::vector<PlannedScan> planned = scansOf(drive_, frame);
-  FrameSummary summary;
-  for (size_t i = 0; i < planned.size(); ++i) {
-    const Json& scan = manifest.at("scans").at(i);
-    ScanSummary& entry = summary.scans.emplace_back(ScanSummary{planned[i], scan.at("points").get<uint64_t>(), {}});
-    if (!scan.contains("boxes")) continue;
-    for (const Json& seen : scan["boxes"]) {
-      Box& box = entry.boxes.emplace_back();
-      box.actor = seen.at("actor").get<size_t>();
-      box.points = seen.at("points").get<uint64_t>();
-      box.visibility = seen.at("visibility").get<double>();
-    }
-  }
-  return summary;
+  return {FrameManifest(frameFile(frame)).scans(scansOf(drive_, frame))};
 }
 
 void Manifest::reopen() const {
@@ -178,10 +254,9 @@ void Manifest::removeUsed() const {
   std::set<fs::path> folders;
   std::error_code ignored;
   for (uint64_t frame = 0; frame < drive_.frameCount(); ++frame) {
-    const Json manifest = Json::parse(readWholeFile(frameFile(frame)));
-    for (const Json& entry : manifest.at("files")) {
-      if (!entry.contains("into")) continue;
-      const fs::path file = out_ / entry.at("path").get<std::string>();
+    for (const FileEntry& entry : FrameManifest(frameFile(frame)).files()) {
+      if (entry.into.empty()) continue;
+      const fs::path file = out_ / entry.path;
       fs::remove(file, ignored);
       folders.insert(file.parent_path());
     }

@@ -142,8 +142,11 @@ class Measurement {
     if (subject.runs.empty()) return;
     for (size_t stage = 0; stage < subject.runs[0].stages.size(); ++stage) {
       std::vector<double> times;
-      for (const Timings& timings : subject.runs) times.push_back(timings.stages[stage].ms);
-      row.stages.push_back({subject.runs[0].stages[stage].name, spreadOf(times).median});
+      const std::string& name = subject.runs[0].stages[stage].name;
+      for (const Timings& timings : subject.runs)
+        for (const StageTime& time : timings.stages)
+          if (time.name == name) times.push_back(time.ms);
+      row.stages.push_back({name, spreadOf(times).median});
     }
   }
 

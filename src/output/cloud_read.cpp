@@ -236,6 +236,10 @@ Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& so
   placer.place("triangle", scan.triangles, kNoTriangle);
   placer.place("instance", scan.instances, kNoTriangle);
   ScanColumns columns(scan);
+  columns.setUnknown(Field::triangle, !table.find("triangle"));
+  columns.setUnknown(Field::instance, !table.find("instance"));
+  scan.triangles.resize(entryCount, kNoTriangle);
+  scan.instances.resize(entryCount, kNoTriangle);
   for (Field field : {Field::tie, Field::tolerance, Field::intensity, Field::trueRange, Field::label, Field::width,
                       Field::normal, Field::incidence, Field::material, Field::barycentrics, Field::classId,
                       Field::velocity, Field::radialSpeed, Field::time, Field::azimuth, Field::elevation})

@@ -13,11 +13,8 @@ namespace {
 
 void checkFields(const Scan& scan, const char* which) {
   std::string missing;
-  const auto need = [&](size_t entries, const char* name) {
-    if (entries != scan.ranges.size()) missing += (missing.empty() ? "" : ", ") + std::string(name);
-  };
-  need(scan.triangles.size(), "triangle");
-  need(scan.instances.size(), "instance");
+  for (const Field field : {Field::triangle, Field::instance})
+    if (!scan.has(field)) missing += (missing.empty() ? "" : ", ") + std::string(fieldInfo(field).name);
   if (!missing.empty()) {
     throw Error(ErrorCode::invalidArgument, std::string(which) + " lacks what a comparison needs: " + missing +
                                                 "; write it with the fields range, beam, triangle, instance");

@@ -35,7 +35,7 @@ void readCounts(CloudTable& table, const Words& words) {
   checkLength(table, words);
   for (size_t i = 1; i < words.size(); ++i) {
     const uint64_t count = parseCount(table, words[i], "PCD header: COUNT");
-    if (count > 65536) table.refuse("PCD header: COUNT " + std::to_string(count) + " is too large");
+    if (count == 0 || count > 65536) table.refuse("PCD header: COUNT must be 1 to 65536, is " + std::to_string(count));
     table.columns[i - 1].count = count;
   }
 }

@@ -163,6 +163,7 @@ void Bvh::build(std::vector<Item>& items, size_t begin, size_t end, int depth, s
         return branch;
       });
     } catch (const std::system_error&) {  // The system starts no more threads, so this one builds both branches.
+    } catch (const std::bad_alloc&) {     // There is no memory for a thread.
     }
   }
   build(items, begin, middle, depth + 1, nodes);

@@ -60,16 +60,24 @@ rgl_status_t call(const char* name, Body body, const Arguments&... arguments) no
   }
 }
 
-/// As call(), for functions that a tape does not have.
+/// As call(), without the lock and for functions that a tape does not have.
 template <class Body>
-rgl_status_t callUnrecorded(Body body) noexcept {
+rgl_status_t callUnlocked(Body body) noexcept {
   try {
-    const std::lock_guard lock(callMutex());
     body();
     return setStatus(RGL_SUCCESS, "operation successful");
   } catch (...) {
     return statusOfException();
   }
+}
+
+/// As call(), for functions that a tape does not have.
+template <class Body>
+rgl_status_t callUnrecorded(Body body) noexcept {
+  return callUnlocked([&] {
+    const std::lock_guard lock(callMutex());
+    body();
+  });
 }
 
 }  // namespace gnosphere::rgl

@@ -6,9 +6,11 @@
 #include <rgl/api/extensions/tape.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 #include <thread>
 #include <tuple>
 
@@ -128,11 +130,21 @@ struct Argument<const Element*> {
   Argument(const YAML::Node& node, Player& player) {
     const auto offset = node.as<uint64_t>();
     if (offset > player.arrays.size()) throw Failure(RGL_TAPE_ERROR, "an array of the tape is beyond its binary file");
+    if (offset % 16 != 0)
+      throw Failure(RGL_TAPE_ERROR, "an array of the tape does not begin at a multiple of 16 bytes");
     value = reinterpret_cast<const Element*>(player.arrays.data() + offset);
+    room = player.arrays.size() - offset;
   }
   const Element* pass() { return value; }
   void after() {}
+  /// Throws unless the file has so many elements; those of an array of unknown type are bytes.
+  void need(int64_t count) const {
+    constexpr size_t kBytes = sizeof(std::conditional_t<std::is_void_v<Element>, char, Element>);
+    if (count > 0 && static_cast<uint64_t>(count) > room / kBytes)
+      throw Failure(RGL_TAPE_ERROR, "an array of the tape is longer than its binary file");
+  }
   const Element* value;
+  size_t room;  // bytes from the first element to the end of the file
 };
 
 template <>
@@ -160,12 +172,57 @@ struct Argument<bool*> : Place<bool> {
   using Place::Place;
 };
 
+// Bytes of a point with these fields.
+int64_t bytesOfPoint(const Argument<const rgl_field_t*>& fields, int32_t count) {
+  fields.need(count);
+  int64_t bytes = 0;
+  for (int32_t i = 0; i < count; ++i) bytes += static_cast<int64_t>(sizeOf(fieldOf(fields.value[i])));
+  return bytes;
+}
+
+// Number of elements of the array that is argument `kArray` of a call: arrays come before their count. Arrays that
+// share a count follow one another, and a single struct has no count. An image has two, and points have as many bytes
+// as their fields, which follow.
+template <size_t kArray, size_t kNext = kArray + 1, class... Arguments>
+int64_t elementsOf(const std::tuple<Arguments...>& arguments) {
+  if constexpr (kNext >= sizeof...(Arguments)) {
+    return 1;
+  } else {
+    using Array = std::tuple_element_t<kArray, std::tuple<Arguments...>>;
+    using Next = std::tuple_element_t<kNext, std::tuple<Arguments...>>;
+    const auto& next = std::get<kNext>(arguments);
+    if constexpr (std::is_same_v<Next, Argument<int32_t>>) {
+      const int64_t count = std::max(next.value, 0);
+      if constexpr (std::is_same_v<Array, Argument<const void*>>) {
+        using After = std::tuple_element_t<kNext + 1, std::tuple<Arguments...>>;
+        if constexpr (std::is_same_v<After, Argument<int32_t>>)
+          return count * std::max(std::get<kNext + 1>(arguments).value, 0);
+        else
+          return count * bytesOfPoint(std::get<kNext + 1>(arguments), std::get<kNext + 2>(arguments).value);
+      } else {
+        return count;
+      }
+    } else if constexpr (requires { next.room; }) {
+      return elementsOf<kArray, kNext + 1>(arguments);
+    } else {
+      return 1;
+    }
+  }
+}
+
+template <size_t kPlace, class... Arguments>
+void checkArray(const std::tuple<Arguments...>& arguments) {
+  if constexpr (requires { std::get<kPlace>(arguments).room; })
+    std::get<kPlace>(arguments).need(elementsOf<kPlace>(arguments));
+}
+
 using Play = std::function<rgl_status_t(const YAML::Node& arguments, Player&)>;
 
 template <class... Parameters, size_t... kPlaces>
 rgl_status_t callWith(rgl_status_t (*function)(Parameters...), const YAML::Node& node, Player& player,
                       std::index_sequence<kPlaces...>) {
   std::tuple<Argument<Parameters>...> arguments{Argument<Parameters>(node[kPlaces], player)...};
+  (checkArray<kPlaces>(arguments), ...);
   const rgl_status_t status = function(std::get<kPlaces>(arguments).pass()...);
   (std::get<kPlaces>(arguments).after(), ...);
   return status;
@@ -293,31 +350,52 @@ void checkVersion(const YAML::Node& calls) {
   if (made < 16003) refuse("is of a version before 0.16.3, which had another form");
 }
 
-void play(const char* path) {
-  if (tape().recording()) throw Failure(RGL_TAPE_ERROR, "a tape cannot be played while another one is recorded");
-  YAML::Node calls;
+/// A call of a tape.
+struct Call {
+  std::string name;
+  std::chrono::nanoseconds time;  // after the start of the recording
+  YAML::Node arguments;
+};
+
+Call callOf(const YAML::Node& node) {
+  constexpr int64_t kLongest = int64_t{30} * 24 * 3600 * 1'000'000'000;
+  if (!node.IsMap() || node.size() != 1) throw Failure(RGL_TAPE_ERROR, "an entry of the tape is no call");
+  const YAML::Node details = node.begin()->second;  // a reference would outlive what begin() returns
+  const auto time = details["t"].as<int64_t>();
+  if (time < 0 || time > kLongest)
+    throw Failure(RGL_TAPE_ERROR, "the time of a call of the tape is not within 30 days of its start");
+  return {node.begin()->first.as<std::string>(), std::chrono::nanoseconds(time), details["a"]};
+}
+
+// Makes the calls of a tape at their times. Each call takes the lock for itself, so other threads go on between them. A
+// call that fails does not end the tape; the first failure is thrown at its end, because only calls that succeeded were
+// recorded.
+void play(const std::string& yaml, std::string arrays, const std::string& name) {
   Player player;
+  player.arrays = std::move(arrays);
+  std::optional<Failure> failure;
   try {
-    calls = YAML::Load(contentOf(std::string(path) + ".yaml"));
+    const YAML::Node calls = YAML::Load(yaml);
     checkVersion(calls);
-    player.arrays = contentOf(std::string(path) + ".bin");
     const auto start = std::chrono::steady_clock::now();
-    for (const YAML::Node& call : calls) {
-      const auto name = call.begin()->first.as<std::string>();
-      const YAML::Node details = call.begin()->second;  // a reference would outlive what begin() returns
-      const auto function = players().find(name);
-      if (function == players().end()) throw Failure(RGL_TAPE_ERROR, "the tape calls the unknown function " + name);
-      std::this_thread::sleep_until(start + std::chrono::nanoseconds(details["t"].as<int64_t>()));
-      const rgl_status_t status = function->second(details["a"], player);
-      if (status != RGL_SUCCESS) {
-        const char* why = nullptr;
-        rgl_get_last_error_string(&why);
-        log(RGL_LOG_LEVEL_WARN, "the tape's call of " + name + " failed: " + why);  // as it may have then
-      }
+    for (const YAML::Node& node : calls) {
+      const Call call = callOf(node);
+      const auto function = players().find(call.name);
+      if (function == players().end())
+        throw Failure(RGL_TAPE_ERROR, "the tape calls the unknown function " + call.name);
+      std::this_thread::sleep_until(start + call.time);
+      const rgl_status_t status = function->second(call.arguments, player);
+      if (status == RGL_SUCCESS) continue;
+      const char* why = nullptr;
+      rgl_get_last_error_string(&why);
+      const std::string message = "the tape's call of " + call.name + " failed: " + why;
+      log(RGL_LOG_LEVEL_WARN, message);
+      if (!failure) failure.emplace(status, message);
     }
   } catch (const YAML::Exception& error) {
-    throw Failure(RGL_TAPE_ERROR, std::string("the tape ") + path + " is no recording: " + error.what());
+    throw Failure(RGL_TAPE_ERROR, "the tape " + name + " is no recording: " + error.what());
   }
+  if (failure) throw *failure;
 }
 
 }  // namespace
@@ -345,9 +423,14 @@ RGL_API rgl_status_t rgl_tape_record_is_active(bool* is_active) {
 }
 
 RGL_API rgl_status_t rgl_tape_play(const char* path) {
-  return callUnrecorded([&] {
+  return callUnlocked([&] {
     RGL_CHECK(path != nullptr);
     RGL_CHECK(path[0] != '\0');
-    play(path);
+    {
+      const std::lock_guard lock(callMutex());
+      if (tape().recording()) throw Failure(RGL_TAPE_ERROR, "a tape cannot be played while another one is recorded");
+    }
+    const std::string name = path, calls = contentOf(name + ".yaml");
+    play(calls, contentOf(name + ".bin"), name);
   });
 }

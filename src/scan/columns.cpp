@@ -30,8 +30,8 @@ bool Scan::has(Field field) const {
     case Field::y:
     case Field::z: return points.size() == 3 * entries;
     case Field::range: return true;
-    case Field::triangle: return triangles.size() == entries;
-    case Field::instance: return instances.size() == entries;
+    case Field::triangle: return triangles.size() == entries && columns_[static_cast<size_t>(field)].empty();
+    case Field::instance: return instances.size() == entries && columns_[static_cast<size_t>(field)].empty();
     default: break;
   }
   const FieldInfo info = fieldInfo(field);

@@ -24,6 +24,10 @@ class ScanColumns {
     if (wanted) std::fill_n(data<T>(field), scan_.ranges.size() * fieldInfo(field).components, value);
   }
 
+  /// Says whether the owners of the returns are unknown, as in a cloud without a column `triangle` or `instance`. The
+  /// field's public array then has kNoTriangle in every entry, and Scan::has() denies it.
+  void setUnknown(Field field, bool unknown) { scan_.columns_[static_cast<size_t>(field)].resize(unknown ? 1 : 0); }
+
   /// Returns the values, with the components of an entry side by side; null if the scan does not have the column.
   template <typename T>
   T* data(Field field) const {

@@ -298,6 +298,7 @@ TEST_CASE("C: a run hands its scans to a function, which may end it but not call
     to.kept = scan;
     fails(gno_simulator_remove_instance(to.simulator, 0), GNO_INVALID_ARGUMENT, "must not call it");
     fails(gno_simulator_destroy(to.simulator), GNO_INVALID_ARGUMENT, "must not call it");
+    fails(gno_scan_destroy(scan), GNO_INVALID_ARGUMENT, "belongs to the library");
     ++to.shots;
     return shot == 1;
   };
@@ -308,6 +309,7 @@ TEST_CASE("C: a run hands its scans to a function, which may end it but not call
   CHECK(received.hits > 0);
   gno_scan_info info = gno_scan_info_init();
   CHECK(fails(gno_scan_get_info(received.kept, &info), GNO_INVALID_ARGUMENT, "destroyed"));
+  CHECK(gno_simulator_scan_all(simulator, shots, 1, receive, &received) == GNO_OK);  // the next run is a run like any
   CHECK(gno_simulator_destroy(simulator) == GNO_OK);
   CHECK(gno_scene_destroy(scene) == GNO_OK);
 }

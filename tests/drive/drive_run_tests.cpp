@@ -165,6 +165,43 @@ TEST_CASE("a frame that is half there is made again, and with verify one whose b
   checkSameFiles(folder / "whole", folder / "out");
 }
 
+TEST_CASE("a manifest that is damaged, or that names files outside of the folder, means that its frame is made again") {
+  const DriveFolder folder;
+  Json json = smallDrive();
+  json["outputs"] = {{{"format", "kitti"}}, {{"format", "mcap"}}};
+  const drive::Drive drive = folder.read(json);
+  drive::run(drive, optionsFor(folder / "whole"));
+  drive::run(drive, optionsFor(folder / "out"));
+  const fs::path manifest = folder / "out/manifest/frames/000003.json";
+  const std::string sound = bytesOf(manifest);
+  const fs::path victim = folder / "victim";
+  put(victim, "precious");
+  const auto damaged = [&](const std::function<void(Json&)>& change) {
+    Json content = Json::parse(sound);
+    change(content);
+    return content.dump();
+  };
+  for (const std::string& content :
+       {std::string("7"), std::string("{}"), damaged([](Json& j) { j["files"] = 3; }),
+        damaged([](Json& j) { j["files"][0] = "x"; }), damaged([](Json& j) { j["files"][0]["path"] = 5; }),
+        damaged([](Json& j) { j["files"][0]["bytes"] = -1; }), damaged([](Json& j) { j["files"][0].erase("hash"); }),
+        damaged([](Json& j) { j["scans"] = Json::array(); }), damaged([](Json& j) { j["scans"][0]["points"] = "x"; }),
+        damaged([&](Json& j) {
+          j["files"][0] = {{"path", victim.string()}, {"bytes", 8}, {"hash", ""}, {"into", "mcap/drive.mcap"}};
+        }),
+        damaged([&](Json& j) {
+          j["files"][0] = {{"path", "../victim"}, {"bytes", 8}, {"hash", ""}, {"into", "mcap/drive.mcap"}};
+        })}) {
+    INFO(content);
+    put(manifest, content);
+    drive::RunOptions verify = optionsFor(folder / "out");
+    verify.verify = true;
+    CHECK_NOTHROW(drive::run(drive, verify));
+    CHECK(bytesOf(victim) == "precious");
+    CHECK(bytesOf(manifest) == sound);
+  }
+}
+
 TEST_CASE("a folder with frames of another drive is refused, and so is this drive after a change") {
   const DriveFolder folder;
   folder.run(smallDrive());

@@ -6,6 +6,8 @@
 #include <rgl/api/extensions/ros2.h>
 #include <rgl/api/extensions/tape.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
@@ -50,6 +52,52 @@ TEST_CASE("RGL: a tape makes the calls again") {
   std::ofstream(folder / "bad.yaml") << "[1, 2";
   CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "no recording"));
   CHECK(failed(rgl_tape_play((folder / "none").c_str()), RGL_INVALID_FILE_PATH, "none.yaml"));
+}
+
+TEST_CASE("RGL: a tape whose arrays are cut short, or whose calls fail, is an error") {
+  const Folder folder;
+  const std::string path = (folder / "tape").string();
+  const auto play = [&](const std::string& calls, size_t bytes) {
+    std::ofstream(path + ".yaml") << "- rgl_get_version_info: {t: 0, a: [0, 20, 0]}\n" << calls;
+    std::ofstream(path + ".bin") << std::string(bytes, '\0');
+    return rgl_tape_play(path.c_str());
+  };
+  const auto tapeError = [](rgl_status_t status, const char* words) { return failed(status, RGL_TAPE_ERROR, words); };
+  // 3 vertices are 36 bytes, and a triangle has 12; arrays begin at multiples of 16.
+  OK(play("- rgl_mesh_create: {t: 0, a: [1, 0, 3, 48, 1]}\n", 60));
+  CHECK(tapeError(play("- rgl_mesh_create: {t: 0, a: [1, 0, 3, 48, 1]}\n", 59), "longer than its binary file"));
+  CHECK(tapeError(play("- rgl_mesh_create: {t: 0, a: [1, 0, 100000000, 48, 1]}\n", 64), "longer"));
+  CHECK(tapeError(play("- rgl_mesh_create: {t: 0, a: [1, 8, 3, 48, 1]}\n", 64), "multiple of 16"));
+  CHECK(tapeError(play("- rgl_node_rays_transform: {t: 0, a: [1, 0]}\n", 47), "longer"));
+  OK(play("- rgl_node_rays_transform: {t: 0, a: [1, 0]}\n", 48));
+  CHECK(tapeError(play("- rgl_texture_create: {t: 0, a: [1, 0, 8, 8]}\n", 63), "longer"));
+  OK(play("- rgl_texture_create: {t: 0, a: [1, 0, 8, 8]}\n", 64));
+  CHECK(tapeError(play("- rgl_node_points_from_array: {t: 0, a: [1, 0, 8, 16, 1000]}\n", 64), "longer"));
+  CHECK(tapeError(play("- rgl_mesh_create\n", 0), "no call"));
+  CHECK(tapeError(play("- rgl_cleanup: {t: 9000000000000000000, a: []}\n", 0), "30 days"));
+  CHECK(failed(play("- rgl_mesh_destroy: {t: 0, a: [77]}\n- rgl_cleanup: {t: 0, a: []}\n", 0), RGL_INVALID_ARGUMENT,
+               "the tape's call of rgl_mesh_destroy failed"));
+  OK(rgl_cleanup());
+}
+
+TEST_CASE("RGL: other threads make their calls while a tape is played") {
+  const Folder folder;
+  const std::string path = (folder / "tape").string();
+  std::ofstream(path + ".yaml") << "- rgl_get_version_info: {t: 0, a: [0, 20, 0]}\n"
+                                << "- rgl_cleanup: {t: 2000000000, a: []}\n";
+  std::ofstream(path + ".bin") << "";
+  rgl_status_t played = RGL_TAPE_ERROR;
+  std::atomic<bool> ended = false;
+  std::jthread player([&] {
+    played = rgl_tape_play(path.c_str());
+    ended = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  bool active = true;
+  OK(rgl_tape_record_is_active(&active));
+  CHECK_FALSE(ended);
+  player.join();
+  CHECK(played == RGL_SUCCESS);
 }
 
 TEST_CASE("RGL: wrong handles, arguments and graphs are statuses with a sentence") {

@@ -210,6 +210,7 @@ void readOuster(SensorSource& source, const json& root) {
   const Mode mode = modeOf(source, source.options.mode.empty() ? stated : source.options.mode);
   const double statedColumns =
       metadata.number("columns_per_frame", stated.empty() ? mode.columns : modeOf(source, stated).columns);
+  if (!(statedColumns >= 1)) source.refuse("'columns_per_frame' must be 1 or more, is " + shownNumber(statedColumns));
   if (source.options.mode.empty() && statedColumns != mode.columns)
     source.refuse("'columns_per_frame' is " + shownNumber(statedColumns) + ", which does not suit the 'lidar_mode' " +
                   stated);
