@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Unrolls loops over the sub-rays of a footprint: EACH_RAY(M) is M(0) M(1) ... M(RAYS - 1). The results of a sub-ray
-// then stay in registers even where the compiler does not unroll long loops. CUDA defines a loop of its own instead.
+// then stay in registers even where the compiler does not unroll long loops: with real loops, footprints of 19 sub-rays
+// took 2.7 times as long on lavapipe. CUDA defines a loop of its own instead. LOOPED_RAYS asks for real loops, for a
+// compiler that cannot cope with so much code.
 #ifndef EACH_RAY
+#ifdef LOOPED_RAYS
+#define EACH_RAY(M) [[dont_unroll]] for (uint ray = 0; ray < RAYS; ++ray) { M(ray) }
+#else
 #define RAYS_TO_7(M) M(1) M(2) M(3) M(4) M(5) M(6)
 #define RAYS_TO_19(M) M(7) M(8) M(9) M(10) M(11) M(12) M(13) M(14) M(15) M(16) M(17) M(18)
 #define RAYS_TO_61(M)                                                                                                 \
@@ -13,4 +18,5 @@
   if (RAYS > 1) { RAYS_TO_7(M) }    \
   if (RAYS > 7) { RAYS_TO_19(M) }   \
   if (RAYS > 19) { RAYS_TO_61(M) }
+#endif
 #endif

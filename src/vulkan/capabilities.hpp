@@ -46,6 +46,7 @@ struct Capabilities {
   uint32_t timestampBits = 0;  ///< number of valid low bits of a timestamp; 0 if there are no timestamps
   double timestampMs = 0;      ///< milliseconds per tick
   bool cpu = false;            ///< true for a software device
+  bool unrolls = true;         ///< false if the driver's compiler cannot cope with long unrolled loops
   uint32_t queueFamily = 0;
 
   /// Returns the milliseconds between two timestamps; the counter may have overflowed once. 0 without timestamps.

@@ -8,6 +8,7 @@
 #include "bin_int64_float64.spv.h"
 #include "effects.spv.h"
 #include "effects_footprint.spv.h"
+#include "effects_footprint_looped.spv.h"
 #include "effects_panes.spv.h"
 #include "effects_strays.spv.h"
 #include "fit_clusters.spv.h"
@@ -33,7 +34,7 @@ Module byAtomics(const Variant& variant, Module without, Module with, Module wit
   return variant.float64 ? withDoubles : with;
 }
 
-Module moduleOf(const Variant& variant) {
+Module moduleOf(const Variant& variant, bool unrolls) {
   switch (variant.kernel) {
     case gnosphere::Kernel::fit_clusters: return fit_clusters;
     case gnosphere::Kernel::place_instances: return place_instances;
@@ -45,7 +46,7 @@ Module moduleOf(const Variant& variant) {
     case gnosphere::Kernel::prefix_sum: return prefix_sum;
     case gnosphere::Kernel::resolve: return resolve;
     case gnosphere::Kernel::effects_strays: return effects_strays;
-    case gnosphere::Kernel::effects_footprint: return effects_footprint;
+    case gnosphere::Kernel::effects_footprint: return unrolls ? Module(effects_footprint) : effects_footprint_looped;
     case gnosphere::Kernel::effects_panes: return effects_panes;
     case gnosphere::Kernel::records: return records;
     case gnosphere::Kernel::effects: break;
@@ -56,7 +57,8 @@ Module moduleOf(const Variant& variant) {
 DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, VkPipelineLayout layout,
                                   VkPipelineCache cache) {
   const DeviceFunctions& vk = device.vk();
-  const std::vector<uint32_t> spirv = specialised(moduleOf(variant), wordsOf(variant.options));
+  const std::vector<uint32_t> spirv =
+      specialised(moduleOf(variant, device.capabilities().unrolls), wordsOf(variant.options));
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module.codeSize = spirv.size() * sizeof spirv[0];
   module.pCode = spirv.data();
