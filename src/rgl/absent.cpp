@@ -15,7 +15,7 @@ rgl_status_t absent(const char* function, const char* instead) {
   });
 }
 
-constexpr const char* kRos = "publish the results of a format node from the program";
+constexpr const char* kRos = "of ROS 2, points and laser scans are published";
 constexpr const char* kUdp = "the packets are those of a closed extension";
 constexpr const char* kWeather = "the function is that of a closed extension; GnoSphere's own interface has weather";
 
@@ -23,14 +23,6 @@ constexpr const char* kWeather = "the function is that of a closed extension; Gn
 
 RGL_API rgl_status_t rgl_node_points_visualize(rgl_node_t*, const char*, int, int, bool) {
   return absent("rgl_node_points_visualize", "write a file with rgl_graph_write_pcd_file and open it with a viewer");
-}
-RGL_API rgl_status_t rgl_node_points_ros2_publish(rgl_node_t*, const char*, const char*) {
-  return absent("rgl_node_points_ros2_publish", kRos);
-}
-RGL_API rgl_status_t rgl_node_points_ros2_publish_with_qos(rgl_node_t*, const char*, const char*,
-                                                           rgl_qos_policy_reliability_t, rgl_qos_policy_durability_t,
-                                                           rgl_qos_policy_history_t, int32_t) {
-  return absent("rgl_node_points_ros2_publish_with_qos", kRos);
 }
 RGL_API rgl_status_t rgl_node_publish_ros2_radarscan(rgl_node_t*, const char*, const char*,
                                                      rgl_qos_policy_reliability_t, rgl_qos_policy_durability_t,

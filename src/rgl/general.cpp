@@ -2,6 +2,7 @@
 // Statuses, messages and versions: the functions about the library itself.
 #include <cstdio>
 #include <gnosphere/error.hpp>
+#include <gnosphere/ros2.hpp>
 
 #include "rgl/fields.hpp"
 #include "rgl/node.hpp"
@@ -110,7 +111,8 @@ RGL_API rgl_status_t rgl_get_extension_info(rgl_extension_t extension, int32_t* 
         RGL_CHECK(out_available != nullptr);
         RGL_CHECK(extension >= 0);
         RGL_CHECK(extension < RGL_EXTENSION_COUNT);
-        *out_available = extension == RGL_EXTENSION_PCL;
+        *out_available = extension == RGL_EXTENSION_PCL ||
+                         (extension == RGL_EXTENSION_ROS2 && gnosphere::ros2::unavailable().empty());
       },
       extension, 0);
 }

@@ -55,6 +55,7 @@ class FormatNode : public PointsFilter {
   const char* name() const override { return kName; }
   void set(Fields fields) { fields_ = std::move(fields); }
   Fields required() const override { return fields_; }
+  Fields format() const override { return fields_; }
   bool has(rgl_field_t field) const override { return field == RGL_FIELD_DYNAMIC_FORMAT || PointsFilter::has(field); }
   size_t sizeOfResult(rgl_field_t field) const override {
     return field == RGL_FIELD_DYNAMIC_FORMAT ? rowSize(fields_) : PointsFilter::sizeOfResult(field);

@@ -3,6 +3,7 @@
 #include "rgl/tape.hpp"
 
 #include <rgl/api/extensions/pcl.h>
+#include <rgl/api/extensions/ros2.h>
 #include <rgl/api/extensions/tape.h>
 #include <yaml-cpp/yaml.h>
 
@@ -323,6 +324,9 @@ const std::map<std::string, Play>& players() {
       PLAY(rgl_graph_node_get_priority),
       PLAY(rgl_graph_write_pcd_file),
       PLAY(rgl_node_points_downsample),
+      PLAY(rgl_node_points_ros2_publish),
+      PLAY(rgl_node_points_ros2_publish_with_qos),
+      PLAY(rgl_node_publish_ros2_laserscan),
       PLAY(rgl_node_points_remove_ground),
       PLAY(rgl_texture_create),
       {"rgl_graph_get_result_size", playResultSize},

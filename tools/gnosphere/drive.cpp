@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "drive/live.hpp"
 #include "drive/run.hpp"
 #include "drive/schedule.hpp"
 
@@ -13,17 +14,21 @@ namespace {
 
 struct DriveCall {
   std::string file, out, frames, shard, device = "auto";
-  bool verify = false;
+  bool verify = false, live = false;
+  double speed = 1;
 };
+
+void chooseFrames(const DriveCall& call, uint64_t& first, uint64_t& end) {
+  if (!call.frames.empty() && (!parsePair(call.frames, ':', true, first, end) || first >= end))
+    throw Error(ErrorCode::invalidArgument,
+                "--frames: '" + call.frames + "' is not A:B, the frames from A on and before B, as 0:100 or 100:");
+}
 
 drive::RunOptions optionsOf(const DriveCall& call) {
   drive::RunOptions options;
   options.out = call.out;
   options.verify = call.verify;
-  if (!call.frames.empty() && (!parsePair(call.frames, ':', true, options.firstFrame, options.endFrame) ||
-                               options.firstFrame >= options.endFrame))
-    throw Error(ErrorCode::invalidArgument,
-                "--frames: '" + call.frames + "' is not A:B, the frames from A on and before B, as 0:100 or 100:");
+  chooseFrames(call, options.firstFrame, options.endFrame);
   if (!call.shard.empty() &&
       (!parsePair(call.shard, '/', false, options.shard, options.shardCount) || options.shard >= options.shardCount))
     throw Error(ErrorCode::invalidArgument,
@@ -57,6 +62,28 @@ void summarise(const drive::RunReport& report, double seconds) {
   say("drive", report.finished ? "complete" : "not complete; its tables are written with its last frame");
 }
 
+/// Publishes the frames that `options` has.
+int runLive(const DriveCall& call, const drive::Drive& drive, const drive::RunOptions& options) {
+  drive::LiveOptions live;
+  live.firstFrame = options.firstFrame;
+  live.endFrame = options.endFrame;
+  live.speed = call.speed;
+  live.simulator = options.simulator;
+  const double begin = nowMs();
+  drive::LiveReport report;
+  {
+    Progress progress("frame", 1);
+    live.progress = [&](uint64_t done, uint64_t total) { progress.step(done, total); };
+    report = drive::publishLive(drive, live);
+  }
+  say("device", report.device);
+  say("published", grouped(report.scans) + " scans with " + grouped(report.points) + " points, " +
+                       grouped(report.messages) + " messages in " + formatted("%.1f s", (nowMs() - begin) / 1000));
+  if (report.dropped > 0) say("dropped", grouped(report.dropped) + " messages that newer ones replaced");
+  if (report.late > 0) say("late", formatted("%.1f s; scanning takes longer than the drive", report.late));
+  return 0;
+}
+
 int runDrive(const DriveCall& call) {
   drive::RunOptions options = optionsOf(call);
   const drive::Drive drive = drive::readDrive(call.file);
@@ -66,6 +93,7 @@ int runDrive(const DriveCall& call) {
                                                 std::to_string(drive.frameCount() - 1) + ", so " + call.frames +
                                                 " is none");
   describe(drive);
+  if (call.live) return runLive(call, drive, options);
   if (call.out.empty()) return 0;
   const double begin = nowMs();
   drive::RunReport report;
@@ -83,15 +111,26 @@ int runDrive(const DriveCall& call) {
 Action addDrive(CLI::App& app) {
   const auto call = std::make_shared<DriveCall>();
   app.add_option("DRIVE", call->file, "The drive file (JSON), see docs/drives.md")->required();
-  app.add_option("-o,--output", call->out,
-                 "Folder to write; frames that are complete there are not made again. Without it the drive file is "
-                 "only checked");
+  CLI::Option* const out =
+      app.add_option("-o,--output", call->out,
+                     "Folder to write; frames that are complete there are not made again. Without it the drive file "
+                     "is only checked");
   app.add_option("--frames", call->frames, "Make the frames from A on and before B only, A:B");
-  app.add_option("--shard", call->shard, "Make the frames whose number modulo N is I only, I/N");
+  CLI::Option* const shard =
+      app.add_option("--shard", call->shard, "Make the frames whose number modulo N is I only, I/N");
   app.add_option("--device", call->device,
                  "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
       ->capture_default_str();
   app.add_flag("--verify", call->verify, "Read complete frames, and make those again whose files have changed");
+  CLI::Option* const live =
+      app.add_flag("--live", call->live,
+                   "Publish clouds, transforms and the clock for ROS 2 in the time of the drive, and write no files; "
+                   "docs/ros2.md")
+          ->excludes(out)
+          ->excludes(shard);
+  app.add_option("--speed", call->speed, "With --live: seconds of the drive per second")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->needs(live);
   app.footer("Example: gnosphere drive town-drive.json -o dataset");
   return [call] { return runDrive(*call); };
 }

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// One thread scans ahead, another one publishes what is due.
+#include "drive/live.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <set>
+#include <thread>
+
+#include "drive/formats/format.hpp"
+#include "drive/frame_queue.hpp"
+#include "drive/scanner.hpp"
+
+namespace gnosphere::drive {
+namespace {
+
+using ros2::MessageType;
+using ros2::Publisher;
+using WallClock = std::chrono::steady_clock;
+
+/// A topic of a sensor. Names of sensors may have hyphens, and topics may not.
+std::string topicOf(const RigSensor& sensor, const char* what) {
+  std::string name = sensor.name;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return "/" + name + what;
+}
+
+constexpr int kTicksPerFrame = 10;  // of the clock and of the vehicle's pose
+const std::vector<Field> kFields = {Field::x,    Field::y,    Field::z,       Field::intensity,
+                                    Field::time, Field::ring, Field::classId, Field::instance};
+
+/// Publishes messages when the time of the drive has come. The first one starts the clock.
+class Schedule {
+ public:
+  Schedule(double speed, double frameSeconds, LiveReport& report)
+      : speed_(speed), patience_(frameSeconds / speed / 2), report_(report) {}
+
+  void add(double time, Publisher& publisher, ros2::Message message) {
+    due_.emplace(time, Due{&publisher, std::move(message)});
+  }
+  /// Publishes everything that is due before a time of the drive.
+  void runUntil(double time) {
+    while (!due_.empty() && due_.begin()->first < time) {
+      wait(due_.begin()->first);
+      due_.begin()->second.publisher->publish(std::move(due_.begin()->second.message));
+      ++report_.messages;
+      due_.erase(due_.begin());
+    }
+  }
+
+ private:
+  struct Due {
+    Publisher* publisher;
+    ros2::Message message;
+  };
+
+  // What is late is published at once. If it is too late, all that follows is later, rather than in a burst.
+  void wait(double time) {
+    using Seconds = std::chrono::duration<double>;
+    const auto now = WallClock::now();
+    if (!started_) begin_ = now - std::chrono::duration_cast<WallClock::duration>(Seconds(time / speed_));
+    started_ = true;
+    const auto at = begin_ + std::chrono::duration_cast<WallClock::duration>(Seconds(time / speed_));
+    if (const double late = Seconds(now - at).count(); late > patience_) {
+      begin_ += now - at;
+      report_.late += late;
+    }
+    std::this_thread::sleep_until(at);
+  }
+
+  double speed_, patience_;
+  LiveReport& report_;
+  std::multimap<double, Due> due_;  // by the time of the drive; in the order of adding if it is the same
+  WallClock::time_point begin_;
+  bool started_ = false;
+};
+
+class Live {
+ public:
+  Live(const Drive& drive, const LiveOptions& options, LiveReport& report)
+      : drive_(drive),
+        report_(report),
+        tf_(MessageType::transforms, "/tf", optionsOf({.depth = 100})),
+        mounts_(MessageType::transforms, "/tf_static",
+                optionsOf({.durability = ros2::Qos::Durability::transientLocal, .depth = 1})),
+        clock_(MessageType::clock, "/clock", optionsOf({.depth = 100})),
+        schedule_(options.speed, 1 / drive.rate, report) {
+    for (const RigSensor& sensor : drive.sensors) {
+      clouds_.emplace_back(MessageType::pointCloud2, topicOf(sensor, "/points"), optionsOf(options.qos));
+      if (isFlat(sensor.sensor))
+        lasers_.emplace(clouds_.size() - 1,
+                        Publisher(MessageType::laserScan, topicOf(sensor, "/scan"), optionsOf(options.qos)));
+    }
+    ros2::Transforms mounts;
+    for (const RigSensor& sensor : drive.sensors)
+      mounts.push_back({stampOf(drive.start), "base_link", sensor.name, sensor.mount});
+    mounts_.publish(std::move(mounts));
+    ++report_.messages;
+  }
+
+  void publish(const FrameRecord& frame) {
+    for (int i = 0; i < kTicksPerFrame; ++i) {
+      const double time = drive_.start + (static_cast<double>(frame.frame) + double(i) / kTicksPerFrame) / drive_.rate;
+      schedule_.add(time, clock_, ros2::Clock{stampOf(time)});
+      schedule_.add(time, tf_, ros2::Transforms{{stampOf(time), "map", "base_link", drive_.ego.at(time)}});
+    }
+    for (const RecordedScan& recorded : frame.scans) add(recorded);
+    ++report_.frames;
+    schedule_.runUntil(drive_.start + static_cast<double>(frame.frame + 1) / drive_.rate);
+  }
+
+  void finish() {
+    schedule_.runUntil(1e300);
+    for (Publisher* publisher : all()) {
+      publisher->flush(2);
+      report_.dropped += publisher->counts().dropped;
+    }
+  }
+
+ private:
+  static ros2::PublisherOptions optionsOf(const ros2::Qos& qos) {
+    ros2::PublisherOptions options;
+    options.qos = qos;
+    return options;
+  }
+  static bool isFlat(const Sensor& sensor) { return sensor.isGrid() && sensor.channels.size() == 1; }
+  int64_t stampOf(double time) const { return unixNanoseconds(drive_, time); }
+
+  void add(const RecordedScan& recorded) {
+    const size_t index = recorded.planned.sensor;
+    const RigSensor& sensor = drive_.sensors[index];
+    const int64_t stamp = stampOf(recorded.planned.time);
+    const double end = recorded.planned.time + recorded.duration;
+    std::vector<Field> fields = kFields;
+    if (!recorded.scan.has(Field::intensity)) std::erase(fields, Field::intensity);
+    schedule_.add(end, clouds_[index], ros2::cloudOf(recorded.scan, fields, sensor.name, stamp));
+    if (const auto laser = lasers_.find(index); laser != lasers_.end())
+      schedule_.add(end, laser->second, ros2::laserScanOf(sensor.sensor, recorded.scan, 0, sensor.name, stamp));
+    ++report_.scans;
+    report_.points += recorded.points;
+  }
+
+  std::vector<Publisher*> all() {
+    std::vector<Publisher*> list = {&tf_, &mounts_, &clock_};
+    for (Publisher& cloud : clouds_) list.push_back(&cloud);
+    for (auto& [index, laser] : lasers_) list.push_back(&laser);
+    return list;
+  }
+
+  const Drive& drive_;
+  LiveReport& report_;
+  Publisher tf_, mounts_, clock_;
+  std::vector<Publisher> clouds_;       // by sensor
+  std::map<size_t, Publisher> lasers_;  // by sensor
+  Schedule schedule_;
+};
+
+}  // namespace
+
+LiveReport publishLive(const Drive& drive, const LiveOptions& options) {
+  const uint64_t end = std::min(options.endFrame, drive.frameCount());
+  const auto refuse = [](const std::string& text) { throw Error(ErrorCode::invalidArgument, "LiveOptions: " + text); };
+  if (options.firstFrame >= end) refuse("there are no frames to publish");
+  if (!(options.speed > 0)) refuse("the speed must be greater than 0");
+  LiveReport report;
+  const World world(drive);
+  Live live(drive, options, report);
+  std::set<Field> fields(kFields.begin(), kFields.end());
+  for (Field given : {Field::x, Field::y, Field::z, Field::instance, Field::ring}) fields.erase(given);
+  Scanner scanner(drive, world, std::vector<std::set<Field>>(drive.sensors.size(), fields), options.simulator);
+  report.device = scanner.device().name;
+  FrameQueue queue([&](FrameRecord& record) {
+    live.publish(record);
+    if (options.progress) options.progress(report.frames, end - options.firstFrame);
+  });
+  for (uint64_t frame = options.firstFrame; frame < end; ++frame) {
+    FrameRecord record = queue.empty();
+    record.frame = frame;
+    scanner.scan(record);
+    queue.push(std::move(record));
+  }
+  queue.finish();
+  live.finish();
+  return report;
+}
+
+}  // namespace gnosphere::drive

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drive/scanner.hpp"
+
+#include <algorithm>
+
+namespace gnosphere::drive {
+
+Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::set<Field>>& fields,
+                 SimulatorOptions options)
+    : drive_(drive), world_(world), placed_(world.scene().instances.size()) {
+  options.accuracy = drive.accuracy;
+  std::vector<SensorRequest> requests;
+  for (size_t s = 0; s < drive.sensors.size(); ++s) requests.push_back(requestOf(s, fields[s]));
+  simulator_.emplace(world.scene(), requests, options);
+  for (size_t i = 0; i < placed_.size(); ++i) placed_[i] = world.scene().instances[i].transform;
+}
+
+void Scanner::scan(FrameRecord& record) {
+  const std::vector<PlannedScan> planned = scansOf(drive_, record.frame);
+  record.scans.resize(planned.size());
+  for (size_t i = 0; i < planned.size(); ++i) {
+    record.scans[i].planned = planned[i];
+    scan(record.scans[i]);
+  }
+}
+
+SensorRequest Scanner::requestOf(size_t sensor, std::set<Field> fields) const {
+  const RigSensor& rigged = drive_.sensors[sensor];
+  fields.insert(Field::time);
+  if (rigged.effects.intensity.use == EffectUse::off) fields.erase(Field::intensity);
+  SensorRequest request(rigged.sensor, rigged.effects, {fields.begin(), fields.end()});
+  request.variableWeather = weatherFor(sensor, drive_.start).has_value();
+  return request;
+}
+
+std::optional<Weather> Scanner::weatherFor(size_t sensor, double time) const {
+  const Effects& effects = drive_.sensors[sensor].effects;
+  const bool fog = effects.fog.use != EffectUse::off, rain = effects.rain.use != EffectUse::off,
+             snow = effects.snow.use != EffectUse::off;
+  std::optional<Weather> weather = drive_.weatherAt(time);
+  if (!weather || !(fog || rain || snow)) return {};
+  if (!fog) weather->visibility = 0;
+  if (!rain) weather->rainRate = 0;
+  if (!snow) weather->snowRate = 0;
+  return weather;
+}
+
+void Scanner::scan(RecordedScan& recorded) {
+  const auto& [sensor, number, time] = recorded.planned;
+  const RigSensor& rigged = drive_.sensors[sensor];
+  recorded.duration = durationOf(rigged.sensor, number);
+  recorded.pose = drive_.sensorPose(sensor, time);
+  recorded.sensorMoves = recorded.duration > 0 && rigged.effects.sensorMotion.use != EffectUse::off;
+  recorded.actorsMove = recorded.duration > 0 && rigged.effects.objectMotion.use != EffectUse::off;
+  recorded.deskewed = rigged.effects.sensorMotion.deskew;
+  Shot shot;
+  shot.pose = recorded.pose;
+  shot.sensor = sensor;
+  shot.frame = number;
+  shot.weather = weatherFor(sensor, time);
+  if (recorded.sensorMoves && drive_.ego.movesWithin(time, time + recorded.duration)) shot.motion = motionOf(recorded);
+  placeWorld(recorded, shot);
+  simulator_->scanInto(shot, recorded.scan);
+  recorded.points = 0;
+  for (size_t entry = 0; entry < recorded.scan.ranges.size(); ++entry) {
+    recorded.points += recorded.scan.returned(entry);
+    uint32_t& owner = recorded.scan.instances[entry];
+    if (owner != kNoTriangle) owner = world_.objectOf(owner);
+  }
+}
+
+SensorMotion Scanner::motionOf(const RecordedScan& recorded) const {
+  constexpr int kIntervals = 16;
+  const double begin = recorded.planned.time, end = begin + recorded.duration;
+  std::vector<double> times = drive_.ego.timesWithin(begin, end);
+  for (int i = 0; i <= kIntervals; ++i) times.push_back(begin + recorded.duration * i / kIntervals);
+  std::sort(times.begin(), times.end());
+  SensorMotion motion;
+  for (double time : times)
+    if (motion.stamps.empty() || time - begin > motion.stamps.back().time)
+      motion.stamps.push_back({time - begin, drive_.sensorPose(recorded.planned.sensor, time)});
+  return motion;
+}
+
+void Scanner::placeWorld(const RecordedScan& recorded, Shot& shot) {
+  const double begin = recorded.planned.time, end = begin + recorded.duration;
+  const World::Setter start = {
+      [&](size_t instance, const Transform& transform) {
+        if (placed_[instance].rows == transform.rows) return;
+        simulator_->setTransform(instance, transform);
+        placed_[instance] = transform;
+      },
+      [&](size_t mesh, const Deformation& deformation) { simulator_->setDeformation(mesh, deformation); }};
+  const World::Setter motion = {[&](size_t instance, const Transform& transform) {
+                                  if (placed_[instance].rows != transform.rows)
+                                    shot.instanceMotions.push_back({instance, transform});
+                                },
+                                [&](size_t mesh, const Deformation& deformation) {
+                                  shot.meshMotions.push_back({mesh, deformation});
+                                }};
+  world_.placeScenes(begin, start);
+  if (recorded.actorsMove) world_.placeScenes(end, motion);
+  for (size_t actor = 0; actor < drive_.actors.size(); ++actor) {
+    world_.place(actor, world_.poseOf(actor, begin), begin, start);
+    if (recorded.actorsMove && world_.movesWithin(actor, begin, end))
+      world_.place(actor, drive_.actors[actor].trajectory.at(end), end, motion);
+  }
+}
+
+}  // namespace gnosphere::drive

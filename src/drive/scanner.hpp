@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scans the frames of a drive.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "drive/record.hpp"
+
+namespace gnosphere::drive {
+
+/// Nothing of a frame depends on those before it.
+class Scanner {
+ public:
+  /// `fields` has, by sensor, what its scans hold beside positions, ranges and times.
+  Scanner(const Drive& drive, const World& world, const std::vector<std::set<Field>>& fields, SimulatorOptions options);
+
+  /// Makes the scans of the frame that the record names.
+  void scan(FrameRecord& record);
+  const DeviceInfo& device() const { return simulator_->device(); }
+
+ private:
+  SensorRequest requestOf(size_t sensor, std::set<Field> fields) const;
+  /// The drive's weather without what the effects of a sensor turn off; none if they turn all of it off.
+  std::optional<Weather> weatherFor(size_t sensor, double time) const;
+  void scan(RecordedScan& recorded);
+  /// The sensor's poses during a scan: at the stamps of the ego's trajectory, and 17 times at equal intervals, between
+  /// which a sensor beside the middle of the vehicle goes straight although the vehicle may turn.
+  SensorMotion motionOf(const RecordedScan& recorded) const;
+  /// Sets the world of the scan's start, and its motion until the scan's end.
+  void placeWorld(const RecordedScan& recorded, Shot& shot);
+
+  const Drive& drive_;
+  const World& world_;
+  std::vector<Transform> placed_;  // by instance, as the simulator has them
+  std::optional<Simulator> simulator_;
+};
+
+}  // namespace gnosphere::drive

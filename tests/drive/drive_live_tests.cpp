@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// gnosphere drive --live, and what subscribers of ROS 2 get of it.
+#include <algorithm>
+#include <catch2/matchers/catch_matchers_string.hpp>
+
+#include "cli_support.hpp"
+#include "drive_support.hpp"
+#include "ros2/listening.hpp"
+
+using namespace gnosphere::test;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+struct LivePlace : Workplace {
+  explicit LivePlace(const Json& json) {
+    loopbackDomain();
+    put("cube.obj", kCube);
+    put("floor.obj", kFloor);
+    put("drive.json", json.dump());
+  }
+  Result publish(const std::string& arguments) const {
+    return run("drive drive.json --device reference --live " + arguments);
+  }
+};
+
+/// The second word of a line, a time in seconds.
+double stampOf(const std::string& line) {
+  return std::stod(line.substr(line.find(' ') + 1));
+}
+
+}  // namespace
+
+TEST_CASE("gnosphere drive --live publishes a drive in its own time") {
+  Json json = smallDrive();
+  json["epoch"] = 1000;
+  json["sensors"][0]["name"] = "on-top";
+  json["sensors"][1]["sensor"]["elevation_deg"] = {0};
+  const std::string flat = json["sensors"][1]["name"];
+  const LivePlace place(json);
+  Listener clouds({.count = 100, .seconds = 5}, {"rt/on_top/points"});
+  Listener lasers({.type = "laser", .count = 100, .seconds = 5}, {"rt/" + flat + "/scan"});
+  Listener clock({.type = "clock", .count = 1000, .seconds = 5}, {"rt/clock"});
+  Listener tf({.type = "transforms", .count = 1000, .seconds = 5}, {"rt/tf"});
+  Listener mounts({.type = "transforms", .qos = "latched", .seconds = 5}, {"rt/tf_static"});
+  const Result result = place.publish("--speed 0.5");  // two seconds
+  INFO(result.err);
+  CHECK(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring("published") && !ContainsSubstring("dropped"));
+  CHECK(place.files().size() == 3);  // it writes none
+
+  // A subscriber finds the topics within half a second; until then messages pass it by.
+  const std::vector<std::string> seen = clouds.lines();
+  REQUIRE(seen.size() >= 5);
+  CHECK(seen.size() <= 10);
+  CHECK(stampOf(seen.back()) == 1000.9);
+  CHECK_THAT(seen.back(), ContainsSubstring(" on-top 1x") && ContainsSubstring(" dense 1 x:0:7:1 y:4:7:1 z:8:7:1") &&
+                              ContainsSubstring("ring:") && ContainsSubstring("class:") &&
+                              ContainsSubstring("instance:") && ContainsSubstring("time:"));
+  const std::vector<std::string> flatScans = lasers.lines();
+  REQUIRE(!flatScans.empty());
+  CHECK_THAT(flatScans.back(), ContainsSubstring(" ranges ") && ContainsSubstring(" 0.1 60 "));
+  const std::vector<std::string> times = clock.lines(), poses = tf.lines();
+  REQUIRE(times.size() >= 50);
+  CHECK(times.size() <= 100);
+  CHECK(stampOf(times.back()) == 1000.99);
+  CHECK(std::is_sorted(times.begin(), times.end()));
+  REQUIRE(poses.size() >= 50);
+  CHECK_THAT(poses.back(), ContainsSubstring(" 1000.990000000 map>base_link 1.96 0 0 "));
+  const std::vector<std::string> placed = mounts.lines();
+  REQUIRE(placed.size() == 1);
+  CHECK_THAT(placed[0], ContainsSubstring("base_link>on-top 0 0 1.8") && ContainsSubstring("base_link>" + flat));
+}
+
+TEST_CASE("wrong calls of gnosphere drive --live are refused") {
+  Json json = smallDrive();
+  const LivePlace place(json);
+  const auto refused = [&](const std::string& arguments, int status, const std::string& words) {
+    INFO(arguments);
+    const Result result = place.publish(arguments);
+    CHECK(result.status == status);
+    CHECK_THAT(result.err, ContainsSubstring(words));
+  };
+  refused("-o out", 2, "excludes --live");
+  refused("--shard 0/2", 2, "excludes --live");
+  refused("--speed 0", 2, "--speed");
+  refused("--frames 10:", 2, "frames 0 to 9");
+  json["sensors"][0]["name"] = "2nd";
+  place.put("drive.json", json.dump());
+  refused("", 2, "'/2nd/points' is no name of a topic");
+}
