@@ -266,6 +266,30 @@ TEST_CASE("invalid return numbers are refused") {
   CHECK_THAT(problem("1,4294967290,2\n"), ContainsSubstring("4294967291 beams"));
 }
 
+TEST_CASE("clouds of several returns are compared without a field for the returns' numbers") {
+  const Folder folder;
+  const std::string ending = GENERATE("pcd", "ply", "npy", "csv");
+  const Scan reference = full(2);
+  Scan other = reference;
+  other.triangles[1] = 77;  // second return of beam 0
+  writeCloud(reference, folder / ("a." + ending), withFields("range,beam,triangle,instance"));
+  writeCloud(other, folder / ("b." + ending), withFields("range,beam,triangle,instance"));
+  const Scan read = readCloud(folder / ("a." + ending));
+  CHECK(read.returns == 2);
+  const Comparison same = compare(read, reference);
+  CHECK(same.same());
+  CHECK(same.hits == 9);
+  const Comparison difference = compare(read, readCloud(folder / ("b." + ending)));
+  CHECK(difference.wrongOwner == 1);
+  CHECK(difference.missed + difference.falseHits + difference.wrongRange == 0);
+
+  // One that states its beams' single returns has a fault.
+  put(folder / "c.ply",
+      "ply\nformat ascii 1.0\ncomment gnosphere columns 2 channels 2\nelement vertex 2\n"
+      "property float range\nproperty uint beam\nend_header\n1 3\n2 3\n");
+  CHECK_THROWS_WITH(readCloud(folder / "c.ply"), ContainsSubstring("beam 3 occurs twice"));
+}
+
 TEST_CASE("clouds are compared return by return") {
   const Scan reference = full(2);
   CHECK(compare(reference, reference).hits == 9);

@@ -215,7 +215,11 @@ TEST_CASE("absurd counts and invalid values are refused before memory is allocat
   CHECK_THAT(pcd("WIDTH 4000000000\nHEIGHT 4000000000\n", ""), ContainsSubstring("cut short"));
   CHECK_THAT(pcd("WIDTH 2\nHEIGHT 1\nPOINTS 3\n", "0 0 0 0\n0 0 0 1\n"), ContainsSubstring("POINTS 3"));
   CHECK_THAT(pcd("WIDTH 1\nHEIGHT 1\n", "0 0 0 4294967290\n"), ContainsSubstring("4294967291 beams"));
-  CHECK_THAT(pcd("WIDTH 2\nHEIGHT 1\n", "0 0 0 5\n0 0 0 5\n"), ContainsSubstring("twice"));
+  CHECK_THAT(pcd("# gnosphere columns 3 channels 2\nWIDTH 2\nHEIGHT 1\n", "0 0 0 5\n0 0 0 5\n"),
+             ContainsSubstring("twice"));
+  std::string many;
+  for (int row = 0; row < 17; ++row) many += "0 0 0 5\n";
+  CHECK_THAT(pcd("WIDTH 17\nHEIGHT 1\n", many), ContainsSubstring("has a return number 17; there may be 16"));
   CHECK_THAT(pcd("WIDTH 1\nHEIGHT 1\n", "0 0 0 -1\n"), ContainsSubstring("'-1'"));
   CHECK_THAT(pcd("WIDTH 1\nHEIGHT 1\n", "0 0 zero 1\n"), ContainsSubstring("'zero'"));
   CHECK_THAT(pcd("COUNT 1 1\n", ""), ContainsSubstring("COUNT has 2 entries, FIELDS has 4"));

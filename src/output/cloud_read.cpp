@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 
 #include "base/file.hpp"
 #include "gnosphere/error.hpp"
@@ -51,11 +52,25 @@ Grid gridFromRings(const CloudTable& table, const CloudColumn& beam, uint64_t be
   return {static_cast<uint32_t>(columns), static_cast<uint32_t>(channels)};
 }
 
+/// The number of each row's return, from 1 on, or 0 for a beam without returns: what the column `return` says. Without
+/// that column the rows of a beam are its returns in their order, unless the file states that beams have one. Empty if
+/// no row needs one.
+std::vector<uint32_t> numberReturns(const CloudTable& table, const CloudColumn* beam) {
+  const CloudColumn* number = beam ? table.find("return") : nullptr;
+  const bool statesOne = table.gridColumns > 0 && table.gridReturns == 1;
+  std::vector<uint32_t> numbers;
+  if (!beam || (!number && statesOne)) return numbers;
+  std::unordered_map<uint32_t, uint32_t> found;
+  numbers.reserve(table.rows);
+  for (size_t row = 0; row < table.rows; ++row)
+    numbers.push_back(number ? whole(table, *number, row) : ++found[whole(table, *beam, row)]);
+  return numbers;
+}
+
 /// Returns per beam: the number that the file states, or the largest that its rows need.
-uint32_t findReturns(const CloudTable& table, const CloudColumn* number) {
-  if (!number) return 1;
-  uint32_t returns = std::max(1u, table.gridReturns);
-  for (size_t row = 0; row < table.rows; ++row) returns = std::max(returns, whole(table, *number, row));
+uint32_t findReturns(const CloudTable& table, const std::vector<uint32_t>& numbers) {
+  if (numbers.empty()) return 1;
+  const uint32_t returns = std::max({1u, table.gridReturns, *std::max_element(numbers.begin(), numbers.end())});
   if (returns > kMostReturns) {
     table.refuse("has a return number " + std::to_string(returns) + "; there may be " + std::to_string(kMostReturns));
   }
@@ -87,7 +102,7 @@ Grid findGrid(const CloudTable& table, const CloudColumn* beam, uint32_t returns
 }
 
 /// Returns the entry in the scan's arrays for each row; empty if entry = row. A miss may have the return number 0.
-std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, const CloudColumn* number,
+std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, const std::vector<uint32_t>& numbers,
                               size_t beamCount, uint32_t returns) {
   std::vector<size_t> entries;
   if (!beam) return entries;
@@ -99,7 +114,7 @@ std::vector<size_t> placeRows(const CloudTable& table, const CloudColumn* beam, 
       table.refuse("point " + std::to_string(row) + " is of beam " + std::to_string(b) + ", the grid has " +
                    std::to_string(beamCount));
     }
-    const uint32_t k = number ? std::max(1u, whole(table, *number, row)) : 1;
+    const uint32_t k = numbers.empty() ? 1 : std::max(1u, numbers[row]);
     const size_t entry = size_t{b} * returns + k - 1;
     if (taken[entry]) {
       table.refuse((returns > 1 ? "return " + std::to_string(k) + " of beam " : std::string("beam ")) +
@@ -211,15 +226,15 @@ Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& so
   const bool hasPoints = table.find("x") && table.find("y") && table.find("z");
   if (!hasPoints && !table.find("range")) table.refuse("has neither x, y, z nor range: not a cloud");
   const CloudColumn* beam = table.find("beam");
-  const CloudColumn* number = beam ? table.find("return") : nullptr;
+  const std::vector<uint32_t> numbers = numberReturns(table, beam);
   Scan scan;
   scan.sensor = table.sensor;
-  scan.returns = findReturns(table, number);
+  scan.returns = findReturns(table, numbers);
   const Grid grid = findGrid(table, beam, scan.returns);
   scan.columns = grid.columns;
   scan.channels = grid.channels;
   const size_t beamCount = size_t{grid.columns} * grid.channels, entryCount = beamCount * scan.returns;
-  const Placer placer(table, entryCount, placeRows(table, beam, number, beamCount, scan.returns));
+  const Placer placer(table, entryCount, placeRows(table, beam, numbers, beamCount, scan.returns));
   if (hasPoints) {
     placer.place("x", scan.points, kNaN, 0, 3);
     placer.place("y", scan.points, kNaN, 1, 3);
