@@ -350,12 +350,96 @@ TEST_CASE("the Alpha Prime has the angles of the vendor's calibration") {
   const double degree = std::numbers::pi / 180, turned = sensor.azimuthSpanDeg / sensor.rotationPeriod;
   for (const auto& laser : lasers) {
     INFO(laser.vertical / degree);
-    const auto channel =
-        std::find_if(sensor.channels.begin(), sensor.channels.end(),
-                     [&](const Channel& c) { return std::abs(c.elevationDeg - laser.vertical / degree) < 1e-3; });
+    const auto channel = std::find_if(sensor.channels.begin(), sensor.channels.end(), [&](const Channel& c) {
+      return std::abs(c.elevationDeg - laser.vertical / degree) < 1e-3;
+    });
     REQUIRE(channel != sensor.channels.end());
     CHECK(std::abs(channel->azimuthOffsetDeg - turned * channel->timeOffset - laser.rotation / degree) < 1e-3);
   }
+}
+
+namespace {
+
+/// The azimuth offset of a laser without the angle by which the head turns on until it fires.
+double offsetDeg(const Sensor& sensor, size_t channel) {
+  const Channel& c = sensor.channels.at(channel);
+  return c.azimuthOffsetDeg - sensor.azimuthSpanDeg / sensor.rotationPeriod * c.timeOffset;
+}
+
+bool isMasked(const Sensor& sensor, size_t channel, size_t column) {
+  return std::binary_search(sensor.maskedBeams.begin(), sensor.maskedBeams.end(),
+                            static_cast<uint32_t>(channel * sensor.columns + column));
+}
+
+}  // namespace
+
+TEST_CASE("the QT128 has the angles and times of the vendor's files, and 96 lasers fire in a column") {
+  const Sensor sensor = builtinSensor("QT128");
+  // Lasers 1, 33, 97 and 128 of PandarQT128_Correction.csv and PandarQT128_Firetimes.csv in HesaiLidar_Swift_ROS.
+  const struct {
+    size_t laser;
+    double elevation, azimuth, time;
+  } lasers[] = {{1, -52.62676282, 10.10830596, 92.574},
+                {33, -18.33139172, -6.21699538, 17.118},
+                {97, 19.19081372, -6.25017485, 8.734},
+                {128, 52.62676282, -10.10830596, 41.222}};
+  for (const auto& [laser, elevation, azimuth, time] : lasers) {
+    CHECK(std::abs(sensor.channels.at(laser - 1).elevationDeg - elevation) < 1e-4);
+    CHECK(std::abs(offsetDeg(sensor, laser - 1) + azimuth) < 1e-4);
+    CHECK(std::abs(sensor.channels.at(laser - 1).timeOffset - 1e-6 * time) < 1e-12);
+  }
+  CHECK(sensor.columns == 900);
+  CHECK(sensor.beamCount() - sensor.maskedBeams.size() == 900 * 96);  // 864,000 points per second
+  for (size_t column : {0, 1, 2}) {
+    CHECK(isMasked(sensor, 0, column) == (column % 2 == 0));
+    CHECK(isMasked(sensor, 63, column) == (column % 2 == 1));
+    CHECK_FALSE(isMasked(sensor, 64, column));
+  }
+}
+
+TEST_CASE("a Pandar128E3X fires as the vendor's file says") {
+  // Lasers 3, 8 and 26 of laser-ts.csv and correction.csv in HesaiLidar_Swift_ROS; far surfaces, operation mode 2.
+  const Sensor standard = builtinSensor("Pandar128E3X");
+  CHECK(standard.columns == 1800);
+  CHECK(standard.maskedBeams.empty());
+  CHECK(std::abs(standard.channels[2].timeOffset - 0.776e-6) < 1e-12);
+  CHECK(std::abs(standard.channels[7].timeOffset - 33.456e-6) < 1e-12);
+  CHECK(std::abs(standard.channels[25].timeOffset - 39.255e-6) < 1e-12);
+  CHECK(std::abs(standard.channels[2].elevationDeg - 13.081786) < 1e-4);
+  CHECK(std::abs(offsetDeg(standard, 2) + 1.091414) < 1e-4);
+  // Operation mode 0 has four angle states: laser 3 rests in 1 and 3, laser 8 in 0 and 2.
+  const Sensor fine = builtinSensor("Pandar128E3X-HR");
+  CHECK(fine.columns == 3600);
+  CHECK(fine.beamCount() - fine.maskedBeams.size() == 345600);  // 3,456,000 points per second
+  CHECK(isMasked(fine, 2, 1));
+  CHECK_FALSE(isMasked(fine, 2, 2));
+  CHECK(isMasked(fine, 7, 2));
+  CHECK_FALSE(isMasked(fine, 7, 3));
+  CHECK(std::abs(fine.channels[7].timeOffset - 5.678e-6) < 1e-12);
+  CHECK(std::abs(fine.channels[25].timeOffset - 11.227e-6) < 1e-12);
+  CHECK(codeOf([] { builtinSensor("Pandar128"); }) == ErrorCode::invalidArgument);
+}
+
+TEST_CASE("heads of RoboSense fire from the lens centre at the times of rs_driver") {
+  const Sensor rs16 = builtinSensor("RS-LiDAR-16");  // decoder_RS16.hpp: laser 8 is the first of the upper ones, at +15
+  CHECK(rs16.columns == 1801);
+  CHECK(rs16.channels[15].elevationDeg == 15);
+  CHECK(std::abs(rs16.channels[15].timeOffset - 22.4e-6) < 1e-12);
+  CHECK(std::abs(rs16.channels[8].timeOffset - 42e-6) < 1e-12);
+  CHECK(std::abs(rs16.channels[0].origin.x - 0.03825) < 1e-12);
+  const Sensor bpearl = builtinSensor("RS-Bpearl");  // decoder_RSBP.hpp: laser 16 fires after 1.28 us
+  CHECK(bpearl.channels[0].elevationDeg == 2.3125);
+  CHECK(bpearl.channels[0].timeOffset == 0);
+  CHECK(std::abs(bpearl.channels[8].elevationDeg - 24.8125) < 1e-12);
+  CHECK(std::abs(bpearl.channels[8].timeOffset - 1.28e-6) < 1e-12);
+  CHECK(std::abs(bpearl.channels[31].timeOffset - 44.88e-6) < 1e-12);
+  CHECK(std::abs(bpearl.channels[5].origin.x - 0.01473) < 1e-12);
+  CHECK(std::abs(bpearl.channels[5].origin.z - 0.09427) < 1e-12);
+  for (const char* name : {"RS-Helios-32", "RS-Helios-1615"})
+    CHECK(std::abs(builtinSensor(name).channels[3].origin.x - 0.03498) < 1e-12);
+  // ros-drivers/velodyne, driver.cc: 2,222,220 points per second, half of them in each return.
+  const Sensor s3 = builtinSensor("HDL-64E-S3");
+  CHECK(std::abs(s3.rotationPeriod / s3.columns - 64 / 1111110.0) < 1e-9);
 }
 
 TEST_CASE("heads of turning prisms have the field of view and the rate of their sheets") {

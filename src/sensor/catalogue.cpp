@@ -101,6 +101,7 @@ Sensor sensorOf(const HeadFigures& figures, std::string_view mode) {
   const size_t count = elevations.size();
   const auto azimuths = numbersOf(figures.azimuthOffsets, count), times = numbersOf(figures.times, count);
   const auto left = numbersOf(figures.left, count), up = numbersOf(figures.up, count);
+  const auto rests = numbersOf(figures.rests, count);
   const double degreesPerSecond = sensor.azimuthSpanDeg / sensor.rotationPeriod;
   for (size_t i = 0; i < count; ++i) {
     Channel channel{elevations[i], azimuths[i]};
@@ -109,6 +110,9 @@ Sensor sensorOf(const HeadFigures& figures, std::string_view mode) {
     channel.timeOffset = kMicro * times[i];
     channel.azimuthOffsetDeg += degreesPerSecond * channel.timeOffset;  // the head turns on
     sensor.channels.push_back(channel);
+    // Heads whose lasers rest in some columns keep the order of the lists.
+    for (uint32_t column = rests[i] == 1 ? 0 : 1; rests[i] > 0 && column < sensor.columns; column += 2)
+      sensor.maskedBeams.push_back(static_cast<uint32_t>(i) * sensor.columns + column);
   }
   if (figures.fromBelow)
     std::stable_sort(sensor.channels.begin(), sensor.channels.end(),
