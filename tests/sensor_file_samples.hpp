@@ -83,10 +83,15 @@ inline std::string npy(const std::string& type, bool fortran, const std::vector<
   // In Fortran's order the first index runs fastest; the tests only use it for two indices.
   for (size_t i = 0; i < numbers.size(); ++i) {
     const size_t place = fortran ? i % shape[0] * shape[1] + i / shape[0] : i;
-    if (type[2] == '4')
-      add(static_cast<float>(numbers[place]));
+    const double number = numbers[place];
+    if (type == "<f2")
+      add(static_cast<uint16_t>(number == 0 ? 0 : number < 0 ? 0xbc00 : 0x3c00));  // of 0, -1 and 1
+    else if (type[1] == 'i' || type[2] == 'i')
+      type.back() == '1' ? add(static_cast<int8_t>(number)) : add(static_cast<int32_t>(number));
+    else if (type[2] == '4')
+      add(static_cast<float>(number));
     else
-      add(numbers[place]);
+      add(number);
   }
   return bytes;
 }
@@ -97,7 +102,15 @@ void put(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-/// An angle correction of an AT128, version 1.5, with two channels and two faces.
+/// The bytes that hexadecimal digits stand for.
+inline std::string bytesOfHex(std::string_view digits) {
+  std::string bytes;
+  for (size_t i = 0; i < digits.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(std::string(digits.substr(i, 2)), nullptr, 16));
+  return bytes;
+}
+
+/// An angle correction of an AT128, version 1.5, with two channels and two faces, and the SHA-256 that Python computes.
 inline std::string hesaiMirrors() {
   std::string bytes("\xee\xff\x01\x05\x02\x02\x02\x00\x00\x00\x00\x00\x00\x00\x00\x02", 16);
   constexpr int kUnit = 12800;  // per degree, as the resolution is 2
@@ -108,7 +121,7 @@ inline std::string hesaiMirrors() {
   // Corrections every 2 degrees of the head; channel 0 has some at 34 and 36 degrees.
   for (const int sign : {1, -1})
     for (int i = 0; i < 2 * 180; ++i) put<int8_t>(bytes, static_cast<int8_t>(sign * (i == 17 ? 2 : i == 18 ? 4 : 0)));
-  return bytes + std::string(32, 'h');
+  return bytes + bytesOfHex("2ea63281db7c3d5e28c8d40cdb81ed57a19b1778d035924cb76dc505452caaf6");
 }
 
 /// An angle correction of an ATX, version 4.2, with two channels.
@@ -116,7 +129,7 @@ inline std::string hesaiParity() {
   std::string bytes("\xee\xff\x04\x02\x00\x00\x02\x00\x01", 9);  // the division is 256
   for (const double degrees : {4.0, 1.0, -2.0, 1.0, 2.5, -7.5})
     put<int16_t>(bytes, static_cast<int16_t>(256 * degrees));
-  return bytes + std::string(32, 'h');
+  return bytes + bytesOfHex("ff8a3b77bc2f411ca628fbe923a7ef0240c5561913eba481f237d65000d75075");
 }
 
 /// A file of each family, by name.
@@ -133,6 +146,10 @@ inline std::vector<Sample> samples() {
           {"isaac.json", std::string(kIsaacRotary)},
           {"carla.json", std::string(kCarla)},
           {"hesai.csv", "Channel,Elevation,Azimuth\n1,14.5,-1.042\n2,-3.5,1.042\n"},
+          {"pixels.csv", "Channel,Column_id,Elevation,Azimuth\n1,1,5,80\n2,1,-5,80\n1,2,5,100\n2,2,-5,100\n"},
+          {"robosense.csv", "2.31,-0.03\n47.32,-0.67\n"},
+          {"halves.npy", npy("<f2", false, {2, 3}, {1, 0, 0, 0, 1, 0})},
+          {"integers.npy", npy("<i4", false, {1, 3}, {1, 2, 3})},
           {"at128.dat", hesaiMirrors()},
           {"atx.dat", hesaiParity()},
           {"livox.csv", "Time/s,Azimuth/deg,Zenith/deg\n0,10,90\n0.00001,350,60\n"},

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/file.hpp"
+#include "base/sha256.hpp"
 #include "folder.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
@@ -238,7 +239,7 @@ TEST_CASE("Ouster metadata: mistakes are named with their keys") {
 TEST_CASE("Hesai angle correction: rows in any order, clockwise azimuths, a checksum at the end") {
   const SensorFile file = readSensorFile(
       "Channel,Elevation,Azimuth\r\n2,-3.5,-1.042\r\n1,14.25,3.125\r\n"
-      "eab2786616959df9a225a2f8f433614250e631aff8111e6fa437f9aabecd2d7f,,\r\n",
+      "8e6fa4250b12829703efcb5919c2dcbab300635e6f128eaf27bc716e40d8484f,,\r\n",
       "angles.csv", {.scanRate = 20, .columns = 360});
   CHECK(file.family == "Hesai angle correction");
   CHECK(azimuthDeg(file.sensor, 0) == -3.125);
@@ -249,6 +250,43 @@ TEST_CASE("Hesai angle correction: rows in any order, clockwise azimuths, a chec
   CHECK(file.assumed.size() == 1);  // the range
   CHECK_THAT(readSensorFile("EEFF,1,1\nLaser id,Azimuth,Elevation\n1,2,3\n", "q.csv").sensor.channels[0].elevationDeg,
              WithinAbs(3, 0));
+}
+
+TEST_CASE("Hesai angle correction: the SHA-256 in the last row is that of the rows above with CR LF") {
+  const std::string hash = "8e6fa4250b12829703efcb5919c2dcbab300635e6f128eaf27bc716e40d8484f";  // of Python
+  const std::string rows = "Channel,Elevation,Azimuth\n2,-3.5,-1.042\n1,14.25,3.125\n";
+  CHECK(readSensorFile(rows + hash + ",,\n", "a.csv").sensor.channels.size() == 2);
+  CHECK_THAT(problemOf(replaced(rows, "3.125", "3.126") + hash + ",,\n", "a.csv"),
+             ContainsSubstring("is damaged: the lines above line 4 do not have the SHA-256"));
+}
+
+TEST_CASE("Hesai angle correction: a flash lidar has a row per pixel") {
+  // Pixels of PandarFT_Correction.csv in HesaiLidar_Swift_ROS: the first two of its last column but one.
+  const std::string text =
+      "Channel,Column_id,Elevation,Azimuth\n2,1,26.71708365,133.1570662\n1,1,27.16471035,133.2859485\n"
+      "2,2,26.65549469,133.6896303\n1,2,27.10187776,133.819671\n";
+  const Sensor sensor = readSensorFile(text, "ft.csv").sensor;
+  CHECK(sensor.width() == 2);
+  CHECK(sensor.height() == 2);
+  CHECK_THAT(azimuthDeg(sensor, 1), WithinAbs(90 - 133.819671, 1e-9));
+  CHECK_THAT(elevationDeg(sensor, 2), WithinAbs(26.71708365, 1e-9));
+  CHECK(ringOf(sensor, 2) == 1);
+  CHECK_THAT(problemOf(replaced(text, "1,2,27", "1,1,27"), "ft.csv"), ContainsSubstring("was there before"));
+  CHECK_THAT(problemOf(replaced(text, "1,2,27", "3,2,27"), "ft.csv"), ContainsSubstring("lists 4 pixels, but has 3"));
+  CHECK_THAT(problemOf(replaced(text, "1,2,27", "1,5000,27"), "ft.csv"), ContainsSubstring("expected is 1 to 4096"));
+}
+
+TEST_CASE("RoboSense's angles are clockwise, and rings are numbered from below") {
+  // The first four lasers of tier4/nebula, RobosenseBpearl.csv.
+  const SensorFile file = readSensorFile("2.31,-0.03\t\n47.32,-0.67\n5.12,-0.05\n50.13,-0.74,\n", "angle.csv");
+  CHECK(file.family == "RoboSense angles");
+  REQUIRE(file.sensor.channels.size() == 4);
+  CHECK(file.sensor.channels[1].elevationDeg == 5.12);
+  CHECK(file.sensor.channels[1].azimuthOffsetDeg == 0.05);
+  CHECK(file.sensor.channels[3].azimuthOffsetDeg == 0.74);
+  CHECK(file.sensor.azimuthSpanDeg == -360);
+  CHECK_THAT(problemOf("2.31,-0.03\n47,32,-0,67\n", "angle.csv"), ContainsSubstring("line 2 has 4 cells"));
+  CHECK_THAT(problemOf("2.31,-0.03\nx,1\n", "angle.csv"), ContainsSubstring("line 2, vertical angle is 'x'"));
 }
 
 TEST_CASE("Hesai angle correction: mistakes are named with their lines") {
@@ -323,6 +361,14 @@ TEST_CASE("Hesai firing times delay channels, turn the head on, and alternate wi
     CHECK(read(text, "2").sensor.maskedBeams.empty());
     CHECK_THAT(problemOf(text, "times.csv"), ContainsSubstring("is a Hesai file of firing times"));
   }
+  SECTION("a channel configuration says which channels fire in turn") {
+    const char* text = "EEFF,1,1\nChannel num,2,Block num,2\nLoop 1,Loop 2\n1,2\n2,0\n";
+    const SensorFile file = read(text);
+    CHECK(file.sensor.maskedBeams.size() == 180);  // channel 1 rests in every second column
+    CHECK(file.sensor.maskedBeams[0] == 1);
+    CHECK(lists(file.assumed, "no firing times are stated"));
+    CHECK_THAT(problemOf(text, "config.csv"), ContainsSubstring("is a Hesai file of firing times"));
+  }
   SECTION("far and near") {
     std::string text = "Distance 2.85\nx\ny\n";
     for (const char* row : {"1", "2"}) {
@@ -364,6 +410,13 @@ TEST_CASE("Hesai binary: AT128 has a pattern per mirror face, whose corrections 
   CHECK_THAT(timeOf(sensor, 2), WithinAbs(0.1 / 1200, 1e-15));  // 0.1 degrees of the head's 1200 per second
   const std::string bytes = hesaiMirrors();
   CHECK_THAT(problemOf(std::string_view(bytes).substr(0, 100), "at.dat"), ContainsSubstring("ends after 100 bytes"));
+  CHECK_THAT(problemOf(std::string_view(bytes).substr(0, bytes.size() - 1), "at.dat"),
+             ContainsSubstring("its SHA-256"));
+  for (const std::string& whole : {hesaiMirrors(), hesaiParity()}) {
+    std::string damaged = whole;
+    damaged[whole.size() - 40] = static_cast<char>(damaged[whole.size() - 40] ^ 1);
+    CHECK_THAT(problemOf(damaged, "at.dat"), ContainsSubstring("is damaged: its content does not have the SHA-256"));
+  }
   CHECK_THAT(problemOf("\xee\xff\x07\x07", "at.dat"), ContainsSubstring("version 7.7"));
   CHECK_THAT(problemOf("not a binary file", "at.dat"), ContainsSubstring("does not start with EE FF, as Hesai"));
 }
@@ -431,6 +484,21 @@ TEST_CASE("NumPy arrays: angles, directions and poses, in either order of bytes 
     CHECK(sensor.direction(0).x == 1);
     CHECK(sensor.direction(1).z == 1);
   }
+  const Sensor halves = readSensorFile(npy("<f2", false, {2, 3}, {-1, 0, 0, 0, 0, 1}), "h.npy").sensor;
+  CHECK(halves.direction(0).x == -1);
+  CHECK(halves.direction(1).z == 1);
+  // 1.5, -2 and the smallest half above 0, as NumPy's float16 has them.
+  std::string bits = npy("<f2", false, {1, 3}, {0, 0, 0});
+  bits.resize(bits.size() - 6);
+  const Vec3 d = readSensorFile(bits + std::string("\x00\x3e\x00\xc0\x01\x00", 6), "h.npy").sensor.direction(0);
+  CHECK_THAT(d.x, WithinAbs(0.6, 1e-7));
+  CHECK_THAT(d.y, WithinAbs(-0.8, 1e-7));
+  CHECK_THAT(d.z, WithinAbs(std::ldexp(1, -24) / 2.5, 1e-15));
+  for (const char* type : {"<i4", ">i4", "|i1"}) {
+    const Vec3 whole = readSensorFile(npy(type, false, {1, 3}, {-3, 0, 4}), "i.npy").sensor.direction(0);
+    CHECK(whole.x == -0.6);
+    CHECK(whole.z == 0.8);
+  }
   const Sensor fortran = readSensorFile(npy("<f8", true, {2, 3}, {2, 0, 0, 0, 0, 3}), "d.npy").sensor;
   CHECK(fortran.direction(1).z == 1);
   CHECK(fortran.direction(0).x == 1);
@@ -460,7 +528,7 @@ TEST_CASE("NumPy arrays: mistakes") {
   CHECK_THAT(problemOf(npy("<f8", false, {1, 3}, {0, NAN, 0}), "a.npy"), ContainsSubstring("is not finite"));
   CHECK_THAT(problemOf(npy("<f8", false, {1, 2}, {0, INFINITY}), "a.npy"), ContainsSubstring("not finite"));
   CHECK_THAT(problemOf(npy("<f8", false, {2, 3}, {1, 0, 0}), "a.npy"), ContainsSubstring("its shape needs 48"));
-  CHECK_THAT(problemOf(npy("<i8", false, {1, 3}, {1, 0, 0}), "a.npy"), ContainsSubstring("expected are floats"));
+  CHECK_THAT(problemOf(npy("<c8", false, {1, 3}, {1, 0, 0}), "a.npy"), ContainsSubstring("expected are floats"));
   CHECK_THAT(problemOf("\x93NUMPY\x01", "a.npy"), ContainsSubstring("too short"));
   CHECK_THAT(problemOf("glTF" + std::string(60, '\2'), "a.npy"), ContainsSubstring("as NPY files do"));
   CHECK_THAT(problemOf(npy("<f4", false, {1000, 2}, {0, 0}), "a.npy"),
@@ -580,6 +648,19 @@ TEST_CASE("the content decides the family, and a name that belies it is refused"
   CHECK_THAT(problemOf("{\"a\": 1", "a.json"), ContainsSubstring("is not JSON") && ContainsSubstring("line 1"));
   CHECK_THAT(problemOf("nonsense", "file"), ContainsSubstring("known are GnoSphere sensor, Ouster metadata"));
   CHECK_THAT(problemOf("", "file"), ContainsSubstring("is empty"));
+  CHECK_THAT(problemOf(std::string("\xff\xfe"
+                                   "C\0h\0",
+                                   6),
+                       "utf16.csv"),
+             ContainsSubstring("is text in UTF-16"));
+  const std::string raw = problemOf("Channel,Elevation,Azimuth\n1,\x01\xc3\x28,3\n", "a.csv");
+  CHECK(raw.find_first_of("\x01\xc3") == raw.npos);
+  CHECK_THAT(raw, ContainsSubstring("expected is a number"));
+  CHECK_THAT(problemOf(kVelodyneYaml, "cal.yaml", {.columns = 5000000}), ContainsSubstring("more than a million"));
+  std::string many = "Channel,Elevation,Azimuth\n";
+  for (int row = 1; row <= 128; ++row) many += std::to_string(row) + ",1,1\n";
+  CHECK_THAT(problemOf(many, "many.csv", {.columns = 1000000}),
+             ContainsSubstring("makes 128000000 beams, of 1000000 columns"));
   CHECK_THAT(problemOf(kIsaacRotary, "i.json", {.mode = "1"}), ContainsSubstring("--mode does not apply"));
 }
 
@@ -604,6 +685,13 @@ TEST_CASE("a built-in head states what a calibration leaves open") {
   CHECK_THROWS_WITH(readSensorFile(yaml, "puck.yaml", {.head = "Pucks"}), ContainsSubstring("no built-in sensor"));
 }
 
+TEST_CASE("SHA-256 of texts that Python's hashlib has hashed") {
+  CHECK(sha256("") == bytesOfHex("e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"));
+  CHECK(sha256("abc") == bytesOfHex("ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"));
+  CHECK(sha256(std::string(119, 'a')) ==
+        bytesOfHex("31eba51c313a5c08226adf18d4a359cfdfd8d2e816b13f4af952f7ea6584dcfb"));
+}
+
 TEST_CASE("no change of a byte or two makes a reader crash or return what is not valid") {
   std::mt19937 random(18);
   for (const Sample& sample : samples()) {
@@ -619,6 +707,9 @@ TEST_CASE("no change of a byte or two makes a reader crash or return what is not
           case 3: bytes.insert(place(), bytes.substr(place(), 1 + random() % 8)); break;
           default: bytes[place()] = "0123456789-eE.,[]{}\""[random() % 20]; break;
         }
+      // A damaged file with a good checksum gets further.
+      if (sample.name.ends_with(".dat") && round % 3 > 0 && bytes.size() > 32)
+        bytes = bytes.substr(0, bytes.size() - 32) + sha256(std::string_view(bytes).substr(0, bytes.size() - 32));
       try {
         validate(readSensorFile(bytes, round % 2 ? sample.name : "file").sensor);
       } catch (const Error& error) {

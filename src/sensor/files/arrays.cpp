@@ -44,12 +44,16 @@ Header readHeader(const SensorSource& source) {
   Header header;
   header.dataAt = start + size;
   const std::string_view type = after(source, dictionary, "descr");
-  const bool known = type.size() >= 5 && type[0] == '\'' && type[4] == '\'' && (type[1] == '<' || type[1] == '>') &&
-                     type[2] == 'f' && (type[3] == '4' || type[3] == '8');
+  const auto is = [&](size_t place, const char* letters) {
+    return place < type.size() && std::strchr(letters, type[place]) != nullptr && type[place] != 0;
+  };
+  const bool known = type.size() >= 5 && type[0] == '\'' && type[4] == '\'' && is(1, "<>|=") &&
+                     ((type[2] == 'f' && is(3, "248")) || (is(2, "iu") && is(3, "1248")));
   if (!known)
     source.refuse("the NPY type is " + std::string(type.substr(0, type.find(", "))) +
-                  ", expected are floats of 4 or 8 bytes");
+                  ", expected are floats of 2, 4 or 8 bytes, or integers");
   header.order = type[1];
+  header.kind = type[2];
   header.itemBytes = static_cast<size_t>(type[3] - '0');
   header.fortran = after(source, dictionary, "fortran_order").starts_with("True");
   std::string_view shape = after(source, dictionary, "shape");
@@ -62,6 +66,33 @@ Header readHeader(const SensorSource& source) {
     header.shape.push_back(value);
   }
   return header;
+}
+
+/// A number of 16 bits as IEEE 754 has it.
+double halfOf(uint16_t bits) {
+  const int exponent = bits >> 10 & 31;
+  const double part = bits & 1023;
+  const double size = exponent == 31 ? (part == 0 ? INFINITY : NAN)
+                                     : std::ldexp(exponent == 0 ? part : 1024 + part, std::max(exponent, 1) - 25);
+  return bits >> 15 ? -size : size;
+}
+
+/// One item of an array, whose bytes are in the machine's order.
+double itemOf(const Header& header, const char* item) {
+  const auto as = [&](auto value) {
+    std::memcpy(&value, item, sizeof(value));
+    return static_cast<double>(value);
+  };
+  uint16_t half = 0;
+  if (header.itemBytes == 2) std::memcpy(&half, item, 2);
+  const bool isSigned = header.kind == 'i';
+  if (header.kind == 'f') return header.itemBytes == 2 ? halfOf(half) : header.itemBytes == 4 ? as(0.0f) : as(0.0);
+  switch (header.itemBytes) {
+    case 1: return isSigned ? as(int8_t{}) : as(uint8_t{});
+    case 2: return isSigned ? as(int16_t{}) : as(uint16_t{});
+    case 4: return isSigned ? as(int32_t{}) : as(uint32_t{});
+    default: return isSigned ? as(int64_t{}) : as(uint64_t{});
+  }
 }
 
 /// The numbers of an array, last index fastest.
@@ -81,13 +112,7 @@ std::vector<double> readNumbers(const SensorSource& source, const Header& header
     char item[8];
     std::memcpy(item, source.bytes.data() + header.dataAt + i * header.itemBytes, header.itemBytes);
     if (header.order == '>') std::reverse(item, item + header.itemBytes);
-    if (header.itemBytes == 4) {
-      float value;
-      std::memcpy(&value, item, 4);
-      numbers[i] = value;
-    } else {
-      std::memcpy(&numbers[i], item, 8);
-    }
+    numbers[i] = itemOf(header, item);
   }
   if (!header.fortran || header.shape.size() < 2) return numbers;
   std::vector<double> ordered(count);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hesai's angle correction of spinning heads, a row per channel: its number from 1 on, elevation and azimuth in
+// Hesai's angle corrections. Spinning heads have a row per channel: its number from 1 on, elevation and azimuth in
 // degrees. Hesai's y axis points forward, and azimuths are clockwise from it; we turn y to x, so azimuths only change
-// their sign.
+// their sign. Flash lidars have a row per pixel, and x points forward.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "base/sha256.hpp"
 #include "base/text.hpp"
 #include "sensor/files/source.hpp"
 
@@ -15,6 +16,20 @@ namespace {
 
 bool isChecksum(std::string_view cell) {
   return cell.size() >= 32 && cell.find_first_not_of("0123456789abcdefABCDEF") == cell.npos;
+}
+
+/// Refuses a file whose lines before `row` do not have the SHA-256 that this row states. It is that of lines that end
+/// with CR LF, whatever they end with now.
+void checkHash(const SensorSource& source, const std::vector<std::string_view>& lines, size_t row,
+               std::string_view stated) {
+  if (stated.size() != 64) return;  // a checksum of another kind
+  std::string text, digest;
+  for (size_t i = 0; i < row; ++i) text.append(lines[i]).append("\r\n");
+  for (const char byte : sha256(text))
+    for (const int shift : {4, 0}) digest += "0123456789abcdef"[static_cast<unsigned char>(byte) >> shift & 15];
+  if (!sameWord(digest, stated))
+    source.refuse("is damaged: the lines above line " + std::to_string(row + 1) +
+                  " do not have the SHA-256 that it states");
 }
 
 /// Places of the two angles in a row, and its number of cells. The header may name the angles in either order.
@@ -30,6 +45,57 @@ Places placesOf(const std::vector<std::string_view>& header) {
     if (containsWord(header[i], "azimuth")) places.azimuth = i;
   }
   return places;
+}
+
+/// A flash lidar, FT120: a row per pixel, with its channel and column, whose azimuths are 90 degrees straight ahead.
+void readPixels(SensorSource& source, const std::vector<std::string_view>& lines, size_t header) {
+  struct Pixel {
+    size_t row, column;
+    double elevation, azimuth;
+  };
+  std::vector<Pixel> pixels;
+  size_t rows = 0, columns = 0;
+  for (size_t i = header + 1; i < lines.size(); ++i) {
+    const std::vector<std::string_view> cells = cellsOf(lines[i]);
+    if (isChecksum(cells[0])) checkHash(source, lines, i, cells[0]);
+    if (cells[0].empty() || isChecksum(cells[0])) continue;
+    const std::string where = "line " + std::to_string(i + 1);
+    if (cells.size() < 4)
+      source.refuse(where + " has " + std::to_string(cells.size()) +
+                    " cells, expected are channel, column, elevation, azimuth");
+    refuseSurplus(source, cells, 4, where);
+    const auto place = [&](size_t cell, const char* what) {
+      const double id = numberOf(source, cells[cell], where + what);
+      if (!(id >= 1 && id <= 4096) || id != std::floor(id))
+        source.refuse(where + what + " is " + std::string(cells[cell]) + ", expected is 1 to 4096");
+      return static_cast<size_t>(id) - 1;
+    };
+    pixels.push_back({place(0, ", channel"), place(1, ", column"), numberOf(source, cells[2], where + ", elevation"),
+                      numberOf(source, cells[3], where + ", azimuth")});
+    rows = std::max(rows, pixels.back().row + 1);
+    columns = std::max(columns, pixels.back().column + 1);
+  }
+  if (pixels.empty()) source.refuse("there is no pixel");
+  if (rows * columns != pixels.size())
+    source.refuse("lists " + std::to_string(pixels.size()) + " pixels, but has " + std::to_string(rows) +
+                  " channels and " + std::to_string(columns) + " columns");
+  std::vector<const Pixel*> places(pixels.size());
+  for (const Pixel& pixel : pixels) {
+    const Pixel*& place = places[pixel.row * columns + pixel.column];
+    if (place)
+      source.refuse("channel " + std::to_string(pixel.row + 1) + " of column " + std::to_string(pixel.column + 1) +
+                    " was there before");
+    place = &pixel;
+  }
+  BeamList list;
+  list.width = static_cast<uint32_t>(columns);
+  list.height = static_cast<uint32_t>(rows);
+  for (const Pixel* pixel : places) {
+    list.directions.push_back(directionOfAngles(source, 90 - pixel->azimuth, pixel->elevation, list.size()));
+    list.rings.push_back(static_cast<uint16_t>(pixel->row));
+  }
+  source.file.sensor.patterns.push_back(std::move(list));
+  assumeRange(source, 200);
 }
 
 /// Fires the channels of a grid at the times of a head, whose columns may take several kinds in turn. The grid becomes
@@ -79,9 +145,11 @@ void readHesaiCsv(SensorSource& source) {
   for (size_t i = 0; i < lines.size(); ++i) {
     const std::vector<std::string_view> cells = cellsOf(lines[i]);
     if (cells[0].empty() && cells.size() == 1) continue;
+    if (isChecksum(cells[0])) checkHash(source, lines, i, cells[0]);
     if (isChecksum(cells[0]) || sameWord(cells[0], "EEFF")) continue;
     const std::string where = "line " + std::to_string(i + 1);
     if (containsWord(lines[i], "elevation")) {
+      if (containsWord(lines[i], "column")) return readPixels(source, lines, i);
       places = placesOf(cells);
       continue;
     }

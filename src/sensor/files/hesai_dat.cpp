@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/sha256.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -32,6 +33,13 @@ class Bytes {
     std::vector<double> values;
     for (size_t i = 0; i < count; ++i) values.push_back(scale * next<T>());
     return values;
+  }
+  /// Refuses a file in which the SHA-256 of everything before does not follow.
+  void checkHash() const {
+    const std::string_view all = source_.bytes;
+    if (all.size() - at_ < 32) source_.refuse("ends before its SHA-256, which follows its tables");
+    if (sha256(all.substr(0, at_)) != all.substr(at_, 32))
+      source_.refuse("is damaged: its content does not have the SHA-256 that the file states");
   }
 
  private:
@@ -177,6 +185,7 @@ void readHesaiDat(SensorSource& source) {
   else
     source.refuse("is an angle correction of version " + std::to_string(major) + "." + std::to_string(minor) +
                   ", known are 1.3 and 1.5 (AT128), 4.1 to 4.3 (ATX) and 1.0 to 1.2 (FT120)");
+  if (!flash) bytes.checkHash();
   if (!flash) source.assume("1200 columns 0.1 degrees apart over 120 degrees, as the data sheets state");
   assumeRange(source, 200);
 }

@@ -4,9 +4,12 @@
 //   Channel, even and odd fire time (ns)               two kinds, which alternate
 //   Operational State ... / Azimuth State ... / rows   in us; the kinds of one state alternate, "-" does not fire
 //   EEFF ... / Channel num, N, Loop num, L / header    L pairs of a channel and its time (us) per row
+//   EEFF ... / Channel num, N, Block num, B / header   a channel configuration: each cell of a column is a channel that
+//                                                      fires in columns of a kind, at no stated time; 0 is none
 //   three lines, then a channel and 16 times (ns)      two times, for far and for near surfaces, for each of four kinds
 //                                                      of state 0, two of state 2 and two of state 3; a kind in which
 //                                                      both are 0 does not fire
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -51,6 +54,7 @@ std::vector<size_t> columnsOfState(const SensorSource& source, const std::vector
 struct Layout {
   std::vector<size_t> kinds;  ///< the cell of each kind in a row
   bool pairs = false;         ///< whether a kind is a channel and its time; else the row's first cell is the channel
+  bool channelsOnly = false;  ///< whether a kind is a channel
   bool farNear = false;       ///< whether a kind is a time for far and one for near surfaces
   double unit = kMicro;
   size_t firstLine = 1, cells = 0;  ///< cells of a row
@@ -65,14 +69,19 @@ Layout layoutOf(SensorSource& angles, const SensorSource& source, const std::vec
     layout.kinds = columnsOfState(source, header, source.options.mode);
     layout.firstLine = 2;
   } else if (containsWord(lines[0], "eeff")) {
-    const auto cells = lines.size() > 1 ? cellsOf(lines[1]) : std::vector<std::string_view>();
-    if (cells.size() < 4) source.refuse("line 2: expected is 'Channel num, N, Loop num, L'");
-    const double loops = numberOf(source, cells[3], "line 2, loop number");
+    if (lines.size() < 3) source.refuse("ends before the names of its columns, in line 3");
+    const auto counts = cellsOf(lines[1]), names = cellsOf(lines[2]);
+    if (counts.size() < 4) source.refuse("line 2: expected is 'Channel num, N, Loop num, L'");
+    layout.channelsOnly = containsWord(counts[2], "block");
+    const double loops = layout.channelsOnly
+                             ? static_cast<double>(names.size() - std::count(names.begin(), names.end(), ""))
+                             : numberOf(source, counts[3], "line 2, loop number");
     if (!(loops >= 1 && loops <= 16)) source.refuse("line 2: the loop number must be 1 to 16");
-    for (size_t i = 0; i < static_cast<size_t>(loops); ++i) layout.kinds.push_back(2 * i);
-    layout.pairs = true;
+    layout.pairs = !layout.channelsOnly;
+    for (size_t i = 0; i < static_cast<size_t>(loops); ++i) layout.kinds.push_back(layout.pairs ? 2 * i : i);
     layout.firstLine = 3;
-    layout.cells = 2 * layout.kinds.size();
+    layout.cells = (layout.pairs ? 2 : 1) * layout.kinds.size();
+    if (layout.channelsOnly) angles.assume("that the channels of a column fire at once, as no firing times are stated");
   } else if (lines.size() > 3 && cellsOf(lines[3]).size() >= 17) {
     const std::string& mode = source.options.mode;
     if (mode.empty() || mode == "0")
@@ -106,7 +115,7 @@ FireTimes readFireTimes(SensorSource& angles, size_t channels) {
   table.addKinds(layout.kinds.size());
   for (size_t i = layout.firstLine; i < lines.size(); ++i) {
     const std::vector<std::string_view> cells = cellsOf(lines[i]);
-    if (cells.size() == 1) continue;  // an empty line, or a checksum
+    if (cells[0].size() > 8 || (cells.size() == 1 && cells[0].empty())) continue;  // a checksum, or an empty line
     const std::string where = "line " + std::to_string(i + 1);
     refuseSurplus(source, cells, layout.cells, where);
     for (size_t kind = 0; kind < layout.kinds.size(); ++kind) {
@@ -114,10 +123,10 @@ FireTimes readFireTimes(SensorSource& angles, size_t channels) {
       if (cell + (layout.pairs || layout.farNear ? 1 : 0) >= cells.size())
         source.refuse(where + " has " + std::to_string(cells.size()) + " cells, expected are more");
       const bool silent = layout.farNear && cells[cell] == "0" && cells[cell + 1] == "0";
-      if (!layout.pairs)
+      if (!layout.pairs && !layout.channelsOnly)
         table.set(kind, cells[0], silent ? "-" : cells[cell], layout.unit, where);
-      else if (cells[cell] != "0" && !cells[cell].starts_with('-'))
-        table.set(kind, cells[cell], cells[cell + 1], layout.unit, where);
+      else if (!cells[cell].empty() && cells[cell] != "0" && !cells[cell].starts_with('-'))
+        table.set(kind, cells[cell], layout.pairs ? cells[cell + 1] : "0", layout.unit, where);
     }
   }
   for (size_t channel = 0; channel < channels; ++channel) {

@@ -16,6 +16,11 @@ using nlohmann::json;
 /// Size limit: lists of millions of beams, as JSON.
 constexpr size_t kMaxFileBytes = size_t{1} << 30;
 
+/// Limit on what vendors' and simulators' files make, far more than any head has. A scan of more would take minutes to
+/// prepare.
+constexpr size_t kMostBeams = 100'000'000;
+constexpr uint32_t kMostColumns = 1'000'000;
+
 enum Option : unsigned { head = 1, mode = 2, scanRate = 4, columns = 8, beamsPerScan = 16, fireTimes = 32 };
 
 /// A family of sensor files. JSON is parsed once, for all of its families.
@@ -61,6 +66,17 @@ bool isFireTable(std::string_view bytes) {
   return line.find(',') != line.npos && !isAngleTable(bytes) &&
          (containsWord(line, "fire") || containsWord(line, "operational state") || containsWord(line, "eeff") ||
           containsWord(line, "distance>="));
+}
+
+/// Whether the first row is two numbers.
+bool isAnglePairs(std::string_view bytes) {
+  const std::vector<std::string_view> lines = linesOf(firstLine(bytes));
+  const auto cells = cellsOf(lines.empty() ? "" : lines[0]);
+  const auto isNumber = [](std::string_view cell) {
+    return !cell.empty() && cell.find_first_not_of("+-.0123456789eE") == cell.npos;
+  };
+  return cells.size() >= 2 && isNumber(cells[0]) && isNumber(cells[1]) &&
+         std::all_of(cells.begin() + 2, cells.end(), [](std::string_view cell) { return cell.empty(); });
 }
 
 bool isXml(std::string_view bytes) {
@@ -117,6 +133,7 @@ const std::vector<Family>& families() {
       {"Hesai angle correction", ".csv ", kCalibration | fireTimes | mode, false, bytesOnly(isAngleTable),
        plain(readHesaiCsv)},
       {"Hesai firing times", ".csv ", 0, false, bytesOnly(isFireTable), refuseFireTimes},
+      {"RoboSense angles", ".csv ", kCalibration, false, bytesOnly(isAnglePairs), plain(readRobosenseCsv)},
       {"Livox pattern", ".csv ", kPattern, false, bytesOnly(isRayTable), plain(readLivoxCsv)},
       {"Velodyne calibration", ".yaml .yml ", kCalibration, false,
        bytesOnly([](std::string_view bytes) { return bytes.find("lasers:") != bytes.npos; }), plain(readVelodyneYaml)},
@@ -150,6 +167,8 @@ const Family& familyOf(const SensorSource& source, const json& root, const std::
     return family;
   }
   if (source.bytes.empty()) source.refuse("is empty");
+  if (source.bytes.starts_with("\xff\xfe") || source.bytes.starts_with("\xfe\xff"))
+    source.refuse("is text in UTF-16: save it as UTF-8");
   if (named && named->isJson && root.is_discarded()) source.refuse("is not JSON: " + jsonProblem);
   if (named && !named->isJson && root.is_discarded()) return *named;  // its reader says what is missing
   if (!root.is_discarded())
@@ -173,6 +192,9 @@ void checkOptions(const SensorSource& source, const Family& family) {
                   source.name + ": " + name + " does not apply to a file of the family '" + family.name + "'");
   if (options.scanRate != 0 && !(options.scanRate >= 0.1 && options.scanRate <= 1e6))
     throw Error(ErrorCode::invalidArgument, "the scan rate must be 0.1 to 1,000,000 Hz");
+  if (options.columns > kMostColumns)
+    throw Error(ErrorCode::invalidArgument, source.name + ": a turn of " + std::to_string(options.columns) +
+                                                " columns is more than a million, the most that are read");
 }
 
 /// What a built-in head states and a calibration or a pattern does not.
@@ -229,6 +251,10 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   SensorSource asked{bytes, name, options, file};
   checkOptions(asked, family);
   family.read(source, root);
+  if (family.options != 0 || family.isJson)
+    if (const size_t beams = file.sensor.beamCount(); beams > kMostBeams && file.sensor.isGrid())
+      source.refuse("makes " + std::to_string(beams) + " beams, of " + std::to_string(file.sensor.columns) +
+                    " columns; at most 100 million are read");
   if (!options.head.empty()) applyHead(source, from, options.columns == 0 && options.scanRate == 0);
   if (file.sensor.name.empty()) file.sensor.name = std::filesystem::path(name).stem().string();
   try {

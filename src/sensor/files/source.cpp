@@ -11,6 +11,12 @@ namespace gnosphere {
 
 using nlohmann::json;
 
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < 32 || c == 127; }, '?');
+  return text;
+}
+
 void setTurn(SensorSource& source, double startDeg) {
   Sensor& sensor = source.file.sensor;
   const SensorFileOptions& options = source.options;

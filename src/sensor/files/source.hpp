@@ -12,6 +12,9 @@
 
 namespace gnosphere {
 
+/// A text in which every byte that is no printable ASCII is a question mark: files may be anything.
+std::string printable(std::string text);
+
 /// A sensor file that is being read.
 struct SensorSource {
   std::string_view bytes;
@@ -20,7 +23,9 @@ struct SensorSource {
   SensorFile& file;
 
   /// Throws Error(format) with the name of the file.
-  [[noreturn]] void refuse(const std::string& why) const { throw Error(ErrorCode::format, name + ": " + why); }
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw Error(ErrorCode::format, name + ": " + printable(why));
+  }
   void assume(const std::string& what) { file.assumed.push_back(what); }
   void ignore(const std::string& what) { file.ignored.push_back(what); }
 };
@@ -33,6 +38,7 @@ void readIsaac(SensorSource& source, const nlohmann::json& root);
 void readCarla(SensorSource& source, const nlohmann::json& root);
 void readHesaiCsv(SensorSource& source);
 void readHesaiDat(SensorSource& source);
+void readRobosenseCsv(SensorSource& source);
 void readLivoxCsv(SensorSource& source);
 void readNpy(SensorSource& source);
 void readRayMatrices(SensorSource& source);
