@@ -146,6 +146,20 @@ inline std::vector<Sample> samples() {
           {"isaac.json", std::string(kIsaacRotary)},
           {"carla.json", std::string(kCarla)},
           {"hesai.csv", "Channel,Elevation,Azimuth\n1,14.5,-1.042\n2,-3.5,1.042\n"},
+          {"lidar.sdf",
+           "<sdf><sensor name='a'><lidar><scan><horizontal><samples>4</samples><min_angle>-1</min_angle>"
+           "<max_angle>1</max_angle></horizontal></scan><range><min>1</min><max>9</max></range></lidar>"
+           "</sensor></sdf>"},
+          {"helios.xml",
+           "<document><scanner id='a' optics='rotating' pulseFreqs_Hz='100' headRotatePerSecMax_deg='3600'>"
+           "<channels><channel><beamOrigin x='0' y='0' z='0.1'><rot axis='x' angle_deg='5'/></beamOrigin>"
+           "</channel></channels></scanner></document>"},
+          {"lidar.usda",
+           "#usda 1.0\ndef OmniLidar \"a\"\n{\n uint omni:sensor:Core:scanRateBaseHz = 10\n"
+           " uint omni:sensor:Core:patternFiringRateHz = 100\n"
+           " token omni:sensor:Core:scanType = \"ROTARY\"\n"
+           " float[] omni:sensor:Core:emitterState:s001:azimuthDeg = [1, 2]\n"
+           " float[] omni:sensor:Core:emitterState:s001:elevationDeg = [3, 4]\n}\n"},
           {"pixels.csv", "Channel,Column_id,Elevation,Azimuth\n1,1,5,80\n2,1,-5,80\n1,2,5,100\n2,2,-5,100\n"},
           {"robosense.csv", "2.31,-0.03\n47.32,-0.67\n"},
           {"halves.npy", npy("<f2", false, {2, 3}, {1, 0, 0, 0, 1, 0})},

@@ -117,7 +117,8 @@ TEST_CASE("VeloView XML: degrees and centimetres, lasers that are not enabled ar
 
   CHECK_THAT(problemOf(replaced(kVeloViewXml, "-7.5", "x"), "db.xml"),
              ContainsSubstring("'vertCorrection_' is 'x'") && ContainsSubstring("line "));
-  CHECK_THAT(problemOf("<a/>", "db.xml"), ContainsSubstring("boost_serialization/DB/points_"));
+  CHECK_THAT(problemOf("<boost_serialization/>", "db.xml"), ContainsSubstring("boost_serialization/DB/points_"));
+  CHECK_THAT(problemOf("<a/>", "db.xml"), ContainsSubstring("is XML of <a>, not of a lidar"));
   CHECK_THAT(problemOf("<a", "db.xml"), ContainsSubstring("is not XML"));
 }
 
@@ -603,6 +604,135 @@ TEST_CASE("Isaac Sim: mistakes are named with their keys") {
   CHECK_THAT(edited("3333", "5"), ContainsSubstring("firings and turns per second"));
   CHECK_THAT(edited("-11.75", "-98"), ContainsSubstring("elevation of channel 0"));
   CHECK_THAT(edited("\"profile\"", "\"profil\""), ContainsSubstring("of no known family"));
+}
+
+TEST_CASE("Hesai binary: an ET25's lasers are led by mirrors, as the vendor's decoder does") {
+  std::string bytes("\xee\xff\x03\x02\x00\x00\x02\x01\x00\x01", 10);  // two channels, units of 1/256 degree
+  for (const double degrees : {1.0, -2.0, 0.5, 3.0, -5.0, 4.0, -8.0})
+    put<int16_t>(bytes, static_cast<int16_t>(256 * degrees));
+  bytes += std::string("\x78\x19", 2);  // nodes every 60 and 12.5 degrees: 3 x 3 of them
+  for (const int node : {0, 1, 2, 3, 4, 5, 6, 7, 8}) put<int16_t>(bytes, static_cast<int16_t>(16 * node));
+  for (const int node : {0, -1, -2, -3, -4, -5, -6, -7, -8}) put<int16_t>(bytes, static_cast<int16_t>(16 * node));
+  const Sensor sensor = readSensorFile(bytes + sha256(bytes), "et.dat").sensor;
+  CHECK(sensor.width() == 1200);
+  CHECK(sensor.height() == 2);
+  // Three beams by the formulas of udp2_5_parser.cc in Python.
+  const struct {
+    size_t beam;
+    double azimuth, elevation;
+  } expected[] = {{600, 3.339440698928, 4.671368404628},
+                  {300, -26.712613421997, 4.673608171651},
+                  {2100, 25.112889187530, -7.180650509172}};
+  for (const auto& [beam, azimuth, elevation] : expected) {
+    CHECK_THAT(azimuthDeg(sensor, beam), WithinAbs(-azimuth, 1e-9));
+    CHECK_THAT(elevationDeg(sensor, beam), WithinAbs(elevation, 1e-9));
+  }
+  CHECK_THAT(problemOf(bytes + std::string(32, 'h'), "et.dat"), ContainsSubstring("is damaged"));
+}
+
+TEST_CASE("SDF: both ends of a range of angles are beams, of a whole turn one of them") {
+  const std::string text = R"(<?xml version="1.0"?><sdf version="1.9"><model name="m"><link name="l">
+    <sensor name="camera" type="camera"/>
+    <sensor name="front" type="gpu_lidar"><update_rate>10</update_rate><lidar><scan>
+      <horizontal><samples>5</samples><resolution>1</resolution><min_angle>-0.7853981633974483</min_angle>
+        <max_angle>0.7853981633974483</max_angle></horizontal>
+      <vertical><samples>3</samples><min_angle>-0.2617993877991494</min_angle><max_angle>0.5235987755982988</max_angle>
+      </vertical></scan><range><min>0.08</min><max>10.5</max><resolution>0.01</resolution></range></lidar></sensor>
+    <sensor name="round" type="ray"><ray><scan><horizontal><samples>9</samples><min_angle>-3.141592653589793</min_angle>
+        <max_angle>3.141592653589793</max_angle></horizontal></scan><range><min>1</min><max> 30 </max></range></ray>
+    </sensor></link></model></sdf>)";
+  const SensorFile file = readSensorFile(text, "model.sdf");
+  CHECK(file.family == "SDF lidar");
+  CHECK(file.sensor.name == "front");
+  CHECK(file.sensor.columns == 5);
+  REQUIRE(file.sensor.channels.size() == 3);
+  CHECK_THAT(azimuthDeg(file.sensor, 0), WithinAbs(-45, 1e-9));
+  CHECK_THAT(azimuthDeg(file.sensor, 4), WithinAbs(45, 1e-9));
+  CHECK_THAT(elevationDeg(file.sensor, 0), WithinAbs(-15, 1e-9));
+  CHECK_THAT(elevationDeg(file.sensor, 5), WithinAbs(7.5, 1e-9));
+  CHECK(file.sensor.rangeMin == 0.08);
+  CHECK(file.sensor.rangeMax == 10.5);
+  CHECK(lists(file.assumed, "the first of the lidars front, round"));
+  const SensorFile round = readSensorFile(text, "model.sdf", {.mode = "round"});
+  CHECK(round.sensor.columns == 8);
+  CHECK(round.sensor.channels.size() == 1);
+  CHECK_THAT(azimuthDeg(round.sensor, 2), WithinAbs(-90, 1e-9));
+  CHECK(round.sensor.rangeMax == 30);
+  CHECK(lists(round.ignored, "the last column"));
+  CHECK_THAT(problemOf(text, "model.sdf", {.mode = "back"}), ContainsSubstring("no lidar 'back', but front, round"));
+  CHECK_THAT(problemOf(replaced(text, "<samples>5", "<samples>x"), "model.sdf"), ContainsSubstring("<samples> is 'x'"));
+  CHECK_THAT(problemOf(replaced(text, "<max>10.5</max>", ""), "model.sdf"), ContainsSubstring("<max> of <range>"));
+}
+
+TEST_CASE("HELIOS++: a spinning head of several channels, whose y axis points forward") {
+  // From vlp16 of scanners_tls.xml, with an origin and a second turn.
+  const std::string text = R"(<?xml version="1.0"?><document>
+    <scanner id="als" optics="oscillating" pulseFreqs_Hz="100"/>
+    <scanner id="vlp16" optics="rotating" beamDivergence_rad="0.0007" pulseFreqs_Hz="18750,300" rangeMin_m="0.01"
+      rangeMax_m="100" maxNOR="2" headRotatePerSecMax_deg="7200" wavelength_nm="903"><channels>
+      <channel id="0"><beamOrigin x="0" y="0" z="0"><rot axis="x" angle_deg="-15"/></beamOrigin></channel>
+      <channel id="1"><beamOrigin x="0.1" y="0.2" z="0.3"><rot axis="x" angle_deg="1"/><rot axis="z" angle_deg="30"/>
+      </beamOrigin></channel></channels></scanner></document>)";
+  const SensorFile file = readSensorFile(text, "scanners.xml");
+  CHECK(file.family == "HELIOS++ scanner");
+  const Sensor& sensor = file.sensor;
+  CHECK(sensor.name == "vlp16");
+  CHECK(sensor.columns == 937);  // 18750 pulses per second, 20 turns
+  CHECK_THAT(sensor.rotationPeriod, WithinAbs(937 / 18750.0, 1e-15));
+  CHECK_THAT(azimuthDeg(sensor, 1), WithinAbs(7200 / 18750.0, 1e-9));
+  CHECK_THAT(elevationDeg(sensor, 0), WithinAbs(-15, 1e-9));
+  CHECK_THAT(elevationDeg(sensor, 937), WithinAbs(1, 1e-9));
+  CHECK_THAT(azimuthDeg(sensor, 937), WithinAbs(30, 1e-9));
+  checkOrigin(originOf(sensor, 937), {0.2, -0.1, 0.3});
+  CHECK(sensor.divergenceVertical == 0.0007);
+  CHECK(sensor.maxReturns == 2);
+  CHECK(readSensorFile(text, "scanners.xml", {.scanRate = 10}).sensor.columns == 1875);
+  CHECK_THAT(problemOf(text, "scanners.xml", {.mode = "als"}),
+             ContainsSubstring("'als' has oscillating optics and one line"));
+  CHECK_THAT(problemOf("<document><assets/></document>", "scene.xml"),
+             ContainsSubstring("is XML of <document>, not of a lidar"));
+}
+
+TEST_CASE("Isaac Sim: OmniLidar prims in USD's text are profiles") {
+  const std::string text = R"(#usda 1.0
+def OmniLidar "lidar" (
+    prepend apiSchemas = ["OmniSensorGenericLidarCoreAPI"]
+)
+{
+    float omni:sensor:tickRate = 10.0
+    uint omni:sensor:Core:scanRateBaseHz = 10
+    uint omni:sensor:Core:patternFiringRateHz = 3333
+    token omni:sensor:Core:scanType = "ROTARY"
+    token omni:sensor:Core:rotationDirection = "CW"
+    float omni:sensor:Core:nearRangeM = 0.3
+    float omni:sensor:Core:farRangeM = 120
+    uint omni:sensor:Core:maxReturns = 2
+    uint omni:sensor:Core:numberOfEmitters = 2
+    float2[] omni:sensor:Core:ranges = [(0, 1)]
+    float[] omni:sensor:Core:emitterState:s001:azimuthDeg = [6.5,
+        -6.5]
+    float[] omni:sensor:Core:emitterState:s001:elevationDeg = [-11.75, 3.5]
+    uint[] omni:sensor:Core:emitterState:s001:channelId = [1, 2]
+    uint[] omni:sensor:Core:emitterState:s001:fireTimeNs = [0, 2665]
+}
+)";
+  const SensorFile file = readSensorFile(text, "lidar.usda");
+  CHECK(file.family == "Isaac Sim USD");
+  CHECK(file.sensor.isGrid());
+  CHECK(file.sensor.columns == 333);
+  CHECK_THAT(azimuthDeg(file.sensor, 10), WithinAbs(6.5 - 36000.0 / 3333, 1e-12));
+  CHECK_THAT(timeOf(file.sensor, 333 + 10), WithinAbs(10.0 / 3333 + 2.665e-6, 1e-15));
+  CHECK(file.sensor.rangeMax == 120);
+  CHECK(file.sensor.maxReturns == 2);
+  CHECK(lists(file.ignored, "ranges"));
+  const std::string fine = replaced(text, "uint omni:sensor:Core:patternFiringRateHz = 3333",
+                                    "float omni:sensor:Core:rotPatternFiringResDeg = 0.4");
+  CHECK(readSensorFile(fine, "lidar.usda").sensor.columns == 900);
+  CHECK_THAT(problemOf(replaced(text, "\"ROTARY\"", "\"SPINNING\""), "lidar.usda"), ContainsSubstring("'SPINNING'"));
+  CHECK_THAT(problemOf(replaced(text, "s001:azimuthDeg", "s001:azimuth"), "lidar.usda"),
+             ContainsSubstring("is missing"));
+  CHECK_THAT(problemOf("#usda 1.0\ndef Xform \"a\" {}\n", "lidar.usda"), ContainsSubstring("without an OmniLidar"));
+  CHECK_THAT(problemOf("PXR-USDC" + std::string(80, '\1'), "lidar.usd"), ContainsSubstring("is binary USD"));
 }
 
 TEST_CASE("CARLA: lasers from the top, clockwise, defaults where an attribute is missing") {

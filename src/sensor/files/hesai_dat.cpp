@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hesai's binary angle corrections of heads that do not spin: AT128 (1.3 and 1.5), ATX (4.1 to 4.3), FT120 (minor
-// versions 0 to 2). Their x axis points forward, z up, and azimuths are clockwise from y, so forward is 90 degrees and
-// our azimuth is 90 less theirs. The head's own angle is turned to beams as the vendor's decoder does, roundings
-// included.
+// Hesai's binary angle corrections of heads that do not spin: AT128 (1.3 and 1.5), ATX (4.1 to 4.3), ET25 (3.1
+// and 3.2), FT120 (minor versions 0 to 2). Their x axis points forward, z up, and azimuths are clockwise from y, so
+// forward is 90 degrees and our azimuth is 90 less theirs. The head's own angle is turned to beams as the vendor's
+// decoder does, roundings included.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "base/sha256.hpp"
 #include "sensor/files/source.hpp"
@@ -146,6 +147,66 @@ void readParity(SensorSource& source, Bytes& bytes, int version) {
   source.assume("columns that fire at once, as the speed of the mirror is not stated");
 }
 
+/// Corrections of a table over the field of view of an ET25, in degrees, bilinear between its nodes and 0 beyond them.
+struct Adjustments {
+  double across = 1, up = 1;  ///< degrees from node to node
+  size_t columns = 0;
+  std::vector<double> values;
+
+  double at(double azimuth, double elevation) const {
+    const double x = (azimuth + 60) / across, y = (elevation + 12.5) / up;
+    if (columns == 0 || !(x >= 0 && y >= 0)) return 0;
+    const auto i = static_cast<size_t>(x), j = static_cast<size_t>(y);
+    if (i + 1 >= columns || (j + 2) * columns > values.size()) return 0;
+    const double u = x - static_cast<double>(i), v = y - static_cast<double>(j);
+    const auto row = [&](size_t k) { return (1 - u) * values[k * columns + i] + u * values[k * columns + i + 1]; };
+    return (1 - v) * row(j) + v * row(j + 1);
+  }
+};
+
+/// ET25: lasers that two mirrors lead over 120 x 25 degrees. Packets state the mirrors' angles, files do not.
+void readSteered(SensorSource& source, Bytes& bytes, int version) {
+  bytes.next<uint16_t>();  // reserved
+  const auto channels = bytes.next<uint8_t>();
+  bytes.next<uint8_t>();  // mirrors
+  const auto division = bytes.next<uint16_t>();
+  if (channels == 0 || division == 0)
+    source.refuse("states " + std::to_string(channels) + " channels and an angle division of " +
+                  std::to_string(division));
+  const double unit = 1.0 / division;
+  const std::vector<double> mirror = bytes.list<int16_t>(3, unit);  // alpha, beta, gamma
+  const auto azimuths = bytes.list<int16_t>(channels, unit), elevations = bytes.list<int16_t>(channels, unit);
+  Adjustments across, up;
+  if (version == 2) {
+    const double x = 0.5 * bytes.next<uint8_t>(), y = 0.5 * bytes.next<uint8_t>();
+    if (!(x > 0 && y > 0)) source.refuse("states adjustments that are 0 degrees apart");
+    const auto count = static_cast<size_t>((120 / x + 1) * (25 / y + 1));
+    across = {x, y, static_cast<size_t>(120 / x + 1), bytes.list<int16_t>(count, unit)};
+    up = {x, y, across.columns, bytes.list<int16_t>(count, unit)};
+  }
+  constexpr double kDegree = std::numbers::pi / 180;
+  BeamList list = emptyList(channels);
+  for (size_t channel = 0; channel < channels; ++channel)
+    for (uint32_t column = 0; column < kColumns; ++column) {
+      // As the vendor's decoder, for a vertical mirror at 0.
+      const double turned = kStepDeg * column - 60, phi = azimuths[channel], theta = elevations[channel];
+      const double an = kDegree * (mirror[0] + phi), gamma = kDegree * mirror[2];
+      const double thetaN = kDegree * theta / std::cos(an);
+      const double vertical = std::sin(an) * std::cos(an) * thetaN * thetaN / 2 * 1.016;
+      const double eta = kDegree * (phi + mirror[1] + turned / 2) + vertical;
+      const double horizontal =
+          std::sin(eta) * std::tan(2 * gamma) * std::tan(kDegree * theta) + std::sin(2 * eta) * gamma * gamma;
+      double elevation = theta + 2 * mirror[2] * std::cos(eta);
+      double azimuth = turned + phi + (horizontal + vertical) / kDegree;  // clockwise from the front
+      azimuth += across.at(azimuth, elevation);
+      elevation += up.at(azimuth, elevation);
+      list.directions.push_back(directionOfAngles(source, -azimuth, elevation, list.size()));
+      list.rings.push_back(static_cast<uint16_t>(channel));
+    }
+  source.file.sensor.patterns.push_back(std::move(list));
+  source.assume("a vertical mirror at 0 and columns that fire at once, as the mirrors' angles are not stated");
+}
+
 /// A flash lidar: an azimuth and an elevation per pixel, column by column.
 void readFlash(SensorSource& source, Bytes& bytes, int version) {
   bytes.next<uint16_t>();  // reserved
@@ -180,11 +241,13 @@ void readHesaiDat(SensorSource& source) {
     readFlash(source, bytes, minor);
   else if (major == 1 && (minor == 3 || minor == 5))
     readMirrors(source, bytes, minor == 5);
+  else if (major == 3 && (minor == 1 || minor == 2))
+    readSteered(source, bytes, minor);
   else if (major == 4 && minor >= 1 && minor <= 3)
     readParity(source, bytes, minor);
   else
     source.refuse("is an angle correction of version " + std::to_string(major) + "." + std::to_string(minor) +
-                  ", known are 1.3 and 1.5 (AT128), 4.1 to 4.3 (ATX) and 1.0 to 1.2 (FT120)");
+                  ", known are 1.3 and 1.5 (AT128), 3.1 and 3.2 (ET25), 4.1 to 4.3 (ATX) and 1.0 to 1.2 (FT120)");
   if (!flash) bytes.checkHash();
   if (!flash) source.assume("1200 columns 0.1 degrees apart over 120 degrees, as the data sheets state");
   assumeRange(source, 200);

@@ -84,6 +84,22 @@ bool isXml(std::string_view bytes) {
   return start != bytes.npos && bytes[start] == '<';
 }
 
+bool isXmlWith(std::string_view bytes, const char* word) {
+  return isXml(bytes) && bytes.find(word) != bytes.npos;
+}
+
+bool isVeloView(std::string_view bytes) {
+  return isXmlWith(bytes, "<boost_serialization");
+}
+
+bool isSdf(std::string_view bytes) {
+  return isXmlWith(bytes, "<sensor") && (isXmlWith(bytes, "<lidar") || isXmlWith(bytes, "<ray"));
+}
+
+bool isHelios(std::string_view bytes) {
+  return isXmlWith(bytes, "<scanner");
+}
+
 /// Whether a file consists of poses whose axes are of usual lengths.
 bool isRayMatrices(std::string_view bytes) {
   if (bytes.empty() || bytes.size() % 48 != 0) return false;
@@ -129,7 +145,12 @@ const std::vector<Family>& families() {
        bytesOnly([](std::string_view bytes) { return bytes.starts_with("\x93NUMPY"); }), plain(readNpy)},
       {"Hesai binary angle correction", ".dat .bin ", scanRate | fireTimes, false,
        bytesOnly([](std::string_view bytes) { return bytes.starts_with("\xee\xff"); }), plain(readHesaiDat)},
-      {"VeloView calibration", ".xml ", kCalibration, false, bytesOnly(isXml), plain(readVelodyneXml)},
+      {"VeloView calibration", ".xml ", kCalibration, false, bytesOnly(isVeloView), plain(readVelodyneXml)},
+      {"SDF lidar", ".sdf .world .xml .urdf ", mode, false, bytesOnly(isSdf), plain(readSdf)},
+      {"HELIOS++ scanner", ".xml ", mode | scanRate, false, bytesOnly(isHelios), plain(readHelios)},
+      {"Isaac Sim USD", ".usda .usd .usdc ", 0, false,
+       bytesOnly([](std::string_view bytes) { return bytes.starts_with("#usda") || bytes.starts_with("PXR-USDC"); }),
+       plain(readIsaacUsd)},
       {"Hesai angle correction", ".csv ", kCalibration | fireTimes | mode, false, bytesOnly(isAngleTable),
        plain(readHesaiCsv)},
       {"Hesai firing times", ".csv ", 0, false, bytesOnly(isFireTable), refuseFireTimes},
@@ -169,6 +190,10 @@ const Family& familyOf(const SensorSource& source, const json& root, const std::
   if (source.bytes.empty()) source.refuse("is empty");
   if (source.bytes.starts_with("\xff\xfe") || source.bytes.starts_with("\xfe\xff"))
     source.refuse("is text in UTF-16: save it as UTF-8");
+  if (isXml(source.bytes)) {
+    SensorSource xml = source;
+    refuseXml(xml);
+  }
   if (named && named->isJson && root.is_discarded()) source.refuse("is not JSON: " + jsonProblem);
   if (named && !named->isJson && root.is_discarded()) return *named;  // its reader says what is missing
   if (!root.is_discarded())

@@ -33,6 +33,11 @@ struct SensorSource {
 /// The readers, one per family. Each fills in source.file.sensor but for its name, and throws Error(format).
 void readVelodyneYaml(SensorSource& source);
 void readVelodyneXml(SensorSource& source);
+void readSdf(SensorSource& source);
+void readHelios(SensorSource& source);
+/// Says that an XML file is of no lidar.
+void refuseXml(SensorSource& source);
+void readIsaacUsd(SensorSource& source);
 void readOuster(SensorSource& source, const nlohmann::json& root);
 void readIsaac(SensorSource& source, const nlohmann::json& root);
 void readCarla(SensorSource& source, const nlohmann::json& root);

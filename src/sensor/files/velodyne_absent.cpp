@@ -8,8 +8,20 @@ void readVelodyneYaml(SensorSource& source) {
   source.refuse("is YAML, which this library cannot read: it was built with GNOSPHERE_IO=OFF");
 }
 
-void readVelodyneXml(SensorSource& source) {
+void refuseXml(SensorSource& source) {
   source.refuse("is XML, which this library cannot read: it was built with GNOSPHERE_IO=OFF");
+}
+
+void readVelodyneXml(SensorSource& source) {
+  refuseXml(source);
+}
+
+void readSdf(SensorSource& source) {
+  refuseXml(source);
+}
+
+void readHelios(SensorSource& source) {
+  refuseXml(source);
 }
 
 }  // namespace gnosphere
