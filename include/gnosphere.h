@@ -591,6 +591,10 @@ typedef struct gno_request {
   /* On a device of the caller: what the recorded scans leave in the caller's buffers. Its fields need not be repeated
    * above. Must be null on any other device. */
   const gno_layout* layout;
+  /* Instances that the sensor does not see, for example the body of the robot that carries it. An index stays ignored
+   * if its instance is removed and another one gets it. */
+  const uint32_t* ignored_instances;
+  size_t ignored_instance_count;
 } gno_request;
 
 /* Dust or spray that fills an axis-aligned box of the world. */
@@ -675,6 +679,14 @@ GNO_API gno_status gno_simulator_add_instance(gno_simulator simulator, const gno
 GNO_API gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index);
 GNO_API gno_status gno_simulator_set_transform(gno_simulator simulator, size_t instance,
                                                const gno_transform* transform);
+/* Moves many instances in one call. `values` holds `width` numbers per instance: 12, the rows of its gno_transform, or
+ * 7, the position x, y, z (metres) of the mesh frame in the world frame and its orientation as a quaternion x, y, z, w
+ * of any length but zero. Of equal indices the last one counts. Everything is checked before anything changes: the
+ * error names the first entry of `instances` that does not exist, or whose values are not finite. */
+GNO_API gno_status gno_simulator_set_transforms(gno_simulator simulator, const uint32_t* instances, size_t count,
+                                                const double* values, size_t width);
+GNO_API gno_status gno_simulator_set_transforms_float(gno_simulator simulator, const uint32_t* instances, size_t count,
+                                                      const float* values, size_t width);
 
 /* What a scan of a sensor computes, and why, as JSON. */
 GNO_API gno_status gno_simulator_get_plan(gno_simulator simulator, size_t sensor, const char** json);

@@ -7,6 +7,7 @@
 
 #include "base/slots.hpp"
 #include "effects/sensor_plan.hpp"
+#include "geometry/transform_rows.hpp"
 #include "geometry/transform_sources.hpp"
 #include "geometry/vertex_sources.hpp"
 #include "gnosphere/error.hpp"
@@ -38,10 +39,13 @@ void validate(const Pose& pose, const std::string& which) {
     throw Error(ErrorCode::invalidArgument, which + "the pose's quaternion is zero; 0,0,0,1 is no turn");
 }
 
+bool finite(const Transform& transform) {
+  return std::all_of(transform.rows.begin(), transform.rows.end(), [](double value) { return std::isfinite(value); });
+}
+
 void validate(const Transform& transform, size_t instance) {
-  for (double value : transform.rows)
-    if (!std::isfinite(value))
-      throw Error(ErrorCode::invalidArgument, "instance " + std::to_string(instance) + ": its transform is not finite");
+  if (!finite(transform))
+    throw Error(ErrorCode::invalidArgument, "instance " + std::to_string(instance) + ": its transform is not finite");
 }
 
 void validate(const SensorMotion& motion, const std::string& which) {
@@ -281,6 +285,22 @@ class Simulator::Impl {
     inBuffer_[instance] = 0;
   }
 
+  template <typename T>
+  void setTransforms(std::span<const uint32_t> instances, std::span<const T> values) {
+    readTransforms(values, instances.size(), transforms_);
+    for (size_t i = 0; i < instances.size(); ++i) {
+      if (instances_.has(instances[i]) && finite(transforms_[i])) continue;
+      const std::string which = "entry " + std::to_string(i) + ": ";
+      instances_.check(instances[i], which);
+      throw Error(ErrorCode::invalidArgument,
+                  which + "the transform of instance " + std::to_string(instances[i]) + " is not finite");
+    }
+    for (size_t i = 0; i < instances.size(); ++i) {
+      backend_->setInstance(instances[i], scene_.instances[instances[i]].mesh, transforms_[i]);
+      inBuffer_[instances[i]] = 0;
+    }
+  }
+
   Plan plan(size_t sensor) {
     sensors_.check(sensor);
     planAgain();
@@ -294,6 +314,8 @@ class Simulator::Impl {
  private:
   void check(const SensorRequest& request) const {
     validate(request.sensor);
+    for (const uint32_t instance : request.ignoredInstances)
+      instances_.check(instance, "sensor '" + request.sensor.name + "': it ignores an instance, but ");
     if (request.layout.empty()) return;
     if (!options_.device.adopted)
       throw Error(ErrorCode::invalidArgument,
@@ -385,6 +407,7 @@ class Simulator::Impl {
   std::vector<size_t> vertexCounts_;  // by mesh
   uint64_t placedTriangles_ = 0;
   ClassTable classes_;
+  std::vector<Transform> transforms_;      // of the last setTransforms(); its memory is used again
   std::vector<uint8_t> inBuffer_;          // by instance: 1 if its transform comes from a buffer
   std::vector<SensorRequest> requests_;    // by sensor
   std::vector<ComputedColumns> computed_;  // by sensor
@@ -461,6 +484,12 @@ void Simulator::removeInstance(size_t instance) {
 }
 void Simulator::setTransform(size_t instance, const Transform& transform) {
   impl_->setTransform(instance, transform);
+}
+void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<const double> values) {
+  impl_->setTransforms(instances, values);
+}
+void Simulator::setTransforms(std::span<const uint32_t> instances, std::span<const float> values) {
+  impl_->setTransforms(instances, values);
 }
 
 Plan Simulator::plan(size_t sensor) const {

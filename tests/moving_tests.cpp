@@ -248,4 +248,170 @@ TEST_CASE("an invalid change is refused and has no effect") {
   }
 }
 
+namespace {
+
+// Instances of a ball in a row, somewhat turned.
+Scene rowOfBalls(int count) {
+  Scene scene = sceneOf(ball(12, 20, 1));
+  scene.instances.clear();
+  for (int i = 0; i < count; ++i)
+    scene.instances.push_back({"", 0, rotationZ(0.7 * i) * translation(6 + 0.3 * i, 0, 0) * rotationZ(0.1 * i)});
+  return scene;
+}
+
+// A turn about z by `angle` and then a shift, as the seven numbers of a pose; the quaternion has any length.
+std::vector<double> poseNumbers(double angle, double x, double y, double z, double length) {
+  return {x, y, z, 0, 0, length * std::sin(angle / 2), length * std::cos(angle / 2)};
+}
+
+void append(std::vector<double>& to, std::span<const double> values) {
+  to.insert(to.end(), values.begin(), values.end());
+}
+
+}  // namespace
+
+TEST_CASE("many transforms at once do what they do one by one") {
+  needVulkan();
+  const Scene scene = rowOfBalls(9);
+  const Sensor sensor = gridSensor(360, 24, -20, 20, 40);
+  for (const char* device : {"auto", "reference"}) {
+    TestOptions options = vulkanOptions();
+    options.device = deviceByName(device);
+    Simulator single = makeSimulator(scene, sensor, options), bulk = makeSimulator(scene, sensor, options);
+    const std::vector<uint32_t> instances = {4, 0, 8, 4};
+    std::vector<double> rows, poses;
+    for (size_t i = 0; i < instances.size(); ++i) {
+      const double angle = 0.375 * static_cast<double>(i), x = 5 + static_cast<double>(i);
+      const Transform transform = translation(x, 1, -0.5) * rotationZ(angle);
+      single.setTransform(instances[i], transform);
+      append(rows, transform.rows);
+      append(poses, poseNumbers(angle, x, 1, -0.5, i == 0 ? 1 : 2.5));
+    }
+    const Scan before = bulk.scan({});
+    bulk.setTransforms(instances, rows);
+    const Scan wanted = single.scan({}), scan = bulk.scan({});
+    CHECK(sameBytes(scan, wanted));
+    CHECK_FALSE(sameBytes(scan.ranges, before.ranges));
+    // In single precision, and from a quaternion, a transform is another one by its rounding.
+    const std::vector<float> few(rows.begin(), rows.end()), fewPoses(poses.begin(), poses.end());
+    const auto near = [&](const Scan& other) {
+      size_t same = 0;
+      for (size_t i = 0; i < wanted.ranges.size(); ++i)
+        same += std::isnan(wanted.ranges[i]) ? std::isnan(other.ranges[i])
+                                             : std::abs(wanted.ranges[i] - other.ranges[i]) < 1e-4f;
+      return same + 10 > wanted.ranges.size();  // a beam at an outline may miss
+    };
+    for (const std::vector<double>& values : {poses, rows}) {
+      bulk.setTransforms(instances, values);
+      CHECK(near(bulk.scan({})));
+    }
+    bulk.setTransforms(instances, few);
+    CHECK(near(bulk.scan({})));
+    bulk.setTransforms(instances, fewPoses);
+    CHECK(near(bulk.scan({})));
+    bulk.setTransforms({}, std::span<const float>());
+    CHECK(near(bulk.scan({})));
+  }
+}
+
+TEST_CASE("of many transforms one that is wrong is named and none is set") {
+  using Catch::Matchers::ContainsSubstring;
+  needVulkan();
+  for (const char* device : {"auto", "reference"}) {
+    TestOptions options = vulkanOptions();
+    options.device = deviceByName(device);
+    Simulator simulator = makeSimulator(rowOfBalls(5), gridSensor(360, 24, -20, 20, 40), options);
+    simulator.removeInstance(3);
+    const Scan before = simulator.scan({});
+    std::vector<double> rows, poses;
+    for (int i = 0; i < 3; ++i) {
+      append(rows, translation(5, i, 0).rows);
+      append(poses, poseNumbers(0, 5, i, 0, 1));
+    }
+    const auto refused = [&](std::vector<uint32_t> instances, const std::vector<double>& values, const char* why) {
+      CHECK_THROWS_WITH(simulator.setTransforms(instances, values), ContainsSubstring(why));
+      const std::vector<float> floats(values.begin(), values.end());
+      CHECK_THROWS_WITH(simulator.setTransforms(instances, floats), ContainsSubstring(why));
+      CHECK(sameBytes(simulator.scan({}), before));
+    };
+    refused({0, 1, 5}, rows, "entry 2: instance 5 does not exist, there are 5");
+    refused({0, 3, 5}, poses, "entry 1: instance 3 has been removed");
+    refused({0, 1}, rows, "12 or 7 numbers for each of 2 instances; 36 numbers");
+    rows[24 + 7] = NAN;
+    refused({0, 1, 2}, rows, "entry 2: the transform of instance 2 is not finite");
+    poses[7 + 2] = INFINITY;
+    refused({2, 1, 0}, poses, "entry 1: the transform of instance 1 is not finite");
+    poses[7 + 2] = 0;
+    poses[6] = 0;
+    refused({2, 1, 0}, poses, "entry 0: the transform of instance 2 is not finite");
+  }
+}
+
+TEST_CASE("a sensor does not see the instances that it ignores", "[second-driver]") {
+  needVulkan();
+  const Scene scene = rowOfBalls(12);
+  SensorRequest all(gridSensor(360, 24, -20, 20, 40), Effects::none()), some = all;
+  some.ignoredInstances = {7, 2, 2};
+  for (const char* device : {"auto", "reference"}) {
+    TestOptions options = vulkanOptions();
+    options.device = deviceByName(device);
+    Simulator ignoring(scene, std::vector{all, some}, options), without(scene, all, options);
+    const Scan whole = without.scan({});
+    without.removeInstance(2);
+    without.removeInstance(7);
+    Shot shot, other;
+    shot.sensor = 1;
+    const auto compare = [&] {
+      Scan scan, wanted;
+      ignoring.scanInto(shot, scan);
+      without.scanInto(other, wanted);
+      CHECK(sameBytes(scan.ranges, wanted.ranges));
+      CHECK(sameBytes(scan.points, wanted.points));
+      CHECK(sameBytes(scan.instances, wanted.instances));
+      CHECK(sameBytes(scan.triangles, wanted.triangles));
+      CHECK(scan.counters.hits == wanted.counters.hits);
+    };
+    compare();
+    CHECK(sameBytes(ignoring.scan({}), whole));
+    CHECK_FALSE(sameBytes(ignoring.scan({}, 1).ranges, whole.ranges));
+    // From the same pose again, the hits on what stands still are kept.
+    for (int i = 0; i < 4; ++i) {
+      for (Simulator* simulator : {&ignoring, &without}) simulator->setTransform(5, translation(4, 0.2 * i, 0));
+      ignoring.setTransform(2, translation(2, 0.1 * i, 0));
+      compare();
+    }
+    CHECK(ignoring.scan({}).counters.hits > 0);
+    some.ignoredInstances = {3, 12};
+    CHECK_THROWS_WITH(ignoring.addSensor(some),
+                      "sensor 'grid': it ignores an instance, but instance 12 does not exist, there are 12");
+    some.ignoredInstances = {2, 7};
+  }
+}
+
+TEST_CASE("an instance that moves during a scan is ignored as well") {
+  needVulkan();
+  const Scene scene = rowOfBalls(12);
+  SensorRequest all(gridSensor(360, 24, -20, 20, 40), Effects::none()), some = all;
+  all.sensor.rotationPeriod = some.sensor.rotationPeriod = 0.1;
+  all.effects.objectMotion.use = some.effects.objectMotion.use = EffectUse::on;
+  some.ignoredInstances = {2, 7};
+  for (const char* device : {"auto", "reference"}) {
+    TestOptions options = vulkanOptions();
+    options.device = deviceByName(device);
+    Simulator ignoring(scene, some, options), without(scene, all, options);
+    without.removeInstance(2);
+    without.removeInstance(7);
+    Shot shot;
+    shot.instanceMotions = {{4, translation(0, 0, 0.5) * scene.instances[4].transform}};
+    Scan scan, wanted;
+    without.scanInto(shot, wanted);
+    shot.instanceMotions.push_back({7, translation(0, 0, 0.3) * scene.instances[7].transform});
+    ignoring.scanInto(shot, scan);
+    CHECK(sameBytes(scan.instances, wanted.instances));
+    CHECK(sameBytes(scan.triangles, wanted.triangles));
+    CHECK(scan.counters.hits == wanted.counters.hits);
+    CHECK(scan.counters.hits > 0);
+  }
+}
+
 }  // namespace gnosphere::test

@@ -187,6 +187,9 @@ struct SensorRequest {
   /// On the caller's own Vulkan device (see vulkan::adopt()): what the recorded scans of the sensor leave in the
   /// caller's buffers. Its fields need not be repeated in `fields`. Must be empty on any other device.
   RecordLayout layout;
+  /// Indices of instances that the sensor does not see, for example the body of the robot that carries it: its scans
+  /// are those of a scene without them. An index stays ignored if its instance is removed and another one gets it.
+  std::vector<uint32_t> ignoredInstances;
 
   SensorRequest() = default;
   SensorRequest(Sensor scanner, Effects simulated = {}, std::vector<Field> reported = {})
@@ -294,6 +297,12 @@ class GNOSPHERE_API Simulator {
   size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0);
   void removeInstance(size_t instance);
   void setTransform(size_t instance, const Transform& transform);
+  /// Moves many instances, as setTransform() does one after another. `values` holds 12 numbers per instance, the rows
+  /// of its Transform, or 7: the position x, y, z (metres) of the mesh frame in the world frame, and its orientation as
+  /// a quaternion x, y, z, w of any length but zero. Everything is checked before anything changes: the error names the
+  /// first entry of `instances` that does not exist, or whose values are not finite. Of equal indices the last counts.
+  void setTransforms(std::span<const uint32_t> instances, std::span<const double> values);
+  void setTransforms(std::span<const uint32_t> instances, std::span<const float> values);
 
   /// Describes what a scan of the sensor computes, and why.
   Plan plan(size_t sensor = 0) const;

@@ -72,4 +72,24 @@ std::vector<Transform> transformsOf(const TransformsLike& argument, const std::s
   return maps;
 }
 
+nb::object transformRows(const ArrayLike& argument, const std::string& name) {
+  const std::string wanted = "it must be (n, 3, 4) or (n, 7)";
+  nb::object array;
+  try {
+    array = numpy().attr("asarray")(argument.object);
+  } catch (const nb::python_error& error) {
+    refuse(name + " cannot be made an array; " + wanted + ": " + error.what());
+  }
+  const nb::tuple shape = nb::cast<nb::tuple>(array.attr("shape"));
+  const auto size = [&](size_t axis) { return nb::cast<size_t>(shape[axis]); };
+  if (nb::len(shape) == 3 && size(1) == 3 && size(2) == 4) return array.attr("reshape")(size(0), 12);
+  if (nb::len(shape) == 2 && size(1) == 7) return array;
+  if (nb::len(shape) == 1 && size(0) == 0) return array.attr("reshape")(0, 12);
+  refuse(name + " has the shape " + text(shape) + "; " + wanted);
+}
+
+bool isFloat32(nb::handle array) {
+  return text(array.attr("dtype")) == "float32";
+}
+
 }  // namespace gnosphere::python

@@ -70,6 +70,11 @@ using TransformsLike = std::variant<std::vector<Transform>, ArrayLike>;
 /// Throws Error(invalidArgument) that begins with `name`.
 std::vector<Transform> transformsOf(const TransformsLike& argument, const std::string& name);
 
+/// Makes an array of shape (n, 3, 4) or (n, 7) one of shape (n, 12) or (n, 7). Throws Error(invalidArgument) that
+/// begins with `name`.
+nb::object transformRows(const ArrayLike& argument, const std::string& name);
+bool isFloat32(nb::handle array);
+
 /// Views, as NumPy arrays of shape (n,) and (n, width). `const` makes them read-only.
 template <typename T>
 using Column = nb::ndarray<nb::numpy, T, nb::ndim<1>>;

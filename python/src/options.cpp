@@ -11,12 +11,14 @@ void bindRequest(nb::module_& m) {
   request
       .def(
           "__init__",
-          [](SensorRequest* self, Sensor sensor, Effects effects, std::vector<Field> fields, bool variableWeather) {
+          [](SensorRequest* self, Sensor sensor, Effects effects, std::vector<Field> fields, bool variableWeather,
+             std::vector<uint32_t> ignoredInstances) {
             new (self) SensorRequest(std::move(sensor), std::move(effects), std::move(fields));
             self->variableWeather = variableWeather;
+            self->ignoredInstances = std::move(ignoredInstances);
           },
           "sensor"_a, "effects"_a = Effects(), "fields"_a = nb::make_tuple(), "variable_weather"_a = false,
-          "Copies what it is given.")
+          "ignored_instances"_a = nb::make_tuple(), "Copies what it is given.")
       .def_rw("sensor", &SensorRequest::sensor)
       .def_rw("effects", &SensorRequest::effects,
               "By default those that the scene and the sensor call for; Effects.none() is geometry alone.")
@@ -27,6 +29,11 @@ void bindRequest(nb::module_& m) {
   readWriteTuple(request, "fields", &SensorRequest::fields,
                  "The fields that scans hold beyond points, ranges, triangles and instances; read them with "
                  "Scan.column(). A tuple, assigned whole.");
+  readWriteTuple(
+      request, "ignored_instances", &SensorRequest::ignoredInstances,
+      "Indices of instances that the sensor does not see, for example the body of the robot that carries it: "
+      "its scans are those of a scene without them. An index stays ignored if its instance is removed and "
+      "another one gets it. A tuple, assigned whole.");
 }
 
 void bindShot(nb::module_& m) {

@@ -102,6 +102,21 @@ void bindScans(nb::class_<Self>& simulator) {
           "simulator.");
 }
 
+void setTransforms(Self& self, const ArrayLike& instances, const ArrayLike& transforms) {
+  const auto indices = arrayOf<uint32_t>(instances, "set_transforms: instances");
+  const auto move = [&](const auto& rows) {
+    if (rows.rows() != indices.rows())
+      refuse("set_transforms: there are " + std::to_string(indices.rows()) + " instances, but " +
+             std::to_string(rows.rows()) + " transforms");
+    self.use([&](Simulator& of) { of.setTransforms(indices.values(), rows.values()); });
+  };
+  const nb::object rows = transformRows(transforms, "set_transforms: transforms");
+  if (isFloat32(rows))
+    move(arrayOf<float>({rows}, "set_transforms: transforms", kAnyWidth));
+  else
+    move(arrayOf<double>({rows}, "set_transforms: transforms", kAnyWidth));
+}
+
 void bindChanges(nb::class_<Self>& simulator) {
   const auto removal = [&](const char* name, void (Simulator::*remove)(size_t), const char* argument, const char* doc) {
     simulator.def(
@@ -162,6 +177,14 @@ void bindChanges(nb::class_<Self>& simulator) {
         self.use([&, copy = transform](Simulator& of) { of.setTransform(instance, copy); });
       },
       "instance"_a, "transform"_a, "Moves an instance: mesh frame to world frame.");
+  simulator.def(
+      "set_transforms", &setTransforms, "instances"_a, "transforms"_a,
+      "Moves many instances in one call. `instances` has the shape (n,), integers; `transforms` (n, 3, 4), as "
+      "Transform "
+      "has it, or (n, 7): the position x, y, z (metres) of the mesh frame in the world frame, and its orientation as a "
+      "quaternion x, y, z, w of any length but zero. float32 and float64 in C order are read where they are. Of equal "
+      "indices the last one counts. Everything is checked before anything changes: the Error names the first entry of "
+      "`instances` that does not exist, or whose values are not finite.");
 }
 
 void bindAnswers(nb::class_<Self>& simulator) {

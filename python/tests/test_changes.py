@@ -176,3 +176,47 @@ def test_materials_and_tables(town):
     assert len(optics) == len(town.materials)
     assert unused == ["no such material"]
     assert 0 <= gnosphere.optics_of(town.materials[0]).reflectance <= 1
+
+
+def test_many_transforms_at_once(reference, square):
+    mesh = reference.add_mesh(square)
+    far = reference.add_instance(mesh, at(50))
+    rows = np.stack([at(30).rows, at(8).rows])
+    poses = np.array([[40, 0, 0, 0, 0, 0, 2], [7, 0, 0, 0, 0, 0, 1]], np.float64)  # a quaternion of any length
+    for values, expected in ((rows, 8), (poses, 7)):
+        for kind in (np.float64, np.float32):
+            reference.set_transforms([far, 0], np.zeros_like(rows) + at(20).rows)
+            assert distance(reference) == pytest.approx(20)
+            reference.set_transforms(np.array([0, far]), values.astype(kind))
+            assert distance(reference) == pytest.approx(expected)
+    reference.set_transforms([], [])
+    reference.set_transforms([0, 0], np.stack([at(9).rows, at(6).rows])[:, :, ::-1][:, :, ::-1])  # the last one counts
+    assert distance(reference) == pytest.approx(6)
+    wrong = poses.copy()
+    wrong[1, 4] = np.nan
+    for instances, values, sentence in (
+        ([0, far], wrong, f"entry 1: the transform of instance {far} is not finite"),
+        ([0, 7], poses, "entry 1: instance 7 does not exist, there are 2"),
+        ([0], poses, "there are 1 instances, but 2 transforms"),
+        ([0, far], np.zeros((2, 4, 4)), r"has the shape \(2, 4, 4\); it must be \(n, 3, 4\) or \(n, 7\)"),
+        ([0, -1], poses, "holds -1"),
+        ([0, far], [["x"] * 7] * 2, "it must hold numbers"),
+        ([0.5, 1], poses, "it must hold integers"),
+    ):
+        with pytest.raises(gnosphere.Error, match=sentence):
+            reference.set_transforms(instances, values)
+        assert distance(reference) == pytest.approx(6)
+
+
+def test_a_sensor_ignores_instances(reference, square):
+    near = reference.add_instance(reference.add_mesh(square), at(4))
+    request = gnosphere.SensorRequest(beams(), gnosphere.Effects.none(), ignored_instances=[near])
+    assert request.ignored_instances == (near,)
+    blind = reference.add_sensor(request)
+    assert distance(reference) == pytest.approx(4)
+    assert distance(reference, blind) == pytest.approx(10)
+    request.ignored_instances = [0, near]
+    assert np.isnan(distance(reference, reference.add_sensor(request)))
+    request.ignored_instances = [9]
+    with pytest.raises(gnosphere.Error, match="instance 9 does not exist"):
+        reference.add_sensor(request)

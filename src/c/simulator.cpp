@@ -17,6 +17,8 @@ SensorRequest requestOf(const gno_request& from) {
   request.fields = fieldsOf(from.fields, from.field_count);
   request.variableWeather = from.variable_weather != 0;
   if (from.layout) request.layout = recordLayoutOf(from.layout);
+  const auto ignored = array(from.ignored_instances, from.ignored_instance_count, "gno_request::ignored_instances");
+  request.ignoredInstances.assign(ignored.begin(), ignored.end());
   return request;
 }
 
@@ -98,6 +100,15 @@ gno_status add(gno_simulator simulator, size_t* index, Add how) {
     Idle idle(simulator);
     const size_t added = how(*idle.operator->());
     if (index) *index = added;
+  });
+}
+
+template <typename T>
+gno_status setTransforms(gno_simulator simulator, const uint32_t* instances, size_t count, const T* values,
+                         size_t width) {
+  return guard([&] {
+    if (width != 12 && width != 7) refuse("width is " + std::to_string(width) + "; an instance has 12 or 7 numbers");
+    Idle(simulator)->setTransforms(array(instances, count, "instances"), array(values, width * count, "values"));
   });
 }
 
@@ -241,6 +252,16 @@ gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index) 
 
 gno_status gno_simulator_set_transform(gno_simulator simulator, size_t instance, const gno_transform* transform) {
   return guard([&] { Idle(simulator)->setTransform(instance, transformOf(the(transform, "transform"))); });
+}
+
+gno_status gno_simulator_set_transforms(gno_simulator simulator, const uint32_t* instances, size_t count,
+                                        const double* values, size_t width) {
+  return setTransforms(simulator, instances, count, values, width);
+}
+
+gno_status gno_simulator_set_transforms_float(gno_simulator simulator, const uint32_t* instances, size_t count,
+                                              const float* values, size_t width) {
+  return setTransforms(simulator, instances, count, values, width);
 }
 
 gno_status gno_simulator_get_plan(gno_simulator simulator, size_t sensor, const char** json) {

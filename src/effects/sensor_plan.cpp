@@ -117,6 +117,10 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;
   for (const Field field : request.fields) plan.fields |= bitOf(field);
   plan.layout = request.layout;
+  for (const uint32_t instance : request.ignoredInstances) {
+    plan.ignored.resize(std::max<size_t>(plan.ignored.size(), size_t{instance} + 1));
+    plan.ignored[instance] = 1;
+  }
   plan.origins = hasOrigins(sensor);
   plan.listed = needsBeamList(sensor) || (plan.motion() && hasTimeOffsets(sensor));
   if (plan.listed && accuracyPartsOf(options_).bounds == AccuracyParts::Bounds::paper)

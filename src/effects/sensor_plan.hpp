@@ -35,6 +35,7 @@ struct SensorPlan {
   RecordLayout layout;            ///< of results that stay on the device; empty if the host reads them
   bool listed = false;            ///< the beams are a list, in places or cells of a grid
   bool origins = false;           ///< some lasers have an origin other than zero
+  std::vector<uint8_t> ignored;   ///< by instance: 1 if scans leave it out; may be shorter than the instances
   bool looksAtMaterials = false;  ///< the intensity depends on the surface that is hit
 
   // Inputs of the device's formulas. The reference computes its own.

@@ -179,6 +179,7 @@ void InstanceTable::findVisible(const glm::dvec3& sensor, double reach, const Se
   for (uint32_t i = 0; i < placements_.size(); ++i) {
     const bool moving = !selection.moving.empty() && selection.moving[i];
     if (!moving && !selection.still) continue;
+    if (i < selection.ignored.size() && selection.ignored[i]) continue;
     const Sphere& sphere = spheres_[i];
     const glm::dvec3 away = sphere.centre - sensor;
     // The margin exceeds the rounding errors on the device. Spheres that are not finite stay: comparisons with NaN are

@@ -23,10 +23,11 @@ struct MeshSummary {
   uint32_t triangles = 0, nonFinite = 0, degenerate = 0;
 };
 
-/// Which instances a scan places: the moving ones, and the still ones if `still` is set.
+/// Which instances a scan places: the moving ones, and the still ones if `still` is set, without the ignored ones.
 struct Selection {
   std::span<const uint8_t> moving;  ///< by instance: 1 if it moves; empty: no instance moves
   bool still = true;
+  std::span<const uint8_t> ignored = {};  ///< by instance: 1 if it is ignored; instances beyond its end are not
 };
 
 /// The instances within reach that a scan places, as groups of clusters.

@@ -212,7 +212,9 @@ class DeviceBackend final : public Backend {
         motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot, scene_.instances(),
                  scene_.geometry().deformables());
     const Pose& pose = motion ? motion->tables.middle : shot.pose;
-    scene_.place(pose, sensor.reach() + reachOf(motion), still.selection(use), slot.placed);
+    Selection selection = still.selection(use);
+    selection.ignored = sensor.sensorPlan().ignored;
+    scene_.place(pose, sensor.reach() + reachOf(motion), selection, slot.placed);
     if (!scene_.listsHold(slot.placed)) {
       waitForAll();
       scene_.growLists(slot.placed);

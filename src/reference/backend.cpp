@@ -47,7 +47,7 @@ class ReferenceBackend : public Backend {
  private:
   void build();
   void scan(const Shot& shot, Scan& result) const;
-  Bvh movingTree(const Shot& shot) const;
+  Bvh treeOf(const Shot& shot) const;
 
   const SimulatorOptions options_;
   std::vector<std::optional<BeamEffects>> sensors_;  // empty where one was removed
@@ -70,14 +70,16 @@ Plan ReferenceBackend::plan(size_t sensor) const {
 void ReferenceBackend::build() {
   counters_ = {};
   Sweeps none;
-  bvh_ = Bvh(placeAll(scene_, options_.faces, {}, none, counters_));
+  bvh_ = Bvh(placeAll(scene_, options_.faces, {}, {}, none, counters_));
   places_ = placedMeshesOf(scene_);
   changed_ = false;
 }
 
-/// Builds the tree for a shot with motion. Corners move in straight lines from the start to the end of a turn.
-Bvh ReferenceBackend::movingTree(const Shot& shot) const {
-  const Sensor& sensor = sensors_[shot.sensor]->plan.sensor;
+/// Builds the tree for a shot with motion, or of a sensor that ignores instances. Corners move in straight lines from
+/// the start to the end of a turn.
+Bvh ReferenceBackend::treeOf(const Shot& shot) const {
+  const SensorPlan& plan = sensors_[shot.sensor]->plan;
+  const Sensor& sensor = plan.sensor;
   Sweeps sweeps;
   for (size_t beam = 0; beam < sensor.beamCount(); ++beam) {
     const double time = timeOf(sensor, beam, shot.frame);
@@ -85,10 +87,13 @@ Bvh ReferenceBackend::movingTree(const Shot& shot) const {
     sweeps.last = std::max(sweeps.last, time);
   }
   Counters again;
-  Movement movement = {shot.instanceMotions, {}, durationOf(sensor, shot.frame)};
-  for (const MeshMotion& motion : shot.meshMotions)
-    movement.positions[motion.mesh] = deformedPositions(deformable_.at(motion.mesh), motion.end);
-  std::vector<Triangle> triangles = placeAll(scene_, options_.faces, movement, sweeps, again);
+  Movement movement;
+  if (plan.has(gpu::kObjectMotion)) {
+    movement = {shot.instanceMotions, {}, durationOf(sensor, shot.frame)};
+    for (const MeshMotion& motion : shot.meshMotions)
+      movement.positions[motion.mesh] = deformedPositions(deformable_.at(motion.mesh), motion.end);
+  }
+  std::vector<Triangle> triangles = placeAll(scene_, options_.faces, plan.ignored, movement, sweeps, again);
   return Bvh(std::move(triangles), std::move(sweeps));
 }
 
@@ -159,8 +164,9 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   scan.counters = counters_;
   scan.timings = {};
   const bool moves = plan.has(gpu::kObjectMotion) && (!shot.instanceMotions.empty() || !shot.meshMotions.empty());
-  const Bvh moving = moves ? movingTree(shot) : Bvh({});
-  View view = viewOf(scene_, moves ? moving : bvh_, places_, sensor, pose, scan.counters);
+  const bool ownTree = moves || !plan.ignored.empty();
+  const Bvh own = ownTree ? treeOf(shot) : Bvh({});
+  View view = viewOf(scene_, ownTree ? own : bvh_, places_, sensor, pose, scan.counters);
   view.cutOuts = plan.has(gpu::kCutOuts);
   if (plan.has(gpu::kTransmission))
     for (const Optics& optics : effects.optics) view.panes.push_back(optics.transmission > 0);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <vector>
 
 #include "gnosphere/simulator.hpp"
@@ -37,9 +38,10 @@ struct Movement {
   double period = 0;                               ///< seconds
 };
 
-/// Returns all triangles of the scene. For instances that move, `sweeps` gets the corner velocities. Dropped triangles
-/// are counted.
-std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, const Movement& movement, Sweeps& sweeps,
-                               Counters& counters);
+/// Returns the triangles of the scene without those of ignored instances (`ignored` has a 1 for them, and may be
+/// shorter than the instances). For instances that move, `sweeps` gets the corner velocities. Dropped triangles are
+/// counted.
+std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, std::span<const uint8_t> ignored,
+                               const Movement& movement, Sweeps& sweeps, Counters& counters);
 
 }  // namespace gnosphere::reference

@@ -143,6 +143,14 @@ TEST_CASE("C: a scene from arrays scans as the same scene does in C++, in every 
   const gno_transform place = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1}};
   CHECK(gno_simulator_set_transform(simulator, 0, &place) == GNO_OK);
   expected.setTransform(0, {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1}});
+  const uint32_t both[2] = {1, 0};
+  const double placed[24] = {1, 0, 0, 0, 0, 1, 0, 0.5, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 1.25};
+  CHECK(gno_simulator_set_transforms(simulator, both, 2, placed, 12) == GNO_OK);
+  expected.setTransforms(both, placed);
+  const float pose[7] = {0, 0, 1.5f, 0, 0, 0, 1};
+  CHECK(gno_simulator_set_transforms_float(simulator, both + 1, 1, pose, 7) == GNO_OK);
+  expected.setTransforms({both + 1, 1}, pose);
+  CHECK(fails(gno_simulator_set_transforms(simulator, both, 2, placed, 8), GNO_INVALID_ARGUMENT, "12 or 7 numbers"));
   CHECK(gno_simulator_remove_instance(simulator, 1) == GNO_OK);
   expected.removeInstance(1);
   const gno_mesh mesh = squareMesh();
