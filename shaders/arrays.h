@@ -54,6 +54,7 @@
   ARRAY(, uint, unplacedInstances)           /* how many of these have a transform that is not finite */ \
   ARRAY(readonly, Instance, instances) \
   ARRAY(readonly, uint, instanceMeshes) \
+  ARRAY(readonly, uint, instanceViews)       /* per instance, if a submission has several views: its view */ \
   ARRAY(readonly, uvec2, placed)             /* per placed group: its instance and its group */ \
   ARRAY(readonly, uvec2, ownerRanges)        /* per block of placed triangles: first and last instance in it */
 
@@ -76,13 +77,14 @@
   ARRAY(, vec4, projectedB) \
   ARRAY(, TaggedCorner, projectedC) \
   ARRAY(, vec2, projectedColumns) \
+  ARRAY(, uint, projectedViews)            /* per projected triangle, if there are several views: its view */ \
   ARRAY(, uvec4, tiles) \
   ARRAY(coherent, uvec2, words)            /* per beam, by rows: triangle, range bits (little-endian 64-bit word) */ \
                                            /* of its nearest hit; without kFieldPoints, at last of its return */ \
   ARRAY(, uvec2, stillWords)               /* the words after the objects that do not move have been binned */ \
   ARRAY(coherent, uint, listEnds)          /* per beam, row by row: count, then start, then end of its candidates; */ \
                                            /* or the last link of its chain of panes */ \
-  ARRAY(coherent, uint, slabEnds)          /* per slab of columns: its last tile; then of panes, slab by slab */ \
+  ARRAY(coherent, uint, slabEnds)          /* per slab of columns, view by view: its last tile; then of panes */ \
   ARRAY(, uint, blockSums) \
   ARRAY(, uint, candidates)                /* indices of projected triangles; with panes three per link, see bin.comp */ \
   ARRAY(, uint, projectedMaterials)        /* per projected triangle */ \

@@ -27,6 +27,7 @@
 #include "rows_between.glsl"
 #include "seen.glsl"
 #include "columns_between.glsl"
+#include "views.glsl"
 #include "nearest_hit.glsl"
 #include "occluders.glsl"
 #include "panes.glsl"
@@ -38,7 +39,7 @@ void keepNearer(uint beam, bool met, float range, uint id) {
 #ifdef INT64_ATOMICS
   // Without a branch, because a store of some lanes takes longer than one of all lanes.
   uint64_t word = packUint2x32(met ? uvec2(id, floatBitsToUint(range)) : uvec2(kNone));
-  words64.at[beam] = min(words64.at[beam], word);
+  words64.at[firstWord() + beam] = min(words64.at[firstWord() + beam], word);
 #endif
 }
 
@@ -149,6 +150,7 @@ void trySmall(uint i) {
   TaggedCorner c = projectedC.at[i];
   Triangle triangle = triangleOf(projectedA.at[i], projectedB.at[i], c.corner);
   Box box = boxOf(projectedColumns.at[i], c.tag);
+  if (VIEWS) view = projectedViews.at[i];
   Prepared prepared = prepare(triangle);
   uint columnCount = boxColumnCount(box);
   Silhouette silhouette = silhouetteOf(triangle, prepared, box);
@@ -253,7 +255,7 @@ bool areAtHand(uint from, uint to, uint column) {
   if (BINNING != kBinningSlabs || LISTED) return true;
   uint largest = 0;
   for (uint row = from; row < to; row += gl_SubgroupSize)
-    largest = max(largest, words.at[min(row + gl_SubgroupInvocationID, to - 1) * frame.columns +
+    largest = max(largest, words.at[firstWord() + min(row + gl_SubgroupInvocationID, to - 1) * frame.columns +
                                     min(column, frame.columns - 1)].x + 1);
   return largest != kNone;
 }
@@ -338,9 +340,9 @@ void writeTable(uint slab, uint first, uint last) {
   for (uint y = 0; y * kCoarseRows < frame.rows; ++y)
     for (uint x = from / kCoarseColumns; x * kCoarseColumns < end; ++x) {
       bool binned = first < (y + 1) * kCoarseRows && last >= y * kCoarseRows;
-      if (!binned && staleEntries.at[y * perRow + x] == 0) continue;
+      if (!binned && staleEntries.at[firstStale() + y * perRow + x] == 0) continue;
       computeEntry(uvec2(x, y));
-      if (gl_SubgroupInvocationID == 0) staleEntries.at[y * perRow + x] = 0;
+      if (gl_SubgroupInvocationID == 0) staleEntries.at[firstStale() + y * perRow + x] = 0;
     }
 }
 
@@ -349,8 +351,12 @@ void writeWholeTable() {
   uint perRow = (frame.columns + kCoarseColumns - 1) / kCoarseColumns,
        count = perRow * ((frame.rows + kCoarseRows - 1) / kCoarseRows);
   uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
-  for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < count; i += stride)
-    computeEntry(uvec2(i % perRow, i / perRow));
+  uint all = VIEWS ? count * frame.views : count;
+  for (uint i = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID; i < all; i += stride) {
+    view = VIEWS ? i / count : 0;
+    uint entry = i - view * count;
+    computeEntry(uvec2(entry % perRow, entry / perRow));
+  }
   if (gl_WorkGroupID == uvec3(0) && gl_LocalInvocationID.x == 0) {
     counters.binnedSmall = counters.projectedSmall;
     counters.binnedTiles = counters.tiles;
@@ -377,15 +383,16 @@ uint takeSlab(uint slabs, out uint slab) {
 
 // One subgroup processes the tiles of slab after slab, or every n-th of all tiles.
 void tryTiles(uint first) {
-  uint slabs = (frame.columns - 1 >> frame.slabShift) + 1, slab = kNone;
+  uint perView = (frame.columns - 1 >> frame.slabShift) + 1, slabs = VIEWS ? perView * frame.views : perView, slab = kNone;
   uint rowFirst = 0, rowLast = 0;  // of the slab's tiles
   uint t = BINNING == kBinningSlabs ? kNone : first + gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID;
   while (true) {
     if (BINNING == kBinningSlabs) {
       if (t == kNone) {
-        if (slab != kNone && pass.table != kTableNone) writeTable(slab, rowFirst, rowLast);
+        if (slab != kNone && pass.table != kTableNone) writeTable(slab - view * perView, rowFirst, rowLast);
         t = takeSlab(slabs, slab);
         if (slab >= slabs) return;
+        if (VIEWS) view = slab / perView;
         rowFirst = frame.rows;
         rowLast = 0;
         continue;
@@ -394,6 +401,7 @@ void tryTiles(uint first) {
       return;
     }
     Tile tile = tileAt(t);
+    if (VIEWS && BINNING != kBinningSlabs) view = projectedViews.at[tile.slot];
     if (isInPass(tile.slot)) tryTile(tile);
     if (BINNING == kBinningSlabs) {
       subgroupMemoryBarrierBuffer();  // in the next tile, other lanes access these words

@@ -121,7 +121,7 @@ bool behindHits(Window window, float nearest) {
   uint nearestBits = floatBitsToUint(nearest), row = window.first, column = span.x;
   bool behind = true;
   while (behind && row < window.end && column < span.y) {
-    behind = words.at[row * frame.columns + (column < frame.columns ? column : column - frame.columns)].y < nearestBits;
+    behind = words.at[firstWord() + row * frame.columns + (column < frame.columns ? column : column - frame.columns)].y < nearestBits;
     bool rowEnds = ++column == span.y;
     column = rowEnds ? span.x : column;
     row += rowEnds ? 1 : 0;
@@ -135,7 +135,7 @@ bool occluded(Window window, float nearest) {
   if (hasFewBeams(window, kMaxLookups)) return behindHits(window, nearest);
   uint nearestBits = floatBitsToUint(nearest);
   uvec2 span = columnsOf(window), shift = uvec2(findMSB(kFineColumns), findMSB(kFineRows));
-  uint from = span.x, to = span.y - 1, base = 0;
+  uint from = span.x, to = span.y - 1, base = firstFarthest();
   for (uint level = 0; level < 2; ++level) {
     uint perRow = (frame.columns - 1 >> shift.x) + 1;
     // Columns wrap, and so do table entries. The last entry of a row may cover fewer columns, so one more entry is

@@ -16,14 +16,14 @@ uint farthestIn(uvec2 entry) {
     for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row) {
       uint cell = row * frame.columns + first;
       for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + last + 1]; index < end && result != kNone; ++index)
-        result = max(result, words.at[index].y);
+        result = max(result, words.at[firstWord() + index].y);
     }
     return result;
   }
   // A beam without a hit hides nothing, so the search stops there.
   for (uint row = entry.y * kFineRows; row < rowEnd && result != kNone; ++row)
     [[unroll]] for (uint k = 0; k < kFineColumns; ++k)
-      result = max(result, words.at[row * frame.columns + first + min(k, last)].y);
+      result = max(result, words.at[firstWord() + row * frame.columns + first + min(k, last)].y);
   return result;
 }
 
@@ -40,7 +40,7 @@ void computeEntry(uvec2 coarse) {
     if (entry.x >= perRow || entry.y >= fineRows) continue;
     bool known = worthKnowing(entry.y);
     uint found = known ? farthestIn(entry) : kNone;
-    farthest.at[entry.y * perRow + entry.x] = found;
+    farthest.at[firstFarthest() + entry.y * perRow + entry.x] = found;
     if (known) largest = max(largest, found);
     any |= uint(known);
   }
@@ -48,5 +48,5 @@ void computeEntry(uvec2 coarse) {
   any = subgroupMax(any);
   uint coarsePerRow = (frame.columns + kCoarseColumns - 1) / kCoarseColumns;
   if (gl_SubgroupInvocationID == 0)
-    farthest.at[perRow * fineRows + coarse.y * coarsePerRow + coarse.x] = any != 0 ? largest : kNone;
+    farthest.at[firstFarthest() + perRow * fineRows + coarse.y * coarsePerRow + coarse.x] = any != 0 ? largest : kNone;
 }

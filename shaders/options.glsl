@@ -21,6 +21,7 @@ layout(constant_id = 15) const bool MAPPED = false;  // the beams are a list, an
 layout(constant_id = 16) const uint RAYS = 61;  // places for the sub-rays of a footprint: 1, 7, 19 or 61
 layout(constant_id = 17) const uint RECORDS = 0;  // bits of the values that records hold, and kWholeWords
 layout(constant_id = 18) const uint DEFORMED = kDeformsNothing;  // whether the scene has deformable meshes
+layout(constant_id = 19) const bool VIEWS = false;  // the submission may have several views, see views.glsl
 
 // True if light may pass surfaces and beams are single lines: opaque triangles are binned first, then panes.
 #define PANES ((EFFECTS & (kTransmission | kFootprint)) == kTransmission)

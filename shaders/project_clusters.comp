@@ -15,6 +15,7 @@
 #include "motion.glsl"
 #include "sphere.glsl"
 #include "to_sensor.glsl"
+#include "views.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
 #include "deformed.glsl"
@@ -94,6 +95,7 @@ void listClusters(uvec2 pair, uvec2 run, uint lane, inout bool any) {
   pair = subgroupShuffle(pair, lane);
   run = subgroupShuffle(run, lane);
   Instance instance = instanceAt(pair.x);
+  setView(pair.x);
   Deformer deformer;
   if (DEFORMED != kDeformsNothing) deformer = deformerOf(pair.x);
   for (uint k = 0; k < run.y; k += gl_SubgroupSize) {
@@ -138,6 +140,7 @@ void main() {
         vec3 low, high;
         sensorBox(instances.at[entry.x], groups.at[entry.y].low, groups.at[entry.y].high, low, high);
         if (MOTION) widenByMotion(entry.x, low, high);
+        setView(entry.x);
         keep = pass.occluders == 0 || !outOfSight(low, high);
         if (keep) run = uvec2(groups.at[entry.y].clusterFirst, groups.at[entry.y].clusterCount);
         goesOn = run.y > 1 && farthestPoint(low, high) >= shellMax;

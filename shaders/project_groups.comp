@@ -12,6 +12,7 @@
 #include "motion.glsl"
 #include "sphere.glsl"
 #include "to_sensor.glsl"
+#include "views.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
 #include "buckets.glsl"
@@ -49,6 +50,7 @@ void listGroups() {
       vec3 low, high;
       sensorBox(instances.at[pair.x], groups.at[pair.y].low, groups.at[pair.y].high, low, high);
       if (MOTION) widenByMotion(pair.x, low, high);
+      setView(pair.x);
       keep = !outOfSight(low, high);
       float nearest = nearestPoint(low, high);
       entry = uvec4(pair, floatBitsToUint(nearest), rowsOf(low, high));

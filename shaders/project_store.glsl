@@ -7,6 +7,7 @@ void store(uint slot, Projected projected, Box box, uint material) {
   projectedB.at[slot] = vec4(projected.b.xyz, moves ? -projected.b.w : projected.b.w);
   projectedC.at[slot] = projected.c;
   projectedColumns.at[slot] = vec2(box.columnMin, box.columnMax);
+  if (VIEWS) projectedViews.at[slot] = view;
   if ((EFFECTS & (kFootprint | kCutOuts | kTransmission)) != 0) projectedMaterials.at[slot] = material;
   if ((EFFECTS & kCutOuts) != 0) {
     projectedTexture.at[2 * slot] = vec4(projected.inTexture.a, projected.inTexture.b);
@@ -30,7 +31,7 @@ void storeTiles(uint slot, Box box) {
 // index of the triangle. Panes have lists of their own.
 void storeSlabs(uint slot, Box box, uint material) {
   uint slabs = (frame.columns - 1 >> frame.slabShift) + 1;
-  uint lists = PANES && isPaneMaterial(material) ? slabs : 0;
+  uint lists = VIEWS ? view * slabs : PANES && isPaneMaterial(material) ? slabs : 0;
   uint count = boxColumnCount(box), column = wrapColumn(firstColumn(box)), t = slot;
   bool room = true;  // tiles without room are counted, so that the next scan has enough
   bool first = true;

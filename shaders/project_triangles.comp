@@ -25,6 +25,7 @@
 #include "beam.h"
 #include "lanes.glsl"
 #include "to_sensor.glsl"
+#include "views.glsl"
 #include "cull.glsl"
 #include "limits.glsl"
 #include "deformed.glsl"
@@ -185,6 +186,7 @@ struct Survivor {
   uvec3 vertices;  // entries in `positions`
   uint cluster;
   uint material;   // only with a footprint
+  uint view;       // only with several views
   uint instance;  // only with motion, as is the next one
   bool moves;     // the instance
 };
@@ -199,6 +201,7 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
   survivor.vertices = loaded.vertexFirst + numbers;
   survivor.cluster = loaded.cluster;
   survivor.material = loaded.material;
+  survivor.view = VIEWS ? instanceViews.at[loaded.number] : 0;
   survivor.instance = loaded.number;
   survivor.moves = loaded.bound.x > 0.0;
   return survivor;
@@ -246,6 +249,7 @@ bool isHiddenByNow(uvec2 pair) {
   if (DEFORMED != kDeformsNothing && deformers.at[instanceMeshes.at[pair.x]].deformed != 0) return false;
   vec3 low, high;
   sensorBox(instances.at[pair.x], clusters.at[pair.y].low, clusters.at[pair.y].high, low, high);
+  setView(pair.x);
   Window window = windowOf(low, high);
   return hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearestPoint(low, high));
 }
@@ -306,7 +310,7 @@ void markStale(Box box) {
   for (uint k = 0; k < columnCount;) {
     uint column = wrapColumn(firstColumn(box) + int(k));
     for (uint y = box.rowFirst / kCoarseRows; y <= box.rowLast / kCoarseRows; ++y) {
-      uint entry = y * perRow + column / kCoarseColumns;
+      uint entry = firstStale() + y * perRow + column / kCoarseColumns;
       if (staleEntries.at[entry] == 0) atomicMax(staleEntries.at[entry], 1);
     }
     k += min(kCoarseColumns - column % kCoarseColumns, frame.columns - column);
@@ -331,7 +335,7 @@ void tryBox(Triangle triangle, Prepared prepared, Silhouette silhouette, Box box
     Beam beam;
     if (!stepTo(box, columnCount, silhouette, walk, beam, index)) continue;
     float range;
-    uint known = words.at[index].y;  // loaded before the test, which then need not wait for it
+    uint known = words.at[firstWord() + index].y;  // loaded before the test, which then need not wait for it
     if (meet(triangle, prepared, turnedFrom(triangle, rowOf(index), beam.azimuth), beam, index, kNone, range) &&
         floatBitsToUint(range) <= known) {
       offerNearest(index, range, triangle.id);
@@ -354,6 +358,7 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
     Projected projected;
     Box box;
     if (there) {
+      view = survivor.view;
       fate = projectOne(survivor, interval, projected, box);
       any = any || fate == kKeep;
       there = MOTION && !isEmpty(interval);

@@ -336,6 +336,7 @@ struct Frame {
   uint hidesNear;                           // 1 if a hit nearer than the least range ends its beam
   float phase;                              // azimuth of column 0 beyond -180 degrees, in columns
   uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0
+  uint views;                               // of the submission
 };
 
 // One channel; rows are sorted by elevation. A row of cells has no angles.
@@ -469,7 +470,7 @@ static_assert(sizeof(MotionBounds) == 76 && sizeof(VertexSource) == 40);
 static_assert(sizeof(TransformSource) == 104 && sizeof(TransformedInstance) == 36);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 112 &&
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 116 &&
               sizeof(Row) == 32);
 static_assert(sizeof(Counters) == 100 && sizeof(Pass) == 32 && sizeof(Shell) == 64);
 }  // namespace gnosphere::gpu

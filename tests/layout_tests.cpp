@@ -64,7 +64,7 @@ const Layouts kShared = {
     STRUCT(Frame, columns, rows, beams, instanceCount, rangeMin, rangeMax, columnsPerRadian, columnSlack,
            projectedCapacity, tileCapacity, candidateCapacity, paperFirstElevation, paperRowsPerRadian, shiftMin,
            shiftMax, footprint, slabShift, cullWorkgroups, triangleWorkgroups, shellClusters, shellHint, spreadAcross,
-           spreadUp, ownRanges, hidesNear, phase, slabFirst, slabCount),
+           spreadUp, ownRanges, hidesNear, phase, slabFirst, slabCount, views),
     STRUCT(Row, angles, channel, offset),
     STRUCT(Counters, projectedSmall, projectedLarge, tiles, candidates, binnedSmall, binnedTiles, hits, triangles,
            nonFinite, culledByRange, culledByFace, culledBetweenBeams, culledHidden, integerSides, integerRanges,

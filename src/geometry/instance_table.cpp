@@ -269,6 +269,58 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
     });
 }
 
+PlacedGroups InstanceTable::choose(std::span<const Pose> poses, double reach, const Selection& selection,
+                                   std::vector<InView>& inViews) {
+  number();
+  moveSpheres();
+  inViews.clear();
+  PlacedGroups::Run run;
+  for (uint32_t view = 0; view < poses.size(); ++view) {
+    const Vec3& sensor = poses[view].position;
+    findVisible({sensor.x, sensor.y, sensor.z}, reach, selection);
+    for (const uint32_t instance : visibleStill_) inViews.push_back({view, instance});
+    const PlacedGroups::Run seen = runOf(visibleStill_, 0);
+    run.groups += seen.groups;
+    run.clusters += seen.clusters;
+  }
+  return {run, {run.groups}};
+}
+
+void InstanceTable::writeViews(std::span<const Pose> poses, std::span<const InView> inViews, gpu::Instance* instances,
+                               uint32_t* views) const {
+  inRuns(inViews.size(), kInstancesPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
+    uint32_t view = gpu::kNone;
+    glm::dmat3 toSensor;
+    glm::dvec3 sensor;
+    for (uint64_t k = first; k < end; ++k) {
+      const auto& [inView, instance] = inViews[k];
+      if (inView != view) {
+        view = inView;
+        toSensor = rotationToSensor(poses[view]);
+        sensor = {poses[view].position.x, poses[view].position.y, poses[view].position.z};
+      }
+      const Placement& placement = placements_[instance];
+      compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, numberOf(instance),
+              instances[k]);
+      views[k] = view;
+    }
+  });
+}
+
+void InstanceTable::writePairs(std::span<const InView> inViews, uint32_t* pairs) const {
+  for (uint32_t k = 0; k < inViews.size(); ++k) {
+    const MeshSummary& mesh = meshOf(placements_[inViews[k].instance]);
+    for (uint32_t group = mesh.firstGroup; group < mesh.firstGroup + mesh.groups; ++group) {
+      *pairs++ = k;
+      *pairs++ = group;
+    }
+  }
+}
+
+void InstanceTable::writeMeshes(std::span<const InView> inViews, uint32_t* meshes) const {
+  for (const InView& each : inViews) *meshes++ = placements_[each.instance].mesh;
+}
+
 void InstanceTable::setTransforms(const CallerTransforms& buffer) {
   transformSources_.set(buffer);
   for (size_t i = buffer.firstInstance; i < buffer.firstInstance + buffer.instances; ++i) {

@@ -80,6 +80,20 @@ class InstanceTable {
   void writeTransforms(const Pose& pose, gpu::Instance* instances) const;
   /// Writes the (instance, group) pairs.
   void writePairs(uint32_t* pairs) const;
+
+  /// An instance within reach of a view.
+  struct InView {
+    uint32_t view, instance;
+  };
+  /// Chooses, view by view, the selected instances, all of them still ones, within reach (metres) of each pose. The
+  /// writers below write an entry for each of them, so that an instance which several views see has several entries.
+  PlacedGroups choose(std::span<const Pose> poses, double reach, const Selection& selection,
+                      std::vector<InView>& inViews);
+  void writeViews(std::span<const Pose> poses, std::span<const InView> inViews, gpu::Instance* instances,
+                  uint32_t* views) const;
+  void writePairs(std::span<const InView> inViews, uint32_t* pairs) const;
+  void writeMeshes(std::span<const InView> inViews, uint32_t* meshes) const;
+
   /// Version of the triangle numbers: scans with the same numbering() have the same triangle numbers.
   uint64_t numbering() const { return numbering_; }
   /// Writes the first triangle number of every instance, chosen or not.

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
+#include <limits>
 
 #include "gnosphere/error.hpp"
 #include "pipeline/record_tables.hpp"
@@ -50,17 +52,22 @@ class DeviceBackend final : public Backend {
     }
   }
 
-  // Submits the next part of a scan, or the next scan, to the device before waiting for the current one.
+  // If there is no memory for several views, the shots that are left are scanned one by one.
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override {
-    waitForAll();
-    const std::vector<Part> parts = partsOf(shots);
-    if (!parts.empty()) submit(parts, 0);
-    for (size_t i = 0; i < parts.size(); ++i) {
-      if (slots_.size() > 1 && i + 1 < parts.size()) submit(parts, i + 1);
-      finish(parts, i, result);
-      machine_->throwOnMessages();
-      if (parts[i].last) receive(parts[i].index);
-      if (slots_.size() == 1 && i + 1 < parts.size()) submit(parts, i + 1);
+    size_t received = 0;
+    bool receiving = false;
+    const auto count = [&](size_t i) {
+      receiving = true;
+      receive(i);
+      receiving = false;
+      ++received;
+    };
+    try {
+      scanParts(partsOf(shots, kAnyViews), result, count);
+    } catch (const Error& error) {
+      if (receiving || error.code() != ErrorCode::outOfMemory || !severalViews(shots)) throw;
+      const size_t before = received;
+      scanParts(partsOf(shots.subspan(before), 1), result, [&](size_t i) { receive(before + i); });
     }
   }
 
@@ -164,20 +171,58 @@ class DeviceBackend final : public Backend {
     Clock::time_point start;
   };
 
-  // A run on the device: the beams of one group of origins. Most sensors have one group.
+  // A run on the device: one group of origins of a shot, or several shots of which each is a view. Most sensors have
+  // one group.
   struct Part {
-    const Shot& shot;
-    size_t index, group;  // of the shot, of the group
+    std::span<const Shot> shots;
+    size_t index, group;  // of the first shot, of the group
     bool last;            // of the shot's parts
   };
 
-  std::vector<Part> partsOf(std::span<const Shot> shots) const {
+  std::vector<Part> partsOf(std::span<const Shot> shots, size_t mostViews) const {
     std::vector<Part> parts;
-    for (size_t i = 0; i < shots.size(); ++i) {
+    for (size_t i = 0; i < shots.size();) {
+      const size_t views = viewsFrom(shots.subspan(i), mostViews);
       const size_t count = sensors_[shots[i].sensor]->arrays.groups(shots[i].frame).size();
-      for (size_t group = 0; group < count; ++group) parts.push_back({shots[i], i, group, group + 1 == count});
+      for (size_t group = 0; group < count; ++group)
+        parts.push_back({shots.subspan(i, views), i, group, group + 1 == count});
+      i += views;
     }
     return parts;
+  }
+
+  static constexpr size_t kAnyViews = std::numeric_limits<size_t>::max();
+
+  // Submits the next part of a scan, or the next scan, to the device before waiting for the current one.
+  void scanParts(const std::vector<Part>& parts, Scan& result, const std::function<void(size_t)>& receive) {
+    waitForAll();
+    if (!parts.empty()) submit(parts, 0);
+    for (size_t i = 0; i < parts.size(); ++i) {
+      if (slots_.size() > 1 && i + 1 < parts.size()) submit(parts, i + 1);
+      finish(parts, i, result, receive);
+      if (slots_.size() == 1 && i + 1 < parts.size()) submit(parts, i + 1);
+    }
+  }
+
+  // Returns the number of shots, from the first one on, that are submitted together. A sensor that stands still is
+  // scanned shot by shot, because then it can reuse its hits.
+  size_t viewsFrom(std::span<const Shot> shots, size_t most) const {
+    most = std::min<size_t>({most, shots.size(), sensors_[shots[0].sensor]->arrays.mostViews()});
+    size_t views = 1;
+    while (views < most && shots[views].sensor == shots[0].sensor &&
+           std::memcmp(&shots[views].pose, &shots[views - 1].pose, sizeof(Pose)) != 0)
+      ++views;
+    return views;
+  }
+
+  bool severalViews(std::span<const Shot> shots) const {
+    const std::vector<Part> parts = partsOf(shots, kAnyViews);
+    return std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.shots.size() > 1; });
+  }
+
+  // Scans of several views have frames of their own, because their arrays are larger.
+  size_t sensorFrame(size_t slot, const Part& part) const {
+    return part.shots.size() > 1 ? slots_.size() + slot : slot;
   }
 
   void waitForAll() {
@@ -201,20 +246,34 @@ class DeviceBackend final : public Backend {
   }
 
   void run(size_t frame, const Part& part) {
-    const Shot& shot = part.shot;
+    const Shot& shot = part.shots[0];
     Slot& slot = slots_[frame];
     SensorArrays& sensor = sensors_[shot.sensor]->arrays;
     if (sensor.beams() == 0) return;
+    const auto views = static_cast<uint32_t>(part.shots.size());
     StillImage& still = sensors_[shot.sensor]->still;
-    const StillImage::Use use = useStill(still, sensor, shot.pose);
-    slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
-    const std::optional<ShotMotion>& motion = slot.motion =
-        motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot, scene_.instances(),
-                 scene_.geometry().deformables());
-    const Pose& pose = motion ? motion->tables.middle : shot.pose;
-    Selection selection = still.selection(use);
-    selection.ignored = sensor.sensorPlan().ignored;
-    scene_.place(pose, sensor.reach() + reachOf(motion), selection, slot.placed);
+    StillImage::Use use = StillImage::Use::none;
+    const ShotMotion* motion = nullptr;
+    slot.reused = 0;
+    if (!sensor.hasRoomForViews(views)) {
+      waitForAll();
+      sensor.makeRoomForViews(views);
+    }
+    if (views > 1) {
+      std::vector<Pose> poses;
+      for (const Shot& view : part.shots) poses.push_back(view.pose);
+      scene_.place(poses, sensor.reach(), {.ignored = sensor.sensorPlan().ignored}, slot.placed);
+    } else {
+      use = useStill(still, sensor, shot.pose);
+      slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
+      slot.motion = motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot,
+                             scene_.instances(), scene_.geometry().deformables());
+      motion = slot.motion ? &*slot.motion : nullptr;
+      const Pose& pose = motion ? motion->tables.middle : shot.pose;
+      Selection selection = still.selection(use);
+      selection.ignored = sensor.sensorPlan().ignored;
+      scene_.place(pose, sensor.reach() + reachOf(slot.motion), selection, slot.placed);
+    }
     if (!scene_.listsHold(slot.placed)) {
       waitForAll();
       scene_.growLists(slot.placed);
@@ -222,40 +281,60 @@ class DeviceBackend final : public Backend {
     BoundArrays arrays = {};
     scene_.bind(arrays);
     slot.placed.bind(arrays);
-    const std::vector<Step> steps = sensor.prepare(frame, shot, part.group, motion ? &*motion : nullptr,
-                                                   scene_.instances().count(), slot.placed.groups(), use, arrays);
+    const std::vector<Step> steps =
+        sensor.prepare(sensorFrame(frame, part), shot, part.group, motion, scene_.instances().count(),
+                       slot.placed.groups(), use, views, arrays);
     machine_->submit(frame, steps, arrays);
     if (use == StillImage::Use::make) still.begin(frame);
   }
 
   // Waits for part i, repeats it while its lists were too small, and reads its results. If the part after it was cut
   // short too, that is found out in its own turn from the capacities it was submitted with.
-  void finish(std::span<const Part> parts, size_t i, Scan& result) {
-    const size_t frame = i % slots_.size();
+  void finish(std::span<const Part> parts, size_t i, Scan& result, const std::function<void(size_t)>& receive) {
+    const size_t slot = i % slots_.size();
     const Part& part = parts[i];
-    SensorArrays& sensor = sensors_[part.shot.sensor]->arrays;
+    SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
+    const size_t frame = sensorFrame(slot, part), views = part.shots.size();
     if (part.group == 0) {
       clearResult(sensor.sensorPlan(), scene_.instances(), result);
-      start_ = slots_[frame].start;
+      start_ = slots_[slot].start;
     }
+    uint64_t retries = 0;
+    Timings timings;
     if (sensor.beams() > 0) {
-      machine_->wait(frame);
-      while (sensor.cutShort(frame)) {
+      machine_->wait(slot);
+      for (; sensor.cutShort(frame); ++retries) {
         waitForAll();
         sensor.growLists(frame);
-        run(frame, part);
-        machine_->wait(frame);
-        ++result.counters.retries;
+        run(slot, part);
+        machine_->wait(slot);
       }
-      machine_->readTimings(frame, result.timings);
-      const std::optional<ShotMotion>& motion = slots_[frame].motion;
-      readResults(sensor.sensorPlan(), sensor.results(frame), scene_.instances(), part.shot,
-                  motion ? &*motion : nullptr, result);
-      if (part.last && sensor.choosesShells()) sensor.setShellHint(shellHintOf(result));
-      result.counters.reused = slots_[frame].reused;
-      result.counters.culledByCluster -= slots_[frame].reused;
+      machine_->readTimings(slot, views > 1 ? timings : result.timings);
     }
-    result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+    machine_->throwOnMessages();
+    const double waited = millisecondsSince(start_) / static_cast<double>(views);
+    for (size_t view = 0; view < views; ++view) {
+      const Clock::time_point start = Clock::now();
+      if (view > 0) clearResult(sensor.sensorPlan(), scene_.instances(), result);
+      for (const StageTime& stage : timings.stages)
+        result.timings.add(stage.name, stage.ms / static_cast<double>(views));
+      result.timings.gpuMs += timings.gpuMs / static_cast<double>(views);
+      if (sensor.beams() > 0) {
+        const std::optional<ShotMotion>& motion = slots_[slot].motion;
+        readResults(sensor.sensorPlan(), sensor.results(frame, static_cast<uint32_t>(view)), scene_.instances(),
+                    part.shots[view], motion && views == 1 ? &*motion : nullptr, result);
+        if (part.last && sensor.choosesShells()) sensor.setShellHint(shellHintOf(result));
+        result.counters.reused = slots_[slot].reused;
+        result.counters.culledByCluster -= slots_[slot].reused;
+        if (view == 0) result.counters.retries += retries;
+      }
+      result.timings.wallMs = waited + millisecondsSince(start);
+      if (part.last) receive(part.index + view);
+    }
+  }
+
+  static double millisecondsSince(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
 
   const SimulatorOptions options_;

@@ -35,6 +35,7 @@ void PlacedArrays::bind(BoundArrays& arrays) const {
   arrays[static_cast<size_t>(Array::instances)] = instances_.get();
   arrays[static_cast<size_t>(Array::placed)] = placed_.get();
   arrays[static_cast<size_t>(Array::instanceMeshes)] = meshes_.get();
+  arrays[static_cast<size_t>(Array::instanceViews)] = views_.get();
   arrays[static_cast<size_t>(Array::ownerRanges)] = ownerRanges_.get();
   arrays[static_cast<size_t>(Array::deformers)] = deformers_.get();
   arrays[static_cast<size_t>(Array::jointRows)] = jointRows_.get();
@@ -43,7 +44,8 @@ void PlacedArrays::bind(BoundArrays& arrays) const {
 
 uint64_t PlacedArrays::bytes() const {
   uint64_t sum = 0;
-  for (const auto* memory : {&instances_, &placed_, &meshes_, &ownerRanges_, &deformers_, &jointRows_, &morphWeights_})
+  for (const auto* memory :
+       {&instances_, &placed_, &meshes_, &views_, &ownerRanges_, &deformers_, &jointRows_, &morphWeights_})
     sum += *memory ? (*memory)->bytes() : 0;
   return sum;
 }
@@ -113,6 +115,29 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
   to.instances_->flush();
   to.placed_->flush();
   if (deformed()) placeDeformations(to);
+}
+
+void SceneArrays::place(std::span<const Pose> poses, double reach, const Selection& selection, PlacedArrays& to) {
+  to.groups_ = instances_.choose(poses, reach, selection, to.inViews_);
+  const uint64_t count = to.inViews_.size();
+  const auto room = [&](Array array, uint64_t bytes, std::unique_ptr<DeviceMemory>& memory) {
+    makeRoom(machine_, array, bytes, MemoryKind::upload, memory);
+  };
+  room(Array::placed, uint64_t{to.groups_.still.groups} * 2 * sizeof(uint32_t), to.placed_);
+  room(Array::instances, count * sizeof(gpu::Instance), to.instances_);
+  room(Array::instanceViews, count * sizeof(uint32_t), to.views_);
+  to.numbering_ = 0;  // the entries are no longer those of a single scan
+  instances_.writeViews(poses, to.inViews_, static_cast<gpu::Instance*>(to.instances_->host()),
+                        static_cast<uint32_t*>(to.views_->host()));
+  instances_.writePairs(to.inViews_, static_cast<uint32_t*>(to.placed_->host()));
+  to.instances_->flush();
+  to.views_->flush();
+  to.placed_->flush();
+  if (!deformed()) return;
+  room(Array::instanceMeshes, count * sizeof(uint32_t), to.meshes_);
+  instances_.writeMeshes(to.inViews_, static_cast<uint32_t*>(to.meshes_->host()));
+  to.meshes_->flush();
+  placeDeformations(to);
 }
 
 void SceneArrays::placeDeformations(PlacedArrays& to) {

@@ -29,9 +29,11 @@ class PlacedArrays {
  private:
   friend class SceneArrays;
   PlacedGroups groups_;
-  std::unique_ptr<DeviceMemory> instances_;    // gpu::Instance; only firstTriangle is valid for instances out of range
-  std::unique_ptr<DeviceMemory> placed_;       // (instance, group) pairs of the instances in range
-  std::unique_ptr<DeviceMemory> meshes_;       // mesh of each instance, if kernels ask for it
+  std::unique_ptr<DeviceMemory> instances_;  // gpu::Instance; only firstTriangle is valid for instances out of range
+  std::unique_ptr<DeviceMemory> placed_;     // (instance, group) pairs of the instances in range
+  std::unique_ptr<DeviceMemory> meshes_;     // mesh of each instance, if kernels ask for it
+  std::unique_ptr<DeviceMemory> views_;      // view of each instance, if there are several views
+  std::vector<InstanceTable::InView> inViews_;
   std::unique_ptr<DeviceMemory> ownerRanges_;  // see InstanceTable::writeOwnerRanges()
   // Of deformable meshes: gpu::Deformer per mesh, rows of the joints' maps, weights of the morph targets.
   std::unique_ptr<DeviceMemory> deformers_, jointRows_, morphWeights_;
@@ -52,6 +54,8 @@ class SceneArrays final : public SceneMemory {
   void bind(BoundArrays& arrays) const;
   /// Writes the instance arrays for a scan of the selected instances within reach (metres).
   void place(const Pose& pose, double reach, const Selection& selection, PlacedArrays& to);
+  /// The same for a submission of several views, which see all instances within reach of their poses.
+  void place(std::span<const Pose> poses, double reach, const Selection& selection, PlacedArrays& to);
   /// Returns whether the lists of visible groups and clusters, which all scans share, have room for everything placed.
   bool listsHold(const PlacedArrays& placed) const;
   /// Grows these lists; no scan may be running.

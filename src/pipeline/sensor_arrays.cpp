@@ -22,11 +22,6 @@ using gpu::Array;
 constexpr uint64_t kMostEntries = 0x7fffffffu;
 constexpr uint64_t kTileBytes = 4 * sizeof(uint32_t);
 
-// Entries of one level of the farthest-range table.
-uint64_t tableEntries(const gpu::Frame& frame, uint64_t columns, uint64_t rows) {
-  return (frame.columns + columns - 1) / columns * ((frame.rows + rows - 1) / rows);
-}
-
 // Triangles that a scan has projected, including those for which there was no room.
 uint64_t projectedCount(const gpu::Counters& counters) {
   return uint64_t{counters.projectedSmall} + counters.projectedLarge;
@@ -38,6 +33,13 @@ uint32_t grown(Array array, uint64_t needed, uint64_t limit) {
     throw Error(ErrorCode::outOfMemory, "'" + std::string(gpu::nameOf(array)) + "' needs more than " +
                                             std::to_string(kMostEntries) + " entries, which no kernel can address");
   return static_cast<uint32_t>(std::min(needed + needed / 8, std::max(needed, limit)));
+}
+
+// The views of a submission are counted together. Each one gets an equal share, and the first one also what is left.
+gpu::Counters shareOf(const gpu::Counters& counters, uint32_t view, uint32_t views) {
+  auto words = std::bit_cast<std::array<uint32_t, sizeof counters / sizeof(uint32_t)>>(counters);
+  for (uint32_t& word : words) word = word / views + (view == 0 ? word % views : 0);
+  return std::bit_cast<gpu::Counters>(words);
 }
 
 }  // namespace
@@ -89,8 +91,41 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   room.projected = within(room.projected, std::min(mostProjected(), limit(kTileBytes) / 2));
   room.tiles = within(room.tiles, limit(kTileBytes) - tilesBehind(room));
   room.candidates = within(room.candidates, limit(candidateBytes()));
+  firstProjected_ = room.projected;
   makeLists(room);
   addFrame();
+  mostViews_ = findMostViews();
+}
+
+uint32_t SensorArrays::findMostViews() const {
+  const BeamTables& tables = patterns_[0].tables;
+  const bool words = binning_ != gpu::kBinningLists && leavesWords_ && outputs_.size() == 1 && !keepsRecords();
+  const uint64_t inWords = limit(sizeof(Word)) / std::max<uint64_t>(beams(), 1);
+  const bool alike = patterns_.size() == 1 && mostGroups() == 1 && !tables.holes && tables.startFarthest.empty();
+  return words && alike && plan_.bare() && plan_.bits == 0
+             ? static_cast<uint32_t>(
+                   std::max<uint64_t>(std::min<uint64_t>(gnosphere::mostViews(machine_.traits(), beams()), inWords), 1))
+             : 1;
+}
+
+// Grows the work arrays that lie view after view.
+void SensorArrays::growArrays(uint32_t views) {
+  if (views <= viewsWithRoom_) return;
+  viewsWithRoom_ = 0;  // should memory run out now, the next scan allocates the arrays again
+  allocate(Array::farthest, 4 * (most_.fine + most_.coarse) * views);
+  allocate(Array::staleEntries, 4 * most_.coarse * views);
+  if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * 4 * views);
+  viewsWithRoom_ = views;
+}
+
+void SensorArrays::makeRoomForViews(uint32_t views) {
+  growArrays(views);
+  if (views == 1) return;
+  Capacities room = capacities_;
+  const uint64_t projected = std::min<uint64_t>(uint64_t{firstProjected_} * views, mostProjected());
+  room.projected = std::max(room.projected, static_cast<uint32_t>(projected));
+  room.tiles = std::max(room.tiles, room.projected / 2);
+  if (room.projected != capacities_.projected || room.tiles != capacities_.tiles) makeLists(room);
 }
 
 void SensorArrays::prepareKernels() {
@@ -101,7 +136,7 @@ void SensorArrays::prepareKernels() {
         for (const Pattern& pattern : patterns_)
           for (const bool last : {false, true}) {
             if (!last && pattern.groups.size() == 1) continue;
-            for (const Step& step : steps(pattern.tables, everything(), still, motion, last))
+            for (const Step& step : steps(pattern.tables, pattern.tables.frame, everything(), still, motion, last))
               if (step.kind == Step::Kind::dispatch) machine_.prepare(step.variant);
           }
       }
@@ -243,17 +278,18 @@ PlacedGroups SensorArrays::everything() const {
   return {{0, 1, 1}, {}};
 }
 
-std::vector<Step> SensorArrays::steps(const BeamTables& tables, const PlacedGroups& placed, StillImage::Use still,
-                                      bool motion, bool lastGroup) const {
+std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
+                                      StillImage::Use still, bool motion, bool lastGroup) const {
   Variant variant;
   variant.options = options_;
   variant.options.MOTION = motion;
   variant.options.LISTED = tables.listed;
   variant.options.MAPPED = tables.mapped;
+  variant.options.VIEWS = frame.views > 1;
   variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
   variant.float64 = float64_ && !motion;
   const bool footprint = plan_.footprint(), lists = binning_ == gpu::kBinningLists;
-  StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), tables.frame, shells_};
+  StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), frame, shells_, frame.views};
   input.strays = plan_.has(gpu::kStrays);
   input.panes = plan_.panes();
   input.footprint = footprint;
@@ -304,9 +340,10 @@ void SensorArrays::load(Frame& frame, const std::vector<EffectsArray>& arrays) {
 
 std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t group, const ShotMotion* motion,
                                         uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
-                                        BoundArrays& arrays) {
+                                        uint32_t views, BoundArrays& arrays) {
   Frame& frame = frameAt(index);
   frame.capacities = capacities_;
+  frame.views = views;
   frame.pattern = shot.frame % patterns_.size();
   const Pattern& pattern = patterns_[frame.pattern];
   const std::pair fires(frame.pattern, group);
@@ -327,7 +364,18 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   const DispatchSizes sizes = dispatchSizesOf(machine_.traits(), binning_);
   content.cullWorkgroups = sizes.cullGroups;
   content.triangleWorkgroups = sizes.triangleGroups;
-  content.shellClusters = shellClusters_;
+  content.shellClusters = shellClustersOfViews(shellClusters_, views);
+  if (views > 1) {
+    content.views = views;
+    content.slabShift = slabShiftOfViews();
+    content.slabFirst = 0;
+    content.slabCount = slabsOf(content);
+    makeRoom(machine_, Array::words, uint64_t{content.beams} * sizeof(Word) * views, MemoryKind::readback,
+             frame.arrays[static_cast<size_t>(Array::words)]);
+    if (capacities_.projected > 0)
+      makeRoom(machine_, Array::projectedViews, capacities_.projected * sizeof(uint32_t), MemoryKind::device,
+               of(Array::projectedViews));
+  }
   content.shellHint = shellHint_;
   const auto bytes = std::as_bytes(std::span(&content, 1));
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
@@ -337,7 +385,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &pattern.arrays})
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
-  return steps(tables, placed, still, motion != nullptr, group + 1 == pattern.groups.size());
+  return steps(tables, content, placed, still, motion != nullptr, group + 1 == pattern.groups.size());
 }
 
 SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
@@ -410,15 +458,20 @@ void SensorArrays::growLists(size_t index) {
   makeLists(room);
 }
 
-DeviceResults SensorArrays::results(size_t index) {
+DeviceResults SensorArrays::results(size_t index, uint32_t view) {
   Frame& frame = frames_[index];
-  return DeviceResults::from(fired(frame), exact_, counters(frame), [&](Array array) -> const void* {
+  const BeamTables& tables = fired(frame);
+  DeviceResults results = DeviceResults::from(tables, exact_, counters(frame), [&](Array array) -> const void* {
     const auto is = [&](const Output& output) { return output.array == array; };
     if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
     DeviceMemory& memory = *frame.arrays[static_cast<size_t>(array)];
     memory.invalidate();
     return memory.host();
   });
+  if (frame.views == 1) return results;
+  results.words += uint64_t{view} * tables.frame.beams;
+  results.counters = shareOf(results.counters, view, frame.views);
+  return results;
 }
 
 void SensorArrays::addTo(MemoryUse& use) const {
@@ -434,7 +487,8 @@ Plan SensorArrays::plan() const {
   plan.effects = plan_.decisions;
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
-  plan.stages = stagesOf(steps(patterns_[0].tables, everything(), StillImage::Use::none, plan_.motion(), true));
+  plan.stages = stagesOf(
+      steps(patterns_[0].tables, patterns_[0].tables.frame, everything(), StillImage::Use::none, plan_.motion(), true));
   if (leavesWords_ && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
   for (size_t i = 0; i < arrays_.size(); ++i)
     if (const auto& memory = patterns_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});

@@ -33,21 +33,29 @@ class SensorArrays {
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
 
+  /// The most views that a submission may have. Views are shots with different poses that need no arrays of their own
+  /// but their words: geometry alone, of a grid in which every place has a beam.
+  uint32_t mostViews() const { return mostViews_; }
+  bool hasRoomForViews(uint32_t views) const { return views <= viewsWithRoom_; }
+  /// Makes the arrays large enough for so many views, and lists for about so many; no frame may be running.
+  void makeRoomForViews(uint32_t views);
+
   /// The groups of beams that scan number `frame` projects one after the other.
   std::span<const OriginGroup> groups(uint64_t frame) const { return patterns_[frame % patterns_.size()].groups; }
   /// The largest number of groups that any scan projects.
   size_t mostGroups() const;
   /// Returns the steps of a scan of one group as frame in flight `frame`, which must not be running, and binds the
-  /// arrays of the sensor and of the frame. `motion` is null for a scan without motion.
+  /// arrays of the sensor and of the frame. `motion` is null for a scan without motion. If there are several views, the
+  /// scan is that of the shot and the `views` - 1 shots after it.
   std::vector<Step> prepare(size_t frame, const Shot& shot, size_t group, const ShotMotion* motion,
-                            uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still,
+                            uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still, uint32_t views,
                             BoundArrays& arrays);
   /// Returns whether a list was too small for the last scan of this frame. It must run again after growLists().
   bool cutShort(size_t frame);
   /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
   void growLists(size_t frame);
-  /// Returns the outputs of the last scan of the frame.
-  DeviceResults results(size_t frame);
+  /// Returns the outputs of the last scan of the frame, of one of its views.
+  DeviceResults results(size_t frame, uint32_t view = 0);
   /// Whether the device chooses shells, for which it takes a hint.
   bool choosesShells() const { return shells_ > 1; }
   /// Whether the results stay on the device, as records.
@@ -69,6 +77,7 @@ class SensorArrays {
   struct Frame {
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
     Capacities capacities;  // of the lists when the scan was prepared
+    uint32_t views = 1;     // of the scan
     size_t pattern = 0;     // whose beams the scan fires
     BeamTables tables;      // of the group that fires, if the pattern has several; their arrays are those of the frame
     std::optional<std::pair<size_t, size_t>> loaded;  // pattern and group of these tables
@@ -102,8 +111,10 @@ class SensorArrays {
     return pattern.groups.size() > 1 ? frame.tables : pattern.tables;
   }
   uint64_t mostBeams() const;
-  std::vector<Step> steps(const BeamTables& tables, const PlacedGroups& placed, StillImage::Use still, bool motion,
-                          bool lastGroup) const;
+  std::vector<Step> steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
+                          StillImage::Use still, bool motion, bool lastGroup) const;
+  uint32_t findMostViews() const;
+  void growArrays(uint32_t views);
   PlacedGroups everything() const;
   uint64_t mostProjected() const;
   uint64_t candidateBytes() const;
@@ -126,9 +137,11 @@ class SensorArrays {
   uint32_t shells_, shellClusters_;
   float shellHint_ = 0;
   double reach_;
+  uint32_t mostViews_ = 1, viewsWithRoom_ = 1;
   std::vector<Output> outputs_;
   RecordTables records_;  // of the layout; empty if the host reads the results
   Capacities capacities_;
+  uint32_t firstProjected_ = 0;  // projected triangles for which a scan of one view has room at first
   std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays_;
   std::vector<Frame> frames_;  // each one after the first is made at its first use
 };

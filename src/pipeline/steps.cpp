@@ -36,18 +36,24 @@ class Steps {
   }
 
  private:
+  // Arrays that lie view after view may have room for more views than this scan has.
   void clear(StillImage::Use still) {
+    const gpu::Frame& frame = input_.frame;
+    const uint64_t coarse = tableEntries(frame, gpu::kCoarseColumns, gpu::kCoarseRows),
+                   fine = tableEntries(frame, gpu::kFineColumns, gpu::kFineRows);
     fill(gpu::Array::counters, 0);
     fill(gpu::Array::shells, 0);
     if ((input_.shells > 1 || input_.sparse) && still != StillImage::Use::use) {
       // Where no beam looks, everything is hidden from the start.
-      input_.sparse ? copy(gpu::Array::startFarthest, gpu::Array::farthest) : fill(gpu::Array::farthest, gpu::kNone);
-      fill(gpu::Array::staleEntries, 0);
+      input_.sparse ? copy(gpu::Array::startFarthest, gpu::Array::farthest)
+                    : fill(gpu::Array::farthest, gpu::kNone, 4 * (fine + coarse));
+      fill(gpu::Array::staleEntries, 0, 4 * coarse);
     }
     if (still == StillImage::Use::use)
       copy(gpu::Array::stillWords, gpu::Array::words);
     else if (binning_ != gpu::kBinningLists)
-      input_.holes ? copy(gpu::Array::startWords, gpu::Array::words) : fill(gpu::Array::words, gpu::kNone);
+      input_.holes ? copy(gpu::Array::startWords, gpu::Array::words)
+                   : fill(gpu::Array::words, gpu::kNone, 8 * uint64_t{frame.beams});
     if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0);
     if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::slabEnds, gpu::kNone);
     if ((input_.panes || input_.footprint) && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
@@ -213,7 +219,10 @@ class Steps {
     }
   }
 
-  void fill(gpu::Array array, uint32_t value) { add({Step::Kind::fill, "", array, {}, 0, 0, value}); }
+  // `bytesPerView` is 0 for the whole array.
+  void fill(gpu::Array array, uint32_t value, uint64_t bytesPerView = 0) {
+    add({Step::Kind::fill, "", array, {}, 0, bytesPerView * input_.views, value});
+  }
   void copy(gpu::Array from, gpu::Array to) { add({Step::Kind::copy, "", to, from}); }
   void finish(const char* stage) { add({Step::Kind::finish, stage}); }
   void add(const Step& step) { steps_.push_back(step); }
@@ -224,6 +233,10 @@ class Steps {
 };
 
 }  // namespace
+
+uint64_t tableEntries(const gpu::Frame& frame, uint64_t columns, uint64_t rows) {
+  return (frame.columns + columns - 1) / columns * ((frame.rows + rows - 1) / rows);
+}
 
 std::vector<Step> stepsOf(const StepsInput& input, const PlacedGroups& placed, StillImage::Use still) {
   return Steps(input).of(placed, still);

@@ -42,7 +42,8 @@ struct StepsInput {
   Variant variant;  ///< options that all kernels of the scan share
   DispatchSizes sizes;
   const gpu::Frame& frame;
-  uint32_t shells;  ///< most shells of the scan
+  uint32_t shells;     ///< most shells of the scan
+  uint32_t views = 1;  ///< of the submission
   bool strays = false, panes = false, footprint = false, resolve = false;
   bool deformed = false;         ///< the scene has deformable meshes
   bool looksAtSurfaces = false;  ///< some kernels read the corners of the triangles that are hit
@@ -54,6 +55,10 @@ struct StepsInput {
   bool lastGroup = true;         ///< of the groups of beams that the scan projects; after it come the records
   enum class Judged { none, listed, all } effects = Judged::none;  ///< the beams whose returns are computed from echoes
 };
+
+/// Returns the number of entries of one level of the farthest-range table, each of which covers `columns` x `rows`
+/// beams.
+uint64_t tableEntries(const gpu::Frame& frame, uint64_t columns, uint64_t rows);
 
 /// Returns the steps of a scan of the placed groups.
 std::vector<Step> stepsOf(const StepsInput& input, const PlacedGroups& placed, StillImage::Use still);

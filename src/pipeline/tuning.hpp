@@ -26,9 +26,16 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
 uint32_t mostShells(const SimulatorOptions& options, uint32_t binning, uint64_t beams, uint64_t triangles);
 /// Returns how many clusters the first shell should hold.
 uint32_t shellClusters(const SimulatorOptions& options, uint64_t triangles);
+/// The same for a submission of several views, from the number for one.
+uint32_t shellClustersOfViews(uint32_t ofOne, uint32_t views);
 
 /// Returns the binary logarithm of the number of columns that one subgroup owns with Binning::slabs.
 uint32_t slabShift(uint32_t columns);
+/// The same for a submission of several views, each of which has slabs of its own.
+uint32_t slabShiftOfViews();
+/// Returns the most views of a submission on a device for a sensor with so many beams; 1 if its scans gain nothing from
+/// being submitted together.
+uint32_t mostViews(const Traits& traits, uint64_t beams);
 
 /// Numbers of entries for which the lists of a scan have room.
 struct Capacities {

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shots from different poses that are submitted together, as views, give the same results as single scans.
+#include "deformable.hpp"
+#include "support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+// Shots from everywhere in a scene, some from out of its reach, so that views see different instances.
+std::vector<Shot> shotsFromEverywhere(size_t count) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(-40, 40), turn(-3, 3);
+  std::vector<Shot> shots(count);
+  for (size_t i = 0; i < count; ++i) {
+    const double yaw = turn(random);
+    shots[i].pose = {{place(random), place(random), 0.1 * place(random)}, {0, 0, std::sin(yaw / 2), std::cos(yaw / 2)}};
+    if (i % 7 == 3) shots[i].pose.position.x = 5000;
+    shots[i].frame = i;
+  }
+  return shots;
+}
+
+// Many instances of a mesh, one of them mirrored.
+Scene crowd(uint32_t trianglesPerMesh, uint32_t instances) {
+  Scene scene = sceneOf(soup(3, trianglesPerMesh, 12, 3));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-60, 60);
+  for (uint32_t i = 1; i < instances; ++i)
+    scene.instances.push_back({"", 0, translation(place(random), place(random), place(random) / 10)});
+  scene.instances[1].transform.rows[0] = -1;
+  return scene;
+}
+
+// Scans the shots together and one by one. Returns the sum of the triangles that the former have projected.
+uint64_t checkViews(const Scene& scene, const Sensor& sensor, const TestOptions& options, std::span<const Shot> shots) {
+  Simulator together = makeSimulator(scene, sensor, options), single = makeSimulator(scene, sensor, options);
+  uint64_t different = 0, hits = 0, projected = 0, expected = 0;
+  Counters sum;
+  together.scanAll(shots, [&](size_t i, const Scan& scan) {
+    Scan alone;
+    single.scanInto(shots[i], alone);
+    different += !sameBytes(scan, alone) || scan.counters.hits != alone.counters.hits ||
+                 scan.counters.misses != alone.counters.misses;
+    hits += scan.counters.hits;
+    projected += scan.counters.projected;
+    expected += alone.counters.projected;
+    sum.culledByCluster += scan.counters.culledByCluster;
+    sum.triangles += scan.counters.triangles;
+  });
+  CHECK(different == 0);
+  CHECK(hits > 1000);
+  // Every triangle of every view is counted once.
+  CHECK(sum.culledByCluster <= sum.triangles);
+  CHECK(projected > 0);
+  return projected;
+}
+
+}  // namespace
+
+TEST_CASE("views give the bytes of single scans, for every kind of grid, list and binning", "[second-driver]") {
+  needVulkan();
+  const Scene scene = crowd(700, 40);
+  Sensor offsets = gridSensor(90, 16, -30, 30);
+  for (size_t j = 0; j < offsets.channels.size(); ++j) offsets.channels[j].azimuthOffsetDeg = 0.3 * double(j % 5);
+  Sensor list = gridSensor(0, 0, 0, 0);
+  list.patterns = {beamsOf(gridSensor(61, 13, -40, 35))};
+  for (Vec3& d : list.patterns[0].directions) {  // no two beams lie in a row or column
+    const double tilt = 0.01 * std::sin(50 * d.x + 31 * d.y), length = std::sqrt(1 + tilt * tilt + 2 * tilt * d.z);
+    d = {d.x / length, d.y / length, (d.z + tilt) / length};
+  }
+  const std::vector<Shot> shots = shotsFromEverywhere(40);
+  const Sensor sensors[] = {gridSensor(180, 16, -30, 30), offsets, list};
+  for (const Binning binning : {Binning::slabs, Binning::nearest})
+    for (size_t i = 0; i < std::size(sensors); ++i) {
+      INFO("sensor " << i << ", binning " << int(binning));
+      TestOptions options = vulkanOptions();
+      options.tuning.binning = binning;
+      if (i == 1) options.accuracy = Accuracy::exact;
+      if (i == 0) options.tuning.culling.occlusion = Culling::Occlusion::always;  // several shells
+      checkViews(scene, sensors[i], options, shots);
+    }
+}
+
+TEST_CASE("views see deformed meshes, and instances that move between runs") {
+  needVulkan();
+  const std::vector<Shot> shots = shotsFromEverywhere(12);
+  const Sensor sensor = gridSensor(120, 16, -30, 30);
+  Scene scene = crowd(900, 30);
+  Random random(2);
+  scene.meshes.push_back(limb(random, 4, 2, 1));
+  scene.instances.push_back({"", 1, translation(3, 2, 0)});
+  const Deformation bent = bend(random, scene.meshes[1]);
+  Simulator together = makeSimulator(scene, sensor, vulkanOptions());
+  together.setDeformation(1, bent);
+  for (int run = 0; run < 3; ++run) {
+    const Transform moved = translation(run, 2, 0.5);
+    together.setTransform(4, moved);
+    Scene expected = scene;
+    expected.instances[4].transform = moved;
+    Simulator single = makeSimulator(expected, sensor, vulkanOptions());
+    single.setDeformation(1, bent);
+    // A single scan in between has numbers of instances of its own.
+    CHECK(sameBytes(together.scan(shots[0].pose), single.scan(shots[0].pose)));
+    uint64_t different = 0;
+    together.scanAll(shots,
+                     [&](size_t i, const Scan& scan) { different += !sameBytes(scan, single.scan(shots[i].pose)); });
+    CHECK(different == 0);
+  }
+}
+
+TEST_CASE("without memory for several views, shots are scanned one by one") {
+  needVulkan();
+  const Scene scene = crowd(900, 30);
+  const Sensor sensor = gridSensor(180, 16, -30, 30);
+  const std::vector<Shot> shots = shotsFromEverywhere(40);
+  Simulator free = makeSimulator(scene, sensor, vulkanOptions());
+  std::vector<Scan> expected;
+  for (const Shot& shot : shots) expected.push_back(free.scan(shot.pose));
+  for (const uint64_t limit : {256 * 1024, 400 * 1024, 700 * 1024}) {
+    TestOptions options = vulkanOptions();
+    options.tuning.maxBufferBytes = limit;
+    Simulator capped = makeSimulator(scene, sensor, options);
+    size_t received = 0, different = 0;
+    capped.scanAll(shots, [&](size_t i, const Scan& scan) {
+      CHECK(i == received++);
+      different += !sameBytes(scan, expected[i]);
+    });
+    INFO(limit);
+    CHECK(received == shots.size());
+    CHECK(different == 0);
+  }
+}
+
+}  // namespace gnosphere::test
