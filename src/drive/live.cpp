@@ -39,6 +39,8 @@ class Schedule {
   void add(double time, Publisher& publisher, ros2::Message message) {
     due_.emplace(time, Due{&publisher, std::move(message)});
   }
+  /// Seconds since the first message.
+  double seconds() const { return std::chrono::duration<double>(WallClock::now() - first_).count(); }
   /// Publishes everything that is due before a time of the drive.
   void runUntil(double time) {
     while (!due_.empty() && due_.begin()->first < time) {
@@ -60,6 +62,7 @@ class Schedule {
     using Seconds = std::chrono::duration<double>;
     const auto now = WallClock::now();
     if (!started_) begin_ = now - std::chrono::duration_cast<WallClock::duration>(Seconds(time / speed_));
+    if (!started_) first_ = now;
     started_ = true;
     const auto at = begin_ + std::chrono::duration_cast<WallClock::duration>(Seconds(time / speed_));
     if (const double late = Seconds(now - at).count(); late > patience_) {
@@ -72,7 +75,7 @@ class Schedule {
   double speed_, patience_;
   LiveReport& report_;
   std::multimap<double, Due> due_;  // by the time of the drive; in the order of adding if it is the same
-  WallClock::time_point begin_;
+  WallClock::time_point begin_, first_;
   bool started_ = false;
 };
 
@@ -112,6 +115,7 @@ class Live {
 
   void finish() {
     schedule_.runUntil(1e300);
+    report_.seconds = schedule_.seconds();
     for (Publisher* publisher : all()) {
       publisher->flush(2);
       report_.dropped += publisher->counts().dropped;

@@ -21,6 +21,7 @@ struct LiveOptions {
 struct LiveReport {
   uint64_t frames = 0, scans = 0, points = 0, messages = 0;
   uint64_t dropped = 0;  ///< messages that newer ones replaced before they went to the network
+  double seconds = 0;    ///< from the first message to the last
   double late = 0;       ///< seconds by which the end was late, because scanning took longer than the drive
   std::string device;
 };

@@ -38,18 +38,20 @@ TEST_CASE("gnosphere drive --live publishes a drive in its own time") {
   json["sensors"][1]["sensor"]["elevation_deg"] = {0};
   const std::string flat = json["sensors"][1]["name"];
   const LivePlace place(json);
-  Listener clouds({.count = 100, .seconds = 5}, {"rt/on_top/points"});
-  Listener lasers({.type = "laser", .count = 100, .seconds = 5}, {"rt/" + flat + "/scan"});
-  Listener clock({.type = "clock", .count = 1000, .seconds = 5}, {"rt/clock"});
-  Listener tf({.type = "transforms", .count = 1000, .seconds = 5}, {"rt/tf"});
-  Listener mounts({.type = "transforms", .qos = "latched", .seconds = 5}, {"rt/tf_static"});
-  const Result result = place.publish("--speed 0.5");  // two seconds
+  Listener clouds({.count = 100, .seconds = 60}, {"rt/on_top/points"});
+  Listener lasers({.type = "laser", .count = 100, .seconds = 60}, {"rt/" + flat + "/scan"});
+  Listener clock({.type = "clock", .count = 1000, .seconds = 60}, {"rt/clock"});
+  Listener tf({.type = "transforms", .count = 1000, .seconds = 60}, {"rt/tf"});
+  Listener mounts({.type = "transforms", .qos = "latched", .seconds = 60}, {"rt/tf_static"});
+  const Result result = place.publish("--speed 0.25");  // four seconds
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  for (Listener* listener : {&clouds, &lasers, &clock, &tf, &mounts}) listener->end(SIGKILL);
   INFO(result.err);
   CHECK(result.status == 0);
   CHECK_THAT(result.out, ContainsSubstring("published") && !ContainsSubstring("dropped"));
   CHECK(place.files().size() == 3);  // it writes none
 
-  // A subscriber finds the topics within half a second; until then messages pass it by.
+  // Until a subscriber has found a topic its messages pass it by.
   const std::vector<std::string> seen = clouds.lines();
   REQUIRE(seen.size() >= 5);
   CHECK(seen.size() <= 10);

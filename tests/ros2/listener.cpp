@@ -69,7 +69,7 @@ void listen(const dds_topic_descriptor_t& type, char** arguments) {
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, quality == "best-effort" ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE, 0);
   dds_qset_durability(qos, quality == "latched" ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 10);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 100);
   const dds_entity_t participant = made(dds_create_participant(domain, nullptr, nullptr));
   std::vector<std::pair<const char*, dds_entity_t>> readers;
   for (char** topic = arguments + 7; *topic; ++topic) {

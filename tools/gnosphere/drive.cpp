@@ -69,7 +69,6 @@ int runLive(const DriveCall& call, const drive::Drive& drive, const drive::RunOp
   live.endFrame = options.endFrame;
   live.speed = call.speed;
   live.simulator = options.simulator;
-  const double begin = nowMs();
   drive::LiveReport report;
   {
     Progress progress("frame", 1);
@@ -78,7 +77,7 @@ int runLive(const DriveCall& call, const drive::Drive& drive, const drive::RunOp
   }
   say("device", report.device);
   say("published", grouped(report.scans) + " scans with " + grouped(report.points) + " points, " +
-                       grouped(report.messages) + " messages in " + formatted("%.1f s", (nowMs() - begin) / 1000));
+                       grouped(report.messages) + " messages in " + formatted("%.1f s", report.seconds));
   if (report.dropped > 0) say("dropped", grouped(report.dropped) + " messages that newer ones replaced");
   if (report.late > 0) say("late", formatted("%.1f s; scanning takes longer than the drive", report.late));
   return 0;
