@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What stands between a physics or graphics engine and GnoSphere: shapes in, poses per frame in, arrays out.
+
+An adapter of an engine collects its shapes once (`Shapes`), says in each frame where they are (`Lidar.move`), and scans
+from a pose (`Lidar.scan`). See gnosphere.mujoco, and the modules of gnosphere.engines, which are about 50 lines each.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _gnosphere as gno
+from . import primitives
+
+Array = npt.NDArray[Any]
+Fields = Union[str, Iterable[gno.Field]]
+
+POINT_FIELD_TYPES = {"uint8": 2, "uint16": 4, "uint32": 6, "float32": 7, "float64": 8}
+"""The codes of sensor_msgs/PointField."""
+
+
+class Shapes:
+    """Materials, meshes and instances of an engine, on the way to becoming a Scene."""
+
+    def __init__(self) -> None:
+        self._materials: list[gno.Material] = []
+        self._numbers: dict[Any, int] = {}
+        self._images: list[gno.AlphaImage] = []
+        self._meshes: list[gno.Mesh] = []
+        self.instances: list[gno.Instance] = []
+
+    def material(
+        self,
+        color: Sequence[float] = (0.5, 0.5, 0.5, 1.0),
+        name: str = "",
+        *,
+        double_sided: bool = True,
+        image: Optional[gno.AlphaImage] = None,
+    ) -> int:
+        """The number of a material; equal ones are one. `color` is red, green, blue and, if it has it, alpha: less
+        than 1 lets light pass. It is taken as linear reflectance, and a MaterialTable may say better by `name`.
+        `image` cuts holes; the mesh then needs texture coordinates."""
+        rgba = tuple(float(value) for value in np.clip([*color, 1.0][:4], 0, 1))
+        key = (rgba, name, double_sided, id(image) if image is not None else None)
+        if key not in self._numbers:
+            mode = gno.AlphaMode.mask if image else gno.AlphaMode.blend if rgba[3] < 1 else gno.AlphaMode.opaque
+            if image:
+                self._images.append(image)
+            number = len(self._images) - 1 if image else gno.NO_IMAGE
+            self._materials.append(
+                gno.Material(name, rgba, alpha_mode=mode, alpha_image=number, double_sided=double_sided)
+            )
+            self._numbers[key] = len(self._materials) - 1
+        return self._numbers[key]
+
+    def mesh(
+        self,
+        triangles: tuple[npt.ArrayLike, npt.ArrayLike],
+        material: Optional[int] = None,
+        name: str = "",
+        uvs: Optional[npt.ArrayLike] = None,
+    ) -> int:
+        """Adds a mesh of one material and returns its index. `triangles` are vertices (n, 3) in metres, and faces
+        (m, 3)."""
+        vertices, faces = triangles
+        count = len(np.asarray(faces))
+        parts = [gno.MeshPart(0, count, self.material() if material is None else material)]
+        self._meshes.append(gno.Mesh(vertices, faces, parts, name=name, **({} if uvs is None else {"uvs": uvs})))
+        return len(self._meshes) - 1
+
+    def instance(self, mesh: int, transform: Optional[npt.ArrayLike] = None, class_id: int = 0, name: str = "") -> int:
+        """Places a mesh and returns the index of the instance. `transform` is a map of shape (3, 4) or (4, 4)."""
+        place = gno.Transform() if transform is None else gno.Transform(np.asarray(transform, np.float64)[:3])
+        self.instances.append(gno.Instance(mesh, place, name=name, class_id=class_id))
+        return len(self.instances) - 1
+
+    def scene(self) -> gno.Scene:
+        return gno.Scene(self._materials, self._meshes, self.instances, self._images)
+
+
+class Lidar:
+    """Sensors in a scene that an engine moves."""
+
+    def __init__(
+        self,
+        shapes: Shapes,
+        sensor: Union[str, gno.Sensor],
+        *,
+        effects: Optional[gno.Effects] = None,
+        fields: Fields = (),
+        ignore: Iterable[int] = (),
+        options: Optional[gno.SimulatorOptions] = None,
+    ) -> None:
+        """`sensor` is a Sensor or the name of a built-in one; `fields` are Fields or their names, such as
+        "intensity,ring"; `ignore` are instances that the sensor does not see, such as the robot that carries it."""
+        request = _request(sensor, effects, fields, ignore)
+        self.sensors = [request.sensor]
+        self.simulator = gno.Simulator(shapes.scene(), request, options or gno.SimulatorOptions())
+        self.frame = 0
+        self._all = np.arange(len(shapes.instances), dtype=np.uint32)
+
+    def add_sensor(
+        self,
+        sensor: Union[str, gno.Sensor],
+        *,
+        effects: Optional[gno.Effects] = None,
+        fields: Fields = (),
+        ignore: Iterable[int] = (),
+    ) -> int:
+        """Adds a sensor to the same scene and returns its number, for scan()."""
+        request = _request(sensor, effects, fields, ignore)
+        number = self.simulator.add_sensor(request)
+        self.sensors[number:] = [request.sensor]
+        return number
+
+    def move(self, transforms: npt.ArrayLike, instances: Optional[npt.ArrayLike] = None) -> None:
+        """Moves the instances, all of them by default: shape (n, 3, 4), maps to the world, or (n, 7), position x, y, z
+        and quaternion x, y, z, w."""
+        self.simulator.set_transforms(self._all if instances is None else instances, transforms)
+
+    def cast(self, shot: gno.Shot, into: Optional[gno.Scan] = None) -> gno.Scan:
+        """Scans what stands where move() has put it. Arrays of `into` are used again, unless a view of them is held."""
+        scan = gno.Scan() if into is None else into
+        self.simulator.scan_into(shot, scan)
+        self.frame += 1
+        return scan
+
+
+def _request(
+    sensor: Union[str, gno.Sensor], effects: Optional[gno.Effects], fields: Fields, ignore: Iterable[int]
+) -> gno.SensorRequest:
+    chosen = gno.builtin_sensor(sensor) if isinstance(sensor, str) else sensor
+    listed = gno.parse_fields(fields) if isinstance(fields, str) and fields else tuple(fields)
+    return gno.SensorRequest(chosen, effects or gno.Effects(), listed, ignored_instances=[int(i) for i in ignore])
+
+
+def pose_of(position: npt.ArrayLike, orientation: npt.ArrayLike = (0, 0, 0, 1)) -> gno.Pose:
+    """A pose from a position and a quaternion x, y, z, w, or a rotation matrix (3, 3) that maps to the world."""
+    turn = np.asarray(orientation, np.float64)
+    if turn.shape == (3, 3):
+        turn = quaternion(turn)
+    return gno.Pose(tuple(map(float, np.asarray(position))), tuple(map(float, turn)))
+
+
+def quaternion(matrix: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """The quaternion x, y, z, w of a rotation matrix (3, 3): the eigenvector of the largest eigenvalue
+    (Bar-Itzhack)."""
+    m = np.asarray(matrix, np.float64)
+    k = np.array(
+        [
+            [m[0, 0] - m[1, 1] - m[2, 2], m[1, 0] + m[0, 1], m[2, 0] + m[0, 2], m[2, 1] - m[1, 2]],
+            [0, m[1, 1] - m[0, 0] - m[2, 2], m[2, 1] + m[1, 2], m[0, 2] - m[2, 0]],
+            [0, 0, m[2, 2] - m[0, 0] - m[1, 1], m[1, 0] - m[0, 1]],
+            [0, 0, 0, m[0, 0] + m[1, 1] + m[2, 2]],
+        ]
+    )
+    q: npt.NDArray[np.float64] = np.linalg.eigh(k, UPLO="U")[1][:, 3]
+    return q if q[3] >= 0 else -q
+
+
+def rows_of(pose: gno.Pose) -> npt.NDArray[np.float64]:
+    """The map (4, 4) from the frame of a pose to the world."""
+    x, y, z, w = np.asarray(pose.orientation) / np.linalg.norm(pose.orientation)
+    result = np.eye(4)
+    result[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    result[:3, 3] = pose.position
+    return result
+
+
+def class_of(classes: Optional[Mapping[str, int]], *names: str) -> int:
+    """The class of the first pattern (as of a shell) that one of the names fits; 0 if none does."""
+    for pattern, number in (classes or {}).items():
+        if any(fnmatch.fnmatchcase(name, pattern) for name in names if name):
+            return number
+    return 0
+
+
+def records(scan: gno.Scan, fields: Fields = "x,y,z") -> Array:
+    """The returns of a scan as one structured array, a value of the type per field. Fields beyond x, y, z, range,
+    triangle and instance must have been asked for when the sensor was made."""
+    chosen = gno.parse_fields(fields) if isinstance(fields, str) else tuple(fields)
+    layout = gno.layout_of(chosen)
+    layout.compact = True
+    names, formats = [], []
+    for field in chosen:
+        info = gno.field_info(field)
+        kind = {"f": "float", "u": "uint"}[info.type.name[0]] + info.type.name[1:]
+        suffixes = [""] if info.components == 1 else [f"_{axis}" for axis in "xyz"[: info.components]]
+        names += [info.name + suffix for suffix in suffixes]
+        formats += [kind] * info.components
+    kind = np.dtype(list(zip(names, formats)))
+    result = np.empty(len(scan.ranges), kind)
+    return result[: gno.pack(scan, layout, result.view(np.uint8))]
+
+
+def point_cloud2(
+    scan: gno.Scan, fields: Fields = "x,y,z", *, frame_id: str = "lidar", stamp: float = 0.0
+) -> dict[str, Any]:
+    """The returns of a scan as the members of sensor_msgs/PointCloud2; `data` is an array of bytes. Needs no ROS."""
+    rows = records(scan, fields)
+    return {
+        "header": header(frame_id, stamp),
+        "height": 1,
+        "width": len(rows),
+        "fields": [
+            {"name": name, "offset": offset, "datatype": POINT_FIELD_TYPES[kind.name], "count": 1}
+            for name, (kind, offset) in ((name, rows.dtype.fields[name][:2]) for name in rows.dtype.names or ())
+        ],
+        "is_bigendian": False,
+        "point_step": rows.dtype.itemsize,
+        "row_step": rows.dtype.itemsize * len(rows),
+        "data": rows.view(np.uint8).reshape(-1),
+        "is_dense": True,
+    }
+
+
+def laser_scan(
+    scan: gno.Scan, sensor: gno.Sensor, channel: int = 0, *, frame_id: str = "lidar", stamp: float = 0.0
+) -> dict[str, Any]:
+    """One channel of a scan as the members of sensor_msgs/LaserScan, by ascending angle. A beam without a return has
+    infinity (REP 117). Raises ValueError if the beams of the channel are not evenly spaced in azimuth."""
+    columns = scan.columns
+    entries = slice(channel * columns * scan.returns, (channel + 1) * columns * scan.returns, scan.returns)
+    directions = gno.beams_of(sensor).directions[channel * columns : (channel + 1) * columns]
+    angles = np.arctan2(directions[:, 1].astype(np.float64), directions[:, 0])
+    order = np.argsort(angles, kind="stable")
+    angles = angles[order]
+    steps = np.diff(angles)
+    if len(steps) and np.ptp(steps) > 1e-4:
+        raise ValueError(f"the beams of channel {channel} are not evenly spaced, so they are no LaserScan")
+    ranges = scan.ranges[entries][order]
+    message: dict[str, Any] = {
+        "header": header(frame_id, stamp),
+        "angle_min": float(angles[0]),
+        "angle_max": float(angles[-1]),
+        "angle_increment": float(steps.mean()) if len(steps) else 0.0,
+        "time_increment": sensor.rotation_period / max(len(angles), 1),
+        "scan_time": sensor.rotation_period,
+        "range_min": sensor.range_min,
+        "range_max": sensor.range_max,
+        "ranges": np.where(np.isnan(ranges), np.float32(np.inf), ranges),
+        "intensities": np.empty(0, np.float32),
+    }
+    if scan.has(gno.Field.intensity):
+        message["intensities"] = np.nan_to_num(scan.column(gno.Field.intensity)[entries][order])
+    return message
+
+
+def header(frame_id: str, stamp: float) -> dict[str, Any]:
+    """The members of std_msgs/Header."""
+    nanoseconds = round(stamp * 1e9)
+    return {"stamp": {"sec": nanoseconds // 10**9, "nanosec": nanoseconds % 10**9}, "frame_id": frame_id}
+
+
+def load_mesh(file: Union[str, Path], scale: Union[float, Sequence[float]] = 1.0) -> primitives.Triangles:
+    """The triangles of a file that load_scene() reads, all in one mesh, as the file has its axes if it is OBJ, PLY or
+    STL."""
+    scene = gno.load_scene(file)
+    vertices, faces, count = [], [], 0
+    for instance in scene.instances:
+        mesh = scene.meshes[instance.mesh]
+        corners, triangles = primitives.moved(
+            (mesh.positions + np.array(mesh.origin), mesh.indices), instance.transform.rows
+        )
+        vertices.append(corners)
+        faces.append(triangles + np.uint32(count))
+        count += len(corners)
+    if not count:
+        raise ValueError(f"{file} has no triangles")
+    sizes = np.broadcast_to(np.asarray(scale, np.float64), 3)
+    return primitives.moved(
+        (np.concatenate(vertices), np.concatenate(faces)), np.column_stack([np.diag(sizes), np.zeros(3)])
+    )

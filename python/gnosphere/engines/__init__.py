@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""LiDARs in other engines, a module each, on gnosphere.adapter: docs/engines.md."""

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Distances alone, in place of mj_multiRay() and of rangefinders."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Any, Optional
+
+import mujoco as mj
+import numpy as np
+import numpy.typing as npt
+
+from .. import _gnosphere as gno
+from .. import adapter
+from .lidar import Lidar
+from .shapes import Tessellation
+
+FARTHEST = 1e4
+"""Metres: how far a ray looks where nothing says so."""
+
+Distances = npt.NDArray[np.float64]
+Geoms = npt.NDArray[np.int32]
+
+
+def _beams(directions: npt.ArrayLike, origins: Optional[npt.ArrayLike], cutoff: float) -> gno.Sensor:
+    sensor = gno.Sensor()
+    sensor.name = "rays"
+    sensor.range_min = 0
+    sensor.range_max = min(cutoff, FARTHEST)
+    given = {} if origins is None else {"origins": origins}
+    sensor.patterns = [gno.BeamList(directions, **given)]
+    return sensor
+
+
+class Rays:
+    """Rays that keep their directions in a frame that moves, and start at its origin."""
+
+    def __init__(
+        self,
+        model: Any,
+        vec: npt.ArrayLike,
+        *,
+        geomgroup: Optional[Sequence[int]] = None,
+        flg_static: bool = True,
+        bodyexclude: int = -1,
+        cutoff: float = FARTHEST,
+        tessellation: Optional[Tessellation] = None,
+        options: Optional[gno.SimulatorOptions] = None,
+    ) -> None:
+        """`vec` has a direction per ray, shape (n, 3) or (3 n,), of any length but zero; the others are those of
+        mj_multiRay() and of Lidar."""
+        self._lengths, directions = _split(vec)
+        self.lidar = Lidar(
+            model, _beams(directions, None, cutoff), effects=gno.Effects.none(), geomgroup=geomgroup,
+            bodyexclude=() if bodyexclude < 0 else bodyexclude, tessellation=tessellation, flg_static=flg_static,
+            deformables=False, options=options,
+        )  # fmt: skip
+        self._cutoff, self._bodyexclude, self._sensor = cutoff, bodyexclude, 0
+        self._scan = gno.Scan()
+
+    def aim(self, vec: npt.ArrayLike) -> None:
+        """Gives the rays other directions, which takes as long as making a sensor."""
+        self._lengths, directions = _split(vec)
+        self.lidar.simulator.remove_sensor(self._sensor)
+        excluded = () if self._bodyexclude < 0 else self._bodyexclude
+        beams = _beams(directions, None, self._cutoff)
+        self._sensor = self.lidar.add(beams, bodyexclude=excluded, effects=gno.Effects.none())
+
+    def cast(self, data: Any, pnt: npt.ArrayLike, mat: Optional[npt.ArrayLike] = None) -> tuple[Distances, Geoms]:
+        """Where the rays from `pnt`, turned by the matrix `mat`, meet the first geom: the distance in lengths of
+        `vec`, and the geom; -1 and -1 where there is none."""
+        self.lidar.update(data, np.reshape(pnt, 3))
+        turn = (0, 0, 0, 1) if mat is None else np.asarray(mat, np.float64).reshape(3, 3)
+        scan = self.lidar.cast(gno.Shot(adapter.pose_of(np.reshape(pnt, 3), turn), self._sensor), self._scan)
+        with np.errstate(invalid="ignore"):
+            distances = np.where(np.isnan(scan.ranges), -1.0, scan.ranges / self._lengths)
+        return distances, self.lidar.geom_ids(scan)
+
+
+def _split(vec: npt.ArrayLike) -> tuple[Distances, Distances]:
+    directions = np.asarray(vec, np.float64).reshape(-1, 3)
+    lengths = np.linalg.norm(directions, axis=1)
+    return lengths, directions / np.maximum(lengths, 1e-30)[:, None]
+
+
+_kept: list[tuple[Any, Any, npt.NDArray[Any], Rays]] = []
+
+
+def mj_multiRay(
+    m: Any,
+    d: Any,
+    pnt: npt.ArrayLike,
+    vec: npt.ArrayLike,
+    geomgroup: Optional[Sequence[int]],
+    flg_static: int,
+    bodyexclude: int,
+    geomid: npt.NDArray[np.int32],
+    dist: npt.NDArray[np.float64],
+    normal: Optional[npt.NDArray[np.float64]],
+    nray: int,
+    cutoff: float,
+) -> None:
+    """mujoco.mj_multiRay() with the same arguments. The scene is made in the first call for a model, and kept with the
+    last few; keep the directions in the frame of the sensor and use Rays if they turn, because other directions are
+    another sensor. Geoms are triangles here, see Tessellation. `normal` must be None."""
+    if normal is not None:
+        raise ValueError("mj_multiRay: normals come from Lidar(..., fields='normal'); give None here")
+    given = np.array(vec, np.float64).reshape(-1, 3)[:nray]
+    groups = None if geomgroup is None else tuple(int(flag) for flag in np.ravel(geomgroup))
+    key = (groups, bool(flg_static), int(bodyexclude), float(cutoff))
+    for i, (model, settings, aimed, rays) in enumerate(_kept):
+        if model is m and settings == key:
+            if not np.array_equal(aimed, given):
+                rays.aim(given)
+            _kept.pop(i)
+            break
+    else:
+        rays = Rays(m, given, geomgroup=groups, flg_static=bool(flg_static), bodyexclude=bodyexclude, cutoff=cutoff)
+    _kept.append((m, key, given, rays))
+    del _kept[:-4]
+    distances, geoms = rays.cast(d, pnt)
+    np.reshape(dist, -1)[:nray] = distances
+    np.reshape(geomid, -1)[:nray] = geoms
+
+
+class Rangefinders:
+    """The rangefinders of a model that sites carry, each a beam along the z axis of its site.
+
+    Those whose sites are on one body are scanned together. Remove the rangefinders from the model, or disable sensors,
+    and mj_step() no longer pays for them: `sites` names sites instead.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        *,
+        sites: Optional[Sequence[str]] = None,
+        geomgroup: Optional[Sequence[int]] = None,
+        cutoff: float = 0.0,
+        tessellation: Optional[Tessellation] = None,
+        options: Optional[gno.SimulatorOptions] = None,
+    ) -> None:
+        """`sites`: the sites, in the order of the answer; None for those of the model's rangefinders. `cutoff` in
+        metres, 0 for none, where `sites` are given; rangefinders have their own. As in MuJoCo, a ray does not see
+        geoms of the body that carries its site."""
+        if sites is None:
+            kind = mj.mjtSensor.mjSENS_RANGEFINDER
+            finders = [i for i in range(model.nsensor) if model.sensor_type[i] == kind]
+            chosen = [i for i in finders if model.sensor_objtype[i] == mj.mjtObj.mjOBJ_SITE]
+            if len(chosen) < len(finders):
+                warnings.warn(
+                    f"gnosphere.mujoco leaves out rangefinders of cameras ({len(finders) - len(chosen)})", stacklevel=2
+                )
+            numbers = np.array([model.sensor_objid[i] for i in chosen], int)
+            cutoffs = np.array([model.sensor_cutoff[i] for i in chosen], float)
+        else:
+            numbers = np.array([model.site(name).id for name in sites], int)
+            cutoffs = np.full(len(numbers), float(cutoff))
+        self._cutoffs = np.where(cutoffs > 0, cutoffs, np.inf)
+        self._lidar: Optional[Lidar] = None
+        self._beams: list[tuple[int, npt.NDArray[Any], gno.Scan]] = []  # body, beams, memory
+        bodies = model.site_bodyid[numbers]
+        for body in np.unique(bodies):
+            mine = np.flatnonzero(bodies == body)
+            turns = np.zeros((len(mine), 9))
+            for row, site in zip(turns, numbers[mine]):
+                mj.mju_quat2Mat(row, model.site_quat[site])
+            sensor = _beams(turns[:, [2, 5, 8]], model.site_pos[numbers[mine]], FARTHEST)
+            if self._lidar is None:
+                self._lidar = Lidar(
+                    model, sensor, bodyexclude=int(body), effects=gno.Effects.none(), geomgroup=geomgroup,
+                    tessellation=tessellation, deformables=False, options=options,
+                )  # fmt: skip
+            else:
+                self._lidar.add(sensor, bodyexclude=int(body), effects=gno.Effects.none())
+            self._beams.append((int(body), mine, gno.Scan()))
+
+    def read(self, data: Any) -> Distances:
+        """The distance of each rangefinder in metres, its cutoff if that is less; -1 if its ray meets nothing."""
+        result = np.full(len(self._cutoffs), -1.0)
+        if self._lidar is None:
+            return result
+        for sensor, (body, mine, scan) in enumerate(self._beams):
+            w, x, y, z = data.xquat[body]
+            pose = gno.Pose(tuple(data.xpos[body].tolist()), (x, y, z, w))
+            self._lidar.update(data, pose.position)
+            ranges = self._lidar.cast(gno.Shot(pose, sensor), scan).ranges
+            result[mine] = np.where(np.isnan(ranges), -1, np.minimum(ranges, self._cutoffs[mine]))
+        return result

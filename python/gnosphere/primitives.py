@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Triangles of the shapes that engines know by their sizes: box, plane, cylinder, sphere, ellipsoid, capsule, height
+field.
+
+Each function returns (vertices, faces): float32 of shape (n, 3) in metres, and uint32 of shape (m, 3), whose corners
+turn counter-clockwise seen from outside. Shapes stand in the middle of their frame, round ones along its z axis. The
+vertices of a curved shape lie on it, its triangles inside, nowhere deeper than `tolerance` metres.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Triangles = tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32]]
+
+FEWEST_SIDES = 12
+"""Even a tiny curved shape has this many sides."""
+
+
+def _sides(radius: float, share: float) -> int:
+    """How many sides of a circle stay within `share` of its radius, as a cosine of half their angle."""
+    half = math.acos(min(max(share, -1.0), 1.0)) if radius > 0 else math.pi
+    count = FEWEST_SIDES if half <= 0 else max(FEWEST_SIDES, math.ceil(math.pi / half))
+    return count + count % 2
+
+
+def _result(vertices: npt.ArrayLike, faces: npt.ArrayLike) -> Triangles:
+    return np.ascontiguousarray(vertices, np.float32), np.ascontiguousarray(faces, np.uint32)
+
+
+def _quads(quads: npt.ArrayLike) -> npt.NDArray[np.int64]:
+    """Two triangles for each row of four corners."""
+    corners = np.asarray(quads, np.int64).reshape(-1, 4)
+    return np.stack([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
+
+
+def box(half: Sequence[float]) -> Triangles:
+    """A box with these half sizes along x, y and z."""
+    signs = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float64)
+    quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+    return _result(signs * np.asarray(half, np.float64), _quads(quads))
+
+
+def plane(half_x: float, half_y: float, finest: float = 0.0) -> Triangles:
+    """A rectangle in the plane z = 0, whose front looks along z. If `finest` is more than 0, it is divided at that
+    distance from its middle and at ten times, a hundred times that distance, so that its near parts have near corners:
+    single precision is then as fine near the middle as for a small rectangle."""
+    steps = [[half] for half in (half_x, half_y)]
+    for cuts in steps:
+        cut = finest
+        while 0 < cut < cuts[0]:
+            cuts.append(cut)
+            cut *= 10
+    x, y = ([-value for value in cuts[:1] + cuts[:0:-1]] + cuts[1:] + cuts[:1] for cuts in steps)
+    grid = np.stack([*np.meshgrid(x, y), np.zeros((len(y), len(x)))], axis=-1)
+    number = np.arange(grid.size // 3).reshape(len(y), len(x))
+    cells = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1)
+    return _result(grid.reshape(-1, 3), _quads(cells))
+
+
+def _around(sides: int) -> npt.NDArray[np.float64]:
+    angles = 2 * math.pi * np.arange(sides) / sides
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def _closed(rings: npt.NDArray[np.float64], low: Sequence[float], high: Sequence[float]) -> Triangles:
+    """A surface through rings of vertices (rings, sides, 3), upwards, closed by a point below and a point above."""
+    count, sides, _ = rings.shape
+    vertices = np.concatenate([[low], rings.reshape(-1, 3), [high]])
+    here = np.arange(sides)
+    after = (here + 1) % sides
+    top = 1 + (count - 1) * sides
+    faces = [np.stack([np.zeros(sides, np.int64), 1 + after, 1 + here], axis=1)]
+    for ring in range(count - 1):
+        first = 1 + ring * sides
+        faces.append(_quads(np.stack([first + here, first + after, first + sides + after, first + sides + here], 1)))
+    faces.append(np.stack([top + here, top + after, np.full(sides, len(vertices) - 1)], axis=1))
+    return _result(vertices, np.concatenate(faces))
+
+
+def cylinder(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
+    """A closed cylinder that reaches from z = -half to z = half."""
+    circle = _around(_sides(radius, 1 - tolerance / radius if radius > 0 else -1.0)) * radius
+    rings = np.stack([np.column_stack([circle, np.full(len(circle), z)]) for z in (-half, half)])
+    return _closed(rings, [0, 0, -half], [0, 0, half])
+
+
+def _unit_rings(radius: float, tolerance: float) -> npt.NDArray[np.float64]:
+    """The rings of a unit sphere between its poles, an odd number, whose middle one is the equator.
+
+    A facet between two rings is farthest from the sphere at the equator: there it is at the product of the cosines of
+    half its two angles, so each cosine is the root of what the tolerance leaves.
+    """
+    sides = _sides(radius, math.sqrt(max(0.0, 1 - tolerance / radius)) if radius > 0 else -1.0)
+    sides += -sides % 4
+    latitudes = math.pi * np.arange(1, sides // 2) / (sides // 2) - math.pi / 2
+    circle = _around(sides)
+    flat = np.cos(latitudes)[:, None, None] * circle[None]
+    heights = np.broadcast_to(np.sin(latitudes)[:, None, None], (*flat.shape[:2], 1))
+    return np.concatenate([flat, heights], axis=2)
+
+
+def ellipsoid(radii: Sequence[float], tolerance: float = 1e-3) -> Triangles:
+    """An ellipsoid with these three half axes."""
+    scale = np.asarray(radii, np.float64)
+    return _closed(_unit_rings(float(scale.max()), tolerance) * scale, [0, 0, -scale[2]], [0, 0, scale[2]])
+
+
+def sphere(radius: float, tolerance: float = 1e-3) -> Triangles:
+    return ellipsoid((radius, radius, radius), tolerance)
+
+
+def capsule(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
+    """A cylinder from z = -half to z = half with a half sphere at each end."""
+    rings = _unit_rings(radius, tolerance) * radius
+    middle = len(rings) // 2
+    up = np.array([0, 0, half])
+    return _closed(
+        np.concatenate([rings[: middle + 1] - up, rings[middle:] + up]), [0, 0, -half - radius], [0, 0, half + radius]
+    )
+
+
+def height_field(heights: npt.ArrayLike, half_x: float, half_y: float, base: float) -> Triangles:
+    """A block from z = -base up to heights in metres, shape (rows along y, columns along x), over a rectangle.
+
+    A cell is divided from its corner of the least x and y to the opposite one.
+    """
+    z = np.asarray(heights, np.float64)
+    rows, columns = z.shape
+    x, y = np.meshgrid(np.linspace(-half_x, half_x, columns), np.linspace(-half_y, half_y, rows))
+    top = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    number = np.arange(rows * columns).reshape(rows, columns)
+    cells = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1)
+    rim = np.concatenate([number[0, :-1], number[:-1, -1], number[-1, :0:-1], number[:0:-1, 0]])
+    below = np.column_stack([top[rim, :2], np.full(len(rim), -base)])
+    here = len(top) + np.arange(len(rim))
+    after = np.roll(here, -1)
+    sides = np.stack([here, after, np.roll(rim, -1), rim], axis=1)
+    bottom = np.stack([np.full(len(rim), len(top) + len(rim)), after, here], axis=1)
+    faces = np.concatenate([_quads(cells), _quads(sides), bottom])
+    return _result(np.concatenate([top, below, [[0, 0, -base]]]), faces)
+
+
+def moved(triangles: Triangles, transform: Any) -> Triangles:
+    """The triangles after a map of shape (3, 4) or (4, 4)."""
+    rows = np.asarray(transform, np.float64)
+    vertices, faces = triangles
+    if np.linalg.det(rows[:3, :3]) < 0:
+        faces = faces[:, ::-1]
+    return _result(vertices @ rows[:3, :3].T + rows[:3, 3], faces)

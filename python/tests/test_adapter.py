@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The triangles of shapes, and what an engine hands in and gets out."""
+
+import re
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY, beams
+
+import gnosphere
+from gnosphere import adapter, primitives
+
+
+def volume(triangles) -> float:
+    vertices, faces = triangles
+    a, b, c = (vertices[faces[:, k]].astype(float) for k in range(3))
+    return float(np.sum(np.cross(a, b) * c) / 6)
+
+
+def is_closed(triangles) -> bool:
+    """Whether every edge belongs to two triangles that run along it in opposite directions."""
+    faces = triangles[1].astype(np.int64)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    forth = {tuple(edge) for edge in edges}
+    return len(forth) == len(edges) and forth == {(b, a) for a, b in edges}
+
+
+def depth(triangles, surface) -> float:
+    """How far points of the triangles are from a surface of the given signed distance, at most."""
+    vertices, faces = triangles
+    weights = np.random.default_rng(0).dirichlet((1, 1, 1), 40)
+    points = np.einsum("kc,fcd->fkd", np.concatenate([weights, [[1 / 3] * 3, [0.5, 0.5, 0]]]), vertices[faces])
+    return float(np.abs(surface(points.reshape(-1, 3).astype(float))).max())
+
+
+def segment(points, half):
+    return np.linalg.norm(points - np.clip(points, [0, 0, -half], [0, 0, half]), axis=1)
+
+
+@pytest.mark.parametrize("radius", [0.01, 0.3, 5.0])
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
+def test_curved_shapes_stay_within_their_tolerance(radius, tolerance):
+    sphere = primitives.sphere(radius, tolerance)
+    capsule = primitives.capsule(radius, 0.7, tolerance)
+    cylinder = primitives.cylinder(radius, 0.7, tolerance)
+    rounding = 1e-6 * (1 + radius)
+    assert depth(sphere, lambda p: np.linalg.norm(p, axis=1) - radius) <= tolerance + rounding
+    assert depth(capsule, lambda p: segment(p, 0.7) - radius) <= tolerance + rounding
+
+    def side(p):
+        return np.where(np.abs(np.abs(p[:, 2]) - 0.7) < 1e-6, 0, np.linalg.norm(p[:, :2], axis=1) - radius)
+
+    assert depth(cylinder, side) <= tolerance + rounding
+    for triangles in (sphere, capsule, cylinder):
+        assert is_closed(triangles) and volume(triangles) > 0
+        assert (triangles[0].dtype, triangles[1].dtype) == (np.float32, np.uint32)
+
+
+def test_an_ellipsoid_stays_within_its_tolerance():
+    radii = np.array([0.2, 0.9, 0.5])
+    triangles = primitives.ellipsoid(radii, 1e-3)
+    assert is_closed(triangles)
+    assert volume(triangles) == pytest.approx(4 / 3 * np.pi * radii.prod(), rel=5e-3)
+    # The distance is less than that along the line to the middle.
+    assert depth(triangles, lambda p: (1 - np.linalg.norm(p / radii, axis=1)) * np.linalg.norm(p, axis=1)) <= 1e-3
+
+
+def test_flat_shapes():
+    box = primitives.box((1, 2, 3))
+    assert is_closed(box) and volume(box) == pytest.approx(48)
+    rows = np.eye(4)
+    rows[:3, 3] = (5, 0, 0)
+    rows[0, 0] = -1
+    mirrored = primitives.moved(box, rows)
+    assert is_closed(mirrored) and volume(mirrored) == pytest.approx(48)
+    assert mirrored[0].min(axis=0) == pytest.approx([4, -2, -3])
+    for plane in (primitives.plane(3, 2), primitives.plane(3000, 20, 1.0)):
+        vertices, faces = plane
+        a, b, c = (vertices[faces[:, k]] for k in range(3))
+        normals = np.cross(b - a, c - a)
+        assert np.all(normals[:, 2] > 0)
+        assert normals[:, 2].sum() / 2 == pytest.approx(4 * vertices[:, 0].max() * vertices[:, 1].max())
+    heights = np.random.default_rng(1).uniform(0, 2, (4, 6))
+    field = primitives.height_field(heights, 3, 2, 0.5)
+    assert is_closed(field)
+    cells = 4 * 3 * 2 / (5 * 3)
+    lower = (heights[:-1, :-1] + heights[:-1, 1:] + heights[1:, 1:]) / 6
+    upper = (heights[:-1, :-1] + heights[1:, 1:] + heights[1:, :-1]) / 6
+    assert volume(field) == pytest.approx(4 * 3 * 2 * 0.5 + cells * (lower + upper).sum())
+
+
+def wall() -> adapter.Shapes:
+    """A wall 0.2 m thick, and a pane before it."""
+    shapes = adapter.Shapes()
+    wall = shapes.mesh(primitives.box((0.1, 5, 5)), shapes.material((0.2, 0.4, 0.6), "paint"), "wall")
+    shapes.instance(wall, class_id=7, name="wall")
+    shapes.instance(shapes.mesh(primitives.box((0.01, 5, 5)), shapes.material((1, 1, 1, 0.3))))
+    return shapes
+
+
+def test_shapes_become_a_scene():
+    shapes = wall()
+    assert shapes.material((0.2, 0.4, 0.6), "paint") == 0  # equal materials are one
+    holes = gnosphere.AlphaImage(np.zeros((2, 2), np.uint8))
+    assert shapes.material(name="net", image=holes) == 2
+    scene = shapes.scene()
+    assert [material.alpha_mode.name for material in scene.materials] == ["opaque", "blend", "mask"]
+    assert scene.materials[0].base_color == pytest.approx((0.2, 0.4, 0.6, 1))
+    assert [instance.class_id for instance in scene.instances] == [7, 0]
+    gnosphere.validate(scene)
+
+
+def test_a_lidar_moves_and_scans(device):
+    lidar = adapter.Lidar(
+        wall(), beams(), effects=gnosphere.Effects.none(), fields="class", ignore=[1],
+        options=gnosphere.SimulatorOptions(device),
+    )  # fmt: skip
+    lidar.move(np.array([[10, 0, 0, 0, 0, 0, 1], [3, 0, 0, 0, 0, 0, 1]]))
+    scan = lidar.cast(gnosphere.Shot())
+    assert scan.ranges[4] == pytest.approx(9.9)
+    other = lidar.add_sensor(beams(3), effects=gnosphere.Effects.none())
+    assert lidar.cast(gnosphere.Shot(sensor=other)).ranges[1] == pytest.approx(2.99)
+    lidar.move([[20, 0, 0, 0, 0, 0, 1]], [0])
+    assert lidar.cast(gnosphere.Shot(), scan) is scan
+    assert scan.ranges[4] == pytest.approx(19.9)
+
+    rows = adapter.records(scan, "x,y,z,instance,class")
+    assert rows.dtype.names == ("x", "y", "z", "instance", "class")
+    assert rows["class"].tolist() == [7] * 9 and rows["x"] == pytest.approx(np.full(9, 19.9))
+    cloud = adapter.point_cloud2(scan, "x,y,z,class", frame_id="mast", stamp=2.5)
+    assert (cloud["width"], cloud["point_step"], cloud["row_step"]) == (9, 14, 126)
+    assert cloud["fields"][3] == {"name": "class", "offset": 12, "datatype": 4, "count": 1}
+    assert cloud["header"] == {"stamp": {"sec": 2, "nanosec": 500000000}, "frame_id": "mast"}
+    assert cloud["data"].tobytes() == adapter.records(scan, "x,y,z,class").tobytes()
+
+    lidar.move([[20, 5, 0, 0, 0, 0, 1]], [0])
+    line = adapter.laser_scan(lidar.cast(gnosphere.Shot()), lidar.sensors[0])
+    assert line["angle_min"] == pytest.approx(np.radians(-1)) and line["angle_increment"] > 0
+    assert np.isinf(line["ranges"]).tolist() == [True] * 4 + [False] * 5
+    uneven = gnosphere.Sensor()
+    uneven.range_max = 100
+    uneven.patterns = [gnosphere.BeamList([[1, 0, 0], [0.8, 0.6, 0], [0, 1, 0]])]
+    with pytest.raises(ValueError, match="not evenly spaced"):
+        adapter.laser_scan(lidar.cast(gnosphere.Shot(sensor=lidar.add_sensor(uneven))), uneven)
+
+
+def test_poses_of_matrices():
+    generator = np.random.default_rng(2)
+    for _ in range(50):
+        turn = generator.normal(size=4)
+        matrix = adapter.rows_of(gnosphere.Pose((1, 2, 3), tuple(turn)))
+        assert np.linalg.det(matrix[:3, :3]) == pytest.approx(1)
+        turn /= np.linalg.norm(turn) * np.sign(turn[3])
+        assert adapter.quaternion(matrix[:3, :3]) == pytest.approx(turn)
+        assert adapter.pose_of(matrix[:3, 3], matrix[:3, :3]).position == (1, 2, 3)
+    assert adapter.class_of({"wall*": 3, "*": 1}, "", "wall-2") == 3
+    assert adapter.class_of({"wall*": 3}, "floor") == adapter.class_of(None, "x") == 0
+
+
+def test_the_page(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    page = (REPOSITORY / "docs" / "engines.md").read_text()
+    blocks = re.findall(r"(?<!-->\n\n)^```python\n(.*?)^```$", page, re.M | re.S)
+    assert len(blocks) == 1
+    exec(compile(blocks[0], "docs/engines.md", "exec"), {})
+    assert all(int(line.split()[0]) > 100 for line in capsys.readouterr().out.splitlines())

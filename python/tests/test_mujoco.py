@@ -1,0 +1,461 @@
+# SPDX-License-Identifier: Apache-2.0
+"""LiDARs in MuJoCo, beam by beam against its own rays. Skipped without the package mujoco."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import gnosphere
+from gnosphere import adapter
+
+mujoco = pytest.importorskip("mujoco")
+gm = pytest.importorskip("gnosphere.mujoco")
+
+NONE = gnosphere.Effects.none()
+# Ranges are single precision; the precision of a corner is that of its coordinates, metres away from the sensor.
+PRECISION = 2e-5
+
+
+def sphere_of_beams(count: int, range_max: float = 200, seed: int = 0) -> gnosphere.Sensor:
+    """Beams in random directions, without order."""
+    directions = np.random.default_rng(seed).normal(size=(count, 3))
+    sensor = gnosphere.Sensor()
+    sensor.name, sensor.range_min, sensor.range_max = "everywhere", 0, range_max
+    sensor.patterns = [gnosphere.BeamList(directions / np.linalg.norm(directions, axis=1, keepdims=True))]
+    return sensor
+
+
+def options(device) -> gnosphere.SimulatorOptions:
+    return gnosphere.SimulatorOptions(device)
+
+
+def multi_ray(model, data, sensor, pose, geomgroup=None, static=1, exclude=-1):
+    """Distances and geoms of the beams of a sensor, by MuJoCo."""
+    vec = gnosphere.beams_of(sensor).directions @ adapter.rows_of(pose)[:3, :3].T
+    count = len(vec)
+    geoms, distances = np.zeros(count, np.int32), np.zeros(count)
+    groups = None if geomgroup is None else np.array(geomgroup, np.uint8)
+    mujoco.mj_multiRay(
+        model,
+        data,
+        np.array(pose.position),
+        vec.reshape(-1),
+        groups,
+        static,
+        exclude,
+        geoms,
+        distances,
+        None,
+        count,
+        1e6,
+    )
+    return distances, geoms
+
+
+def at_outline(model, data, sensor, pose, beams, turn=2e-6):
+    """Whether beams next to these meet other geoms or other ranges: then rounding chooses, a tie."""
+    directions = gnosphere.beams_of(sensor).directions[beams]
+    around = []
+    for axis in (np.cross(directions, [0, 0, 1]), np.cross(directions, [0, 1, 0])):
+        axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+        around += [directions + turn * axis, directions - turn * axis]
+    answers = []
+    for moved in [directions, *around]:
+        probe = gnosphere.Sensor()
+        probe.range_max = 200
+        probe.patterns = [gnosphere.BeamList(moved / np.linalg.norm(moved, axis=1, keepdims=True))]
+        answers.append(multi_ray(model, data, probe, pose))
+    distances = np.stack([answer[0] for answer in answers])
+    geoms = np.stack([answer[1] for answer in answers])
+    slope = np.ptp(distances, axis=0) > 1e-3  # grazing, so a turn by an angle of rounding moves the hit
+    return (np.ptp(geoms, axis=0) > 0) | slope
+
+
+def soup(count: int = 40, seed: int = 3) -> str:
+    """Vertices and faces of a mesh of single triangles."""
+    rng = np.random.default_rng(seed)
+    corners = (rng.uniform(-1, 1, (count, 1, 3)) + rng.uniform(-0.4, 0.4, (count, 3, 3))).reshape(-1, 3)
+    vertices = " ".join(f"{value:.5f}" for value in corners.ravel())
+    return f'vertex="{vertices}" face="{" ".join(map(str, range(3 * count)))}" inertia="shell"'
+
+
+def every_type() -> "mujoco.MjModel":
+    """A model with every type of geom around the origin, all but two of which move."""
+    types = [
+        'type="sphere" size=".7"', 'type="capsule" size=".4 .8"', 'type="ellipsoid" size=".4 .8 1.2"',
+        'type="cylinder" size=".4 .8"', 'type="box" size=".4 .8 .6"', 'type="mesh" mesh="hull"',
+        'type="mesh" mesh="soup"',
+    ]  # fmt: skip
+    bodies = ""
+    for i, geom in enumerate(types * 2):
+        angle = 2 * np.pi * i / len(types) / 2
+        place = f"{4 * np.cos(angle):.4f} {4 * np.sin(angle):.4f} {0.5 * (i % 3):.4f}"
+        bodies += (
+            f'<body name="body{i}" pos="{place}" euler="{20 * i} {35 * i} {10 * i}"><freejoint/><geom {geom}/></body>'
+        )
+    hull = " ".join(f"{value:.4f}" for value in np.random.default_rng(5).normal(size=60) * 0.6)
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><asset><hfield name="hills" nrow="15" ncol="21" size="3 2 .8 .3"/>
+        <mesh name="hull" vertex="{hull}"/><mesh name="soup" {soup()}/></asset>
+        <worldbody><geom name="floor" type="plane" size="0 0 .1" pos="0 0 -2" euler="1 2 3"/>
+        <geom name="small" type="plane" size="1 2 .1" pos="0 0 3" euler="170 10 0"/>
+        <geom name="hills" type="hfield" hfield="hills" pos="9 1 -1.5" euler="0 0 30"/>
+        <site name="mast" pos=".1 .2 .3" euler="3 4 50"/>{bodies}</worldbody></mujoco>"""
+    )
+    model.hfield_data[:] = np.random.default_rng(1).uniform(0, 1, model.hfield_data.shape)
+    return model
+
+
+CURVED = ("SPHERE", "CAPSULE", "ELLIPSOID", "CYLINDER")
+
+
+def type_of(model, geom: int) -> str:
+    return mujoco.mjtGeom(int(model.geom_type[geom])).name.removeprefix("mjGEOM_")
+
+
+def surface_distance(model, data, geom, points):
+    """How far points are from the surface of a curved geom; for an ellipsoid from its level set along a radius."""
+    size = model.geom_size[geom]
+    local = (points - data.geom_xpos[geom]) @ data.geom_xmat[geom].reshape(3, 3)
+    kind = type_of(model, geom)
+    if kind == "ELLIPSOID":
+        return np.abs(1 - np.linalg.norm(local / size, axis=1)) * np.linalg.norm(local, axis=1)
+    across, along = np.linalg.norm(local[:, :2], axis=1), np.abs(local[:, 2])
+    if kind == "CYLINDER":
+        return np.minimum(np.abs(across - size[0]), np.abs(along - size[1]))
+    half = size[1] if kind == "CAPSULE" else 0
+    return np.abs(np.hypot(across, np.maximum(along - half, 0)) - size[0])
+
+
+def compare(model, data, lidar, scan, pose, **settings):
+    """Asserts that a scan is what MuJoCo's rays find, and returns how many beams of each type were compared."""
+    sensor = lidar.sensors[0]
+    distances, geoms = multi_ray(model, data, sensor, pose, **settings)
+    distances[distances > sensor.range_max] = -1
+    geoms[distances < 0] = -1
+    ours, owners = np.where(np.isnan(scan.ranges), -1, scan.ranges), lidar.geom_ids(scan)
+    kinds = np.array([type_of(model, geom) for geom in range(model.ngeom)] + ["NONE"])
+    curved = np.isin(kinds[geoms], CURVED) | np.isin(kinds[owners], CURVED)
+    flat = ~curved
+    wrong = np.flatnonzero(
+        flat & ((owners != geoms) | (np.abs(ours - distances) > PRECISION * np.maximum(distances, 1)))
+    )
+    if len(wrong):
+        ties = at_outline(model, data, sensor, pose, wrong)
+        assert ties.all(), (wrong[~ties], kinds[geoms[wrong[~ties]]], (ours - distances)[wrong[~ties]])
+        assert len(wrong) < 1e-4 * len(ours)
+    counts = {kind: int((flat & (kinds[geoms] == kind)).sum()) for kind in set(kinds)}
+    points = adapter.rows_of(pose)[:3, :3] @ scan.points.T.astype(float) + np.array(pose.position)[:, None]
+    for geom in range(model.ngeom):
+        if kinds[geom] in CURVED:
+            hit = owners == geom
+            counts[kinds[geom]] = counts.get(kinds[geom], 0) + int(hit.sum())
+            far = surface_distance(model, data, geom, points.T[hit])
+            assert far.max(initial=0) < lidar.tolerance + PRECISION
+            # A beam that meets the one and not the other passes within the tolerance of the outline.
+            other = curved & (owners != geoms) & (hit | (geoms == geom))
+            assert other.sum() <= 0.1 * max(hit.sum(), 100)
+    return counts
+
+
+def test_every_type_of_geom_against_mj_multi_ray(device):
+    model = every_type()
+    data = mujoco.MjData(model)
+    sensor = sphere_of_beams(100000)
+    lidar = gm.Lidar(
+        model, sensor, site="mast", effects=NONE, geomgroup=None, options=options(device),
+        tessellation=gm.Tessellation(tolerance=5e-4),
+    )  # fmt: skip
+    lidar.tolerance = 5e-4
+    into = gnosphere.Scan()
+    totals: dict[str, int] = {}
+    rng = np.random.default_rng(2)
+    for _ in range(3):
+        mujoco.mj_kinematics(model, data)
+        pose = lidar.pose(data)
+        for kind, count in compare(model, data, lidar, lidar.scan(data, into=into), pose).items():
+            totals[kind] = totals.get(kind, 0) + count
+        data.qpos.reshape(-1, 7)[:, :3] += rng.uniform(-0.3, 0.3, (model.nbody - 1, 3))
+        data.qpos.reshape(-1, 7)[:, 3:] = rng.normal(size=(model.nbody - 1, 4))
+        model.site_pos[0] += rng.uniform(-0.1, 0.1, 3)
+    assert min(totals[kind] for kind in ("PLANE", "HFIELD", "BOX", "MESH", *CURVED)) > 1000, totals
+
+
+def test_groups_alpha_bodies_and_static_geoms_are_chosen_as_mj_ray_does(device):
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><asset><material name="clear" rgba="1 1 1 0"/></asset><worldbody>
+        <geom type="box" size=".1 3 3" pos="9 0 0" group="0"/>
+        <geom type="box" size=".1 2 3" pos="-9 0 0" rgba="1 0 0 0"/><geom type="box" size=".1 2 3" pos="-7 0 0"
+        material="clear"/> <geom type="box" size=".1 2 3" pos="-8 0 0" material="clear" rgba="1 0 0 1"/>
+        <body name="robot"><freejoint/><geom type="box" size=".1 .1 .1" pos="0.5 0 0" group="2"/>
+          <body name="arm" pos="1 0 0"><joint/><geom type="box" size=".1 .3 .3" group="2"/>
+            <body name="hand" pos="1 0 0"><joint/><geom type="box" size=".1 .6 .6" group="1"/></body></body>
+          <body name="tail" pos="-1 0 0"><geom type="box" size=".1 .3 .3" group="3"/></body></body>
+        <body name="mocap" mocap="true" pos="0 3 0"><geom type="box" size="1 .1 1" group="4"/></body>
+        </worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    sensor = sphere_of_beams(4000)
+    pose = gnosphere.Pose()
+    bodies = {name: model.body(name).id for name in ("robot", "arm", "hand", "tail")}
+    for settings, ours in (
+        ({}, {"geomgroup": None}),
+        ({"geomgroup": (1, 1, 1, 0, 0, 0)}, {}),
+        ({"geomgroup": (0, 0, 0, 1, 1, 0)}, {"geomgroup": (0, 0, 0, 1, 1, 0)}),
+        ({"static": 0}, {"geomgroup": None, "flg_static": False}),
+        ({"exclude": bodies["arm"]}, {"geomgroup": None, "bodyexclude": "arm"}),
+    ):
+        lidar = gm.Lidar(model, sensor, effects=NONE, options=options(device), **ours)
+        scan = lidar.scan(data)
+        counts = compare(model, data, lidar, scan, pose, **settings)
+        assert counts["BOX"] > 100
+    lidar = gm.Lidar(model, sensor, effects=NONE, geomgroup=None, treeexclude="robot", options=options(device))
+    seen = set(lidar.geom_ids(lidar.scan(data)).tolist())
+    of_robot = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] in bodies.values()]
+    assert seen.isdisjoint(of_robot) and len(seen) == 3  # the wall, the mocap body, nothing
+    other = lidar.add(sensor, pose=gnosphere.Pose((0, 0, 0.1)), bodyexclude=["arm", bodies["tail"]], effects=NONE)
+    seen = set(lidar.geom_ids(lidar.scan(data, other)).tolist())
+    assert model.body("hand").geomadr[0] in seen and model.body("arm").geomadr[0] not in seen
+
+
+def test_what_changes_in_the_model_moves_the_sensor(device):
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><worldbody><geom name="wall" type="box" size=".5 50 50" pos="10 0 0"/>
+        <body name="car" pos="1 0 0"><joint type="slide" axis="1 0 0"/><geom size=".1" mass="1"/>
+        <site name="roof" pos="0.5 0 0" euler="0 0 90"/></body></worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    ahead = gnosphere.Sensor()
+    ahead.range_max, ahead.range_min = 100, 0
+    ahead.patterns = [gnosphere.BeamList([[1.0, 0, 0], [0, -1, 0]])]
+    lidar = gm.Lidar(model, ahead, site="roof", treeexclude="car", effects=NONE, options=options(device))
+    turned = lidar.add(
+        ahead, site="roof", pose=gnosphere.Pose((0, -0.25, 0), (0, 0, -np.sqrt(0.5), np.sqrt(0.5))), effects=NONE
+    )
+    lidar.add(ahead, pose=lambda data: gnosphere.Pose((data.time, 0, 0)), treeexclude="car", effects=NONE)
+    for x in (0.0, 1.0, 2.0):
+        data.qpos[0], data.time = x, x
+        mujoco.mj_kinematics(model, data)
+        assert np.isnan(lidar.scan(data).ranges[0])
+        assert lidar.scan(data).ranges[1] == pytest.approx(8 - x)  # the site looks to the left
+        assert lidar.scan(data, turned).ranges[0] == pytest.approx(7.75 - x)
+        assert lidar.scan(data, 2).ranges[0] == pytest.approx(9.5 - x)
+    with pytest.raises(TypeError, match="not a function"):
+        gm.Lidar(model, ahead, site="roof", pose=lambda data: gnosphere.Pose())
+    with pytest.raises(KeyError, match="nowhere"):
+        gm.Lidar(model, ahead, site="nowhere")
+
+
+def test_the_sensor_and_the_geoms_move_within_a_scan(device):
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
+        <body name="wall" pos="20 0 0"><joint name="wall" type="slide" axis="1 0 0"/><geom type="box" size=".5 50 50"
+        mass="1"/></body> <body name="car"><joint name="car" type="slide" axis="1 0 0"/><geom size=".1" mass="1"
+        group="3"/><site name="roof"/></body> </worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    data.joint("car").qvel, data.joint("wall").qvel = 10, -5
+    sensor = gnosphere.Sensor()
+    sensor.range_max, sensor.range_min, sensor.rotation_period = 100, 0, 0.1
+    times = np.linspace(0, 0.1, 11)
+    sensor.patterns = [gnosphere.BeamList(np.tile([1.0, 0, 0], (11, 1)), times=times)]
+    lidar = gm.Lidar(model, sensor, site="roof", options=options(device))
+    for turn in range(2):
+        mujoco.mj_forward(model, data)
+        start = float(data.site("roof").xpos[0] - data.body("wall").xpos[0])
+        lidar.record(data)
+        for _ in range(10):
+            mujoco.mj_step(model, data)
+            mujoco.mj_kinematics(model, data)
+            lidar.record(data)
+        scan = lidar.scan(data)
+        assert scan.ranges == pytest.approx(-start - 0.5 - 15 * times, abs=2e-5)
+    still = gm.Lidar(model, sensor, site="roof", options=options(device)).scan(data)
+    assert still.ranges == pytest.approx(np.full(11, scan.ranges[-1]), abs=2e-5)
+    lidar.record(data)
+    with pytest.raises(ValueError, match="ends at the time"):
+        lidar.scan(data)
+
+
+def test_materials_classes_and_the_alpha_of_textures(device, tmp_path):
+    write_png(tmp_path / "net.png")
+    (tmp_path / "model.xml").write_text(
+        """<mujoco><asset><texture name="net" type="2d" file="net.png" nchannel="4"/>
+        <material name="net" texture="net"/><material name="paint" rgba=".2 .4 .6 1"/>
+        <mesh name="panel" vertex="0 -1 -1 0 1 -1 0 1 1 0 -1 1 .1 0 0" face="0 1 2 0 2 3 1 2 4"
+        texcoord="0 0 1 0 1 1 0 1 1 1" inertia="shell"/>
+        </asset><worldbody><geom name="panel" type="mesh" mesh="panel" material="net" pos="4 0 0"/>
+        <geom name="wall-1" type="box" size=".1 9 9" pos="8 0 0" material="paint"/>
+        <body name="robot" pos="0 0 -3"><geom type="sphere" size=".5" rgba="1 1 0 1"/></body></worldbody></mujoco>"""
+    )
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    lidar = gm.Lidar(
+        model, sphere_of_beams(20000), fields="class,material", classes={"wall*": 3, "rob?t": 4, "*": 9},
+        effects=only_holes(), options=options(device),
+    )  # fmt: skip
+    scan = lidar.scan(data)
+    geoms, classes = lidar.geom_ids(scan), scan.column(gnosphere.Field.class_id)
+    assert [set(classes[geoms == geom].tolist()) for geom in range(3)] == [{9}, {3}, {4}]
+    assert set(classes[geoms == -1].tolist()) == {0}
+    # Half of the picture, where u is less than a half, has no alpha: y is less than 0 there.
+    on_panel = scan.points[geoms == 0]
+    assert len(on_panel) > 50 and on_panel[:, 1].min() >= -1e-3
+    through = scan.points[geoms == 1] * (4 / 7.9)
+    inside = (np.abs(through[:, 1]) < 0.99) & (np.abs(through[:, 2]) < 0.99)
+    assert inside.sum() > 50 and through[inside][:, 1].max() <= 1e-3
+
+
+def only_holes() -> gnosphere.Effects:
+    effects = gnosphere.Effects.none()
+    effects.cut_outs.use = gnosphere.EffectUse.automatic
+    return effects
+
+
+def write_png(path: Path) -> None:
+    """A picture of 8 x 8 texels whose left half has no alpha."""
+    import struct
+    import zlib
+
+    texels = np.full((8, 8, 4), 255, np.uint8)
+    texels[:, :4, 3] = 0
+    rows = b"".join(b"\0" + row.tobytes() for row in texels)
+    chunks = [(b"IHDR", struct.pack(">IIBBBBB", 8, 8, 8, 6, 0, 0, 0)), (b"IDAT", zlib.compress(rows)), (b"IEND", b"")]
+    body = b"".join(struct.pack(">I", len(d)) + k + d + struct.pack(">I", zlib.crc32(k + d)) for k, d in chunks)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + body)
+
+
+def test_flexes_and_skins_move(device):
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco><worldbody><body name="a" pos="0 0 1"><flexcomp name="cloth" type="grid" count="6 6 1" spacing=".2
+        .2 .2" dim="2" radius=".001"><edge equality="true"/></flexcomp></body>
+        <body name="b" pos="3 0 1"><flexcomp name="jelly" type="grid" count="4 4 4" spacing=".2 .2 .2" dim="3"
+        radius=".001"> <elasticity young="1e4"/></flexcomp></body>
+        <body name="c" pos="6 0 1"><flexcomp name="rope" type="grid" count="6 1 1" spacing=".2 .2 .2" dim="1"
+        radius=".01"/></body> </worldbody></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    up = gnosphere.Sensor()
+    up.range_max, up.range_min = 100, 0
+    up.patterns = [gnosphere.BeamList([[0, 0, 1.0], [0, 0, -1.0]])]
+    with pytest.warns(UserWarning, match=r"leaves out flexes of one dimension \(1\)"):
+        lidar = gm.Lidar(model, up, pose=gnosphere.Pose((0.05, 0.06, 0)), effects=NONE, options=options(device))
+    block = lidar.add(up, pose=gnosphere.Pose((3.05, 0.06, 0)), effects=NONE)
+    for fall in (0, 40):
+        for _ in range(fall):
+            mujoco.mj_step(model, data)
+        mujoco.mj_forward(model, data)
+        scan, below = lidar.scan(data), lidar.scan(data, block)
+        cloth = data.flexvert_xpos[:36]
+        assert scan.ranges[0] == pytest.approx(cloth[:, 2].mean(), abs=5e-3)
+        assert below.ranges[0] == pytest.approx(data.flexvert_xpos[36:100, 2].min(), abs=5e-3)
+        assert lidar.geom_ids(scan)[0] == -1 and scan.instances[0] == len(lidar.geoms)
+    assert cloth[:, 2].mean() < 0.99
+
+
+def test_a_skin_follows_its_bones(device):
+    model = mujoco.MjModel.from_xml_string(SKIN)
+    data = mujoco.MjData(model)
+    sensor = gnosphere.Sensor()
+    sensor.range_max, sensor.range_min = 100, 0
+    sensor.patterns = [gnosphere.BeamList([[1.0, 0, 0]])]
+    lidar = gm.Lidar(model, sensor, pose=gnosphere.Pose((0, 0, 0.9)), effects=NONE, options=options(device))
+    for angle in (0.0, 0.3):
+        data.qpos[0] = angle
+        mujoco.mj_kinematics(model, data)
+        # At z = 0 the skin follows the lower bone, which stands still, at z = 1 the upper one, which turns about y at
+        # z = 0.
+        top = np.array([2 + np.sin(angle), np.cos(angle)])
+        expected = 2 + (top[0] - 2) * 0.9 / top[1]
+        assert lidar.scan(data).ranges[0] == pytest.approx(expected, abs=1e-4)
+    assert expected > 2.2
+
+
+SKIN = """<mujoco><worldbody><body name="low" pos="2 0 0"><geom size=".01" group="4"/>
+<body name="high"><joint type="hinge" axis="0 1 0"/><geom size=".01" group="4"/></body></body></worldbody>
+<deformable><skin name="skin" vertex="2 -1 0 2 1 0 2 1 1 2 -1 1" face="0 1 2 0 2 3">
+<bone body="low" bindpos="2 0 0" bindquat="1 0 0 0" vertid="0 1" vertweight="1 1"/>
+<bone body="high" bindpos="2 0 0" bindquat="1 0 0 0" vertid="2 3" vertweight="1 1"/></skin></deformable></mujoco>"""
+
+
+def test_the_drop_in_for_mj_multi_ray(device):
+    model = every_type()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    for scale, seed in ((1.0, 1), (2.5, 2), (2.5, 2)):
+        vec = scale * gnosphere.beams_of(sphere_of_beams(3000, seed=seed)).directions
+        arguments = (
+            model,
+            data,
+            np.array([0.1, 0.2, 0.3]),
+            vec.reshape(-1),
+            np.array([1, 0, 0, 0, 0, 0], np.uint8),
+            1,
+            3,
+        )
+        answers = []
+        for function in (mujoco.mj_multiRay, gm.mj_multiRay):
+            geoms, distances = np.zeros(3000, np.int32), np.zeros(3000)
+            function(*arguments, geoms, distances, None, 3000, 150.0)
+            answers.append((distances, geoms))
+        (theirs, their_geoms), (ours, our_geoms) = answers
+        assert (our_geoms == their_geoms).mean() > 0.995
+        flat = (our_geoms == their_geoms) & (their_geoms >= 0) & (model.geom_type[their_geoms] >= 6)
+        assert np.abs(ours - theirs)[flat].max() < 2e-5
+        assert set(ours[our_geoms < 0]) == {-1}
+    with pytest.raises(ValueError, match="normal"):
+        gm.mj_multiRay(*arguments, geoms, distances, np.zeros(9000), 3000, 150.0)
+
+
+def test_the_drop_in_for_rangefinders(device):
+    sites = "".join(f'<site name="s{i}" pos="0 0 .1" euler="90 {20 * i} 0" size=".01"/>' for i in range(18))
+    fingers = "".join(f'<rangefinder site="s{i}" cutoff="{4 if i % 5 else 0}"/>' for i in range(18))
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><worldbody><geom type="box" size=".1 6 6" pos="3 0 0"/><geom type="box" size="6 .1 6" pos="0 5 0"/>
+        <body name="robot" pos="0 0 .5"><freejoint/><geom type="box" size=".2 .2 .2"/>{sites}
+        <body pos="0 0 1"><geom type="box" size=".1 .1 .1"/><site name="top" euler="0 90 0"/></body></body></worldbody>
+        <sensor>{fingers}<rangefinder site="top"/></sensor></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    finders = gm.Rangefinders(model, options=options(device))
+    for angle in (0.0, 0.4):
+        data.qpos[3:7] = np.cos(angle / 2), 0, 0, np.sin(angle / 2)
+        mujoco.mj_forward(model, data)
+        expected = data.sensordata.copy()
+        assert len(expected) == 19 and (expected > 0).sum() > 5 and (expected < 0).sum() > 3
+        assert finders.read(data) == pytest.approx(expected, abs=1e-5)
+    assert gm.Rangefinders(model, sites=["top"], options=options(device)).read(data) == pytest.approx(expected[-1:])
+
+
+def test_whole_robots(device):
+    """Models of the package dm_control, of which only the files are read."""
+    found = importlib.util.find_spec("dm_control")
+    if not found or not found.submodule_search_locations:
+        pytest.skip("dm_control is not installed")
+    folder = Path(found.submodule_search_locations[0])
+    sensor = sphere_of_beams(20000, 100, seed=4)
+    files = [
+        "suite/dog.xml", "third_party/kinova/jaco_arm.xml", "suite/quadruped.xml", "suite/humanoid_CMU.xml",
+        "locomotion/walkers/assets/rodent.xml", "locomotion/walkers/assets/fruitfly_v2/floor.xml",
+        "mjcf/test_assets/model_with_assets.xml",
+    ]  # fmt: skip
+    for file in files:
+        model = mujoco.MjModel.from_xml_path(str(folder / file))
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        size, middle = model.stat.extent, np.array(model.stat.center)
+        pose = gnosphere.Pose(tuple(middle + size * np.array([0.3, 0.4, 0.5])), (0.1, 0.2, 0.3, 0.9))
+        lidar = gm.Lidar(
+            model, sensor, pose=pose, effects=NONE, geomgroup=None, deformables=False, options=options(device),
+            tessellation=gm.Tessellation(tolerance=1e-3 * size),
+        )  # fmt: skip
+        lidar.tolerance = 1e-3 * size
+        assert sum(compare(model, data, lidar, lidar.scan(data), pose).values()) > 500, file
+        with_skins = gm.Lidar(model, sensor, pose=pose, effects=NONE, geomgroup=None, options=options(device))
+        on_skins = (with_skins.scan(data).instances == len(lidar.geoms)).sum()
+        assert (on_skins > 50) == (model.nskin > 0), file
