@@ -192,12 +192,14 @@ class DeviceBackend final : public Backend {
 
   // Decides how the scan uses the still image. If another frame is making the image, waits until it is known to be
   // valid.
-  StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Pose& pose) {
+  StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Pose& pose, bool moves) {
     if (still.inMaking()) {
       machine_->wait(still.frame());
       still.end(!sensor.cutShort(still.frame()));
     }
-    return still.next(pose, scene_.instances());
+    if (!moves) return still.next(pose, scene_.instances());
+    still.forget();
+    return StillImage::Use::none;
   }
 
   void run(size_t frame, const Part& part) {
@@ -206,11 +208,11 @@ class DeviceBackend final : public Backend {
     SensorArrays& sensor = sensors_[shot.sensor]->arrays;
     if (sensor.beams() == 0) return;
     StillImage& still = sensors_[shot.sensor]->still;
-    const StillImage::Use use = useStill(still, sensor, shot.pose);
-    slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
     const std::optional<ShotMotion>& motion = slot.motion =
         motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot, scene_.instances(),
                  scene_.geometry().deformables());
+    const StillImage::Use use = useStill(still, sensor, shot.pose, motion && motion->moves);
+    slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
     const Pose& pose = motion ? motion->tables.middle : shot.pose;
     scene_.place(pose, sensor.reach() + reachOf(motion), still.selection(use), slot.placed);
     if (!scene_.listsHold(slot.placed)) {

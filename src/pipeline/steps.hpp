@@ -44,7 +44,8 @@ struct StepsInput {
   const gpu::Frame& frame;
   uint32_t shells;  ///< most shells of the scan
   bool strays = false, panes = false, footprint = false, resolve = false;
-  bool deformed = false;         ///< the scene has deformable meshes
+  bool moves = false;     ///< something moves during the scan; otherwise MOTION is about lasers with origins only
+  bool deformed = false;  ///< the scene has deformable meshes
   bool looksAtSurfaces = false;  ///< some kernels read the corners of the triangles that are hit
   bool holes = false;            ///< some places of the grid have no beam
   bool sparse = false;           ///< parts of the grid have no beams
