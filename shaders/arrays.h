@@ -12,7 +12,7 @@
   BLOCK(readonly, Frame, frame) \
   ARRAY(readonly, Row, rows) \
   ARRAY(readonly, uint, rowLookup) /* per cell of elevation keys: first row from it up | first row above it << 16 */ \
-  ARRAY(readonly, vec2, columns)   /* cos, sin of the azimuth */ \
+  ARRAY(readonly, vec2, columns)   /* cos, sin of the azimuth of each place; then those of rows that look elsewhere */ \
   ARRAY(readonly, uint, cellStarts)   /* of a list, per cell (row * columns + column) and at the end: its first beam */ \
   ARRAY(readonly, vec4, beamAngles)   /* per listed beam: cos, sin of its azimuth, cos, sin of its elevation */ \
   ARRAY(readonly, uint, beamNumbers)  /* per beam, by index: its number in a scan; kNone: none */ \
@@ -117,7 +117,7 @@
   ARRAY(readonly, InstanceMotion, instanceMotions) \
   ARRAY(readonly, vec4, endJointRows)      /* like jointRows and morphWeights, at the end of the motion; */ \
   ARRAY(readonly, float, endMorphWeights)  /* only for meshes that are deformed meanwhile */ \
-  ARRAY(readonly, vec4, rowOrigins)        /* position of each row's laser in the head: forward, left, up */ \
+  ARRAY(readonly, vec4, rowOrigins)        /* each row's laser as seen from the middle of all: forward, left, up */ \
   ARRAY(readonly, Optics4, optics)         /* per material */ \
   ARRAY(readonly, uint, deadBeams)         /* one bit per beam */ \
   ARRAY(readonly, VolumeBox, volumes) \

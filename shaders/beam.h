@@ -24,18 +24,6 @@ GNO_INLINE vec3 onLattice(vec3 p) {
   return vec3(onLattice(p.x), onLattice(p.y), onLattice(p.z));
 }
 
-// Returns cos and sin of a beam's azimuth: the azimuth of its column, plus the offset of its channel if channels have
-// offsets. With `exact` the result is rounded to the lattice.
-GNO_INLINE vec2 azimuthOfBeam(vec2 column, vec4 offset, bool hasOffsets, bool exact) {
-  if (!hasOffsets) return column;
-  GNO_PRECISE float c = column.x * offset.x - column.y * offset.y;
-  GNO_PRECISE float s = column.y * offset.x + column.x * offset.y;
-  vec2 result;
-  result.x = exact ? onLattice(c) : c;
-  result.y = exact ? onLattice(s) : s;
-  return result;
-}
-
 // Cos and sin of azimuth and elevation, and the direction vector that they define.
 struct Beam {
   vec2 azimuth;

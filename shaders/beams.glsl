@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The beams of the sensor. The index of a beam in a grid is row * columns + column. If all beams of a list lie in places
-// of a grid, they are indexed in the same way (MAPPED). Other lists are sorted into the cells of a grid, cell (row,
+// The beams of the sensor. The index of a beam in a grid is row * columns + column. The beams of a head whose rows have
+// shifts, and of a list whose beams all lie in places of a grid, are indexed in the same way (MAPPED). Other lists are sorted into the cells of a grid, cell (row,
 // column) after cell (LISTED); the index is the place in that order, and it also takes the place of the beam's row and
 // column wherever values of a beam are looked up.
 
@@ -17,13 +17,13 @@ uint beamsPerRow() { return LISTED ? frame.beams : frame.columns; }
 // The values that the beams of a row share. A list has none.
 struct BeamRow {
   vec3 angles;
-  vec4 offset;
   uint channel;
+  uint azimuths;  // where its run of `columns` begins
 };
 
 BeamRow loadRow(uint row) {
-  if (LISTED) return BeamRow(vec3(0.0), vec4(0.0), 0);
-  return BeamRow(rows.at[row].angles, rows.at[row].offset, rows.at[row].channel);
+  if (LISTED) return BeamRow(vec3(0.0), 0, 0);
+  return BeamRow(rows.at[row].angles, rows.at[row].channel, AZIMUTH_OFFSETS ? rows.at[row].azimuths : 0);
 }
 
 Beam listedBeam(uint index) {
@@ -33,8 +33,7 @@ Beam listedBeam(uint index) {
 
 Beam beamIn(BeamRow row, uint column) {
   if (LISTED) return listedBeam(column);
-  return beamOf(azimuthOfBeam(columns.at[column], row.offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), row.angles.x,
-                row.angles.y);
+  return beamOf(columns.at[row.azimuths + column], row.angles.x, row.angles.y);
 }
 
 Beam beamWith(uint index) { return beamIn(loadRow(rowOf(index)), columnOf(index)); }

@@ -145,6 +145,13 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
 
 Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }
 
+// Sets the angles by which a triangle seems elsewhere to lasers away from the sensor's origin.
+void seemFrom(Triangle triangle) {
+  if (!ORIGINS) return;
+  vec3 a = triangle.a, b = triangle.b, c = triangle.c;
+  seemFromLasers(min(min(a, b), c), max(max(a, b), c));
+}
+
 // One invocation tries all beams of a box.
 void trySmall(uint i) {
   TaggedCorner c = projectedC.at[i];
@@ -153,13 +160,14 @@ void trySmall(uint i) {
   if (VIEWS) view = projectedViews.at[i];
   Prepared prepared = prepare(triangle);
   uint columnCount = boxColumnCount(box);
+  seemFrom(triangle);
   Silhouette silhouette = silhouetteOf(triangle, prepared, box);
   for (Walk walk = walkOf(box); !ended(box, walk);) {
     uint index;
     Beam beam;
     if (!stepTo(box, columnCount, silhouette, walk, beam, index)) continue;
     Triangle seen = triangle;
-    if (MOTION) {
+    if (APART) {
       seen = seenFrom(triangle, i, columnOf(index), rowOf(index), beam.azimuth);
       prepared = prepare(seen);
     }
@@ -194,10 +202,10 @@ Tile tileAt(uint t) {
               wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
 }
 
-// The angle by which a triangle at rest appears to move while neighbouring columns that span `angle` fire.
-float driftWithin(Triangle triangle, float angle) {
-  return seemingAngle(motion.shiftPerColumn, motion.turnPerColumn, triangle.rangeMin) * angle * frame.columnsPerRadian +
-         seemingAngle(motion.origins, 0.0, triangle.rangeMin);
+// The angle by which a triangle at rest appears to move while the beams of `count` neighbouring columns fire.
+float driftWithin(Triangle triangle, float count) {
+  if (STAGGERED) count += frame.shiftMax - frame.shiftMin;
+  return seemingAngle(motion.shiftPerColumn, motion.turnPerColumn, triangle.rangeMin) * count;
 }
 
 // Narrows the rows of a box to from..to - 1, the rows whose beams in columns kFrom..kTo may hit the triangle. Each
@@ -210,16 +218,20 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
   bool pays = rowCount * (tile.end - tile.first) > kFewBeams;
   if (!pays || BOUNDS == kBoundsPaper) return;
   uint first = columnOf(tile, kFrom);
-  uint last = columnOf(tile, kTo + (BESIDE_COLUMNS ? 1 : 0));
+  uint last = columnOf(tile, kTo + uint(ceil(BESIDE)));
   Triangle triangle = tile.triangle;
   if (MOTION) {
-    // With offsets, neighbouring beams fire at other times. So do the columns at the seam.
-    if (BESIDE_COLUMNS || triangle.moves || last < first || boxColumnCount(tile.box) == frame.columns) return;
-    triangle = seenFrom(triangle, tile.slot, first);
+    // Beams of a list fire at any time. So do the columns at the seam, which is not the same in each row.
+    float early = float(first) - frame.shiftMax, late = float(last) - frame.shiftMin;
+    if (LISTED || triangle.moves || last < first || boxColumnCount(tile.box) == frame.columns ||
+        (STAGGERED && (early < 0.0 || late > float(frame.columns - 1))))
+      return;
+    triangle = seenFrom(triangle, tile.slot, tile.box.rowFirst, first);
   }
   vec3 far = vec3(length(triangle.a), length(triangle.b), length(triangle.c));
   float blur = blurOf(triangle, prepared, far);
-  if (MOTION) blur += driftWithin(triangle, angle);
+  if (MOTION) blur += driftWithin(triangle, angle * frame.columnsPerRadian);
+  if (ORIGINS) blur += seemingAngle(motion.origins, 0.0, triangle.rangeMin);
   if (angle + blur > 0.5) return;
   float keyMin, keyMax;
   keysBetween(turn(triangle, columns.at[first]), turn(triangle, columns.at[last]),
@@ -240,7 +252,7 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
   for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + 1]; index < end; ++index) {
     Beam beam = listedBeam(index);
     Triangle seen = tile.triangle;
-    if (MOTION) {
+    if (APART) {
       seen = seenFrom(tile.triangle, tile.slot, index, index, beam.azimuth);
       prepared = prepare(seen);
     }
@@ -269,14 +281,14 @@ void tryTile(Tile tile) {
   uint columnCount = tile.end - tile.first;
   uint shift = columnCount > 1 ? min(findMSB(columnCount - 1) + 1, findMSB(gl_SubgroupSize)) : 0;
   uint width = 1 << shift, height = gl_SubgroupSize >> shift;
-  float angle = float(BESIDE_COLUMNS ? width + 1 : width) / frame.columnsPerRadian;
+  float angle = (float(width) + ceil(BESIDE)) / frame.columnsPerRadian;
   uint stride = frame.columns;
   // If all lasers of a column see the triangle at one time, it is prepared and turned once per column.
-  bool byColumn = !BESIDE_COLUMNS && (!MOTION || SHIFTS_TURNED || motion.origins == 0.0);
-  bool shifts = MOTION && SHIFTS_TURNED && motion.origins != 0.0;
+  bool shifts = ORIGINS && SHIFTS_TURNED, byColumn = !BESIDE_COLUMNS && !STAGGERED;
+  if (ORIGINS) byColumn = byColumn && SHIFTS_TURNED;
   // Each lane holds the angles of one row. Most boxes have no more rows than the subgroup has lanes.
   vec2 angles = rows.at[min(box.rowFirst + lane, box.rowLast)].angles.xy;
-  uint loaded = 0;
+  uint azimuths = AZIMUTH_OFFSETS ? rows.at[min(box.rowFirst + lane, box.rowLast)].azimuths : 0, loaded = 0;
   for (uint part = tile.first; part < tile.end; part += width * gl_SubgroupSize) {
     uint kFrom = min(part + lane * width, tile.end - 1), from, to;
     rowsIn(tile, prepared, kFrom, min(kFrom + width, tile.end) - 1, angle, from, to);
@@ -289,18 +301,22 @@ void tryTile(Tile tile) {
       if (!areAtHand(box.rowFirst + row, box.rowFirst + rowEnd, column)) continue;
       vec2 azimuth = columns.at[column];
       Triangle seen = tile.triangle;
-      if (MOTION && !LISTED) seen = seenFrom(tile.triangle, tile.slot, column);
+      if (byColumn) seen = seenFrom(tile.triangle, tile.slot, 0, column);
       if (MOTION && byColumn) prepared = prepare(seen);
       Turned turned = turn(seen, azimuth), own = turned;
       uint mineEnd = k < tile.end ? rowEnd : 0;
       while (row < rowEnd) {
         uint base = row & ~(gl_SubgroupSize - 1);
-        if (base != loaded) angles = rows.at[min(box.rowFirst + base + lane, box.rowLast)].angles.xy;
+        if (base != loaded) {
+          angles = rows.at[min(box.rowFirst + base + lane, box.rowLast)].angles.xy;
+          if (AZIMUTH_OFFSETS) azimuths = rows.at[min(box.rowFirst + base + lane, box.rowLast)].azimuths;
+        }
         loaded = base;
         uint stop = min(rowEnd, base + gl_SubgroupSize);
         for (; row < stop; row += height) {
           uint mine = row + (lane >> shift);
           vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
+          uint run = AZIMUTH_OFFSETS ? subgroupShuffle(azimuths, mine & (gl_SubgroupSize - 1)) : 0;
           // This is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
           if (LISTED) {
@@ -314,14 +330,12 @@ void tryTile(Tile tile) {
               beam = beamOf(azimuth, elevation.x, elevation.y);
               if (shifts) own = shifted(turned, laserOf(box.rowFirst + mine));
             } else {
-              beam = beamAt(box, k, box.rowFirst + mine, elevation, index);
-              if (MOTION) {
-                // Because of the row's offset the beam may belong to another column than the grid column.
-                if (AZIMUTH_OFFSETS) ofBeam = seenFrom(tile.triangle, tile.slot, index % frame.columns);
-                ofBeam = seenFrom(ofBeam, rowOf(index), beam.azimuth);
+              beam = beamOf(columns.at[run + column], elevation.x, elevation.y);
+              if (APART) {
+                ofBeam = seenFrom(tile.triangle, tile.slot, column, box.rowFirst + mine, beam.azimuth);
                 ready = prepare(ofBeam);
               }
-              own = turnedFrom(ofBeam, rowOf(index), beam.azimuth);
+              own = turnedFrom(ofBeam, box.rowFirst + mine, beam.azimuth);
             }
             tryBeam(ofBeam, ready, own, beam, index, tile.slot);
           }

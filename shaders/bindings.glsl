@@ -42,7 +42,7 @@ Frame frame = frameAt.at[0];
 #endif
 MotionBounds motion;  // copied by loadMotion() for the same reason; a scan without motion has no such array
 void loadMotion() {
-  if (MOTION) motion = motionAt.at[0];
+  if (APART) motion = motionAt.at[0];
 }
 #define counters countersAt.at[0]
 #define shells shellsAt.at[0]

@@ -101,14 +101,22 @@ bool coverRows(Outline outline, inout Box box) {
 
 uint boxRowCount(Box box) { return box.rowLast - box.rowFirst + 1; }
 
-// Returns the first column of the box, not yet wrapped. A beam may lie in the box although its column lies just before
-// it.
-int firstColumn(Box box) { return int(ceil(box.columnMin)) - (BESIDE_COLUMNS ? 1 : 0); }
+// Returns the first column of the box, not yet wrapped. A beam may lie in the box although its column lies before it.
+int firstColumn(Box box) { return int(ceil(box.columnMin - BESIDE)); }
 
 // Returns the number of columns that the box covers, at most all of them. It is counted in integers because floats
 // above 2^24 cannot represent every whole number.
 uint boxColumnCount(Box box) {
   return uint(min(max(int(floor(box.columnMax)) + 1 - firstColumn(box), 0), int(frame.columns)));
+}
+
+// Returns by how many columns the beams of a row that lie in a box are behind their places, at least and at most.
+vec2 behindIn(uint row, Box box) {
+  if (!AZIMUTH_OFFSETS) return vec2(0.0);
+  uint beam = wrapColumn(int(wrapColumn(firstColumn(box))) - rows.at[row].first), end = beam + boxColumnCount(box);
+  // A box may hold the end and the start of a row.
+  bool wraps = end > frame.columns;
+  return rows.at[row].behind + frame.stretch * vec2(wraps ? 0.0 : float(beam), wraps ? float(frame.columns) : float(end));
 }
 
 // True if a box has so few beams that one invocation tries them all; a subgroup shares the beams of a larger box.

@@ -30,7 +30,7 @@ Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
   float blur = blurOf(triangle, prepared, vec3(length(a), length(b), length(c)));
   // The derivative of the tangent by the elevation key is (1 + tangent)^2.
   float slope = (1.1 + steepest) * (1.1 + steepest), key = steepest / (1.0 + steepest);
-  result.slackUp = slope * (kKeySlack + blur) + 0.14 * span * span * steepest;
+  result.slackUp = slope * (kKeySlack + blur + seemingUp) + 0.14 * span * span * steepest;
   float start = columnAt(azimuthOf(a.y, a.x)) - box.columnMin;
   result.across = vec3(start, start + angle.x * frame.columnsPerRadian, start + angle.y * frame.columnsPerRadian);
   // The difference of two column numbers is rounded; the arc tangent's third term adds to that.

@@ -96,21 +96,19 @@ Window windowOf(vec3 low, vec3 high) {
 }
 
 // Returns the first column of a window and the column after its last one. If the window continues behind the sensor's
-// last column with column 0, the second number is larger than the number of columns. If rows have azimuth offsets, the
-// two numbers include the columns of every row.
+// last column with column 0, the second number is larger than the number of columns.
 uvec2 columnsOf(Window window) {
-  int unwrapped = int(ceil(window.from - frame.shiftMax));
+  int unwrapped = int(ceil(window.from - BESIDE));
   uint from = wrapColumn(unwrapped);
-  return uvec2(from, uint(int(floor(window.to - frame.shiftMin)) + int(from) - unwrapped + 1));
+  return uvec2(from, uint(int(floor(window.to)) + int(from) - unwrapped + 1));
 }
 
-// True if a window has at most `most` beams, and they lie in the same columns of each row. If rows have azimuth
-// offsets, the columns differ, and this is false. It is also false if NaN bounds of a box have led to a column that
-// does not exist.
+// True if a window has at most `most` beams, all in places of a grid. It is false if NaN bounds of a box have led to a
+// column that does not exist.
 bool hasFewBeams(Window window, uint most) {
   uvec2 span = columnsOf(window);
   uint columnCount = span.y - span.x;
-  return !BESIDE_COLUMNS && span.x < frame.columns && columnCount <= most &&
+  return !LISTED && span.x < frame.columns && columnCount <= most &&
          columnCount * (window.end - window.first) <= most;
 }
 
@@ -155,22 +153,11 @@ bool occluded(Window window, float nearest) {
   return false;
 }
 
-// Sets the angles by which the contents of a box appear to move if seen from lasers away from the sensor's origin. A
-// laser that is forward of the origin sees an object in the same azimuth, and hardly higher or lower if the object is
-// near the horizon.
-void seemFromLasers(vec3 low, vec3 high) {
-  float distance = nearestPoint(low, high), rest = max(distance - motion.origins, 0.0);
-  float steep = min(max(abs(low.z), abs(high.z)) / max(distance, 1e-6), 1.0);
-  seeming = seemingAngle(motion.origins, 0.0, distance);
-  seemingAcross = seemingAngle(motion.left, 0.0, rest);
-  seemingUp = seemingAngle(motion.up + (motion.forward + motion.left) * steep, 0.0, rest);
-}
-
 // Comparisons with NaN are false, so a box with NaN bounds is not culled.
 bool outOfSight(vec3 low, vec3 high) {
   float nearest = nearestPoint(low, high);
-  if (MOTION) {
-    if (motion.sensor == 0)
+  if (APART) {
+    if (!MOTION || motion.sensor == 0)
       seemFromLasers(low, high);
     else
       setSeeming(seemingAngle(motion.shift, motion.turn, nearest));

@@ -51,7 +51,7 @@ void storeReturn(uint j, Return value);
 VolumeBox loadVolume(uint i) {
   VolumeBox box = volumes.at[i];
   if (MOTION) {
-    ColumnMotion at = columnMotionOf(columnIndex);
+    ColumnMotion at = columnMotionOf(rowIndex, columnIndex);
     vec3 laser = originOf(rowIndex, beamAzimuth);
     box.row0 = seenPlane(at, laser, box.row0);
     box.row1 = seenPlane(at, laser, box.row1);
@@ -73,7 +73,7 @@ Echo loadEcho(uint k) {
   float energy = 1.0, cosIncidence = 1.0;
   if (LOOKS_AT_MATERIALS) {
     vec3 direction = lightDirection;
-    if (MOTION) direction = reportedDirection(columnIndex, direction);
+    if (MOTION) direction = reportedDirection(rowIndex, columnIndex, direction);
     cosIncidence = min(abs(dotOf(hitSurface.normal, direction)), 1.0);
     energy = reflected(optics.at[hitSurface.material], cosIncidence);
   }
@@ -95,7 +95,7 @@ void storeMotion(uint at, uvec2 owner, float range) {
   vec3 velocity = vec3(0.0);
   float radial = 0.0;
   if (MOTION) {
-    ColumnMotion now = columnMotionOf(columnIndex);
+    ColumnMotion now = columnMotionOf(rowIndex, columnIndex);
     vec3 point = beamDirection * range + originOf(rowIndex, beamAzimuth);
     if (owner.x != kNone && motion.instances != 0) {
       InstanceMotion moving = instanceMotions.at[owner.y];
@@ -105,7 +105,7 @@ void storeMotion(uint at, uvec2 owner, float range) {
         velocity = velocityAt(moving, now, point);
     }
     radial = radialSpeed(beamDirection, velocity, now.velocity.xyz);
-    velocity = reportedDirection(columnIndex, velocity);
+    velocity = reportedDirection(rowIndex, columnIndex, velocity);
   }
   motions.at[at] = vec4(velocity, owner.x != kNone ? radial : notANumber());
 }

@@ -240,7 +240,7 @@ void storeEcho(uint slot, vec3 echo, uint projected, vec2 azimuth) {
   if ((FIELDS & kFieldSurface) != 0) {
     Triangle triangle = triangleAt(projected, azimuth);
     vec3 normal = normalOf(triangle.a, triangle.b, triangle.c);
-    if (MOTION) normal = reportedDirection(beamColumn, normal);
+    if (MOTION) normal = reportedDirection(beamRow, beamColumn, normal);
     echoSurfaces.at[slot] = SurfaceRecord(normal, projectedMaterials.at[projected]);
   }
 }

@@ -104,7 +104,7 @@ Surface surfaceOfHit(uint pane, uint id) {
   Surface surface;
   surface.corners = Corners(triangle.a - laser, triangle.b - laser, triangle.c - laser);
   surface.normal = normalOf(surface.corners);
-  if (MOTION) surface.normal = reportedDirection(beamColumn, surface.normal);
+  if (MOTION) surface.normal = reportedDirection(beamRow, beamColumn, surface.normal);
   surface.material = projectedMaterials.at[pane];
   return surface;
 }
@@ -180,7 +180,7 @@ void main() {
     axis = beamWith(beamIndex);
     direction = axis.direction;
     if ((EFFECTS & kStrays) != 0) direction = strayed(axis, strays.at[beamIndex]);
-    if (MOTION) direction = reportedDirection(beamColumn, direction);
+    if (MOTION) direction = reportedDirection(beamRow, beamColumn, direction);
     follow();
     gatherEchoes(numberOf(beamIndex));
   }

@@ -65,7 +65,7 @@ bool meetRounded(Triangle triangle, Prepared prepared, Turned turned, Beam beam,
   } else {
     side = INSIDE == kInsidePlain ? plainSides(prepared.normals, beam.direction)
                                   : watertightSides(turned, beam.cosElevation, beam.sinElevation);
-    if (MOTION && INSIDE == kInsideWatertight &&
+    if (APART && INSIDE == kInsideWatertight &&
         !surrounds(turned.q, aboveBeam(turned, beam.cosElevation, beam.sinElevation)))
       return false;
   }

@@ -53,5 +53,5 @@ vec3 strayedSides(Turned turned, float cosElevation, float sinElevation, vec2 st
   precise vec3 q = turned.q - stray.x * depth;
   precise vec3 w = above - stray.y * depth;
   precise vec3 side = q.yzx * w.zxy - w.yzx * q.zxy;
-  return !MOTION || surrounds(q, w) ? side : vec3(1.0, -1.0, 0.0);  // two signs are no hit
+  return !APART || surrounds(q, w) ? side : vec3(1.0, -1.0, 0.0);  // two signs are no hit
 }

@@ -33,6 +33,15 @@ GNO_INLINE ColumnMotion motionBetween(ColumnMotion a, ColumnMotion b, float shar
   return at;
 }
 
+// Returns the entry of the table of poses at which the beam in a place of a row fires, between two entries. `first` and
+// `lag` are the row's.
+GNO_INLINE float momentOf(int first, float lag, uint column, uint columns) {
+  int beam = int(column) - first;
+  beam = beam < 0 ? beam + int(columns) : beam;
+  beam = beam >= int(columns) ? beam - int(columns) : beam;
+  return float(beam) + lag;
+}
+
 // Returns the position of a laser: its origin in the head, rotated to the beam's azimuth.
 GNO_INLINE vec3 laserAt(vec3 origin, vec2 azimuth) {
   GNO_PRECISE vec3 turned =

@@ -29,16 +29,17 @@ ColumnMotion columnMotionAt(float place) {
   return motionBetween(columnMotions.at[before], columnMotions.at[before + 1], place - float(before));
 }
 
-// Returns the sensor when a column fires. Beams of a list fire at any time, between two entries of the table, which are
-// so close that a straight line joins them.
-ColumnMotion columnMotionOf(uint column) {
-  if (!LISTED) return columnMotions.at[column];
-  return columnMotionAt(beamOrigins.at[column].w);
+// Returns the sensor when the beam in a column of a row fires. Beams of a list, and those of rows with shifts, fire
+// between two entries of the table, which are so close that a straight line joins them.
+ColumnMotion columnMotionOf(uint row, uint column) {
+  if (LISTED) return columnMotionAt(beamOrigins.at[column].w);
+  if (STAGGERED) return columnMotionAt(momentOf(rows.at[row].first, rows.at[row].lag, column, frame.columns));
+  return columnMotions.at[column];
 }
 
-// Returns the sensor at a place in its table; for a grid it is rounded down to a column.
+// Returns the sensor at a place in its table. For a grid places are columns, and rounded down.
 ColumnMotion columnMotionOfPlace(float place) {
-  if (!LISTED) return columnMotions.at[uint(place)];
+  if (!LISTED) return columnMotions.at[uint(int(floor(place)) + int(frame.momentsBefore))];
   return columnMotionAt(place);
 }
 
@@ -52,7 +53,8 @@ vec3 originOf(uint row, vec2 azimuth) {
 
 // Returns the point at a range along a beam, in the frame that points are reported in.
 vec3 reported(uint column, uint row, vec2 azimuth, vec3 direction, float range) {
-  return reportedPoint(columnMotionOf(column), originOf(row, azimuth), direction, range);
+  if (STAGGERED && motion.sensor == 0) return reportedPoint(columnMotions.at[0], originOf(row, azimuth), direction, range);
+  return reportedPoint(columnMotionOf(row, column), originOf(row, azimuth), direction, range);
 }
 
 // Returns the largest angle, in radians, by which an object at least `distance` away appears to move while the sensor
@@ -65,8 +67,8 @@ float seemingAngle(float shift, float turn, float distance) {
 }
 
 // Transforms a direction from the column's frame to the frame that points are reported in.
-vec3 reportedDirection(uint column, vec3 direction) {
-  ColumnMotion at = columnMotionOf(column);
+vec3 reportedDirection(uint row, uint column, vec3 direction) {
+  ColumnMotion at = columnMotionOf(row, column);
   return rotated(at.report0, at.report1, at.report2, direction);
 }
 

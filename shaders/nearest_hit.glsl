@@ -22,10 +22,11 @@ struct Walk {
   uint row, k;       // the next beam of a grid; for a list the next cell
   uint kEnd;         // of a grid: the end of the row's columns in which beams may hit; k if the row is not entered yet
   vec2 angles;       // of a grid: cosine and sine of the row's elevation
+  uint azimuths;     // where the row's run of `columns` begins
   uint index, end;   // of a list: the beams of cells before that are left
 };
 
-Walk walkOf(Box box) { return Walk(box.rowFirst, 0, 0, vec2(0.0), 0, 0); }
+Walk walkOf(Box box) { return Walk(box.rowFirst, 0, 0, vec2(0.0), 0, 0, 0); }
 
 // Finds the run of cells from the walk's cell on that lie in one row and do not wrap, and moves on behind it.
 void enterCells(Box box, uint columnCount, inout Walk walk) {
@@ -39,25 +40,24 @@ void enterCells(Box box, uint columnCount, inout Walk walk) {
 // Finds the columns of the walk's row whose beams may hit.
 void enterRow(Box box, uint columnCount, Silhouette silhouette, inout Walk walk) {
   walk.angles = rows.at[walk.row].angles.xy;
+  walk.azimuths = AZIMUTH_OFFSETS ? rows.at[walk.row].azimuths : 0;
   walk.k = 0;
   walk.kEnd = columnCount;
   if (!silhouette.known) return;
   vec2 between = columnsBetween(silhouette, walk.angles.y / walk.angles.x);
   float first = float(firstColumn(box)) - box.columnMin;
-  int from = int(ceil(between.x - first)) - (BESIDE_COLUMNS ? 1 : 0), to = int(floor(between.y - first)) + 1;
+  vec2 behind = behindIn(walk.row, box);
+  int from = int(ceil(between.x - first - behind.y)), to = int(floor(between.y - first - behind.x)) + 1;
   walk.k = uint(min(max(from, 0), int(columnCount)));
   walk.kEnd = uint(min(max(to, int(walk.k)), int(columnCount)));
 }
 
 // Returns the beam in the k-th column of a box and in a row, and the beam's index in `words`. `angles` are the cosine
-// and the sine of the row's elevation. If the row's azimuth offset is n columns, rounded down, its beam at a grid
-// column is beam number (grid column - n) of the row. So k counts grid columns in every row, and the slab that owns the
-// grid column owns the beam.
-Beam beamAt(Box box, uint k, uint row, vec2 angles, out uint index) {
-  vec4 offset = AZIMUTH_OFFSETS ? rows.at[row].offset : vec4(0.0);
-  uint column = wrapColumn(firstColumn(box) + int(k) - (AZIMUTH_OFFSETS ? int(floor(offset.z)) : 0));
+// and the sine of the row's elevation, and its azimuths begin at `azimuths`.
+Beam beamAt(Box box, uint k, uint row, vec2 angles, uint azimuths, out uint index) {
+  uint column = wrapColumn(firstColumn(box) + int(k));
   index = row * frame.columns + column;
-  return beamOf(azimuthOfBeam(columns.at[column], offset, AZIMUTH_OFFSETS, INSIDE == kInsideExact), angles.x, angles.y);
+  return beamOf(columns.at[azimuths + column], angles.x, angles.y);
 }
 
 bool ended(Box box, Walk walk) { return walk.row > box.rowLast && walk.index == walk.end; }
@@ -81,7 +81,7 @@ bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, o
   }
   if (walk.k == walk.kEnd) enterRow(box, columnCount, silhouette, walk);
   bool there = walk.k < walk.kEnd;  // all lanes load a beam, because loads in divergent branches cost more
-  beam = beamAt(box, min(walk.k, columnCount - 1), walk.row, walk.angles, index);
+  beam = beamAt(box, min(walk.k, columnCount - 1), walk.row, walk.angles, walk.azimuths, index);
   walk.k += there ? 1 : 0;
   if (walk.k == walk.kEnd) {
     walk.k = walk.kEnd = 0;

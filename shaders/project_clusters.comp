@@ -64,13 +64,13 @@ bool seen(uint number, Instance instance, Deformer deformer, uint cluster) {
   float nearest = nearestPoint(low, high);
   bool inShell = !(nearest < shellMin) && !(nearest >= shellMax);
   // The cone is tested last because then most clusters do not have to load it.
-  return inShell && !outOfSight(low, high) && (MOTION || deformed || !showsItsBack(instance, cluster));
+  return inShell && !outOfSight(low, high) && (APART || deformed || !showsItsBack(instance, cluster));
 }
 
 // Records the rows that the part of a box beyond this shell may cover. The farthest-range table is computed only for
 // these rows.
 void noteLater(vec3 low, vec3 high, inout uvec2 later) {
-  if (MOTION) setSeeming(seemingAngle(motion.shift, motion.turn, shellMax));  // bounds all content beyond the shell
+  if (APART) setSeeming(seemingAngle(motion.shift, motion.turn, shellMax));  // bounds all content beyond the shell
   float keyMin, keyMax;
   coverKeys(low, high, shellMax, keyMin, keyMax);
   uint first, end;

@@ -42,23 +42,28 @@ vec2 placesOf(uint from, uint to) {
   bool whole = to - from + 1 == frame.columns;
   if (LISTED) return whole ? vec2(0.0, 2.0 * motion.columnsToMiddle) : placesWithin(from, to - from + 1);
   vec2 places = vec2(float(from), float(to));
-  if (!AZIMUTH_OFFSETS) return places;
-  // A row with an azimuth offset looks at these columns earlier or later, and perhaps at the other end of the scan.
-  places = vec2(places.x - floor(frame.shiftMax), places.y - floor(frame.shiftMin));
+  if (!STAGGERED) return places;
+  // A row with a shift looks at these columns earlier or later, and perhaps at the other end of the scan.
+  places = vec2(places.x - frame.shiftMax, places.y - frame.shiftMin);
   bool wraps = places.x < 0.0 || places.y > float(frame.columns - 1);
-  return whole || wraps ? vec2(0.0, float(frame.columns - 1)) : places;
+  if (whole || wraps) return vec2(-float(frame.momentsBefore), float(frame.columns - 1 + frame.momentsAfter));
+  return places;
 }
 
 // Returns how many places lie between the middle of two and each of them; the rest covers rounding.
-float reachOf(vec2 places) { return 0.5 * (places.y - places.x) + (LISTED ? 0.01 : 0.5); }
+float reachOf(vec2 places) {
+  return 0.5 * (places.y - places.x) + (LISTED ? 0.01 : STAGGERED ? 1.0 : 0.5);
+}
 
 float areaOf(Outline outline, Box box) { return (box.columnMax - box.columnMin) * (outline.keyMax - outline.keyMin); }
 
 // Cuts a box down to the columns of an interval. The box of a whole scan may wrap.
 void cutColumns(Interval interval, inout Box box) {
   float turnColumns = float(frame.columns), beside = BESIDE_COLUMNS ? 0.5 : 0.0;
+  // With this lower end the first column of the box is that of the interval, or at most one before it.
+  float lower = BESIDE_COLUMNS ? clamp(BESIDE - 0.5, 0.0, 0.5) : 0.0;
   if (interval.to - interval.from + 1 == frame.columns) return;
-  float low = float(interval.from) + beside, high = float(interval.to) + beside;
+  float low = float(interval.from) + lower, high = float(interval.to) + beside;
   float wrap = floor((high + beside - box.columnMin) / turnColumns) * turnColumns;
   vec2 span = vec2(box.columnMin, box.columnMax) + wrap;  // it begins at most one turn before the interval ends
   bool any = span.y >= float(interval.from), twice = span.y - turnColumns >= float(interval.from);
@@ -72,8 +77,8 @@ bool repaysDivision(Interval interval, Box box, float reach) {
   if (columnCount * boxRowCount(box) <= kFewIntervalBeams || count <= frame.columns / kMostIntervals || count == 1 ||
       frame.columns > kMostExactColumns)
     return false;
-  if (!BESIDE_COLUMNS) return true;
-  // Beams of a list that lie side by side may fire at any time.
+  if (!LISTED && !STAGGERED) return true;
+  // Beams that lie side by side may fire at any time.
   uint middle = wrapColumn(firstColumn(box) + int(columnCount / 2));
   return reachOf(placesOf(middle, middle)) < 0.75 * reach;
 }

@@ -4,18 +4,8 @@
 // other columns of its box fire. A triangle that moves fast around the sensor, because it is near, or that both the
 // start and the end of the scan may see, is bounded for intervals of the scan, and has a box for each.
 
-// True if all lasers see a triangle from one place and always in the same place.
-bool atRest(bool moves) { return !moves && motion.sensor == 0 && motion.origins == 0.0; }
-
-// True if neither motion nor rounding can change the side. In the frames of the columns each corner is up to `shift`
-// elsewhere and rounded anew, by up to 6e-7 of its distance. Both edges change by that and by their share `bend`.
-bool facesAwayThroughout(vec3 a, vec3 b, vec3 c, float shift, float bend) {
-  vec3 u = b - a, v = c - a, normal = cross(u, v);
-  float distance = max(max(length(a), length(b)), length(c)) + shift, lengthU = length(u), lengthV = length(v);
-  float changeU = bend * lengthU + 1.2e-6 * distance, changeV = bend * lengthV + 1.2e-6 * distance;
-  float turned = lengthU * changeV + lengthV * changeU + changeU * changeV;  // the most by which the normal changes
-  return dot(normal, a) > distance * (2e-6 * lengthU * lengthV + 1.00001 * turned) + 1.00001 * length(normal) * shift;
-}
+// True if all lasers see a triangle always in the same place.
+bool atRest(bool moves) { return !moves && motion.sensor == 0; }
 
 // As culledEarly(); `bound` is that of the triangle's instance.
 uint culledMoving(vec3 a, vec3 b, vec3 c, bool oneSided, vec2 bound) {
@@ -68,14 +58,20 @@ void widenBy(float angle, inout Outline outline, inout Box box) {
   outline.keyMax += angle;
 }
 
+// Returns the place of a point's azimuth among the columns, not less than that of the first.
+float placeOf(vec3 p) {
+  float place = columnAt(azimuthOf(p.y, p.x));
+  return place < 0.0 ? place + float(frame.columns) : place;
+}
+
 // Returns the column that sees the middle of a triangle, or one near it.
 uint seeingColumn(mat3 corners, mat3 velocities) {
   float last = float(frame.columns - 1);
   vec3 middle = (corners[0] + corners[1] + corners[2]) * (1.0 / 3.0);
-  uint at = uint(clamp(columnAt(azimuthOf(middle.y, middle.x)), 0.0, last));
+  uint at = uint(clamp(placeOf(middle), 0.0, last));
   // The column is computed a second time, with the triangle's position at the time of the first estimate.
-  middle = inColumn(columnMotions.at[at], middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
-  return uint(clamp(columnAt(azimuthOf(middle.y, middle.x)), 0.0, last));
+  middle = inColumn(columnMotionOfPlace(float(at)), middle, (velocities[0] + velocities[1] + velocities[2]) * (1.0 / 3.0));
+  return uint(clamp(placeOf(middle), 0.0, last));
 }
 
 // Widens the bounds of a triangle that were found in the frame of column `at`, a column near the triangle. The box's
@@ -93,8 +89,8 @@ bool widenByMotion(uint at, Course course, inout Outline outline, inout Box box)
   float ratio = perColumn * inverse * frame.columnsPerRadian * 1.05;
   if (!(ratio < 0.5)) return false;
   float reach = max(abs(box.columnMin - float(at)), abs(box.columnMax - float(at))) + 1.0;
-  // A row with an azimuth offset looks in that direction with an earlier or later column.
-  if (AZIMUTH_OFFSETS) reach += max(abs(frame.shiftMin), abs(frame.shiftMax));
+  // Rows with shifts look in that direction earlier or later.
+  if (STAGGERED) reach += max(abs(frame.shiftMin), abs(frame.shiftMax));
   float columnsAway = reach / (1.0 - ratio);
   float angle = perColumn * columnsAway + seemingAngle(motion.origins + course.rounding, 0.0, course.nearest);
   if (angle > 0.25) return false;
@@ -102,8 +98,8 @@ bool widenByMotion(uint at, Course course, inout Outline outline, inout Box box)
   // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
   float apart = seemingAngle(2.0 * course.shift, 2.0 * motion.turn, course.nearest);
   float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
-  vec2 shifts = AZIMUTH_OFFSETS ? vec2(frame.shiftMin, frame.shiftMax) : vec2(0.0);
-  return box.columnMin >= margin + shifts.y && box.columnMax <= turnColumns - 1.0 - margin + shifts.x;
+  vec2 shifts = STAGGERED ? vec2(frame.shiftMin, frame.shiftMax) : vec2(0.0);
+  return box.columnMin >= margin + shifts.y + BESIDE && box.columnMax <= turnColumns - 1.0 - margin + shifts.x;
 }
 
 #include "project_intervals.glsl"
@@ -118,7 +114,7 @@ uint fateIn(Outline outline, float rangeMin, inout Box box) {
 uint movingBox(mat3 corners, mat3 velocities, bool moves, inout Interval interval, out Box box, out float rangeMin) {
   Interval part = interval;
   interval = noInterval();
-  if (!moves && motion.sensor == 0) {
+  if (!MOTION || (!moves && motion.sensor == 0)) {
     vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
     rangeMin = max(nearestPoint(low, high) - motion.shift, 0.0);
     if (rangeMin > frame.rangeMax) return kRange;

@@ -49,7 +49,7 @@ struct Projected {
   vec4 b;
   TaggedCorner c;
   TextureCorners inTexture;  // only with cut-outs
-  mat3 velocities;           // of the corners; only with motion, as is the next one
+  mat3 velocities;           // of the corners; only with motion or origins, as is the next one
   bool moves;                // the triangle itself
 };
 
@@ -72,9 +72,17 @@ bool hidden(Box box, float rangeMin) {
          occluded(Window(box.rowFirst, box.rowLast + 1, box.columnMin, box.columnMax), rangeMin);
 }
 
-// True if a box of few rows has cells of a list, but no beam lies in them.
+// True if no beam lies in a box of few rows, although it has cells of a list, or columns between which rows look.
 bool withoutBeams(Box box) {
-  if (!LISTED || boxRowCount(box) > kFewRows) return false;
+  if (!BESIDE_COLUMNS || boxRowCount(box) > kFewRows) return false;
+  if (!LISTED) {
+    bool any = false;
+    for (uint row = box.rowFirst; row <= box.rowLast; ++row) {
+      vec2 behind = behindIn(row, box);
+      any = any || ceil(box.columnMin - behind.y) <= floor(box.columnMax - behind.x);
+    }
+    return !any;
+  }
   uint first = wrapColumn(firstColumn(box)), end = first + boxColumnCount(box), beams = 0;
   for (uint row = box.rowFirst; row <= box.rowLast; ++row) {
     uint cell = row * frame.columns;
@@ -113,12 +121,27 @@ bool coverNarrowColumns(vec3 a, vec3 b, vec3 c, Outline outline, inout Box box) 
   return !betweenColumns(box.columnMin, box.columnMax);
 }
 
+// True if neither motion nor rounding can change the side. In the frames of the columns each corner is up to `shift`
+// elsewhere and rounded anew, by up to 6e-7 of its distance. Both edges change by that and by their share `bend`.
+bool facesAwayThroughout(vec3 a, vec3 b, vec3 c, float shift, float bend) {
+  vec3 u = b - a, v = c - a, normal = cross(u, v);
+  float distance = max(max(length(a), length(b)), length(c)) + shift, lengthU = length(u), lengthV = length(v);
+  float changeU = bend * lengthU + 1.2e-6 * distance, changeV = bend * lengthV + 1.2e-6 * distance;
+  float turned = lengthU * changeV + lengthV * changeU + changeU * changeV;  // the most by which the normal changes
+  return dot(normal, a) > distance * (2e-6 * lengthU * lengthV + 1.00001 * turned) + 1.00001 * length(normal) * shift;
+}
+
 // The culling tests that need no exact bounds. All lanes run all of them, because loads in divergent branches cost
 // more.
 uint culledEarly(vec3 a, vec3 b, vec3 c, bool oneSided) {
   vec3 low = min(min(a, b), c), high = max(max(a, b), c);
   float rangeMin = nearestPoint(low, high);
   uint fate = kKeep;
+  setSeeming(0.0);  // it is that of the last triangle
+  if (ORIGINS) {
+    seemFromLasers(low, high);
+    rangeMin = max(rangeMin - motion.shift, 0.0);
+  }
   // If one subgroup processes all triangles of a cluster at once, this extra test saves no time.
   if (BOUNDS == kBoundsExact && gl_SubgroupSize < kClusterTriangles) {
     Outline outline;
@@ -126,7 +149,8 @@ uint culledEarly(vec3 a, vec3 b, vec3 c, bool oneSided) {
     bool narrow = narrowOutline(a, b, c, rangeMin, outline);
     fate = narrow && !coverRows(outline, box) ? kBetween : kKeep;
   }
-  fate = oneSided && facesAway(a, b, c) ? kFace : fate;
+  bool away = ORIGINS ? facesAwayThroughout(a, b, c, motion.shift, 0.0) : facesAway(a, b, c);
+  fate = oneSided && away ? kFace : fate;
   return outOfRange(a, rangeMin) ? kRange : fate;
 }
 
@@ -171,7 +195,6 @@ uint cullOne(LoadedCluster loaded, mat3 corners) {
   if (MOTION && !atRest(loaded.bound.x > 0.0)) {
     if (BOUNDS != kBoundsPaper) fate = culledMoving(a, b, c, isOneSided(loaded), loaded.bound);
   } else if (BOUNDS != kBoundsPaper) {
-    setSeeming(0.0);  // it is that of the last triangle that moves
     fate = culledEarly(a, b, c, isOneSided(loaded));
   }
   // No beam hits a triangle that a deformation has reduced to a line.
@@ -203,7 +226,7 @@ Survivor survivorOf(LoadedCluster loaded, Vertices vertices, uint k) {
   survivor.material = loaded.material;
   survivor.view = VIEWS ? instanceViews.at[loaded.number] : 0;
   survivor.instance = loaded.number;
-  survivor.moves = loaded.bound.x > 0.0;
+  survivor.moves = MOTION && loaded.bound.x > 0.0;
   return survivor;
 }
 
@@ -211,10 +234,10 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
   vec3 a = survivor.corners[0], b = survivor.corners[1], c = survivor.corners[2];
   float rangeMin = nearestPoint(min(min(a, b), c), max(max(a, b), c));
   uint fate;
-  if (MOTION) {
+  if (APART) {
     projected.velocities = mat3(0.0);
     projected.moves = survivor.moves;
-    if (projected.moves) {
+    if (MOTION && projected.moves) {
       InstanceMotion moving = instanceMotions.at[survivor.instance];
       projected.velocities = mat3(vertexVelocity(moving, survivor.instance, a, survivor.cluster, survivor.vertices.x),
                                   vertexVelocity(moving, survivor.instance, b, survivor.cluster, survivor.vertices.y),
@@ -244,14 +267,21 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
 // project_clusters listed it, but since then this kernel has tried other triangles of the same shell. Each lane may ask
 // about another cluster.
 bool isHiddenByNow(uvec2 pair) {
-  bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && !MOTION;
+  bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && !MOTION && (!ORIGINS || SHIFTS_TURNED);
   if (!triesHere || (CULLING & kCullOccluded) == 0) return false;
   if (DEFORMED != kDeformsNothing && deformers.at[instanceMeshes.at[pair.x]].deformed != 0) return false;
   vec3 low, high;
   sensorBox(instances.at[pair.x], clusters.at[pair.y].low, clusters.at[pair.y].high, low, high);
   setView(pair.x);
+  float nearest = nearestPoint(low, high);
+  setSeeming(0.0);
+  if (ORIGINS) {
+    seemFromLasers(low, high);
+    nearest -= motion.shift;
+    if (seeming > 1.0 || !(nearest > 0.0)) return false;
+  }
   Window window = windowOf(low, high);
-  return hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearestPoint(low, high));
+  return hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearest);
 }
 
 // Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
@@ -296,7 +326,7 @@ uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, 
 
 // True if the beams of a box are tried here, instead of in stage bin, which needs panes.
 bool isTriedHere(Box box, Silhouette silhouette, uint material, bool moves) {
-  bool seenFromOnePlace = !MOTION || (SHIFTS_TURNED && motion.sensor == 0 && !moves);
+  bool seenFromOnePlace = (!MOTION || (motion.sensor == 0 && !moves)) && (!ORIGINS || SHIFTS_TURNED);
   bool few = BINNING == kBinningSlabs && silhouette.known && walkLength(silhouette, box) <= kTriedSteps;
   return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kFootprint) == 0 &&
          !(PANES && isPaneMaterial(material)) && (isSmall(box) || few);

@@ -4,7 +4,7 @@
 
 // Returns the angle by which a beam can miss a triangle and still count as a hit.
 float blurOf(Triangle triangle, Prepared prepared, vec3 far) {
-  float blur = 2e-6 + 1.001 * footprint();
+  float blur = 2e-6 + 1.001 * (SPREADS ? frame.footprint : 0.0);
   // The normal of an edge, a x b, has an error of 1e-7 |a| |b|, which tilts it by that error divided by its length.
   if (INSIDE == kInsidePlain) {
     vec3 sizes = vec3(length(prepared.normals.bc), length(prepared.normals.ca), length(prepared.normals.ab));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transforms a projected triangle to the frame of a laser of a moving sensor.
 
-// Transforms the triangle to the column's frame, at the time when the column fires.
-Triangle seenFrom(Triangle triangle, uint slot, uint column) {
-  if (!triangle.moves && motion.sensor == 0) return triangle;
-  ColumnMotion at = columnMotionOf(column);
+// Transforms the triangle to the frame of the sensor when the beam in a column of a row fires.
+Triangle seenFrom(Triangle triangle, uint slot, uint row, uint column) {
+  if (!MOTION || (!triangle.moves && motion.sensor == 0)) return triangle;
+  ColumnMotion at = columnMotionOf(row, column);
   if (triangle.moves) {
     triangle.a = inColumn(at, triangle.a, projectedMotions.at[3 * slot].xyz);
     triangle.b = inColumn(at, triangle.b, projectedMotions.at[3 * slot + 1].xyz);
@@ -23,7 +23,8 @@ Triangle seenFrom(Triangle triangle, uint slot, uint column) {
 
 // Moves the origin to the position of the row's laser in its head, unless turnedFrom() does.
 Triangle seenFrom(Triangle triangle, uint row, vec2 azimuth) {
-  if (SHIFTS_TURNED || motion.origins == 0.0) return triangle;
+  if (!ORIGINS) return triangle;
+  if (SHIFTS_TURNED) return triangle;
   vec3 origin = originOf(row, azimuth);
   triangle.a -= origin;
   triangle.b -= origin;
@@ -39,10 +40,10 @@ Turned shifted(Turned turned, vec3 laser) {
 // Turns a triangle that seenFrom() has returned to a beam of the row.
 Turned turnedFrom(Triangle seen, uint row, vec2 azimuth) {
   Turned turned = turn(seen, azimuth);
-  if (MOTION && SHIFTS_TURNED && motion.origins != 0.0) turned = shifted(turned, laserOf(row));
+  if (ORIGINS && SHIFTS_TURNED) turned = shifted(turned, laserOf(row));
   return turned;
 }
 
 Triangle seenFrom(Triangle triangle, uint slot, uint column, uint row, vec2 azimuth) {
-  return seenFrom(seenFrom(triangle, slot, column), row, azimuth);
+  return seenFrom(seenFrom(triangle, slot, row, column), row, azimuth);
 }

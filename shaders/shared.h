@@ -324,7 +324,11 @@ struct Frame {
   uint candidateCapacity;
   float paperFirstElevation;  // paper: elevation of row 0 in radians, and rows per radian
   float paperRowsPerRadian;
-  float shiftMin, shiftMax;                 // least and largest azimuth offset of a row, in columns
+  float shiftMin, shiftMax;                 // columns by which a row's beams fire earlier (less than 0) or later than
+                                            // those of their places: at least and at most
+  float beside;                             // columns by which beams lie behind their places, at most
+  uint momentsBefore, momentsAfter;         // entries of columnMotions before and behind those of the columns
+  float stretch;                            // by so many more each beam of a row than that before, in order of azimuth
   float footprint;                          // radians: largest angle by which a beam spreads or deviates from its axis
   uint slabShift;                           // a slab has 1 << slabShift columns and is owned by one subgroup
   uint cullWorkgroups, triangleWorkgroups;  // of a shell's dispatches, if there is work for them
@@ -343,7 +347,10 @@ struct Frame {
 struct Row {
   vec3 angles;  // cos and sin of the elevation, elevation key (see elevationKey())
   uint channel;
-  vec4 offset;  // cos and sin of the azimuth offset, the offset in columns, 0
+  uint azimuths;  // where its run of `columns` begins
+  int first;      // place of its first beam in order of azimuth; places wrap
+  float lag;      // entry of columnMotions of that beam, between two entries
+  float behind;   // columns by which that beam lies behind its place
 };
 
 // Counts of list entries and of triangles by result; read back with the results.
@@ -470,7 +477,7 @@ static_assert(sizeof(MotionBounds) == 76 && sizeof(VertexSource) == 40);
 static_assert(sizeof(TransformSource) == 104 && sizeof(TransformedInstance) == 36);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 116 &&
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 132 &&
               sizeof(Row) == 32);
 static_assert(sizeof(Counters) == 100 && sizeof(Pass) == 32 && sizeof(Shell) == 64);
 }  // namespace gnosphere::gpu

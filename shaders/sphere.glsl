@@ -60,12 +60,24 @@ float columnSlack(float keyMin, float keyMax) {
   return spread > 0.5 ? float(frame.columns) : (frame.columnSlack * inverse + spread * frame.columnsPerRadian);
 }
 
-// True if beams may lie between their grid column and the next one: rows have azimuth offsets, or cells hold the beams
-// of a list.
+// Sets the angles by which the contents of a box appear to move if seen from lasers away from the sensor's origin. A
+// laser that is forward of the origin sees an object in the same azimuth, and hardly higher or lower if the object is
+// near the horizon.
+void seemFromLasers(vec3 low, vec3 high) {
+  float distance = nearestPoint(low, high), rest = max(distance - motion.origins, 0.0);
+  float steep = min(max(abs(low.z), abs(high.z)) / max(distance, 1e-6), 1.0);
+  seeming = seemingAngle(motion.origins, 0.0, distance);
+  seemingAcross = seemingAngle(motion.left, 0.0, rest);
+  seemingUp = seemingAngle(motion.up + (motion.forward + motion.left) * steep, 0.0, rest);
+}
+
+// True if beams may lie behind the columns of their places: rows look between these, or cells hold the beams of a list.
 #define BESIDE_COLUMNS (AZIMUTH_OFFSETS || LISTED)
+// The most columns by which they lie behind.
+#define BESIDE (BESIDE_COLUMNS ? frame.beside : 0.0)
 
 // True if no beam lies between two columns.
-bool betweenColumns(float from, float to) { return !BESIDE_COLUMNS && ceil(from) > floor(to); }
+bool betweenColumns(float from, float to) { return ceil(from - BESIDE) > floor(to); }
 
 // Returns the place of an azimuth among the columns.
 float columnAt(float azimuth) { return (azimuth + kPi) * frame.columnsPerRadian - frame.phase; }

@@ -37,14 +37,14 @@ Corners velocitiesOf(InstanceMotion moving, uint instance, Corners t, uint clust
 
 // Returns the corners in the frame of the column when it fires, as seen from the laser.
 Corners seenFrom(Corners t, Corners velocities, uint column, uint row, vec2 azimuth) {
-  ColumnMotion at = columnMotionOf(column);
+  ColumnMotion at = columnMotionOf(row, column);
   vec3 origin = originOf(row, azimuth);
   return Corners(inColumn(at, t.a, velocities.a) - origin, inColumn(at, t.b, velocities.b) - origin,
                  inColumn(at, t.c, velocities.c) - origin);
 }
 
 Corners seenFrom(Corners t, uint column, uint row, vec2 azimuth) {
-  ColumnMotion at = columnMotionOf(column);
+  ColumnMotion at = columnMotionOf(row, column);
   vec3 origin = originOf(row, azimuth);
   return Corners(inColumn(at, t.a) - origin, inColumn(at, t.b) - origin, inColumn(at, t.c) - origin);
 }
@@ -93,7 +93,7 @@ Surface surfaceOf(uint index, uvec2 owner) {
     }
   }
   surface.normal = normalOf(surface.corners);
-  if (MOTION) surface.normal = reportedDirection(columnOf(index), surface.normal);
+  if (MOTION) surface.normal = reportedDirection(rowOf(index), columnOf(index), surface.normal);
   surface.material = clusters.at[cluster].material;
   return surface;
 }

@@ -170,7 +170,9 @@ TEST_CASE("every kernel is a valid module with any options") {
       for (uint32_t* part : {&options.BOUNDS, &options.CULL, &options.INSIDE, &options.RANGE, &options.FACES,
                              &options.BINNING, &options.PASS})
         *part %= 4;
-      for (uint32_t* flag : {&options.AZIMUTH_OFFSETS, &options.MOTION, &options.LISTED, &options.MAPPED}) *flag %= 2;
+      for (uint32_t* flag : {&options.AZIMUTH_OFFSETS, &options.MOTION, &options.LISTED, &options.MAPPED,
+                             &options.ORIGINS, &options.STAGGERED})
+        *flag %= 2;
       options.LAYERS = options.LAYERS % 4 + 1, options.RETURNS = options.RETURNS % 6 + 1;
       options.RAYS = placesFor(options.RAYS % 64);
       INFO(file << ", " << i);

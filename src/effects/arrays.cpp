@@ -15,15 +15,6 @@ EffectsArray table(gpu::Array array, const std::vector<T>& content) {
   return {array, bytes.size(), {bytes.begin(), bytes.end()}};
 }
 
-std::vector<gpu::vec4> rowOrigins(const SensorPlan& plan, std::span<const gpu::Row> rows) {
-  std::vector<gpu::vec4> origins;
-  for (const gpu::Row& row : rows) {
-    const Vec3& origin = plan.sensor.channels[row.channel].origin;
-    origins.push_back({static_cast<float>(origin.x), static_cast<float>(origin.y), static_cast<float>(origin.z), 0});
-  }
-  return origins;
-}
-
 // A module may have more entries than the footprint has sub-rays; the surplus entries get weight 0.
 std::vector<gpu::vec4> subRayLines(const SensorPlan& plan) {
   std::vector<gpu::vec4> lines;
@@ -35,12 +26,11 @@ std::vector<gpu::vec4> subRayLines(const SensorPlan& plan) {
 
 }  // namespace
 
-std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const gpu::Row> rows, uint64_t beams) {
+std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams) {
   std::vector<EffectsArray> arrays;
   const auto addRoom = [&](gpu::Array array, uint64_t bytesPerBeam) {
     arrays.push_back({array, beams * bytesPerBeam, {}});
   };
-  if (plan.motion() && !plan.listed) arrays.push_back(table(gpu::Array::rowOrigins, rowOrigins(plan, rows)));
   if (plan.footprint()) arrays.push_back(table(gpu::Array::subRays, subRayLines(plan)));
   if (plan.footprint() || plan.panes()) {
     addRoom(gpu::Array::hardBeams, sizeof(uint32_t));

@@ -19,9 +19,9 @@ struct EffectsArray {
   std::vector<std::byte> content;  ///< `bytes` bytes, or empty
 };
 
-/// Arrays that live as long as the sensor, without the outputs. `rows` is as makeBeamTables() orders the channels,
-/// `beams` the number of entries of arrays with one per beam.
-std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, std::span<const gpu::Row> rows, uint64_t beams);
+/// Arrays that live as long as the sensor, without the outputs. `beams` is the number of entries of arrays with one per
+/// beam.
+std::vector<EffectsArray> lastingArrays(const SensorPlan& plan, uint64_t beams);
 /// Arrays sized by `count` projected triangles.
 std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count);
 /// Arrays that are written anew for each scan. `motion` is null for a scan without motion.

@@ -64,9 +64,8 @@ Drift driftOf(const std::vector<glm::dvec3>& places, double toMiddle) {
 
 }  // namespace
 
-MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBounds& lasers, const Shot& shot,
-                              bool moves, bool deskew) {
-  const ScanTimes times = scanTimesOf(sensor, listed, shot.frame);
+MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers, const Shot& shot, bool moves,
+                              bool deskew) {
   const auto poseOf = [&](double time) { return moves ? poseAt(shot.motion, shot.pose, time) : shot.pose; };
   MotionTables tables;
   tables.middle = movedTo(lasers.centre, poseOf(times.middle));
@@ -75,8 +74,9 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBou
   std::vector<glm::dvec3> places;  // relative to the middle
   Frame before = middle, now = middle;
   gpu::ColumnMotion column = {};
-  for (uint32_t i = 0; i < times.count; ++i) {
-    const double time = listed ? times.first + i * times.step : sensor.rotationPeriod * i / sensor.columns;
+  tables.columns.reserve(times.count);
+  for (uint32_t i = 0; i < times.used; ++i) {
+    const double time = times.at(i);
     if (moves || i == 0) {
       const Pose pose = poseOf(time);
       now = Frame(movedTo(lasers.centre, pose));
@@ -88,6 +88,7 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBou
     column.velocity = {static_cast<float>(velocity.x), static_cast<float>(velocity.y), static_cast<float>(velocity.z),
                        static_cast<float>(time)};
     tables.columns.push_back(column);
+    if (!moves && i > 0) continue;
     shift = std::max(shift, glm::length(now.place - middle.place));
     turn = std::max(turn, angleBetween(now, middle));
     if (i > 0) {
@@ -97,7 +98,8 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBou
     places.push_back(now.place - middle.place);
     before = now;
   }
-  const double toMiddle = 0.5 * (listed ? times.count - 2 : times.count);
+  tables.columns.resize(times.count, column);
+  const double toMiddle = times.halfway;
   const Drift drift = driftOf(places, toMiddle);
   const glm::dvec3 perColumn = glm::transpose(middle.turn) * drift.perColumn;
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
@@ -109,12 +111,12 @@ MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBou
                    up(lasers.forward),
                    up(lasers.left),
                    up(lasers.up),
-                   up(times.step),
-                   up(std::max(times.last, -times.first)),
+                   up(std::abs(times.step)),
+                   up(std::max(times.last, -times.earliest)),
                    0,
                    moves && !shot.motion.stamps.empty(),
                    static_cast<float>(times.middle),
-                   static_cast<float>(toMiddle),
+                   static_cast<float>(std::max(toMiddle, times.used - 2 - toMiddle)),
                    glm::vec3(perColumn),
                    up(drift.wander),
                    up(drift.wanderPerColumn)};

@@ -19,8 +19,7 @@ struct MotionTables {
 /// Computes the tables. If `moves`, the sensor moves by Shot::motion; otherwise only lasers away from the origin and
 /// moving instances count as motion. With `deskew` points are reported in the frame of the shot's pose. All else is
 /// seen from the lasers' centre.
-/// `listed` tells that the moments of the table are not those of the columns, see ScanTimes.
-MotionTables makeMotionTables(const Sensor& sensor, bool listed, const OriginBounds& lasers, const Shot& shot,
-                              bool moves, bool deskew);
+MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers, const Shot& shot, bool moves,
+                              bool deskew);
 
 }  // namespace gnosphere

@@ -10,6 +10,7 @@
 #include "gnosphere/plan.hpp"
 #include "gnosphere/simulator.hpp"
 #include "sensor/beams.hpp"
+#include "sensor/row_grid.hpp"
 
 namespace gnosphere {
 
@@ -34,6 +35,7 @@ struct SensorPlan {
   uint32_t returns = 1;           ///< per beam
   RecordLayout layout;            ///< of results that stay on the device; empty if the host reads them
   bool listed = false;            ///< the beams are a list, in places or cells of a grid
+  std::optional<RowGrid> rows;    ///< of a grid whose beams need places of their own; then they are no list
   bool origins = false;           ///< some lasers have an origin other than zero
   std::vector<uint8_t> ignored;   ///< by instance: 1 if scans leave it out; may be shorter than the instances
   bool looksAtMaterials = false;  ///< the intensity depends on the surface that is hit
@@ -51,7 +53,9 @@ struct SensorPlan {
   /// Whether the hits of beams are found from their footprints; see kFootprint.
   bool footprint() const { return has(gpu::kFootprint); }
   /// Whether beams may start away from the sensor's origin, or sensor or instances may move during a scan.
-  bool motion() const { return has(gpu::kSensorMotion | gpu::kObjectMotion) || origins || speeds(); }
+  bool motion() const { return moves() || origins; }
+  /// Whether the sensor or instances may move during a scan.
+  bool moves() const { return has(gpu::kSensorMotion | gpu::kObjectMotion) || speeds(); }
   /// Whether the stages compute the surface of each hit.
   bool surfaces() const { return looksAtMaterials || asks(gpu::kSurfaceFields); }
   bool holes() const { return has(gpu::kCutOuts); }

@@ -12,8 +12,10 @@ std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& l
   const bool sensorMoves = !shot.motion.stamps.empty() && (plan.has(gpu::kSensorMotion) || plan.speeds());
   if (!sensorMoves && !instancesMove && !plan.origins) return {};
   ShotMotion motion;
-  motion.tables = makeMotionTables(plan.sensor, plan.listed, lasers, shot, plan.has(gpu::kSensorMotion),
-                                   plan.effects.sensorMotion.deskew);
+  motion.moves = sensorMoves || instancesMove;
+  const ScanTimes times =
+      plan.rows ? scanTimesOf(*plan.rows, plan.sensor) : scanTimesOf(plan.sensor, plan.listed, shot.frame);
+  motion.tables = makeMotionTables(times, lasers, shot, plan.has(gpu::kSensorMotion), plan.effects.sensorMotion.deskew);
   if (instancesMove) {
     motion.instances.resize(instances.count());
     const double duration = durationOf(plan.sensor, shot.frame);
@@ -24,7 +26,7 @@ std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& l
         instances.writeMotions(motion.tables.middle, shot.instanceMotions, changes, duration, motion.instances.data());
     // Beams may fire before the start and after the end of the motion.
     const float longer = motion.tables.bounds.seconds / static_cast<float>(duration);
-    if (plan.listed && longer > 1) {
+    if ((plan.listed || plan.rows) && longer > 1) {
       motion.farthest *= longer;
       for (gpu::InstanceMotion& instance : motion.instances) {
         instance.bound.x *= longer;

@@ -14,13 +14,14 @@ namespace gnosphere {
 /// The motion of one shot.
 struct ShotMotion {
   MotionTables tables;
+  bool moves = false;  ///< whether anything moves; otherwise there are only lasers away from the sensor's origin
   std::vector<gpu::InstanceMotion> instances;  ///< one per instance; empty if no instance moves
   Deformables::End end;                        ///< of the meshes that are deformed meanwhile; empty if none is
   double farthest = 0;                         ///< largest distance in metres that a point of them moves
 };
 
 /// The motion that the lasers see which fire from around `lasers.centre`. Empty if neither the sensor nor an instance
-/// moves during this shot; the scan then uses the pipelines without motion.
+/// moves during this shot, and all lasers are at the sensor's origin.
 std::optional<ShotMotion> motionOf(const SensorPlan& plan, const OriginBounds& lasers, const Shot& shot,
                                    const InstanceTable& instances, const Deformables& deformables);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <tuple>
 
@@ -14,7 +15,7 @@
 namespace gnosphere {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kTurn = 2 * std::numbers::pi, kDegree = std::numbers::pi / 180;
 constexpr uint64_t kMostBeams = 0x7fffffffu;
 constexpr uint32_t kMostRows = 65535, kMostColumns = 1 << 22;
 constexpr uint64_t kCellsPerBeam = 4, kLeastCells = 1 << 16;
@@ -191,6 +192,29 @@ std::vector<uint32_t> startFarthest(const gpu::Frame& frame, const PlacesOf& pla
 // The range window of a masked beam.
 const gpu::vec2 kNoRange(1, -1);
 
+// Computes everything that follows from the numbers of the beams in places.
+void finishPlaces(const Sensor& sensor, uint64_t frame, BeamTables& tables) {
+  const uint32_t columns = tables.frame.columns, places = static_cast<uint32_t>(tables.numbers.size());
+  setRowLookup(tables);
+  tables.mapped = true;
+  tables.frame.beams = places;
+  std::vector<uint32_t> taken;
+  for (uint32_t index = 0; index < places; ++index)
+    if (tables.numbers[index] != gpu::kNone) taken.push_back(index);
+  tables.holes = taken.size() < places;
+  if (tables.holes)
+    tables.startFarthest = startFarthest(tables.frame, [&](const auto& mark) {
+      for (const uint32_t index : taken) mark(index / columns, index % columns);
+    });
+  setSlabs(
+      taken.size(), [&](size_t i) { return taken[i] % columns; }, tables.frame);
+  const std::vector<bool> silent = silentBeams(sensor);
+  for (const uint32_t number : tables.numbers) {
+    const bool fires = number != gpu::kNone && !silent[number];
+    tables.ranges.push_back(fires ? rangesOf(sensor, frame, number) : kNoRange);
+  }
+}
+
 // Places the beams in a grid. Returns false if one of them does not lie in a place, or two lie in the same.
 bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>& beams,
                  const std::vector<size_t>& ends, uint32_t columns, BeamTables& tables) {
@@ -202,7 +226,6 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
   double phase = first - std::floor(first);
   if (phase * step < kSameDirection || (1 - phase) * step < kSameDirection) phase = 0;
   tables.numbers.assign(places, gpu::kNone);
-  std::vector<uint32_t> indices;  // of the beams
   size_t i = 0;
   for (size_t row = 0; row < ends.size(); ++row) {
     const double elevation = beams[i].elevation;
@@ -215,28 +238,10 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
       uint32_t& number = tables.numbers[row * columns + wrapped];
       if (number != gpu::kNone) return false;
       number = beams[i].number;
-      indices.push_back(static_cast<uint32_t>(row * columns + wrapped));
     }
   }
-  std::vector<RowKeys> keys;
-  for (const gpu::Row& row : tables.rows) keys.push_back({row.angles.z, row.angles.z});
-  tables.rowLookup = makeRowLookup(keys);
-  tables.mapped = true;
   setFrame(sensor, columns, phase, tables);
-  tables.frame.beams = static_cast<uint32_t>(places);
-  tables.holes = std::count(tables.numbers.begin(), tables.numbers.end(), gpu::kNone) > 0;
-  if (tables.holes)
-    tables.startFarthest = startFarthest(tables.frame, [&](const auto& mark) {
-      for (uint32_t index = 0; index < places; ++index)
-        if (tables.numbers[index] != gpu::kNone) mark(index / columns, index % columns);
-    });
-  setSlabs(
-      beams.size(), [&](size_t beam) { return indices[beam] % columns; }, tables.frame);
-  const std::vector<bool> silent = silentBeams(sensor);
-  for (const uint32_t number : tables.numbers) {
-    const bool fires = number != gpu::kNone && !silent[number];
-    tables.ranges.push_back(fires ? rangesOf(sensor, frame, number) : kNoRange);
-  }
+  finishPlaces(sensor, frame, tables);
   return true;
 }
 
@@ -291,11 +296,67 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
     places = {std::min(places.x, tables.origins[i].w), std::max(places.y, tables.origins[i].w)};
   }
   // A beam lies up to one column behind the column of its cell. What it may lie before it is slack.
-  tables.frame.shiftMax = 1;
+  tables.frame.beside = 1;
   tables.frame.columnSlack += static_cast<float>(kColumnTolerance);
 }
 
+// Returns where the azimuths of a row begin in `columns`. Rows that look in the same directions share them.
+uint32_t azimuthsOf(const Sensor& sensor, const RowGrid& grid, const RowGrid::Row& row, BeamTables& tables,
+                    std::map<double, uint32_t>& known) {
+  const auto begin = static_cast<uint32_t>(tables.columns.size() / 2);
+  const auto [entry, isNew] = known.try_emplace(sensor.channels[row.channel].azimuthOffsetDeg, begin);
+  if (!isNew) return entry->second;
+  // What lies in places without a beam is never looked at.
+  std::vector<float> own(tables.columns.begin(), tables.columns.begin() + 2 * ptrdiff_t{grid.columns});
+  for (uint32_t beam = 0; beam < grid.taken; ++beam) {
+    const size_t place = 2 * size_t{(beam + static_cast<uint32_t>(row.first + int64_t{grid.columns})) % grid.columns};
+    const double azimuth = azimuthOf(sensor, size_t{row.channel} * sensor.columns + grid.columnAt(beam));
+    own[place] = onLattice(std::cos(azimuth));
+    own[place + 1] = onLattice(std::sin(azimuth));
+  }
+  tables.columns.insert(tables.columns.end(), own.begin(), own.end());
+  return begin;
+}
+
 }  // namespace
+
+BeamTables makeRowTables(const Sensor& sensor, const RowGrid& grid, const OriginGroup& group) {
+  BeamTables tables;
+  tables.between = grid.between();
+  tables.staggered = grid.staggered();
+  for (const RowGrid::Row& row : grid.rows) {
+    gpu::Row& made = tables.rows.emplace_back(rowAt(sensor.channels[row.channel].elevationDeg * kDegree, row.channel));
+    made.first = row.first;
+    made.lag = static_cast<float>(row.lag + grid.before());
+    made.behind = static_cast<float>(row.behind);
+  }
+  setFrame(sensor, grid.columns, grid.phase, tables);
+  setPaper(sensor, tables);
+  gpu::Frame& frame = tables.frame;
+  frame.beside = static_cast<float>(grid.beside);
+  frame.stretch = static_cast<float>(grid.stretch / std::max(1u, grid.taken - 1));
+  frame.momentsBefore = grid.before();
+  frame.momentsAfter = grid.after();
+  // Rounding of these, and of a box's columns when they are subtracted.
+  if (tables.between) frame.columnSlack += 2.5e-7f * static_cast<float>(grid.columns);
+  std::map<double, uint32_t> known;
+  tables.numbers.assign(size_t{grid.columns} * grid.rows.size(), gpu::kNone);
+  for (size_t r = 0; r < grid.rows.size(); ++r) {
+    const RowGrid::Row& row = grid.rows[r];
+    if (tables.between) tables.rows[r].azimuths = azimuthsOf(sensor, grid, row, tables, known);
+    for (uint32_t beam = 0; beam < grid.taken; ++beam) {
+      const size_t place = (beam + static_cast<uint32_t>(row.first + int64_t{grid.columns})) % grid.columns;
+      tables.numbers[r * grid.columns + place] = row.channel * sensor.columns + grid.columnAt(beam);
+    }
+    const auto first = static_cast<float>(row.first), later = static_cast<float>(row.first - row.lag);
+    frame.shiftMin = std::min({frame.shiftMin, first, later});
+    frame.shiftMax = std::max({frame.shiftMax, first, later});
+  }
+  finishPlaces(sensor, 0, tables);
+  tables.masked = static_cast<uint32_t>(group.silent.size());
+  setRanges(sensor, tables);
+  return tables;
+}
 
 BeamTables makeListedTables(const Sensor& sensor, uint64_t frame, const OriginGroup& group, bool mayMap) {
   if (sensor.beamCount() > kMostBeams)

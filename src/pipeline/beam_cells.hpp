@@ -4,8 +4,12 @@
 
 #include "pipeline/beam_tables.hpp"
 #include "pipeline/origin_groups.hpp"
+#include "sensor/row_grid.hpp"
 
 namespace gnosphere {
+
+/// Computes the tables of a spinning head whose beams lie in places of a grid.
+BeamTables makeRowTables(const Sensor& sensor, const RowGrid& grid, const OriginGroup& group);
 
 /// Computes the tables of a group of the beams that scan number `frame` fires. If each beam lies in a place of a grid
 /// of its own, as those of a sector do, and `mayMap`, the tables are those of the grid, with the numbers of the beams.

@@ -23,13 +23,7 @@ std::vector<gpu::Row> makeRows(const Sensor& sensor) {
     return sensor.channels[a].elevationDeg < sensor.channels[b].elevationDeg;
   });
   std::vector<gpu::Row> rows;
-  for (uint32_t channel : order) {
-    const double offset = sensor.channels[channel].azimuthOffsetDeg * kRadians;
-    gpu::Row row = rowAt(sensor.channels[channel].elevationDeg * kRadians, channel);
-    const double shift = std::remainder(offset / (2 * std::numbers::pi), 1.0) * double(sensor.columns);
-    row.offset = {onLattice(std::cos(offset)), onLattice(std::sin(offset)), static_cast<float>(shift), 0};
-    rows.push_back(row);
-  }
+  for (uint32_t channel : order) rows.push_back(rowAt(sensor.channels[channel].elevationDeg * kRadians, channel));
   return rows;
 }
 
@@ -43,6 +37,13 @@ float onLattice(double value) {
 double elevationKey(double elevation) {
   const double c = std::abs(std::cos(elevation)), s = std::sin(elevation);
   return s / (c + std::abs(s));
+}
+
+// Computes the table from elevation keys to rows of one elevation each.
+void setRowLookup(BeamTables& tables) {
+  std::vector<RowKeys> keys;
+  for (const gpu::Row& row : tables.rows) keys.push_back({row.angles.z, row.angles.z});
+  tables.rowLookup = makeRowLookup(keys);
 }
 
 // Entry k is (first row not below cell k) | (first row above it << 16), with a margin for the rounding of the key.
@@ -77,18 +78,15 @@ BeamTables makeBeamTables(const Sensor& sensor) {
                                                 " columns; the limit is " + std::to_string(kMostColumns));
   BeamTables tables;
   tables.rows = makeRows(sensor);
-  std::vector<RowKeys> keys;
-  for (const gpu::Row& row : tables.rows) keys.push_back({row.angles.z, row.angles.z});
-  tables.rowLookup = makeRowLookup(keys);
-  for (const Channel& channel : sensor.channels) tables.azimuthOffsets |= channel.azimuthOffsetDeg != 0;
+  setRowLookup(tables);
   setFrame(sensor, sensor.columns, 0, tables);
+  setPaper(sensor, tables);
+  return tables;
+}
 
+void setPaper(const Sensor& sensor, BeamTables& tables) {
   gpu::Frame& frame = tables.frame;
   const auto elevationOf = [&](const gpu::Row& row) { return sensor.channels[row.channel].elevationDeg * kRadians; };
-  for (const gpu::Row& row : tables.rows) {
-    frame.shiftMin = std::min(frame.shiftMin, row.offset.z);
-    frame.shiftMax = std::max(frame.shiftMax, row.offset.z);
-  }
   if (frame.rows > 1) {
     const double first = elevationOf(tables.rows.front()), last = elevationOf(tables.rows.back());
     frame.paperFirstElevation = static_cast<float>(first);
@@ -96,7 +94,6 @@ BeamTables makeBeamTables(const Sensor& sensor) {
   } else if (frame.rows == 1) {
     frame.paperFirstElevation = static_cast<float>(sensor.channels[0].elevationDeg * kRadians);
   }
-  return tables;
 }
 
 gpu::Row rowAt(double elevation, uint32_t channel) {
@@ -104,7 +101,6 @@ gpu::Row rowAt(double elevation, uint32_t channel) {
   row.angles = {onLattice(std::cos(elevation)), onLattice(std::sin(elevation)),
                 static_cast<float>(elevationKey(elevation))};
   row.channel = channel;
-  row.offset = {1, 0, 0, 0};
   return row;
 }
 
@@ -114,7 +110,8 @@ uint32_t slabsOf(const gpu::Frame& frame) {
 
 void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& tables) {
   for (uint32_t i = 0; i < columns; ++i) {
-    const double azimuth = (-1 + 2.0 * (i + phase) / columns) * std::numbers::pi;
+    const double place = i + phase < columns ? i + phase : i + phase - columns;
+    const double azimuth = (-1 + 2.0 * place / columns) * std::numbers::pi;
     tables.columns.push_back(onLattice(std::cos(azimuth)));
     tables.columns.push_back(onLattice(std::sin(azimuth)));
   }
@@ -133,7 +130,8 @@ void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& 
   frame.columnsPerRadian = static_cast<float>(columnsPerRadian);
   // The slack is the angle slack plus the rounding error of a column position. That error is at most 7.5 * 2^-24 *
   // columns: the sum of all roundings when the last column of a box is found (project_triangles.comp, cull.glsl).
-  frame.columnSlack = static_cast<float>(gpu::kAzimuthSlack * columnsPerRadian + 5e-7 * columns);
+  // A phase of many columns rounds once more, by at most 4 * 2^-24 * columns.
+  frame.columnSlack = static_cast<float>(gpu::kAzimuthSlack * columnsPerRadian + (phase < 1 ? 5e-7 : 7.5e-7) * columns);
 }
 
 }  // namespace gnosphere

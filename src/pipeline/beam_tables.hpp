@@ -13,9 +13,12 @@ struct BeamTables {
   std::vector<gpu::Row> rows;  ///< one per channel, in order of elevation
   std::vector<uint32_t>
       rowLookup;  ///< per cell of elevation keys: first row in or above the cell | first row above it << 16
-  std::vector<float> columns;   ///< cos, sin of each column's azimuth
-  gpu::Frame frame = {};        ///< the backend fills in capacities and the instance count
-  bool azimuthOffsets = false;  ///< true if any channel has an azimuth offset
+  std::vector<float> columns;         ///< cos, sin of the azimuth of each place, then of rows that look elsewhere
+  gpu::Frame frame = {};              ///< the backend fills in capacities and the instance count
+  bool between = false;               ///< rows look between the places of the grid; each has its own run of `columns`
+  bool staggered = false;             ///< the beams of a place fire at different times
+  bool apart = false;                 ///< lasers stand away from the point that the scan is seen from
+  std::vector<gpu::vec4> rowOrigins;  ///< of a grid, per row: its laser as seen from the middle of all
 
   /// The beams of a list, cell by cell (`listed`) or in places of a grid (`mapped`); see arrays.h.
   bool listed = false, mapped = false;
@@ -54,6 +57,10 @@ std::vector<uint32_t> makeRowLookup(const std::vector<RowKeys>& rows);
 /// Computes the columns of a turn, and all of the frame that follows from them, from `tables.rows` and the sensor.
 /// `phase` is the azimuth of column 0 beyond -180 degrees, in columns.
 void setFrame(const Sensor& sensor, uint32_t columns, double phase, BeamTables& tables);
+/// Computes the table from elevation keys to rows that have one elevation each.
+void setRowLookup(BeamTables& tables);
+/// Computes what the paper's bounds need of the frame.
+void setPaper(const Sensor& sensor, BeamTables& tables);
 /// Number of slabs of a turn.
 uint32_t slabsOf(const gpu::Frame& frame);
 /// Returns a row without azimuth offset from its elevation in radians.

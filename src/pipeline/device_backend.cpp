@@ -237,12 +237,14 @@ class DeviceBackend final : public Backend {
 
   // Decides how the scan uses the still image. If another frame is making the image, waits until it is known to be
   // valid.
-  StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Pose& pose) {
+  StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Pose& pose, bool moves) {
     if (still.inMaking()) {
       machine_->wait(still.frame());
       still.end(!sensor.cutShort(still.frame()));
     }
-    return still.next(pose, scene_.instances());
+    if (!moves) return still.next(pose, scene_.instances());
+    still.forget();
+    return StillImage::Use::none;
   }
 
   void run(size_t frame, const Part& part) {
@@ -264,11 +266,11 @@ class DeviceBackend final : public Backend {
       for (const Shot& view : part.shots) poses.push_back(view.pose);
       scene_.place(poses, sensor.reach(), {.ignored = sensor.sensorPlan().ignored}, slot.placed);
     } else {
-      use = useStill(still, sensor, shot.pose);
-      slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
       slot.motion = motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot,
                              scene_.instances(), scene_.geometry().deformables());
       motion = slot.motion ? &*slot.motion : nullptr;
+      use = useStill(still, sensor, shot.pose, motion && motion->moves);
+      slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
       const Pose& pose = motion ? motion->tables.middle : shot.pose;
       Selection selection = still.selection(use);
       selection.ignored = sensor.sensorPlan().ignored;

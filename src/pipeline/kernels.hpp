@@ -35,13 +35,14 @@ inline const char* nameOf(Kernel kernel) {
 }
 
 /// Specialisation constants with the names and in the order of shaders/options.glsl; AZIMUTH_OFFSETS, MOTION,
-/// LISTED, MAPPED and VIEWS are 0 or 1.
+/// LISTED, MAPPED, ORIGINS, STAGGERED and VIEWS are 0 or 1.
 struct Options {
   uint32_t BOUNDS = 0, CULL = 0, INSIDE = 0, RANGE = 0, AZIMUTH_OFFSETS = 0, FACES = 0, BINNING = 0, PASS = 0;
   uint32_t CULLING = 0, EFFECTS = 0, FIELDS = 0, LAYERS = 1, RETURNS = 1, MOTION = 0, LISTED = 0, MAPPED = 0;
   uint32_t RAYS = 1;
   uint32_t RECORDS = 0;
   uint32_t DEFORMED = 0;
+  uint32_t ORIGINS = 0, STAGGERED = 0;
   uint32_t VIEWS = 0;
 
   auto operator<=>(const Options&) const = default;

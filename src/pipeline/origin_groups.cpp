@@ -31,7 +31,7 @@ class Divider {
     double farthest = 0;
     for (const Vec3& o : origins_) farthest = std::max(farthest, std::hypot(o.x, o.y, o.z));
     if (origins_.empty() || !isWide(static_cast<double>(all.size()), farthest))
-      add({}, all);
+      add(middleOfLasers(sensor_), all);
     else
       divide(std::move(all));
     return std::move(groups_);

@@ -50,9 +50,25 @@ gpu::Beam beamWith(const BeamTables& tables, uint32_t index) {
     const gpu::vec4& angles = tables.angles[index];
     return gpu::beamOf({angles.x, angles.y}, angles.z, angles.w);
   }
-  const uint32_t column = index % tables.frame.columns;
-  const gpu::vec3& angles = tables.rows[index / tables.frame.columns].angles;
-  return gpu::beamOf({tables.columns[2 * column], tables.columns[2 * column + 1]}, angles.x, angles.y);
+  const gpu::Row& row = tables.rows[index / tables.frame.columns];
+  const size_t column = size_t{row.azimuths} + index % tables.frame.columns;
+  return gpu::beamOf({tables.columns[2 * column], tables.columns[2 * column + 1]}, row.angles.x, row.angles.y);
+}
+
+// Returns the point at a range along a beam of a scan with motion.
+gpu::vec3 pointAt(const BeamTables& tables, const MotionTables& motion, uint32_t index, const gpu::Beam& beam,
+                  float range) {
+  const uint32_t columns = tables.frame.columns, r = tables.listed ? 0 : index / columns, column = index % columns;
+  const gpu::vec4& origin = tables.listed ? tables.origins[index] : tables.rowOrigins[r];
+  const gpu::vec3 laser = gpu::laserAt({origin.x, origin.y, origin.z}, beam.azimuth);
+  if (!tables.listed && (motion.bounds.sensor == 0 || !tables.staggered))
+    return gpu::reportedPoint(motion.columns[tables.staggered ? 0 : column], laser, beam.direction, range);
+  const float entry =
+      tables.listed ? origin.w : gpu::momentOf(tables.rows[r].first, tables.rows[r].lag, column, columns);
+  const auto before = static_cast<uint32_t>(entry);
+  const gpu::ColumnMotion* const moments = &motion.columns[before];
+  return gpu::reportedPoint(gpu::motionBetween(moments[0], moments[1], entry - static_cast<float>(before)), laser,
+                            beam.direction, range);
 }
 
 // Beams of a list, or in places of a grid.
@@ -72,14 +88,7 @@ uint64_t resolveNumbered(const SensorPlan& plan, const Word* words, const BeamTa
       continue;
     }
     const gpu::Beam beam = beamWith(tables, index);
-    gpu::vec3 point = beam.direction * range;
-    if (motion) {
-      const gpu::vec4& origin = tables.origins[index];
-      const auto before = static_cast<uint32_t>(origin.w);
-      const gpu::ColumnMotion* const moments = &motion->tables.columns[before];
-      point = gpu::reportedPoint(gpu::motionBetween(moments[0], moments[1], origin.w - static_cast<float>(before)),
-                                 gpu::laserAt({origin.x, origin.y, origin.z}, beam.azimuth), beam.direction, range);
-    }
+    const gpu::vec3 point = motion ? pointAt(tables, motion->tables, index, beam, range) : beam.direction * range;
     resolver.hit(number, word.triangle, range, point);
   }
   return resolver.hits();
@@ -87,17 +96,13 @@ uint64_t resolveNumbered(const SensorPlan& plan, const Word* words, const BeamTa
 
 }  // namespace
 
-uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables, bool exact,
+uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables,
                       const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
                       Scan& scan) {
   if (tables.listed || tables.mapped) return resolveNumbered(plan, words, tables, instances, motion, first, end, scan);
   const uint32_t columns = tables.frame.columns;
   Resolver resolver(instances, scan);
   for (uint32_t row = first; row < end; ++row) {
-    const auto& angles = tables.rows[row].angles;
-    const gpu::vec4& offset = tables.rows[row].offset;
-    const Vec3& laser = plan.sensor.channels[tables.rows[row].channel].origin;
-    const gpu::vec3 origin = {static_cast<float>(laser.x), static_cast<float>(laser.y), static_cast<float>(laser.z)};
     const uint64_t begin = uint64_t{tables.rows[row].channel} * columns;
     const Word* word = words + uint64_t{row} * columns;
     for (uint32_t column = 0; column < columns; ++column, ++word) {
@@ -105,14 +110,11 @@ uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTable
         resolver.miss(begin + column);
         continue;
       }
-      const gpu::vec2 azimuth = gpu::azimuthOfBeam({tables.columns[2 * column], tables.columns[2 * column + 1]}, offset,
-                                                   tables.azimuthOffsets, exact);
-      const gpu::Beam beam = gpu::beamOf(azimuth, angles.x, angles.y);
+      const uint32_t index = row * columns + column;
+      const gpu::Beam beam = beamWith(tables, index);
       const float metres = std::bit_cast<float>(word->range);
-      const gpu::vec3 place = motion ? gpu::reportedPoint(motion->tables.columns[column], gpu::laserAt(origin, azimuth),
-                                                          beam.direction, metres)
-                                     : beam.direction * metres;
-      resolver.hit(begin + column, word->triangle, metres, place);
+      resolver.hit(begin + column, word->triangle, metres,
+                   motion ? pointAt(tables, motion->tables, index, beam, metres) : beam.direction * metres);
     }
   }
   return resolver.hits();

@@ -18,9 +18,9 @@ struct Word {
 };
 
 /// Writes points, ranges and owners of rows first..end - 1 of a grid, or of beams first..end - 1 of a list, with the
-/// same bytes as resolve.comp and effects.comp. `words` has one word per beam, in order of index. `exact` rounds offset
-/// azimuths to the lattice of exact directions. `motion` is null for a scan without motion. Returns the number of hits.
-uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables, bool exact,
+/// same bytes as resolve.comp and effects.comp. `words` has one word per beam, in order of index. `motion` is
+/// null for a scan without motion. Returns the number of hits.
+uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables,
                       const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
                       Scan& scan);
 

@@ -39,8 +39,8 @@ uint64_t readWords(const SensorPlan& plan, const DeviceResults& device, const In
   std::atomic<uint64_t> hits = 0;
   const bool listed = device.tables.listed || device.tables.mapped;
   inSlices(listed ? frame.beams : frame.rows, listed ? 1 : frame.columns, [&](uint64_t first, uint64_t end) {
-    hits += resolveWords(plan, device.words, device.tables, device.exact, instances, motion,
-                         static_cast<uint32_t>(first), static_cast<uint32_t>(end), scan);
+    hits += resolveWords(plan, device.words, device.tables, instances, motion, static_cast<uint32_t>(first),
+                         static_cast<uint32_t>(end), scan);
   });
   scan.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   return hits;

@@ -15,7 +15,6 @@ namespace gnosphere {
 /// The outputs of one scan in host-readable memory, with an entry per return of every beam; null if not planned.
 struct DeviceResults {
   const BeamTables& tables;
-  bool exact = false;           ///< beam directions are rounded to the lattice of exact arithmetic
   const Word* words = nullptr;  ///< see resolveWords(); if given, there are no points and no owners
   const gpu::vec4* points = nullptr;
   const std::array<uint32_t, 2>* owners = nullptr;
@@ -28,9 +27,8 @@ struct DeviceResults {
 
   /// Collects the outputs; `of(array)` returns the address of an output or null.
   template <typename Of>
-  static DeviceResults from(const BeamTables& tables, bool exact, const gpu::Counters& counters, const Of& of) {
+  static DeviceResults from(const BeamTables& tables, const gpu::Counters& counters, const Of& of) {
     return {tables,
-            exact,
             static_cast<const Word*>(of(gpu::Array::words)),
             static_cast<const gpu::vec4*>(of(gpu::Array::points)),
             static_cast<const std::array<uint32_t, 2>*>(of(gpu::Array::owners)),

@@ -25,14 +25,13 @@ uint32_t cullingBits(const SimulatorOptions& options) {
          (culling.occlusion != Culling::Occlusion::never ? gpu::kCullOccluded : 0);
 }
 
-Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, bool azimuthOffsets) {
+Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan) {
   const AccuracyParts parts = accuracyPartsOf(options);
   Options result;
   result.BOUNDS = static_cast<uint32_t>(parts.bounds);
   result.CULL = static_cast<uint32_t>(parts.cull);
   result.INSIDE = static_cast<uint32_t>(parts.inside);
   result.RANGE = static_cast<uint32_t>(parts.range);
-  result.AZIMUTH_OFFSETS = azimuthOffsets;
   result.FACES = static_cast<uint32_t>(options.faces);
   result.CULLING = cullingBits(options);
   result.EFFECTS = plan.bits;
@@ -55,7 +54,7 @@ bool leavesWords(uint32_t binning, const SensorPlan& plan) {
 // Beams that deviate do so anew in each scan, and panes and candidates of footprints are not part of the image.
 bool keepsStill(const SimulatorOptions& options, uint32_t binning, const SensorPlan& plan) {
   return options.tuning.keepStill && binning != gpu::kBinningLists &&
-         accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper && !plan.surfaces() && !plan.motion() &&
+         accuracyPartsOf(options).bounds != AccuracyParts::Bounds::paper && !plan.surfaces() && !plan.speeds() &&
          !plan.panes() && !plan.footprint() && !plan.has(gpu::kStrays) && plan.sensor.patterns.size() <= 1;
 }
 

@@ -13,7 +13,7 @@ namespace gnosphere {
 /// Returns the gpu::kCull... bits of the options.
 uint32_t cullingBits(const SimulatorOptions& options);
 /// Returns the options of a sensor's kernels; the caller sets BINNING, PASS, MOTION and kFieldPoints.
-Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan, bool azimuthOffsets);
+Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan);
 /// Returns the distance in metres beyond which instances cannot be hit by beams of a range.
 double reachOf(const SimulatorOptions& options, double rangeMax);
 /// Returns whether the words (8 bytes per beam) tell points, ranges and owners: the host reads and resolves them, and

@@ -52,10 +52,10 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       binning_(chooseBinning(options, machine.traits(), plan.footprint())),
       leavesWords_(leavesWords(binning_, plan) && !(keepsRecords() && mostGroups() > 1)),
       exact_(accuracyPartsOf(options).inside == AccuracyParts::Inside::exact),
-      keepsStill_(gnosphere::keepsStill(options, binning_, plan)),
+      keepsStill_(gnosphere::keepsStill(options, binning_, plan) && mostGroups() == 1),
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
       deformed_(deformed),
-      options_(kernelOptions(options, plan, patterns_[0].tables.azimuthOffsets)),
+      options_(kernelOptions(options, plan)),
       shells_(mostShells(options, binning_, beams(), triangles)),
       shellClusters_(shellClusters(options, triangles)),
       reach_(reachOf(options, most_.rangeMax)),
@@ -81,7 +81,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
-    for (const EffectsArray& array : lastingArrays(plan, patterns_[0].tables.rows, mostBeams())) {
+    for (const EffectsArray& array : lastingArrays(plan, mostBeams())) {
       allocate(array.array, array.bytes);
       if (!array.content.empty()) of(array.array)->write(0, array.content);
     }
@@ -129,17 +129,23 @@ void SensorArrays::makeRoomForViews(uint32_t views) {
 }
 
 void SensorArrays::prepareKernels() {
-  for (const bool motion : {false, true})
-    if (!motion || plan_.motion())
-      for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
-        if (still == StillImage::Use::make && !keepsStill_) continue;
-        for (const Pattern& pattern : patterns_)
-          for (const bool last : {false, true}) {
-            if (!last && pattern.groups.size() == 1) continue;
-            for (const Step& step : steps(pattern.tables, pattern.tables.frame, everything(), still, motion, last))
-              if (step.kind == Step::Kind::dispatch) machine_.prepare(step.variant);
-          }
-      }
+  for (const Motion motion : motions())
+    for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
+      if (still == StillImage::Use::make && (!keepsStill_ || motion == Motion::all)) continue;
+      for (const Pattern& pattern : patterns_)
+        for (const bool last : {false, true}) {
+          if (!last && pattern.groups.size() == 1) continue;
+          for (const Step& step : steps(pattern.tables, pattern.tables.frame, everything(), still, motion, last))
+            if (step.kind == Step::Kind::dispatch) machine_.prepare(step.variant);
+        }
+    }
+}
+
+// Returns what scans of this sensor may have, the most at last.
+std::vector<SensorArrays::Motion> SensorArrays::motions() const {
+  std::vector<Motion> motions = {plan_.origins ? Motion::lasers : Motion::none};
+  if (plan_.moves()) motions.push_back(Motion::all);
+  return motions;
 }
 
 size_t SensorArrays::mostGroups() const {
@@ -165,8 +171,16 @@ std::vector<SensorArrays::Pattern> SensorArrays::makePatterns() {
 }
 
 BeamTables SensorArrays::tablesOf(uint64_t pattern, const OriginGroup& group) const {
-  BeamTables tables =
-      plan_.listed ? makeListedTables(plan_.sensor, pattern, group, !plan_.motion()) : makeBeamTables(plan_.sensor);
+  BeamTables tables = plan_.rows     ? makeRowTables(plan_.sensor, *plan_.rows, group)
+                      : plan_.listed ? makeListedTables(plan_.sensor, pattern, group, !plan_.motion())
+                                     : makeBeamTables(plan_.sensor);
+  tables.apart = group.lasers.distance > 0;
+  if (!tables.listed && plan_.motion())
+    for (const gpu::Row& row : tables.rows) {
+      const Vec3 &at = plan_.sensor.channels[row.channel].origin, &centre = group.lasers.centre;
+      tables.rowOrigins.push_back(
+          {static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z - centre.z), 0});
+    }
   tables.frame.footprint = plan_.spread.angle;
   tables.frame.spreadAcross = plan_.spread.across;
   tables.frame.spreadUp = plan_.spread.up;
@@ -200,6 +214,7 @@ std::vector<EffectsArray> SensorArrays::arraysOf(const BeamTables& tables) const
       if (tables.numbers[i] == gpu::kNone) words[i] = {0, 0};
     put(Array::startWords, words);
   }
+  if (!tables.rowOrigins.empty()) put(Array::rowOrigins, tables.rowOrigins);
   if (!tables.listed) return arrays;
   put(Array::cellStarts, tables.cellStarts);
   put(Array::beamAngles, tables.angles);
@@ -279,15 +294,18 @@ PlacedGroups SensorArrays::everything() const {
 }
 
 std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
-                                      StillImage::Use still, bool motion, bool lastGroup) const {
+                                      StillImage::Use still, Motion motion, bool lastGroup) const {
   Variant variant;
   variant.options = options_;
-  variant.options.MOTION = motion;
+  variant.options.MOTION = motion != Motion::none;
+  variant.options.AZIMUTH_OFFSETS = tables.between;
+  variant.options.STAGGERED = tables.staggered;
+  variant.options.ORIGINS = tables.apart;
   variant.options.LISTED = tables.listed;
   variant.options.MAPPED = tables.mapped;
   variant.options.VIEWS = frame.views > 1;
   variant.options.RAYS = placesFor(static_cast<uint32_t>(plan_.subRays.size()));
-  variant.float64 = float64_ && !motion;
+  variant.float64 = float64_ && motion == Motion::none;
   const bool footprint = plan_.footprint(), lists = binning_ == gpu::kBinningLists;
   StepsInput input = {variant, dispatchSizesOf(machine_.traits(), binning_), frame, shells_, frame.views};
   input.strays = plan_.has(gpu::kStrays);
@@ -298,6 +316,7 @@ std::vector<Step> SensorArrays::steps(const BeamTables& tables, const gpu::Frame
   input.organised = !plan_.layout.compact;
   input.lastGroup = lastGroup;
   input.deformed = deformed_;
+  input.moves = motion == Motion::all;
   input.looksAtSurfaces = plan_.surfaces() || plan_.panes() || plan_.speeds();
   input.holes = tables.holes;
   const bool hides = binning_ != gpu::kBinningLists && (options_.CULLING & gpu::kCullOccluded) != 0;
@@ -385,7 +404,8 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &pattern.arrays})
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
-  return steps(tables, content, placed, still, motion != nullptr, group + 1 == pattern.groups.size());
+  const Motion moves = !motion ? Motion::none : motion->moves ? Motion::all : Motion::lasers;
+  return steps(tables, content, placed, still, moves, group + 1 == pattern.groups.size());
 }
 
 SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
@@ -461,7 +481,7 @@ void SensorArrays::growLists(size_t index) {
 DeviceResults SensorArrays::results(size_t index, uint32_t view) {
   Frame& frame = frames_[index];
   const BeamTables& tables = fired(frame);
-  DeviceResults results = DeviceResults::from(tables, exact_, counters(frame), [&](Array array) -> const void* {
+  DeviceResults results = DeviceResults::from(tables, counters(frame), [&](Array array) -> const void* {
     const auto is = [&](const Output& output) { return output.array == array; };
     if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
     DeviceMemory& memory = *frame.arrays[static_cast<size_t>(array)];
@@ -487,8 +507,9 @@ Plan SensorArrays::plan() const {
   plan.effects = plan_.decisions;
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
+  const BeamTables& tables = patterns_[0].tables;
   plan.stages = stagesOf(
-      steps(patterns_[0].tables, patterns_[0].tables.frame, everything(), StillImage::Use::none, plan_.motion(), true));
+      steps(tables, tables.frame, everything(), StillImage::Use::none, motions().back(), true));
   if (leavesWords_ && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
   for (size_t i = 0; i < arrays_.size(); ++i)
     if (const auto& memory = patterns_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});

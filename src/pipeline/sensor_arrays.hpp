@@ -92,6 +92,9 @@ class SensorArrays {
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
   };
 
+  /// What the kernels of a scan must know of motion.
+  enum class Motion { none, lasers, all };  // lasers: only that they have origins
+
   /// Holds, for each size, the largest that any pattern or group has.
   struct Sizes {
     uint64_t beams = 0, fine = 0, coarse = 0, slabs = 0;  // fine and coarse entries of the farthest-range table
@@ -99,6 +102,7 @@ class SensorArrays {
   };
 
   void prepareKernels();
+  std::vector<Motion> motions() const;
   std::vector<Pattern> makePatterns();
   void makeRecordArrays();
   Frame& frameAt(size_t index);
@@ -112,7 +116,7 @@ class SensorArrays {
   }
   uint64_t mostBeams() const;
   std::vector<Step> steps(const BeamTables& tables, const gpu::Frame& frame, const PlacedGroups& placed,
-                          StillImage::Use still, bool motion, bool lastGroup) const;
+                          StillImage::Use still, Motion motion, bool lastGroup) const;
   uint32_t findMostViews() const;
   void growArrays(uint32_t views);
   PlacedGroups everything() const;

@@ -85,8 +85,7 @@ class Steps {
 
   // Whether stage bin writes the farthest-range table: the subgroup that owns a slab then owns whole entries.
   bool tableInBin() const {
-    return binning_ == gpu::kBinningSlabs && !input_.variant.options.AZIMUTH_OFFSETS &&
-           (1u << input_.frame.slabShift) % gpu::kCoarseColumns == 0;
+    return binning_ == gpu::kBinningSlabs && (1u << input_.frame.slabShift) % gpu::kCoarseColumns == 0;
   }
 
   void list(const gpu::Pass& pass) {
@@ -199,6 +198,11 @@ class Steps {
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
     if (kernel != Kernel::effects_footprint) step.variant.options.RAYS = 1;
     if (kernel == Kernel::effects_footprint && number == gpu::kPassOthers) step.variant.options.LAYERS = 1;
+    // Nothing but the lasers' origins: these kernels need no poses.
+    const bool bounds = kernel == Kernel::project_groups || kernel == Kernel::project_clusters ||
+                        kernel == Kernel::project_triangles || kernel == Kernel::bin;
+    if (bounds && !input_.moves) step.variant.options.MOTION = 0;
+    if (step.variant.options.MOTION == 0) step.variant.options.STAGGERED = 0;
     step.variant.options.DEFORMED = input_.deformed ? deformedFor(kernel) : gpu::kDeformsNothing;
     if (kernel == Kernel::records) step.variant.options.RECORDS = input_.records;
     step.pass = pass;

@@ -45,7 +45,8 @@ struct StepsInput {
   uint32_t shells;     ///< most shells of the scan
   uint32_t views = 1;  ///< of the submission
   bool strays = false, panes = false, footprint = false, resolve = false;
-  bool deformed = false;         ///< the scene has deformable meshes
+  bool moves = false;     ///< something moves during the scan; otherwise MOTION is about lasers with origins only
+  bool deformed = false;  ///< the scene has deformable meshes
   bool looksAtSurfaces = false;  ///< some kernels read the corners of the triangles that are hit
   bool holes = false;            ///< some places of the grid have no beam
   bool sparse = false;           ///< parts of the grid have no beams

@@ -25,6 +25,8 @@ class StillImage {
 
   /// Decides what the next scan of the sensor does. May not be called while inMaking().
   Use next(const Pose& pose, const InstanceTable& instances);
+  /// Notes that a scan has changed what the image needs. May not be called while inMaking().
+  void forget() { state_ = State::missing; }
   /// Returns the instances that a scan places which next() has given `use`.
   Selection selection(Use use) const;
   /// Usable triangles of the still instances.

@@ -91,7 +91,15 @@ double elevationOf(const Sensor& sensor, size_t beam, uint64_t frame) {
 
 ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame) {
   const double period = sensor.rotationPeriod;
-  if (!listed) return {0, sensor.columns > 0 ? period / sensor.columns : 0, period / 2, period, sensor.columns};
+  if (!listed)
+    return {0,
+            sensor.columns > 0 ? period / sensor.columns : 0,
+            period / 2,
+            period,
+            sensor.columns,
+            0,
+            sensor.columns,
+            0.5 * sensor.columns};
   double first = 0, last = 0;
   const auto include = [&](double time) {
     first = std::min(first, time);
@@ -105,7 +113,8 @@ ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame) {
   else
     for (const double time : patternOf(sensor, frame).times) include(time);
   constexpr uint32_t kIntervals = 2048;
-  return {first, (last - first) / kIntervals, (first + last) / 2, last, kIntervals + 2};
+  return {first,           (last - first) / kIntervals, (first + last) / 2, last, kIntervals + 2, first, kIntervals + 2,
+          0.5 * kIntervals};
 }
 
 bool firesInTurn(const Sensor& sensor) {
@@ -125,6 +134,11 @@ bool hasTimeOffsets(const Sensor& sensor) {
                      [](const Channel& c) { return c.timeOffset != 0; });
 }
 
+bool hasAzimuthOffsets(const Sensor& sensor) {
+  return std::any_of(sensor.channels.begin(), sensor.channels.end(),
+                     [](const Channel& c) { return c.azimuthOffsetDeg != 0; });
+}
+
 bool hasOrigins(const Sensor& sensor) {
   const auto away = [](const Vec3& origin) { return origin.x != 0 || origin.y != 0 || origin.z != 0; };
   return std::any_of(sensor.channels.begin(), sensor.channels.end(),
@@ -142,7 +156,8 @@ OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame, const Vec3& ce
     bounds.left = std::max(bounds.left, std::abs(left));
     bounds.up = std::max(bounds.up, std::abs(up));
   };
-  for (const Channel& channel : sensor.channels) include(channel.origin.x, channel.origin.y, channel.origin.z);
+  for (const Channel& channel : sensor.channels)
+    include(channel.origin.x, channel.origin.y, channel.origin.z - centre.z);
   if (sensor.isGrid() || patternOf(sensor, frame).origins.empty()) return bounds;
   for (const uint32_t beam : beams) {
     const Vec3 from = originOf(sensor, beam, frame), o = {from.x - centre.x, from.y - centre.y, from.z - centre.z};
@@ -150,6 +165,13 @@ OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame, const Vec3& ce
     include(c * o.x + s * o.y, c * o.y - s * o.x, o.z);
   }
   return bounds;
+}
+
+Vec3 middleOfLasers(const Sensor& sensor) {
+  if (sensor.channels.empty()) return {};
+  const auto below = [](const Channel& a, const Channel& b) { return a.origin.z < b.origin.z; };
+  const auto [low, high] = std::minmax_element(sensor.channels.begin(), sensor.channels.end(), below);
+  return {0, 0, low->origin.z == high->origin.z ? low->origin.z : 0.5 * (low->origin.z + high->origin.z)};
 }
 
 double durationOf(const Sensor& sensor, uint64_t frame) {

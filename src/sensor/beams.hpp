@@ -32,10 +32,15 @@ RangeWindow rangeWindowOf(const Sensor& sensor, size_t beam, uint64_t frame = 0)
 uint32_t ringOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 
 /// The moments at which the poses of a scan with motion are known: `count` of them, from `first` on every `step`
-/// seconds.
+/// seconds; `step` is less than 0 if a head that turns clockwise fires in the order of falling azimuth.
 struct ScanTimes {
   double first = 0, step = 0, middle = 0, last = 0;  // seconds after the start of the scan
   uint32_t count = 0;
+  double earliest = 0;  ///< when the first beam fires
+  uint32_t used = 0;    ///< no beam fires at a moment from here on
+  double halfway = 0;   ///< entry of the middle
+
+  double at(uint32_t i) const { return first + i * step; }
 };
 /// Returns the times of the columns for a grid. A list has 2,048 intervals: straight lines between poses so close
 /// together miss the true path by nanometres.
@@ -46,6 +51,8 @@ bool firesInTurn(const Sensor& sensor);
 bool hasRings(const Sensor& sensor);
 /// Whether channels of a grid have time offsets.
 bool hasTimeOffsets(const Sensor& sensor);
+/// Whether channels of a grid have azimuth offsets.
+bool hasAzimuthOffsets(const Sensor& sensor);
 /// Whether any beam leaves another point than the sensor's origin.
 bool hasOrigins(const Sensor& sensor);
 /// How far lasers are from `centre`, a point in the sensor's frame, in metres: in all; along the azimuth of the beam,
@@ -54,8 +61,11 @@ struct OriginBounds {
   Vec3 centre;
   double distance = 0, forward = 0, left = 0, up = 0;
 };
-/// Returns the bounds of the lasers of some beams of a scan; for a grid, of all beams around the sensor's origin.
+/// Returns the bounds of the lasers of some beams of a scan around `centre`; for a grid, of all beams around a point of
+/// its axis.
 OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame, const Vec3& centre, std::span<const uint32_t> beams);
+/// Returns the point of a grid's axis that is halfway between the lowest and the highest laser.
+Vec3 middleOfLasers(const Sensor& sensor);
 /// Seconds in which an instance moves from the start to the end of its motion during a scan.
 double durationOf(const Sensor& sensor, uint64_t frame);
 

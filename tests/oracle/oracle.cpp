@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "pipeline/beam_tables.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::test {
 
@@ -196,13 +197,13 @@ std::vector<Float3> seenBeams(const Sensor& sensor) {
   std::vector<Float3> beams(sensor.beamCount());
   for (const gpu::Row& row : tables.rows)
     for (size_t column = 0; column < sensor.columns; ++column) {
+      const size_t beam = size_t{row.channel} * sensor.columns + column;
       float c = tables.columns[2 * column], s = tables.columns[2 * column + 1];
-      if (tables.azimuthOffsets) {
-        const float turned = c * row.offset.x - s * row.offset.y;
-        s = onLattice(s * row.offset.x + c * row.offset.y);
-        c = onLattice(turned);
+      if (sensor.channels[row.channel].azimuthOffsetDeg != 0) {
+        c = gnosphere::onLattice(std::cos(azimuthOf(sensor, beam)));
+        s = gnosphere::onLattice(std::sin(azimuthOf(sensor, beam)));
       }
-      beams[size_t{row.channel} * sensor.columns + column] = {row.angles.x * c, row.angles.x * s, row.angles.y};
+      beams[beam] = {row.angles.x * c, row.angles.x * s, row.angles.y};
     }
   return beams;
 }
