@@ -160,11 +160,16 @@ GNO_API gno_status gno_vulkan_recorder_destroy(gno_vulkan_recorder recorder);
  * completed. All commands go to one queue, in the order in which they were recorded. Earlier commands on the queue that
  * write to the simulator's inputs or read its results need no barrier, and later commands see the results without one.
  * `before` and `before_count` (both may be null) get what became of the scans that were recorded with this frame in
- * flight before; the list is valid until the same thread calls this function again. After an error with
- * GNO_INVALID_ARGUMENT nothing is recorded. */
+ * flight before; the list is valid until this recorder records again. After an error with GNO_INVALID_ARGUMENT nothing
+ * is recorded. After any other one the command buffer must not be submitted; the next call does what this one should
+ * have done. */
 GNO_API gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer commands, size_t frame_in_flight,
                                      const gno_vulkan_recorded_shot* shots, size_t shot_count,
                                      const gno_vulkan_recorded_scan** before, size_t* before_count);
+
+/* Says that the commands recorded last with this frame in flight have not been submitted and never will be. The next
+ * recording uploads again what they would have. Of several frames the one recorded last must be abandoned first. */
+GNO_API gno_status gno_vulkan_abandon(gno_vulkan_recorder recorder, size_t frame_in_flight);
 
 /* From the next recording on, the vertices of a mesh are those in the buffer, as gno_simulator_set_positions() would
  * set them, but read by the recorded commands. Must be called again whenever the buffer's content has changed, with the

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/room.hpp"
 #include "base/slots.hpp"
 #include "effects/sensor_plan.hpp"
 #include "geometry/transform_rows.hpp"
@@ -97,8 +98,11 @@ class Simulator::Impl {
     scene_.materials = scene.materials;
     scene_.alphaImages = scene.alphaImages;
     for (size_t i = 0; i < scene.materials.size(); ++i) materials_.take();
-    for (const Mesh& mesh : scene.meshes) keep(mesh);
-    for (const Instance& instance : scene.instances) keep(instance.mesh, instance.classId);
+    for (const Mesh& mesh : scene.meshes) keep(keptOf(mesh));
+    for (const Instance& instance : scene.instances) {
+      reserveInstance();
+      keep(instance.mesh, instance.classId);
+    }
     for (const SensorRequest& given : sensors) {
       check(given);
       const SensorRequest request = withFieldsOfLayout(given);
@@ -118,6 +122,13 @@ class Simulator::Impl {
     planAgain();
     for (size_t i = 0; i < shots.size(); ++i)
       check(shots[i], shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
+    // The arrays of a scan that failed are of no size in particular, so it is made empty.
+    struct Unfinished {
+      Scan* scan;
+      ~Unfinished() {
+        if (scan) *scan = Scan();
+      }
+    } unfinished{&result};
     backend_->scanAll(shots, result, [&](size_t i) {
       const Sensor& sensor = requests_[shots[i].sensor].sensor;
       for (const Field owner : {Field::triangle, Field::instance}) ScanColumns(result).setUnknown(owner, false);
@@ -128,6 +139,7 @@ class Simulator::Impl {
       computed_[shots[i].sensor].set(classes_, shots[i].frame, result);
       receive(i);
     });
+    unfinished.scan = nullptr;
   }
 
   void record(Recording& recording) {
@@ -142,28 +154,36 @@ class Simulator::Impl {
     backend_->record(recording);
   }
 
+  void abandon(size_t frame) { backend_->abandon(frame); }
+
+  // Each change allocates what it needs first, then changes the backend, which may fail, and then notes the change,
+  // which cannot.
+
   size_t addSensor(const SensorRequest& given) {
     check(given);
-    const SensorRequest request = withFieldsOfLayout(given);
+    SensorRequest request = withFieldsOfLayout(given);
     const size_t index = sensors_.next();
+    sensors_.reserve();
     auto plan = planner_.plan(scene_, request, index, false);
     ComputedColumns computed(request.sensor, request.fields);
+    const size_t count = std::max(index + 1, sensors_.size());
+    plans_.resize(count);
+    requests_.resize(count);
+    computed_.resize(count);
     backend_->setSensor(index, plan);
     sensors_.take();
-    plans_.resize(sensors_.size());
-    requests_.resize(sensors_.size());
-    computed_.resize(sensors_.size());
     plans_[index] = std::move(plan);
-    requests_[index] = request;
+    requests_[index] = std::move(request);
     computed_[index] = std::move(computed);
     return index;
   }
 
   void removeSensor(size_t index) {
     sensors_.check(index);
+    SensorRequest none;
     backend_->setSensor(index, nullptr);
     plans_[index].reset();
-    requests_[index] = {};
+    requests_[index] = std::move(none);
     computed_[index] = {};
     sensors_.giveBack(index);
   }
@@ -171,36 +191,41 @@ class Simulator::Impl {
   size_t addMaterial(Material material, const AlphaImage* image) {
     const size_t index = materials_.next();
     material.alphaImage = kNoImage;
+    AlphaImage alpha;
     if (image) {
       validate(*image, "the alpha image of the new material");
+      alpha = *image;
       const auto unused = std::find_if(scene_.alphaImages.begin(), scene_.alphaImages.end(),
                                        [](const AlphaImage& other) { return other.alpha.empty(); });
       material.alphaImage = static_cast<uint32_t>(unused - scene_.alphaImages.begin());
-      if (unused == scene_.alphaImages.end()) scene_.alphaImages.emplace_back();
-      scene_.alphaImages[material.alphaImage] = *image;
-      planner_.forgetTextures();
+      if (unused == scene_.alphaImages.end()) scene_.alphaImages.emplace_back();  // unused if what follows fails
     }
+    materials_.reserve();
+    scene_.materials.resize(std::max(index + 1, materials_.size()));
+    const auto exchange = [&, number = material.alphaImage] {
+      std::swap(scene_.materials[index], material);
+      if (image) std::swap(scene_.alphaImages[number], alpha);
+      planner_.forgetTextures();
+    };
+    changeMaterials(exchange);
     materials_.take();
-    scene_.materials.resize(materials_.size());
-    scene_.materials[index] = std::move(material);
-    backend_->setMaterials(scene_.materials, scene_.alphaImages);
-    stale_ = true;
     return index;
   }
 
   void removeMaterial(size_t index) {
     materials_.checkUnused(index, "meshes");
-    Material& material = scene_.materials[index];
-    const auto shares = [&](const Material& other) { return other.alphaImage == material.alphaImage; };
-    if (material.alphaImage != kNoImage &&
-        std::count_if(scene_.materials.begin(), scene_.materials.end(), shares) == 1) {
-      scene_.alphaImages[material.alphaImage] = {};
+    const uint32_t image = scene_.materials[index].alphaImage;
+    const auto shares = [&](const Material& other) { return other.alphaImage == image; };
+    const bool alone =
+        image != kNoImage && std::count_if(scene_.materials.begin(), scene_.materials.end(), shares) == 1;
+    Material none;
+    AlphaImage noImage;
+    changeMaterials([&] {
+      std::swap(scene_.materials[index], none);
+      if (alone) std::swap(scene_.alphaImages[image], noImage);
       planner_.forgetTextures();
-    }
-    material = {};
+    });
     materials_.giveBack(index);
-    backend_->setMaterials(scene_.materials, scene_.alphaImages);
-    stale_ = true;
   }
 
   size_t addMesh(const Mesh& mesh) {
@@ -208,8 +233,9 @@ class Simulator::Impl {
     const std::string name = "the new mesh" + (mesh.name.empty() ? "" : " '" + mesh.name + "'");
     validate(mesh, name, scene_.materials);
     for (const MeshPart& part : mesh.parts) materials_.check(part.material);
+    KeptMesh kept = keptOf(mesh);
     backend_->setMesh(index, &mesh);
-    keep(mesh);
+    keep(std::move(kept));
     return index;
   }
 
@@ -263,6 +289,7 @@ class Simulator::Impl {
     if (placed > kMostPlacedTriangles)
       throw Error(ErrorCode::invalidArgument, "the scene would place " + std::to_string(placed) +
                                                   " triangles; the limit is " + std::to_string(kMostPlacedTriangles));
+    reserveInstance();
     backend_->setInstance(index, mesh, transform);
     return keep(mesh, classId);
   }
@@ -301,11 +328,14 @@ class Simulator::Impl {
     }
   }
 
-  Plan plan(size_t sensor) {
+  /// If the scene has changed since the last scan, this is what the next scan will make of the sensor; nothing is made
+  /// yet.
+  Plan plan(size_t sensor) const {
     sensors_.check(sensor);
-    planAgain();
-    Plan plan = backend_->plan(sensor);
-    plan.effects = plans_[sensor]->decisions;
+    std::shared_ptr<const SensorPlan> next = plans_[sensor];
+    if (stale_) next = SensorPlanner(planner_).plan(scene_, requests_[sensor], sensor, true);
+    Plan plan = sameArrays(*plans_[sensor], *next) ? backend_->plan(sensor) : backend_->planOf(next);
+    plan.effects = next->decisions;
     return plan;
   }
 
@@ -375,17 +405,58 @@ class Simulator::Impl {
     return sum;
   }
 
-  void keep(const Mesh& mesh) {
+  /// Changes the materials, and changes them back if the backend fails; `exchange` undoes itself.
+  template <typename Exchange>
+  void changeMaterials(const Exchange& exchange) {
+    exchange();
+    try {
+      backend_->setMaterials(scene_.materials, scene_.alphaImages);
+    } catch (...) {
+      exchange();
+      throw;
+    }
+    stale_ = true;
+  }
+
+  /// What is kept of a mesh.
+  struct KeptMesh {
+    Mesh mesh;  // without its vertices and triangles
+    size_t vertexCount;
+    ClassTable::Runs classes;
+  };
+
+  /// Makes room for the next mesh as well.
+  KeptMesh keptOf(const Mesh& mesh) {
+    KeptMesh kept = {{}, mesh.vertexCount(), ClassTable::runsOf(mesh.parts, scene_.materials)};
+    kept.mesh.parts = mesh.parts;
+    kept.mesh.jointCount = mesh.jointCount;
+    kept.mesh.morphTargets.resize(mesh.morphTargets.size());
+    meshes_.reserve();
+    const size_t count = std::max(meshes_.next() + 1, meshes_.size());
+    makeRoom(scene_.meshes, count);
+    makeRoom(vertexCounts_, count);
+    classes_.reserveMesh(count);
+    return kept;
+  }
+
+  void keep(KeptMesh kept) {
     const size_t index = meshes_.next();
     meshes_.take();
     scene_.meshes.resize(meshes_.size());
     vertexCounts_.resize(meshes_.size());
-    scene_.meshes[index].parts = mesh.parts;
-    scene_.meshes[index].jointCount = mesh.jointCount;
-    scene_.meshes[index].morphTargets.resize(mesh.morphTargets.size());
-    vertexCounts_[index] = mesh.vertexCount();
-    for (const MeshPart& part : mesh.parts) ++materials_.uses(part.material);
-    classes_.setMesh(index, mesh.parts, scene_.materials);
+    scene_.meshes[index] = std::move(kept.mesh);
+    vertexCounts_[index] = kept.vertexCount;
+    for (const MeshPart& part : scene_.meshes[index].parts) ++materials_.uses(part.material);
+    classes_.setMesh(index, std::move(kept.classes));
+  }
+
+  /// Makes room for the next instance.
+  void reserveInstance() {
+    instances_.reserve();
+    const size_t count = std::max(instances_.next() + 1, instances_.size());
+    makeRoom(scene_.instances, count);
+    makeRoom(inBuffer_, count);
+    classes_.reserveInstance(count);
   }
 
   size_t keep(uint32_t mesh, uint16_t classId) {
@@ -444,6 +515,9 @@ void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(si
 
 void Simulator::record(Recording& recording) {
   impl_->record(recording);
+}
+void Simulator::abandon(size_t frame) {
+  impl_->abandon(frame);
 }
 void Simulator::setVertices(size_t mesh, const CallerVertices& buffer) {
   impl_->setVertices(mesh, buffer);

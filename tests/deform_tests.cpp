@@ -39,6 +39,7 @@ Sensor narrowHead() {
 
 /// Forgets what is written.
 struct NoMemory : SceneMemory {
+  void prepareWrite(gpu::Array, uint64_t, uint64_t) override {}
   void reserve(gpu::Array, uint64_t) override {}
   void write(gpu::Array, uint64_t, std::span<const std::byte>) override {}
   void read(gpu::Array, uint64_t, std::span<std::byte>) const override {}

@@ -260,7 +260,7 @@ class GNOSPHERE_API Simulator {
   Scan scan(const Pose& pose, size_t sensor = 0);
   /// Makes one scan of a shot, with motion, weather and frame number, into an existing Scan. Its arrays are reused, so
   /// nothing is allocated once they have their size. Throws as scan() does, and Error(invalidArgument) for weather that
-  /// is not planned (see SensorRequest::variableWeather).
+  /// is not planned (see SensorRequest::variableWeather). If the device fails or memory runs out, the result is empty.
   void scanInto(const Shot& shot, Scan& result);
   /// Makes many scans, each with the same result as scanInto(), pipelined: while the host receives one scan, the device
   /// works on the next. `receive` gets the index into `shots` and the scan, in order and on the calling thread. The
@@ -307,7 +307,7 @@ class GNOSPHERE_API Simulator {
   void setTransforms(std::span<const uint32_t> instances, std::span<const double> values);
   void setTransforms(std::span<const uint32_t> instances, std::span<const float> values);
 
-  /// Describes what a scan of the sensor computes, and why.
+  /// Describes what the next scan of the sensor computes, and why. Changes nothing.
   Plan plan(size_t sensor = 0) const;
   const DeviceInfo& device() const;
   MemoryUse memory() const;
@@ -317,6 +317,7 @@ class GNOSPHERE_API Simulator {
   friend class vulkan::Recorder;
   class Impl;
   void record(Recording& recording);
+  void abandon(size_t frame);
   void setVertices(size_t mesh, const CallerVertices& buffer);
   void setTransforms(const CallerTransforms& buffer);
   std::unique_ptr<Impl> impl_;

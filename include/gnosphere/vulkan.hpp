@@ -153,8 +153,15 @@ class GNOSPHERE_API Recorder {
   /// recording state, outside of a render pass. Earlier commands on the queue that write to the simulator's inputs or
   /// read its results need no barrier, and later commands see the results without one. Returns what became of the scans
   /// that were recorded with this number before. Throws Error(invalidArgument) for invalid shots and buffers, in which
-  /// case nothing is recorded, and Error(outOfMemory).
+  /// case nothing is recorded, and Error(outOfMemory): then the command buffer must not be submitted, the next call
+  /// does what this one should have done, and it also returns what this one would have.
   std::vector<RecordedScan> record(VkCommandBuffer commands, size_t frame, std::span<const RecordedShot> shots);
+
+  /// Says that the commands recorded last with this number have not been submitted and never will be, for example
+  /// because the frame was skipped. The next recording uploads again what these commands would have, and nothing tells
+  /// what became of their scans. Of several frames the one recorded last must be abandoned first, because its commands
+  /// build on those before. Throws Error(invalidArgument) if the frame was not recorded, or another one after it.
+  void abandon(size_t frame);
 
   /// From the next recording on, the vertices of a mesh are those in a buffer of the caller, as
   /// Simulator::setPositions() would set them, but read by the recorded commands. Must be called again whenever the

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/room.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -20,7 +21,13 @@ class Slots {
   bool has(size_t index) const { return index < uses_.size() && uses_[index] != kFree; }
   /// Returns the index that the next take() will occupy.
   size_t next() const { return free_.empty() ? uses_.size() : free_.back(); }
+  /// Makes room, so that the next take() cannot throw, nor any giveBack().
+  void reserve() {
+    makeRoom(uses_, uses_.size() + 1);
+    makeRoom(free_, uses_.size() + 1);
+  }
   void take() {
+    reserve();
     if (free_.empty())
       uses_.push_back(0);
     else {
@@ -28,7 +35,7 @@ class Slots {
       free_.pop_back();
     }
   }
-  void giveBack(size_t index) {
+  void giveBack(size_t index) noexcept {
     uses_[index] = kFree;
     free_.push_back(index);
   }

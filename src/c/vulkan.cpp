@@ -16,6 +16,7 @@ static_assert(sizeof(gno_vulkan_record_header) == sizeof(RecordHeader));
 struct RecorderObject {
   gno_simulator simulator;
   vulkan::Recorder recorder;
+  std::vector<gno_vulkan_recorded_scan> results;  ///< of the last recording
 };
 
 }  // namespace
@@ -110,7 +111,7 @@ gno_status gno_vulkan_recorder_create(gno_simulator simulator, size_t frames_in_
   return guard([&] {
     the(recorder, "recorder");
     Idle idle(simulator);
-    *recorder = make<gno_vulkan_recorder>({simulator, vulkan::Recorder(*idle.operator->(), frames_in_flight)});
+    *recorder = make<gno_vulkan_recorder>({simulator, vulkan::Recorder(*idle.operator->(), frames_in_flight), {}});
   });
 }
 
@@ -122,17 +123,32 @@ gno_status gno_vulkan_record(gno_vulkan_recorder recorder, VkCommandBuffer comma
                              const gno_vulkan_recorded_shot* shots, size_t shot_count,
                              const gno_vulkan_recorded_scan** before, size_t* before_count) {
   return guard([&] {
-    thread_local std::vector<gno_vulkan_recorded_scan> results;
     std::vector<vulkan::RecordedShot> wanted;
     for (const gno_vulkan_recorded_shot& shot : array(shots, shot_count, "shots"))
       wanted.push_back({shotOf(shot.shot), rangeOf(shot.records), rangeOf(shot.header)});
     Locked locked(recorder);
     const Idle idle(locked->simulator);
+    auto& results = locked->results;
+    const auto made = locked->recorder.record(commands, frame_in_flight, wanted);
+    try {
+      results.reserve(made.size());
+    } catch (...) {
+      locked->recorder.abandon(frame_in_flight);
+      throw;
+    }
     results.clear();
-    for (const vulkan::RecordedScan& scan : locked->recorder.record(commands, frame_in_flight, wanted))
+    for (const vulkan::RecordedScan& scan : made)
       results.push_back({scan.sensor, scan.frame, scan.complete, scan.nonFinite, scan.degenerate, scan.unplaced});
     if (before) *before = results.data();
     if (before_count) *before_count = results.size();
+  });
+}
+
+gno_status gno_vulkan_abandon(gno_vulkan_recorder recorder, size_t frame_in_flight) {
+  return guard([&] {
+    Locked locked(recorder);
+    const Idle idle(locked->simulator);
+    locked->recorder.abandon(frame_in_flight);
   });
 }
 

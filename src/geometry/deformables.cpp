@@ -153,36 +153,34 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
   deformer.targets = static_cast<uint32_t>(mesh.morphTargets.size());
   deformer.vertexFirst = static_cast<uint32_t>(vertex);
   deformer.clusterFirst = static_cast<uint32_t>(cluster);
-  deformer.restFirst = static_cast<uint32_t>(vertices_.take(entry.vertices));
-  deformer.offsetFirst = static_cast<uint32_t>(offsets_.take(offsets.size()));
-  deformer.weightFirst = static_cast<uint32_t>(weights_.take(deformer.targets));
-  deformer.rowFirst = static_cast<uint32_t>(rows_.take(3 * uint64_t{mesh.jointCount}));
-  deformer.bonesFirst = static_cast<uint32_t>(clusterBones_.take(clusters.size()));
+  TakenRuns runs;
+  const auto take = [&](Ranges& ranges, uint64_t count) { return static_cast<uint32_t>(runs.take(ranges, count)); };
+  deformer.restFirst = take(vertices_, entry.vertices);
+  deformer.offsetFirst = take(offsets_, offsets.size());
+  deformer.weightFirst = take(weights_, deformer.targets);
+  deformer.rowFirst = take(rows_, 3 * uint64_t{mesh.jointCount});
+  deformer.bonesFirst = take(clusterBones_, clusters.size());
   entry.bones = bones.size();
-  entry.firstBone = bones_.take(bones.size());
+  entry.firstBone = take(bones_, bones.size());
   entry.weights = weights.size();
-  entry.firstWeight = boneWeights_.take(weights.size());
+  entry.firstWeight = take(boneWeights_, weights.size());
   for (gpu::ClusterBones& own : clusters) {
     own.first += static_cast<uint32_t>(entry.firstBone);
     own.weightFirst += static_cast<uint32_t>(entry.firstWeight);
   }
 
-  deformers_[index] = deformer;
   jointRows_.resize(std::max<size_t>(jointRows_.size(), rows_.end()));
   morphWeights_.resize(std::max<size_t>(morphWeights_.size(), weights_.end()));
-  const Entry& added = meshes_[index] = std::move(entry);
   ++version_;
-  try {
-    reserve();
-  } catch (...) {
-    remove(index);
-    throw;
-  }
+  reserve();
   write(memory_, Array::restPositions, deformer.restFirst, positions);
   write(memory_, Array::morphOffsets, deformer.offsetFirst, offsets);
   write(memory_, Array::clusterBones, deformer.bonesFirst, clusters);
-  write(memory_, Array::bones, added.firstBone, bones);
-  write(memory_, Array::boneWeights, added.firstWeight, weights);
+  write(memory_, Array::bones, entry.firstBone, bones);
+  write(memory_, Array::boneWeights, entry.firstWeight, weights);
+  meshes_.insert_or_assign(index, std::move(entry));
+  deformers_[index] = deformer;
+  runs.keep();
 }
 
 void Deformables::reserve() {
@@ -198,7 +196,7 @@ void Deformables::setMeshCount(size_t count) {
   ++version_;
 }
 
-void Deformables::remove(size_t index) {
+void Deformables::remove(size_t index) noexcept {
   const auto found = meshes_.find(index);
   if (found == meshes_.end()) return;
   const Entry& entry = found->second;
@@ -232,9 +230,9 @@ void Deformables::writeMaps(const Entry& entry, const gpu::Deformer& deformer, c
 void Deformables::deform(size_t index, const Deformation& deformation, FlatMesh& flat) {
   const Entry& entry = meshes_.at(index);
   gpu::Deformer& deformer = deformers_[index];
+  writeMaps(entry, deformer, deformation, jointRows_, morphWeights_);  // allocates before it writes
   ++version_;
   deformer.deformed = !deformation.empty();
-  writeMaps(entry, deformer, deformation, jointRows_, morphWeights_);
   deformer.morphLow = deformer.morphHigh = gpu::vec3(0);
   for (size_t target = 0; target < entry.offsetBounds.size(); ++target) {
     const float weight = morphWeights_[deformer.weightFirst + target];

@@ -27,7 +27,7 @@ class Deformables {
   /// Adds the mesh at an index, in its first deformation. `vertex` and `cluster` are its first entries in the arrays of
   /// all meshes. If it throws Error(outOfMemory), the mesh is not added.
   void add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint64_t vertex, uint64_t cluster);
-  void remove(size_t index);
+  void remove(size_t index) noexcept;
   /// Tells how many meshes the scene has; a removed instance places the one after the last.
   void setMeshCount(size_t count);
   /// Deforms a mesh, and sets the boxes of its groups.

@@ -7,6 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
+#include "base/room.hpp"
 #include "base/threads.hpp"
 
 namespace gnosphere {
@@ -71,6 +72,14 @@ const MeshSummary& InstanceTable::meshOf(const Placement& placement) const {
   return placement.mesh == kNoMesh ? kEmpty : meshes_[placement.mesh];
 }
 
+void InstanceTable::reserveMeshes(size_t count) {
+  const size_t size = meshes_.size() + count;
+  makeRoom(meshes_, size);
+  makeRoom(instanceCounts_, size);
+  makeRoom(reshaped_, size);
+  makeRoom(reshapedAt_, size);
+}
+
 void InstanceTable::addMesh(MeshSummary mesh) {
   meshes_.push_back(std::move(mesh));
   instanceCounts_.push_back(0);
@@ -80,6 +89,8 @@ void InstanceTable::addMesh(MeshSummary mesh) {
 
 void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform) {
   if (index == placements_.size()) {
+    makeRoom(placements_, index + 1);
+    makeRoom(spheres_, index + 1);
     placements_.emplace_back();
     placements_.back().mesh = kNoMesh;
     spheres_.emplace_back();

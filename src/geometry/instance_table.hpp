@@ -43,12 +43,15 @@ struct PlacedGroups {
 /// stays in the table with an empty mesh.
 class InstanceTable {
  public:
+  /// Makes room for so many more meshes, which addMesh() can then add without throwing.
+  void reserveMeshes(size_t count);
   /// A mesh must be added before the instances that place it.
   void addMesh(MeshSummary mesh);
   const MeshSummary& mesh(size_t mesh) const { return meshes_[mesh]; }
   /// Updates a mesh after its positions have changed.
   void setMesh(size_t mesh, MeshSummary summary);
-  /// Adds the next instance, or moves or replaces an existing one; kNoMesh removes it.
+  /// Adds the next instance, or moves or replaces an existing one; kNoMesh removes it. If it throws std::bad_alloc,
+  /// nothing changes.
   void set(size_t index, uint32_t mesh, const Transform& transform);
 
   /// From now on the transforms of existing instances lie in a buffer of the caller, each until it is set(). Every scan

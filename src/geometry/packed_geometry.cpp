@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <glm/gtc/packing.hpp>
-#include <iterator>
 #include <utility>
 
+#include "base/room.hpp"
 #include "base/threads.hpp"
 
 namespace gnosphere {
@@ -65,18 +65,26 @@ MeshSummary summaryOf(const FlatMesh& flat, uint64_t firstGroup, const Vec3& ori
 
 }  // namespace
 
+void PackedGeometry::pack(const Entry& entry, std::span<gpu::Group> to) {
+  for (size_t i = 0; i < to.size(); ++i) {
+    const FlatGroup& group = entry.flat.groups[i];
+    to[i] = {vec3Of(group.low), static_cast<uint32_t>(entry.cluster + group.firstCluster), vec3Of(group.high),
+             group.clusterCount};
+  }
+}
+
 std::vector<gpu::Group> PackedGeometry::packedGroups(const Entry& entry) const {
-  std::vector<gpu::Group> result;
-  for (const FlatGroup& group : std::span(entry.flat.groups).first(entry.flat.groupCount()))
-    result.push_back({vec3Of(group.low), static_cast<uint32_t>(entry.cluster + group.firstCluster), vec3Of(group.high),
-                      group.clusterCount});
+  std::vector<gpu::Group> result(entry.flat.groupCount());
+  pack(entry, result);
   return result;
 }
 
-std::vector<gpu::Cluster> PackedGeometry::packedClusters(const Entry& entry) const {
+std::vector<gpu::Cluster> PackedGeometry::packedClusters(const Entry& entry,
+                                                         std::span<const FlatCluster> clusters) const {
   std::vector<gpu::Cluster> result;
-  for (size_t i = 0; i < entry.flat.clusterCount(); ++i) {
-    const FlatCluster &cluster = entry.flat.clusters[i], &next = entry.flat.clusters[i + 1];
+  result.reserve(clusters.size());
+  for (size_t i = 0; i + 1 < clusters.size(); ++i) {
+    const FlatCluster &cluster = clusters[i], &next = clusters[i + 1];
     result.push_back({vec3Of(cluster.low),
                       static_cast<uint32_t>(entry.vertex + cluster.firstVertex),
                       vec3Of(cluster.high),
@@ -124,31 +132,38 @@ size_t PackedGeometry::clusterCount() const {
   return count;
 }
 
-// Gives the meshes that will have the indices from `first` on their runs in the arrays.
+// Gives the meshes that will have the indices from `first` on their runs in the arrays, writes them, and makes room for
+// their entries. What is written lies in free runs, so that nothing has changed if this throws.
 void PackedGeometry::place(size_t first, std::span<const Mesh> meshes, std::span<Entry> entries) {
+  TakenRuns runs;
   for (Entry& entry : entries) {
-    entry.group = groups_.take(entry.flat.groupCount());
-    entry.cluster = clusters_.take(entry.flat.clusterCount());
-    entry.vertex = vertices_.take(entry.flat.vertices.size());
-    entry.triangle = triangles_.take(entry.flat.clusters.back().firstTriangle);
+    entry.group = runs.take(groups_, entry.flat.groupCount());
+    entry.cluster = runs.take(clusters_, entry.flat.clusterCount());
+    entry.vertex = runs.take(vertices_, entry.flat.vertices.size());
+    entry.triangle = runs.take(triangles_, entry.flat.clusters.back().firstTriangle);
   }
-  deformables_.setMeshCount(std::max(meshes_.size(), first + entries.size()));
+  const size_t count = std::max(meshes_.size(), first + entries.size());
+  makeRoom(meshes_, count);
+  instances_.reserveMeshes(count - meshes_.size());
+  deformables_.setMeshCount(count);
   try {
     reserve();
-    for (size_t i = 0; i < entries.size(); ++i)
-      if (meshes[i].deformable())
-        deformables_.add(first + i, meshes[i], entries[i].flat, entries[i].vertex, entries[i].cluster);
-  } catch (...) {
     for (size_t i = 0; i < entries.size(); ++i) {
-      giveBack(entries[i]);
-      deformables_.remove(first + i);
+      if (!meshes[i].deformable()) continue;
+      deformables_.add(first + i, meshes[i], entries[i].flat, entries[i].vertex, entries[i].cluster);
+      deformables_.deform(first + i, meshes[i].deformation, entries[i].flat);
     }
+    write(entries);
+    if (slots_) writeMeshTriangles(first, entries);
+  } catch (...) {
+    for (size_t i = 0; i < entries.size(); ++i) deformables_.remove(first + i);
     deformables_.setMeshCount(meshes_.size());
     throw;
   }
+  runs.keep();
 }
 
-void PackedGeometry::giveBack(const Entry& entry) {
+void PackedGeometry::giveBack(const Entry& entry) noexcept {
   groups_.giveBack(entry.group, entry.flat.groupCount());
   clusters_.giveBack(entry.cluster, entry.flat.clusterCount());
   vertices_.giveBack(entry.vertex, entry.flat.vertices.size());
@@ -171,7 +186,7 @@ void PackedGeometry::write(std::span<Entry> entries) {
       coordinates(memory_, Array::textureCoordinates);
   for (Entry& entry : entries) {
     groups.write(entry.group, packedGroups(entry));
-    clusters.write(entry.cluster, packedClusters(entry));
+    clusters.write(entry.cluster, packedClusters(entry, entry.flat.clusters));
     positions.write(3 * entry.vertex, entry.flat.positions);
     corners.write(entry.triangle, entry.flat.triangles);
     if (slots_) slots.write(entry.triangle, slotsOf(entry, entry.flat.triangles));
@@ -182,11 +197,12 @@ void PackedGeometry::write(std::span<Entry> entries) {
   for (Writer* writer : {&groups, &clusters, &positions, &corners, &slots, &coordinates}) writer->flush();
 }
 
-// Writes for each mesh its first entry in triangleSlots, and a last entry for removed instances.
-void PackedGeometry::writeMeshTriangles() {
-  std::vector<uint32_t> firsts;
-  for (const Entry& entry : meshes_) firsts.push_back(static_cast<uint32_t>(entry.triangle));
-  firsts.push_back(0);
+// Writes for each mesh its first entry in triangleSlots, and a last entry for removed instances. `entries` are those
+// that the meshes from `first` on will have.
+void PackedGeometry::writeMeshTriangles(size_t first, std::span<const Entry> entries) {
+  std::vector<uint32_t> firsts(std::max(meshes_.size(), first + entries.size()) + 1);
+  for (size_t i = 0; i < meshes_.size(); ++i) firsts[i] = static_cast<uint32_t>(meshes_[i].triangle);
+  for (size_t i = 0; i < entries.size(); ++i) firsts[first + i] = static_cast<uint32_t>(entries[i].triangle);
   memory_.reserve(Array::meshTriangles, firsts.size() * sizeof(uint32_t));
   memory_.write(Array::meshTriangles, 0, std::as_bytes(std::span(firsts)));
 }
@@ -202,30 +218,25 @@ void PackedGeometry::add(std::span<const Mesh> meshes, const std::vector<Materia
     }
   });
   place(first, meshes, entries);
-  std::move(entries.begin(), entries.end(), std::back_inserter(meshes_));
-  write(std::span(meshes_).subspan(first));
-  if (slots_) writeMeshTriangles();
-  for (const Entry& entry : std::span(meshes_).subspan(first))
+  for (Entry& entry : entries) {
     instances_.addMesh(summaryOf(entry.flat, entry.group, entry.origin));
-  for (size_t i = 0; i < meshes.size(); ++i)
-    if (meshes[i].deformable()) setDeformation(first + i, meshes[i].deformation);
+    meshes_.push_back(std::move(entry));
+  }
 }
 
 void PackedGeometry::replace(size_t index, const Mesh& mesh, const std::vector<Material>& materials) {
   Entry entry = {flatten(mesh, materials), 0, 0, 0, 0, mesh.origin, mesh.uvs};
   place(index, {&mesh, 1}, {&entry, 1});
   meshes_[index] = std::move(entry);
-  write({&meshes_[index], 1});
-  if (slots_) writeMeshTriangles();
   instances_.setMesh(index, summaryOf(meshes_[index].flat, meshes_[index].group, meshes_[index].origin));
-  if (mesh.deformable()) setDeformation(index, mesh.deformation);
 }
 
 void PackedGeometry::remove(size_t index) {
+  Entry none = {flatten({}, {}), 0, 0, 0, 0, {}, {}};
   giveBack(meshes_[index]);
   deformables_.remove(index);
   vertexSources_.remove(index);
-  meshes_[index] = {flatten({}, {}), 0, 0, 0, 0, {}, {}};
+  meshes_[index] = std::move(none);
   instances_.setMesh(index, {});
 }
 
@@ -235,7 +246,7 @@ void PackedGeometry::addSlots() {
   Writer slots(memory_, Array::triangleSlots);
   for (const Entry& entry : meshes_) slots.write(entry.triangle, slotsOf(entry, trianglesOf(entry)));
   slots.flush();
-  writeMeshTriangles();
+  writeMeshTriangles(0, {});
   slots_ = true;
 }
 
@@ -250,8 +261,10 @@ void PackedGeometry::addTextureCoordinates() {
 
 void PackedGeometry::setDeformation(size_t index, const Deformation& deformation) {
   Entry& entry = meshes_[index];
+  std::vector<gpu::Group> groups = packedGroups(entry);  // allocated before anything changes
+  memory_.prepareWrite(Array::groups, entry.group * sizeof(gpu::Group), groups.size() * sizeof(gpu::Group));
   deformables_.deform(index, deformation, entry.flat);
-  const std::vector<gpu::Group> groups = packedGroups(entry);
+  pack(entry, groups);
   memory_.write(Array::groups, entry.group * sizeof(gpu::Group), std::as_bytes(std::span(groups)));
   instances_.setMesh(index, summaryOf(entry.flat, entry.group, entry.origin));
 }
@@ -260,15 +273,17 @@ void PackedGeometry::setDeformation(size_t index, const Deformation& deformation
 // point anywhere. The instances of the mesh may be anywhere, too; the device culls by the boxes of groups.
 void PackedGeometry::releaseVertices(size_t index) {
   Entry& entry = meshes_[index];
+  std::vector<FlatCluster> released = entry.flat.clusters;
+  for (size_t i = 0; i + 1 < released.size(); ++i) {
+    released[i].triangleCount = static_cast<uint32_t>(released[i + 1].firstTriangle - released[i].firstTriangle);
+    released[i].cone = {};
+  }
+  const std::vector<gpu::Cluster> clusters = packedClusters(entry, released);
+  memory_.prepareWrite(Array::clusters, entry.cluster * sizeof(gpu::Cluster), clusters.size() * sizeof(gpu::Cluster));
   vertexSources_.add(index, entry.flat, entry.group, entry.vertex);
   FlatMesh& flat = entry.flat;
+  flat.clusters = std::move(released);
   flat.nonFinite = flat.degenerate = 0;
-  for (size_t i = 0; i < flat.clusterCount(); ++i) {
-    flat.clusters[i].triangleCount =
-        static_cast<uint32_t>(flat.clusters[i + 1].firstTriangle - flat.clusters[i].firstTriangle);
-    flat.clusters[i].cone = {};
-  }
-  const std::vector<gpu::Cluster> clusters = packedClusters(entry);
   memory_.write(Array::clusters, entry.cluster * sizeof(gpu::Cluster), std::as_bytes(std::span(clusters)));
   MeshSummary summary = summaryOf(flat, entry.group, entry.origin);
   summary.low = glm::dvec3(-gpu::kCoordinateLimit);
@@ -281,24 +296,49 @@ void PackedGeometry::setVertices(size_t index, const CallerVertices& vertices) {
   vertexSources_.set(index, vertices);
 }
 
+// Everything is computed and allocated first; then it is written.
 void PackedGeometry::setPositions(size_t index, std::span<const float> positions) {
-  vertexSources_.remove(index);
   Entry& entry = meshes_[index];
-  FlatMesh& flat = entry.flat;
-  flat.nonFinite = flat.degenerate = 0;
-  flat.positions.clear();
-  for (const uint32_t vertex : flat.vertices)
-    flat.positions.insert(flat.positions.end(), &positions[3 * size_t{vertex}], &positions[3 * size_t{vertex}] + 3);
-  flat.triangles = trianglesOf(entry);
-  for (size_t i = 0; i < flat.clusterCount(); ++i) {
-    FlatCluster& cluster = flat.clusters[i];
-    const size_t count = flat.clusters[i + 1].firstTriangle - cluster.firstTriangle;
-    fit(cluster, &flat.positions[3 * cluster.firstVertex],
-        std::span(flat.triangles).subspan(cluster.firstTriangle, count), flat);
+  FlatMesh moved;
+  moved.groups = entry.flat.groups;
+  moved.clusters = entry.flat.clusters;
+  moved.deformable = entry.flat.deformable;
+  moved.positions.reserve(3 * entry.flat.vertices.size());
+  for (const uint32_t vertex : entry.flat.vertices)
+    moved.positions.insert(moved.positions.end(), &positions[3 * size_t{vertex}], &positions[3 * size_t{vertex}] + 3);
+  moved.triangles = trianglesOf(entry);
+  for (size_t i = 0; i < moved.clusterCount(); ++i) {
+    FlatCluster& cluster = moved.clusters[i];
+    const size_t count = moved.clusters[i + 1].firstTriangle - cluster.firstTriangle;
+    fit(cluster, &moved.positions[3 * cluster.firstVertex],
+        std::span(moved.triangles).subspan(cluster.firstTriangle, count), moved);
   }
-  for (FlatGroup& group : std::span(flat.groups).first(flat.groupCount()))
-    fit(group, std::span(flat.clusters).subspan(group.firstCluster, group.clusterCount));
-  write({&entry, 1});
+  for (FlatGroup& group : std::span(moved.groups).first(moved.groupCount()))
+    fit(group, std::span(moved.clusters).subspan(group.firstCluster, group.clusterCount));
+  std::vector<uint32_t> slots;
+  if (slots_) slots = slotsOf(entry, moved.triangles);
+  std::vector<gpu::Group> groups(moved.groupCount());
+  const std::vector<gpu::Cluster> clusters = packedClusters(entry, moved.clusters);
+  const auto each = [&](const auto& call) {
+    call(Array::clusters, entry.cluster, std::span(clusters));
+    call(Array::positions, 3 * entry.vertex, std::span<const float>(moved.positions));
+    call(Array::triangleCorners, entry.triangle, std::span<const FlatTriangle>(moved.triangles));
+    if (slots_) call(Array::triangleSlots, entry.triangle, std::span<const uint32_t>(slots));
+    call(Array::groups, entry.group, std::span<const gpu::Group>(groups));
+  };
+  each([&](Array array, uint64_t first, auto content) {
+    memory_.prepareWrite(array, first * sizeof content[0], content.size_bytes());
+  });
+  vertexSources_.remove(index);
+  FlatMesh& flat = entry.flat;
+  flat.groups = std::move(moved.groups);
+  flat.clusters = std::move(moved.clusters);
+  flat.nonFinite = moved.nonFinite;
+  flat.degenerate = moved.degenerate;
+  pack(entry, groups);
+  each([&](Array array, uint64_t first, auto content) {
+    if (!content.empty()) memory_.write(array, first * sizeof content[0], std::as_bytes(content));
+  });
   instances_.setMesh(index, summaryOf(flat, entry.group, entry.origin));
 }
 

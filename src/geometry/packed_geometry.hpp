@@ -21,9 +21,9 @@ class PackedGeometry {
   PackedGeometry(SceneMemory& memory, InstanceTable& instances)
       : memory_(memory), instances_(instances), deformables_(memory), vertexSources_(memory) {}
 
-  /// Adds meshes after the existing ones. If it throws Error(outOfMemory), none is added.
+  /// Adds meshes after the existing ones. If it throws, none is added; the same holds for the other changes.
   void add(std::span<const Mesh> meshes, const std::vector<Material>& materials);
-  /// Adds a mesh at the index of a removed one. If it throws Error(outOfMemory), the index stays free.
+  /// Adds a mesh at the index of a removed one.
   void replace(size_t index, const Mesh& mesh, const std::vector<Material>& materials);
   /// Removes a mesh; no instance may place it.
   void remove(size_t index);
@@ -54,15 +54,16 @@ class PackedGeometry {
   };
 
   void place(size_t first, std::span<const Mesh> meshes, std::span<Entry> entries);
-  void giveBack(const Entry& entry);
+  void giveBack(const Entry& entry) noexcept;
   void reserve();
   void write(std::span<Entry> entries);
   void releaseVertices(size_t index);
-  void writeMeshTriangles();
+  void writeMeshTriangles(size_t first, std::span<const Entry> entries);
   std::vector<uint32_t> slotsOf(const Entry& entry, std::span<const FlatTriangle> triangles) const;
   std::vector<FlatTriangle> trianglesOf(const Entry& entry) const;
   std::vector<gpu::Group> packedGroups(const Entry& entry) const;
-  std::vector<gpu::Cluster> packedClusters(const Entry& entry) const;
+  static void pack(const Entry& entry, std::span<gpu::Group> to);
+  std::vector<gpu::Cluster> packedClusters(const Entry& entry, std::span<const FlatCluster> clusters) const;
   std::vector<float> textureCoordinates(const Entry& entry) const;
 
   SceneMemory& memory_;

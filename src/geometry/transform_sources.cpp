@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/room.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
@@ -29,6 +30,9 @@ void validate(const CallerTransforms& buffer) {
 
 void TransformSources::set(const CallerTransforms& buffer) {
   const size_t end = buffer.firstInstance + buffer.instances;
+  makeRoom(entries_, end);
+  makeRoom(users_, users_.size() + 1);
+  makeRoom(buffers_, buffers_.size() + 1);
   for (size_t i = buffer.firstInstance; i < end; ++i) remove(i);
   if (entries_.size() < end) entries_.resize(end);
   const auto unused = static_cast<size_t>(std::find(users_.begin(), users_.end(), 0) - users_.begin());

@@ -43,21 +43,18 @@ void validate(const CallerVertices& buffer, size_t vertices, const std::string& 
 }
 
 void VertexSources::add(size_t mesh, const FlatMesh& flat, uint64_t group, uint64_t vertex) {
+  TakenRuns runs;
   Entry entry;
   entry.vertices = flat.vertices.size();
   entry.firstGroup = static_cast<uint32_t>(group);
   entry.groups = flat.groupCount();
   entry.source.vertexFirst = static_cast<uint32_t>(vertex);
-  entry.source.numberFirst = static_cast<uint32_t>(numbers_.take(entry.vertices));
-  try {
-    memory_.reserve(Array::vertexNumbers, numbers_.end() * sizeof(uint32_t));
-  } catch (...) {
-    numbers_.giveBack(entry.source.numberFirst, entry.vertices);
-    throw;
-  }
+  entry.source.numberFirst = static_cast<uint32_t>(runs.take(numbers_, entry.vertices));
+  memory_.reserve(Array::vertexNumbers, numbers_.end() * sizeof(uint32_t));
   memory_.write(Array::vertexNumbers, entry.source.numberFirst * sizeof(uint32_t),
                 std::as_bytes(std::span(flat.vertices)));
   sources_[mesh] = entry;
+  runs.keep();
 }
 
 void VertexSources::remove(size_t mesh) {
@@ -79,6 +76,11 @@ void VertexSources::set(size_t mesh, const CallerVertices& buffer) {
 
 void VertexSources::takeAgain() {
   for (auto& [mesh, entry] : sources_) entry.changed = anyChanged_ = true;
+}
+
+void VertexSources::takeAgain(size_t mesh) noexcept {
+  const auto found = sources_.find(mesh);
+  if (found != sources_.end()) found->second.changed = anyChanged_ = true;
 }
 
 const VertexSources::Work& VertexSources::changed() {

@@ -41,6 +41,8 @@ class VertexSources {
   void set(size_t mesh, const CallerVertices& buffer);
   /// All vertices must be taken again, because the arrays have moved.
   void takeAgain();
+  /// The vertices of a mesh must be taken again, if they still come from a buffer.
+  void takeAgain(size_t mesh) noexcept;
 
   /// What a device must take: an entry per mesh, and per group of its clusters the entry and the group.
   struct Work {

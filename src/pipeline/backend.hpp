@@ -20,6 +20,8 @@ class Backend {
   virtual void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) = 0;
   /// Records scans into the caller's command buffer; see vulkan::Recorder. Only a device of the caller does that.
   virtual void record(Recording& /*recording*/) {}
+  /// The commands of the last recording of this frame in flight will never run.
+  virtual void abandon(size_t /*frame*/) {}
   /// In each of the following an index is an existing one, or the next one to add an entry; null or kNoMesh removes the
   /// entry. If a call throws, the scene and the sensors are unchanged.
   virtual void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) = 0;
@@ -38,6 +40,8 @@ class Backend {
   /// caller is asked for this.
   virtual void setTransforms(const CallerTransforms& /*buffer*/) {}
   virtual Plan plan(size_t sensor) const = 0;
+  /// The plan that setSensor() would make of this; nothing is allocated on the device, and nothing changes.
+  virtual Plan planOf(std::shared_ptr<const SensorPlan> plan) const = 0;
   virtual const DeviceInfo& device() const = 0;
   virtual MemoryUse memory() const = 0;
   virtual size_t clusterCount() const = 0;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "gnosphere/error.hpp"
+#include "pipeline/dry_machine.hpp"
 #include "pipeline/record_tables.hpp"
 #include "pipeline/recorded_scans.hpp"
 
@@ -48,7 +49,7 @@ class DeviceBackend final : public Backend {
   ~DeviceBackend() override {
     try {
       waitForAll();
-    } catch (const Error&) {  // a lost device runs nothing
+    } catch (...) {  // a lost device runs nothing
     }
   }
 
@@ -72,11 +73,14 @@ class DeviceBackend final : public Backend {
   }
 
   void record(Recording& recording) override {
+    setDeformed(scene_.deformed());
     std::vector<SensorArrays*> sensors;
     for (const auto& sensor : sensors_) sensors.push_back(sensor ? &sensor->arrays : nullptr);
     recorded_.record(recording, sensors);
     machine_->throwOnMessages();
   }
+
+  void abandon(size_t frame) override { recorded_.abandon(frame); }
 
   void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) override {
     waitForAll();
@@ -88,28 +92,29 @@ class DeviceBackend final : public Backend {
       sensor = std::make_unique<SensorState>(*machine_, std::move(plan), options_,
                                              scene_.instances().counters().triangles, scene_.deformed());
     }
+    machine_->prepared();
+    machine_->throwOnMessages();
     sensors_.resize(std::max(sensors_.size(), index + 1));
     recorded_.forget(index);
     sensors_[index] = std::move(sensor);
-    machine_->prepared();
-    machine_->throwOnMessages();
   }
 
   void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>&) override {
-    materials_ = materials;
+    auto copy = materials;
+    materials_.swap(copy);
   }
 
   void setMesh(size_t index, const Mesh* mesh) override {
     waitForAll();
     PackedGeometry& geometry = scene_.geometry();
+    // The sensors compile what they need for a deformable mesh before there is one.
+    if (mesh && mesh->deformable()) setDeformed(true);
     if (!mesh)
       geometry.remove(index);
     else if (index == geometry.meshCount())
       geometry.add({mesh, 1}, materials_);
     else
       geometry.replace(index, *mesh, materials_);
-    for (const auto& sensor : sensors_)
-      if (sensor) sensor->arrays.setDeformed(scene_.deformed());
   }
 
   void setInstance(size_t index, uint32_t mesh, const Transform& transform) override {
@@ -139,6 +144,10 @@ class DeviceBackend final : public Backend {
   }
 
   Plan plan(size_t sensor) const override { return sensors_[sensor]->arrays.plan(); }
+  Plan planOf(std::shared_ptr<const SensorPlan> plan) const override {
+    DryMachine machine(*machine_);
+    return SensorArrays(machine, *plan, options_, scene_.instances().counters().triangles, scene_.deformed()).plan();
+  }
   const DeviceInfo& device() const override { return machine_->traits().info; }
   size_t clusterCount() const override { return scene_.geometry().clusterCount(); }
   MemoryUse memory() const override {
@@ -179,6 +188,11 @@ class DeviceBackend final : public Backend {
     bool last;            // of the shot's parts
   };
 
+  void setDeformed(bool deformed) {
+    for (const auto& sensor : sensors_)
+      if (sensor) sensor->arrays.setDeformed(deformed);
+  }
+
   std::vector<Part> partsOf(std::span<const Shot> shots, size_t mostViews) const {
     std::vector<Part> parts;
     for (size_t i = 0; i < shots.size();) {
@@ -196,6 +210,7 @@ class DeviceBackend final : public Backend {
   // Submits the next part of a scan, or the next scan, to the device before waiting for the current one.
   void scanParts(const std::vector<Part>& parts, Scan& result, const std::function<void(size_t)>& receive) {
     waitForAll();
+    setDeformed(scene_.deformed());
     if (!parts.empty()) submit(parts, 0);
     for (size_t i = 0; i < parts.size(); ++i) {
       if (slots_.size() > 1 && i + 1 < parts.size()) submit(parts, i + 1);

@@ -24,6 +24,8 @@ class DeviceMemory {
   virtual void* host() = 0;
   virtual void flush() = 0;
   virtual void invalidate() = 0;
+  /// Allocates what write() of these bytes to memory of the kind `device` needs.
+  virtual void prepareWrite(uint64_t /*place*/, uint64_t /*bytes*/) {}
   /// Copies to and from memory of the kind `device`; `place` is an offset in bytes.
   virtual void write(uint64_t place, std::span<const std::byte> data) = 0;
   virtual void read(uint64_t place, std::span<std::byte> data) const = 0;

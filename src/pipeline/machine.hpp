@@ -56,6 +56,8 @@ class Machine {
   /// that were recorded with it before have completed.
   virtual void record(DeviceMemory& /*addresses*/, std::span<const Step> /*steps*/, const BoundArrays& /*arrays*/) {}
   virtual void endRecording() {}
+  /// The commands of the last recording of this frame will never run.
+  virtual void abandonRecording(size_t /*frame*/) noexcept {}
 };
 
 }  // namespace gnosphere

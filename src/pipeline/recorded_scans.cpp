@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
+#include "base/room.hpp"
 #include "effects/shot_motion.hpp"
 #include "gnosphere/error.hpp"
 
@@ -56,8 +58,9 @@ uint64_t RecordedScans::bytes() const {
   return sum;
 }
 
-std::vector<Recording::Result> RecordedScans::resultsOf(size_t frame, const std::vector<SensorArrays*>& sensors) {
-  std::vector<Recording::Result> results;
+// Reads what became of the frame's scans. A scan counts as read when its result is kept, so that nothing is lost if
+// this throws.
+void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& sensors) {
   const auto [nonFinite, degenerate] = scene_.geometry().vertexSources().dropped();
   for (auto& [index, slot] : frames_[frame]) {
     if (!slot.recorded) continue;
@@ -65,16 +68,32 @@ std::vector<Recording::Result> RecordedScans::resultsOf(size_t frame, const std:
     const size_t groups = sensor.groups(slot.frame).size();
     if (sensor.choosesShells()) sensor.setShellHint(sensor.recordedHint(indexOf(sensor, frame, groups - 1)));
     bool complete = true;
-    for (size_t group = 0; group < groups; ++group) {
-      const size_t run = indexOf(sensor, frame, group);
-      if (!sensor.cutShort(run)) continue;
-      complete = false;
-      sensor.growLists(run);
-    }
-    results.push_back({index, slot.frame, complete, nonFinite, degenerate, slot.runs[0].transforms.unplaced()});
+    for (size_t group = 0; group < groups; ++group)
+      complete = complete && !sensor.cutShort(indexOf(sensor, frame, group));
+    results_[frame].push_back({index, slot.frame, complete, nonFinite, degenerate, slot.runs[0].transforms.unplaced()});
     slot.recorded = false;
+    for (size_t group = 0; group < groups; ++group)
+      if (const size_t run = indexOf(sensor, frame, group); sensor.cutShort(run)) sensor.growLists(run);
   }
-  return results;
+}
+
+// Nothing that this frame has recorded will run. Results that were read before stay.
+void RecordedScans::undo(size_t frame) noexcept {
+  for (auto& [index, slot] : frames_[frame]) slot.recorded = false;
+  vertices_.abandon(frame);
+  machine_.abandonRecording(frame);
+}
+
+void RecordedScans::abandon(size_t frame) {
+  if (order_.empty() || order_.back() != frame) {
+    const bool recorded = std::find(order_.begin(), order_.end(), frame) != order_.end();
+    throw Error(ErrorCode::invalidArgument,
+                "frame " + std::to_string(frame) +
+                    (recorded ? " cannot be abandoned before those recorded after it, which build on its commands"
+                              : " has no recording that could be abandoned"));
+  }
+  order_.pop_back();
+  undo(frame);
 }
 
 void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*>& sensors) {
@@ -91,13 +110,24 @@ void RecordedScans::record(Recording& recording, const std::vector<SensorArrays*
     check(item.records, 4, index, "records");
     check(item.header, sizeof(RecordHeader), index, "header");
   }
-  if (frames_.size() <= recording.frame) frames_.resize(recording.frame + 1);
-  machine_.beginRecording(recording.commands, recording.frame);
-  vertices_.readDropped(recording.frame);
-  recording.results = resultsOf(recording.frame, sensors);
-  vertices_.record(recording.frame);
-  for (const Recording::Item& item : recording.scans) record(recording, item, *sensors[item.shot->sensor]);
-  machine_.endRecording();
+  const size_t frame = recording.frame;
+  if (results_.size() <= frame) results_.resize(frame + 1);
+  if (frames_.size() <= frame) frames_.resize(frame + 1);
+  gnosphere::makeRoom(order_, frames_.size());
+  vertices_.readDropped(frame);
+  readResults(frame, sensors);
+  std::erase(order_, frame);
+  try {
+    machine_.beginRecording(recording.commands, frame);
+    vertices_.record(frame);
+    for (const Recording::Item& item : recording.scans) record(recording, item, *sensors[item.shot->sensor]);
+    machine_.endRecording();
+  } catch (...) {
+    undo(frame);
+    throw;
+  }
+  order_.push_back(frame);
+  recording.results = std::exchange(results_[frame], {});
 }
 
 void RecordedScans::record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor) {

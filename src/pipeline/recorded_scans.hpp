@@ -21,6 +21,9 @@ class RecordedScans {
   /// Records the scans. `sensors` has the arrays by sensor. Lists that were too small for the scans recorded before
   /// grow first.
   void record(Recording& recording, const std::vector<SensorArrays*>& sensors);
+  /// The commands of the frame's last recording will never run. Throws Error(invalidArgument) if another frame has been
+  /// recorded since, because its commands build on these.
+  void abandon(size_t frame);
   /// Must be called before the arrays of a sensor are destroyed.
   void forget(size_t sensor);
   /// Must be called when the vertices of a mesh come from a buffer of the caller.
@@ -44,7 +47,8 @@ class RecordedScans {
   };
   using Slots = std::map<size_t, Slot>;  // by sensor
 
-  std::vector<Recording::Result> resultsOf(size_t frame, const std::vector<SensorArrays*>& sensors);
+  void readResults(size_t frame, const std::vector<SensorArrays*>& sensors);
+  void undo(size_t frame) noexcept;
   void record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor);
   void record(const Recording& recording, const Recording::Item& item, SensorArrays& sensor, size_t group, Run& run);
 
@@ -52,6 +56,9 @@ class RecordedScans {
   SceneArrays& scene_;
   RecordedVertices vertices_;
   std::vector<Slots> frames_;
+  // By frame: results that were read, but that no call has returned yet, because it failed.
+  std::vector<std::vector<Recording::Result>> results_;
+  std::vector<size_t> order_;  // frames in the order of their last recordings, without those that were abandoned
 };
 
 }  // namespace gnosphere

@@ -2,6 +2,7 @@
 #include "pipeline/recorded_vertices.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace gnosphere {
 namespace {
@@ -50,13 +51,20 @@ void RecordedVertices::record(size_t number) {
   makeRoom(machine_, Array::droppedTriangles, work.meshes.size() * sizeof(VertexSources::Dropped), MemoryKind::readback,
            frame.dropped);
   arrays[static_cast<size_t>(Array::droppedTriangles)] = frame.dropped.get();
-  frame.meshes = work.meshes;
+  std::vector<size_t> meshes = work.meshes;
   std::array<Step, 2> steps = {Step{Step::Kind::fill, "", Array::droppedTriangles}, Step{Step::Kind::dispatch}};
   steps[1].variant = kFitClusters;
   steps[1].pass.placedCount = static_cast<uint32_t>(work.groups.size());
   steps[1].groupsX = std::min(machine_.traits().groups, steps[1].pass.placedCount);
   machine_.record(*frame.addresses, steps, arrays);
+  frame.meshes = std::move(meshes);
   vertexSources.taken();
+}
+
+void RecordedVertices::abandon(size_t number) noexcept {
+  if (number >= frames_.size()) return;
+  for (const size_t mesh : frames_[number].meshes) scene_.geometry().vertexSources().takeAgain(mesh);
+  frames_[number].meshes.clear();
 }
 
 uint64_t RecordedVertices::bytes() const {

@@ -79,6 +79,10 @@ void SceneArrays::reserve(Array array, uint64_t bytes) {
   geometry_.vertexSources().takeAgain();
 }
 
+void SceneArrays::prepareWrite(Array array, uint64_t place, uint64_t bytes) {
+  if (bytes > 0) of(array)->prepareWrite(place, bytes);
+}
+
 void SceneArrays::write(Array array, uint64_t place, std::span<const std::byte> data) {
   of(array)->write(place, data);
 }
@@ -96,9 +100,10 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
   room(Array::placed, pairs * 2 * sizeof(uint32_t), to.placed_);
   const DeviceMemory* before = to.instances_.get();
   room(Array::instances, instances_.count() * sizeof(gpu::Instance), to.instances_);
+  if (to.instances_.get() != before) to.numbering_ = 0;
   auto* instances = static_cast<gpu::Instance*>(to.instances_->host());
   const bool meshes = of(Array::triangleSlots) != nullptr || deformed();
-  if (to.instances_.get() != before || to.numbering_ != instances_.numbering() || (meshes && !to.meshes_)) {
+  if (to.numbering_ != instances_.numbering() || (meshes && !to.meshes_)) {
     instances_.writeNumbers(instances);
     room(Array::ownerRanges, instances_.ownerRangeCount() * 2 * sizeof(uint32_t), to.ownerRanges_);
     instances_.writeOwnerRanges(static_cast<uint32_t*>(to.ownerRanges_->host()));

@@ -65,6 +65,7 @@ class SceneArrays final : public SceneMemory {
   bool deformed() const { return geometry_.deformables().any(); }
 
   void reserve(gpu::Array array, uint64_t bytes) override;
+  void prepareWrite(gpu::Array array, uint64_t place, uint64_t bytes) override;
   void write(gpu::Array array, uint64_t place, std::span<const std::byte> data) override;
   void read(gpu::Array array, uint64_t place, std::span<std::byte> data) const override;
 

@@ -155,7 +155,14 @@ size_t SensorArrays::mostGroups() const {
 }
 
 void SensorArrays::setDeformed(bool deformed) {
-  if (std::exchange(deformed_, deformed) != deformed) prepareKernels();
+  if (deformed_ == deformed) return;
+  deformed_ = deformed;
+  try {
+    prepareKernels();
+  } catch (...) {
+    deformed_ = !deformed;
+    throw;
+  }
 }
 
 std::vector<SensorArrays::Pattern> SensorArrays::makePatterns() {
@@ -367,6 +374,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   const Pattern& pattern = patterns_[frame.pattern];
   const std::pair fires(frame.pattern, group);
   if (pattern.groups.size() > 1 && frame.loaded != fires) {
+    frame.loaded.reset();  // while the arrays are of neither
     frame.tables = tablesOf(frame.pattern, pattern.groups[group]);
     load(frame, arraysOf(frame.tables));
     frame.loaded = fires;

@@ -34,6 +34,7 @@ class ReferenceBackend : public Backend {
 
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override;
   Plan plan(size_t sensor) const override;
+  Plan planOf(std::shared_ptr<const SensorPlan> of) const override;
   const DeviceInfo& device() const override { return device_; }
   MemoryUse memory() const override { return {bvh_.bytes() + places_.size() * sizeof(PlacedMesh), 0, 0}; }
   size_t clusterCount() const override { return 0; }
@@ -64,6 +65,13 @@ Plan ReferenceBackend::plan(size_t sensor) const {
   Plan plan;
   plan.effects = sensors_[sensor]->plan.decisions;
   plan.returns = sensors_[sensor]->plan.returns;
+  return plan;
+}
+
+Plan ReferenceBackend::planOf(std::shared_ptr<const SensorPlan> of) const {
+  Plan plan;
+  plan.effects = of->decisions;
+  plan.returns = of->returns;
   return plan;
 }
 
@@ -106,20 +114,36 @@ void ReferenceBackend::setSensor(size_t index, std::shared_ptr<const SensorPlan>
 }
 
 void ReferenceBackend::setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) {
-  scene_.materials = materials;
-  scene_.alphaImages = images;
-  for (std::optional<BeamEffects>& sensor : sensors_)
-    if (sensor) *sensor = beamEffects(sensor->plan, scene_, options_.materials);
+  auto newMaterials = materials;
+  auto newImages = images;
+  std::vector<std::optional<BeamEffects>> sensors(sensors_.size());
+  const auto exchange = [&] {
+    scene_.materials.swap(newMaterials);
+    scene_.alphaImages.swap(newImages);
+  };
+  exchange();
+  try {
+    for (size_t i = 0; i < sensors.size(); ++i)
+      if (sensors_[i]) sensors[i] = beamEffects(sensors_[i]->plan, scene_, options_.materials);
+  } catch (...) {
+    exchange();
+    throw;
+  }
+  sensors_ = std::move(sensors);
 }
 
 void ReferenceBackend::setMesh(size_t index, const Mesh* mesh) {
-  scene_.meshes.resize(std::max(scene_.meshes.size(), index + 1));
-  scene_.meshes[index] = mesh ? *mesh : Mesh{};
-  deformable_.erase(index);
-  if (mesh && mesh->deformable()) {
-    deformable_[index] = *mesh;
-    scene_.meshes[index].positions = deformedPositions(*mesh, mesh->deformation);
+  const bool deformable = mesh && mesh->deformable();
+  Mesh added = mesh ? *mesh : Mesh{};
+  std::map<size_t, Mesh> kept;
+  if (deformable) {
+    kept.emplace(index, *mesh);
+    added.positions = deformedPositions(*mesh, mesh->deformation);
   }
+  scene_.meshes.resize(std::max(scene_.meshes.size(), index + 1));
+  scene_.meshes[index] = std::move(added);
+  deformable_.erase(index);
+  deformable_.merge(kept);
 }
 
 void ReferenceBackend::setInstance(size_t index, uint32_t mesh, const Transform& transform) {

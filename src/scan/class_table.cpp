@@ -2,13 +2,12 @@
 #include "scan/class_table.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace gnosphere {
 
-void ClassTable::setMesh(size_t mesh, const std::vector<MeshPart>& parts, const std::vector<Material>& materials) {
-  if (meshes_.size() <= mesh) meshes_.resize(mesh + 1);
-  std::vector<gpu::ClassRun>& runs = meshes_[mesh];
-  runs.clear();
+ClassTable::Runs ClassTable::runsOf(const std::vector<MeshPart>& parts, const std::vector<Material>& materials) {
+  Runs runs;
   bool stated = false;
   for (const MeshPart& part : parts) {
     const uint32_t classId = materials[part.material].classId;
@@ -17,6 +16,12 @@ void ClassTable::setMesh(size_t mesh, const std::vector<MeshPart>& parts, const 
     stated |= classId != 0;
   }
   if (!stated) runs.clear();
+  return runs;
+}
+
+void ClassTable::setMesh(size_t mesh, Runs runs) {
+  if (meshes_.size() <= mesh) meshes_.resize(mesh + 1);
+  meshes_[mesh] = std::move(runs);
 }
 
 void ClassTable::setInstance(size_t instance, uint32_t mesh, uint16_t classId) {

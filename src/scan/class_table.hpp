@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "base/room.hpp"
 #include "gnosphere/scene.hpp"
 #include "shared.h"
 
@@ -12,8 +13,13 @@ namespace gnosphere {
 /// Keeps the classes of a scene that changes. Costs nothing per triangle: a mesh has runs of triangles with one class.
 class ClassTable {
  public:
-  /// The material of a mesh must not change its class while the mesh is there.
-  void setMesh(size_t mesh, const std::vector<MeshPart>& parts, const std::vector<Material>& materials);
+  using Runs = std::vector<gpu::ClassRun>;
+  /// The runs of a mesh. Its materials must not change their classes while the mesh is there.
+  static Runs runsOf(const std::vector<MeshPart>& parts, const std::vector<Material>& materials);
+  /// Make room, so that setting a mesh or an instance up to this index cannot throw.
+  void reserveMesh(size_t mesh) { makeRoom(meshes_, mesh + 1); }
+  void reserveInstance(size_t instance) { makeRoom(instances_, instance + 1); }
+  void setMesh(size_t mesh, Runs runs);
   void setInstance(size_t instance, uint32_t mesh, uint16_t classId);
 
   /// Returns the class of a triangle of an instance's mesh; 0 for an instance that never was there.
@@ -32,7 +38,7 @@ class ClassTable {
     uint16_t classId;
   };
   std::vector<Placed> instances_;
-  std::vector<std::vector<gpu::ClassRun>> meshes_;  // by mesh; empty if no material of it states a class
+  std::vector<Runs> meshes_;  // by mesh; empty if no material of it states a class
 };
 
 }  // namespace gnosphere

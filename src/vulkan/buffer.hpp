@@ -77,6 +77,10 @@ class Transfer {
  public:
   explicit Transfer(const Device& device);
 
+  /// Allocates what write() to this buffer needs.
+  void prepareWrite(const Buffer& buffer) {
+    if (!buffer.mapped()) stage(MemoryKind::upload);
+  }
   void write(Buffer& buffer, uint64_t place, std::span<const std::byte> data);
   void read(const Buffer& buffer, uint64_t place, std::span<std::byte> data);
 

@@ -133,6 +133,8 @@ class VulkanMachine final : public Machine {
 
   void endRecording() override { recorded_.fullBarrier(); }
 
+  void abandonRecording(size_t frame) noexcept override { recordings_.abandon(frame); }
+
  private:
   struct Frame {
     explicit Frame(const Device& device)

@@ -20,17 +20,35 @@ VulkanMemory::VulkanMemory(const Device& device, const char* name, uint64_t byte
   if (copied) copy_ = Buffer(device, name, bytes, kind);
 }
 
+RecordedMemory::RecordedMemory(const Device& device, Recordings& recordings, const char* name, uint64_t bytes,
+                               MemoryKind kind)
+    : VulkanMemory(device, name, bytes, kind), recordings_(recordings) {
+  recordings_.enter();
+}
+
 RecordedMemory::~RecordedMemory() {
   recordings_.forget(*this);
   for (Buffer* buffer : {&buffer_, &copy_})
     if (buffer->handle()) recordings_.retire(std::move(*buffer));
+  recordings_.leave();
+}
+
+void RecordedMemory::prepareWrite(uint64_t place, uint64_t bytes) {
+  if (written_.size() < place + bytes) written_.resize(place + bytes);
+  recordings_.prepareAdd(*this);
+  if (spare_) return;
+  Runs made;
+  made.emplace(0, 0);
+  spare_ = made.extract(made.begin());
 }
 
 void RecordedMemory::write(uint64_t place, std::span<const std::byte> data) {
   if (data.empty()) return;
-  if (written_.size() < place + data.size()) written_.resize(place + data.size());
+  prepareWrite(place, data.size());
   std::copy(data.begin(), data.end(), written_.begin() + static_cast<ptrdiff_t>(place));
-  recordings_.add(*this, place, data.size());
+  spare_.key() = place;
+  spare_.mapped() = place + data.size();
+  recordings_.add(*this, std::move(spare_));
 }
 
 void RecordedMemory::read(uint64_t place, std::span<std::byte> data) const {
@@ -39,14 +57,19 @@ void RecordedMemory::read(uint64_t place, std::span<std::byte> data) const {
   std::fill(data.begin() + static_cast<ptrdiff_t>(known), data.end(), std::byte{0});
 }
 
-void Recordings::retire(Buffer buffer) {
-  if (recording_ > 0) retired_.push_back({recording_, std::move(buffer)});
+void Recordings::enter() {
+  makeRoom(retired_, retired_.size() + 2 * (memories_ + 1));
+  ++memories_;
+}
+
+void Recordings::retire(Buffer buffer) noexcept {
+  if (recording_ == 0) return;
+  retired_.push_back({recording_, std::move(buffer)});  // enter() has made room
 }
 
 // Runs of one memory that touch are joined: the copies of a recording are not ordered, so they must not overlap.
-void Recordings::add(const RecordedMemory& memory, uint64_t place, uint64_t bytes) {
-  std::map<uint64_t, uint64_t>& runs = writes_[&memory];
-  uint64_t end = place + bytes;
+void Recordings::join(Runs& runs, Runs::node_type node) noexcept {
+  uint64_t place = node.key(), end = node.mapped();
   auto next = runs.upper_bound(place);
   if (next != runs.begin() && std::prev(next)->second >= place) --next;
   while (next != runs.end() && next->first <= end) {
@@ -54,11 +77,35 @@ void Recordings::add(const RecordedMemory& memory, uint64_t place, uint64_t byte
     end = std::max(end, next->second);
     next = runs.erase(next);
   }
-  runs.emplace(place, end);
+  node.key() = place;
+  node.mapped() = end;
+  runs.insert(std::move(node));
+}
+
+void Recordings::add(const RecordedMemory& memory, Runs::node_type run) noexcept {
+  join(writes_.find(&memory)->second, std::move(run));
 }
 
 void Recordings::forget(const RecordedMemory& memory) {
   writes_.erase(&memory);
+  for (Frame& frame : frames_) frame.taken.erase(&memory);
+}
+
+// Joins what the recording has taken with what has been written since, without allocating anything.
+void Recordings::abandon(size_t number) noexcept {
+  if (number >= frames_.size()) return;
+  Frame& frame = frames_[number];
+  frame.recording = 0;  // nothing follows from it about the recordings before it
+  while (!frame.taken.empty()) {
+    auto node = frame.taken.extract(frame.taken.begin());
+    const auto since = writes_.find(node.key());
+    if (since == writes_.end()) {
+      writes_.insert(std::move(node));
+      continue;
+    }
+    Runs& runs = node.mapped();
+    while (!runs.empty()) join(since->second, runs.extract(runs.begin()));
+  }
 }
 
 void Recordings::begin(CommandBuffer& commands, size_t number) {
@@ -66,6 +113,7 @@ void Recordings::begin(CommandBuffer& commands, size_t number) {
   Frame& frame = frames_[number];
   // The recordings run in the order of their numbers, so with this one all before it have completed, too.
   std::erase_if(retired_, [&](const Retired& retired) { return retired.recording <= frame.recording; });
+  frame.taken.clear();
   uint64_t bytes = 0;
   for (const auto& [memory, runs] : writes_)
     for (const auto& [place, end] : runs) bytes += end - place;
@@ -74,12 +122,13 @@ void Recordings::begin(CommandBuffer& commands, size_t number) {
   frame.recording = ++recording_;
   commands.fullBarrier();
   uint64_t at = 0;
-  for (const auto& [memory, runs] : std::exchange(writes_, {}))
+  for (const auto& [memory, runs] : writes_)
     for (const auto& [place, end] : runs) {
       std::memcpy(static_cast<std::byte*>(frame.staging.mapped()) + at, memory->written() + place, end - place);
       commands.copy(frame.staging, memory->buffer(), {at, place, end - place});
       at += end - place;
     }
+  frame.taken = std::exchange(writes_, {});
   if (at == 0) return;
   frame.staging.flush();
   commands.barrier();

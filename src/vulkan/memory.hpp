@@ -7,6 +7,7 @@
 #include <map>
 #include <vector>
 
+#include "base/room.hpp"
 #include "vulkan/command_buffer.hpp"
 
 namespace gnosphere::vulkan {
@@ -38,6 +39,7 @@ class OwnMemory final : public VulkanMemory {
   OwnMemory(const Device& device, Transfer& transfer, const char* name, uint64_t bytes, MemoryKind kind)
       : VulkanMemory(device, name, bytes, kind), transfer_(transfer) {}
 
+  void prepareWrite(uint64_t, uint64_t) override { transfer_.prepareWrite(buffer_); }
   void write(uint64_t place, std::span<const std::byte> data) override { transfer_.write(buffer_, place, data); }
   void read(uint64_t place, std::span<std::byte> data) const override { transfer_.read(buffer_, place, data); }
 
@@ -46,15 +48,16 @@ class OwnMemory final : public VulkanMemory {
 };
 
 class Recordings;
+using Runs = std::map<uint64_t, uint64_t>;  ///< of bytes, from their place to their end
 
 /// Memory of the caller's device. The host keeps a copy of what it has written to memory of the kind `device`; the next
 /// recording copies it to the device.
 class RecordedMemory final : public VulkanMemory {
  public:
-  RecordedMemory(const Device& device, Recordings& recordings, const char* name, uint64_t bytes, MemoryKind kind)
-      : VulkanMemory(device, name, bytes, kind), recordings_(recordings) {}
+  RecordedMemory(const Device& device, Recordings& recordings, const char* name, uint64_t bytes, MemoryKind kind);
   ~RecordedMemory() override;
 
+  void prepareWrite(uint64_t place, uint64_t bytes) override;
   void write(uint64_t place, std::span<const std::byte> data) override;
   void read(uint64_t place, std::span<std::byte> data) const override;
   const std::byte* written() const { return written_.data(); }
@@ -62,6 +65,7 @@ class RecordedMemory final : public VulkanMemory {
  private:
   Recordings& recordings_;
   std::vector<std::byte> written_;
+  Runs::node_type spare_;  // for the next write()
 };
 
 /// What the recordings on the caller's device must do for its memory: copy what the host has written, and destroy
@@ -72,11 +76,18 @@ class Recordings {
 
   /// Begins the recording of a frame in flight whose commands have completed.
   void begin(CommandBuffer& commands, size_t frame);
+  /// The commands of the frame's last recording will never run: the next recording copies again what it would have.
+  void abandon(size_t frame) noexcept;
 
+  /// Counts the memories that live, and makes room, so that retiring their buffers cannot throw.
+  void enter();
+  void leave() noexcept { --memories_; }
   /// Destroys the buffer as soon as the recordings so far have completed.
-  void retire(Buffer buffer);
-  /// Notes that bytes of the memory have been written.
-  void add(const RecordedMemory& memory, uint64_t place, uint64_t bytes);
+  void retire(Buffer buffer) noexcept;
+  /// Makes the entry of a memory, so that add() cannot throw.
+  void prepareAdd(const RecordedMemory& memory) { writes_.try_emplace(&memory); }
+  /// Notes that bytes of the memory have been written: those from the key of the run to its value.
+  void add(const RecordedMemory& memory, Runs::node_type run) noexcept;
   /// Forgets all writes to the memory.
   void forget(const RecordedMemory& memory);
 
@@ -85,17 +96,21 @@ class Recordings {
     uint64_t recording;  // the last one that may use the buffer
     Buffer buffer;
   };
+  using Writes = std::map<const RecordedMemory*, Runs>;
   struct Frame {
-    uint64_t recording = 0;
+    uint64_t recording = 0;  // its last one; 0: none, or one that was abandoned
     Buffer staging;
+    Writes taken;  // what this recording copies
   };
+
+  static void join(Runs& runs, Runs::node_type node) noexcept;
 
   const Device& device_;
   uint64_t recording_ = 0;  // number of the last recording
   std::deque<Frame> frames_;
-  // What the next recording copies: runs of bytes, from their place to their end.
-  std::map<const RecordedMemory*, std::map<uint64_t, uint64_t>> writes_;
+  Writes writes_;  // what the next recording copies
   std::vector<Retired> retired_;
+  size_t memories_ = 0;  // that live: each may retire two buffers
 };
 
 }  // namespace gnosphere::vulkan

@@ -47,10 +47,20 @@ std::vector<RecordedScan> Recorder::record(VkCommandBuffer commands, size_t fram
         {&shot.shot, {shot.records.address, shot.records.bytes}, {shot.header.address, shot.header.bytes}});
   simulator_.record(recording);
   std::vector<RecordedScan> results;
+  try {
+    results.reserve(recording.results.size());
+  } catch (...) {
+    simulator_.abandon(frame);
+    throw;
+  }
   for (const Recording::Result& result : recording.results)
     results.push_back(
         {result.sensor, result.frame, result.complete, result.nonFinite, result.degenerate, result.unplaced});
   return results;
+}
+
+void Recorder::abandon(size_t frame) {
+  simulator_.abandon(frame);
 }
 
 void Recorder::setVertices(size_t mesh, const VertexBuffer& vertices) {

@@ -141,8 +141,10 @@ class VulkanApp {
       REQUIRE(app_.vk_.vkBeginCommandBuffer(commands_, &begin) == VK_SUCCESS);
       return commands_;
     }
+    /// Ends the commands, which are not submitted.
+    void end() { REQUIRE(app_.vk_.vkEndCommandBuffer(commands_) == VK_SUCCESS); }
     void submit() {
-      REQUIRE(app_.vk_.vkEndCommandBuffer(commands_) == VK_SUCCESS);
+      end();
       VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
       submit.commandBufferCount = 1;
       submit.pCommandBuffers = &commands_;

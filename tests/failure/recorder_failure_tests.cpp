@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings that fail late, for lack of memory of the host or of the device, or that the caller drops.
+#include <catch2/matchers/catch_matchers.hpp>
+
+#include "engine/recorded.hpp"
+#include "failure/injection.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+/// A table between the library and the loader, in which one vkAllocateMemory() fails.
+struct DeviceMemoryTable {
+  PFN_vkGetInstanceProcAddr instance = nullptr;
+  PFN_vkGetDeviceProcAddr device = nullptr;
+  PFN_vkAllocateMemory allocate = nullptr;
+  long count = 0, failing = 0;
+} table;
+
+VKAPI_ATTR VkResult VKAPI_CALL allocateOrFail(VkDevice device, const VkMemoryAllocateInfo* info,
+                                              const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory) {
+  if (++table.count == table.failing) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  return table.allocate(device, info, callbacks, memory);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL deviceFunction(VkDevice device, const char* name) {
+  const PFN_vkVoidFunction real = table.device(device, name);
+  if (std::string(name) != "vkAllocateMemory") return real;
+  table.allocate = reinterpret_cast<PFN_vkAllocateMemory>(real);
+  return reinterpret_cast<PFN_vkVoidFunction>(allocateOrFail);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceFunction(VkInstance instance, const char* name) {
+  const PFN_vkVoidFunction real = table.instance(instance, name);
+  if (std::string(name) != "vkGetDeviceProcAddr") return real;
+  table.device = reinterpret_cast<PFN_vkGetDeviceProcAddr>(real);
+  return reinterpret_cast<PFN_vkVoidFunction>(deviceFunction);
+}
+
+PFN_vkGetInstanceProcAddr failingLookUp() {
+  table = {};
+  table.instance =
+      reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(dlopen("libvulkan.so.1", RTLD_NOW), "vkGetInstanceProcAddr"));
+  return instanceFunction;
+}
+
+/// A scene whose second mesh has two shapes in turn, so that every recording has something to upload.
+class Recordings {
+ public:
+  Recordings()
+      : app_("", failingLookUp()),
+        scene_(boxes()),
+        layout_(layoutOf({Field::x, Field::y, Field::z, Field::instance})),
+        recorded_(app_, scene_, {gridSensor(90, 8, -20, 20), Effects::none(), {}}, options(), layout_),
+        spare_(app_),
+        records_(app_, layout_.bytesFor(90 * 8)),
+        header_(app_, sizeof(RecordHeader)) {
+    shapes_ = {scene_.meshes[1].positions, scene_.meshes[1].positions};
+    for (float& value : shapes_[1]) value *= 2;
+    for (size_t shape = 0; shape < 2; ++shape) {
+      take(shape);
+      expected_[shape] = recorded_.scan({});
+    }
+    CHECK(expected_[0] != expected_[1]);
+  }
+  static SimulatorOptions options() {
+    SimulatorOptions options;
+    options.cache = "off";
+    return options;
+  }
+
+  void take(size_t shape) { recorded_.simulator().setPositions(1, shapes_[shape]); }
+  /// Records, as frame in flight 1, into a command buffer that is never submitted.
+  void record() {
+    const vulkan::RecordedShot shot = {{}, records_.range(), header_.range()};
+    recorded_.frame(0).wait();
+    recorded_.frame(1).wait();
+    const VkCommandBuffer commands = spare_.begin();
+    recorded_.recorder().record(commands, 1, {&shot, 1});
+  }
+  /// Ends the command buffer of record(), with nothing in it that runs.
+  void drop() { spare_.end(); }
+  void check(size_t shape) { CHECK(recorded_.scan({}) == expected_[shape]); }
+  vulkan::Recorder& recorder() { return recorded_.recorder(); }
+  Simulator& simulator() { return recorded_.simulator(); }
+
+ private:
+  VulkanApp app_;
+  Scene scene_;
+  RecordLayout layout_;
+  Recorded recorded_;
+  VulkanApp::Frame spare_;
+  VulkanApp::Buffer records_, header_;
+  std::array<std::vector<float>, 2> shapes_;
+  std::array<std::vector<std::byte>, 2> expected_;
+};
+
+}  // namespace
+
+TEST_CASE("a recording that is abandoned loses no upload, and only the last one can be") {
+  needVulkan();
+  Recordings recordings;
+  recordings.take(0);
+  recordings.record();
+  recordings.drop();
+  CHECK_THROWS_WITH(recordings.recorder().abandon(0),
+                    "frame 0 cannot be abandoned before those recorded after it, "
+                    "which build on its commands");
+  recordings.recorder().abandon(1);
+  CHECK_THROWS_WITH(recordings.recorder().abandon(1), "frame 1 has no recording that could be abandoned");
+  recordings.check(0);
+}
+
+TEST_CASE("a recording that fails for lack of memory loses no upload", "[combinations]") {
+  needVulkan();
+  Recordings recordings;
+  size_t shape = 0;
+  const auto abandon = [&] { recordings.recorder().abandon(1); };
+  const auto check = [&] {
+    recordings.drop();
+    recordings.check(shape);
+    shape = 1 - shape;
+    recordings.take(shape);
+  };
+  recordings.take(shape);
+  failEach("vulkan: record", Fails::memory, {[&] { recordings.record(); }, abandon, check});
+  for (long n = 1;; ++n) {
+    // Another mesh makes the arrays grow.
+    const size_t mesh = recordings.simulator().addMesh(soup(9, static_cast<uint32_t>(500 * n), 1, 0.1));
+    const size_t instance = recordings.simulator().addInstance(static_cast<uint32_t>(mesh), translation(0, 0, 500));
+    table.count = 0;
+    table.failing = n;
+    bool failed = false;
+    try {
+      recordings.record();
+    } catch (const Error& error) {
+      failed = error.code() == ErrorCode::outOfMemory;
+      CHECK(failed);
+    }
+    table.failing = 0;
+    if (!failed) abandon();
+    check();
+    recordings.simulator().removeInstance(instance);
+    recordings.simulator().removeMesh(mesh);
+    if (!failed) break;
+  }
+}
+
+}  // namespace gnosphere::test
