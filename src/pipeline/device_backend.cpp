@@ -238,11 +238,13 @@ class DeviceBackend final : public Backend {
     }
     if (sensor.beams() > 0) {
       machine_->wait(frame);
+      sensor.checkAlive(frame);
       while (sensor.cutShort(frame)) {
         waitForAll();
         sensor.growLists(frame);
         run(frame, part);
         machine_->wait(frame);
+        sensor.checkAlive(frame);
         ++result.counters.retries;
       }
       machine_->readTimings(frame, result.timings);

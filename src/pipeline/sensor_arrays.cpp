@@ -54,7 +54,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
       deformed_(deformed),
       options_(kernelOptions(options, plan, patterns_[0].tables.azimuthOffsets)),
-      shells_(mostShells(options, binning_, beams(), triangles)),
+      shells_(mostShells(options, machine.traits(), binning_, beams(), triangles)),
       shellClusters_(shellClusters(options, triangles)),
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords_)),
@@ -71,7 +71,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   const uint64_t beams = this->beams();
   const bool lists = binning_ == gpu::kBinningLists;
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
-  allocate(Array::staleEntries, 4 * most_.coarse);
+  if (binning_ == gpu::kBinningSlabs) allocate(Array::staleEntries, 4 * most_.coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
   const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
   if (words && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
@@ -88,7 +88,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   Capacities room = firstCapacities(binning_, plan_.panes(), plan_.footprint(), beams, triangles);
   room.projected = within(room.projected, std::min(mostProjected(), limit(kTileBytes) / 2));
   room.tiles = within(room.tiles, limit(kTileBytes) - tilesBehind(room));
-  room.candidates = within(room.candidates, limit(candidateBytes()));
+  room.candidates = within(room.candidates, mostCandidates());
   makeLists(room);
   addFrame();
 }
@@ -216,6 +216,11 @@ uint64_t SensorArrays::candidateBytes() const {
   return binning_ == gpu::kBinningLists ? 4 : 12;
 }
 
+// Kernels number the words of a chain, not its entries.
+uint64_t SensorArrays::mostCandidates() const {
+  return limit(sizeof(uint32_t)) / (candidateBytes() / sizeof(uint32_t));
+}
+
 // Number of tiles beyond Capacities::tiles: with slabs every projected triangle has one tile of its own.
 uint64_t SensorArrays::tilesBehind(const Capacities& room) const {
   return binning_ == gpu::kBinningSlabs ? room.projected : 0;
@@ -329,6 +334,8 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   content.triangleWorkgroups = sizes.triangleGroups;
   content.shellClusters = shellClusters_;
   content.shellHint = shellHint_;
+  content.shellCount = shells_;
+  content.shellGrowth = shellGrowth(machine_.traits());
   const auto bytes = std::as_bytes(std::span(&content, 1));
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
   if (!plan_.bare()) load(frame, shotArrays(plan_, shot, motion));
@@ -337,7 +344,20 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   for (const auto* own : {&std::as_const(arrays_), &std::as_const(frame.arrays), &pattern.arrays})
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
-  return steps(tables, placed, still, motion != nullptr, group + 1 == pattern.groups.size());
+  std::vector<Step> result = steps(tables, placed, still, motion != nullptr, group + 1 == pattern.groups.size());
+  frame.signsOfLife = std::any_of(result.begin(), result.end(), [](const Step& step) {
+    return step.kind == Step::Kind::dispatch && step.variant.kernel == Kernel::project_groups;
+  });
+  return result;
+}
+
+void SensorArrays::checkAlive(size_t index) {
+  Frame& frame = frames_[index];
+  if (frame.signsOfLife && counters(frame).alive != gpu::kAlive)
+    throw Error(ErrorCode::device,
+                "the device '" + machine_.traits().info.name +
+                    "' reports a scan as done, but has run no kernel of it; its driver only pretends "
+                    "to work");
 }
 
 SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
@@ -401,7 +421,7 @@ void SensorArrays::growLists(size_t index) {
   if (projected > room.projected) room.projected = grown(Array::projectedA, projected, mostProjected());
   if (needed.tiles > room.tiles) room.tiles = grown(Array::tiles, needed.tiles, limit(kTileBytes));
   if (needed.candidates > room.candidates)
-    room.candidates = grown(Array::candidates, needed.candidates, limit(candidateBytes()));
+    room.candidates = grown(Array::candidates, needed.candidates, mostCandidates());
   // If the tiles do not fit together with the reserve, the lists get only what this scan needs.
   if (tilesBehind(room) + room.tiles > limit(kTileBytes)) {
     room.projected = static_cast<uint32_t>(projected);
@@ -434,7 +454,10 @@ Plan SensorArrays::plan() const {
   plan.effects = plan_.decisions;
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
-  plan.stages = stagesOf(steps(patterns_[0].tables, everything(), StillImage::Use::none, plan_.motion(), true));
+  const std::vector<Step> scan = steps(patterns_[0].tables, everything(), StillImage::Use::none, plan_.motion(), true);
+  plan.commands = commandsOf(scan);
+  plan.stages =
+      stagesOf(scan, [&](const Variant& variant, Plan::Pipeline& pipeline) { machine_.describe(variant, pipeline); });
   if (leavesWords_ && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
   for (size_t i = 0; i < arrays_.size(); ++i)
     if (const auto& memory = patterns_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});

@@ -40,6 +40,9 @@ class OwnMemory final : public VulkanMemory {
 
   void write(uint64_t place, std::span<const std::byte> data) override { transfer_.write(buffer_, place, data); }
   void read(uint64_t place, std::span<std::byte> data) const override { transfer_.read(buffer_, place, data); }
+  void copyFrom(const DeviceMemory& other, uint64_t bytes) override {
+    transfer_.copy(static_cast<const OwnMemory&>(other).buffer_, buffer_, bytes);
+  }
 
  private:
   Transfer& transfer_;
@@ -87,7 +90,9 @@ class Recordings {
   };
   struct Frame {
     uint64_t recording = 0;
-    Buffer staging;
+    std::vector<Buffer> staging;
+    /// Makes room for so many bytes in all staging buffers together.
+    void reserve(const Device& device, uint64_t bytes);
   };
 
   const Device& device_;
