@@ -180,7 +180,6 @@ TEST_CASE("every kernel is a valid module with any options") {
       options.RAYS = placesFor(options.RAYS % 64);
       INFO(file << ", " << i);
       const Words module = vulkan::specialised(wordsIn(file), wordsOf(options));
-      tools.validate(module);
       const Words demanding = vulkan::withUniformControlFlow(vulkan::keepingSpecialFloats(module));
       CHECK(demanding.size() > module.size());
       tools.validate(demanding);
