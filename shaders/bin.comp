@@ -356,7 +356,7 @@ void writeTable(uint slab, uint first, uint last) {
       bool binned = first < (y + 1) * kCoarseRows && last >= y * kCoarseRows;
       if (!binned && staleEntries.at[firstStale() + y * perRow + x] == 0) continue;
       computeEntry(uvec2(x, y));
-      if (gl_SubgroupInvocationID == 0) staleEntries.at[firstStale() + y * perRow + x] = 0;
+      if (subgroupElect()) staleEntries.at[firstStale() + y * perRow + x] = 0;
     }
 }
 
@@ -387,12 +387,12 @@ bool isInPass(uint projected) {
 uint takeSlab(uint slabs, out uint slab) {
   uint tile = kNone;
   slab = 0;
-  if (gl_SubgroupInvocationID == 0) {
+  if (subgroupElect()) {
     slab = atomicAdd(shells.of[pass.shell].nextSlab, 1);
     if (slab < slabs) tile = atomicExchange(slabEnds.at[PASS == kPassPanes ? slabs + slab : slab], kNone);
   }
-  slab = subgroupBroadcast(slab, 0);
-  return subgroupBroadcast(tile, 0);
+  slab = subgroupBroadcastFirst(slab);
+  return subgroupBroadcastFirst(tile);
 }
 
 // One subgroup processes the tiles of slab after slab, or every n-th of all tiles.
@@ -419,6 +419,7 @@ void tryTiles(uint first) {
     if (isInPass(tile.slot)) tryTile(tile);
     if (BINNING == kBinningSlabs) {
       subgroupMemoryBarrierBuffer();  // in the next tile, other lanes access these words
+      meetAgain();
       rowFirst = min(rowFirst, tile.box.rowFirst);
       rowLast = max(rowLast, tile.box.rowLast);
       t = tile.before;
@@ -447,5 +448,6 @@ void main() {
     for (uint i = first + gl_WorkGroupID.x * gl_WorkGroupSize.x + gl_LocalInvocationID.x; i < counters.projectedSmall;
          i += stride)
       if (isInPass(i)) trySmall(i);
+  meetAgain();  // the lanes have left the loop one by one
   tryTiles(byShell ? counters.binnedTiles : 0);
 }

@@ -42,8 +42,8 @@ void loadNext(inout Batch batch, inout LoadedCluster loaded) {
     loaded.instance = instanceAt(number);
     if (DEFORMED != kDeformsNothing) loaded.deformer = deformerOf(number);
     if (MOTION) {
-      if (gl_SubgroupInvocationID == 0) loaded.bound = boundOf(number);
-      loaded.bound = subgroupBroadcast(loaded.bound, 0);
+      if (subgroupElect()) loaded.bound = boundOf(number);
+      loaded.bound = subgroupBroadcastFirst(loaded.bound);
     }
   }
   loaded.number = number;
@@ -57,10 +57,12 @@ void loadNext(inout Batch batch, inout LoadedCluster loaded) {
 }
 
 // Holds vertices lane, lane + subgroup size, ... of a cluster, or nothing if the cluster has too many for
-// kVertexRounds. In town scenes a tenth of the clusters has more than 6 times 8 vertices.
-const uint kVertexRounds = 6;
+// kVertexRounds. In town scenes a tenth of the clusters has more than 6 times 8 vertices. A pipeline is made for
+// the size of its subgroups: more rounds than a cluster needs only cost registers.
+layout(constant_id = 19) const uint kVertexRounds = 6;
+const uint kMostVertexRounds = 6;
 struct Vertices {
-  vec3 corners[kVertexRounds];
+  vec3 corners[kMostVertexRounds];
   uint count;
 };
 
@@ -88,7 +90,7 @@ uint vertexNumber(LoadedCluster loaded, uint round) {
 // Deforms the vertices of a cluster as deformedPosition() does, and transforms them. Each lane loads the map of a bone,
 // and the others get it by shuffle.
 void deformVertices(LoadedCluster loaded, inout Vertices vertices) {
-  vec3 position[kVertexRounds], sum[kVertexRounds];
+  vec3 position[kMostVertexRounds], sum[kMostVertexRounds];
   [[unroll]] for (uint k = 0; k < kVertexRounds; ++k) {
     if (k * gl_SubgroupSize < loaded.vertexCount)
       position[k] = morphedPosition(loaded.deformer, loaded.vertexFirst + vertexNumber(loaded, k), false);

@@ -387,6 +387,8 @@ void main() {
       if (PASS == kPassPanesToo) index = hardBeams.at[frame.beams - 1 - i];
       toPass = finish(index);
     }
-    if (PASS == kPassWithinOne) leave(index, toPass);
+    if (PASS != kPassWithinOne) continue;
+    meetAgain();  // the lanes have walked through lists of different lengths
+    leave(index, toPass);
   }
 }

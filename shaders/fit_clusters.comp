@@ -68,7 +68,7 @@ void countDropped(uint cluster) {
     dropped += uvec2(!finite, finite && (a == b || b == c || c == a));
   }
   dropped = subgroupAdd(dropped);
-  if (gl_SubgroupInvocationID != 0 || dropped == uvec2(0)) return;
+  if (!subgroupElect() || dropped == uvec2(0)) return;
   atomicAdd(droppedTriangles.at[2 * sourceNumber], dropped.x);
   atomicAdd(droppedTriangles.at[2 * sourceNumber + 1], dropped.y);
 }
@@ -81,7 +81,7 @@ void fitCluster(uint cluster, inout vec3 groupLow, inout vec3 groupHigh) {
   high = subgroupMax(high);
   groupLow = min(groupLow, low);
   groupHigh = max(groupHigh, high);
-  if (gl_SubgroupInvocationID != 0) return;
+  if (!subgroupElect()) return;
   clusters.at[cluster].low = low;
   clusters.at[cluster].high = high;
 }

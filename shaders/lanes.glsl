@@ -1,6 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Operations across the lanes of a subgroup. All active lanes must call them.
 
+// True on CPU devices, which execute the lanes of a subgroup together in any case. There subgroupBarrier() must not be
+// called: Mesa's lavapipe waits for the whole workgroup at it, and work is lost if one subgroup goes round a loop more
+// often than another.
+layout(constant_id = 20) const bool kLanesInStep = false;
+
+// All lanes of the subgroup wait here for one another.
+void meetAgain() {
+  if (!kLanesInStep) subgroupBarrier();
+}
+
 // Load a vector from an array at an index that is the same for all lanes. Each component is loaded by another lane,
 // because on a device that gathers the loads of all lanes, a load of one lane takes as long.
 #define LOADED_4(vector_) (gl_SubgroupSize < 4 ? vector_ : fromFourLanes(vector_[min(gl_SubgroupInvocationID, 3u)]))
@@ -24,9 +34,9 @@ Instance instanceAt(uint number) {
                   instances.at[number].firstTriangle);
 }
 
-// Returns the output slot of a lane whose ballot bit is set. The first lane has reserved one slot per set bit, from
+// Returns the output slot of a lane whose ballot bit is set. The elected lane has reserved one slot per set bit, from
 // its `base` on.
-uint slotAfter(uint base, uvec4 ballot) { return subgroupBroadcast(base, 0) + subgroupBallotExclusiveBitCount(ballot); }
+uint slotAfter(uint base, uvec4 ballot) { return subgroupBroadcastFirst(base) + subgroupBallotExclusiveBitCount(ballot); }
 
 // Returns how the mesh of an instance is deformed, which is the same for all lanes; they must all call this. Of a mesh
 // that is not deformable it loads no more than that.
@@ -34,12 +44,12 @@ Deformer deformerOf(uint instance) {
   Deformer told = Deformer(0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, vec3(0.0), vec3(0.0));
   uint mesh = instanceMeshes.at[instance];
   if (deformers.at[mesh].joints + deformers.at[mesh].targets == 0) return told;
-  if (gl_SubgroupInvocationID == 0) told = deformers.at[mesh];
-  return Deformer(subgroupBroadcast(told.joints, 0), subgroupBroadcast(told.targets, 0),
-                  subgroupBroadcast(told.deformed, 0), subgroupBroadcast(told.vertices, 0),
-                  subgroupBroadcast(told.vertexFirst, 0), subgroupBroadcast(told.restFirst, 0),
-                  subgroupBroadcast(told.offsetFirst, 0), subgroupBroadcast(told.weightFirst, 0),
-                  subgroupBroadcast(told.rowFirst, 0), subgroupBroadcast(told.clusterFirst, 0),
-                  subgroupBroadcast(told.bonesFirst, 0), 0, subgroupBroadcast(told.morphLow, 0),
-                  subgroupBroadcast(told.morphHigh, 0));
+  if (subgroupElect()) told = deformers.at[mesh];
+  return Deformer(subgroupBroadcastFirst(told.joints), subgroupBroadcastFirst(told.targets),
+                  subgroupBroadcastFirst(told.deformed), subgroupBroadcastFirst(told.vertices),
+                  subgroupBroadcastFirst(told.vertexFirst), subgroupBroadcastFirst(told.restFirst),
+                  subgroupBroadcastFirst(told.offsetFirst), subgroupBroadcastFirst(told.weightFirst),
+                  subgroupBroadcastFirst(told.rowFirst), subgroupBroadcastFirst(told.clusterFirst),
+                  subgroupBroadcastFirst(told.bonesFirst), 0, subgroupBroadcastFirst(told.morphLow),
+                  subgroupBroadcastFirst(told.morphHigh));
 }

@@ -47,6 +47,6 @@ void computeEntry(uvec2 coarse) {
   largest = subgroupMax(largest);
   any = subgroupMax(any);
   uint coarsePerRow = (frame.columns + kCoarseColumns - 1) / kCoarseColumns;
-  if (gl_SubgroupInvocationID == 0)
+  if (subgroupElect())
     farthest.at[firstFarthest() + perRow * fineRows + coarse.y * coarsePerRow + coarse.x] = any != 0 ? largest : kNone;
 }

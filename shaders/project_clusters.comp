@@ -84,7 +84,7 @@ void list(bool keep, uint instance, uint cluster, inout bool any) {
   uvec4 ballot = subgroupBallot(keep);
   uint slot = 0, count = subgroupBallotBitCount(ballot);
   if (count == 0) return;
-  if (gl_SubgroupInvocationID == 0) slot = atomicAdd(shells.of[pass.shell].visible, count);
+  if (subgroupElect()) slot = atomicAdd(shells.of[pass.shell].visible, count);
   slot = slotAfter(slot, ballot);
   if (keep) visible.at[slot] = uvec2(instance, cluster);
   any = true;
@@ -109,7 +109,7 @@ void handOn(bool goesOn, uvec4 entry, inout bool any) {
   uvec4 ballot = subgroupBallot(goesOn);
   uint slot = 0, count = subgroupBallotBitCount(ballot);
   if (count == 0) return;
-  if (gl_SubgroupInvocationID == 0) slot = atomicAdd(shells.of[pass.shell + 1].groups, count);
+  if (subgroupElect()) slot = atomicAdd(shells.of[pass.shell + 1].groups, count);
   slot = slotAfter(slot, ballot);
   if (goesOn) shellGroups.at[(pass.shell + 1 & 1) * pass.placedCount + slot] = entry;
   any = true;
@@ -133,7 +133,8 @@ void main() {
     uvec2 run = uvec2(0);
     if (lane < share && first + lane < count) {
       entry = shellGroups.at[half_ + first + lane];
-      goesOn = uintBitsToFloat(entry.z) >= shellMax;
+      // Nothing comes after the last shell, not even what lies infinitely far.
+      goesOn = pass.last == 0 && uintBitsToFloat(entry.z) >= shellMax;
       if (goesOn) {
         later = max(later, uvec2(frame.rows - (entry.w & 0xffff), entry.w >> 16));
       } else {
@@ -143,7 +144,7 @@ void main() {
         setView(entry.x);
         keep = pass.occluders == 0 || !outOfSight(low, high);
         if (keep) run = uvec2(groups.at[entry.y].clusterFirst, groups.at[entry.y].clusterCount);
-        goesOn = run.y > 1 && farthestPoint(low, high) >= shellMax;
+        goesOn = pass.last == 0 && run.y > 1 && farthestPoint(low, high) >= shellMax;
         if (goesOn) noteLater(low, high, later);
       }
     }
@@ -154,7 +155,7 @@ void main() {
       if (subgroupShuffle(run.y, k) > 1) listClusters(entry.xy, run, k, anyVisible);
   }
   later = uvec2(subgroupMax(later.x), subgroupMax(later.y));
-  if (gl_SubgroupInvocationID != 0) return;
+  if (!subgroupElect()) return;
   if (later.y > 0) {
     atomicMax(shells.of[pass.shell].laterRowsDown, later.x);
     atomicMax(shells.of[pass.shell].laterRowsUp, later.y);

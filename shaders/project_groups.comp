@@ -39,6 +39,7 @@ void countClusters(uint count, float nearest, float farthest_) {
 }
 
 void listGroups() {
+  if (gl_WorkGroupID.x == 0 && gl_LocalInvocationID.x == 0) counters.alive = kAlive;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   uint rounds = (pass.placedCount + stride - 1) / stride, half_ = (pass.shell & 1) * pass.placedCount;
   for (uint k = 0; k < rounds; ++k) {
@@ -58,20 +59,20 @@ void listGroups() {
     }
     uvec4 ballot = subgroupBallot(keep);
     uint slot = 0;
-    if (gl_SubgroupInvocationID == 0) slot = atomicAdd(shells.of[pass.shell].groups, subgroupBallotBitCount(ballot));
+    if (subgroupElect()) slot = atomicAdd(shells.of[pass.shell].groups, subgroupBallotBitCount(ballot));
     slot = slotAfter(slot, ballot);
     if (keep) shellGroups.at[half_ + slot] = entry;
   }
 }
 
-// A shell ends where it has twice the clusters of the one before, because the farthest-range table costs the same after
-// every shell, or at the hint. What is left goes to the last shell if it is hardly more than one shell's worth.
+// A shell ends where it has a multiple of the clusters of the one before, because the farthest-range table costs the
+// same after every shell, or at the hint. What is left goes to the last shell if it is hardly more than one shell's worth.
 void chooseShells() {
   uint left = 0;
   for (uint k = 0; k < kShellBuckets; ++k) left += shells.clusters[k];
   uint bucket = 0, sum = 0, wanted = frame.shellClusters;
   bool hinted = frame.shellHint > 0.0;
-  for (uint shell = 0; shell < kMostShells; ++shell) {
+  for (uint shell = 0; shell < frame.shellCount; ++shell) {
     uint inShell = 0;
     bool full = false;
     while (!full && bucket < kShellBuckets) {
@@ -83,10 +84,10 @@ void chooseShells() {
       full = inShell >= wanted || (atHint && inShell > 0);
     }
     left -= inShell;
-    bool last = shell == kMostShells - 1 || bucket == kShellBuckets || left < frame.shellClusters;
+    bool last = shell == frame.shellCount - 1 || bucket == kShellBuckets || left < frame.shellClusters;
     shells.of[shell].end = last ? uintBitsToFloat(0x7f800000u) : endOfBucket(bucket - 1);
     if (last) break;
-    wanted *= 2;
+    wanted *= frame.shellGrowth;
   }
 }
 

@@ -56,12 +56,12 @@ void storeKept(bool keep, Projected projected, Box box, uint material) {
   bool small = BINNING == kBinningSlabs || isSmall(box);
   uvec4 smallOnes = subgroupBallot(keep && small);
   uint slot = 0;
-  if (gl_SubgroupInvocationID == 0) slot = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));
+  if (subgroupElect()) slot = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));
   slot = slotAfter(slot, smallOnes);
   if (BINNING != kBinningSlabs) {
     uvec4 largeOnes = subgroupBallot(keep && !small);
     uint large = 0;
-    if (gl_SubgroupInvocationID == 0) large = atomicAdd(counters.projectedLarge, subgroupBallotBitCount(largeOnes));
+    if (subgroupElect()) large = atomicAdd(counters.projectedLarge, subgroupBallotBitCount(largeOnes));
     large = frame.projectedCapacity - 1 - slotAfter(large, largeOnes);
     if (!small) slot = large;
   }

@@ -293,8 +293,8 @@ bool nextCluster(inout uint next, inout Batch batch, inout LoadedCluster loaded)
     uint wanted = gl_SubgroupSize;
     if (BINNING == kBinningSlabs) {
       wanted = min(count / (4 * subgroups) + 1, gl_SubgroupSize);
-      if (gl_SubgroupInvocationID == 0) i = atomicAdd(shells.of[pass.shell].nextCluster, wanted);
-      i = subgroupBroadcast(i, 0);
+      if (subgroupElect()) i = atomicAdd(shells.of[pass.shell].nextCluster, wanted);
+      i = subgroupBroadcastFirst(i);
     } else {
       stride = subgroups;
       i = next;
@@ -334,7 +334,8 @@ bool isTriedHere(Box box, Silhouette silhouette, uint material, bool moves) {
 
 uint triedCount = 0;  // triangles that this invocation has tried
 
-// Notes that the entries of the farthest-range table that hold beams of this box are out of date.
+// Notes that the entries of the farthest-range table that hold beams of this box are out of date. Only slabs ask for
+// these notes; otherwise the table is computed as a whole.
 void markStale(Box box) {
   uint perRow = (frame.columns - 1) / kCoarseColumns + 1, columnCount = boxColumnCount(box);
   for (uint k = 0; k < columnCount;) {
@@ -373,7 +374,7 @@ void tryBox(Triangle triangle, Prepared prepared, Silhouette silhouette, Box box
     }
   }
   ++triedCount;
-  if (met && pass.last == 0) markStale(box);
+  if (BINNING == kBinningSlabs && met && pass.last == 0) markStale(box);
 }
 
 bool stored = false;  // whether this subgroup has stored any triangle
@@ -465,7 +466,7 @@ void main() {
   culled = subgroupAdd(culled);
   nonFinite = subgroupAdd(nonFinite);
   triedCount = subgroupAdd(triedCount);
-  if (gl_SubgroupInvocationID == 0) {
+  if (subgroupElect()) {
     if (stored || triedCount > 0) atomicMax(shells.of[pass.shell].binWork.x, frame.triangleWorkgroups);
     if (triedCount > 0) atomicAdd(counters.tried, triedCount);
     if (triangleCount > 0) atomicAdd(counters.triangles, triangleCount);

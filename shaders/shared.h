@@ -83,6 +83,8 @@ GNO_CONST uint kPlaceColumns = 16;
 GNO_CONST uint kOwnerBlock = 256;
 // Number of values of Cause.
 GNO_CONST uint kCauses = 6;
+// What Counters::alive holds after the first kernel.
+GNO_CONST uint kAlive = 0x51de1e55u;
 // Beams per block of the prefix sum.
 GNO_CONST uint kPrefixBlock = 1024;
 
@@ -339,6 +341,7 @@ struct Frame {
   uint ownRanges;                           // 1 if beams have ranges of their own
   uint hidesNear;                           // 1 if a hit nearer than the least range ends its beam
   float phase;                              // azimuth of column 0 beyond -180 degrees, in columns
+  uint shellCount, shellGrowth;             // most shells of a scan; each has so many times the clusters of the last
   uint slabFirst, slabCount;                // slabs that hold all beams; after the last slab comes slab 0
   uint views;                               // of the submission
 };
@@ -366,6 +369,7 @@ struct Counters {
   uint hardBeams;                    // beams whose footprint does not lie on one triangle; lines that meet a pane
   uint paneBeams;                    // beams whose footprint may meet a pane; not among hardBeams
   uint tried;                        // triangles whose beams project has tried; they are on no list
+  uint alive;                        // kAlive after project_groups: the device has done something
 };
 
 // Where a value of every record lies, in words of 32 bits.
@@ -477,9 +481,9 @@ static_assert(sizeof(MotionBounds) == 76 && sizeof(VertexSource) == 40);
 static_assert(sizeof(TransformSource) == 104 && sizeof(TransformedInstance) == 36);
 static_assert(sizeof(InstanceMotion) == 64 && sizeof(ColumnMotion) == 112);
 static_assert(kClusterTriangles <= 32 && 3 * kClusterTriangles < 1 << 7);
-static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 132 &&
+static_assert(sizeof(Instance) == 64 && sizeof(Cluster) == 64 && sizeof(Group) == 32 && sizeof(Frame) == 140 &&
               sizeof(Row) == 32);
-static_assert(sizeof(Counters) == 100 && sizeof(Pass) == 32 && sizeof(Shell) == 64);
+static_assert(sizeof(Counters) == 104 && sizeof(Pass) == 32 && sizeof(Shell) == 64);
 }  // namespace gnosphere::gpu
 #endif
 #endif

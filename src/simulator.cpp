@@ -60,6 +60,9 @@ void validate(const SensorMotion& motion, const std::string& which) {
 }
 
 std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options) {
+  if (options.compileOnly && (options.device.kind != DeviceChoice::Kind::vulkan || options.device.adopted))
+    throw Error(ErrorCode::invalidArgument,
+                "compileOnly is for a Vulkan device of the library's own, not for " + nameOf(options.device));
   switch (options.device.kind) {
     case DeviceChoice::Kind::reference: return makeReferenceBackend(scene, sensors, options);
     case DeviceChoice::Kind::cuda:
@@ -119,6 +122,9 @@ class Simulator::Impl {
     if (options_.device.adopted)
       throw Error(ErrorCode::invalidArgument,
                   "this simulator is on a device of the caller; its scans are recorded by vulkan::Recorder");
+    if (options_.compileOnly)
+      throw Error(ErrorCode::invalidArgument,
+                  "this simulator only compiles, so it cannot scan; see SimulatorOptions::compileOnly");
     planAgain();
     for (size_t i = 0; i < shots.size(); ++i)
       check(shots[i], shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
@@ -347,7 +353,7 @@ class Simulator::Impl {
     for (const uint32_t instance : request.ignoredInstances)
       instances_.check(instance, "sensor '" + request.sensor.name + "': it ignores an instance, but ");
     if (request.layout.empty()) return;
-    if (!options_.device.adopted)
+    if (!options_.device.adopted && !options_.compileOnly)
       throw Error(ErrorCode::invalidArgument,
                   "sensor '" + request.sensor.name +
                       "': a layout is for results that stay on a device of the caller, see vulkan::adopt()");

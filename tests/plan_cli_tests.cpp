@@ -43,6 +43,35 @@ TEST_CASE("plan --json lists every effect") {
   for (const char* key : {"fields", "returns", "stages", "dispatches", "buffers", "bytes"}) CHECK(plan.contains(key));
 }
 
+TEST_CASE("plan --pipelines compiles and prints what the driver says of each pipeline") {
+  const Workplace place;
+  const Result result = place.run("plan floor.obj --effects clean --pipelines");
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.out, ContainsSubstring("\nproject_triangles: ") && ContainsSubstring(" lanes, compiled in "));
+  CHECK_THAT(result.out, ContainsSubstring("\ncommands  ") && ContainsSubstring(" barriers\n"));
+  const auto plan = place.runJson("plan floor.obj --effects clean --pipelines --json --records x,y,z");
+  bool records = false;
+  for (const auto& stage : plan.at("stages"))
+    for (const auto& pipeline : stage.at("pipelines")) {
+      CHECK(pipeline.at("subgroup_size") >= 4);
+      CHECK(pipeline.at("compile_ms") > 0);
+      CHECK(pipeline.at("statistics").is_object());
+      records = records || pipeline.at("name") == "records";
+    }
+  CHECK(records);
+  // Without the flag nothing is said of the compiler.
+  CHECK(!place.runJson("plan floor.obj --json").at("stages").at(0).at("pipelines").at(0).contains("compile_ms"));
+  CHECK(place.run("plan floor.obj --pipelines --device reference").status != 0);
+}
+
+TEST_CASE("scan --trace prints each step with its size") {
+  const Workplace place;
+  const Result result = place.run("scan floor.obj --effects clean --trace -o cloud.pcd");
+  REQUIRE(result.status == 0);
+  CHECK_THAT(result.err,
+             ContainsSubstring("fill counters") && ContainsSubstring("project: project_groups, 1 workgroups"));
+}
+
 TEST_CASE("plan --effects takes a preset or a file, and assignments override it in order") {
   const Workplace place;
   place.put("e.json", R"({"fog": {"visibility": 50}})");

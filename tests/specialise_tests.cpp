@@ -14,6 +14,7 @@
 
 #include "folder.hpp"
 #include "pipeline/kernels.hpp"
+#include "vulkan/execution_modes.hpp"
 #include "vulkan/specialise.hpp"
 
 using namespace gnosphere;
@@ -156,6 +157,10 @@ TEST_CASE("a constant expression that cannot be computed is an error, not a wron
     layout(binding = 0) buffer Output { uint y[]; };
     void main() { y[0] = N << 2; })");
   REQUIRE_THROWS_AS(vulkan::specialised(module, Words{1}), std::logic_error);
+  // Then the driver gets the module as it is, with the constants beside it.
+  const vulkan::Code code = vulkan::codeOf(module, Words{1});
+  CHECK(code.words == module);
+  CHECK(!code.specialised);
 }
 
 TEST_CASE("every kernel is a valid module with any options") {
@@ -176,7 +181,10 @@ TEST_CASE("every kernel is a valid module with any options") {
       options.LAYERS = options.LAYERS % 4 + 1, options.RETURNS = options.RETURNS % 6 + 1;
       options.RAYS = placesFor(options.RAYS % 64);
       INFO(file << ", " << i);
-      tools.validate(vulkan::specialised(wordsIn(file), wordsOf(options)));
+      const Words module = vulkan::specialised(wordsIn(file), wordsOf(options));
+      const Words demanding = vulkan::withUniformControlFlow(vulkan::keepingSpecialFloats(module));
+      CHECK(demanding.size() > module.size());
+      tools.validate(demanding);
     }
 }
 

@@ -18,9 +18,18 @@ struct Plan {
     bool in = false;     ///< true if scans simulate the effect
     std::string reason;  ///< for example "the sensor states 3.0 x 1.5 mrad"
   };
+  /// A number that the driver's compiler reports of a pipeline, with the name that the driver gives it.
+  struct Statistic {
+    std::string name;
+    double value = 0;
+  };
   struct Pipeline {
     std::string name;                 ///< name of the shader
     std::vector<uint32_t> constants;  ///< specialisation constants in the order of shaders/options.glsl
+    /// The rest is known with SimulatorOptions::compileOnly. `statistics` is empty if the driver reports nothing.
+    uint32_t subgroupSize = 0;  ///< lanes; 0 if it is not known
+    double compileMs = 0;       ///< how long the driver took
+    std::vector<Statistic> statistics = {};
   };
   struct Stage {
     std::string name;                 ///< project, bin, resolve, effects
@@ -32,10 +41,17 @@ struct Plan {
     uint64_t bytes = 0;
   };
 
+  /// What the device executes for one scan: the largest number of each command.
+  struct Commands {
+    uint32_t dispatches = 0, fills = 0, copies = 0, barriers = 0;
+    uint32_t all() const { return dispatches + fills + copies + barriers; }
+  };
+
   std::vector<Decision> effects;    ///< one per effect, in the order of effectNames()
   std::vector<std::string> fields;  ///< fields beyond point, range and owner (triangle and instance)
   std::vector<Stage> stages;
   std::vector<Buffer> buffers;  ///< buffers of this sensor on the device
+  Commands commands;            ///< all 0 if the host makes the scans
   std::string binning;          ///< nearest, lists or slabs
   uint32_t returns = 1;         ///< returns per beam
 

@@ -171,7 +171,14 @@ struct SimulatorOptions {
   /// Receives a sentence about a problem that is no error, for example that compiled pipelines cannot be kept. It is
   /// called on the thread that calls the simulator. The library itself prints nothing.
   std::function<void(const std::string& message)> warn;
+  /// Receives the steps of every scan on a Vulkan device, a line for each, with its size and the time until it was
+  /// done. Each step is then timed by itself, so scans take a little longer.
+  std::function<void(const std::string& line)> trace;
   bool validation = false;  ///< turns the Vulkan validation layer on; its messages are thrown as Error(device)
+  /// The simulator compiles the pipelines of its sensors' scans and cannot scan. Its plan() has what the driver's
+  /// compiler says of each pipeline. No device memory is needed and nothing is submitted, so a driver that only
+  /// compiles is enough. Only for Vulkan devices of the library's own.
+  bool compileOnly = false;
   Tuning tuning;
 };
 

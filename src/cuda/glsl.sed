@@ -7,6 +7,8 @@
 /^#version|^#extension|^layout\(local_size|^#define GNO_(CONST|INLINE)\b/d
 # RAYS is a template argument, because arrays have this size.
 /^layout\(constant_id = [0-9]+\) const uint RAYS /d
+# The lanes decide these two.
+/^layout\(constant_id = [0-9]+\) const (uint kVertexRounds|bool kLanesInStep) /d
 s/__cplusplus/GNO_NEVER/
 s/GNOSPHERE_(\w+)_H\b/GNOSPHERE_CUDA_\1_H/
 s/\bprecise //g

@@ -12,12 +12,15 @@
 namespace gnosphere::cuda {
 
 constexpr uint gl_SubgroupSize = 1, gl_SubgroupID = 0, gl_SubgroupInvocationID = 0, gl_NumSubgroups = 1;
+constexpr uint kVertexRounds = 6;    // see cluster_corners.glsl
+constexpr bool kLanesInStep = true;  // see lanes.glsl
 constexpr struct { uint x, y, z; } gl_WorkGroupSize = {1, 1, 1};
 constexpr uvec3 gl_LocalInvocationID(0);
 inline thread_local uvec3 gl_WorkGroupID, gl_NumWorkGroups;
 
 inline void barrier() {}
 inline void subgroupMemoryBarrierBuffer() {}
+inline void subgroupBarrier() {}
 
 template <typename T>
 T subgroupShuffle(T value, uint) {
@@ -25,6 +28,10 @@ T subgroupShuffle(T value, uint) {
 }
 template <typename T>
 T subgroupBroadcast(T value, uint) {
+  return value;
+}
+template <typename T>
+T subgroupBroadcastFirst(T value) {
   return value;
 }
 inline bool subgroupElect() {

@@ -24,13 +24,16 @@ namespace gnosphere::cuda {
 
 constexpr uint gl_SubgroupSize = 32;
 constexpr struct { uint x, y, z; } gl_WorkGroupSize = {64, 1, 1};
+constexpr uint kVertexRounds = 3;     // see cluster_corners.glsl
+constexpr bool kLanesInStep = false;  // see lanes.glsl
 constexpr uint kFullWarp = 0xffffffffu;
 
 GNO_DEVICE void barrier() {
   __syncthreads();
 }
 
-GNO_DEVICE void subgroupMemoryBarrierBuffer() {
+GNO_DEVICE void subgroupMemoryBarrierBuffer() {}
+GNO_DEVICE void subgroupBarrier() {
   __syncwarp();
 }
 
@@ -46,6 +49,10 @@ GNO_DEVICE T subgroupShuffle(T value, uint lane) {
 template <typename T>
 GNO_DEVICE T subgroupBroadcast(T value, uint lane) {
   return subgroupShuffle(value, lane);
+}
+template <typename T>
+GNO_DEVICE T subgroupBroadcastFirst(T value) {
+  return subgroupShuffle(value, 0);
 }
 GNO_DEVICE bool subgroupElect() {
   return gl_SubgroupInvocationID == 0;

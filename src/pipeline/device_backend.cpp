@@ -320,11 +320,13 @@ class DeviceBackend final : public Backend {
     Timings timings;
     if (sensor.beams() > 0) {
       machine_->wait(slot);
+      sensor.checkAlive(frame);
       for (; sensor.cutShort(frame); ++retries) {
         waitForAll();
         sensor.growLists(frame);
         run(slot, part);
         machine_->wait(slot);
+        sensor.checkAlive(frame);
       }
       machine_->readTimings(slot, views > 1 ? timings : result.timings);
     }

@@ -2,9 +2,11 @@
 // Interface to the memory of a device.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace gnosphere {
 
@@ -29,6 +31,15 @@ class DeviceMemory {
   /// Copies to and from memory of the kind `device`; `place` is an offset in bytes.
   virtual void write(uint64_t place, std::span<const std::byte> data) = 0;
   virtual void read(uint64_t place, std::span<std::byte> data) const = 0;
+  /// Copies the first bytes of other memory of the same device and of the kind `device`.
+  virtual void copyFrom(const DeviceMemory& other, uint64_t bytes) {
+    std::vector<std::byte> part(std::min<uint64_t>(bytes, 16 << 20));
+    for (uint64_t place = 0; place < bytes; place += part.size()) {
+      const std::span run = std::span(part).first(std::min<uint64_t>(part.size(), bytes - place));
+      other.read(place, run);
+      write(place, run);
+    }
+  }
 };
 
 }  // namespace gnosphere

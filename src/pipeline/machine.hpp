@@ -33,6 +33,8 @@ class Machine {
   virtual std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind kind) = 0;
   /// Compiles a kernel unless it is already compiled.
   virtual void prepare(const Variant& variant) = 0;
+  /// Adds what the driver says of a compiled kernel, if that is known.
+  virtual void describe(const Variant& /*variant*/, Plan::Pipeline& /*pipeline*/) const {}
   /// Called after the last of a series of prepare() calls.
   virtual void prepared() {}
   /// Number of scans that may run at a time.

@@ -6,6 +6,21 @@
 #include "gnosphere/plan.hpp"
 
 namespace gnosphere {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json jsonOf(const Plan::Pipeline& pipeline) {
+  Json json = {{"name", pipeline.name}, {"constants", pipeline.constants}};
+  if (pipeline.subgroupSize == 0) return json;
+  json["subgroup_size"] = pipeline.subgroupSize;
+  json["compile_ms"] = pipeline.compileMs;
+  json["statistics"] = Json::object();
+  for (const Plan::Statistic& statistic : pipeline.statistics) json["statistics"][statistic.name] = statistic.value;
+  return json;
+}
+
+}  // namespace
 
 uint64_t Plan::bytes() const {
   uint64_t sum = 0;
@@ -25,7 +40,6 @@ bool Plan::has(const std::string& effect) const {
 }
 
 std::string toJson(const Plan& plan) {
-  using Json = nlohmann::ordered_json;
   Json json;
   json["effects"] = Json::array();
   for (const Plan::Decision& decision : plan.effects) {
@@ -41,11 +55,15 @@ std::string toJson(const Plan& plan) {
   for (const Plan::Stage& stage : plan.stages) {
     Json pipelines = Json::array();
     for (const Plan::Pipeline& pipeline : stage.pipelines) {
-      pipelines.push_back({{"name", pipeline.name}, {"constants", pipeline.constants}});
+      pipelines.push_back(jsonOf(pipeline));
     }
     json["stages"].push_back({{"name", stage.name}, {"dispatches", stage.dispatches}, {"pipelines", pipelines}});
   }
   json["dispatches"] = plan.dispatches();
+  json["commands"] = {{"dispatches", plan.commands.dispatches},
+                      {"fills", plan.commands.fills},
+                      {"copies", plan.commands.copies},
+                      {"barriers", plan.commands.barriers}};
   json["buffers"] = Json::array();
   for (const Plan::Buffer& buffer : plan.buffers) {
     json["buffers"].push_back({{"name", buffer.name}, {"bytes", buffer.bytes}});

@@ -68,12 +68,7 @@ void SceneArrays::reserve(Array array, uint64_t bytes) {
   const uint64_t most = std::max(bytes, machine_.traits().info.maxBufferBytes);
   auto larger =
       machine_.allocate(gpu::nameOf(array), had > 0 ? std::min(bytes + bytes / 2, most) : bytes, MemoryKind::device);
-  std::vector<std::byte> part(std::min<uint64_t>(had, 16 << 20));
-  for (uint64_t place = 0; place < had; place += part.size()) {
-    const std::span run = std::span(part).first(std::min<uint64_t>(part.size(), had - place));
-    memory->read(place, run);
-    larger->write(place, run);
-  }
+  if (memory) larger->copyFrom(*memory, had);
   memory = std::move(larger);
   // What the device itself has written to the array is lost.
   geometry_.vertexSources().takeAgain();

@@ -56,7 +56,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       float64_(exact_ && options.tuning.float64 && machine.traits().float64 && machine.traits().int64Atomics),
       deformed_(deformed),
       options_(kernelOptions(options, plan)),
-      shells_(mostShells(options, binning_, beams(), triangles)),
+      shells_(mostShells(options, machine.traits(), binning_, beams(), triangles)),
       shellClusters_(shellClusters(options, triangles)),
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords_)),
@@ -73,7 +73,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   const uint64_t beams = this->beams();
   const bool lists = binning_ == gpu::kBinningLists;
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse));
-  allocate(Array::staleEntries, 4 * most_.coarse);
+  if (binning_ == gpu::kBinningSlabs) allocate(Array::staleEntries, 4 * most_.coarse);
   allocate(Array::shells, sizeof(gpu::Shells));
   const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
   if (words && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
@@ -90,7 +90,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   Capacities room = firstCapacities(binning_, plan_.panes(), plan_.footprint(), beams, triangles);
   room.projected = within(room.projected, std::min(mostProjected(), limit(kTileBytes) / 2));
   room.tiles = within(room.tiles, limit(kTileBytes) - tilesBehind(room));
-  room.candidates = within(room.candidates, limit(candidateBytes()));
+  room.candidates = within(room.candidates, mostCandidates());
   firstProjected_ = room.projected;
   makeLists(room);
   addFrame();
@@ -273,6 +273,11 @@ uint64_t SensorArrays::candidateBytes() const {
   return binning_ == gpu::kBinningLists ? 4 : 12;
 }
 
+// Kernels number the words of a chain, not its entries.
+uint64_t SensorArrays::mostCandidates() const {
+  return limit(sizeof(uint32_t)) / (candidateBytes() / sizeof(uint32_t));
+}
+
 // Number of tiles beyond Capacities::tiles: with slabs every projected triangle has one tile of its own.
 uint64_t SensorArrays::tilesBehind(const Capacities& room) const {
   return binning_ == gpu::kBinningSlabs ? room.projected : 0;
@@ -404,6 +409,8 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
                of(Array::projectedViews));
   }
   content.shellHint = shellHint_;
+  content.shellCount = shells_;
+  content.shellGrowth = shellGrowth(machine_.traits());
   const auto bytes = std::as_bytes(std::span(&content, 1));
   load(frame, {{Array::frame, bytes.size(), {bytes.begin(), bytes.end()}}});
   if (!plan_.bare()) load(frame, shotArrays(plan_, shot, motion));
@@ -413,7 +420,20 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
     for (size_t i = 0; i < own->size(); ++i)
       if ((*own)[i]) arrays[i] = (*own)[i].get();
   const Motion moves = !motion ? Motion::none : motion->moves ? Motion::all : Motion::lasers;
-  return steps(tables, content, placed, still, moves, group + 1 == pattern.groups.size());
+  std::vector<Step> result = steps(tables, content, placed, still, moves, group + 1 == pattern.groups.size());
+  frame.signsOfLife = std::any_of(result.begin(), result.end(), [](const Step& step) {
+    return step.kind == Step::Kind::dispatch && step.variant.kernel == Kernel::project_groups;
+  });
+  return result;
+}
+
+void SensorArrays::checkAlive(size_t index) {
+  Frame& frame = frames_[index];
+  if (frame.signsOfLife && counters(frame).alive != gpu::kAlive)
+    throw Error(ErrorCode::device,
+                "the device '" + machine_.traits().info.name +
+                    "' reports a scan as done, but has run no kernel of it; its driver only pretends "
+                    "to work");
 }
 
 SensorArrays::Frame& SensorArrays::frameAt(size_t index) {
@@ -477,7 +497,7 @@ void SensorArrays::growLists(size_t index) {
   if (projected > room.projected) room.projected = grown(Array::projectedA, projected, mostProjected());
   if (needed.tiles > room.tiles) room.tiles = grown(Array::tiles, needed.tiles, limit(kTileBytes));
   if (needed.candidates > room.candidates)
-    room.candidates = grown(Array::candidates, needed.candidates, limit(candidateBytes()));
+    room.candidates = grown(Array::candidates, needed.candidates, mostCandidates());
   // If the tiles do not fit together with the reserve, the lists get only what this scan needs.
   if (tilesBehind(room) + room.tiles > limit(kTileBytes)) {
     room.projected = static_cast<uint32_t>(projected);
@@ -516,8 +536,11 @@ Plan SensorArrays::plan() const {
   plan.returns = plan_.returns;
   plan.binning = nameOfBinning(binning_);
   const BeamTables& tables = patterns_[0].tables;
-  plan.stages = stagesOf(
-      steps(tables, tables.frame, everything(), StillImage::Use::none, motions().back(), true));
+  const std::vector<Step> scan =
+      steps(tables, tables.frame, everything(), StillImage::Use::none, motions().back(), true);
+  plan.commands = commandsOf(scan);
+  plan.stages =
+      stagesOf(scan, [&](const Variant& variant, Plan::Pipeline& pipeline) { machine_.describe(variant, pipeline); });
   if (leavesWords_ && !keepsRecords()) plan.stages.push_back({"resolve", 0, {}});
   for (size_t i = 0; i < arrays_.size(); ++i)
     if (const auto& memory = patterns_[0].arrays[i]) plan.buffers.push_back({gpu::kArrayNames[i], memory->bytes()});

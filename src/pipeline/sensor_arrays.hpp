@@ -50,6 +50,8 @@ class SensorArrays {
   std::vector<Step> prepare(size_t frame, const Shot& shot, size_t group, const ShotMotion* motion,
                             uint32_t instanceCount, const PlacedGroups& placed, StillImage::Use still, uint32_t views,
                             BoundArrays& arrays);
+  /// Throws Error(device) if the device has run nothing of the last scan of this frame.
+  void checkAlive(size_t frame);
   /// Returns whether a list was too small for the last scan of this frame. It must run again after growLists().
   bool cutShort(size_t frame);
   /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
@@ -76,10 +78,11 @@ class SensorArrays {
   /// The arrays that each frame in flight has of its own; all frames share the work arrays.
   struct Frame {
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
-    Capacities capacities;  // of the lists when the scan was prepared
-    uint32_t views = 1;     // of the scan
-    size_t pattern = 0;     // whose beams the scan fires
-    BeamTables tables;      // of the group that fires, if the pattern has several; their arrays are those of the frame
+    Capacities capacities;     // of the lists when the scan was prepared
+    bool signsOfLife = false;  // whether kernels run that leave one
+    uint32_t views = 1;        // of the scan
+    size_t pattern = 0;        // whose beams the scan fires
+    BeamTables tables;  // of the group that fires, if the pattern has several; their arrays are those of the frame
     std::optional<std::pair<size_t, size_t>> loaded;  // pattern and group of these tables
   };
 
@@ -122,6 +125,7 @@ class SensorArrays {
   PlacedGroups everything() const;
   uint64_t mostProjected() const;
   uint64_t candidateBytes() const;
+  uint64_t mostCandidates() const;
   uint64_t tilesBehind(const Capacities& room) const;
   void makeLists(const Capacities& room);
   void allocate(gpu::Array array, uint64_t bytes);

@@ -47,7 +47,7 @@ class Steps {
       // Where no beam looks, everything is hidden from the start.
       input_.sparse ? copy(gpu::Array::startFarthest, gpu::Array::farthest)
                     : fill(gpu::Array::farthest, gpu::kNone, 4 * (fine + coarse));
-      fill(gpu::Array::staleEntries, 0, 4 * coarse);
+      if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::staleEntries, 0, 4 * coarse);
     }
     if (still == StillImage::Use::use)
       copy(gpu::Array::stillWords, gpu::Array::words);
@@ -246,7 +246,25 @@ std::vector<Step> stepsOf(const StepsInput& input, const PlacedGroups& placed, S
   return Steps(input).of(placed, still);
 }
 
-std::vector<Plan::Stage> stagesOf(const std::vector<Step>& steps) {
+bool needsBarrier(std::span<const Step> steps, size_t i) {
+  const Step::Kind kind = steps[i].kind;
+  if (kind == Step::Kind::start || kind == Step::Kind::finish) return false;
+  return kind != Step::Kind::fill || i + 1 == steps.size() || steps[i + 1].kind != kind;
+}
+
+Plan::Commands commandsOf(std::span<const Step> steps) {
+  Plan::Commands commands;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    commands.fills += steps[i].kind == Step::Kind::fill;
+    commands.copies += steps[i].kind == Step::Kind::copy;
+    commands.dispatches += steps[i].kind == Step::Kind::dispatch;
+    commands.barriers += needsBarrier(steps, i);
+  }
+  return commands;
+}
+
+std::vector<Plan::Stage> stagesOf(const std::vector<Step>& steps,
+                                  const std::function<void(const Variant&, Plan::Pipeline&)>& describe) {
   std::vector<Plan::Stage> stages;
   for (const Step& step : steps) {
     if (step.kind != Step::Kind::dispatch) continue;
@@ -254,11 +272,13 @@ std::vector<Plan::Stage> stagesOf(const std::vector<Step>& steps) {
     if (stage == stages.end()) stage = stages.insert(stages.end(), {step.stage, 0, {}});
     ++stage->dispatches;
     const OptionWords words = wordsOf(step.variant.options);
-    const Plan::Pipeline pipeline = {nameOf(step.variant.kernel), {words.begin(), words.end()}};
+    Plan::Pipeline pipeline = {nameOf(step.variant.kernel), {words.begin(), words.end()}};
     const auto same = [&](const Plan::Pipeline& other) {
       return other.name == pipeline.name && other.constants == pipeline.constants;
     };
-    if (std::none_of(stage->pipelines.begin(), stage->pipelines.end(), same)) stage->pipelines.push_back(pipeline);
+    if (std::any_of(stage->pipelines.begin(), stage->pipelines.end(), same)) continue;
+    describe(step.variant, pipeline);
+    stage->pipelines.push_back(std::move(pipeline));
   }
   return stages;
 }

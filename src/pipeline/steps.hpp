@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "arrays.h"
@@ -64,7 +66,15 @@ uint64_t tableEntries(const gpu::Frame& frame, uint64_t columns, uint64_t rows);
 /// Returns the steps of a scan of the placed groups.
 std::vector<Step> stepsOf(const StepsInput& input, const PlacedGroups& placed, StillImage::Use still);
 
-/// Returns the stages with their pipelines and the number of dispatches, counted from the steps.
-std::vector<Plan::Stage> stagesOf(const std::vector<Step>& steps);
+/// Whether the step after steps[i] must wait for it. Consecutive fills write different bytes, so they need no order.
+bool needsBarrier(std::span<const Step> steps, size_t i);
+
+/// Returns the commands by which Vulkan executes the steps.
+Plan::Commands commandsOf(std::span<const Step> steps);
+
+/// Returns the stages with their pipelines and the number of dispatches, counted from the steps. `describe` is called
+/// for each pipeline.
+std::vector<Plan::Stage> stagesOf(const std::vector<Step>& steps,
+                                  const std::function<void(const Variant&, Plan::Pipeline&)>& describe);
 
 }  // namespace gnosphere

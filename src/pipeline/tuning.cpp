@@ -19,6 +19,9 @@ constexpr uint64_t kShellTriangles = 30'000;
 // 3 %. Of a small scene the first shell holds at most one cluster in kFirstShare. Without that limit it would hold most
 // of the scene, and scans took 1.25 of the time in scenes of 50,000 to 500,000 triangles.
 constexpr uint64_t kFirstShellClusters = 1024, kFirstShare = 16;
+// Each shell is four dispatches that wait for one another, and on a graphics card a small scan is nothing but their
+// latency, so there are few shells, and they grow faster. Not measured on a card.
+constexpr uint32_t kShellsOfGpu = 3, kGrowthOnGpu = 4;
 // Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
 // beam.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
@@ -63,11 +66,18 @@ uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bo
 }
 
 // With lists every hit of a beam is needed, so no triangle may be skipped as hidden.
-uint32_t mostShells(const SimulatorOptions& options, uint32_t binning, uint64_t beams, uint64_t triangles) {
+uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint32_t binning, uint64_t beams,
+                    uint64_t triangles) {
   const bool pays =
       triangles >= kShellTriangles && static_cast<double>(triangles) >= kTrianglesPerBeam * static_cast<double>(beams);
   const bool possible = binning != gpu::kBinningLists && (cullingBits(options) & gpu::kCullOccluded) != 0;
-  return possible && (pays || options.tuning.culling.occlusion == Culling::Occlusion::always) ? gpu::kMostShells : 1;
+  return possible && (pays || options.tuning.culling.occlusion == Culling::Occlusion::always)
+             ? (traits.cpu ? gpu::kMostShells : kShellsOfGpu)
+             : 1;
+}
+
+uint32_t shellGrowth(const Traits& traits) {
+  return traits.cpu ? 2 : kGrowthOnGpu;
 }
 
 uint32_t shellClusters(const SimulatorOptions& options, uint64_t triangles) {

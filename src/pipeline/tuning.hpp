@@ -21,9 +21,12 @@ DispatchSizes dispatchSizesOf(const Traits& traits, uint32_t binning);
 /// Returns the gpu::kBinning... value for the options and the device.
 uint32_t chooseBinning(const SimulatorOptions& options, const Traits& traits, bool footprint);
 
-/// Returns the most shells of a scan, 1 or kMostShells. Triangles of nearer shells are binned first, so that they can
-/// hide those of farther shells.
-uint32_t mostShells(const SimulatorOptions& options, uint32_t binning, uint64_t beams, uint64_t triangles);
+/// Returns the most shells of a scan, at most kMostShells. Triangles of nearer shells are binned first, so that they
+/// can hide those of farther shells.
+uint32_t mostShells(const SimulatorOptions& options, const Traits& traits, uint32_t binning, uint64_t beams,
+                    uint64_t triangles);
+/// Returns how many times the clusters of the shell before a shell should hold.
+uint32_t shellGrowth(const Traits& traits);
 /// Returns how many clusters the first shell should hold.
 uint32_t shellClusters(const SimulatorOptions& options, uint64_t triangles);
 /// The same for a submission of several views, from the number for one.

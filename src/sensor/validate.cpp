@@ -9,7 +9,7 @@
 namespace gnosphere {
 namespace {
 
-constexpr size_t kMostBeams = 0xfffffffeu;
+constexpr size_t kMostBeams = 0x7fffffffu;                   // kernels number beams in 31 bits
 constexpr double kMostOrigin = 1, kMostListedOrigin = 1000;  // metres
 constexpr double kMostSeconds = 10;
 
@@ -45,7 +45,7 @@ void checkGrid(const Sensor& sensor) {
   if (sensor.columns == 0) refuse(sensor, "columns must be at least 1");
   if (sensor.beamCount() > kMostBeams)
     refuse(sensor, std::to_string(sensor.columns) + " columns x " + std::to_string(sensor.channels.size()) +
-                       " channels are more beams than a 32-bit index holds (4294967294)");
+                       " channels are more beams than a 31-bit index holds (2147483647)");
   for (size_t j = 0; j < sensor.channels.size(); ++j) checkChannel(sensor, j);
   if (!(std::abs(sensor.azimuthStartDeg) <= 360))
     refuse(sensor, "azimuth start must be within -360..360 degrees, is " + std::to_string(sensor.azimuthStartDeg));
@@ -82,7 +82,7 @@ struct Pattern {
 
 void Pattern::check() const {
   if (list.size() == 0) refuse("directions are empty");
-  if (list.size() > kMostBeams) refuse("more beams than a 32-bit index holds (4294967294)");
+  if (list.size() > kMostBeams) refuse("more beams than a 31-bit index holds (2147483647)");
   if (list.size() != sensor.patterns[0].size())
     refuse("has " + std::to_string(list.size()) + " beams, pattern 0 has " + std::to_string(sensor.patterns[0].size()) +
            "; all patterns must have the same number");

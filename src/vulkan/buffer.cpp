@@ -17,23 +17,34 @@ std::string mebibytes(uint64_t bytes) {
   return text;
 }
 
-int chooseMemory(const Device& device, uint32_t bits, MemoryKind kind) {
-  constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
-  constexpr VkMemoryPropertyFlags kVisible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
-  constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
-  constexpr VkMemoryPropertyFlags kCoherent = VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  const VkMemoryPropertyFlags device0[] = {kLocal, 0};
-  const VkMemoryPropertyFlags upload[] = {kLocal | kVisible | kCoherent, kVisible | kCoherent};
-  const VkMemoryPropertyFlags readback[] = {kVisible | kCached, kVisible};
-  const auto& order = kind == MemoryKind::device ? device0 : kind == MemoryKind::upload ? upload : readback;
-  for (VkMemoryPropertyFlags wanted : order)
-    if (const int type = device.memoryType(bits, wanted); type >= 0) return type;
-  throw Error(ErrorCode::device, "the device '" + device.capabilities().info.name + "' has no suitable memory");
+constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+constexpr VkMemoryPropertyFlags kVisible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+constexpr VkMemoryPropertyFlags kCoherent = VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+
+// The properties of memory for each kind, best first. If one is used up, the next is taken.
+using Wishes = std::span<const VkMemoryPropertyFlags>;
+Wishes wishesFor(const Device& device, MemoryKind kind) {
+  static constexpr VkMemoryPropertyFlags kDevice[] = {kLocal, 0};
+  static constexpr VkMemoryPropertyFlags kUpload[] = {kLocal | kVisible | kCoherent, kVisible | kCoherent, kVisible};
+  static constexpr VkMemoryPropertyFlags kReadback[] = {kVisible | kCached, kVisible};
+  if (kind == MemoryKind::upload) return kUpload;
+  // If device and host share their memory, the host may read everything in place.
+  return kind == MemoryKind::readback || device.unifiedMemory() ? Wishes(kReadback) : Wishes(kDevice);
 }
 
 }  // namespace
 
 Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKind kind)
+    : Buffer(device, name, bytes, wishesFor(device, kind)) {}
+
+Buffer Buffer::staging(const Device& device, uint64_t bytes, bool read) {
+  static constexpr VkMemoryPropertyFlags kWritten[] = {kVisible | kCoherent, kVisible};
+  static constexpr VkMemoryPropertyFlags kRead[] = {kVisible | kCached, kVisible};
+  return Buffer(device, "staging", bytes, read ? Wishes(kRead) : Wishes(kWritten), true);
+}
+
+Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, Wishes wanted, bool onHost)
     : device_(&device), bytes_(std::max<uint64_t>(bytes, 16)), name_(name) {
   if (bytes_ > device.maxBufferBytes())
     throw Error(ErrorCode::outOfMemory, "'" + std::string(name) + "' needs one buffer of " + mebibytes(bytes_) +
@@ -48,65 +59,61 @@ Buffer::Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKin
   DeviceHandle<VkBuffer> buffer = device.make(vk.vkCreateBuffer, vk.vkDestroyBuffer, create);
   VkMemoryRequirements requirements;
   vk.vkGetBufferMemoryRequirements(device.handle(), buffer.get(), &requirements);
-  // If device and host share their memory, the host may read everything in place.
-  const bool inPlace = device.unifiedMemory() && kind == MemoryKind::device;
-  const int type = chooseMemory(device, requirements.memoryTypeBits, inPlace ? MemoryKind::readback : kind);
-  const AdoptedDevice* const adopted = device.adopted();
-  if (adopted && adopted->allocator.allocate)
-    borrow(adopted->allocator, requirements, type);
-  else
-    allocate(requirements, type);
+  // Kernels load vectors of 16 bytes.
+  requirements.alignment = std::max<VkDeviceSize>(requirements.alignment, 16);
+  std::vector<uint32_t> types = device.memoryTypes(requirements.memoryTypeBits, wanted);
+  if (types.empty())
+    throw Error(ErrorCode::device, "the device '" + device.capabilities().info.name + "' has no suitable memory");
+  if (onHost) std::stable_partition(types.begin(), types.end(), [&](uint32_t type) { return !device.isLocal(type); });
+  VkResult result = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  for (size_t i = 0; i < types.size() && result != VK_SUCCESS; ++i) {
+    result = take(requirements, types[i]);
+    coherent_ = device.isCoherent(types[i]);
+  }
+  need(result);
   buffer_ = std::move(buffer);
-  VK(vk.vkBindBufferMemory(device.handle(), buffer_.get(), place_, offset_));
+  VK(vk.vkBindBufferMemory(device.handle(), buffer_.get(), memory_.memory(), memory_.offset()));
   VkBufferDeviceAddressInfo where = {VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};
   where.buffer = buffer_.get();
   address_ = vk.vkGetBufferDeviceAddress(device.handle(), &where);
-  coherent_ = device.isCoherent(type);
+  device.name(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer_.get()), name);
 }
 
-void Buffer::allocate(const VkMemoryRequirements& requirements, int type) {
-  const DeviceFunctions& vk = device_->vk();
-  VkMemoryAllocateFlagsInfo flags = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
-  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
-  VkMemoryAllocateInfo allocate = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};
-  allocate.allocationSize = requirements.size;
-  allocate.memoryTypeIndex = static_cast<uint32_t>(type);
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  need(vk.vkAllocateMemory(device_->handle(), &allocate, nullptr, &memory) == VK_SUCCESS);
-  memory_ = {memory, vk.vkFreeMemory, device_->handle()};
-  place_ = memory;
-  if (!device_->isHostVisible(type)) return;
-  // If the host has no memory left, Mesa's lavapipe reports success and maps to null or to MAP_FAILED (-1). Valid
-  // addresses are multiples of 64.
-  const VkResult result = vk.vkMapMemory(device_->handle(), memory, 0, VK_WHOLE_SIZE, 0, &mapped_);
-  need(result == VK_SUCCESS && mapped_ && reinterpret_cast<uintptr_t>(mapped_) % 64 == 0);
+VkResult Buffer::take(const VkMemoryRequirements& requirements, uint32_t type) {
+  const bool visible = device_->isHostVisible(type);
+  const AdoptedDevice* const adopted = device_->adopted();
+  if (adopted && adopted->allocator.allocate) {
+    const Allocation allocation = adopted->allocator.allocate(requirements, type);
+    if (allocation.memory == VK_NULL_HANDLE) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    memory_ = {adopted->allocator, allocation};
+    if (visible && !allocation.mapped) return VK_ERROR_MEMORY_MAP_FAILED;
+  } else {
+    MemoryBlocks::Piece piece;
+    const VkResult result = device_->blocks().take(requirements, type, visible, piece);
+    if (result != VK_SUCCESS) return result;
+    memory_ = {device_->blocks(), piece};
+  }
+  mapped_ = visible ? memory_.mapped() : nullptr;
+  return VK_SUCCESS;
 }
 
-void Buffer::borrow(const Allocator& from, const VkMemoryRequirements& requirements, int type) {
-  const Allocation allocation = from.allocate(requirements, static_cast<uint32_t>(type));
-  need(allocation.memory != VK_NULL_HANDLE);
-  borrowed_ = {from, allocation};
-  place_ = allocation.memory;
-  offset_ = allocation.offset;
-  if (!device_->isHostVisible(type)) return;
-  need(allocation.mapped != nullptr);
-  mapped_ = allocation.mapped;
+void Buffer::need(VkResult result) const {
+  if (result == VK_SUCCESS) return;
+  const std::string text = "cannot allocate " + mebibytes(bytes_) + " for '" + name_ + "'; the device '" +
+                           device_->capabilities().info.name + "' ";
+  if (result == VK_ERROR_TOO_MANY_OBJECTS)
+    throw Error(ErrorCode::outOfMemory, text + "allows no more allocations than the " +
+                                            std::to_string(device_->blocks().count()) +
+                                            " of this simulator and those of others");
+  throw Error(ErrorCode::outOfMemory, text + "has " + mebibytes(device_->heapBytes()) + " in all");
 }
 
-void Buffer::need(bool succeeded) const {
-  if (!succeeded)
-    throw Error(ErrorCode::outOfMemory, "cannot allocate " + mebibytes(bytes_) + " for '" + name_ + "'; the device '" +
-                                            device_->capabilities().info.name + "' has " +
-                                            mebibytes(device_->heapBytes()) + " in all");
-}
-
-// All of the memory that is ours alone. Of memory that others share, the range of the buffer: the caller's allocator
-// aligns it to the size of the device's atoms, as the Vulkan Memory Allocator does.
+// The caller's allocator aligns its memory to the size of the device's atoms, as the Vulkan Memory Allocator does.
 VkMappedMemoryRange Buffer::mappedRange() const {
   VkMappedMemoryRange range = {VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE};
-  range.memory = place_;
-  range.offset = offset_;
-  range.size = memory_ ? VK_WHOLE_SIZE : bytes_;
+  range.memory = memory_.memory();
+  range.offset = memory_.offset();
+  range.size = memory_.size() > 0 ? memory_.size() : bytes_;
   return range;
 }
 
@@ -122,7 +129,7 @@ void Buffer::flush() const {
   VK(device_->vk().vkFlushMappedMemoryRanges(device_->handle(), 1, &range));
 }
 
-Transfer::Transfer(const Device& device) : device_(device) {
+Transfer::Transfer(const Device& device) : device_(&device) {
   VkCommandPoolCreateInfo create = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   create.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   create.queueFamilyIndex = device.capabilities().queueFamily;
@@ -136,12 +143,12 @@ void Transfer::write(Buffer& buffer, uint64_t place, std::span<const std::byte> 
     buffer.flush();
     return;
   }
-  const uint64_t most = stage(MemoryKind::upload);
-  for (uint64_t done = 0; done < data.size(); done += most) {
-    const uint64_t size = std::min(data.size() - done, most);
-    std::memcpy(staging_.mapped(), data.data() + done, size);
-    staging_.flush();
-    copy(staging_.handle(), buffer.handle(), {0, place + done, size});
+  Buffer& staging = this->staging(false);
+  for (uint64_t done = 0; done < data.size(); done += staging.bytes()) {
+    const uint64_t size = std::min(data.size() - done, staging.bytes());
+    std::memcpy(staging.mapped(), data.data() + done, size);
+    staging.flush();
+    copy(staging.handle(), buffer.handle(), {0, place + done, size});
   }
 }
 
@@ -152,21 +159,24 @@ void Transfer::read(const Buffer& buffer, uint64_t place, std::span<std::byte> d
     std::memcpy(data.data(), static_cast<const std::byte*>(buffer.mapped()) + place, data.size());
     return;
   }
-  const uint64_t most = stage(MemoryKind::readback);
-  for (uint64_t done = 0; done < data.size(); done += most) {
-    const uint64_t size = std::min(data.size() - done, most);
-    copy(buffer.handle(), staging_.handle(), {place + done, 0, size});
-    staging_.invalidate();
-    std::memcpy(data.data() + done, staging_.mapped(), size);
+  Buffer& staging = this->staging(true);
+  for (uint64_t done = 0; done < data.size(); done += staging.bytes()) {
+    const uint64_t size = std::min(data.size() - done, staging.bytes());
+    copy(buffer.handle(), staging.handle(), {place + done, 0, size});
+    staging.invalidate();
+    std::memcpy(data.data() + done, staging.mapped(), size);
   }
 }
 
-// Makes the staging buffer of the given kind if it does not exist; returns its size.
-uint64_t Transfer::stage(MemoryKind kind) {
-  const uint64_t bytes = std::min(kMostStagingBytes, device_.maxBufferBytes());
-  if (!staging_.handle() || stagingKind_ != kind) staging_ = Buffer(device_, "staging", bytes, kind);
-  stagingKind_ = kind;
-  return bytes;
+Buffer& Transfer::staging(bool read) {
+  Buffer& buffer = read ? read_ : written_;
+  if (!buffer.handle())
+    buffer = Buffer::staging(*device_, std::min(kMostStagingBytes, device_->maxBufferBytes()), read);
+  return buffer;
+}
+
+void Transfer::copy(const Buffer& from, const Buffer& to, uint64_t bytes) {
+  if (bytes > 0) copy(from.handle(), to.handle(), {0, 0, bytes});
 }
 
 void Transfer::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
@@ -174,8 +184,8 @@ void Transfer::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
   allocate.commandPool = pool_.get();
   allocate.commandBufferCount = 1;
   VkCommandBuffer commands;
-  const DeviceFunctions& vk = device_.vk();
-  VK(vk.vkAllocateCommandBuffers(device_.handle(), &allocate, &commands));
+  const DeviceFunctions& vk = device_->vk();
+  VK(vk.vkAllocateCommandBuffers(device_->handle(), &allocate, &commands));
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   VK(vk.vkBeginCommandBuffer(commands, &begin));
@@ -184,9 +194,9 @@ void Transfer::copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region) {
   VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &commands;
-  VK(vk.vkQueueSubmit(device_.queue(), 1, &submit, VK_NULL_HANDLE));
-  VK(vk.vkQueueWaitIdle(device_.queue()));
-  vk.vkFreeCommandBuffers(device_.handle(), pool_.get(), 1, &commands);
+  VK(vk.vkQueueSubmit(device_->queue(), 1, &submit, VK_NULL_HANDLE));
+  VK(vk.vkQueueWaitIdle(device_->queue()));
+  vk.vkFreeCommandBuffers(device_->handle(), pool_.get(), 1, &commands);
 }
 
 }  // namespace gnosphere::vulkan

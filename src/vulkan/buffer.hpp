@@ -16,6 +16,9 @@ class Buffer {
   Buffer() = default;
   /// `name` is used in plans and messages ("cannot allocate 96.0 MiB for 'points'") and must outlive the buffer.
   Buffer(const Device& device, const char* name, uint64_t bytes, MemoryKind kind);
+  /// A buffer in the host's memory from which, or with `read` to which, the device copies. Memory of the device that
+  /// the host may write is scarce on some cards, and not for this.
+  static Buffer staging(const Device& device, uint64_t bytes, bool read);
 
   VkBuffer handle() const { return buffer_.get(); }
   /// Address by which shaders access the buffer.
@@ -30,39 +33,48 @@ class Buffer {
   void flush() const;
 
  private:
-  /// Memory from the caller's allocator, given back by the destructor.
-  class Borrowed {
+  /// Memory from the caller's allocator or from the device's blocks, given back by the destructor.
+  class Taken {
    public:
-    Borrowed() = default;
-    Borrowed(const Allocator& from, const Allocation& allocation) : from_(&from), allocation_(allocation) {}
-    ~Borrowed() {
+    Taken() = default;
+    Taken(const Allocator& from, const Allocation& allocation) : from_(&from), allocation_(allocation) {}
+    Taken(MemoryBlocks& blocks, const MemoryBlocks::Piece& piece) : blocks_(&blocks), piece_(piece) {}
+    ~Taken() {
       if (from_) from_->release(allocation_);
+      if (blocks_) blocks_->giveBack(piece_);
     }
-    Borrowed(Borrowed&& other) noexcept { swap(other); }
-    Borrowed& operator=(Borrowed&& other) noexcept {
-      Borrowed(std::move(other)).swap(*this);
+    Taken(Taken&& other) noexcept { swap(other); }
+    Taken& operator=(Taken&& other) noexcept {
+      Taken(std::move(other)).swap(*this);
       return *this;
     }
+    VkDeviceMemory memory() const { return from_ ? allocation_.memory : piece_.memory; }
+    VkDeviceSize offset() const { return from_ ? allocation_.offset : piece_.offset; }
+    /// Bytes that may be flushed; 0 if the caller's allocator knows.
+    VkDeviceSize size() const { return piece_.size; }
+    void* mapped() const { return from_ ? allocation_.mapped : piece_.mapped; }
 
    private:
-    void swap(Borrowed& other) noexcept {
+    void swap(Taken& other) noexcept {
       std::swap(from_, other.from_);
       std::swap(allocation_, other.allocation_);
+      std::swap(blocks_, other.blocks_);
+      std::swap(piece_, other.piece_);
     }
     const Allocator* from_ = nullptr;
     Allocation allocation_;
+    MemoryBlocks* blocks_ = nullptr;
+    MemoryBlocks::Piece piece_;
   };
 
-  void allocate(const VkMemoryRequirements& requirements, int type);
-  void borrow(const Allocator& from, const VkMemoryRequirements& requirements, int type);
-  void need(bool succeeded) const;
+  Buffer(const Device& device, const char* name, uint64_t bytes, std::span<const VkMemoryPropertyFlags> wanted,
+         bool onHost = false);
+  VkResult take(const VkMemoryRequirements& requirements, uint32_t type);
+  void need(VkResult result) const;
   VkMappedMemoryRange mappedRange() const;
 
   const Device* device_ = nullptr;
-  Borrowed borrowed_;
-  DeviceHandle<VkDeviceMemory> memory_;
-  VkDeviceMemory place_ = VK_NULL_HANDLE;  // the memory that the buffer is bound to, and where
-  VkDeviceSize offset_ = 0;
+  Taken memory_;
   DeviceHandle<VkBuffer> buffer_;
   VkDeviceAddress address_ = 0;
   void* mapped_ = nullptr;
@@ -83,15 +95,16 @@ class Transfer {
   }
   void write(Buffer& buffer, uint64_t place, std::span<const std::byte> data);
   void read(const Buffer& buffer, uint64_t place, std::span<std::byte> data);
+  /// Copies the first bytes of a buffer to another one, on the device.
+  void copy(const Buffer& from, const Buffer& to, uint64_t bytes);
 
  private:
-  uint64_t stage(MemoryKind kind);
+  Buffer& staging(bool read);
   void copy(VkBuffer from, VkBuffer to, const VkBufferCopy& region);
 
-  const Device& device_;
+  const Device* device_;
   DeviceHandle<VkCommandPool> pool_;
-  Buffer staging_;
-  MemoryKind stagingKind_ = MemoryKind::upload;
+  Buffer written_, read_;  // made at their first use
 };
 
 }  // namespace gnosphere::vulkan

@@ -14,6 +14,7 @@ namespace gnosphere::vulkan {
 namespace {
 
 constexpr uint32_t kWorkgroupSize = 64;  // invocations per workgroup of every shader
+constexpr uint32_t kLeastSubgroup = 4;   // fit_clusters has room for the results of 16 subgroups
 
 std::string versionText(uint32_t version) {
   return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) + "." +
@@ -30,21 +31,29 @@ const char* typeName(VkPhysicalDeviceType type) {
   }
 }
 
-// Returns the first queue family with compute support, or -1.
+// Returns the queue family for scans, or -1. A family for compute alone comes first: a desktop draws with the others,
+// and waits while a long scan has their queue.
 int computeFamily(const InstanceFunctions& vk, VkPhysicalDevice physical, uint32_t& timestampBits) {
   uint32_t count = 0;
   vk.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vk.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-  for (uint32_t i = 0; i < count; ++i)
-    if (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) {
-      timestampBits = families[i].timestampValidBits;
-      return static_cast<int>(i);
-    }
-  return -1;
+  const int family = queueFamilyOf(families);
+  if (family >= 0) timestampBits = families[static_cast<size_t>(family)].timestampValidBits;
+  return family;
 }
 
 }  // namespace
+
+int queueFamilyOf(std::span<const VkQueueFamilyProperties> families) {
+  for (const bool alone : {true, false})
+    for (size_t i = 0; i < families.size(); ++i) {
+      const VkQueueFlags flags = families[i].queueFlags;
+      if ((flags & VK_QUEUE_COMPUTE_BIT) && families[i].queueCount > 0 && !(alone && (flags & VK_QUEUE_GRAPHICS_BIT)))
+        return static_cast<int>(i);
+    }
+  return -1;
+}
 
 bool offers(const InstanceFunctions& vk, VkPhysicalDevice physical, const char* extension) {
   uint32_t count = 0;
@@ -56,13 +65,24 @@ bool offers(const InstanceFunctions& vk, VkPhysicalDevice physical, const char* 
   });
 }
 
+// The size that a vendor's compiler is best with, by the table in docs/gpus.md; 0 for the driver's own choice. If
+// Intel's is given no size but must make full subgroups, it makes the largest ones, of 32 lanes, for which it has too
+// few registers.
+uint32_t bestSize(uint32_t vendor) {
+  constexpr uint32_t kIntel = 0x8086;
+  return vendor == kIntel ? 16 : 0;
+}
+
 FullSubgroups fullSubgroupsOf(const Offer& offer) {
   if (!offer.sizeControl.computeFullSubgroups) return {};
+  const uint32_t best = bestSize(offer.vendor);
+  const bool mayChoose =
+      offer.sizeControl.subgroupSizeControl && (offer.sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT);
+  if (mayChoose && best >= offer.sizes.minSubgroupSize && best <= offer.sizes.maxSubgroupSize && best > 0)
+    return {best, true};
   if (kWorkgroupSize % offer.subgroup.subgroupSize == 0) return {offer.subgroup.subgroupSize, false};
   // Some devices by default use subgroups larger than our workgroups, but also support smaller ones.
-  const bool choice = offer.sizeControl.subgroupSizeControl &&
-                      (offer.sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
-                      offer.sizes.minSubgroupSize <= kWorkgroupSize;
+  const bool choice = mayChoose && offer.sizes.minSubgroupSize <= kWorkgroupSize;
   return choice ? FullSubgroups{kWorkgroupSize, true} : FullSubgroups{};
 }
 
@@ -79,7 +99,7 @@ bool losesLoops(const VkPhysicalDeviceDriverProperties& driver) {
 }
 
 // Limits that Vulkan 1.2 guarantees are not checked: workgroups of 128 invocations with 16 KiB of shared memory, 65535
-// workgroups per dispatch, and 128 bytes of push constants.
+// workgroups per dispatch, and 128 bytes of push constants. Dispatches of more workgroups are divided.
 static_assert(kWorkgroupSize <= 128 && sizeof(gpu::Pass) <= 128);
 
 std::vector<std::string> reasonsAgainst(const Offer& offer) {
@@ -94,6 +114,9 @@ std::vector<std::string> reasonsAgainst(const Offer& offer) {
   if (fullSubgroupsOf(offer).size == 0)
     reasons.push_back("it cannot promise full subgroups, of at most " + std::to_string(kWorkgroupSize) +
                       " lanes, by " VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME "; a newer driver may");
+  else if (fullSubgroupsOf(offer).size < kLeastSubgroup)
+    reasons.push_back("its subgroups have " + std::to_string(fullSubgroupsOf(offer).size) + " lanes, and " +
+                      std::to_string(kLeastSubgroup) + " are needed");
   if (!offer.features12.scalarBlockLayout) reasons.push_back("it lacks the scalar block layout");
   if (!offer.features12.bufferDeviceAddress) reasons.push_back("its shaders cannot find buffers by address");
   if (losesLoops(offer.driver))
@@ -108,6 +131,15 @@ std::string reasonAgainst(const Offer& offer) {
   return reasons.empty() ? std::string() : reasons.front();
 }
 
+// Returns the size of the largest buffer; a device that does not tell allows what it can allocate.
+uint64_t largestBuffer(const InstanceFunctions& vk, VkPhysicalDevice physical) {
+  if (!offers(vk, physical, VK_KHR_MAINTENANCE_4_EXTENSION_NAME)) return UINT64_MAX;
+  VkPhysicalDeviceMaintenance4Properties limits = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &limits, {}};
+  vk.vkGetPhysicalDeviceProperties2(physical, &properties);
+  return limits.maxBufferSize > 0 ? limits.maxBufferSize : UINT64_MAX;
+}
+
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physical) {
   Capabilities result;
   Offer offer;
@@ -115,7 +147,9 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   VkPhysicalDeviceIDProperties id = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES, &offer.driver};
   VkPhysicalDeviceMaintenance3Properties allocations = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
                                                         &id};
-  offer.subgroup = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &allocations};
+  VkPhysicalDeviceFloatControlsProperties floats = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES,
+                                                    &allocations};
+  offer.subgroup = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES, &floats};
   offer.sizes = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES_EXT, &offer.subgroup};
   offer.features12 = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   offer.sizeControl = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT, &offer.features12};
@@ -132,6 +166,7 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   info.name = basic.deviceName;
   info.type = typeName(basic.deviceType);
   info.apiVersion = versionText(basic.apiVersion);
+  offer.vendor = basic.vendorID;
   result.cpu = basic.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   if (basic.apiVersion < VK_API_VERSION_1_2) {
     info.reason = "it offers Vulkan " + info.apiVersion + ", 1.2 is needed";
@@ -141,7 +176,8 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   vk.vkGetPhysicalDeviceProperties2(physical, &properties);
   vk.vkGetPhysicalDeviceFeatures2(physical, &features);
   info.driver = std::string(offer.driver.driverName) + " " + offer.driver.driverInfo;
-  info.maxBufferBytes = allocations.maxMemoryAllocationSize;
+  info.maxBufferBytes = std::min<uint64_t>(allocations.maxMemoryAllocationSize, largestBuffer(vk, physical));
+  result.mostGroups = basic.limits.maxComputeWorkGroupCount[0];
   std::copy(std::begin(id.deviceUUID), std::end(id.deviceUUID), info.uuid.begin());
   uint32_t timestampBits = 0;
   const int family = computeFamily(vk, physical, timestampBits);
@@ -153,6 +189,7 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   info.subgroupSize = result.subgroups.size ? result.subgroups.size : offer.subgroup.subgroupSize;
   result.int64Atomics = features.features.shaderInt64 && offer.features12.shaderBufferInt64Atomics;
   result.float64 = features.features.shaderFloat64;
+  result.keepsSpecialFloats = floats.shaderSignedZeroInfNanPreserveFloat32;
   result.timestampBits = basic.limits.timestampPeriod > 0 ? timestampBits : 0;
   result.timestampMs = basic.limits.timestampPeriod * 1e-6;
   result.reasons = reasonsAgainst(offer);

@@ -2,6 +2,7 @@
 // What a physical device offers, and what the library needs of it.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ namespace gnosphere::vulkan {
 /// The properties that decide whether a device can be used. The pNext pointers of the members are ignored.
 struct Offer {
   bool compute = false;  ///< the device has a queue family for compute
+  uint32_t vendor = 0;   ///< VkPhysicalDeviceProperties::vendorID
   VkPhysicalDeviceVulkan12Features features12 = {};
   VkPhysicalDeviceSubgroupProperties subgroup = {};
   /// These two are zeros without VK_EXT_subgroup_size_control.
@@ -28,8 +30,11 @@ std::string reasonAgainst(const Offer& offer);
 /// Returns whether the device has the extension.
 bool offers(const InstanceFunctions& vk, VkPhysicalDevice physical, const char* extension);
 
-/// The size of the full subgroups that every pipeline gets. The stages divide their work by gl_SubgroupSize, so results
-/// would be silently incomplete if fewer invocations ran.
+/// Returns the index of the family whose queue runs scans, or -1 if none has compute.
+int queueFamilyOf(std::span<const VkQueueFamilyProperties> families);
+
+/// The size of the full subgroups that every pipeline gets whose kernel uses them. The stages divide their work by
+/// gl_SubgroupSize, so results would be silently incomplete if fewer invocations ran.
 struct FullSubgroups {
   uint32_t size = 0;      ///< 0 if the device cannot guarantee full subgroups
   bool required = false;  ///< true if pipelines must require this size because the device would choose another
@@ -43,11 +48,16 @@ struct Capabilities {
   FullSubgroups subgroups;
   bool int64Atomics = false;
   bool float64 = false;
-  uint32_t timestampBits = 0;  ///< number of valid low bits of a timestamp; 0 if there are no timestamps
-  double timestampMs = 0;      ///< milliseconds per tick
-  bool cpu = false;            ///< true for a software device
-  bool unrolls = true;         ///< false if the driver's compiler cannot cope with long unrolled loops
+  /// Lanes that have parted meet again as soon as the source says so: VK_KHR_shader_subgroup_uniform_control_flow. On a
+  /// device of the caller it stays off. Without it the kernels rely on what every driver so far has done.
+  bool uniformControlFlow = false;
+  bool keepsSpecialFloats = false;  ///< shaders may ask that -0, NaN and infinity keep their meaning
+  uint32_t timestampBits = 0;       ///< number of valid low bits of a timestamp; 0 if there are no timestamps
+  double timestampMs = 0;           ///< milliseconds per tick
+  bool cpu = false;                 ///< true for a software device
+  bool unrolls = true;              ///< false if the driver's compiler cannot cope with long unrolled loops
   uint32_t queueFamily = 0;
+  uint32_t mostGroups = 65535;  ///< workgroups along the first axis of a dispatch; more are divided
 
   /// Returns the milliseconds between two timestamps; the counter may have overflowed once. 0 without timestamps.
   double elapsedMs(uint64_t from, uint64_t to) const;

@@ -13,13 +13,26 @@ void CommandBuffer::bind(VkPipeline kernel, VkPipelineLayout layout, const PushC
 void CommandBuffer::dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
                              uint32_t groupsX, uint32_t groupsY) {
   bind(kernel, layout, constants);
-  vk_->vkCmdDispatch(commands_, groupsX, groupsY, 1);
+  if (groupsX <= mostGroups_) return vk_->vkCmdDispatch(commands_, groupsX, groupsY, 1);
+  for (uint32_t first = 0; first < groupsX; first += std::min(mostGroups_, groupsX - first))
+    vk_->vkCmdDispatchBase(commands_, first, 0, 0, std::min(mostGroups_, groupsX - first), groupsY, 1);
 }
 
 void CommandBuffer::dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
                                      const Buffer& arguments, VkDeviceSize offset) {
   bind(kernel, layout, constants);
   vk_->vkCmdDispatchIndirect(commands_, arguments.handle(), offset);
+}
+
+void CommandBuffer::beginLabel(const char* name) {
+  if (!vk_->vkCmdBeginDebugUtilsLabelEXT) return;
+  VkDebugUtilsLabelEXT label = {VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT};
+  label.pLabelName = name;
+  vk_->vkCmdBeginDebugUtilsLabelEXT(commands_, &label);
+}
+
+void CommandBuffer::endLabel() {
+  if (vk_->vkCmdEndDebugUtilsLabelEXT) vk_->vkCmdEndDebugUtilsLabelEXT(commands_);
 }
 
 void CommandBuffer::fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value) {

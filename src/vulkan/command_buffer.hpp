@@ -10,14 +10,20 @@ namespace gnosphere::vulkan {
 class CommandBuffer {
  public:
   CommandBuffer() = default;
-  CommandBuffer(const Device& device, VkCommandBuffer commands) : vk_(&device.vk()), commands_(commands) {}
+  CommandBuffer(const Device& device, VkCommandBuffer commands)
+      : vk_(&device.vk()), commands_(commands), mostGroups_(device.capabilities().mostGroups) {}
 
   VkCommandBuffer handle() const { return commands_; }
+  /// More workgroups than a dispatch may have become several dispatches; gl_WorkGroupID counts through. Kernels of
+  /// which that is asked must not use gl_NumWorkGroups.
   void dispatch(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants, uint32_t groupsX,
                 uint32_t groupsY);
   /// Reads the number of workgroups from a buffer.
   void dispatchIndirect(VkPipeline kernel, VkPipelineLayout layout, const PushConstants& constants,
                         const Buffer& arguments, VkDeviceSize offset);
+  /// Name what comes between them for tools such as RenderDoc, if the device has VK_EXT_debug_utils.
+  void beginLabel(const char* name);
+  void endLabel();
   void fill(const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size, uint32_t value);
   void copy(const Buffer& from, const Buffer& to);
   void copy(const Buffer& from, const Buffer& to, const VkBufferCopy& region);
@@ -32,6 +38,7 @@ class CommandBuffer {
 
   const DeviceFunctions* vk_ = nullptr;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  uint32_t mostGroups_ = 0;
 };
 
 }  // namespace gnosphere::vulkan

@@ -1,9 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/commands.hpp"
 
-namespace gnosphere::vulkan {
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
 
-Commands::Commands(const Device& device, uint32_t stamps) : device_(device), vk_(device.vk()), stampLimit_(stamps) {
+namespace gnosphere::vulkan {
+namespace {
+
+// How long a scan may take. A graphics card is reset by its driver after some seconds; a software device may well take
+// minutes.
+constexpr uint64_t kSecond = 1'000'000'000, kLongest = 60 * kSecond, kLongestOnCpu = 3600 * kSecond;
+constexpr uint32_t kLeastStamps = 32;
+
+}  // namespace
+
+Commands::Commands(const Device& device) : device_(device), vk_(device.vk()) {
   VkCommandPoolCreateInfo pool = {VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = device_.capabilities().queueFamily;
@@ -14,35 +26,45 @@ Commands::Commands(const Device& device, uint32_t stamps) : device_(device), vk_
   VkCommandBuffer commands = VK_NULL_HANDLE;
   VK(vk_.vkAllocateCommandBuffers(device_.handle(), &allocate, &commands));
   commands_ = {device, commands};
-  VkQueryPoolCreateInfo queries = {VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-  queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-  queries.queryCount = stamps;
-  queries_ = device.make(vk_.vkCreateQueryPool, vk_.vkDestroyQueryPool, queries);
+  makeRoom(kLeastStamps);
   const VkFenceCreateInfo fence = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   fence_ = device.make(vk_.vkCreateFence, vk_.vkDestroyFence, fence);
 }
 
-Commands::~Commands() {
-  const VkFence fence = fence_.get();
-  if (pending_) vk_.vkWaitForFences(device_.handle(), 1, &fence, VK_TRUE, UINT64_MAX);
+void Commands::makeRoom(uint32_t stamps) {
+  if (stamps <= stampLimit_) return;
+  VkQueryPoolCreateInfo queries = {VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+  queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  queries.queryCount = stamps;
+  queries_ = device_.make(vk_.vkCreateQueryPool, vk_.vkDestroyQueryPool, queries);
+  stampLimit_ = stamps;
 }
 
-void Commands::begin() {
+Commands::~Commands() {
+  if (pending_) waitForFence();
+}
+
+void Commands::begin(uint32_t stamps) {
+  makeRoom(stamps);
+  if (recording_) VK(vk_.vkResetCommandBuffer(commands_.handle(), 0));
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   VK(vk_.vkBeginCommandBuffer(commands_.handle(), &begin));
+  recording_ = true;
   vk_.vkCmdResetQueryPool(commands_.handle(), queries_.get(), 0, stampLimit_);
-  stages_.clear();
+  stamps_.clear();
 }
 
-void Commands::stamp(const char* stage) {
+void Commands::stamp(const char* stage, std::string step) {
   if (device_.capabilities().timestampBits == 0) return;
+  if (stamps_.size() == stampLimit_) throw std::logic_error("a scan has more timestamps than there is room for");
   vk_.vkCmdWriteTimestamp(commands_.handle(), VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_.get(),
-                          static_cast<uint32_t>(stages_.size()));
-  stages_.push_back(stage);
+                          static_cast<uint32_t>(stamps_.size()));
+  stamps_.push_back({stage, std::move(step)});
 }
 
 void Commands::submit() {
+  recording_ = false;
   VK(vk_.vkEndCommandBuffer(commands_.handle()));
   const VkCommandBuffer commands = commands_.handle();
   VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
@@ -52,25 +74,79 @@ void Commands::submit() {
   pending_ = true;
 }
 
+VkResult Commands::waitForFence() const {
+  const VkFence fence = fence_.get();
+  return vk_.vkWaitForFences(device_.handle(), 1, &fence, VK_TRUE,
+                             device_.capabilities().cpu ? kLongestOnCpu : kLongest);
+}
+
 void Commands::wait() {
   if (!pending_) return;
   const VkFence fence = fence_.get();
-  VK(vk_.vkWaitForFences(device_.handle(), 1, &fence, VK_TRUE, UINT64_MAX));
+  const VkResult result = waitForFence();
+  pending_ = result == VK_TIMEOUT;
+  const std::string name = "the device '" + device_.capabilities().info.name + "' ";
+  if (result == VK_ERROR_DEVICE_LOST)
+    throw Error(ErrorCode::device,
+                name + "was lost while it scanned" + progress() +
+                    "; this simulator is of no more use, a new one may be. Drivers end work that takes "
+                    "them seconds: fewer beams or sub-rays at a time may help");
+  if (result == VK_TIMEOUT) throw Error(ErrorCode::device, name + "did not end a scan in time" + progress());
+  check(result, "vkWaitForFences");
   VK(vk_.vkResetFences(device_.handle(), 1, &fence));
-  pending_ = false;
 }
 
-void Commands::readTimings(Timings& timings) {
-  if (stages_.empty()) return;
-  std::vector<uint64_t> ticks(stages_.size());
+// A timestamp that is there tells that its stage has ended.
+std::string Commands::progress() const {
+  std::string last = "none", planned;
+  bool all = true;
+  for (size_t i = 0; i < stamps_.size(); ++i) {
+    const char* stage = stamps_[i].stage;
+    if (!stage) continue;
+    if (planned.find(stage) == std::string::npos) planned += (planned.empty() ? "" : ", ") + std::string(stage);
+    uint64_t ticks[2] = {};
+    const VkResult result =
+        vk_.vkGetQueryPoolResults(device_.handle(), queries_.get(), static_cast<uint32_t>(i), 1, sizeof ticks, ticks,
+                                  sizeof ticks, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WITH_AVAILABILITY_BIT);
+    all = all && result == VK_SUCCESS && ticks[1] != 0;
+    if (all) last = stage;
+  }
+  return planned.empty() ? planned
+                         : " (stages: " + planned + "; the last one that is known to have ended: " + last + ")";
+}
+
+std::vector<uint64_t> Commands::readTicks() const {
+  std::vector<uint64_t> ticks(stamps_.size());
   VK(vk_.vkGetQueryPoolResults(device_.handle(), queries_.get(), 0, static_cast<uint32_t>(ticks.size()),
                                ticks.size() * sizeof ticks[0], ticks.data(), sizeof ticks[0],
                                VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
-  for (size_t i = 1; i < ticks.size(); ++i) {
-    if (!stages_[i]) continue;
-    const double ms = device_.capabilities().elapsedMs(ticks[i - 1], ticks[i]);
-    timings.gpuMs += ms;
-    timings.add(stages_[i], ms);
+  return ticks;
+}
+
+void Commands::readTimings(Timings& timings) {
+  if (stamps_.empty()) return;
+  const std::vector<uint64_t> ticks = readTicks();
+  uint64_t before = 0;
+  for (size_t i = 0; i < ticks.size(); ++i) {
+    if (!stamps_[i].step.empty()) continue;
+    if (stamps_[i].stage) {
+      const double ms = device_.capabilities().elapsedMs(before, ticks[i]);
+      timings.gpuMs += ms;
+      timings.add(stamps_[i].stage, ms);
+    }
+    before = ticks[i];
+  }
+}
+
+void Commands::readTrace(const std::function<void(const std::string&)>& receive) {
+  if (stamps_.empty()) return receive("the device '" + device_.capabilities().info.name + "' has no timestamps");
+  const std::vector<uint64_t> ticks = readTicks();
+  for (size_t i = 0; i < ticks.size(); ++i) {
+    if (stamps_[i].step.empty()) continue;
+    char time[32] = "";
+    if (i > 0)
+      std::snprintf(time, sizeof time, "%10.4f ms  ", device_.capabilities().elapsedMs(ticks[i - 1], ticks[i]));
+    receive(time + stamps_[i].step);
   }
 }
 

@@ -2,6 +2,11 @@
 // One frame in flight: a command buffer with its timestamps, and the fence that signals its end.
 #pragma once
 
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "gnosphere/scan.hpp"
 #include "vulkan/command_buffer.hpp"
 
@@ -9,34 +14,48 @@ namespace gnosphere::vulkan {
 
 class Commands {
  public:
-  /// Makes room for `stamps` timestamps.
-  Commands(const Device& device, uint32_t stamps);
+  explicit Commands(const Device& device);
   ~Commands();
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
-  /// Begins the recording; wait() must have been called for the previous submission.
-  void begin();
+  /// Begins the recording, which writes up to `stamps` timestamps; wait() must have been called for the previous
+  /// submission. What an earlier recording has left that was not submitted is dropped.
+  void begin(uint32_t stamps);
   CommandBuffer& buffer() { return commands_; }
   /// Write timestamps: start() where the first stage starts, finish() where a part of `stage` ends. Time before a start
   /// is not counted.
   void start() { stamp(nullptr); }
   void finished(const char* stage) { stamp(stage); }
+  /// Writes a timestamp for readTrace() where a step ends.
+  void traced(std::string step) { stamp(nullptr, std::move(step)); }
   /// Ends the recording and submits it to the queue.
   void submit();
-  /// Waits until the submission is done; returns at once if it has been waited for already.
+  /// Waits until the submission is done; returns at once if it has been waited for already. Throws Error(device) that
+  /// names the last stage that ended if the device is lost, or does nothing for very long.
   void wait();
   /// Adds the stage times of the last submission, each the sum of its parts, after wait(). Does nothing if the device
   /// has no timestamps.
   void readTimings(Timings& timings);
+  /// Hands over a line for each step that was traced: its text, and the time since the timestamp before. After wait().
+  void readTrace(const std::function<void(const std::string&)>& receive);
 
  private:
-  void stamp(const char* stage);
+  struct Stamp {
+    const char* stage;  // that ended there; null where the first one starts, and for steps
+    std::string step;
+  };
+  void stamp(const char* stage, std::string step = {});
+  std::vector<uint64_t> readTicks() const;
+  void makeRoom(uint32_t stamps);
+  VkResult waitForFence() const;
+  std::string progress() const;
 
   const Device& device_;
   const DeviceFunctions& vk_;
-  uint32_t stampLimit_;
-  std::vector<const char*> stages_;  // by timestamp: the stage that ended there
+  uint32_t stampLimit_ = 0;
+  bool recording_ = false;
+  std::vector<Stamp> stamps_;
   bool pending_ = false;
   DeviceHandle<VkCommandPool> pool_;
   CommandBuffer commands_;  // owned by the pool

@@ -61,7 +61,8 @@ VkPhysicalDevice chooseDevice(const ApiInstance& instance, const DeviceChoice& c
   return devices[chooseDevice(infos, choice)];
 }
 
-Device::Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBytes) : adopted_(choice.adopted) {
+Device::Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBytes, bool statistics)
+    : adopted_(choice.adopted) {
   if (adopted_) {
     instanceFunctions_ = functionsOf(adopted_->getInstanceProcAddr, adopted_->instance);
     physical_ = adopted_->physicalDevice;
@@ -76,11 +77,14 @@ Device::Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBy
     instanceFunctions_ = instance_->functions();
     physical_ = chooseDevice(*instance_, choice);
     capabilities_ = capabilitiesOf(instanceFunctions_, physical_);
+    statistics_ =
+        statistics && offers(instanceFunctions_, physical_, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
     makeOwn();
   }
   if (maxBufferBytes > 0)
     capabilities_.info.maxBufferBytes = std::min(maxBufferBytes, capabilities_.info.maxBufferBytes);
   instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+  blocks_ = std::make_unique<MemoryBlocks>(handle(), vk_);
 }
 
 void Device::makeOwn() {
@@ -93,6 +97,22 @@ void Device::makeOwn() {
   VkPhysicalDeviceFeatures2 features = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &needed.features12,
                                         needed.features};
   needed.features12.pNext = &needed.subgroupSizeControl;
+  VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables = {
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR, nullptr, VK_TRUE};
+  VkPhysicalDeviceShaderSubgroupUniformControlFlowFeaturesKHR uniform = {
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_SUBGROUP_UNIFORM_CONTROL_FLOW_FEATURES_KHR};
+  if (offers(instanceFunctions_, physical_, VK_KHR_SHADER_SUBGROUP_UNIFORM_CONTROL_FLOW_EXTENSION_NAME)) {
+    VkPhysicalDeviceFeatures2 offered = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &uniform, {}};
+    instanceFunctions_.vkGetPhysicalDeviceFeatures2(physical_, &offered);
+    capabilities_.uniformControlFlow = uniform.shaderSubgroupUniformControlFlow;
+    needed.extensions.push_back(VK_KHR_SHADER_SUBGROUP_UNIFORM_CONTROL_FLOW_EXTENSION_NAME);
+    needed.subgroupSizeControl.pNext = &uniform;
+  }
+  if (statistics_) {
+    executables.pNext = needed.subgroupSizeControl.pNext;
+    needed.extensions.push_back(VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
+    needed.subgroupSizeControl.pNext = &executables;
+  }
   VkDeviceCreateInfo info = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
@@ -105,17 +125,34 @@ void Device::makeOwn() {
   vk_.vkGetDeviceQueue(device, capabilities_.queueFamily, 0, &queue_);
 }
 
-int Device::memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const {
-  for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
-    if ((typeBits >> i & 1) && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return static_cast<int>(i);
-  return -1;
+std::vector<uint32_t> Device::memoryTypes(uint32_t typeBits, std::span<const VkMemoryPropertyFlags> wanted) const {
+  std::vector<uint32_t> types;
+  for (const VkMemoryPropertyFlags flags : wanted)
+    for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
+      if ((typeBits >> i & 1) && (memory_.memoryTypes[i].propertyFlags & flags) == flags &&
+          std::find(types.begin(), types.end(), i) == types.end())
+        types.push_back(i);
+  return types;
 }
 
-bool Device::isHostVisible(int memoryType) const {
+bool Device::isHostVisible(uint32_t memoryType) const {
   return memory_.memoryTypes[memoryType].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
 }
 
-bool Device::isCoherent(int memoryType) const {
+bool Device::isLocal(uint32_t memoryType) const {
+  return memory_.memoryTypes[memoryType].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+}
+
+void Device::name(VkObjectType type, uint64_t object, const char* name) const {
+  if (!vk_.vkSetDebugUtilsObjectNameEXT) return;
+  VkDebugUtilsObjectNameInfoEXT info = {VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT};
+  info.objectType = type;
+  info.objectHandle = object;
+  info.pObjectName = name;
+  vk_.vkSetDebugUtilsObjectNameEXT(handle(), &info);
+}
+
+bool Device::isCoherent(uint32_t memoryType) const {
   return memory_.memoryTypes[memoryType].propertyFlags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 }
 

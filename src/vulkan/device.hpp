@@ -3,12 +3,14 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "gnosphere/error.hpp"
 #include "gnosphere/vulkan.hpp"
 #include "vulkan/capabilities.hpp"
 #include "vulkan/instance.hpp"
+#include "vulkan/memory_blocks.hpp"
 
 namespace gnosphere::vulkan {
 
@@ -20,8 +22,9 @@ VkPhysicalDevice chooseDevice(const ApiInstance& instance, const DeviceChoice& c
 
 class Device {
  public:
-  /// Creates a device, or takes the caller's if `choice` holds an adopted one.
-  Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBytes);
+  /// Creates a device, or takes the caller's if `choice` holds an adopted one. With `statistics` its pipelines tell
+  /// what the compiler has made of them, if the driver can.
+  Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBytes, bool statistics = false);
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
@@ -43,16 +46,24 @@ class Device {
   VkQueue queue() const { return queue_; }
   const Capabilities& capabilities() const { return capabilities_; }
   uint64_t maxBufferBytes() const { return capabilities_.info.maxBufferBytes; }
+  /// Whether pipelines tell what the compiler has made of them.
+  bool statistics() const { return statistics_; }
   void throwOnMessages() const {
     if (instance_) instance_->throwOnMessages();
   }
   /// The validation messages of our own device.
   const std::shared_ptr<Messages>& messages() const { return instance_->messages(); }
 
-  /// Returns the index of a memory type in `typeBits` that has all properties in `wanted`, or -1.
-  int memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const;
-  bool isHostVisible(int memoryType) const;
-  bool isCoherent(int memoryType) const;
+  /// Returns the memory types in `typeBits`, best first: those with all properties of the first entry of `wanted`, then
+  /// those with all of the second, and so on.
+  std::vector<uint32_t> memoryTypes(uint32_t typeBits, std::span<const VkMemoryPropertyFlags> wanted) const;
+  bool isHostVisible(uint32_t memoryType) const;
+  bool isLocal(uint32_t memoryType) const;
+  bool isCoherent(uint32_t memoryType) const;
+  /// The memory of all buffers on our own device, and of those on the caller's without an allocator.
+  MemoryBlocks& blocks() const { return *blocks_; }
+  /// Names an object for tools such as RenderDoc, if the device has VK_EXT_debug_utils.
+  void name(VkObjectType type, uint64_t object, const char* name) const;
   /// Returns the size in bytes of the largest device-local heap.
   uint64_t heapBytes() const;
   /// Returns whether device memory is host memory, so that results need not be copied before they are read.
@@ -60,6 +71,8 @@ class Device {
 
  private:
   void makeOwn();
+
+  bool statistics_ = false;
 
   std::shared_ptr<const AdoptedDevice> adopted_;
   std::unique_ptr<ApiInstance> instance_;  // null with an adopted device
@@ -70,6 +83,7 @@ class Device {
   Handle<VkDevice> device_;
   DeviceFunctions vk_;
   VkQueue queue_ = VK_NULL_HANDLE;
+  std::unique_ptr<MemoryBlocks> blocks_;
 };
 
 }  // namespace gnosphere::vulkan

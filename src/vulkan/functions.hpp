@@ -25,10 +25,13 @@ namespace gnosphere::vulkan {
   FUNCTION(vkAllocateMemory) \
   FUNCTION(vkBeginCommandBuffer) \
   FUNCTION(vkBindBufferMemory) \
+  FUNCTION(vkCmdBeginDebugUtilsLabelEXT) \
   FUNCTION(vkCmdBindPipeline) \
   FUNCTION(vkCmdCopyBuffer) \
   FUNCTION(vkCmdDispatch) \
+  FUNCTION(vkCmdDispatchBase) \
   FUNCTION(vkCmdDispatchIndirect) \
+  FUNCTION(vkCmdEndDebugUtilsLabelEXT) \
   FUNCTION(vkCmdFillBuffer) \
   FUNCTION(vkCmdPipelineBarrier) \
   FUNCTION(vkCmdPushConstants) \
@@ -59,12 +62,16 @@ namespace gnosphere::vulkan {
   FUNCTION(vkGetBufferMemoryRequirements) \
   FUNCTION(vkGetDeviceQueue) \
   FUNCTION(vkGetPipelineCacheData) \
+  FUNCTION(vkGetPipelineExecutablePropertiesKHR) \
+  FUNCTION(vkGetPipelineExecutableStatisticsKHR) \
   FUNCTION(vkGetQueryPoolResults) \
   FUNCTION(vkInvalidateMappedMemoryRanges) \
   FUNCTION(vkMapMemory) \
   FUNCTION(vkQueueSubmit) \
   FUNCTION(vkQueueWaitIdle) \
+  FUNCTION(vkResetCommandBuffer) \
   FUNCTION(vkResetFences) \
+  FUNCTION(vkSetDebugUtilsObjectNameEXT) \
   FUNCTION(vkWaitForFences)
 // clang-format on
 
@@ -79,7 +86,8 @@ struct DeviceFunctions {
 
 /// Looks up the functions of an instance, all of them core in Vulkan 1.1. One that is missing is null.
 InstanceFunctions functionsOf(PFN_vkGetInstanceProcAddr lookUp, VkInstance instance);
-/// Looks up the functions of a device, all of them core in Vulkan 1.2.
+/// Looks up the functions of a device, core in Vulkan 1.2 but for those with a suffix, which are null without their
+/// extension.
 DeviceFunctions functionsOf(PFN_vkGetDeviceProcAddr lookUp, VkDevice device);
 
 }  // namespace gnosphere::vulkan

@@ -3,6 +3,7 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "gnosphere/error.hpp"
@@ -32,6 +33,7 @@ const char* resultName(VkResult result) {
 struct Loader {
   PFN_vkGetInstanceProcAddr lookUp = nullptr;
   PFN_vkCreateInstance createInstance = nullptr;
+  PFN_vkEnumerateInstanceExtensionProperties extensions = nullptr;
 };
 
 Loader openLoader() {
@@ -44,6 +46,8 @@ Loader openLoader() {
                 "no Vulkan loader (libvulkan.so.1) was found; install libvulkan1 and a driver, "
                 "for instance mesa-vulkan-drivers");
   loader.createInstance = reinterpret_cast<PFN_vkCreateInstance>(loader.lookUp(nullptr, "vkCreateInstance"));
+  loader.extensions = reinterpret_cast<PFN_vkEnumerateInstanceExtensionProperties>(
+      loader.lookUp(nullptr, "vkEnumerateInstanceExtensionProperties"));
   return loader;
 }
 
@@ -51,6 +55,15 @@ Loader openLoader() {
 const Loader& vulkanLoader() {
   static const Loader loader = openLoader();
   return loader;
+}
+
+bool instanceOffers(const char* extension) {
+  uint32_t count = 0;
+  if (vulkanLoader().extensions(nullptr, &count, nullptr) != VK_SUCCESS) return false;
+  std::vector<VkExtensionProperties> offered(count);
+  if (vulkanLoader().extensions(nullptr, &count, offered.data()) != VK_SUCCESS) return false;
+  return std::any_of(offered.begin(), offered.end(),
+                     [&](const VkExtensionProperties& one) { return std::strcmp(one.extensionName, extension) == 0; });
 }
 
 // The first instance lives until the process ends, so drivers stay loaded: some (NVIDIA's) can be loaded only about ten
@@ -124,6 +137,9 @@ ApiInstance::ApiInstance(bool validation) {
     create.pNext = &features;
     create.enabledLayerCount = 1;
     create.ppEnabledLayerNames = &layer;
+  }
+  // Without validation it serves to name objects and stages for tools such as RenderDoc.
+  if (validation || instanceOffers(extension)) {
     create.enabledExtensionCount = 1;
     create.ppEnabledExtensionNames = &extension;
   }

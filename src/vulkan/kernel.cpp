@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "vulkan/kernel.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <span>
+#include <utility>
 
 #include "bin.spv.h"
 #include "bin_int64.spv.h"
@@ -21,6 +24,7 @@
 #include "project_triangles_int64_float64.spv.h"
 #include "records.spv.h"
 #include "resolve.spv.h"
+#include "vulkan/execution_modes.hpp"
 #include "vulkan/specialise.hpp"
 
 namespace gnosphere::vulkan {
@@ -54,11 +58,32 @@ Module moduleOf(const Variant& variant, bool unrolls) {
   return effects;
 }
 
+// A kernel without subgroup operations leaves the size of its subgroups to the driver.
+bool usesSubgroups(gnosphere::Kernel kernel) {
+  return kernel != gnosphere::Kernel::place_instances && kernel != gnosphere::Kernel::prefix_sum &&
+         kernel != gnosphere::Kernel::records;
+}
+
+// Returns kVertexRounds of cluster_corners.glsl. Six rounds of 8 lanes hold 48 vertices, which is enough for most
+// clusters. Wide subgroups have room for the 96 vertices that a cluster has at most with three rounds, or with two.
+uint32_t vertexRounds(uint32_t lanes) {
+  return lanes <= 8 ? 6 : std::max(96 / lanes, 2u);
+}
+
 DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, VkPipelineLayout layout,
                                   VkPipelineCache cache) {
   const DeviceFunctions& vk = device.vk();
-  const std::vector<uint32_t> spirv =
-      specialised(moduleOf(variant, device.capabilities().unrolls), wordsOf(variant.options));
+  const Capabilities& capabilities = device.capabilities();
+  const FullSubgroups& subgroups = capabilities.subgroups;
+  const OptionWords options = wordsOf(variant.options);
+  std::vector<uint32_t> constants(options.begin(), options.end());
+  // These two belong to the lanes of the device, not to the scan: kVertexRounds and kLanesInStep.
+  constants.push_back(vertexRounds(subgroups.size));
+  constants.push_back(capabilities.cpu);
+  Code code = codeOf(moduleOf(variant, capabilities.unrolls), constants);
+  std::vector<uint32_t>& spirv = code.words;
+  if (capabilities.keepsSpecialFloats) spirv = keepingSpecialFloats(spirv);
+  if (capabilities.uniformControlFlow && usesSubgroups(variant.kernel)) spirv = withUniformControlFlow(spirv);
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module.codeSize = spirv.size() * sizeof spirv[0];
   module.pCode = spirv.data();
@@ -68,16 +93,52 @@ DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, 
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   create.stage.module = shader.get();
   create.stage.pName = "main";
-  const FullSubgroups& subgroups = device.capabilities().subgroups;
   VkPipelineShaderStageRequiredSubgroupSizeCreateInfoEXT size = {
       VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO_EXT};
   size.requiredSubgroupSize = subgroups.size;
-  create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT;
-  if (subgroups.required) create.stage.pNext = &size;
+  if (usesSubgroups(variant.kernel)) {
+    create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT;
+    if (subgroups.required) create.stage.pNext = &size;
+  }
+  std::vector<VkSpecializationMapEntry> places;
+  for (uint32_t i = 0; i < constants.size(); ++i)
+    places.push_back({i, i * static_cast<uint32_t>(sizeof constants[0]), sizeof constants[0]});
+  const VkSpecializationInfo values = {static_cast<uint32_t>(places.size()), places.data(),
+                                       constants.size() * sizeof constants[0], constants.data()};
+  if (!code.specialised) create.stage.pSpecializationInfo = &values;
   create.layout = layout;
+  // A list of beams may have more than a dispatch may have workgroups.
+  if (variant.options.LISTED) create.flags |= VK_PIPELINE_CREATE_DISPATCH_BASE_BIT;
+  if (device.statistics()) create.flags |= VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
   VkPipeline pipeline = VK_NULL_HANDLE;
   VK(vk.vkCreateComputePipelines(device.handle(), cache, 1, &create, nullptr, &pipeline));
   return {pipeline, vk.vkDestroyPipeline, device.handle()};
+}
+
+double valueOf(const VkPipelineExecutableStatisticKHR& statistic) {
+  switch (statistic.format) {
+    case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_BOOL32_KHR: return statistic.value.b32;
+    case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_INT64_KHR: return static_cast<double>(statistic.value.i64);
+    case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_FLOAT64_KHR: return statistic.value.f64;
+    default: return static_cast<double>(statistic.value.u64);
+  }
+}
+
+// Some drivers compile a kernel several times, as Intel's does for each subgroup size. The first executable counts.
+void addStatistics(const Device& device, VkPipeline compiled, Plan::Pipeline& pipeline) {
+  const DeviceFunctions& vk = device.vk();
+  const VkPipelineInfoKHR of = {VK_STRUCTURE_TYPE_PIPELINE_INFO_KHR, nullptr, compiled};
+  VkPipelineExecutablePropertiesKHR executable = {VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_PROPERTIES_KHR};
+  uint32_t count = 1;
+  const VkResult result = vk.vkGetPipelineExecutablePropertiesKHR(device.handle(), &of, &count, &executable);
+  if ((result != VK_SUCCESS && result != VK_INCOMPLETE) || count == 0) return;
+  if (executable.subgroupSize > 0) pipeline.subgroupSize = executable.subgroupSize;
+  const VkPipelineExecutableInfoKHR first = {VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INFO_KHR, nullptr, compiled, 0};
+  VK(vk.vkGetPipelineExecutableStatisticsKHR(device.handle(), &first, &count, nullptr));
+  std::vector<VkPipelineExecutableStatisticKHR> statistics(count,
+                                                           {VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_STATISTIC_KHR});
+  VK(vk.vkGetPipelineExecutableStatisticsKHR(device.handle(), &first, &count, statistics.data()));
+  for (const auto& statistic : statistics) pipeline.statistics.push_back({statistic.name, valueOf(statistic)});
 }
 
 }  // namespace
@@ -92,8 +153,19 @@ Kernels::Kernels(const Device& device, const PipelineCache& cache) : device_(dev
 
 VkPipeline Kernels::of(const Variant& variant) {
   const auto found = pipelines_.find(variant);
-  if (found != pipelines_.end()) return found->second.get();
-  return pipelines_.emplace(variant, compiled(device_, variant, layout_.get(), cache_.handle())).first->second.get();
+  if (found != pipelines_.end()) return found->second.pipeline.get();
+  const auto start = std::chrono::steady_clock::now();
+  Compiled made = {compiled(device_, variant, layout_.get(), cache_.handle())};
+  made.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return pipelines_.emplace(variant, std::move(made)).first->second.pipeline.get();
+}
+
+void Kernels::describe(const Variant& variant, Plan::Pipeline& pipeline) const {
+  const auto found = pipelines_.find(variant);
+  if (found == pipelines_.end()) return;
+  pipeline.compileMs = found->second.ms;
+  pipeline.subgroupSize = device_.capabilities().subgroups.size;
+  if (device_.statistics()) addStatistics(device_, found->second.pipeline.get(), pipeline);
 }
 
 }  // namespace gnosphere::vulkan

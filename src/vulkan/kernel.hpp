@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "gnosphere/plan.hpp"
 #include "pipeline/kernels.hpp"
 #include "shared.h"
 #include "vulkan/pipeline_cache.hpp"
@@ -25,12 +26,19 @@ class Kernels {
   VkPipelineLayout layout() const { return layout_.get(); }
   /// Returns the pipeline of a kernel; compiles it at the first call.
   VkPipeline of(const Variant& variant);
+  /// Adds what is known of a compiled kernel: how long the driver took and, on a device with statistics, what its
+  /// compiler says.
+  void describe(const Variant& variant, Plan::Pipeline& pipeline) const;
 
  private:
+  struct Compiled {
+    DeviceHandle<VkPipeline> pipeline;
+    double ms = 0;
+  };
   const Device& device_;
   const PipelineCache& cache_;
   DeviceHandle<VkPipelineLayout> layout_;
-  std::map<Variant, DeviceHandle<VkPipeline>> pipelines_;
+  std::map<Variant, Compiled> pipelines_;
 };
 
 }  // namespace gnosphere::vulkan

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Machine for Vulkan: memory, and scans recorded from lists of steps.
+#include <algorithm>
 #include <cstring>
 #include <deque>
+#include <string>
 
 #include "pipeline/backend.hpp"
 #include "pipeline/device_backend.hpp"
 #include "vulkan/commands.hpp"
+#include "vulkan/compiling_machine.hpp"
 #include "vulkan/memory.hpp"
 
 namespace gnosphere {
@@ -14,8 +17,6 @@ namespace {
 
 // Number of scans submitted at a time: the device works on one while the host receives the one before.
 constexpr size_t kFramesInFlight = 2;
-// Largest number of timestamps of a scan: the start, two for each shell and for moving instances, resolve, effects.
-constexpr uint32_t kStamps = 3 + 2 * (gpu::kMostShells + 1);
 
 // Records the steps of scans.
 class StepRecorder {
@@ -23,20 +24,23 @@ class StepRecorder {
   StepRecorder(Kernels& kernels, CommandBuffer& commands, VkDeviceAddress addresses, const BoundArrays& arrays)
       : kernels_(kernels), commands_(commands), addresses_(addresses), arrays_(arrays) {}
 
-  /// Calls stamp(step) for the steps that are timestamps.
+  /// Calls stamp(step) for the steps that are timestamps, and after every other step.
   template <typename Stamp>
   void record(std::span<const Step> steps, const Stamp& stamp) {
+    const char* stage = nullptr;  // whose label is open
+    const auto label = [&](const char* next) {
+      if (stage == next) return;
+      if (stage) commands_.endLabel();
+      if (next) commands_.beginLabel(next);
+      stage = next;
+    };
     for (size_t i = 0; i < steps.size(); ++i) {
-      if (steps[i].kind == Step::Kind::start || steps[i].kind == Step::Kind::finish) {
-        stamp(steps[i]);
-        continue;
-      }
-      record(steps[i]);
-      // Consecutive fills write different bytes, so no barrier is needed between them.
-      const bool alike =
-          i + 1 < steps.size() && steps[i].kind == Step::Kind::fill && steps[i + 1].kind == steps[i].kind;
-      if (!alike) commands_.barrier();
+      if (steps[i].kind == Step::Kind::dispatch) label(steps[i].stage);
+      if (steps[i].kind != Step::Kind::start && steps[i].kind != Step::Kind::finish) record(steps[i]);
+      if (needsBarrier(steps, i)) commands_.barrier();
+      stamp(steps[i]);
     }
+    label(nullptr);
     for (const DeviceMemory* memory : arrays_)
       if (const auto* own = dynamic_cast<const VulkanMemory*>(memory); own && own->copy().handle())
         commands_.copy(own->buffer(), own->copy());
@@ -71,6 +75,23 @@ class StepRecorder {
   const BoundArrays& arrays_;
 };
 
+bool isStamp(const Step& step) {
+  return step.kind == Step::Kind::start || step.kind == Step::Kind::finish;
+}
+
+// Describes a step for SimulatorOptions::trace.
+std::string textOf(const Step& step) {
+  const std::string array = gpu::nameOf(step.array);
+  if (step.kind == Step::Kind::fill)
+    return "fill " + array + (step.bytes > 0 ? ", " + std::to_string(step.bytes) + " bytes" : "");
+  if (step.kind == Step::Kind::copy) return "copy " + std::string(gpu::nameOf(step.from)) + " to " + array;
+  std::string text = std::string(step.stage) + ": " + nameOf(step.variant.kernel);
+  if (step.variant.options.PASS > 0) text += ", pass " + std::to_string(step.variant.options.PASS);
+  if (step.arguments) text += ", shell " + std::to_string(step.pass.shell);
+  return text + (step.arguments ? ", at most " : ", ") + std::to_string(step.groupsX) +
+         (step.groupsY > 1 ? " x " + std::to_string(step.groupsY) : "") + " workgroups";
+}
+
 // Writes the table by which the kernels find the arrays.
 void writeAddresses(const BoundArrays& arrays, void* to) {
   gpu::Addresses addresses = {};
@@ -85,6 +106,7 @@ class VulkanMachine final : public Machine {
       : device_(options.device, options.validation, options.tuning.maxBufferBytes),
         cache_(device_, options.cache),
         warn_(options.warn),
+        trace_(options.trace),
         kernels_(device_, cache_),
         transfer_(device_) {
     const Capabilities& capabilities = device_.capabilities();
@@ -102,7 +124,10 @@ class VulkanMachine final : public Machine {
   void wait(size_t frame) override {
     if (frame < frames_.size()) frames_[frame].commands.wait();
   }
-  void readTimings(size_t frame, Timings& timings) override { frames_[frame].commands.readTimings(timings); }
+  void readTimings(size_t frame, Timings& timings) override {
+    frames_[frame].commands.readTimings(timings);
+    if (trace_) frames_[frame].commands.readTrace(trace_);
+  }
   void throwOnMessages() override { device_.throwOnMessages(); }
 
   void submit(size_t index, std::span<const Step> steps, const BoundArrays& arrays) override {
@@ -110,11 +135,13 @@ class VulkanMachine final : public Machine {
     Frame& frame = frames_[index];
     writeAddresses(arrays, frame.addresses.mapped());
     frame.addresses.flush();
-    frame.commands.begin();
-    StepRecorder(kernels_, frame.commands.buffer(), frame.addresses.address(), arrays)
-        .record(steps, [&](const Step& step) {
-          step.kind == Step::Kind::start ? frame.commands.start() : frame.commands.finished(step.stage);
-        });
+    Commands& commands = frame.commands;
+    commands.begin(static_cast<uint32_t>(trace_ ? steps.size() : std::count_if(steps.begin(), steps.end(), isStamp)));
+    StepRecorder(kernels_, commands.buffer(), frame.addresses.address(), arrays).record(steps, [&](const Step& step) {
+      if (step.kind == Step::Kind::start) return commands.start();
+      if (step.kind == Step::Kind::finish) return commands.finished(step.stage);
+      if (trace_) commands.traced(textOf(step));
+    });
     frame.commands.submit();
   }
 
@@ -138,14 +165,14 @@ class VulkanMachine final : public Machine {
  private:
   struct Frame {
     explicit Frame(const Device& device)
-        : addresses(device, "addresses", sizeof(gpu::Addresses), MemoryKind::upload), commands(device, kStamps) {}
+        : addresses(device, "addresses", sizeof(gpu::Addresses), MemoryKind::upload), commands(device) {}
     Buffer addresses;
     Commands commands;  // last member, destroyed first: its destructor waits for the device
   };
 
   Device device_;
   PipelineCache cache_;
-  std::function<void(const std::string&)> warn_;
+  std::function<void(const std::string&)> warn_, trace_;
   Kernels kernels_;
   Transfer transfer_;
   Recordings recordings_{device_};
@@ -159,6 +186,7 @@ class VulkanMachine final : public Machine {
 
 std::unique_ptr<Backend> makeVulkanBackend(const Scene& scene, const SensorPlans& sensors,
                                            const SimulatorOptions& options) {
+  if (options.compileOnly) return makeDeviceBackend(vulkan::makeCompilingMachine(options), scene, sensors, options);
   return makeDeviceBackend(std::make_unique<vulkan::VulkanMachine>(options), scene, sensors, options);
 }
 

@@ -9,8 +9,9 @@
 namespace gnosphere::vulkan {
 namespace {
 
-// A staging buffer up to this size is kept for the next recording; a larger one served to load a scene.
-constexpr uint64_t kKeptStagingBytes = 16 << 20;
+// Most bytes of a staging buffer. What needs more, such as a scene that is loaded, has several, and the next recording
+// keeps one of them.
+constexpr uint64_t kMostStagingBytes = 16 << 20;
 
 }  // namespace
 
@@ -108,6 +109,23 @@ void Recordings::abandon(size_t number) noexcept {
   }
 }
 
+// A run of a recording may begin at any byte of a chunk: copies have no alignment.
+void Recordings::Frame::reserve(const Device& device, uint64_t bytes) {
+  const uint64_t most = std::min(kMostStagingBytes, device.maxBufferBytes());
+  if (bytes > 0 && bytes <= most) {
+    staging.resize(std::min<size_t>(staging.size(), 1));
+    if (staging.empty() || staging[0].bytes() < bytes) {
+      staging.clear();
+      staging.push_back(Buffer::staging(device, std::min(bytes + bytes / 4, most), false));
+    }
+    return;
+  }
+  uint64_t room = 0;
+  for (const Buffer& buffer : staging) room += buffer.bytes();
+  for (; room < bytes; room += staging.back().bytes())
+    staging.push_back(Buffer::staging(device, std::min(most, bytes - room), false));
+}
+
 void Recordings::begin(CommandBuffer& commands, size_t number) {
   while (frames_.size() <= number) frames_.emplace_back();
   Frame& frame = frames_[number];
@@ -117,20 +135,31 @@ void Recordings::begin(CommandBuffer& commands, size_t number) {
   uint64_t bytes = 0;
   for (const auto& [memory, runs] : writes_)
     for (const auto& [place, end] : runs) bytes += end - place;
-  if (frame.staging.bytes() < bytes || frame.staging.bytes() > std::max(bytes, kKeptStagingBytes))
-    frame.staging = bytes > 0 ? Buffer(device_, "staging", bytes + bytes / 4, MemoryKind::upload) : Buffer();
+  frame.reserve(device_, bytes);
   frame.recording = ++recording_;
   commands.fullBarrier();
+  if (bytes == 0) {
+    frame.taken.clear();
+    return;
+  }
+  size_t chunk = 0;
   uint64_t at = 0;
   for (const auto& [memory, runs] : writes_)
-    for (const auto& [place, end] : runs) {
-      std::memcpy(static_cast<std::byte*>(frame.staging.mapped()) + at, memory->written() + place, end - place);
-      commands.copy(frame.staging, memory->buffer(), {at, place, end - place});
-      at += end - place;
-    }
+    for (const auto& [first, end] : runs)
+      for (uint64_t place = first; place < end;) {
+        if (at == frame.staging[chunk].bytes()) {
+          ++chunk;
+          at = 0;
+        }
+        const Buffer& staging = frame.staging[chunk];
+        const uint64_t size = std::min(end - place, staging.bytes() - at);
+        std::memcpy(static_cast<std::byte*>(staging.mapped()) + at, memory->written() + place, size);
+        commands.copy(staging, memory->buffer(), {at, place, size});
+        place += size;
+        at += size;
+      }
   frame.taken = std::exchange(writes_, {});
-  if (at == 0) return;
-  frame.staging.flush();
+  for (const Buffer& staging : frame.staging) staging.flush();
   commands.barrier();
 }
 

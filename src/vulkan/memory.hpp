@@ -42,6 +42,9 @@ class OwnMemory final : public VulkanMemory {
   void prepareWrite(uint64_t, uint64_t) override { transfer_.prepareWrite(buffer_); }
   void write(uint64_t place, std::span<const std::byte> data) override { transfer_.write(buffer_, place, data); }
   void read(uint64_t place, std::span<std::byte> data) const override { transfer_.read(buffer_, place, data); }
+  void copyFrom(const DeviceMemory& other, uint64_t bytes) override {
+    transfer_.copy(static_cast<const OwnMemory&>(other).buffer_, buffer_, bytes);
+  }
 
  private:
   Transfer& transfer_;
@@ -99,8 +102,10 @@ class Recordings {
   using Writes = std::map<const RecordedMemory*, Runs>;
   struct Frame {
     uint64_t recording = 0;  // its last one; 0: none, or one that was abandoned
-    Buffer staging;
+    std::vector<Buffer> staging;
     Writes taken;  // what this recording copies
+    /// Makes room for so many bytes in all staging buffers together.
+    void reserve(const Device& device, uint64_t bytes);
   };
 
   static void join(Runs& runs, Runs::node_type node) noexcept;

@@ -136,4 +136,12 @@ std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<co
   return words;
 }
 
+Code codeOf(std::span<const uint32_t> module, std::span<const uint32_t> constants) {
+  try {
+    return {specialised(module, constants)};
+  } catch (const std::logic_error&) {
+    return {{module.begin(), module.end()}, false};
+  }
+}
+
 }  // namespace gnosphere::vulkan

@@ -18,4 +18,13 @@ namespace gnosphere::vulkan {
 /// that no shader needs yet, and for specialisation constants that are neither boolean nor 32-bit integers.
 std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<const uint32_t> constants);
 
+/// A module for a driver.
+struct Code {
+  std::vector<uint32_t> words;
+  bool specialised = true;  ///< false if the constants must be given to the driver
+};
+/// Returns the specialised module, or the module itself if it has something that specialised() does not know: another
+/// compiler than that of the tests may have made it.
+Code codeOf(std::span<const uint32_t> module, std::span<const uint32_t> constants);
+
 }  // namespace gnosphere::vulkan

@@ -12,8 +12,8 @@ namespace gnosphere::cli {
 namespace {
 
 struct PlanOptions : ScanningOptions, EffectOptions {
-  std::string fields, accuracy = "standard";
-  bool json = false;
+  std::string fields, records, accuracy = "standard";
+  bool json = false, pipelines = false;
 };
 
 std::string bytesText(uint64_t bytes) {
@@ -60,6 +60,24 @@ void printStages(const Plan& plan) {
                 pipelinesText(stage).c_str());
   }
   std::printf("%-8s  %10s\n", "all", grouped(plan.dispatches()).c_str());
+  const Plan::Commands& commands = plan.commands;
+  if (commands.all() > 0)
+    std::printf("\ncommands  %u: %u dispatches, %u fills, %u copies, %u barriers\n", commands.all(),
+                commands.dispatches, commands.fills, commands.copies, commands.barriers);
+}
+
+/// Prints what the driver's compiler says of each pipeline.
+void printPipelines(const Plan& plan) {
+  constexpr size_t kPassConstant = 7;
+  for (const Plan::Stage& stage : plan.stages)
+    for (const Plan::Pipeline& pipeline : stage.pipelines) {
+      const uint32_t pass = pipeline.constants.at(kPassConstant);
+      std::printf("\n%s%s: %u lanes, compiled in %.0f ms\n", pipeline.name.c_str(),
+                  pass > 0 ? formatted(", pass %u", pass).c_str() : "", pipeline.subgroupSize, pipeline.compileMs);
+      if (pipeline.statistics.empty()) std::printf("  the driver says nothing of it\n");
+      for (const Plan::Statistic& statistic : pipeline.statistics)
+        std::printf("  %-28s %14s\n", statistic.name.c_str(), formatted("%.10g", statistic.value).c_str());
+    }
 }
 
 void printBuffers(const Plan& plan) {
@@ -81,16 +99,18 @@ void print(const PlanOptions& options, const DeviceInfo& device, const Scene& sc
   if (!plan.binning.empty()) say("binning", plan.binning);
   printEffects(plan);
   printStages(plan);
-  printBuffers(plan);
+  options.pipelines ? printPipelines(plan) : printBuffers(plan);
 }
 
 int runPlan(const PlanOptions& options) {
   checkScanning(options);
   SimulatorOptions settings = simulatorOptions(options);
   settings.accuracy = kAccuracies.at(options.accuracy);
+  settings.compileOnly = options.pipelines;
   SensorRequest request = {sensorOf(options.sensor), effectsOf(options)};
   settings.materials = materialsOf(options);
   if (!options.fields.empty()) request.fields = parseFields(options.fields);
+  if (!options.records.empty()) request.layout = layoutOf(parseFields(options.records));
   const Scene scene = loadScene(options);
   warnAboutMaterials(options, scene, settings.materials);
   const Simulator simulator(scene, request, settings);
@@ -110,6 +130,13 @@ Action addPlan(CLI::App& app) {
   addEffectOptions(app, *options);
   addAccuracyOption(app, options->accuracy);
   app.add_option("--fields", options->fields, "Fields that would be written, as in gnosphere scan");
+  CLI::Option* pipelines = app.add_flag(
+      "--pipelines", options->pipelines,
+      "Compile the pipelines, without using any other part of the device, and print what the driver's compiler "
+      "says of each");
+  app.add_option("--records", options->records,
+                 "Fields of records that stay on the device, as in docs/engine.md; only with --pipelines")
+      ->needs(pipelines);
   app.add_flag("--json", options->json, "Print JSON");
   app.footer("Example: gnosphere plan town.glb --effect fog.visibility=200");
   return [options] { return runPlan(*options); };

@@ -21,6 +21,7 @@ struct ScanOptions : ScanningOptions, EffectOptions {
   std::string trajectory, fields, image, stats, accuracy = "standard";
   std::vector<std::string> outputs;
   std::optional<double> maxError;
+  bool trace = false;
   uint64_t repeat = 0;  ///< 0: one scan without a warm-up
   bool compact = false, ascii = false;
 };
@@ -160,6 +161,7 @@ int runScan(const ScanOptions& options) {
   SimulatorOptions settings = simulatorOptions(options);
   settings.accuracy = kAccuracies.at(accuracy);
   settings.materials = materials;
+  if (options.trace) settings.trace = [](const std::string& line) { complain(line); };
   settings.tuning.keepStill = options.repeat == 0;  // --repeat times whole scans, without reuse of still instances
   Simulator simulator(scene, {sensor, effects, cloud.fields}, settings);
   const double setUpMs = nowMs() - start;
@@ -214,6 +216,8 @@ Action addScan(CLI::App& app) {
   app.add_flag("--ascii", options->ascii, "Write PCD and PLY as text");
   app.add_option("--image", options->image, "Write a .png picture of the scan, as the sensor sees it and from above");
   app.add_option("--stats", options->stats, "Write times and counters to a JSON file, or - for stdout");
+  app.add_flag("--trace", options->trace,
+               "Print every step that the device executes, with its size and time, to standard error");
   app.add_option("--repeat", options->repeat, "Number of timed scans after a warm-up; reports their median time")
       ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000}))
       ->excludes(trajectory);

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Device memory in blocks that several buffers share: a device allows only some thousand allocations.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "vulkan/functions.hpp"
+#include "vulkan/handle.hpp"
+
+namespace gnosphere::vulkan {
+
+class MemoryBlocks {
+ public:
+  /// A part of a block. Its size is a multiple of kAlignment, and so is its offset.
+  struct Piece {
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    VkDeviceSize offset = 0, size = 0;
+    std::byte* mapped = nullptr;  ///< null if the host cannot access the memory
+  };
+
+  /// What kernels and copies need, and at least the largest size of atoms that a device may have.
+  static constexpr VkDeviceSize kAlignment = 256;
+
+  /// `vk` must outlive the blocks.
+  MemoryBlocks(VkDevice device, const DeviceFunctions& vk) : device_(device), vk_(vk) {}
+  MemoryBlocks(const MemoryBlocks&) = delete;
+  MemoryBlocks& operator=(const MemoryBlocks&) = delete;
+
+  /// Takes memory of a type, which the host maps if `visible`. If there is none left, `piece` stays as it is, and the
+  /// result is the driver's.
+  VkResult take(const VkMemoryRequirements& requirements, uint32_t type, bool visible, Piece& piece);
+  /// A block is freed with its last piece.
+  void giveBack(const Piece& piece) noexcept;
+  /// Allocations of the device that are in use.
+  size_t count() const { return blocks_.size(); }
+
+ private:
+  struct Block {
+    DeviceHandle<VkDeviceMemory> memory;
+    uint32_t type;
+    VkDeviceSize size;
+    std::byte* mapped;
+    std::map<VkDeviceSize, VkDeviceSize> free;  // size of each free run by its offset
+  };
+
+  VkResult makeBlock(VkDeviceSize size, uint32_t type, bool visible);
+  bool takeFrom(Block& block, VkDeviceSize size, VkDeviceSize alignment, Piece& piece);
+  VkDeviceSize nextBlockSize(uint32_t type) const;
+
+  VkDevice device_;
+  const DeviceFunctions& vk_;
+  std::vector<std::unique_ptr<Block>> blocks_;
+};
+
+}  // namespace gnosphere::vulkan
