@@ -42,7 +42,7 @@ std::string fingerprintOf(const Scan& scan) {
   return print.text();
 }
 
-struct Row {
+struct SuiteRow {
   std::string name, accuracy;
   Comparison comparison;
   std::string fingerprint;
@@ -87,7 +87,7 @@ class Suite {
     }
   }
 
-  std::vector<Row> rows;
+  std::vector<SuiteRow> rows;
   std::vector<Print> prints;
 
  private:
@@ -115,7 +115,7 @@ void scanTown(Session& session, Suite& suite) {
   }
 }
 
-Json rowJson(const Row& row) {
+Json rowJson(const SuiteRow& row) {
   const Comparison& c = row.comparison;
   return {{"name", row.name},
           {"accuracy", row.accuracy},
@@ -146,7 +146,7 @@ Report correctness(Session& session) {
   Table judged = {"Except ties, no beam may be missed, false or beyond its tolerance", {}};
   judged.rows = {{"case", "accuracy", "beams", "missed", "false", "wrong range", "largest error, m", "fingerprint"}};
   report.more["effects"] = Json::array();
-  for (const Row& row : suite.rows) {
+  for (const SuiteRow& row : suite.rows) {
     const Comparison& c = row.comparison;
     wrong += row.wrong();
     report.more["rows"].push_back(rowJson(row));

@@ -235,7 +235,7 @@ class CostOfEffects {
 };
 
 /// Summary of the rounds of one runner, or of several equal ones.
-struct Row {
+struct EffectRow {
   std::string name, effect;
   Spread totalMs, deviceMs, ratio;
   std::vector<StageTime> stages;  ///< medians
@@ -243,8 +243,9 @@ struct Row {
   uint32_t dispatches = 0;
 };
 
-Row rowOf(const Runner& runner) {
-  Row row = {runner.name, runner.effect, spreadOf(runner.totalMs), spreadOf(runner.deviceMs), spreadOf(runner.ratios)};
+EffectRow rowOf(const Runner& runner) {
+  EffectRow row = {runner.name, runner.effect, spreadOf(runner.totalMs), spreadOf(runner.deviceMs),
+                   spreadOf(runner.ratios)};
   for (const StageTime& stage : runner.scan.timings.stages)
     row.stages.push_back({stage.name, spreadOf(runner.stageMs.at(stage.name)).median});
   row.bytes = runner.simulator.plan().bytes();
@@ -253,7 +254,7 @@ Row rowOf(const Runner& runner) {
 }
 
 /// Combines all switched-off effects in one row.
-Row offRow(std::vector<Runner>& runners) {
+EffectRow offRow(std::vector<Runner>& runners) {
   Runner& all = runners[1];
   all.name = "off";
   all.effect.clear();
@@ -267,7 +268,7 @@ Row offRow(std::vector<Runner>& runners) {
   return rowOf(all);
 }
 
-Json rowJson(const Row& row) {
+Json effectJson(const EffectRow& row) {
   Json stages = Json::object();
   for (const StageTime& stage : row.stages) stages[stage.name] = rounded(stage.ms);
   return {{"name", row.name},
@@ -281,20 +282,20 @@ Json rowJson(const Row& row) {
           {"dispatches", row.dispatches}};
 }
 
-std::vector<std::string> stageNames(const std::vector<Row>& rows) {
+std::vector<std::string> stageNames(const std::vector<EffectRow>& rows) {
   std::vector<std::string> names;
-  for (const Row& row : rows)
+  for (const EffectRow& row : rows)
     for (const StageTime& stage : row.stages)
       if (std::find(names.begin(), names.end(), stage.name) == names.end()) names.push_back(stage.name);
   return names;
 }
 
-Table tableOf(const std::vector<Row>& rows, const std::string& note) {
+Table tableOf(const std::vector<EffectRow>& rows, const std::string& note) {
   Table table = {note, {{"scan", "ms", "times a bare scan", "p10 to p90"}}};
   const std::vector<std::string> stages = stageNames(rows);
   table.rows[0].insert(table.rows[0].end(), stages.begin(), stages.end());
   table.rows[0].insert(table.rows[0].end(), {"MB", "dispatches"});
-  for (const Row& row : rows) {
+  for (const EffectRow& row : rows) {
     cli::TableRow cells = {row.name, cli::bareMs(row.totalMs.median), formatted("%.2f", row.ratio.median),
                            formatted("%.2f to %.2f", row.ratio.p10, row.ratio.p90)};
     for (const std::string& name : stages) {
@@ -328,11 +329,11 @@ Report effects(Session& session) {
   std::vector<Runner> off = cost.off();
   session.setDevice(off[0].simulator.device());
   race(off, "effects off", rounds);
-  const Row offs = offRow(off);
+  const EffectRow offs = offRow(off);
   off.clear();
   std::vector<Runner> on = cost.on();
   race(on, "effects on", rounds);
-  std::vector<Row> rows;
+  std::vector<EffectRow> rows;
   for (const Runner& runner : on) rows.push_back(rowOf(runner));
   rows.insert(rows.begin() + 1, offs);
 
@@ -345,8 +346,8 @@ Report effects(Session& session) {
                  {"rounds", rounds},
                  {"off_requests", effectNames().size()},
                  {"sub_rays_to_scans", rounded(share)}};
-  for (const Row& row : rows) {
-    report.more["rows"].push_back(rowJson(row));
+  for (const EffectRow& row : rows) {
+    report.more["rows"].push_back(effectJson(row));
     report.bars.bars.push_back({row.name, row.ratio.median, row.ratio.p10, row.ratio.p90});
   }
   report.bars.xLabel = "times a bare scan: median, 10th to 90th percentile";

@@ -54,15 +54,15 @@ std::string joined(const std::vector<std::string>& texts, const char* separator)
 }
 
 /// One scene and one sensor. An outcome is missing if the scene did not fit the device, or if a result was wrong.
-struct Row {
+struct SceneRow {
   std::string scene;
   uint64_t triangles = 0;
   std::string sensor;
   std::optional<Outcome> still, moving;
 };
-using Part = std::optional<Outcome> Row::*;
+using Part = std::optional<Outcome> SceneRow::*;
 
-const Standing* standingOf(const Row& row, Part part, const std::string& name) {
+const Standing* standingOf(const SceneRow& row, Part part, const std::string& name) {
   if (!(row.*part)) return nullptr;
   for (const Standing& standing : (row.*part)->standings)
     if (standing.name == name) return &standing;
@@ -70,9 +70,9 @@ const Standing* standingOf(const Row& row, Part part, const std::string& name) {
 }
 
 /// Names of all that GnoSphere was compared with, in the order in which they first occur.
-std::vector<std::string> othersOf(const std::vector<Row>& rows, Part part) {
+std::vector<std::string> othersOf(const std::vector<SceneRow>& rows, Part part) {
   std::vector<std::string> names;
-  for (const Row& row : rows) {
+  for (const SceneRow& row : rows) {
     if (!(row.*part)) continue;
     for (size_t i = 1; i < (row.*part)->standings.size(); ++i) {
       const std::string& name = (row.*part)->standings[i].name;
@@ -137,7 +137,7 @@ class Measurement {
     if (rows_.empty())
       throw Error(ErrorCode::file, "--scene: no scene was measured: " + joined(session_.notes(), "; "));
     Report report;
-    for (const Row& row : rows_)
+    for (const SceneRow& row : rows_)
       for (const auto* outcome : {&row.still, &row.moving})
         if (*outcome) report.outcomes.push_back(**outcome);
     const std::vector<Summary> all = summaries();
@@ -171,7 +171,7 @@ class Measurement {
   }
 
   void measure(const std::string& name, const Scene& scene, const Sensor& sensor, const std::vector<Pose>& poses) {
-    Row row = {name, scene.placedTriangleCount(), sensor.name};
+    SceneRow row = {name, scene.placedTriangleCount(), sensor.name};
     Round round = {name + ", " + sensor.name, static_cast<double>(row.triangles), scene, sensor};
     round.poses = poses;
     round.beside = Beside::seen;
@@ -200,7 +200,7 @@ class Measurement {
   }
 
   Table sceneTable() const {
-    std::vector<std::string> still = othersOf(rows_, &Row::still), moving = othersOf(rows_, &Row::moving);
+    std::vector<std::string> still = othersOf(rows_, &SceneRow::still), moving = othersOf(rows_, &SceneRow::moving);
     std::erase(still, kSeen);
     Table table;
     table.rows = {{"scene", "triangles", "sensor", "ours ms", "floor ms", "ours / floor"}};
@@ -208,14 +208,14 @@ class Measurement {
     head.insert(head.end(), still.begin(), still.end());
     head.push_back("all moves: ours ms");
     head.insert(head.end(), moving.begin(), moving.end());
-    for (const Row& row : rows_) {
+    for (const SceneRow& row : rows_) {
       cli::TableRow cells = {row.scene, cli::grouped(row.triangles), row.sensor, oursMs(row.still)};
-      const Standing* floor = standingOf(row, &Row::still, kSeen);
+      const Standing* floor = standingOf(row, &SceneRow::still, kSeen);
       cells.push_back(floor ? cli::bareMs(floor->totalMs.median) : "-");
       cells.push_back(floor ? formatted("%.2f (%.2f)", 1 / floor->ratio, 1 / floor->leastFrameRatio) : "-");
-      addRatios(row, &Row::still, still, cells);
+      addRatios(row, &SceneRow::still, still, cells);
       cells.push_back(oursMs(row.moving));
-      addRatios(row, &Row::moving, moving, cells);
+      addRatios(row, &SceneRow::moving, moving, cells);
       table.rows.push_back(cells);
     }
     table.note =
@@ -230,7 +230,7 @@ class Measurement {
     return outcome ? cli::bareMs(outcome->standings[0].totalMs.median) : "-";
   }
 
-  static void addRatios(const Row& row, Part part, const std::vector<std::string>& names, cli::TableRow& cells) {
+  static void addRatios(const SceneRow& row, Part part, const std::vector<std::string>& names, cli::TableRow& cells) {
     for (const std::string& name : names) {
       const Standing* s = standingOf(row, part, name);
       cells.push_back(s ? formatted("%.2f (%.2f)", s->ratio, s->leastFrameRatio) : "-");
@@ -240,7 +240,8 @@ class Measurement {
   std::vector<Summary> summaries() const {
     std::vector<Summary> all;
     for (const std::string& sensor : sensors())
-      for (const auto& [part, motion] : {std::pair(&Row::still, "nothing"), std::pair(&Row::moving, "everything")})
+      for (const auto& [part, motion] :
+           {std::pair(&SceneRow::still, "nothing"), std::pair(&SceneRow::moving, "everything")})
         for (const std::string& name : othersOf(rows_, part)) all.push_back(summaryOf(sensor, part, motion, name));
     std::erase_if(all, [](const Summary& summary) { return summary.scenes == 0; });
     return all;
@@ -249,7 +250,7 @@ class Measurement {
   Summary summaryOf(const std::string& sensor, Part part, const char* motion, const std::string& name) const {
     Summary summary = {sensor, motion, name};
     std::vector<double> ratios;
-    for (const Row& row : rows_) {
+    for (const SceneRow& row : rows_) {
       const Standing* s = row.sensor == sensor ? standingOf(row, part, name) : nullptr;
       if (!s) continue;
       if (ratios.empty() || s->ratio < summary.least) summary.least = s->ratio, summary.leastScene = row.scene;
@@ -263,7 +264,7 @@ class Measurement {
 
   std::vector<std::string> sensors() const {
     std::vector<std::string> names;
-    for (const Row& row : rows_)
+    for (const SceneRow& row : rows_)
       if (std::find(names.begin(), names.end(), row.sensor) == names.end()) names.push_back(row.sensor);
     return names;
   }
@@ -271,19 +272,19 @@ class Measurement {
   /// Ratios to the first rival while nothing moves, sensor by sensor.
   BarChart bars() const {
     BarChart chart;
-    std::vector<std::string> rivals = othersOf(rows_, &Row::still);
+    std::vector<std::string> rivals = othersOf(rows_, &SceneRow::still);
     std::erase(rivals, kSeen);
     if (rivals.empty()) return chart;
     chart.xLabel = "times as fast as " + rivals[0] + "; line: from the frame with the least to that with the most";
     for (const std::string& sensor : sensors())
-      for (const Row& row : rows_)
-        if (const Standing* s = row.sensor == sensor ? standingOf(row, &Row::still, rivals[0]) : nullptr)
+      for (const SceneRow& row : rows_)
+        if (const Standing* s = row.sensor == sensor ? standingOf(row, &SceneRow::still, rivals[0]) : nullptr)
           chart.bars.push_back({row.scene + ", " + sensor, s->ratio, s->leastFrameRatio, s->mostFrameRatio});
     return chart;
   }
 
   Session& session_;
-  std::vector<Row> rows_;
+  std::vector<SceneRow> rows_;
   std::vector<std::string> small_;  ///< scenes with too few triangles
   cli::Json scenes_ = cli::Json::array();
   bool wrong_ = false;

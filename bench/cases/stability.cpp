@@ -18,7 +18,7 @@ using cli::Json;
 
 constexpr Accuracy kAccuracies[] = {Accuracy::paper, Accuracy::draft, Accuracy::standard, Accuracy::exact};
 
-struct Options {
+struct HardnessOptions {
   std::string device = "auto", plot, json, family;
   bool ends = false;
 };
@@ -33,23 +33,23 @@ struct Verdict {
   bool anyHit() const { return lost() < comparison.hits; }
 };
 
-struct Row {
+struct HardnessRow {
   double hardness;
   std::vector<Verdict> outcomes;  ///< in the order of kAccuracies
 };
 
 struct FamilyResult {
   const Family& family;
-  std::vector<Row> rows;
+  std::vector<HardnessRow> rows;
 };
 
-Row measure(const HardCase& test, const std::string& device, DeviceInfo& info) {
+HardnessRow measure(const HardCase& test, const std::string& device, DeviceInfo& info) {
   SimulatorOptions options;
   const SensorRequest request = {test.sensor, Effects::none()};
   options.device = DeviceChoice::Kind::reference;
   const Scan truth = Simulator(test.scene, request, options).scan(test.pose);
   if (truth.counters.misses > 0) throw std::logic_error("a hard case must be hit by every beam");
-  Row row = {test.hardness, {}};
+  HardnessRow row = {test.hardness, {}};
   options.device = deviceByName(device);
   for (Accuracy accuracy : kAccuracies) {
     options.accuracy = accuracy;
@@ -60,7 +60,7 @@ Row measure(const HardCase& test, const std::string& device, DeviceInfo& info) {
   return row;
 }
 
-std::vector<FamilyResult> measureAll(const Options& options, DeviceInfo& info) {
+std::vector<FamilyResult> measureAll(const HardnessOptions& options, DeviceInfo& info) {
   uint64_t total = 0, done = 0;
   for (const Family& family : families()) total += family.hardness.size();  // an upper bound, as some may be left out
   const auto progress = cli::stepProgress();
@@ -84,7 +84,7 @@ void print(const FamilyResult& result) {
     rows[0].push_back(nameOf(accuracy));
     rows[0].push_back("lost");
   }
-  for (const Row& row : result.rows) {
+  for (const HardnessRow& row : result.rows) {
     rows.push_back({formatted("%g", row.hardness)});
     for (const Verdict& outcome : row.outcomes) {
       rows.back().push_back(outcome.anyHit() ? formatted("%.2g", outcome.error()) : "-");
@@ -98,10 +98,10 @@ cli::Json familiesJson(const std::vector<FamilyResult>& results) {
   Json families = Json::array();
   for (const FamilyResult& result : results) {
     Json family = {{"name", result.family.name}, {"unit", result.family.unit}};
-    for (const Row& row : result.rows) family["hardness"].push_back(row.hardness);
+    for (const HardnessRow& row : result.rows) family["hardness"].push_back(row.hardness);
     for (size_t i = 0; i < std::size(kAccuracies); ++i) {
       Json setting = {{"name", nameOf(kAccuracies[i])}};
-      for (const Row& row : result.rows) {
+      for (const HardnessRow& row : result.rows) {
         const Verdict& outcome = row.outcomes[i];
         setting["error_max_m"].push_back(outcome.anyHit() ? Json(rounded(outcome.error())) : Json());
         setting["lost_share"].push_back(rounded(outcome.lostShare()));
@@ -133,7 +133,7 @@ cli::PlotPanel panelOf(const FamilyResult& result, bool lost) {
   if (harderLeft) panel.xLabel += " (harder to the left)";
   for (size_t i = 0; i < std::size(kAccuracies); ++i) {
     cli::PlotSeries series = look(i);
-    for (const Row& row : result.rows) {
+    for (const HardnessRow& row : result.rows) {
       const Verdict& outcome = row.outcomes[i];
       if (lost || outcome.anyHit())
         series.points.push_back({row.hardness, lost ? 100 * outcome.lostShare() : outcome.error(), 0, 0, ""});
@@ -159,7 +159,7 @@ std::string toSvg(const std::vector<FamilyResult>& results, const DeviceInfo& in
   return cli::toSvg(plot);
 }
 
-int run(const Options& options) {
+int run(const HardnessOptions& options) {
   checkResult(options.plot);
   checkResult(options.json);
   DeviceInfo info;
@@ -178,14 +178,14 @@ int run(const Options& options) {
 }  // namespace
 
 cli::Json stabilityOf(const std::string& device) {
-  Options options;
+  HardnessOptions options;
   options.device = device;
   DeviceInfo info;
   return familiesJson(measureAll(options, info));
 }
 
 std::function<int()> addStability(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<HardnessOptions>();
   std::vector<std::string> names;
   for (const Family& family : families()) names.push_back(family.name);
   app.add_option("--device", options->device, "A device, as in gnosphere scan --device")->capture_default_str();

@@ -8,7 +8,7 @@
 namespace gnosphere::bench {
 namespace {
 
-struct Row {
+struct VariantRow {
   const char* name;
   const char* effect;
   std::vector<const char*> assignments;
@@ -17,7 +17,7 @@ struct Row {
 };
 
 // 0.00087 rad are 0.05 degrees. `auto` is used where the scene decides whether the effect applies.
-const std::vector<Row> kRows = {
+const std::vector<VariantRow> kRows = {
     {"intensity", "intensity", {"intensity=on"}, {Field::intensity}, Ranges::same},
     {"detection, 10 % at 50 m", "detection", {"detection.reflectance=0.1", "detection.range=50"}, {}, Ranges::same},
     {"drop-out, 10 %", "drop-out", {"drop-out.general_rate=0.1"}, {}, Ranges::same},
@@ -56,7 +56,7 @@ std::vector<Variant> variantsOf(const Vec3& dust) {
   none.volumes.boxes = {{{dust.x - 5, dust.y - 5, dust.z - 5}, {dust.x + 5, dust.y + 5, dust.z + 5}, 0.1}};
   std::vector<Variant> variants;
   Variant all = {"all of them", "", none, {Field::intensity, Field::radialSpeed}, Ranges::other};
-  for (const Row& row : kRows) {
+  for (const VariantRow& row : kRows) {
     Variant variant = {row.name, row.effect, none, row.fields, row.ranges};
     for (const char* assignment : row.assignments) {
       assign(variant.request, assignment);

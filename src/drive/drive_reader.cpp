@@ -3,8 +3,8 @@
 #include "drive/drive_reader.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "base/units.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/schema_check.hpp"
 
@@ -13,8 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Takes what a built-in name stands for, or else a file.
 template <typename T>

@@ -15,15 +15,15 @@ std::string named(const std::string& why, const Sensor& sensor) {
   return "sensor '" + sensor.name + "'" + why.substr(kSensor.size());
 }
 
-[[noreturn]] void refuse(const std::string& what) {
+[[noreturn]] void refuseRequest(const std::string& what) {
   throw Error(ErrorCode::invalidArgument, what);
 }
 
 void decideBy(const Answer& answer, const Sensor& sensor, bool lenient, Plan::Decision& decision) {
   if (decision.request == EffectUse::on) {
     if (!answer.shows && !answer.wayOut.empty() && !lenient) {
-      refuse(decision.effect + " is on, but " + named(answer.why, sensor) + "; " + answer.wayOut +
-             ", or leave it to auto");
+      refuseRequest(decision.effect + " is on, but " + named(answer.why, sensor) + "; " + answer.wayOut +
+                    ", or leave it to auto");
     }
     decision.reason = answer.shows ? "asked for: " + answer.why : "asked for";
   } else {
@@ -51,18 +51,19 @@ Answer judgeIntensity(const Question& q, const std::vector<std::string>& needIt)
 /// Throws if the request turns off an effect that a field or another effect needs.
 void checkOff(const Question& q, const std::vector<std::string>& needIntensity) {
   if (q.effects.radialSpeed.use == EffectUse::off && q.asksFor(Field::radialSpeed)) {
-    refuse("radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");
+    refuseRequest("radial-speed is off, but the field radial_speed is asked for; leave radial-speed to auto");
   }
   if (q.effects.intensity.use != EffectUse::off) return;
-  if (q.asksFor(Field::intensity)) refuse("intensity is off, but the field intensity is asked for; leave it to auto");
+  if (q.asksFor(Field::intensity))
+    refuseRequest("intensity is off, but the field intensity is asked for; leave it to auto");
   if (!needIntensity.empty()) {
-    refuse("intensity is off, but " + needIntensity.front() + " needs it; leave intensity to auto");
+    refuseRequest("intensity is off, but " + needIntensity.front() + " needs it; leave intensity to auto");
   }
 }
 
 void leaveOut(Plan::Decision& decision, const std::string& reason) {
   if (!decision.in) return;
-  if (decision.request == EffectUse::on) refuse(decision.effect + " is on, but " + reason);
+  if (decision.request == EffectUse::on) refuseRequest(decision.effect + " is on, but " + reason);
   decision.in = false;
   decision.reason = reason;
 }

@@ -289,7 +289,7 @@ std::vector<EffectInfo> makeTable() {
   };
 }
 
-std::string text(double value) {
+std::string rounded(double value) {
   char buffer[32];
   std::snprintf(buffer, sizeof(buffer), "%.10g", value);
   return buffer;
@@ -323,7 +323,7 @@ Effects Effects::none() {
 
 std::string allowedText(const Parameter& parameter) {
   if (const auto* n = std::get_if<NumberParameter>(&parameter.kind)) {
-    return withUnit(text(n->min) + (n->endsOnly ? " or " : "..") + text(n->max), parameter);
+    return withUnit(rounded(n->min) + (n->endsOnly ? " or " : "..") + rounded(n->max), parameter);
   }
   if (const auto* n = std::get_if<CountParameter>(&parameter.kind)) {
     return "a whole number, " + std::to_string(n->min) + ".." + std::to_string(n->max);

@@ -27,9 +27,9 @@ constexpr Column kColumns[] = {
     {"retro", &Row::retro, 1e6f},  // a cube corner returns a million times the light of a Lambertian
     {"transmission", &Row::transmission, 1}};
 
-constexpr size_t kMaxFileBytes = size_t{256} << 20;  // a BRDF table of a million rows takes about 50 MB
+constexpr size_t kMaxTableBytes = size_t{256} << 20;  // a BRDF table of a million rows takes about 50 MB
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& why) {
+[[noreturn]] void refuseTable(const std::filesystem::path& file, const std::string& why) {
   throw Error(ErrorCode::format, file.string() + ": " + why);
 }
 
@@ -39,20 +39,20 @@ void readColumn(const std::filesystem::path& file, const std::string& key, const
   if (column == std::end(kColumns)) {
     std::vector<std::string> names = {"name"};
     for (const Column& c : kColumns) names.push_back(c.name);
-    refuse(file, "material '" + row.name + "' has an unknown key '" + key + "'; " + nearestText(key, names));
+    refuseTable(file, "material '" + row.name + "' has an unknown key '" + key + "'; " + nearestText(key, names));
   }
   const double number = value.is_number() ? value.get<double>() : -1.0;
   if (!(number >= 0 && number <= static_cast<double>(column->max))) {
-    refuse(file, "material '" + row.name + "': " + key + " must be 0.." +
-                     std::to_string(static_cast<int>(column->max)) + ", is " + shown(value));
+    refuseTable(file, "material '" + row.name + "': " + key + " must be 0.." +
+                          std::to_string(static_cast<int>(column->max)) + ", is " + shown(value));
   }
   row.*column->member = static_cast<float>(number);
 }
 
 Row readRow(const std::filesystem::path& file, const json& entry) {
-  if (!entry.is_object()) refuse(file, "a material must be an object, is " + shown(entry));
+  if (!entry.is_object()) refuseTable(file, "a material must be an object, is " + shown(entry));
   const auto name = entry.find("name");
-  if (name == entry.end() || !name->is_string()) refuse(file, "a material has no 'name': " + shown(entry));
+  if (name == entry.end() || !name->is_string()) refuseTable(file, "a material has no 'name': " + shown(entry));
   Row row;
   row.name = name->get<std::string>();
   for (const auto& [key, value] : entry.items()) {
@@ -64,18 +64,19 @@ Row readRow(const std::filesystem::path& file, const json& entry) {
 }  // namespace
 
 json readMaterialJson(const std::filesystem::path& file) {
-  return parseStrict(readWholeFile(file, kMaxFileBytes), file.string());
+  return parseStrict(readWholeFile(file, kMaxTableBytes), file.string());
 }
 
 MaterialTable loadMaterialTable(const std::filesystem::path& file) {
   const json root = readMaterialJson(file);
   if (isOpenMaterial(root)) return {readOpenMaterial(root, file)};
   if (!root.is_object() || !root.contains("materials") || !root["materials"].is_array()) {
-    refuse(file,
-           "is neither {\"materials\": [{\"name\": ...}, ...]} nor an asset, mapping or material of ASAM OpenMATERIAL "
-           "3D");
+    refuseTable(
+        file,
+        "is neither {\"materials\": [{\"name\": ...}, ...]} nor an asset, mapping or material of ASAM OpenMATERIAL "
+        "3D");
   }
-  if (root.size() > 1) refuse(file, "holds more than 'materials'; take it out");
+  if (root.size() > 1) refuseTable(file, "holds more than 'materials'; take it out");
   MaterialTable table;
   for (const json& entry : root["materials"]) table.rows.push_back(readRow(file, entry));
   return table;

@@ -27,18 +27,18 @@ constexpr double kNearWavelength = 60e-9;  // m: lasers sold as 905 nm span 850 
 constexpr double kNearNormal = 0.175;      // rad, 10 degrees: cos is 1 within 2 %
 constexpr double kConductor = 1;           // extinction coefficient k; glass has 1e-6, aluminium 8
 
-[[noreturn]] void refuse(const path& file, const std::string& why) {
+[[noreturn]] void refuseMapping(const path& file, const std::string& why) {
   throw Error(ErrorCode::format, file.string() + ": " + why);
 }
 
 const json& member(const path& file, const json& object, const char* key) {
   const auto found = object.find(key);
-  if (found == object.end()) refuse(file, "'" + std::string(key) + "' is missing");
+  if (found == object.end()) refuseMapping(file, "'" + std::string(key) + "' is missing");
   return *found;
 }
 
 path besides(const path& file, const json& uri) {
-  if (!uri.is_string()) refuse(file, "the name of a file is not a text but " + shown(uri));
+  if (!uri.is_string()) refuseMapping(file, "the name of a file is not a text but " + shown(uri));
   return file.parent_path() / path(uri.get<std::string>());
 }
 
@@ -130,7 +130,7 @@ std::vector<MaterialTable::Row> readOpenMaterial(const json& root, const path& f
     const path mapping = besides(file, root["materialMappingUri"]);
     const json table = readMaterialJson(mapping);
     if (!table.is_object() || !table.contains("materialMapping") || table.contains("materialMappingUri")) {
-      refuse(mapping, "is not a mapping of ASAM OpenMATERIAL 3D");
+      refuseMapping(mapping, "is not a mapping of ASAM OpenMATERIAL 3D");
     }
     return readOpenMaterial(table, mapping);
   }
@@ -138,20 +138,21 @@ std::vector<MaterialTable::Row> readOpenMaterial(const json& root, const path& f
   if (root.contains("materialMapping")) {
     for (const json& entry : root["materialMapping"]) {
       if (!entry.is_array() || entry.size() < 2 || !entry[0].is_string()) {
-        refuse(file, "an entry of 'materialMapping' is not [name, file, ...] but " + shown(entry));
+        refuseMapping(file, "an entry of 'materialMapping' is not [name, file, ...] but " + shown(entry));
       }
       const path material = besides(file, entry[1]);
       rows.push_back(readMaterial(readMaterialJson(material), material, entry[0].get<std::string>()));
     }
   } else {
     const json& name = member(file, member(file, root, "metadata"), "name");
-    if (!name.is_string()) refuse(file, "the material's name is not a text but " + shown(name));
+    if (!name.is_string()) refuseMapping(file, "the material's name is not a text but " + shown(name));
     rows.push_back(readMaterial(root, file, name.get<std::string>()));
   }
   if (std::none_of(rows.begin(), rows.end(), states)) {
-    refuse(file,
-           "states no reflectance for a laser: it takes a BRDF within 10 degrees of the normal, or a conductor's "
-           "optical properties, at 905 or 1550 nm");
+    refuseMapping(
+        file,
+        "states no reflectance for a laser: it takes a BRDF within 10 degrees of the normal, or a conductor's "
+        "optical properties, at 905 or 1550 nm");
   }
   return rows;
 }

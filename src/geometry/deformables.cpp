@@ -22,7 +22,7 @@ bool isFinite(const gpu::vec3& p) {
          std::abs(p.z) <= gpu::kCoordinateLimit;
 }
 
-gpu::vec3 at(const std::vector<float>& values, size_t vertex) {
+gpu::vec3 vertexAt(const std::vector<float>& values, size_t vertex) {
   return {values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]};
 }
 
@@ -130,20 +130,20 @@ void Deformables::add(size_t index, const Mesh& mesh, const FlatMesh& flat, uint
       influences.resize(count);
       for (size_t i = 0; i < count; ++i) {
         influencesOf(mesh, flat.vertices[first + i], influences[i]);
-        const gpu::vec3 position = at(mesh.positions, flat.vertices[first + i]);
+        const gpu::vec3 position = vertexAt(mesh.positions, flat.vertices[first + i]);
         if (!isFinite(position)) continue;
         if (mesh.influences == 0) include(entry.groups[g], gpu::kNone, position);
         for (const Influence& influence : influences[i]) include(entry.groups[g], influence.joint, position);
       }
       clusters.push_back(addClusterBones(influences, bones, weights));
     }
-  for (const uint32_t v : flat.vertices) positions.push_back(at(mesh.positions, v));
+  for (const uint32_t v : flat.vertices) positions.push_back(vertexAt(mesh.positions, v));
   for (const std::vector<float>& target : mesh.morphTargets)
-    for (const uint32_t v : flat.vertices) offsets.push_back(at(target, v));
+    for (const uint32_t v : flat.vertices) offsets.push_back(vertexAt(target, v));
   for (const std::vector<float>& target : mesh.morphTargets) {
     std::array<gpu::vec3, 2>& bounds = entry.offsetBounds.emplace_back();
     for (size_t v = 0; v < mesh.vertexCount(); ++v)
-      if (const gpu::vec3 offset = at(target, v); isFinite(offset))
+      if (const gpu::vec3 offset = vertexAt(target, v); isFinite(offset))
         bounds = {glm::min(bounds[0], offset), glm::max(bounds[1], offset)};
   }
 

@@ -20,6 +20,8 @@ inline Colour operator+(const Colour& a, const Colour& b) {
   return {a.r + b.r, a.g + b.g, a.b + b.b};
 }
 
+inline constexpr Colour kBackground = {0.043f, 0.051f, 0.067f}, kText = {0.78f, 0.81f, 0.86f};
+
 /// Colour map Turbo (Anton Mikhailov 2019) for 0..1, blue over green to red, in the polynomial form published with it.
 Colour turbo(float t);
 

@@ -12,9 +12,7 @@
 namespace gnosphere {
 namespace {
 
-constexpr Colour kBackground = {0.043f, 0.051f, 0.067f};
 constexpr Colour kLine = {0.16f, 0.18f, 0.22f};
-constexpr Colour kText = {0.78f, 0.81f, 0.86f};
 constexpr int kWidth = 1600, kLeft = 90, kRight = 30, kTop = 60, kBottom = 60;
 constexpr double kDegrees = 180 / std::numbers::pi;
 

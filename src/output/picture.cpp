@@ -12,9 +12,7 @@
 namespace gnosphere {
 namespace {
 
-constexpr Colour kBackground = {0.043f, 0.051f, 0.067f};
 constexpr Colour kMiss = {0.075f, 0.086f, 0.110f};
-constexpr Colour kText = {0.78f, 0.81f, 0.86f};
 constexpr Colour kFaint = {0.45f, 0.49f, 0.56f};
 constexpr int kMargin = 24;
 constexpr int kTitle = 56;  ///< the strip of text above each picture

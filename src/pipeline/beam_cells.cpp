@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi, kDegree = std::numbers::pi / 180;
 constexpr uint64_t kMostBeams = 0x7fffffffu;
-constexpr uint32_t kMostRows = 65535, kMostColumns = 1 << 22;
+constexpr uint32_t kMostRows = 65535, kMostCellColumns = 1 << 22;
 constexpr uint64_t kCellsPerBeam = 4, kLeastCells = 1 << 16;
 // Fewer beams leave most of the sphere empty. Narrow columns show where; but what is near to scattered lasers may be
 // anywhere, and tries all cells.
@@ -87,7 +87,7 @@ uint32_t columnCount(const std::vector<Listed>& beams, const std::vector<size_t>
     if (azimuths[i] > azimuths[i - 1]) gaps.push_back(azimuths[i] - azimuths[i - 1]);
   if (beams.empty()) return 16;
   const uint64_t most =
-      std::clamp<uint64_t>(std::max(kLeastCells, kCellsPerBeam * beams.size()) / ends.size(), 16, kMostColumns);
+      std::clamp<uint64_t>(std::max(kLeastCells, kCellsPerBeam * beams.size()) / ends.size(), 16, kMostCellColumns);
   if (gaps.empty()) return static_cast<uint32_t>(std::min<uint64_t>(most, 1024));
   std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
   const double columns = std::round(kTurn / gaps[gaps.size() / 2]);

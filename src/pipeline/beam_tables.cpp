@@ -13,7 +13,7 @@ namespace gnosphere {
 namespace {
 
 // With more columns neighbouring ones may get the same direction, because directions are floats.
-constexpr uint32_t kMostColumns = 1 << 25;
+constexpr uint32_t kMostSensorColumns = 1 << 25;
 constexpr double kRadians = std::numbers::pi / 180;
 
 std::vector<gpu::Row> makeRows(const Sensor& sensor) {
@@ -73,9 +73,9 @@ BeamTables makeBeamTables(const Sensor& sensor) {
     throw Error(
         ErrorCode::invalidArgument,
         "sensor '" + sensor.name + "' has " + std::to_string(sensor.channels.size()) + " channels; the limit is 65535");
-  if (sensor.columns > kMostColumns)
+  if (sensor.columns > kMostSensorColumns)
     throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " + std::to_string(sensor.columns) +
-                                                " columns; the limit is " + std::to_string(kMostColumns));
+                                                " columns; the limit is " + std::to_string(kMostSensorColumns));
   BeamTables tables;
   tables.rows = makeRows(sensor);
   setRowLookup(tables);

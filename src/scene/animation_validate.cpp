@@ -11,7 +11,7 @@
 namespace gnosphere {
 namespace {
 
-[[noreturn]] void fail(const std::string& what) {
+[[noreturn]] void refuse(const std::string& what) {
   throw Error(ErrorCode::invalidArgument, what);
 }
 
@@ -31,23 +31,23 @@ bool finite(const Values& values) {
 void checkNode(const Node& node, size_t index) {
   const std::string name = label("node", index, node.name);
   if (node.parent != kNoNode && node.parent >= index)
-    fail(name + ": its parent is node " + std::to_string(node.parent) + "; parents come before their children");
+    refuse(name + ": its parent is node " + std::to_string(node.parent) + "; parents come before their children");
   const auto& [t, r, s] = std::tie(node.translation, node.rotation, node.scale);
   const double numbers[] = {t.x, t.y, t.z, r.x, r.y, r.z, r.w, s.x, s.y, s.z};
   if (!finite(numbers) || (node.matrix && !finite(node.matrix->rows)) || !finite(node.morphWeights))
-    fail(name + ": its transform or its morph weights are not finite");
+    refuse(name + ": its transform or its morph weights are not finite");
 }
 
 void checkSkin(const SceneAnimation& animation, size_t index) {
   const Skin& skin = animation.skins[index];
   const std::string name = label("skin", index, skin.name);
   if (skin.joints.size() != skin.inverseBinds.size())
-    fail(name + ": it has " + std::to_string(skin.joints.size()) + " joints and " +
-         std::to_string(skin.inverseBinds.size()) + " inverse bind maps");
+    refuse(name + ": it has " + std::to_string(skin.joints.size()) + " joints and " +
+           std::to_string(skin.inverseBinds.size()) + " inverse bind maps");
   for (uint32_t joint : skin.joints)
-    if (joint >= animation.nodes.size()) fail(name + ": " + missing("node", joint, animation.nodes.size()));
+    if (joint >= animation.nodes.size()) refuse(name + ": " + missing("node", joint, animation.nodes.size()));
   for (const Transform& map : skin.inverseBinds)
-    if (!finite(map.rows)) fail(name + ": an inverse bind map is not finite");
+    if (!finite(map.rows)) refuse(name + ": an inverse bind map is not finite");
 }
 
 /// Numbers per key of a track.
@@ -60,21 +60,21 @@ size_t widthOf(const Track& track, size_t morphTargets) {
 
 void checkTrack(const Track& track, const std::string& name, const SceneAnimation& animation,
                 const std::map<uint32_t, size_t>& morphTargets) {
-  if (track.node >= animation.nodes.size()) fail(name + ": " + missing("node", track.node, animation.nodes.size()));
+  if (track.node >= animation.nodes.size()) refuse(name + ": " + missing("node", track.node, animation.nodes.size()));
   if (animation.nodes[track.node].matrix && track.property != Track::Property::morphWeights)
-    fail(name + ": " + label("node", track.node, animation.nodes[track.node].name) +
-         " has a matrix, so nothing moves it");
+    refuse(name + ": " + label("node", track.node, animation.nodes[track.node].name) +
+           " has a matrix, so nothing moves it");
   const auto targets = morphTargets.find(track.node);
   if (track.property == Track::Property::morphWeights && targets == morphTargets.end())
-    fail(name + ": " + label("node", track.node, animation.nodes[track.node].name) +
-         " places no mesh with morph targets");
+    refuse(name + ": " + label("node", track.node, animation.nodes[track.node].name) +
+           " places no mesh with morph targets");
   const size_t width = widthOf(track, targets == morphTargets.end() ? 0 : targets->second);
   if (track.times.empty() || track.values.size() != width * track.times.size())
-    fail(name + ": " + std::to_string(track.times.size()) + " keys of " + std::to_string(width) + " numbers need " +
-         std::to_string(width * track.times.size()) + ", there are " + std::to_string(track.values.size()));
+    refuse(name + ": " + std::to_string(track.times.size()) + " keys of " + std::to_string(width) + " numbers need " +
+           std::to_string(width * track.times.size()) + ", there are " + std::to_string(track.values.size()));
   if (!finite(track.times) || !std::is_sorted(track.times.begin(), track.times.end()))
-    fail(name + ": its times are not ascending");
-  if (!finite(track.values)) fail(name + ": a value is not finite");
+    refuse(name + ": its times are not ascending");
+  if (!finite(track.values)) refuse(name + ": a value is not finite");
 }
 
 /// Returns the number of morph targets by the node that places them.
@@ -87,33 +87,33 @@ std::map<uint32_t, size_t> checkInstances(const Scene& scene) {
     const AnimatedInstance& animated = animation.instances[i];
     const std::string name = label("animated instance", i, "");
     if (animated.instance >= scene.instances.size())
-      fail(name + ": " + missing("instance", animated.instance, scene.instances.size()));
+      refuse(name + ": " + missing("instance", animated.instance, scene.instances.size()));
     if (!seen.insert(animated.instance).second)
-      fail(name + ": another one is instance " + std::to_string(animated.instance) + ", too");
+      refuse(name + ": another one is instance " + std::to_string(animated.instance) + ", too");
     if (animated.node >= animation.nodes.size())
-      fail(name + ": " + missing("node", animated.node, animation.nodes.size()));
+      refuse(name + ": " + missing("node", animated.node, animation.nodes.size()));
     if (animated.skin != kNoSkin && animated.skin >= animation.skins.size())
-      fail(name + ": " + missing("skin", animated.skin, animation.skins.size()));
+      refuse(name + ": " + missing("skin", animated.skin, animation.skins.size()));
     const auto& m = animated.offset.rows;
     const double determinant =
         m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
     if (!finite(m) || (animated.skin != kNoSkin && !std::isnormal(determinant)))
-      fail(name + ": its offset is not finite, or has no inverse");
+      refuse(name + ": its offset is not finite, or has no inverse");
     const uint32_t number = scene.instances[animated.instance].mesh;
     const Mesh& mesh = scene.meshes[number];
     const size_t joints = animated.skin == kNoSkin ? 0 : animation.skins[animated.skin].joints.size();
     if (mesh.jointCount != joints)
-      fail(name + ": its skin has " + std::to_string(joints) + " joints, its mesh has " +
-           std::to_string(mesh.jointCount));
+      refuse(name + ": its skin has " + std::to_string(joints) + " joints, its mesh has " +
+             std::to_string(mesh.jointCount));
     if (!mesh.deformable()) continue;
     const auto [owner, isNew] = owners.emplace(number, &animated);
     if (!isNew && (owner->second->node != animated.node || owner->second->skin != animated.skin))
-      fail(name + ": mesh " + std::to_string(number) +
-           " already follows another node or skin; give it a mesh of its own");
+      refuse(name + ": mesh " + std::to_string(number) +
+             " already follows another node or skin; give it a mesh of its own");
     const size_t weights = animation.nodes[animated.node].morphWeights.size();
     if (weights > mesh.morphTargets.size())
-      fail(name + ": its node has " + std::to_string(weights) + " morph weights, its mesh has " +
-           std::to_string(mesh.morphTargets.size()) + " targets");
+      refuse(name + ": its node has " + std::to_string(weights) + " morph weights, its mesh has " +
+             std::to_string(mesh.morphTargets.size()) + " targets");
     if (!mesh.morphTargets.empty()) morphTargets[animated.node] = mesh.morphTargets.size();
   }
   return morphTargets;
@@ -123,14 +123,14 @@ std::map<uint32_t, size_t> checkInstances(const Scene& scene) {
 
 void validateAnimation(const Scene& scene) {
   const SceneAnimation& animation = scene.animation;
-  if (!finite(animation.root.rows)) fail("the transform above all nodes is not finite");
+  if (!finite(animation.root.rows)) refuse("the transform above all nodes is not finite");
   for (size_t i = 0; i < animation.nodes.size(); ++i) checkNode(animation.nodes[i], i);
   for (size_t i = 0; i < animation.skins.size(); ++i) checkSkin(animation, i);
   const std::map<uint32_t, size_t> morphTargets = checkInstances(scene);
   for (size_t i = 0; i < animation.clips.size(); ++i) {
     const Clip& clip = animation.clips[i];
     const std::string name = label("clip", i, clip.name);
-    if (!(clip.duration >= 0) || !std::isfinite(clip.duration)) fail(name + ": its duration is not 0 or more");
+    if (!(clip.duration >= 0) || !std::isfinite(clip.duration)) refuse(name + ": its duration is not 0 or more");
     for (size_t k = 0; k < clip.tracks.size(); ++k)
       checkTrack(clip.tracks[k], name + ", track " + std::to_string(k), animation, morphTargets);
   }

@@ -12,10 +12,10 @@
 namespace gnosphere {
 namespace {
 
-constexpr size_t kMostJoints = 65536;  // what Mesh::joints can number
+constexpr size_t kNumberedJoints = 65536;  // what Mesh::joints can number
 
 template <typename Values>
-bool finite(const Values& values) {
+bool allFinite(const Values& values) {
   return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
 }
 
@@ -107,7 +107,7 @@ Node AnimationReader::node(size_t index) const {
   const tinygltf::Mesh& mesh = model_.meshes[static_cast<size_t>(from.mesh)];
   const std::vector<double>& weights = from.weights.empty() ? mesh.weights : from.weights;
   node.morphWeights.assign(weights.begin(), weights.end());
-  if (!finite(node.morphWeights)) source_.fail(label(index) + ": a morph weight is not finite");
+  if (!allFinite(node.morphWeights)) source_.fail(label(index) + ": a morph weight is not finite");
   return node;
 }
 
@@ -128,7 +128,7 @@ void AnimationReader::skins() {
     if (values.size() < 16 * skin.joints.size())
       source_.fail(who + ": " + std::to_string(values.size() / 16) + " inverse bind matrices for " +
                    std::to_string(skin.joints.size()) + " joints");
-    if (!finite(values)) source_.fail(who + ": an inverse bind matrix is not finite");
+    if (!allFinite(values)) source_.fail(who + ": an inverse bind matrix is not finite");
     for (size_t joint = 0; joint < skin.joints.size(); ++joint)
       skin.inverseBinds[joint] = gltfMatrix(&values[16 * joint]);
   }
@@ -209,9 +209,9 @@ void AnimationReader::follow(size_t instance) {
 void AnimationReader::bind(Mesh& mesh, AnimatedInstance& animated) {
   const std::string who = label(placements_[animated.instance].node);
   const size_t joints = animation_.skins[animated.skin].joints.size();
-  if (joints == 0 || joints >= kMostJoints)
+  if (joints == 0 || joints >= kNumberedJoints)
     source_.fail(who + ": its skin has " + std::to_string(joints) + " joints; it must have 1 to " +
-                 std::to_string(kMostJoints - 1));
+                 std::to_string(kNumberedJoints - 1));
   bool rigid = false;
   for (size_t vertex = 0; vertex < mesh.vertexCount(); ++vertex) {
     const size_t first = vertex * mesh.influences, end = first + mesh.influences;
@@ -233,7 +233,7 @@ void AnimationReader::bind(Mesh& mesh, AnimatedInstance& animated) {
   // The mesh frame is that of the nodes, moved to the first joint, so that floats hold vertices far from the origin.
   const Transform& place = atRest_[animation_.skins[animated.skin].joints[0]];
   for (size_t row = 0; row < 3; ++row) animated.offset.rows[4 * row + 3] = place.rows[4 * row + 3];
-  if (!finite(animated.offset.rows)) source_.fail(who + ": the first joint of its skin is not at a finite place");
+  if (!allFinite(animated.offset.rows)) source_.fail(who + ": the first joint of its skin is not at a finite place");
   scene_.instances[animated.instance].transform = animated.offset;
 }
 
@@ -277,7 +277,7 @@ void AnimationReader::rest() {
   SceneState state = stateAt(scene_, {}, 0);
   for (size_t i = 0; i < scene_.meshes.size(); ++i) {
     for (const Transform& joint : state.deformations[i].joints)
-      if (!finite(joint.rows))
+      if (!allFinite(joint.rows))
         source_.fail(gltfLabel("mesh", i, scene_.meshes[i].name) + ": a joint is not at a finite place");
     scene_.meshes[i].deformation = std::move(state.deformations[i]);
   }

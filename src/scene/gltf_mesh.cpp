@@ -251,8 +251,8 @@ void MeshReader::appendVertices(Mesh& mesh, const std::string& who) {
 
 /// Returns the texture coordinates of an accessor as the file has them; empty if there is none.
 const std::vector<float>& MeshReader::uvsOf(const Vertices& vertices, size_t vertexCount, const std::string& who) {
-  static const std::vector<float> kNone;
-  if (vertices.uvs < 0) return kNone;
+  static const std::vector<float> kNoUvs;
+  if (vertices.uvs < 0) return kNoUvs;
   const auto cached = uvs_.find(vertices.uvs);
   const std::vector<float>& uvs =
       cached != uvs_.end() ? cached->second : uvs_.emplace(vertices.uvs, arrays_.uvs(vertices.uvs, who)).first->second;

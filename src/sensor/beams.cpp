@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/units.hpp"
+
 namespace gnosphere {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct SinCos {
   double sin, cos;

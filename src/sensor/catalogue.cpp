@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <string_view>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
 #include "sensor/catalogue_heads.hpp"
@@ -66,8 +66,6 @@ std::vector<double> numbersOf(const char* text, size_t count) {
   for (size_t i = given; i < count; ++i) numbers.push_back(numbers[i - given]);
   return numbers;
 }
-
-constexpr double kDegree = std::numbers::pi / 180, kMilli = 1e-3, kMicro = 1e-6;
 
 /// Sets the columns, the sector and the period that a mode of a head has.
 void setMode(const HeadFigures& figures, std::string_view mode, Sensor& sensor) {

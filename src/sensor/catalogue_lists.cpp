@@ -4,12 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/units.hpp"
 #include "base/vector.hpp"
 
 namespace gnosphere {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180, kFrame = 0.1;  // radians, seconds
+constexpr double kFrame = 0.1;  // seconds
 
 /// A prism that turns about the x axis, along which light reaches the first prism. One of its two faces is inclined.
 struct Prism {

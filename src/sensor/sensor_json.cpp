@@ -14,6 +14,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
 
@@ -140,14 +141,12 @@ std::vector<Channel> channelsFromObjects(const Source& source, const json& root)
   return channels;
 }
 
-constexpr double kMilli = 1000;
-
 /// Reads the optional properties beyond geometry.
 void readPulses(const Source& source, const json& root, Sensor& sensor) {
   if (const auto divergence = root.find("divergence_mrad"); divergence != root.end()) {
     const std::vector<double> angles = numbers(source, *divergence, "divergence_mrad", 2);
-    sensor.divergenceHorizontal = angles[0] / kMilli;
-    sensor.divergenceVertical = angles[1] / kMilli;
+    sensor.divergenceHorizontal = angles[0] / kMilliPerUnit;
+    sensor.divergenceVertical = angles[1] / kMilliPerUnit;
   }
   if (const auto returns = root.find("max_returns"); returns != root.end()) {
     if (!returns->is_number_unsigned() || returns->get<uint64_t>() > 5) {

@@ -7,6 +7,7 @@
 #include <concepts>
 #include <nlohmann/json.hpp>
 
+#include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
 
@@ -14,8 +15,6 @@ namespace gnosphere {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kMilli = 1000;
 
 /// Returns the shortest text that reads back to the same bits. JSON readers take "-0" for the integer 0, hence "-0.0".
 std::string text(double value) {
@@ -42,9 +41,9 @@ std::string text(const Vec3& v) {
 /// Returns the milliradians that divided by 1000 give the same radians: the product or one of its neighbours, in case
 /// rounding went the other way. (If none does, no double does, and the last bit is lost.)
 double milliradians(double radians) {
-  const double product = radians * kMilli;
+  const double product = radians * kMilliPerUnit;
   for (double candidate : {product, std::nextafter(product, 0.0), std::nextafter(product, 1e9)}) {
-    if (candidate / kMilli == radians) return candidate;
+    if (candidate / kMilliPerUnit == radians) return candidate;
   }
   return product;
 }

@@ -18,7 +18,7 @@ constexpr double kMostSeconds = 10;
               "sensor " + (sensor.name.empty() ? "without a name" : sensor.name) + ": " + why);
 }
 
-std::string text(const Vec3& v) {
+std::string coordinates(const Vec3& v) {
   return std::string("[") + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + "]";
 }
 
@@ -33,7 +33,7 @@ void checkChannel(const Sensor& sensor, size_t j) {
     refuseIts("azimuth offset", "within -360..360 degrees, is " + std::to_string(channel.azimuthOffsetDeg));
   const Vec3& o = channel.origin;
   if (!(o.x * o.x + o.y * o.y + o.z * o.z <= kMostOrigin * kMostOrigin))
-    refuseIts("origin", "within 1 m of the sensor's, is " + text(o));
+    refuseIts("origin", "within 1 m of the sensor's, is " + coordinates(o));
   if (!(std::abs(channel.timeOffset) <= 1))
     refuseIts("time offset", "within -1..1 s, is " + std::to_string(channel.timeOffset));
   for (const double range : {channel.rangeMin, channel.rangeMax})

@@ -15,7 +15,7 @@ struct CompareOptions {
   bool json = false;
 };
 
-void printTable(const Comparison& c, double tolerance) {
+void printComparison(const Comparison& c, double tolerance) {
   const auto row = [](const char* name, uint64_t count, const std::string& meaning) {
     std::printf("%-13s %12s  %s\n", name, grouped(count).c_str(), meaning.c_str());
   };
@@ -35,7 +35,8 @@ void printTable(const Comparison& c, double tolerance) {
 int runCompare(const CompareOptions& options) {
   const Scan reference = readCloud(options.reference);
   const Comparison comparison = compare(reference, readCloud(options.other), options.tolerance);
-  options.json ? void(std::printf("%s", dump(toJson(comparison)).c_str())) : printTable(comparison, options.tolerance);
+  options.json ? void(std::printf("%s", dump(toJson(comparison)).c_str()))
+               : printComparison(comparison, options.tolerance);
   return comparison.same() ? 0 : 1;
 }
 

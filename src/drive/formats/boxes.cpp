@@ -9,13 +9,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json listOf(const Vec3& v) {
+Json coordinates(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
 Json poseOf(const Pose& pose) {
   const Quaternion& q = pose.orientation;
-  return {{"position", listOf(pose.position)}, {"orientation", {q.x, q.y, q.z, q.w}}};
+  return {{"position", coordinates(pose.position)}, {"orientation", {q.x, q.y, q.z, q.w}}};
 }
 
 class Boxes : public Format {
@@ -49,8 +49,8 @@ class Boxes : public Format {
             {"time", box.time - recorded.planned.time},
             {"sensor_frame", poseOf(box.inSensor)},
             {"world_frame", poseOf(box.inWorld)},
-            {"size", listOf(box.size)},
-            {"velocity", listOf(box.velocity)},
+            {"size", coordinates(box.size)},
+            {"velocity", coordinates(box.velocity)},
             {"moving", box.moving},
             {"points", box.points},
             {"visibility", box.visibility}};

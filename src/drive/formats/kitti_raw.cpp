@@ -2,8 +2,8 @@
 // The layout of KITTI's raw data (Geiger et al., IJRR 2013): DATE/DATE_drive_0001_sync/velodyne_points and oxts. The
 // inertial unit is at the vehicle's origin; there are no cameras, so calib_velo_to_cam.txt only turns the axes.
 #include <cmath>
-#include <numbers>
 
+#include "base/units.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/pose_math.hpp"
 
@@ -14,7 +14,6 @@ namespace {
 // scaled by the cosine of the first latitude, and this is its inverse.
 constexpr double kLatitude = 49, kLongitude = 8.4, kAltitude = 115;
 constexpr double kEarthRadius = 6378137;
-constexpr double kDegree = std::numbers::pi / 180;
 
 constexpr const char* kDataFormat =
     "lat:   latitude of the oxts-unit (deg)\nlon:   longitude of the oxts-unit (deg)\n"

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kScale = 0.001;  ///< metres per unit of a coordinate
 constexpr uint16_t kHeaderBytes = 375, kVlrHeaderBytes = 54, kExtraRecordBytes = 192;
-constexpr uint16_t kPointBytes = 30 + sizeof(uint32_t);
+constexpr uint16_t kLasPointBytes = 30 + sizeof(uint32_t);
 /// Adjusted standard GPS time: seconds since 1980-01-06 less 10^9, 18 leap seconds ahead of UTC (since 2017).
 constexpr double kGpsOfUnix = -315964800.0 + 18 - 1e9;
 
@@ -57,7 +57,7 @@ class Las : public Format {
     const float factor = intensityFactor(drive_.sensors[recorded.planned.sensor], 65535);
     std::unordered_map<float, Pose> poses;  // by time; all beams of a column share one
     Points points;
-    points.records.reserve(scan.ranges.size() * kPointBytes);
+    points.records.reserve(scan.ranges.size() * kLasPointBytes);
     for (size_t entry = 0; entry < scan.ranges.size(); ++entry) {
       if (!scan.returned(entry)) continue;
       const float time = timed ? times[entry] : 0;
@@ -122,7 +122,7 @@ class Las : public Format {
     append(out, uint32_t{kHeaderBytes + kVlrHeaderBytes + kExtraRecordBytes});
     append(out, uint32_t{1});  // variable length records
     append(out, uint8_t{6});
-    append(out, kPointBytes);
+    append(out, kLasPointBytes);
     out.append(6 * sizeof(uint32_t), '\0');  // counts of old versions
     for (int axis = 0; axis < 3; ++axis) append(out, kScale);
     for (double value : {offset.x, offset.y, offset.z, max.x, min.x, max.y, min.y, max.z, min.z}) append(out, value);

@@ -49,7 +49,7 @@ constexpr CloudField kFields[] = {{"x", Field::x, 0},
                                   {"ring", Field::ring, 20},
                                   {"class", Field::classId, 22},
                                   {"instance", Field::instance, 24}};
-constexpr uint32_t kPointBytes = 28;
+constexpr uint32_t kCloudPointBytes = 28;
 constexpr size_t kCloudHeadBytes = 512, kTransformBytes = 160;  // about
 
 uint8_t datatypeOf(ValueType type) {
@@ -100,7 +100,7 @@ class Mcap : public Format {
     for (const RecordedScan& recorded : frame.scans) {
       if (!writes(recorded.planned.sensor)) continue;
       messages.push_back({channelOf(recorded.planned.sensor), static_cast<uint32_t>(recorded.planned.number),
-                          timeOf(recorded.planned.time), kCloudHeadBytes + recorded.points * kPointBytes,
+                          timeOf(recorded.planned.time), kCloudHeadBytes + recorded.points * kCloudPointBytes,
                           [&](std::string& bytes) { appendCloud(bytes, recorded); }});
     }
     files.push_back({chunkPath(frame.frame), mcapChunk(std::move(messages)), path("drive.mcap")});
@@ -136,7 +136,7 @@ class Mcap : public Format {
   void appendCloud(std::string& bytes, const RecordedScan& recorded) const {
     RecordLayout layout;
     layout.compact = true;
-    layout.stride = kPointBytes;
+    layout.stride = kCloudPointBytes;
     for (const CloudField& field : kFields)
       if (recorded.scan.has(field.field) || field.field == Field::ring)
         layout.values.push_back({field.field, 0, field.offset, fieldInfo(field.field).type});
@@ -146,7 +146,7 @@ class Mcap : public Format {
     cdr.number(uint32_t{1}).number(count).number(static_cast<uint32_t>(std::size(kFields)));
     for (const CloudField& field : kFields)
       cdr.text(field.name).number(field.offset).number(datatypeOf(fieldInfo(field.field).type)).number(uint32_t{1});
-    cdr.number(uint8_t{0}).number(kPointBytes).number(count * kPointBytes);
+    cdr.number(uint8_t{0}).number(kCloudPointBytes).number(count * kCloudPointBytes);
     cdr.blob([&](std::string& rows) { appendRows(rows, recorded.scan, layout); }).number(uint8_t{1});
   }
 };

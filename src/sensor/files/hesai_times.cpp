@@ -15,12 +15,13 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
 namespace {
 
-constexpr double kMicro = 1e-6, kNano = 1e-9, kNever = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
 
 /// A table of firing times that is being read.
 struct Table {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -19,8 +20,6 @@ using nlohmann::json;
 struct Emitters {
   std::vector<double> azimuths, elevations, times, rings, ranges, heights, sides;
 };
-
-constexpr double kNano = 1e-9;
 
 Emitters readState(SensorSource& source, const json& profile, const json& state, size_t index) {
   const std::string where = "emitterStates[" + std::to_string(index) + "]: ";

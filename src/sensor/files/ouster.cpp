@@ -7,9 +7,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <set>
 
+#include "base/units.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kDegree = std::numbers::pi / 180, kMillimetre = 1e-3;
+constexpr double kMillimetre = 1e-3;
 using Matrix = std::array<double, 16>;  // row by row, millimetres
 
 /// The metadata, whose keys lie in sections or all at the top.

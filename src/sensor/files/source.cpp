@@ -5,7 +5,8 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "base/units.hpp"
 
 namespace gnosphere {
 
@@ -55,7 +56,6 @@ Vec3 directionOfAngles(const SensorSource& source, double azimuthDeg, double ele
   if (std::abs(elevationDeg) > 90 + 1e-9 || std::abs(azimuthDeg) > 720)
     source.refuse("beam " + std::to_string(beam) + " has the azimuth " + std::to_string(azimuthDeg) +
                   " and the elevation " + std::to_string(elevationDeg) + " degrees, which are no angles of a beam");
-  constexpr double kDegree = std::numbers::pi / 180;
   const double a = kDegree * std::remainder(azimuthDeg, 360), e = kDegree * std::clamp(elevationDeg, -90.0, 90.0);
   return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
 }

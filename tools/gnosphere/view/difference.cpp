@@ -9,7 +9,7 @@
 namespace gnosphere::cli {
 namespace {
 
-enum Kind { kSame, kApart, kOnlyA, kOnlyB };
+enum Match { kSame, kApart, kOnlyA, kOnlyB };
 
 /// What a point was compared with: how far away it is, NaN if there is none.
 using Distances = std::vector<double>;
@@ -105,7 +105,7 @@ ViewCloud differenceOf(const ViewCloud& a, const ViewCloud& b, double distance) 
   ViewColumn difference{"difference", true, {}, {{kSame, "same"}, {kOnlyA, "only in A"}, {kOnlyB, "only in B"}}};
   ViewColumn apart{"distance", false, {}, {}};
   if (byBeam) difference.names[kApart] = "in both, apart";
-  const auto add = [&](const ViewCloud& from, const ViewCloud& to, int number, Kind alone) {
+  const auto add = [&](const ViewCloud& from, const ViewCloud& to, int number, Match alone) {
     for (double d : byBeam ? toSameBeam(from, to) : toNearest(from, to)) {
       cloud.values.push_back(number);
       apart.values.push_back(d);

@@ -14,7 +14,6 @@ namespace gnosphere::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 bool endsWith(const fs::path& file, const char* ending) {
   return lower(file.string()).ends_with(ending);
@@ -70,7 +69,7 @@ class DriveOutput {
     if (!best) refuse(sensor);
     Series series;
     series.frames = std::move(best->frames);
-    const Json drive = readJson(folder_ / "manifest" / "drive.json");
+    const nlohmann::json drive = readJson(folder_ / "manifest" / "drive.json");
     series.name = drive.value("drive", "");
     size_t unknown = 0;
     std::map<std::pair<uint64_t, std::string>, size_t> used;  // a frame may have several scans of a sensor
@@ -93,20 +92,20 @@ class DriveOutput {
   }
 
  private:
-  static Json readJson(const fs::path& file) {
-    Json json = Json::parse(readWholeFile(file), nullptr, false);
+  static nlohmann::json readJson(const fs::path& file) {
+    nlohmann::json json = nlohmann::json::parse(readWholeFile(file), nullptr, false);
     if (json.is_discarded()) throw Error(ErrorCode::format, file.string() + ": is no JSON");
     return json;
   }
 
   void readFrame(const fs::path& file) {
     try {
-      const Json frame = readJson(file);
+      const nlohmann::json frame = readJson(file);
       std::set<fs::path> all;
-      for (const Json& entry : frame.at("files")) all.insert(entry.at("path").get<std::string>());
+      for (const nlohmann::json& entry : frame.at("files")) all.insert(entry.at("path").get<std::string>());
       const uint64_t number = frame.at("frame").get<uint64_t>();
       std::vector<std::string> boxed;  // sensors with boxes, in the order of the scans
-      for (const Json& entry : frame.at("files")) {
+      for (const nlohmann::json& entry : frame.at("files")) {
         const fs::path path = entry.at("path").get<std::string>();
         addFile(number, path, kindOf(path, all));
         if (endsWith(entry.value("into", ""), ".mcap")) others_.insert("mcap");
@@ -116,7 +115,7 @@ class DriveOutput {
       if (boxed.size() != frame.at("scans").size()) return;
       for (size_t i = 0; i < boxed.size(); ++i)
         scans_[number].push_back({boxed[i], frame["scans"][i].at("points").get<uint64_t>()});
-    } catch (const Json::exception&) {
+    } catch (const nlohmann::json::exception&) {
       throw Error(ErrorCode::format, file.string() + ": is not a manifest that gnosphere drive has written");
     }
   }
@@ -155,14 +154,14 @@ class DriveOutput {
   void addNames(const Candidate& chosen, Series& series) const {
     std::error_code absent;
     if (fs::exists(folder_ / "classes.json", absent)) {
-      const Json classes = readJson(folder_ / "classes.json");
+      const nlohmann::json classes = readJson(folder_ / "classes.json");
       for (const auto& [name, id] : classes.items())
         if (id.is_number_unsigned()) series.names["class"][id.get<uint32_t>()] = name;
     }
     if (!fs::exists(folder_ / "objects.json", absent)) return;
     uint32_t actors = 0;
-    const Json objects = readJson(folder_ / "objects.json");
-    for (const Json& object : objects) {
+    const nlohmann::json objects = readJson(folder_ / "objects.json");
+    for (const nlohmann::json& object : objects) {
       const std::string name = object.value("name", "");
       if (chosen.kind == Kind::rows) series.names["instance"][object.value("object", 0u)] = name;
       // SemanticKITTI's labels number the actors from 1 on.

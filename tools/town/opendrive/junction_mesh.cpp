@@ -13,10 +13,9 @@ using ClipperLib::IntPoint;
 using ClipperLib::Path;
 using ClipperLib::Paths;
 
-constexpr double kUnit = 1000;  ///< per metre
-constexpr double kCell = 4;     ///< metres: the largest triangle, so that triangles follow the heights
-constexpr double kHeal = 0.4;   ///< metres: gaps up to twice as wide are closed, and so are sharp corners
-constexpr double kKerbStone = 0.18;
+constexpr double kUnit = 1000;      ///< per metre
+constexpr double kCell = 4;         ///< metres: the largest triangle, so that triangles follow the heights
+constexpr double kHeal = 0.4;       ///< metres: gaps up to twice as wide are closed, and so are sharp corners
 constexpr double kSmallest = 1e-3;  ///< square metres
 
 Paths combined(ClipperLib::ClipType type, const Paths& a, const Paths& b) {

@@ -10,8 +10,7 @@ namespace {
 constexpr double kPanel = 3;       ///< metres: a dash is one panel long, the gap after it two
 constexpr double kPiece = 48;      ///< metres: the longest piece of a mesh
 constexpr double kSagitta = 0.02;  ///< metres: the largest distance of a chord from its curve
-constexpr double kKerbStone = 0.18;
-constexpr double kNarrow = 1e-3;  ///< metres: a lane that is not wider than this is ignored
+constexpr double kNarrow = 1e-3;   ///< metres: a lane that is not wider than this is ignored
 
 /// A cross-section of the road.
 struct Cut {

@@ -7,6 +7,7 @@
 namespace gnosphere::town::opendrive {
 
 inline constexpr double kCurbHeight = 0.12;  ///< height of sidewalks if the file states none
+inline constexpr double kKerbStone = 0.18;   ///< metres: the width of a kerb
 inline constexpr double kSkirt = 0.6;        ///< metres by which the edges of roads extend downwards
 
 /// A mesh placed at `at` (whole metres), without rotation.

@@ -7,7 +7,7 @@
 namespace gnosphere::town::opendrive {
 namespace {
 
-constexpr double kStep = 4;  ///< metres between heights, more if there would be more than kMostNodes
+constexpr double kNodeStep = 4;  ///< metres between heights, more if there would be more than kMostNodes
 constexpr double kMostNodes = 1e6;
 constexpr double kBelow = 0.15;  ///< metres that the ground lies below a road
 constexpr double kShoulder = 5;  ///< metres beside a road where the ground keeps that distance
@@ -38,7 +38,7 @@ void forEachPoint(const Road& road, double step, double beside, Visit&& visit) {
 
 Terrain::Terrain(const Network& network, const Area& area) : area_(area) {
   const double width = area.x1 - area.x0, depth = area.y1 - area.y0;
-  const double step = std::max(kStep, std::sqrt(width * depth / kMostNodes));
+  const double step = std::max(kNodeStep, std::sqrt(width * depth / kMostNodes));
   columns_ = static_cast<size_t>(std::ceil(width / step));
   rows_ = static_cast<size_t>(std::ceil(depth / step));
   stepX_ = width / static_cast<double>(columns_);
