@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sensors that are lists of beams: their scans equal the reference's, a grid given as a list has the grid's bytes, and
 // no switch and no order of the beams changes a byte.
+#include <numbers>
+
 #include "effects/showroom.hpp"
 #include "list_sensors.hpp"
 #include "pipeline/beam_cells.hpp"
@@ -287,6 +289,38 @@ TEST_CASE("real heads equal the reference, standing and moving", "[combinations]
       CHECK(found.counters.hits > 0);
       requireSame(expected, found);
     }
+}
+
+TEST_CASE("every spinning head has rows, and each beam lies behind its place as its row says") {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  size_t grids = 0;
+  for (const CatalogueHead& head : sensorCatalogue()) {
+    const Sensor sensor = builtinSensor(head.name);
+    if (!sensor.isGrid()) continue;
+    INFO(head.name);
+    ++grids;
+    const std::optional<RowGrid> grid = rowGridOf(sensor);
+    REQUIRE(grid);
+    CHECK(grid->rows.size() == sensor.channels.size());
+    std::vector<bool> taken(sensor.beamCount());
+    double worst = 0;
+    for (const RowGrid::Row& row : grid->rows)
+      for (uint32_t i = 0; i < grid->taken; ++i) {
+        const size_t beam = size_t{row.channel} * sensor.columns + grid->columnAt(i);
+        taken[beam] = true;
+        const double place = (azimuthOf(sensor, beam) / kTurn + 0.5) * grid->columns - grid->phase;
+        const double behind = row.behind + grid->stretch * i / std::max(1u, grid->taken - 1);
+        worst = std::max(worst, std::abs(std::remainder(place - (int64_t{i} + row.first) - behind, grid->columns)));
+        CHECK_FALSE(behind > grid->beside + 1e-9);
+        // The beam fires when the table of moments says so.
+        const ScanTimes times = scanTimesOf(*grid, sensor);
+        const double time = times.first + (i + row.lag + grid->before()) * times.step;
+        worst = std::max(worst, std::abs(time - timeOf(sensor, beam)));
+      }
+    CHECK(worst < 1e-7);
+    CHECK(std::count(taken.begin(), taken.end(), false) == 0);
+  }
+  CHECK(grids > 20);
 }
 
 TEST_CASE("lasers of a moving sensor see the scene at their own times") {
