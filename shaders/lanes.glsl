@@ -4,7 +4,7 @@
 // True on CPU devices, which execute the lanes of a subgroup together in any case. There subgroupBarrier() must not be
 // called: Mesa's lavapipe waits for the whole workgroup at it, and work is lost if one subgroup goes round a loop more
 // often than another.
-layout(constant_id = 20) const bool kLanesInStep = false;
+layout(constant_id = 23) const bool kLanesInStep = false;
 
 // All lanes of the subgroup wait here for one another.
 void meetAgain() {

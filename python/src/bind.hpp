@@ -37,6 +37,7 @@ void bindDevices(nb::module_& m);
 void bindOptions(nb::module_& m);
 void bindSimulator(nb::module_& m);
 void bindDrive(nb::module_& m);
+void bindRos2(nb::module_& m);
 
 using WithoutGil = nb::call_guard<nb::gil_scoped_release>;
 

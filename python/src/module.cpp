@@ -22,4 +22,5 @@ NB_MODULE(_gnosphere, m) {
   bindOptions(m);
   bindSimulator(m);
   bindDrive(m);
+  bindRos2(m);
 }

@@ -91,7 +91,7 @@ class Transfer {
 
   /// Allocates what write() to this buffer needs.
   void prepareWrite(const Buffer& buffer) {
-    if (!buffer.mapped()) stage(MemoryKind::upload);
+    if (!buffer.mapped()) staging(false);
   }
   void write(Buffer& buffer, uint64_t place, std::span<const std::byte> data);
   void read(const Buffer& buffer, uint64_t place, std::span<std::byte> data);

@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory runs out, or a disk fails, at every place of every call: the call reports it, and the object is as before.
-#include <gnosphere.h>
-
+// Memory runs out at every place of a call that changes a simulator: the call reports it, and the object is as before.
 #include <catch2/generators/catch_generators.hpp>
-#include <filesystem>
-#include <fstream>
 
 #include "deformable.hpp"
 #include "failure/injection.hpp"
-#include "folder.hpp"
 
 namespace gnosphere::test {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// A floor, a limb that bends, and a material with holes.
 Scene smallScene() {
@@ -133,155 +126,6 @@ TEST_CASE("without memory a change of the scene leaves the simulator as it was",
       [&] {
         added = simulator.addSensor({gridSensor(40, 4, -10, 10), Effects::none(), {}});
       });
-}
-
-TEST_CASE("without memory a scan gives an empty result, and the next one is as ever", "[combinations]") {
-  const DeviceChoice::Kind kind = everyKind();
-  Subject subject(kind);
-  const std::string device = nameOf(kind);
-  Scan scan;
-  Shot shot = subject.shot;
-  const auto check = [&] {
-    CHECK((scan.ranges.empty() || sameBytes(scan, subject.expected)));
-    subject.check();
-  };
-  const auto move = [&](double y) { subject.simulator.setTransform(1, translation(5, y, 0)); };
-  failEach(device + "scanInto", Fails::memory, {[&] { subject.simulator.scanInto(shot, scan); }, {}, check});
-  failEach(device + "scanInto, new memory", Fails::memory,
-           {[&] {
-              scan = Scan();
-              subject.simulator.scanInto(shot, scan);
-            },
-            {},
-            check});
-  // Every scan sees a change, so that tables are written again.
-  failEach(device + "scanInto, moving", Fails::memory,
-           {[&] { subject.simulator.scanInto(shot, scan); },
-            {},
-            [&] {
-              check();
-              move(1);
-              subject.simulator.scanInto(shot, scan);
-              move(0);
-            }});
-  const std::vector<Shot> shots(4, shot);
-  failEach(device + "scanAll", Fails::memory,
-           {[&] { subject.simulator.scanAll(shots, [&](size_t, const Scan& made) { scan = made; }); }, {}, check});
-  failEach(device + "plan", Fails::memory, {[&] { (void)toJson(subject.simulator.plan()); }, {}, check});
-}
-
-TEST_CASE("without memory or room on the disk no cloud is written by half, and reading says so") {
-  const Subject subject(DeviceChoice::Kind::reference);
-  const Folder folder;
-  for (const char* ending : {"pcd", "ply", "npy", "csv", "bin"}) {
-    const fs::path file = folder / (std::string("cloud.") + ending);
-    writeCloud(subject.expected, file);
-    const std::string whole = bytesOf(file);
-    for (const Fails what : {Fails::memory, Fails::files}) {
-      const std::string name = std::string(what == Fails::memory ? "memory" : "files") + ": writeCloud, " + ending;
-      failEach(name, what,
-               {[&] { writeCloud(subject.expected, file); },
-                {},
-                [&] {
-                  CHECK(bytesOf(file) == whole);
-                  CHECK_FALSE(fs::exists(file.string() + ".part"));
-                }});
-    }
-    if (std::string(ending) == "bin") continue;
-    failEach(std::string("memory: readCloud, ") + ending, Fails::memory, {[&] { (void)readCloud(file); }, {}, {}});
-    failEach(std::string("files: readCloud, ") + ending, Fails::files, {[&] { (void)readCloud(file); }, {}, {}});
-  }
-}
-
-TEST_CASE("without memory a scene is neither written by half nor read") {
-  const Folder folder;
-  const Scene scene = smallScene();
-  const fs::path file = folder / "scene.glb";
-  writeGlb(scene, file);
-  const std::string whole = bytesOf(file);
-  const auto same = [&] { CHECK(bytesOf(file) == whole); };
-  failEach("memory: writeGlb", Fails::memory, {[&] { writeGlb(scene, file); }, {}, same});
-  failEach("files: writeGlb", Fails::files, {[&] { writeGlb(scene, file); }, {}, same});
-  failEach("memory: loadScene, glb", Fails::memory, {[&] { (void)loadScene(file); }, {}, {}});
-  std::ofstream(folder / "scene.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\no a\nf 1 2 3\nf 1 2 4\n";
-  failEach("memory: loadScene, obj", Fails::memory, {[&] { (void)loadScene(folder / "scene.obj"); }, {}, {}});
-  failEach("memory: sensorFromJson", Fails::memory,
-           {[&] { (void)sensorFromJson(toJson(builtinSensor("VLP-16")), "sensor"); }, {}, {}});
-}
-
-TEST_CASE("C: without memory every function returns a status, and its handles stay what they are") {
-  gno_scene scene = nullptr;
-  REQUIRE(gno_scene_create(&scene) == GNO_OK);
-  const float corners[] = {-20, -20, 0, 20, -20, 0, 20, 20, 0, -20, 20, 0};
-  const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
-  gno_mesh mesh = gno_mesh_init();
-  mesh.positions = corners;
-  mesh.vertex_count = 4;
-  mesh.indices = triangles;
-  mesh.triangle_count = 2;
-  const gno_material material = gno_material_init();
-  const gno_instance instance = gno_instance_init();
-  REQUIRE(gno_scene_add_material(scene, &material, nullptr) == GNO_OK);
-  REQUIRE(gno_scene_add_mesh(scene, &mesh, nullptr) == GNO_OK);
-  REQUIRE(gno_scene_add_instance(scene, &instance, nullptr) == GNO_OK);
-  gno_sensor sensor = nullptr;
-  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
-  gno_request request = gno_request_init();
-  request.sensor = sensor;
-  gno_options options = gno_options_init();
-  options.device = "reference";
-  gno_simulator simulator = nullptr;
-  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
-  gno_shot shot = gno_shot_init();
-  shot.pose.position[2] = 1.8;
-  uint64_t hits = 0;
-  const auto receive = [](size_t, gno_scan scan, void* user) -> int32_t {
-    gno_counters counters = gno_counters_init();
-    gno_scan_get_counters(scan, &counters);
-    *static_cast<uint64_t*>(user) = counters.hits;
-    return 0;
-  };
-  const auto scanAll = [&] { return gno_simulator_scan_all(simulator, &shot, 1, receive, &hits); };
-  REQUIRE(scanAll() == GNO_OK);
-  const uint64_t expected = hits;
-  const auto check = [&] {
-    hits = 0;
-    CHECK(scanAll() == GNO_OK);
-    CHECK(hits == expected);
-  };
-  const auto each = [&](const char* name, const std::function<gno_status()>& call, const std::function<void()>& undo) {
-    failEach(std::string("C: ") + name, Fails::memory,
-             {[&] {
-                const gno_status status = call();
-                if (status == GNO_OUT_OF_MEMORY) throw std::bad_alloc();
-                if (status != GNO_OK) throw std::runtime_error("status " + std::to_string(status));
-              },
-              undo, check});
-  };
-  each("scan_all", scanAll, {});
-  gno_simulator made = nullptr;
-  each(
-      "simulator_create", [&] { return gno_simulator_create(scene, &request, 1, &options, &made); },
-      [&] { gno_simulator_destroy(made); });
-  gno_scan scan = nullptr;
-  each(
-      "scan", [&] { return gno_simulator_scan(simulator, &shot, &scan); },
-      [&] {
-        gno_scan_destroy(scan);
-        scan = nullptr;
-      });
-  size_t index = 0;
-  each(
-      "add_mesh", [&] { return gno_simulator_add_mesh(simulator, &mesh, &index); },
-      [&] { gno_simulator_remove_mesh(simulator, index); });
-  const char* plan = nullptr;
-  each("get_plan", [&] { return gno_simulator_get_plan(simulator, 0, &plan); }, {});
-  gno_sensor other = nullptr;
-  each(
-      "sensor_builtin", [&] { return gno_sensor_builtin("HDL-64E", &other); }, [&] { gno_sensor_destroy(other); });
-  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
-  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
-  CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
 }  // namespace gnosphere::test

@@ -133,10 +133,10 @@ TEST_CASE("RGL: wrong handles, arguments and graphs are statuses with a sentence
   OK(rgl_node_is_alive(raytrace, &alive));
   CHECK(!alive);
   rgl_node_t none = nullptr;
-  CHECK(failed(rgl_node_publish_ros2_radarscan(&none, "topic", "frame", QOS_POLICY_RELIABILITY_SYSTEM_DEFAULT,
-                                               QOS_POLICY_DURABILITY_SYSTEM_DEFAULT, QOS_POLICY_HISTORY_SYSTEM_DEFAULT,
-                                               1),
-               RGL_NOT_IMPLEMENTED, "ros2"));
+  CHECK(failed(
+      rgl_node_publish_ros2_radarscan(&none, "topic", "frame", QOS_POLICY_RELIABILITY_SYSTEM_DEFAULT,
+                                      QOS_POLICY_DURABILITY_SYSTEM_DEFAULT, QOS_POLICY_HISTORY_SYSTEM_DEFAULT, 1),
+      RGL_NOT_IMPLEMENTED, "ros2"));
   int32_t available = -1;
   OK(rgl_get_extension_info(RGL_EXTENSION_UDP, &available));
   CHECK(available == 0);

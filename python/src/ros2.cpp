@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// Binds gnosphere/ros2.hpp, as the module gnosphere.ros2.
+#include <gnosphere/ros2.hpp>
+
+#include "arrays.hpp"
+#include "scan.hpp"
+
+namespace gnosphere::python {
+
+using namespace ros2;
+
+namespace {
+
+using Bytes = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+void bindQos(nb::module_& m) {
+  nb::class_<Qos> qos(m, "Qos", "Quality of service. Messages beyond `depth` replace the oldest ones.");
+  nb::enum_<Qos::Reliability>(qos, "Reliability")
+      .value("reliable", Qos::Reliability::reliable)
+      .value("best_effort", Qos::Reliability::bestEffort);
+  nb::enum_<Qos::Durability>(qos, "Durability")
+      .value("volatile_data", Qos::Durability::volatileData)
+      .value("transient_local", Qos::Durability::transientLocal, "who subscribes late gets the last messages");
+  qos.def(
+         "__init__",
+         [](Qos* self, Qos::Reliability reliability, Qos::Durability durability, uint32_t depth) {
+           new (self) Qos{reliability, durability, depth};
+         },
+         "reliability"_a = Qos::Reliability::reliable, "durability"_a = Qos::Durability::volatileData, "depth"_a = 5)
+      .def_rw("reliability", &Qos::reliability)
+      .def_rw("durability", &Qos::durability)
+      .def_rw("depth", &Qos::depth);
+}
+
+void bindCloud(nb::module_& m) {
+  nb::class_<PointField> field(m, "PointField", "A field of a PointCloud2.");
+  nb::enum_<PointField::Type>(field, "Type", "With the numbers that ROS gives them.")
+      .value("i8", PointField::Type::i8)
+      .value("u8", PointField::Type::u8)
+      .value("i16", PointField::Type::i16)
+      .value("u16", PointField::Type::u16)
+      .value("i32", PointField::Type::i32)
+      .value("u32", PointField::Type::u32)
+      .value("f32", PointField::Type::f32)
+      .value("f64", PointField::Type::f64);
+  field
+      .def(
+          "__init__",
+          [](PointField* self, std::string name, uint32_t offset, PointField::Type type, uint32_t count) {
+            new (self) PointField{std::move(name), offset, type, count};
+          },
+          "name"_a, "offset"_a, "type"_a = PointField::Type::f32, "count"_a = 1)
+      .def_ro("name", &PointField::name)
+      .def_ro("offset", &PointField::offset, "Bytes from the start of the point.")
+      .def_ro("type", &PointField::type)
+      .def_ro("count", &PointField::count);
+
+  nb::class_<PointCloud2> cloud(m, "PointCloud2", "sensor_msgs/PointCloud2.");
+  cloud
+      .def(
+          "__init__",
+          [](PointCloud2* self, Bytes data, std::vector<PointField> fields, uint32_t step, uint32_t width,
+             uint32_t height, std::string frame, int64_t stamp, bool dense) {
+            new (self) PointCloud2{stamp,
+                                   std::move(frame),
+                                   height,
+                                   width,
+                                   std::move(fields),
+                                   step,
+                                   {data.data(), data.data() + data.size()},
+                                   dense};
+          },
+          "data"_a, "fields"_a, "point_step"_a, "width"_a, "height"_a = 1, "frame"_a = "", "stamp"_a = 0,
+          "dense"_a = true,
+          "`data` is an array of uint8, which is copied. cloud_of_array() makes a message of records.")
+      .def_rw("stamp", &PointCloud2::stamp, "Nanoseconds since 1970, or since the start of a simulated clock.")
+      .def_rw("frame", &PointCloud2::frame)
+      .def_ro("height", &PointCloud2::height)
+      .def_ro("width", &PointCloud2::width)
+      .def_ro("point_step", &PointCloud2::pointStep, "Bytes of a point.")
+      .def_rw("dense", &PointCloud2::dense, "Whether every point is a number.")
+      .def_prop_ro(
+          "data",
+          [](const PointCloud2& self) {
+            return nb::bytes(reinterpret_cast<const char*>(self.data.data()), self.data.size());
+          },
+          "A copy of height * width points, little-endian.");
+  readTuple(cloud, "fields", &PointCloud2::fields, "The fields of a point.");
+}
+
+void bindLaserScan(nb::module_& m) {
+  nb::class_<LaserScan>(m, "LaserScan", "sensor_msgs/LaserScan.")
+      .def(nb::init<>())
+      .def_rw("stamp", &LaserScan::stamp, "Of the first ray, nanoseconds.")
+      .def_rw("frame", &LaserScan::frame)
+      .def_rw("angle_min", &LaserScan::angleMin, "Radians, counter-clockwise from the x axis.")
+      .def_rw("angle_max", &LaserScan::angleMax)
+      .def_rw("angle_increment", &LaserScan::angleIncrement)
+      .def_rw("time_increment", &LaserScan::timeIncrement, "Seconds between rays.")
+      .def_rw("scan_time", &LaserScan::scanTime, "Seconds between scans.")
+      .def_rw("range_min", &LaserScan::rangeMin)
+      .def_rw("range_max", &LaserScan::rangeMax)
+      .def_rw("ranges", &LaserScan::ranges, "Metres; a list that is assigned whole; inf where nothing is hit.")
+      .def_rw("intensities", &LaserScan::intensities, "One per range, or none; a list that is assigned whole.");
+}
+
+void bindPublisher(nb::module_& m) {
+  nb::class_<PublisherCounts>(m, "PublisherCounts")
+      .def_ro("published", &PublisherCounts::published, "Messages that were given to publish().")
+      .def_ro("sent", &PublisherCounts::sent, "Of them, those that went to the network.")
+      .def_ro("dropped", &PublisherCounts::dropped,
+              "Of them, those that newer ones replaced before they went there, or that it refused.")
+      .def_ro("waiting", &PublisherCounts::waiting, "Of them, those that wait now.")
+      .def_ro("subscribers", &PublisherCounts::subscribers, "Now.");
+  nb::class_<Publisher>(m, "Publisher",
+                        "Publishes the messages of one topic. A thread of its own sends them, so that publish() never "
+                        "waits for subscribers or for the network.")
+      .def(
+          "__init__",
+          [](Publisher* self, MessageType type, const std::string& topic, const Qos& qos,
+             std::optional<uint32_t> domain, std::optional<bool> localhostOnly) {
+            const nb::gil_scoped_release released;
+            new (self) Publisher(type, topic, {qos, domain, localhostOnly});
+          },
+          "type"_a, "topic"_a, "qos"_a = Qos(), "domain"_a = nb::none(), "localhost_only"_a = nb::none(),
+          "`topic` is a name of ROS, such as \"points\" or \"/front/points\"; the domain is that of ROS_DOMAIN_ID "
+          "unless given. Raises Error(device) that says what is missing if GnoSphere was built without Cyclone DDS.")
+      .def(
+          "publish", [](Publisher& self, PointCloud2 message) { self.publish(std::move(message)); }, "message"_a)
+      .def(
+          "publish", [](Publisher& self, LaserScan message) { self.publish(std::move(message)); }, "message"_a)
+      .def(
+          "publish", [](Publisher& self, Clock message) { self.publish(message); }, "message"_a)
+      .def(
+          "publish", [](Publisher& self, std::vector<StampedTransform> message) { self.publish(std::move(message)); },
+          "message"_a, "Raises Error(invalid_argument) for a message of another type than the topic's.")
+      .def("flush", &Publisher::flush, "seconds"_a, WithoutGil(),
+           "Waits until all messages have been given to the network. Returns False if that takes longer.")
+      .def("counts", &Publisher::counts);
+}
+
+}  // namespace
+
+void bindRos2(nb::module_& parent) {
+  nb::module_ m = parent.def_submodule("_ros2", "Publishes messages that nodes of ROS 2 receive, without ROS.");
+  nb::enum_<MessageType>(m, "MessageType")
+      .value("point_cloud2", MessageType::pointCloud2)
+      .value("laser_scan", MessageType::laserScan)
+      .value("transforms", MessageType::transforms)
+      .value("clock", MessageType::clock);
+  bindQos(m);
+  bindCloud(m);
+  bindLaserScan(m);
+  nb::class_<StampedTransform>(m, "StampedTransform", "The pose of a frame in its parent.")
+      .def(
+          "__init__",
+          [](StampedTransform* self, int64_t stamp, std::string from, std::string child, const Pose& pose) {
+            new (self) StampedTransform{stamp, std::move(from), std::move(child), pose};
+          },
+          "stamp"_a, "parent"_a, "child"_a, "pose"_a = Pose())
+      .def_ro("stamp", &StampedTransform::stamp, "Nanoseconds.")
+      .def_ro("parent", &StampedTransform::parent)
+      .def_ro("child", &StampedTransform::child)
+      .def_ro("pose", &StampedTransform::pose);
+  nb::class_<Clock>(m, "Clock", "rosgraph_msgs/Clock.")
+      .def(
+          "__init__", [](Clock* self, int64_t time) { new (self) Clock{time}; }, "time"_a)
+      .def_ro("time", &Clock::time, "Nanoseconds.");
+  bindPublisher(m);
+  m.def("unavailable", &unavailable, "Why nothing can be published; an empty text if messages can be.");
+  m.def(
+      "cloud_of",
+      [](const SharedScan& scan, const std::vector<Field>& fields, const std::string& frame, int64_t stamp) {
+        return cloudOf(*scan.scan, fields, frame, stamp);
+      },
+      "scan"_a, "fields"_a, "frame"_a, "stamp"_a, WithoutGil(),
+      "The returns of a scan as a cloud with these fields and without gaps.");
+  m.def(
+      "laser_scan_of",
+      [](const Sensor& sensor, const SharedScan& scan, uint32_t channel, const std::string& frame, int64_t stamp) {
+        return laserScanOf(sensor, *scan.scan, channel, frame, stamp);
+      },
+      "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a, WithoutGil(),
+      "The first returns of one channel of a grid of beams that turns, from the first column to the last.");
+}
+
+}  // namespace gnosphere::python
