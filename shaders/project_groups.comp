@@ -39,7 +39,6 @@ void countClusters(uint count, float nearest, float farthest_) {
 }
 
 void listGroups() {
-  if (gl_WorkGroupID.x == 0 && gl_LocalInvocationID.x == 0) counters.alive = kAlive;
   uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   uint rounds = (pass.placedCount + stride - 1) / stride, half_ = (pass.shell & 1) * pass.placedCount;
   for (uint k = 0; k < rounds; ++k) {
@@ -93,6 +92,7 @@ void chooseShells() {
 
 void main() {
   loadMotion();
+  if (gl_WorkGroupID.x == 0 && gl_LocalInvocationID.x == 0) counters.alive = kAlive;
   if (PASS == kPassList) {
     listGroups();
   } else if (gl_LocalInvocationID.x == 0) {

@@ -76,7 +76,7 @@ Scan full(uint32_t returns) {
   setColumn(scan, Field::cause, causes);
   setColumn(scan, Field::tie, ties);
   ClassTable classes;
-  classes.setMesh(0, {}, {});
+  classes.setMesh(0, {});
   for (size_t i = 0; i < 3; ++i) classes.setInstance(i, 0, std::array<uint16_t, 3>{500, 1, 65535}[i]);
   ComputedColumns(smallSensor(), kComputed).set(classes, 0, scan);
   return scan;

@@ -167,7 +167,8 @@ TEST_CASE("lists grow up to the limit and change no byte") {
       CHECK(sameBytes(scan, expected[i]));
       retries += scan.counters.retries;
     });
-    CHECK(retries >= 1);
+    // With slabs the lists have room for several views from the start.
+    if (binning != Binning::slabs) CHECK(retries >= 1);
     CHECK(largestBuffer(capped) <= options.tuning.maxBufferBytes);
   }
 }

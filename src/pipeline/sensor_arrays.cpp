@@ -39,7 +39,11 @@ uint32_t grown(Array array, uint64_t needed, uint64_t limit) {
 gpu::Counters shareOf(const gpu::Counters& counters, uint32_t view, uint32_t views) {
   auto words = std::bit_cast<std::array<uint32_t, sizeof counters / sizeof(uint32_t)>>(counters);
   for (uint32_t& word : words) word = word / views + (view == 0 ? word % views : 0);
-  return std::bit_cast<gpu::Counters>(words);
+  auto share = std::bit_cast<gpu::Counters>(words);
+  // In a share, too, the triangles that were read are those that were culled and those that were projected.
+  share.triangles = share.nonFinite + share.culledByRange + share.culledByFace + share.culledBetweenBeams +
+                    share.culledHidden + share.projectedSmall + share.projectedLarge + share.tried;
+  return share;
 }
 
 }  // namespace

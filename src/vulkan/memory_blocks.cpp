@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
+#include <utility>
 
 namespace gnosphere::vulkan {
 namespace {
@@ -11,6 +12,14 @@ namespace {
 // Blocks of one type begin small, so that a small simulator takes little, and double. A larger piece has a block of
 // its own.
 constexpr VkDeviceSize kFirstBlock = 1 << 20, kLargestBlock = 32 << 20, kLargestShared = 4 << 20;
+
+// Inserts a node of a map as a run; needs no memory.
+template <typename Runs>
+void insertRun(Runs& runs, typename Runs::node_type node, VkDeviceSize offset, VkDeviceSize size) {
+  node.key() = offset;
+  node.mapped() = size;
+  runs.insert(std::move(node));
+}
 
 VkDeviceSize roundedUp(VkDeviceSize value, VkDeviceSize to) {
   return (value + to - 1) / to * to;
@@ -36,7 +45,8 @@ void MemoryBlocks::giveBack(const Piece& piece) noexcept {
   const auto found = std::find_if(blocks_.begin(), blocks_.end(),
                                   [&](const auto& block) { return block->memory.get() == piece.memory; });
   if (found == blocks_.end()) return;
-  std::map<VkDeviceSize, VkDeviceSize>& free = (*found)->free;
+  Runs& free = (*found)->free;
+  Runs::node_type run = (*found)->taken.extract(piece.offset);
   if (piece.size == (*found)->size) {
     blocks_.erase(found);
     return;
@@ -58,7 +68,7 @@ void MemoryBlocks::giveBack(const Piece& piece) noexcept {
   if (end - offset == (*found)->size)
     blocks_.erase(found);
   else
-    free.emplace(offset, end - offset);
+    insertRun(free, std::move(run), offset, end - offset);
 }
 
 VkResult MemoryBlocks::makeBlock(VkDeviceSize size, uint32_t type, bool visible) {
@@ -88,9 +98,16 @@ bool MemoryBlocks::takeFrom(Block& block, VkDeviceSize size, VkDeviceSize alignm
   for (auto run = block.free.begin(); run != block.free.end(); ++run) {
     const VkDeviceSize first = run->first, end = first + run->second, offset = roundedUp(first, alignment);
     if (offset + size > end) continue;
-    block.free.erase(run);
-    if (offset > first) block.free.emplace(first, offset - first);
-    if (offset + size < end) block.free.emplace(offset + size, end - offset - size);
+    const bool before = offset > first, behind = offset + size < end;
+    Runs taken = {{offset, size}}, more;
+    if (before && behind) more.emplace(0, 0);
+    block.taken.insert(taken.extract(taken.begin()));
+    Runs::node_type node = block.free.extract(run);
+    if (before) {
+      insertRun(block.free, std::move(node), first, offset - first);
+      if (behind) node = more.extract(more.begin());
+    }
+    if (behind) insertRun(block.free, std::move(node), offset + size, end - offset - size);
     piece = {block.memory.get(), offset, size, block.mapped ? block.mapped + offset : nullptr};
     return true;
   }

@@ -38,12 +38,14 @@ class MemoryBlocks {
   size_t count() const { return blocks_.size(); }
 
  private:
+  using Runs = std::map<VkDeviceSize, VkDeviceSize>;  // size by offset
   struct Block {
     DeviceHandle<VkDeviceMemory> memory;
     uint32_t type;
     VkDeviceSize size;
     std::byte* mapped;
-    std::map<VkDeviceSize, VkDeviceSize> free;  // size of each free run by its offset
+    Runs free;
+    Runs taken = {};  // its nodes become those of free runs, so that giving back needs no memory
   };
 
   VkResult makeBlock(VkDeviceSize size, uint32_t type, bool visible);

@@ -5,6 +5,7 @@
 #include <execinfo.h>
 #include <link.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
