@@ -117,15 +117,17 @@ void bindShot(nb::module_& m) {
 
 using Function = std::optional<nb::typed<nb::callable, nb::object(std::string)>>;
 
+template <auto kMember>
 Function functionOf(const SimulatorOptions& options) {
-  const Warn* const warn = options.warn.target<Warn>();
+  const Warn* const warn = (options.*kMember).template target<Warn>();
   if (!warn) return {};
   return nb::cast<nb::typed<nb::callable, nb::object(std::string)>>(warn->function());
 }
 
-void setWarn(SimulatorOptions& options, Function function) {
-  options.warn = nullptr;
-  if (function) options.warn = Warn(std::move(*function));
+template <auto kMember>
+void setFunction(SimulatorOptions& options, Function function) {
+  options.*kMember = nullptr;
+  if (function) options.*kMember = Warn(std::move(*function));
 }
 
 void bindSimulatorOptions(nb::module_& m) {
@@ -135,27 +137,42 @@ void bindSimulatorOptions(nb::module_& m) {
           "__init__",
           [](SimulatorOptions* self, const DeviceChoice& device, Accuracy accuracy, std::optional<AccuracyParts> parts,
              ReflectingFaces faces, const MaterialTable& materials, std::string cache, Function warn, bool validation,
-             const Tuning& tuning) {
-            SimulatorOptions made{device,           accuracy, std::move(parts), faces, materials,
-                                  std::move(cache), {},       validation,       tuning};
-            setWarn(made, std::move(warn));
+             const Tuning& tuning, Function trace, bool compileOnly) {
+            SimulatorOptions made;
+            made.device = device;
+            made.accuracy = accuracy;
+            made.accuracyParts = std::move(parts);
+            made.faces = faces;
+            made.materials = materials;
+            made.cache = std::move(cache);
+            made.validation = validation;
+            made.compileOnly = compileOnly;
+            made.tuning = tuning;
+            setFunction<&SimulatorOptions::warn>(made, std::move(warn));
+            setFunction<&SimulatorOptions::trace>(made, std::move(trace));
             new (self) SimulatorOptions(std::move(made));
           },
           "device"_a = DeviceChoice(), "accuracy"_a = Accuracy::standard, "accuracy_parts"_a = nb::none(),
           "faces"_a = ReflectingFaces::material, "materials"_a = MaterialTable(), "cache"_a = "", "warn"_a = nb::none(),
-          "validation"_a = false, "tuning"_a = Tuning())
+          "validation"_a = false, "tuning"_a = Tuning(), "trace"_a = nb::none(), "compile_only"_a = false)
       .def_rw("accuracy", &SimulatorOptions::accuracy)
       .def_rw("faces", &SimulatorOptions::faces)
       .def_rw(
           "cache", &SimulatorOptions::cache,
           "Folder in which compiled pipelines are kept. If empty, it is 'gnosphere' in $XDG_CACHE_HOME or ~/.cache; "
           "if 'off', pipelines are not kept.")
-      .def_prop_rw("warn", &functionOf, &setWarn, nb::for_setter(nb::arg("function").none()),
+      .def_prop_rw("warn", &functionOf<&SimulatorOptions::warn>, &setFunction<&SimulatorOptions::warn>,
+                   nb::for_setter(nb::arg("function").none()),
                    "Receives a sentence about a problem that is no error, for example that compiled pipelines cannot "
                    "be kept. The "
                    "library itself prints nothing. An exception that it raises is printed, and the call goes on.")
       .def_rw("validation", &SimulatorOptions::validation,
               "Turns the Vulkan validation layer on; its messages are raised as Error(device).")
+      .def_prop_rw("trace", &functionOf<&SimulatorOptions::trace>, &setFunction<&SimulatorOptions::trace>,
+                   nb::for_setter(nb::arg("function").none()),
+                   "Receives a line per step of each scan on a Vulkan device, with its size and time.")
+      .def_rw("compile_only", &SimulatorOptions::compileOnly,
+              "If true, pipelines are compiled and plan() tells what the driver says of them; nothing can be scanned.")
       .def_rw("tuning", &SimulatorOptions::tuning);
   readWriteCopy(options, "device", &SimulatorOptions::device, "By default the best Vulkan device of the machine.");
   readWriteCopy(options, "accuracy_parts", &SimulatorOptions::accuracyParts, "If given, replaces `accuracy`.");

@@ -15,10 +15,24 @@ void bindPlan(nb::module_& m) {
       .def_ro("in_", &Plan::Decision::in,
               "True if scans simulate the effect; `in` in C++, which is a word of Python's.")
       .def_ro("reason", &Plan::Decision::reason, "For example 'the sensor states 3.0 x 1.5 mrad'.");
+  nb::class_<Plan::Statistic>(plan, "Statistic",
+                              "A number that the driver's compiler reports of a pipeline, with the driver's name.")
+      .def_ro("name", &Plan::Statistic::name)
+      .def_ro("value", &Plan::Statistic::value);
+  nb::class_<Plan::Commands>(plan, "Commands", "What the device executes for one scan, at most.")
+      .def_ro("dispatches", &Plan::Commands::dispatches)
+      .def_ro("fills", &Plan::Commands::fills)
+      .def_ro("copies", &Plan::Commands::copies)
+      .def_ro("barriers", &Plan::Commands::barriers)
+      .def("all", &Plan::Commands::all, "The sum of all four.");
   auto pipeline = nb::class_<Plan::Pipeline>(plan, "Pipeline");
   pipeline.def_ro("name", &Plan::Pipeline::name, "Name of the shader.");
   readTuple(pipeline, "constants", &Plan::Pipeline::constants,
             "Specialisation constants in the order of shaders/options.glsl.");
+  pipeline.def_ro("subgroup_size", &Plan::Pipeline::subgroupSize, "Lanes; 0 if it is not known.")
+      .def_ro("compile_ms", &Plan::Pipeline::compileMs, "How long the driver took; with compile_only.");
+  readTuple(pipeline, "statistics", &Plan::Pipeline::statistics,
+            "What the driver's compiler says; with compile_only, and if it reports anything.");
   auto stage = nb::class_<Plan::Stage>(plan, "Stage");
   stage.def_ro("name", &Plan::Stage::name, "project, bin, resolve, effects")
       .def_ro("dispatches", &Plan::Stage::dispatches, "Largest number of dispatches in one scan.");
@@ -31,6 +45,7 @@ void bindPlan(nb::module_& m) {
   readTuple(plan, "buffers", &Plan::buffers, "Buffers of this sensor on the device.");
   plan.def_ro("binning", &Plan::binning, "nearest, lists or slabs")
       .def_ro("returns", &Plan::returns, "Returns per beam.")
+      .def_ro("commands", &Plan::commands, "All 0 if the host makes the scans.")
       .def("bytes", &Plan::bytes, "Sum over `buffers`.")
       .def("dispatches", &Plan::dispatches, "Sum over `stages`.")
       .def("has", &Plan::has, "effect"_a, "Whether scans simulate the effect.");
