@@ -60,7 +60,7 @@ float areaOf(Outline outline, Box box) { return (box.columnMax - box.columnMin) 
 // Cuts a box down to the columns of an interval. The box of a whole scan may wrap.
 void cutColumns(Interval interval, inout Box box) {
   float turnColumns = float(frame.columns), beside = BESIDE_COLUMNS ? 0.5 : 0.0;
-  // With this lower end the first column of the box is that of the interval, or at most one before it.
+  // With this lower end the box begins at the first column of the interval, or one column before it.
   float lower = BESIDE_COLUMNS ? clamp(BESIDE - 0.5, 0.0, 0.5) : 0.0;
   if (interval.to - interval.from + 1 == frame.columns) return;
   float low = float(interval.from) + lower, high = float(interval.to) + beside;

@@ -37,7 +37,7 @@ class SimulatorOfOneThread {
 
 using Self = SimulatorOfOneThread;
 
-// What Python may change meanwhile from another thread is copied before the GIL is released: scenes, meshes, shots.
+// Scenes, meshes and shots are copied before the GIL is released, because another Python thread may change the originals.
 void construct(Self* self, Scene scene, std::vector<SensorRequest> sensors, SimulatorOptions options) {
   const nb::gil_scoped_release released;
   new (self) Self(scene, sensors, options);

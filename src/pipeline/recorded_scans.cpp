@@ -58,8 +58,8 @@ uint64_t RecordedScans::bytes() const {
   return sum;
 }
 
-// Reads what became of the frame's scans. A scan counts as read when its result is kept, so that nothing is lost if
-// this throws.
+// Reads the counters of the frame's scans. A scan counts as read only when its result is kept, so an exception loses no
+// result.
 void RecordedScans::readResults(size_t frame, const std::vector<SensorArrays*>& sensors) {
   const auto [nonFinite, degenerate] = scene_.geometry().vertexSources().dropped();
   for (auto& [index, slot] : frames_[frame]) {

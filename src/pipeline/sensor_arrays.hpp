@@ -37,7 +37,8 @@ class SensorArrays {
   /// but their words: geometry alone, of a grid in which every place has a beam.
   uint32_t mostViews() const { return mostViews_; }
   bool hasRoomForViews(uint32_t views) const { return views <= viewsWithRoom_; }
-  /// Makes the arrays large enough for so many views, and lists for about so many; no frame may be running.
+  /// Makes room for a number of views: exactly in the arrays that lie view after view, and by estimate in the lists of
+  /// triangles, which grow when a scan needs more. No frame may be running.
   void makeRoomForViews(uint32_t views);
 
   /// The groups of beams that scan number `frame` projects one after the other.

@@ -33,7 +33,7 @@ class Buffer {
   void flush() const;
 
  private:
-  /// Memory from the caller's allocator or from the device's blocks, given back by the destructor.
+  /// Holds memory from the caller's allocator or from the device's blocks, and returns it in the destructor.
   class Taken {
    public:
     Taken() = default;

@@ -30,7 +30,7 @@ std::string reasonAgainst(const Offer& offer);
 /// Returns whether the device has the extension.
 bool offers(const InstanceFunctions& vk, VkPhysicalDevice physical, const char* extension);
 
-/// Returns the index of the family whose queue runs scans, or -1 if none has compute.
+/// Returns the index of the queue family on which scans run, or -1 if no family can compute.
 int queueFamilyOf(std::span<const VkQueueFamilyProperties> families);
 
 /// The size of the full subgroups that every pipeline gets whose kernel uses them. The stages divide their work by

@@ -46,7 +46,7 @@ class Device {
   VkQueue queue() const { return queue_; }
   const Capabilities& capabilities() const { return capabilities_; }
   uint64_t maxBufferBytes() const { return capabilities_.info.maxBufferBytes; }
-  /// Whether pipelines tell what the compiler has made of them.
+  /// Whether pipelines are made with the statistics of the driver's compiler, such as registers and code size.
   bool statistics() const { return statistics_; }
   void throwOnMessages() const {
     if (instance_) instance_->throwOnMessages();

@@ -77,7 +77,7 @@ DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, 
   const FullSubgroups& subgroups = capabilities.subgroups;
   const OptionWords options = wordsOf(variant.options);
   std::vector<uint32_t> constants(options.begin(), options.end());
-  // These two belong to the lanes of the device, not to the scan: kVertexRounds and kLanesInStep.
+  // The constants kVertexRounds and kLanesInStep follow from the lanes of the device, and not from the scan.
   constants.push_back(vertexRounds(subgroups.size));
   constants.push_back(capabilities.cpu);
   Code code = codeOf(moduleOf(variant, capabilities.unrolls), constants);

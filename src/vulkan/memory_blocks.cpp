@@ -84,8 +84,8 @@ VkResult MemoryBlocks::makeBlock(VkDeviceSize size, uint32_t type, bool visible)
   if (visible) {
     void* mapped = nullptr;
     result = vk_.vkMapMemory(device_, memory, 0, VK_WHOLE_SIZE, 0, &mapped);
-    // If the host has no memory left, Mesa's lavapipe reports success and maps to null or to MAP_FAILED (-1). Valid
-    // addresses are multiples of 64.
+    // If the host has no memory left, Mesa's lavapipe reports success and maps to null or to MAP_FAILED (-1). Vulkan
+    // guarantees that the address of mapped memory is a multiple of 64.
     if (result != VK_SUCCESS || !mapped || reinterpret_cast<uintptr_t>(mapped) % 64 != 0)
       return VK_ERROR_OUT_OF_HOST_MEMORY;
     block->mapped = static_cast<std::byte*>(mapped);

@@ -51,7 +51,7 @@ TEST_CASE("gnosphere drive --live publishes a drive in its own time") {
   CHECK_THAT(result.out, ContainsSubstring("published") && !ContainsSubstring("dropped"));
   CHECK(place.files().size() == 3);  // it writes none
 
-  // Until a subscriber has found a topic its messages pass it by.
+  // A subscriber misses the messages that are sent before it has discovered the topic.
   const std::vector<std::string> seen = clouds.lines();
   REQUIRE(seen.size() >= 5);
   CHECK(seen.size() <= 10);

@@ -108,7 +108,7 @@ TEST_CASE("without memory a change of the scene leaves the simulator as it was",
         added = simulator.addSensor({gridSensor(40, 4, -10, 10), Effects::none(), {}});
       },
       [&] { simulator.removeSensor(added); });
-  // What is removed is there before every trial.
+  // Each trial of a removal begins with an object to remove.
   added = simulator.addMesh(named);
   each(
       "removeMesh", [&] { simulator.removeMesh(added); }, [&] { added = simulator.addMesh(named); });

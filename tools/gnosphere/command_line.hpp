@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere COMMAND ...
+// The command line of the program `gnosphere`, which main.cpp and other programs call.
 #pragma once
 
 namespace gnosphere::cli {
