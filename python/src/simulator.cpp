@@ -37,7 +37,8 @@ class SimulatorOfOneThread {
 
 using Self = SimulatorOfOneThread;
 
-// Scenes, meshes and shots are copied before the GIL is released, because another Python thread may change the originals.
+// Scenes, meshes and shots are copied before the GIL is released, because another Python thread may change the
+// originals.
 void construct(Self* self, Scene scene, std::vector<SensorRequest> sensors, SimulatorOptions options) {
   const nb::gil_scoped_release released;
   new (self) Self(scene, sensors, options);

@@ -63,10 +63,13 @@ class DeviceBackend final : public Backend {
       receiving = false;
       ++received;
     };
+    const std::vector<Part> parts = partsOf(shots, kAnyViews);
+    const auto hasViews = [](const Part& part) { return part.shots.size() > 1; };
     try {
-      scanParts(partsOf(shots, kAnyViews), result, count);
+      scanParts(parts, result, count);
     } catch (const Error& error) {
-      if (receiving || error.code() != ErrorCode::outOfMemory || !severalViews(shots)) throw;
+      const bool together = std::any_of(parts.begin(), parts.end(), hasViews);
+      if (receiving || error.code() != ErrorCode::outOfMemory || !together) throw;
       const size_t before = received;
       scanParts(partsOf(shots.subspan(before), 1), result, [&](size_t i) { receive(before + i); });
     }
@@ -230,10 +233,7 @@ class DeviceBackend final : public Backend {
     return views;
   }
 
-  bool severalViews(std::span<const Shot> shots) const {
-    const std::vector<Part> parts = partsOf(shots, kAnyViews);
-    return std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.shots.size() > 1; });
-  }
+  static const ShotMotion* motionIn(const Slot& slot) { return slot.motion ? &*slot.motion : nullptr; }
 
   // Scans of several views have frames of their own, because their arrays are larger.
   size_t sensorFrame(size_t slot, const Part& part) const {
@@ -270,7 +270,7 @@ class DeviceBackend final : public Backend {
     const auto views = static_cast<uint32_t>(part.shots.size());
     StillImage& still = sensors_[shot.sensor]->still;
     StillImage::Use use = StillImage::Use::none;
-    const ShotMotion* motion = nullptr;
+    slot.motion.reset();
     slot.reused = 0;
     if (!sensor.hasRoomForViews(views)) {
       waitForAll();
@@ -283,10 +283,9 @@ class DeviceBackend final : public Backend {
     } else {
       slot.motion = motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot,
                              scene_.instances(), scene_.geometry().deformables());
-      motion = slot.motion ? &*slot.motion : nullptr;
-      use = useStill(still, sensor, shot.pose, motion && motion->moves);
+      use = useStill(still, sensor, shot.pose, slot.motion && slot.motion->moves);
       slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
-      const Pose& pose = motion ? motion->tables.middle : shot.pose;
+      const Pose& pose = slot.motion ? slot.motion->tables.middle : shot.pose;
       Selection selection = still.selection(use);
       selection.ignored = sensor.sensorPlan().ignored;
       scene_.place(pose, sensor.reach() + reachOf(slot.motion), selection, slot.placed);
@@ -299,7 +298,7 @@ class DeviceBackend final : public Backend {
     scene_.bind(arrays);
     slot.placed.bind(arrays);
     const std::vector<Step> steps =
-        sensor.prepare(sensorFrame(frame, part), shot, part.group, motion, scene_.instances().count(),
+        sensor.prepare(sensorFrame(frame, part), shot, part.group, motionIn(slot), scene_.instances().count(),
                        slot.placed.groups(), use, views, arrays);
     machine_->submit(frame, steps, arrays);
     if (use == StillImage::Use::make) still.begin(frame);
@@ -339,9 +338,8 @@ class DeviceBackend final : public Backend {
         result.timings.add(stage.name, stage.ms / static_cast<double>(views));
       result.timings.gpuMs += timings.gpuMs / static_cast<double>(views);
       if (sensor.beams() > 0) {
-        const std::optional<ShotMotion>& motion = slots_[slot].motion;
         readResults(sensor.sensorPlan(), sensor.results(frame, static_cast<uint32_t>(view)), scene_.instances(),
-                    part.shots[view], motion && views == 1 ? &*motion : nullptr, result);
+                    part.shots[view], motionIn(slots_[slot]), result);
         if (part.last && sensor.choosesShells()) sensor.setShellHint(shellHintOf(result));
         result.counters.reused = slots_[slot].reused;
         result.counters.culledByCluster -= slots_[slot].reused;

@@ -117,8 +117,10 @@ void SensorArrays::growArrays(uint32_t views) {
   if (views <= viewsWithRoom_) return;
   viewsWithRoom_ = 0;  // should memory run out now, the next scan allocates the arrays again
   allocate(Array::farthest, 4 * (most_.fine + most_.coarse) * views);
-  allocate(Array::staleEntries, 4 * most_.coarse * views);
-  if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * 4 * views);
+  if (binning_ == gpu::kBinningSlabs) {
+    allocate(Array::staleEntries, 4 * most_.coarse * views);
+    allocate(Array::slabEnds, most_.slabs * 4 * views);
+  }
   viewsWithRoom_ = views;
 }
 
