@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""python -m gnosphere.robotics FILE: tells what a robot or world has, and writes it as .glb."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import warnings
+
+from .. import _gnosphere as gno
+from .load import load
+from .robot_scene import RobotScene
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m gnosphere.robotics", description=__doc__)
+    parser.add_argument("file", help="URDF, SDF, MJCF or USD")
+    parser.add_argument("--joint", action="append", default=[], metavar="NAME=POSITION", help="radians or metres")
+    parser.add_argument("--search", action="append", default=[], metavar="FOLDER", help="of packages and models")
+    parser.add_argument("--collisions", action="store_true", help="what collides in place of what is seen")
+    parser.add_argument("-o", "--output", metavar="FILE.glb", help="writes the scene as it is with these joints")
+    given = parser.parse_args()
+    try:
+        joints = {name: float(value) for name, _, value in (joint.rpartition("=") for joint in given.joint)}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what is left out is printed
+            found = load(given.file, joints=joints, search=given.search, collisions=given.collisions)
+        describe(found)
+        if given.output:
+            gno.write_glb(found.scene, given.output)
+    except (OSError, ValueError, ImportError, gno.Error) as error:
+        print(f"gnosphere.robotics: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def describe(found: RobotScene) -> None:
+    scene = found.scene
+    box = gno.world_bounds(scene)
+    print(f"{scene.placed_triangle_count():,} triangles, {len(scene.instances)} instances, {len(scene.meshes)} meshes")
+    if not box.empty():
+        print("from", *(f"{value:.3f}" for value in box.min), "to", *(f"{value:.3f}" for value in box.max), "m")
+    for name, (low, high) in found.joint_limits.items():
+        print(f"joint {name}: {'any position' if math.isinf(low) and math.isinf(high) else f'{low:g} to {high:g}'}")
+    for number, mounted in enumerate(found.sensors):
+        place = ", ".join(f"{value:.3f}" for value in found.pose(number).position)
+        rate = f", {mounted.rate:g} scans a second" if mounted.rate else ""
+        print(f"lidar {mounted.name}: {mounted.sensor.beam_count():,} beams on {mounted.frame} at {place}{rate}")
+    for what, count in found.left_out.items():
+        print(f"left out: {what} ({count})")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files that robots name: packages, models, meshes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Optional, Union
+from urllib.parse import unquote
+
+import numpy as np
+
+from .. import _gnosphere as gno
+from .. import primitives
+from .robot_scene import Matrix, Parts
+
+OURS = (".obj", ".stl", ".ply", ".gltf", ".glb")
+VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
+
+
+@dataclass
+class Piece:
+    """Triangles of a file that have one material."""
+
+    triangles: primitives.Triangles
+    name: str
+    material: str
+    color: Optional[tuple[float, ...]]
+
+
+class Resources:
+    """Finds files and makes meshes of them, each once."""
+
+    def __init__(self, file: Path, search: Iterable[Union[str, Path]], parts: Parts, tolerance: float) -> None:
+        self.file, self.parts, self.tolerance = file, parts, tolerance
+        self.folders = [Path(folder) for folder in search]
+        for variable in VARIABLES:
+            for folder in os.environ.get(variable, "").split(os.pathsep):
+                if folder:
+                    self.folders += [Path(folder)] + ([Path(folder) / "share"] if "AMENT" in variable else [])
+        self._pieces: dict[Path, list[Piece]] = {}
+        self._meshes: dict[Any, int] = {}
+
+    def find(self, uri: str, beside: Optional[Path] = None) -> Optional[Path]:
+        """The file or folder of package://, model://, file:// or a path, or None."""
+        scheme, _, rest = uri.rpartition("://")
+        place = Path(unquote(rest) if scheme else uri)
+        if scheme in ("package", "model"):
+            place = Path(*place.parts[place.is_absolute() :])  # package:///NAME is written, too
+        folder = (beside or self.file).absolute().parent
+        if scheme in ("package", "model"):
+            # A search folder may hold the package, or be the package itself.
+            candidates = [path for root in self.folders for path in self._within(root, place)]
+            candidates += [path for root in folder.parents for path in self._within(root, place)]
+            candidates += self._within(folder, place)
+        elif scheme in ("", "file"):
+            candidates = [folder / place] + [root / place for root in self.folders]
+        else:
+            return None
+        return next((path for path in candidates if path.exists()), None)
+
+    @staticmethod
+    def _within(root: Path, place: Path) -> list[Path]:
+        inside = [root.joinpath(*place.parts[1:])] if place.parts and root.name == place.parts[0] else []
+        return [root / place, *inside]
+
+    def mesh(self, uri: str, color: Any = None, beside: Optional[Path] = None, submesh: str = "") -> Optional[int]:
+        """The mesh of a file, or None if it is left out. `color` is (rgba, name) in place of the file's materials."""
+        path = self.find(uri, beside)
+        if path is None:
+            self.parts.leave_out(f"the mesh {uri}, which is not found")
+            return None
+        key = (path, color, submesh)
+        if key not in self._meshes:
+            try:
+                pieces = self._read(path)
+            except (ImportError, OSError, ValueError, RuntimeError, LookupError, TypeError, AttributeError) as error:
+                self.parts.leave_out(f"the mesh {uri}: {(str(error) or type(error).__name__).splitlines()[0]}")
+                return None
+            chosen = [piece for piece in pieces if not submesh or piece.name == submesh]
+            if not any(len(piece.triangles[1]) for piece in chosen):
+                self.parts.leave_out(
+                    f"the mesh {uri}, which has no triangles" + (f" in '{submesh}'" if submesh else "")
+                )
+                return None
+            self._meshes[key] = self._joined(chosen, color, path.stem)
+        return self._meshes[key]
+
+    def _joined(self, pieces: list[Piece], color: Any, name: str) -> int:
+        shapes = self.parts.shapes
+        vertices, faces, materials, count = [], [], [], 0
+        for piece in pieces:
+            corners, triangles = piece.triangles
+            if color is not None:
+                number = shapes.material(*color)
+            else:
+                number = shapes.material(piece.color or (0.5, 0.5, 0.5, 1.0), piece.material)
+            vertices.append(corners)
+            faces.append(triangles + np.uint32(count))
+            materials.append(np.full(len(triangles), number))
+            count += len(corners)
+        return shapes.mesh((np.concatenate(vertices), np.concatenate(faces)), np.concatenate(materials), name)
+
+    def _read(self, path: Path) -> list[Piece]:
+        if path not in self._pieces:
+            known = path.suffix.lower() in OURS
+            self._pieces[path] = list(_read_ours(path) if known else _read_with_trimesh(path))
+        return self._pieces[path]
+
+    def primitive(self, kind: str, sizes: Any, material: int, scale: float = 1.0) -> int:
+        """The mesh of a shape that `primitives` has, with its arguments; `scale` is that of its instance."""
+        key = (kind, tuple(value for size in sizes for value in np.ravel(size).tolist()), material, scale)
+        if key not in self._meshes:
+            make = getattr(primitives, kind)
+            flat = kind in ("box", "plane")
+            triangles = make(*sizes) if flat else make(*sizes, self.tolerance / scale)
+            self._meshes[key] = self.parts.shapes.mesh(triangles, material, kind)
+        return self._meshes[key]
+
+
+def _read_ours(path: Path) -> Iterator[Piece]:
+    scene = gno.load_scene(path)
+    for instance in scene.instances:
+        mesh = scene.meshes[instance.mesh]
+        corners, faces = primitives.moved(
+            (mesh.positions + np.array(mesh.origin), mesh.indices), instance.transform.rows
+        )
+        for part in mesh.parts:
+            chosen = faces[part.first_triangle : part.first_triangle + part.triangle_count]
+            used, numbers = np.unique(chosen, return_inverse=True)
+            material = scene.materials[part.material]
+            triangles = corners[used], numbers.reshape(-1, 3).astype(np.uint32)
+            stated = material.name and path.suffix.lower() not in (".stl", ".ply")
+            yield Piece(triangles, mesh.name or instance.name, material.name, material.base_color if stated else None)
+
+
+def _read_with_trimesh(path: Path) -> Iterator[Piece]:
+    """Collada and whatever else trimesh reads. Its up axis is not applied, as in Gazebo and RViz."""
+    try:
+        import trimesh
+    except ImportError as error:
+        raise ImportError(f"{path.suffix} is read by the package trimesh: pip install trimesh pycollada") from error
+    scene = trimesh.load_scene(path)
+    words = str(scene.units or "").split()
+    unit = float(words[0]) if words[1:] == ["*", "meters"] else 1.0
+    for node in scene.graph.nodes_geometry:
+        place, name = scene.graph[node]
+        geometry = scene.geometry[name]
+        if not hasattr(geometry, "faces"):
+            continue
+        material = getattr(geometry.visual, "material", None)
+        color = getattr(material, "baseColorFactor", None)
+        if color is None:
+            color = getattr(material, "diffuse", None)
+        rgba = None if color is None else np.asarray(color, np.float64)
+        if rgba is not None and np.asarray(color).dtype == np.uint8:
+            rgba = rgba / 255
+        scale = np.diag([unit, unit, unit, 1.0])
+        triangles = primitives.moved(
+            (np.asarray(geometry.vertices), np.asarray(geometry.faces, np.uint32)), scale @ place
+        )
+        given = None if rgba is None else tuple(rgba.tolist())
+        yield Piece(triangles, node, getattr(material, "name", "") or "", given)
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> Matrix:
+    """The matrix (3, 3) of turns about the fixed axes x, y and z, one after the other."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )

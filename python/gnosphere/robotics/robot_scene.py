@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all readers make: shapes on frames, sensors on frames, and where the frames are for positions of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from .. import _gnosphere as gno
+from .. import adapter
+
+Matrix = npt.NDArray[np.float64]
+Joints = Mapping[str, float]
+Frames = Callable[[Joints], Mapping[Any, Matrix]]
+"""Where each frame is in the world, a map of shape (4, 4), for positions of joints in radians or metres."""
+
+
+@dataclass
+class MountedSensor:
+    """A lidar of a file."""
+
+    name: str
+    sensor: gno.Sensor
+    frame: Any
+    """The link, geom body or prim that carries it."""
+    local: Matrix
+    """The map (4, 4) from the sensor to its frame; x looks forward, z up."""
+    rate: float = 0.0
+    """Scans a second; 0 if the file does not say."""
+
+
+@dataclass
+class Parts:
+    """What a reader collects."""
+
+    classes: Optional[Mapping[str, int]] = None
+    shapes: adapter.Shapes = field(default_factory=adapter.Shapes)
+    frames: list[Any] = field(default_factory=list)
+    locals: list[Matrix] = field(default_factory=list)
+    sensors: list[MountedSensor] = field(default_factory=list)
+    left_out: dict[str, int] = field(default_factory=dict)
+
+    def leave_out(self, what: str, count: int = 1) -> None:
+        self.left_out[what] = self.left_out.get(what, 0) + count
+
+    def place(self, mesh: int, frame: Any, local: Matrix, *names: str, class_name: str = "") -> None:
+        """Puts a mesh on a frame. The first of the names is that of the instance; patterns of classes are tried with
+        all of them."""
+        number = adapter.class_of(self.classes, *names, class_name)
+        self.shapes.instance(mesh, None, number, names[0], class_name)
+        self.frames.append(frame)
+        self.locals.append(local)
+
+    def mount(self, sensor: gno.Sensor, name: str, frame: Any, local: Matrix, rate: float = 0.0) -> None:
+        taken = {other.name for other in self.sensors}
+        unique, count = name, 1
+        while unique in taken:
+            count += 1
+            unique = f"{name} {count}"
+        self.sensors.append(MountedSensor(unique, sensor, frame, local, rate))
+
+
+class RobotScene:
+    """A robot or a world, at rest or with its joints at given positions."""
+
+    def __init__(self, parts: Parts, frames: Frames, joints: Joints, limits: Mapping[str, tuple[float, float]]) -> None:
+        self.sensors: list[MountedSensor] = parts.sensors
+        """The lidars of the file."""
+        self.left_out: dict[str, int] = parts.left_out
+        """What the file has and the scene lacks, with how often."""
+        self.joint_limits: dict[str, tuple[float, float]] = dict(limits)
+        """The joints that can be moved, with their least and largest position."""
+        self.frames: list[Any] = parts.frames
+        """The link, geom or prim of each instance."""
+        self.joints: dict[str, float] = {}
+        """The positions that were given last."""
+        self._parts, self._where = parts, frames
+        self._now: Mapping[Any, Matrix] = {}
+        self.move(joints)
+
+    def move(self, joints: Joints) -> Matrix:
+        """Moves joints, by radians or metres; those not named stay. Returns where the instances then are, shape
+        (n, 3, 4), for Lidar.move()."""
+        for name in joints:
+            if self.joint_limits and name not in self.joint_limits:
+                known = ", ".join(list(self.joint_limits)[:8])
+                raise ValueError(f"there is no joint '{name}' that can be moved; there are {known}, ...")
+            if not self.joint_limits:
+                raise ValueError(f"there is no joint '{name}': the file has none that can be moved")
+        self.joints.update({name: float(value) for name, value in joints.items()})
+        self._now = self._where(self.joints)
+        rows = np.empty((len(self.frames), 3, 4))
+        for row, frame, local, instance in zip(rows, self.frames, self._parts.locals, self._parts.shapes.instances):
+            row[:] = (self._now[frame] @ local)[:3]
+            instance.transform = gno.Transform(row)
+        return rows
+
+    @property
+    def scene(self) -> gno.Scene:
+        """A new Scene, as the joints are now."""
+        return self._parts.shapes.scene()
+
+    def number(self, sensor: Union[int, str]) -> int:
+        """The number of a sensor that is given by its name."""
+        if isinstance(sensor, str):
+            names = [mounted.name for mounted in self.sensors]
+            if sensor not in names:
+                raise ValueError(f"there is no lidar '{sensor}'; the file has {', '.join(names) or 'none'}")
+            return names.index(sensor)
+        if not 0 <= sensor < len(self.sensors):
+            raise ValueError(f"there is no lidar {sensor}; the file has {len(self.sensors)}")
+        return sensor
+
+    def pose(self, sensor: Union[int, str] = 0) -> gno.Pose:
+        """Where a sensor is in the world."""
+        mounted = self.sensors[self.number(sensor)]
+        place = self._now[mounted.frame] @ mounted.local
+        turn = place[:3, :3] / np.linalg.norm(place[:3, :3], axis=0)  # frames of USD may be scaled
+        return adapter.pose_of(place[:3, 3], turn)
+
+    def shot(self, sensor: Union[int, str] = 0, frame: int = 0) -> gno.Shot:
+        """A Shot from where a sensor is, for the Lidar that lidar() makes."""
+        return gno.Shot(self.pose(sensor), 0, frame)
+
+    def lidar(
+        self,
+        sensor: Union[int, str, gno.Sensor] = 0,
+        *,
+        effects: Optional[gno.Effects] = None,
+        fields: adapter.Fields = (),
+        ignore: Iterable[Any] = (),
+        options: Optional[gno.SimulatorOptions] = None,
+    ) -> adapter.Lidar:
+        """A Lidar in the scene: a sensor of the file by name or number, or any Sensor. `ignore` are frames, such as
+        links, that it does not see. The rest: see adapter.Lidar."""
+        chosen = sensor if isinstance(sensor, gno.Sensor) else self.sensors[self.number(sensor)].sensor
+        hidden = set(ignore)
+        unknown = hidden - set(self.frames)
+        if unknown:
+            raise ValueError(f"nothing can be seen on {', '.join(sorted(map(str, unknown)))}, so it cannot be ignored")
+        unseen = [i for i, frame in enumerate(self.frames) if frame in hidden]
+        return adapter.Lidar(
+            self._parts.shapes, chosen, effects=effects, fields=fields, ignore=unseen, options=options
+        )  # fmt: skip

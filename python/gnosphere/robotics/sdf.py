@@ -1,0 +1,290 @@
+# SPDX-License-Identifier: Apache-2.0
+"""SDF worlds and models, of versions 1.4 to 1.12: no library for Python reads them."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Optional
+
+import numpy as np
+
+from . import xml_lidars
+from .resources import Resources
+from .robot_scene import Frames, Joints, Matrix, Parts
+from .sdf_kinematics import Joint, Tree
+from .xml_lidars import number, numbers, pose_of
+
+ENDLESS = 1000.0
+"""Metres: half the size of the plane of a collision, which has no end; that of a visual has a size."""
+
+
+def read(
+    path: Path, parts: Parts, resources: Resources, collisions: bool
+) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
+    reader = Reader(parts, resources, collisions)
+    root = ET.parse(path).getroot()
+    if root.tag == "gazebo":
+        raise ValueError("is of the time before SDF 1.2; 'gz sdf -p' converts it")
+    worlds = root.findall("world")
+    if len(worlds) > 1:
+        parts.leave_out("worlds beyond the first", len(worlds) - 1)
+    top = worlds[0] if worlds else root
+    reader.expand(top, (path.absolute(),))
+    reader.scope(top, "", np.eye(4), path.absolute())
+    return reader.tree.frames, reader.tree.limits()
+
+
+class Reader:
+    def __init__(self, parts: Parts, resources: Resources, collisions: bool) -> None:
+        self.parts, self.resources, self.collisions = parts, resources, collisions
+        self.tree = Tree(parts)
+        self._files: dict[int, Path] = {}  # of included models, by the identity of their elements
+
+    def expand(self, element: ET.Element, files: tuple[Path, ...]) -> None:
+        """Puts models in place of <include>, everywhere below an element."""
+        for child in list(element):
+            if child.tag == "model":
+                self.expand(child, files)
+            elif child.tag == "include":
+                element.remove(child)
+                model = self._included(child, files)
+                if model is not None:
+                    element.append(model)
+
+    def _included(self, include: ET.Element, files: tuple[Path, ...]) -> Optional[ET.Element]:
+        uri = (include.findtext("uri") or "").strip()
+        origin = self._model_file(uri, files[-1])
+        if origin is None:
+            self.parts.leave_out(f"the model {uri}, which is not found")
+            return None
+        if origin in files:
+            raise ValueError(f"{origin} includes itself")
+        model = ET.parse(origin).getroot().find("model")
+        if model is None:
+            self.parts.leave_out(f"{origin.name}, which has no <model>")
+            return None
+        if include.find("placement_frame") is not None or model.get("placement_frame"):
+            self.parts.leave_out("placement_frame")
+        if include.get("merge") in ("1", "true"):
+            self.parts.leave_out("the merging of included models")
+        self.expand(model, (*files, origin))
+        model.set("name", (include.findtext("name") or model.get("name") or "").strip())
+        pose = include.find("pose")
+        if pose is not None:
+            for own in model.findall("pose"):
+                model.remove(own)
+            model.append(pose)
+        self._files[id(model)] = origin
+        return model
+
+    def _model_file(self, uri: str, file: Path) -> Optional[Path]:
+        found = self.resources.find(uri, file)
+        if found is None or found.is_file():
+            return found
+        config = found / "model.config"
+        if config.is_file():
+            listed = [(sdf.get("version", "0"), sdf.text or "") for sdf in ET.parse(config).getroot().findall("sdf")]
+            files = [found / name.strip() for _, name in sorted(listed, key=_version)]
+            existing = [path for path in files if path.is_file()]
+            if existing:
+                return existing[-1]
+        return found / "model.sdf" if (found / "model.sdf").is_file() else None
+
+    def scope(self, element: ET.Element, prefix: str, place: Matrix, file: Path) -> None:
+        """Reads a world, a model or a file's root, whose frame is at `place` in the world."""
+        file, poses = self._files.get(id(element), file), Poses(element)
+        for link in element.findall("link"):
+            self._link(link, prefix, place @ poses.of(link.get("name", "")), poses, file)
+        for model in element.findall("model"):
+            name = model.get("name", "")
+            self.scope(model, f"{prefix}{name}::", place @ poses.of(name), file)
+        for joint in element.findall("joint"):
+            self._joint(joint, prefix, place, poses)
+        for what in ("actor", "population", "road"):
+            if element.find(what) is not None:
+                self.parts.leave_out(f"<{what}>", len(element.findall(what)))
+
+    def _link(self, link: ET.Element, prefix: str, place: Matrix, poses: "Poses", file: Path) -> None:
+        name = prefix + link.get("name", "")
+        self.tree.links[name] = place
+        for shape in link.findall("collision" if self.collisions else "visual"):
+            self._shape(shape, name, poses.inside(shape, link.get("name", "")), file)
+        for sensor in link.findall("sensor"):
+            if xml_lidars.is_lidar(sensor):
+                local = poses.inside(sensor, link.get("name", ""))
+                xml_lidars.mount(sensor, self.parts, prefix + sensor.get("name", "lidar"), name, local)
+
+    def _shape(self, shape: ET.Element, link: str, local: Matrix, file: Path) -> None:
+        geometry = shape.find("geometry")
+        kind = next((child for child in geometry if child.tag != "empty"), None) if geometry is not None else None
+        if kind is None:
+            return
+        color, label = _color(shape)
+        if shape.find("material/pbr") is not None:
+            self.parts.leave_out("textures")
+        names = (f"{link}::{shape.get('name', '')}", link, shape.get("name", ""), label)
+        if kind.tag == "mesh":
+            scale = numbers(kind.findtext("scale"), (1, 1, 1))
+            chosen = None if color is None else (color, label)
+            submesh = (kind.findtext("submesh/name") or "").strip()
+            if (kind.findtext("submesh/center") or "").strip() in ("1", "true"):
+                self.parts.leave_out("the centring of submeshes")
+            mesh = self.resources.mesh((kind.findtext("uri") or "").strip(), chosen, file, submesh)
+            local = local @ np.diag([*scale, 1.0])
+        else:
+            material = self.parts.shapes.material(color or (0.5, 0.5, 0.5, 1.0), label)
+            mesh = self._primitive(kind, material)
+            if kind.tag == "plane":
+                local = local @ _upright(numbers(kind.findtext("normal"), (0, 0, 1)))
+        if mesh is not None:
+            self.parts.place(mesh, link, local, *names)
+
+    def _primitive(self, kind: ET.Element, material: int) -> Optional[int]:
+        radius, half = number(kind, "radius", 1.0), number(kind, "length", 1.0) / 2
+        if kind.tag == "box":
+            return self.resources.primitive("box", [numbers(kind.findtext("size"), (1, 1, 1)) / 2], material)
+        if kind.tag == "sphere":
+            return self.resources.primitive("sphere", [radius], material)
+        if kind.tag in ("cylinder", "capsule", "cone"):
+            return self.resources.primitive(kind.tag, [radius, half], material)
+        if kind.tag == "ellipsoid":
+            return self.resources.primitive("ellipsoid", [numbers(kind.findtext("radii"), (1, 1, 1))], material)
+        if kind.tag == "plane":
+            size = numbers(kind.findtext("size"), (1, 1)) / 2
+            endless = self.collisions or kind.find("size") is None
+            return self.resources.primitive("plane", [ENDLESS, ENDLESS, 1.0] if endless else [*size, 1.0], material)
+        self.parts.leave_out(f"<{kind.tag}> geometry")
+        return None
+
+    def _joint(self, joint: ET.Element, prefix: str, place: Matrix, poses: Poses) -> None:
+        kind, name = joint.get("type", ""), joint.get("name", "")
+        parent, child = (_end(joint, end) for end in ("parent", "child"))
+        if child is None or parent is None or kind == "fixed" and parent == "world":
+            return
+        links = [prefix + poses.link(end) if end != "world" else "" for end in (parent, child)]
+        if links[1] not in self.tree.links:
+            return self.parts.leave_out(f"the joint {prefix}{name}, whose child '{child}' is not there")
+        axis, at = joint.find("axis"), place @ poses.of(name)
+        if kind in ("revolute", "continuous", "prismatic") and axis is not None:
+            frame, xyz = None, axis.find("xyz")
+            if xyz is not None and xyz.get("expressed_in"):
+                frame = place @ poses.of(xyz.get("expressed_in", ""))
+            elif (axis.findtext("use_parent_model_frame") or "").strip() in ("1", "true"):
+                frame = place
+            direction = numbers(xyz.text if xyz is not None else None, (0, 0, 1))
+            direction = (at if frame is None else frame)[:3, :3] @ direction
+            limit = axis.find("limit")
+            low, high = number(limit, "lower", -math.inf), number(limit, "upper", math.inf)
+            if abs(low) >= 1e16 or abs(high) >= 1e16 or kind == "continuous":
+                low, high = -math.inf, math.inf
+            made = Joint(kind == "prismatic", at[:3, 3], direction / np.linalg.norm(direction), (low, high))
+            mimic = axis.find("mimic")
+            if mimic is not None:
+                made.mimic = prefix + mimic.get("joint", "")
+                made.multiplier, made.offset = number(mimic, "multiplier", 1.0), number(mimic, "offset", 0.0)
+                made.reference = number(mimic, "reference", 0.0)
+        else:
+            if kind != "fixed":
+                self.parts.leave_out(f"the motion of {kind} joints")
+            made = Joint()
+        self.tree.join(prefix + name, made, links[0], links[1])
+
+
+class Poses:
+    """Where the links, joints, frames and models of a model are in it: the semantics of poses of SDF 1.7. In older
+    files no pose names a frame, which is the same."""
+
+    def __init__(self, scope: ET.Element) -> None:
+        self._elements: dict[str, tuple[Optional[ET.Element], str]] = {}  # <pose>, and the frame that it is in
+        self._attached: dict[str, str] = {}
+        self._models = {model.get("name", ""): model for model in scope.findall("model")}
+        self._inner: dict[str, Poses] = {}
+        self._found: dict[str, Optional[Matrix]] = {name: np.eye(4) for name in ("", "__model__", "world")}
+        for child in scope:
+            name, pose = child.get("name", ""), child.find("pose")
+            if child.tag in ("link", "model"):
+                self._elements[name] = (pose, "")
+            elif child.tag == "joint":
+                self._elements[name] = (pose, _end(child, "child") or "")
+            elif child.tag == "frame":
+                self._attached[name] = child.get("attached_to", "")
+                self._elements[name] = (pose, self._attached[name])
+
+    def of(self, name: str) -> Matrix:
+        if name not in self._found:
+            self._found[name] = None  # until it is known; a frame that leads back here is an error
+            self._found[name] = self._place(name)
+        found = self._found[name]
+        if found is None:
+            raise ValueError(f"the pose of '{name}' is relative to itself")
+        return found
+
+    def _place(self, name: str) -> Matrix:
+        if name in self._elements:
+            pose, default = self._elements[name]
+            relative = pose.get("relative_to") if pose is not None else None
+            return self.of(relative or default) @ pose_of(pose)
+        head, _, rest = name.partition("::")
+        if head not in self._models or not rest:
+            raise ValueError(f"a pose is relative to '{name}', which is not there")
+        if head not in self._inner:
+            self._inner[head] = Poses(self._models[head])
+        return self.of(head) @ self._inner[head].of(rest)
+
+    def inside(self, element: ET.Element, link: str) -> Matrix:
+        """The map from an element of a link to the link."""
+        pose = element.find("pose")
+        relative = pose.get("relative_to") if pose is not None else None
+        if not relative:
+            return pose_of(pose)
+        return np.linalg.inv(self.of(link)) @ self.of(relative) @ pose_of(pose)
+
+    def link(self, name: str) -> str:
+        """The link to which a frame is attached; a link is itself."""
+        while name in self._attached and self._attached[name]:
+            name = self._attached[name]
+        return name
+
+
+def _version(entry: tuple[str, str]) -> list[int]:
+    return [int(part) if part.isdigit() else 0 for part in entry[0].split(".")]
+
+
+def _end(joint: ET.Element, end: str) -> Optional[str]:
+    found = joint.find(end)
+    return None if found is None else (found.text or found.findtext("link_name") or "").strip()
+
+
+def _color(shape: ET.Element) -> tuple[Optional[tuple[float, ...]], str]:
+    """The colour of a visual and the name of its material. A transparency is in its alpha."""
+    material, opacity = shape.find("material"), 1 - number(shape, "transparency", 0.0)
+    label = (shape.findtext("material/script/name") or "").strip()
+    diffuse = material.findtext("diffuse") if material is not None else None
+    if diffuse is None:
+        known = SCRIPTS.get(label.removeprefix("Gazebo/"))
+        if known is None:
+            return (None if opacity == 1 else (0.5, 0.5, 0.5, opacity)), label
+        return (*known, opacity), label
+    rgba = numbers(diffuse, (0.5, 0.5, 0.5, 1))
+    return (*map(float, rgba[:3]), float(rgba[3] if len(rgba) > 3 else 1) * opacity), label
+
+
+SCRIPTS = {
+    "White": (1, 1, 1), "Grey": (0.5, 0.5, 0.5), "DarkGrey": (0.175, 0.175, 0.175), "Black": (0, 0, 0),
+    "FlatBlack": (0.1, 0.1, 0.1), "Red": (1, 0, 0), "Green": (0, 1, 0), "Blue": (0, 0, 1), "Yellow": (1, 1, 0),
+    "Orange": (1, 0.5088, 0.0468), "Wood": (0.5, 0.35, 0.2), "Bricks": (0.6, 0.3, 0.25),
+}  # fmt: skip
+"""Diffuse colours of Gazebo's material scripts that worlds name most."""
+
+
+def _upright(normal: Any) -> Matrix:
+    """A map that turns z to a normal."""
+    z = np.asarray(normal, np.float64) / max(float(np.linalg.norm(normal)), 1e-30)
+    x = np.cross([0, 1, 0] if abs(z[1]) < 0.9 else [1, 0, 0], z)
+    x /= np.linalg.norm(x)
+    result = np.eye(4)
+    result[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    return result

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""URDF, through yourdfpy: visual or collision geometry, joints, and the lidars inside <gazebo>."""
+
+from __future__ import annotations
+
+import io
+import logging
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Optional
+
+import numpy as np
+import yourdfpy
+
+from . import xml_lidars
+from .resources import Resources
+from .robot_scene import Frames, Joints, Matrix, Parts
+
+GEOMETRY = ("box", "sphere", "cylinder", "mesh")
+MOVING = ("revolute", "continuous", "prismatic")
+
+
+def read(
+    path: Path, parts: Parts, resources: Resources, collisions: bool
+) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
+    root = ET.parse(path).getroot()
+    _drop_unknown(root, parts, "collision" if collisions else "visual")
+    log = logging.getLogger("yourdfpy")
+    before, log.level = log.level, logging.ERROR  # what it warns about is counted here
+    try:
+        robot = yourdfpy.URDF.load(io.BytesIO(ET.tostring(root)), load_meshes=False, build_scene_graph=True)
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"yourdfpy cannot read it: {type(error).__name__} {error}") from error
+    finally:
+        log.level = before
+    colors = {material.name: _color(material) for material in robot.robot.materials}
+    for link in robot.robot.links:
+        for shape in link.collisions if collisions else link.visuals:
+            _add(shape, link.name, parts, resources, colors)
+    limits = {}
+    for joint in robot.robot.joints:
+        if joint.mimic is not None:
+            continue
+        if joint.type in MOVING:
+            low = joint.limit.lower if joint.limit and joint.limit.lower is not None else -math.inf
+            high = joint.limit.upper if joint.limit and joint.limit.upper is not None else math.inf
+            limits[joint.name] = (low, high) if joint.type != "continuous" else (-math.inf, math.inf)
+        elif joint.type != "fixed":
+            parts.leave_out(f"the motion of {joint.type} joints")
+    links = [link.name for link in robot.robot.links]
+    _lidars(root, parts, set(links))
+
+    def frames(joints: Joints) -> Mapping[Any, Matrix]:
+        robot.update_cfg(dict(joints))
+        return {name: np.asarray(robot.get_transform(name)) for name in links}
+
+    return frames, limits
+
+
+def _drop_unknown(root: ET.Element, parts: Parts, kept: str) -> None:
+    """Removes what yourdfpy refuses: geometry that URDF does not have."""
+    for link in root.iter("link"):
+        for shape in link.findall("visual") + link.findall("collision"):
+            geometry = shape.find("geometry")
+            if geometry is None or len(geometry) == 0 or geometry[0].tag not in GEOMETRY:
+                link.remove(shape)
+                if shape.tag == kept:
+                    parts.leave_out("geometry that is no box, sphere, cylinder or mesh")
+
+
+def _color(material: Any) -> Optional[tuple[float, ...]]:
+    return tuple(map(float, material.color.rgba)) if material and material.color is not None else None
+
+
+def _add(shape: Any, link: str, parts: Parts, resources: Resources, colors: Mapping[str, Any]) -> None:
+    material = getattr(shape, "material", None)
+    label = (material.name if material else "") or ""
+    color = _color(material) or colors.get(label)
+    if material is not None and material.texture is not None:
+        parts.leave_out("textures")
+    local = np.eye(4) if shape.origin is None else np.asarray(shape.origin, np.float64)
+    geometry = shape.geometry
+    mesh: Optional[int]
+    if geometry is not None and geometry.mesh is not None:
+        chosen = None if color is None else (color, label)
+        mesh = resources.mesh(geometry.mesh.filename, chosen)
+        if geometry.mesh.scale is not None:
+            local = local @ np.diag([*np.broadcast_to(geometry.mesh.scale, 3), 1.0])
+    else:
+        number = parts.shapes.material(color or (0.5, 0.5, 0.5, 1.0), label)
+        if geometry is not None and geometry.box is not None:
+            mesh = resources.primitive("box", [np.asarray(geometry.box.size) / 2], number)
+        elif geometry is not None and geometry.sphere is not None:
+            mesh = resources.primitive("sphere", [geometry.sphere.radius], number)
+        elif geometry is not None and geometry.cylinder is not None:
+            cylinder = geometry.cylinder
+            mesh = resources.primitive("cylinder", [cylinder.radius, cylinder.length / 2], number)
+        else:
+            return
+    if mesh is not None:
+        parts.place(mesh, link, local, shape.name or link, link, label)
+
+
+def _lidars(root: ET.Element, parts: Parts, links: set[str]) -> None:
+    for gazebo in root.iter("gazebo"):
+        link = gazebo.get("reference", "")
+        for sensor in gazebo.iter("sensor"):
+            if not xml_lidars.is_lidar(sensor):
+                continue
+            name = sensor.get("name", "lidar")
+            if link in links:
+                xml_lidars.mount(sensor, parts, name, link)
+            else:
+                parts.leave_out(f"the lidar {name} on the link '{link}', which is not there")
