@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of scans for notebooks, plots and pages, made with NumPy alone: docs/python.md.
+
+A picture is an array of shape (height, width, 3), uint8. `gnosphere.write_picture` writes larger ones with axes.
+"""
+
+import base64
+import struct
+import zlib
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._gnosphere import Scan
+
+Pixels = NDArray[np.uint8]
+
+NOTHING = (24, 24, 28)  # the colour of beams without a return
+_WIDTH, _HEIGHT = 900, 128  # pixels: the most columns, and the least rows, of a range image
+# Matplotlib's viridis at equal distances, reversed: what is near is bright.
+_VIRIDIS = np.array([[253, 231, 37], [122, 209, 81], [34, 168, 132], [42, 120, 142], [65, 68, 135], [68, 1, 84]])
+
+
+def colours(values: NDArray[Any], low: float, high: float) -> Pixels:
+    """The colours of values between `low` (bright) and `high` (dark); NaN has the colour of nothing."""
+    places = np.clip((np.asarray(values, float) - low) / max(high - low, 1e-9), 0, 1) * (len(_VIRIDIS) - 1)
+    known = np.nan_to_num(places)
+    pixels = np.stack([np.interp(known, np.arange(len(_VIRIDIS)), channel) for channel in _VIRIDIS.T], axis=-1)
+    pixels[np.isnan(places)] = NOTHING
+    return pixels.astype(np.uint8)
+
+
+def farthest_of(scan: Scan) -> float:
+    """A range, in metres, that 98 of 100 returns are below; 1 without returns."""
+    ranges = scan.ranges[~np.isnan(scan.ranges)]
+    return float(np.percentile(ranges, 98)) if len(ranges) else 1.0
+
+
+def beam_image(scan: Scan, values: NDArray[Any]) -> NDArray[Any]:
+    """One value per beam as an image, the highest channel on top, the columns from left to right as the sensor sees
+    them. Lists of beams without rows are one row. Of columns that share a pixel the least value is shown; NaN gives way.
+    """
+    image = np.asarray(values).reshape(scan.channels, scan.columns)[::-1, ::-1]
+    step = -(-scan.columns // _WIDTH)
+    if step > 1:
+        starts = np.arange(0, scan.columns, step)
+        image = np.fmin.reduceat(image, starts, axis=1)
+    return np.repeat(image, max(1, -(-_HEIGHT // scan.channels)), axis=0)
+
+
+def range_image(scan: Scan, farthest: float | None = None) -> Pixels:
+    """The ranges of the first returns, as beam_image() arranges them."""
+    ranges = scan.ranges.reshape(-1, scan.returns)[:, 0]
+    return colours(beam_image(scan, ranges), 0, farthest_of(scan) if farthest is None else farthest)
+
+
+def from_above(scan: Scan, farthest: float | None = None, size: int = 400) -> Pixels:
+    """The points within the range `farthest`, seen from above: x up, y to the left, coloured by height."""
+    reach = farthest_of(scan) if farthest is None else farthest
+    points = scan.points[~np.isnan(scan.ranges)]
+    places = np.floor((1 - points[:, :2] / max(reach, 1e-9)) * size / 2).astype(int)
+    inside = ((places >= 0) & (places < size)).all(axis=1)
+    points, places = points[inside], places[inside]
+    order = np.argsort(points[:, 2], kind="stable")  # the highest point of a pixel is drawn last
+    heights = np.full((size, size), np.nan)
+    heights[places[order, 0], places[order, 1]] = points[order, 2]
+    low, high = np.percentile(points[:, 2], [2, 98]) if len(points) else (0.0, 1.0)
+    return colours(-heights, -float(high), -float(low))
+
+
+def png(pixels: Pixels) -> bytes:
+    """The picture as a PNG file."""
+    height, width, _ = pixels.shape
+    rows = np.concatenate([np.zeros((height, 1), np.uint8), pixels.reshape(height, -1)], axis=1)  # filter 0: none
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(
+        chunk(kind, data)
+        for kind, data in ((b"IHDR", header), (b"IDAT", zlib.compress(rows.tobytes(), 9)), (b"IEND", b""))
+    )
+
+
+def image_tag(pixels: Pixels, title: str) -> str:
+    """The picture as an HTML element that holds it."""
+    data = base64.b64encode(png(pixels)).decode()
+    return f'<img src="data:image/png;base64,{data}" title="{title}" alt="{title}" style="max-width: 100%">'
+
+
+def html_of(scan: Scan) -> str:
+    """What a notebook shows of a scan: a line about it, and its range image."""
+    line = repr(scan).strip("<>").replace("&", "&amp;").replace("<", "&lt;")
+    if not scan.beam_count():
+        return f"<p>{line}</p>"
+    title = f"Ranges from 0 (bright) to {farthest_of(scan):.3g} m (dark)"
+    return f"<p>{line}</p>{image_tag(range_image(scan), title)}"
+
+
+def show(scan: Scan, field: str = "range") -> None:
+    """Opens a window, or fills the cell of a notebook, with the beams and the points from above, coloured by a field."""
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError:
+        raise ImportError("Scan.show() draws with Matplotlib, which is not installed; pip install matplotlib") from None
+    values = np.asarray(scan[field], float)
+    if values.ndim > 1:
+        raise ValueError(f"the field {field} has {values.shape[1]} components; show() takes fields with one")
+    returned = ~np.isnan(scan.ranges)
+    values = np.where(returned, values, np.nan)
+    figure, (beams, above) = plt.subplots(2, 1, figsize=(9, 9), height_ratios=(1, 3), layout="constrained")
+    first = beam_image(scan, values.reshape(-1, scan.returns)[:, 0])
+    shown = beams.imshow(first, aspect="auto", interpolation="nearest", extent=(scan.columns, 0, 0, scan.channels))
+    beams.set(title=f"{scan.sensor}: {field}", xlabel="column", ylabel="channel")
+    above.scatter(*scan.points[returned].T[:2], c=values[returned], s=0.5, norm=shown.norm)
+    above.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+    figure.colorbar(shown, ax=[beams, above], label=field)
+    plt.show()

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The plug-in gnosphere.testing: golden clouds that are the same, that differ, that are written anew."""
+
+import re
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY, at, beams
+
+import gnosphere
+from gnosphere import pictures, testing
+
+pytest_plugins = ["pytester"]
+
+# A wall at x metres, seen by a fan of nine beams, on the reference.
+SCENE = """
+import gnosphere, numpy, pytest
+from gnosphere.testing import difference
+
+def wall(x, width=1.0, beams=9, z=0.0):
+    positions = numpy.array([[0, -width, -1], [0, width, -1], [0, width, 1], [0, -width, 1]], numpy.float32)
+    mesh = gnosphere.Mesh(positions, [[0, 1, 2], [0, 2, 3]], [gnosphere.MeshPart(0, 2, 0)], name="wall")
+    place = gnosphere.Transform([[1, 0, 0, x], [0, 1, 0, 0], [0, 0, 1, 0]])
+    scene = gnosphere.Scene([gnosphere.Material("grey")], [mesh], [gnosphere.Instance(0, place)])
+    angles = numpy.radians(numpy.linspace(-1, 1, beams))
+    sensor = gnosphere.Sensor()
+    sensor.name, sensor.range_max = "fan", 100
+    sensor.patterns = [gnosphere.BeamList(numpy.stack([numpy.cos(angles), numpy.sin(angles), 0 * angles], axis=1))]
+    request = gnosphere.SensorRequest(sensor, gnosphere.Effects.none(), [gnosphere.Field.incidence])
+    options = gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
+    return gnosphere.Simulator(scene, request, options).scan(gnosphere.Pose())
+"""
+
+
+@pytest.fixture
+def run(pytester):
+    """Runs a test of one line, in a process whose folder has the golden cloud of a wall at 10 m."""
+
+    def run_line(line: str, *options: str):
+        pytester.makepyfile(test_wall=SCENE + f"\ndef test_wall(golden_cloud):\n    {line}\n")
+        return pytester.runpytest_subprocess("-p", "no:cacheprovider", *options)
+
+    done = run_line('golden_cloud("wall", wall(10))', "--gnosphere-update")
+    done.assert_outcomes(passed=1)
+    done.stdout.fnmatch_lines(["wrote the golden cloud *golden/wall.npy"])
+    return run_line
+
+
+def page(pytester) -> str:
+    return (Path(pytester.path) / "gnosphere-pages" / "wall.html").read_text()
+
+
+def test_the_same_scan_passes_and_leaves_nothing(run, pytester):
+    run('golden_cloud("wall", wall(10), exact=True)').assert_outcomes(passed=1)
+    run('golden_cloud("wall", wall(10.0004))').assert_outcomes(passed=1)
+    run('golden_cloud("wall", wall(10.05), tolerance=0.1)').assert_outcomes(passed=1)
+    assert not list((Path(pytester.path) / "gnosphere-pages").glob("*"))
+
+
+def test_another_range_fails_and_leaves_a_page(run, pytester):
+    done = run('golden_cloud("wall", wall(10.05))')
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["*wall differs from its golden cloud: 9 another range; look at *wall.html*"])
+    text = page(pytester)
+    assert re.search(r"<td>range</td><td>0\.05\d*</td>", text)
+    assert text.count('<img src="data:image/png;base64,') == 5
+    assert (Path(pytester.path) / "gnosphere-pages" / "wall.npy").exists()
+    run('golden_cloud("wall", wall(10.0004), exact=True)').assert_outcomes(failed=1)
+
+
+def test_beams_that_miss_are_named_and_may_be_allowed(run, pytester):
+    done = run('golden_cloud("wall", wall(10, width=0.1))')
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["*4 only in the golden cloud*"])
+    run('golden_cloud("wall", wall(10, width=0.1), allowed=4)').assert_outcomes(passed=1)
+    run('golden_cloud("wall", wall(10, width=0.1), allowed=3)').assert_outcomes(failed=1)
+
+
+def test_other_fields_have_tolerances_of_their_own(run):
+    line = 'golden_cloud("wall", wall({}), tolerances={{"incidence": 1e-6}}, tolerance=1)'
+    done = run(line.format(10))
+    done.stdout.fnmatch_lines(["*has no incidence; run pytest --gnosphere-update*"])
+    run(line.format(10), "--gnosphere-update").assert_outcomes(passed=1)
+    run(line.format(10.1)).assert_outcomes(passed=1)
+    done = run('golden_cloud("wall", wall(10.1), tolerances={"incidence": -1}, tolerance=1)')
+    done.stdout.fnmatch_lines(["*9 another value*"])
+
+
+def test_update_writes_what_the_scan_is(run):
+    run('golden_cloud("wall", wall(12))').assert_outcomes(failed=1)
+    run('golden_cloud("wall", wall(12))', "--gnosphere-update").assert_outcomes(passed=1)
+    run('golden_cloud("wall", wall(12), exact=True)').assert_outcomes(passed=1)
+    run('golden_cloud("wall", wall(10))').assert_outcomes(failed=1)
+
+
+def test_what_cannot_be_compared_is_said(run):
+    run('golden_cloud("door", wall(10))').stdout.fnmatch_lines(["*there is no golden cloud *golden/door.npy; *"])
+    run('golden_cloud("wall", wall(10, beams=5))').stdout.fnmatch_lines(["*9 entries, the scan * 5: another sensor*"])
+
+
+def decode(png: bytes) -> np.ndarray:
+    """The pixels of a PNG without filters."""
+    width, height = struct.unpack(">II", png[16:24])
+    size = struct.unpack(">I", png[33:37])[0]
+    rows = np.frombuffer(zlib.decompress(png[41 : 41 + size]), np.uint8).reshape(height, 1 + 3 * width)
+    assert not rows[:, 0].any()
+    return rows[:, 1:].reshape(height, width, 3)
+
+
+def test_pictures(reference, simulator, pose):
+    scan = reference.scan(gnosphere.Pose())
+    image = pictures.range_image(scan)
+    assert image.shape == (128, 9, 3)
+    assert (decode(pictures.png(image)) == image).all()
+    assert pictures.from_above(scan).shape == (400, 400, 3)
+    big = simulator.scan(pose)
+    image = pictures.range_image(big)
+    assert image.shape == (128, 900, 3)
+    # The highest channel is on top, the first column on the right; of two columns the nearer range is shown.
+    pair = big.ranges.reshape(big.shape)[-1, ::-1].reshape(-1, 2)
+    nearest = np.fmin(pair[:, 0], pair[:, 1])
+    assert (image[0] == pictures.colours(nearest, 0, pictures.farthest_of(big))).all()
+    html = big._repr_html_()
+    assert html.startswith("<p>Scan of VLP-16: 16 x 1800 beams, ") and html.count("<img ") == 1
+    assert gnosphere.Scan()._repr_html_() == "<p>Scan without beams</p>"
+
+
+def test_differences_entry_by_entry(square):
+    def scan(x: float) -> gnosphere.Scan:
+        scene = gnosphere.Scene([gnosphere.Material("grey")], [square], [gnosphere.Instance(0, at(x))])
+        options = gnosphere.SimulatorOptions(gnosphere.device_by_name("reference"))
+        return gnosphere.Simulator(scene, gnosphere.SensorRequest(beams()), options).scan(gnosphere.Pose())
+
+    a, b = scan(10), scan(10)
+    b.ranges[0] += 0.5
+    b.instances[1] = 3
+    b.ranges[2] = np.nan
+    a.ranges[3] = np.nan
+    found = testing.difference(a, b, {"range": 0.001})
+    assert [list(testing.KINDS)[kind] for kind in found.kinds[:5]] == [
+        "another range", "another owner", "only in the golden cloud", "only in the scan", "the same",
+    ]  # fmt: skip
+    assert found.worst == {"range": 0.5}
+
+
+def test_the_page(folder, pytester, device):
+    """The test of docs/ci.md: written, the same, and another one after the scene has changed."""
+    block = re.search(r"^```python\n(.*?)^```$", (REPOSITORY / "docs" / "ci.md").read_text(), re.M | re.S)
+    assert block
+    if gnosphere.name_of(device) == "reference":
+        pytest.skip("accuracy exact needs a Vulkan device")
+    pytester.makepyfile(test_lidar=block[1])
+    Path(pytester.path, "scene.glb").symlink_to(folder / "town.glb")
+    pytester.runpytest_subprocess("--gnosphere-update").assert_outcomes(passed=1)
+    assert Path(pytester.path, "golden", "street.npy").stat().st_size < 30 * 28800
+    pytester.runpytest_subprocess().assert_outcomes(passed=1)
+    pytester.makepyfile(test_lidar=block[1].replace("(0, 0, 1.8)", "(0, 0, 1.9)"))
+    pytester.runpytest_subprocess().assert_outcomes(failed=1)
