@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
+#define GNO_MODE parity
+#define GNO_INVOCATIONS "lanes/lanes.hpp"
+#include "cuda/kernels.cuh"

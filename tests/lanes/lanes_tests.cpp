@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels give the same bytes with subgroups of any size and lanes in any order, reach every subgroup operation
+// with all lanes, and access memory without races. Lanes are fibers on the host, see schedule.hpp.
+#include <catch2/catch_get_random_seed.hpp>
+#include <catch2/generators/catch_generators.hpp>
+
+#include "deformable.hpp"
+#include "effects/scan_support.hpp"
+#include "lanes/faults.hpp"
+#include "lanes/schedule.hpp"
+#include "town/town.hpp"
+
+namespace gnosphere::cuda_lanes {
+std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options);
+}
+
+namespace gnosphere::test {
+namespace {
+
+using lanes::Fault;
+
+constexpr uint32_t kSizes[] = {4, 8, 16, 32, 64};
+constexpr double kPeriod = 0.1;  // seconds of a rotation
+
+const Scene& town() {
+  static const Scene scene = [] {
+    Scene made = makeTown({.triangles = everyCombination() ? 4'000u : 1'000u});
+    for (size_t i = 0; i < made.materials.size(); i += 2) made.materials[i].transmission = 0.5f;
+    addFence(made, plate(6, 3), translation(0, 0, 2), 0.9f);
+    return made;
+  }();
+  return scene;
+}
+
+/// A head whose lasers have azimuth offsets and origins, with a number of columns that no size of a subgroup divides.
+Sensor head() {
+  Sensor sensor = gridSensor(91, 8, -25, 15, 80);
+  for (size_t j = 0; j < sensor.channels.size(); ++j) {
+    sensor.channels[j].azimuthOffsetDeg = 1.7 * double(j % 3) - 2;
+    sensor.channels[j].origin = {0.03, 0.02 * double(j % 3), -0.01};
+  }
+  sensor.rotationPeriod = kPeriod;
+  return sensor;
+}
+
+/// A list of beams in no order, which fire one after another.
+Sensor pattern() {
+  BeamList beams;
+  Random random(7);
+  for (uint32_t i = 0; i < 700; ++i) {
+    const double azimuth = 0.9 * random(), elevation = 0.4 * random();
+    beams.directions.push_back(
+        {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)});
+    beams.times.push_back(kPeriod * i / 700);
+  }
+  Sensor sensor;
+  sensor.name = "pattern";
+  sensor.patterns.push_back(beams);
+  sensor.rangeMax = 80;
+  return sensor;
+}
+
+TestOptions with(Accuracy accuracy, Binning binning) {
+  TestOptions options;
+  options.accuracy = accuracy;
+  options.tuning.binning = binning;
+  return options;
+}
+
+TestOptions asking(const Effects& effects) {
+  TestOptions options;
+  options.effects = effects;
+  options.effects.intensity.use = EffectUse::automatic;
+  options.fields = stillFields();
+  return options;
+}
+
+Shot standing(uint64_t frame = 0) {
+  Shot shot;
+  shot.pose = {{1.3 + 0.1 * static_cast<double>(frame), 0.4, 1.8}, {0.01, -0.02, 0.3, 0.95}};
+  shot.frame = frame;
+  return shot;
+}
+
+/// A shot in which the sensor moves ahead and turns, and the town's first instance moves away.
+Shot driving() {
+  Shot shot = standing(3);
+  shot.motion.stamps = {{0, shot.pose}, {kPeriod, {{3.3, 0.4, 1.8}, {0, 0, std::sin(0.3), std::cos(0.3)}}}};
+  shot.instanceMotions = {{town().instances.size() - 1, translation(-1.5, 0.5, 2) * rotationZ(0.2)},
+                          {0, translation(0.5, 1, 0) * rotationZ(0.1) * town().instances[0].transform}};
+  return shot;
+}
+
+/// Scans with subgroups of each size in a number of orders, and compares with one lane at a time. The slow tests begin
+/// at another seed each time; it is that of Catch2, which `--rng-seed` sets.
+void requireAnyOrder(const Scene& scene, const Sensor& sensor, const TestOptions& options,
+                     const std::vector<Shot>& shots, uint64_t orders = everyCombination() ? 4 : 1) {
+  const uint64_t firstSeed = everyCombination() ? Catch::getSeed() : 1;
+  CudaOnHost one(scene, {sensor}, options);
+  CudaOnHost many(scene, {sensor}, options, cuda_lanes::makeBackend);
+  for (uint64_t seed = firstSeed; seed < firstSeed + orders; ++seed)
+    for (const uint32_t size : kSizes) {
+      if (!everyCombination() && size != 8 && size != 64) continue;
+      for (const Shot& shot : shots) {
+        INFO("seed " << seed << ", subgroups of " << size << " lanes, frame " << shot.frame);
+        lanes::setOrder({seed, size});
+        Scan expected, scan;
+        one.scanInto(shot, expected);
+        many.scanInto(shot, scan);
+        CHECK(expected.counters.hits > 30);
+        REQUIRE(firstBytes(expected, scan) == "none");
+      }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("lanes: a kernel without a fault runs in any order, and each fault is found in every order") {
+  const Fault fault =
+      GENERATE(Fault::missingBarrier, Fault::missingSubgroupBarrier, Fault::plainWrite, Fault::plainRead,
+               Fault::divergedCollective, Fault::differentBroadcast, Fault::absentLane, Fault::behindTheEnd);
+  for (uint64_t seed = 1; seed <= 20; ++seed)
+    for (const uint32_t size : kSizes) {
+      INFO("fault " << int(fault) << ", seed " << seed << ", subgroups of " << size << " lanes");
+      lanes::setOrder({seed, size});
+      CHECK_NOTHROW(lanes::runKernelWith(Fault::none));
+      CHECK_THROWS_AS(lanes::runKernelWith(fault), lanes::Finding);
+    }
+}
+
+TEST_CASE("lanes: geometry alone has the same bytes in any order, with every binning and accuracy") {
+  const auto accuracy = GENERATE(Accuracy::paper, Accuracy::draft, Accuracy::standard, Accuracy::exact);
+  const auto binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
+  if (accuracy == Accuracy::paper && binning != Binning::lists) return;
+  TestOptions options = with(accuracy, binning);
+  if (accuracy != Accuracy::paper) options.tuning.culling.occlusion = Culling::Occlusion::always;
+  INFO("accuracy " << int(accuracy) << ", binning " << int(binning));
+  Sensor sensor = gridSensor(91, 8, -25, 15, 80);
+  requireAnyOrder(town(), sensor, options, {standing(), standing(1)});
+}
+
+TEST_CASE("lanes: a head and a pattern have the same bytes in any order, standing and moving") {
+  const bool grid = GENERATE(true, false);
+  const auto binning = GENERATE(Binning::nearest, Binning::slabs);
+  INFO((grid ? "head" : "pattern") << ", binning " << int(binning));
+  TestOptions options = with(Accuracy::standard, binning);
+  options.effects.sensorMotion.use = options.effects.objectMotion.use = EffectUse::automatic;
+  requireAnyOrder(town(), grid ? head() : pattern(), options, {standing(), driving()});
+}
+
+TEST_CASE("lanes: footprints, panes and holes have the same bytes in any order") {
+  Effects effects = Effects::none();
+  effects.divergence = {EffectUse::on, GENERATE(1u, 7u, 19u), Effects::Divergence::Profile::gaussian, 9e-3, 4e-3};
+  effects.returns = {EffectUse::on, Effects::Returns::Mode::strongestSecondStrongest};
+  effects.transmission.use = GENERATE(EffectUse::off, EffectUse::on);
+  effects.cutOuts.use = EffectUse::on;
+  requireAnyOrder(town(), head(), asking(effects), {standing(), standing(1)});
+}
+
+TEST_CASE("lanes: panes, weather and noise have the same bytes in any order") {
+  Effects e = Effects::none();
+  e.detection = {EffectUse::on, 0.1, 80, 0};
+  e.dropOut = {EffectUse::on, 0.1, 0.8, 0.4, {3, 70, 71}};
+  e.rangeNoise = {EffectUse::on, 0.01, 0.02, 1e-4, 4e-3};
+  e.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+  e.transmission.use = e.cutOuts.use = e.sensorMotion.use = e.objectMotion.use = EffectUse::on;
+  e.fog = {EffectUse::on, 100};
+  requireAnyOrder(town(), head(), asking(e), {standing(), driving()});
+}
+
+TEST_CASE("lanes: deformed meshes have the same bytes in any order") {
+  Random random(3);
+  const Scene scene = limbs(random, 3);
+  TestOptions options = with(Accuracy::exact, Binning::nearest);
+  requireAnyOrder(scene, gridSensor(91, 8, -40, 40, 80), options, {standing(), standing(1)});
+}
+
+TEST_CASE("lanes: a few triangles, some of them panes or with holes, have the same bytes in many orders") {
+  Scene scene = sceneOf(soup(9, 60, 12, 14));
+  scene.materials.push_back(lambertian(0.4f, "glass"));
+  scene.materials.back().transmission = 0.6f;
+  scene.meshes.push_back(plate(5, 4, 1));
+  scene.instances.push_back({"pane", 1, {}});
+  addFence(scene, plate(6, 3), translation(0, 0, 1));
+  Sensor sensor = head();
+  sensor.columns = 31;
+  sensor.channels.resize(4);
+  Effects all = Effects::none();
+  all.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 9e-3, 4e-3};
+  all.transmission.use = all.cutOuts.use = all.intensity.use = EffectUse::on;
+  all.returns = {EffectUse::on, Effects::Returns::Mode::strongestSecondStrongest};
+  all.fog = {EffectUse::on, 100};
+  const uint64_t orders = everyCombination() ? 100 : 2;
+  SECTION("geometry") {
+    const auto binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
+    TestOptions options = with(GENERATE(Accuracy::standard, Accuracy::exact), binning);
+    requireAnyOrder(scene, sensor, options, {standing(), standing(1)}, orders);
+  }
+  SECTION("effects") {
+    Shot moving = standing(3);
+    moving.motion.stamps = {{0, moving.pose}, {kPeriod, {{3.3, 0.4, 1.8}, {0, 0, std::sin(0.3), std::cos(0.3)}}}};
+    requireAnyOrder(scene, sensor, asking(all), {standing(), moving}, orders);
+  }
+}
+
+}  // namespace gnosphere::test
