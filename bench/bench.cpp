@@ -74,6 +74,7 @@ std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
     addOptions(*command, *options);
     const bool scenes = cases[0].run == real;
     if (scenes) adaptToReal(*command, *options);
+    if (cases.size() == 1 && cases[0].run == heads) adaptToHeads(*command, *options);
     command->footer("Example: gnosphere-bench " + std::string(name) + (scenes ? " --scene FOLDER" : "") +
                     " --device 0 --json results.json");
     actions.emplace_back(command, [cases, options] { return run(cases, *options); });

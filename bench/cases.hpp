@@ -22,6 +22,7 @@ Report beams(Session& session);
 Report effects(Session& session);
 Report correctness(Session& session);
 Report real(Session& session);
+Report heads(Session& session);
 
 struct Case {
   const char* name;
@@ -44,6 +45,7 @@ inline constexpr Case kCases[] = {
     {"scaling-rays", "From 28,800 to 25 million beams", {1'000'000, 5, 1}, scalingRays},
     {"beams", "Sectors, lists of beams, lasers away from the axis", {1'000'000, 7, 1}, beams},
     {"effects", "Time of each effect relative to a scan without effects", {1'000'000, 7, 1}, effects},
+    {"heads", "Every head of the catalogue, clean and by default", {300'000, 3, 2}, heads},
     {"correctness", "Compare hard cases and a town with the reference; fingerprints", {300'000, 1, 2}, correctness},
 };
 

@@ -14,9 +14,8 @@ namespace gnosphere::bench {
 void addOptions(CLI::App& app, Options& options) {
   const auto count = CLI::Range(uint32_t{1}, uint32_t{1'000'000});
   app.add_option("--device", options.device, "A device, as in gnosphere scan --device")->capture_default_str();
-  app.add_option("--accuracy", options.accuracy, "Accuracy of GnoSphere, as in gnosphere scan --accuracy")
-      ->check(CLI::IsMember(cli::kAccuracies))
-      ->capture_default_str();
+  cli::addAccuracyOption(app, options.settings);
+  cli::addSetOption(app, options.settings);
   app.add_option("--sensor", options.sensor, "A built-in sensor or a JSON file (default: those of the case)");
   app.add_option("--scene", options.scenes, "A scene file instead of the built-in town; several for figure6-towns");
   app.add_option("--triangles", options.triangles,
@@ -39,6 +38,14 @@ void adaptToReal(CLI::App& app, Options& options) {
       ->check(CLI::Range(uint64_t{1}, uint64_t{1'000'000'000}))
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Seed of the poses")->capture_default_str();
+}
+
+void adaptToHeads(CLI::App& app, Options& options) {
+  for (const char* other : {"--sensor", "--trajectory"}) app.remove_option(app.get_option(other));
+  app.get_option("--scene")->description("Scene files instead of the built-in town");
+  app.get_option("--rivals")->description("all, or none to leave Embree out");
+  app.add_option("--heads", options.heads,
+                 "Heads separated by commas, with :MODE if wanted (default: all of the catalogue)");
 }
 
 Session::Session(const Options& options, const Defaults& defaults)
@@ -83,9 +90,9 @@ std::vector<Pose> Session::poses(const Round& round) const {
 SimulatorOptions Session::simulatorOptions() const {
   SimulatorOptions settings;
   settings.device = deviceByName(options_.device);
-  settings.accuracy = cli::kAccuracies.at(options_.accuracy);
   settings.faces = ReflectingFaces::material;  // rivals see both faces; the check of their results proves it
   settings.tuning.keepStill = false;           // whole scans are timed, even if a run has only one pose
+  cli::apply(options_.settings, settings);
   return settings;
 }
 

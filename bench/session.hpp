@@ -8,15 +8,18 @@
 
 #include "contest.hpp"
 #include "rivals/rival.hpp"
+#include "scanning.hpp"
 
 namespace gnosphere::bench {
 
 struct Options {
-  std::string device = "auto", accuracy = "standard", sensor, trajectory, rivals = "all", json, plot;
+  std::string device = "auto", sensor, trajectory, rivals = "all", json, plot;
   std::vector<std::string> scenes;
+  cli::Settings settings;  ///< of GnoSphere's simulators
   uint64_t triangles = 0;  ///< 0: the default of the case
   uint32_t runs = 0, frames = 0;
   uint64_t leastTriangles = 50'000, seed = 1;  ///< of the case `real` alone
+  std::string heads;                           ///< of the case `heads` alone; empty: all of the catalogue
 };
 
 /// Defaults of a case for options that are not given.
@@ -28,6 +31,9 @@ struct Defaults {
 void addOptions(CLI::App& app, Options& options);
 /// Changes these options to those of the case `real`.
 void adaptToReal(CLI::App& app, Options& options);
+
+/// Changes these options to those of the case `heads`.
+void adaptToHeads(CLI::App& app, Options& options);
 
 /// What of our own takes part beside GnoSphere where nothing moves.
 enum class Beside {

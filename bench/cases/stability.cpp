@@ -7,6 +7,7 @@
 
 #include "cases/hardness.hpp"
 #include "cases/results.hpp"
+#include "gnosphere/options.hpp"
 #include "plot.hpp"
 #include "report.hpp"
 
@@ -15,8 +16,6 @@ namespace {
 
 using cli::formatted;
 using cli::Json;
-
-constexpr Accuracy kAccuracies[] = {Accuracy::paper, Accuracy::draft, Accuracy::standard, Accuracy::exact};
 
 struct HardnessOptions {
   std::string device = "auto", plot, json, family;
@@ -35,7 +34,7 @@ struct Verdict {
 
 struct HardnessRow {
   double hardness;
-  std::vector<Verdict> outcomes;  ///< in the order of kAccuracies
+  std::vector<Verdict> outcomes;  ///< in the order of accuracySettings()
 };
 
 struct FamilyResult {
@@ -51,8 +50,8 @@ HardnessRow measure(const HardCase& test, const std::string& device, DeviceInfo&
   if (truth.counters.misses > 0) throw std::logic_error("a hard case must be hit by every beam");
   HardnessRow row = {test.hardness, {}};
   options.device = deviceByName(device);
-  for (Accuracy accuracy : kAccuracies) {
-    options.accuracy = accuracy;
+  for (const AccuracySetting& setting : accuracySettings()) {
+    options.accuracy = setting.accuracy;
     Simulator simulator(test.scene, request, options);
     info = simulator.device();
     row.outcomes.push_back({compare(truth, simulator.scan(test.pose))});
@@ -80,8 +79,8 @@ std::vector<FamilyResult> measureAll(const HardnessOptions& options, DeviceInfo&
 void print(const FamilyResult& result) {
   std::printf("\n%s: largest range error in m, and share of beams lost\n\n", result.family.title);
   std::vector<cli::TableRow> rows = {{result.family.unit}};
-  for (Accuracy accuracy : kAccuracies) {
-    rows[0].push_back(nameOf(accuracy));
+  for (const AccuracySetting& setting : accuracySettings()) {
+    rows[0].push_back(setting.name);
     rows[0].push_back("lost");
   }
   for (const HardnessRow& row : result.rows) {
@@ -99,8 +98,8 @@ cli::Json familiesJson(const std::vector<FamilyResult>& results) {
   for (const FamilyResult& result : results) {
     Json family = {{"name", result.family.name}, {"unit", result.family.unit}};
     for (const HardnessRow& row : result.rows) family["hardness"].push_back(row.hardness);
-    for (size_t i = 0; i < std::size(kAccuracies); ++i) {
-      Json setting = {{"name", nameOf(kAccuracies[i])}};
+    for (size_t i = 0; i < accuracySettings().size(); ++i) {
+      Json setting = {{"name", accuracySettings()[i].name}};
       for (const HardnessRow& row : result.rows) {
         const Verdict& outcome = row.outcomes[i];
         setting["error_max_m"].push_back(outcome.anyHit() ? Json(rounded(outcome.error())) : Json());
@@ -116,12 +115,14 @@ cli::Json familiesJson(const std::vector<FamilyResult>& results) {
 /// Markers of the four lines. They are nested, because the lines often coincide.
 cli::PlotSeries look(size_t setting) {
   static const cli::PlotSeries kLooks[] = {
-      {"paper", cli::Marker::cross, "#d55e00", "2 3", 4, {}},
-      {"draft", cli::Marker::triangle, "#0072b2", "7 4", 5, {}},
-      {"standard", cli::Marker::circle, "#009e73", "", 2.5, {}},
-      {"exact", cli::Marker::square, "#222222", "12 3 2 3", 6, {}},
+      {"", cli::Marker::cross, "#d55e00", "2 3", 4, {}},
+      {"", cli::Marker::triangle, "#0072b2", "7 4", 5, {}},
+      {"", cli::Marker::circle, "#009e73", "", 2.5, {}},
+      {"", cli::Marker::square, "#222222", "12 3 2 3", 6, {}},
   };
-  return kLooks[setting];
+  cli::PlotSeries series = kLooks[setting % std::size(kLooks)];
+  series.name = accuracySettings()[setting].name;
+  return series;
 }
 
 cli::PlotPanel panelOf(const FamilyResult& result, bool lost) {
@@ -131,7 +132,7 @@ cli::PlotPanel panelOf(const FamilyResult& result, bool lost) {
                           {}};
   const bool harderLeft = result.family.hardness.front() > result.family.hardness.back();
   if (harderLeft) panel.xLabel += " (harder to the left)";
-  for (size_t i = 0; i < std::size(kAccuracies); ++i) {
+  for (size_t i = 0; i < accuracySettings().size(); ++i) {
     cli::PlotSeries series = look(i);
     for (const HardnessRow& row : result.rows) {
       const Verdict& outcome = row.outcomes[i];

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "rivals/embree.hpp"
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <stdexcept>
 
 #include "console.hpp"
@@ -27,7 +29,7 @@ Transform relativeTo(const Vec3& origin, const Transform& transform, const Vec3&
 /// Embree reads 16 bytes at every vertex, beyond the end of the last one.
 constexpr size_t kPadding = 1;
 
-class Embree : public Rival {
+class Embree : public EmbreeRival {
  public:
   Embree(const Scene& scene, const Vec3& origin, EmbreeWay way) : scene_(scene), origin_(origin), way_(way) {
     device_ = rtcNewDevice(nullptr);
@@ -110,6 +112,30 @@ class Embree : public Rival {
     return cli::nowMs() - start;
   }
 
+  double trace(const Lines& lines, const std::vector<bool>& paneMaterials, LineHits& hits) override {
+    preparePanes(paneMaterials);
+    hits.ranges.assign(lines.count * lines.layers, std::numeric_limits<float>::quiet_NaN());
+    const double start = cli::nowMs();
+    const auto isPane = [&](uint32_t instance, uint32_t triangle) {
+      const std::vector<bool>& panes = panes_[scene_.instances[instance].mesh];
+      return !panes.empty() && panes[triangle];
+    };
+    constexpr size_t kShare = 32;  // packets
+    workers_.run((lines.packets.size() + kShare - 1) / kShare, [&](size_t share) {
+#ifdef __SSE3__
+      _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // required by Embree's manual
+      _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+#endif
+      const size_t end = std::min(lines.packets.size(), (share + 1) * kShare);
+      for (size_t p = share * kShare; p < end; ++p) traceLines(top_, lines, p, instanced(), isPane, hits);
+#ifdef __SSE3__
+      _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_OFF);
+      _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_OFF);
+#endif
+    });
+    return cli::nowMs() - start;
+  }
+
   uint64_t memoryBytes() const override {
     return static_cast<uint64_t>(bytes_.load());
   }
@@ -117,6 +143,18 @@ class Embree : public Rival {
  private:
   bool instanced() const {
     return way_ == EmbreeWay::instanced || way_ == EmbreeWay::placed;
+  }
+
+  /// Notes for each triangle whether it is a pane; nothing for meshes without any.
+  void preparePanes(const std::vector<bool>& materials) {
+    if (!panes_.empty()) return;
+    panes_.resize(scene_.meshes.size());
+    for (size_t mesh = 0; mesh < panes_.size(); ++mesh)
+      for (const MeshPart& part : scene_.meshes[mesh].parts) {
+        if (!materials[part.material]) continue;
+        panes_[mesh].resize(scene_.meshes[mesh].triangleCount());
+        std::fill_n(panes_[mesh].begin() + part.firstTriangle, part.triangleCount, true);
+      }
   }
 
   static bool count(void* total, ssize_t bytes, bool) {
@@ -219,6 +257,7 @@ class Embree : public Rival {
   std::vector<Transform> transforms_;
   std::vector<std::vector<float>> vertices_;
   PacketTable table_;
+  std::vector<std::vector<bool>> panes_;
   std::atomic<int64_t> bytes_ = 0;
   RTCDevice device_ = nullptr;
   RTCScene top_ = nullptr;
@@ -231,7 +270,7 @@ bool haveEmbree() {
   return true;
 }
 
-std::unique_ptr<Rival> makeEmbree(const Scene& scene, const Vec3& origin, EmbreeWay way) {
+std::unique_ptr<EmbreeRival> makeEmbree(const Scene& scene, const Vec3& origin, EmbreeWay way) {
   return std::make_unique<Embree>(scene, origin, way);
 }
 

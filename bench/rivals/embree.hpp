@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "rivals/lines.hpp"
 #include "rivals/rival.hpp"
 
 namespace gnosphere::bench {
@@ -19,8 +20,16 @@ enum class EmbreeWay {
 /// Whether the bench was built with Embree.
 bool haveEmbree();
 
+class EmbreeRival : public Rival {
+ public:
+  using Rival::trace;
+  /// Follows every line through the panes, the triangles whose material lets light pass, to the first other surface.
+  /// Lines are relative to the origin given to makeEmbree(). Returns milliseconds.
+  virtual double trace(const Lines& lines, const std::vector<bool>& paneMaterials, LineHits& hits) = 0;
+};
+
 /// Vertices are stored in single precision relative to `origin`, which should be near the sensor. build() must be
 /// called first. The scene must outlive the rival. Throws Error(device) without Embree.
-std::unique_ptr<Rival> makeEmbree(const Scene& scene, const Vec3& origin, EmbreeWay way);
+std::unique_ptr<EmbreeRival> makeEmbree(const Scene& scene, const Vec3& origin, EmbreeWay way);
 
 }  // namespace gnosphere::bench

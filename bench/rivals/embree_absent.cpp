@@ -9,7 +9,7 @@ bool haveEmbree() {
   return false;
 }
 
-std::unique_ptr<Rival> makeEmbree(const Scene&, const Vec3&, EmbreeWay) {
+std::unique_ptr<EmbreeRival> makeEmbree(const Scene&, const Vec3&, EmbreeWay) {
   throw Error(ErrorCode::device, "embree: not built in; install libembree-dev and configure again");
 }
 

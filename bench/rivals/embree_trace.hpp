@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "rivals/lines.hpp"
 #include "rivals/packets.hpp"
 #include "rivals/rival.hpp"
 
@@ -63,6 +64,51 @@ inline void tracePacket(RTCScene scene, const Packet& packet, const float (&orig
     hits.ranges[beam] = range;
     hits.triangles[beam] = hit ? rays.hit.primID[lane] : kNoTriangle;
     hits.instances[beam] = !hit ? kNoTriangle : instanced ? rays.hit.instID[0][lane] : rays.hit.geomID[lane];
+  }
+}
+
+/// Follows the lines of one packet. `isPane` says of an instance and a triangle whether light passes it; the next
+/// surface is looked for a millionth of the range behind it.
+template <typename IsPane>
+void traceLines(RTCScene scene, const Lines& lines, size_t number, bool instanced, const IsPane& isPane,
+                LineHits& hits) {
+  const LinePacket& packet = lines.packets[number];
+  alignas(64) int valid[kPacketLines];
+  RTCRayHit16 rays;
+  bool any = false;
+  for (uint32_t lane = 0; lane < kPacketLines; ++lane) {
+    valid[lane] = packet.far[lane] >= packet.near[lane] ? -1 : 0;
+    any |= valid[lane] != 0;
+    rays.ray.org_x[lane] = packet.originX[lane];
+    rays.ray.org_y[lane] = packet.originY[lane];
+    rays.ray.org_z[lane] = packet.originZ[lane];
+    rays.ray.dir_x[lane] = packet.x[lane];
+    rays.ray.dir_y[lane] = packet.y[lane];
+    rays.ray.dir_z[lane] = packet.z[lane];
+    rays.ray.tnear[lane] = packet.near[lane];
+    rays.ray.time[lane] = 0;
+    rays.ray.mask[lane] = 0xffffffffU;
+    rays.ray.flags[lane] = 0;
+  }
+  for (uint32_t layer = 0; any && layer < lines.layers; ++layer) {
+    for (uint32_t lane = 0; lane < kPacketLines; ++lane) {
+      rays.ray.tfar[lane] = packet.far[lane];
+      rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+      rays.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    intersect(scene, valid, rays);
+    any = false;
+    for (uint32_t lane = 0; lane < kPacketLines; ++lane) {
+      if (!valid[lane]) continue;
+      valid[lane] = 0;
+      if (rays.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID) continue;
+      const float range = rays.ray.tfar[lane];
+      hits.ranges[(number * kPacketLines + lane) * lines.layers + layer] = range;
+      if (!isPane(instanced ? rays.hit.instID[0][lane] : rays.hit.geomID[lane], rays.hit.primID[lane])) continue;
+      rays.ray.tnear[lane] = range * (1 + 1e-6f);
+      valid[lane] = -1;
+      any = true;
+    }
   }
 }
 

@@ -4,16 +4,13 @@
 #include <algorithm>
 
 namespace gnosphere::bench {
-namespace {
 
-/// Rotates v by q: v + 2 w (u x v) + 2 u x (u x v), with q's vector part u.
-Vec3 turn(const Quaternion& q, const Vec3& v) {
+/// v + 2 w (u x v) + 2 u x (u x v), with the quaternion's vector part u.
+Vec3 turned(const Quaternion& q, const Vec3& v) {
   const Vec3 t = {2 * (q.y * v.z - q.z * v.y), 2 * (q.z * v.x - q.x * v.z), 2 * (q.x * v.y - q.y * v.x)};
   return {v.x + q.w * t.x + q.y * t.z - q.z * t.y, v.y + q.w * t.y + q.z * t.x - q.x * t.z,
           v.z + q.w * t.z + q.x * t.y - q.y * t.x};
 }
-
-}  // namespace
 
 void PacketTable::layOut(const Sensor& sensor) {
   const std::string identity = sensor.isGrid() ? toJson(sensor) : sensor.name + std::to_string(sensor.beamCount());
@@ -40,7 +37,7 @@ void PacketTable::prepare(const Sensor& sensor, const Quaternion& q) {
   orientation_ = q;
   for (Packet& packet : packets_) {
     for (uint32_t lane = 0; lane < packet.count; ++lane) {
-      const Vec3 d = turn(q, directions_[packet.first + lane]);
+      const Vec3 d = turned(q, directions_[packet.first + lane]);
       packet.x[lane] = static_cast<float>(d.x);
       packet.y[lane] = static_cast<float>(d.y);
       packet.z[lane] = static_cast<float>(d.z);

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "rivals/lines.hpp"
+
+#include <cmath>
+
+#include "effects/bits.h"
+#include "effects/formula_inputs.hpp"
+#include "effects/trajectory.hpp"
+#include "rivals/packets.hpp"
+#include "sensor/beams.hpp"
+
+namespace gnosphere::bench {
+namespace {
+
+Vec3 plus(const Vec3& a, const Vec3& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+Vec3 times(double factor, const Vec3& v) {
+  return {factor * v.x, factor * v.y, factor * v.z};
+}
+
+}  // namespace
+
+Lines linesOf(const Sensor& sensor, const Effects& effects, bool footprints, const Shot& shot, const Vec3& origin) {
+  const std::vector<SubRay> rays = subRays(effects, sensor, footprints ? gpu::kDivergence : 0);
+  Lines lines;
+  lines.perBeam = static_cast<uint32_t>(rays.size());
+  lines.count = sensor.beamCount() * rays.size();
+  LinePacket unused = {};
+  for (uint32_t lane = 0; lane < kPacketLines; ++lane) unused.far[lane] = -1;
+  lines.packets.assign((lines.count + kPacketLines - 1) / kPacketLines, unused);
+  const std::vector<bool> silent = silentBeams(sensor);
+  for (size_t beam = 0; beam < sensor.beamCount(); ++beam) {
+    if (silent[beam]) continue;
+    const Pose pose = poseAt(shot.motion, shot.pose, timeOf(sensor, beam, shot.frame));
+    const Vec3 axis = directionOf(sensor, beam, shot.frame);
+    const double azimuth = azimuthOf(sensor, beam, shot.frame), elevation = elevationOf(sensor, beam, shot.frame);
+    const double c = std::cos(azimuth), s = std::sin(azimuth);
+    const Vec3 left = {-s, c, 0}, up = {-std::sin(elevation) * c, -std::sin(elevation) * s, std::cos(elevation)};
+    const Vec3 start =
+        plus(plus(pose.position, turned(pose.orientation, originOf(sensor, beam, shot.frame))), times(-1, origin));
+    const RangeWindow window = rangeWindowOf(sensor, beam, shot.frame);
+    for (size_t ray = 0; ray < rays.size(); ++ray) {
+      const Vec3 along = plus(axis, plus(times(rays[ray].u, left), times(rays[ray].v, up)));
+      const Vec3 d = turned(pose.orientation, times(1 / std::hypot(along.x, along.y, along.z), along));
+      const size_t line = beam * rays.size() + ray, lane = line % kPacketLines;
+      LinePacket& packet = lines.packets[line / kPacketLines];
+      packet.originX[lane] = static_cast<float>(start.x);
+      packet.originY[lane] = static_cast<float>(start.y);
+      packet.originZ[lane] = static_cast<float>(start.z);
+      packet.x[lane] = static_cast<float>(d.x);
+      packet.y[lane] = static_cast<float>(d.y);
+      packet.z[lane] = static_cast<float>(d.z);
+      packet.near[lane] = static_cast<float>(window.least);
+      packet.far[lane] = static_cast<float>(window.most);
+    }
+  }
+  return lines;
+}
+
+}  // namespace gnosphere::bench
