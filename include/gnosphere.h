@@ -11,7 +11,8 @@
  * another object are copied there: they may be destroyed afterwards.
  *
  * Structs: a struct whose first member is struct_size must be made by its gno_..._init() function, which sets that
- * member and the default values. A struct of another size than the library knows is an error.
+ * member and the default values. A program that was compiled with an older header has smaller structs: members that it
+ * lacks have their default values. A struct that is larger than the library's is an error.
  *
  * Pointers: arrays and texts that go in are copied before the function returns. Arrays of a handle (gno_scan_column and
  * others) live until the handle is destroyed or changed. Texts and lists of no handle are valid until the same thread
@@ -68,6 +69,7 @@ typedef struct gno_effects_object* gno_effects;               /* what a scan sim
 typedef struct gno_material_table_object* gno_material_table; /* optical properties by material name */
 typedef struct gno_simulator_object* gno_simulator;           /* a scene and sensors on a device */
 typedef struct gno_scan_object* gno_scan;                     /* the result of a scan, or a cloud from a file */
+typedef struct gno_batch_object* gno_batch;                   /* the results of many shots */
 
 #define GNO_NONE 0xffffffffu /* no triangle, instance, mesh, image, node, skin or clip */
 
@@ -159,6 +161,7 @@ typedef struct gno_instance {
   uint16_t class_id; /* of all surfaces whose material states none, numbered by the caller; 0 for none */
   gno_transform transform;
   const char* class_name; /* class that the file states by its name instead; may be null */
+  uint32_t world;         /* the world that has it, see gno_shot::world; 0 for all of them */
 } gno_instance;
 
 typedef int32_t gno_up_axis;
@@ -578,7 +581,14 @@ typedef struct gno_options {
   gno_occlusion occlusion;
   int32_t keep_still, float64; /* 0 turns it off */
   uint64_t max_buffer_bytes;   /* 0: the limit of the device */
+  uint64_t max_batch_bytes;    /* of lists of shots that are submitted together; 0: 256 MB on a CPU, else 1 GB */
+  const char* assignments;     /* what gno_options_set() has set; it replaces the members above */
 } gno_options;
+
+/* Sets an option by its name, as "tuning.binning=lists" or "accuracy=exact"; docs/options.md lists the names. An error
+ * has the nearest known names, or the values that the option takes; the options are then unchanged. The library keeps
+ * the texts that have been set until the process ends, each once. */
+GNO_API gno_status gno_options_set(gno_options* options, const char* assignment);
 
 /* A sensor, the effects that its scans simulate, and the fields that its scans hold. */
 typedef struct gno_request {
@@ -641,6 +651,7 @@ typedef struct gno_shot {
   const gno_mesh_motion* mesh_motions;
   size_t mesh_motion_count;
   const gno_weather* weather; /* may be null */
+  uint32_t world; /* the shot sees the instances of this world and those of world 0, as if there were no others */
 } gno_shot;
 
 /* Bytes of device memory by purpose. */
@@ -659,6 +670,11 @@ GNO_API gno_status gno_simulator_scan(gno_simulator simulator, const gno_shot* s
  * must not call this simulator. If it returns another value than 0, the run ends with GNO_CANCELLED. */
 GNO_API gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots, size_t shot_count,
                                           int32_t (*receive)(size_t shot, gno_scan scan, void* user), void* user);
+/* Makes the scans of many shots of one sensor and collects them in arrays, see gno_batch_info. `fields` are those that
+ * the batch has beside the ranges; null: all that scans of the sensor have. If *batch is null, a batch is created;
+ * otherwise its memory is used again. The error names the first shot that is not valid, before anything runs. */
+GNO_API gno_status gno_simulator_scan_batch(gno_simulator simulator, const gno_shot* shots, size_t shot_count,
+                                            const gno_field* fields, size_t field_count, gno_batch* batch);
 
 /* Changes between scans. Indices are stable; the index of a removed object is given to the next one added. */
 GNO_API gno_status gno_simulator_add_sensor(gno_simulator simulator, const gno_request* request, size_t* index);
@@ -676,6 +692,9 @@ GNO_API gno_status gno_simulator_set_positions(gno_simulator simulator, size_t m
 GNO_API gno_status gno_simulator_set_deformation(gno_simulator simulator, size_t mesh,
                                                  const gno_deformation* deformation);
 GNO_API gno_status gno_simulator_add_instance(gno_simulator simulator, const gno_instance* instance, size_t* index);
+/* Adds many instances and gives their indices in order, `count` of them; `indices` may be null. */
+GNO_API gno_status gno_simulator_add_instances(gno_simulator simulator, const gno_instance* instances, size_t count,
+                                               uint32_t* indices);
 GNO_API gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index);
 GNO_API gno_status gno_simulator_set_transform(gno_simulator simulator, size_t instance,
                                                const gno_transform* transform);
@@ -688,7 +707,7 @@ GNO_API gno_status gno_simulator_set_transforms(gno_simulator simulator, const u
 GNO_API gno_status gno_simulator_set_transforms_float(gno_simulator simulator, const uint32_t* instances, size_t count,
                                                       const float* values, size_t width);
 
-/* What a scan of a sensor computes, and why, as JSON. */
+/* What a scan of a sensor computes, and why, as JSON; valid until this function is called again for this simulator. */
 GNO_API gno_status gno_simulator_get_plan(gno_simulator simulator, size_t sensor, const char** json);
 GNO_API gno_status gno_simulator_get_device(gno_simulator simulator, gno_device_info* device);
 GNO_API gno_status gno_simulator_get_memory(gno_simulator simulator, gno_memory_use* use);
@@ -741,8 +760,28 @@ GNO_API gno_status gno_scan_get_info(gno_scan scan, gno_scan_info* info);
 /* An error if the scan does not have the field. */
 GNO_API gno_status gno_scan_get_column(gno_scan scan, gno_field field, gno_column* column);
 GNO_API gno_status gno_scan_get_counters(gno_scan scan, gno_counters* counters);
-/* The stages are valid until the same thread calls this function again. */
+/* The stages are valid until this function is called again for this scan, or the scan changes. */
 GNO_API gno_status gno_scan_get_timings(gno_scan scan, gno_timings* timings);
+
+/* The results of many shots of one sensor. A shot of a batch is a view, and entries lie view after view: entry
+ * (view * beams + beam) * returns + k is the beam's k-th return in that view. */
+typedef struct gno_batch_info {
+  size_t struct_size;
+  const char* sensor;
+  uint32_t columns, channels; /* of the organised cloud of a view */
+  uint32_t returns;           /* entries per beam */
+  size_t views, beams;        /* beams of each view */
+  size_t entries;             /* of all views */
+} gno_batch_info;
+
+GNO_API gno_status gno_batch_destroy(gno_batch batch);
+GNO_API gno_status gno_batch_get_info(gno_batch batch, gno_batch_info* info);
+/* The values of all views. An error if the batch does not have the field. */
+GNO_API gno_status gno_batch_get_column(gno_batch batch, gno_field field, gno_column* column);
+/* Sums over the views. */
+GNO_API gno_status gno_batch_get_counters(gno_batch batch, gno_counters* counters);
+/* The times of all views together, as gno_scan_get_timings() gives them. */
+GNO_API gno_status gno_batch_get_timings(gno_batch batch, gno_timings* timings);
 
 /* ------------------------------------------------------------------------------------------------ output */
 
@@ -827,6 +866,7 @@ GNO_API gno_status gno_scan_compare(gno_scan reference, gno_scan other, double t
 #define GNO_INIT_gno_shot value.pose.orientation[3] = 1;
 #define GNO_INIT_gno_memory_use
 #define GNO_INIT_gno_scan_info
+#define GNO_INIT_gno_batch_info
 #define GNO_INIT_gno_column
 #define GNO_INIT_gno_counters
 #define GNO_INIT_gno_timings
@@ -860,6 +900,7 @@ GNO_INIT(gno_weather)
 GNO_INIT(gno_shot)
 GNO_INIT(gno_memory_use)
 GNO_INIT(gno_scan_info)
+GNO_INIT(gno_batch_info)
 GNO_INIT(gno_column)
 GNO_INIT(gno_counters)
 GNO_INIT(gno_timings)

@@ -31,6 +31,7 @@
 #include "nearest_hit.glsl"
 #include "occluders.glsl"
 #include "panes.glsl"
+#include "each_ray.glsl"
 
 layout(local_size_x = 64) in;
 
@@ -61,65 +62,17 @@ void offer(uint beam, float range, uint projected, uint id) {
 
 // Prepends a candidate to the chain of a beam. A link has three entries: the projected triangle, the range of its hit
 // (with a footprint, the least range), and the link before. A beam that meets a pane is listed when its chain begins.
-void link(uint beam, uint projected, float range) {
+void link(uint beam, uint projected, uint rangeBits) {
   uint place = atomicAdd(counters.candidates, 1);
   if (place >= frame.candidateCapacity) return;
   uint before = atomicExchange(listEnds.at[beam], place);
   candidates.at[3 * place] = projected;
-  candidates.at[3 * place + 1] = floatBitsToUint(range);
+  candidates.at[3 * place + 1] = rangeBits;
   candidates.at[3 * place + 2] = before;
   if (PANES && before == kNone) hardBeams.at[atomicAdd(counters.hardBeams, 1)] = beam;
 }
 
-// True if a triangle stops the whole footprint of a beam: every line within it hits the triangle clearly within its
-// edges, and no light goes on behind it, neither through a hole nor because it is a pane. `farthest` becomes an upper
-// bound of the ranges of these hits. The range of a line that deviates by up to `footprint` from the axis is at most
-// that of the axis divided by the change of the cosine to the normal; the other terms are far more than the rounding
-// errors.
-bool stopsFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3 side, uint index,
-                    uint projected, out float farthest) {
-  vec3 reach = 1.02 * prepared.reach;
-  bool inside = all(lessThan(side, -reach)) || (all(greaterThan(side, reach)) && !triangle.oneSided);
-  vec3 depth = cornerDepths(turned, beam.cosElevation, beam.sinElevation);
-  float along = side.x + side.y + side.z, sum = abs(along), spread = 1.02 * frame.footprint;
-  float slope = prepared.area / max(sum - spread * prepared.area, 1e-30);
-  float range = dot(side, depth) / along;  // less than 0 if the triangle lies behind the beam
-  farthest = range * (1.0 + spread * slope) * (1.0 + spread * spread);
-  farthest = max(farthest * (1.00001 + 1e-6 * slope), triangle.rangeMin);
-  vec2 window = windowOf(prepared, index);
-  bool stops = inside && range > 0.0 && sum > spread * prepared.area && frame.footprint < 0.2 &&
-               triangle.rangeMin >= window.x && farthest <= window.y;
-  if ((EFFECTS & kCutOuts) != 0 && stops) stops = optics.at[projectedMaterials.at[projected]].passage.y <= 0.0;
-  if (LAYERS > 1 && stops) stops = !isPane(projected);
-  return stops;
-}
-
-// Keeps a triangle that a line within the beam's footprint may hit. The beam's word holds the nearest triangle that
-// stops the whole footprint, and a range beyond which no line goes on. Other triangles go to the beam's chain, unless
-// they lie behind that range.
-void offerFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam beam, vec3 side, uint index,
-                    uint projected) {
-#ifdef INT64_ATOMICS
-  float nearest = triangle.rangeMin, farthest;
-  uint stopped = words.at[index].y;
-  if (floatBitsToUint(nearest) > stopped) return;
-  if (stopsFootprint(triangle, prepared, turned, beam, side, index, projected, farthest)) {
-    uvec2 word = uvec2(projected, floatBitsToUint(farthest));
-    uint64_t other = atomicMin(words64.at[index], packUint2x32(word));
-    uvec2 before = uvec2(uint(other), uint(other >> 32));
-    if (before.y == kNone) return;
-    // The other one of both triangles may still matter.
-    bool stays = before.y < word.y || (before.y == word.y && before.x < word.x);
-    stopped = min(before.y, word.y);
-    if (!stays) {
-      projected = before.x;
-      nearest = rangeMinOf(projected);
-    }
-    if (floatBitsToUint(nearest) > stopped) return;
-  }
-  link(index, projected, nearest);
-#endif
-}
+#include "bin_footprints.glsl"
 
 // Compilers inline it at every call, so each loop over beams has one call.
 void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint projected) {
@@ -135,7 +88,7 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   float range;
   bool met = meet(triangle, prepared, turned, beam, index, projected, range);
   if (BINNING != kBinningLists && PASS == kPassPanes) {
-    if (met && comesBefore(range, triangle.id, words.at[index])) link(index, projected, range);
+    if (met && comesBefore(range, triangle.id, words.at[index])) link(index, projected, floatBitsToUint(range));
   } else if (BINNING == kBinningSlabs) {
     keepNearer(index, met, range, triangle.id);
   } else if (met) {
@@ -159,6 +112,7 @@ void trySmall(uint i) {
   Box box = boxOf(projectedColumns.at[i], c.tag);
   if (VIEWS) view = projectedViews.at[i];
   Prepared prepared = prepare(triangle);
+  lookAtSurface(i);
   uint columnCount = boxColumnCount(box);
   seemFrom(triangle);
   Silhouette silhouette = silhouetteOf(triangle, prepared, box);
@@ -262,9 +216,10 @@ void tryCell(Tile tile, Prepared prepared, uint cell) {
 
 // Loads a word near a column in each of the rows from..to - 1. The loop over these rows needs their words one after the
 // other and would wait for memory at each; here it waits once. The result is always true, because no triangle has such
-// a number, but the compiler does not know that and keeps the loads.
+// a number, but the compiler does not know that and keeps the loads. Where lanes do not run in step, another lane may be
+// writing such a word.
 bool areAtHand(uint from, uint to, uint column) {
-  if (BINNING != kBinningSlabs || LISTED) return true;
+  if (BINNING != kBinningSlabs || LISTED || !kLanesInStep) return true;
   uint largest = 0;
   for (uint row = from; row < to; row += gl_SubgroupSize)
     largest = max(largest, words.at[firstWord() + min(row + gl_SubgroupInvocationID, to - 1) * frame.columns +
@@ -276,6 +231,7 @@ bool areAtHand(uint from, uint to, uint column) {
 // subgroup has lanes, they cover several rows as well.
 void tryTile(Tile tile) {
   Prepared prepared = prepare(tile.triangle);
+  lookAtSurface(tile.slot);
   Box box = tile.box;
   uint lane = gl_SubgroupInvocationID;
   uint columnCount = tile.end - tile.first;
@@ -297,7 +253,7 @@ void tryTile(Tile tile) {
       uint row = subgroupShuffle(from, j), rowEnd = subgroupShuffle(to, j);
       if (row >= rowEnd) continue;
       uint k = part + j * width + (lane & (width - 1));
-      uint column = columnOf(tile, k);
+      uint column = columnOf(tile, min(k, tile.end - 1));
       if (!areAtHand(box.rowFirst + row, box.rowFirst + rowEnd, column)) continue;
       vec2 azimuth = columns.at[column];
       Triangle seen = tile.triangle;
@@ -435,6 +391,7 @@ void main() {
     writeWholeTable();
     return;
   }
+  loadFootprint();
   // If a list was too small, the host enlarges it and runs the scan again.
   if (counters.projectedSmall + counters.projectedLarge > frame.projectedCapacity ||
       counters.tiles > frame.tileCapacity)

@@ -186,9 +186,10 @@ void addCounts() {
   }
 }
 
-// Finds the hit of the beam's axis, and its surface if that is needed. All invocations of the subgroup must call this.
-void loadHit() {
-  hitWord = words.at[wordIndex];
+// Finds the hit of the beam's axis, and its surface if that is needed. All invocations of the subgroup must call this;
+// one that has no beam of its own has no hit, because another invocation may be writing the word.
+void loadHit(bool own) {
+  hitWord = own ? words.at[wordIndex] : uvec2(kNone);
   float range = uintBitsToFloat(hitWord.y);
   bool there = hitWord.y != kNone && !(MAPPED && beamIndex == kNone) && !hidesItself(wordIndex, range);
   hitRange = there ? range : notANumber();
@@ -208,7 +209,7 @@ void answer(BeamRow row, bool own) {
   beamAzimuth = axis.azimuth;
   beamDirection = lightDirection = axis.direction;
   if ((EFFECTS & kStrays) != 0) lightDirection = strayed(axis, strays.at[wordIndex]);
-  if (!MANY_ECHOES) loadHit();
+  if (!MANY_ECHOES) loadHit(own);
   if (!own || (MAPPED && beamIndex == kNone)) return;
   if (NUMBERED && SIGNALS) {
     vec2 window = rangesOf(wordIndex);

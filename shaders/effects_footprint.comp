@@ -146,7 +146,7 @@ void forget() {
 bool meetsPane(uint index, Beam beam) {
   if (LAYERS == 1) return false;
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
-  float end = BINNING == kBinningLists || wordCandidate == kNone ? kNothing : uintBitsToFloat(words.at[index].y);
+  float end = endOf(index);
   bool meets = false;
   for (uint k = listFirst; k != listEnd && !meets; k = nextOf(k)) {
     uint projected = projectedAt(k);
@@ -155,13 +155,14 @@ bool meetsPane(uint index, Beam beam) {
   return meets;
 }
 
-// Tries the nearest candidate first, as resolve does, and skips candidates behind all hits. Each lane first searches
+// Tries the nearest candidate first, as resolve does, and skips candidates behind all hits or behind
+// the end of the light. Each lane first searches
 // for the next candidate that it must try, so that the lanes of a subgroup try their candidates together.
 void findLayer(uint index, Beam beam) {
   forget();
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
   uint best = bestOf(), k = best, next = listFirst;
-  float farthest = kNothing;
+  float farthest = endOf(index);
   while (k != listEnd) {
     uint projected = kNone;
     Candidate candidate;
@@ -234,11 +235,11 @@ float endOfEcho(float first) {
   return end;
 }
 
-void storeEcho(uint slot, vec3 echo, uint projected, vec2 azimuth) {
+void storeEcho(uint slot, vec3 echo, uint projected) {
   echoes.at[slot] = vec4(echo, 1.0);
   echoOwners.at[slot] = ownerOf(idOf(projected));
   if ((FIELDS & kFieldSurface) != 0) {
-    Triangle triangle = triangleAt(projected, azimuth);
+    Triangle triangle = triangleAt(projected);
     vec3 normal = normalOf(triangle.a, triangle.b, triangle.c);
     if (MOTION) normal = reportedDirection(beamRow, beamColumn, normal);
     echoSurfaces.at[slot] = SurfaceRecord(normal, projectedMaterials.at[projected]);
@@ -257,7 +258,7 @@ void addTo(inout vec3 sums, inout float most, inout uint strongest, float first,
   strongest = stronger ? metCandidates[piece] : strongest;
 }
 
-void gatherEchoes(uint index, uint beam, vec2 azimuth) {
+void gatherEchoes(uint index, uint beam) {
   uint count = 0;
   float first = nextRange(0.0);
   while (first < kNothing) {
@@ -272,7 +273,7 @@ void gatherEchoes(uint index, uint beam, vec2 azimuth) {
 #define ADD(s) addTo(sums, most, strongest, first, end, layer * RAYS + s);
       EACH_RAY(ADD)
     }
-    storeEcho(echoPlace(index, count), echoOf(first, sums), strongest, azimuth);
+    storeEcho(echoPlace(index, count), echoOf(first, sums), strongest);
     ++count;
     first = nextRange(end);
   }
@@ -296,7 +297,7 @@ void follow(uint index, uint beam, Beam axis) {
     lit = goOn();
   }
   if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
-  gatherEchoes(index, beam, axis.azimuth);
+  gatherEchoes(index, beam);
 }
 
 #include "footprint_within_one.glsl"
@@ -338,6 +339,7 @@ uint finish(uint index) {
   vec2 window = rangesOf(index);
   rangeMin = NUMBERED && frame.hidesNear != 0 ? 0.0 : window.x;
   rangeMax = window.y;
+  loadPlaceOfBeam(axis.azimuth);
   openList(index);
   aim(index);
   if (PASS != kPassWithinOne) {

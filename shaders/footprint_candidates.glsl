@@ -40,6 +40,12 @@ float nearestAt(uint k) {
   return uintBitsToFloat(candidates.at[3 * k + 1]);
 }
 
+// Returns the range behind which no light of the beam goes on.
+float endOf(uint index) {
+  uint bits = BINNING == kBinningLists ? kNone : words.at[index].y;
+  return bits == kNone ? 3e38 : uintBitsToFloat(bits);
+}
+
 // A candidate in the beam's own frame: one component per corner.
 struct Candidate {
   vec3 ahead, left, up;
@@ -49,16 +55,26 @@ struct Candidate {
 };
 
 uint beamRow, beamColumn;
+// Where the sensor is when the beam fires, and where the beam's laser is in the sensor's frame: loaded once per beam,
+// because loads are what candidates cost.
+ColumnMotion beamMotion;
+vec3 beamOrigin;
+
+void loadPlaceOfBeam(vec2 azimuth) {
+  if (MOTION && (motion.sensor != 0 || motion.instances != 0)) beamMotion = columnMotionOf(beamRow, beamColumn);
+  if (ORIGINS) beamOrigin = originOf(beamRow, azimuth);
+}
 
 // Returns a projected triangle in the frame of the beam's laser.
-Triangle triangleAt(uint projected, vec2 azimuth) {
+Triangle triangleAt(uint projected) {
   Triangle triangle = loadProjected(projected);
-  if (MOTION) triangle = seenFrom(triangle, projected, beamColumn, beamRow, azimuth);
+  if (MOTION && (triangle.moves || motion.sensor != 0)) triangle = seenAt(triangle, projected, beamMotion);
+  if (ORIGINS) triangle = seenFromPoint(triangle, beamOrigin);
   return triangle;
 }
 
 Candidate candidateOf(uint projected, Beam beam) {
-  Triangle triangle = triangleAt(projected, beam.azimuth);
+  Triangle triangle = triangleAt(projected);
   Turned turned = turn(triangle, beam.azimuth);
   precise vec3 above = turned.z * beam.cosElevation - turned.p * beam.sinElevation;
   return Candidate(cornerDepths(turned, beam.cosElevation, beam.sinElevation), turned.q, above, triangle.rangeMin,

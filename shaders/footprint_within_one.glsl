@@ -29,10 +29,10 @@ void keepHits(Optics4 surface, vec3 normal, uint projected) {
   EACH_RAY(KEEP)
 }
 
-// Handles a beam whose whole footprint lies on its best candidate, with no other triangle in front of it. Returns
-// false for any other beam.
+// Handles a beam whose whole footprint lies on one candidate, with no other in front of it that a sub-ray may hit.
+// Returns false for any other beam.
 bool findWithinOne(uint index, uint beam, Beam axis) {
-  uint best = bestOf();
+  uint best = BINNING != kBinningLists && listFirst == kOfWord ? kOfWord : bestOf();
   if (best == listEnd) {
     echoCounts.at[beam] = 0;
     return true;
@@ -54,15 +54,17 @@ bool findWithinOne(uint index, uint beam, Beam axis) {
   most = max(most, lit ? range : 0.0);                                \
   met = met && hit;
   EACH_RAY(MEET)
-  for (uint k = listFirst; k != listEnd && met; k = nextOf(k)) met = k == best || nearestAt(k) > farthest;
+  vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
+  for (uint k = listFirst; k != listEnd && met; k = nextOf(k))
+    if (k != best && nearestAt(k) <= farthest) met = !touchesFootprint(candidateOf(projectedAt(k), axis), middle);
   if (!met) return false;
   vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
   if (most > sumOf(least, parameters.separation)) {
     keepHits(surface, normal, projected);
-    gatherEchoes(index, beam, axis.azimuth);
+    gatherEchoes(index, beam);
     return true;
   }
-  storeEcho(echoPlace(index, 0), echoOf(least, sumsOf(surface, normal, least)), projected, axis.azimuth);
+  storeEcho(echoPlace(index, 0), echoOf(least, sumsOf(surface, normal, least)), projected);
   echoCounts.at[beam] = 1;
   return true;
 }

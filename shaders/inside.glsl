@@ -33,6 +33,7 @@ Triangle loadProjected(uint i) { return triangleOf(projectedA.at[i], projectedB.
 // Values of a triangle that do not depend on the beam. A pipeline computes only those that it uses.
 struct Prepared {
   vec3 reach;  // half angle of the footprint times the length of each edge's normal
+  float longest, farthest;  // with a footprint: the length of the longest of these normals, of the farthest corner
   float area;  // twice the triangle's, with a footprint
   EdgeNormals normals;
   vec4 plane;
@@ -44,10 +45,12 @@ Prepared prepare(Triangle triangle) {
   Prepared prepared;
   prepared.window = vec2(frame.rangeMin, frame.rangeMax);
   if ((EFFECTS & kFootprint) != 0) {
-    prepared.reach = (frame.footprint * 1.001 + 1e-6) * vec3(length(cross(triangle.b, triangle.c)),
-                                                             length(cross(triangle.c, triangle.a)),
-                                                             length(cross(triangle.a, triangle.b)));
-    prepared.area = length(cross(triangle.b - triangle.a, triangle.c - triangle.a));
+    vec3 a = triangle.a, b = triangle.b, c = triangle.c;
+    vec3 lengths = vec3(length(cross(b, c)), length(cross(c, a)), length(cross(a, b)));
+    prepared.reach = (frame.footprint * 1.001 + 1e-6) * lengths;
+    prepared.longest = max(max(lengths.x, lengths.y), lengths.z);
+    prepared.farthest = 1.00001 * sqrt(max(max(dot(a, a), dot(b, b)), dot(c, c)));
+    prepared.area = length(cross(b - a, c - a));
   }
   if (INSIDE == kInsidePlain) prepared.normals = edgeNormals(triangle);
   if (RANGE == kRangePlane) prepared.plane = supportingPlane(triangle);

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transforms a projected triangle to the frame of a laser of a moving sensor.
 
-// Transforms the triangle to the frame of the sensor when the beam in a column of a row fires.
-Triangle seenFrom(Triangle triangle, uint slot, uint row, uint column) {
-  if (!MOTION || (!triangle.moves && motion.sensor == 0)) return triangle;
-  ColumnMotion at = columnMotionOf(row, column);
+// Transforms the triangle to the frame of the sensor at a time.
+Triangle seenAt(Triangle triangle, uint slot, ColumnMotion at) {
   if (triangle.moves) {
     triangle.a = inColumn(at, triangle.a, projectedMotions.at[3 * slot].xyz);
     triangle.b = inColumn(at, triangle.b, projectedMotions.at[3 * slot + 1].xyz);
@@ -17,19 +15,28 @@ Triangle seenFrom(Triangle triangle, uint slot, uint row, uint column) {
   return triangle;
 }
 
+// Transforms the triangle to the frame of the sensor when the beam in a column of a row fires.
+Triangle seenFrom(Triangle triangle, uint slot, uint row, uint column) {
+  if (!MOTION || (!triangle.moves && motion.sensor == 0)) return triangle;
+  return seenAt(triangle, slot, columnMotionOf(row, column));
+}
+
 // True if the inside test needs only the corners turned to the beam. Lasers away from the origin then shift those,
 // which is cheaper: a laser's origin turns with the beam.
 #define SHIFTS_TURNED (INSIDE == kInsideWatertight && RANGE == kRangeEdgeWeights && (EFFECTS & kFootprint) == 0)
+
+Triangle seenFromPoint(Triangle triangle, vec3 origin) {
+  triangle.a -= origin;
+  triangle.b -= origin;
+  triangle.c -= origin;
+  return triangle;
+}
 
 // Moves the origin to the position of the row's laser in its head, unless turnedFrom() does.
 Triangle seenFrom(Triangle triangle, uint row, vec2 azimuth) {
   if (!ORIGINS) return triangle;
   if (SHIFTS_TURNED) return triangle;
-  vec3 origin = originOf(row, azimuth);
-  triangle.a -= origin;
-  triangle.b -= origin;
-  triangle.c -= origin;
-  return triangle;
+  return seenFromPoint(triangle, originOf(row, azimuth));
 }
 
 Turned shifted(Turned turned, vec3 laser) {

@@ -2,7 +2,7 @@
 #include "gnosphere/simulator.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <chrono>
 #include <utility>
 
 #include "base/room.hpp"
@@ -14,82 +14,31 @@
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
 #include "pipeline/recording.hpp"
+#include "scan/batch_arrays.hpp"
 #include "scan/columns.hpp"
 #include "scan/computed_columns.hpp"
 #include "scan/layout.hpp"
 #include "scene/validate.hpp"
+#include "shot_checks.hpp"
 
 namespace gnosphere {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 // The limit that validate(scene) checks: the top bit of a triangle number has another use.
 constexpr uint64_t kMostPlacedTriangles = (uint64_t{1} << 31) - 1;
 
-void validate(const AccuracyParts& parts) {
-  if ((parts.range == AccuracyParts::Range::exact) != (parts.inside == AccuracyParts::Inside::exact))
-    throw Error(ErrorCode::invalidArgument, "an exact range needs the exact inside test, and the other way round");
-}
-
-// `which` is the beginning of the message.
-void validate(const Pose& pose, const std::string& which) {
-  const auto& [p, q] = pose;
-  for (double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w})
-    if (!std::isfinite(value))
-      throw Error(ErrorCode::invalidArgument, which + "the pose has a value that is not finite");
-  if (!(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w > 1e-12))
-    throw Error(ErrorCode::invalidArgument, which + "the pose's quaternion is zero; 0,0,0,1 is no turn");
-}
-
-bool finite(const Transform& transform) {
-  return std::all_of(transform.rows.begin(), transform.rows.end(), [](double value) { return std::isfinite(value); });
-}
-
-void validate(const Transform& transform, size_t instance) {
-  if (!finite(transform))
-    throw Error(ErrorCode::invalidArgument, "instance " + std::to_string(instance) + ": its transform is not finite");
-}
-
-void validate(const SensorMotion& motion, const std::string& which) {
-  for (size_t i = 0; i < motion.stamps.size(); ++i) {
-    const auto& [time, pose] = motion.stamps[i];
-    validate(pose, which + "stamp " + std::to_string(i) + ": ");
-    if (!std::isfinite(time) || (i > 0 && !(time > motion.stamps[i - 1].time)))
-      throw Error(ErrorCode::invalidArgument,
-                  which + "the time of stamp " + std::to_string(i) + " does not come after the one before");
+// The arrays of a result that failed are of no size in particular, so it is made empty.
+template <typename Result>
+struct Unfinished {
+  Result* result;
+  ~Unfinished() {
+    if (result) *result = Result();
   }
-}
-
-std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options) {
-  if (options.compileOnly && (options.device.kind != DeviceChoice::Kind::vulkan || options.device.adopted))
-    throw Error(ErrorCode::invalidArgument,
-                "compileOnly is for a Vulkan device of the library's own, not for " + nameOf(options.device));
-  switch (options.device.kind) {
-    case DeviceChoice::Kind::reference: return makeReferenceBackend(scene, sensors, options);
-    case DeviceChoice::Kind::cuda:
-    case DeviceChoice::Kind::cudaFast: return cuda::makeBackend(scene, sensors, options);
-    case DeviceChoice::Kind::vulkan: break;
-  }
-  return makeVulkanBackend(scene, sensors, options);
-}
-
-// Returns the request with the fields of its layout among its fields.
-SensorRequest withFieldsOfLayout(SensorRequest request) {
-  for (const Field field : fieldsOf(request.layout))
-    if (std::find(request.fields.begin(), request.fields.end(), field) == request.fields.end())
-      request.fields.push_back(field);
-  return request;
-}
+};
 
 }  // namespace
-
-void Timings::add(const std::string& stage, double ms) {
-  const auto found =
-      std::find_if(stages.begin(), stages.end(), [&](const StageTime& other) { return other.name == stage; });
-  if (found == stages.end())
-    stages.push_back({stage, ms});
-  else
-    found->ms += ms;
-}
 
 // Keeps the parts of the scene from which plans are made; the backend keeps the rest.
 class Simulator::Impl {
@@ -104,7 +53,7 @@ class Simulator::Impl {
     for (const Mesh& mesh : scene.meshes) keep(keptOf(mesh));
     for (const Instance& instance : scene.instances) {
       reserveInstance();
-      keep(instance.mesh, instance.classId);
+      keep(instance.mesh, instance.classId, instance.world);
     }
     for (const SensorRequest& given : sensors) {
       check(given);
@@ -118,7 +67,7 @@ class Simulator::Impl {
     backend_ = makeBackend(scene, plans_, options_);
   }
 
-  void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
+  void prepareToScan(std::span<const Shot> shots, bool numbered) {
     if (options_.device.adopted)
       throw Error(ErrorCode::invalidArgument,
                   "this simulator is on a device of the caller; its scans are recorded by vulkan::Recorder");
@@ -126,15 +75,12 @@ class Simulator::Impl {
       throw Error(ErrorCode::invalidArgument,
                   "this simulator only compiles, so it cannot scan; see SimulatorOptions::compileOnly");
     planAgain();
-    for (size_t i = 0; i < shots.size(); ++i)
-      check(shots[i], shots.size() > 1 ? "shot " + std::to_string(i) + ": " : "");
-    // The arrays of a scan that failed are of no size in particular, so it is made empty.
-    struct Unfinished {
-      Scan* scan;
-      ~Unfinished() {
-        if (scan) *scan = Scan();
-      }
-    } unfinished{&result};
+    for (size_t i = 0; i < shots.size(); ++i) check(shots[i], numbered ? "shot " + std::to_string(i) + ": " : "");
+  }
+
+  void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
+    prepareToScan(shots, shots.size() > 1);
+    Unfinished unfinished{&result};
     backend_->scanAll(shots, result, [&](size_t i) {
       const Sensor& sensor = requests_[shots[i].sensor].sensor;
       for (const Field owner : {Field::triangle, Field::instance}) ScanColumns(result).setUnknown(owner, false);
@@ -145,7 +91,45 @@ class Simulator::Impl {
       computed_[shots[i].sensor].set(classes_, shots[i].frame, result);
       receive(i);
     });
-    unfinished.scan = nullptr;
+    unfinished.result = nullptr;
+  }
+
+  void runBatch(std::span<const Shot> shots, std::span<const Field> asked, Batch& result) {
+    const Clock::time_point start = Clock::now();
+    prepareToScan(shots, true);
+    const size_t index = shots.empty() ? 0 : shots[0].sensor;
+    sensors_.check(index);
+    checkSensorOfBatch(shots);
+    const std::vector<Field> fields = fieldsOfBatch(requests_[index], options_.device, index, asked);
+    Unfinished unfinished{&result};
+    const Sensor& sensor = requests_[index].sensor;
+    result.sensor = sensor.name;
+    result.columns = sensor.width();
+    result.channels = sensor.height();
+    result.returns = plans_[index]->returns;
+    result.views = shots.size();
+    result.beams = sensor.beamCount();
+    result.counters = {};
+    result.timings = {};
+    BatchArrays arrays(result);
+    arrays.make(fields);
+    Scan& scan = scanOfBatch_;
+    scan.counters = {};
+    scan.timings = {};
+    const bool hitsAlone = std::all_of(fields.begin(), fields.end(), &isOfEveryScan);
+    if (hitsAlone && backend_->scanInto(shots, arrays.places(), scan)) {
+      result.counters = scan.counters;
+      result.timings = scan.timings;
+    } else {
+      run(shots, scan, [&](size_t view) {
+        arrays.copy(scan, view);
+        result.counters += scan.counters;
+        result.timings.gpuMs += scan.timings.gpuMs;
+        for (const StageTime& stage : scan.timings.stages) result.timings.add(stage.name, stage.ms);
+      });
+    }
+    result.timings.wallMs = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    unfinished.result = nullptr;
   }
 
   void record(Recording& recording) {
@@ -287,7 +271,7 @@ class Simulator::Impl {
     for (size_t i = 0; i < buffer.instances; ++i) inBuffer_[buffer.firstInstance + i] = 1;
   }
 
-  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId) {
+  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
     meshes_.check(mesh);
     const size_t index = instances_.next();
     validate(transform, index);
@@ -296,8 +280,27 @@ class Simulator::Impl {
       throw Error(ErrorCode::invalidArgument, "the scene would place " + std::to_string(placed) +
                                                   " triangles; the limit is " + std::to_string(kMostPlacedTriangles));
     reserveInstance();
-    backend_->setInstance(index, mesh, transform);
-    return keep(mesh, classId);
+    backend_->setInstance(index, mesh, transform, world);
+    return keep(mesh, classId, world);
+  }
+
+  std::vector<uint32_t> addInstances(std::span<const Instance> instances) {
+    std::vector<uint32_t> indices;
+    indices.reserve(instances.size());
+    for (size_t i = 0; i < instances.size(); ++i) {
+      meshes_.check(instances[i].mesh, "entry " + std::to_string(i) + ": ");
+      if (!finite(instances[i].transform))
+        throw Error(ErrorCode::invalidArgument, "entry " + std::to_string(i) + ": the transform is not finite");
+    }
+    try {
+      for (const Instance& instance : instances)
+        indices.push_back(
+            static_cast<uint32_t>(addInstance(instance.mesh, instance.transform, instance.classId, instance.world)));
+    } catch (...) {
+      for (size_t i = indices.size(); i > 0; --i) removeInstance(indices[i - 1]);
+      throw;
+    }
+    return indices;
   }
 
   void removeInstance(size_t index) {
@@ -314,8 +317,7 @@ class Simulator::Impl {
   void setTransform(size_t instance, const Transform& transform) {
     instances_.check(instance);
     validate(transform, instance);
-    backend_->setInstance(instance, scene_.instances[instance].mesh, transform);
-    inBuffer_[instance] = 0;
+    move(instance, transform);
   }
 
   template <typename T>
@@ -328,10 +330,7 @@ class Simulator::Impl {
       throw Error(ErrorCode::invalidArgument,
                   which + "the transform of instance " + std::to_string(instances[i]) + " is not finite");
     }
-    for (size_t i = 0; i < instances.size(); ++i) {
-      backend_->setInstance(instances[i], scene_.instances[instances[i]].mesh, transforms_[i]);
-      inBuffer_[instances[i]] = 0;
-    }
+    for (size_t i = 0; i < instances.size(); ++i) move(instances[i], transforms_[i]);
   }
 
   /// If the scene has changed since the last scan, this is what the next scan will make of the sensor; nothing is made
@@ -383,14 +382,6 @@ class Simulator::Impl {
     }
     sensors_.check(shot.sensor, which);
     if (shot.weather) checkWeather(*plans_[shot.sensor], *shot.weather, which);
-  }
-
-  // How far the instance moves during the scan would bound what it may hide, and only the device knows it.
-  static void refuseMotion(size_t instance, const std::string& which) {
-    throw Error(ErrorCode::invalidArgument,
-                which + "the transform of instance " + std::to_string(instance) +
-                    " comes from a buffer, so neither it nor its mesh can move during a scan; "
-                    "Simulator::setTransform() sets the transform from the host again");
   }
 
   // Plans the sensors again whose effects depend on the scene, after the set of visible materials has changed.
@@ -456,6 +447,12 @@ class Simulator::Impl {
     classes_.setMesh(index, std::move(kept.classes));
   }
 
+  void move(size_t instance, const Transform& transform) {
+    const Instance& kept = scene_.instances[instance];
+    backend_->setInstance(instance, kept.mesh, transform, kept.world);
+    inBuffer_[instance] = 0;
+  }
+
   /// Makes room for the next instance.
   void reserveInstance() {
     instances_.reserve();
@@ -465,11 +462,12 @@ class Simulator::Impl {
     classes_.reserveInstance(count);
   }
 
-  size_t keep(uint32_t mesh, uint16_t classId) {
+  size_t keep(uint32_t mesh, uint16_t classId, uint32_t world) {
     const size_t index = instances_.next();
     instances_.take();
     scene_.instances.resize(instances_.size());
     scene_.instances[index].mesh = mesh;
+    scene_.instances[index].world = world;
     placedTriangles_ += trianglesOf(mesh);
     stale_ |= meshes_.uses(mesh)++ == 0;
     classes_.setInstance(index, mesh, classId);
@@ -479,7 +477,7 @@ class Simulator::Impl {
 
   const SimulatorOptions options_;
   SensorPlanner planner_;
-  Scene scene_;  // meshes have only their parts, and instances only their mesh
+  Scene scene_;  // meshes have only their parts, and instances only their mesh and world
   Slots materials_{"material"}, meshes_{"mesh"}, instances_{"instance"}, sensors_{"sensor"};
   std::vector<size_t> vertexCounts_;  // by mesh
   uint64_t placedTriangles_ = 0;
@@ -489,6 +487,7 @@ class Simulator::Impl {
   std::vector<SensorRequest> requests_;    // by sensor
   std::vector<ComputedColumns> computed_;  // by sensor
   SensorPlans plans_;                      // by sensor
+  Scan scanOfBatch_;                       // a view, or the sums, of the last batch; its memory is used again
   bool stale_ = false;  // true if the visible materials may have changed since the sensors were planned
   std::unique_ptr<Backend> backend_;
 };
@@ -517,6 +516,16 @@ void Simulator::scanInto(const Shot& shot, Scan& result) {
 void Simulator::scanAll(std::span<const Shot> shots, const std::function<void(size_t, const Scan&)>& receive) {
   Scan result;
   impl_->run(shots, result, [&](size_t i) { receive(i, result); });
+}
+
+void Simulator::scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields) {
+  impl_->runBatch(shots, fields, result);
+}
+
+Batch Simulator::scanBatch(std::span<const Shot> shots, std::span<const Field> fields) {
+  Batch result;
+  scanBatchInto(shots, result, fields);
+  return result;
 }
 
 void Simulator::record(Recording& recording) {
@@ -556,8 +565,11 @@ void Simulator::setDeformation(size_t mesh, const Deformation& deformation) {
 void Simulator::setPositions(size_t mesh, std::span<const float> positions) {
   impl_->setPositions(mesh, positions);
 }
-size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId) {
-  return impl_->addInstance(mesh, transform, classId);
+std::vector<uint32_t> Simulator::addInstances(std::span<const Instance> instances) {
+  return impl_->addInstances(instances);
+}
+size_t Simulator::addInstance(uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
+  return impl_->addInstance(mesh, transform, classId, world);
 }
 void Simulator::removeInstance(size_t instance) {
   impl_->removeInstance(instance);

@@ -1,34 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
 // Accuracies and devices: their names, and what they stand for.
+#include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
 #include "gnosphere/error.hpp"
-#include "gnosphere/simulator.hpp"
+#include "gnosphere/options.hpp"
 #include "pipeline/backend.hpp"
 
 namespace gnosphere {
 
+namespace {
+
+using Parts = AccuracyParts;
+constexpr AccuracySetting kAccuracies[] = {
+    {Accuracy::paper,
+     "paper",
+     {Parts::Bounds::paper, Parts::Cull::firstCorner, Parts::Inside::plain, Parts::Range::plane},
+     "Section 3 of the paper to the letter: vertex boxes, first-vertex range cull, plain edge normals."},
+    {Accuracy::draft,
+     "draft",
+     {Parts::Bounds::exact, Parts::Cull::nearestPoint, Parts::Inside::plain, Parts::Range::plane},
+     "Exact bounds, but the paper's inside test and range in single precision: beams may slip through at corners."},
+    {Accuracy::standard,
+     "standard",
+     {Parts::Bounds::exact, Parts::Cull::nearestPoint, Parts::Inside::watertight, Parts::Range::edgeWeights},
+     "Exact bounds, watertight edges, ranges within the depth interval of the triangle's corners."},
+    {Accuracy::exact,
+     "exact",
+     {Parts::Bounds::exact, Parts::Cull::nearestPoint, Parts::Inside::exact, Parts::Range::exact},
+     "Exact predicates, one owner per layer, correctly rounded ranges: the same bytes on every device."},
+};
+
+const AccuracySetting& settingOf(Accuracy accuracy) {
+  return kAccuracies[std::min(static_cast<size_t>(accuracy), std::size(kAccuracies) - 1)];
+}
+
+}  // namespace
+
+std::span<const AccuracySetting> accuracySettings() {
+  return kAccuracies;
+}
+
 const char* nameOf(Accuracy accuracy) {
-  switch (accuracy) {
-    case Accuracy::paper: return "paper";
-    case Accuracy::draft: return "draft";
-    case Accuracy::standard: return "standard";
-    case Accuracy::exact: break;
-  }
-  return "exact";
+  return settingOf(accuracy).name;
 }
 
 AccuracyParts accuracyPartsOf(Accuracy accuracy) {
-  using E = AccuracyParts;
-  switch (accuracy) {
-    case Accuracy::paper: return {E::Bounds::paper, E::Cull::firstCorner, E::Inside::plain, E::Range::plane};
-    case Accuracy::draft: return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::plain, E::Range::plane};
-    case Accuracy::standard:
-      return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::watertight, E::Range::edgeWeights};
-    case Accuracy::exact: break;
-  }
-  return {E::Bounds::exact, E::Cull::nearestPoint, E::Inside::exact, E::Range::exact};
+  return settingOf(accuracy).parts;
 }
 
 std::vector<DeviceInfo> listDevices(std::string* vulkanProblem) {

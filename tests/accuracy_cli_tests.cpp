@@ -92,6 +92,38 @@ TEST_CASE("accuracy prints a table, JSON with the names of --stats, and a plot o
     CHECK_THAT(svg, ContainsSubstring(label(name)));
 }
 
+TEST_CASE("accuracy --effects prints a table, JSON and a plot of footprints") {
+  needVulkan();
+  const Workplace place;
+  putSmall(place);
+  const Result result = place.run(
+      "accuracy wide.obj --effects --effect divergence.horizontal=0.01 --sub-rays 1,7 --pose 0,0,0 --poses 1 --runs 2 "
+      "--sample 300 --json a.json --plot a.svg" +
+      kSmall);
+  CHECK(result.err == "");
+  REQUIRE(result.status == 0);
+  for (const char* words : {"10 x 0 mrad", "300 beams, a sample, with 331 sub-rays", "clean"})
+    CHECK_THAT(result.out, ContainsSubstring(words));
+  const auto json = place.json("a.json");
+  CHECK(json.at("reference_sub_rays") == 331);
+  REQUIRE(json.at("rows").size() == 3);
+  CHECK(json.at("rows").at(0).at("frame").at("ratio_to_clean") == 1);
+  CHECK(json.at("rows").at(2).at("sub_rays") == 7);
+  const auto error = [&](size_t row) {
+    return json.at("rows").at(row).at("error").at("range_error_m").at("rms").get<double>();
+  };
+  CHECK(error(2) < error(1));
+  CHECK(xmlProblem(place.get("a.svg")) == "");
+  CHECK_THAT(place.get("a.svg"), ContainsSubstring(label("7")));
+}
+
+TEST_CASE("accuracy --effects refuses invalid calls") {
+  checkRefused("accuracy floor.obj --effect fog.visibility=9", 2, "--effects");
+  checkRefused("accuracy floor.obj --effects none.json", 2, "none.json");
+  checkRefused("accuracy floor.obj --effects --sub-rays 62", 2, "--sub-rays");
+  checkRefused("accuracy floor.obj --effects --device reference", 2, "another device");
+}
+
 TEST_CASE("an invalid --max-error, or one that contradicts other options, is refused") {
   checkRefused("scan floor.obj --max-error -0.1", 2, "--max-error");
   checkRefused("scan floor.obj --max-error nan -o a.pcd", 2, "--max-error");

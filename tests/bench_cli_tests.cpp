@@ -114,6 +114,26 @@ TEST_CASE("the case real measures the scenes of a folder, and says which it leav
   CHECK_THAT(place.get("out"), ContainsSubstring("| deep/tall |") && ContainsSubstring("left out: with fewer than"));
 }
 
+TEST_CASE("the case heads measures heads beside their twins and Embree") {
+  needVulkan();
+  const Workplace place;
+  const json heads = casesOf(place,
+                             "heads --triangles 20000 --runs 1 --frames 1 --heads VLP-16,Avia --json r.json "
+                             "--plot p.svg")
+                         .at("heads");
+  CHECK(xmlProblem(place.get("p.svg")) == "");
+  REQUIRE(heads.at("rows").size() == 2);
+  const json &grid = heads.at("rows").at(0), &list = heads.at("rows").at(1);
+  CHECK(grid.at("head") == "VLP-16");
+  CHECK(grid.at("ms").at("clean") > 0);
+  CHECK(grid.at("ratios").contains("clean_to_twin"));
+  CHECK_FALSE(list.at("ratios").contains("clean_to_twin"));
+  CHECK(list.at("ms").at("default_moving") > 0);
+  CHECK(heads.at("summary").at(0).at("rows") == 1);
+  CHECK_THAT(place.get("out"), ContainsSubstring("| town | VLP-16 |") && ContainsSubstring("default / clean, moving"));
+  CHECK(place.run("heads --heads none", "", kBench).status == 2);
+}
+
 // Slow, because it compiles the pipelines of every effect.
 TEST_CASE("the case effects times each effect, and checks that switched-off effects cost nothing", "[.slow]") {
   needVulkan();

@@ -12,7 +12,7 @@ using Catch::Matchers::StartsWith;
 using namespace gnosphere::test;
 
 TEST_CASE("a wrong call ends with status 2 and lists the choices") {
-  checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects, info, town, drive or view");
+  checkRefused("", 2, "scan, plan, accuracy, compare, devices, sensors, effects, options, info, town, drive or view");
   checkRefused("look", 2, "look");
   checkRefused("scan", 2, "SCENE");
   checkRefused("scan floor.obj --frob", 2, "--frob");
@@ -36,6 +36,26 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("compare a.las b.las", 2, "a.las");
   checkRefused("town -o town.obj", 2, ".glb");
   checkRefused("town", 2, "--output");
+}
+
+TEST_CASE("--set takes every option of the table, on every command that makes a simulator") {
+  checkRefused("scan floor.obj --set binning=lists", 2,
+               "--set: no option is called 'binning'; there is tuning.binning");
+  checkRefused("plan floor.obj --set accuracy=rough", 2, "--set: accuracy must be paper, draft, standard or exact");
+  checkRefused("accuracy floor.obj --set accuracy=exact", 2, "measures every accuracy");
+  checkRefused("drive a.json --set faces=both", 2, "belongs into");
+  const Workplace place;
+  const std::string scan = "scan floor.obj --stats -" + kQuick;
+  REQUIRE(place.run(scan + "--accuracy exact --faces both -o a.npy").status == 0);
+  const Result set = place.run(scan + "--set accuracy=exact --set faces=both --set tuning.culling.rows=false -o b.npy");
+  CHECK(set.err == "");
+  CHECK_THAT(set.out, ContainsSubstring("\"accuracy\": \"exact\""));
+  CHECK(gnosphere::compare(gnosphere::readCloud(place / "a.npy"), gnosphere::readCloud(place / "b.npy")).same());
+  const Result none = place.run("scan floor.obj --stats -" + kQuick + "--set ignored_instances=[0]");
+  CHECK(nlohmann::json::parse(none.out)["counters"]["hits"] == 0);
+  const Result list = place.run("options");
+  CHECK(list.status == 0);
+  CHECK_THAT(list.out, ContainsSubstring("tuning.binning, default auto") && ContainsSubstring("ignored_instances"));
 }
 
 TEST_CASE("work that fails ends with status 1 and leaves no incomplete file") {

@@ -119,7 +119,8 @@ TEST_CASE("properties that the sensor states enable effects") {
   asked.sensor.divergenceVertical = 1.5e-3;
   asked.sensor.maxReturns = 2;
   asked.sensor.rotationPeriod = 0.1;
-  checkIn(asked, "divergence", "the sensor states 3 x 1.5 mrad, 19 sub-rays");
+  const std::string why = ", 19 sub-rays, the default: with 7, twice as many beams have a wrong number of returns";
+  checkIn(asked, "divergence", "the sensor states 3 x 1.5 mrad" + why);
   checkIn(asked, "returns", "the sensor reports up to 2 returns per beam");
   checkIn(asked, "sensor-motion", "the sensor takes 0.1 s for a turn");
   checkIn(asked, "object-motion", "the sensor takes 0.1 s for a turn");
@@ -129,7 +130,9 @@ TEST_CASE("properties that the sensor states enable effects") {
   checkIn(asked, "returns", "the request takes up to 3 returns per beam");
   asked.effects.divergence.vertical = 2e-3;
   asked.effects.divergence.use = EffectUse::on;
-  checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad, 19 sub-rays");
+  checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad" + why);
+  asked.effects.divergence.subRays = 7;
+  checkIn(asked, "divergence", "asked for: the request states 0 x 2 mrad, 7 sub-rays");
 }
 
 TEST_CASE("materials that are visible enable transmission and cut-outs") {

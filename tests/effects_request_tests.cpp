@@ -93,7 +93,7 @@ TEST_CASE("the JSON of a request reads back to the same request") {
   Effects all = everything(), defaults;
   const auto parsed = nlohmann::json::parse(json), plain = nlohmann::json::parse(toJson(defaults));
   for (const EffectInfo& info : effectTable())
-    for (const Parameter& parameter : info.parameters) {
+    for (const Parameter<Effects>& parameter : info.parameters) {
       INFO(info.name << "." << parameter.name);
       CHECK(parsed.at(info.name).at(parameter.name) != plain.at(info.name).at(parameter.name));
     }
@@ -143,7 +143,7 @@ TEST_CASE("unknown names are refused with the nearest known names") {
 TEST_CASE("values out of range are refused with the range and the unit") {
   refused(R"({"fog": {"visibility": -1}})", "fog.visibility must be 0..1000000 m, is -1");
   refused(R"({"rain": {"rate": 501}})", "rain.rate must be 0..500 mm/h, is 501");
-  refused(R"({"divergence": {"sub_rays": 62}})", "divergence.sub_rays must be a whole number, 1..61, is 62");
+  refused(R"({"divergence": {"sub_rays": 1262}})", "divergence.sub_rays must be a whole number, 1..1261, is 1262");
   refused(R"({"divergence": {"horizontal": 3}})", "divergence.horizontal must be 0..0.1 rad, is 3");
   refused(R"({"returns": {"count": 6}})", "returns.count must be a whole number, 0..5, is 6");
   refused(R"({"intensity": {"wavelength": 1064}})", "intensity.wavelength must be 905 or 1550 nm, is 1064");
@@ -163,7 +163,7 @@ TEST_CASE("values of a wrong type are refused with the right type") {
   refused(R"({"fog": {"visibility": null}})", "fog.visibility must be 0..1000000 m, is null");
   refused(R"({"seed": -1})", "seed must be a whole number, 0..18446744073709551615, is -1");
   refused(R"({"seed": 1.5})", "seed must be a whole number, 0..18446744073709551615, is 1.5");
-  refused(R"({"divergence": {"sub_rays": 1.5}})", "divergence.sub_rays must be a whole number, 1..61, is 1.5");
+  refused(R"({"divergence": {"sub_rays": 1.5}})", "divergence.sub_rays must be a whole number, 1..1261, is 1.5");
   refused(R"({"sensor-motion": {"deskew": 1}})", "sensor-motion.deskew must be true or false, is 1");
   refused(R"({"angle-noise": {"at": "points"}})", "angle-noise.at must be beam or point, is \"points\"");
   refused(R"({"drop-out": {"dead_beams": 3}})", "drop-out.dead_beams must be a list of beam indices, is 3");

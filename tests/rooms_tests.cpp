@@ -29,16 +29,17 @@ const std::map<std::string, Names> kRooms = {
     {"vulkan", {"base", "geometry", "effects", "pipeline"}},
     {"cuda", {"base", "geometry", "effects", "pipeline"}},
     {"reference", {"base", "sensor", "scan", "effects", "pipeline/backend.hpp"}},
-    {"eval", {"base", "output"}},
+    {"eval", {"base", "sensor/beams.hpp", "scan/columns.hpp", "output"}},
     {"ros2", {"scan/fields.hpp"}},
     // These two stand on the public headers.
     {"c", {}},
     {"rgl", {"base"}},
-    {"drive", {"base", "effects/strict_json.hpp", "effects/trajectory.hpp", "output/cloud_bytes.hpp"}},
+    {"drive", {"base", "effects/trajectory.hpp", "output/cloud_bytes.hpp"}},
 };
 
 /// Files of src outside rooms. They are above all rooms and may include any of them.
-const Names kLoose = {"simulator.cpp", "simulator_options.cpp", "third_party_files.cpp"};
+const Names kLoose = {"option_table.cpp", "option_table.hpp",      "shot_checks.cpp",      "shot_checks.hpp",
+                      "simulator.cpp",    "simulator_options.cpp", "third_party_files.cpp"};
 
 /// Quoted includes that the build generates: compiled shaders, the shaders translated to CUDA, the schema of drive
 /// files.

@@ -7,7 +7,7 @@ packages=(
   g++ cmake ninja-build pkg-config
   libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools spirv-headers mesa-vulkan-drivers
   vulkan-validationlayers
-  libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libboost-dev libnanoflann-dev
+  libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libboost-dev libboost-context-dev libnanoflann-dev
   libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libyaml-cpp-dev libpolyclipping-dev libxxhash-dev
   libprotozero-dev catch2
 )
@@ -173,9 +173,10 @@ setUp() {
 }
 
 # Warnings are errors only with the compilers for which the sources are kept free of warnings: g++ 12 and clang 14.
+# The sources of a folder are compiled as one file, in less than half of the time.
 # configure PRESET OPTION...: runs cmake.
 configure() {
-  local options=("${@:2}") compiler
+  local options=(-D CMAKE_UNITY_BUILD=ON "${@:2}") compiler
   step "Configuring ($1)"
   compiler=$("${CXX:-c++}" -dumpversion 2>/dev/null) || compiler=
   case $compiler in 12 | 12.* | 14.0.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac

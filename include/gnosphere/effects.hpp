@@ -29,17 +29,17 @@ struct Effects {
   struct Intensity {
     EffectUse use = EffectUse::automatic;
     enum class Model {
-      physical,  ///< reflectance * lobe(incidence) / range^2 * exp(-2 extinction range)
-      carla,     ///< exp(-attenuation * range), independent of the surface
-    } model = Model::physical;
+      physical,                 ///< reflectance * lobe(incidence) / range^2 * exp(-2 extinction range)
+      carla,                    ///< exp(-attenuation * range), independent of the surface
+    } model = Model::physical;  ///< what the strength of a return depends on
     enum class Scale {
       raw,   ///< received power, relative as above
       unit,  ///< 0..1: reflectance of the Lambertian target square to the beam that would return as much power from the
              ///< same range, cut off at 1
       byte,  ///< 0..255, calibrated reflectivity: 0..100 for diffuse per cent, 101..255 logarithmic for
              ///< retro-reflectors
-    } scale = Scale::unit;
-    double wavelength = 905;     ///< nm; 905 or 1550, selects the column of a material table
+    } scale = Scale::unit;       ///< in which values the strength is reported
+    double wavelength = 905;     ///< nm; selects the column of a material table, and the extinction of snow
     double attenuation = 0.004;  ///< 1/m; only for Model::carla
   } intensity;
 
@@ -47,26 +47,26 @@ struct Effects {
   /// the beam at `range`.
   struct Detection {
     EffectUse use = EffectUse::off;
-    double reflectance = 0.1;  ///< 0..1
-    double range = 0;          ///< metres; 0 means the sensor's rangeMax
+    double reflectance = 0.1;  ///< of the weakest target that is detected, 0..1
+    double range = 0;          ///< m, distance of that target; 0 means Sensor::rangeMax
     double softness = 0;  ///< relative width of the probability curve (logistic in ln power); 0 for a sharp threshold
   } detection;
 
   /// Returns that are lost at random, as with CARLA's dropoff_* parameters, and dead beams.
   struct DropOut {
     EffectUse use = EffectUse::off;
-    double generalRate = 0;           ///< 0..1, probability for every return
+    double generalRate = 0;           ///< probability for every return, 0..1
     double intensityLimit = 1;        ///< unit intensity above which zeroIntensityRate has no effect
-    double zeroIntensityRate = 0;     ///< 0..1, probability at intensity 0; falls linearly to 0 at the limit
-    std::vector<uint32_t> deadBeams;  ///< indices of beams that never return anything
+    double zeroIntensityRate = 0;     ///< probability at intensity 0, 0..1; falls linearly to 0 at the limit
+    std::vector<uint32_t> deadBeams;  ///< indices of beams that never return anything: channel * columns + column
   } dropOut;
 
   /// Errors of the range: bias, Gaussian noise and quantisation.
   struct RangeNoise {
     EffectUse use = EffectUse::off;
-    double bias = 0;           ///< m
+    double bias = 0;           ///< m, added to every range
     double sigma = 0;          ///< m, standard deviation
-    double sigmaPerMetre = 0;  ///< m per m; this times the range is added to sigma
+    double sigmaPerMetre = 0;  ///< m per m; times the range, added to sigma
     double step = 0;           ///< m; ranges are rounded to multiples of it; 0 for no quantisation
   } rangeNoise;
 
@@ -76,9 +76,9 @@ struct Effects {
     double azimuth = 0;    ///< rad, standard deviation; cut off at 4 sigma
     double elevation = 0;  ///< rad, standard deviation; cut off at 4 sigma
     enum class At {
-      beam,   ///< the beam deviates, but its point is reported in the nominal direction
-      point,  ///< the beam has the nominal direction, but its point is reported in the deviating one
-    } at = At::beam;
+      beam,           ///< the beam deviates, but its point is reported in the nominal direction
+      point,          ///< the beam has the nominal direction, but its point is reported in the deviating one
+    } at = At::beam;  ///< what deviates
   } angleNoise;
 
   /// Gaussian noise of the intensity.
@@ -90,9 +90,9 @@ struct Effects {
   /// An elliptical footprint, sampled by sub-rays that share the candidate triangles of their beam.
   struct Divergence {
     EffectUse use = EffectUse::automatic;
-    uint32_t subRays = 19;  ///< 1..61; numbers 1 + 6 + 12 + ... lie on rings
-    enum class Profile { uniform, gaussian } profile = Profile::gaussian;
-    double horizontal = 0, vertical = 0;  ///< rad, full angles (to 1/e^2 if gaussian); both 0: the sensor's
+    uint32_t subRays = 19;  ///< lines per beam; devices take at most 61; numbers 1 + 6 + 12 + ... lie on rings
+    enum class Profile { uniform, gaussian } profile = Profile::gaussian;  ///< energy over the ellipse
+    double horizontal = 0, vertical = 0;  ///< rad, full angle (to 1/e^2 if gaussian); both 0: the sensor's
   } divergence;
 
   /// Which echoes of a beam are returned. Automatic: on if the sensor reports more than one.
@@ -109,9 +109,9 @@ struct Effects {
       firstStrongest,
       lastStrongest,
       strongestSecondStrongest,
-      all,  ///< up to `count` echoes in order of range
-    } mode = Mode::all;
-    uint32_t count = 0;        ///< only for Mode::all: 1..5; 0 means Sensor::maxReturns
+      all,                     ///< up to `count` echoes in order of range
+    } mode = Mode::all;        ///< which echoes are returned
+    uint32_t count = 0;        ///< only for Mode::all: largest number of returns; 0 means Sensor::maxReturns
     double separation = 0.4;   ///< m; echoes that are closer together are merged
     double pulseWidth = 5e-9;  ///< s, full width at half maximum
   } returns;
@@ -144,11 +144,11 @@ struct Effects {
   } fog;
   struct Rain {
     EffectUse use = EffectUse::automatic;  ///< automatic: on if a rate is given
-    double rate = 0;                       ///< mm/h
+    double rate = 0;                       ///< mm/h; 0 for no rain
   } rain;
   struct Snow {
     EffectUse use = EffectUse::automatic;  ///< automatic: on if a rate is given
-    double rate = 0;                       ///< mm/h of melted water
+    double rate = 0;                       ///< mm/h of melted water; 0 for no snow
   } snow;
   /// Dust or spray that fills an axis-aligned box.
   struct Volume {
@@ -157,7 +157,7 @@ struct Effects {
   };
   struct Volumes {
     EffectUse use = EffectUse::automatic;  ///< automatic: on if there are boxes
-    std::vector<Volume> boxes;
+    std::vector<Volume> boxes;             ///< in the world frame
   } volumes;
 
   /// Radial speed of the surface as an FMCW sensor measures it, in m/s along the beam, positive if the surface moves
@@ -194,8 +194,8 @@ GNOSPHERE_API Effects effectPreset(const std::string& name);
 /// Reads effects from a JSON file. Throws Error(file), or Error(format) that names an unknown effect or parameter and
 /// the names most similar to it.
 GNOSPHERE_API Effects loadEffects(const std::filesystem::path& file);
-/// As loadEffects(), of a text; `source` names it in messages.
-/// Reads effects from JSON; `source` names the text in messages. Throws as for a file.
+/// Reads effects from JSON; `source` names the text in messages. Throws Error(format) as loadEffects() does, which
+/// names the source instead of a file.
 GNOSPHERE_API Effects effectsFromJson(std::string_view json, const std::string& source);
 /// Writes effects as JSON that effectsFromJson() reads.
 GNOSPHERE_API std::string toJson(const Effects& effects);

@@ -3,8 +3,10 @@
 #pragma once
 
 #include "gnosphere/animation.hpp"
+#include "gnosphere/batch.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/error.hpp"
+#include "gnosphere/options.hpp"
 #include "gnosphere/output.hpp"
 #include "gnosphere/plan.hpp"
 #include "gnosphere/scan.hpp"

@@ -158,6 +158,8 @@ struct Counters {
   uint64_t lostEchoes = 0;          ///< echoes of beams that met more echoes, or more panes in a row, than are kept
   uint64_t retries = 0;             ///< runs repeated because a list had to grow
   std::array<uint64_t, kCauseCount> causes = {};  ///< beams by Cause; all zero if no effect can lose a beam
+
+  GNOSPHERE_API Counters& operator+=(const Counters& other);
 };
 
 struct StageTime {

@@ -120,6 +120,7 @@ struct Instance {
   Transform transform;
   uint16_t classId = 0;   ///< semantic class of all surfaces whose material states none; 0 for none
   std::string className;  ///< class that the file states by its name instead; a drive file gives it a number
+  uint32_t world = 0;     ///< the world that has the instance, see Shot::world; 0 for all of them. No file states it.
 };
 
 inline constexpr uint32_t kNoNode = 0xffffffffu;

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "gnosphere/batch.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/export.hpp"
 #include "gnosphere/layout.hpp"
@@ -108,6 +109,9 @@ struct Tuning {
   /// beam, from its second scan from that pose). This has no effect with Binning::lists or the paper's bounds.
   bool keepStill = true;
   bool float64 = true;  ///< if false, double precision is not used even if the device has it
+  /// Most bytes that shots which are submitted together (see Simulator::scanAll()) take on the device in lists of
+  /// instances and clusters; at least one shot is submitted. 0 means 256 MB on a CPU and 1 GB on other devices.
+  uint64_t maxBatchBytes = 0;
   /// Upper limit in bytes for any one buffer on a Vulkan device; 0 means the limit of the device. If an array needs
   /// more, the call that needs it throws Error(outOfMemory); the simulator stays usable.
   uint64_t maxBufferBytes = 0;
@@ -239,6 +243,7 @@ struct Shot {
   Pose pose;  ///< of the sensor if `motion` is empty; with `deskew`, points are reported in the frame of this pose
   size_t sensor = 0;
   uint64_t frame = 0;  ///< frame number, part of the key of the random numbers
+  uint32_t world = 0;  ///< the shot sees the instances of this world and those of world 0, as if there were no others
   SensorMotion motion;
   std::vector<InstanceMotion> instanceMotions;
   std::vector<MeshMotion> meshMotions;
@@ -279,6 +284,15 @@ class GNOSPHERE_API Simulator {
   /// on. `receive` must not call this simulator.
   void scanAll(std::span<const Shot> shots, const std::function<void(size_t shot, const Scan& scan)>& receive);
 
+  /// Makes the scans of many shots of one sensor, each with the same result as scanInto(), and collects them in arrays
+  /// with the view (the index into `shots`) as their first dimension. `fields` are those that the batch has beside the
+  /// ranges; without any it has all that a Scan of the sensor has. The arrays of `result` are reused. The shots are
+  /// submitted together as those of scanAll() are, in as many submissions as keep the work arrays and the lists of one
+  /// within Tuning::maxBatchBytes. Throws as scanAll() does, and Error(invalidArgument) that names the first shot of
+  /// another sensor, or a field that the sensor does not report.
+  void scanBatchInto(std::span<const Shot> shots, Batch& result, std::span<const Field> fields = {});
+  Batch scanBatch(std::span<const Shot> shots, std::span<const Field> fields = {});
+
   /// Each of the following changes takes effect with the next scan. Each throws Error(invalidArgument) that names an
   /// index that does not exist or was removed, or a value that is not valid.
 
@@ -304,7 +318,9 @@ class GNOSPHERE_API Simulator {
   void setDeformation(size_t mesh, const Deformation& deformation);
 
   /// Adds an instance and returns its index, which Scan::instances uses.
-  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0);
+  size_t addInstance(uint32_t mesh, const Transform& transform, uint16_t classId = 0, uint32_t world = 0);
+  /// Adds many instances and returns their indices, in order. Instance::name and Instance::className are ignored.
+  std::vector<uint32_t> addInstances(std::span<const Instance> instances);
   void removeInstance(size_t instance);
   void setTransform(size_t instance, const Transform& transform);
   /// Moves many instances, as setTransform() does one after another. `values` holds 12 numbers per instance, the rows

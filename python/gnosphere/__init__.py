@@ -5,5 +5,10 @@ Everything of the C++ face under the same names in snake_case: docs/python.md. F
 y left, z up, in metres; angles are radians unless a name ends in _deg; times are seconds.
 """
 
+try:
+    import gnosphere_cpu as _gnosphere_cpu  # noqa: F401  the Vulkan driver that `pip install gnosphere[cpu]` brings
+except ImportError:
+    pass
+
 from ._gnosphere import *
 from ._gnosphere import __version__ as __version__

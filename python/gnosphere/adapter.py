@@ -8,6 +8,7 @@ from a pose (`Lidar.scan`). See gnosphere.mujoco, and the modules of gnosphere.e
 from __future__ import annotations
 
 import fnmatch
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Optional, Union
@@ -62,22 +63,35 @@ class Shapes:
     def mesh(
         self,
         triangles: tuple[npt.ArrayLike, npt.ArrayLike],
-        material: Optional[int] = None,
+        material: Union[int, npt.ArrayLike, None] = None,
         name: str = "",
         uvs: Optional[npt.ArrayLike] = None,
     ) -> int:
-        """Adds a mesh of one material and returns its index. `triangles` are vertices (n, 3) in metres, and faces
-        (m, 3)."""
+        """Adds a mesh and returns its index. `triangles` are vertices (n, 3) in metres, and faces (m, 3); `material`
+        is the number of a material, or of one per face."""
         vertices, faces = triangles
-        count = len(np.asarray(faces))
-        parts = [gno.MeshPart(0, count, self.material() if material is None else material)]
-        self._meshes.append(gno.Mesh(vertices, faces, parts, name=name, **({} if uvs is None else {"uvs": uvs})))
+        numbers = np.broadcast_to(self.material() if material is None else material, len(np.asarray(faces)))
+        order = np.argsort(numbers, kind="stable")
+        used, first, count = np.unique(numbers[order], return_index=True, return_counts=True)
+        parts = [gno.MeshPart(int(at), int(n), int(number)) for at, n, number in zip(first, count, used)]
+        corners = np.asarray(faces)[order] if len(used) > 1 else faces
+        self._meshes.append(gno.Mesh(vertices, corners, parts, name=name, **({} if uvs is None else {"uvs": uvs})))
         return len(self._meshes) - 1
 
-    def instance(self, mesh: int, transform: Optional[npt.ArrayLike] = None, class_id: int = 0, name: str = "") -> int:
-        """Places a mesh and returns the index of the instance. `transform` is a map of shape (3, 4) or (4, 4)."""
+    def instance(
+        self,
+        mesh: int,
+        transform: Optional[npt.ArrayLike] = None,
+        class_id: int = 0,
+        name: str = "",
+        class_name: str = "",
+    ) -> int:
+        """Places a mesh and returns the index of the instance. `transform` is a map of shape (3, 4) or (4, 4);
+        `class_name` is the class that a file states by its name."""
         place = gno.Transform() if transform is None else gno.Transform(np.asarray(transform, np.float64)[:3])
-        self.instances.append(gno.Instance(mesh, place, name=name, class_id=class_id))
+        made = gno.Instance(mesh, place, name=name, class_id=class_id)
+        made.class_name = class_name
+        self.instances.append(made)
         return len(self.instances) - 1
 
     def scene(self) -> gno.Scene:
@@ -183,6 +197,13 @@ def class_of(classes: Optional[Mapping[str, int]], *names: str) -> int:
         if any(fnmatch.fnmatchcase(name, pattern) for name in names if name):
             return number
     return 0
+
+
+def warn_left_out(who: str, left_out: Mapping[str, int], stacklevel: int = 2) -> None:
+    """One warning that names all that a scene lacks, with how often; none if nothing is left out."""
+    if left_out:
+        listed = ", ".join(f"{what} ({count})" for what, count in left_out.items())
+        warnings.warn(f"{who} leaves out {listed}", stacklevel=stacklevel + 1)
 
 
 def records(scan: gno.Scan, fields: Fields = "x,y,z") -> Array:

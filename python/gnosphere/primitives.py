@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Triangles of the shapes that engines know by their sizes: box, plane, cylinder, sphere, ellipsoid, capsule, height
-field.
+"""Triangles of the shapes that engines know by their sizes: box, plane, cylinder, cone, sphere, ellipsoid, capsule,
+height field.
 
 Each function returns (vertices, faces): float32 of shape (n, 3) in metres, and uint32 of shape (m, 3), whose corners
 turn counter-clockwise seen from outside. Shapes stand in the middle of their frame, round ones along its z axis. The
@@ -90,6 +90,13 @@ def cylinder(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
     return _closed(rings, [0, 0, -half], [0, 0, half])
 
 
+def cone(radius: float, half: float, tolerance: float = 1e-3) -> Triangles:
+    """A closed cone from z = -half, where it is widest, to its tip at z = half."""
+    circle = _around(_sides(radius, 1 - tolerance / radius if radius > 0 else -1.0)) * radius
+    rings = np.column_stack([circle, np.full(len(circle), -half)])[None]
+    return _closed(rings, [0, 0, -half], [0, 0, half])
+
+
 def _unit_rings(radius: float, tolerance: float) -> npt.NDArray[np.float64]:
     """The rings of a unit sphere between its poles, an odd number, whose middle one is the equator.
 
@@ -144,6 +151,39 @@ def height_field(heights: npt.ArrayLike, half_x: float, half_y: float, base: flo
     bottom = np.stack([np.full(len(rim), len(top) + len(rim)), after, here], axis=1)
     faces = np.concatenate([_quads(cells), _quads(sides), bottom])
     return _result(np.concatenate([top, below, [[0, 0, -base]]]), faces)
+
+
+def ears(polygon: npt.ArrayLike) -> npt.NDArray[np.int64]:
+    """The triangles of a polygon of n corners, shape (n, 3), which may be concave: n - 2 rows of three corners.
+
+    One ear after the other is cut off: a convex corner whose triangle holds no other corner. A polygon that crosses
+    itself has no ears at some time; its rest is a fan.
+    """
+    corners = np.asarray(polygon, np.float64)
+    after = np.roll(corners, -1, axis=0)
+    normal = np.cross(corners, after).sum(axis=0)  # Newell's
+    drop = int(np.argmax(np.abs(normal)))
+    flat = np.delete(corners - corners.mean(axis=0), drop, axis=1) * ([1, 1] if drop != 1 else [1, -1])
+    flat = flat if normal[drop] > 0 else flat * [1, -1]
+
+    def area(a: npt.NDArray[Any], b: npt.NDArray[Any], c: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        u, v = b - a, c - a
+        turn: npt.NDArray[Any] = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+        return turn
+
+    left, found = list(range(len(flat))), []
+    while len(left) > 3:
+        for i in range(len(left)):
+            a, b, c = (left[(i + step) % len(left)] for step in (-1, 0, 1))
+            others = flat[[j for j in left if j not in (a, b, c)]]
+            inside = (area(flat[a], flat[b], others) >= 0) & (area(flat[b], flat[c], others) >= 0)
+            if area(flat[a], flat[b], flat[c]) > 0 and not np.any(inside & (area(flat[c], flat[a], others) >= 0)):
+                found.append((a, b, c))
+                left.pop(i)
+                break
+        else:
+            break
+    return np.array(found + [(left[0], b, c) for b, c in zip(left[1:], left[2:])], np.int64)
 
 
 def moved(triangles: Triangles, transform: Any) -> Triangles:

@@ -32,12 +32,14 @@ void bindEffects(nb::module_& m);
 void bindMaterials(nb::module_& m);
 void bindPlan(nb::module_& m);
 void bindScan(nb::module_& m);
+void bindBatch(nb::module_& m);
 void bindOutput(nb::module_& m);
 void bindDevices(nb::module_& m);
 void bindOptions(nb::module_& m);
 void bindSimulator(nb::module_& m);
 void bindDrive(nb::module_& m);
 void bindRos2(nb::module_& m);
+void bindCommandLine(nb::module_& m);
 
 using WithoutGil = nb::call_guard<nb::gil_scoped_release>;
 

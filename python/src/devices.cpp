@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds what gnosphere/simulator.hpp says of devices and of how a scan is computed.
-#include "bind.hpp"
+#include "rows.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -10,39 +10,20 @@ nb::bytes bytesOf(const std::array<uint8_t, 16>& uuid) {
 }
 
 void bindAccuracy(nb::module_& m) {
-  nb::enum_<Accuracy>(m, "Accuracy", "The accuracy setting: named choices of the parts in AccuracyParts.")
-      .value("paper", Accuracy::paper, "Section 3 of the paper to the letter.")
-      .value(
-          "draft", Accuracy::draft,
-          "Exact bounds, but the paper's inside test and range in single precision: beams may slip through at corners.")
-      .value("standard", Accuracy::standard,
-             "Exact bounds, watertight edges, ranges within the depth interval of the triangle's corners.")
-      .value("exact", Accuracy::exact,
-             "Exact predicates, one owner per layer, correctly rounded ranges: the same bytes on every device.");
+  bindWords<Accuracy>(m, "Accuracy", optionNamed("accuracy"));
+  std::string names;
+  for (const AccuracySetting& setting : accuracySettings())
+    names += (names.empty() ? "'" : ", '") + std::string(setting.name) + "'";
   m.def(
-      "name_of", [](Accuracy accuracy) { return std::string(nameOf(accuracy)); }, "accuracy"_a,
-      "'paper', 'draft', 'standard' or 'exact'.");
+      "name_of", [](Accuracy accuracy) { return std::string(nameOf(accuracy)); }, "accuracy"_a, (names + ".").c_str());
 
   using Parts = AccuracyParts;
   nb::class_<Parts> parts(m, "AccuracyParts",
                           "The parts of an accuracy setting. It is never changed after it is made.");
-  nb::enum_<Parts::Bounds>(parts, "Bounds", "Which beams a triangle is tested against.")
-      .value("paper", Parts::Bounds::paper, "The floor of the corners' angles, computed with GLSL's asin and atan.")
-      .value(
-          "corners", Parts::Bounds::corners,
-          "The corners' angles, widened for rounding: misses beams where an edge bulges beyond them and at the poles.")
-      .value("exact", Parts::Bounds::exact, "Every beam that can meet the triangle.");
-  nb::enum_<Parts::Cull>(parts, "Cull", "Which point of a triangle must be in range.")
-      .value("first_corner", Parts::Cull::firstCorner)
-      .value("nearest_point", Parts::Cull::nearestPoint);
-  nb::enum_<Parts::Inside>(parts, "Inside", "How the inside test decides whether a beam hits a triangle.")
-      .value("plain", Parts::Inside::plain, "Signs of the edge normals a x b, equation 2 of the paper.")
-      .value("watertight", Parts::Inside::watertight, "No beam slips between triangles that share an edge or a corner.")
-      .value("exact", Parts::Inside::exact, "Exact signs; a beam on a shared edge hits exactly one triangle.");
-  nb::enum_<Parts::Range>(parts, "Range", "How the range of a hit is computed.")
-      .value("plane", Parts::Range::plane, "Equation 4 of the paper.")
-      .value("edge_weights", Parts::Range::edgeWeights, "A convex combination of the depths of the corners.")
-      .value("exact", Parts::Range::exact, "The exact quotient, correctly rounded; only with Inside.exact.");
+  bindWords<Parts::Bounds>(parts, "Bounds", optionNamed("accuracy_parts.bounds"));
+  bindWords<Parts::Cull>(parts, "Cull", optionNamed("accuracy_parts.cull"));
+  bindWords<Parts::Inside>(parts, "Inside", optionNamed("accuracy_parts.inside"));
+  bindWords<Parts::Range>(parts, "Range", optionNamed("accuracy_parts.range"));
   parts
       .def(
           "__init__",
@@ -56,49 +37,47 @@ void bindAccuracy(nb::module_& m) {
       .def_ro("inside", &Parts::inside)
       .def_ro("range", &Parts::range);
   m.def("accuracy_parts_of", &accuracyPartsOf, "accuracy"_a, "Returns the parts of a named setting.");
-
-  nb::enum_<ReflectingFaces>(m, "ReflectingFaces", "Which faces of a triangle reflect.")
-      .value("material", ReflectingFaces::material, "Material.double_sided decides.")
-      .value("front", ReflectingFaces::front)
-      .value("both", ReflectingFaces::both);
+  bindWords<ReflectingFaces>(m, "ReflectingFaces", optionNamed("faces"));
 }
 
 void bindTuning(nb::module_& m) {
-  nb::enum_<Binning>(m, "Binning", "How the hits of each beam are collected. Every choice gives the same cloud.")
-      .value("automatic", Binning::automatic,
-             "If only the nearest hit matters: slabs on a CPU, nearest on other devices; otherwise lists.")
-      .value("nearest", Binning::nearest,
-             "One 64-bit atomic minimum per hit; replaced by lists on devices without that instruction.")
-      .value("lists", Binning::lists, "A list of candidates per beam: count, prefix sum, fill.")
-      .value(
-          "slabs", Binning::slabs,
-          "One subgroup owns a slab of columns, so the minimum needs no atomics; replaced by lists as `nearest` is.");
+  bindWords<Binning>(m, "Binning", optionNamed("tuning.binning"));
   nb::class_<Culling> culling(
       m, "Culling", "Which triangles are skipped early. The switches affect only the time; the cloud is the same.");
-  nb::enum_<Culling::Occlusion>(culling, "Occlusion")
-      .value("automatic", Culling::Occlusion::automatic)
-      .value("always", Culling::Occlusion::always)
-      .value("never", Culling::Occlusion::never);
-  culling.def(nb::init<>())
-      .def_rw("range", &Culling::range, "Triangles out of range.")
-      .def_rw("rows", &Culling::rows, "Triangles between two rows of beams, above or below the field of view.")
-      .def_rw("columns", &Culling::columns, "Triangles between two columns of beams.")
-      .def_rw("cones", &Culling::cones, "Clusters of one-sided triangles that are all back-facing.")
-      .def_rw("occlusion", &Culling::occlusion, "Triangles behind hits nearer to the sensor.");
-  nb::class_<Tuning>(m, "Tuning",
-                     "How a scan is computed. The choices affect only time and memory; the cloud is the same.")
-      .def(nb::init<>())
-      .def_rw("binning", &Tuning::binning)
-      .def_rw("culling", &Tuning::culling)
-      .def_rw(
-          "keep_still", &Tuning::keepStill,
-          "If true, a sensor that scans repeatedly from one pose keeps the hits on instances that have not moved (8 "
-          "bytes per beam, from its second scan from that pose).")
-      .def_rw("float64", &Tuning::float64, "If false, double precision is not used even if the device has it.")
-      .def_rw(
-          "max_buffer_bytes", &Tuning::maxBufferBytes,
-          "Upper limit in bytes for any one buffer on a Vulkan device; 0 means the limit of the device. If an array "
-          "needs more, the call that needs it raises Error(out_of_memory); the simulator stays usable.");
+  bindWords<Culling::Occlusion>(culling, "Occlusion", optionNamed("tuning.culling.occlusion"));
+  culling.def(
+      "__init__",
+      [](Culling* self, nb::kwargs keywords) {
+        SimulatorOptions options;
+        for (const auto& [key, value] : keywords)
+          if (!setKeyword(options, "tuning.culling.", nb::cast<std::string>(key), value))
+            refuse("Culling has no '" + nb::cast<std::string>(key) + "'");
+        new (self) Culling(options.tuning.culling);
+      },
+      "Takes its properties as keywords, in which a choice may be its name.");
+  bindOptionRows<[](SimulatorOptions& options) -> Culling& { return options.tuning.culling; }>(culling,
+                                                                                               "tuning.culling.");
+  culling.def_rw("occlusion", &Culling::occlusion, pythonText(optionNamed("tuning.culling.occlusion").doc).c_str());
+  nb::class_<Tuning> tuning(m, "Tuning",
+                            "How a scan is computed. The choices affect only time and memory; the cloud is the same.");
+  tuning
+      .def(
+          "__init__",
+          [](Tuning* self, nb::kwargs keywords) {
+            SimulatorOptions options;
+            for (const auto& [key, value] : keywords) {
+              const std::string name = nb::cast<std::string>(key);
+              if (name == "culling")
+                options.tuning.culling = nb::cast<Culling>(value);
+              else if (!setKeyword(options, "tuning.", name, value))
+                refuse("Tuning has no '" + name + "'");
+            }
+            new (self) Tuning(options.tuning);
+          },
+          "Takes its properties as keywords, in which a choice may be its name.")
+      .def_rw("binning", &Tuning::binning, pythonText(optionNamed("tuning.binning").doc).c_str())
+      .def_rw("culling", &Tuning::culling);
+  bindOptionRows<[](SimulatorOptions& options) -> Tuning& { return options.tuning; }>(tuning, "tuning.");
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ void bindDrive(nb::module_& parent) {
       .def_rw("shard", &RunOptions::shard, "Only frames whose number modulo shard_count is this are made.")
       .def_rw("shard_count", &RunOptions::shardCount)
       .def_rw("verify", &RunOptions::verify, "Whether complete frames are read and their hashes compared.")
-      .def_rw("simulator", &RunOptions::simulator, "Its accuracy is replaced by the drive's.")
+      .def_rw("simulator", &RunOptions::simulator, "The drive's accuracy and other options replace its own.")
       .def_rw(
           "progress", &RunOptions::progress, nb::for_setter(nb::arg("progress").none()),
           "Called when a frame is complete, with the number of frames made and that of frames to make. An exception "

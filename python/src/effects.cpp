@@ -1,153 +1,83 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds the effects of gnosphere/effects.hpp.
+#include <cctype>
+
 #include "arrays.hpp"
+#include "rows.hpp"
 
 namespace gnosphere::python {
 namespace {
 
-/// Binds an effect, a part of Effects: a class, its member `use`, and the property of Effects that has it.
-template <typename Effect>
-nb::class_<Effect> bindEffect(nb::class_<Effects>& effects, const char* type, const char* property,
-                              Effect Effects::*member, const char* doc) {
-  nb::class_<Effect> effect(effects, type, doc);
+/// Binds an effect, a part of Effects: a class with its member `use` and the parameters of its row, and the property of
+/// Effects that has it.
+template <auto kEffect>
+auto bindEffect(nb::class_<Effects>& effects, const std::string& name) {
+  using Effect = std::remove_reference_t<decltype(std::declval<Effects&>().*kEffect)>;
+  const EffectInfo& info = effectNamed(name);
+  std::string type;
+  for (size_t i = 0; i < name.size(); ++i) {
+    if (name[i] == '-') continue;
+    type += i == 0 || name[i - 1] == '-' ? static_cast<char>(std::toupper(name[i])) : name[i];
+  }
+  const std::string doc = pythonText(info.doc);
+  nb::class_<Effect> effect(effects, type.c_str(), doc.c_str());
   effect.def(nb::init<>()).def_rw("use", &Effect::use);
-  effects.def_rw(property, member, doc);
+  for (const Parameter<Effects>& parameter : info.parameters)
+    bindRow<[](Effects& all) -> Effect& { return all.*kEffect; }>(effect, parameter.name, parameter);
+  effects.def_rw(pythonName(name).c_str(), kEffect, doc.c_str());
   return effect;
 }
 
-void bindSignal(nb::class_<Effects>& effects) {
-  using Intensity = Effects::Intensity;
-  auto intensity = bindEffect(effects, "Intensity", "intensity", &Effects::intensity,
-                              "Strength of a return from reflectance, incidence and range. Automatic: on if a field or "
-                              "another effect needs it.");
-  nb::enum_<Intensity::Model>(intensity, "Model")
-      .value("physical", Intensity::Model::physical,
-             "reflectance * lobe(incidence) / range^2 * exp(-2 extinction range)")
-      .value("carla", Intensity::Model::carla, "exp(-attenuation * range), independent of the surface");
-  nb::enum_<Intensity::Scale>(intensity, "Scale")
-      .value("raw", Intensity::Scale::raw,
-             "Received power, relative to a Lambertian target of reflectance 1, square to the beam, at 1 m.")
-      .value("unit", Intensity::Scale::unit,
-             "0..1: reflectance of the Lambertian target square to the beam that would return as much power from the "
-             "same range, cut off at 1.")
-      .value(
-          "byte", Intensity::Scale::byte,
-          "0..255, calibrated reflectivity: 0..100 for diffuse per cent, 101..255 logarithmic for retro-reflectors.");
-  intensity.def_rw("model", &Intensity::model)
-      .def_rw("scale", &Intensity::scale)
-      .def_rw("wavelength", &Intensity::wavelength, "nm; 905 or 1550, selects the column of a material table.")
-      .def_rw("attenuation", &Intensity::attenuation, "1/m; only for Model.carla.");
-
-  bindEffect(effects, "Detection", "detection", &Effects::detection,
-             "A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` "
-             "square to the beam at `range`.")
-      .def_rw("reflectance", &Effects::Detection::reflectance, "0..1")
-      .def_rw("range", &Effects::Detection::range, "Metres; 0 means the sensor's range_max.")
-      .def_rw("softness", &Effects::Detection::softness,
-              "Relative width of the probability curve (logistic in ln power); 0 for a sharp threshold.");
-
-  bindEffect(effects, "DropOut", "drop_out", &Effects::dropOut,
-             "Returns that are lost at random, as with CARLA's dropoff_* parameters, and dead beams.")
-      .def_rw("general_rate", &Effects::DropOut::generalRate, "0..1, probability for every return.")
-      .def_rw("intensity_limit", &Effects::DropOut::intensityLimit,
-              "Unit intensity above which zero_intensity_rate has no effect.")
-      .def_rw("zero_intensity_rate", &Effects::DropOut::zeroIntensityRate,
-              "0..1, probability at intensity 0; falls linearly to 0 at the limit.")
-      .def_prop_rw(
-          "dead_beams", [](const Effects::DropOut& self) { return copiedColumn(self.deadBeams); },
-          [](Effects::DropOut& self, const ArrayLike& beams) {
-            self.deadBeams = arrayOf<uint32_t>(beams, "DropOut: dead_beams").copy();
-          },
-          kOwned,
-          "Indices of beams that never return anything, shape (n,), uint32: a read-only copy; assign a new array to "
-          "change them.");
+/// Binds a parameter whose value is a word: an enum in the class of the effect, and the property.
+template <typename Effect, typename Enum>
+void bindChoice(nb::class_<Effect>& effect, const std::string& name, const char* parameter, Enum Effect::*member) {
+  const Parameter<Effects>& row = parameterOf(name, parameter);
+  std::string type = parameter;
+  type[0] = static_cast<char>(std::toupper(type[0]));
+  bindWords<Enum>(effect, type, row);
+  effect.def_rw(parameter, member, pythonText(row.doc).c_str());
 }
 
-void bindNoise(nb::class_<Effects>& effects) {
-  bindEffect(effects, "RangeNoise", "range_noise", &Effects::rangeNoise,
-             "Errors of the range: bias, Gaussian noise and quantisation.")
-      .def_rw("bias", &Effects::RangeNoise::bias, "m")
-      .def_rw("sigma", &Effects::RangeNoise::sigma, "m, standard deviation")
-      .def_rw("sigma_per_metre", &Effects::RangeNoise::sigmaPerMetre,
-              "m per m; this times the range is added to sigma.")
-      .def_rw("step", &Effects::RangeNoise::step, "m; ranges are rounded to multiples of it; 0 for no quantisation.");
-
-  auto angle =
-      bindEffect(effects, "AngleNoise", "angle_noise", &Effects::angleNoise, "Gaussian errors of the beam directions.");
-  nb::enum_<Effects::AngleNoise::At>(angle, "At")
-      .value("beam", Effects::AngleNoise::At::beam,
-             "The beam deviates, but its point is reported in the nominal direction.")
-      .value("point", Effects::AngleNoise::At::point,
-             "The beam has the nominal direction, but its point is reported in the deviating one.");
-  angle.def_rw("azimuth", &Effects::AngleNoise::azimuth, "rad, standard deviation; cut off at 4 sigma.")
-      .def_rw("elevation", &Effects::AngleNoise::elevation, "rad, standard deviation; cut off at 4 sigma.")
-      .def_rw("at", &Effects::AngleNoise::at);
-
-  bindEffect(effects, "IntensityNoise", "intensity_noise", &Effects::intensityNoise, "Gaussian noise of the intensity.")
-      .def_rw("sigma", &Effects::IntensityNoise::sigma, "Standard deviation, on the scale of unit intensity.");
+void bindSignal(nb::class_<Effects>& effects) {
+  auto intensity = bindEffect<&Effects::intensity>(effects, "intensity");
+  bindChoice(intensity, "intensity", "model", &Effects::Intensity::model);
+  bindChoice(intensity, "intensity", "scale", &Effects::Intensity::scale);
+  bindEffect<&Effects::detection>(effects, "detection");
+  auto dropOut = bindEffect<&Effects::dropOut>(effects, "drop-out");
+  dropOut.def_prop_rw(
+      "dead_beams", [](const Effects::DropOut& self) { return copiedColumn(self.deadBeams); },
+      [](Effects::DropOut& self, const ArrayLike& beams) {
+        self.deadBeams = arrayOf<uint32_t>(beams, "DropOut: dead_beams").copy();
+      },
+      kOwned,
+      (pythonText(parameterOf("drop-out", "dead_beams").doc) +
+       " Shape (n,), uint32: a read-only copy; assign a new array to change them.")
+          .c_str());
+  bindEffect<&Effects::rangeNoise>(effects, "range-noise");
+  auto angleNoise = bindEffect<&Effects::angleNoise>(effects, "angle-noise");
+  bindChoice(angleNoise, "angle-noise", "at", &Effects::AngleNoise::at);
+  bindEffect<&Effects::intensityNoise>(effects, "intensity-noise");
 }
 
 void bindEchoes(nb::class_<Effects>& effects) {
-  using Returns = Effects::Returns;
-  using Mode = Returns::Mode;
-  auto divergence =
-      bindEffect(effects, "Divergence", "divergence", &Effects::divergence,
-                 "An elliptical footprint, sampled by sub-rays that share the candidate triangles of their "
-                 "beam.");
-  nb::enum_<Effects::Divergence::Profile>(divergence, "Profile")
-      .value("uniform", Effects::Divergence::Profile::uniform)
-      .value("gaussian", Effects::Divergence::Profile::gaussian);
-  divergence.def_rw("sub_rays", &Effects::Divergence::subRays, "1..61; numbers 1 + 6 + 12 + ... lie on rings.")
-      .def_rw("profile", &Effects::Divergence::profile)
-      .def_rw("horizontal", &Effects::Divergence::horizontal,
-              "rad, full angle (to 1/e^2 if gaussian); both angles 0: the sensor's.")
-      .def_rw("vertical", &Effects::Divergence::vertical, "rad, as horizontal.");
-
-  auto returns = bindEffect(effects, "Returns", "returns", &Effects::returns,
-                            "Which echoes of a beam are returned. Automatic: on if the sensor reports more than one.");
-  nb::enum_<Mode>(returns, "Mode")
-      .value("first", Mode::first)
-      .value("second", Mode::second)
-      .value("last", Mode::last)
-      .value("strongest", Mode::strongest)
-      .value("second_strongest", Mode::secondStrongest)
-      .value("first_second", Mode::firstSecond)
-      .value("first_last", Mode::firstLast)
-      .value("first_strongest", Mode::firstStrongest)
-      .value("last_strongest", Mode::lastStrongest)
-      .value("strongest_second_strongest", Mode::strongestSecondStrongest)
-      .value("all", Mode::all, "Up to `count` echoes in order of range.");
-  returns.def_rw("mode", &Returns::mode)
-      .def_rw("count", &Returns::count, "Only for Mode.all: 1..5; 0 means Sensor.max_returns.")
-      .def_rw("separation", &Returns::separation, "m; echoes that are closer together are merged.")
-      .def_rw("pulse_width", &Returns::pulseWidth, "s, full width at half maximum.");
-
-  bindEffect(effects, "Transmission", "transmission", &Effects::transmission,
-             "Light that passes through glass: materials with alpha mode BLEND or KHR_materials_transmission.");
-  bindEffect(effects, "CutOuts", "cut_outs", &Effects::cutOuts, "Holes in surfaces: materials with alpha mode MASK.");
+  auto divergence = bindEffect<&Effects::divergence>(effects, "divergence");
+  bindChoice(divergence, "divergence", "profile", &Effects::Divergence::profile);
+  auto returns = bindEffect<&Effects::returns>(effects, "returns");
+  bindChoice(returns, "returns", "mode", &Effects::Returns::mode);
+  bindEffect<&Effects::transmission>(effects, "transmission");
+  bindEffect<&Effects::cutOuts>(effects, "cut-outs");
 }
 
 void bindMotion(nb::class_<Effects>& effects) {
-  bindEffect(effects, "SensorMotion", "sensor_motion", &Effects::sensorMotion,
-             "The sensor moves during the scan as Shot.motion says. Automatic: on if the sensor has a rotation period.")
-      .def_rw("deskew", &Effects::SensorMotion::deskew,
-              "If true, points are reported in the frame of Shot.pose, otherwise in that of their column.");
-  bindEffect(effects, "ObjectMotion", "object_motion", &Effects::objectMotion,
-             "Instances move during the scan as Shot.instance_motions says.");
-  bindEffect(
-      effects, "RadialSpeed", "radial_speed", &Effects::radialSpeed,
-      "Radial speed of the surface as an FMCW sensor measures it, in m/s along the beam, positive if the surface "
-      "moves away. Automatic: on if Field.radial_speed is requested.");
+  bindEffect<&Effects::sensorMotion>(effects, "sensor-motion");
+  bindEffect<&Effects::objectMotion>(effects, "object-motion");
+  bindEffect<&Effects::radialSpeed>(effects, "radial-speed");
 }
 
 void bindMedium(nb::class_<Effects>& effects) {
-  bindEffect(effects, "Fog", "fog", &Effects::fog, "Automatic: on if a visibility is given.")
-      .def_rw("visibility", &Effects::Fog::visibility,
-              "m, meteorological optical range (5 % contrast, Koschmieder); 0 for no fog.");
-  bindEffect(effects, "Rain", "rain", &Effects::rain, "Automatic: on if a rate is given.")
-      .def_rw("rate", &Effects::Rain::rate, "mm/h");
-  bindEffect(effects, "Snow", "snow", &Effects::snow, "Automatic: on if a rate is given.")
-      .def_rw("rate", &Effects::Snow::rate, "mm/h of melted water");
+  bindEffect<&Effects::fog>(effects, "fog");
+  bindEffect<&Effects::rain>(effects, "rain");
+  bindEffect<&Effects::snow>(effects, "snow");
   nb::class_<Effects::Volume>(effects, "Volume",
                               "Dust or spray that fills an axis-aligned box. It is never changed after it is made.")
       .def(
@@ -159,9 +89,9 @@ void bindMedium(nb::class_<Effects>& effects) {
       .def_ro("min", &Effects::Volume::min, "Metres, world frame.")
       .def_ro("max", &Effects::Volume::max, "Metres, world frame.")
       .def_ro("extinction", &Effects::Volume::extinction, "1/m");
-  auto volumes =
-      bindEffect(effects, "Volumes", "volumes", &Effects::volumes, "Boxes of dust. Automatic: on if there are any.");
-  readWriteTuple(volumes, "boxes", &Effects::Volumes::boxes, "A tuple of copies, assigned whole.");
+  auto volumes = bindEffect<&Effects::volumes>(effects, "volumes");
+  const std::string doc = pythonText(parameterOf("volumes", "boxes").doc) + " A tuple of copies, assigned whole.";
+  readWriteTuple(volumes, "boxes", &Effects::Volumes::boxes, doc.c_str());
 }
 
 }  // namespace
@@ -180,13 +110,9 @@ void bindEffects(nb::module_& m) {
       "The effects that a scan simulates beside geometry, each with its parameters. Units are metres, radians, seconds "
       "and 1/m; powers are relative to a Lambertian target of reflectance 1, square to the beam, at 1 m.");
   effects.def(nb::init<>(), "Effects that the scene and the sensor call for.")
-      .def_rw(
-          "seed", &Effects::seed,
-          "Every random number is keyed by (seed, sensor, frame, beam, sub-ray, effect); the same seed gives the same "
-          "draws on every device.")
+      .def_rw("seed", &Effects::seed, pythonText(seedParameter().doc).c_str())
       .def_static("none", &Effects::none, "Returns a value with every effect off: geometry alone.");
   bindSignal(effects);
-  bindNoise(effects);
   bindEchoes(effects);
   bindMotion(effects);
   bindMedium(effects);
@@ -226,7 +152,7 @@ void bindEffects(nb::module_& m) {
   m.def(
       "to_json", [](const Effects& of) { return toJson(of); }, "effects"_a,
       "Writes effects as JSON that effects_from_json() reads.");
-  m.def("assign", &assign, "effects"_a, "assignment"_a,
+  m.def("assign", nb::overload_cast<Effects&, const std::string&>(&assign), "effects"_a, "assignment"_a,
         "Applies one assignment of a command line: 'fog.visibility=200' sets a parameter and turns the effect on; "
         "'divergence=off' sets the EffectUse. Raises Error(invalid_argument).");
 }

@@ -181,10 +181,9 @@ void bindInstance(nb::module_& m) {
   nb::class_<Instance>(m, "Instance", "One placement of a mesh in the world. Instances share the mesh.")
       .def(
           "__init__",
-          [](Instance* self, uint32_t of, const Transform& transform, uint16_t classId, std::string name) {
-            new (self) Instance{std::move(name), of, transform, classId};
-          },
-          "mesh"_a, "transform"_a = Transform(), "class_id"_a = 0, "name"_a = "")
+          [](Instance* self, uint32_t of, const Transform& transform, uint16_t classId, std::string name,
+             uint32_t world) { new (self) Instance{std::move(name), of, transform, classId, "", world}; },
+          "mesh"_a, "transform"_a = Transform(), "class_id"_a = 0, "name"_a = "", "world"_a = 0)
       .def_rw("name", &Instance::name)
       .def_rw("mesh", &Instance::mesh, "Index into Scene.meshes.")
       .def_prop_rw(
@@ -193,7 +192,8 @@ void bindInstance(nb::module_& m) {
       .def_rw("class_id", &Instance::classId,
               "Semantic class of all surfaces whose material states none; 0 for none. See Field.class_id.")
       .def_rw("class_name", &Instance::className,
-              "Class that the file states by its name instead; a drive file gives it a number.");
+              "Class that the file states by its name instead; a drive file gives it a number.")
+      .def_rw("world", &Instance::world, "The world that has the instance, see Shot.world; 0 for all of them.");
 }
 
 }  // namespace

@@ -17,10 +17,12 @@ NB_MODULE(_gnosphere, m) {
   bindMaterials(m);
   bindPlan(m);
   bindScan(m);
+  bindBatch(m);
   bindOutput(m);
   bindDevices(m);
   bindOptions(m);
   bindSimulator(m);
   bindDrive(m);
   bindRos2(m);
+  bindCommandLine(m);
 }

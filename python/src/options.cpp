@@ -2,6 +2,8 @@
 // Binds the requests, shots and options of gnosphere/simulator.hpp.
 #include "options.hpp"
 
+#include "rows.hpp"
+
 namespace gnosphere::python {
 namespace {
 
@@ -22,18 +24,13 @@ void bindRequest(nb::module_& m) {
       .def_rw("sensor", &SensorRequest::sensor)
       .def_rw("effects", &SensorRequest::effects,
               "By default those that the scene and the sensor call for; Effects.none() is geometry alone.")
-      .def_rw(
-          "variable_weather", &SensorRequest::variableWeather,
-          "If true, shots may set Shot.weather: fog, rain, snow and volumes are planned even if `effects` gives them "
-          "no value, unless they are off.");
+      .def_rw("variable_weather", &SensorRequest::variableWeather,
+              pythonText(requestOption("variable_weather").parameter.doc).c_str());
   readWriteTuple(request, "fields", &SensorRequest::fields,
                  "The fields that scans hold beyond points, ranges, triangles and instances; read them with "
                  "Scan.column(). A tuple, assigned whole.");
-  readWriteTuple(
-      request, "ignored_instances", &SensorRequest::ignoredInstances,
-      "Indices of instances that the sensor does not see, for example the body of the robot that carries it: "
-      "its scans are those of a scene without them. An index stays ignored if its instance is removed and "
-      "another one gets it. A tuple, assigned whole.");
+  readWriteTuple(request, "ignored_instances", &SensorRequest::ignoredInstances,
+                 (pythonText(requestOption("ignored_instances").parameter.doc) + " A tuple, assigned whole.").c_str());
 }
 
 void bindShot(nb::module_& m) {
@@ -93,19 +90,23 @@ void bindShot(nb::module_& m) {
           "__init__",
           [](Shot* self, const Pose& pose, size_t sensor, uint64_t frame, SensorMotion sensorMotion,
              std::vector<InstanceMotion> instanceMotions, std::optional<Weather> weather,
-             std::vector<MeshMotion> meshMotions) {
+             std::vector<MeshMotion> meshMotions, uint32_t world) {
             new (self) Shot{pose,
                             sensor,
                             frame,
+                            world,
                             std::move(sensorMotion),
                             std::move(instanceMotions),
                             std::move(meshMotions),
                             std::move(weather)};
           },
           "pose"_a = Pose(), "sensor"_a = 0, "frame"_a = 0, "motion"_a = SensorMotion(),
-          "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none(), "mesh_motions"_a = nb::make_tuple())
+          "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none(), "mesh_motions"_a = nb::make_tuple(),
+          "world"_a = 0)
       .def_rw("sensor", &Shot::sensor)
-      .def_rw("frame", &Shot::frame, "Frame number, part of the key of the random numbers.");
+      .def_rw("frame", &Shot::frame, "Frame number, part of the key of the random numbers.")
+      .def_rw("world", &Shot::world,
+              "The shot sees the instances of this world and those of world 0, as if there were no others.");
   readWriteCopy(shot, "pose", &Shot::pose,
                 "Of the sensor if `motion` is empty; with `deskew`, points are reported in the frame of this pose.");
   readWriteCopy(shot, "motion", &Shot::motion, "How the sensor moves during the scan.");
@@ -155,29 +156,26 @@ void bindSimulatorOptions(nb::module_& m) {
           "device"_a = DeviceChoice(), "accuracy"_a = Accuracy::standard, "accuracy_parts"_a = nb::none(),
           "faces"_a = ReflectingFaces::material, "materials"_a = MaterialTable(), "cache"_a = "", "warn"_a = nb::none(),
           "validation"_a = false, "tuning"_a = Tuning(), "trace"_a = nb::none(), "compile_only"_a = false)
-      .def_rw("accuracy", &SimulatorOptions::accuracy)
-      .def_rw("faces", &SimulatorOptions::faces)
-      .def_rw(
-          "cache", &SimulatorOptions::cache,
-          "Folder in which compiled pipelines are kept. If empty, it is 'gnosphere' in $XDG_CACHE_HOME or ~/.cache; "
-          "if 'off', pipelines are not kept.")
+      .def_rw("accuracy", &SimulatorOptions::accuracy, pythonText(optionNamed("accuracy").doc).c_str())
+      .def_rw("faces", &SimulatorOptions::faces, pythonText(optionNamed("faces").doc).c_str())
       .def_prop_rw("warn", &functionOf<&SimulatorOptions::warn>, &setFunction<&SimulatorOptions::warn>,
                    nb::for_setter(nb::arg("function").none()),
                    "Receives a sentence about a problem that is no error, for example that compiled pipelines cannot "
                    "be kept. The "
                    "library itself prints nothing. An exception that it raises is printed, and the call goes on.")
-      .def_rw("validation", &SimulatorOptions::validation,
-              "Turns the Vulkan validation layer on; its messages are raised as Error(device).")
       .def_prop_rw("trace", &functionOf<&SimulatorOptions::trace>, &setFunction<&SimulatorOptions::trace>,
                    nb::for_setter(nb::arg("function").none()),
                    "Receives a line per step of each scan on a Vulkan device, with its size and time.")
-      .def_rw("compile_only", &SimulatorOptions::compileOnly,
-              "If true, pipelines are compiled and plan() tells what the driver says of them; nothing can be scanned.")
       .def_rw("tuning", &SimulatorOptions::tuning);
+  bindOptionRows<[](SimulatorOptions& all) -> SimulatorOptions& { return all; }>(options, "");
   readWriteCopy(options, "device", &SimulatorOptions::device, "By default the best Vulkan device of the machine.");
   readWriteCopy(options, "accuracy_parts", &SimulatorOptions::accuracyParts, "If given, replaces `accuracy`.");
   readWriteCopy(options, "materials", &SimulatorOptions::materials,
                 "Reflectances by name; they override the scene's materials.");
+  m.def(
+      "assign", nb::overload_cast<SimulatorOptions&, const std::string&>(&assign), "options"_a, "assignment"_a,
+      "Sets an option by its name, as 'accuracy=exact' or 'tuning.binning=lists'. Raises Error(invalid_argument) that "
+      "has the nearest known names, or the values that the option takes.");
 }
 
 }  // namespace

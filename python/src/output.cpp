@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binds gnosphere/output.hpp and gnosphere/layout.hpp.
+#include "output/cloud_format.hpp"
 #include "scan.hpp"
 
 namespace gnosphere::python {
@@ -59,7 +60,7 @@ void bindLayout(nb::module_& m) {
   m.def(
       "pack",
       [](const SharedScan& scan, const RecordLayout& of, const nb::object& out) {
-        const std::shared_ptr<Scan> shared = scan.scan;
+        const std::shared_ptr<Scan> shared = scan.value;
         const RecordLayout chosen = of;
         const WritableBytes memory(out);
         const nb::gil_scoped_release released;
@@ -101,7 +102,7 @@ void bindComparison(nb::module_& m) {
   m.def(
       "compare",
       [](const SharedScan& reference, const SharedScan& other, double tolerance) {
-        const std::shared_ptr<Scan> truth = reference.scan, compared = other.scan;
+        const std::shared_ptr<Scan> truth = reference.value, compared = other.value;
         const nb::gil_scoped_release released;
         return compare(*truth, *compared, tolerance);
       },
@@ -139,21 +140,21 @@ void bindOutput(nb::module_& m) {
   m.def(
       "write_cloud",
       [](const SharedScan& scan, const std::filesystem::path& file, const CloudOptions& of) {
-        const std::shared_ptr<Scan> shared = scan.scan;
+        const std::shared_ptr<Scan> shared = scan.value;
         const CloudOptions chosen = of;
         const nb::gil_scoped_release released;
         writeCloud(*shared, file, chosen);
       },
       "scan"_a, "file"_a, "options"_a = CloudOptions(),
-      "Writes .pcd, .ply, .bin (KITTI: x y z and the intensity, or 0; returns only), .npy or .csv; the file's "
-      "extension "
-      "decides. No half-written file is left. Raises Error(invalid_argument) for an unknown extension or a field that "
-      "the "
-      "scan does not have, and Error(file) if the file cannot be written.");
+      ("Writes " + cloudEndings("or") +
+       "; the file's ending decides. No half-written file is left. Raises Error(invalid_argument) for an unknown "
+       "ending "
+       "or a field that the scan does not have, and Error(file) if the file cannot be written.")
+          .c_str());
   m.def(
       "write_picture",
       [](const SharedScan& scan, const std::filesystem::path& file) {
-        const std::shared_ptr<Scan> shared = scan.scan;
+        const std::shared_ptr<Scan> shared = scan.value;
         const nb::gil_scoped_release released;
         writePicture(*shared, file);
       },

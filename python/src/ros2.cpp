@@ -171,14 +171,14 @@ void bindRos2(nb::module_& parent) {
   m.def(
       "cloud_of",
       [](const SharedScan& scan, const std::vector<Field>& fields, const std::string& frame, int64_t stamp) {
-        return cloudOf(*scan.scan, fields, frame, stamp);
+        return cloudOf(*scan.value, fields, frame, stamp);
       },
       "scan"_a, "fields"_a, "frame"_a, "stamp"_a, WithoutGil(),
       "The returns of a scan as a cloud with these fields and without gaps.");
   m.def(
       "laser_scan_of",
       [](const Sensor& sensor, const SharedScan& scan, uint32_t channel, const std::string& frame, int64_t stamp) {
-        return laserScanOf(sensor, *scan.scan, channel, frame, stamp);
+        return laserScanOf(sensor, *scan.value, channel, frame, stamp);
       },
       "sensor"_a, "scan"_a, "channel"_a, "frame"_a, "stamp"_a, WithoutGil(),
       "The first returns of one channel of a grid of beams that turns, from the first column to the last.");

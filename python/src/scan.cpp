@@ -4,20 +4,20 @@
 
 #include <nanobind/stl/array.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <sstream>
+
 #include "arrays.hpp"
 
 namespace gnosphere::python {
 namespace {
 
-/// A Python object that keeps a Scan.
-nb::capsule keeperOf(const SharedScan& self) {
-  auto* shared = new std::shared_ptr<Scan>(self.scan);
-  return nb::capsule(shared, [](void* memory) noexcept { delete static_cast<std::shared_ptr<Scan>*>(memory); });
-}
-
 template <typename T>
 nb::object columnOf(const SharedScan& self, Field field, size_t components) {
-  const ColumnView<T> view = self.scan->column<T>(field, 0);
+  const ColumnView<T> view = self.value->column<T>(field, 0);
   const size_t shape[] = {view.size(), components};
   const int64_t strides[] = {static_cast<int64_t>(view.stride()), 1};
   return nb::cast(
@@ -32,6 +32,56 @@ nb::object column(const SharedScan& self, Field field) {
     case ValueType::u32: return columnOf<uint32_t>(self, field, info.components);
     default: return columnOf<float>(self, field, info.components);
   }
+}
+
+std::vector<std::string> namesOfFields(const Scan& scan) {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < kFieldCount; ++i) {
+    const auto field = static_cast<Field>(i);
+    if (scan.has(field)) names.emplace_back(fieldInfo(field).name);
+  }
+  return names;
+}
+
+std::optional<Field> fieldNamed(const Scan& scan, std::string_view name) {
+  for (size_t i = 0; i < kFieldCount; ++i) {
+    const auto field = static_cast<Field>(i);
+    if (fieldInfo(field).name == name && scan.has(field)) return field;
+  }
+  return std::nullopt;
+}
+
+nb::object columnNamed(const SharedScan& self, std::string_view name) {
+  if (const std::optional<Field> field = fieldNamed(*self.value, name)) return column(self, *field);
+  std::string known;
+  for (const std::string& one : namesOfFields(*self.value)) known += (known.empty() ? "" : ", ") + one;
+  throw nb::key_error(("the scan has no field '" + std::string(name) + "'; it has " + known +
+                       ", and SensorRequest.fields asks for more")
+                          .c_str());
+}
+
+std::string textOf(const Scan& scan) {
+  if (!scan.beamCount()) return "<Scan without beams>";
+  size_t returned = 0;
+  float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
+  for (const float range : scan.ranges) {
+    if (std::isnan(range)) continue;
+    ++returned;
+    nearest = std::min(nearest, range);
+    farthest = std::max(farthest, range);
+  }
+  std::ostringstream text;
+  text << "<Scan of " << (scan.sensor.empty() ? "a sensor" : scan.sensor) << ": " << scan.channels << " x "
+       << scan.columns << " beams, " << returned << " returns";
+  if (returned) text << " from " << nearest << " to " << farthest << " m";
+  text << '>';
+  return text.str();
+}
+
+/// Calls a function of the module gnosphere.pictures.
+template <typename... Arguments>
+nb::object callPictures(const char* function, Arguments&&... arguments) {
+  return nb::module_::import_("gnosphere.pictures").attr(function)(std::forward<Arguments>(arguments)...);
 }
 
 void checkEntry(const Scan& scan, size_t entry) {
@@ -131,7 +181,7 @@ void bindCounters(nb::module_& m) {
               "Behind the hits that all beams within the triangle's bounds already have.")
       .def_ro("projected", &Counters::projected, "Triangles that went on to binning.")
       .def_ro("candidates", &Counters::candidates,
-              "(beam, triangle) pairs whose inside test passed; only with Binning.lists.")
+              "(beam, triangle) pairs listed: with Binning.lists, footprints or panes.")
       .def_ro("integer_sides", &Counters::integerSides, "Exact inside tests that needed integer arithmetic.")
       .def_ro("integer_ranges", &Counters::integerRanges, "Exact ranges that needed integer arithmetic.")
       .def_ro("lost_echoes", &Counters::lostEchoes,
@@ -158,7 +208,7 @@ void bindCounters(nb::module_& m) {
 template <typename T>
 void readMember(nb::class_<SharedScan>& type, const char* name, T Scan::*member, const char* doc) {
   type.def_prop_ro(
-      name, [member](const SharedScan& self) -> T { return (*self.scan).*member; }, doc);
+      name, [member](const SharedScan& self) -> T { return (*self.value).*member; }, doc);
 }
 
 /// Defines a property that views an array of the Scan.
@@ -167,7 +217,7 @@ void readArray(nb::class_<SharedScan>& type, const char* name, std::vector<T> Sc
   type.def_prop_ro(
       name,
       [array](const SharedScan& self) {
-        std::vector<T>& values = (*self.scan).*array;
+        std::vector<T>& values = (*self.value).*array;
         return columnView(values.data(), values.size(), keeperOf(self));
       },
       kOwned, doc);
@@ -217,7 +267,7 @@ void bindScan(nb::module_& m) {
   scan.def_prop_ro(
       "points",
       [](const SharedScan& self) {
-        return rowsView<3>(self.scan->points.data(), self.scan->points.size() / 3, keeperOf(self));
+        return rowsView<3>(self.value->points.data(), self.value->points.size() / 3, keeperOf(self));
       },
       kOwned,
       "Shape (entries, 3), float32: x, y, z in metres in the sensor frame. A view that keeps its memory alive.");
@@ -233,22 +283,59 @@ void bindScan(nb::module_& m) {
            "other "
            "than velocities, NO_TRIANGLE in indices, and 0 in velocities and other integers. Raises "
            "Error(invalid_argument) if the scan does not have the field.")
+      .def("__getitem__", &columnNamed, "name"_a,
+           nb::sig("def __getitem__(self, name: str) -> numpy.typing.NDArray[typing.Any]"),
+           "The column of the field with this name, such as scan[\"ring\"]; see column() and keys(). Raises KeyError "
+           "if the "
+           "scan does not have it.")
       .def(
-          "has", [](const SharedScan& self, Field field) { return self.scan->has(field); }, "field"_a,
+          "__contains__",
+          [](const SharedScan& self, std::string_view name) { return fieldNamed(*self.value, name).has_value(); },
+          "name"_a, "Whether the scan has the field with this name.")
+      .def(
+          "keys", [](const SharedScan& self) { return tupleOf(namesOfFields(*self.value)); },
+          "The names of the fields that the scan has.")
+      .def_prop_ro(
+          "shape",
+          [](const SharedScan& self) {
+            const Scan& of = *self.value;
+            return of.returns == 1 ? nb::make_tuple(of.channels, of.columns)
+                                   : nb::make_tuple(of.channels, of.columns, of.returns);
+          },
+          nb::for_getter(nb::sig("def shape(self, /) -> tuple[int, ...]")),
+          "(channels, columns), or (channels, columns, returns) if beams have several: "
+          "scan[\"range\"].reshape(scan.shape) "
+          "is a range image.")
+      .def("__repr__", [](const SharedScan& self) { return textOf(*self.value); })
+      .def(
+          "_repr_html_",
+          [](nb::handle_t<SharedScan> self) { return nb::cast<std::string>(callPictures("html_of", self)); },
+          "What a notebook shows: a line about the scan, and its range image.")
+      .def(
+          "show",
+          [](nb::handle_t<SharedScan> self, std::string_view field) {
+            callPictures("show", self, nb::str(field.data(), field.size()));
+          },
+          "field"_a = "range",
+          "Opens a window, or fills the cell of a notebook, with the beams and the points from above, coloured by a "
+          "field. "
+          "Needs Matplotlib.")
+      .def(
+          "has", [](const SharedScan& self, Field field) { return self.value->has(field); }, "field"_a,
           "Whether column() has the field. A scan may have more fields than were requested.")
-      .def("beam_count", [](const SharedScan& self) { return self.scan->beamCount(); })
+      .def("beam_count", [](const SharedScan& self) { return self.value->beamCount(); })
       .def(
           "hit",
           [](const SharedScan& self, size_t entry) {
-            checkEntry(*self.scan, entry);
-            return self.scan->hit(entry);
+            checkEntry(*self.value, entry);
+            return self.value->hit(entry);
           },
           "entry"_a, "Whether the entry is a return from a surface; of all entries: scan.triangles != NO_TRIANGLE.")
       .def(
           "returned",
           [](const SharedScan& self, size_t entry) {
-            checkEntry(*self.scan, entry);
-            return self.scan->returned(entry);
+            checkEntry(*self.value, entry);
+            return self.value->returned(entry);
           },
           "entry"_a,
           "Whether the entry is a return, from a surface or from the medium; of all entries: "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Scan as Python holds it.
+// Results as Python holds them.
 #pragma once
 
 #include <memory>
@@ -9,18 +9,28 @@
 
 namespace gnosphere::python {
 
-/// Shares a Scan with the NumPy views of its arrays, which outlive the Python object. A Scan that a view or a running
-/// call shares is never written again.
-struct SharedScan {
-  std::shared_ptr<Scan> scan = std::make_shared<Scan>();
+/// Shares a result with the NumPy views of its arrays, which outlive the Python object. A result that a view or a
+/// running call shares is never written again.
+template <typename Result>
+struct Shared {
+  std::shared_ptr<Result> value = std::make_shared<Result>();
 
-  /// Takes the Scan out, for the next result: the same memory, or a new Scan if something else shares this one. Until
-  /// give() this object is an empty Scan.
-  std::shared_ptr<Scan> take() {
-    std::shared_ptr<Scan> taken = std::exchange(scan, std::make_shared<Scan>());
-    return taken.use_count() == 1 ? taken : std::make_shared<Scan>();
+  /// Takes the result out, for the next one: the same memory, or a new result if something else shares this one. Until
+  /// give() this object is an empty result.
+  std::shared_ptr<Result> take() {
+    std::shared_ptr<Result> taken = std::exchange(value, std::make_shared<Result>());
+    return taken.use_count() == 1 ? taken : std::make_shared<Result>();
   }
-  void give(std::shared_ptr<Scan> made) { scan = std::move(made); }
+  void give(std::shared_ptr<Result> made) { value = std::move(made); }
 };
+
+using SharedScan = Shared<Scan>;
+
+/// A Python object that keeps a result.
+template <typename Result>
+nb::capsule keeperOf(const Shared<Result>& self) {
+  auto* shared = new std::shared_ptr<Result>(self.value);
+  return nb::capsule(shared, [](void* memory) noexcept { delete static_cast<std::shared_ptr<Result>*>(memory); });
+}
 
 }  // namespace gnosphere::python

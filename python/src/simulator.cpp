@@ -3,7 +3,7 @@
 #include <atomic>
 
 #include "arrays.hpp"
-#include "scan.hpp"
+#include "batch.hpp"
 
 namespace gnosphere::python {
 namespace {
@@ -49,14 +49,24 @@ SharedScan scan(Self& self, const Pose& pose, size_t sensor) {
   return {std::make_shared<Scan>(self.use([&](Simulator& simulator) { return simulator.scan(chosen, sensor); }))};
 }
 
+/// What a call takes out of a result and gives back.
+template <typename Result>
+class Taken {
+ public:
+  explicit Taken(Shared<Result>& from) : from_(from), value_(from.take()) {}
+  Taken(const Taken&) = delete;
+  Taken& operator=(const Taken&) = delete;
+  ~Taken() { from_.give(std::move(value_)); }
+  Result& operator*() { return *value_; }
+
+ private:
+  Shared<Result>& from_;
+  std::shared_ptr<Result> value_;
+};
+
 void scanInto(Self& self, const Shot& shot, SharedScan& result) {
   const Shot chosen = shot;
-  std::shared_ptr<Scan> taken = result.take();
-  struct GiveBack {
-    SharedScan& result;
-    std::shared_ptr<Scan>& taken;
-    ~GiveBack() { result.give(std::move(taken)); }
-  } const giveBack{result, taken};
+  Taken taken(result);
   self.use([&](Simulator& simulator) { simulator.scanInto(chosen, *taken); });
 }
 
@@ -80,7 +90,93 @@ void scanAll(Self& self, const std::vector<Shot>& shots,
   });
 }
 
+using ShotsLike = std::variant<std::vector<Shot>, ArrayLike>;
+using NumbersLike = std::variant<uint32_t, ArrayLike>;
+
+// One number for all of `count` entries, or a number for each.
+std::vector<uint32_t> numbersOf(const NumbersLike& given, size_t count, const std::string& name) {
+  if (const auto* all = std::get_if<uint32_t>(&given)) return std::vector<uint32_t>(count, *all);
+  const auto each = arrayOf<uint32_t>(std::get<ArrayLike>(given), name);
+  if (each.rows() != count)
+    refuse(name + " has " + std::to_string(each.rows()) + " entries; it must be one number, or have " +
+           std::to_string(count));
+  return each.copy();
+}
+
+std::vector<Shot> shotsOf(const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame) {
+  if (const auto* shots = std::get_if<std::vector<Shot>>(&given)) return *shots;
+  const auto poses = arrayOf<double>(std::get<ArrayLike>(given), "scan_batch: shots", 7);
+  const std::vector<uint32_t> numbers = numbersOf(worlds, poses.rows(), "scan_batch: worlds");
+  std::vector<Shot> shots(poses.rows());
+  for (size_t i = 0; i < shots.size(); ++i) {
+    const double* v = poses.values().data() + 7 * i;
+    shots[i].pose = {{v[0], v[1], v[2]}, {v[3], v[4], v[5], v[6]}};
+    shots[i].sensor = sensor;
+    shots[i].frame = frame + i;
+    shots[i].world = numbers[i];
+  }
+  return shots;
+}
+
+SharedBatch scanBatch(Self& self, const ShotsLike& given, size_t sensor, const NumbersLike& worlds, uint64_t frame,
+                      const std::vector<Field>& fields) {
+  const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame);
+  SharedBatch result;
+  self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *result.value, fields); });
+  return result;
+}
+
+void scanBatchInto(Self& self, const ShotsLike& given, SharedBatch& result, size_t sensor, const NumbersLike& worlds,
+                   uint64_t frame, const std::vector<Field>& fields) {
+  const std::vector<Shot> shots = shotsOf(given, sensor, worlds, frame);
+  Taken taken(result);
+  self.use([&](Simulator& simulator) { simulator.scanBatchInto(shots, *taken, fields); });
+}
+
+nb::object addInstances(Self& self, const NumbersLike& meshes, const ArrayLike& transforms, const NumbersLike& worlds,
+                        const NumbersLike& classes) {
+  const auto rows =
+      arrayOf<double>({transformRows(transforms, "add_instances: transforms")}, "add_instances: transforms", kAnyWidth);
+  const std::vector<uint32_t> ofMesh = numbersOf(meshes, rows.rows(), "add_instances: meshes"),
+                              ofWorld = numbersOf(worlds, rows.rows(), "add_instances: worlds"),
+                              ofClass = numbersOf(classes, rows.rows(), "add_instances: class_ids");
+  std::vector<Instance> instances(rows.rows());
+  for (size_t i = 0; i < instances.size(); ++i) {
+    if (ofClass[i] > 0xffff)
+      refuse("add_instances: class_ids holds " + std::to_string(ofClass[i]) + "; 65535 is the most");
+    instances[i].mesh = ofMesh[i];
+    instances[i].classId = static_cast<uint16_t>(ofClass[i]);
+    instances[i].world = ofWorld[i];
+  }
+  const std::vector<uint32_t> added = self.use([&](Simulator& of) {
+    std::vector<uint32_t> indices = of.addInstances(instances);
+    try {
+      of.setTransforms(indices, rows.values());
+    } catch (...) {
+      for (size_t i = indices.size(); i > 0; --i) of.removeInstance(indices[i - 1]);
+      throw;
+    }
+    return indices;
+  });
+  return nb::cast(copiedColumn(added));
+}
+
+constexpr const char* kScanBatch =
+    "Makes the scans of many shots of one sensor, each with the same result as scan_into(), and collects them in "
+    "arrays with the view (the index into `shots`) as their first dimension, without holding the GIL. `shots` is a "
+    "sequence of Shot, or an array of poses of shape (n, 7): position x, y, z and orientation x, y, z, w. Then "
+    "`sensor`, `worlds` (one number, or one for each view) and `frame` (the frame number of the first view; those of "
+    "the others follow it) complete them. `fields` are those that the batch has beside the ranges; without any it has "
+    "all that a Scan of the sensor has. Raises Error(invalid_argument) that names the first shot which is not valid, "
+    "before anything runs.";
+
 void bindScans(nb::class_<Self>& simulator) {
+  simulator
+      .def("scan_batch", &scanBatch, "shots"_a, "sensor"_a = 0, "worlds"_a = 0, "frame"_a = 0,
+           "fields"_a = nb::make_tuple(), kScanBatch)
+      .def("scan_batch_into", &scanBatchInto, "shots"_a, "result"_a, "sensor"_a = 0, "worlds"_a = 0, "frame"_a = 0,
+           "fields"_a = nb::make_tuple(),
+           "As scan_batch(), into an existing Batch, whose memory is used again unless an array of it is still held.");
   simulator
       .def("scan", &scan, "pose"_a, "sensor"_a = 0,
            "Makes one scan from the fixed pose `pose`, without holding the GIL. Raises Error(invalid_argument) for a "
@@ -167,10 +263,17 @@ void bindChanges(nb::class_<Self>& simulator) {
       "empty deformation puts them back to Mesh.positions.");
   simulator.def(
       "add_instance",
-      [](Self& self, uint32_t mesh, const Transform& transform, uint16_t classId) {
-        return self.use([&, copy = transform](Simulator& of) { return of.addInstance(mesh, copy, classId); });
+      [](Self& self, uint32_t mesh, const Transform& transform, uint16_t classId, uint32_t world) {
+        return self.use([&, copy = transform](Simulator& of) { return of.addInstance(mesh, copy, classId, world); });
       },
-      "mesh"_a, "transform"_a, "class_id"_a = 0, "Adds an instance and returns its index, which Scan.instances uses.");
+      "mesh"_a, "transform"_a, "class_id"_a = 0, "world"_a = 0,
+      "Adds an instance to a world and returns its index, which Scan.instances uses. World 0 is everyone's.");
+  simulator.def("add_instances", &addInstances, "meshes"_a, "transforms"_a, "worlds"_a = 0, "class_ids"_a = 0,
+                nb::sig("def add_instances(self, meshes: int | numpy.typing.ArrayLike, transforms: "
+                        "numpy.typing.ArrayLike, worlds: int | numpy.typing.ArrayLike = 0, class_ids: int | "
+                        "numpy.typing.ArrayLike = 0) -> numpy.typing.NDArray[numpy.uint32]"),
+                "Adds many instances in one call and returns their indices. `transforms` has the shape (n, 3, 4) or "
+                "(n, 7), as that of set_transforms(); the others are one number, or have the shape (n,).");
   removal("remove_instance", &Simulator::removeInstance, "instance", "Removes an instance.");
   simulator.def(
       "set_transform",

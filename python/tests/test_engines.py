@@ -44,6 +44,16 @@ def bullet_rays(pb, sensor, pose):
     return np.array([answer[2] for answer in answers]) * sensor.range_max, bodies
 
 
+def box_distance(position, turn, half, origin, directions):
+    """How far along rays a box begins, in double; infinity where it is missed."""
+    rows = adapter.rows_of(gnosphere.Pose(position, turn))[:3, :3]
+    start, ways = (np.array(origin) - position) @ rows, directions @ rows
+    with np.errstate(divide="ignore"):
+        ends = np.sort(np.stack([(-np.array(half) - start) / ways, (np.array(half) - start) / ways]), axis=0)
+    enter, leave = ends[0].max(axis=1), ends[1].min(axis=1)
+    return np.where((enter <= leave) & (enter >= 0), enter, np.inf)
+
+
 def test_pybullet_against_its_ray_tests(bullet, device, tmp_path):
     pb, _ = bullet
     from gnosphere.engines.pybullet import Lidar
@@ -69,19 +79,30 @@ def test_pybullet_against_its_ray_tests(bullet, device, tmp_path):
     bodies[ground] = pb.GEOM_BOX
     sensor = everywhere(40000)
     lidar = Lidar(sensor, effects=NONE, options=gnosphere.SimulatorOptions(device), tolerance=2e-4)
-    compared = 0
+    compared = boxes = 0
     for _ in range(3):
         scan = lidar.scan(POSE)
         distances, hits = bullet_rays(pb, sensor, POSE)
         ours, owners = scan.ranges, lidar.body_ids(scan)
         assert (owners == hits).mean() > 0.998  # outlines: tessellation, and the single precision of both
-        flat = np.array([bodies.get(body, pb.GEOM_BOX) in (pb.GEOM_BOX, pb.GEOM_MESH) for body in hits])
+        straight = [body for body, kind in bodies.items() if kind in (pb.GEOM_BOX, pb.GEOM_MESH)] + [-1]
+        flat = np.isin(hits, straight)
+        assert (flat & np.isin(owners, straight) & (owners != hits)).sum() <= 4  # of 40,000, at outlines
         same = (owners == hits) & (hits >= 0)
         # rayTestBatch gives a fraction of the ray's whole length in single precision.
         error = np.abs(ours - distances)
         assert np.median(error[same & flat]) < 1e-5 and np.quantile(error[same & flat], 0.999) < 1e-3
         assert np.median(error[same & ~flat]) < 1e-3  # the tolerance, seen at an angle
         compared += int((same & flat).sum())
+        # Bullet's own rays are off by millimetres on grazed boxes; the boxes themselves are exact.
+        for body, kind in bodies.items():
+            if kind == pb.GEOM_BOX:
+                half = [50, 50, 1] if body == ground else kinds[0][1]["halfExtents"]
+                place = pb.getBasePositionAndOrientation(body)
+                exact = box_distance(*place, half, POSE.position, world_directions(sensor, POSE).astype(float))
+                error = np.abs(ours - exact)[owners == body]
+                assert np.all(error < 2e-5 * np.maximum(exact[owners == body], 1)), error.max()
+                boxes += len(error)
         for body in bodies:
             if body != ground:
                 position, _ = pb.getBasePositionAndOrientation(body)
@@ -89,7 +110,7 @@ def test_pybullet_against_its_ray_tests(bullet, device, tmp_path):
                 pb.resetBasePositionAndOrientation(
                     body, np.array(position) + rng.uniform(-0.2, 0.2, 3), turn / np.linalg.norm(turn)
                 )
-    assert compared > 50000
+    assert compared > 50000 and boxes > 50000
 
 
 def test_pybullet_robots(bullet, device):
@@ -340,7 +361,7 @@ def test_blender_against_its_ray_casts(device):
             same += (lidar.names[number] if number < len(lidar.names) else None) == (thing.name if hit else None)
             if hit and number < len(lidar.names):
                 error.append(abs((place - Vector(POSE.position)).length - scan.ranges[i]))
-        assert same >= 0.998 * len(scan.ranges) and len(error) > 1000
-        assert np.median(error) < 1e-5 and np.quantile(error, 0.99) < 1e-3
+        assert same >= len(scan.ranges) - 2 and len(error) > 1000  # at outlines, rounding decides
+        assert np.median(error) < 1e-5 and np.quantile(error, 0.999) < 1e-4
         classes = scan.column(gnosphere.Field.class_id)
         assert {lidar.names[number] for number in scan.instances[classes == 2]} == {things[0].name}

@@ -90,3 +90,15 @@ def test_the_page(folder, tmp_path, monkeypatch):
     names: dict = {}
     for block in blocks:
         exec(compile(block, "docs/python.md", "exec"), names)
+
+
+def test_batch(tmp_path):
+    printed = example(tmp_path, "batch", 16, 2)
+    assert "step 1: " in printed and "an observation of (16, 1440)" in printed
+
+
+def test_localise(folder, tmp_path):
+    printed = example(tmp_path, "localise", folder / "town.glb")
+    errors = [float(error) for error in re.findall(r": ([\d.]+) m and", printed)]
+    assert len(errors) == 8 and errors[-1] < 0.3
+    assert (tmp_path / "localise.png").read_bytes().startswith(b"\x89PNG")

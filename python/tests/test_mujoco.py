@@ -73,6 +73,25 @@ def at_outline(model, data, sensor, pose, beams, turn=2e-6):
     return (np.ptp(geoms, axis=0) > 0) | slope
 
 
+def met_alone(model, data, sensor, pose, beams, owners, ranges, distances, slack):
+    """Whether MuJoCo's ray against one geom alone meets it where a scan says, and no farther than mj_multiRay() meets
+    another geom. So it is where surfaces lie on one another, and where mj_multiRay() culls what its own rays meet, as it
+    does with a cylinder of the Adroit hand's scenes (MuJoCo 4.0.0)."""
+    vec = gnosphere.beams_of(sensor).directions[beams] @ adapter.rows_of(pose)[:3, :3].T
+    result = np.zeros(len(beams), bool)
+    for i, (geom, way) in enumerate(zip(owners, vec)):
+        if geom >= 0 and model.geom_type[geom] == int(mujoco.mjtGeom.mjGEOM_MESH):
+            own = mujoco.mj_rayMesh(model, data, int(geom), np.array(pose.position), way)
+        elif geom >= 0:
+            shape = (data.geom_xpos[geom], data.geom_xmat[geom], model.geom_size[geom])
+            own = mujoco.mju_rayGeom(*shape, np.array(pose.position), way, int(model.geom_type[geom]))
+        else:
+            continue
+        near = distances[i] < 0 or own <= distances[i] + PRECISION * max(distances[i], 1)
+        result[i] = own >= 0 and near and abs(own - ranges[i]) <= slack
+    return result
+
+
 def soup(count: int = 40, seed: int = 3) -> str:
     """Vertices and faces of a mesh of single triangles."""
     rng = np.random.default_rng(seed)
@@ -143,9 +162,11 @@ def compare(model, data, lidar, scan, pose, **settings):
         flat & ((owners != geoms) | (np.abs(ours - distances) > PRECISION * np.maximum(distances, 1)))
     )
     if len(wrong):
-        ties = at_outline(model, data, sensor, pose, wrong)
+        outlines = at_outline(model, data, sensor, pose, wrong)
+        alone = met_alone(model, data, sensor, pose, wrong, owners[wrong], ours[wrong], distances[wrong], PRECISION)
+        ties = outlines | alone
         assert ties.all(), (wrong[~ties], kinds[geoms[wrong[~ties]]], (ours - distances)[wrong[~ties]])
-        assert len(wrong) < 1e-4 * len(ours)
+        assert outlines.sum() < 1e-4 * len(ours)
     counts = {kind: int((flat & (kinds[geoms] == kind)).sum()) for kind in set(kinds)}
     points = adapter.rows_of(pose)[:3, :3] @ scan.points.T.astype(float) + np.array(pose.position)[:, None]
     for geom in range(model.ngeom):
@@ -155,8 +176,12 @@ def compare(model, data, lidar, scan, pose, **settings):
             far = surface_distance(model, data, geom, points.T[hit])
             assert far.max(initial=0) < lidar.tolerance + PRECISION
             # A beam that meets the one and not the other passes within the tolerance of the outline.
-            other = curved & (owners != geoms) & (hit | (geoms == geom))
-            assert other.sum() <= 0.1 * max(hit.sum(), 100)
+            other = np.flatnonzero(curved & (owners != geoms) & (hit | (geoms == geom)))
+            slack = 20 * lidar.tolerance
+            other = other[
+                ~met_alone(model, data, sensor, pose, other, owners[other], ours[other], distances[other], slack)
+            ]
+            assert len(other) <= 0.1 * max(hit.sum(), 100)
     return counts
 
 
@@ -219,6 +244,23 @@ def test_groups_alpha_bodies_and_static_geoms_are_chosen_as_mj_ray_does(device):
     other = lidar.add(sensor, pose=gnosphere.Pose((0, 0, 0.1)), bodyexclude=["arm", bodies["tail"]], effects=NONE)
     seen = set(lidar.geom_ids(lidar.scan(data, other)).tolist())
     assert model.body("hand").geomadr[0] in seen and model.body("arm").geomadr[0] not in seen
+
+
+def test_many_states_of_a_model(device):
+    model = every_type()
+    rng, datas = np.random.default_rng(8), []
+    for _ in range(3):
+        data = mujoco.MjData(model)
+        data.qpos.reshape(-1, 7)[:, :3] += rng.uniform(-0.3, 0.3, (model.nbody - 1, 3))
+        mujoco.mj_kinematics(model, data)
+        datas.append(data)
+    lidar = gm.Lidar(model, sphere_of_beams(3000), site="mast", effects=NONE, options=options(device))
+    scans = lidar.scan_many(datas)
+    assert len(scans) == 3 and not np.array_equal(scans[0].ranges, scans[1].ranges, equal_nan=True)
+    for data, scan in zip(reversed(datas), reversed(scans)):
+        alone = lidar.scan(data)
+        np.testing.assert_array_equal(alone.ranges, scan.ranges)
+        np.testing.assert_array_equal(lidar.geom_ids(alone), lidar.geom_ids(scan))
 
 
 def test_what_changes_in_the_model_moves_the_sensor(device):
@@ -432,29 +474,40 @@ def test_the_drop_in_for_rangefinders(device):
     assert gm.Rangefinders(model, sites=["top"], options=options(device)).read(data) == pytest.approx(expected[-1:])
 
 
-def test_whole_robots(device):
-    """Models of the package dm_control, of which only the files are read."""
-    found = importlib.util.find_spec("dm_control")
-    if not found or not found.submodule_search_locations:
-        pytest.skip("dm_control is not installed")
-    folder = Path(found.submodule_search_locations[0])
-    sensor = sphere_of_beams(20000, 100, seed=4)
-    files = [
+PUBLIC_MODELS = {
+    "dm_control": (
         "suite/dog.xml", "third_party/kinova/jaco_arm.xml", "suite/quadruped.xml", "suite/humanoid_CMU.xml",
         "locomotion/walkers/assets/rodent.xml", "locomotion/walkers/assets/fruitfly_v2/floor.xml",
         "mjcf/test_assets/model_with_assets.xml",
-    ]  # fmt: skip
-    for file in files:
+    ),
+    "gymnasium_robotics": (
+        "envs/assets/fetch/pick_and_place.xml", "envs/assets/hand/manipulate_egg.xml", "envs/assets/hand/manipulate_pen.xml",
+        "envs/assets/adroit_hand/adroit_hammer.xml", "envs/assets/adroit_hand/adroit_door.xml",
+        "envs/assets/kitchen_franka/kitchen_assets/kitchen_env_model.xml",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("package", PUBLIC_MODELS)
+def test_public_models_against_mj_multi_ray(device, package):
+    """Models of packages of which only the files are read."""
+    found = importlib.util.find_spec(package)
+    if not found or not found.submodule_search_locations:
+        pytest.skip(f"{package} is not installed")
+    folder = Path(found.submodule_search_locations[0])
+    sensor = sphere_of_beams(20000, 100, seed=4)
+    for file in PUBLIC_MODELS[package]:
         model = mujoco.MjModel.from_xml_path(str(folder / file))
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         size, middle = model.stat.extent, np.array(model.stat.center)
         pose = gnosphere.Pose(tuple(middle + size * np.array([0.3, 0.4, 0.5])), (0.1, 0.2, 0.3, 0.9))
+        tolerance = min(1e-3 * size, 2e-4)  # also of a finger in a kitchen
         lidar = gm.Lidar(
             model, sensor, pose=pose, effects=NONE, geomgroup=None, deformables=False, options=options(device),
-            tessellation=gm.Tessellation(tolerance=1e-3 * size),
+            tessellation=gm.Tessellation(tolerance=tolerance),
         )  # fmt: skip
-        lidar.tolerance = 1e-3 * size
+        lidar.tolerance = tolerance
         assert sum(compare(model, data, lidar, lidar.scan(data), pose).values()) > 500, file
         with_skins = gm.Lidar(model, sensor, pose=pose, effects=NONE, geomgroup=None, options=options(device))
         on_skins = (with_skins.scan(data).instances == len(lidar.geoms)).sum()

@@ -198,3 +198,22 @@ def test_a_scan_tells_what_happened(simulator, pose):
     assert plan.has("intensity") and next(d for d in plan.effects if d.effect == "intensity").in_
     assert plan.bytes() == sum(buffer.bytes for buffer in plan.buffers)
     assert simulator.device().name
+
+
+def test_columns_by_name(simulator, pose):
+    scan = simulator.scan(pose)
+    assert same(scan["ring"], scan.column(Field.ring)) and scan["ring"].max() == 15
+    assert same(scan["range"], scan.ranges) and scan["normal"].shape == (28800, 3)
+    assert same(scan["class"], scan.column(Field.class_id))
+    assert scan["range"].reshape(scan.shape).shape == scan.shape == (16, 1800)
+    assert {"x", "range", "ring", "intensity", "class"} <= set(scan.keys())
+    assert "intensity" in scan and "velocity" not in scan and "no" not in scan
+    with pytest.raises(KeyError, match="the scan has no field 'rnage'; it has x, y, z, range, "):
+        scan["rnage"]
+
+
+def test_a_scan_says_what_it_is(simulator, pose):
+    scan = simulator.scan(pose)
+    returns = np.isfinite(scan.ranges).sum()
+    assert repr(scan).startswith(f"<Scan of VLP-16: 16 x 1800 beams, {returns} returns from ")
+    assert repr(gnosphere.Scan()) == "<Scan without beams>"

@@ -101,7 +101,8 @@ gno_status gno_scene_get_node(gno_scene scene, size_t index, gno_node* node) {
   return guard([&] {
     Locked locked(scene);
     const Node& from = at(locked->animation.nodes, index, "node");
-    gno_node& to = sized(node, "gno_node");
+    const Out<gno_node> filled(node, "gno_node");
+    gno_node& to = *filled;
     to.name = from.name.c_str();
     to.parent = from.parent;
     set(to.translation, from.translation);
@@ -118,7 +119,8 @@ gno_status gno_scene_get_skin(gno_scene scene, size_t index, gno_skin* skin) {
   return guard([&] {
     Locked locked(scene);
     const Skin& from = at(locked->animation.skins, index, "skin");
-    gno_skin& to = sized(skin, "gno_skin");
+    const Out<gno_skin> filled(skin, "gno_skin");
+    gno_skin& to = *filled;
     to.name = from.name.c_str();
     to.joints = orNull(from.joints);
     to.inverse_binds = transformsOf(from.inverseBinds);
@@ -130,7 +132,8 @@ gno_status gno_scene_get_clip(gno_scene scene, size_t index, gno_clip* clip) {
   return guard([&] {
     Locked locked(scene);
     const Clip& from = at(locked->animation.clips, index, "clip");
-    gno_clip& to = sized(clip, "gno_clip");
+    const Out<gno_clip> filled(clip, "gno_clip");
+    gno_clip& to = *filled;
     thread_local std::vector<gno_track> tracks;
     tracks.clear();
     for (const Track& track : from.tracks)
@@ -148,7 +151,8 @@ gno_status gno_scene_get_animated_instance(gno_scene scene, size_t index, gno_an
   return guard([&] {
     Locked locked(scene);
     const AnimatedInstance& from = at(locked->animation.instances, index, "animated instance");
-    gno_animated_instance& to = sized(animated, "gno_animated_instance");
+    const Out<gno_animated_instance> filled(animated, "gno_animated_instance");
+    gno_animated_instance& to = *filled;
     to.instance = from.instance;
     to.node = from.node;
     to.skin = from.skin;
@@ -172,7 +176,8 @@ gno_status gno_scene_get_state(gno_scene scene, uint32_t clip, double seconds, g
                                gno_scene_state* state) {
   return guard([&] {
     Locked locked(scene);
-    gno_scene_state& to = sized(state, "gno_scene_state");
+    const Out<gno_scene_state> filled(state, "gno_scene_state");
+    gno_scene_state& to = *filled;
     thread_local SceneState from;
     thread_local std::vector<gno_deformation> deformations;
     const Scene& whole = valid(*locked);

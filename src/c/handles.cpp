@@ -126,10 +126,14 @@ void refuse(const std::string& why) {
 }
 
 void checkSize(size_t given, size_t known, const char* type) {
-  if (given != known)
-    refuse(std::string(type) + "::struct_size is " + std::to_string(given) + ", but version " +
-           std::to_string(gno_version()) + " of the library has " + std::to_string(known) + "; make the struct with " +
-           type + "_init() of the header of that version");
+  const auto explain = [&](const std::string& why) {
+    refuse(std::string(type) + "::struct_size is " + std::to_string(given) + ", " + why + "; make the struct with " +
+           type + "_init()");
+  };
+  if (given < sizeof(size_t)) explain("which is no size of it");
+  if (given > known)
+    explain("but version " + std::to_string(gno_version()) + " of the library knows only " + std::to_string(known) +
+            " bytes of it; a newer library is needed");
 }
 
 Pose poseOf(const gno_pose& pose) {

@@ -5,6 +5,7 @@
 
 #include <gnosphere.h>
 
+#include <cstring>
 #include <functional>
 #include <gnosphere/gnosphere.hpp>
 #include <memory>
@@ -28,8 +29,20 @@ struct SensorObject {
   std::vector<double> directions, origins;
 };
 
+struct ScanObject : Scan {
+  ScanObject(Scan from = {}) : Scan(std::move(from)) {}
+  std::vector<gno_stage_time> stages;  ///< what gno_scan_get_timings() last handed out
+};
+
+struct BatchObject : Batch {
+  BatchObject(Batch from = {}) : Batch(std::move(from)) {}
+  std::vector<gno_stage_time> stages;  ///< what gno_batch_get_timings() last handed out
+};
+
 struct SimulatorObject {
+  explicit SimulatorObject(Simulator from) : simulator(std::move(from)) {}
   Simulator simulator;
+  std::string plan;      ///< what gno_simulator_get_plan() last handed out
   bool running = false;  ///< true while gno_simulator_scan_all() calls the caller's function
 };
 
@@ -63,8 +76,14 @@ struct Held<gno_simulator> {
 };
 template <>
 struct Held<gno_scan> {
-  using Type = Scan;
+  using Type = ScanObject;
   static constexpr const char* kName = "scan";
+};
+
+template <>
+struct Held<gno_batch> {
+  using Type = BatchObject;
+  static constexpr const char* kName = "batch";
 };
 
 /// An object with the lock that its calls wait for.
@@ -172,15 +191,93 @@ T& the(T* pointer, const char* name) {
   return *pointer;
 }
 
+/// Refuses the size of a struct that has none, or that is of a newer version than this library.
 void checkSize(size_t given, size_t known, const char* type);
 
-/// As the(), for a struct that begins with its size, which must be that of this library.
+/// The default values of a struct that begins with its size, as its gno_..._init() of this version has them.
 template <class T>
-T& sized(T* pointer, const char* type) {
-  T& value = the(pointer, type);
-  checkSize(value.struct_size, sizeof(T), type);
+T defaultsOf() = delete;
+#define GNO_DEFAULTS(type)         \
+  template <>                      \
+  inline type defaultsOf<type>() { \
+    return type##_init();          \
+  }
+
+/// A struct of the caller that begins with its size. A caller that was compiled with an older version has a smaller
+/// one: the members that it lacks have their default values.
+template <class T>
+T sized(const T* pointer, const char* type) {
+  const size_t given = the(pointer, type).struct_size;
+  checkSize(given, sizeof(T), type);
+  T value = defaultsOf<T>();
+  std::memcpy(&value, pointer, given);
+  value.struct_size = sizeof(T);
   return value;
 }
+
+/// An array of such structs, which are as far apart as the first one says.
+template <class T>
+std::vector<T> sizedArray(const T* values, size_t count, const char* type, const char* name) {
+  if (!values && count > 0) refuse(std::string(name) + " is null, but its count is " + std::to_string(count));
+  std::vector<T> result;
+  for (size_t i = 0; i < count; ++i)
+    result.push_back(
+        sized(reinterpret_cast<const T*>(reinterpret_cast<const char*>(values) + i * values->struct_size), type));
+  return result;
+}
+
+/// A struct of the caller that a function fills, as far as the caller knows its members.
+template <class T>
+class Out {
+ public:
+  Out(T* pointer, const char* type) : to_(pointer), value_(sized(pointer, type)) {}
+  Out(const Out&) = delete;
+  Out& operator=(const Out&) = delete;
+  ~Out() {
+    const size_t given = to_->struct_size;
+    std::memcpy(to_, &value_, given);
+    to_->struct_size = given;
+  }
+  T& operator*() const { return value_; }
+
+ private:
+  T* to_;
+  mutable T value_;
+};
+
+GNO_DEFAULTS(gno_alpha_image)
+GNO_DEFAULTS(gno_material)
+GNO_DEFAULTS(gno_mesh)
+GNO_DEFAULTS(gno_instance)
+GNO_DEFAULTS(gno_node)
+GNO_DEFAULTS(gno_skin)
+GNO_DEFAULTS(gno_clip)
+GNO_DEFAULTS(gno_animated_instance)
+GNO_DEFAULTS(gno_scene_state)
+GNO_DEFAULTS(gno_load_options)
+GNO_DEFAULTS(gno_scene_counts)
+GNO_DEFAULTS(gno_sensor_settings)
+GNO_DEFAULTS(gno_grid)
+GNO_DEFAULTS(gno_beam_list)
+GNO_DEFAULTS(gno_sensor_size)
+GNO_DEFAULTS(gno_sensor_file_options)
+GNO_DEFAULTS(gno_catalogue_head)
+GNO_DEFAULTS(gno_field_description)
+GNO_DEFAULTS(gno_device_info)
+GNO_DEFAULTS(gno_accuracy_parts)
+GNO_DEFAULTS(gno_options)
+GNO_DEFAULTS(gno_request)
+GNO_DEFAULTS(gno_weather)
+GNO_DEFAULTS(gno_shot)
+GNO_DEFAULTS(gno_memory_use)
+GNO_DEFAULTS(gno_scan_info)
+GNO_DEFAULTS(gno_batch_info)
+GNO_DEFAULTS(gno_column)
+GNO_DEFAULTS(gno_counters)
+GNO_DEFAULTS(gno_timings)
+GNO_DEFAULTS(gno_layout)
+GNO_DEFAULTS(gno_cloud_options)
+GNO_DEFAULTS(gno_comparison)
 
 /// Checks an array of the caller, which may be null if it is empty.
 template <class T>

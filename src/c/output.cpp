@@ -24,7 +24,8 @@ extern "C" {
 
 gno_status gno_layout_of(const gno_field* fields, size_t field_count, gno_layout* layout) {
   return guard([&] {
-    gno_layout& to = sized(layout, "gno_layout");
+    const Out<gno_layout> filled(layout, "gno_layout");
+    gno_layout& to = *filled;
     thread_local std::vector<gno_layout_value> values;
     const RecordLayout from = layoutOf(fieldsOf(fields, field_count));
     values.clear();
@@ -76,7 +77,8 @@ gno_status gno_scan_read(const char* file, gno_scan* scan) {
 
 gno_status gno_scan_compare(gno_scan reference, gno_scan other, double tolerance, gno_comparison* comparison) {
   return guard([&] {
-    gno_comparison& to = sized(comparison, "gno_comparison");
+    const Out<gno_comparison> filled(comparison, "gno_comparison");
+    gno_comparison& to = *filled;
     const auto first = find(reference);
     const auto second = find(other);
     const std::scoped_lock lock(first->mutex, second->mutex);

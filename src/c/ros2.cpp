@@ -8,6 +8,11 @@
 
 namespace gnosphere::c {
 
+GNO_DEFAULTS(gno_ros2_options)
+GNO_DEFAULTS(gno_ros2_cloud)
+GNO_DEFAULTS(gno_ros2_laser)
+GNO_DEFAULTS(gno_ros2_counts)
+
 template <>
 struct Held<gno_ros2_publisher> {
   using Type = ros2::Publisher;
@@ -139,7 +144,8 @@ gno_status gno_ros2_publisher_flush(gno_ros2_publisher publisher, double seconds
 }
 gno_status gno_ros2_publisher_counts(gno_ros2_publisher publisher, gno_ros2_counts* counts) {
   return guard([&] {
-    gno_ros2_counts& to = sized(counts, "gno_ros2_counts");
+    const Out<gno_ros2_counts> filled(counts, "gno_ros2_counts");
+    gno_ros2_counts& to = *filled;
     const ros2::PublisherCounts from = Publishing(publisher)->counts();
     to.published = from.published;
     to.sent = from.sent;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gno_scan: the fields of a scan as pointers, and what was counted and timed.
+// gno_scan and gno_batch: the fields of the results as pointers, and what was counted and timed.
 #include <algorithm>
 
 #include "c/handles.hpp"
@@ -19,12 +19,68 @@ static_assert(kFieldCount == GNO_FIELD_ELEVATION + 1 && static_cast<int>(Field::
 static_assert(static_cast<int>(ValueType::u32) == GNO_U32 && static_cast<int>(ValueType::u8) == GNO_U8);
 static_assert(sizeof(gno_counters::causes) / sizeof(uint64_t) == kCauseCount);
 
-template <class T>
-void fill(const Scan& scan, Field field, gno_column& column) {
-  const ColumnView<T> view = scan.column<T>(field);
+template <class T, class Results>
+void fill(const Results& results, Field field, gno_column& column) {
+  const ColumnView<T> view = results.template column<T>(field);
   column.values = view.data();
   column.entries = view.size();
   column.stride = view.stride();
+}
+
+/// Gives the values of a field of a scan or of a batch.
+template <class Results>
+void getColumn(const Results& from, gno_field field, gno_column* column) {
+  const Out<gno_column> filled(column, "gno_column");
+  gno_column& to = *filled;
+  const Field wanted = fieldsOf(&field, 1)[0];
+  const FieldInfo info = fieldInfo(wanted);
+  switch (info.type) {
+    case ValueType::f32: fill<float>(from, wanted, to); break;
+    case ValueType::u8: fill<uint8_t>(from, wanted, to); break;
+    case ValueType::u16: fill<uint16_t>(from, wanted, to); break;
+    case ValueType::u32:
+    case ValueType::f64: fill<uint32_t>(from, wanted, to); break;  // no field has f64
+  }
+  to.type = static_cast<gno_value_type>(info.type);
+  to.components = info.components;
+}
+
+void getCounters(const Counters& from, gno_counters* counters) {
+  const Out<gno_counters> filled(counters, "gno_counters");
+  gno_counters& to = *filled;
+  to.beams = from.beams;
+  to.hits = from.hits;
+  to.misses = from.misses;
+  to.triangles = from.triangles;
+  to.non_finite = from.nonFinite;
+  to.degenerate = from.degenerate;
+  to.culled_by_cluster = from.culledByCluster;
+  to.reused = from.reused;
+  to.culled_by_range = from.culledByRange;
+  to.culled_by_face = from.culledByFace;
+  to.culled_between_beams = from.culledBetweenBeams;
+  to.culled_hidden = from.culledHidden;
+  to.projected = from.projected;
+  to.candidates = from.candidates;
+  to.integer_sides = from.integerSides;
+  to.integer_ranges = from.integerRanges;
+  to.lost_echoes = from.lostEchoes;
+  to.retries = from.retries;
+  std::copy(from.causes.begin(), from.causes.end(), to.causes);
+}
+
+/// Gives the times of a scan or of a batch. The object of the handle keeps the stages until the next call.
+template <class Object>
+void getTimings(Object& object, gno_timings* timings) {
+  const Out<gno_timings> filled(timings, "gno_timings");
+  gno_timings& to = *filled;
+  const Timings& from = object.timings;
+  object.stages.clear();
+  for (const StageTime& stage : from.stages) object.stages.push_back({stage.name.c_str(), stage.ms});
+  to.wall_ms = from.wallMs;
+  to.gpu_ms = from.gpuMs;
+  to.stages = object.stages.data();
+  to.stage_count = object.stages.size();
 }
 
 }  // namespace
@@ -37,7 +93,8 @@ extern "C" {
 
 gno_status gno_field_describe(gno_field field, gno_field_description* description) {
   return guard([&] {
-    gno_field_description& to = sized(description, "gno_field_description");
+    const Out<gno_field_description> filled(description, "gno_field_description");
+    gno_field_description& to = *filled;
     const FieldInfo info = fieldInfo(fieldsOf(&field, 1)[0]);
     to.name = info.name;
     to.type = static_cast<gno_value_type>(info.type);
@@ -61,7 +118,8 @@ gno_status gno_scan_destroy(gno_scan scan) {
 gno_status gno_scan_get_info(gno_scan scan, gno_scan_info* info) {
   return guard([&] {
     Locked from(scan);
-    gno_scan_info& to = sized(info, "gno_scan_info");
+    const Out<gno_scan_info> filled(info, "gno_scan_info");
+    gno_scan_info& to = *filled;
     to.sensor = from->sensor.c_str();
     to.columns = from->columns;
     to.channels = from->channels;
@@ -72,63 +130,46 @@ gno_status gno_scan_get_info(gno_scan scan, gno_scan_info* info) {
 }
 
 gno_status gno_scan_get_column(gno_scan scan, gno_field field, gno_column* column) {
-  return guard([&] {
-    Locked from(scan);
-    gno_column& to = sized(column, "gno_column");
-    const Field wanted = fieldsOf(&field, 1)[0];
-    const FieldInfo info = fieldInfo(wanted);
-    switch (info.type) {
-      case ValueType::f32: fill<float>(*from, wanted, to); break;
-      case ValueType::u8: fill<uint8_t>(*from, wanted, to); break;
-      case ValueType::u16: fill<uint16_t>(*from, wanted, to); break;
-      case ValueType::u32:
-      case ValueType::f64: fill<uint32_t>(*from, wanted, to); break;  // no field has f64
-    }
-    to.type = static_cast<gno_value_type>(info.type);
-    to.components = info.components;
-  });
+  return guard([&] { getColumn(*Locked(scan), field, column); });
 }
 
 gno_status gno_scan_get_counters(gno_scan scan, gno_counters* counters) {
-  return guard([&] {
-    Locked locked(scan);
-    const Counters& from = locked->counters;
-    gno_counters& to = sized(counters, "gno_counters");
-    to.beams = from.beams;
-    to.hits = from.hits;
-    to.misses = from.misses;
-    to.triangles = from.triangles;
-    to.non_finite = from.nonFinite;
-    to.degenerate = from.degenerate;
-    to.culled_by_cluster = from.culledByCluster;
-    to.reused = from.reused;
-    to.culled_by_range = from.culledByRange;
-    to.culled_by_face = from.culledByFace;
-    to.culled_between_beams = from.culledBetweenBeams;
-    to.culled_hidden = from.culledHidden;
-    to.projected = from.projected;
-    to.candidates = from.candidates;
-    to.integer_sides = from.integerSides;
-    to.integer_ranges = from.integerRanges;
-    to.lost_echoes = from.lostEchoes;
-    to.retries = from.retries;
-    std::copy(from.causes.begin(), from.causes.end(), to.causes);
-  });
+  return guard([&] { getCounters(Locked(scan)->counters, counters); });
 }
 
 gno_status gno_scan_get_timings(gno_scan scan, gno_timings* timings) {
+  return guard([&] { getTimings(*Locked(scan), timings); });
+}
+
+gno_status gno_batch_destroy(gno_batch batch) {
+  return guard([&] { destroy(batch); });
+}
+
+gno_status gno_batch_get_info(gno_batch batch, gno_batch_info* info) {
   return guard([&] {
-    gno_timings& to = sized(timings, "gno_timings");
-    thread_local Timings from;
-    thread_local std::vector<gno_stage_time> stages;
-    from = Locked(scan)->timings;
-    stages.clear();
-    for (const StageTime& stage : from.stages) stages.push_back({stage.name.c_str(), stage.ms});
-    to.wall_ms = from.wallMs;
-    to.gpu_ms = from.gpuMs;
-    to.stages = stages.data();
-    to.stage_count = stages.size();
+    Locked from(batch);
+    const Out<gno_batch_info> filled(info, "gno_batch_info");
+    gno_batch_info& to = *filled;
+    to.sensor = from->sensor.c_str();
+    to.columns = from->columns;
+    to.channels = from->channels;
+    to.returns = from->returns;
+    to.views = from->views;
+    to.beams = from->beams;
+    to.entries = from->entries();
   });
+}
+
+gno_status gno_batch_get_column(gno_batch batch, gno_field field, gno_column* column) {
+  return guard([&] { getColumn(*Locked(batch), field, column); });
+}
+
+gno_status gno_batch_get_counters(gno_batch batch, gno_counters* counters) {
+  return guard([&] { getCounters(Locked(batch)->counters, counters); });
+}
+
+gno_status gno_batch_get_timings(gno_batch batch, gno_timings* timings) {
+  return guard([&] { getTimings(*Locked(batch), timings); });
 }
 
 }  // extern "C"

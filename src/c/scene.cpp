@@ -80,7 +80,8 @@ gno_deformation deformationOf(const Deformation& deformation) {
 
 Instance instanceOf(const gno_instance* instance) {
   const gno_instance& from = sized(instance, "gno_instance");
-  return {orEmpty(from.name), from.mesh, transformOf(from.transform), from.class_id, orEmpty(from.class_name)};
+  return {orEmpty(from.name),       from.mesh, transformOf(from.transform), from.class_id,
+          orEmpty(from.class_name), from.world};
 }
 
 const Scene& valid(SceneObject& scene) {
@@ -135,7 +136,8 @@ gno_status gno_scene_add_instance(gno_scene scene, const gno_instance* instance,
 gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts) {
   return guard([&] {
     Locked from(scene);
-    gno_scene_counts& to = sized(counts, "gno_scene_counts");
+    const Out<gno_scene_counts> filled(counts, "gno_scene_counts");
+    gno_scene_counts& to = *filled;
     to.materials = from->materials.size();
     to.alpha_images = from->alphaImages.size();
     to.meshes = from->meshes.size();
@@ -154,7 +156,8 @@ gno_status gno_scene_get_alpha_image(gno_scene scene, size_t index, gno_alpha_im
   return guard([&] {
     Locked locked(scene);
     const AlphaImage& from = at(locked->alphaImages, index, "alpha image");
-    gno_alpha_image& to = sized(image, "gno_alpha_image");
+    const Out<gno_alpha_image> filled(image, "gno_alpha_image");
+    gno_alpha_image& to = *filled;
     to.width = from.width;
     to.height = from.height;
     to.alpha = from.alpha.data();
@@ -167,7 +170,8 @@ gno_status gno_scene_get_material(gno_scene scene, size_t index, gno_material* m
   return guard([&] {
     Locked locked(scene);
     const Material& from = at(locked->materials, index, "material");
-    gno_material& to = sized(material, "gno_material");
+    const Out<gno_material> filled(material, "gno_material");
+    gno_material& to = *filled;
     to.name = from.name.c_str();
     std::copy_n(from.baseColor.begin(), 4, to.base_color);
     to.metallic = from.metallic;
@@ -188,7 +192,8 @@ gno_status gno_scene_get_mesh(gno_scene scene, size_t index, gno_mesh* mesh) {
     static_assert(sizeof(gno_mesh_part) == sizeof(MeshPart));
     Locked locked(scene);
     const Mesh& from = at(locked->meshes, index, "mesh");
-    gno_mesh& to = sized(mesh, "gno_mesh");
+    const Out<gno_mesh> filled(mesh, "gno_mesh");
+    gno_mesh& to = *filled;
     to.name = from.name.c_str();
     set(to.origin, from.origin);
     to.positions = from.positions.data();
@@ -215,11 +220,13 @@ gno_status gno_scene_get_instance(gno_scene scene, size_t index, gno_instance* i
   return guard([&] {
     Locked locked(scene);
     const Instance& from = at(locked->instances, index, "instance");
-    gno_instance& to = sized(instance, "gno_instance");
+    const Out<gno_instance> filled(instance, "gno_instance");
+    gno_instance& to = *filled;
     to.name = from.name.c_str();
     to.mesh = from.mesh;
     to.class_id = from.classId;
     to.class_name = from.className.c_str();
+    to.world = from.world;
     std::copy_n(from.transform.rows.begin(), 12, to.transform.rows);
   });
 }

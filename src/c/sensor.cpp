@@ -59,7 +59,6 @@ std::vector<T> values(const T* from, size_t count) {
 }
 
 BeamList listOf(const gno_beam_list& from) {
-  checkSize(from.struct_size, sizeof from, "gno_beam_list");
   the(from.directions, "gno_beam_list::directions");
   BeamList list;
   list.directions = vectors(from.directions, from.beam_count);
@@ -128,7 +127,7 @@ gno_status gno_sensor_create_list(const gno_sensor_settings* settings, const gno
     if (pattern_count == 0) refuse("pattern_count is 0; a sensor needs one list of beams at least");
     Sensor result;
     apply(settings, result);
-    for (const gno_beam_list& list : array(patterns, pattern_count, "patterns"))
+    for (const gno_beam_list& list : sizedArray(patterns, pattern_count, "gno_beam_list", "patterns"))
       result.patterns.push_back(listOf(list));
     the(sensor, "sensor") = checked(std::move(result));
   });
@@ -142,7 +141,8 @@ gno_status gno_sensor_get_settings(gno_sensor sensor, gno_sensor_settings* setti
   return guard([&] {
     Locked locked(sensor);
     const Sensor& from = locked->sensor;
-    gno_sensor_settings& to = sized(settings, "gno_sensor_settings");
+    const Out<gno_sensor_settings> filled(settings, "gno_sensor_settings");
+    gno_sensor_settings& to = *filled;
     to.name = from.name.c_str();
     to.range_min = from.rangeMin;
     to.range_max = from.rangeMax;
@@ -169,7 +169,8 @@ gno_status gno_sensor_set_settings(gno_sensor sensor, const gno_sensor_settings*
 gno_status gno_sensor_get_size(gno_sensor sensor, gno_sensor_size* size) {
   return guard([&] {
     Locked locked(sensor);
-    gno_sensor_size& to = sized(size, "gno_sensor_size");
+    const Out<gno_sensor_size> filled(size, "gno_sensor_size");
+    gno_sensor_size& to = *filled;
     to.beams = locked->sensor.beamCount();
     to.width = locked->sensor.width();
     to.height = locked->sensor.height();
@@ -180,7 +181,8 @@ gno_status gno_sensor_get_size(gno_sensor sensor, gno_sensor_size* size) {
 gno_status gno_sensor_get_beams(gno_sensor sensor, uint64_t frame, gno_beam_list* beams) {
   return guard([&] {
     Locked locked(sensor);
-    gno_beam_list& to = sized(beams, "gno_beam_list");
+    const Out<gno_beam_list> filled(beams, "gno_beam_list");
+    gno_beam_list& to = *filled;
     const BeamList& list = locked->beams = beamsOf(locked->sensor, frame);
     locked->directions = flat(list.directions);
     locked->origins = flat(list.origins);
@@ -227,7 +229,8 @@ gno_status gno_catalogue_count(size_t* count) {
 gno_status gno_catalogue_get(size_t index, gno_catalogue_head* head) {
   return guard([&] {
     const std::vector<CatalogueHead>& all = sensorCatalogue();
-    gno_catalogue_head& to = sized(head, "gno_catalogue_head");
+    const Out<gno_catalogue_head> filled(head, "gno_catalogue_head");
+    gno_catalogue_head& to = *filled;
     if (index >= all.size())
       refuse("head " + std::to_string(index) + " does not exist, there are " + std::to_string(all.size()));
     thread_local std::string modes;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // gno_simulator: scans, and what changes between them.
 #include <algorithm>
+#include <gnosphere/options.hpp>
+#include <mutex>
+#include <set>
+#include <sstream>
 
 #include "c/handles.hpp"
 
@@ -10,7 +14,6 @@ using namespace gnosphere::c;
 namespace {
 
 SensorRequest requestOf(const gno_request& from) {
-  checkSize(from.struct_size, sizeof from, "gno_request");
   SensorRequest request;
   request.sensor = Locked(from.sensor)->sensor;
   if (from.effects) request.effects = *Locked(from.effects);
@@ -41,6 +44,7 @@ Tuning tuningOf(const gno_options& from) {
   tuning.keepStill = from.keep_still != 0;
   tuning.float64 = from.float64 != 0;
   tuning.maxBufferBytes = from.max_buffer_bytes;
+  tuning.maxBatchBytes = from.max_batch_bytes;
   return tuning;
 }
 
@@ -51,7 +55,7 @@ SimulatorOptions optionsOf(const gno_options* options) {
   if (from.device) result.device = deviceByName(from.device);
   std::copy_n(from.device_uuid, 16, result.device.uuid.begin());
   if (from.adopted) result.device = deviceOf(*from.adopted);
-  result.accuracy = enumOf(from.accuracy, Accuracy::exact, "gno_options::accuracy");
+  result.accuracy = enumOf(from.accuracy, accuracySettings().back().accuracy, "gno_options::accuracy");
   if (from.accuracy_parts) result.accuracyParts = partsOf(from.accuracy_parts);
   result.faces = enumOf(from.faces, ReflectingFaces::both, "gno_options::faces");
   if (from.materials) result.materials = *Locked(from.materials);
@@ -60,7 +64,17 @@ SimulatorOptions optionsOf(const gno_options* options) {
     result.warn = [warn = from.warn, user = from.user](const std::string& text) { warn(text.c_str(), user); };
   result.validation = from.validation != 0;
   result.tuning = tuningOf(from);
+  std::istringstream assignments(orEmpty(from.assignments));
+  for (std::string line; std::getline(assignments, line);) assign(result, line);
   return result;
+}
+
+/// Returns this text, kept until the process ends.
+const char* kept(const std::string& text) {
+  static std::mutex mutex;
+  static auto& texts = *new std::set<std::string>();  // also for threads that outlive static objects
+  const std::lock_guard lock(mutex);
+  return texts.insert(text).first->c_str();
 }
 
 /// Notes that the caller's function receives the scans of a simulator, for as long as this lives.
@@ -78,7 +92,7 @@ class Running {
 /// Hands a scan over without a copy: the object of a handle has it for as long as this lives.
 class Exchanged {
  public:
-  Exchanged(Object<Scan>& object, Scan& scan) : object_(object), scan_(scan) { exchange(); }
+  Exchanged(Object<ScanObject>& object, Scan& scan) : object_(object), scan_(scan) { exchange(); }
   Exchanged(const Exchanged&) = delete;
   Exchanged& operator=(const Exchanged&) = delete;
   ~Exchanged() { exchange(); }
@@ -86,10 +100,10 @@ class Exchanged {
  private:
   void exchange() {
     const std::lock_guard lock(object_.mutex);
-    std::swap(object_.value, scan_);
+    std::swap(static_cast<Scan&>(object_.value), scan_);
   }
 
-  Object<Scan>& object_;
+  Object<ScanObject>& object_;
   Scan& scan_;
 };
 
@@ -101,6 +115,28 @@ gno_status add(gno_simulator simulator, size_t* index, Add how) {
     const size_t added = how(*idle.operator->());
     if (index) *index = added;
   });
+}
+
+std::vector<Shot> shotsOf(const gno_shot* shots, size_t count) {
+  std::vector<Shot> result;
+  result.reserve(count);
+  for (const gno_shot& shot : sizedArray(shots, count, "gno_shot", "shots")) result.push_back(shotOf(&shot));
+  return result;
+}
+
+/// Calls work(simulator, result) for the object of a handle, which is created if the handle is null.
+template <class Handle, class Work>
+void into(gno_simulator simulator, Handle* handle, const char* name, Work work) {
+  if (!the(handle, name)) {
+    typename Held<Handle>::Type result;
+    work(*Idle(simulator).operator->(), result);
+    *handle = make<Handle>(std::move(result));
+    return;
+  }
+  const auto from = find(simulator);
+  const auto to = find(*handle);
+  const std::scoped_lock lock(from->mutex, to->mutex);
+  work(*Idle(simulator).operator->(), to->value);
 }
 
 template <typename T>
@@ -120,6 +156,7 @@ Shot c::shotOf(const gno_shot* shot) {
   result.pose = poseOf(from.pose);
   result.sensor = from.sensor;
   result.frame = from.frame;
+  result.world = from.world;
   for (const gno_stamp& stamp : array(from.motion, from.motion_count, "gno_shot::motion"))
     result.motion.stamps.push_back({stamp.time, poseOf(stamp.pose)});
   for (const gno_instance_motion& motion :
@@ -140,12 +177,27 @@ extern "C" {
 
 gno_status gno_accuracy_get_parts(gno_accuracy accuracy, gno_accuracy_parts* parts) {
   return guard([&] {
-    gno_accuracy_parts& to = sized(parts, "gno_accuracy_parts");
-    const AccuracyParts from = accuracyPartsOf(enumOf(accuracy, Accuracy::exact, "the accuracy"));
+    const Out<gno_accuracy_parts> filled(parts, "gno_accuracy_parts");
+    gno_accuracy_parts& to = *filled;
+    const AccuracyParts from = accuracyPartsOf(enumOf(accuracy, accuracySettings().back().accuracy, "the accuracy"));
     to.bounds = static_cast<gno_bounds>(from.bounds);
     to.cull = static_cast<gno_cull>(from.cull);
     to.inside = static_cast<gno_inside>(from.inside);
     to.range = static_cast<gno_range_rule>(from.range);
+  });
+}
+
+gno_status gno_options_set(gno_options* options, const char* assignment) {
+  return guard([&] {
+    const Out<gno_options> filled(options, "gno_options");
+    the(assignment, "assignment");
+    const std::string text = assignment;
+    if (options->struct_size < sizeof *options) refuse("these gno_options cannot keep what gno_options_set() sets");
+    if (text.find('\n') != text.npos) refuse("an assignment is one line");
+    SimulatorOptions checked;
+    assign(checked, text);
+    const std::string before = orEmpty((*filled).assignments);
+    (*filled).assignments = kept(before.empty() ? text : before + "\n" + text);
   });
 }
 
@@ -154,9 +206,10 @@ gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, siz
   return guard([&] {
     the(simulator, "simulator");
     std::vector<SensorRequest> requests;
-    for (const gno_request& request : array(sensors, sensor_count, "sensors")) requests.push_back(requestOf(request));
+    for (const gno_request& request : sizedArray(sensors, sensor_count, "gno_request", "sensors"))
+      requests.push_back(requestOf(request));
     const SimulatorOptions wanted = optionsOf(options);
-    *simulator = make<gno_simulator>({Simulator(*Locked(scene), requests, wanted)});
+    *simulator = make<gno_simulator>(SimulatorObject(Simulator(*Locked(scene), requests, wanted)));
   });
 }
 
@@ -170,16 +223,16 @@ gno_status gno_simulator_destroy(gno_simulator simulator) {
 gno_status gno_simulator_scan(gno_simulator simulator, const gno_shot* shot, gno_scan* scan) {
   return guard([&] {
     const Shot wanted = shotOf(shot);
-    if (!the(scan, "scan")) {
-      Scan result;
-      Idle(simulator)->scanInto(wanted, result);
-      *scan = make<gno_scan>(std::move(result));
-      return;
-    }
-    const auto from = find(simulator);
-    const auto to = find(*scan);
-    const std::scoped_lock lock(from->mutex, to->mutex);
-    Idle(simulator)->scanInto(wanted, to->value);
+    into(simulator, scan, "scan", [&](Simulator& with, Scan& result) { with.scanInto(wanted, result); });
+  });
+}
+
+gno_status gno_simulator_scan_batch(gno_simulator simulator, const gno_shot* shots, size_t shot_count,
+                                    const gno_field* fields, size_t field_count, gno_batch* batch) {
+  return guard([&] {
+    const std::vector<Shot> wanted = shotsOf(shots, shot_count);
+    const std::vector<Field> asked = fieldsOf(fields, field_count);
+    into(simulator, batch, "batch", [&](Simulator& with, Batch& result) { with.scanBatchInto(wanted, result, asked); });
   });
 }
 
@@ -187,8 +240,7 @@ gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots
                                   int32_t (*receive)(size_t shot, gno_scan scan, void* user), void* user) {
   return guard([&] {
     the(receive, "receive");
-    std::vector<Shot> wanted;
-    for (const gno_shot& shot : array(shots, shot_count, "shots")) wanted.push_back(shotOf(&shot));
+    const std::vector<Shot> wanted = shotsOf(shots, shot_count);
     Idle idle(simulator);
     SimulatorObject& object = *idle;
     Lent<gno_scan> received;
@@ -201,7 +253,7 @@ gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots
 }
 
 gno_status gno_simulator_add_sensor(gno_simulator simulator, const gno_request* request, size_t* index) {
-  return add(simulator, index, [&](Simulator& to) { return to.addSensor(requestOf(the(request, "request"))); });
+  return add(simulator, index, [&](Simulator& to) { return to.addSensor(requestOf(sized(request, "gno_request"))); });
 }
 
 gno_status gno_simulator_remove_sensor(gno_simulator simulator, size_t index) {
@@ -246,6 +298,17 @@ gno_status gno_simulator_add_instance(gno_simulator simulator, const gno_instanc
   });
 }
 
+gno_status gno_simulator_add_instances(gno_simulator simulator, const gno_instance* instances, size_t count,
+                                       uint32_t* indices) {
+  return guard([&] {
+    std::vector<Instance> wanted;
+    wanted.reserve(count);
+    for (const gno_instance& instance : array(instances, count, "instances")) wanted.push_back(instanceOf(&instance));
+    const std::vector<uint32_t> added = Idle(simulator)->addInstances(wanted);
+    if (indices) std::copy(added.begin(), added.end(), indices);
+  });
+}
+
 gno_status gno_simulator_remove_instance(gno_simulator simulator, size_t index) {
   return guard([&] { Idle(simulator)->removeInstance(index); });
 }
@@ -266,22 +329,25 @@ gno_status gno_simulator_set_transforms_float(gno_simulator simulator, const uin
 
 gno_status gno_simulator_get_plan(gno_simulator simulator, size_t sensor, const char** json) {
   return guard([&] {
-    thread_local std::string text;
-    text = toJson(Idle(simulator)->plan(sensor));
-    the(json, "json") = text.c_str();
+    the(json, "json");
+    Idle idle(simulator);
+    std::string& text = (*idle).plan;
+    text = toJson(idle->plan(sensor));
+    *json = text.c_str();
   });
 }
 
 gno_status gno_simulator_get_device(gno_simulator simulator, gno_device_info* device) {
   return guard([&] {
     Idle idle(simulator);
-    describe(idle->device(), sized(device, "gno_device_info"));
+    describe(idle->device(), *Out<gno_device_info>(device, "gno_device_info"));
   });
 }
 
 gno_status gno_simulator_get_memory(gno_simulator simulator, gno_memory_use* use) {
   return guard([&] {
-    gno_memory_use& to = sized(use, "gno_memory_use");
+    const Out<gno_memory_use> filled(use, "gno_memory_use");
+    gno_memory_use& to = *filled;
     const MemoryUse from = Idle(simulator)->memory();
     to.scene = from.scene;
     to.sensor = from.sensor;

@@ -8,6 +8,11 @@
 #include "c/handles.hpp"
 
 namespace gnosphere::c {
+GNO_DEFAULTS(gno_vulkan_requirements)
+GNO_DEFAULTS(gno_vulkan_adopted_device)
+GNO_DEFAULTS(gno_vulkan_vertex_buffer)
+GNO_DEFAULTS(gno_vulkan_transform_buffer)
+
 namespace {
 
 static_assert(sizeof(gno_vulkan_record_header) == sizeof(RecordHeader));
@@ -62,8 +67,8 @@ vulkan::DeviceRange rangeOf(const gno_vulkan_range& range) {
 
 }  // namespace
 
-DeviceChoice deviceOf(const gno_vulkan_adopted_device& device) {
-  checkSize(device.struct_size, sizeof device, "gno_vulkan_adopted_device");
+DeviceChoice deviceOf(const gno_vulkan_adopted_device& given) {
+  const gno_vulkan_adopted_device device = sized(&given, "gno_vulkan_adopted_device");
   vulkan::AdoptedDevice adopted;
   adopted.getInstanceProcAddr = device.get_instance_proc_addr;
   adopted.instance = device.instance;
@@ -85,7 +90,8 @@ extern "C" {
 gno_status gno_vulkan_get_requirements(PFN_vkGetInstanceProcAddr get_instance_proc_addr, VkInstance instance,
                                        VkPhysicalDevice physical, gno_vulkan_requirements* requirements) {
   return guard([&] {
-    gno_vulkan_requirements& to = sized(requirements, "gno_vulkan_requirements");
+    const Out<gno_vulkan_requirements> filled(requirements, "gno_vulkan_requirements");
+    gno_vulkan_requirements& to = *filled;
     thread_local vulkan::Requirements from;
     thread_local std::vector<const char*> missing;
     from = vulkan::requirementsOf(get_instance_proc_addr, instance, physical);

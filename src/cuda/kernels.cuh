@@ -3,11 +3,15 @@
 // translated by glsl.sed.
 #include "cuda/kernels.hpp"
 
+// The header that maps GLSL's built-ins to invocations. Tests may name another one.
+#ifndef GNO_INVOCATIONS
 #ifdef __CUDACC__
-#include "cuda/warp.hpp"
+#define GNO_INVOCATIONS "cuda/warp.hpp"
 #else
-#include "cuda/one_thread.hpp"
+#define GNO_INVOCATIONS "cuda/one_thread.hpp"
 #endif
+#endif
+#include GNO_INVOCATIONS
 
 // Footprints with more than 19 sub-rays use real loops: their arrays do not fit in registers anyway.
 #define EACH_RAY(do_)                                     \
@@ -61,7 +65,9 @@ struct EffectLines {
 };
 
 struct Footprints {
-  static GNO_DEVICE void fix(Options& options) { options.EFFECTS = kFootprint | (options.EFFECTS & kCutOuts); }
+  static GNO_DEVICE void fix(Options& options) {
+    options.EFFECTS = kFootprint | (options.EFFECTS & (kCutOuts | kStrays));
+  }
 };
 
 template <uint kLayers>
@@ -89,12 +95,7 @@ template <typename Stage, typename Known>
 void launchAs(const Job& given, uint32_t groupsX, uint32_t groupsY) {
   Job job = given;
   Known::fix(job.options);
-  gl_NumWorkGroups = {groupsX, groupsY, 1};
-  for (uint y = 0; y < groupsY; ++y)
-    for (uint x = 0; x < groupsX; ++x) {
-      gl_WorkGroupID = {x, y, 0};
-      Stage{job}.main();
-    }
+  runWorkgroups(groupsX, groupsY, [&job] { Stage{job}.main(); });
 }
 
 #endif
@@ -128,8 +129,10 @@ struct project_triangles {
 #include "glsl/project_triangles.comp"
 };
 
+template <uint RAYS>
 struct bin {
   const Job& job;
+  GNO_DEVICE explicit bin(const Job& given) : job(given) {}
 #include "glsl/bin.comp"
 };
 
@@ -198,7 +201,13 @@ void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
     case Kernel::project_clusters: return launch<project_clusters>(job, groupsX, groupsY);
     case Kernel::project_triangles: return launch<project_triangles>(job, groupsX, groupsY);
     case Kernel::bin:
-      return footprint ? launch<bin, Footprints>(job, groupsX, groupsY) : launchMeeting<bin>(job, groupsX, groupsY);
+      if (!footprint) return launchMeeting<bin<1>>(job, groupsX, groupsY);
+      switch (job.options.RAYS) {
+        case 1: return launch<bin<1>, Footprints>(job, groupsX, groupsY);
+        case 7: return launch<bin<7>, Footprints>(job, groupsX, groupsY);
+        case 19: return launch<bin<19>, Footprints>(job, groupsX, groupsY);
+        default: return launch<bin<61>, Footprints>(job, groupsX, groupsY);
+      }
     case Kernel::prefix_sum: return launch<prefix_sum>(job, groupsX, groupsY);
     case Kernel::resolve: return launchMeeting<resolve>(job, groupsX, groupsY);
     case Kernel::effects_strays: return launch<effects_strays>(job, groupsX, groupsY);

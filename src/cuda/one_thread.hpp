@@ -18,6 +18,17 @@ constexpr struct { uint x, y, z; } gl_WorkGroupSize = {1, 1, 1};
 constexpr uvec3 gl_LocalInvocationID(0);
 inline thread_local uvec3 gl_WorkGroupID, gl_NumWorkGroups;
 
+/// Runs a kernel's main function once per workgroup.
+template <typename Main>
+void runWorkgroups(uint groupsX, uint groupsY, const Main& main) {
+  gl_NumWorkGroups = {groupsX, groupsY, 1};
+  for (uint y = 0; y < groupsY; ++y)
+    for (uint x = 0; x < groupsX; ++x) {
+      gl_WorkGroupID = {x, y, 0};
+      main();
+    }
+}
+
 inline void barrier() {}
 inline void subgroupMemoryBarrierBuffer() {}
 inline void subgroupBarrier() {}
@@ -72,6 +83,10 @@ inline uint atomicMin(uint& memory, uint value) {
 inline uint atomicMax(uint& memory, uint value) {
   return std::exchange(memory, max(memory, value));
 }
+inline uint atomicOr(uint& memory, uint value) {
+  return std::exchange(memory, memory | value);
+}
+inline void memoryBarrierBuffer() {}
 inline uint64_t atomicMin(uint64_t& memory, uint64_t value) {
   return std::exchange(memory, min(memory, value));
 }

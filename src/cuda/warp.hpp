@@ -98,6 +98,12 @@ GNO_DEVICE uint atomicMin(uint& memory, uint value) {
 GNO_DEVICE uint atomicMax(uint& memory, uint value) {
   return ::atomicMax(&memory, value);
 }
+GNO_DEVICE uint atomicOr(uint& memory, uint value) {
+  return ::atomicOr(&memory, value);
+}
+GNO_DEVICE void memoryBarrierBuffer() {
+  __threadfence();
+}
 GNO_DEVICE uint64_t atomicMin(uint64_t& memory, uint64_t value) {
   static_assert(sizeof(uint64_t) == sizeof(unsigned long long));
   return ::atomicMin(reinterpret_cast<unsigned long long*>(&memory), static_cast<unsigned long long>(value));

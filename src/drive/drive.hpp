@@ -62,7 +62,7 @@ struct Output {
 struct Drive {
   std::string name;
   double rate = 10, start = 0, duration = 0, epoch = 0;
-  Accuracy accuracy = Accuracy::standard;
+  std::vector<std::string> simulator;  ///< options of the simulator, as assign() takes them
   std::vector<Class> classes;
   std::vector<Scene> scenes;                              ///< placed in the world; their instances have their classes
   std::vector<std::optional<Animation>> sceneAnimations;  ///< by scene

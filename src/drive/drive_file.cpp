@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <cctype>
-#include <map>
 #include <set>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
 #include "drive/drive_reader.hpp"
 #include "drive/fingerprint.hpp"
+#include "drive/formats/format.hpp"
 #include "drive/schema_check.hpp"
 #include "drive_schema.h"
 
@@ -30,6 +31,16 @@ constexpr const char* kDefaultFields = "x,y,z,intensity,ring,time,class,instance
   for (size_t i = 0; i < std::min(kShown, mistakes.size()); ++i) text += (i ? "; " : "") + mistakes[i];
   if (mistakes.size() > kShown) text += "; and " + std::to_string(mistakes.size() - kShown) + " more mistakes";
   throw Error(ErrorCode::format, text);
+}
+
+/// Appends the options of an object, and of those in it, as NAME=VALUE.
+void appendOptions(const json& object, const std::string& prefix, std::vector<std::string>& assignments) {
+  for (const auto& [name, value] : object.items()) {
+    if (value.is_object())
+      appendOptions(value, prefix + name + ".", assignments);
+    else
+      assignments.push_back(prefix + name + "=" + jsonText(value));
+  }
 }
 
 }  // namespace
@@ -161,6 +172,14 @@ void DriveReader::sensors() {
   }
 }
 
+void DriveReader::simulator() {
+  const json& object = memberOf(root_, "simulator");
+  if (root_.contains("accuracy") && object.contains("accuracy"))
+    refuse("simulator.accuracy", "is there twice, because the drive has an accuracy, too");
+  drive_.simulator = {"accuracy=" + root_.value("accuracy", "standard")};
+  if (object.is_object()) appendOptions(object, "", drive_.simulator);
+}
+
 void DriveReader::times() {
   drive_.rate = root_.value("rate", 10.0);
   drive_.epoch = root_.value("epoch", 0.0);
@@ -196,8 +215,7 @@ void DriveReader::outputs() {
     Output output;
     output.format = object["format"].get<std::string>();
     output.folder = object.value("folder", output.format);
-    const bool kitti = output.format.find("kitti") != std::string::npos;
-    const bool rows = output.format == "pcd" || output.format == "npy";
+    const FormatInfo& format = formatNamed(output.format);
     const fs::path folder = fs::path(output.folder).lexically_normal();
     if (folder.is_absolute() || *folder.begin() == ".." || *folder.begin() == "." || *folder.begin() == "manifest")
       refuse(path + ".folder", "must be a folder in the output folder, other than manifest");
@@ -206,24 +224,22 @@ void DriveReader::outputs() {
     for (size_t s = 0; s < listed.size(); ++s)
       output.sensors.push_back(find(names, listed[s], entryPath(path + ".sensors", s)));
     if (listed.is_null())
-      for (size_t s = 0; s < (kitti ? 1 : names.size()); ++s) output.sensors.push_back(s);
-    if (kitti && output.sensors.size() > 1) refuse(path + ".sensors", "KITTI has one lidar; name one sensor");
-    if (object.contains("fields") && !rows) refuse(path + ".fields", "is only for pcd and npy");
-    if (rows) attempt(path + ".fields", [&] { output.fields = parseFields(object.value("fields", kDefaultFields)); });
-    if (object.contains("keyframes") && output.format != "nuscenes")
-      refuse(path + ".keyframes", "is only for nuscenes");
+      for (size_t s = 0; s < (format.oneSensor ? 1 : names.size()); ++s) output.sensors.push_back(s);
+    if (format.oneSensor && output.sensors.size() > 1)
+      refuse(path + ".sensors", "KITTI has one lidar; name one sensor");
+    if (object.contains("fields") && !format.fields)
+      refuse(path + ".fields", "is only for " + formatNames([](const FormatInfo& f) { return f.fields; }));
+    if (format.fields)
+      attempt(path + ".fields", [&] { output.fields = parseFields(object.value("fields", kDefaultFields)); });
+    if (object.contains("keyframes") && !format.keyframes)
+      refuse(path + ".keyframes", "is only for " + formatNames([](const FormatInfo& f) { return f.keyframes; }));
     output.keyframes = object.value("keyframes", uint64_t{5});
     drive_.outputs.push_back(std::move(output));
   }
 }
 
 Drive DriveReader::read(const fs::path& file) {
-  drive_.accuracy = std::map<std::string, Accuracy>{
-      {"paper", Accuracy::paper},
-      {"draft", Accuracy::draft},
-      {"standard", Accuracy::standard},
-      {"exact",
-       Accuracy::exact}}.at(root_.value("accuracy", "standard"));
+  simulator();
   classes();
   times();
   sensors();
@@ -233,12 +249,12 @@ Drive DriveReader::read(const fs::path& file) {
   models();
   actors();
   if (!mistakes_.empty()) refuseAll(file, mistakes_);
-  drive_.fingerprint = fingerprintOf(drive_, root_.dump());
+  drive_.fingerprint = fingerprintOf(drive_, jsonText(root_));
   return std::move(drive_);
 }
 
 Drive readDrive(const fs::path& file) {
-  static const json kSchema = json::parse(kDriveSchema);
+  static const json kSchema = parseJson(kDriveSchema);
   const json root = parseStrict(readWholeFile(file, uint64_t{1} << 28), file.string());
   const std::vector<std::string> mistakes = mistakesOf(root, kSchema);
   if (!mistakes.empty()) refuseAll(file, mistakes);

@@ -159,7 +159,7 @@ Sensor DriveReader::sensor(const json& value, const std::string& path) {
   Sensor sensor;
   attempt(path, [&] {
     sensor = value.is_string() ? namedOrFile(value.get<std::string>(), file(value), builtinSensor, loadSensor)
-                               : sensorFromJson(value.dump(), "the sensor");
+                               : sensorFromJson(jsonText(value), "the sensor");
     validate(sensor);
   });
   return sensor;
@@ -171,7 +171,7 @@ Effects DriveReader::effects(const json& value, const std::string& path) {
     if (value.is_string())
       effects = namedOrFile(value.get<std::string>(), file(value), effectPreset, loadEffects);
     else if (value.is_object())
-      effects = effectsFromJson(value.dump(), "the effects");
+      effects = effectsFromJson(jsonText(value), "the effects");
   });
   if (!value.is_object() || !value.contains("seed")) effects.seed = root_.value("seed", uint64_t{1});
   return effects;

@@ -6,9 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/json_text.hpp"
+#include "base/nearest_text.hpp"
 #include "drive/drive.hpp"
 #include "drive/schema_check.hpp"
-#include "effects/strict_json.hpp"
 
 namespace gnosphere::drive {
 
@@ -63,6 +64,7 @@ class DriveReader {
   void actors();
   void sensors();
   void times();
+  void simulator();
   void weather();
   void outputs();
 

@@ -12,7 +12,7 @@ namespace gnosphere::drive {
 struct LiveOptions {
   uint64_t firstFrame = 0, endFrame = UINT64_MAX;  ///< frames firstFrame..endFrame - 1
   double speed = 1;                                ///< seconds of the drive per second
-  SimulatorOptions simulator;                      ///< its accuracy is replaced by the drive's
+  SimulatorOptions simulator;                      ///< the drive's accuracy and other options replace its own
   ros2::Qos qos;                                   ///< of clouds and laser scans
   /// Called when a frame has been published, with the number of those and that of frames to publish.
   std::function<void(uint64_t done, uint64_t total)> progress;

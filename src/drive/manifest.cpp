@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
 #include "drive/hash.hpp"
 
 namespace gnosphere::drive {
@@ -84,8 +85,7 @@ struct FileEntry {
 /// that names the file if it is not what Manifest::write() writes.
 class FrameManifest {
  public:
-  explicit FrameManifest(const fs::path& file)
-      : file_(file), content_(Json::parse(readWholeFile(file), nullptr, false)) {
+  explicit FrameManifest(const fs::path& file) : file_(file), content_(parseJson<Json>(readWholeFile(file), false)) {
     if (!content_.is_object()) refuse("is not a manifest");
   }
 
@@ -178,7 +178,8 @@ Manifest::Manifest(const Drive& drive, const fs::path& out) : drive_(drive), out
   removeAbandoned(folder_);
   parts_ = std::make_unique<Parts>(folder_ / (partsOfHost() + std::to_string(getpid())));
   const std::string text =
-      Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}.dump(1) + "\n";
+      jsonText(Json{{"drive", drive.name}, {"frames", drive.frameCount()}, {"fingerprint", drive.fingerprint}}, 1) +
+      "\n";
   const fs::path file = folder_ / "drive.json";
   std::error_code absent;
   if (!fs::exists(file, absent)) put(file, text);
@@ -238,7 +239,7 @@ void Manifest::write(const FrameRecord& frame, const std::vector<OutputFile>& fi
     scans.push_back({{"sensor", scan.planned.sensor}, {"number", scan.planned.number}, {"points", scan.points}});
     if (!boxes.empty()) scans.back()["boxes"] = std::move(boxes);
   }
-  put(frameFile(frame.frame), Json{{"frame", frame.frame}, {"files", entries}, {"scans", scans}}.dump() + "\n");
+  put(frameFile(frame.frame), jsonText(Json{{"frame", frame.frame}, {"files", entries}, {"scans", scans}}) + "\n");
 }
 
 FrameSummary Manifest::summaryOf(uint64_t frame) const {

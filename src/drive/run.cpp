@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/json_text.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/frame_queue.hpp"
 #include "drive/manifest.hpp"
@@ -60,11 +61,11 @@ void writeObjects(const Drive& drive, const World& world, const std::filesystem:
                          {"class_id", instances[i].classId},
                          {"actor", world.actorOf(static_cast<uint32_t>(i)).has_value()}});
   std::string text = "[\n";
-  for (size_t i = 0; i < objects.size(); ++i) text += objects[i].dump() + (i + 1 < objects.size() ? ",\n" : "\n");
+  for (size_t i = 0; i < objects.size(); ++i) text += jsonText(objects[i]) + (i + 1 < objects.size() ? ",\n" : "\n");
   writeWhole(out / "objects.json", text + "]\n");
   nlohmann::ordered_json classes = nlohmann::ordered_json::object();
   for (const Class& category : drive.classes) classes[category.name] = category.id;
-  writeWhole(out / "classes.json", classes.dump(1) + "\n");
+  writeWhole(out / "classes.json", jsonText(classes, 1) + "\n");
 }
 
 /// Makes frames: this thread scans, another one finds boxes and writes.
@@ -103,7 +104,7 @@ RunReport run(const Drive& drive, const RunOptions& options) {
   check(options);
   const World world(drive);
   Formats formats;
-  for (const Output& output : drive.outputs) formats.push_back(makeFormat(drive, world, output));
+  for (const Output& output : drive.outputs) formats.push_back(formatNamed(output.format).make(drive, world, output));
   const Manifest manifest(drive, options.out);
   RunReport report;
   const std::vector<uint64_t> frames = framesToMake(drive, options, manifest, report);

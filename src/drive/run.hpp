@@ -14,7 +14,7 @@ struct RunOptions {
   uint64_t firstFrame = 0, endFrame = UINT64_MAX;  ///< frames firstFrame..endFrame - 1
   uint64_t shard = 0, shardCount = 1;              ///< frames whose number modulo shardCount is shard
   bool verify = false;                             ///< whether complete frames are read and their hashes compared
-  SimulatorOptions simulator;                      ///< its accuracy is replaced by the drive's
+  SimulatorOptions simulator;                      ///< the drive's accuracy and other options replace its own
   /// Called when a frame is complete, with the number of frames made and that of frames to make.
   std::function<void(uint64_t done, uint64_t total)> progress;
 };

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 
+#include "gnosphere/options.hpp"
+
 namespace gnosphere::drive {
 
 Scanner::Scanner(const Drive& drive, const World& world, const std::vector<std::set<Field>>& fields,
                  SimulatorOptions options)
     : drive_(drive), world_(world), placed_(world.scene().instances.size()) {
-  options.accuracy = drive.accuracy;
+  for (const std::string& assignment : drive.simulator) assign(options, assignment);
   std::vector<SensorRequest> requests;
   for (size_t s = 0; s < drive.sensors.size(); ++s) requests.push_back(requestOf(s, fields[s]));
   simulator_.emplace(world.scene(), requests, options);

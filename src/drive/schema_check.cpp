@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "effects/strict_json.hpp"
+#include "base/json_text.hpp"
+#include "base/nearest_text.hpp"
 
 namespace gnosphere::drive {
 namespace {
@@ -116,7 +117,7 @@ class Check {
     const double n = value.get<double>();
     const auto limit = [&](const char* keyword, const char* words, auto holds) {
       if (schema.contains(keyword) && !holds(n, schema[keyword].get<double>()))
-        refuse(path, std::string("must be ") + words + " " + schema[keyword].dump() + ", is " + shown(value));
+        refuse(path, std::string("must be ") + words + " " + jsonText(schema[keyword]) + ", is " + shown(value));
     };
     limit("minimum", "at least", [](double a, double b) { return a >= b; });
     limit("exclusiveMinimum", "above", [](double a, double b) { return a > b; });

@@ -6,10 +6,10 @@
 #include <pugixml.hpp>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
 #include "drive/number_list.hpp"
 #include "drive/pose_math.hpp"
 #include "drive/trajectory.hpp"
-#include "effects/strict_json.hpp"
 
 namespace gnosphere::drive {
 namespace {

@@ -118,6 +118,13 @@ void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Deci
   }
 }
 
+void checkSubRays(const SimulatorOptions& options, const Effects& effects) {
+  const uint32_t asked = effects.divergence.subRays;
+  if (options.device.kind == DeviceChoice::Kind::reference || asked <= kMostSubRays) return;
+  refuseRequest("divergence.sub_rays is " + std::to_string(asked) + ", but a device takes at most " +
+                std::to_string(kMostSubRays) + "; only the reference takes more");
+}
+
 uint32_t bitsOf(const std::vector<Plan::Decision>& decisions) {
   uint32_t bits = 0;
   for (size_t i = 0; i < decisions.size(); ++i) bits |= decisions[i].in ? effectTable()[i].bit : 0;

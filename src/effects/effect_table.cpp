@@ -108,9 +108,13 @@ Answer judgeDivergence(const Question& q) {
   if (!(horizontal > 0 || vertical > 0)) {
     return {false, "the sensor states no divergence", "give divergence.horizontal and divergence.vertical"};
   }
-  return {true, (asked ? "the request states " : "the sensor states ") +
+  std::string why = (asked ? "the request states " : "the sensor states ") +
                     format("%.3g x %.3g mrad", 1e3 * horizontal, 1e3 * vertical) + ", " +
-                    plural(d.subRays, "sub-ray", "sub-rays")};
+                    plural(d.subRays, "sub-ray", "sub-rays");
+  // The figure is that of docs/effects/divergence.md.
+  if (d.subRays == Effects::Divergence().subRays)
+    why += ", the default: with 7, twice as many beams have a wrong number of returns";
+  return {true, why};
 }
 
 Answer judgeReturns(const Question& q) {
@@ -186,32 +190,6 @@ Answer judgeRadialSpeed(const Question& q) {
   return {true, "the field radial_speed asks for it"};
 }
 
-/// Returns a reference to a member of a nested struct: at<&Effects::fog, &Effects::Fog::visibility>(effects).
-template <auto kGroup, auto kMember>
-auto& at(Effects& effects) {
-  return effects.*kGroup.*kMember;
-}
-
-template <auto kGroup, auto kMember>
-Parameter number(const char* name, const char* unit, double min, double max, bool endsOnly = false) {
-  return {name, unit, NumberParameter{&at<kGroup, kMember>, min, max, endsOnly}};
-}
-
-template <auto kGroup, auto kMember>
-Parameter count(const char* name, uint32_t min, uint32_t max) {
-  return {name, "", CountParameter{&at<kGroup, kMember>, min, max}};
-}
-
-template <auto kGroup, auto kMember>
-Parameter choice(const char* name, std::vector<const char*> words) {
-  const auto get = [](const Effects& effects) { return static_cast<size_t>(effects.*kGroup.*kMember); };
-  const auto set = [](Effects& effects, size_t word) {
-    auto& member = at<kGroup, kMember>(effects);
-    member = static_cast<std::remove_reference_t<decltype(member)>>(word);
-  };
-  return {name, "", ChoiceParameter{std::move(words), get, set}};
-}
-
 bool always(const Effects&) {
   return true;
 }
@@ -223,80 +201,150 @@ bool dropsByIntensity(const Effects& effects) {
 }
 
 template <auto kGroup>
-EffectInfo effect(const char* name, uint32_t bit, Judge judge, bool (*needsIntensity)(const Effects&),
-                  std::vector<Parameter> parameters) {
+EffectInfo effect(const char* name, uint32_t bit, Judge judge, bool (*needsIntensity)(const Effects&), const char* doc,
+                  std::vector<Parameter<Effects>> parameters = {}) {
   const auto use = [](Effects& effects) -> EffectUse& { return (effects.*kGroup).use; };
-  return {name, bit, use, judge, needsIntensity, std::move(parameters)};
+  return {name, bit, use, judge, needsIntensity, doc, std::move(parameters)};
 }
-
-using E = Effects;
 
 // The limits are wide: they are meant to detect wrong units, not unusual values.
 std::vector<EffectInfo> makeTable() {
+  using namespace rows;
+  using E = Effects;
   return {
-      effect<&E::intensity>("intensity", gpu::kIntensity, nullptr, never,
-                            {choice<&E::intensity, &E::Intensity::model>("model", {"physical", "carla"}),
-                             choice<&E::intensity, &E::Intensity::scale>("scale", {"raw", "unit", "byte"}),
-                             number<&E::intensity, &E::Intensity::wavelength>("wavelength", "nm", 905, 1550, true),
-                             number<&E::intensity, &E::Intensity::attenuation>("attenuation", "1/m", 0, 10)}),
-      effect<&E::detection>("detection", gpu::kDetection, judgeDetection, always,
-                            {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1),
-                             number<&E::detection, &E::Detection::range>("range", "m", 0, 1e6),
-                             number<&E::detection, &E::Detection::softness>("softness", "", 0, 10)}),
-      effect<&E::dropOut>("drop-out", gpu::kDropOut, judgeDropOut, dropsByIntensity,
-                          {number<&E::dropOut, &E::DropOut::generalRate>("general_rate", "", 0, 1),
-                           number<&E::dropOut, &E::DropOut::intensityLimit>("intensity_limit", "", 0.001, 1),
-                           number<&E::dropOut, &E::DropOut::zeroIntensityRate>("zero_intensity_rate", "", 0, 1),
-                           {"dead_beams", "", BeamsParameter{&at<&E::dropOut, &E::DropOut::deadBeams>}}}),
-      effect<&E::rangeNoise>("range-noise", gpu::kRangeNoise, judgeRangeNoise, never,
-                             {number<&E::rangeNoise, &E::RangeNoise::bias>("bias", "m", -100, 100),
-                              number<&E::rangeNoise, &E::RangeNoise::sigma>("sigma", "m", 0, 100),
-                              number<&E::rangeNoise, &E::RangeNoise::sigmaPerMetre>("sigma_per_metre", "", 0, 1),
-                              number<&E::rangeNoise, &E::RangeNoise::step>("step", "m", 0, 100)}),
+      effect<&E::intensity>(
+          "intensity", gpu::kIntensity, nullptr, never,
+          "Strength of a return from reflectance, incidence and range. Automatic: on if a field or another effect "
+          "needs it.",
+          {choice<&E::intensity, &E::Intensity::model>(
+               "model",
+               {{"physical", "Reflectance * lobe(incidence) / range^2 * exp(-2 extinction range)."},
+                {"carla", "Exp(-attenuation * range), independent of the surface."}},
+               "What the strength of a return depends on."),
+           choice<&E::intensity, &E::Intensity::scale>(
+               "scale",
+               {{"raw", "Received power, relative as above."},
+                {"unit",
+                 "0..1: reflectance of the Lambertian target square to the beam that would return as much power from "
+                 "the same range, cut off at 1."},
+                {"byte",
+                 "0..255, calibrated reflectivity: 0..100 for diffuse per cent, 101..255 logarithmic for "
+                 "retro-reflectors."}},
+               "In which values the strength is reported."),
+           number<&E::intensity, &E::Intensity::wavelength>(
+               "wavelength", "nm", 905, 1550, "Selects the column of a material table, and the extinction of snow.",
+               true),
+           number<&E::intensity, &E::Intensity::attenuation>("attenuation", "1/m", 0, 10, "Only for Model::carla.")}),
+      effect<&E::detection>(
+          "detection", gpu::kDetection, judgeDetection, always,
+          "A return is detected only if it is at least as strong as that of a Lambertian target of `reflectance` "
+          "square to the beam at `range`.",
+          {number<&E::detection, &E::Detection::reflectance>("reflectance", "", 0.001, 1,
+                                                             "Of the weakest target that is detected, 0..1."),
+           number<&E::detection, &E::Detection::range>("range", "m", 0, 1e6,
+                                                       "Distance of that target; 0 means Sensor::rangeMax."),
+           number<&E::detection, &E::Detection::softness>(
+               "softness", "", 0, 10,
+               "Relative width of the probability curve (logistic in ln power); 0 for a sharp threshold.")}),
+      effect<&E::dropOut>(
+          "drop-out", gpu::kDropOut, judgeDropOut, dropsByIntensity,
+          "Returns that are lost at random, as with CARLA's dropoff_* parameters, and dead beams.",
+          {number<&E::dropOut, &E::DropOut::generalRate>("general_rate", "", 0, 1,
+                                                         "Probability for every return, 0..1."),
+           number<&E::dropOut, &E::DropOut::intensityLimit>(
+               "intensity_limit", "", 0.001, 1, "Unit intensity above which zeroIntensityRate has no effect."),
+           number<&E::dropOut, &E::DropOut::zeroIntensityRate>(
+               "zero_intensity_rate", "", 0, 1, "Probability at intensity 0, 0..1; falls linearly to 0 at the limit."),
+           indices<&E::dropOut, &E::DropOut::deadBeams>(
+               "dead_beams", "beam", "Indices of beams that never return anything: channel * columns + column.")}),
+      effect<&E::rangeNoise>(
+          "range-noise", gpu::kRangeNoise, judgeRangeNoise, never,
+          "Errors of the range: bias, Gaussian noise and quantisation.",
+          {number<&E::rangeNoise, &E::RangeNoise::bias>("bias", "m", -100, 100, "Added to every range."),
+           number<&E::rangeNoise, &E::RangeNoise::sigma>("sigma", "m", 0, 100, "Standard deviation."),
+           number<&E::rangeNoise, &E::RangeNoise::sigmaPerMetre>("sigma_per_metre", "", 0, 1,
+                                                                 "Times the range, added to sigma."),
+           number<&E::rangeNoise, &E::RangeNoise::step>(
+               "step", "m", 0, 100, "Ranges are rounded to multiples of it; 0 for no quantisation.")}),
       effect<&E::angleNoise>("angle-noise", gpu::kAngleNoise, judgeAngleNoise, never,
-                             {number<&E::angleNoise, &E::AngleNoise::azimuth>("azimuth", "rad", 0, 0.1),
-                              number<&E::angleNoise, &E::AngleNoise::elevation>("elevation", "rad", 0, 0.1),
-                              choice<&E::angleNoise, &E::AngleNoise::at>("at", {"beam", "point"})}),
+                             "Gaussian errors of the beam directions.",
+                             {number<&E::angleNoise, &E::AngleNoise::azimuth>(
+                                  "azimuth", "rad", 0, 0.1, "Standard deviation; cut off at 4 sigma."),
+                              number<&E::angleNoise, &E::AngleNoise::elevation>(
+                                  "elevation", "rad", 0, 0.1, "Standard deviation; cut off at 4 sigma."),
+                              choice<&E::angleNoise, &E::AngleNoise::at>(
+                                  "at",
+                                  {{"beam", "The beam deviates, but its point is reported in the nominal direction."},
+                                   {"point",
+                                    "The beam has the nominal direction, but its point is reported in the deviating "
+                                    "one."}},
+                                  "What deviates.")}),
       effect<&E::intensityNoise>("intensity-noise", gpu::kIntensityNoise, judgeIntensityNoise, always,
-                                 {number<&E::intensityNoise, &E::IntensityNoise::sigma>("sigma", "", 0, 1)}),
-      effect<&E::divergence>("divergence", gpu::kDivergence, judgeDivergence, always,
-                             {count<&E::divergence, &E::Divergence::subRays>("sub_rays", 1, 61),
-                              choice<&E::divergence, &E::Divergence::profile>("profile", {"uniform", "gaussian"}),
-                              number<&E::divergence, &E::Divergence::horizontal>("horizontal", "rad", 0, 0.1),
-                              number<&E::divergence, &E::Divergence::vertical>("vertical", "rad", 0, 0.1)}),
+                                 "Gaussian noise of the intensity.",
+                                 {number<&E::intensityNoise, &E::IntensityNoise::sigma>(
+                                     "sigma", "", 0, 1, "Standard deviation, on the scale of unit intensity.")}),
+      effect<&E::divergence>(
+          "divergence", gpu::kDivergence, judgeDivergence, always,
+          "An elliptical footprint, sampled by sub-rays that share the candidate triangles of their beam.",
+          {count<&E::divergence, &E::Divergence::subRays>(
+               "sub_rays", "", 1, 1261,
+               "Lines per beam; devices take at most 61; numbers 1 + 6 + 12 + ... lie on rings."),
+           choice<&E::divergence, &E::Divergence::profile>("profile", {{"uniform"}, {"gaussian"}},
+                                                           "Energy over the ellipse."),
+           number<&E::divergence, &E::Divergence::horizontal>(
+               "horizontal", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); both 0: the sensor's."),
+           number<&E::divergence, &E::Divergence::vertical>(
+               "vertical", "rad", 0, 0.1, "Full angle (to 1/e^2 if gaussian); both 0: the sensor's.")}),
       effect<&E::returns>(
           "returns", gpu::kReturns, judgeReturns, always,
-          {choice<&E::returns, &E::Returns::mode>(
-               "mode", {"first", "second", "last", "strongest", "second-strongest", "first-second", "first-last",
-                        "first-strongest", "last-strongest", "strongest-second-strongest", "all"}),
-           count<&E::returns, &E::Returns::count>("count", 0, 5),
-           number<&E::returns, &E::Returns::separation>("separation", "m", 0, 100),
-           number<&E::returns, &E::Returns::pulseWidth>("pulse_width", "s", 1e-12, 1e-6)}),
-      effect<&E::transmission>("transmission", gpu::kTransmission, judgeTransmission, always, {}),
-      effect<&E::cutOuts>("cut-outs", gpu::kCutOuts, judgeCutOuts, never, {}),
-      effect<&E::sensorMotion>("sensor-motion", gpu::kSensorMotion, judgeMotion, never,
-                               {{"deskew", "", FlagParameter{&at<&E::sensorMotion, &E::SensorMotion::deskew>}}}),
-      effect<&E::objectMotion>("object-motion", gpu::kObjectMotion, judgeMotion, never, {}),
-      effect<&E::fog>("fog", gpu::kFog, judgeFog, always,
-                      {number<&E::fog, &E::Fog::visibility>("visibility", "m", 0, 1e6)}),
-      effect<&E::rain>("rain", gpu::kRain, judgeRain, always,
-                       {number<&E::rain, &E::Rain::rate>("rate", "mm/h", 0, 500)}),
-      effect<&E::snow>("snow", gpu::kSnow, judgeSnow, always,
-                       {number<&E::snow, &E::Snow::rate>("rate", "mm/h", 0, 100)}),
-      effect<&E::volumes>("volumes", gpu::kVolumes, judgeVolumes, always,
-                          {{"boxes", "", BoxesParameter{&at<&E::volumes, &E::Volumes::boxes>}}}),
-      effect<&E::radialSpeed>("radial-speed", gpu::kRadialSpeed, judgeRadialSpeed, never, {}),
+          "Which echoes of a beam are returned. Automatic: on if the sensor reports more than one.",
+          {choice<&E::returns, &E::Returns::mode>("mode",
+                                                  {{"first"},
+                                                   {"second"},
+                                                   {"last"},
+                                                   {"strongest"},
+                                                   {"second-strongest"},
+                                                   {"first-second"},
+                                                   {"first-last"},
+                                                   {"first-strongest"},
+                                                   {"last-strongest"},
+                                                   {"strongest-second-strongest"},
+                                                   {"all", "Up to `count` echoes in order of range."}},
+                                                  "Which echoes are returned."),
+           count<&E::returns, &E::Returns::count>(
+               "count", "", 0, 5, "Only for Mode::all: largest number of returns; 0 means Sensor::maxReturns."),
+           number<&E::returns, &E::Returns::separation>("separation", "m", 0, 100,
+                                                        "Echoes that are closer together are merged."),
+           number<&E::returns, &E::Returns::pulseWidth>("pulse_width", "s", 1e-12, 1e-6,
+                                                        "Full width at half maximum.")}),
+      effect<&E::transmission>(
+          "transmission", gpu::kTransmission, judgeTransmission, always,
+          "Light that passes through glass: materials with alpha mode BLEND or KHR_materials_transmission."),
+      effect<&E::cutOuts>("cut-outs", gpu::kCutOuts, judgeCutOuts, never,
+                          "Holes in surfaces: materials with alpha mode MASK."),
+      effect<&E::sensorMotion>(
+          "sensor-motion", gpu::kSensorMotion, judgeMotion, never,
+          "The sensor moves during the scan as Shot::motion says. Automatic: on if the sensor has a rotation period.",
+          {flag<&E::sensorMotion, &E::SensorMotion::deskew>(
+              "deskew",
+              "If true, points are reported in the frame of Shot::pose, otherwise in that of their column.")}),
+      effect<&E::objectMotion>("object-motion", gpu::kObjectMotion, judgeMotion, never,
+                               "Instances move during the scan as Shot::instanceMotions and Shot::meshMotions say."),
+      effect<&E::fog>(
+          "fog", gpu::kFog, judgeFog, always, "Automatic: on if a visibility is given.",
+          {number<&E::fog, &E::Fog::visibility>(
+              "visibility", "m", 0, 1e6, "Meteorological optical range (5 % contrast, Koschmieder); 0 for no fog.")}),
+      effect<&E::rain>("rain", gpu::kRain, judgeRain, always, "Automatic: on if a rate is given.",
+                       {number<&E::rain, &E::Rain::rate>("rate", "mm/h", 0, 500, "0 for no rain.")}),
+      effect<&E::snow>("snow", gpu::kSnow, judgeSnow, always, "Automatic: on if a rate is given.",
+                       {number<&E::snow, &E::Snow::rate>("rate", "mm/h", 0, 100, "Of melted water; 0 for no snow.")}),
+      effect<&E::volumes>("volumes", gpu::kVolumes, judgeVolumes, always, "Automatic: on if there are boxes.",
+                          {boxes<&E::volumes, &E::Volumes::boxes>("boxes", "In the world frame.")}),
+      effect<&E::radialSpeed>(
+          "radial-speed", gpu::kRadialSpeed, judgeRadialSpeed, never,
+          "Radial speed of the surface as an FMCW sensor measures it, in m/s along the beam, positive if the surface "
+          "moves away. Automatic: on if Field::radialSpeed is requested."),
   };
-}
-
-std::string rounded(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof(buffer), "%.10g", value);
-  return buffer;
-}
-
-std::string withUnit(std::string range, const Parameter& parameter) {
-  return *parameter.unit ? range + " " + parameter.unit : range;
 }
 
 }  // namespace
@@ -321,23 +369,12 @@ Effects Effects::none() {
   return effects;
 }
 
-std::string allowedText(const Parameter& parameter) {
-  if (const auto* n = std::get_if<NumberParameter>(&parameter.kind)) {
-    return withUnit(rounded(n->min) + (n->endsOnly ? " or " : "..") + rounded(n->max), parameter);
-  }
-  if (const auto* n = std::get_if<CountParameter>(&parameter.kind)) {
-    return "a whole number, " + std::to_string(n->min) + ".." + std::to_string(n->max);
-  }
-  if (const auto* n = std::get_if<ChoiceParameter>(&parameter.kind)) {
-    std::string list = n->words.front();
-    for (size_t i = 1; i < n->words.size(); ++i) {
-      list.append(i + 1 < n->words.size() ? ", " : " or ").append(n->words[i]);
-    }
-    return list;
-  }
-  if (std::holds_alternative<FlagParameter>(parameter.kind)) return "true or false";
-  if (std::holds_alternative<BeamsParameter>(parameter.kind)) return "a list of beam indices";
-  return "a list of {\"min\": [x, y, z], \"max\": [x, y, z], \"extinction\": 1/m}";
+const Parameter<Effects>& seedParameter() {
+  static const Parameter<Effects> seed = rows::count<&Effects::seed>(
+      "seed", "", 0, UINT64_MAX,
+      "Every random number is keyed by (seed, sensor, frame, beam, sub-ray, effect): one effect never changes the "
+      "draws of another, and the same seed gives the same draws on every device.");
+  return seed;
 }
 
 }  // namespace gnosphere

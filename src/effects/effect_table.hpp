@@ -6,46 +6,15 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
-#include <variant>
 #include <vector>
 
+#include "effects/parameter.hpp"
 #include "gnosphere/effects.hpp"
 #include "gnosphere/scan.hpp"
 #include "gnosphere/scene.hpp"
 #include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
-
-/// In each kind of parameter `of` returns the member of Effects that the parameter sets.
-struct NumberParameter {
-  double& (*of)(Effects&);
-  double min, max;
-  bool endsOnly = false;  ///< only min and max are allowed, no value between
-};
-struct CountParameter {
-  uint32_t& (*of)(Effects&);
-  uint32_t min, max;
-};
-struct FlagParameter {
-  bool& (*of)(Effects&);
-};
-struct ChoiceParameter {
-  std::vector<const char*> words;  ///< in the order of the enum
-  size_t (*get)(const Effects&);
-  void (*set)(Effects&, size_t);
-};
-struct BeamsParameter {
-  std::vector<uint32_t>& (*of)(Effects&);
-};
-struct BoxesParameter {
-  std::vector<Effects::Volume>& (*of)(Effects&);
-};
-
-struct Parameter {
-  const char* name;
-  const char* unit;  ///< empty for a parameter without a unit
-  std::variant<NumberParameter, CountParameter, FlagParameter, ChoiceParameter, BeamsParameter, BoxesParameter> kind;
-};
 
 /// The input of a decision.
 struct Question {
@@ -74,7 +43,8 @@ struct EffectInfo {
   EffectUse& (*use)(Effects&);
   Judge judge;  ///< null for intensity, which is planned if another effect or a field needs it
   bool (*needsIntensity)(const Effects&);
-  std::vector<Parameter> parameters;
+  const char* doc;  ///< the sentences of effects.hpp
+  std::vector<Parameter<Effects>> parameters;
 };
 
 /// Returns all effects in the order of effectNames().
@@ -82,12 +52,7 @@ const std::vector<EffectInfo>& effectTable();
 
 inline constexpr const char* kUseWords[] = {"off", "on", "auto"};
 
-/// Largest extinction of a box of Effects::Volumes in 1/m; with it the visible depth is about a millimetre.
-inline constexpr double kMaxExtinction = 1000;
-
-/// Returns the allowed values for messages and lists: "0..500 mm/h", "uniform or gaussian".
-std::string allowedText(const Parameter& parameter);
-/// Returns the value as JSON text: 0.004, "gaussian", [].
-std::string valueText(const Parameter& parameter, const Effects& effects);
+/// Returns Effects::seed as a row.
+const Parameter<Effects>& seedParameter();
 
 }  // namespace gnosphere

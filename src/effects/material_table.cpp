@@ -4,8 +4,9 @@
 #include <algorithm>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
+#include "base/nearest_text.hpp"
 #include "effects/openmaterial.hpp"
-#include "effects/strict_json.hpp"
 #include "gnosphere/effects.hpp"
 
 namespace gnosphere {

@@ -32,11 +32,21 @@ void write(const Frame& from, const Frame& to, gpu::vec4& row0, gpu::vec4& row1,
                 static_cast<float>(shift[r])};
 }
 
-/// The pose of a point of the sensor's frame, with the sensor's orientation.
+/// Writes the map from a frame to a parallel one as three rows.
+void write(const Vec3& shift, gpu::vec4& row0, gpu::vec4& row1, gpu::vec4& row2) {
+  row0 = {1, 0, 0, static_cast<float>(shift.x)};
+  row1 = {0, 1, 0, static_cast<float>(shift.y)};
+  row2 = {0, 0, 1, static_cast<float>(shift.z)};
+}
+
+}  // namespace
+
 Pose movedTo(const Vec3& point, const Pose& pose) {
   const glm::dvec3 offset = Frame(pose).turn * glm::dvec3(point.x, point.y, point.z);
   return {{pose.position.x + offset.x, pose.position.y + offset.y, pose.position.z + offset.z}, pose.orientation};
 }
+
+namespace {
 
 double angleBetween(const Frame& a, const Frame& b) {
   const glm::dquat difference = glm::conjugate(a.quaternion) * b.quaternion;
@@ -77,7 +87,10 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
   tables.columns.reserve(times.count);
   for (uint32_t i = 0; i < times.used; ++i) {
     const double time = times.at(i);
-    if (moves || i == 0) {
+    if (!moves && i == 0) {  // without the pose and its rounding, so that all views share the tables
+      write({0, 0, 0}, column.row0, column.row1, column.row2);
+      write(lasers.centre, column.report0, column.report1, column.report2);
+    } else if (moves) {
       const Pose pose = poseOf(time);
       now = Frame(movedTo(lasers.centre, pose));
       write(middle, now, column.row0, column.row1, column.row2);
@@ -88,7 +101,7 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
     column.velocity = {static_cast<float>(velocity.x), static_cast<float>(velocity.y), static_cast<float>(velocity.z),
                        static_cast<float>(time)};
     tables.columns.push_back(column);
-    if (!moves && i > 0) continue;
+    if (!moves) continue;
     shift = std::max(shift, glm::length(now.place - middle.place));
     turn = std::max(turn, angleBetween(now, middle));
     if (i > 0) {
@@ -101,7 +114,7 @@ MotionTables makeMotionTables(const ScanTimes& times, const OriginBounds& lasers
   tables.columns.resize(times.count, column);
   const double toMiddle = times.halfway;
   const Drift drift = driftOf(places, toMiddle);
-  const glm::dvec3 perColumn = glm::transpose(middle.turn) * drift.perColumn;
+  const glm::dvec3 perColumn = moves ? glm::transpose(middle.turn) * drift.perColumn : glm::dvec3(0);
   const auto up = [](double value) { return static_cast<float>(value * 1.00001); };
   tables.bounds = {up(shift + lasers.distance),
                    up(turn),

@@ -14,7 +14,7 @@
 #include <numbers>
 #include <optional>
 
-#include "effects/strict_json.hpp"
+#include "base/json_text.hpp"
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {

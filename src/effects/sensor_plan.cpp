@@ -122,6 +122,7 @@ std::shared_ptr<const SensorPlan> SensorPlanner::plan(const Scene& scene, const 
   plan.decisions = decide(request, scene, options_.materials, changed);
   leaveOutUnsupported(options_, plan.decisions);
   plan.bits = bitsOf(plan.decisions);
+  if (plan.has(gpu::kDivergence)) checkSubRays(options_, effects);
   if (plan.has(gpu::kAngleNoise) && effects.angleNoise.at == Effects::AngleNoise::At::beam) plan.bits |= gpu::kStrays;
   for (const Field field : request.fields) plan.fields |= bitOf(field);
   plan.layout = request.layout;

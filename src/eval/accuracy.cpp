@@ -2,21 +2,16 @@
 #include "gnosphere/eval/accuracy.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
+#include "eval/rank.hpp"
 #include "eval/sample.hpp"
 #include "gnosphere/error.hpp"
+#include "gnosphere/options.hpp"
 #include "output/comparison_sum.hpp"
 
 namespace gnosphere {
 namespace {
-
-/// Percentile by nearest rank in sorted values.
-double rankOf(const std::vector<double>& sorted, double share) {
-  const double rank = std::ceil(share * static_cast<double>(sorted.size()));
-  return sorted[static_cast<size_t>(std::max(rank, 1.0)) - 1];
-}
 
 struct NamedParts {
   const char* name;
@@ -25,12 +20,11 @@ struct NamedParts {
 
 std::vector<NamedParts> settings() {
   std::vector<NamedParts> list;
-  for (Accuracy accuracy : {Accuracy::paper, Accuracy::draft, Accuracy::standard, Accuracy::exact})
-    list.push_back({nameOf(accuracy), accuracyPartsOf(accuracy)});
+  for (const AccuracySetting& setting : accuracySettings()) list.push_back({setting.name, setting.parts});
   return list;
 }
 
-constexpr size_t kStandard = 2;  ///< index of `standard` in the list of settings
+constexpr size_t kStandard = static_cast<size_t>(Accuracy::standard);  ///< its index in the list of settings
 
 /// Settings that differ from `standard` in one part each.
 std::vector<NamedParts> parts() {
@@ -69,7 +63,7 @@ class Measurement {
       settings.tuning.keepStill = false;  // the times are those of whole scans, without reuse of still instances
       subjects_.push_back({{row.name, row.accuracyParts},
                            Simulator(scene, {sensor, Effects::none()}, settings),
-                           ComparisonSum(sample_.sensor.beamCount() * poses.size(), 1e-3),
+                           ComparisonSum(sample_.size() * poses.size(), 1e-3),
                            {}});
     }
     compareAll(scene);
@@ -79,7 +73,7 @@ class Measurement {
   AccuracyReport report() {
     AccuracyReport report;
     report.device = subjects_[0].simulator.device();
-    report.beams = sample_.sensor.beamCount() * poses_.size();
+    report.beams = sample_.size() * poses_.size();
     report.sampled = !sample_.beams.empty();
     report.runs = options_.runs;
     for (size_t i = 0; i < subjects_.size(); ++i) {
@@ -103,7 +97,7 @@ class Measurement {
     Simulator reference(scene, {sample_.sensor, Effects::none()}, settings);
     for (size_t p = 0; p < poses_.size(); ++p) {
       tell("compare pose", p + 1, poses_.size());
-      const Scan truth = reference.scan(poses_[p]);
+      const Scan truth = sample_.of(reference.scan(poses_[p]));
       for (Subject& subject : subjects_) {
         const Scan scan = sample_.of(subject.simulator.scan(poses_[p]));
         subject.sum.add(truth, scan);

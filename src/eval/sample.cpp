@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "eval/sample.hpp"
 
-#include <cmath>
 #include <random>
+
+#include "scan/columns.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere {
 
@@ -10,15 +12,30 @@ Scan BeamSample::of(Scan scan) const {
   if (beams.empty()) return scan;
   Scan some;
   some.sensor = sensor.name;
-  some.columns = sensor.columns;
-  some.channels = static_cast<uint32_t>(beams.size());
+  some.columns = static_cast<uint32_t>(beams.size());
+  some.channels = 1;
+  some.returns = scan.returns;
   some.pose = scan.pose;
-  for (size_t beam : beams) {
-    for (size_t axis = 0; axis < 3; ++axis) some.points.push_back(scan.points[3 * beam + axis]);
-    some.ranges.push_back(scan.ranges[beam]);
-    some.triangles.push_back(scan.triangles[beam]);
-    some.instances.push_back(scan.instances[beam]);
+  std::vector<size_t> entries;
+  for (const size_t beam : beams)
+    for (size_t k = 0; k < scan.returns; ++k) entries.push_back(beam * scan.returns + k);
+  for (const size_t entry : entries) {
+    for (size_t axis = 0; axis < 3; ++axis) some.points.push_back(scan.points[3 * entry + axis]);
+    some.ranges.push_back(scan.ranges[entry]);
+    some.triangles.push_back(scan.triangles[entry]);
+    some.instances.push_back(scan.instances[entry]);
   }
+  const ScanColumns columns(some);
+  const auto select = [&](Field field, auto value) {
+    if (!scan.has(field)) return;
+    const auto all = scan.column<decltype(value)>(field);
+    ScanColumns(some).make(field);
+    decltype(value)* const to = columns.data<decltype(value)>(field);
+    for (size_t i = 0; i < entries.size(); ++i) to[i] = all[entries[i]];
+  };
+  select(Field::tie, uint8_t{});
+  select(Field::tolerance, float{});
+  select(Field::intensity, float{});
   return some;
 }
 
@@ -27,18 +44,17 @@ BeamSample sampleOf(const Sensor& sensor, uint64_t count, uint32_t seed) {
   sample.sensor = sensor;
   const uint64_t all = sensor.beamCount();
   if (count == 0 || count >= all) return sample;
-  sample.sensor.columns = 1;
-  sample.sensor.channels.clear();
+  const std::vector<bool> silent = silentBeams(sensor);
+  std::vector<bool> sampled(all);
   std::mt19937_64 random(seed);
   for (uint64_t i = 0; i < count; ++i) {
     const uint64_t first = all * i / count, last = all * (i + 1) / count;
-    const uint64_t beam = first + random() % (last - first);
-    const Channel& channel = sensor.channels[beam / sensor.columns];
-    // A sensor of one column points to -180 degrees; the channel's own offset turns it to the beam's azimuth.
-    const double column = 360.0 * static_cast<double>(beam % sensor.columns) / sensor.columns;
-    sample.sensor.channels.push_back({channel.elevationDeg, std::remainder(column + channel.azimuthOffsetDeg, 360.0)});
-    sample.beams.push_back(beam);
+    sample.beams.push_back(first + random() % (last - first));
+    sampled[sample.beams.back()] = !silent[sample.beams.back()];
   }
+  sample.sensor.maskedBeams.clear();
+  for (uint64_t beam = 0; beam < all; ++beam)
+    if (!sampled[beam]) sample.sensor.maskedBeams.push_back(static_cast<uint32_t>(beam));
   return sample;
 }
 

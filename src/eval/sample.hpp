@@ -6,17 +6,20 @@
 
 namespace gnosphere {
 
-/// Some beams of a sensor as a sensor of their own, so that the reference traces only these.
+/// Some beams of a sensor, so that the reference traces only these.
 struct BeamSample {
+  /// The whole sensor, of which only the sampled beams fire: they keep their numbers, and so their random draws.
   Sensor sensor;
-  /// The beams' numbers in the whole sensor, in the sample's order; empty: the sample is the whole sensor.
+  /// The beams' numbers in ascending order; empty: the sample is the whole sensor.
   std::vector<size_t> beams;
-  /// Selects the sampled beams from a scan of the whole sensor.
+
+  size_t size() const { return beams.empty() ? sensor.beamCount() : beams.size(); }
+  /// Selects the sampled beams from a scan of the whole sensor, with the reference's ties and tolerances.
   Scan of(Scan scan) const;
 };
 
-/// Samples about `count` beams, one at a random place in each of `count` equal runs of beams. Takes all beams if
-/// `count` is 0 or not less than their number.
+/// Samples `count` beams, one at a random place in each of `count` equal runs of beams. Takes all beams if `count` is 0
+/// or not less than their number.
 BeamSample sampleOf(const Sensor& sensor, uint64_t count, uint32_t seed);
 
 }  // namespace gnosphere

@@ -18,6 +18,10 @@ const MeshSummary kEmpty;
 // Fewer instances than this are not worth a thread.
 constexpr uint64_t kInstancesPerRun = 2048;
 
+glm::dvec3 positionOf(const Pose& pose) {
+  return {pose.position.x, pose.position.y, pose.position.z};
+}
+
 glm::dmat3 linear(const Transform& t) {
   const auto& m = t.rows;
   return glm::dmat3(m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]);
@@ -68,6 +72,19 @@ bool same(const T& a, const T& b) {
 
 }  // namespace
 
+void WorldContent::add(const MeshSummary& mesh) {
+  add(WorldContent{1, mesh.groups, mesh.clusters, mesh.triangles, mesh.nonFinite, mesh.degenerate});
+}
+
+void WorldContent::add(const WorldContent& other) {
+  instances += other.instances;
+  groups += other.groups;
+  clusters += other.clusters;
+  triangles += other.triangles;
+  nonFinite += other.nonFinite;
+  degenerate += other.degenerate;
+}
+
 const MeshSummary& InstanceTable::meshOf(const Placement& placement) const {
   return placement.mesh == kNoMesh ? kEmpty : meshes_[placement.mesh];
 }
@@ -75,20 +92,24 @@ const MeshSummary& InstanceTable::meshOf(const Placement& placement) const {
 void InstanceTable::reserveMeshes(size_t count) {
   const size_t size = meshes_.size() + count;
   makeRoom(meshes_, size);
-  makeRoom(instanceCounts_, size);
   makeRoom(reshaped_, size);
   makeRoom(reshapedAt_, size);
 }
 
 void InstanceTable::addMesh(MeshSummary mesh) {
   meshes_.push_back(std::move(mesh));
-  instanceCounts_.push_back(0);
   reshaped_.push_back(0);
   reshapedAt_.push_back(0);
 }
 
-void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform) {
-  if (index == placements_.size()) {
+void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform, uint32_t world) {
+  const bool adds = index == placements_.size();
+  const uint32_t meshBefore = adds ? kNoMesh : placements_[index].mesh;
+  const bool leaves = meshBefore != kNoMesh && (mesh == kNoMesh || placements_[index].world != world);
+  const bool enters = mesh != kNoMesh && (meshBefore == kNoMesh || leaves);
+  World* to = mesh == kNoMesh ? nullptr : &worlds_[world];
+  if (enters) makeRoom(to->instances, to->instances.size() + 1);
+  if (adds) {
     makeRoom(placements_, index + 1);
     makeRoom(spheres_, index + 1);
     placements_.emplace_back();
@@ -98,18 +119,25 @@ void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform)
   }
   Placement& placement = placements_[index];
   const Placement before = placement;
-  if (placement.mesh != mesh) {
+  const auto number = static_cast<uint32_t>(index);
+  if (leaves) {
+    World& from = worlds_.find(placement.world)->second;
+    from.instances.erase(std::lower_bound(from.instances.begin(), from.instances.end(), number));
+    from.summed = false;
+  }
+  if (enters) to->instances.insert(std::lower_bound(to->instances.begin(), to->instances.end(), number), number);
+  if (placement.mesh != mesh || enters || leaves) {
     renumberedAt_ = changes_ + 1;
-    count(placement.mesh, -1);
     placement.mesh = mesh;
-    count(placement.mesh, 1);
+    placement.world = world;
+    if (to) to->summed = false;
     numbered_ = false;
   }
   const Vec3& origin = meshOf(placement).origin;
   placement.toWorld = linear(transform);
   const Transform placed = transform * Transform{{1, 0, 0, origin.x, 0, 1, 0, origin.y, 0, 0, 1, origin.z}};
   placement.position = {placed.rows[3], placed.rows[7], placed.rows[11]};
-  const bool known = !transformSources_.has(index) && before.mesh == mesh;
+  const bool known = !transformSources_.has(index) && before.mesh == mesh && !enters;
   transformSources_.remove(index);
   if (known && same(before.toWorld, placement.toWorld) && same(before.position, placement.position)) return;
   placement.changedAt = ++changes_;
@@ -120,11 +148,8 @@ void InstanceTable::set(size_t index, uint32_t mesh, const Transform& transform)
 }
 
 void InstanceTable::setMesh(size_t mesh, MeshSummary summary) {
-  const auto index = static_cast<uint32_t>(mesh);
-  const int64_t instances = instanceCounts_[mesh];
-  count(index, -instances);
   meshes_[mesh] = std::move(summary);
-  count(index, instances);
+  for (auto& [number, world] : worlds_) world.summed = false;
   reshaped_[mesh] = 1;
   reshapedAt_[mesh] = ++changes_;
   anyReshaped_ = true;
@@ -159,15 +184,32 @@ InstanceTable::Sphere InstanceTable::sphereOf(size_t instance) const {
   return {placement.position + m * centre, glm::length(reach)};
 }
 
-// Adds `instances` (may be negative) times the mesh's triangles to the scene's counters.
-void InstanceTable::count(uint32_t mesh, int64_t instances) {
-  if (mesh == kNoMesh) return;
-  const MeshSummary& summary = meshes_[mesh];
-  const auto add = [&](uint64_t& sum, uint64_t count) { sum += static_cast<uint64_t>(instances) * count; };
-  add(counters_.triangles, summary.triangles);
-  add(counters_.nonFinite, summary.nonFinite);
-  add(counters_.degenerate, summary.degenerate);
-  instanceCounts_[mesh] += static_cast<uint32_t>(instances);
+const InstanceTable::World* InstanceTable::find(uint32_t world) const {
+  const auto found = worlds_.find(world);
+  return found == worlds_.end() ? nullptr : &found->second;
+}
+
+const WorldContent& InstanceTable::sumOf(const World& world) const {
+  if (world.summed) return world.content;
+  World& to = const_cast<World&>(world);
+  to.content = {};
+  for (const uint32_t instance : world.instances) to.content.add(meshOf(placements_[instance]));
+  to.summed = true;
+  return world.content;
+}
+
+WorldContent InstanceTable::contentOf(uint32_t world) const {
+  WorldContent content;
+  if (const World* common = find(0)) content.add(sumOf(*common));
+  if (const World* own = world == 0 ? nullptr : find(world)) content.add(sumOf(*own));
+  return content;
+}
+
+uint64_t InstanceTable::mostTriangles() const {
+  uint64_t most = 0;
+  for (const auto& [number, world] : worlds_)
+    if (number != 0) most = std::max(most, sumOf(world).triangles);
+  return most + contentOf(0).triangles;
 }
 
 void InstanceTable::number() {
@@ -184,20 +226,27 @@ void InstanceTable::number() {
   ++numbering_;
 }
 
+// The margin exceeds the rounding errors on the device. Spheres that are not finite stay: comparisons with NaN are
+// false.
+bool InstanceTable::isSeen(uint32_t instance, const glm::dvec3& sensor, double reach) const {
+  const Sphere& sphere = spheres_[instance];
+  const glm::dvec3 away = sphere.centre - sensor;
+  const double limit = (reach + sphere.radius) * 1.00001;
+  return !(glm::dot(away, away) > limit * limit) && usableTriangles(instance) > 0;
+}
+
 void InstanceTable::findVisible(const glm::dvec3& sensor, double reach, const Selection& selection) {
   visibleStill_.clear();
   visibleMoving_.clear();
-  for (uint32_t i = 0; i < placements_.size(); ++i) {
-    const bool moving = !selection.moving.empty() && selection.moving[i];
-    if (!moving && !selection.still) continue;
-    if (i < selection.ignored.size() && selection.ignored[i]) continue;
-    const Sphere& sphere = spheres_[i];
-    const glm::dvec3 away = sphere.centre - sensor;
-    // The margin exceeds the rounding errors on the device. Spheres that are not finite stay: comparisons with NaN are
-    // false.
-    const double limit = (reach + sphere.radius) * 1.00001;
-    if (glm::dot(away, away) > limit * limit) continue;
-    if (usableTriangles(i) > 0) (moving ? visibleMoving_ : visibleStill_).push_back(i);
+  const World* const worlds[] = {find(0), selection.world == 0 ? nullptr : find(selection.world)};
+  for (const World* world : worlds) {
+    if (!world) continue;
+    for (const uint32_t i : world->instances) {
+      const bool moving = !selection.moving.empty() && selection.moving[i];
+      if (!moving && !selection.still) continue;
+      if (i < selection.ignored.size() && selection.ignored[i]) continue;
+      if (isSeen(i, sensor, reach)) (moving ? visibleMoving_ : visibleStill_).push_back(i);
+    }
   }
 }
 
@@ -260,14 +309,14 @@ void InstanceTable::writePairs(uint32_t* pairs) const {
 PlacedGroups InstanceTable::choose(const Pose& pose, double reach, const Selection& selection) {
   number();
   moveSpheres();
-  findVisible({pose.position.x, pose.position.y, pose.position.z}, reach, selection);
+  findVisible(positionOf(pose), reach, selection);
   const PlacedGroups::Run still = runOf(visibleStill_, 0);
   return {still, runOf(visibleMoving_, still.groups)};
 }
 
 void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) const {
   const glm::dmat3 toSensor = rotationToSensor(pose);
-  const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
+  const glm::dvec3 sensor = positionOf(pose);
   for (const std::vector<uint32_t>* visible : {&visibleStill_, &visibleMoving_})
     inRuns(visible->size(), kInstancesPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
       for (uint64_t k = first; k < end; ++k) {
@@ -280,52 +329,56 @@ void InstanceTable::writeTransforms(const Pose& pose, gpu::Instance* instances) 
     });
 }
 
-PlacedGroups InstanceTable::choose(std::span<const Pose> poses, double reach, const Selection& selection,
+PlacedGroups InstanceTable::choose(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored,
                                    std::vector<InView>& inViews) {
   number();
   moveSpheres();
   inViews.clear();
   PlacedGroups::Run run;
-  for (uint32_t view = 0; view < poses.size(); ++view) {
-    const Vec3& sensor = poses[view].position;
-    findVisible({sensor.x, sensor.y, sensor.z}, reach, selection);
-    for (const uint32_t instance : visibleStill_) inViews.push_back({view, instance});
-    const PlacedGroups::Run seen = runOf(visibleStill_, 0);
-    run.groups += seen.groups;
-    run.clusters += seen.clusters;
+  const World* const common = find(0);
+  const auto see = [&](uint32_t view, const glm::dvec3& sensor, const World* world) {
+    if (!world) return;
+    for (const uint32_t instance : world->instances) {
+      if ((instance < ignored.size() && ignored[instance]) || !isSeen(instance, sensor, reach)) continue;
+      inViews.push_back({view, instance, run.groups});
+      const MeshSummary& mesh = meshOf(placements_[instance]);
+      run.groups += mesh.groups;
+      run.clusters += mesh.clusters;
+    }
+  };
+  for (uint32_t view = 0; view < views.size(); ++view) {
+    const glm::dvec3 sensor = positionOf(views[view].pose);
+    see(view, sensor, common);
+    see(view, sensor, views[view].world == 0 ? nullptr : find(views[view].world));
   }
   return {run, {run.groups}};
 }
 
-void InstanceTable::writeViews(std::span<const Pose> poses, std::span<const InView> inViews, gpu::Instance* instances,
-                               uint32_t* views) const {
+void InstanceTable::writeViews(std::span<const ViewPlace> places, std::span<const InView> inViews,
+                               gpu::Instance* instances, uint32_t* views, uint32_t* pairs) const {
   inRuns(inViews.size(), kInstancesPerRun, threadCount(), [&](uint64_t first, uint64_t end) {
     uint32_t view = gpu::kNone;
     glm::dmat3 toSensor;
     glm::dvec3 sensor;
     for (uint64_t k = first; k < end; ++k) {
-      const auto& [inView, instance] = inViews[k];
+      const auto& [inView, instance, pair] = inViews[k];
       if (inView != view) {
         view = inView;
-        toSensor = rotationToSensor(poses[view]);
-        sensor = {poses[view].position.x, poses[view].position.y, poses[view].position.z};
+        toSensor = rotationToSensor(places[view].pose);
+        sensor = positionOf(places[view].pose);
       }
       const Placement& placement = placements_[instance];
       compose(toSensor, sensor, placement.toWorld, placement.fromWorld, placement.position, numberOf(instance),
               instances[k]);
       views[k] = view;
+      const MeshSummary& mesh = meshOf(placement);
+      uint32_t* to = pairs + 2 * size_t{pair};
+      for (uint32_t group = mesh.firstGroup; group < mesh.firstGroup + mesh.groups; ++group) {
+        *to++ = static_cast<uint32_t>(k);
+        *to++ = group;
+      }
     }
   });
-}
-
-void InstanceTable::writePairs(std::span<const InView> inViews, uint32_t* pairs) const {
-  for (uint32_t k = 0; k < inViews.size(); ++k) {
-    const MeshSummary& mesh = meshOf(placements_[inViews[k].instance]);
-    for (uint32_t group = mesh.firstGroup; group < mesh.firstGroup + mesh.groups; ++group) {
-      *pairs++ = k;
-      *pairs++ = group;
-    }
-  }
 }
 
 void InstanceTable::writeMeshes(std::span<const InView> inViews, uint32_t* meshes) const {
@@ -343,7 +396,7 @@ void InstanceTable::setTransforms(const CallerTransforms& buffer) {
 void InstanceTable::writeTransformSources(const Pose& pose, gpu::TransformSource* sources, gpu::CallerBuffer* buffers,
                                           gpu::TransformedInstance* instances) const {
   const glm::dmat3 rows = glm::transpose(rotationToSensor(pose));
-  const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
+  const glm::dvec3 sensor = positionOf(pose);
   for (const CallerTransforms& buffer : transformSources_.buffers()) {
     gpu::TransformSource source = {};
     divide(rows[0], source.row0, source.row0Low);
@@ -373,7 +426,7 @@ double InstanceTable::writeMotions(const Pose& pose, std::span<const InstanceMot
                                    gpu::InstanceMotion* to) const {
   std::fill(to, to + count(), gpu::InstanceMotion{});
   const glm::dmat3 toSensor = rotationToSensor(pose);
-  const glm::dvec3 sensor(pose.position.x, pose.position.y, pose.position.z);
+  const glm::dvec3 sensor = positionOf(pose);
   double farthest = 0;
   for (const InstanceMotion& motion : motions) {
     const Placement& placement = placements_[motion.instance];

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <map>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "geometry/transform_sources.hpp"
@@ -23,11 +24,30 @@ struct MeshSummary {
   uint32_t triangles = 0, nonFinite = 0, degenerate = 0;
 };
 
-/// Which instances a scan places: the moving ones, and the still ones if `still` is set, without the ignored ones.
+/// Which instances a scan places: of those of its world and of world 0, the moving ones, and the still ones if `still`
+/// is set, without the ignored ones.
 struct Selection {
   std::span<const uint8_t> moving;  ///< by instance: 1 if it moves; empty: no instance moves
   bool still = true;
   std::span<const uint8_t> ignored = {};  ///< by instance: 1 if it is ignored; instances beyond its end are not
+  uint32_t world = 0;
+};
+
+/// From where a view is seen, and in which world.
+struct ViewPlace {
+  Pose pose;
+  uint32_t world = 0;
+};
+
+/// Sums over the instances that a world and world 0 place.
+struct WorldContent {
+  uint64_t instances = 0, groups = 0, clusters = 0;
+  uint64_t triangles = 0, nonFinite = 0, degenerate = 0;
+
+  /// Number of triangles with area and finite corners.
+  uint64_t usableTriangles() const { return triangles - nonFinite - degenerate; }
+  void add(const MeshSummary& mesh);
+  void add(const WorldContent& other);
 };
 
 /// The instances within reach that a scan places, as groups of clusters.
@@ -52,7 +72,7 @@ class InstanceTable {
   void setMesh(size_t mesh, MeshSummary summary);
   /// Adds the next instance, or moves or replaces an existing one; kNoMesh removes it. If it throws std::bad_alloc,
   /// nothing changes.
-  void set(size_t index, uint32_t mesh, const Transform& transform);
+  void set(size_t index, uint32_t mesh, const Transform& transform, uint32_t world);
 
   /// From now on the transforms of existing instances lie in a buffer of the caller, each until it is set(). Every scan
   /// places them, because only the device knows where they are.
@@ -63,8 +83,13 @@ class InstanceTable {
                              gpu::TransformedInstance* instances) const;
 
   uint32_t count() const { return static_cast<uint32_t>(placements_.size()); }
-  /// Counts of triangles placed, and of triangles dropped while flattening.
-  const Counters& counters() const { return counters_; }
+  /// What a scan of the world can see.
+  WorldContent contentOf(uint32_t world) const;
+  /// The largest number of triangles that a scan of any world can see.
+  uint64_t mostTriangles() const;
+  bool isIn(size_t instance, uint32_t world) const {
+    return placements_[instance].world == world || placements_[instance].world == 0;
+  }
 
   /// Goes up with every change of an instance or of a mesh's positions.
   uint64_t changes() const { return changes_; }
@@ -72,8 +97,7 @@ class InstanceTable {
   /// number.
   uint64_t changedAt(size_t instance) const;
   uint64_t renumberedAt() const { return renumberedAt_; }
-  /// Number of triangles with area and finite corners: of all instances, or of one.
-  uint64_t usableTriangles() const { return counters_.triangles - counters_.nonFinite - counters_.degenerate; }
+  /// Number of triangles with area and finite corners of one instance.
   uint64_t usableTriangles(size_t instance) const;
 
   /// Chooses what a scan places: the selected instances within reach (metres). The writers below write the chosen ones.
@@ -84,17 +108,17 @@ class InstanceTable {
   /// Writes the (instance, group) pairs.
   void writePairs(uint32_t* pairs) const;
 
-  /// An instance within reach of a view.
+  /// An instance within reach of a view, and the first of its (instance, group) pairs.
   struct InView {
-    uint32_t view, instance;
+    uint32_t view, instance, pair;
   };
-  /// Chooses, view by view, the selected instances, all of them still ones, within reach (metres) of each pose. The
-  /// writers below write an entry for each of them, so that an instance which several views see has several entries.
-  PlacedGroups choose(std::span<const Pose> poses, double reach, const Selection& selection,
+  /// Chooses, view by view, the instances of the view's world, all of them still ones, within reach (metres) of its
+  /// pose. The writers below write an entry for each of them, so that an instance which several views see has several
+  /// entries.
+  PlacedGroups choose(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored,
                       std::vector<InView>& inViews);
-  void writeViews(std::span<const Pose> poses, std::span<const InView> inViews, gpu::Instance* instances,
-                  uint32_t* views) const;
-  void writePairs(std::span<const InView> inViews, uint32_t* pairs) const;
+  void writeViews(std::span<const ViewPlace> places, std::span<const InView> inViews, gpu::Instance* instances,
+                  uint32_t* views, uint32_t* pairs) const;
   void writeMeshes(std::span<const InView> inViews, uint32_t* meshes) const;
 
   /// Version of the triangle numbers: scans with the same numbering() have the same triangle numbers.
@@ -123,8 +147,13 @@ class InstanceTable {
     glm::dmat3 toWorld = {}, fromWorld = {};  ///< fromWorld is zero if the transform flattens the mesh
     glm::dvec3 position = {};                 ///< of the mesh's origin
     uint64_t changedAt = 0;
-    uint32_t mesh = 0;
+    uint32_t mesh = 0, world = 0;
     bool mirrored = false;
+  };
+  struct World {
+    std::vector<uint32_t> instances;  ///< in ascending order
+    WorldContent content;             ///< sums over them, if `summed` is set
+    bool summed = false;
   };
   struct Sphere {
     glm::dvec3 centre;
@@ -138,23 +167,24 @@ class InstanceTable {
   const MeshSummary& meshOf(const Placement& placement) const;
   void moveSpheres();
   Sphere sphereOf(size_t instance) const;
-  void count(uint32_t mesh, int64_t instances);
+  const World* find(uint32_t world) const;
+  const WorldContent& sumOf(const World& world) const;
+  bool isSeen(uint32_t instance, const glm::dvec3& sensor, double reach) const;
   void number();
   void findOwnerRanges();
   void findVisible(const glm::dvec3& sensor, double reach, const Selection& selection);
   PlacedGroups::Run runOf(const std::vector<uint32_t>& visible, uint32_t first) const;
 
   std::vector<MeshSummary> meshes_;
-  std::vector<uint32_t> instanceCounts_;  // by mesh
-  std::vector<uint8_t> reshaped_;         // by mesh: 1 if the spheres of its instances must be recomputed
-  std::vector<uint64_t> reshapedAt_;      // by mesh: changes() after the last change of its positions
+  mutable std::unordered_map<uint32_t, World> worlds_;  // by number; a world without instances may be missing
+  std::vector<uint8_t> reshaped_;                       // by mesh: 1 if the spheres of its instances must be recomputed
+  std::vector<uint64_t> reshapedAt_;                    // by mesh: changes() after the last change of its positions
   std::vector<Placement> placements_;
   std::vector<Sphere> spheres_;                         // bounding sphere of each instance, in the world
   std::vector<uint32_t> visibleStill_, visibleMoving_;  // instances chosen for the last scan
   std::vector<uint32_t> firstTriangles_;                // by instance
   std::vector<std::array<uint32_t, 2>> ownerRanges_;    // see writeOwnerRanges()
   TransformSources transformSources_;
-  Counters counters_;
   uint64_t changes_ = 0, renumberedAt_ = 0;
   uint32_t numberCount_ = 0;
   uint64_t numbering_ = 0;  // increases when numbers change

@@ -1,14 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kinds of cloud files, and the names and comments in them.
+// The table of cloud file formats, and the names and comments in the files.
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <string>
+
+#include "gnosphere/layout.hpp"
+#include "gnosphere/scan.hpp"
 
 namespace gnosphere {
 
-enum class CloudFormat { pcd, ply, kitti, npy, csv };
-/// Returns the format for a file ending. Throws Error(invalidArgument) with the known endings.
-CloudFormat cloudFormat(const std::filesystem::path& file);
+struct CloudRows;
+struct CloudTable;
+
+/// A format of cloud files.
+struct CloudFormat {
+  enum class Text { never, ifAsked, always };  ///< whether rows are lines of text or binary
+
+  const char* ending;  ///< of the file's name, in small letters
+  const char* name;    ///< empty if the ending says it
+  const char* doc;
+  Text text;
+  char separator;  ///< between the values of a line of text
+  /// Returns the bytes before the rows; null if there are none.
+  std::string (*header)(const CloudRows& rows, bool ascii);
+  /// Returns the layout of the rows, which then are the scan's returns alone; null if the caller chooses the fields.
+  RecordLayout (*layout)(const Scan& scan);
+  /// Reads the bytes of a file; null if it does not say which beams its points are of.
+  CloudTable (*read)(std::string bytes, const std::string& source);
+};
+
+std::span<const CloudFormat> cloudFormats();
+/// Returns the format for a file's ending. Throws Error(invalidArgument) with the known endings.
+const CloudFormat& cloudFormat(const std::filesystem::path& file);
+/// Returns ".pcd, .ply, .bin (KITTI), .npy or .csv" with this word before the last one; `readable`: of the formats that
+/// readCloud() reads.
+std::string cloudEndings(const char* word, bool readable = false);
 
 /// Names in PLY files that differ from ours, because readers of PLY expect them.
 struct PlyName {

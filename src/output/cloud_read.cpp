@@ -193,16 +193,11 @@ class Placer {
   std::vector<size_t> entries_;
 };
 
-CloudTable readTable(CloudFormat format, std::string bytes, const std::string& source) {
-  switch (format) {
-    case CloudFormat::pcd: return readPcd(std::move(bytes), source);
-    case CloudFormat::ply: return readPly(std::move(bytes), source);
-    case CloudFormat::npy: return readNpy(std::move(bytes), source);
-    case CloudFormat::csv: return readCsv(std::move(bytes), source);
-    case CloudFormat::kitti: break;
-  }
-  throw Error(ErrorCode::invalidArgument,
-              source + ": a KITTI cloud does not say which beams its points are of; read .pcd, .ply, .npy or .csv");
+CloudTable readTable(const CloudFormat& format, std::string bytes, const std::string& source) {
+  if (format.read) return format.read(std::move(bytes), source);
+  throw Error(ErrorCode::invalidArgument, source + ": a " + format.name +
+                                              " cloud does not say which beams its points are of; read " +
+                                              cloudEndings("or", true));
 }
 
 }  // namespace
@@ -221,7 +216,7 @@ CloudTable readCsv(std::string bytes, const std::string& source) {
   return table;
 }
 
-Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& source) {
+Scan readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source) {
   const CloudTable table = readTable(format, std::move(bytes), source);
   const bool hasPoints = table.find("x") && table.find("y") && table.find("z");
   if (!hasPoints && !table.find("range")) table.refuse("has neither x, y, z nor range: not a cloud");
@@ -272,9 +267,8 @@ Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& so
 }
 
 Scan readCloud(const std::filesystem::path& file) {
-  const CloudFormat format = cloudFormat(file);
-  // The sensor's grid is unknown in KITTI files, so such a file is refused before it is read.
-  std::string bytes = format == CloudFormat::kitti ? "" : readWholeFile(file);
+  const CloudFormat& format = cloudFormat(file);
+  std::string bytes = format.read ? readWholeFile(file) : "";  // otherwise the file is refused before it is read
   return readCloudBytes(format, std::move(bytes), file.string());
 }
 

@@ -51,7 +51,7 @@ CloudTable readNpy(std::string bytes, const std::string& source);
 CloudTable readCsv(std::string bytes, const std::string& source);
 
 /// Does the work of readCloud() on a file's content; `source` names it in messages. Throws Error(format).
-Scan readCloudBytes(CloudFormat format, std::string bytes, const std::string& source);
+Scan readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source);
 
 /// Reads the next line from `position` on without its end,
 ///  or \r

@@ -8,8 +8,7 @@
 #include "base/file.hpp"
 #include "output/cloud_bytes.hpp"
 #include "output/cloud_format.hpp"
-#include "output/rows.hpp"
-#include "scan/fields.hpp"
+#include "output/cloud_rows.hpp"
 
 namespace gnosphere {
 namespace {
@@ -17,16 +16,9 @@ namespace {
 /// Rows per block. A block takes a few megabytes, so a large cloud is not copied whole, and writes are not small.
 constexpr size_t kBlockRows = size_t{1} << 16;
 
-/// The rows to write, their layout in memory, and the columns of the file.
-struct Table {
-  Rows rows;
-  RecordLayout layout;
-  std::vector<ColumnInfo> columns;
-};
-
 /// Calls `use` for each block with the packed rows and their number.
 template <class EffectUse>
-void forBlocks(const Table& table, size_t blockRows, const EffectUse& use) {
+void forBlocks(const CloudRows& table, size_t blockRows, const EffectUse& use) {
   const size_t count = table.rows.count();
   std::vector<std::byte> block(std::min(blockRows, count) * table.layout.stride);
   for (size_t first = 0; first < count; first += blockRows) {
@@ -40,7 +32,7 @@ void forBlocks(const Table& table, size_t blockRows, const EffectUse& use) {
 using Sink = std::function<void(std::string_view bytes)>;
 
 /// Writes the packed rows unchanged, which are little-endian.
-void writeBinary(const Sink& write, const Table& table) {
+void writeBinary(const Sink& write, const CloudRows& table) {
   forBlocks(table, kBlockRows, [&](const std::byte* rows, size_t count) {
     write({reinterpret_cast<const char*>(rows), count * table.layout.stride});
   });
@@ -72,7 +64,7 @@ char* appendText(char* out, size_t room, ValueType type, const std::byte* at) {
 }
 
 /// Writes one line per row; every float is the shortest text that reads back to the same bits.
-void writeText(const Sink& write, const Table& table, char separator) {
+void writeText(const Sink& write, const CloudRows& table, char separator) {
   constexpr size_t kWidest = 20;
   constexpr size_t kRows = kBlockRows / 16;
   std::string text(kRows * table.columns.size() * kWidest, '\0');
@@ -110,7 +102,30 @@ std::string joined(const std::vector<ColumnInfo>& columns, Text text) {
   return out;
 }
 
-std::string pcdHeader(const Table& table, bool ascii) {
+/// Returns what a file of this format has as rows and columns. Throws Error(invalidArgument) if the scan lacks a field.
+CloudRows rowsOf(const Scan& scan, const CloudFormat& format, const CloudOptions& options) {
+  const bool several = scan.returns > 1;
+  if (format.layout) return {Rows(scan, true), format.layout(scan), {}};
+  std::vector<Field> fields = options.fields;
+  if (fields.empty()) {
+    fields = defaultFields();
+    if (several) fields.insert(fields.end(), {Field::returnNumber, Field::returnCount});
+  }
+  checkFields(scan, fields);
+  return {Rows(scan, options.compact || several), layoutOf(fields), columnsOf(fields)};
+}
+
+void writeRows(const CloudRows& rows, const CloudFormat& format, bool ascii, const Sink& write) {
+  if (format.header) write(format.header(rows, ascii));
+  if (format.text == CloudFormat::Text::always || (ascii && format.text == CloudFormat::Text::ifAsked))
+    writeText(write, rows, format.separator);
+  else
+    writeBinary(write, rows);
+}
+
+}  // namespace
+
+std::string pcdHeader(const CloudRows& table, bool ascii) {
   const auto number = [](size_t n) { return std::to_string(n); };
   const size_t width = table.rows.compact() ? table.rows.count() : table.rows.scan().columns;
   const size_t height = table.rows.compact() ? 1 : table.rows.scan().channels;
@@ -123,7 +138,7 @@ std::string pcdHeader(const Table& table, bool ascii) {
          (ascii ? "ascii" : "binary") + "\n";
 }
 
-std::string plyHeader(const Table& table, bool ascii) {
+std::string plyHeader(const CloudRows& table, bool ascii) {
   std::string header = "ply\nformat " + std::string(ascii ? "ascii" : "binary_little_endian") + " 1.0\ncomment " +
                        gridComment(table.rows.scan()) + "\nelement vertex " + std::to_string(table.rows.count()) + "\n";
   for (const ColumnInfo& info : table.columns) {
@@ -140,7 +155,7 @@ std::string plyHeader(const Table& table, bool ascii) {
 
 /// Returns the header of NPY 1.0: magic, version, length of the text, and the text, padded so that the data starts at a
 /// multiple of 64 bytes.
-std::string npyHeader(const Table& table) {
+std::string npyHeader(const CloudRows& table, bool) {
   std::string text = "{'descr': [";
   for (const ColumnInfo& info : table.columns) {
     text.append("('").append(info.name).append(sizeOf(info.type) == 1 ? "', '|" : "', '<");
@@ -161,62 +176,33 @@ std::string npyHeader(const Table& table) {
   return header + text;
 }
 
-std::string csvHeader(const Table& table) {
+std::string csvHeader(const CloudRows& table, bool) {
   std::string header;
   for (const ColumnInfo& column : table.columns) header.append(header.empty() ? "" : ",").append(column.name);
   return header + "\n";
 }
 
-/// Returns what a file of this format has as rows and columns. Throws Error(invalidArgument) if the scan lacks a field.
-Table tableOf(const Scan& scan, CloudFormat format, const CloudOptions& options) {
-  const bool kitti = format == CloudFormat::kitti;
-  const bool several = scan.returns > 1;
-  std::vector<Field> fields = options.fields;
-  if (kitti) {
-    fields = {Field::x, Field::y, Field::z};
-    if (scan.has(Field::intensity)) fields.push_back(Field::intensity);
-  } else if (fields.empty()) {
-    fields = defaultFields();
-    if (several) fields.insert(fields.end(), {Field::returnNumber, Field::returnCount});
-  }
+RecordLayout kittiLayout(const Scan& scan) {
+  std::vector<Field> fields = {Field::x, Field::y, Field::z};
+  if (scan.has(Field::intensity)) fields.push_back(Field::intensity);
   checkFields(scan, fields);
-  Table table = {Rows(scan, options.compact || several || kitti), layoutOf(fields), columnsOf(fields)};
-  // Without intensity the fourth value stays 0, because blocks are initialised with zeros.
-  if (kitti) table.layout.stride = 4 * sizeof(float);
-  return table;
+  RecordLayout layout = layoutOf(fields);
+  layout.stride = 4 * sizeof(float);  // without intensity the fourth value stays 0, because blocks start with zeros
+  return layout;
 }
-
-void writeTable(const Table& table, CloudFormat format, bool ascii, const Sink& write) {
-  switch (format) {
-    case CloudFormat::pcd: write(pcdHeader(table, ascii)); break;
-    case CloudFormat::ply: write(plyHeader(table, ascii)); break;
-    case CloudFormat::npy: write(npyHeader(table)); break;
-    case CloudFormat::csv: write(csvHeader(table)); break;
-    case CloudFormat::kitti: break;
-  }
-  if (format == CloudFormat::csv) {
-    writeText(write, table, ',');
-  } else if (ascii && (format == CloudFormat::pcd || format == CloudFormat::ply)) {
-    writeText(write, table, ' ');
-  } else {
-    writeBinary(write, table);
-  }
-}
-
-}  // namespace
 
 void writeCloud(const Scan& scan, const std::filesystem::path& file, const CloudOptions& options) {
-  const CloudFormat format = cloudFormat(file);
-  const Table table = tableOf(scan, format, options);
+  const CloudFormat& format = cloudFormat(file);
+  const CloudRows rows = rowsOf(scan, format, options);
   AtomicFile out(file);
-  writeTable(table, format, options.ascii, [&](std::string_view bytes) { out.write(bytes.data(), bytes.size()); });
+  writeRows(rows, format, options.ascii, [&](std::string_view bytes) { out.write(bytes.data(), bytes.size()); });
   out.commit();
 }
 
 std::string cloudBytes(const Scan& scan, const std::string& ending, const CloudOptions& options) {
-  const CloudFormat format = cloudFormat("cloud." + ending);
+  const CloudFormat& format = cloudFormat("cloud." + ending);
   std::string result;
-  writeTable(tableOf(scan, format, options), format, options.ascii, [&](std::string_view bytes) { result += bytes; });
+  writeRows(rowsOf(scan, format, options), format, options.ascii, [&](std::string_view bytes) { result += bytes; });
   return result;
 }
 

@@ -6,6 +6,7 @@
 
 namespace gnosphere {
 
+struct Places;
 struct Recording;
 struct SensorPlan;
 struct CallerVertices;
@@ -18,6 +19,10 @@ class Backend {
   /// Makes the scans in order, each into `result`, and calls `receive` after each. Fills every array, the counters and
   /// the timings; the caller fills name, grid size and pose.
   virtual void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) = 0;
+  /// Makes the scans of shots of one sensor in order, into arrays in which the entries of one scan follow those of the
+  /// other. Returns false, and does nothing, if scans of the sensor have more than nearest hits, or if the device has
+  /// no better way than scanAll(). `sum` gets the counters and times of all scans together.
+  virtual bool scanInto(std::span<const Shot> /*shots*/, const Places& /*places*/, Scan& /*sum*/) { return false; }
   /// Records scans into the caller's command buffer; see vulkan::Recorder. Only a device of the caller does that.
   virtual void record(Recording& /*recording*/) {}
   /// The commands of the last recording of this frame in flight will never run.
@@ -28,7 +33,7 @@ class Backend {
   /// Replaces the materials and their images. Devices ignore them and read optics from the plans of the sensors.
   virtual void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) = 0;
   virtual void setMesh(size_t index, const Mesh* mesh) = 0;
-  virtual void setInstance(size_t index, uint32_t mesh, const Transform& transform) = 0;
+  virtual void setInstance(size_t index, uint32_t mesh, const Transform& transform, uint32_t world = 0) = 0;
   /// Moves all vertices of the mesh; `positions` has 3 values per vertex.
   virtual void setPositions(size_t mesh, std::span<const float> positions) = 0;
   /// Deforms the mesh, which is deformable; the deformation fits it.
@@ -50,6 +55,8 @@ class Backend {
 /// The plans of the sensors, by index.
 using SensorPlans = std::vector<std::shared_ptr<const SensorPlan>>;
 
+/// Makes the backend of the device that the options choose.
+std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options);
 std::unique_ptr<Backend> makeReferenceBackend(const Scene& scene, const SensorPlans& sensors,
                                               const SimulatorOptions& options);
 std::unique_ptr<Backend> makeVulkanBackend(const Scene& scene, const SensorPlans& sensors,

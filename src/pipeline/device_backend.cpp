@@ -41,7 +41,7 @@ class DeviceBackend final : public Backend {
         recorded_(*machine_, scene_) {
     scene_.geometry().add(scene.meshes, materials_);
     for (size_t i = 0; i < scene.instances.size(); ++i)
-      scene_.instances().set(i, scene.instances[i].mesh, scene.instances[i].transform);
+      setInstance(i, scene.instances[i].mesh, scene.instances[i].transform, scene.instances[i].world);
     for (size_t i = 0; i < sensors.size(); ++i) setSensor(i, sensors[i]);
   }
 
@@ -53,26 +53,14 @@ class DeviceBackend final : public Backend {
     }
   }
 
-  // If there is no memory for several views, the shots that are left are scanned one by one.
   void scanAll(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) override {
-    size_t received = 0;
-    bool receiving = false;
-    const auto count = [&](size_t i) {
-      receiving = true;
-      receive(i);
-      receiving = false;
-      ++received;
-    };
-    const std::vector<Part> parts = partsOf(shots, kAnyViews);
-    const auto hasViews = [](const Part& part) { return part.shots.size() > 1; };
-    try {
-      scanParts(parts, result, count);
-    } catch (const Error& error) {
-      const bool together = std::any_of(parts.begin(), parts.end(), hasViews);
-      if (receiving || error.code() != ErrorCode::outOfMemory || !together) throw;
-      const size_t before = received;
-      scanParts(partsOf(shots.subspan(before), 1), result, [&](size_t i) { receive(before + i); });
-    }
+    scanTo(shots, {result, {}, receive, false});
+  }
+
+  bool scanInto(std::span<const Shot> shots, const Places& places, Scan& sum) override {
+    if (shots.empty() || !sensors_[shots[0].sensor]->arrays.leavesHitsAlone()) return false;
+    scanTo(shots, {sum, places, [](size_t) {}, true});
+    return true;
   }
 
   void record(Recording& recording) override {
@@ -92,8 +80,8 @@ class DeviceBackend final : public Backend {
       if (!plan->layout.empty()) checkLayout(*plan);
       if (plan->surfaces() || plan->speeds()) scene_.geometry().addSlots();
       if (plan->holes()) scene_.geometry().addTextureCoordinates();
-      sensor = std::make_unique<SensorState>(*machine_, std::move(plan), options_,
-                                             scene_.instances().counters().triangles, scene_.deformed());
+      sensor = std::make_unique<SensorState>(*machine_, std::move(plan), options_, scene_.instances().mostTriangles(),
+                                             scene_.deformed());
     }
     machine_->prepared();
     machine_->throwOnMessages();
@@ -120,8 +108,8 @@ class DeviceBackend final : public Backend {
       geometry.replace(index, *mesh, materials_);
   }
 
-  void setInstance(size_t index, uint32_t mesh, const Transform& transform) override {
-    scene_.instances().set(index, mesh, transform);
+  void setInstance(size_t index, uint32_t mesh, const Transform& transform, uint32_t world) override {
+    scene_.instances().set(index, mesh, transform, world);
   }
 
   void setPositions(size_t mesh, std::span<const float> positions) override {
@@ -149,7 +137,7 @@ class DeviceBackend final : public Backend {
   Plan plan(size_t sensor) const override { return sensors_[sensor]->arrays.plan(); }
   Plan planOf(std::shared_ptr<const SensorPlan> plan) const override {
     DryMachine machine(*machine_);
-    return SensorArrays(machine, *plan, options_, scene_.instances().counters().triangles, scene_.deformed()).plan();
+    return SensorArrays(machine, *plan, options_, scene_.instances().mostTriangles(), scene_.deformed()).plan();
   }
   const DeviceInfo& device() const override { return machine_->traits().info; }
   size_t clusterCount() const override { return scene_.geometry().clusterCount(); }
@@ -191,6 +179,38 @@ class DeviceBackend final : public Backend {
     bool last;            // of the shot's parts
   };
 
+  // Where scans go: each to `scan`, or all of them to the places of a batch, with their sums in `scan`.
+  struct Destination {
+    Scan& scan;
+    Places places;
+    std::function<void(size_t)> receive;
+    bool batch;
+  };
+
+  // If there is no memory for several views, the shots that are left are scanned one by one.
+  void scanTo(std::span<const Shot> shots, const Destination& to) {
+    size_t received = 0;
+    bool receiving = false;
+    Destination counted = to;
+    counted.receive = [&](size_t i) {
+      receiving = true;
+      to.receive(i);
+      receiving = false;
+      ++received;
+    };
+    const std::vector<Part> parts = partsOf(shots, kAnyViews);
+    const auto hasViews = [](const Part& part) { return part.shots.size() > 1; };
+    try {
+      scanParts(parts, counted);
+    } catch (const Error& error) {
+      const bool together = std::any_of(parts.begin(), parts.end(), hasViews);
+      if (receiving || error.code() != ErrorCode::outOfMemory || !together) throw;
+      std::vector<Part> alone = partsOf(shots.subspan(received), 1);
+      for (Part& part : alone) part.index += received;
+      scanParts(alone, to);
+    }
+  }
+
   void setDeformed(bool deformed) {
     for (const auto& sensor : sensors_)
       if (sensor) sensor->arrays.setDeformed(deformed);
@@ -211,13 +231,13 @@ class DeviceBackend final : public Backend {
   static constexpr size_t kAnyViews = std::numeric_limits<size_t>::max();
 
   // Submits the next part of a scan, or the next scan, to the device before waiting for the current one.
-  void scanParts(const std::vector<Part>& parts, Scan& result, const std::function<void(size_t)>& receive) {
+  void scanParts(const std::vector<Part>& parts, const Destination& to) {
     waitForAll();
     setDeformed(scene_.deformed());
     if (!parts.empty()) submit(parts, 0);
     for (size_t i = 0; i < parts.size(); ++i) {
       if (slots_.size() > 1 && i + 1 < parts.size()) submit(parts, i + 1);
-      finish(parts, i, result, receive);
+      finish(parts, i, to);
       if (slots_.size() == 1 && i + 1 < parts.size()) submit(parts, i + 1);
     }
   }
@@ -226,10 +246,18 @@ class DeviceBackend final : public Backend {
   // scanned shot by shot, because then it can reuse its hits.
   size_t viewsFrom(std::span<const Shot> shots, size_t most) const {
     most = std::min<size_t>({most, shots.size(), sensors_[shots[0].sensor]->arrays.mostViews()});
+    const uint64_t room = mostListBytes(options_, machine_->traits());
+    const auto bytesOf = [&](size_t view) { return scene_.bytesOfView(shots[view].world); };
+    const auto standsStill = [&](const Shot& shot, const Shot& before) {
+      return shot.world == before.world && std::memcmp(&shot.pose, &before.pose, sizeof(Pose)) == 0;
+    };
     size_t views = 1;
-    while (views < most && shots[views].sensor == shots[0].sensor &&
-           std::memcmp(&shots[views].pose, &shots[views - 1].pose, sizeof(Pose)) != 0)
+    uint64_t bytes = most > 1 ? bytesOf(0) : 0;
+    while (views < most && shots[views].sensor == shots[0].sensor && !standsStill(shots[views], shots[views - 1])) {
+      bytes += bytesOf(views);
+      if (bytes > room) break;
       ++views;
+    }
     return views;
   }
 
@@ -252,12 +280,12 @@ class DeviceBackend final : public Backend {
 
   // Decides how the scan uses the still image. If another frame is making the image, waits until it is known to be
   // valid.
-  StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Pose& pose, bool moves) {
+  StillImage::Use useStill(StillImage& still, SensorArrays& sensor, const Shot& shot, bool moves) {
     if (still.inMaking()) {
       machine_->wait(still.frame());
       still.end(!sensor.cutShort(still.frame()));
     }
-    if (!moves) return still.next(pose, scene_.instances());
+    if (!moves) return still.next(shot, scene_.instances());
     still.forget();
     return StillImage::Use::none;
   }
@@ -276,18 +304,20 @@ class DeviceBackend final : public Backend {
       waitForAll();
       sensor.makeRoomForViews(views);
     }
+    const OriginBounds& lasers = sensor.groups(shot.frame)[part.group].lasers;
+    slot.motion = motionOf(sensor.sensorPlan(), lasers, shot, scene_.instances(), scene_.geometry().deformables());
     if (views > 1) {
-      std::vector<Pose> poses;
-      for (const Shot& view : part.shots) poses.push_back(view.pose);
-      scene_.place(poses, sensor.reach(), {.ignored = sensor.sensorPlan().ignored}, slot.placed);
+      std::vector<ViewPlace> places;
+      for (const Shot& view : part.shots)
+        places.push_back({slot.motion ? movedTo(lasers.centre, view.pose) : view.pose, view.world});
+      scene_.place(places, sensor.reach() + reachOf(slot.motion), sensor.sensorPlan().ignored, slot.placed);
     } else {
-      slot.motion = motionOf(sensor.sensorPlan(), sensor.groups(shot.frame)[part.group].lasers, shot,
-                             scene_.instances(), scene_.geometry().deformables());
-      use = useStill(still, sensor, shot.pose, slot.motion && slot.motion->moves);
+      use = useStill(still, sensor, shot, slot.motion && slot.motion->moves);
       slot.reused = use == StillImage::Use::use ? still.triangles() : 0;
       const Pose& pose = slot.motion ? slot.motion->tables.middle : shot.pose;
       Selection selection = still.selection(use);
       selection.ignored = sensor.sensorPlan().ignored;
+      selection.world = shot.world;
       scene_.place(pose, sensor.reach() + reachOf(slot.motion), selection, slot.placed);
     }
     if (!scene_.listsHold(slot.placed)) {
@@ -306,13 +336,14 @@ class DeviceBackend final : public Backend {
 
   // Waits for part i, repeats it while its lists were too small, and reads its results. If the part after it was cut
   // short too, that is found out in its own turn from the capacities it was submitted with.
-  void finish(std::span<const Part> parts, size_t i, Scan& result, const std::function<void(size_t)>& receive) {
+  void finish(std::span<const Part> parts, size_t i, const Destination& to) {
     const size_t slot = i % slots_.size();
     const Part& part = parts[i];
     SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
     const size_t frame = sensorFrame(slot, part), views = part.shots.size();
+    Scan& result = to.scan;
     if (part.group == 0) {
-      clearResult(sensor.sensorPlan(), scene_.instances(), result);
+      if (!to.batch) clearResult(sensor.sensorPlan(), scene_.instances(), part.shots[0].world, result);
       start_ = slots_[slot].start;
     }
     uint64_t retries = 0;
@@ -327,13 +358,20 @@ class DeviceBackend final : public Backend {
         machine_->wait(slot);
         sensor.checkAlive(frame);
       }
-      machine_->readTimings(slot, views > 1 ? timings : result.timings);
+      machine_->readTimings(slot, views > 1 || to.batch ? timings : result.timings);
     }
     machine_->throwOnMessages();
+    if (to.batch) {
+      for (const StageTime& stage : timings.stages) result.timings.add(stage.name, stage.ms);
+      result.timings.gpuMs += timings.gpuMs;
+      result.counters.retries += retries;
+      finishBatch(part, slot, frame, to);
+      return;
+    }
     const double waited = millisecondsSince(start_) / static_cast<double>(views);
     for (size_t view = 0; view < views; ++view) {
       const Clock::time_point start = Clock::now();
-      if (view > 0) clearResult(sensor.sensorPlan(), scene_.instances(), result);
+      if (view > 0) clearResult(sensor.sensorPlan(), scene_.instances(), part.shots[view].world, result);
       for (const StageTime& stage : timings.stages)
         result.timings.add(stage.name, stage.ms / static_cast<double>(views));
       result.timings.gpuMs += timings.gpuMs / static_cast<double>(views);
@@ -346,8 +384,19 @@ class DeviceBackend final : public Backend {
         if (view == 0) result.counters.retries += retries;
       }
       result.timings.wallMs = waited + millisecondsSince(start);
-      if (part.last) receive(part.index + view);
+      if (part.last) to.receive(part.index + view);
     }
+  }
+
+  void finishBatch(const Part& part, size_t slot, size_t frame, const Destination& to) {
+    SensorArrays& sensor = sensors_[part.shots[0].sensor]->arrays;
+    if (sensor.beams() > 0) {
+      readHits(sensor.sensorPlan(), sensor.results(frame), scene_.instances(), part.shots, motionIn(slots_[slot]),
+               to.places.from(part.index * sensor.sensorPlan().sensor.beamCount()), to.scan);
+      to.scan.counters.reused += slots_[slot].reused;
+      to.scan.counters.culledByCluster -= slots_[slot].reused;
+    }
+    for (size_t view = 0; view < part.shots.size(); ++view) to.receive(part.index + view);
   }
 
   static double millisecondsSince(Clock::time_point start) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.hpp"
 #include "effects/effect_table.hpp"
 #include "gnosphere/plan.hpp"
 
@@ -69,7 +70,7 @@ std::string toJson(const Plan& plan) {
     json["buffers"].push_back({{"name", buffer.name}, {"bytes", buffer.bytes}});
   }
   json["bytes"] = plan.bytes();
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonText(json, 2) + "\n";
 }
 
 }  // namespace gnosphere

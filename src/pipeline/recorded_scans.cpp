@@ -150,7 +150,8 @@ void RecordedScans::record(const Recording& recording, const Recording::Item& it
   const std::optional<ShotMotion> motion =
       motionOf(sensor.sensorPlan(), lasers, shot, scene_.instances(), scene_.geometry().deformables());
   const Pose& pose = motion ? motion->tables.middle : shot.pose;
-  scene_.place(pose, sensor.reach() + reachOf(motion), {.ignored = sensor.sensorPlan().ignored}, run.placed);
+  scene_.place(pose, sensor.reach() + reachOf(motion), {.ignored = sensor.sensorPlan().ignored, .world = shot.world},
+               run.placed);
   if (!scene_.listsHold(run.placed)) scene_.growLists(run.placed);
   CallerMemory records(item.records), header(item.header);
   BoundArrays arrays = {};

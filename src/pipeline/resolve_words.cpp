@@ -15,32 +15,45 @@ constexpr float kMiss = std::bit_cast<float>(0x7fc00000u);
 /// Writes the results of the beams, one by one.
 class Resolver {
  public:
-  Resolver(const InstanceTable& instances, Scan& scan) : instances_(instances), scan_(scan) {}
+  Resolver(const InstanceTable& instances, const Places& to) : instances_(instances), to_(to) {}
+
+  bool wantsPoints() const { return to_.points != nullptr; }
 
   void miss(size_t beam) {
-    float* const point = &scan_.points[3 * beam];
-    point[0] = point[1] = point[2] = scan_.ranges[beam] = kMiss;
-    scan_.triangles[beam] = scan_.instances[beam] = gpu::kNone;
+    setPoint(beam, {kMiss, kMiss, kMiss});
+    setRange(beam, kMiss);
+    setOwner(beam, gpu::kNone, gpu::kNone);
   }
 
   void hit(size_t beam, uint32_t triangle, float range, const gpu::vec3& point) {
-    std::copy_n(&point.x, 3, &scan_.points[3 * beam]);
-    scan_.ranges[beam] = range;
+    setPoint(beam, point);
+    setRange(beam, range);
     if (triangle == gpu::kNone) {
-      scan_.triangles[beam] = scan_.instances[beam] = gpu::kNone;
+      setOwner(beam, gpu::kNone, gpu::kNone);
       return;
     }
-    if (triangle - owner_.first >= owner_.triangles) owner_ = instances_.ownerOf(triangle);
-    scan_.triangles[beam] = triangle - owner_.first;
-    scan_.instances[beam] = owner_.instance;
     ++hits_;
+    if (!to_.triangles && !to_.instances) return;
+    if (triangle - owner_.first >= owner_.triangles) owner_ = instances_.ownerOf(triangle);
+    setOwner(beam, triangle - owner_.first, owner_.instance);
   }
 
   uint64_t hits() const { return hits_; }
 
  private:
+  void setPoint(size_t beam, const gpu::vec3& point) {
+    if (to_.points) std::copy_n(&point.x, 3, to_.points + 3 * beam);
+  }
+  void setRange(size_t beam, float range) {
+    if (to_.ranges) to_.ranges[beam] = range;
+  }
+  void setOwner(size_t beam, uint32_t triangle, uint32_t instance) {
+    if (to_.triangles) to_.triangles[beam] = triangle;
+    if (to_.instances) to_.instances[beam] = instance;
+  }
+
   const InstanceTable& instances_;
-  Scan& scan_;
+  const Places to_;
   InstanceTable::Owner owner_;  // kept from beam to beam: neighbours mostly hit the same instance
   uint64_t hits_ = 0;
 };
@@ -74,10 +87,10 @@ gpu::vec3 pointAt(const BeamTables& tables, const MotionTables& motion, uint32_t
 // Beams of a list, or in places of a grid.
 uint64_t resolveNumbered(const SensorPlan& plan, const Word* words, const BeamTables& tables,
                          const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
-                         Scan& scan) {
+                         const Places& to) {
   // Stage effects asks whether a hit hides itself before it adds noise to ranges.
   const bool reported = plan.has(gpu::kRangeNoise);
-  Resolver resolver(instances, scan);
+  Resolver resolver(instances, to);
   for (uint32_t index = first; index < end; ++index) {
     const Word& word = words[index];
     const uint32_t number = tables.numbers[index];
@@ -85,6 +98,10 @@ uint64_t resolveNumbered(const SensorPlan& plan, const Word* words, const BeamTa
     const float range = std::bit_cast<float>(word.range);
     if (word.range == gpu::kNone || !(reported || tables.reports(index, range))) {
       resolver.miss(number);
+      continue;
+    }
+    if (!resolver.wantsPoints()) {
+      resolver.hit(number, word.triangle, range, {});
       continue;
     }
     const gpu::Beam beam = beamWith(tables, index);
@@ -98,10 +115,10 @@ uint64_t resolveNumbered(const SensorPlan& plan, const Word* words, const BeamTa
 
 uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables,
                       const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
-                      Scan& scan) {
-  if (tables.listed || tables.mapped) return resolveNumbered(plan, words, tables, instances, motion, first, end, scan);
+                      const Places& to) {
+  if (tables.listed || tables.mapped) return resolveNumbered(plan, words, tables, instances, motion, first, end, to);
   const uint32_t columns = tables.frame.columns;
-  Resolver resolver(instances, scan);
+  Resolver resolver(instances, to);
   for (uint32_t row = first; row < end; ++row) {
     const uint64_t begin = uint64_t{tables.rows[row].channel} * columns;
     const Word* word = words + uint64_t{row} * columns;
@@ -111,8 +128,12 @@ uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTable
         continue;
       }
       const uint32_t index = row * columns + column;
-      const gpu::Beam beam = beamWith(tables, index);
       const float metres = std::bit_cast<float>(word->range);
+      if (!resolver.wantsPoints()) {
+        resolver.hit(begin + column, word->triangle, metres, {});
+        continue;
+      }
+      const gpu::Beam beam = beamWith(tables, index);
       resolver.hit(begin + column, word->triangle, metres,
                    motion ? pointAt(tables, motion->tables, index, beam, metres) : beam.direction * metres);
     }

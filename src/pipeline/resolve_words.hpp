@@ -8,6 +8,7 @@
 #include "geometry/instance_table.hpp"
 #include "gnosphere/scan.hpp"
 #include "pipeline/beam_tables.hpp"
+#include "scan/places.hpp"
 
 namespace gnosphere {
 
@@ -17,11 +18,11 @@ struct Word {
   uint32_t triangle, range;
 };
 
-/// Writes points, ranges and owners of rows first..end - 1 of a grid, or of beams first..end - 1 of a list, with the
-/// same bytes as resolve.comp and effects.comp. `words` has one word per beam, in order of index. `motion` is
-/// null for a scan without motion. Returns the number of hits.
+/// Writes the wanted ones of points, ranges and owners of rows first..end - 1 of a grid, or of beams first..end - 1 of
+/// a list, with the same bytes as resolve.comp and effects.comp. `words` has one word per beam, in order of index.
+/// `motion` is null for a scan without motion. Returns the number of hits.
 uint64_t resolveWords(const SensorPlan& plan, const Word* words, const BeamTables& tables,
                       const InstanceTable& instances, const ShotMotion* motion, uint32_t first, uint32_t end,
-                      Scan& scan);
+                      const Places& to);
 
 }  // namespace gnosphere

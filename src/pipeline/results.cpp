@@ -40,7 +40,7 @@ uint64_t readWords(const SensorPlan& plan, const DeviceResults& device, const In
   const bool listed = device.tables.listed || device.tables.mapped;
   inSlices(listed ? frame.beams : frame.rows, listed ? 1 : frame.columns, [&](uint64_t first, uint64_t end) {
     hits += resolveWords(plan, device.words, device.tables, instances, motion, static_cast<uint32_t>(first),
-                         static_cast<uint32_t>(end), scan);
+                         static_cast<uint32_t>(end), placesOf(scan));
   });
   scan.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
   return hits;
@@ -189,7 +189,7 @@ void readMotions(const gpu::vec4* motions, uint64_t first, uint64_t count, Scan&
 
 }  // namespace
 
-void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& scan) {
+void clearResult(const SensorPlan& plan, const InstanceTable& instances, uint32_t world, Scan& scan) {
   resizeArrays(plan, scan);
   ScanColumns columns(scan);
   for (const Field field : {Field::tie, Field::tolerance}) columns.make(field, false);
@@ -197,7 +197,7 @@ void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& s
   scan.timings.gpuMs = 0;
   scan.counters = {};
   scan.counters.beams = plan.sensor.beamCount();
-  const Counters& placed = instances.counters();
+  const WorldContent placed = instances.contentOf(world);
   scan.counters.triangles = placed.triangles;
   scan.counters.nonFinite = placed.nonFinite;
   scan.counters.degenerate = placed.degenerate;
@@ -229,7 +229,40 @@ void readResults(const SensorPlan& plan, const DeviceResults& device, const Inst
     inSlices(beams, 1, read);
   const gpu::Counters counters =
       judged ? device.counters : withHits(device.counters, hits, beams, device.tables.masked);
-  readCounters(plan, beams, counters, instances.usableTriangles(), scan.counters);
+  readCounters(plan, beams, counters, instances.contentOf(shot.world).usableTriangles(), scan.counters);
+}
+
+void readHits(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
+              std::span<const Shot> shots, const ShotMotion* motion, const Places& to, Scan& sum) {
+  const Clock::time_point start = Clock::now();
+  const gpu::Frame& frame = device.tables.frame;
+  const uint64_t beams = plan.sensor.beamCount(), all = shots.size() * beams;
+  // Runs of rows or beams of a scan are counted through, view after view.
+  const uint64_t count = device.tables.listed || device.tables.mapped ? frame.beams : frame.rows;
+  std::atomic<uint64_t> hits = 0;
+  const auto resolve = [&](uint64_t view, uint64_t first, uint64_t end) {
+    hits += resolveWords(plan, device.words + view * frame.beams, device.tables, instances, motion,
+                         static_cast<uint32_t>(first), static_cast<uint32_t>(end), to.from(view * beams));
+  };
+  if (shots.size() == 1)
+    inSlices(count, frame.beams / std::max<uint64_t>(count, 1),
+             [&](uint64_t first, uint64_t end) { resolve(0, first, end); });
+  else
+    inSlices(shots.size(), frame.beams, [&](uint64_t first, uint64_t end) {
+      for (uint64_t view = first; view < end; ++view) resolve(view, 0, count);
+    });
+  sum.timings.add("resolve", std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+  uint64_t usable = 0;
+  for (const Shot& shot : shots) {
+    const WorldContent placed = instances.contentOf(shot.world);
+    usable += placed.usableTriangles();
+    sum.counters.triangles += placed.triangles;
+    sum.counters.nonFinite += placed.nonFinite;
+    sum.counters.degenerate += placed.degenerate;
+  }
+  sum.counters.beams += all;
+  const auto masked = static_cast<uint32_t>(shots.size() * device.tables.masked);
+  readCounters(plan, all, withHits(device.counters, hits, all, masked), usable, sum.counters);
 }
 
 }  // namespace gnosphere

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "arrays.h"
 #include "effects/sensor_plan.hpp"
 #include "effects/shot_motion.hpp"
 #include "geometry/instance_table.hpp"
 #include "pipeline/resolve_words.hpp"
+#include "scan/places.hpp"
 
 namespace gnosphere {
 
@@ -41,12 +43,19 @@ struct DeviceResults {
   }
 };
 
-/// Sets the parts of `scan` that do not come from the device, and resizes its arrays for the others; memory is reused.
-void clearResult(const SensorPlan& plan, const InstanceTable& instances, Scan& scan);
+/// Sets the parts of a `scan` of a world that do not come from the device, and resizes its arrays for the others;
+/// memory is reused.
+void clearResult(const SensorPlan& plan, const InstanceTable& instances, uint32_t world, Scan& scan);
 
 /// Fills the arrays of `scan` from the outputs of a shot and adds to its counters. If the tables are those of a part of
 /// the beams, only their entries are written. `motion` is null for a scan without motion.
 void readResults(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances, const Shot& shot,
                  const ShotMotion* motion, Scan& scan);
+
+/// Resolves the words of shots that were submitted together to places in which the entries of one scan follow those of
+/// the other, and adds their counters and the time to `sum`. The sensor leaves its hits alone. `motion` is that of the
+/// only shot, and null for scans without motion.
+void readHits(const SensorPlan& plan, const DeviceResults& device, const InstanceTable& instances,
+              std::span<const Shot> shots, const ShotMotion* motion, const Places& to, Scan& sum);
 
 }  // namespace gnosphere

@@ -117,8 +117,9 @@ void SceneArrays::place(const Pose& pose, double reach, const Selection& selecti
   if (deformed()) placeDeformations(to);
 }
 
-void SceneArrays::place(std::span<const Pose> poses, double reach, const Selection& selection, PlacedArrays& to) {
-  to.groups_ = instances_.choose(poses, reach, selection, to.inViews_);
+void SceneArrays::place(std::span<const ViewPlace> views, double reach, std::span<const uint8_t> ignored,
+                        PlacedArrays& to) {
+  to.groups_ = instances_.choose(views, reach, ignored, to.inViews_);
   const uint64_t count = to.inViews_.size();
   const auto room = [&](Array array, uint64_t bytes, std::unique_ptr<DeviceMemory>& memory) {
     makeRoom(machine_, array, bytes, MemoryKind::upload, memory);
@@ -127,9 +128,8 @@ void SceneArrays::place(std::span<const Pose> poses, double reach, const Selecti
   room(Array::instances, count * sizeof(gpu::Instance), to.instances_);
   room(Array::instanceViews, count * sizeof(uint32_t), to.views_);
   to.numbering_ = 0;  // the entries are no longer those of a single scan
-  instances_.writeViews(poses, to.inViews_, static_cast<gpu::Instance*>(to.instances_->host()),
-                        static_cast<uint32_t*>(to.views_->host()));
-  instances_.writePairs(to.inViews_, static_cast<uint32_t*>(to.placed_->host()));
+  instances_.writeViews(views, to.inViews_, static_cast<gpu::Instance*>(to.instances_->host()),
+                        static_cast<uint32_t*>(to.views_->host()), static_cast<uint32_t*>(to.placed_->host()));
   to.instances_->flush();
   to.views_->flush();
   to.placed_->flush();
@@ -138,6 +138,15 @@ void SceneArrays::place(std::span<const Pose> poses, double reach, const Selecti
   instances_.writeMeshes(to.inViews_, static_cast<uint32_t*>(to.meshes_->host()));
   to.meshes_->flush();
   placeDeformations(to);
+}
+
+uint64_t SceneArrays::bytesOfView(uint32_t world) const {
+  const WorldContent content = instances_.contentOf(world);
+  PlacedGroups groups;
+  groups.still.groups = static_cast<uint32_t>(content.groups);
+  groups.still.clusters = static_cast<uint32_t>(content.clusters);
+  return content.instances * (sizeof(gpu::Instance) + sizeof(uint32_t)) + content.groups * 2 * sizeof(uint32_t) +
+         groupBytes(groups) + clusterBytes(groups);
 }
 
 void SceneArrays::placeDeformations(PlacedArrays& to) {

@@ -82,6 +82,7 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
   const bool words = !lists || plan_.panes() || (plan_.judged() && !plan_.footprint());
   if (words && !leavesWords_) allocate(Array::words, beams * sizeof(Word));
   if (lists || plan_.panes() || plan_.footprint()) allocate(Array::listEnds, beams * 4);
+  if (plan_.footprint() && !lists) allocate(Array::covers, beams * 12);
   if (lists) allocate(Array::blockSums, (beams / gpu::kPrefixBlock + 1) * 4);
   if (binning_ == gpu::kBinningSlabs) allocate(Array::slabEnds, most_.slabs * (plan_.panes() ? 8 : 4));
   if (!plan_.bare())
@@ -102,11 +103,9 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
 }
 
 uint32_t SensorArrays::findMostViews() const {
-  const BeamTables& tables = patterns_[0].tables;
-  const bool words = binning_ != gpu::kBinningLists && leavesWords_ && outputs_.size() == 1 && !keepsRecords();
+  const bool words = binning_ != gpu::kBinningLists && leavesHitsAlone();
   const uint64_t inWords = limit(sizeof(Word)) / std::max<uint64_t>(beams(), 1);
-  const bool alike = patterns_.size() == 1 && mostGroups() == 1 && !tables.holes && tables.startFarthest.empty();
-  return words && alike && plan_.bare() && plan_.bits == 0
+  return words && patterns_.size() == 1 && plan_.bits == 0 && !plan_.speeds()
              ? static_cast<uint32_t>(
                    std::max<uint64_t>(std::min<uint64_t>(gnosphere::mostViews(machine_.traits(), beams()), inWords), 1))
              : 1;
@@ -121,7 +120,23 @@ void SensorArrays::growArrays(uint32_t views) {
     allocate(Array::staleEntries, 4 * most_.coarse * views);
     allocate(Array::slabEnds, most_.slabs * 4 * views);
   }
+  repeat(Array::startFarthest, views);
+  repeat(Array::startWords, views);
   viewsWithRoom_ = views;
+}
+
+// Makes an array of the only pattern, with which each scan begins, one that all views begin with.
+void SensorArrays::repeat(Array array, uint32_t views) {
+  std::unique_ptr<DeviceMemory>& memory = patterns_[0].arrays[static_cast<size_t>(array)];
+  for (const EffectsArray& once : arraysOf(patterns_[0].tables)) {
+    if (once.array != array) continue;
+    std::vector<std::byte> content;
+    content.reserve(once.content.size() * views);
+    for (uint32_t view = 0; view < views; ++view)
+      content.insert(content.end(), once.content.begin(), once.content.end());
+    memory.reset();
+    memory = uploaded(machine_, array, std::span<const std::byte>(content));
+  }
 }
 
 void SensorArrays::makeRoomForViews(uint32_t views) {
@@ -512,18 +527,23 @@ void SensorArrays::growLists(size_t index) {
   makeLists(room);
 }
 
-DeviceResults SensorArrays::results(size_t index, uint32_t view) {
+DeviceResults SensorArrays::results(size_t index) {
   Frame& frame = frames_[index];
   const BeamTables& tables = fired(frame);
-  DeviceResults results = DeviceResults::from(tables, counters(frame), [&](Array array) -> const void* {
+  return DeviceResults::from(tables, counters(frame), [&](Array array) -> const void* {
     const auto is = [&](const Output& output) { return output.array == array; };
     if (std::none_of(outputs_.begin(), outputs_.end(), is)) return nullptr;
     DeviceMemory& memory = *frame.arrays[static_cast<size_t>(array)];
     memory.invalidate();
     return memory.host();
   });
+}
+
+DeviceResults SensorArrays::results(size_t index, uint32_t view) {
+  const Frame& frame = frames_[index];
+  DeviceResults results = this->results(index);
   if (frame.views == 1) return results;
-  results.words += uint64_t{view} * tables.frame.beams;
+  results.words += uint64_t{view} * fired(frame).frame.beams;
   results.counters = shareOf(results.counters, view, frame.views);
   return results;
 }

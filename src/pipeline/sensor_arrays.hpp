@@ -29,12 +29,16 @@ class SensorArrays {
   const SensorPlan& sensorPlan() const { return plan_; }
   /// Most beams that are projected at once; in a grid with holes, places.
   uint32_t beams() const { return static_cast<uint32_t>(most_.beams); }
+  /// Whether scans leave the nearest hits of all beams, and nothing else, for the host to resolve.
+  bool leavesHitsAlone() const {
+    return leavesWords_ && outputs_.size() == 1 && !keepsRecords() && !plan_.judged() && mostGroups() == 1;
+  }
   /// Distance in metres beyond which instances cannot be hit.
   double reach() const { return reach_; }
   bool keepsStill() const { return keepsStill_; }
 
-  /// The most views that a submission may have. Views are shots with different poses that need no arrays of their own
-  /// but their words: geometry alone, of a grid in which every place has a beam.
+  /// The most views that a submission may have. Views are shots with different poses in which nothing moves and that
+  /// need no arrays of their own but their words: geometry alone.
   uint32_t mostViews() const { return mostViews_; }
   bool hasRoomForViews(uint32_t views) const { return views <= viewsWithRoom_; }
   /// Makes room for a number of views: exactly in the arrays that lie view after view, and by estimate in the lists of
@@ -57,8 +61,10 @@ class SensorArrays {
   bool cutShort(size_t frame);
   /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
   void growLists(size_t frame);
-  /// Returns the outputs of the last scan of the frame, of one of its views.
-  DeviceResults results(size_t frame, uint32_t view = 0);
+  /// Returns the outputs of the last scan of the frame, of all its views.
+  DeviceResults results(size_t frame);
+  /// Returns those of one of its views.
+  DeviceResults results(size_t frame, uint32_t view);
   /// Whether the device chooses shells, for which it takes a hint.
   bool choosesShells() const { return shells_ > 1; }
   /// Whether the results stay on the device, as records.
@@ -123,6 +129,7 @@ class SensorArrays {
                           StillImage::Use still, Motion motion, bool lastGroup) const;
   uint32_t findMostViews() const;
   void growArrays(uint32_t views);
+  void repeat(gpu::Array array, uint32_t views);
   PlacedGroups everything() const;
   uint64_t mostProjected() const;
   uint64_t candidateBytes() const;

@@ -57,6 +57,7 @@ class Steps {
     if (binning_ == gpu::kBinningLists) fill(gpu::Array::listEnds, 0);
     if (binning_ == gpu::kBinningSlabs) fill(gpu::Array::slabEnds, gpu::kNone);
     if ((input_.panes || input_.footprint) && binning_ != gpu::kBinningLists) fill(gpu::Array::listEnds, gpu::kNone);
+    if (input_.footprint && binning_ != gpu::kBinningLists) fill(gpu::Array::covers, 0);
     if (input_.panes && judged()) fill(gpu::Array::echoCounts, gpu::kNone);
   }
 
@@ -196,7 +197,8 @@ class Steps {
     step.variant.kernel = kernel;
     step.variant.options.PASS = number;
     step.variant.float64 = input_.variant.float64 && (kernel == Kernel::project_triangles || kernel == Kernel::bin);
-    if (kernel != Kernel::effects_footprint) step.variant.options.RAYS = 1;
+    const bool looksAtRays = kernel == Kernel::effects_footprint || (kernel == Kernel::bin && input_.footprint);
+    if (!looksAtRays) step.variant.options.RAYS = 1;
     if (kernel == Kernel::effects_footprint && number == gpu::kPassOthers) step.variant.options.LAYERS = 1;
     // Nothing but the lasers' origins: these kernels need no poses.
     const bool bounds = kernel == Kernel::project_groups || kernel == Kernel::project_clusters ||

@@ -5,10 +5,11 @@
 
 namespace gnosphere {
 
-StillImage::Use StillImage::next(const Pose& pose, const InstanceTable& instances) {
+StillImage::Use StillImage::next(const Shot& shot, const InstanceTable& instances) {
   if (!on_) return Use::none;
-  if (!pose_ || std::memcmp(&pose, &*pose_, sizeof pose) != 0) {
-    pose_ = pose;
+  if (!pose_ || std::memcmp(&shot.pose, &*pose_, sizeof(Pose)) != 0 || shot.world != world_) {
+    pose_ = shot.pose;
+    world_ = shot.world;
     moving_.clear();
     seen_ = instances.changes();
     state_ = State::missing;
@@ -17,7 +18,7 @@ StillImage::Use StillImage::next(const Pose& pose, const InstanceTable& instance
   const bool renumbered = instances.renumberedAt() > seen_;
   const bool newlyMoving = findMoving(instances);
   // If most triangles move, one scan of everything is faster: it can hide more triangles than two separate scans.
-  const bool pays = triangles_ > 0 && 2 * triangles_ >= instances.usableTriangles();
+  const bool pays = triangles_ > 0 && 2 * triangles_ >= instances.contentOf(world_).usableTriangles();
   if (renumbered || newlyMoving || !pays) {
     state_ = State::missing;
     return Use::none;
@@ -35,7 +36,7 @@ bool StillImage::findMoving(const InstanceTable& instances) {
     if (moving_[i]) continue;
     moving_[i] = instances.changedAt(i) > seen_;
     found |= moving_[i] != 0;
-    if (!moving_[i]) triangles_ += instances.usableTriangles(i);
+    if (!moving_[i] && instances.isIn(i, world_)) triangles_ += instances.usableTriangles(i);
   }
   seen_ = instances.changes();
   return found;

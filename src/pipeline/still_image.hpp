@@ -10,8 +10,8 @@
 namespace gnosphere {
 
 /// Decides when the hits on still instances (the words of the beams) are kept and reused. They are valid for one pose
-/// and one set of still instances. They are kept only when both occur in a second scan, so single scans cost nothing
-/// extra. An instance that has moved counts as moving until the pose changes.
+/// in one world and one set of still instances. They are kept only when both occur in a second scan, so single scans
+/// cost nothing extra. An instance that has moved counts as moving until the pose changes.
 class StillImage {
  public:
   enum class Use {
@@ -24,7 +24,7 @@ class StillImage {
   explicit StillImage(bool on) : on_(on) {}
 
   /// Decides what the next scan of the sensor does. May not be called while inMaking().
-  Use next(const Pose& pose, const InstanceTable& instances);
+  Use next(const Shot& shot, const InstanceTable& instances);
   /// Notes that a scan has changed what the image needs. May not be called while inMaking().
   void forget() { state_ = State::missing; }
   /// Returns the instances that a scan places which next() has given `use`.
@@ -49,6 +49,7 @@ class StillImage {
   std::optional<Pose> pose_;     // pose of the last scan
   std::vector<uint8_t> moving_;  // by instance: 1 if it has moved since the first scan from that pose
   uint64_t seen_ = 0;            // InstanceTable::changes() at the last scan
+  uint32_t world_ = 0;           // of the last scan
   uint64_t triangles_ = 0;
 };
 

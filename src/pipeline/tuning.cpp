@@ -32,6 +32,8 @@ constexpr uint64_t kCandidatesPerBeam = 2, kBeamsPerPane = 8;
 // Beams that one submission scans together. Measured on two CPU cores in a town of 300,000 triangles with 5,760 beams
 // per view: 8, 16, 45 and 180 views together took 1.8, 1.3, 1.3 and 1.3 ms per view, and single scans 6.9 ms.
 constexpr uint64_t kBeamsTogetherOnCpu = 1 << 18, kBeamsTogether = 1 << 23, kMostViews = 4096;
+// Bytes of the lists of instances, groups and clusters of one submission.
+constexpr uint64_t kListBytesOnCpu = uint64_t{256} << 20, kListBytes = uint64_t{1} << 30;
 // Shells cost several views no more than one, so the first shell may be small. With 128 clusters per view in that town
 // the scans took 0.93 of the time that they took with 590, a sixteenth of all clusters.
 constexpr uint32_t kFirstShellClustersOfView = 128;
@@ -99,6 +101,11 @@ uint32_t slabShift(uint32_t columns) {
 
 uint32_t slabShiftOfViews() {
   return kLargestSlabShift;
+}
+
+uint64_t mostListBytes(const SimulatorOptions& options, const Traits& traits) {
+  if (options.tuning.maxBatchBytes > 0) return options.tuning.maxBatchBytes;
+  return traits.cpu ? kListBytesOnCpu : kListBytes;
 }
 
 uint32_t mostViews(const Traits& traits, uint64_t beams) {

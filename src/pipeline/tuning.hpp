@@ -38,6 +38,8 @@ uint32_t slabShift(uint32_t columns);
 uint32_t slabShiftOfViews();
 /// Returns the most views of a submission on a device for a sensor with so many beams; 1 if its scans gain nothing from
 /// being submitted together.
+/// Returns the bytes that the lists of several views may take together.
+uint64_t mostListBytes(const SimulatorOptions& options, const Traits& traits);
 uint32_t mostViews(const Traits& traits, uint64_t beams);
 
 /// Numbers of entries for which the lists of a scan have room.

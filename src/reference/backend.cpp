@@ -41,14 +41,14 @@ class ReferenceBackend : public Backend {
   void setSensor(size_t index, std::shared_ptr<const SensorPlan> plan) override;
   void setMaterials(const std::vector<Material>& materials, const std::vector<AlphaImage>& images) override;
   void setMesh(size_t index, const Mesh* mesh) override;
-  void setInstance(size_t index, uint32_t mesh, const Transform& transform) override;
+  void setInstance(size_t index, uint32_t mesh, const Transform& transform, uint32_t world) override;
   void setPositions(size_t mesh, std::span<const float> positions) override;
   void setDeformation(size_t mesh, const Deformation& deformation) override;
 
  private:
   void build();
   void scan(const Shot& shot, Scan& result) const;
-  Bvh treeOf(const Shot& shot) const;
+  Bvh treeOf(const Shot& shot, Counters& counters) const;
 
   const SimulatorOptions options_;
   std::vector<std::optional<BeamEffects>> sensors_;  // empty where one was removed
@@ -78,14 +78,15 @@ Plan ReferenceBackend::planOf(std::shared_ptr<const SensorPlan> of) const {
 void ReferenceBackend::build() {
   counters_ = {};
   Sweeps none;
-  bvh_ = Bvh(placeAll(scene_, options_.faces, {}, {}, none, counters_));
+  bvh_ = Bvh(placeAll(scene_, 0, options_.faces, {}, {}, none, counters_));
   places_ = placedMeshesOf(scene_);
   changed_ = false;
 }
 
-/// Builds the tree for a shot with motion, or of a sensor that ignores instances. Corners move in straight lines from
-/// the start to the end of a turn.
-Bvh ReferenceBackend::treeOf(const Shot& shot) const {
+/// Builds the tree for a shot with motion, for one of a world with instances of its own, or of a sensor that ignores
+/// instances. Corners move in straight lines from the start to the end of a turn. The counters become those of the
+/// world.
+Bvh ReferenceBackend::treeOf(const Shot& shot, Counters& counters) const {
   const SensorPlan& plan = sensors_[shot.sensor]->plan;
   const Sensor& sensor = plan.sensor;
   Sweeps sweeps;
@@ -94,14 +95,14 @@ Bvh ReferenceBackend::treeOf(const Shot& shot) const {
     sweeps.first = std::min(sweeps.first, time);
     sweeps.last = std::max(sweeps.last, time);
   }
-  Counters again;
   Movement movement;
   if (plan.has(gpu::kObjectMotion)) {
     movement = {shot.instanceMotions, {}, durationOf(sensor, shot.frame)};
     for (const MeshMotion& motion : shot.meshMotions)
       movement.positions[motion.mesh] = deformedPositions(deformable_.at(motion.mesh), motion.end);
   }
-  std::vector<Triangle> triangles = placeAll(scene_, options_.faces, plan.ignored, movement, sweeps, again);
+  std::vector<Triangle> triangles =
+      placeAll(scene_, shot.world, options_.faces, plan.ignored, movement, sweeps, counters);
   return Bvh(std::move(triangles), std::move(sweeps));
 }
 
@@ -146,9 +147,9 @@ void ReferenceBackend::setMesh(size_t index, const Mesh* mesh) {
   deformable_.merge(kept);
 }
 
-void ReferenceBackend::setInstance(size_t index, uint32_t mesh, const Transform& transform) {
+void ReferenceBackend::setInstance(size_t index, uint32_t mesh, const Transform& transform, uint32_t world) {
   if (index == scene_.instances.size()) scene_.instances.emplace_back();
-  scene_.instances[index] = {"", mesh, transform};
+  scene_.instances[index] = {.mesh = mesh, .transform = transform, .world = world};
   changed_ = true;
 }
 
@@ -188,8 +189,8 @@ void ReferenceBackend::scan(const Shot& shot, Scan& scan) const {
   scan.counters = counters_;
   scan.timings = {};
   const bool moves = plan.has(gpu::kObjectMotion) && (!shot.instanceMotions.empty() || !shot.meshMotions.empty());
-  const bool ownTree = moves || !plan.ignored.empty();
-  const Bvh own = ownTree ? treeOf(shot) : Bvh({});
+  const bool ownTree = moves || shot.world != 0 || !plan.ignored.empty();
+  const Bvh own = ownTree ? treeOf(shot, scan.counters) : Bvh({});
   View view = viewOf(scene_, ownTree ? own : bvh_, places_, sensor, pose, scan.counters);
   view.cutOuts = plan.has(gpu::kCutOuts);
   if (plan.has(gpu::kTransmission))

@@ -145,15 +145,21 @@ double absoluteError(const PlacedMesh& place, const Vec3& position) {
   return 1e-9 + 0x1p-48 * (norm(place.origin) + norm(position)) + 0x1p-45 * norm(place.origin - position);
 }
 
-std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, std::span<const uint8_t> ignored,
-                               const Movement& movement, Sweeps& sweeps, Counters& counters) {
+std::vector<Triangle> placeAll(const Scene& scene, uint32_t world, ReflectingFaces faces,
+                               std::span<const uint8_t> ignored, const Movement& movement, Sweeps& sweeps,
+                               Counters& counters) {
   std::vector<Triangle> triangles;
-  counters.triangles = scene.placedTriangleCount();
+  counters = {};
+  const auto isSeen = [&](const Instance& instance) {
+    return instance.mesh != kNoMesh && (instance.world == 0 || instance.world == world);
+  };
+  for (const Instance& instance : scene.instances)
+    if (isSeen(instance)) counters.triangles += scene.meshes[instance.mesh].triangleCount();
   triangles.reserve(counters.triangles);
   std::vector<const Transform*> ends(scene.instances.size());
   for (const InstanceMotion& motion : movement.instances) ends[motion.instance] = &motion.end;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (scene.instances[i].mesh == kNoMesh || (i < ignored.size() && ignored[i])) continue;
+    if (!isSeen(scene.instances[i]) || (i < ignored.size() && ignored[i])) continue;
     const Instance& instance = scene.instances[i];
     const std::vector<Vec3> velocities = velocitiesOf(instance, scene.meshes[instance.mesh], ends[i], movement);
     placeInstance(scene, i, faces, velocities, triangles, sweeps, counters);

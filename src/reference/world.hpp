@@ -38,10 +38,11 @@ struct Movement {
   double period = 0;                               ///< seconds
 };
 
-/// Returns the triangles of the scene without those of ignored instances (`ignored` has a 1 for them, and may be
-/// shorter than the instances). For instances that move, `sweeps` gets the corner velocities. Dropped triangles are
-/// counted.
-std::vector<Triangle> placeAll(const Scene& scene, ReflectingFaces faces, std::span<const uint8_t> ignored,
-                               const Movement& movement, Sweeps& sweeps, Counters& counters);
+/// Returns the triangles that a shot of a world sees, without those of ignored instances (`ignored` has a 1 for them,
+/// and may be shorter than the instances). For instances that move, `sweeps` gets the corner velocities. The counters
+/// of triangles become those of the world, and those that are dropped are counted.
+std::vector<Triangle> placeAll(const Scene& scene, uint32_t world, ReflectingFaces faces,
+                               std::span<const uint8_t> ignored, const Movement& movement, Sweeps& sweeps,
+                               Counters& counters);
 
 }  // namespace gnosphere::reference

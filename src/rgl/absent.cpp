@@ -49,9 +49,6 @@ RGL_API rgl_status_t rgl_node_points_simulate_rain(rgl_node_t*) {
 RGL_API rgl_status_t rgl_node_points_simulate_fog(rgl_node_t*) {
   return absent("rgl_node_points_simulate_fog", kWeather);
 }
-RGL_API rgl_status_t rgl_node_multi_return_switch(rgl_node_t*) {
-  return absent("rgl_node_multi_return_switch", "rgl_node_raytrace_configure_return_mode chooses the returns");
-}
 RGL_API rgl_status_t rgl_graph_node_set_active(rgl_node_t, bool) {
   return absent("rgl_graph_node_set_active", "remove the node from its graph with rgl_graph_node_remove_child");
 }

@@ -1,9 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names that earlier levels of the interface had for what is there today.
+#include "rgl/legacy.hpp"
+
 #include "rgl/fields.hpp"
+#include "rgl/raytrace_node.hpp"
 #include "rgl/scene.hpp"
 
 using namespace gnosphere::rgl;
+
+namespace {
+
+/// Level 0.18: the first or the last returns of a raytrace node, beside its own.
+class ReturnSwitchNode : public ReturnChooser {
+ public:
+  static constexpr const char* kName = "MultiReturnSwitchNode";
+  const char* name() const override { return kName; }
+  void set(int32_t type) { type_ = type; }
+  rgl_return_mode_t mode(rgl_return_mode_t own) const override {
+    return type_ == kFirst ? RGL_RETURN_FIRST : type_ == kLast ? RGL_RETURN_LAST : own;
+  }
+
+  // Values of rgl_return_type_t as level 0.18 numbers them.
+  static constexpr int32_t kNotDivergent = 0, kFirst = 1, kLast = 2;
+
+ private:
+  int32_t type_ = kFirst;
+};
+
+}  // namespace
+
+/// 0.18.
+RGL_API rgl_status_t rgl_node_multi_return_switch(rgl_node_t* node, int32_t return_type) {
+  return call(
+      "rgl_node_multi_return_switch",
+      [&] {
+        RGL_CHECK(node != nullptr);
+        RGL_CHECK(return_type >= ReturnSwitchNode::kNotDivergent && return_type <= ReturnSwitchNode::kLast);
+        createOrUpdate<ReturnSwitchNode>(node, Affects::graph, [&](auto& made) { made.set(return_type); });
+      },
+      out(node), return_type);
+}
 
 /// Until 0.18.
 RGL_API rgl_status_t rgl_entity_set_pose(rgl_entity_t entity, const rgl_mat3x4f* transform) {

@@ -140,14 +140,24 @@ void RaytraceNode::run() {
   if (!rigid) key.transform = rays.transform;
   run.hits = &tracer_.trace(key, rigid ? rays.transform : Mat(), sensorId, [&] { return tracedRays(run); });
 
+  chosen_.clear();
+  for (const GraphNode* output : outputs)
+    if (const auto* chooser = dynamic_cast<const ReturnChooser*>(output))
+      if (const rgl_return_mode_t mode = chooser->mode(returnMode); mode != returnMode && !chosen_.contains(mode))
+        chosen_[mode] = cloudOf(run, mode);
+  cloud_ = cloudOf(run, returnMode);
+}
+
+Cloud RaytraceNode::cloudOf(const Run& run, rgl_return_mode_t mode) {
   cloud_ = {};
-  cloud_.count = rays.count() * returnCount(returnMode);
-  cloud_.sensor = rays.transform;
+  cloud_.count = run.rays.count() * returnCount(mode);
+  cloud_.sensor = run.rays.transform;
   const Columns to = makeColumns();
-  inRuns(rays.count(), 4096, threadCount(), [&](uint64_t first, uint64_t end) {
+  inRuns(run.rays.count(), 4096, threadCount(), [&](uint64_t first, uint64_t end) {
     std::vector<Sample> samples(run.samples.size());
-    for (uint64_t ray = first; ray < end; ++ray) computeRay(run, ray, to, samples);
+    for (uint64_t ray = first; ray < end; ++ray) computeRay(run, ray, mode, to, samples);
   });
+  return cloud_;
 }
 
 HitSurface RaytraceNode::surfaceOf(const Hit& hit) const {
@@ -189,7 +199,8 @@ Sample RaytraceNode::judge(const Run& run, size_t ray, size_t sample, HitSurface
   return result;
 }
 
-void RaytraceNode::computeRay(const Run& run, size_t ray, const Columns& to, std::vector<Sample>& samples) const {
+void RaytraceNode::computeRay(const Run& run, size_t ray, rgl_return_mode_t mode, const Columns& to,
+                              std::vector<Sample>& samples) const {
   const bool byStrength = samples.size() > 1;
   Picked picked;
   for (size_t k = 0; k < samples.size(); ++k) {
@@ -199,9 +210,9 @@ void RaytraceNode::computeRay(const Run& run, size_t ray, const Columns& to, std
     if (byStrength) samples[k].intensity = intensityOf(surface, worldRay(run, ray, k), samples[k].distance);
     picked.add(samples[k]);
   }
-  const int returns = returnCount(returnMode);
+  const int returns = returnCount(mode);
   for (int k = 0; k < returns; ++k) {
-    const rgl_return_type_t type = returnType(returnMode, k);
+    const rgl_return_type_t type = returnType(mode, k);
     writePoint(run, ray, ray * returns + k, type, picked.first ? *picked.of(type) : samples[0], to);
   }
 }

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "rgl/hit_surface.hpp"
@@ -44,6 +46,8 @@ class RaytraceNode : public PointsNode {
   void validate() override;
   void run() override;
   bool has(rgl_field_t field) const override { return fields_.contains(field); }
+  /// The points of the last run with another return mode, for which a ReturnChooser behind this node asks.
+  const Cloud& returnsOf(rgl_return_mode_t mode) const { return mode == returnMode ? cloud_ : chosen_.at(mode); }
   /// Takes parameters from a call without a node to create; there are none.
   void set() {}
 
@@ -74,7 +78,9 @@ class RaytraceNode : public PointsNode {
   std::vector<Ray> tracedRays(const Run& run) const;
   Ray sensorRay(const Run& run, size_t ray, size_t sample) const;
   Columns makeColumns();
-  void computeRay(const Run& run, size_t ray, const Columns& to, std::vector<Sample>& samples) const;
+  Cloud cloudOf(const Run& run, rgl_return_mode_t mode);
+  void computeRay(const Run& run, size_t ray, rgl_return_mode_t mode, const Columns& to,
+                  std::vector<Sample>& samples) const;
   Sample judge(const Run& run, size_t ray, size_t sample, HitSurface& surface) const;
   HitSurface surfaceOf(const Hit& hit) const;
   float intensityOf(const HitSurface& surface, const Ray& world, double distance) const;
@@ -86,6 +92,23 @@ class RaytraceNode : public PointsNode {
   RaysNode* input_ = nullptr;
   std::set<rgl_field_t> fields_;
   Tracer tracer_;
+  std::map<rgl_return_mode_t, Cloud> chosen_;  ///< beside those of returnMode
+};
+
+/// A node right behind a raytrace node that gives its points with a return mode of its own.
+class ReturnChooser : public PointsFilter {
+ public:
+  /// `own` is the mode of the raytrace node.
+  virtual rgl_return_mode_t mode(rgl_return_mode_t own) const = 0;
+  void validate() override {
+    PointsFilter::validate();
+    raytrace_ = dynamic_cast<const RaytraceNode*>(input_);
+    if (!raytrace_) throw Failure(RGL_INVALID_PIPELINE, std::string(name()) + ": its input must be a RaytraceNode");
+  }
+  void run() override { cloud_ = raytrace_->returnsOf(mode(raytrace_->returnMode)); }
+
+ private:
+  const RaytraceNode* raytrace_ = nullptr;
 };
 
 }  // namespace gnosphere::rgl

@@ -17,6 +17,7 @@
 
 #include "rgl/call.hpp"
 #include "rgl/fields.hpp"
+#include "rgl/legacy.hpp"
 
 namespace gnosphere::rgl {
 
@@ -268,6 +269,7 @@ const std::map<std::string, Play>& players() {
       PLAY(rgl_configure_logging),
       PLAY(rgl_cleanup),
       PLAY(rgl_mesh_create),
+      PLAY(rgl_mesh_update_vertices),
       PLAY(rgl_mesh_set_texture_coords),
       PLAY(rgl_mesh_set_bone_weights),
       PLAY(rgl_mesh_set_restposes),
@@ -302,6 +304,7 @@ const std::map<std::string, Play>& players() {
       PLAY(rgl_node_raytrace_configure_return_mode),
       PLAY(rgl_node_raytrace_configure_reflectivity_alpha),
       PLAY(rgl_node_raytrace_configure_id),
+      PLAY(rgl_node_multi_return_switch),
       PLAY(rgl_node_points_transform),
       PLAY(rgl_node_points_format),
       PLAY(rgl_node_points_yield),
@@ -345,13 +348,16 @@ std::string contentOf(const std::string& path) {
   return content.str();
 }
 
+// The sentences are RGL's, because programs look for them.
 void checkVersion(const YAML::Node& calls) {
-  const auto refuse = [](const char* why) { throw Failure(RGL_TAPE_ERROR, std::string("the tape ") + why); };
-  if (!calls.IsSequence() || calls.size() == 0) refuse("is empty");
+  const auto refuse = [](const char* why) { throw Failure(RGL_TAPE_ERROR, why); };
+  if (calls.IsNull() || (calls.IsSequence() && calls.size() == 0)) refuse("Invalid Tape: Empty YAML file detected");
+  if (!calls.IsSequence()) refuse("Unsupported Tape format: Detected outdated format");
   const YAML::Node first = calls[0]["rgl_get_version_info"];
-  if (!first || !first["a"] || first["a"].size() != 3) refuse("does not begin with the version of its recording");
+  if (!first || !first["a"] || first["a"].size() != 3)
+    refuse("Unsupported Tape format: Missing version record in the Tape");
   const int made = first["a"][0].as<int>() * 1000000 + first["a"][1].as<int>() * 1000 + first["a"][2].as<int>();
-  if (made < 16003) refuse("is of a version before 0.16.3, which had another form");
+  if (made < 16003) refuse("Unsupported Tape Format: Tape version is too old. Required version: 0.16.3.");
 }
 
 /// A call of a tape.

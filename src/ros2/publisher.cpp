@@ -20,7 +20,7 @@ namespace {
 
 constexpr uint32_t kLastDomain = 232;  // beyond it the ports of DDS end
 
-[[noreturn]] void refuse(const std::string& why) {
+[[noreturn]] void refusePublisher(const std::string& why) {
   throw Error(ErrorCode::invalidArgument, "ros2::Publisher: " + why);
 }
 
@@ -31,7 +31,8 @@ uint32_t domainFromEnvironment() {
   const char* const end = text + std::strlen(text);
   const auto [rest, failed] = std::from_chars(text, end, domain);
   if (failed != std::errc() || rest != end || domain > kLastDomain)
-    refuse("ROS_DOMAIN_ID is '" + std::string(text) + "', which is none of 0 to " + std::to_string(kLastDomain));
+    refusePublisher("ROS_DOMAIN_ID is '" + std::string(text) + "', which is none of 0 to " +
+                    std::to_string(kLastDomain));
   return domain;
 }
 
@@ -46,9 +47,10 @@ bool localhostFromEnvironment() {
 /// The name that a topic of ROS has on the wire.
 std::string wireName(const std::string& topic) {
   const auto invalid = [&] {
-    refuse("'" + topic +
-           "' is no name of a topic: it has parts of letters, digits and underscores between slashes, and no part "
-           "begins with a digit");
+    refusePublisher(
+        "'" + topic +
+        "' is no name of a topic: it has parts of letters, digits and underscores between slashes, and no part "
+        "begins with a digit");
   };
   char before = '/';
   for (size_t i = topic.starts_with('/') ? 1 : 0; i < topic.size(); before = topic[i++]) {
@@ -61,15 +63,16 @@ std::string wireName(const std::string& topic) {
 }
 
 Topic topicOf(MessageType type, const std::string& name, const PublisherOptions& options) {
-  if (static_cast<size_t>(type) >= std::variant_size_v<Message>) refuse("there is no such type of message");
-  if (options.qos.depth == 0) refuse("the depth of the queue is 0; it must be 1 at least");
+  if (static_cast<size_t>(type) >= std::variant_size_v<Message>) refusePublisher("there is no such type of message");
+  if (options.qos.depth == 0) refusePublisher("the depth of the queue is 0; it must be 1 at least");
   Topic topic;
   topic.type = type;
   topic.name = wireName(name);
   topic.qos = options.qos;
   topic.domain = options.domain ? *options.domain : domainFromEnvironment();
   if (topic.domain > kLastDomain)
-    refuse("the domain is " + std::to_string(topic.domain) + "; the last one is " + std::to_string(kLastDomain));
+    refusePublisher("the domain is " + std::to_string(topic.domain) + "; the last one is " +
+                    std::to_string(kLastDomain));
   topic.localhostOnly = options.localhostOnly ? *options.localhostOnly : localhostFromEnvironment();
   return topic;
 }
@@ -90,7 +93,7 @@ class Publisher::Queue {
   }
 
   void push(Message message) {
-    if (message.index() != static_cast<size_t>(type_)) refuse("the topic has messages of another type");
+    if (message.index() != static_cast<size_t>(type_)) refusePublisher("the topic has messages of another type");
     check(message);
     Message replaced;  // destroyed after the lock is released
     {

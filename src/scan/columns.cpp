@@ -23,6 +23,26 @@ void refuseMissing(Field field) {
   throw Error(ErrorCode::invalidArgument, name + ": it was not asked for; add it to the fields of the sensor");
 }
 
+void Timings::add(const std::string& stage, double ms) {
+  const auto found =
+      std::find_if(stages.begin(), stages.end(), [&](const StageTime& other) { return other.name == stage; });
+  if (found == stages.end())
+    stages.push_back({stage, ms});
+  else
+    found->ms += ms;
+}
+
+Counters& Counters::operator+=(const Counters& other) {
+  const auto add = [&]<typename... Members>(Members... members) { ((this->*members += other.*members), ...); };
+  add(&Counters::beams, &Counters::hits, &Counters::misses, &Counters::triangles, &Counters::nonFinite,
+      &Counters::degenerate, &Counters::culledByCluster, &Counters::reused, &Counters::culledByRange,
+      &Counters::culledByFace, &Counters::culledBetweenBeams, &Counters::culledHidden, &Counters::projected,
+      &Counters::candidates, &Counters::integerSides, &Counters::integerRanges, &Counters::lostEchoes,
+      &Counters::retries);
+  for (size_t i = 0; i < causes.size(); ++i) causes[i] += other.causes[i];
+  return *this;
+}
+
 bool Scan::has(Field field) const {
   const size_t entries = ranges.size();
   switch (field) {

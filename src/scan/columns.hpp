@@ -28,12 +28,17 @@ class ScanColumns {
   /// field's public array then has kNoTriangle in every entry, and Scan::has() denies it.
   void setUnknown(Field field, bool unknown) { scan_.columns_[static_cast<size_t>(field)].resize(unknown ? 1 : 0); }
 
+  /// Returns the memory of the values; null if the scan does not have the column.
+  std::byte* bytes(Field field) const {
+    auto& values = scan_.columns_[static_cast<size_t>(field)];
+    return values.empty() ? nullptr : values.data();
+  }
+
   /// Returns the values, with the components of an entry side by side; null if the scan does not have the column.
   template <typename T>
   T* data(Field field) const {
     assert(fieldInfo(field).type == valueTypeOf<T>());
-    auto& bytes = scan_.columns_[static_cast<size_t>(field)];
-    return bytes.empty() ? nullptr : reinterpret_cast<T*>(bytes.data());
+    return reinterpret_cast<T*>(bytes(field));
   }
 
  private:

@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "base/json_text.hpp"
+
 namespace gnosphere {
 namespace {
 
@@ -397,7 +399,7 @@ void checkVersion(const Json& json, const Source& source) {
     source.fail("it is not glTF: its JSON has no asset.version");
   const Json& version = (*asset)["version"];
   if (!version.is_string() || !version.get_ref<const std::string&>().starts_with("2."))
-    source.fail("it is glTF version " + inQuotes(version.dump()) + "; convert it to version 2.0");
+    source.fail("it is glTF version " + inQuotes(jsonText(version)) + "; convert it to version 2.0");
 }
 
 }  // namespace
@@ -412,7 +414,7 @@ GltfFile parseGltf(Bytes bytes, const Source& source) {
   {
     Json json;
     try {
-      json = Json::parse(container.json);
+      json = parseJson(container.json);
     } catch (const Json::exception& error) {
       source.fail(std::string(isGlb ? "its JSON is invalid" : "it is neither glTF text nor GLB") + ": " + error.what());
     }
@@ -434,7 +436,7 @@ GltfFile parseGltf(Bytes bytes, const Source& source) {
       if (json.contains(name)) *kept = std::move(json[name]);
       json.erase(name);
     }
-    stripped = json.dump();
+    stripped = jsonText(json);
   }
   if (container.binary && !file.buffers.empty() && file.buffers[0].uri.empty()) {
     file.buffers[0].bytes = *container.binary;

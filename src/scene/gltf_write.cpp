@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "base/json_text.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/scene.hpp"
 
@@ -103,7 +104,7 @@ class Document {
   const std::vector<std::pair<const void*, size_t>>& arrays() const { return arrays_; }
   /// The JSON text, padded with spaces to whole words as GLB requires.
   std::string text() const {
-    std::string text = json_.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string text = jsonText(json_);
     text.resize((text.size() + 3) / 4 * 4, ' ');
     return text;
   }

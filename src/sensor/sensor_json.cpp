@@ -14,6 +14,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.hpp"
 #include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
@@ -284,13 +285,10 @@ Sensor sensorFromRoot(const Source& source, const json& root) {
 Sensor sensorFromJson(std::string_view text, const std::string& source) {
   Sensor sensor;
   try {
-    sensor = sensorFromRoot({source}, json::parse(text));
+    sensor = sensorFromRoot({source}, parseJson(text));
     validate(sensor);
   } catch (const json::exception& problem) {
-    // "[json.exception.parse_error.101] parse error at line 1, ...": the readable part follows the bracket.
-    const std::string what = problem.what();
-    const size_t bracket = what.find("] ");
-    throw Error(ErrorCode::format, source + ": is not JSON: " + what.substr(bracket == what.npos ? 0 : bracket + 2));
+    throw Error(ErrorCode::format, source + ": is not JSON: " + readable(problem));
   } catch (const Error& problem) {
     if (problem.code() != ErrorCode::invalidArgument) throw;
     throw Error(ErrorCode::format, source + ": " + problem.what());

@@ -7,6 +7,7 @@
 #include <concepts>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.hpp"
 #include "base/units.hpp"
 #include "gnosphere/error.hpp"
 #include "gnosphere/sensor.hpp"
@@ -126,12 +127,9 @@ std::string patternsText(const std::vector<BeamList>& patterns) {
 
 std::string toJson(const Sensor& sensor) {
   validate(sensor);
-  std::string name;
-  try {
-    name = json(sensor.name).dump();
-  } catch (const json::exception&) {
+  const std::string name = jsonText(json(sensor.name));
+  if (parseJson(name) != sensor.name)
     throw Error(ErrorCode::invalidArgument, "the sensor's name is not UTF-8, JSON cannot hold it");
-  }
   std::string out = "{\n  \"name\": " + name +
                     (sensor.isGrid() ? ",\n  \"columns\": " + std::to_string(sensor.columns) : "") +
                     ",\n  \"range\": {\"min\": " + text(sensor.rangeMin) + ", \"max\": " + text(sensor.rangeMax) + "}";

@@ -9,8 +9,6 @@
 namespace gnosphere::vulkan {
 namespace {
 
-constexpr uint64_t kMostStagingBytes = 16 << 20;
-
 std::string mebibytes(uint64_t bytes) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f MiB", static_cast<double>(bytes) / (1 << 20));

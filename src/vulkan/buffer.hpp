@@ -11,6 +11,10 @@
 
 namespace gnosphere::vulkan {
 
+/// Most bytes of a staging buffer. What needs more, such as a scene that is loaded, has several, and the next recording
+/// keeps one of them.
+inline constexpr uint64_t kMostStagingBytes = 16 << 20;
+
 class Buffer {
  public:
   Buffer() = default;

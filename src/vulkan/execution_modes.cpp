@@ -10,7 +10,6 @@
 namespace gnosphere::vulkan {
 namespace {
 
-constexpr size_t kHeaderWords = 5;
 // Newer than some versions of spirv.hpp.
 constexpr uint32_t kSubgroupUniformControlFlow = 4421;
 

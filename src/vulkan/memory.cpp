@@ -7,13 +7,6 @@
 #include <utility>
 
 namespace gnosphere::vulkan {
-namespace {
-
-// Most bytes of a staging buffer. What needs more, such as a scene that is loaded, has several, and the next recording
-// keeps one of them.
-constexpr uint64_t kMostStagingBytes = 16 << 20;
-
-}  // namespace
 
 VulkanMemory::VulkanMemory(const Device& device, const char* name, uint64_t bytes, MemoryKind kind) {
   const bool copied = kind == MemoryKind::readback && !device.unifiedMemory();

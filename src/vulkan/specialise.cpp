@@ -11,7 +11,7 @@
 namespace gnosphere::vulkan {
 namespace {
 
-constexpr size_t kHeaderWords = 5, kBoundWord = 3;
+constexpr size_t kBoundWord = 3;  // of the header
 
 // The instructions before the first function.
 class Globals {

@@ -13,6 +13,7 @@
 namespace gnosphere::vulkan {
 
 using Words = std::vector<uint32_t>;
+inline constexpr size_t kHeaderWords = 5;  ///< before the first instruction of a module
 /// The words of one instruction; the first one holds its length and what it does.
 using Instruction = std::span<const uint32_t>;
 

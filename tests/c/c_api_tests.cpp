@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <catch2/catch_test_macros.hpp>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <gnosphere/gnosphere.hpp>
@@ -329,7 +330,7 @@ TEST_CASE("C: a null, destroyed or foreign handle, a null pointer and a wrong st
   CHECK(fails(gno_scene_get_counts(reinterpret_cast<gno_scene>(&counts), &counts), GNO_INVALID_ARGUMENT, "no scene"));
   CHECK(fails(gno_sensor_destroy(reinterpret_cast<gno_sensor>(scene)), GNO_INVALID_ARGUMENT, "of a scene, not of a"));
   CHECK(fails(gno_scene_get_counts(scene, nullptr), GNO_INVALID_ARGUMENT, "gno_scene_counts is null"));
-  counts.struct_size += 8;
+  counts.struct_size += 8;  // of a newer library
   CHECK(fails(gno_scene_get_counts(scene, &counts), GNO_INVALID_ARGUMENT, "gno_scene_counts::struct_size"));
   CHECK(fails(gno_scene_load(nullptr, nullptr, &scene), GNO_INVALID_ARGUMENT, "file is null"));
   CHECK(fails(gno_scene_load("/nowhere.glb", nullptr, &scene), GNO_FILE, "nowhere.glb"));
@@ -365,6 +366,118 @@ TEST_CASE("C: a null, destroyed or foreign handle, a null pointer and a wrong st
   CHECK(fails(gno_simulator_scan(simulator, &shot, &scan), GNO_INVALID_ARGUMENT, "destroyed"));
   CHECK(gno_scene_destroy(scene) == GNO_OK);
   CHECK(fails(gno_scene_validate(scene), GNO_INVALID_ARGUMENT, "destroyed"));
+}
+
+namespace {
+
+/// A struct as a program has it that was compiled with an older header: it ends before `end`, and what follows in
+/// memory is something else.
+template <class T>
+class Older {
+ public:
+  Older(const T& from, size_t end) : bytes_(sizeof(T), std::byte{0xa5}), size_(end) {
+    std::memcpy(bytes_.data(), &from, end);
+    std::memcpy(bytes_.data(), &end, sizeof end);
+  }
+  T* get() { return reinterpret_cast<T*>(bytes_.data()); }
+  bool untouched() const {
+    return std::all_of(bytes_.begin() + static_cast<std::ptrdiff_t>(size_), bytes_.end(),
+                       [](std::byte byte) { return byte == std::byte{0xa5}; });
+  }
+
+ private:
+  std::vector<std::byte> bytes_;
+  size_t size_;
+};
+
+}  // namespace
+
+TEST_CASE("C: structs of an older header are taken with defaults for what they lack, and filled as far as they go") {
+  gno_scene scene = makeScene();
+  gno_sensor sensor = nullptr;
+  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
+  gno_options options = gno_options_init();
+  options.device = "reference";
+  gno_request request = gno_request_init();
+  request.sensor = sensor;
+  Older<gno_options> olderOptions(options, offsetof(gno_options, validation));
+  gno_simulator simulator = nullptr, other = nullptr;
+  // Two requests of an older size lie as far apart as their size says.
+  const size_t requestSize = offsetof(gno_request, variable_weather);
+  std::vector<std::byte> requests(2 * requestSize);
+  request.struct_size = requestSize;
+  for (size_t i = 0; i < 2; ++i) std::memcpy(requests.data() + i * requestSize, &request, requestSize);
+  REQUIRE(gno_simulator_create(scene, reinterpret_cast<gno_request*>(requests.data()), 2, olderOptions.get(),
+                               &simulator) == GNO_OK);
+  request = gno_request_init();
+  request.sensor = sensor;
+  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &other) == GNO_OK);
+  CHECK(olderOptions.untouched());
+  gno_shot shot = gno_shot_init();
+  shot.pose.position[2] = 1.8;
+  shot.sensor = 1;
+  Older<gno_shot> olderShot(shot, offsetof(gno_shot, motion));
+  gno_scan a = nullptr, b = nullptr;
+  REQUIRE(gno_simulator_scan(simulator, olderShot.get(), &a) == GNO_OK);
+  shot.sensor = 0;
+  REQUIRE(gno_simulator_scan(other, &shot, &b) == GNO_OK);
+  gno_counters whole = gno_counters_init();
+  REQUIRE(gno_scan_get_counters(b, &whole) == GNO_OK);
+  CHECK(whole.hits > 0);
+  Older<gno_counters> older(gno_counters_init(), offsetof(gno_counters, triangles));
+  REQUIRE(gno_scan_get_counters(a, older.get()) == GNO_OK);
+  CHECK(older.untouched());
+  CHECK(older.get()->hits == whole.hits);
+  CHECK(older.get()->misses == whole.misses);
+  CHECK(older.get()->struct_size == offsetof(gno_counters, triangles));
+  whole.struct_size = 4;
+  CHECK(fails(gno_scan_get_counters(b, &whole), GNO_INVALID_ARGUMENT, "which is no size of it"));
+  for (const gno_scan scan : {a, b}) CHECK(gno_scan_destroy(scan) == GNO_OK);
+  for (const gno_simulator each : {simulator, other}) CHECK(gno_simulator_destroy(each) == GNO_OK);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
+}
+
+TEST_CASE("C: options are set by their names") {
+  gno_options options = gno_options_init();
+  options.device = "reference";
+  CHECK(gno_options_set(&options, "accuracy=exact") == GNO_OK);
+  CHECK(gno_options_set(&options, "faces=front") == GNO_OK);
+  const std::string both = options.assignments;
+  CHECK(fails(gno_options_set(&options, "tuning.bining=lists"), GNO_INVALID_ARGUMENT, "tuning.binning"));
+  CHECK(fails(gno_options_set(&options, "faces=back"), GNO_INVALID_ARGUMENT, "material, front or both"));
+  CHECK(fails(gno_options_set(nullptr, "faces=front"), GNO_INVALID_ARGUMENT, "gno_options is null"));
+  CHECK(fails(gno_options_set(&options, nullptr), GNO_INVALID_ARGUMENT, "assignment is null"));
+  CHECK(options.assignments == both);
+  gno_options again = gno_options_init();
+  CHECK(gno_options_set(&again, "accuracy=exact") == GNO_OK);
+  CHECK(gno_options_set(&again, "faces=front") == GNO_OK);
+  CHECK(again.assignments == options.assignments);  // kept once
+
+  // The materials reflect on both sides, unless the option says otherwise: from below the floor is seen from behind.
+  gno_scene scene = makeScene();
+  gno_sensor sensor = nullptr;
+  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
+  gno_request request = gno_request_init();
+  request.sensor = sensor;
+  uint64_t hits[2] = {};
+  for (int i = 0; i < 2; ++i) {
+    gno_simulator simulator = nullptr;
+    REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
+    gno_shot shot = gno_shot_init();
+    shot.pose.position[2] = -1.8;
+    gno_counters counters = gno_counters_init();
+    gno_scan scan = nullptr;
+    REQUIRE(gno_simulator_scan(simulator, &shot, &scan) == GNO_OK);
+    REQUIRE(gno_scan_get_counters(scan, &counters) == GNO_OK);
+    hits[i] = counters.hits;
+    CHECK(gno_scan_destroy(scan) == GNO_OK);
+    CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+    options.assignments = nullptr;
+  }
+  CHECK(hits[0] < hits[1]);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
 TEST_CASE("C: the sentence of an error belongs to its thread, and threads may share a simulator") {

@@ -34,12 +34,13 @@ inline void needCuda() {
 /// The CUDA backend on the host for one scene: does the work of Simulator without its checks.
 class CudaOnHost {
  public:
-  CudaOnHost(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup)
+  CudaOnHost(const Scene& scene, const std::vector<Sensor>& sensors, const TestOptions& setup,
+             decltype(&cuda_on_host::makeBackend) makeBackend = cuda_on_host::makeBackend)
       : sensors_(sensors), setup_(setup), planner_(setup_) {
     SensorPlans plans;
     for (const Sensor& sensor : sensors)
       plans.push_back(planner_.plan(scene, {sensor, setup.effects, setup.fields}, plans.size(), false));
-    backend_ = cuda_on_host::makeBackend(scene, plans, setup_);
+    backend_ = makeBackend(scene, plans, setup_);
   }
 
   Scan scan(const Pose& pose, size_t sensor = 0) {

@@ -50,6 +50,20 @@ const double kHalf = std::sqrt(0.5);
 
 }  // namespace
 
+TEST_CASE("a drive has the options of the simulator that change clouds") {
+  const DriveFolder folder;
+  CHECK(folder.read(smallDrive()).simulator == std::vector<std::string>{"accuracy=standard"});
+  Json json = changed("/simulator", {{"faces", "both"}, {"accuracy_parts", {{"inside", "plain"}}}});
+  CHECK(folder.read(json).simulator ==
+        std::vector<std::string>{"accuracy=standard", "accuracy_parts.inside=\"plain\"", "faces=\"both\""});
+  json["simulator"]["accuracy"] = "exact";
+  CHECK(folder.read(json).simulator[1] == "accuracy=\"exact\"");
+  json["accuracy"] = "exact";
+  checkRefused(json, {"simulator.accuracy: is there twice"});
+  checkRefused(changed("/simulator", {{"tuning", 1}}), {"simulator.tuning: is an unknown word"});
+  checkRefused(changed("/simulator", {{"faces", "back"}}), {"simulator.faces: 'back' is unknown"});
+}
+
 TEST_CASE("a mistake in a drive file is told with its path, what is expected and the nearest word") {
   checkRefused(changed("/actors/0/trajectry", 1),
                {"actors[0].trajectry: is an unknown word; the nearest are trajectory"});

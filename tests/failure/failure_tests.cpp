@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory runs out at every place of a call that changes a simulator: the call reports it, and the object is as before.
+// Memory runs out, or a disk fails, at every place of every call: the call reports it, and the object is as before.
+#include <gnosphere.h>
+
 #include <catch2/generators/catch_generators.hpp>
+#include <filesystem>
 
 #include "deformable.hpp"
 #include "failure/injection.hpp"
+#include "folder.hpp"
 
 namespace gnosphere::test {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// A floor, a limb that bends, and a material with holes.
 Scene smallScene() {
@@ -126,6 +132,102 @@ TEST_CASE("without memory a change of the scene leaves the simulator as it was",
       [&] {
         added = simulator.addSensor({gridSensor(40, 4, -10, 10), Effects::none(), {}});
       });
+}
+
+TEST_CASE("without memory or room on the disk no cloud is written by half, and reading says so") {
+  const Subject subject(DeviceChoice::Kind::reference);
+  const Folder folder;
+  for (const char* ending : {"pcd", "ply", "npy", "csv", "bin"}) {
+    const fs::path file = folder / (std::string("cloud.") + ending);
+    writeCloud(subject.expected, file);
+    const std::string whole = bytesOf(file);
+    for (const Fails what : {Fails::memory, Fails::files}) {
+      const std::string name = std::string(what == Fails::memory ? "memory" : "files") + ": writeCloud, " + ending;
+      failEach(name, what,
+               {[&] { writeCloud(subject.expected, file); },
+                {},
+                [&] {
+                  CHECK(bytesOf(file) == whole);
+                  CHECK_FALSE(fs::exists(file.string() + ".part"));
+                }});
+    }
+    if (std::string(ending) == "bin") continue;
+    failEach(std::string("memory: readCloud, ") + ending, Fails::memory, {[&] { (void)readCloud(file); }, {}, {}});
+    failEach(std::string("files: readCloud, ") + ending, Fails::files, {[&] { (void)readCloud(file); }, {}, {}});
+  }
+}
+
+TEST_CASE("C: without memory every function returns a status, and its handles stay what they are") {
+  gno_scene scene = nullptr;
+  REQUIRE(gno_scene_create(&scene) == GNO_OK);
+  const float corners[] = {-20, -20, 0, 20, -20, 0, 20, 20, 0, -20, 20, 0};
+  const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
+  gno_mesh mesh = gno_mesh_init();
+  mesh.positions = corners;
+  mesh.vertex_count = 4;
+  mesh.indices = triangles;
+  mesh.triangle_count = 2;
+  const gno_material material = gno_material_init();
+  const gno_instance instance = gno_instance_init();
+  REQUIRE(gno_scene_add_material(scene, &material, nullptr) == GNO_OK);
+  REQUIRE(gno_scene_add_mesh(scene, &mesh, nullptr) == GNO_OK);
+  REQUIRE(gno_scene_add_instance(scene, &instance, nullptr) == GNO_OK);
+  gno_sensor sensor = nullptr;
+  REQUIRE(gno_sensor_builtin("VLP-16", &sensor) == GNO_OK);
+  gno_request request = gno_request_init();
+  request.sensor = sensor;
+  gno_options options = gno_options_init();
+  options.device = "reference";
+  gno_simulator simulator = nullptr;
+  REQUIRE(gno_simulator_create(scene, &request, 1, &options, &simulator) == GNO_OK);
+  gno_shot shot = gno_shot_init();
+  shot.pose.position[2] = 1.8;
+  uint64_t hits = 0;
+  const auto receive = [](size_t, gno_scan scan, void* user) -> int32_t {
+    gno_counters counters = gno_counters_init();
+    gno_scan_get_counters(scan, &counters);
+    *static_cast<uint64_t*>(user) = counters.hits;
+    return 0;
+  };
+  const auto scanAll = [&] { return gno_simulator_scan_all(simulator, &shot, 1, receive, &hits); };
+  REQUIRE(scanAll() == GNO_OK);
+  const uint64_t expected = hits;
+  const auto check = [&] {
+    hits = 0;
+    CHECK(scanAll() == GNO_OK);
+    CHECK(hits == expected);
+  };
+  const auto each = [&](const char* name, const std::function<gno_status()>& call, const std::function<void()>& undo) {
+    failEach(std::string("C: ") + name, Fails::memory,
+             {[&] {
+                const gno_status status = call();
+                if (status == GNO_OUT_OF_MEMORY) throw std::bad_alloc();
+                if (status != GNO_OK) throw std::runtime_error("status " + std::to_string(status));
+              },
+              undo, check});
+  };
+  each("scan_all", scanAll, {});
+  gno_simulator made = nullptr;
+  each(
+      "simulator_create", [&] { return gno_simulator_create(scene, &request, 1, &options, &made); },
+      [&] { gno_simulator_destroy(made); });
+  gno_scan scan = nullptr;
+  each(
+      "scan", [&] { return gno_simulator_scan(simulator, &shot, &scan); },
+      [&] {
+        gno_scan_destroy(scan);
+        scan = nullptr;
+      });
+  size_t index = 0;
+  each(
+      "add_mesh", [&] { return gno_simulator_add_mesh(simulator, &mesh, &index); },
+      [&] { gno_simulator_remove_mesh(simulator, index); });
+  gno_sensor other = nullptr;
+  each(
+      "sensor_builtin", [&] { return gno_sensor_builtin("HDL-64E", &other); }, [&] { gno_sensor_destroy(other); });
+  CHECK(gno_simulator_destroy(simulator) == GNO_OK);
+  CHECK(gno_sensor_destroy(sensor) == GNO_OK);
+  CHECK(gno_scene_destroy(scene) == GNO_OK);
 }
 
 }  // namespace gnosphere::test

@@ -49,6 +49,12 @@ TEST_CASE("RGL: a tape makes the calls again") {
   std::ofstream(folder / "bad.yaml") << "- rgl_get_version_info: {t: 0, a: [0, 14, 0]}\n";
   std::ofstream(folder / "bad.bin") << "";
   CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "0.16.3"));
+  std::ofstream(folder / "bad.yaml") << "";
+  CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "Invalid Tape: Empty YAML file detected"));
+  std::ofstream(folder / "bad.yaml") << "rgl_version: {major: 0, minor: 16, patch: 2}\n";
+  CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "Detected outdated format"));
+  std::ofstream(folder / "bad.yaml") << "- rgl_mesh_create: {t: 0, a: [0]}\n";
+  CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "Missing version record in the Tape"));
   std::ofstream(folder / "bad.yaml") << "[1, 2";
   CHECK(failed(rgl_tape_play((folder / "bad").c_str()), RGL_TAPE_ERROR, "no recording"));
   CHECK(failed(rgl_tape_play((folder / "none").c_str()), RGL_INVALID_FILE_PATH, "none.yaml"));

@@ -2,6 +2,7 @@
 // libgnosphere_rgl as a plug-in uses it: against the C++ interface with the same rays, and against closed forms. Tests
 // run on the device "reference" unless GNOSPHERE_RGL_DEVICE says another.
 
+#include <algorithm>
 #include <catch2/catch_approx.hpp>
 #include <cstdlib>
 #include <cstring>
@@ -291,6 +292,9 @@ TEST_CASE("RGL: animated entities have vertices of their own, by the caller or b
   OK(rgl_cleanup());
 }
 
+/// Level 0.18; the header is of a later one.
+extern "C" rgl_status_t rgl_node_multi_return_switch(rgl_node_t* node, int32_t return_type);
+
 TEST_CASE("RGL: distortion moves each ray by its time, and a beam with a divergence has a first and a last return") {
   place(squareMesh(), matrix(0, 0, 5));
   place(squareMesh(30), matrix(0, 0, 8));
@@ -324,6 +328,38 @@ TEST_CASE("RGL: distortion moves each ray by its time, and a beam with a diverge
   CHECK(lidar.get<uint8_t>(RGL_FIELD_RETURN_TYPE_U8) ==
         std::vector<uint8_t>{RGL_RETURN_TYPE_FIRST, RGL_RETURN_TYPE_LAST, RGL_RETURN_TYPE_FIRST, RGL_RETURN_TYPE_LAST});
   CHECK(lidar.get<uint32_t>(RGL_FIELD_RAY_IDX_U32) == std::vector<uint32_t>{0, 0, 1, 1});
+
+  // Level 0.18 has a node for each of the returns instead of modes.
+  OK(rgl_node_raytrace_configure_return_mode(lidar.raytrace, RGL_RETURN_FIRST));
+  const std::vector<float> first = {both[0], both[2]}, last = {both[1], both[3]};
+  for (const auto& [type, expected] : {std::pair{1, first}, {2, last}, {0, first}}) {
+    rgl_node_t chosen = nullptr, yield = nullptr;
+    const rgl_field_t field = RGL_FIELD_DISTANCE_F32;
+    OK(rgl_node_multi_return_switch(&chosen, type));
+    OK(rgl_node_points_yield(&yield, &field, 1));
+    OK(rgl_graph_node_add_child(lidar.raytrace, chosen));
+    OK(rgl_graph_node_add_child(chosen, yield));
+    lidar.run();
+    int32_t count = 0, size = 0;
+    OK(rgl_graph_get_result_size(yield, field, &count, &size));
+    REQUIRE(count == 2);
+    std::vector<float> values(2);
+    OK(rgl_graph_get_result_data(yield, field, values.data()));
+    CHECK(values == expected);
+    CHECK(distances() == first);                                       // those of the raytrace node itself
+    OK(rgl_node_multi_return_switch(&chosen, 3 - std::max(type, 1)));  // the other one, in the same graph
+    lidar.run();
+    OK(rgl_graph_get_result_data(yield, field, values.data()));
+    CHECK(values == (type == 2 ? first : last));
+  }
+  rgl_node_t behind = nullptr, wrong = nullptr;
+  const rgl_field_t any = RGL_FIELD_DISTANCE_F32;
+  OK(rgl_node_points_yield(&behind, &any, 1));
+  OK(rgl_node_multi_return_switch(&wrong, 1));
+  OK(rgl_graph_node_add_child(lidar.raytrace, behind));
+  OK(rgl_graph_node_add_child(behind, wrong));
+  CHECK(failed(rgl_graph_run(lidar.raytrace), RGL_INVALID_PIPELINE, "must be a RaytraceNode"));
+  CHECK(failed(rgl_node_multi_return_switch(&wrong, 3), RGL_INVALID_ARGUMENT, "return_type"));
   OK(rgl_cleanup());
 }
 

@@ -8,16 +8,20 @@
 #include "base/file.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "effect_options.hpp"
+#include "gnosphere/eval/sub_rays.hpp"
 #include "scanning.hpp"
+#include "sub_rays_report.hpp"
 
 namespace gnosphere::cli {
 namespace {
 
-struct Options : ScanningOptions {
-  std::optional<uint64_t> poses;
+struct Options : ScanningOptions, EffectOptions {
+  std::optional<uint64_t> poses, sample;
+  std::optional<uint32_t> runs;
   std::string trajectory, json, plot;
-  uint32_t runs = 20;
-  uint64_t sample = 0;
+  bool footprints = false;  ///< whether --effects is given, which measures footprints instead of accuracies
+  std::vector<uint32_t> subRays = SubRayOptions().counts;
 };
 
 constexpr uint64_t kPoses = 4;
@@ -51,34 +55,59 @@ void write(const std::string& file, const std::string& bytes) {
   output.commit();
 }
 
+/// Prints or writes the report. `Story` has a table, JSON and a plot.
+template <typename Story>
+int tell(const Options& options, const Story& story) {
+  if (options.json == "-")
+    std::printf("%s", jsonOf(story).c_str());
+  else
+    printTables(story);
+  if (!options.json.empty() && options.json != "-") write(options.json, jsonOf(story));
+  if (!options.plot.empty()) write(options.plot, svgOf(story));
+  if (options.json == "-") return 0;
+  for (const std::string& file : {options.json, options.plot})
+    if (!file.empty()) say("wrote", file + ", " + fileSize(file));
+  return 0;
+}
+
 int runAccuracy(const Options& options) {
   check(options);
-  const Sensor sensor = sensorOf(options.sensor);
+  SensorRequest request = {sensorOf(options.sensor)};
+  MaterialTable materials;
+  if (options.footprints) {
+    request.effects = effectsOf(options);
+    materials = materialsOf(options);
+  }
   std::vector<Pose> poses;
   if (!options.trajectory.empty()) poses = loadTrajectory(options.trajectory);
   if (options.poses) poses = thinned(poses, *options.poses);
   const Scene scene = loadScene(options);
   if (poses.empty()) poses = posesAround(poseOf(options, scene), options.poses.value_or(kPoses));
+  const Sensor& sensor = request.sensor;
 
+  if (options.footprints) {
+    warnAboutMaterials(options, scene, materials);
+    SubRayOptions measure;
+    measure.simulator = simulatorOptions(options);
+    measure.simulator.materials = materials;
+    measure.counts = options.subRays;
+    measure.runs = options.runs.value_or(measure.runs);
+    measure.sample = options.sample.value_or(measure.sample);
+    measure.progress = stepProgress();
+    const SubRayReport report = measureSubRays(scene, request, poses, measure);
+    measure.progress = nullptr;  // erases the progress line
+    return tell(options, SubRaysStory{options.scene, scene, sensor, poses, report});
+  }
   AccuracyOptions measure;
   measure.simulator = simulatorOptions(options);
-  measure.runs = options.runs;
-  measure.sample = options.sample;
+  const bool chosen = measure.simulator.accuracy != Accuracy::standard || measure.simulator.accuracyParts;
+  if (chosen) throw Error(ErrorCode::invalidArgument, "--set: gnosphere accuracy measures every accuracy; choose none");
+  measure.runs = options.runs.value_or(measure.runs);
+  measure.sample = options.sample.value_or(measure.sample);
   measure.progress = stepProgress();
   const AccuracyReport report = measureAccuracy(scene, sensor, poses, measure);
   measure.progress = nullptr;  // erases the progress line
-
-  const AccuracyStory story = {options.scene, scene, sensor, poses, report};
-  if (options.json == "-")
-    std::printf("%s", accuracyJson(story).c_str());
-  else
-    printTables(story);
-  if (!options.json.empty() && options.json != "-") write(options.json, accuracyJson(story));
-  if (!options.plot.empty()) write(options.plot, accuracySvg(story));
-  if (options.json == "-") return 0;
-  for (const std::string& file : {options.json, options.plot})
-    if (!file.empty()) say("wrote", file + ", " + fileSize(file));
-  return 0;
+  return tell(options, AccuracyStory{options.scene, scene, sensor, poses, report});
 }
 
 }  // namespace
@@ -93,15 +122,32 @@ Action addAccuracy(CLI::App& app) {
   CLI::Option* trajectory =
       app.add_option("--trajectory", options->trajectory, "Poses from a TUM file: lines of t x y z qx qy qz qw");
   trajectory->excludes(app.get_option("--pose"));
-  app.add_option("--runs", options->runs, "Timed scans of every setting")
-      ->check(CLI::Range(uint32_t{1}, uint32_t{1'000'000}))
-      ->capture_default_str();
-  app.add_option("--sample", options->sample, "Compare only about this many beams of each pose with the reference")
+  app.add_option("--runs", options->runs,
+                 "Timed scans of every setting (default: 20) or number of sub-rays (default: 10)")
+      ->check(CLI::Range(uint32_t{1}, uint32_t{1'000'000}));
+  app.add_option("--sample", options->sample,
+                 "Compare only about this many beams of each pose with the reference (default: all; with --effects "
+                 "5,000)")
       ->check(CLI::Range(uint64_t{1}, uint64_t{0xffffffff}));
+  addEffectOptions(app, *options);
+  CLI::Option* effects = app.get_option("--effects");
+  effects->description(
+      "Measure what footprints of fewer sub-rays cost, instead of the accuracies, with these effects: auto if none is "
+      "named, " +
+      effects->get_description().substr(effects->get_description().find(": ") + 2));
+  effects->expected(0, 1);
+  app.add_option("--sub-rays", options->subRays, "Numbers of sub-rays that --effects measures, separated by commas")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 61))
+      ->capture_default_str();
+  for (const char* other : {"--effect", "--seed", "--materials", "--sub-rays"}) app.get_option(other)->needs(effects);
   app.add_option("--json", options->json, "Write all measurements to a JSON file, or - for stdout");
   app.add_option("--plot", options->plot, "Write a plot of error over time to an .svg file");
   app.footer("Example: gnosphere accuracy town.glb --sensor HDL-64E --poses 8 --plot accuracy.svg");
-  return [options] { return runAccuracy(*options); };
+  return [options, effects] {
+    options->footprints = effects->count() > 0;
+    return runAccuracy(*options);
+  };
 }
 
 }  // namespace gnosphere::cli

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "console.hpp"
+#include "gnosphere/options.hpp"
 #include "json.hpp"
 #include "plot.hpp"
 
@@ -18,14 +19,6 @@ const char* insteadOf(const AccuracyRow& row) {
   if (row.accuracyParts.inside != standard.inside) return "watertight edges";
   if (row.accuracyParts.range != standard.range) return "edge weights";
   return "";
-}
-
-std::string metres(double value) {
-  return value == 0 ? "0" : formatted(value < 1e-3 ? "%.1e" : "%.3g", value);
-}
-
-std::string percent(double share) {
-  return share == 0 ? "0" : formatted(share < 1e-4 ? "%.1e %%" : "%.3g %%", 100 * share);
 }
 
 bool stamped(const AccuracyReport& report) {
@@ -120,12 +113,14 @@ void printNearest(const AccuracyReport& report) {
 /// Marker and colour of a setting (colours of Okabe and Ito, distinct for colour-blind readers, too).
 PlotSeries look(size_t setting) {
   static const PlotSeries kLooks[] = {
-      {"paper", Marker::cross, "#d55e00", "none", 6.5, {}},
-      {"draft", Marker::triangle, "#0072b2", "none", 6.5, {}},
-      {"standard", Marker::circle, "#009e73", "none", 6.5, {}},
-      {"exact", Marker::square, "#222222", "none", 6.5, {}},
+      {"", Marker::cross, "#d55e00", "none", 6.5, {}},
+      {"", Marker::triangle, "#0072b2", "none", 6.5, {}},
+      {"", Marker::circle, "#009e73", "none", 6.5, {}},
+      {"", Marker::square, "#222222", "none", 6.5, {}},
   };
-  return kLooks[setting];
+  PlotSeries series = kLooks[setting % std::size(kLooks)];
+  series.name = accuracySettings()[setting].name;
+  return series;
 }
 
 PlotPanel panelOf(const AccuracyStory& story, const char* title, const char* yLabel,
@@ -173,7 +168,7 @@ void printTables(const AccuracyStory& story) {
   printNearest(report);
 }
 
-std::string accuracyJson(const AccuracyStory& story) {
+std::string jsonOf(const AccuracyStory& story) {
   const AccuracyReport& report = story.report;
   Json json;
   json["command"] = commandLine();
@@ -194,7 +189,7 @@ std::string accuracyJson(const AccuracyStory& story) {
   return dump(json);
 }
 
-std::string accuracySvg(const AccuracyStory& story) {
+std::string svgOf(const AccuracyStory& story) {
   const AccuracyReport& report = story.report;
   Plot plot;
   plot.title = "What accuracy costs: error over time";

@@ -19,7 +19,7 @@ struct AccuracyStory {
 };
 
 void printTables(const AccuracyStory& story);
-std::string accuracyJson(const AccuracyStory& story);
-std::string accuracySvg(const AccuracyStory& story);
+std::string jsonOf(const AccuracyStory& story);
+std::string svgOf(const AccuracyStory& story);
 
 }  // namespace gnosphere::cli

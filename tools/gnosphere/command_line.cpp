@@ -38,7 +38,8 @@ int runChosen(const std::vector<Command>& commands) {
     return 1;
   }
   complain(
-      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, info, town, drive or view "
+      "no command given; choose scan, plan, accuracy, compare, devices, sensors, effects, options, info, town, drive "
+      "or view "
       "(see "
       "gnosphere --help)");
   return 2;
@@ -59,6 +60,7 @@ int runCommandLine(int argc, char** argv) {
       addCommand(app, "devices", "List every device, and why one is unusable", addDevices),
       addCommand(app, "sensors", "List the built-in sensors, or print one as JSON", addSensors),
       addCommand(app, "effects", "List every effect and its parameters, or print a preset as JSON", addEffects),
+      addCommand(app, "options", "List every option of simulators and sensors that --set takes", addOptions),
       addCommand(app, "info", "Tell what a scene holds: meshes, materials, animations", addInfo),
       addCommand(app, "town", "Write a synthetic town", addTown),
       addCommand(app, "drive", "Make the data set that a drive file describes", addDrive),

@@ -17,6 +17,7 @@ Action addCompare(CLI::App& app);
 Action addDevices(CLI::App& app);
 Action addSensors(CLI::App& app);
 Action addEffects(CLI::App& app);
+Action addOptions(CLI::App& app);
 Action addInfo(CLI::App& app);
 Action addTown(CLI::App& app);
 Action addDrive(CLI::App& app);

@@ -5,6 +5,7 @@
 #include "console.hpp"
 #include "gnosphere/output.hpp"
 #include "json.hpp"
+#include "output/cloud_format.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -44,7 +45,7 @@ int runCompare(const CompareOptions& options) {
 
 Action addCompare(CLI::App& app) {
   const auto options = std::make_shared<CompareOptions>();
-  app.add_option("A", options->reference, "The cloud to compare with (.pcd, .ply, .npy or .csv)")->required();
+  app.add_option("A", options->reference, "The cloud to compare with (" + cloudEndings("or", true) + ")")->required();
   app.add_option("B", options->other, "Another cloud of the same beams")->required();
   app.add_option("--tolerance", options->tolerance,
                  "Largest accepted range difference in metres, for beams without a tolerance in A")

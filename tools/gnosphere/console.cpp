@@ -45,6 +45,14 @@ std::string formatted(const char* format, ...) {
   return text;
 }
 
+std::string metres(double value) {
+  return value == 0 ? "0" : formatted(value < 1e-3 ? "%.1e" : "%.3g", value);
+}
+
+std::string percent(double share) {
+  return share == 0 ? "0" : formatted(share < 1e-4 ? "%.1e %%" : "%.3g %%", 100 * share);
+}
+
 std::string milliseconds(double ms) {
   if (ms >= 10000) return formatted("%.1f s", ms / 1000);
   return formatted(ms < 1 ? "%.3f ms" : ms < 10 ? "%.2f ms" : ms < 100 ? "%.1f ms" : "%.0f ms", ms);

@@ -18,6 +18,8 @@ void complain(const std::string& message);
 
 std::string grouped(uint64_t number);  ///< 1234567 -> 1,234,567
 std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
+std::string metres(double value);     ///< 0.00059 -> 5.9e-04
+std::string percent(double share);    ///< 0.0123 -> 1.23 %
 std::string milliseconds(double ms);  ///< with three significant digits and the unit
 std::string bareMs(double ms);        ///< the same without the unit, for table columns in ms
 std::string fileSize(const std::filesystem::path& file);

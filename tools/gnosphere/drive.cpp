@@ -8,12 +8,15 @@
 #include "drive/live.hpp"
 #include "drive/run.hpp"
 #include "drive/schedule.hpp"
+#include "option_table.hpp"
+#include "scanning.hpp"
 
 namespace gnosphere::cli {
 namespace {
 
 struct DriveCall {
   std::string file, out, frames, shard, device = "auto";
+  Settings settings;
   bool verify = false, live = false;
   double speed = 1;
 };
@@ -34,6 +37,11 @@ drive::RunOptions optionsOf(const DriveCall& call) {
     throw Error(ErrorCode::invalidArgument,
                 "--shard: '" + call.shard + "' is not I/N with I from 0 to N - 1, as 0/4 to 3/4");
   options.simulator.device = deviceByName(call.device);
+  for (const std::string& assignment : call.settings)
+    if (simulatorOption(assignment.substr(0, assignment.find('='))).changes == Changes::cloud)
+      throw Error(ErrorCode::invalidArgument,
+                  "--set: '" + assignment + "' changes the clouds, so it belongs into \"simulator\" of the drive file");
+  apply(call.settings, options.simulator);
   options.simulator.warn = [](const std::string& message) { complain("warning: " + message); };
   return options;
 }
@@ -120,6 +128,7 @@ Action addDrive(CLI::App& app) {
   app.add_option("--device", call->device,
                  "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
       ->capture_default_str();
+  addSetOption(app, call->settings);
   app.add_flag("--verify", call->verify, "Read complete frames, and make those again whose files have changed");
   CLI::Option* const live =
       app.add_flag("--live", call->live,

@@ -3,35 +3,11 @@
 
 #include <cmath>
 
+#include "base/json_text.hpp"
+#include "option_table.hpp"
+
 namespace gnosphere::cli {
 namespace {
-
-const char* nameOf(AccuracyParts::Bounds bounds) {
-  switch (bounds) {
-    case AccuracyParts::Bounds::paper: return "paper";
-    case AccuracyParts::Bounds::corners: return "corners";
-    case AccuracyParts::Bounds::exact: break;
-  }
-  return "exact";
-}
-
-const char* nameOf(AccuracyParts::Inside inside) {
-  switch (inside) {
-    case AccuracyParts::Inside::plain: return "plain";
-    case AccuracyParts::Inside::watertight: return "watertight";
-    case AccuracyParts::Inside::exact: break;
-  }
-  return "exact";
-}
-
-const char* nameOf(AccuracyParts::Range range) {
-  switch (range) {
-    case AccuracyParts::Range::plane: return "plane";
-    case AccuracyParts::Range::edgeWeights: return "edge_weights";
-    case AccuracyParts::Range::exact: break;
-  }
-  return "exact";
-}
 
 /// JSON has no infinity; it is written as null.
 Json number(double value) {
@@ -111,14 +87,16 @@ Json toJson(const AccuracyRow& row, uint32_t runs, bool nearest) {
     stages.push_back(stage.name);
     times[stage.name] = stage.ms;
   }
-  const bool firstCorner = row.accuracyParts.cull == AccuracyParts::Cull::firstCorner;
+  const auto word = [](const char* part, auto value) {
+    return wordsOf(std::string("accuracy_parts.") + part)[static_cast<size_t>(value)].name;
+  };
   Json json;
   json["name"] = row.name;
   json["plan"] = {{"stages", stages},
-                  {"bounds", nameOf(row.accuracyParts.bounds)},
-                  {"cull", firstCorner ? "first_corner" : "nearest_point"},
-                  {"inside", nameOf(row.accuracyParts.inside)},
-                  {"range", nameOf(row.accuracyParts.range)}};
+                  {"bounds", word("bounds", row.accuracyParts.bounds)},
+                  {"cull", word("cull", row.accuracyParts.cull)},
+                  {"inside", word("inside", row.accuracyParts.inside)},
+                  {"range", word("range", row.accuracyParts.range)}};
   json["frame"] = {{"runs", runs},
                    {"wall_ms", toJson(row.wallMs)},
                    {"gpu_ms", times.empty() ? Json() : toJson(row.gpuMs)},
@@ -131,7 +109,7 @@ Json toJson(const AccuracyRow& row, uint32_t runs, bool nearest) {
 }
 
 std::string dump(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonText(json, 2) + "\n";
 }
 
 }  // namespace gnosphere::cli

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere devices, gnosphere effects: list what can be chosen.
+// gnosphere devices, gnosphere effects, gnosphere options: list what can be chosen.
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "effect_options.hpp"
 #include "effects/effect_table.hpp"
+#include "effects/parameter_text.hpp"
 #include "gnosphere/simulator.hpp"
+#include "option_table.hpp"
 #include "scanning.hpp"
 
 namespace gnosphere::cli {
@@ -28,7 +31,7 @@ void printDevicesJson(const std::vector<DeviceInfo>& devices, const std::string&
                                {"reason", device.reason}});
   }
   json["vulkan_problem"] = problem.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(problem);
-  std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  std::printf("%s\n", jsonText(json, 2).c_str());
 }
 
 int runDevices(bool json) {
@@ -64,7 +67,7 @@ int runEffects(const std::string& name) {
   Effects defaults;
   for (const EffectInfo& info : effectTable()) {
     std::printf("\n%s (%s)\n", info.name, kUseWords[static_cast<size_t>(info.use(defaults))]);
-    for (const Parameter& parameter : info.parameters) {
+    for (const Parameter<Effects>& parameter : info.parameters) {
       std::printf("  %-20s %-14s %s\n", parameter.name, valueText(parameter, defaults).c_str(),
                   allowedText(parameter).c_str());
     }
@@ -72,7 +75,32 @@ int runEffects(const std::string& name) {
   return 0;
 }
 
+template <class Owner>
+void printOptions(const char* title, const std::vector<Option<Owner>>& table) {
+  std::printf("%s\n", title);
+  for (const auto& [parameter, changes] : table) {
+    std::printf("\n  %s, default %s; another value changes %s\n    %s\n    %s\n", parameter.name,
+                defaultText(parameter).c_str(), kChanges[static_cast<size_t>(changes)], allowedText(parameter).c_str(),
+                parameter.doc);
+    if (const auto* choice = std::get_if<ChoiceParameter<Owner>>(&parameter.kind))
+      for (const ChoiceWord& word : choice->words)
+        if (*word.doc) std::printf("      %s: %s\n", word.name, word.doc);
+  }
+}
+
+/// Lists every option of --set: name, default, allowed values and meaning.
+int runOptions() {
+  printOptions("options of a simulator", simulatorOptionTable());
+  printOptions("\noptions of a sensor", requestOptionTable());
+  return 0;
+}
+
 }  // namespace
+
+Action addOptions(CLI::App& app) {
+  app.footer("Example: gnosphere scan town.glb --set tuning.binning=lists -o cloud.pcd");
+  return runOptions;
+}
 
 Action addDevices(CLI::App& app) {
   const auto json = std::make_shared<bool>(false);

@@ -12,7 +12,7 @@ namespace gnosphere::cli {
 namespace {
 
 struct PlanOptions : ScanningOptions, EffectOptions {
-  std::string fields, records, accuracy = "standard";
+  std::string fields, records;
   bool json = false, pipelines = false;
 };
 
@@ -105,10 +105,10 @@ void print(const PlanOptions& options, const DeviceInfo& device, const Scene& sc
 int runPlan(const PlanOptions& options) {
   checkScanning(options);
   SimulatorOptions settings = simulatorOptions(options);
-  settings.accuracy = kAccuracies.at(options.accuracy);
-  settings.compileOnly = options.pipelines;
+  settings.compileOnly |= options.pipelines;
   SensorRequest request = {sensorOf(options.sensor), effectsOf(options)};
   settings.materials = materialsOf(options);
+  applyToRequest(options, request);
   if (!options.fields.empty()) request.fields = parseFields(options.fields);
   if (!options.records.empty()) request.layout = layoutOf(parseFields(options.records));
   const Scene scene = loadScene(options);
@@ -128,7 +128,7 @@ Action addPlan(CLI::App& app) {
   const auto options = std::make_shared<PlanOptions>();
   addScanningOptions(app, *options);
   addEffectOptions(app, *options);
-  addAccuracyOption(app, options->accuracy);
+  addAccuracyOption(app, options->settings);
   app.add_option("--fields", options->fields, "Fields that would be written, as in gnosphere scan");
   CLI::Option* pipelines = app.add_flag(
       "--pipelines", options->pipelines,

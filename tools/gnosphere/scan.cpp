@@ -18,7 +18,7 @@ namespace gnosphere::cli {
 namespace {
 
 struct ScanOptions : ScanningOptions, EffectOptions {
-  std::string trajectory, fields, image, stats, accuracy = "standard";
+  std::string trajectory, fields, image, stats;
   std::vector<std::string> outputs;
   std::optional<double> maxError;
   bool trace = false;
@@ -155,19 +155,30 @@ int runScan(const ScanOptions& options) {
     complain(choice->why);
     return 1;
   }
-  const std::string accuracy = choice ? choice->chosen->name : options.accuracy;
 
   start = nowMs();
-  SimulatorOptions settings = simulatorOptions(options);
-  settings.accuracy = kAccuracies.at(accuracy);
+  SimulatorOptions usual;
+  usual.tuning.keepStill = options.repeat == 0;  // --repeat times whole scans, without reuse of still instances
+  SimulatorOptions settings = simulatorOptions(options, usual);
+  if (choice) assign(settings, "accuracy=" + choice->chosen->name);
   settings.materials = materials;
   if (options.trace) settings.trace = [](const std::string& line) { complain(line); };
-  settings.tuning.keepStill = options.repeat == 0;  // --repeat times whole scans, without reuse of still instances
-  Simulator simulator(scene, {sensor, effects, cloud.fields}, settings);
+  SensorRequest request(sensor, effects, cloud.fields);
+  applyToRequest(options, request);
+  Simulator simulator(scene, request, settings);
   const double setUpMs = nowMs() - start;
 
-  ScanReport result = {options.scene,   scene, sensor, simulator, {},      accuracy,
-                       options.binning, {},    {},     loadMs,    setUpMs, choice ? &*choice : nullptr};
+  ScanReport result = {options.scene,
+                       scene,
+                       sensor,
+                       simulator,
+                       {},
+                       accuracyText(settings),
+                       {},
+                       {},
+                       loadMs,
+                       setUpMs,
+                       choice ? &*choice : nullptr};
   start = nowMs();
   if (trajectory.empty()) {
     result.scan = runScans(simulator, pose, options.repeat, result.runs);
@@ -185,7 +196,7 @@ int runScan(const ScanOptions& options) {
 }
 
 void addAccuracyOptions(CLI::App& app, ScanOptions& options) {
-  CLI::Option* accuracy = addAccuracyOption(app, options.accuracy);
+  CLI::Option* accuracy = addAccuracyOption(app, options.settings);
   app.add_option("--max-error", options.maxError,
                  "Choose the fastest accuracy on this device that loses no beam and has no larger error (metres), "
                  "measured from this pose on a sample of the beams")
@@ -205,7 +216,7 @@ Action addScan(CLI::App& app) {
                      "a.pcd becomes a-000000.pcd and so on");
   trajectory->excludes(app.get_option("--pose"))->excludes(app.get_option("--max-error"));
   app.add_option("-o,--output", options->outputs,
-                 "Cloud file to write: .pcd, .ply, .bin (KITTI), .npy or .csv; may be given more than once")
+                 "Cloud file to write: " + cloudEndings("or") + "; may be given more than once")
       ->allow_extra_args(false);
   app.add_option(
       "--fields", options->fields,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/json_text.hpp"
 #include "console.hpp"
 #include "json.hpp"
 
@@ -94,7 +95,7 @@ Json frameJson(const TrajectoryScan& scan) {
           {"counters", countersJson(scan.counters)}};
 }
 
-std::string percent(uint64_t part, uint64_t whole) {
+std::string shareOf(uint64_t part, uint64_t whole) {
   return whole ? formatted("%.1f %%", 100.0 * static_cast<double>(part) / static_cast<double>(whole)) : "-";
 }
 
@@ -174,7 +175,7 @@ void printSummary(const ScanReport& report) {
                     cloud + ", " + formatted("%g..%g m", report.sensor.rangeMin, report.sensor.rangeMax));
   if (const std::string effects = effectsIn(report.simulator.plan()); !effects.empty()) say("effects", effects);
   say("hits", grouped(counters.hits) + " of " + grouped(counters.beams) + " beams (" +
-                  percent(counters.hits, counters.beams) + ")");
+                  shareOf(counters.hits, counters.beams) + ")");
   if (const std::string lost = lostText(counters); !lost.empty()) say("lost", lost);
   if (!moves) printTriangles(counters);
   printTimes(report);
@@ -200,7 +201,7 @@ std::string statsJson(const ScanReport& report) {
   for (const Stage& stage : stages(report)) {
     times[stage.name] = stage.medianMs;
   }
-  stats["plan"] = Json::parse(toJson(report.simulator.plan()));
+  stats["plan"] = parseJson<Json>(toJson(report.simulator.plan()));
   stats["plan"]["accuracy"] = report.accuracy;
   if (report.choice) stats["plan"]["max_error"] = choiceJson(*report.choice);
   const auto wall = collect(report.runs, [](const Timings& run) { return run.wallMs; });

@@ -18,8 +18,8 @@ struct ScanReport {
   const Scene& scene;
   const Sensor& sensor;
   const Simulator& simulator;
-  Scan scan;                      ///< the last scan, or summaryOf() a trajectory
-  std::string accuracy, binning;  ///< as requested
+  Scan scan;             ///< the last scan, or summaryOf() a trajectory
+  std::string accuracy;  ///< as requested
   std::vector<Timings> runs;
   std::vector<TrajectoryScan> trajectory;  ///< only with --trajectory
   double loadMs = 0, setUpMs = 0;

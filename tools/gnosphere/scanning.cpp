@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
 #include <set>
@@ -11,20 +12,13 @@
 #include "console.hpp"
 #include "drive/number_list.hpp"
 #include "drive/trajectory.hpp"
+#include "effects/parameter_text.hpp"
+#include "option_table.hpp"
 
 namespace gnosphere::cli {
 
-const std::map<std::string, Accuracy> kAccuracies = {{"paper", Accuracy::paper},
-                                                     {"draft", Accuracy::draft},
-                                                     {"standard", Accuracy::standard},
-                                                     {"exact", Accuracy::exact}};
-
 namespace {
 
-const std::map<std::string, ReflectingFaces> kFaces = {
-    {"material", ReflectingFaces::material}, {"front", ReflectingFaces::front}, {"both", ReflectingFaces::both}};
-const std::map<std::string, Binning> kBinnings = {
-    {"auto", Binning::automatic}, {"nearest", Binning::nearest}, {"lists", Binning::lists}, {"slabs", Binning::slabs}};
 const std::map<std::string, UpAxis> kUpAxes = {{"", UpAxis::formatDefault}, {"y", UpAxis::y}, {"z", UpAxis::z}};
 
 Pose parsePose(const std::string& text) {
@@ -50,6 +44,23 @@ Quaternion product(const Quaternion& a, const Quaternion& b) {
           a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
 
+/// Whether the table of requests, and not that of simulators, has the option that this assignment names.
+bool isOfRequest(const std::string& assignment) {
+  const auto names = [&](const auto& option) {
+    return assignment.starts_with(option.parameter.name + std::string("="));
+  };
+  return std::ranges::any_of(requestOptionTable(), names);
+}
+
+template <class Owner>
+void set(Owner& owner, const std::string& assignment) {
+  try {
+    assign(owner, assignment);
+  } catch (const Error& error) {
+    throw Error(error.code(), std::string("--set: ") + error.what());
+  }
+}
+
 }  // namespace
 
 void addSceneOptions(CLI::App& app, ScanningOptions& options) {
@@ -67,12 +78,8 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   app.add_option("--pose", options.pose,
                  "Position in metres and orientation of the sensor, X,Y,Z[,QX,QY,QZ,QW] (default: 1.8 m above "
                  "the origin, or above the middle of a scene that is elsewhere)");
-  app.add_option("--faces", options.faces, "Faces that reflect light")
-      ->check(CLI::IsMember(kFaces))
-      ->capture_default_str();
-  app.add_option("--binning", options.binning, "How triangles are assigned to beams; every choice gives the same cloud")
-      ->check(CLI::IsMember(kBinnings))
-      ->capture_default_str();
+  addSetting(app, "--faces", "faces", options.settings);
+  addSetting(app, "--binning", "tuning.binning", options.settings);
   CLI::Option* animation =
       app.add_option("--animation", options.animation, "Show the scene in this animation of its file (gnosphere info)");
   app.add_option("--time", options.time, "Seconds after the start of the animation, which repeats; default 0")
@@ -80,16 +87,49 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options) {
   app.add_option("--device", options.device,
                  "auto, a number or part of a name of gnosphere devices, cuda:N, cuda-fast:N, or reference")
       ->capture_default_str();
-  app.add_flag("--validation", options.validation, "Enable the Vulkan validation layer; its messages are errors");
+  app.add_flag_callback(
+      "--validation", [&options] { options.settings.push_back("validation=true"); },
+      "Enable the Vulkan validation layer; its messages are errors");
+  addSetOption(app, options.settings);
 }
 
-CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy) {
-  return app
-      .add_option("--accuracy", accuracy,
-                  "paper: exactly as published; draft: without gaps between boxes; standard: watertight; exact: the "
-                  "same bytes on every device")
-      ->check(CLI::IsMember(kAccuracies))
-      ->capture_default_str();
+CLI::Option* addSetting(CLI::App& app, const std::string& flag, const std::string& option, Settings& settings) {
+  const Parameter<SimulatorOptions>& parameter = simulatorOption(option).parameter;
+  std::vector<std::string> words;
+  for (const ChoiceWord& word : wordsOf(option)) words.push_back(word.name);
+  const auto set = [&settings, option](const std::string& word) { settings.push_back(option + "=" + word); };
+  return app.add_option_function<std::string>(flag, set, parameter.doc)
+      ->check(CLI::IsMember(words))
+      ->default_str(defaultText(parameter));
+}
+
+CLI::Option* addAccuracyOption(CLI::App& app, Settings& settings) {
+  std::string about;
+  for (const AccuracySetting& setting : accuracySettings())
+    about += (about.empty() ? "" : " ") + std::string(setting.name) + ": " + setting.doc;
+  return addSetting(app, "--accuracy", "accuracy", settings)->description(about);
+}
+
+void addSetOption(CLI::App& app, Settings& settings) {
+  app.add_option_function<Settings>(
+         "--set", [&settings](const Settings& more) { settings.insert(settings.end(), more.begin(), more.end()); },
+         "Set an option by NAME=VALUE, as tuning.binning=lists; gnosphere options lists them; may be given more than "
+         "once")
+      ->allow_extra_args(false);
+}
+
+void apply(const Settings& settings, SimulatorOptions& options) {
+  for (const std::string& assignment : settings)
+    if (!isOfRequest(assignment)) set(options, assignment);
+}
+
+std::string accuracyText(const SimulatorOptions& settings) {
+  return settings.accuracyParts ? "parts" : nameOf(settings.accuracy);
+}
+
+void applyToRequest(const ScanningOptions& options, SensorRequest& request) {
+  for (const std::string& assignment : options.settings)
+    if (isOfRequest(assignment)) set(request, assignment);
 }
 
 void checkScanning(const ScanningOptions& options) {
@@ -104,13 +144,10 @@ Sensor sensorOf(const std::string& nameOrFile) {
   return namedOrLoaded(nameOrFile, builtinSensor, loadSensor);
 }
 
-SimulatorOptions simulatorOptions(const ScanningOptions& options) {
-  SimulatorOptions settings;
+SimulatorOptions simulatorOptions(const ScanningOptions& options, SimulatorOptions settings) {
   settings.device = deviceByName(options.device);
-  settings.faces = kFaces.at(options.faces);
-  settings.tuning.binning = kBinnings.at(options.binning);
-  settings.validation = options.validation;
   settings.warn = [](const std::string& message) { complain("warning: " + message); };
+  apply(options.settings, settings);
   return settings;
 }
 

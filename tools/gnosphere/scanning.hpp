@@ -4,29 +4,38 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "gnosphere/gnosphere.hpp"
+#include "gnosphere/options.hpp"
 
 namespace gnosphere::cli {
 
-extern const std::map<std::string, Accuracy> kAccuracies;
+/// Options of a simulator as texts, NAME=VALUE, in the order in which they are set.
+using Settings = std::vector<std::string>;
 
 struct ScanningOptions {
-  std::string scene, sensor = "HDL-64E", pose, up, device = "auto", faces = "material", binning = "auto", animation;
+  std::string scene, sensor = "HDL-64E", pose, up, device = "auto", animation;
+  Settings settings;
   double scale = 1, time = 0;
-  bool validation = false;
 };
 
-/// Adds SCENE and --sensor, --pose, --faces, --binning, --up, --scale, --animation, --time, --device, --validation.
+/// Adds --set, which takes any option of the table.
+void addSetOption(CLI::App& app, Settings& settings);
+/// Adds a command-line option that sets one option of the table, with the words and the sentence of its row.
+CLI::Option* addSetting(CLI::App& app, const std::string& flag, const std::string& option, Settings& settings);
+/// Sets options in the order of the settings. Throws Error that names --set.
+void apply(const Settings& settings, SimulatorOptions& options);
+
+/// Adds SCENE and --sensor, --pose, --faces, --binning, --up, --scale, --animation, --time, --device, --validation,
+/// --set.
 void addScanningOptions(CLI::App& app, ScanningOptions& options);
 /// Adds SCENE, --up and --scale.
 void addSceneOptions(CLI::App& app, ScanningOptions& options);
 
-/// Adds --accuracy, one of kAccuracies.
-CLI::Option* addAccuracyOption(CLI::App& app, std::string& accuracy);
+/// Adds --accuracy.
+CLI::Option* addAccuracyOption(CLI::App& app, Settings& settings);
 
 /// What a built-in name stands for, or else what a file of that path holds. Throws Error that lists the names.
 template <typename T>
@@ -50,7 +59,12 @@ Sensor sensorOf(const std::string& nameOrFile);
 
 /// Throws Error(invalidArgument) for mistakes that can be found before the scene is loaded.
 void checkScanning(const ScanningOptions& options);
-SimulatorOptions simulatorOptions(const ScanningOptions& options);
+/// The options of the simulator; the settings change those that `settings` starts from.
+SimulatorOptions simulatorOptions(const ScanningOptions& options, SimulatorOptions settings = {});
+/// The name of the accuracy, or "parts" if --set has changed one of its parts.
+std::string accuracyText(const SimulatorOptions& settings);
+/// Sets the options of a sensor's request that --set names.
+void applyToRequest(const ScanningOptions& options, SensorRequest& request);
 /// Reads the scene, puts it into the state that --animation has at --time if an animation is given, and prints a
 /// warning for everything that the scene leaves out of its file.
 Scene loadScene(const ScanningOptions& options);

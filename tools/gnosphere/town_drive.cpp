@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
 #include "console.hpp"
 #include "drive/trajectory.hpp"
 #include "town/prop.hpp"
@@ -168,7 +169,7 @@ void writeTownDrive(const Scene& town, const fs::path& townFile, const std::vect
       {"weather", {{{"time", 8}}, {{"time", 9}, {"rain", 15}}}},
       {"outputs", {{{"format", "semantickitti"}}, {{"format", "boxes"}}, {{"format", "mcap"}}}}};
   AtomicFile out(file);
-  out.write(drive.dump(1) + "\n");
+  out.write(jsonText(drive, 1) + "\n");
   writeTum(poses, files[1]);
   writeModel(town::vehicleMesh({town::VehicleKind::saloon, town::Surface::paintRed, true}), files[2]);
   writeModel(town::personMesh(0, true), files[3]);

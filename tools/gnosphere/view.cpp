@@ -5,9 +5,11 @@
 #include <memory>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
 #include "base/text.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "output/cloud_format.hpp"
 #include "view/page.hpp"
 #include "view/series.hpp"
 
@@ -63,7 +65,7 @@ Json readBoxes(const fs::path& file) {
   for (size_t at = 0; at < text.size(); ++number) {
     const size_t end = std::min(text.find('\n', at), text.size());
     try {
-      const Json box = Json::parse(text.substr(at, end - at));
+      const Json box = parseJson<Json>(text.substr(at, end - at));
       const Json& pose = box.at("sensor_frame");
       boxes.push_back({{"name", box.at("name")},
                        {"class", box.at("class")},
@@ -208,7 +210,7 @@ int runView(const ViewCall& call) {
 Action addView(CLI::App& app) {
   const auto call = std::make_shared<ViewCall>();
   app.add_option("CLOUD", call->a,
-                 "A cloud (.pcd, .ply, .npy, .csv, .bin), the output folder of gnosphere drive, or a folder of clouds")
+                 "A cloud (" + cloudEndings("or") + "), the output folder of gnosphere drive, or a folder of clouds")
       ->required();
   app.add_option("B", call->b, "Another cloud, to show how the two differ");
   app.add_option("-o,--output", call->output, "Page to write (.html)")->required();

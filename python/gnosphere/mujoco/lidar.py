@@ -65,6 +65,7 @@ class Lidar(adapter.Lidar):
         """
         self.model = model
         self._shapes = ModelShapes(model, geomgroup, flg_static, classes, tessellation or Tessellation(), deformables)
+        adapter.warn_left_out("gnosphere.mujoco", self._shapes.left_out, stacklevel=2)
         ignore = self._shapes.instances_of(body_ids(model, bodyexclude), body_ids(model, treeexclude))
         super().__init__(self._shapes.shapes, sensor, effects=effects, fields=fields, ignore=ignore, options=options)
         self._mounts = [self._mount(site, pose)]
@@ -159,6 +160,11 @@ class Lidar(adapter.Lidar):
         shot = self._moving_shot(data, sensor)
         self._records, self._start = [], None
         return self.cast(shot, into)
+
+    def scan_many(self, datas: Iterable[Any], sensor: int = 0) -> list[gno.Scan]:
+        """Scans the model as each of several MjData of it has it, such as the worlds of a batch: the scans that scan()
+        makes of one after the other."""
+        return [self.scan(data, sensor) for data in datas]
 
     def _moving_shot(self, data: Any, sensor: int) -> gno.Shot:
         start, records = self._start, [record for record in self._records if record[0] < data.time]

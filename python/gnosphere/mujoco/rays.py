@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Optional
 
 import mujoco as mj
@@ -124,6 +123,25 @@ def mj_multiRay(
     np.reshape(geomid, -1)[:nray] = geoms
 
 
+def rangefinder_sites(model: Any) -> tuple[npt.NDArray[Any], Distances, int]:
+    """The sites of the rangefinders of a model and their cutoffs, 0 for none; and how many cameras have instead."""
+    finders = np.flatnonzero(model.sensor_type == int(mj.mjtSensor.mjSENS_RANGEFINDER))
+    chosen = finders[model.sensor_objtype[finders] == int(mj.mjtObj.mjOBJ_SITE)]
+    return model.sensor_objid[chosen], model.sensor_cutoff[chosen], len(finders) - len(chosen)
+
+
+def beams_by_body(model: Any, sites: npt.NDArray[Any]) -> Iterator[tuple[int, npt.NDArray[Any], gno.Sensor]]:
+    """For each body that carries sites: the body, the entries of `sites`, and a sensor in the frame of the body with
+    a beam along the z axis of each."""
+    bodies = model.site_bodyid[sites]
+    for body in np.unique(bodies):
+        mine = np.flatnonzero(bodies == body)
+        turns = np.zeros((len(mine), 9))
+        for row, site in zip(turns, sites[mine]):
+            mj.mju_quat2Mat(row, model.site_quat[site])
+        yield int(body), mine, _beams(turns[:, [2, 5, 8]], model.site_pos[sites[mine]], FARTHEST)
+
+
 class Rangefinders:
     """The rangefinders of a model that sites carry, each a beam along the z axis of its site.
 
@@ -145,36 +163,24 @@ class Rangefinders:
         metres, 0 for none, where `sites` are given; rangefinders have their own. As in MuJoCo, a ray does not see
         geoms of the body that carries its site."""
         if sites is None:
-            kind = mj.mjtSensor.mjSENS_RANGEFINDER
-            finders = [i for i in range(model.nsensor) if model.sensor_type[i] == kind]
-            chosen = [i for i in finders if model.sensor_objtype[i] == mj.mjtObj.mjOBJ_SITE]
-            if len(chosen) < len(finders):
-                warnings.warn(
-                    f"gnosphere.mujoco leaves out rangefinders of cameras ({len(finders) - len(chosen)})", stacklevel=2
-                )
-            numbers = np.array([model.sensor_objid[i] for i in chosen], int)
-            cutoffs = np.array([model.sensor_cutoff[i] for i in chosen], float)
+            numbers, cutoffs, cameras = rangefinder_sites(model)
+            if cameras:
+                adapter.warn_left_out("gnosphere.mujoco", {"rangefinders of cameras": cameras})
         else:
             numbers = np.array([model.site(name).id for name in sites], int)
             cutoffs = np.full(len(numbers), float(cutoff))
         self._cutoffs = np.where(cutoffs > 0, cutoffs, np.inf)
         self._lidar: Optional[Lidar] = None
         self._beams: list[tuple[int, npt.NDArray[Any], gno.Scan]] = []  # body, beams, memory
-        bodies = model.site_bodyid[numbers]
-        for body in np.unique(bodies):
-            mine = np.flatnonzero(bodies == body)
-            turns = np.zeros((len(mine), 9))
-            for row, site in zip(turns, numbers[mine]):
-                mj.mju_quat2Mat(row, model.site_quat[site])
-            sensor = _beams(turns[:, [2, 5, 8]], model.site_pos[numbers[mine]], FARTHEST)
+        for body, mine, sensor in beams_by_body(model, numbers):
             if self._lidar is None:
                 self._lidar = Lidar(
-                    model, sensor, bodyexclude=int(body), effects=gno.Effects.none(), geomgroup=geomgroup,
+                    model, sensor, bodyexclude=body, effects=gno.Effects.none(), geomgroup=geomgroup,
                     tessellation=tessellation, deformables=False, options=options,
                 )  # fmt: skip
             else:
-                self._lidar.add(sensor, bodyexclude=int(body), effects=gno.Effects.none())
-            self._beams.append((int(body), mine, gno.Scan()))
+                self._lidar.add(sensor, bodyexclude=body, effects=gno.Effects.none())
+            self._beams.append((body, mine, gno.Scan()))
 
     def read(self, data: Any) -> Distances:
         """The distance of each rangefinder in metres, its cutoff if that is less; -1 if its ray meets nothing."""

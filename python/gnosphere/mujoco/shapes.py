@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Optional
@@ -47,7 +46,7 @@ class ModelShapes:
         self.shapes = adapter.Shapes()
         self._meshes: dict[Any, int] = {}
         self._images: dict[int, Optional[gno.AlphaImage]] = {}
-        self._left_out: dict[str, int] = {}
+        self.left_out: dict[str, int] = {}
         geoms = [geom for geom in range(model.ngeom) if self._seen(geom, geomgroup, static)]
         self.geoms = np.array([geom for geom in geoms if self._add_geom(geom)], np.int32)
         planes = model.geom_type[self.geoms] == int(mj.mjtGeom.mjGEOM_PLANE)
@@ -64,11 +63,9 @@ class ModelShapes:
             for skin in range(model.nskin):
                 if not geomgroup or geomgroup[model.skin_group[skin]]:
                     self._add_skin(skin)
-        for what, count in self._left_out.items():
-            warnings.warn(f"gnosphere.mujoco leaves out {what} ({count})", stacklevel=4)
 
     def _leave_out(self, what: str) -> None:
-        self._left_out[what] = self._left_out.get(what, 0) + 1
+        self.left_out[what] = self.left_out.get(what, 0) + 1
 
     def _seen(self, geom: int, geomgroup: Optional[Sequence[int]], static: bool) -> bool:
         """As mj_ray() chooses."""

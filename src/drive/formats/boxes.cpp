@@ -2,6 +2,7 @@
 // SENSOR/000000.jsonl: a line of JSON per actor that the scan has hit.
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.hpp"
 #include "drive/formats/format.hpp"
 
 namespace gnosphere::drive {
@@ -29,7 +30,7 @@ class Boxes : public Format {
     for (const RecordedScan& recorded : frame.scans) {
       if (!writes(recorded.planned.sensor)) continue;
       std::string lines;
-      for (const Box& box : recorded.boxes) lines += lineOf(recorded, box).dump() + "\n";
+      for (const Box& box : recorded.boxes) lines += jsonText(lineOf(recorded, box)) + "\n";
       files.push_back(
           {path(drive_.sensors[recorded.planned.sensor].name + numberText("/%06llu.jsonl", recorded.planned.number)),
            lines, ""});

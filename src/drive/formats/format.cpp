@@ -5,23 +5,48 @@
 #include <cmath>
 #include <cstring>
 #include <ctime>
+#include <iterator>
 #include <span>
 
 #include "base/file.hpp"
 
 namespace gnosphere::drive {
 
-std::unique_ptr<Format> makeFormat(const Drive& drive, const World& world, const Output& output) {
-  const std::string& format = output.format;
-  const auto make = format == "pcd" || format == "npy"               ? makeClouds
-                    : format == "boxes"                              ? makeBoxes
-                    : format == "kitti" || format == "semantickitti" ? makeKitti
-                    : format == "kitti-raw"                          ? makeKittiRaw
-                    : format == "nuscenes"                           ? makeNuScenes
-                    : format == "las"                                ? makeLas
-                    : format == "osi"                                ? makeOsi
-                                                                     : makeMcap;
-  return make(drive, world, output);
+namespace {
+
+constexpr FormatInfo kFormats[] = {
+    {.name = "kitti", .make = makeKitti, .shown = true, .oneSensor = true},
+    {.name = "semantickitti", .make = makeKitti, .shown = true, .oneSensor = true},
+    {.name = "kitti-raw", .make = makeKittiRaw, .shown = true, .oneSensor = true},
+    {.name = "nuscenes", .make = makeNuScenes, .shown = true, .keyframes = true},
+    {.name = "pcd", .make = makeClouds, .shown = true, .fields = true},
+    {.name = "npy", .make = makeClouds, .shown = true, .fields = true},
+    {.name = "las", .make = makeLas, .shown = false},
+    {.name = "mcap", .make = makeMcap, .shown = false},
+    {.name = "osi", .make = makeOsi, .shown = false},
+    {.name = "boxes", .make = makeBoxes, .shown = false},
+};
+
+}  // namespace
+
+std::span<const FormatInfo> formats() {
+  return kFormats;
+}
+
+const FormatInfo& formatNamed(const std::string& name) {
+  const auto found = std::ranges::find_if(kFormats, [&](const FormatInfo& format) { return name == format.name; });
+  if (found == std::end(kFormats))
+    throw Error(ErrorCode::invalidArgument, "no format of drives is called '" + name + "'");
+  return *found;
+}
+
+std::string formatNames(bool (*chosen)(const FormatInfo& format)) {
+  std::vector<std::string> names;
+  for (const FormatInfo& format : kFormats)
+    if (chosen(format)) names.push_back(format.name);
+  std::string text = names.front();
+  for (size_t i = 1; i < names.size(); ++i) text += (i + 1 < names.size() ? ", " : " and ") + names[i];
+  return text;
 }
 
 void writeWhole(const std::filesystem::path& file, const std::string& bytes) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,17 +48,26 @@ class Format {
   const Output& output_;
 };
 
-std::unique_ptr<Format> makeFormat(const Drive& drive, const World& world, const Output& output);
+using MakeFormat = std::unique_ptr<Format>(const Drive&, const World&, const Output&);
+
+/// A format that a drive is written in.
+struct FormatInfo {
+  const char* name;  ///< in drive files
+  MakeFormat* make;
+  bool shown;              ///< gnosphere view shows its clouds
+  bool fields = false;     ///< the drive file may choose the fields of a row
+  bool keyframes = false;  ///< the drive file may choose which frames are key frames
+  bool oneSensor = false;  ///< it has one lidar
+};
+
+std::span<const FormatInfo> formats();
+/// Returns the format of this name, which the schema of drive files has.
+const FormatInfo& formatNamed(const std::string& name);
+/// Returns "a, b and c": the names of the formats that `chosen` chooses.
+std::string formatNames(bool (*chosen)(const FormatInfo& format));
 
 // One function per format, each in a source file of its own.
-std::unique_ptr<Format> makeClouds(const Drive&, const World&, const Output&);  ///< pcd, npy
-std::unique_ptr<Format> makeBoxes(const Drive&, const World&, const Output&);   ///< boxes
-std::unique_ptr<Format> makeKitti(const Drive&, const World&, const Output&);   ///< kitti, semantickitti
-std::unique_ptr<Format> makeKittiRaw(const Drive&, const World&, const Output&);
-std::unique_ptr<Format> makeNuScenes(const Drive&, const World&, const Output&);
-std::unique_ptr<Format> makeLas(const Drive&, const World&, const Output&);
-std::unique_ptr<Format> makeMcap(const Drive&, const World&, const Output&);
-std::unique_ptr<Format> makeOsi(const Drive&, const World&, const Output&);
+MakeFormat makeClouds, makeBoxes, makeKitti, makeKittiRaw, makeNuScenes, makeLas, makeMcap, makeOsi;
 
 // What several formats need.
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/hash.hpp"
 #include "drive/pose_math.hpp"
@@ -87,7 +88,7 @@ class NuScenes : public Format {
 
   std::vector<Entry> entriesOf(const std::vector<FrameSummary>& frames) const;
   void write(const std::filesystem::path& out, const char* table, const Json& rows) const {
-    writeWhole(out / path(std::string(kVersion) + "/" + table + ".json"), rows.dump(1) + "\n");
+    writeWhole(out / path(std::string(kVersion) + "/" + table + ".json"), jsonText(rows, 1) + "\n");
   }
   void writeConstants(const std::filesystem::path& out) const;
   void writeData(const std::filesystem::path& out, const std::vector<Entry>& entries,

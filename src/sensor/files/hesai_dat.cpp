@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include "base/sha256.hpp"
+#include "base/units.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
@@ -184,7 +184,6 @@ void readSteered(SensorSource& source, Bytes& bytes, int version) {
     across = {x, y, static_cast<size_t>(120 / x + 1), bytes.list<int16_t>(count, unit)};
     up = {x, y, across.columns, bytes.list<int16_t>(count, unit)};
   }
-  constexpr double kDegree = std::numbers::pi / 180;
   BeamList list = emptyList(channels);
   for (size_t channel = 0; channel < channels; ++channel)
     for (uint32_t column = 0; column < kColumns; ++column) {

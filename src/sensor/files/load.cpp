@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
 #include "base/text.hpp"
 #include "sensor/files/source.hpp"
 
@@ -264,12 +265,9 @@ SensorFile readSensorFile(std::string_view bytes, const std::string& name, const
   std::string problem;
   const size_t start = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
   if (start != bytes.npos && (bytes[start] == '{' || bytes[start] == '[' || endingOf(name) == ".json")) try {
-      root = json::parse(bytes);
+      root = parseJson(bytes);
     } catch (const json::exception& error) {
-      // "[json.exception.parse_error.101] parse error at line 1, ...": the readable part follows the bracket.
-      const std::string what = error.what();
-      const size_t bracket = what.find("] ");
-      problem = what.substr(bracket == what.npos ? 0 : bracket + 2);
+      problem = readable(error);
     }
   const Family& family = familyOf(source, root, problem);
   file.family = family.name;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/json_text.hpp"
 #include "base/units.hpp"
 
 namespace gnosphere {
@@ -143,10 +144,10 @@ double numberOf(const SensorSource& source, std::string_view text, const std::st
 namespace {
 
 /// A JSON value for a message. Only scalars are shown: what is nested could be of any depth.
-std::string shown(const json& value) {
+std::string briefly(const json& value) {
   if (value.is_array()) return "a list";
   if (value.is_object()) return "an object";
-  return value.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 40);
+  return jsonText(value).substr(0, 40);
 }
 
 }  // namespace
@@ -154,7 +155,7 @@ std::string shown(const json& value) {
 double numberIn(const SensorSource& source, const json& object, const std::string& key) {
   const auto found = object.find(key);
   if (found == object.end()) source.refuse("'" + key + "' is missing");
-  if (!found->is_number()) source.refuse("'" + key + "' is " + shown(*found) + ", expected is a number");
+  if (!found->is_number()) source.refuse("'" + key + "' is " + briefly(*found) + ", expected is a number");
   return found->get<double>();
 }
 
@@ -170,7 +171,7 @@ std::vector<double> numbersIn(const SensorSource& source, const json& object, co
   list.reserve(found->size());
   for (const json& value : *found) {
     if (!value.is_number())
-      source.refuse("'" + key + "' has " + shown(value) + " at place " + std::to_string(list.size()) +
+      source.refuse("'" + key + "' has " + briefly(value) + " at place " + std::to_string(list.size()) +
                     ", expected is a number");
     list.push_back(value.get<double>());
   }

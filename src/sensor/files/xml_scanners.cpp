@@ -4,17 +4,15 @@
 // up, and the head turns counter-clockwise, at its largest speed unless a survey says otherwise.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <pugixml.hpp>
 
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "base/vector.hpp"
 #include "sensor/files/source.hpp"
 
 namespace gnosphere {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 pugi::xml_document parse(const SensorSource& source) {
   pugi::xml_document document;

@@ -31,15 +31,9 @@ CloudTable readFloats(std::string bytes, const std::string& source, const std::v
 
 CloudTable readTable(const fs::path& file) {
   const std::string name = file.string();
-  const CloudFormat format = cloudFormat(file);
+  const CloudFormat& format = cloudFormat(file);
   std::string bytes = readWholeFile(file);
-  switch (format) {
-    case CloudFormat::pcd: return readPcd(std::move(bytes), name);
-    case CloudFormat::ply: return readPly(std::move(bytes), name);
-    case CloudFormat::npy: return readNpy(std::move(bytes), name);
-    case CloudFormat::csv: return readCsv(std::move(bytes), name);
-    case CloudFormat::kitti: break;
-  }
+  if (format.read) return format.read(std::move(bytes), name);
   if (lower(name).ends_with(".pcd.bin"))
     return readFloats(std::move(bytes), name, {"x", "y", "z", "intensity", "ring"});
   return readFloats(std::move(bytes), name, {"x", "y", "z", "intensity"});
@@ -115,7 +109,7 @@ ViewCloud readViewCloud(const fs::path& file) {
       out.values.push_back(std::isfinite(value) && !(out.isId && value == UINT32_MAX) ? value : NAN);
     }
   }
-  if (cloudFormat(file) == CloudFormat::kitti) addLabels(file, rows, table.rows, cloud);
+  if (!cloudFormat(file).read) addLabels(file, rows, table.rows, cloud);
   return cloud;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/json_text.hpp"
 #include "view_page.h"
 
 namespace gnosphere::cli {
@@ -31,7 +32,7 @@ void put(std::string& out, uint32_t value, size_t bytes) {
 /// JSON inside a script element must not contain what ends the element.
 std::string scriptText(const Json& json) {
   std::string text;
-  for (char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) c == '<' ? text += "\\u003c" : text += c;
+  for (char c : jsonText(json)) c == '<' ? text += "\\u003c" : text += c;
   return text;
 }
 

@@ -8,7 +8,10 @@
 #include <set>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
 #include "base/text.hpp"
+#include "drive/formats/format.hpp"
+#include "output/cloud_format.hpp"
 
 namespace gnosphere::cli {
 namespace {
@@ -93,7 +96,7 @@ class DriveOutput {
 
  private:
   static nlohmann::json readJson(const fs::path& file) {
-    nlohmann::json json = nlohmann::json::parse(readWholeFile(file), nullptr, false);
+    nlohmann::json json = parseJson(readWholeFile(file), false);
     if (json.is_discarded()) throw Error(ErrorCode::format, file.string() + ": is no JSON");
     return json;
   }
@@ -182,7 +185,7 @@ class DriveOutput {
     for (const std::string& format : others_) others += (others.empty() ? "" : " and ") + format;
     throw Error(ErrorCode::invalidArgument,
                 folder_.string() + ": holds " + (others.empty() ? "no clouds" : "clouds as " + others + " only") +
-                    "; gnosphere view shows pcd, npy, semantickitti, kitti, kitti-raw and nuscenes");
+                    "; gnosphere view shows " + drive::formatNames([](const drive::FormatInfo& f) { return f.shown; }));
   }
 
   fs::path folder_;
@@ -200,13 +203,13 @@ Series filesOf(const fs::path& folder) {
   std::error_code failed;
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder, failed))
-    for (const char* ending : {".pcd", ".ply", ".npy", ".csv", ".bin"})
-      if (endsWith(entry.path(), ending)) files.push_back(entry.path());
+    for (const CloudFormat& format : cloudFormats())
+      if (endsWith(entry.path(), format.ending)) files.push_back(entry.path());
   if (failed) throw Error(ErrorCode::file, folder.string() + ": cannot be read: " + failed.message());
   if (files.empty())
     throw Error(ErrorCode::invalidArgument, folder.string() +
-                                                ": is neither the output of gnosphere drive nor a folder with .pcd, "
-                                                ".ply, .npy, .csv or .bin files");
+                                                ": is neither the output of gnosphere drive nor a folder with " +
+                                                cloudEndings("or") + " files");
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) series.frames.push_back({series.frames.size(), file, {}});
   return series;

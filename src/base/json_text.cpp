@@ -1,13 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "effects/strict_json.hpp"
+#include "base/json_text.hpp"
 
 #include <set>
+#include <vector>
 
 #include "gnosphere/error.hpp"
 
 namespace gnosphere {
 
 using nlohmann::json;
+
+template <typename Json>
+Json parseJson(std::string_view text, bool throws) {
+  return Json::parse(text, nullptr, throws);
+}
+template nlohmann::json parseJson(std::string_view, bool);
+template nlohmann::ordered_json parseJson(std::string_view, bool);
+
+std::string readable(const json::exception& problem) {
+  // "[json.exception.parse_error.101] parse error at line 1, ...": the readable part begins after the bracket.
+  const std::string what = problem.what();
+  const size_t bracket = what.find("] ");
+  return what.substr(bracket == what.npos ? 0 : bracket + 2);
+}
 
 json parseStrict(std::string_view text, const std::string& source) {
   std::vector<std::set<std::string>> keys;  // keys so far of each open object
@@ -22,12 +37,16 @@ json parseStrict(std::string_view text, const std::string& source) {
   try {
     return json::parse(text, refuseTwins);
   } catch (const json::exception& problem) {
-    // "[json.exception.parse_error.101] parse error at line 1, ...": the readable part begins after the bracket.
-    const std::string what = problem.what();
-    const size_t bracket = what.find("] ");
-    throw Error(ErrorCode::format, source + ": is not JSON: " + what.substr(bracket == what.npos ? 0 : bracket + 2));
+    throw Error(ErrorCode::format, source + ": is not JSON: " + readable(problem));
   }
 }
+
+template <typename Json>
+std::string jsonText(const Json& value, int indent) {
+  return value.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+template std::string jsonText(const nlohmann::json&, int);
+template std::string jsonText(const nlohmann::ordered_json&, int);
 
 std::string shown(const json& value) {
   constexpr size_t kShown = 40;

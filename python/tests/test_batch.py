@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Batches: the bytes of single scans, shapes, memory that is used again, worlds."""
+
+import numpy as np
+import pytest
+
+import gnosphere
+from gnosphere import Batch, Effects, Field, SensorRequest, Shot
+
+
+def square(x: float) -> gnosphere.Mesh:
+    corners = np.array([[x, -9, -9], [x, 9, -9], [x, 9, 9], [x, -9, 9]], np.float32)
+    return gnosphere.Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), [gnosphere.MeshPart(0, 2, material=0)])
+
+
+@pytest.fixture
+def simulator(device):
+    sensor = gnosphere.Sensor()
+    sensor.columns = 40
+    sensor.range_max = 100
+    sensor.channels = [gnosphere.Channel(elevation) for elevation in (-10.0, 0.0, 10.0)]
+    scene = gnosphere.Scene([gnosphere.Material()], [square(8)], [gnosphere.Instance(0)])
+    requests = [SensorRequest(sensor, Effects.none()), SensorRequest(sensor, Effects.none(), fields=[Field.normal])]
+    return gnosphere.Simulator(scene, requests, gnosphere.SimulatorOptions(device))
+
+
+def test_views_are_single_scans(simulator):
+    near = np.tile([0, 0, 0, 0, 0, 0, 1.0], (3, 1))
+    near[:, 0] = [-4, -5, -6]
+    added = simulator.add_instances(0, near, worlds=[1, 2, 2])
+    assert added.tolist() == [1, 2, 3]
+    poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (5, 1))
+    poses[:, 1] = np.arange(5) / 10
+    worlds = np.array([0, 1, 2, 1, 7])
+    for sensor in (0, 1):
+        batch = simulator.scan_batch(poses, sensor=sensor, worlds=worlds, frame=9)
+        assert batch.ranges.shape == (5, 120) and batch.points.shape == (5, 120, 3)
+        assert batch.views == 5 and batch.beams == 120 and batch.counters.beams == 600
+        shots = []
+        for view in range(5):
+            pose = gnosphere.Pose(poses[view, :3])
+            shots.append(Shot(pose, sensor=sensor, frame=9 + view, world=int(worlds[view])))
+            scan = gnosphere.Scan()
+            simulator.scan_into(shots[view], scan)
+            assert batch.ranges[view].tobytes() == scan.ranges.tobytes()
+            assert batch.points[view].tobytes() == scan.points.tobytes()
+            assert batch.instances[view].tobytes() == scan.instances.tobytes()
+            if sensor == 1:
+                assert batch.column(Field.normal)[view].tobytes() == scan.column(Field.normal).tobytes()
+        assert simulator.scan_batch(shots).ranges.tobytes() == batch.ranges.tobytes()
+        assert np.nanmin(batch.ranges[2]) < np.nanmin(batch.ranges[1]) < np.nanmin(batch.ranges[0])
+    assert batch.column(Field.y).tobytes() == np.ascontiguousarray(batch.points[..., 1]).tobytes()
+
+
+def test_memory_is_used_again(simulator):
+    poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (4, 1))
+    poses[:, 0] = np.arange(4)
+    batch = Batch()
+    simulator.scan_batch_into(poses, batch, fields=[Field.range])
+    assert not batch.has(Field.x)
+    address = batch.ranges.__array_interface__["data"][0]
+    simulator.scan_batch_into(poses, batch, fields=[Field.range])
+    assert batch.ranges.__array_interface__["data"][0] == address
+    held = batch.ranges
+    copy = held.copy()
+    simulator.scan_batch_into(poses + [1, 0, 0, 0, 0, 0, 0], batch, fields=[Field.range])
+    assert held.tobytes() == copy.tobytes() != batch.ranges.tobytes()
+    shown = np.from_dlpack(batch.ranges)
+    assert shown.__array_interface__["data"][0] == batch.ranges.__array_interface__["data"][0]
+
+
+def test_errors_name_the_shot(simulator):
+    poses = np.tile([0, 0, 0, 0, 0, 0, 1.0], (4, 1))
+    poses[2, 1] = np.nan
+    with pytest.raises(gnosphere.Error, match="shot 2: the pose has a value that is not finite"):
+        simulator.scan_batch(poses)
+    with pytest.raises(gnosphere.Error, match="worlds has 2 entries; it must be one number, or have 4"):
+        simulator.scan_batch(poses, worlds=[1, 2])
+    with pytest.raises(gnosphere.Error, match="field 'intensity', which sensor 0 does not report"):
+        simulator.scan_batch(poses[:2], fields=[Field.intensity])
+    with pytest.raises(gnosphere.Error, match="mesh 4 does not exist"):
+        simulator.add_instances(4, poses[:2])

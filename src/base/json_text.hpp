@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// JSON text to values and back. The library's parser and writer are compiled in the source of this header alone,
+// because they take longer to compile than most sources that use them.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+namespace gnosphere {
+
+/// Reads JSON, in the type nlohmann::json or nlohmann::ordered_json. If the text is not JSON, throws
+/// nlohmann::json::exception, or returns a discarded value.
+template <typename Json = nlohmann::json>
+Json parseJson(std::string_view text, bool throws = true);
+
+/// Returns the part of a message of the library that people understand.
+std::string readable(const nlohmann::json::exception& problem);
+
+/// Parses JSON. Throws Error(format) for invalid JSON and for duplicate keys, whose meaning JSON leaves open.
+nlohmann::json parseStrict(std::string_view text, const std::string& source);
+
+/// Returns the text of a value, in one line or with `indent` spaces per level. Invalid UTF-8 is replaced.
+template <typename Json>
+std::string jsonText(const Json& value, int indent = -1);
+
+/// Returns the JSON text of a value, shortened if it is long.
+std::string shown(const nlohmann::json& value);
+
+}  // namespace gnosphere

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gnosphere/eval/sub_rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "eval/rank.hpp"
+#include "eval/sample.hpp"
+#include "gnosphere/error.hpp"
+
+namespace gnosphere {
+namespace {
+
+/// One return of a beam.
+struct Echo {
+  double range, intensity;
+};
+
+std::vector<Echo> echoesOf(const Scan& scan, const ColumnView<float>& intensities, size_t beam) {
+  std::vector<Echo> echoes;
+  for (size_t entry = beam * scan.returns; entry < (beam + 1) * scan.returns; ++entry)
+    if (scan.returned(entry)) echoes.push_back({scan.ranges[entry], intensities[entry]});
+  return echoes;
+}
+
+/// Collects the errors of one footprint, beam by beam.
+class Errors {
+ public:
+  explicit Errors(double tolerance, const Effects::RangeNoise* noise) : tolerance_(tolerance), noise_(noise) {}
+
+  void add(const Scan& truth, const Scan& scan) {
+    const auto expected = truth.column<float>(Field::intensity), found = scan.column<float>(Field::intensity);
+    for (size_t beam = 0; beam < truth.beamCount(); ++beam)
+      addBeam(echoesOf(truth, expected, beam), echoesOf(scan, found, beam));
+  }
+
+  void store(SubRayRow& row) {
+    row.beams = beams_;
+    if (beams_ == 0) return;
+    const double beams = static_cast<double>(beams_);
+    row.wrongRange = static_cast<double>(wrongRange_) / beams;
+    row.wrongReturns = static_cast<double>(wrongReturns_) / beams;
+    row.wrong = static_cast<double>(wrong_) / beams;
+    if (ranges_.empty()) return;
+    std::sort(ranges_.begin(), ranges_.end());
+    row.rangeErrorMax = ranges_.back();
+    row.rangeError999 = rankOf(ranges_, 0.999);
+    row.rangeErrorRms = std::sqrt(squares_ / static_cast<double>(returns_));
+    if (intensities_.empty()) return;
+    std::sort(intensities_.begin(), intensities_.end());
+    row.intensityErrorMedian = rankOf(intensities_, 0.5);
+    row.intensityError99 = rankOf(intensities_, 0.99);
+  }
+
+ private:
+  void addBeam(const std::vector<Echo>& truth, const std::vector<Echo>& echoes) {
+    if (truth.empty() && echoes.empty()) return;
+    ++beams_;
+    const bool wrongReturns = truth.size() != echoes.size();
+    bool wrongRange = false;
+    if (!truth.empty() && !echoes.empty()) {
+      double farthest = 0;
+      for (const Echo& echo : echoes) {
+        const Echo& own = *std::min_element(truth.begin(), truth.end(), [&](const Echo& a, const Echo& b) {
+          return std::abs(a.range - echo.range) < std::abs(b.range - echo.range);
+        });
+        const double error = std::abs(echo.range - own.range);
+        farthest = std::max(farthest, error);
+        squares_ += error * error;
+        ++returns_;
+        wrongRange |= error > allowedAt(own.range);
+        if (own.intensity > 0) intensities_.push_back(std::abs(echo.intensity / own.intensity - 1));
+      }
+      ranges_.push_back(farthest);
+    }
+    wrongReturns_ += wrongReturns;
+    wrongRange_ += wrongRange;
+    wrong_ += wrongReturns || wrongRange;
+  }
+
+  double allowedAt(double range) const {
+    return noise_ ? std::max(tolerance_, noise_->sigma + noise_->sigmaPerMetre * range) : tolerance_;
+  }
+
+  double tolerance_;
+  const Effects::RangeNoise* noise_;  ///< null if it is not planned
+  uint64_t beams_ = 0, returns_ = 0, wrongRange_ = 0, wrongReturns_ = 0, wrong_ = 0;
+  double squares_ = 0;
+  std::vector<double> ranges_, intensities_;  ///< the largest of each beam; of each return
+};
+
+SensorRequest withSubRays(SensorRequest request, uint32_t subRays) {
+  request.effects.divergence.subRays = subRays;
+  if (std::find(request.fields.begin(), request.fields.end(), Field::intensity) == request.fields.end())
+    request.fields.push_back(Field::intensity);
+  return request;
+}
+
+class SubRayMeasurement {
+ public:
+  SubRayMeasurement(const Scene& scene, const SensorRequest& request, const std::vector<Pose>& poses,
+                    const SubRayOptions& options)
+      : scene_(scene),
+        request_(request),
+        poses_(poses),
+        options_(options),
+        sample_(sampleOf(request.sensor, options.sample, options.seed)) {
+    settings_ = options.simulator;
+    settings_.tuning.keepStill = false;  // the times are those of whole scans, without reuse of still instances
+    report_.rows.resize(1 + options.counts.size());
+    for (size_t i = 0; i < options.counts.size(); ++i) report_.rows[1 + i].subRays = options.counts[i];
+    report_.beams = sample_.size() * poses.size();
+    report_.sampled = !sample_.beams.empty();
+    report_.runs = options.runs;
+    report_.truth = options.truth;
+    report_.tolerance = options.tolerance;
+  }
+
+  SubRayReport run() {
+    std::vector<SensorRequest> requests = {{request_.sensor, Effects::none()}};
+    for (const uint32_t count : options_.counts) requests.push_back(withSubRays(request_, count));
+    for (const SensorRequest& request : requests) {
+      tell("set up", simulators_.size(), requests.size());
+      simulators_.emplace_back(scene_, request, settings_);
+      if (simulators_.size() == 2) readPlan(simulators_[1].plan());
+    }
+    report_.device = simulators_[0].device();
+    compareAll();
+    timeAll();
+    return report_;
+  }
+
+ private:
+  void tell(const char* step, uint64_t done, uint64_t total) const {
+    if (options_.progress) options_.progress(step, done, total);
+  }
+
+  void readPlan(const Plan& plan) {
+    for (const Plan::Decision& decision : plan.effects) {
+      if (decision.effect != "divergence") continue;
+      if (!decision.in)
+        throw Error(ErrorCode::invalidArgument,
+                    "there are no sub-rays to measure: divergence is out, because " + decision.reason);
+      report_.footprint = decision.reason.substr(0, decision.reason.find(','));
+    }
+  }
+
+  /// Compares every count with the reference. This also warms up: afterwards every list on the device is large enough
+  /// for these poses.
+  void compareAll() {
+    SimulatorOptions settings = settings_;
+    settings.device = DeviceChoice::Kind::reference;
+    SensorRequest many = withSubRays(request_, options_.truth);
+    many.sensor = sample_.sensor;
+    Simulator reference(scene_, many, settings);
+    const bool noisy = simulators_[1].plan().has("range-noise");
+    std::vector<Errors> errors(report_.rows.size(),
+                               Errors(options_.tolerance, noisy ? &request_.effects.rangeNoise : nullptr));
+    for (size_t p = 0; p < poses_.size(); ++p) {
+      tell("compare pose", p + 1, poses_.size());
+      const Scan truth = sample_.of(reference.scan(poses_[p]));
+      simulators_[0].scan(poses_[p]);
+      for (size_t row = 1; row < errors.size(); ++row)
+        errors[row].add(truth, sample_.of(simulators_[row].scan(poses_[p])));
+    }
+    for (size_t row = 1; row < errors.size(); ++row) errors[row].store(report_.rows[row]);
+  }
+
+  /// Scans once with each row in turn, so that other load of the machine affects all rows alike. The poses are spread
+  /// over the runs.
+  void timeAll() {
+    std::vector<std::vector<Timings>> runs(report_.rows.size());
+    for (uint32_t run = 0; run < options_.runs; ++run) {
+      tell("time run", run + 1, options_.runs);
+      const size_t pose = poses_.size() <= options_.runs ? run % poses_.size() : run * poses_.size() / options_.runs;
+      for (size_t row = 0; row < runs.size(); ++row) runs[row].push_back(simulators_[row].scan(poses_[pose]).timings);
+    }
+    for (size_t row = 0; row < runs.size(); ++row) {
+      std::vector<double> wall, gpu, ratios;
+      for (size_t run = 0; run < runs[row].size(); ++run) {
+        const Timings &timings = runs[row][run], &clean = runs[0][run];
+        wall.push_back(timings.wallMs);
+        gpu.push_back(timings.gpuMs);
+        ratios.push_back(clean.gpuMs > 0 ? timings.gpuMs / clean.gpuMs : timings.wallMs / clean.wallMs);
+      }
+      report_.rows[row].wallMs = spreadOf(wall);
+      report_.rows[row].gpuMs = spreadOf(gpu);
+      report_.rows[row].ratio = spreadOf(ratios).median;
+    }
+  }
+
+  const Scene& scene_;
+  const SensorRequest& request_;
+  const std::vector<Pose>& poses_;
+  const SubRayOptions& options_;
+  SimulatorOptions settings_;
+  BeamSample sample_;
+  std::vector<Simulator> simulators_;  ///< of the rows; each has the sensor's number 0, which keys random draws
+  SubRayReport report_;
+};
+
+}  // namespace
+
+SubRayReport measureSubRays(const Scene& scene, const SensorRequest& request, const std::vector<Pose>& poses,
+                            const SubRayOptions& options) {
+  const auto refuse = [](const char* why) { throw Error(ErrorCode::invalidArgument, why); };
+  if (poses.empty()) refuse("footprints are measured from at least one pose");
+  if (options.runs == 0) refuse("times need at least one run");
+  if (options.counts.empty()) refuse("at least one number of sub-rays must be measured");
+  if (options.simulator.device.kind == DeviceChoice::Kind::reference)
+    refuse("the reference is what footprints are measured against; choose another device");
+  validate(request.sensor);
+  return SubRayMeasurement(scene, request, poses, options).run();
+}
+
+}  // namespace gnosphere

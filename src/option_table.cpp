@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sentences are those of gnosphere/simulator.hpp; a test compares.
+#include "option_table.hpp"
+
+#include "base/nearest_text.hpp"
+#include "effects/decide.hpp"
+#include "effects/parameter_text.hpp"
+
+namespace gnosphere {
+namespace {
+
+using S = SimulatorOptions;
+using Parts = AccuracyParts;
+
+std::vector<ChoiceWord> accuracyWords() {
+  std::vector<ChoiceWord> words;
+  for (const AccuracySetting& setting : accuracySettings()) words.push_back({setting.name, setting.doc});
+  return words;
+}
+
+/// The accuracy. A new one replaces parts that were given one by one.
+Option<S> accuracyOption() {
+  const auto get = [](const S& options) { return static_cast<size_t>(options.accuracy); };
+  const auto set = [](S& options, size_t word) {
+    options.accuracy = static_cast<Accuracy>(word);
+    options.accuracyParts.reset();
+  };
+  return {
+      {"accuracy", "", "Named choices of the parts in AccuracyParts.", ChoiceParameter<S>{accuracyWords(), get, set}},
+      Changes::cloud};
+}
+
+/// One part of the accuracy; the others stay those of SimulatorOptions::accuracy.
+template <auto kPart>
+Option<S> part(const char* name, std::vector<ChoiceWord> words, const char* doc) {
+  const auto get = [](const S& options) { return static_cast<size_t>(accuracyPartsOf(options).*kPart); };
+  const auto set = [](S& options, size_t word) {
+    Parts parts = accuracyPartsOf(options);
+    parts.*kPart = static_cast<std::remove_reference_t<decltype(parts.*kPart)>>(word);
+    options.accuracyParts = parts;
+  };
+  return {{name, "", doc, ChoiceParameter<S>{std::move(words), get, set}}, Changes::cloud};
+}
+
+std::vector<Option<S>> makeSimulatorTable() {
+  using namespace rows;
+  using enum Changes;
+  return {
+      accuracyOption(),
+      part<&Parts::bounds>(
+          "accuracy_parts.bounds",
+          {{"paper", "The floor of the corners' angles, computed with GLSL's asin and atan."},
+           {"corners",
+            "The corners' angles, widened for rounding: misses beams where an edge bulges beyond them and at the "
+            "poles."},
+           {"exact", "Every beam that can meet the triangle."}},
+          "Which beams a triangle is tested against."),
+      part<&Parts::cull>("accuracy_parts.cull", {{"first_corner"}, {"nearest_point"}},
+                         "Which point of a triangle must be in range."),
+      part<&Parts::inside>("accuracy_parts.inside",
+                           {{"plain", "Signs of the edge normals a x b, equation 2 of the paper."},
+                            {"watertight", "No beam slips between triangles that share an edge or a corner."},
+                            {"exact", "Exact signs; a beam on a shared edge hits exactly one triangle."}},
+                           "How the inside test decides whether a beam hits a triangle."),
+      part<&Parts::range>("accuracy_parts.range",
+                          {{"plane", "Equation 4 of the paper."},
+                           {"edge_weights", "A convex combination of the depths of the corners."},
+                           {"exact", "The exact quotient, correctly rounded; only with Inside::exact."}},
+                          "How the range of a hit is computed."),
+      {choice<&S::faces>("faces", {{"material", "Material::doubleSided decides."}, {"front"}, {"both"}},
+                         "Which faces of a triangle reflect."),
+       cloud},
+      {choice<&S::tuning, &Tuning::binning>(
+           "tuning.binning",
+           {{"auto", "Slabs on a CPU; nearest on other devices and for footprints, but lists if these pass panes."},
+            {"nearest", "One 64-bit atomic minimum per hit; replaced by lists on devices without that instruction."},
+            {"lists", "A list of candidates per beam: count, prefix sum, fill."},
+            {"slabs",
+             "One subgroup owns a slab of columns, so the minimum needs no atomics; replaced by lists as `nearest` "
+             "is."}},
+           "How the hits of each beam are collected. Every choice gives the same cloud."),
+       time},
+      {flag<&S::tuning, &Tuning::culling, &Culling::range>("tuning.culling.range", "Triangles out of range."), time},
+      {flag<&S::tuning, &Tuning::culling, &Culling::rows>(
+           "tuning.culling.rows", "Triangles between two rows of beams, above or below the field of view."),
+       time},
+      {flag<&S::tuning, &Tuning::culling, &Culling::columns>("tuning.culling.columns",
+                                                             "Triangles between two columns of beams."),
+       time},
+      {flag<&S::tuning, &Tuning::culling, &Culling::cones>("tuning.culling.cones",
+                                                           "Clusters of one-sided triangles that are all back-facing."),
+       time},
+      {choice<&S::tuning, &Tuning::culling, &Culling::occlusion>(
+           "tuning.culling.occlusion", {{"auto"}, {"always"}, {"never"}},
+           "Triangles behind hits nearer to the sensor. The test reads the word of every beam; `automatic` uses it if "
+           "the scene has enough triangles to make that worthwhile."),
+       time},
+      {flag<&S::tuning, &Tuning::keepStill>(
+           "tuning.keep_still",
+           "If true, a sensor that scans repeatedly from one pose keeps the hits on instances that have not moved (8 "
+           "bytes per beam, from its second scan from that pose). This has no effect with Binning::lists or the "
+           "paper's bounds."),
+       time},
+      {flag<&S::tuning, &Tuning::float64>("tuning.float64",
+                                          "If false, double precision is not used even if the device has it."),
+       time},
+      {count<&S::tuning, &Tuning::maxBatchBytes>("tuning.max_batch_bytes", "bytes", 0, UINT64_MAX,
+                                                 "Most bytes that shots which are submitted together (see "
+                                                 "Simulator::scanAll()) take on the device in lists of "
+                                                 "instances and clusters; at least one shot is submitted. 0 means 256 "
+                                                 "MB on a CPU and 1 GB on other devices."),
+       machine},
+      {count<&S::tuning, &Tuning::maxBufferBytes>(
+           "tuning.max_buffer_bytes", "bytes", 0, UINT64_MAX,
+           "Upper limit in bytes for any one buffer on a Vulkan device; 0 means the limit of the device. If an array "
+           "needs more, the call that needs it throws Error(outOfMemory); the simulator stays usable."),
+       machine},
+      {text<&S::cache>("cache",
+                       "Folder in which compiled pipelines are kept. If empty, it is \"gnosphere\" in $XDG_CACHE_HOME "
+                       "or ~/.cache; if \"off\", pipelines are not kept."),
+       machine},
+      {flag<&S::validation>("validation",
+                            "Turns the Vulkan validation layer on; its messages are thrown as Error(device)."),
+       machine},
+      {flag<&S::compileOnly>(
+           "compile_only",
+           "The simulator compiles the pipelines of its sensors' scans and cannot scan. Its plan() has what the "
+           "driver's compiler says of each pipeline. No device memory is needed and nothing is submitted, so a driver "
+           "that only compiles is enough. Only for Vulkan devices of the library's own."),
+       machine},
+  };
+}
+
+std::vector<Option<SensorRequest>> makeRequestTable() {
+  using namespace rows;
+  return {
+      {flag<&SensorRequest::variableWeather>(
+           "variable_weather",
+           "If true, shots may set Shot::weather: fog, rain, snow and volumes are planned even if `effects` gives them "
+           "no value, unless they are off."),
+       Changes::cloud},
+      {indices<&SensorRequest::ignoredInstances>(
+           "ignored_instances", "instance",
+           "Indices of instances that the sensor does not see, for example the body of the robot that carries it: its "
+           "scans are those of a scene without them. An index stays ignored if its instance is removed and another "
+           "one gets it."),
+       Changes::cloud},
+  };
+}
+
+template <class Owner>
+const Option<Owner>& named(const std::vector<Option<Owner>>& table, const std::string& name) {
+  std::vector<std::string> names, longer;
+  for (const Option<Owner>& option : table) {
+    const std::string known = option.parameter.name;
+    if (known == name) return option;
+    names.push_back(known);
+    if (known.ends_with("." + name)) longer.push_back(known);
+  }
+  refuseArgument("no option is called '" + name + "'; " + nearestText(name, longer.empty() ? names : longer));
+}
+
+template <class Owner>
+void assignTo(Owner& owner, const std::vector<Option<Owner>>& table, const std::string& assignment,
+              const char* example) {
+  const auto [name, value] = splitAssignment(assignment, example);
+  const Parameter<Owner>& parameter = named(table, name).parameter;
+  Owner changed = owner;
+  readValue(parameter, changed, name, value);
+  owner = std::move(changed);
+}
+
+}  // namespace
+
+const std::vector<Option<SimulatorOptions>>& simulatorOptionTable() {
+  static const std::vector<Option<SimulatorOptions>> table = makeSimulatorTable();
+  return table;
+}
+
+const std::vector<Option<SensorRequest>>& requestOptionTable() {
+  static const std::vector<Option<SensorRequest>> table = makeRequestTable();
+  return table;
+}
+
+const Option<SimulatorOptions>& simulatorOption(const std::string& name) {
+  return named(simulatorOptionTable(), name);
+}
+
+const Option<SensorRequest>& requestOption(const std::string& name) {
+  return named(requestOptionTable(), name);
+}
+
+const std::vector<ChoiceWord>& wordsOf(const std::string& option) {
+  return std::get<ChoiceParameter<SimulatorOptions>>(simulatorOption(option).parameter.kind).words;
+}
+
+void assign(SimulatorOptions& options, const std::string& assignment) {
+  assignTo(options, simulatorOptionTable(), assignment, "tuning.binning=lists");
+}
+
+void assign(SensorRequest& request, const std::string& assignment) {
+  assignTo(request, requestOptionTable(), assignment, "variable_weather=true");
+}
+
+}  // namespace gnosphere

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+// Worlds, and batches of views: every view has the bytes of a single scan in a scene with only what its world has.
+#include <catch2/generators/catch_generators.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <map>
+
+#include "support.hpp"
+
+namespace gnosphere::test {
+namespace {
+
+// A common ground and, in each world, boxes of its own that overlap those of other worlds.
+Scene worlds(uint32_t count, uint32_t each) {
+  Scene scene = sceneOf(soup(3, 700, 12, 3));
+  scene.meshes.push_back(soup(4, 40, 2, 1));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-20, 20);
+  for (uint32_t k = 0; k < each; ++k)
+    for (uint32_t world = 1; world <= count; ++world) {
+      Instance instance;
+      instance.mesh = 1;
+      instance.transform = translation(place(random), place(random), place(random) / 10);
+      instance.world = world;
+      instance.classId = static_cast<uint16_t>(world);
+      scene.instances.push_back(instance);
+    }
+  return scene;
+}
+
+// The scene as a world sees it: instances of other worlds keep their indices, but are far below everything.
+Scene seenFrom(const Scene& scene, uint32_t world, std::vector<uint32_t>* indices = nullptr) {
+  Scene seen = scene;
+  seen.instances.clear();
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (scene.instances[i].world != 0 && scene.instances[i].world != world) continue;
+    seen.instances.push_back(scene.instances[i]);
+    seen.instances.back().world = 0;
+    if (indices) indices->push_back(i);
+  }
+  return seen;
+}
+
+// Shots of many worlds, some of them from the same pose, some from out of reach.
+std::vector<Shot> shotsOf(uint32_t worlds, size_t count) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(-15, 15);
+  std::vector<Shot> shots(count);
+  for (size_t i = 0; i < count; ++i) {
+    if (i % 3 != 0) shots[i].pose.position = {place(random), place(random), 0.1 * place(random)};
+    if (i % 7 == 3) shots[i].pose.position.x = 5000;
+    shots[i].world = static_cast<uint32_t>(i * 5 % (worlds + 2));  // some have no instances, one is world 0
+    shots[i].frame = i;
+  }
+  return shots;
+}
+
+// Scans shots alone, in scenes without other worlds, and gives the instances their indices in the whole scene.
+class Alone {
+ public:
+  Alone(const Scene& scene, SensorRequest request, TestOptions options = vulkanOptions())
+      : scene_(scene), request_(std::move(request)), options_(std::move(options)) {}
+
+  Scan scan(Shot shot) {
+    auto found = worlds_.find(shot.world);
+    if (found == worlds_.end()) {
+      std::vector<uint32_t> indices;
+      Simulator simulator(seenFrom(scene_, shot.world, &indices), request_, options_);
+      found = worlds_.emplace(shot.world, World{std::move(simulator), std::move(indices)}).first;
+    }
+    shot.world = 0;
+    Scan scan;
+    found->second.simulator.scanInto(shot, scan);
+    for (uint32_t& instance : scan.instances)
+      if (instance != kNoTriangle) instance = found->second.indices[instance];
+    return scan;
+  }
+
+ private:
+  struct World {
+    Simulator simulator;
+    std::vector<uint32_t> indices;  // in the whole scene
+  };
+  const Scene& scene_;
+  SensorRequest request_;
+  TestOptions options_;
+  std::map<uint32_t, World> worlds_;
+};
+
+template <typename T>
+bool sameView(std::span<const T> all, const std::vector<T>& one, size_t view) {
+  return std::memcmp(all.data() + view * one.size(), one.data(), one.size() * sizeof(T)) == 0;
+}
+
+// Whether a view of a batch with all its fields has the bytes of a scan.
+bool sameView(const Batch& batch, size_t view, const Scan& scan) {
+  bool same = sameView<float>(batch.ranges(), scan.ranges, view) &&
+              sameView<float>(batch.points(), scan.points, view) &&
+              sameView<uint32_t>(batch.triangles(), scan.triangles, view) &&
+              sameView<uint32_t>(batch.instances(), scan.instances, view);
+  const auto column = [&]<typename T>(Field field) {
+    if (!batch.has(field)) return;
+    const ColumnView<T> all = batch.column<T>(field), one = scan.column<T>(field);
+    for (size_t i = 0; i < one.size(); ++i)
+      same = same && std::memcmp(&all[view * one.size() + i], &one[i], sizeof(T)) == 0;
+  };
+  column.operator()<float>(Field::intensity);
+  column.operator()<uint16_t>(Field::classId);
+  column.operator()<uint8_t>(Field::returnNumber);
+  return same;
+}
+
+}  // namespace
+
+TEST_CASE("a scan of a world is that of a scene without the other worlds' instances", "[second-driver]") {
+  const Scene scene = worlds(5, 3);
+  const Sensor sensor = gridSensor(120, 16, -30, 30);
+  const bool reference = GENERATE(false, true);
+  if (!reference) needVulkan();
+  TestOptions options = vulkanOptions();
+  if (reference) options.device = DeviceChoice::Kind::reference;
+  Simulator simulator(scene, sensor, options);
+  Alone single(scene, sensor, options);
+  size_t different = 0;
+  for (const Shot& shot : shotsOf(5, 12)) {
+    Scan scan;
+    simulator.scanInto(shot, scan);
+    const Scan expected = single.scan(shot);
+    different += !sameBytes(scan, expected);
+    CHECK(scan.counters.triangles == expected.counters.triangles);
+    CHECK(scan.counters.hits == expected.counters.hits);
+  }
+  CHECK(different == 0);
+}
+
+TEST_CASE("a sensor that stands still sees the world of each shot") {
+  needVulkan();
+  Scene scene = worlds(3, 2);
+  const Sensor sensor = gridSensor(120, 16, -30, 30);
+  Simulator simulator(scene, sensor, vulkanOptions());
+  Alone single(scene, sensor);
+  Shot shot;
+  for (const uint32_t world : {1, 1, 1, 2, 2, 2, 2, 1, 3, 3}) {
+    shot.world = world;
+    Scan scan;
+    simulator.scanInto(shot, scan);
+    CHECK(sameBytes(scan, single.scan(shot)));
+  }
+}
+
+TEST_CASE("instances come to worlds, move in them and leave them") {
+  needVulkan();
+  Scene scene = worlds(2, 2);
+  const Sensor sensor = gridSensor(120, 16, -30, 30);
+  Simulator simulator(scene, sensor, vulkanOptions());
+  const auto check = [&] {
+    for (uint32_t world = 0; world < 5; ++world) {
+      Shot shot;
+      shot.world = world;
+      Scan scan;
+      simulator.scanInto(shot, scan);
+      CHECK(sameBytes(scan, Alone(scene, sensor).scan(shot)));
+    }
+  };
+  std::vector<Instance> more(2);
+  for (size_t i = 0; i < more.size(); ++i) {
+    more[i].mesh = 1;
+    more[i].transform = translation(4.0 + double(i), 1, 0.2);
+    more[i].world = static_cast<uint32_t>(4 - i);
+  }
+  const std::vector<uint32_t> added = simulator.addInstances(more);
+  REQUIRE(added == std::vector<uint32_t>{5, 6});
+  scene.instances.insert(scene.instances.end(), more.begin(), more.end());
+  check();
+  simulator.setTransform(5, translation(3, -2, 0));
+  scene.instances[5].transform = translation(3, -2, 0);
+  simulator.setTransform(0, translation(0, 0, -1));
+  scene.instances[0].transform = translation(0, 0, -1);
+  check();
+  simulator.removeInstance(6);
+  const size_t again = simulator.addInstance(1, translation(-4, 2, 0), 0, 1);
+  REQUIRE(again == 6);
+  scene.instances[6].transform = translation(-4, 2, 0);
+  scene.instances[6].world = 1;
+  check();
+
+  more[1].mesh = 9;
+  CHECK_THROWS_WITH(simulator.addInstances(more), Catch::Matchers::ContainsSubstring("entry 1: mesh 9 does not exist"));
+  check();
+}
+
+TEST_CASE("a batch has, view by view, the bytes of single scans", "[second-driver]") {
+  needVulkan();
+  const Scene scene = worlds(6, 4);
+  Sensor list = gridSensor(0, 0, 0, 0);
+  list.patterns = {beamsOf(gridSensor(61, 13, -40, 35))};
+  const std::vector<Shot> shots = shotsOf(6, 24);
+  struct Case {
+    const char* name;
+    SensorRequest request;
+  };
+  std::vector<Case> cases = {{"grid", gridSensor(90, 16, -30, 30)}, {"list", list}};
+  cases.push_back({"classes", {gridSensor(60, 8, -20, 20), Effects::none(), {Field::classId}}});
+  Effects effects = Effects::none();
+  effects.intensity.use = EffectUse::on;
+  effects.rangeNoise.use = EffectUse::on;
+  effects.rangeNoise.sigma = 0.02;
+  cases.push_back({"effects", {gridSensor(60, 8, -20, 20), effects, {Field::intensity, Field::returnNumber}}});
+  for (Case& each : cases) {
+    INFO(each.name);
+    if (each.request.fields.empty()) each.request.effects = Effects::none();
+    Simulator simulator(scene, each.request, vulkanOptions());
+    Batch batch;
+    for (int run = 0; run < 2; ++run) simulator.scanBatchInto(shots, batch);
+    REQUIRE(batch.views == shots.size());
+    REQUIRE(batch.entries() == batch.views * batch.beams * batch.returns);
+    size_t different = 0;
+    Alone single(scene, each.request);
+    Counters sum;
+    for (size_t view = 0; view < shots.size(); ++view) {
+      const Scan expected = single.scan(shots[view]);
+      different += !sameView(batch, view, expected);
+      sum += expected.counters;
+    }
+    CHECK(different == 0);
+    CHECK(batch.counters.hits == sum.hits);
+    CHECK(batch.counters.hits > 1000);
+    CHECK(batch.counters.misses == sum.misses);
+    CHECK(batch.counters.beams == sum.beams);
+    CHECK(batch.counters.triangles == sum.triangles);
+  }
+}
+
+TEST_CASE("heads with lasers beside their axis, and lists that look down only, are submitted together") {
+  needVulkan();
+  const Scene scene = worlds(4, 4);
+  Sensor down = gridSensor(0, 0, 0, 0);
+  down.patterns = {beamsOf(gridSensor(17, 11, -80, -35))};
+  std::vector<Shot> shots = shotsOf(4, 9);
+  for (Shot& shot : shots) shot.pose.orientation = {0.1, 0.2, 0.3, 0.92};
+  for (const Sensor& sensor : {builtinSensor("Puck"), builtinSensor("OS0-32"), down}) {
+    INFO(sensor.name);
+    const SensorRequest request(sensor, Effects::none());
+    uint64_t submissions = 0;
+    TestOptions options = vulkanOptions();
+    options.trace = [&](const std::string& line) { submissions += line.find("project_groups") != line.npos; };
+    Simulator simulator(scene, request, options);
+    Batch batch;
+    simulator.scanBatchInto(shots, batch);
+    submissions = 0;
+    simulator.scanBatchInto(shots, batch);
+    CHECK(submissions > 0);
+    CHECK(submissions < shots.size());
+    size_t different = 0;
+    Alone single(scene, request);
+    for (size_t view = 0; view < shots.size(); ++view) different += !sameView(batch, view, single.scan(shots[view]));
+    CHECK(different == 0);
+    CHECK(batch.counters.hits > 1000);
+  }
+}
+
+TEST_CASE("a batch has only the fields that were asked for, in memory that it keeps") {
+  needVulkan();
+  const Scene scene = worlds(6, 4);
+  const Sensor sensor = gridSensor(90, 16, -30, 30);
+  Simulator simulator = makeSimulator(scene, sensor, vulkanOptions());
+  const std::vector<Shot> shots = shotsOf(6, 24);
+  const Batch all = simulator.scanBatch(shots);
+  const Field ranges[] = {Field::range}, instances[] = {Field::instance};
+  Batch batch;
+  simulator.scanBatchInto(shots, batch, ranges);
+  const float* memory = batch.ranges().data();
+  CHECK(batch.points().empty());
+  CHECK_FALSE(batch.has(Field::x));
+  CHECK_FALSE(batch.has(Field::triangle));
+  CHECK(std::memcmp(memory, all.ranges().data(), all.ranges().size_bytes()) == 0);
+  simulator.scanBatchInto(shots, batch, instances);
+  CHECK(batch.ranges().data() == memory);
+  CHECK(std::memcmp(memory, all.ranges().data(), all.ranges().size_bytes()) == 0);
+  CHECK(std::ranges::equal(batch.instances(), all.instances()));
+  CHECK(batch.triangles().empty());
+  simulator.scanBatchInto({}, batch);
+  CHECK(batch.views == 0);
+  CHECK(batch.ranges().empty());
+}
+
+TEST_CASE("a batch is divided by its budget, and by memory that runs out") {
+  needVulkan();
+  const Scene scene = worlds(6, 4);
+  const Sensor sensor = gridSensor(90, 16, -30, 30);
+  const std::vector<Shot> shots = shotsOf(6, 40);
+  const Batch expected = makeSimulator(scene, sensor, vulkanOptions()).scanBatch(shots);
+  const auto check = [&](const TestOptions& options) {
+    const Batch batch = makeSimulator(scene, sensor, options).scanBatch(shots);
+    CHECK(std::memcmp(batch.ranges().data(), expected.ranges().data(), expected.ranges().size_bytes()) == 0);
+    CHECK(std::ranges::equal(batch.instances(), expected.instances()));
+    CHECK(batch.counters.hits == expected.counters.hits);
+  };
+  for (const uint64_t budget : {1, 5'000, 20'000}) {
+    TestOptions options = vulkanOptions();
+    options.tuning.maxBatchBytes = budget;
+    check(options);
+  }
+  for (const uint64_t limit : {256 * 1024, 400 * 1024}) {
+    TestOptions options = vulkanOptions();
+    options.tuning.maxBufferBytes = limit;
+    check(options);
+  }
+}
+
+TEST_CASE("a batch that cannot be made says why, before anything runs") {
+  needVulkan();
+  const Scene scene = worlds(2, 2);
+  Simulator simulator(scene, std::vector<SensorRequest>{gridSensor(90, 16, -30, 30), gridSensor(60, 8, -30, 30)},
+                      vulkanOptions());
+  std::vector<Shot> shots = shotsOf(2, 6);
+  Batch batch = simulator.scanBatch(shots);
+  const std::vector<float> before(batch.ranges().begin(), batch.ranges().end());
+  const auto refuses = [&](const std::string& message, std::vector<Field> fields = {}) {
+    CHECK_THROWS_WITH(simulator.scanBatchInto(shots, batch, fields), Catch::Matchers::ContainsSubstring(message));
+    REQUIRE(batch.views == 6);
+    CHECK(std::memcmp(before.data(), batch.ranges().data(), batch.ranges().size_bytes()) == 0);
+  };
+  shots[4].pose.position.y = std::nan("");
+  refuses("shot 4: the pose has a value that is not finite");
+  shots[4] = shots[3];
+  shots[5].sensor = 1;
+  refuses("shot 5 is one of sensor 1, the first one of sensor 0");
+  shots[5].sensor = 7;
+  refuses("shot 5: sensor 7 does not exist");
+  shots[5].sensor = 0;
+  refuses("the batch asks for field 'intensity', which sensor 0 does not report", {Field::intensity});
+}
+
+}  // namespace gnosphere::test
