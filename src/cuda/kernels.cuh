@@ -91,11 +91,17 @@ void launchAs(const Job& job, uint32_t groupsX, uint32_t groupsY) {
 
 #else
 
+// The host compiles each stage once, and reads the options that are known as it reads the others.
+template <typename Stage>
+void run(const Job& job, uint32_t groupsX, uint32_t groupsY) {
+  runWorkgroups(groupsX, groupsY, [&job] { Stage{job}.main(); });
+}
+
 template <typename Stage, typename Known>
 void launchAs(const Job& given, uint32_t groupsX, uint32_t groupsY) {
   Job job = given;
   Known::fix(job.options);
-  runWorkgroups(groupsX, groupsY, [&job] { Stage{job}.main(); });
+  run<Stage>(job, groupsX, groupsY);
 }
 
 #endif
