@@ -75,6 +75,7 @@ std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
     const bool scenes = cases[0].run == real;
     if (scenes) adaptToReal(*command, *options);
     if (cases.size() == 1 && cases[0].run == heads) adaptToHeads(*command, *options);
+    if (cases[0].run == golden) adaptToGolden(*command, *options);
     command->footer("Example: gnosphere-bench " + std::string(name) + (scenes ? " --scene FOLDER" : "") +
                     " --device 0 --json results.json");
     actions.emplace_back(command, [cases, options] { return run(cases, *options); });
@@ -82,6 +83,7 @@ std::vector<std::pair<const CLI::App*, Action>> addCases(CLI::App& app) {
   };
   for (const Case& entry : kCases) add(entry.name, entry.description, {entry});
   add(kReal.name, kReal.description, {kReal});
+  add(kGolden.name, kGolden.description, {kGolden});
   CLI::App* all = add("all", "All of these cases", {std::begin(kCases), std::end(kCases)});
   all->remove_option(all->get_option("--plot"));
   CLI::App* stability = app.add_subcommand("stability", "Error of every accuracy as cases get harder");

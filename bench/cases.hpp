@@ -23,6 +23,8 @@ Report effects(Session& session);
 Report correctness(Session& session);
 Report real(Session& session);
 Report heads(Session& session);
+Report batches(Session& session);
+Report golden(Session& session);
 
 struct Case {
   const char* name;
@@ -46,10 +48,14 @@ inline constexpr Case kCases[] = {
     {"beams", "Sectors, lists of beams, lasers away from the axis", {1'000'000, 7, 1}, beams},
     {"effects", "Time of each effect relative to a scan without effects", {1'000'000, 7, 1}, effects},
     {"heads", "Every head of the catalogue, clean and by default", {300'000, 3, 2}, heads},
+    {"batches", "Views of a small sensor one by one and as a batch", {300'000, 5, 256}, batches},
     {"correctness", "Compare hard cases and a town with the reference; fingerprints", {300'000, 1, 2}, correctness},
 };
 
 /// It needs scene files, so it is not one of those that `all` runs.
 inline constexpr Case kReal = {"real", "Scene files, from places where much detail is seen", {0, 5, 4}, real};
+
+/// Nothing of it is measured, so it is not among those either.
+inline constexpr Case kGolden = {"golden", "Compare clouds of `exact` with the committed hashes", {}, golden};
 
 }  // namespace gnosphere::bench

@@ -48,6 +48,13 @@ void adaptToHeads(CLI::App& app, Options& options) {
                  "Heads separated by commas, with :MODE if wanted (default: all of the catalogue)");
 }
 
+void adaptToGolden(CLI::App& app, Options& options) {
+  for (const char* other :
+       {"--accuracy", "--sensor", "--scene", "--triangles", "--trajectory", "--frames", "--runs", "--rivals", "--plot"})
+    app.remove_option(app.get_option(other));
+  app.add_option("--renew", options.renew, "Write the table of hashes to this file instead of comparing with it");
+}
+
 Session::Session(const Options& options, const Defaults& defaults)
     : options_(options), rivals_(parseRivals(options.rivals)) {
   if (options_.triangles == 0) options_.triangles = defaults.triangles;

@@ -20,6 +20,7 @@ struct Options {
   uint32_t runs = 0, frames = 0;
   uint64_t leastTriangles = 50'000, seed = 1;  ///< of the case `real` alone
   std::string heads;                           ///< of the case `heads` alone; empty: all of the catalogue
+  std::string renew;                           ///< of the case `golden` alone: the file to write
 };
 
 /// Defaults of a case for options that are not given.
@@ -34,6 +35,9 @@ void adaptToReal(CLI::App& app, Options& options);
 
 /// Changes these options to those of the case `heads`.
 void adaptToHeads(CLI::App& app, Options& options);
+
+/// Changes these options to those of the case `golden`.
+void adaptToGolden(CLI::App& app, Options& options);
 
 /// What of our own takes part beside GnoSphere where nothing moves.
 enum class Beside {

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // How kernels divide beams. Each subgroup processes a run of neighbouring beams: some devices execute the subgroups of a
-// workgroup one after the other, and these then read and write memory in order.
+// workgroup one after the other, and these then read and write memory in order. A dispatch may be a part of its step: the
+// workgroups of a step are counted through.
 
 // For a row of workgroups per row of beams (see beamsPerRow()): returns the first beam of the subgroup's run and the one
 // after its last. At the end of a row the run may be empty.
 uvec2 runOfBeams() {
   uint length = kResolveColumns / gl_NumSubgroups;
-  uint first = gl_WorkGroupID.x * kResolveColumns + gl_SubgroupID * length;
+  uint first = (pass.firstGroup + gl_WorkGroupID.x) * kResolveColumns + gl_SubgroupID * length;
   return uvec2(first, min(first + length, beamsPerRow()));
 }
 
 // The same for `count` beams that all workgroups share.
 uvec2 runOf(uint count) {
-  uint subgroups = gl_NumWorkGroups.x * gl_NumSubgroups;
+  uint subgroups = pass.groups * gl_NumSubgroups, group = pass.firstGroup + gl_WorkGroupID.x;
   uint steps = (count + subgroups * gl_SubgroupSize - 1) / (subgroups * gl_SubgroupSize);
-  uint first = (gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID) * steps * gl_SubgroupSize;
+  uint first = (group * gl_NumSubgroups + gl_SubgroupID) * steps * gl_SubgroupSize;
   return uvec2(first, min(first + steps * gl_SubgroupSize, count));
 }

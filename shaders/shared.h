@@ -443,7 +443,9 @@ struct Pass {
   uint last;       // 1 if the shell reaches to infinity
   uint occluders;  // 1 if the farthest-range table is filled
   uint table;      // kTable...: what this dispatch writes to the farthest-range table
-  uint padding0, padding1;
+  // A step may be divided into dispatches of which each runs some of its workgroups (see runs.glsl): the first of them,
+  // and how many the step has; 0 for kernels that cannot be divided.
+  uint firstGroup, groups;
 };
 
 // The velocity of an instance's points, m/s in the sensor's axes: rows * (point, 1).

@@ -110,6 +110,12 @@ std::vector<Option<S>> makeSimulatorTable() {
                                                  "instances and clusters; at least one shot is submitted. 0 means 256 "
                                                  "MB on a CPU and 1 GB on other devices."),
        machine},
+      {count<&S::tuning, &Tuning::maxSubmissionWork>(
+           "tuning.max_submission_work", "", 0, UINT64_MAX,
+           "Most triangles and lines of light, roughly counted, that one submission looks at on a Vulkan device of the "
+           "library's own; a scan of more is several submissions, so that a desktop draws between them and its driver "
+           "does not take the device for stuck. 0 means no limit on a CPU and 67,108,864 on other devices."),
+       machine},
       {count<&S::tuning, &Tuning::maxBufferBytes>(
            "tuning.max_buffer_bytes", "bytes", 0, UINT64_MAX,
            "Upper limit in bytes for any one buffer on a Vulkan device; 0 means the limit of the device. If an array "

@@ -288,6 +288,36 @@ TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
   CHECK_NOTHROW(device.throwOnMessages());
 }
 
+TEST_CASE("a recording with cuts is several submissions, of which the last one has the fence") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  static std::vector<bool> fences;
+  static size_t failing;
+  calls = {device.vk()};
+  functionsOf(device).vkQueueSubmit = [](VkQueue queue, uint32_t count, const VkSubmitInfo* infos, VkFence fence) {
+    if (fences.size() == failing) return VK_ERROR_DEVICE_LOST;
+    fences.push_back(fence != VK_NULL_HANDLE);
+    return calls.real.vkQueueSubmit(queue, count, infos, fence);
+  };
+  const auto submit = [&](size_t lostAt) {
+    fences.clear();
+    failing = lostAt;
+    vulkan::Commands commands(device);
+    for (const int cuts : {2, 0, 3}) {
+      commands.begin(4);
+      for (int i = 0; i < cuts; ++i) commands.cut();
+      commands.submit();
+      commands.wait();
+    }
+  };
+  submit(100);
+  CHECK(fences == std::vector<bool>{false, false, true, true, false, false, false, true});
+  CHECK_THROWS_WITH(submit(1), ContainsSubstring("was lost while it scanned"));
+  CHECK_NOTHROW(device.throwOnMessages());
+  // Other simulators do not notice.
+  CHECK(scanOf(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), {}, vulkanOptions()).counters.hits == 200);
+}
+
 TEST_CASE("a recording that was given up is dropped by the next one") {
   needVulkan();
   vulkan::Device device({}, vulkanOptions().validation, 0);

@@ -2,7 +2,8 @@
 // Many scans in flight give the same results as single scans.
 #include <catch2/matchers/catch_matchers.hpp>
 
-#include "support.hpp"
+#include "effects/scan_support.hpp"
+#include "pipeline/steps.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -83,6 +84,77 @@ TEST_CASE("a scan in flight while the previous one enlarges the lists is repeate
   CHECK(scans[1].counters.retries > 0);  // it was in flight when the lists were too small
   CHECK(scans[0].counters.hits > 0);
   CHECK(sameBytes(scans[0], scans[1]));
+}
+
+TEST_CASE("steps of more work than a submission may have are divided at their workgroups, and put into submissions") {
+  const auto dispatch = [](uint64_t work, uint32_t groups, bool divisible) {
+    Step step = {Step::Kind::dispatch, "bin"};
+    step.work = work;
+    step.groupsX = groups;
+    step.pass.groups = divisible ? groups : 0;
+    return step;
+  };
+  const auto text = [](const std::vector<Step>& steps) {
+    std::string all;
+    for (const Step& step : steps) {
+      if (step.kind == Step::Kind::cut) all += "| ";
+      if (step.kind == Step::Kind::fill) all += "fill ";
+      if (step.kind != Step::Kind::dispatch) continue;
+      const uint32_t first = step.pass.firstGroup;
+      all += std::to_string(first) + "-" + std::to_string(first + step.groupsX) + " ";
+    }
+    return all;
+  };
+  const std::vector<Step> steps = {{Step::Kind::fill},      dispatch(40, 5, false), dispatch(40, 6, false),
+                                   dispatch(30, 7, true),   dispatch(0, 1, false),  dispatch(900, 8, false),
+                                   dispatch(250, 10, true), dispatch(1000, 3, true)};
+  CHECK(text(inSubmissions(steps, 100)) == "fill 0-5 0-6 | 0-7 0-1 | 0-8 | 0-3 | 3-6 | 6-10 | 0-1 | 1-2 | 2-3 ");
+  CHECK(text(inSubmissions(steps, 10'000)) == "fill 0-5 0-6 0-7 0-1 0-8 0-10 0-3 ");
+}
+
+TEST_CASE("scans in many submissions have the bytes of scans in one") {
+  needVulkan();
+  Scene scene = sceneOf(soup(11, 1500, 40, 20));
+  scene.materials.push_back(lambertian(0.3f, "pane"));
+  scene.materials[1].transmission = 0.6f;
+  scene.meshes.push_back(plate(4, 20, 1));
+  scene.instances.push_back({"pane", 1, {}});
+  std::vector<Sensor> sensors = {gridSensor(1000, 33, -60, 60), gridSensor(700, 20, -30, 10)};
+  sensors.push_back(sensors[1]);
+  sensors[2].patterns = {beamsOf(sensors[1])};
+  sensors[2].columns = 0;
+  sensors[2].channels.clear();
+  TestOptions options = vulkanOptions();
+  size_t cuts = 0;
+  options.trace = [&](const std::string& line) { cuts += line.find("the next submission") != std::string::npos; };
+  std::vector<SensorRequest> requests;
+  for (const Sensor& sensor : sensors) {
+    requests.push_back({sensor, Effects::none()});
+    requests.push_back({sensor, Effects::none(), stillFields()});
+    for (const char* effect : {"intensity=on", "transmission=on", "returns.count=2", "returns.mode=all",
+                               "angle-noise.azimuth=0.002", "angle-noise.at=beam", "rain.rate=20"})
+      assign(requests.back().effects, effect);
+    requests.push_back(requests.back());
+    for (const char* effect : {"divergence.sub_rays=7", "divergence.horizontal=0.003", "divergence.vertical=0.0015"})
+      assign(requests.back().effects, effect);
+  }
+  const std::vector<Shot> shots = driveThrough(requests.size(), 2 * requests.size());
+  for (const Binning binning : {Binning::automatic, Binning::nearest, Binning::lists}) {
+    options.tuning.binning = binning;
+    options.tuning.maxSubmissionWork = 0;
+    Simulator whole(scene, requests, options);
+    options.tuning.maxSubmissionWork = 5000;
+    Simulator divided(scene, requests, options);
+    cuts = 0;
+    std::vector<Scan> expected;
+    whole.scanAll(shots, [&](size_t, const Scan& scan) { expected.push_back(scan); });
+    CHECK(cuts == 0);
+    divided.scanAll(shots, [&](size_t i, const Scan& scan) {
+      INFO("shot " << i << ", binning " << int(binning));
+      CHECK(firstBytes(expected[i], scan) == "none");
+    });
+    CHECK(cuts > 5 * shots.size());
+  }
 }
 
 TEST_CASE("an exception of the callback ends the run, and the simulator stays usable") {

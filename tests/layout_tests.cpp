@@ -80,7 +80,7 @@ const Layouts kShared = {
     STRUCT(Shell, end, groups, visible, nextCluster, nextSlab, laterRowsDown, laterRowsUp, clusterWork, triangleWork,
            binWork),
     STRUCT(Shells, of, clusters),
-    STRUCT(Pass, placedFirst, placedCount, shell, last, occluders, table, padding0, padding1),
+    STRUCT(Pass, placedFirst, placedCount, shell, last, occluders, table, firstGroup, groups),
     STRUCT(InstanceMotion, row0, row1, row2, bound),
     STRUCT(ColumnMotion, row0, row1, row2, report0, report1, report2, velocity),
     STRUCT(MotionBounds, shift, turn, shiftPerColumn, turnPerColumn, origins, forward, left, up, secondsPerColumn,

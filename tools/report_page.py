@@ -183,6 +183,54 @@ def equality(devices, names):
     return "<ul>\n" + "".join(lines) + "</ul>\n" if lines else ""
 
 
+def golden(devices, names):
+    """The hash of each golden cloud by device; a wrong one is marked."""
+    columns = [i for i, device in enumerate(devices) if "golden" in device["cases"]]
+    rows, marks = {}, {}
+    for place, column in enumerate(columns):
+        case = devices[column]["cases"]["golden"]
+        for number, row in enumerate(case["rows"]):
+            rows.setdefault(row["name"], ["-"] * len(columns))[place] = row["hash"] or "-"
+            wrong = any(line.startswith(row["name"] + ": ") for line in case["wrong"])
+            marks[number, place + 1] = "bad" if wrong else "good"
+    rows = [["cloud", *(names[i] for i in columns)], *([name, *row] for name, row in rows.items())]
+    return columns and table(rows, marks) + ("<p class='note'>Hashes of clouds of <code>exact</code>, which must be "
+                                             "those in the repository.</p>\n")
+
+
+def tests(reports):
+    rows, marks = [["subject", "tests", "skipped", "failed"]], {}
+    for report in reports:
+        for row in report.get("tests", []):
+            marks[len(rows) - 1, 3] = "bad" if row["failed"] else "good"
+            rows.append([row["subject"], row["tests"], row["skipped"], "; ".join(row["failed"]) or "none"])
+    return table(rows, marks, "text") if len(rows) > 1 else ""
+
+
+def heads(case):
+    rows = [["head", "beams", "sub-rays", "clean, ms", "default, ms", "moving, ms", "default / clean"]]
+    for row in case.get("rows", []):
+        rows.append([row["head"], f"{row['beams']:,}", row["sub_rays"] or "-",
+                     *(figure(row["ms"].get(name)) for name in ("clean", "default", "default_moving")),
+                     figure(row["ratios"].get("default_to_clean"))])
+    return table(rows)
+
+
+def batches(case):
+    rows = [["views", "one by one, ms per view", "as a batch, ms per view"]]
+    for row in case["rows"]:
+        rows.append([row["views"], figure(row["alone_ms"]), figure(row["batch_ms"])])
+    return table(rows)
+
+
+def memory(case):
+    rows = [["scene", "total ms", "scene, MB", "sensor, MB", "work, MB"]]
+    for outcome in case.get("outcomes", []):
+        rows.append([outcome["label"], figure(outcome["contenders"][0]["total_ms"]["median"]),
+                     *(figure(outcome["memory"][name + "_bytes"] / 1e6) for name in ("scene", "sensor", "work"))])
+    return table(rows)
+
+
 def accuracy(case):
     rows = [["setting", "ms", "times standard", "missed", "false hits", "wrong range", "largest error, m"]]
     for row in case["settings"] + case["parts"]:
@@ -208,9 +256,10 @@ def effects(devices, names):
 
 
 def times(case):
-    stages = list(case["outcomes"][0]["contenders"][0]["stages_ms"])
+    outcomes = case.get("outcomes", [])
+    stages = list(outcomes[0]["contenders"][0]["stages_ms"]) if outcomes else []
     rows = [["sensor", "beams", "who", *stages, "device ms", "total ms"]]
-    for outcome in case["outcomes"]:
+    for outcome in outcomes:
         for who in outcome["contenders"]:
             device = who["device_ms"]
             rows.append([outcome["label"], f"{outcome['sensor']['beams']:,}", who["name"],
@@ -294,6 +343,10 @@ def each(devices, names, case, section):
                    for name, device in zip(names, devices) if case in device["cases"])
 
 
+def titled(title, text):
+    return f"<h2>{title}</h2>\n{text}" if text else ""
+
+
 def plot(case):
     return f"<div class='wide'>{case['plot']}</div>\n"
 
@@ -316,14 +369,19 @@ def page(reports):
                               for case in device["cases"].values() for line in case.get("left_out", []))
     parts = [
         "<h1>GnoSphere on every device</h1>\n", table(machines, kind="text"), "<p></p>\n", table(listed, kind="text"),
+        titled("Golden clouds", golden(devices, names)), titled("Tests on the device", tests(reports)),
         "<h2>Correctness</h2>\n", judged(devices, names),
         "<p class='note'>Against the double-precision reference, outside ties, with <code>standard</code> and "
         "<code>exact</code>.</p>\n",
         "<h2>The same bytes</h2>\n", equality(devices, names), fingerprints(devices, names),
         "<p class='note'>Where the letters of a line are the same, so are all bytes of the clouds.</p>\n",
-        "<h2>What accuracy costs</h2>\n", each(devices, names, "accuracy", accuracy),
-        "<h2>What effects cost</h2>\n", effects(devices, names), each(devices, names, "effects", plot),
+        titled("Heads by default", each(devices, names, "heads", heads)),
         "<h2>Times</h2>\n", each(devices, names, "figure7", lambda case: times(case) + plot(case)),
+        titled("Real scenes", each(devices, names, "real", times)),
+        "<h2>What effects cost</h2>\n", effects(devices, names), each(devices, names, "effects", plot),
+        titled("Many views at a time", each(devices, names, "batches", batches)),
+        titled("Large scenes", each(devices, names, "scaling-triangles", memory)),
+        "<h2>What accuracy costs</h2>\n", each(devices, names, "accuracy", accuracy),
         side_by_side(devices, names),
         "<h2>Pictures</h2>\n", pictures(devices, names),
     ]

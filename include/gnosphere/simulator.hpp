@@ -112,6 +112,10 @@ struct Tuning {
   /// Most bytes that shots which are submitted together (see Simulator::scanAll()) take on the device in lists of
   /// instances and clusters; at least one shot is submitted. 0 means 256 MB on a CPU and 1 GB on other devices.
   uint64_t maxBatchBytes = 0;
+  /// Most triangles and lines of light, roughly counted, that one submission looks at on a Vulkan device of the library's
+  /// own; a scan of more is several submissions, so that a desktop draws between them and its driver does not take the
+  /// device for stuck. 0 means no limit on a CPU and 67,108,864 on other devices.
+  uint64_t maxSubmissionWork = 0;
   /// Upper limit in bytes for any one buffer on a Vulkan device; 0 means the limit of the device. If an array needs
   /// more, the call that needs it throws Error(outOfMemory); the simulator stays usable.
   uint64_t maxBufferBytes = 0;

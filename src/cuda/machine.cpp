@@ -80,6 +80,7 @@ class CudaMachine final : public Machine {
       }
       case Step::Kind::start: return stopwatch_.start();
       case Step::Kind::finish: return stopwatch_.finished(step.stage);
+      case Step::Kind::cut: return;
       case Step::Kind::dispatch:
         job.pass = step.pass;
         job.options = step.variant.options;

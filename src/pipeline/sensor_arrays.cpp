@@ -64,7 +64,8 @@ SensorArrays::SensorArrays(Machine& machine, const SensorPlan& plan, const Simul
       shellClusters_(shellClusters(options, triangles)),
       reach_(reachOf(options, most_.rangeMax)),
       outputs_(outputsOf(plan, leavesWords_)),
-      records_(recordTables(plan.layout)) {
+      records_(recordTables(plan.layout)),
+      mostWork_(machine.recordsOnly() ? 0 : mostWork(options, machine.traits())) {
   options_.BINNING = binning_;
   if (!leavesWords_) options_.FIELDS |= gpu::kFieldPoints;
   if (keepsRecords() && leavesWords_) records_.held |= gpu::kFromWords;
@@ -445,7 +446,7 @@ std::vector<Step> SensorArrays::prepare(size_t index, const Shot& shot, size_t g
   frame.signsOfLife = std::any_of(result.begin(), result.end(), [](const Step& step) {
     return step.kind == Step::Kind::dispatch && step.variant.kernel == Kernel::project_groups;
   });
-  return result;
+  return mostWork_ > 0 ? inSubmissions(result, mostWork_) : result;
 }
 
 void SensorArrays::checkAlive(size_t index) {

@@ -156,6 +156,7 @@ class SensorArrays {
   uint32_t mostViews_ = 1, viewsWithRoom_ = 1;
   std::vector<Output> outputs_;
   RecordTables records_;  // of the layout; empty if the host reads the results
+  uint64_t mostWork_;     // of a submission; 0: scans are not divided
   Capacities capacities_;
   uint32_t firstProjected_ = 0;  // projected triangles for which a scan of one view has room at first
   std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays_;

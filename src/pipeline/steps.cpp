@@ -7,6 +7,9 @@
 namespace gnosphere {
 namespace {
 
+// A guess: in towns a projected triangle is tested against so many beams.
+constexpr uint64_t kBeamsPerBox = 8;
+
 class Steps {
  public:
   explicit Steps(const StepsInput& input) : input_(input), binning_(input.variant.options.BINNING) {}
@@ -100,15 +103,18 @@ class Steps {
                     offsetof(gpu::Shell, clusterWork));
     dispatchInShell("project", Kernel::project_triangles, std::min(sizes.triangleGroups, placed.clusters), pass,
                     offsetof(gpu::Shell, triangleWork));
+    worksOn(uint64_t{placed.clusters} * gpu::kClusterTriangles);
     finish("project");
   }
 
   void bin(gpu::Pass shell, uint32_t table) {
     const DispatchSizes& sizes = input_.sizes;
+    const uint64_t boxes = kBeamsPerBox * uint64_t{input_.frame.projectedCapacity};
     const uint32_t blocks = std::min(sizes.groups, input_.frame.beams / gpu::kPrefixBlock + 1);
     shell.table = tableInBin() ? table : gpu::kTableNone;
     const auto pass = [&](Kernel kernel, uint32_t number, uint32_t groups) {
       dispatchInShell("bin", kernel, groups, shell, offsetof(gpu::Shell, binWork), number);
+      if (kernel == Kernel::bin && number != gpu::kPassTable) worksOn(boxes);
     };
     pass(Kernel::bin, 0, sizes.triangleGroups);
     if (binning_ == gpu::kBinningLists) {
@@ -168,6 +174,8 @@ class Steps {
   void dispatchOnList(Kernel kernel, uint32_t pass) {
     const uint32_t groups = input_.footprint ? input_.sizes.footprintGroups : input_.sizes.groups;
     dispatch("effects", kernel, std::min(groups, input_.frame.beams / 64 + 1), {}, pass);
+    const Options& options = steps_.back().variant.options;
+    inRuns(uint64_t{input_.frame.beams} * options.RAYS * options.LAYERS);
   }
 
   bool judged() const { return input_.effects == StepsInput::Judged::all; }
@@ -178,6 +186,7 @@ class Steps {
     const uint32_t columns = listed ? input_.frame.beams : input_.frame.columns;
     dispatch(stage, kernel, (columns + gpu::kResolveColumns - 1) / gpu::kResolveColumns, {}, pass,
              listed ? 1 : input_.frame.rows);
+    if (!steps_.empty()) inRuns(input_.frame.beams);
   }
 
   // With several shells, earlier kernels decide whether the kernels of a shell run. `work` is the place of this
@@ -211,6 +220,16 @@ class Steps {
     step.groupsX = groupsX;
     step.groupsY = groupsY;
     if (groupsX > 0 && groupsY > 0) add(step);
+  }
+
+  void worksOn(uint64_t work) {
+    if (!steps_.empty() && steps_.back().kind == Step::Kind::dispatch) steps_.back().work = work;
+  }
+
+  // The last step's kernel divides its beams by runs.glsl.
+  void inRuns(uint64_t work) {
+    steps_.back().pass.groups = steps_.back().groupsX;
+    worksOn(work);
   }
 
   // Kernels that look at surfaces read the positions that `project` stores for them; they need no more unless the
@@ -248,9 +267,34 @@ std::vector<Step> stepsOf(const StepsInput& input, const PlacedGroups& placed, S
   return Steps(input).of(placed, still);
 }
 
+std::vector<Step> inSubmissions(std::span<const Step> steps, uint64_t most) {
+  std::vector<Step> result;
+  uint64_t left = most;
+  for (const Step& step : steps) {
+    const uint64_t wanted = (step.work + most - 1) / most;
+    const uint64_t parts = step.pass.groups > 0 ? std::clamp<uint64_t>(wanted, 1, step.groupsX) : 1;
+    for (uint64_t part = 0; part < parts; ++part) {
+      Step one = step;
+      one.work = step.work / parts;
+      if (parts > 1) {
+        const auto end = static_cast<uint32_t>(step.groupsX * (part + 1) / parts);
+        one.pass.firstGroup = static_cast<uint32_t>(step.groupsX * part / parts);
+        one.groupsX = end - one.pass.firstGroup;
+      }
+      if (one.work > left && left < most) {
+        result.push_back({Step::Kind::cut});
+        left = most;
+      }
+      left -= std::min(left, one.work);
+      result.push_back(one);
+    }
+  }
+  return result;
+}
+
 bool needsBarrier(std::span<const Step> steps, size_t i) {
   const Step::Kind kind = steps[i].kind;
-  if (kind == Step::Kind::start || kind == Step::Kind::finish) return false;
+  if (kind == Step::Kind::start || kind == Step::Kind::finish || kind == Step::Kind::cut) return false;
   return kind != Step::Kind::fill || i + 1 == steps.size() || steps[i + 1].kind != kind;
 }
 

@@ -25,6 +25,7 @@ struct Step {
     start,     ///< timestamp: the first stage starts here
     dispatch,  ///< runs groupsX x groupsY workgroups of `variant`, or fewer: see `arguments`
     finish,    ///< timestamp: a part of `stage` ends here
+    cut,       ///< a submission ends here; a device to which steps are not submitted ignores it
   };
   Kind kind;
   const char* stage = "";
@@ -37,6 +38,8 @@ struct Step {
   /// If set, an offset in bytes into the array `shells`: earlier kernels write the number of workgroups there, none if
   /// there is nothing to do. A device may run `groupsX` instead; without work they end at once.
   std::optional<uint64_t> arguments = {};
+  /// How many triangles or lines of light a dispatch looks at, at most and roughly. Dispatches that look at few have 0.
+  uint64_t work = 0;
 };
 
 /// Everything that determines the steps of a sensor's scans.
@@ -65,6 +68,10 @@ uint64_t tableEntries(const gpu::Frame& frame, uint64_t columns, uint64_t rows);
 
 /// Returns the steps of a scan of the placed groups.
 std::vector<Step> stepsOf(const StepsInput& input, const PlacedGroups& placed, StillImage::Use still);
+
+/// Returns the steps with cuts, so that no submission has more work than `most`. Steps of kernels that divide their
+/// beams by runs.glsl are divided; other steps of more work are submissions of their own.
+std::vector<Step> inSubmissions(std::span<const Step> steps, uint64_t most);
 
 /// Whether the step after steps[i] must wait for it. Consecutive fills write different bytes, so they need no order.
 bool needsBarrier(std::span<const Step> steps, size_t i);

@@ -37,6 +37,9 @@ constexpr uint64_t kListBytesOnCpu = uint64_t{256} << 20, kListBytes = uint64_t{
 // Shells cost several views no more than one, so the first shell may be small. With 128 clusters per view in that town
 // the scans took 0.93 of the time that they took with 590, a sixteenth of all clusters.
 constexpr uint32_t kFirstShellClustersOfView = 128;
+// Work of one submission of a device that draws a desktop, too. Not measured on a card: slow ones are thought to do a
+// hundred million lines of light a second, and drivers to wait for some seconds.
+constexpr uint64_t kMostWork = 1 << 26;
 constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread = 8;
 
 }  // namespace
@@ -114,6 +117,11 @@ uint32_t mostViews(const Traits& traits, uint64_t beams) {
 }
 
 // Only large boxes are cut into tiles; with slabs also those that lie in more than one slab.
+uint64_t mostWork(const SimulatorOptions& options, const Traits& traits) {
+  if (options.tuning.maxSubmissionWork > 0) return options.tuning.maxSubmissionWork;
+  return traits.cpu ? 0 : kMostWork;
+}
+
 Capacities firstCapacities(uint32_t binning, bool panes, bool footprint, uint64_t beams, uint64_t triangles) {
   const auto projected = static_cast<uint32_t>(
       std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));

@@ -42,6 +42,9 @@ uint32_t slabShiftOfViews();
 uint64_t mostListBytes(const SimulatorOptions& options, const Traits& traits);
 uint32_t mostViews(const Traits& traits, uint64_t beams);
 
+/// Returns the most work of one submission, see Step::work; 0 for no limit.
+uint64_t mostWork(const SimulatorOptions& options, const Traits& traits);
+
 /// Numbers of entries for which the lists of a scan have room.
 struct Capacities {
   uint32_t projected = 0, tiles = 0, candidates = 0;

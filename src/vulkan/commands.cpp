@@ -8,8 +8,8 @@
 namespace gnosphere::vulkan {
 namespace {
 
-// How long a scan may take. A graphics card is reset by its driver after some seconds; a software device may well take
-// minutes.
+// How long a submission may take. A graphics card is reset by its driver after some seconds; a software device may well
+// take minutes.
 constexpr uint64_t kSecond = 1'000'000'000, kLongest = 60 * kSecond, kLongestOnCpu = 3600 * kSecond;
 constexpr uint32_t kLeastStamps = 32;
 
@@ -20,12 +20,6 @@ Commands::Commands(const Device& device) : device_(device), vk_(device.vk()) {
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = device_.capabilities().queueFamily;
   pool_ = device.make(vk_.vkCreateCommandPool, vk_.vkDestroyCommandPool, pool);
-  VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-  allocate.commandPool = pool_.get();
-  allocate.commandBufferCount = 1;
-  VkCommandBuffer commands = VK_NULL_HANDLE;
-  VK(vk_.vkAllocateCommandBuffers(device_.handle(), &allocate, &commands));
-  commands_ = {device, commands};
   makeRoom(kLeastStamps);
   const VkFenceCreateInfo fence = {VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   fence_ = device.make(vk_.vkCreateFence, vk_.vkDestroyFence, fence);
@@ -44,13 +38,31 @@ Commands::~Commands() {
   if (pending_) waitForFence();
 }
 
-void Commands::begin(uint32_t stamps) {
-  makeRoom(stamps);
-  if (recording_) VK(vk_.vkResetCommandBuffer(commands_.handle(), 0));
+void Commands::open(size_t submission) {
+  if (submission == buffers_.size()) {
+    VkCommandBufferAllocateInfo allocate = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    allocate.commandPool = pool_.get();
+    allocate.commandBufferCount = 1;
+    VkCommandBuffer made = VK_NULL_HANDLE;
+    VK(vk_.vkAllocateCommandBuffers(device_.handle(), &allocate, &made));
+    buffers_.push_back(made);
+  }
+  commands_ = {device_, buffers_[submission]};
+  VK(vk_.vkResetCommandBuffer(commands_.handle(), 0));  // it may hold a recording that was given up
   VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   VK(vk_.vkBeginCommandBuffer(commands_.handle(), &begin));
-  recording_ = true;
+  used_ = submission + 1;
+}
+
+void Commands::cut() {
+  VK(vk_.vkEndCommandBuffer(commands_.handle()));
+  open(used_);
+}
+
+void Commands::begin(uint32_t stamps) {
+  makeRoom(stamps);
+  open(0);
   vk_.vkCmdResetQueryPool(commands_.handle(), queries_.get(), 0, stampLimit_);
   stamps_.clear();
 }
@@ -64,20 +76,25 @@ void Commands::stamp(const char* stage, std::string step) {
 }
 
 void Commands::submit() {
-  recording_ = false;
   VK(vk_.vkEndCommandBuffer(commands_.handle()));
-  const VkCommandBuffer commands = commands_.handle();
-  VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
-  submit.commandBufferCount = 1;
-  submit.pCommandBuffers = &commands;
-  VK(vk_.vkQueueSubmit(device_.queue(), 1, &submit, fence_.get()));
+  for (size_t i = 0; i < used_; ++i) {
+    VkSubmitInfo submit = {VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    submit.commandBufferCount = 1;
+    submit.pCommandBuffers = &buffers_[i];
+    const VkResult result =
+        vk_.vkQueueSubmit(device_.queue(), 1, &submit, i + 1 == used_ ? fence_.get() : VkFence(VK_NULL_HANDLE));
+    // No fence tells when those before it end.
+    if (result != VK_SUCCESS && i > 0) vk_.vkQueueWaitIdle(device_.queue());
+    if (result == VK_ERROR_DEVICE_LOST) refuseLost();
+    check(result, "vkQueueSubmit");
+  }
   pending_ = true;
 }
 
 VkResult Commands::waitForFence() const {
   const VkFence fence = fence_.get();
   return vk_.vkWaitForFences(device_.handle(), 1, &fence, VK_TRUE,
-                             device_.capabilities().cpu ? kLongestOnCpu : kLongest);
+                             (device_.capabilities().cpu ? kLongestOnCpu : kLongest) * used_);
 }
 
 void Commands::wait() {
@@ -85,15 +102,20 @@ void Commands::wait() {
   const VkFence fence = fence_.get();
   const VkResult result = waitForFence();
   pending_ = result == VK_TIMEOUT;
-  const std::string name = "the device '" + device_.capabilities().info.name + "' ";
-  if (result == VK_ERROR_DEVICE_LOST)
+  if (result == VK_ERROR_DEVICE_LOST) refuseLost();
+  if (result == VK_TIMEOUT)
     throw Error(ErrorCode::device,
-                name + "was lost while it scanned" + progress() +
-                    "; this simulator is of no more use, a new one may be. Drivers end work that takes "
-                    "them seconds: fewer beams or sub-rays at a time may help");
-  if (result == VK_TIMEOUT) throw Error(ErrorCode::device, name + "did not end a scan in time" + progress());
+                "the device '" + device_.capabilities().info.name + "' did not end a scan in time" + progress());
   check(result, "vkWaitForFences");
   VK(vk_.vkResetFences(device_.handle(), 1, &fence));
+}
+
+void Commands::refuseLost() const {
+  throw Error(
+      ErrorCode::device,
+      "the device '" + device_.capabilities().info.name + "' was lost while it scanned" + progress() +
+          "; this simulator is of no more use, a new one may be. Drivers end work that takes them seconds: less "
+          "work at a time may help (tuning.max_submission_work, fewer beams or sub-rays)");
 }
 
 // A timestamp that is there tells that its stage has ended.

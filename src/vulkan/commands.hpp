@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One frame in flight: a command buffer with its timestamps, and the fence that signals its end.
+// One frame in flight: a command buffer for each of its submissions, with timestamps, and the fence that signals the
+// end of all.
 #pragma once
 
 #include <functional>
@@ -29,6 +30,8 @@ class Commands {
   void finished(const char* stage) { stamp(stage); }
   /// Writes a timestamp for readTrace() where a step ends.
   void traced(std::string step) { stamp(nullptr, std::move(step)); }
+  /// What follows is recorded for a submission of its own.
+  void cut();
   /// Ends the recording and submits it to the queue.
   void submit();
   /// Waits until the submission is done; returns at once if it has been waited for already. Throws Error(device) that
@@ -45,20 +48,23 @@ class Commands {
     const char* stage;  // that ended there; null where the first one starts, and for steps
     std::string step;
   };
+  void open(size_t submission);
   void stamp(const char* stage, std::string step = {});
   std::vector<uint64_t> readTicks() const;
   void makeRoom(uint32_t stamps);
   VkResult waitForFence() const;
+  [[noreturn]] void refuseLost() const;
   std::string progress() const;
 
   const Device& device_;
   const DeviceFunctions& vk_;
   uint32_t stampLimit_ = 0;
-  bool recording_ = false;
   std::vector<Stamp> stamps_;
   bool pending_ = false;
   DeviceHandle<VkCommandPool> pool_;
-  CommandBuffer commands_;  // owned by the pool
+  CommandBuffer commands_;                // the one that is recorded
+  std::vector<VkCommandBuffer> buffers_;  // by submission; owned by the pool
+  size_t used_ = 0;                       // of them, by the last recording
   DeviceHandle<VkQueryPool> queries_;
   DeviceHandle<VkFence> fence_;
 };

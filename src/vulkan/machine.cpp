@@ -24,9 +24,9 @@ class StepRecorder {
   StepRecorder(Kernels& kernels, CommandBuffer& commands, VkDeviceAddress addresses, const BoundArrays& arrays)
       : kernels_(kernels), commands_(commands), addresses_(addresses), arrays_(arrays) {}
 
-  /// Calls stamp(step) for the steps that are timestamps, and after every other step.
-  template <typename Stamp>
-  void record(std::span<const Step> steps, const Stamp& stamp) {
+  /// Calls done(step) for the steps that are timestamps or cuts, and after every other step.
+  template <typename Done>
+  void record(std::span<const Step> steps, const Done& done) {
     const char* stage = nullptr;  // whose label is open
     const auto label = [&](const char* next) {
       if (stage == next) return;
@@ -36,9 +36,10 @@ class StepRecorder {
     };
     for (size_t i = 0; i < steps.size(); ++i) {
       if (steps[i].kind == Step::Kind::dispatch) label(steps[i].stage);
-      if (steps[i].kind != Step::Kind::start && steps[i].kind != Step::Kind::finish) record(steps[i]);
+      if (steps[i].kind == Step::Kind::cut) label(nullptr);
+      record(steps[i]);
       if (needsBarrier(steps, i)) commands_.barrier();
-      stamp(steps[i]);
+      done(steps[i]);
     }
     label(nullptr);
     for (const DeviceMemory* memory : arrays_)
@@ -65,7 +66,8 @@ class StepRecorder {
         return commands_.dispatch(kernels_.of(step.variant), kernels_.layout(), {addresses_, step.pass}, step.groupsX,
                                   step.groupsY);
       case Step::Kind::start:
-      case Step::Kind::finish: return;
+      case Step::Kind::finish:
+      case Step::Kind::cut: return;
     }
   }
 
@@ -81,6 +83,7 @@ bool isStamp(const Step& step) {
 
 // Describes a step for SimulatorOptions::trace.
 std::string textOf(const Step& step) {
+  if (step.kind == Step::Kind::cut) return "the next submission";
   const std::string array = gpu::nameOf(step.array);
   if (step.kind == Step::Kind::fill)
     return "fill " + array + (step.bytes > 0 ? ", " + std::to_string(step.bytes) + " bytes" : "");
@@ -140,6 +143,7 @@ class VulkanMachine final : public Machine {
     StepRecorder(kernels_, commands.buffer(), frame.addresses.address(), arrays).record(steps, [&](const Step& step) {
       if (step.kind == Step::Kind::start) return commands.start();
       if (step.kind == Step::Kind::finish) return commands.finished(step.stage);
+      if (step.kind == Step::Kind::cut) commands.cut();
       if (trace_) commands.traced(textOf(step));
     });
     frame.commands.submit();

@@ -43,10 +43,21 @@ def machines():
         contender("cuda", {"project": 0.5, "bin": 0.25}, 1.25), contender("cuda-fast", {"project": 0.125, "bin": 0.25})])
     card["cases"]["effects"] = dict(case_of("all of them", [
         contender("standard", {"bin": 1, "effects": 2}), contender("cuda", {"bin": 1, "effects": 3})]), rows=[])
+    card["cases"]["golden"] = {"rows": [{"name": "grid", "hash": "00aa"}, {"name": "list", "hash": "00bb"}],
+                               "wrong": ["list: the hash is 00bb, not 00cc"]}
+    card["cases"]["heads"] = {"rows": [{"head": "Puck", "beams": 28800, "sub_rays": 19, "ratios": {},
+                                        "ms": {"clean": 0.5, "default": 1.5}}]}
+    card["cases"]["batches"] = {"rows": [{"views": 256, "alone_ms": 0.25, "batch_ms": 0.125}]}
+    card["cases"]["scaling-triangles"] = {"outcomes": [
+        {"label": "30,000,000 triangles", "contenders": [contender("standard", {"bin": 3})],
+         "memory": {"scene_bytes": 9e8, "sensor_bytes": 1e6, "work_bytes": 2.5e6}}]}
     card["cases"]["figure7"]["left_out"] = card["cases"]["effects"]["left_out"] = ["embree: not built in"]
     cuda = device("cuda:0", "cuda:0 NVIDIA A", "cuda", prints)
     fast = device("cuda-fast:0", "cuda:0 NVIDIA A, fast arithmetic", "cuda", dict(prints, town="cccc"))
     lavapipe = device("0", "llvmpipe", "cpu", prints)
     lavapipe["cases"]["figure7"] = case_of("VLP-16", [contender("standard", {"project": 4, "bin": 8})])
     reference = device("reference", "reference", "reference", dict(prints, sliver="dddd"))
-    return report([card, cuda, fast]), report([lavapipe, reference])
+    lent = report([card, cuda, fast])
+    lent["tests"] = [{"subject": "bin_tests", "tests": 12, "skipped": 1, "failed": []},
+                     {"subject": "exact_tests", "tests": 9, "skipped": 0, "failed": ["edges", "corners"]}]
+    return lent, report([lavapipe, reference])
