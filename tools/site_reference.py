@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The reference of the site, as Markdown: a section for each public name, with the text of its own declaration.
+
+The headers of C and C++ are split by their layout, which clang-format keeps: a declaration begins on a line of its own
+and ends where all its brackets are closed. The comment above it becomes the text of its section. Python's names come
+from the stubs and the sources of the package.
+"""
+
+import ast
+import re
+import textwrap
+from dataclasses import dataclass, field
+from pathlib import Path
+
+FENCE = "```"
+# Lines of a header that declare nothing.
+_SKIPPED = re.compile(r"#(?!define GNO_(?!API)\w+ )|namespace|extern|public:|\}")
+_NAMES = (
+    re.compile(r"#define (\w+)"),
+    re.compile(r"typedef [^{(]*?\b(\w+);"),
+    re.compile(r"typedef \w+ \(\*?(\w+)\)\("),
+    re.compile(r"(?:typedef )?(?:struct|class|enum class|enum|union) (?:GNO\w+_API )?(\w+)"),
+    re.compile(r"using (\w+) ="),
+    re.compile(r"(operator[^\s\w]+|~?\w+)\("),
+    re.compile(r"(\w+)(?: = |\{|;|\[)"),
+)
+
+
+@dataclass
+class Section:
+    """A public name: what is said about it, and its declarations."""
+
+    name: str
+    others: list[str] = field(default_factory=list)  # names that the same comment speaks of
+    prose: list[str] = field(default_factory=list)
+    code: list[str] = field(default_factory=list)
+    members: list["Section"] = field(default_factory=list)
+
+
+def _bare(line: str) -> str:
+    """A line of C++ without its comments and texts."""
+    return re.sub(r'//.*|/\*.*?\*/|/\*.*|"(?:\\.|[^"\\])*"', "", line)
+
+
+def _name_of(lines: list[str]) -> str:
+    text = re.sub(r"^template <.*?>$", "", "\n".join(map(_bare, lines)), flags=re.M).strip()
+    if text.startswith("enum {"):  # the values of the type above them
+        return ""
+    for pattern in _NAMES:
+        if found := pattern.match(text) if pattern is not _NAMES[-1] and pattern is not _NAMES[-2] else pattern.search(text):
+            return found[1]
+    raise ValueError(f"no name in {text!r}")
+
+
+def _header_blocks(text: str):
+    """Yields (comment, declaration, whether another declaration is on the line above) as lists of lines; a comment that
+    a blank line follows has no declaration, and the ruler of a part is a comment that begins with '# '."""
+    comment: list[str] = []
+    lines: list[str] = []
+    depth = 0
+    open_comment = joined = False
+    for line in text.split("\n"):
+        bare = line.strip()
+        if not lines:
+            if open_comment or re.match(r"/\*(?!.*\*/.*\S)", bare):
+                open_comment = "*/" not in bare
+                if ruler := re.match(r"/\* -{9,} (.*) \*/", bare):
+                    yield [f"# {ruler[1].capitalize()}"], [], False
+                else:
+                    comment.append(re.sub(r"^(/\*|\*(?!/)) ?|\s*\*/$", "", bare))
+                continue
+            if bare.startswith("///"):
+                comment.append(bare[3:].removeprefix(" "))
+                continue
+            if bare in ("private:", "protected:"):
+                return
+            if not bare or bare.startswith("//") or _SKIPPED.match(bare):
+                if comment:
+                    yield comment, [], False
+                comment, joined = [], False
+                continue
+        lines.append(line)
+        code = _bare(line).rstrip()
+        depth += sum(code.count(c) for c in "({[") - sum(code.count(c) for c in ")}]")
+        if depth == 0 and (code.endswith((";", "}")) or code.startswith("#define")):
+            yield comment, lines, joined
+            comment, lines, joined = [], [], True
+
+
+def _shown(lines: list[str]) -> list[str]:
+    """A declaration without what is private, each comment above what it is about, in lines that fit the page."""
+    private = next((i for i, line in enumerate(lines) if line.strip() in ("private:", "protected:")), len(lines) - 1)
+    text = "\n".join([line for line in lines[:private] if line.strip() != "public:"] + lines[-1:])
+    text = re.sub(r"^( *)/\*(.*?)\*/$", lambda m: re.sub(r"\n *\* ", f"\n{m[1]}/// ", f"{m[1]}///{m[2]}"), text, flags=re.M | re.S)
+    text = re.sub(r" /\* (.*) \*/$", r" ///< \1", text, flags=re.M)
+    text = re.sub(r"\n +///< ", " ", re.sub(r"\bGNO(SPHERE)?_API ", "", text))
+    text = re.sub(r"^( *)(\S.*?) *///< (.*)$", r"\1/// \3\n\1\2", text, flags=re.M)
+    text = re.sub(r"^( *)/// .*(\n\1/// .*)*$", lambda m: _wrapped(m[0].replace("/// ", ""), f"{m[1]}/// "), text, flags=re.M)
+    text = re.sub(r"^( *)[^\s/](?:[^\n{]|\{\})*\((?:[^{;]|\{\})*\)[^{;]*;$", lambda m: _wrapped(m[0], m[1], "    "), text, flags=re.M)
+    return text.split("\n")
+
+
+def _wrapped(text: str, indent: str, further: str = "") -> str:
+    return textwrap.fill(" ".join(text.split()), 75, initial_indent=indent, subsequent_indent=indent + further)
+
+
+def _sections(text: str, scope: str = "") -> list[Section]:
+    made: list[Section] = []
+    for comment, lines, joined in _header_blocks(text):
+        if not lines:
+            made.append(Section("", prose=comment))
+            continue
+        name = _name_of(lines) or made[-1].name
+        if name.startswith(("operator", "~")) or (scope and name == scope.rstrip(":") and "&&" in lines[0]):
+            continue  # what moves and copies is said by the type
+        if re.fullmatch(r"(struct|class) \w+;", lines[0].strip()):
+            continue  # a name that another header declares
+        title = scope + name
+        section = next((s for s in made if title in (s.name, *s.others)), None)
+        if section is None and joined and not comment and "///<" not in lines[0]:
+            section = made[-1]  # the comment above speaks of this, too
+            section.others.append(title)
+        if section is None:
+            made.append(section := Section(title))
+        section.prose += [*([""] if section.prose and comment else []), *comment]
+        if re.match(r"class GNOSPHERE_API \w+ .*\{$|class GNOSPHERE_API \w+ \{", lines[0]):
+            indented = "\n".join(line.removeprefix("  ") for line in lines[1:-1])
+            section.members = _sections(indented, f"{name}::")
+            section.code += _shown([lines[0].removesuffix(" {") + ";"])
+        else:
+            section.code += _shown(lines)
+    return made
+
+
+def _escaped(prose: list[str]) -> str:
+    """A comment as Markdown: only what is in backquotes is more than text."""
+    parts = re.split(r"(`[^`]*`)", "\n".join(prose))
+    return "".join(p if p.startswith("`") else re.sub(r"([*_<\[\]|])", r"\\\1", p).replace("\\<", "&lt;") for p in parts)
+
+
+def _markdown(sections: list[Section], language: str, level: int) -> str:
+    text = ""
+    for section in sections:
+        prose = _escaped(section.prose)
+        if not section.name:
+            text += f"## {prose[2:]}\n\n" if prose.startswith("# ") else f"{prose}\n\n"
+            continue
+        anchors = "".join(f'<span id="{name.lower()}"></span>' for name in section.others)
+        text += f"{'#' * level} {section.name}\n\n{anchors}{prose}\n\n"
+        if section.code:
+            text += f"{FENCE} {language}\n" + "\n".join(section.code) + f"\n{FENCE}\n\n"
+        text += _markdown(section.members, language, level + 1)
+    return text
+
+
+def _header_page(file: Path, title: str, language: str) -> str:
+    text = file.read_text(encoding="utf-8")
+    if language == "c":
+        about, rest = re.match(r"/\* SPDX.*?\n \*\n(.*?)\*/(.*)", text, re.S).groups()
+        about = re.sub(r"^ \* ?", "", about, flags=re.M)
+    else:
+        about, rest = re.match(r"// SPDX.*?\n((?:// .*\n)*)#pragma once(.*)", text, re.S).groups()
+        about = re.sub(r"^// ", "", about, flags=re.M)
+    initialised = re.findall(r"^GNO_INIT\((\w+)\)", rest, re.M)
+    sections = _sections(re.sub(r"^#define GNO_INIT.*(?<=\\)(\n.*(?<=\\))*\n.*$|^(#define )?GNO_INIT.*$", "", rest, flags=re.M))
+    for name in initialised:
+        next(s for s in sections if name in (s.name, *s.others)).code.append(f"{name} {name}_init(void);")
+    level = 3 if language == "c" else 2
+    return f"# {title}\n\n{_escaped([about])}\n\n{_markdown(sections, language, level)}"
+
+
+def _python_sections(body: list[ast.stmt], scope: str = "") -> list[Section]:
+    made: list[Section] = []
+    for node in body:
+        if isinstance(node, (ast.Assign, ast.AnnAssign)):
+            target = node.target if isinstance(node, ast.AnnAssign) else node.targets[0]
+            name, doc, code = getattr(target, "id", "_"), "", ast.unparse(node)
+        elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            name, doc = node.name, ast.get_docstring(node) or ""
+            if isinstance(node, ast.ClassDef):
+                bases = ", ".join(map(ast.unparse, node.bases))
+                code = f"class {name}({bases}):" if bases else f"class {name}:"
+            else:
+                head = ast.FunctionDef(name, node.args, [ast.Expr(ast.Constant(...))], node.decorator_list, node.returns)
+                code = ast.unparse(ast.fix_missing_locations(head))
+        else:
+            continue
+        if name.startswith("_") and name != "__init__":
+            continue
+        section = next((s for s in made if s.name == scope + name), None)
+        if section is None:
+            made.append(section := Section(scope + name))
+        section.prose += [doc] if doc and doc not in section.prose else []
+        section.code.append(code)
+        if isinstance(node, ast.ClassDef):
+            section.members = _python_sections(node.body, f"{name}.")
+    return made
+
+
+def _python_page(title: str, files: list[Path]) -> str:
+    text = f"# {title}\n\n"
+    for file in files:
+        module = ast.parse(file.read_text(encoding="utf-8"))
+        if about := ast.get_docstring(module):
+            text += _escaped([about]) + "\n\n"
+        text += _markdown(_python_sections(module.body), "python", 2)
+    return text
+
+
+def pages(root: Path, package: Path | None):
+    """Yields (place, text) of each page. Without `package`, the folder of an installed Python package, the page of
+    gnosphere itself says that it is left out."""
+    headers = sorted((root / "include" / "gnosphere").rglob("*.hpp"))
+    shown = [h for h in headers if h.stem not in ("export", "gnosphere")]
+    listed = ""
+    for header in shown:
+        name = header.relative_to(root / "include").as_posix()
+        yield f"reference/cpp/{header.stem}.md", _header_page(header, name, "cpp")
+        listed += f"- [{name}]({header.stem}.md)\n"
+    yield "reference/cpp/index.md", f"# C++\n\n`#include <gnosphere/gnosphere.hpp>` has all but `vulkan.hpp`, `ros2.hpp` and `eval`.\n\n{listed}"
+    for header in sorted((root / "include").glob("*.h")):
+        yield f"reference/c/{header.stem}.md", _header_page(header, header.name, "c")
+    sources = root / "python" / "gnosphere"
+    if package:
+        yield "reference/python/gnosphere.md", _python_page("gnosphere", [package / "_gnosphere" / "__init__.pyi"])
+        yield "reference/python/drive.md", _python_page("gnosphere.drive", [package / "_gnosphere" / "drive.pyi"])
+    else:
+        for name in ("gnosphere", "drive"):
+            yield f"reference/python/{name}.md", f"# {name}\n\nThis copy of the site was made without the Python package.\n"
+    for module in ("adapter", "pictures", "primitives", "ros2", "testing"):
+        yield f"reference/python/{module}.md", _python_page(f"gnosphere.{module}", [sources / f"{module}.py"])
+    for module in ("engines", "mujoco", "robotics"):
+        files = sorted(f for f in (sources / module).glob("*.py") if f.name != "__main__.py")
+        yield f"reference/python/{module}.md", _python_page(f"gnosphere.{module}", files)
