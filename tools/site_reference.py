@@ -7,12 +7,15 @@ from the stubs and the sources of the package.
 """
 
 import ast
+import inspect
 import re
 import textwrap
 from dataclasses import dataclass, field
 from pathlib import Path
 
 FENCE = "```"
+# The headers whose names `gnosphere` itself has in Python.
+CORE = ("scene", "animation", "sensor", "effects", "simulator", "plan", "scan", "batch", "output", "layout", "error")
 # Lines of a header that declare nothing.
 _SKIPPED = re.compile(r"#(?!define GNO_(?!API)\w+ )|namespace|extern|public:|\}")
 _NAMES = (
@@ -161,28 +164,51 @@ def _header_page(file: Path, title: str, language: str) -> str:
     else:
         about, rest = re.match(r"// SPDX.*?\n((?:// .*\n)*)#pragma once(.*)", text, re.S).groups()
         about = re.sub(r"^// ", "", about, flags=re.M)
-    initialised = re.findall(r"^GNO_INIT\((\w+)\)", rest, re.M)
-    sections = _sections(re.sub(r"^#define GNO_INIT.*(?<=\\)(\n.*(?<=\\))*\n.*$|^(#define )?GNO_INIT.*$", "", rest, flags=re.M))
+    level = 3 if language == "c" else 2
+    return f"# {title}\n\n{_escaped([about])}\n\n{_markdown(header_sections(rest), language, level)}"
+
+
+def header_sections(text: str) -> list[Section]:
+    initialised = re.findall(r"^GNO_INIT\((\w+)\)", text, re.M)
+    sections = _sections(re.sub(r"^#define GNO_INIT.*(?<=\\)(\n.*(?<=\\))*\n.*$|^(#define )?GNO_INIT.*$", "", text, flags=re.M))
     for name in initialised:
         next(s for s in sections if name in (s.name, *s.others)).code.append(f"{name} {name}_init(void);")
-    level = 3 if language == "c" else 2
-    return f"# {title}\n\n{_escaped([about])}\n\n{_markdown(sections, language, level)}"
+    return sections
+
+
+def _plain(text: str) -> str:
+    """Python's text of a signature without what only type checkers need."""
+    text = re.sub(r"Annotated\[(.*?\]), dict\(.*?\)\]", r"\1", text)
+    return re.sub(r"\b(numpy\.typing|numpy|gnosphere\._gnosphere|collections\.abc|npt|np|gno)\.", "", text)
+
+
+def _signature(node: ast.FunctionDef, name: str) -> str:
+    if any(isinstance(d, ast.Name) and d.id == "property" or getattr(d, "attr", "") == "property" for d in node.decorator_list):
+        return f"{name}: {_plain(ast.unparse(node.returns))}" if node.returns else name
+    arguments = re.sub(r"^self(, (/, )?)?|, /$", "", ast.unparse(node.args))
+    returns = f" -> {_plain(ast.unparse(node.returns))}" if node.returns and name[0].islower() else ""
+    return f"{name}({_plain(arguments)}){returns}"
 
 
 def _python_sections(body: list[ast.stmt], scope: str = "") -> list[Section]:
+    """The public names of a module or a class. What a class has is in `members`, but for classes within it."""
     made: list[Section] = []
-    for node in body:
+    following = [*body[1:], ast.Pass()]
+    for node, after in zip(body, following):
+        doc = ""
         if isinstance(node, (ast.Assign, ast.AnnAssign)):
             target = node.target if isinstance(node, ast.AnnAssign) else node.targets[0]
-            name, doc, code = getattr(target, "id", "_"), "", ast.unparse(node)
-        elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            name = getattr(target, "id", "_")
+            said = name if isinstance(node, ast.Assign) and scope else _plain(ast.unparse(node))
+            if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+                doc = inspect.cleandoc(str(after.value.value))
+        elif isinstance(node, ast.ClassDef):
             name, doc = node.name, ast.get_docstring(node) or ""
-            if isinstance(node, ast.ClassDef):
-                bases = ", ".join(map(ast.unparse, node.bases))
-                code = f"class {name}({bases}):" if bases else f"class {name}:"
-            else:
-                head = ast.FunctionDef(name, node.args, [ast.Expr(ast.Constant(...))], node.decorator_list, node.returns)
-                code = ast.unparse(ast.fix_missing_locations(head))
+            bases = ", ".join(map(ast.unparse, node.bases))
+            said = f"class {scope}{name}({bases})" if bases else f"class {scope}{name}"
+        elif isinstance(node, ast.FunctionDef) and not any(getattr(d, "attr", "") == "setter" for d in node.decorator_list):
+            name, doc = node.name, ast.get_docstring(node) or ""
+            said = _signature(node, scope.rstrip(".") if name == "__init__" else name)
         else:
             continue
         if name.startswith("_") and name != "__init__":
@@ -191,10 +217,24 @@ def _python_sections(body: list[ast.stmt], scope: str = "") -> list[Section]:
         if section is None:
             made.append(section := Section(scope + name))
         section.prose += [doc] if doc and doc not in section.prose else []
-        section.code.append(code)
+        section.code.append(said)
         if isinstance(node, ast.ClassDef):
-            section.members = _python_sections(node.body, f"{name}.")
+            section.members = _python_sections(node.body, f"{scope}{name}.")
     return made
+
+
+def _python_markdown(sections: list[Section], level: int = 2) -> str:
+    text = ""
+    for section in sections:
+        code = "\n".join(textwrap.fill(c, 75, subsequent_indent="    ") for c in section.code)
+        text += f"{'#' * level} {section.name}\n\n{_escaped(section.prose)}\n\n{FENCE} python\n{code}\n{FENCE}\n\n"
+        inner = [member for member in section.members if member.code[0].startswith("class ")]
+        for member in section.members:
+            if member not in inner:
+                said = "`, `".join(member.code)
+                text += f"- `{said}`" + (f": {_escaped([' '.join(member.prose)])}" if member.prose else "") + "\n"
+        text += "\n" + _python_markdown(inner, level + 1)
+    return text
 
 
 def _python_page(title: str, files: list[Path]) -> str:
@@ -203,31 +243,51 @@ def _python_page(title: str, files: list[Path]) -> str:
         module = ast.parse(file.read_text(encoding="utf-8"))
         if about := ast.get_docstring(module):
             text += _escaped([about]) + "\n\n"
-        text += _markdown(_python_sections(module.body), "python", 2)
+        text += _python_markdown(_python_sections(module.body))
     return text
 
 
+def _core_pages(folder: Path, stub: Path):
+    """The names of `gnosphere` itself, by the header of C++ that has them."""
+    left = {section.name: section for section in _python_sections(ast.parse(stub.read_text(encoding="utf-8")).body)}
+    for page in CORE:
+        here = []
+        for section in header_sections((folder / f"{page}.hpp").read_text(encoding="utf-8")):
+            for name in (section.name, *section.others):
+                snake = name if name[:1].isupper() else re.sub(r"([A-Z])", r"_\1", name).lower()
+                here += [left.pop(n) for n in (snake, snake.upper().removeprefix("K_")) if n in left]
+        if page == CORE[-1]:
+            here += left.values()
+        yield page, f"# gnosphere: {page}\n\n{_python_markdown(here)}"
+
+
 def pages(root: Path, package: Path | None):
-    """Yields (place, text) of each page. Without `package`, the folder of an installed Python package, the page of
-    gnosphere itself says that it is left out."""
+    """Yields (place, text) of each page. Without `package`, the folder of an installed Python package, the pages that
+    are made of its stubs say that they are left out."""
     headers = sorted((root / "include" / "gnosphere").rglob("*.hpp"))
-    shown = [h for h in headers if h.stem not in ("export", "gnosphere")]
+    shown = [h for h in headers if h.stem not in ("export", "gnosphere") and "compat" not in h.parts]
     listed = ""
     for header in shown:
         name = header.relative_to(root / "include").as_posix()
         yield f"reference/cpp/{header.stem}.md", _header_page(header, name, "cpp")
         listed += f"- [{name}]({header.stem}.md)\n"
-    yield "reference/cpp/index.md", f"# C++\n\n`#include <gnosphere/gnosphere.hpp>` has all but `vulkan.hpp`, `ros2.hpp` and `eval`.\n\n{listed}"
+    about = "`#include <gnosphere/gnosphere.hpp>` has all but `vulkan.hpp`, `ros2.hpp` and `eval`."
+    yield "reference/cpp/index.md", f"# C++\n\n{about}\n\n{listed}"
     for header in sorted((root / "include").glob("*.h")):
         yield f"reference/c/{header.stem}.md", _header_page(header, header.name, "c")
     sources = root / "python" / "gnosphere"
+    absent = "This copy of the site was made without the Python package, so this part of the reference is not there."
     if package:
-        yield "reference/python/gnosphere.md", _python_page("gnosphere", [package / "_gnosphere" / "__init__.pyi"])
+        for name, text in _core_pages(root / "include" / "gnosphere", package / "_gnosphere" / "__init__.pyi"):
+            yield f"reference/python/core/{name}.md", text
         yield "reference/python/drive.md", _python_page("gnosphere.drive", [package / "_gnosphere" / "drive.pyi"])
+        ros2 = [sources / "ros2.py", package / "_gnosphere" / "_ros2.pyi"]
     else:
-        for name in ("gnosphere", "drive"):
-            yield f"reference/python/{name}.md", f"# {name}\n\nThis copy of the site was made without the Python package.\n"
-    for module in ("adapter", "pictures", "primitives", "ros2", "testing"):
+        for name in (*(f"core/{page}" for page in CORE), "drive"):
+            yield f"reference/python/{name}.md", f"# gnosphere: {Path(name).name}\n\n{absent}\n"
+        ros2 = [sources / "ros2.py"]
+    yield "reference/python/ros2.md", _python_page("gnosphere.ros2", ros2)
+    for module in ("adapter", "pictures", "primitives", "testing"):
         yield f"reference/python/{module}.md", _python_page(f"gnosphere.{module}", [sources / f"{module}.py"])
     for module in ("engines", "mujoco", "robotics"):
         files = sorted(f for f in (sources / module).glob("*.py") if f.name != "__main__.py")

@@ -78,8 +78,8 @@ void bindBeams(nb::module_& m) {
           "rings: shape (beams,), uint16, values of Field.ring; if not given, 0.\n"
           "width, height: of the organised cloud; if 0, it has one row of all beams.\n"
           "The arrays are copied once. Raises Error(invalid_argument) for arrays of another shape or type.")
-      .def_ro("width", &BeamList::width)
-      .def_ro("height", &BeamList::height)
+      .def_ro("width", &BeamList::width, "Columns of the organised cloud; if 0, it has one row of all beams.")
+      .def_ro("height", &BeamList::height, "Rows of the organised cloud.")
       .def("size", &BeamList::size, "Number of beams.");
   readView(beams, "directions", &BeamList::directions,
            "Shape (beams, 3), float64, unit vectors: a read-only view, which keeps the list alive.");
@@ -110,8 +110,8 @@ void bindSensorItself(nb::module_& m) {
       "of a list: scan number n (Shot.frame) uses pattern n modulo their number. All patterns have the same number of "
       "beams; columns and channels must be 0 and empty.");
   sensor.def(nb::init<>())
-      .def_rw("name", &Sensor::name)
-      .def_rw("columns", &Sensor::columns)
+      .def_rw("name", &Sensor::name, "Scans and messages have it.")
+      .def_rw("columns", &Sensor::columns, "Columns of a grid; 0 for lists of beams.")
       .def_rw("range_min", &Sensor::rangeMin, "Metres; a hit counts if range_min <= range <= range_max.")
       .def_rw("range_max", &Sensor::rangeMax, "Metres.")
       .def_rw(
@@ -122,10 +122,10 @@ void bindSensorItself(nb::module_& m) {
       .def_rw("max_returns", &Sensor::maxReturns, "Number of echoes that the sensor reports per beam, 1..5.")
       .def_rw("rotation_period", &Sensor::rotationPeriod,
               "Seconds; column i fires at i / columns of it. If 0, all beams fire at once.")
-      .def_rw("azimuth_start_deg", &Sensor::azimuthStartDeg)
+      .def_rw("azimuth_start_deg", &Sensor::azimuthStartDeg, "Azimuth of column 0, counter-clockwise from the x axis.")
       .def_rw("azimuth_span_deg", &Sensor::azimuthSpanDeg,
               "Azimuths that the columns cover, at most 360 degrees; negative if the head turns clockwise.")
-      .def_rw("near_hits", &Sensor::nearHits)
+      .def_rw("near_hits", &Sensor::nearHits, "What happens to a surface that is nearer than a beam's least range.")
       .def_prop_rw(
           "masked_beams", [](const Sensor& self) { return copiedColumn(self.maskedBeams); },
           [](Sensor& self, const ArrayLike& beams) {
@@ -133,8 +133,8 @@ void bindSensorItself(nb::module_& m) {
           },
           kOwned,
           "Indices of beams that never fire, shape (n,), uint32: a read-only copy; assign a new array to change them.")
-      .def("is_grid", &Sensor::isGrid)
-      .def("beam_count", &Sensor::beamCount)
+      .def("is_grid", &Sensor::isGrid, "Whether the beams are those of channels and columns, and not of lists.")
+      .def("beam_count", &Sensor::beamCount, "Number of beams of a scan.")
       .def("width", &Sensor::width, "Columns of the organised cloud.")
       .def("height", &Sensor::height, "Rows of the organised cloud: the channels of a grid.")
       .def(
@@ -207,7 +207,8 @@ void bindSensorFiles(nb::module_& m) {
       .def_rw("fire_times", &SensorFileOptions::fireTimes,
               "Hesai's file of firing times that goes with an angle correction file.");
   auto file = nb::class_<SensorFile>(m, "SensorFile", "A sensor file, and how it was understood.");
-  file.def_ro("sensor", &SensorFile::sensor).def_ro("family", &SensorFile::family, "Such as 'Ouster metadata'.");
+  file.def_ro("sensor", &SensorFile::sensor, "The sensor that the file describes.")
+      .def_ro("family", &SensorFile::family, "Such as 'Ouster metadata'.");
   readTuple(file, "assumed", &SensorFile::assumed, "What the file does not state, and the value that was taken.");
   readTuple(file, "ignored", &SensorFile::ignored, "What the file states, and a Sensor does not hold.");
 
