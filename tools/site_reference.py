@@ -19,11 +19,11 @@ CORE = ("scene", "animation", "sensor", "effects", "simulator", "plan", "scan", 
 # Lines of a header that declare nothing.
 _SKIPPED = re.compile(r"#(?!define GNO_(?!API)\w+ )|namespace|extern|public:|\}")
 _NAMES = (
-    re.compile(r"#define (\w+)"),
-    re.compile(r"typedef [^{(]*?\b(\w+);"),
-    re.compile(r"typedef \w+ \(\*?(\w+)\)\("),
-    re.compile(r"(?:typedef )?(?:struct|class|enum class|enum|union) (?:GNO\w+_API )?(\w+)"),
-    re.compile(r"using (\w+) ="),
+    re.compile(r"^#define (\w+)"),
+    re.compile(r"^typedef [^{(]*?\b(\w+);"),
+    re.compile(r"^typedef \w+ \(\*?(\w+)\)\("),
+    re.compile(r"^(?:typedef )?(?:struct|class|enum class|enum|union) (?:GNO\w+_API )?(\w+)"),
+    re.compile(r"^using (\w+) ="),
     re.compile(r"(operator[^\s\w]+|~?\w+)\("),
     re.compile(r"(\w+)(?: = |\{|;|\[)"),
 )
@@ -50,7 +50,7 @@ def _name_of(lines: list[str]) -> str:
     if text.startswith("enum {"):  # the values of the type above them
         return ""
     for pattern in _NAMES:
-        if found := pattern.match(text) if pattern is not _NAMES[-1] and pattern is not _NAMES[-2] else pattern.search(text):
+        if found := pattern.search(text):
             return found[1]
     raise ValueError(f"no name in {text!r}")
 
@@ -90,17 +90,22 @@ def _header_blocks(text: str):
             comment, lines, joined = [], [], True
 
 
+# A comment of C, alone on its lines; a run of lines that are comments; a declaration of a function without its body.
+_C_COMMENT = re.compile(r"^( *)/\*(.*?)\*/$", re.M | re.S)
+_COMMENT = re.compile(r"^( *)/// .*(\n\1/// .*)*$", re.M)
+_FUNCTION = re.compile(r"^( *)[^\s/](?:[^\n{]|\{\})*\((?:[^{;]|\{\})*\)[^{;]*;$", re.M)
+
+
 def _shown(lines: list[str]) -> list[str]:
     """A declaration without what is private, each comment above what it is about, in lines that fit the page."""
     private = next((i for i, line in enumerate(lines) if line.strip() in ("private:", "protected:")), len(lines) - 1)
     text = "\n".join([line for line in lines[:private] if line.strip() != "public:"] + lines[-1:])
-    text = re.sub(r"^( *)/\*(.*?)\*/$", lambda m: re.sub(r"\n *\* ", f"\n{m[1]}/// ", f"{m[1]}///{m[2]}"), text, flags=re.M | re.S)
+    text = re.sub(r"\bGNO(SPHERE)?_API ", "", text)
+    text = _C_COMMENT.sub(lambda m: re.sub(r"\n *\* ", f"\n{m[1]}/// ", f"{m[1]}///{m[2]}"), text)
     text = re.sub(r" /\* (.*) \*/$", r" ///< \1", text, flags=re.M)
-    text = re.sub(r"\n +///< ", " ", re.sub(r"\bGNO(SPHERE)?_API ", "", text))
-    text = re.sub(r"^( *)(\S.*?) *///< (.*)$", r"\1/// \3\n\1\2", text, flags=re.M)
-    text = re.sub(r"^( *)/// .*(\n\1/// .*)*$", lambda m: _wrapped(m[0].replace("/// ", ""), f"{m[1]}/// "), text, flags=re.M)
-    text = re.sub(r"^( *)[^\s/](?:[^\n{]|\{\})*\((?:[^{;]|\{\})*\)[^{;]*;$", lambda m: _wrapped(m[0], m[1], "    "), text, flags=re.M)
-    return text.split("\n")
+    text = re.sub(r"^( *)(\S.*?) *///< (.*)$", r"\1/// \3\n\1\2", re.sub(r"\n +///< ", " ", text), flags=re.M)
+    text = _COMMENT.sub(lambda m: _wrapped(m[0].replace("/// ", ""), f"{m[1]}/// "), text)
+    return _FUNCTION.sub(lambda m: _wrapped(m[0], m[1], "    "), text).split("\n")
 
 
 def _wrapped(text: str, indent: str, further: str = "") -> str:
@@ -126,7 +131,7 @@ def _sections(text: str, scope: str = "") -> list[Section]:
         if section is None:
             made.append(section := Section(title))
         section.prose += [*([""] if section.prose and comment else []), *comment]
-        if re.match(r"class GNOSPHERE_API \w+ .*\{$|class GNOSPHERE_API \w+ \{", lines[0]):
+        if lines[0].startswith("class GNOSPHERE_API "):
             indented = "\n".join(line.removeprefix("  ") for line in lines[1:-1])
             section.members = _sections(indented, f"{name}::")
             section.code += _shown([lines[0].removesuffix(" {") + ";"])
@@ -138,7 +143,8 @@ def _sections(text: str, scope: str = "") -> list[Section]:
 def _escaped(prose: list[str]) -> str:
     """A comment as Markdown: only what is in backquotes is more than text."""
     parts = re.split(r"(`[^`]*`)", "\n".join(prose))
-    return "".join(p if p.startswith("`") else re.sub(r"([*_<\[\]|])", r"\\\1", p).replace("\\<", "&lt;") for p in parts)
+    parts[::2] = [re.sub(r"([*_\[\]|])", r"\\\1", part).replace("<", "&lt;") for part in parts[::2]]
+    return "".join(parts)
 
 
 def _markdown(sections: list[Section], language: str, level: int) -> str:
@@ -169,8 +175,9 @@ def _header_page(file: Path, title: str, language: str) -> str:
 
 
 def header_sections(text: str) -> list[Section]:
+    """The public names of a header. GNO_INIT(type) of C's headers defines type_init()."""
     initialised = re.findall(r"^GNO_INIT\((\w+)\)", text, re.M)
-    sections = _sections(re.sub(r"^#define GNO_INIT.*(?<=\\)(\n.*(?<=\\))*\n.*$|^(#define )?GNO_INIT.*$", "", text, flags=re.M))
+    sections = _sections(re.sub(r"^#define GNO_INIT(.*\\\n)*.*$|^GNO_INIT.*$", "", text, flags=re.M))
     for name in initialised:
         next(s for s in sections if name in (s.name, *s.others)).code.append(f"{name} {name}_init(void);")
     return sections
@@ -182,8 +189,13 @@ def _plain(text: str) -> str:
     return re.sub(r"\b(numpy\.typing|numpy|gnosphere\._gnosphere|collections\.abc|npt|np|gno)\.", "", text)
 
 
+def _marks(node: ast.FunctionDef) -> set[str]:
+    """The last words of a function's decorators."""
+    return {ast.unparse(mark).split(".")[-1] for mark in node.decorator_list}
+
+
 def _signature(node: ast.FunctionDef, name: str) -> str:
-    if any(isinstance(d, ast.Name) and d.id == "property" or getattr(d, "attr", "") == "property" for d in node.decorator_list):
+    if "property" in _marks(node):
         return f"{name}: {_plain(ast.unparse(node.returns))}" if node.returns else name
     arguments = re.sub(r"^self(, (/, )?)?|, /$", "", ast.unparse(node.args))
     returns = f" -> {_plain(ast.unparse(node.returns))}" if node.returns and name[0].islower() else ""
@@ -199,19 +211,19 @@ def _python_sections(body: list[ast.stmt], scope: str = "") -> list[Section]:
         if isinstance(node, (ast.Assign, ast.AnnAssign)):
             target = node.target if isinstance(node, ast.AnnAssign) else node.targets[0]
             name = getattr(target, "id", "_")
-            said = name if isinstance(node, ast.Assign) and scope else _plain(ast.unparse(node))
+            said = name if isinstance(node, ast.Assign) and scope[:1].isupper() else _plain(ast.unparse(node))
             if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
                 doc = inspect.cleandoc(str(after.value.value))
         elif isinstance(node, ast.ClassDef):
             name, doc = node.name, ast.get_docstring(node) or ""
             bases = ", ".join(map(ast.unparse, node.bases))
             said = f"class {scope}{name}({bases})" if bases else f"class {scope}{name}"
-        elif isinstance(node, ast.FunctionDef) and not any(getattr(d, "attr", "") == "setter" for d in node.decorator_list):
+        elif isinstance(node, ast.FunctionDef) and "setter" not in _marks(node):
             name, doc = node.name, ast.get_docstring(node) or ""
             said = _signature(node, scope.rstrip(".") if name == "__init__" else name)
         else:
             continue
-        if name.startswith("_") and name != "__init__":
+        if name.startswith(("_", "pytest_")) and name != "__init__":
             continue
         section = next((s for s in made if s.name == scope + name), None)
         if section is None:
@@ -237,13 +249,16 @@ def _python_markdown(sections: list[Section], level: int = 2) -> str:
     return text
 
 
-def _python_page(title: str, files: list[Path]) -> str:
+def _python_page(title: str, files: list[Path], only: set[str] = frozenset(), scoped: bool = False) -> str:
+    """The names of files, or `only` some of them; with their file's name before them if `scoped`."""
     text = f"# {title}\n\n"
     for file in files:
         module = ast.parse(file.read_text(encoding="utf-8"))
-        if about := ast.get_docstring(module):
-            text += _escaped([about]) + "\n\n"
-        text += _python_markdown(_python_sections(module.body))
+        about = ast.get_docstring(module) or ""
+        if not only or file.stem == "__init__":
+            text += (about if "\n    " in about else _escaped([about])) + "\n\n"
+        sections = _python_sections(module.body, f"{file.stem}." if scoped else "")
+        text += _python_markdown([section for section in sections if not only or section.name in only])
     return text
 
 
@@ -289,6 +304,12 @@ def pages(root: Path, package: Path | None):
     yield "reference/python/ros2.md", _python_page("gnosphere.ros2", ros2)
     for module in ("adapter", "pictures", "primitives", "testing"):
         yield f"reference/python/{module}.md", _python_page(f"gnosphere.{module}", [sources / f"{module}.py"])
-    for module in ("engines", "mujoco", "robotics"):
-        files = sorted(f for f in (sources / module).glob("*.py") if f.name != "__main__.py")
-        yield f"reference/python/{module}.md", _python_page(f"gnosphere.{module}", files)
+    for module in ("mujoco", "robotics"):
+        initial = sources / module / "__init__.py"
+        body = ast.parse(initial.read_text(encoding="utf-8")).body
+        imported = [statement for statement in body if isinstance(statement, ast.ImportFrom)]
+        only = {alias.name for statement in imported for alias in statement.names}
+        files = [initial, *(sources / module / f"{statement.module}.py" for statement in imported)]
+        yield f"reference/python/{module}.md", _python_page(f"gnosphere.{module}", files, only)
+    files = sorted((sources / "engines").glob("*.py"))
+    yield "reference/python/engines.md", _python_page("gnosphere.engines", files, scoped=True)

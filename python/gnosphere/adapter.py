@@ -95,6 +95,7 @@ class Shapes:
         return len(self.instances) - 1
 
     def scene(self) -> gno.Scene:
+        """What has been added, as a scene."""
         return gno.Scene(self._materials, self._meshes, self.instances, self._images)
 
 

@@ -119,6 +119,7 @@ def ellipsoid(radii: Sequence[float], tolerance: float = 1e-3) -> Triangles:
 
 
 def sphere(radius: float, tolerance: float = 1e-3) -> Triangles:
+    """A sphere around the origin."""
     return ellipsoid((radius, radius, radius), tolerance)
 
 
