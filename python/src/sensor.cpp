@@ -109,7 +109,37 @@ void bindSensorItself(nb::module_& m) {
       "those "
       "of a list: scan number n (Shot.frame) uses pattern n modulo their number. All patterns have the same number of "
       "beams; columns and channels must be 0 and empty.");
-  sensor.def(nb::init<>())
+  const Sensor none;
+  sensor
+      .def(
+          "__init__",
+          [](Sensor* self, std::string name, uint32_t columns, std::vector<Channel> channels, double rangeMin,
+             double rangeMax, double divergenceHorizontal, double divergenceVertical, uint32_t maxReturns,
+             double rotationPeriod, double azimuthStartDeg, double azimuthSpanDeg, NearHits nearHits,
+             std::optional<ArrayLike> maskedBeams, std::vector<BeamList> patterns) {
+            auto masked =
+                maskedBeams ? arrayOf<uint32_t>(*maskedBeams, "Sensor: masked_beams").copy() : std::vector<uint32_t>();
+            new (self) Sensor{std::move(name),
+                              columns,
+                              std::move(channels),
+                              rangeMin,
+                              rangeMax,
+                              divergenceHorizontal,
+                              divergenceVertical,
+                              maxReturns,
+                              rotationPeriod,
+                              azimuthStartDeg,
+                              azimuthSpanDeg,
+                              nearHits,
+                              std::move(masked),
+                              std::move(patterns)};
+          },
+          nb::kw_only(), "name"_a = "", "columns"_a = 0, "channels"_a = nb::make_tuple(), "range_min"_a = none.rangeMin,
+          "range_max"_a = none.rangeMax, "divergence_horizontal"_a = none.divergenceHorizontal,
+          "divergence_vertical"_a = none.divergenceVertical, "max_returns"_a = none.maxReturns,
+          "rotation_period"_a = none.rotationPeriod, "azimuth_start_deg"_a = none.azimuthStartDeg,
+          "azimuth_span_deg"_a = none.azimuthSpanDeg, "near_hits"_a = none.nearHits, "masked_beams"_a = nb::none(),
+          "patterns"_a = nb::make_tuple(), "Takes its properties as keywords.")
       .def_rw("name", &Sensor::name, "Scans and messages have it.")
       .def_rw("columns", &Sensor::columns, "Columns of a grid; 0 for lists of beams.")
       .def_rw("range_min", &Sensor::rangeMin, "Metres; a hit counts if range_min <= range <= range_max.")
