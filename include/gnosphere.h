@@ -44,6 +44,7 @@ extern "C" {
 
 /* ------------------------------------------------------------------------------------------------ status */
 
+/* How a call ended. */
 typedef int32_t gno_status;
 enum {
   GNO_OK = 0,
@@ -86,6 +87,7 @@ typedef struct gno_transform {
   double rows[12];
 } gno_transform;
 
+/* What the alpha of a material means, as in glTF, and how a texture goes on beyond its edge. */
 typedef int32_t gno_alpha_mode;
 enum { GNO_ALPHA_OPAQUE = 0, GNO_ALPHA_MASK = 1, GNO_ALPHA_BLEND = 2 };
 typedef int32_t gno_wrap;
@@ -164,6 +166,7 @@ typedef struct gno_instance {
   uint32_t world;         /* the world that has it, see gno_shot::world; 0 for all of them */
 } gno_instance;
 
+/* How a file of a scene is read: which of its axes points up, and in which unit it is. */
 typedef int32_t gno_up_axis;
 enum { GNO_UP_FORMAT_DEFAULT = 0, GNO_UP_Y = 1, GNO_UP_Z = 2 };
 typedef struct gno_load_options {
@@ -172,6 +175,7 @@ typedef struct gno_load_options {
   double scale;   /* metres per unit of the file */
 } gno_load_options;
 
+/* How many things a scene has. */
 typedef struct gno_scene_counts {
   size_t struct_size;
   size_t materials, alpha_images, meshes, instances;
@@ -185,6 +189,7 @@ typedef struct gno_optics {
   float reflectance, gloss, roughness, retro, transmission;
 } gno_optics;
 
+/* Makes a scene without anything in it. */
 GNO_API gno_status gno_scene_create(gno_scene* scene);
 /* Reads .gltf, .glb, .obj, .ply or .stl; options may be null. */
 GNO_API gno_status gno_scene_load(const char* file, const gno_load_options* options, gno_scene* scene);
@@ -240,6 +245,7 @@ typedef struct gno_skin {
   size_t joint_count;
 } gno_skin;
 
+/* What a track moves, and how its values go from key to key. */
 typedef int32_t gno_track_property;
 enum { GNO_TRACK_TRANSLATION = 0, GNO_TRACK_ROTATION = 1, GNO_TRACK_SCALE = 2, GNO_TRACK_MORPH_WEIGHTS = 3 };
 typedef int32_t gno_interpolation;
@@ -324,6 +330,7 @@ typedef struct gno_channel {
   double range_min, range_max; /* greater than 0: these replace the sensor's */
 } gno_channel;
 
+/* What happens to a surface that is nearer than the least range of a beam. */
 typedef int32_t gno_near_hits;
 enum {
   GNO_NEAR_SEE_THROUGH = 0, /* a beam passes through a surface nearer than its least range */
@@ -365,6 +372,7 @@ typedef struct gno_beam_list {
   uint32_t width, height;   /* of the organised cloud; 0: one row of all beams */
 } gno_beam_list;
 
+/* How many beams a sensor has, and in how many rows and columns. */
 typedef struct gno_sensor_size {
   size_t struct_size;
   size_t beams;
@@ -441,6 +449,7 @@ GNO_API gno_status gno_material_table_destroy(gno_material_table table);
 
 /* ------------------------------------------------------------------------------------------------ fields */
 
+/* What a scan or a cloud file may hold per return. */
 typedef int32_t gno_field;
 enum { /* docs/api.md and include/gnosphere/scan.hpp say what each is */
        GNO_FIELD_X = 0,
@@ -472,9 +481,11 @@ enum { /* docs/api.md and include/gnosphere/scan.hpp say what each is */
        GNO_FIELD_ELEVATION
 };
 
+/* The type of a number in memory, in the byte order of the machine. */
 typedef int32_t gno_value_type;
 enum { GNO_F32 = 0, GNO_F64 = 1, GNO_U8 = 2, GNO_U16 = 3, GNO_U32 = 4 };
 
+/* Name, type and number of components of a field. */
 typedef struct gno_field_description {
   size_t struct_size;
   const char* name;
@@ -482,6 +493,7 @@ typedef struct gno_field_description {
   uint32_t components;
 } gno_field_description;
 
+/* Describes a field. */
 GNO_API gno_status gno_field_describe(gno_field field, gno_field_description* description);
 /* Parses a list such as "x,y,z,range". Writes at most `capacity` fields and gives the number that there are. */
 GNO_API gno_status gno_fields_parse(const char* names, gno_field* fields, size_t capacity, size_t* count);
@@ -513,6 +525,7 @@ GNO_API gno_status gno_layout_bytes_for(const gno_layout* layout, uint64_t rows,
 
 /* ----------------------------------------------------------------------------------------------- devices */
 
+/* A device of this machine, and whether it can be used. */
 typedef struct gno_device_info {
   size_t struct_size;
   const char* name;
@@ -531,6 +544,8 @@ GNO_API gno_status gno_devices(const gno_device_info** devices, size_t* count, c
 
 /* --------------------------------------------------------------------------------------------- simulator */
 
+/* An accuracy, and its parts: which beams a triangle is tested against, which point of it must be in range, whether a
+ * beam is inside, and how the range is computed. docs/accuracy.md has what each costs and gets wrong. */
 typedef int32_t gno_accuracy;
 enum { GNO_ACCURACY_PAPER = 0, GNO_ACCURACY_DRAFT = 1, GNO_ACCURACY_STANDARD = 2, GNO_ACCURACY_EXACT = 3 };
 typedef int32_t gno_bounds;
@@ -551,6 +566,7 @@ typedef struct gno_accuracy_parts {
 /* The parts of a named accuracy. */
 GNO_API gno_status gno_accuracy_get_parts(gno_accuracy accuracy, gno_accuracy_parts* parts);
 
+/* Which faces of a triangle reflect. */
 typedef int32_t gno_faces;
 enum { GNO_FACES_MATERIAL = 0, GNO_FACES_FRONT = 1, GNO_FACES_BOTH = 2 };
 typedef int32_t gno_binning;
@@ -561,6 +577,7 @@ enum { GNO_OCCLUSION_AUTOMATIC = 0, GNO_OCCLUSION_ALWAYS = 1, GNO_OCCLUSION_NEVE
 /* A Vulkan device of the caller, see gnosphere_vulkan.h. */
 typedef struct gno_vulkan_adopted_device gno_vulkan_adopted_device;
 
+/* How a simulator computes, and on which device. */
 typedef struct gno_options {
   size_t struct_size;
   const char* device;      /* "auto", a number or part of a name of gno_devices(), "reference", "cuda:N"; null: auto */
@@ -715,6 +732,7 @@ GNO_API gno_status gno_simulator_get_cluster_count(gno_simulator simulator, size
 
 /* -------------------------------------------------------------------------------------------------- scan */
 
+/* The sensor of a scan, and the size of the scan. */
 typedef struct gno_scan_info {
   size_t struct_size;
   const char* sensor;
@@ -744,6 +762,7 @@ typedef struct gno_counters {
   uint64_t causes[6]; /* beams by cause: returned, no surface, weak, attenuated, dropped out, dead */
 } gno_counters;
 
+/* The time of one stage of a scan. */
 typedef struct gno_stage_time {
   const char* name;
   double ms;
@@ -755,6 +774,7 @@ typedef struct gno_timings {
   size_t stage_count;
 } gno_timings;
 
+/* Destroys a scan, and with it the arrays of its columns. */
 GNO_API gno_status gno_scan_destroy(gno_scan scan);
 GNO_API gno_status gno_scan_get_info(gno_scan scan, gno_scan_info* info);
 /* An error if the scan does not have the field. */
@@ -774,6 +794,7 @@ typedef struct gno_batch_info {
   size_t entries;             /* of all views */
 } gno_batch_info;
 
+/* Destroys a batch, and with it the arrays of its columns. */
 GNO_API gno_status gno_batch_destroy(gno_batch batch);
 GNO_API gno_status gno_batch_get_info(gno_batch batch, gno_batch_info* info);
 /* The values of all views. An error if the batch does not have the field. */
@@ -785,6 +806,7 @@ GNO_API gno_status gno_batch_get_timings(gno_batch batch, gno_timings* timings);
 
 /* ------------------------------------------------------------------------------------------------ output */
 
+/* What a cloud file holds. */
 typedef struct gno_cloud_options {
   size_t struct_size;
   const gno_field* fields; /* null: x y z range ring beam triangle instance */

@@ -13,6 +13,7 @@ extern "C" {
 
 typedef struct gno_ros2_publisher_object* gno_ros2_publisher; /* the messages of one topic */
 
+/* The type of the messages of a topic, and its quality of service. */
 typedef int32_t gno_ros2_type;
 enum { GNO_ROS2_POINT_CLOUD2 = 0, GNO_ROS2_LASER_SCAN = 1, GNO_ROS2_TRANSFORMS = 2, GNO_ROS2_CLOCK = 3 };
 typedef int32_t gno_ros2_reliability;
@@ -20,6 +21,7 @@ enum { GNO_ROS2_RELIABLE = 0, GNO_ROS2_BEST_EFFORT = 1 };
 typedef int32_t gno_ros2_durability;
 enum { GNO_ROS2_VOLATILE = 0, GNO_ROS2_TRANSIENT_LOCAL = 1 };
 
+/* How a publisher sends. */
 typedef struct gno_ros2_options {
   size_t struct_size;
   gno_ros2_reliability reliability;
@@ -71,6 +73,7 @@ typedef struct gno_ros2_transform {
   gno_pose pose;
 } gno_ros2_transform;
 
+/* What has become of the messages of a publisher. */
 typedef struct gno_ros2_counts {
   size_t struct_size;
   uint64_t published; /* messages that were given to the functions below */

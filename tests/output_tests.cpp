@@ -189,6 +189,16 @@ TEST_CASE("a picture is upright, whether channels count from the bottom or from 
   CHECK(bytesOf(folder / "up.png") == bytesOf(folder / "down.png"));
 }
 
+TEST_CASE("a picture is no mirror image, whichever way the head turns") {
+  const Folder folder;
+  Sensor sensor = builtinSensor("VLP-16");
+  writePicture(syntheticScan(sensor), folder / "left.png");
+  sensor.azimuthStartDeg = 180 - 360.0 / sensor.columns;
+  sensor.azimuthSpanDeg = -360;
+  writePicture(syntheticScan(sensor), folder / "right.png");
+  CHECK(bytesOf(folder / "left.png") == bytesOf(folder / "right.png"));
+}
+
 TEST_CASE("a picture is a PNG of a reasonable size for every grid") {
   const Folder folder;
   Sensor sensor = builtinSensor("VLP-16");

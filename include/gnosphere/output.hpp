@@ -28,6 +28,7 @@ GNOSPHERE_API RecordLayout layoutOf(const std::vector<Field>& fields);
 /// the bytes needed).
 GNOSPHERE_API size_t pack(const Scan& scan, const RecordLayout& layout, std::span<std::byte> out);
 
+/// What a cloud file holds.
 struct CloudOptions {
   std::vector<Field>
       fields;  ///< if empty: defaultFields(), plus returnNumber and returnCount if beams have several returns

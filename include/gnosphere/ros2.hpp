@@ -58,6 +58,7 @@ struct Clock {
   int64_t time = 0;  ///< nanoseconds
 };
 
+/// What a publisher can send.
 using Message = std::variant<PointCloud2, LaserScan, Transforms, Clock>;
 enum class MessageType { pointCloud2, laserScan, transforms, clock };  ///< in the order of Message
 
@@ -70,12 +71,14 @@ struct Qos {
   uint32_t depth = 5;
 };
 
+/// How a publisher sends.
 struct PublisherOptions {
   Qos qos;
   std::optional<uint32_t> domain;     ///< 0 to 232; unless given ROS_DOMAIN_ID, or 0
   std::optional<bool> localhostOnly;  ///< unless given what ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE says
 };
 
+/// What has become of the messages of a publisher.
 struct PublisherCounts {
   uint64_t published = 0;    ///< messages that were given to publish()
   uint64_t sent = 0;         ///< of them, those that went to the network

@@ -20,6 +20,7 @@ struct Pose {
   Quaternion orientation;
 };
 
+/// The index of no triangle and of no instance.
 inline constexpr uint32_t kNoTriangle = 0xffffffffu;
 
 /// The fields that a scan or a cloud file may hold per return. A scan always has x, y, z, range, triangle and instance;
@@ -58,12 +59,14 @@ inline constexpr size_t kFieldCount = static_cast<size_t>(Field::elevation) + 1;
 /// The type of a number in memory, in the byte order of the machine.
 enum class ValueType : uint8_t { f32, f64, u8, u16, u32 };
 
+/// Name, type and number of components of a field.
 struct FieldInfo {
   const char* name;     ///< name used by parseFields() and on the command line
   ValueType type;       ///< type of the field's columns
   uint32_t components;  ///< 3 for a vector, 2 for barycentrics, otherwise 1
 };
 
+/// Describes a field.
 GNOSPHERE_API FieldInfo fieldInfo(Field field);
 
 /// Returns the ValueType of the C++ type of a column.
@@ -162,6 +165,7 @@ struct Counters {
   GNOSPHERE_API Counters& operator+=(const Counters& other);
 };
 
+/// The time of one stage of a scan.
 struct StageTime {
   std::string name;  ///< "project", "bin", "resolve" or "effects"
   double ms = 0;

@@ -34,8 +34,10 @@ GNOSPHERE_API Transform operator*(const Transform& a, const Transform& b);
 /// Maps the point `p`.
 GNOSPHERE_API Vec3 operator*(const Transform& a, const Vec3& p);
 
+/// What the alpha of a material means, as in glTF.
 enum class AlphaMode { opaque, mask, blend };
 
+/// The index of no image.
 inline constexpr uint32_t kNoImage = 0xffffffffu;
 /// Mesh index of an instance that was removed.
 inline constexpr uint32_t kNoMesh = 0xffffffffu;
@@ -123,6 +125,7 @@ struct Instance {
   uint32_t world = 0;     ///< the world that has the instance, see Shot::world; 0 for all of them. No file states it.
 };
 
+/// The index of no node, and of no skin.
 inline constexpr uint32_t kNoNode = 0xffffffffu;
 inline constexpr uint32_t kNoSkin = 0xffffffffu;
 
@@ -212,8 +215,10 @@ GNOSPHERE_API Bounds worldBounds(const Scene& scene);
 /// or sizes are inconsistent.
 GNOSPHERE_API void validate(const Scene& scene);
 
+/// Which axis of a file points up.
 enum class UpAxis { formatDefault, y, z };
 
+/// How a file of a scene is read.
 struct LoadOptions {
   UpAxis up = UpAxis::formatDefault;  ///< glTF is y-up by its specification; OBJ, PLY and STL default to z-up
   double scale = 1;                   ///< metres per unit of the file

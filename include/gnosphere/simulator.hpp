@@ -121,6 +121,7 @@ struct Tuning {
   uint64_t maxBufferBytes = 0;
 };
 
+/// A device of this machine, and whether it can be used.
 struct DeviceInfo {
   std::string name;
   std::string type;             ///< "discrete", "integrated", "virtual", "cpu", "other", "cuda" or "reference"
@@ -167,6 +168,7 @@ GNOSPHERE_API DeviceChoice deviceByName(const std::string& text);
 /// The text that deviceByName() makes this choice of.
 GNOSPHERE_API std::string nameOf(const DeviceChoice& choice);
 
+/// How a simulator computes, and on which device.
 struct SimulatorOptions {
   DeviceChoice device;
   Accuracy accuracy = Accuracy::standard;

@@ -13,10 +13,8 @@ azimuth, elevation = np.meshgrid(np.radians(np.linspace(60, -60, 480)), np.radia
 directions = np.stack(
     [np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)], axis=-1
 )
-sensor = gnosphere.Sensor()
-sensor.name = "solid state"
-sensor.range_max = 200
-sensor.patterns = [gnosphere.BeamList(directions.reshape(-1, 3), width=480, height=96)]
+beams = gnosphere.BeamList(directions.reshape(-1, 3), width=480, height=96)
+sensor = gnosphere.Sensor(name="solid state", range_max=200, patterns=[beams])
 
 corners = np.array([[-200, -200, -2], [200, -200, -2], [200, 200, -2], [-200, 200, -2]], np.float32)
 wall = np.array([[30, -200, -2], [30, 200, -2], [30, 200, 8], [30, -200, 8]], np.float32)

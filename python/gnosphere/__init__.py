@@ -12,3 +12,4 @@ except ImportError:
 
 from ._gnosphere import *
 from ._gnosphere import __version__ as __version__
+from . import _text as _text

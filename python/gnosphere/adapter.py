@@ -75,7 +75,7 @@ class Shapes:
         used, first, count = np.unique(numbers[order], return_index=True, return_counts=True)
         parts = [gno.MeshPart(int(at), int(n), int(number)) for at, n, number in zip(first, count, used)]
         corners = np.asarray(faces)[order] if len(used) > 1 else faces
-        self._meshes.append(gno.Mesh(vertices, corners, parts, name=name, **({} if uvs is None else {"uvs": uvs})))
+        self._meshes.append(gno.Mesh(vertices, corners, parts, uvs, name=name))
         return len(self._meshes) - 1
 
     def instance(
@@ -95,6 +95,7 @@ class Shapes:
         return len(self.instances) - 1
 
     def scene(self) -> gno.Scene:
+        """What has been added, as a scene."""
         return gno.Scene(self._materials, self._meshes, self.instances, self._images)
 
 
@@ -150,7 +151,7 @@ def _request(
     sensor: Union[str, gno.Sensor], effects: Optional[gno.Effects], fields: Fields, ignore: Iterable[int]
 ) -> gno.SensorRequest:
     chosen = gno.builtin_sensor(sensor) if isinstance(sensor, str) else sensor
-    listed = gno.parse_fields(fields) if isinstance(fields, str) and fields else tuple(fields)
+    listed = gno.parse_fields(fields) if isinstance(fields, str) and fields else tuple(map(gno.Field, fields))
     return gno.SensorRequest(chosen, effects or gno.Effects(), listed, ignored_instances=[int(i) for i in ignore])
 
 
@@ -219,8 +220,7 @@ def records(scan: gno.Scan, fields: Fields = "x,y,z") -> Array:
         suffixes = [""] if info.components == 1 else [f"_{axis}" for axis in "xyz"[: info.components]]
         names += [info.name + suffix for suffix in suffixes]
         formats += [kind] * info.components
-    kind = np.dtype(list(zip(names, formats)))
-    result = np.empty(len(scan.ranges), kind)
+    result = np.empty(len(scan.ranges), np.dtype(list(zip(names, formats))))
     return result[: gno.pack(scan, layout, result.view(np.uint8))]
 
 
@@ -229,13 +229,14 @@ def point_cloud2(
 ) -> dict[str, Any]:
     """The returns of a scan as the members of sensor_msgs/PointCloud2; `data` is an array of bytes. Needs no ROS."""
     rows = records(scan, fields)
+    places: Mapping[str, Any] = rows.dtype.fields or {}
     return {
         "header": header(frame_id, stamp),
         "height": 1,
         "width": len(rows),
         "fields": [
             {"name": name, "offset": offset, "datatype": POINT_FIELD_TYPES[kind.name], "count": 1}
-            for name, (kind, offset) in ((name, rows.dtype.fields[name][:2]) for name in rows.dtype.names or ())
+            for name, (kind, offset) in ((name, places[name][:2]) for name in rows.dtype.names or ())
         ],
         "is_bigendian": False,
         "point_step": rows.dtype.itemsize,

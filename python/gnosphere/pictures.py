@@ -37,11 +37,30 @@ def farthest_of(scan: Scan) -> float:
     return float(np.percentile(ranges, 98)) if len(ranges) else 1.0
 
 
+def starts_at_top(scan: Scan) -> bool:
+    """Whether channel 0 is the uppermost, as in Ouster's heads: hits of earlier channels are higher. So decides
+    write_picture(), too."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        height = (scan.points[:, 2] / scan.ranges).reshape(scan.channels, scan.columns * scan.returns)
+    places = np.arange(scan.channels) - (scan.channels - 1) / 2
+    return bool(np.nansum(places[:, None] * height) < 0)
+
+
+def starts_at_left(scan: Scan) -> bool:
+    """Whether column 0 is the leftmost, as of heads that turn clockwise: hits of later columns are further right. So
+    decides write_picture(), too."""
+    x, y = scan.points.reshape(scan.channels, scan.columns, scan.returns, 3)[:, :, 0, :2].astype(float).transpose(2, 0, 1)
+    cross = x[:, :-1] * y[:, 1:] - x[:, 1:] * y[:, :-1]
+    return bool(np.nansum(np.sign(cross)) < 0)
+
+
 def beam_image(scan: Scan, values: NDArray[Any]) -> NDArray[Any]:
-    """One value per beam as an image, the highest channel on top, the columns from left to right as the sensor sees
+    """One value per beam as an image, the uppermost channel on top, the columns from left to right as the sensor sees
     them. Lists of beams without rows are one row. Of columns that share a pixel the least value is shown; NaN gives way.
     """
-    image = np.asarray(values).reshape(scan.channels, scan.columns)[::-1, ::-1]
+    image = np.asarray(values).reshape(scan.channels, scan.columns)
+    image = image if starts_at_top(scan) else image[::-1]
+    image = image if starts_at_left(scan) else image[:, ::-1]
     step = -(-scan.columns // _WIDTH)
     if step > 1:
         starts = np.arange(0, scan.columns, step)
@@ -112,7 +131,9 @@ def show(scan: Scan, field: str = "range") -> None:
     values = np.where(returned, values, np.nan)
     figure, (beams, above) = plt.subplots(2, 1, figsize=(9, 9), height_ratios=(1, 3), layout="constrained")
     first = beam_image(scan, values.reshape(-1, scan.returns)[:, 0])
-    shown = beams.imshow(first, aspect="auto", interpolation="nearest", extent=(scan.columns, 0, 0, scan.channels))
+    columns = (0, scan.columns) if starts_at_left(scan) else (scan.columns, 0)
+    rows = (scan.channels, 0) if starts_at_top(scan) else (0, scan.channels)
+    shown = beams.imshow(first, aspect="auto", interpolation="nearest", extent=(*columns, *rows))
     beams.set(title=f"{scan.sensor}: {field}", xlabel="column", ylabel="channel")
     above.scatter(*scan.points[returned].T[:2], c=values[returned], s=0.5, norm=shown.norm)
     above.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")

@@ -39,7 +39,7 @@ def _quads(quads: npt.ArrayLike) -> npt.NDArray[np.int64]:
     return np.stack([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
 
 
-def box(half: Sequence[float]) -> Triangles:
+def box(half: npt.ArrayLike) -> Triangles:
     """A box with these half sizes along x, y and z."""
     signs = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], np.float64)
     quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
@@ -119,6 +119,7 @@ def ellipsoid(radii: Sequence[float], tolerance: float = 1e-3) -> Triangles:
 
 
 def sphere(radius: float, tolerance: float = 1e-3) -> Triangles:
+    """A sphere around the origin."""
     return ellipsoid((radius, radius, radius), tolerance)
 
 

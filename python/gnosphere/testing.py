@@ -43,6 +43,7 @@ class Difference:
     worst: dict[str, float]  # the largest difference of each field, over entries that both have
 
     def counts(self) -> dict[str, int]:
+        """How many entries differ in each way, of those in which some do."""
         found = np.bincount(self.kinds, minlength=len(KINDS))
         return {kind: int(count) for kind, count in zip(list(KINDS)[1:], found[1:], strict=True) if count}
 

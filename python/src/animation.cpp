@@ -24,11 +24,11 @@ void bindNode(nb::module_& m) {
           },
           "name"_a = "", "parent"_a = kNoNode, "translation"_a = Vec3(), "rotation"_a = Quaternion(),
           "scale"_a = Vec3{1, 1, 1}, "matrix"_a = nb::none(), "morph_weights"_a = nb::make_tuple())
-      .def_ro("name", &Node::name)
+      .def_ro("name", &Node::name, "Scenes from files have the name that the file states.")
       .def_ro("parent", &Node::parent, "Index into SceneAnimation.nodes, less than its own; NO_NODE for none.")
       .def_ro("translation", &Node::translation, "Metres.")
       .def_ro("rotation", &Node::rotation, "x, y, z, w, of any length but 0; only its direction counts.")
-      .def_ro("scale", &Node::scale)
+      .def_ro("scale", &Node::scale, "Factors along x, y and z.")
       .def_prop_ro(
           "matrix", [](const Node& self) { return self.matrix; }, "If given, no clip moves the node.")
       .def_prop_ro(
@@ -52,7 +52,7 @@ void bindNode(nb::module_& m) {
           "inverse_binds: shape (joints, 3, 4), float64, or a sequence of Transform: by joint, maps the mesh frame to "
           "the frame of the joint, as it was bound.\n"
           "Raises Error(invalid_argument) for arrays of another shape or type.")
-      .def_ro("name", &Skin::name)
+      .def_ro("name", &Skin::name, "Scenes from files have the name that the file states.")
       .def_prop_ro(
           "joints",
           [](const Skin& self) {
@@ -78,12 +78,12 @@ void bindClip(nb::module_& m) {
   nb::class_<Track> track(m, "Track",
                           "How a clip moves one property of one node: values at key times. Before its first and after "
                           "its last key it is constant. It is never changed after it is made.");
-  nb::enum_<Track::Property>(track, "Property")
+  nb::enum_<Track::Property>(track, "Property", "What a track moves.")
       .value("translation", Track::Property::translation)
       .value("rotation", Track::Property::rotation)
       .value("scale", Track::Property::scale)
       .value("morph_weights", Track::Property::morphWeights);
-  nb::enum_<Track::Interpolation>(track, "Interpolation")
+  nb::enum_<Track::Interpolation>(track, "Interpolation", "How values go from key to key; rotations turn by slerp.")
       .value("step", Track::Interpolation::step)
       .value("linear", Track::Interpolation::linear, "Rotations turn by slerp.")
       .value("cubic", Track::Interpolation::cubic);
@@ -97,8 +97,8 @@ void bindClip(nb::module_& m) {
            "appendix C).\n"
            "Raises Error(invalid_argument) for arrays of another shape or type.")
       .def_ro("node", &Track::node, "Index into SceneAnimation.nodes.")
-      .def_ro("property", &Track::property)
-      .def_ro("interpolation", &Track::interpolation)
+      .def_ro("property", &Track::property, "What the track moves.")
+      .def_ro("interpolation", &Track::interpolation, "How values go from key to key.")
       .def_prop_ro(
           "times",
           [](const Track& self) {
@@ -121,7 +121,7 @@ void bindClip(nb::module_& m) {
             new (self) Clip{std::move(name), duration, std::move(tracks)};
           },
           "name"_a = "", "duration"_a = 0.0, "tracks"_a = nb::make_tuple())
-      .def_ro("name", &Clip::name)
+      .def_ro("name", &Clip::name, "What clip_named() finds.")
       .def_ro("duration", &Clip::duration, "Seconds.");
   readTuple(clip, "tracks", &Clip::tracks, "A tuple of copies.");
 }
@@ -142,7 +142,7 @@ void bindSceneAnimation(nb::module_& m) {
       .def_ro("node", &AnimatedInstance::node,
               "Index into SceneAnimation.nodes; its morph weights are those of the mesh.")
       .def_ro("skin", &AnimatedInstance::skin, "Index into SceneAnimation.skins; NO_SKIN for none.")
-      .def_ro("offset", &AnimatedInstance::offset);
+      .def_ro("offset", &AnimatedInstance::offset, "From the frame of the mesh to that of its node or its skin.");
 
   nb::class_<SceneAnimation> animation(
       m, "SceneAnimation",

@@ -32,10 +32,10 @@ void bindAccuracy(nb::module_& m) {
           },
           "bounds"_a = Parts::Bounds::exact, "cull"_a = Parts::Cull::nearestPoint,
           "inside"_a = Parts::Inside::watertight, "range"_a = Parts::Range::edgeWeights)
-      .def_ro("bounds", &Parts::bounds)
-      .def_ro("cull", &Parts::cull)
-      .def_ro("inside", &Parts::inside)
-      .def_ro("range", &Parts::range);
+      .def_ro("bounds", &Parts::bounds, "Which beams a triangle is tested against.")
+      .def_ro("cull", &Parts::cull, "Which point of a triangle must be in range.")
+      .def_ro("inside", &Parts::inside, "How the inside test decides.")
+      .def_ro("range", &Parts::range, "How the range of a hit is computed.");
   m.def("accuracy_parts_of", &accuracyPartsOf, "accuracy"_a, "Returns the parts of a named setting.");
   bindWords<ReflectingFaces>(m, "ReflectingFaces", optionNamed("faces"));
 }
@@ -54,6 +54,7 @@ void bindTuning(nb::module_& m) {
             refuse("Culling has no '" + nb::cast<std::string>(key) + "'");
         new (self) Culling(options.tuning.culling);
       },
+      nb::sig("def __init__(self, **properties: object) -> None"),
       "Takes its properties as keywords, in which a choice may be its name.");
   bindOptionRows<[](SimulatorOptions& options) -> Culling& { return options.tuning.culling; }>(culling,
                                                                                                "tuning.culling.");
@@ -74,23 +75,24 @@ void bindTuning(nb::module_& m) {
             }
             new (self) Tuning(options.tuning);
           },
+          nb::sig("def __init__(self, **properties: object) -> None"),
           "Takes its properties as keywords, in which a choice may be its name.")
       .def_rw("binning", &Tuning::binning, pythonText(optionNamed("tuning.binning").doc).c_str())
-      .def_rw("culling", &Tuning::culling);
+      .def_rw("culling", &Tuning::culling, "Which triangles are skipped early.");
   bindOptionRows<[](SimulatorOptions& options) -> Tuning& { return options.tuning; }>(tuning, "tuning.");
 }
 
 }  // namespace
 
 void bindDevices(nb::module_& m) {
-  nb::class_<DeviceInfo>(m, "DeviceInfo")
-      .def_ro("name", &DeviceInfo::name)
+  nb::class_<DeviceInfo>(m, "DeviceInfo", "A device of this machine, and whether it can be used.")
+      .def_ro("name", &DeviceInfo::name, "What the driver calls it.")
       .def_ro("type", &DeviceInfo::type, "'discrete', 'integrated', 'virtual', 'cpu', 'other', 'cuda' or 'reference'.")
       .def_ro("driver", &DeviceInfo::driver, "Name and version of the driver.")
       .def_ro("api_version", &DeviceInfo::apiVersion, "Vulkan version; empty for the reference.")
       .def_ro("max_buffer_bytes", &DeviceInfo::maxBufferBytes, "Largest size of one buffer.")
-      .def_ro("subgroup_size", &DeviceInfo::subgroupSize)
-      .def_ro("usable", &DeviceInfo::usable)
+      .def_ro("subgroup_size", &DeviceInfo::subgroupSize, "Lanes of a subgroup.")
+      .def_ro("usable", &DeviceInfo::usable, "Whether a simulator can run on it.")
       .def_ro("reason", &DeviceInfo::reason, "Why the device is not usable; empty if it is.")
       .def_prop_ro(
           "uuid", [](const DeviceInfo& self) { return bytesOf(self.uuid); },
@@ -119,7 +121,7 @@ void bindDevices(nb::module_& m) {
       m, "DeviceChoice",
       "Which device a simulator runs on; by default the best Vulkan device of the machine. It "
       "is never changed after it is made.");
-  nb::enum_<DeviceChoice::Kind>(choice, "Kind")
+  nb::enum_<DeviceChoice::Kind>(choice, "Kind", "Which kind of device.")
       .value("vulkan", DeviceChoice::Kind::vulkan)
       .value("cuda", DeviceChoice::Kind::cuda,
              "Only if CUDA is built in: the arithmetic of the shaders, so the clouds have the same bytes.")
@@ -133,8 +135,8 @@ void bindDevices(nb::module_& m) {
            "device; "
            "if empty, the best device.")
       .def(nb::init<const DeviceInfo&>(), "device"_a, "Chooses the given device, if the machine still has it.")
-      .def_ro("kind", &DeviceChoice::kind)
-      .def_ro("name", &DeviceChoice::name)
+      .def_ro("kind", &DeviceChoice::kind, "Which kind of device.")
+      .def_ro("name", &DeviceChoice::name, "Its number or a part of its name; empty for the best device.")
       .def_prop_ro(
           "uuid", [](const DeviceChoice& self) { return bytesOf(self.uuid); },
           "DeviceInfo.uuid of the device, in which case `name` is ignored; 16 zeros for any device.");

@@ -16,12 +16,12 @@ void bindDrive(nb::module_& parent) {
   nb::module_ m = parent.def_submodule("drive", "Makes data sets of drive files, as `gnosphere drive` does.");
 
   nb::class_<Drive> drive(m, "Drive", "What a drive file says, with every file that it names read.");
-  drive.def_ro("name", &Drive::name)
+  drive.def_ro("name", &Drive::name, "What the file calls the drive.")
       .def_ro("rate", &Drive::rate, "Frames per second.")
       .def_ro("start", &Drive::start, "Seconds of the trajectories' clock.")
       .def_ro("duration", &Drive::duration, "Seconds.")
       .def_ro("fingerprint", &Drive::fingerprint, "Hash of the drive file and of everything that was read for it.")
-      .def("frame_count", &Drive::frameCount);
+      .def("frame_count", &Drive::frameCount, "Number of frames.");
   readTuple(drive, "warnings", &Drive::warnings, "What a user may want to know and is no mistake.");
   m.def("read_drive", &drive::readDrive, "file"_a, WithoutGil(),
         "Reads a drive file and the files that it names. Raises Error(format) that lists the mistakes with their JSON "
@@ -37,10 +37,10 @@ void bindDrive(nb::module_& parent) {
           "out"_a, "first_frame"_a = 0, "end_frame"_a = UINT64_MAX, "shard"_a = 0, "shard_count"_a = 1,
           "verify"_a = false, "simulator"_a = SimulatorOptions(), "progress"_a = nb::none())
       .def_rw("out", &RunOptions::out, "The folder of the data set.")
-      .def_rw("first_frame", &RunOptions::firstFrame)
+      .def_rw("first_frame", &RunOptions::firstFrame, "The first frame that is made.")
       .def_rw("end_frame", &RunOptions::endFrame, "The frame after the last one.")
       .def_rw("shard", &RunOptions::shard, "Only frames whose number modulo shard_count is this are made.")
-      .def_rw("shard_count", &RunOptions::shardCount)
+      .def_rw("shard_count", &RunOptions::shardCount, "Into how many shares the frames are divided.")
       .def_rw("verify", &RunOptions::verify, "Whether complete frames are read and their hashes compared.")
       .def_rw("simulator", &RunOptions::simulator, "The drive's accuracy and other options replace its own.")
       .def_rw(
@@ -48,7 +48,7 @@ void bindDrive(nb::module_& parent) {
           "Called when a frame is complete, with the number of frames made and that of frames to make. An exception "
           "of it ends the run.");
 
-  nb::class_<RunReport>(m, "RunReport")
+  nb::class_<RunReport>(m, "RunReport", "What was made, and what was there.")
       .def_ro("chosen", &RunReport::chosen, "Frames of the range and shard.")
       .def_ro("kept", &RunReport::kept, "Those that were complete.")
       .def_ro("scans", &RunReport::scans, "Made now.")

@@ -21,7 +21,7 @@ auto bindEffect(nb::class_<Effects>& effects, const std::string& name) {
   }
   const std::string doc = pythonText(info.doc);
   nb::class_<Effect> effect(effects, type.c_str(), doc.c_str());
-  effect.def(nb::init<>()).def_rw("use", &Effect::use);
+  effect.def(nb::init<>()).def_rw("use", &Effect::use, "Whether it is off, on or automatic.");
   for (const Parameter<Effects>& parameter : info.parameters)
     bindRow<[](Effects& all) -> Effect& { return all.*kEffect; }>(effect, parameter.name, parameter);
   effects.def_rw(pythonName(name).c_str(), kEffect, doc.c_str());

@@ -30,9 +30,9 @@ void bindMaterials(nb::module_& m) {
       .def_ro("name", &MaterialTable::Row::name, "Name of the scene's material; case does not matter.")
       .def_ro("reflectance905", &MaterialTable::Row::reflectance905, "0..1")
       .def_ro("reflectance1550", &MaterialTable::Row::reflectance1550, "0..1")
-      .def_ro("roughness", &MaterialTable::Row::roughness)
-      .def_ro("retro", &MaterialTable::Row::retro)
-      .def_ro("transmission", &MaterialTable::Row::transmission);
+      .def_ro("roughness", &MaterialTable::Row::roughness, "0..1, of the gloss.")
+      .def_ro("retro", &MaterialTable::Row::retro, "Retro-reflection: gain over a Lambertian surface of reflectance 1.")
+      .def_ro("transmission", &MaterialTable::Row::transmission, "The share of the light that passes through.");
   table.def(
       "__init__",
       [](MaterialTable* self, std::vector<MaterialTable::Row> rows) { new (self) MaterialTable{std::move(rows)}; },

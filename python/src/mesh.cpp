@@ -74,7 +74,7 @@ void bindDeformation(nb::module_& m) {
             return columnView<const float>(self.morphWeights.data(), self.morphWeights.size(), nb::find(self));
           },
           kOwned, "Shape (targets,), float32: a read-only view, which keeps the deformation alive.")
-      .def("empty", &Deformation::empty);
+      .def("empty", &Deformation::empty, "Whether the vertices are where the mesh has them.");
 }
 
 void bindDeformable(nb::class_<Mesh>& mesh) {
@@ -116,8 +116,8 @@ void bindMeshItself(nb::module_& m) {
             new (self) MeshPart{first, count, material};
           },
           "first_triangle"_a = 0, "triangle_count"_a = 0, "material"_a = 0)
-      .def_ro("first_triangle", &MeshPart::firstTriangle)
-      .def_ro("triangle_count", &MeshPart::triangleCount)
+      .def_ro("first_triangle", &MeshPart::firstTriangle, "Index of the first triangle of the run.")
+      .def_ro("triangle_count", &MeshPart::triangleCount, "Number of triangles in the run.")
       .def_ro("material", &MeshPart::material, "Index into Scene.materials.");
 
   auto mesh =
@@ -159,7 +159,7 @@ void bindMeshItself(nb::module_& m) {
           "morph_targets: shape (targets, vertices, 3), float32, metres: by how much each target moves the vertices.\n"
           "deformation: at first; see Simulator.set_deformation().\n"
           "The arrays are copied once. Raises Error(invalid_argument) for arrays of another shape or type.")
-      .def_rw("name", &Mesh::name)
+      .def_rw("name", &Mesh::name, "Scenes from files have the name that the file states.")
       .def_rw("origin", &Mesh::origin, "Metres, in the mesh frame.")
       .def_prop_ro(
           "positions",
@@ -171,8 +171,8 @@ void bindMeshItself(nb::module_& m) {
       .def_prop_ro(
           "uvs", [](Mesh& self) { return rowsView<2>(self.uvs.data(), self.uvs.size() / 2, nb::find(self)); }, kOwned,
           "Shape (vertices, 2), float32, or (0, 2): a view of the mesh's memory, which it keeps alive.")
-      .def("vertex_count", &Mesh::vertexCount)
-      .def("triangle_count", &Mesh::triangleCount);
+      .def("vertex_count", &Mesh::vertexCount, "Number of vertices.")
+      .def("triangle_count", &Mesh::triangleCount, "Number of triangles.");
   bindDeformable(mesh);
   readTuple(mesh, "parts", &Mesh::parts, "In ascending order; together they cover every triangle.");
 }
@@ -184,7 +184,7 @@ void bindInstance(nb::module_& m) {
           [](Instance* self, uint32_t of, const Transform& transform, uint16_t classId, std::string name,
              uint32_t world) { new (self) Instance{std::move(name), of, transform, classId, "", world}; },
           "mesh"_a, "transform"_a = Transform(), "class_id"_a = 0, "name"_a = "", "world"_a = 0)
-      .def_rw("name", &Instance::name)
+      .def_rw("name", &Instance::name, "Scenes from files have the name that the file states.")
       .def_rw("mesh", &Instance::mesh, "Index into Scene.meshes.")
       .def_prop_rw(
           "transform", [](const Instance& self) { return self.transform; },

@@ -21,7 +21,7 @@ void bindRequest(nb::module_& m) {
           },
           "sensor"_a, "effects"_a = Effects(), "fields"_a = nb::make_tuple(), "variable_weather"_a = false,
           "ignored_instances"_a = nb::make_tuple(), "Copies what it is given.")
-      .def_rw("sensor", &SensorRequest::sensor)
+      .def_rw("sensor", &SensorRequest::sensor, "Its beams, ranges and times.")
       .def_rw("effects", &SensorRequest::effects,
               "By default those that the scene and the sensor call for; Effects.none() is geometry alone.")
       .def_rw("variable_weather", &SensorRequest::variableWeather,
@@ -53,7 +53,7 @@ void bindShot(nb::module_& m) {
           },
           "time"_a, "pose"_a)
       .def_ro("time", &SensorMotion::Stamp::time, "Seconds after the start of the scan, ascending.")
-      .def_ro("pose", &SensorMotion::Stamp::pose);
+      .def_ro("pose", &SensorMotion::Stamp::pose, "The pose of the sensor at this time.");
   motion.def(
       "__init__",
       [](SensorMotion* self, std::vector<SensorMotion::Stamp> stamps) { new (self) SensorMotion{std::move(stamps)}; },
@@ -69,8 +69,8 @@ void bindShot(nb::module_& m) {
             new (self) InstanceMotion{instance, end};
           },
           "instance"_a, "end"_a)
-      .def_ro("instance", &InstanceMotion::instance)
-      .def_ro("end", &InstanceMotion::end);
+      .def_ro("instance", &InstanceMotion::instance, "Index of the instance.")
+      .def_ro("end", &InstanceMotion::end, "Its transform when the scan ends.");
 
   nb::class_<MeshMotion>(m, "MeshMotion",
                          "How a deformable mesh moves during a scan: from its deformation at the start to `end`, "
@@ -83,7 +83,7 @@ void bindShot(nb::module_& m) {
           },
           "mesh"_a, "end"_a)
       .def_ro("mesh", &MeshMotion::mesh, "Index of the mesh.")
-      .def_ro("end", &MeshMotion::end);
+      .def_ro("end", &MeshMotion::end, "Its deformation when the scan ends.");
 
   nb::class_<Shot> shot(m, "Shot", "One scan of a run.");
   shot.def(
@@ -103,7 +103,7 @@ void bindShot(nb::module_& m) {
           "pose"_a = Pose(), "sensor"_a = 0, "frame"_a = 0, "motion"_a = SensorMotion(),
           "instance_motions"_a = nb::make_tuple(), "weather"_a = nb::none(), "mesh_motions"_a = nb::make_tuple(),
           "world"_a = 0)
-      .def_rw("sensor", &Shot::sensor)
+      .def_rw("sensor", &Shot::sensor, "Index of the sensor.")
       .def_rw("frame", &Shot::frame, "Frame number, part of the key of the random numbers.")
       .def_rw("world", &Shot::world,
               "The shot sees the instances of this world and those of world 0, as if there were no others.");
@@ -132,7 +132,7 @@ void setFunction(SimulatorOptions& options, Function function) {
 }
 
 void bindSimulatorOptions(nb::module_& m) {
-  nb::class_<SimulatorOptions> options(m, "SimulatorOptions");
+  nb::class_<SimulatorOptions> options(m, "SimulatorOptions", "How a simulator computes, and on which device.");
   options
       .def(
           "__init__",
@@ -166,7 +166,7 @@ void bindSimulatorOptions(nb::module_& m) {
       .def_prop_rw("trace", &functionOf<&SimulatorOptions::trace>, &setFunction<&SimulatorOptions::trace>,
                    nb::for_setter(nb::arg("function").none()),
                    "Receives a line per step of each scan on a Vulkan device, with its size and time.")
-      .def_rw("tuning", &SimulatorOptions::tuning);
+      .def_rw("tuning", &SimulatorOptions::tuning, "How scans are computed; it changes no cloud.");
   bindOptionRows<[](SimulatorOptions& all) -> SimulatorOptions& { return all; }>(options, "");
   readWriteCopy(options, "device", &SimulatorOptions::device, "By default the best Vulkan device of the machine.");
   readWriteCopy(options, "accuracy_parts", &SimulatorOptions::accuracyParts, "If given, replaces `accuracy`.");

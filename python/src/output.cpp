@@ -35,8 +35,8 @@ void bindLayout(nb::module_& m) {
             new (self) RecordLayout::Value{field, component, offset, type};
           },
           "field"_a, "component"_a = 0, "offset"_a = 0, "type"_a = ValueType::f32)
-      .def_ro("field", &RecordLayout::Value::field)
-      .def_ro("component", &RecordLayout::Value::component)
+      .def_ro("field", &RecordLayout::Value::field, "What the value is.")
+      .def_ro("component", &RecordLayout::Value::component, "Which component of a vector, from 0 on.")
       .def_ro("offset", &RecordLayout::Value::offset, "Bytes from the start of the row; no alignment is needed.")
       .def_ro(
           "type", &RecordLayout::Value::type,
@@ -52,7 +52,7 @@ void bindLayout(nb::module_& m) {
       .def_rw("stride", &RecordLayout::stride, "Bytes from row to row.")
       .def_rw("compact", &RecordLayout::compact,
               "If true, only entries with a return become rows; otherwise every entry of the scan does.")
-      .def("empty", &RecordLayout::empty)
+      .def("empty", &RecordLayout::empty, "Whether it holds no value.")
       .def("bytes_for", &RecordLayout::bytesFor, "rows"_a, "Bytes of that many rows on a device: a multiple of 4.");
   readWriteTuple(layout, "values", &RecordLayout::values, "A tuple of copies, assigned whole.");
   m.def("layout_of", &layoutOf, "fields"_a,
@@ -80,7 +80,7 @@ void bindComparison(nb::module_& m) {
       m, "Comparison",
       "The differences between two clouds of the same beams, counted per beam, or per return if beams "
       "have several. Returns that the reference marks as ties are counted separately.")
-      .def_ro("beams", &Comparison::beams)
+      .def_ro("beams", &Comparison::beams, "Beams compared, or returns if beams have several.")
       .def_ro("hits", &Comparison::hits, "Hits in the reference.")
       .def_ro("missed", &Comparison::missed, "Hits in the reference but not in the other, without ties.")
       .def_ro("false_hits", &Comparison::falseHits, "Hits in the other but not in the reference, without ties.")
@@ -89,9 +89,9 @@ void bindComparison(nb::module_& m) {
               "Both hit, but the ranges differ by more than the tolerance, without ties.")
       .def_ro("ties", &Comparison::ties, "Returns that the reference marks as ties.")
       .def_ro("tie_differences", &Comparison::tieDifferences, "Ties in which the two differ in owner or hit.")
-      .def_ro("tie_missed", &Comparison::tieMissed)
-      .def_ro("tie_false_hits", &Comparison::tieFalseHits)
-      .def_ro("tie_wrong_owner", &Comparison::tieWrongOwner)
+      .def_ro("tie_missed", &Comparison::tieMissed, "Ties in which the reference hits and the other does not.")
+      .def_ro("tie_false_hits", &Comparison::tieFalseHits, "Ties in which the other hits and the reference does not.")
+      .def_ro("tie_wrong_owner", &Comparison::tieWrongOwner, "Ties that both hit, but different triangles.")
       .def_ro("tie_error_max", &Comparison::tieErrorMax, "Metres, over ties that both hit, whatever the owner.")
       .def_ro("range_error_max", &Comparison::rangeErrorMax, "Metres, over beams with the same owner, without ties.")
       .def_ro("range_error9999", &Comparison::rangeError9999, "99.99th percentile of |error|, in metres.")
@@ -122,7 +122,7 @@ void bindOutput(nb::module_& m) {
       "default_fields", [] { return tupleOf(defaultFields()); }, "x y z range ring beam triangle instance");
   bindLayout(m);
 
-  auto options = nb::class_<CloudOptions>(m, "CloudOptions");
+  auto options = nb::class_<CloudOptions>(m, "CloudOptions", "What a cloud file holds.");
   options
       .def(
           "__init__",

@@ -9,23 +9,23 @@ void bindPlan(nb::module_& m) {
       m, "Plan",
       "Describes what a scan of one sensor computes, and why. An effect, field or buffer that is not listed costs "
       "nothing.");
-  nb::class_<Plan::Decision>(plan, "Decision")
+  nb::class_<Plan::Decision>(plan, "Decision", "Whether an effect is in, and why.")
       .def_ro("effect", &Plan::Decision::effect, "One of effect_names().")
-      .def_ro("request", &Plan::Decision::request)
+      .def_ro("request", &Plan::Decision::request, "What the sensor asked for: off, on or automatic.")
       .def_ro("in_", &Plan::Decision::in,
               "True if scans simulate the effect; `in` in C++, which is a word of Python's.")
       .def_ro("reason", &Plan::Decision::reason, "For example 'the sensor states 3.0 x 1.5 mrad'.");
   nb::class_<Plan::Statistic>(plan, "Statistic",
                               "A number that the driver's compiler reports of a pipeline, with the driver's name.")
-      .def_ro("name", &Plan::Statistic::name)
-      .def_ro("value", &Plan::Statistic::value);
+      .def_ro("name", &Plan::Statistic::name, "What the driver calls it.")
+      .def_ro("value", &Plan::Statistic::value, "As the driver writes it.");
   nb::class_<Plan::Commands>(plan, "Commands", "What the device executes for one scan, at most.")
-      .def_ro("dispatches", &Plan::Commands::dispatches)
-      .def_ro("fills", &Plan::Commands::fills)
-      .def_ro("copies", &Plan::Commands::copies)
-      .def_ro("barriers", &Plan::Commands::barriers)
+      .def_ro("dispatches", &Plan::Commands::dispatches, "Runs of a kernel.")
+      .def_ro("fills", &Plan::Commands::fills, "Arrays set to a value.")
+      .def_ro("copies", &Plan::Commands::copies, "Copies between arrays.")
+      .def_ro("barriers", &Plan::Commands::barriers, "Waits for what came before.")
       .def("all", &Plan::Commands::all, "The sum of all four.");
-  auto pipeline = nb::class_<Plan::Pipeline>(plan, "Pipeline");
+  auto pipeline = nb::class_<Plan::Pipeline>(plan, "Pipeline", "A kernel as it is compiled for this plan.");
   pipeline.def_ro("name", &Plan::Pipeline::name, "Name of the shader.");
   readTuple(pipeline, "constants", &Plan::Pipeline::constants,
             "Specialisation constants in the order of shaders/options.glsl.");
@@ -33,11 +33,13 @@ void bindPlan(nb::module_& m) {
       .def_ro("compile_ms", &Plan::Pipeline::compileMs, "How long the driver took; with compile_only.");
   readTuple(pipeline, "statistics", &Plan::Pipeline::statistics,
             "What the driver's compiler says; with compile_only, and if it reports anything.");
-  auto stage = nb::class_<Plan::Stage>(plan, "Stage");
+  auto stage = nb::class_<Plan::Stage>(plan, "Stage", "What a stage of the scan runs.");
   stage.def_ro("name", &Plan::Stage::name, "project, bin, resolve, effects")
       .def_ro("dispatches", &Plan::Stage::dispatches, "Largest number of dispatches in one scan.");
   readTuple(stage, "pipelines", &Plan::Stage::pipelines, "Empty if the host computes the stage.");
-  nb::class_<Plan::Buffer>(plan, "Buffer").def_ro("name", &Plan::Buffer::name).def_ro("bytes", &Plan::Buffer::bytes);
+  nb::class_<Plan::Buffer>(plan, "Buffer", "An array on the device.")
+      .def_ro("name", &Plan::Buffer::name, "What it holds.")
+      .def_ro("bytes", &Plan::Buffer::bytes, "Its size.");
 
   readTuple(plan, "effects", &Plan::effects, "One per effect, in the order of effect_names().");
   readTuple(plan, "fields", &Plan::fields, "Fields beyond point, range and owner (triangle and instance).");

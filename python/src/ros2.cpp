@@ -15,10 +15,10 @@ using Bytes = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::
 
 void bindQos(nb::module_& m) {
   nb::class_<Qos> qos(m, "Qos", "Quality of service. Messages beyond `depth` replace the oldest ones.");
-  nb::enum_<Qos::Reliability>(qos, "Reliability")
+  nb::enum_<Qos::Reliability>(qos, "Reliability", "Whether messages that were lost are sent again.")
       .value("reliable", Qos::Reliability::reliable)
       .value("best_effort", Qos::Reliability::bestEffort);
-  nb::enum_<Qos::Durability>(qos, "Durability")
+  nb::enum_<Qos::Durability>(qos, "Durability", "Whether subscribers that come late get the last messages.")
       .value("volatile_data", Qos::Durability::volatileData)
       .value("transient_local", Qos::Durability::transientLocal, "who subscribes late gets the last messages");
   qos.def(
@@ -27,9 +27,9 @@ void bindQos(nb::module_& m) {
            new (self) Qos{reliability, durability, depth};
          },
          "reliability"_a = Qos::Reliability::reliable, "durability"_a = Qos::Durability::volatileData, "depth"_a = 5)
-      .def_rw("reliability", &Qos::reliability)
-      .def_rw("durability", &Qos::durability)
-      .def_rw("depth", &Qos::depth);
+      .def_rw("reliability", &Qos::reliability, "Whether messages that were lost are sent again.")
+      .def_rw("durability", &Qos::durability, "Whether subscribers that come late get the last messages.")
+      .def_rw("depth", &Qos::depth, "How many messages are kept.");
 }
 
 void bindCloud(nb::module_& m) {
@@ -50,10 +50,10 @@ void bindCloud(nb::module_& m) {
             new (self) PointField{std::move(name), offset, type, count};
           },
           "name"_a, "offset"_a, "type"_a = PointField::Type::f32, "count"_a = 1)
-      .def_ro("name", &PointField::name)
+      .def_ro("name", &PointField::name, "Such as x.")
       .def_ro("offset", &PointField::offset, "Bytes from the start of the point.")
-      .def_ro("type", &PointField::type)
-      .def_ro("count", &PointField::count);
+      .def_ro("type", &PointField::type, "The type of its numbers.")
+      .def_ro("count", &PointField::count, "How many numbers it has.");
 
   nb::class_<PointCloud2> cloud(m, "PointCloud2", "sensor_msgs/PointCloud2.");
   cloud
@@ -74,9 +74,9 @@ void bindCloud(nb::module_& m) {
           "dense"_a = true,
           "`data` is an array of uint8, which is copied. cloud_of_array() makes a message of records.")
       .def_rw("stamp", &PointCloud2::stamp, "Nanoseconds since 1970, or since the start of a simulated clock.")
-      .def_rw("frame", &PointCloud2::frame)
-      .def_ro("height", &PointCloud2::height)
-      .def_ro("width", &PointCloud2::width)
+      .def_rw("frame", &PointCloud2::frame, "The frame of the points.")
+      .def_ro("height", &PointCloud2::height, "Rows; 1 for a cloud that is not organised.")
+      .def_ro("width", &PointCloud2::width, "Points in a row.")
       .def_ro("point_step", &PointCloud2::pointStep, "Bytes of a point.")
       .def_rw("dense", &PointCloud2::dense, "Whether every point is a number.")
       .def_prop_ro(
@@ -92,20 +92,20 @@ void bindLaserScan(nb::module_& m) {
   nb::class_<LaserScan>(m, "LaserScan", "sensor_msgs/LaserScan.")
       .def(nb::init<>())
       .def_rw("stamp", &LaserScan::stamp, "Of the first ray, nanoseconds.")
-      .def_rw("frame", &LaserScan::frame)
+      .def_rw("frame", &LaserScan::frame, "The frame of the rays.")
       .def_rw("angle_min", &LaserScan::angleMin, "Radians, counter-clockwise from the x axis.")
-      .def_rw("angle_max", &LaserScan::angleMax)
-      .def_rw("angle_increment", &LaserScan::angleIncrement)
+      .def_rw("angle_max", &LaserScan::angleMax, "Radians, of the last ray.")
+      .def_rw("angle_increment", &LaserScan::angleIncrement, "Radians between rays; negative if they turn clockwise.")
       .def_rw("time_increment", &LaserScan::timeIncrement, "Seconds between rays.")
       .def_rw("scan_time", &LaserScan::scanTime, "Seconds between scans.")
-      .def_rw("range_min", &LaserScan::rangeMin)
-      .def_rw("range_max", &LaserScan::rangeMax)
+      .def_rw("range_min", &LaserScan::rangeMin, "Metres.")
+      .def_rw("range_max", &LaserScan::rangeMax, "Metres.")
       .def_rw("ranges", &LaserScan::ranges, "Metres; a list that is assigned whole; inf where nothing is hit.")
       .def_rw("intensities", &LaserScan::intensities, "One per range, or none; a list that is assigned whole.");
 }
 
 void bindPublisher(nb::module_& m) {
-  nb::class_<PublisherCounts>(m, "PublisherCounts")
+  nb::class_<PublisherCounts>(m, "PublisherCounts", "What has become of the messages of a publisher.")
       .def_ro("published", &PublisherCounts::published, "Messages that were given to publish().")
       .def_ro("sent", &PublisherCounts::sent, "Of them, those that went to the network.")
       .def_ro("dropped", &PublisherCounts::dropped,
@@ -136,14 +136,14 @@ void bindPublisher(nb::module_& m) {
           "message"_a, "Raises Error(invalid_argument) for a message of another type than the topic's.")
       .def("flush", &Publisher::flush, "seconds"_a, WithoutGil(),
            "Waits until all messages have been given to the network. Returns False if that takes longer.")
-      .def("counts", &Publisher::counts);
+      .def("counts", &Publisher::counts, "What has become of the messages.");
 }
 
 }  // namespace
 
 void bindRos2(nb::module_& parent) {
   nb::module_ m = parent.def_submodule("_ros2", "Publishes messages that nodes of ROS 2 receive, without ROS.");
-  nb::enum_<MessageType>(m, "MessageType")
+  nb::enum_<MessageType>(m, "MessageType", "The type of the messages of a topic.")
       .value("point_cloud2", MessageType::pointCloud2)
       .value("laser_scan", MessageType::laserScan)
       .value("transforms", MessageType::transforms)
@@ -159,9 +159,9 @@ void bindRos2(nb::module_& parent) {
           },
           "stamp"_a, "parent"_a, "child"_a, "pose"_a = Pose())
       .def_ro("stamp", &StampedTransform::stamp, "Nanoseconds.")
-      .def_ro("parent", &StampedTransform::parent)
-      .def_ro("child", &StampedTransform::child)
-      .def_ro("pose", &StampedTransform::pose);
+      .def_ro("parent", &StampedTransform::parent, "The frame in which the pose is.")
+      .def_ro("child", &StampedTransform::child, "The frame whose pose it is.")
+      .def_ro("pose", &StampedTransform::pose, "Maps the child to the parent.");
   nb::class_<Clock>(m, "Clock", "rosgraph_msgs/Clock.")
       .def(
           "__init__", [](Clock* self, int64_t time) { new (self) Clock{time}; }, "time"_a)

@@ -134,12 +134,13 @@ void bindFields(nb::module_& m) {
       .value("u8", ValueType::u8)
       .value("u16", ValueType::u16)
       .value("u32", ValueType::u32);
-  nb::class_<FieldInfo>(m, "FieldInfo")
+  nb::class_<FieldInfo>(m, "FieldInfo", "Name, type and number of components of a field.")
       .def_prop_ro(
           "name", [](const FieldInfo& self) { return std::string(self.name); }, "The name that parse_fields() takes.")
       .def_ro("type", &FieldInfo::type, "Type of the field's columns.")
       .def_ro("components", &FieldInfo::components, "3 for a vector, 2 for barycentrics, otherwise 1.");
-  m.def("field_info", &fieldInfo, "field"_a);
+  m.def("field_info", &fieldInfo, "field"_a,
+        "Describes a field: the name and the type of its columns, and its number of components.");
 
   nb::enum_<Cause>(
       m, "Cause", nb::is_arithmetic(),
@@ -163,8 +164,8 @@ void bindCounters(nb::module_& m) {
       m, "Counters",
       "Counts of what happened to the scene's triangles and to the sensor's beams. Whatever is dropped is "
       "counted here.")
-      .def_ro("beams", &Counters::beams)
-      .def_ro("hits", &Counters::hits)
+      .def_ro("beams", &Counters::beams, "Beams of the sensor.")
+      .def_ro("hits", &Counters::hits, "Beams with a return.")
       .def_ro("misses", &Counters::misses, "beams - hits")
       .def_ro("triangles", &Counters::triangles, "Triangles placed in the scene, summed over instances.")
       .def_ro("non_finite", &Counters::nonFinite, "Dropped because a vertex is NaN, infinite or beyond 1e9 m.")
@@ -192,15 +193,15 @@ void bindCounters(nb::module_& m) {
           [](const Counters& self) { return tupleOf(std::vector<uint64_t>(self.causes.begin(), self.causes.end())); },
           "Beams by Cause; all zero if no effect can lose a beam.");
 
-  nb::class_<StageTime>(m, "StageTime")
+  nb::class_<StageTime>(m, "StageTime", "The time of one stage of a scan.")
       .def_ro("name", &StageTime::name, "'project', 'bin', 'resolve' or 'effects'.")
-      .def_ro("ms", &StageTime::ms);
+      .def_ro("ms", &StageTime::ms, "Milliseconds.");
   auto timings =
       nb::class_<Timings>(m, "Timings",
                           "Times of one scan. gpu_ms and stages come from device timestamps; without these they "
                           "are zero and empty.");
   timings.def_ro("wall_ms", &Timings::wallMs, "From the submission until the results can be read on the host.")
-      .def_ro("gpu_ms", &Timings::gpuMs);
+      .def_ro("gpu_ms", &Timings::gpuMs, "Milliseconds by the timestamps of the device; 0 if it has none.");
   readTuple(timings, "stages", &Timings::stages, "The stage 'resolve' runs on the host if only geometry is planned.");
 }
 
@@ -323,7 +324,9 @@ void bindScan(nb::module_& m) {
       .def(
           "has", [](const SharedScan& self, Field field) { return self.value->has(field); }, "field"_a,
           "Whether column() has the field. A scan may have more fields than were requested.")
-      .def("beam_count", [](const SharedScan& self) { return self.value->beamCount(); })
+      .def(
+          "beam_count", [](const SharedScan& self) { return self.value->beamCount(); },
+          "Number of beams, with and without a return.")
       .def(
           "hit",
           [](const SharedScan& self, size_t entry) {

@@ -41,14 +41,14 @@ void bindTransform(nb::module_& m) {
 }
 
 void bindMaterial(nb::module_& m) {
-  nb::enum_<AlphaMode>(m, "AlphaMode")
+  nb::enum_<AlphaMode>(m, "AlphaMode", "What the alpha of a material means, as in glTF.")
       .value("opaque", AlphaMode::opaque)
       .value("mask", AlphaMode::mask)
       .value("blend", AlphaMode::blend);
 
   nb::class_<AlphaImage> image(
       m, "AlphaImage", "The alpha channel of a texture. wrap_u and wrap_v tell what coordinates outside 0..1 read.");
-  nb::enum_<AlphaImage::Wrap>(image, "Wrap")
+  nb::enum_<AlphaImage::Wrap>(image, "Wrap", "What coordinates outside 0..1 read.")
       .value("repeat", AlphaImage::Wrap::repeat)
       .value("mirror", AlphaImage::Wrap::mirror)
       .value("clamp", AlphaImage::Wrap::clamp);
@@ -64,8 +64,8 @@ void bindMaterial(nb::module_& m) {
           },
           "alpha"_a, "wrap_u"_a = AlphaImage::Wrap::repeat, "wrap_v"_a = AlphaImage::Wrap::repeat,
           "alpha: shape (height, width), uint8; row 0 is at v = 0.")
-      .def_ro("width", &AlphaImage::width)
-      .def_ro("height", &AlphaImage::height)
+      .def_ro("width", &AlphaImage::width, "Pixels.")
+      .def_ro("height", &AlphaImage::height, "Pixels.")
       .def_prop_ro(
           "alpha",
           [](AlphaImage& self) {
@@ -73,8 +73,8 @@ void bindMaterial(nb::module_& m) {
                                                                 nb::find(self));
           },
           kOwned, "Shape (height, width), uint8: a view of the image's memory, which it keeps alive.")
-      .def_rw("wrap_u", &AlphaImage::wrapU)
-      .def_rw("wrap_v", &AlphaImage::wrapV);
+      .def_rw("wrap_u", &AlphaImage::wrapU, "What coordinates below 0 and above 1 read, across.")
+      .def_rw("wrap_v", &AlphaImage::wrapV, "What coordinates below 0 and above 1 read, downwards.");
 
   nb::class_<Material>(m, "Material",
                        "Surface properties in the terms of the glTF metallic-roughness model. Colours are linear; "
@@ -90,7 +90,7 @@ void bindMaterial(nb::module_& m) {
           "name"_a = "", "base_color"_a = std::array<float, 4>{1, 1, 1, 1}, "metallic"_a = 0.f, "roughness"_a = 1.f,
           "transmission"_a = 0.f, "alpha_mode"_a = AlphaMode::opaque, "alpha_cutoff"_a = 0.5f,
           "alpha_image"_a = kNoImage, "retro"_a = 0.f, "double_sided"_a = true, "class_id"_a = 0)
-      .def_rw("name", &Material::name)
+      .def_rw("name", &Material::name, "Scenes from files have the name that the file states.")
       .def_prop_rw(
           "base_color",
           [](const Material& self) {
@@ -98,11 +98,11 @@ void bindMaterial(nb::module_& m) {
             return nb::typed<nb::tuple, float, float, float, float>(nb::make_tuple(c[0], c[1], c[2], c[3]));
           },
           [](Material& self, std::array<float, 4> color) { self.baseColor = color; }, "Red, green, blue, alpha.")
-      .def_rw("metallic", &Material::metallic)
-      .def_rw("roughness", &Material::roughness)
-      .def_rw("transmission", &Material::transmission)
-      .def_rw("alpha_mode", &Material::alphaMode)
-      .def_rw("alpha_cutoff", &Material::alphaCutoff)
+      .def_rw("metallic", &Material::metallic, "0 for a dielectric, 1 for a metal.")
+      .def_rw("roughness", &Material::roughness, "0 for a mirror, 1 for a rough surface.")
+      .def_rw("transmission", &Material::transmission, "The share of the light that passes through.")
+      .def_rw("alpha_mode", &Material::alphaMode, "What alpha means.")
+      .def_rw("alpha_cutoff", &Material::alphaCutoff, "With AlphaMode.mask, what has less alpha is a hole.")
       .def_rw("alpha_image", &Material::alphaImage,
               "Index into Scene.alpha_images: alpha channel of the base colour texture; NO_IMAGE for none.")
       .def_rw("retro", &Material::retro,
@@ -140,10 +140,18 @@ void bindScene(nb::module_& m) {
           },
           "materials"_a = nb::make_tuple(), "meshes"_a = nb::make_tuple(), "instances"_a = nb::make_tuple(),
           "alpha_images"_a = nb::make_tuple(), "animation"_a = SceneAnimation(), "Copies what it is given.")
-      .def_prop_ro("materials", [](Scene& self) { return elementsOf(nb::find(self), self.materials); })
-      .def_prop_ro("alpha_images", [](Scene& self) { return elementsOf(nb::find(self), self.alphaImages); })
-      .def_prop_ro("meshes", [](Scene& self) { return elementsOf(nb::find(self), self.meshes); })
-      .def_prop_ro("instances", [](Scene& self) { return elementsOf(nb::find(self), self.instances); })
+      .def_prop_ro(
+          "materials", [](Scene& self) { return elementsOf(nb::find(self), self.materials); },
+          "A tuple; its elements can be changed in place.")
+      .def_prop_ro(
+          "alpha_images", [](Scene& self) { return elementsOf(nb::find(self), self.alphaImages); },
+          "The alpha channels of textures: a tuple.")
+      .def_prop_ro(
+          "meshes", [](Scene& self) { return elementsOf(nb::find(self), self.meshes); },
+          "A tuple; names and origins can be changed in place.")
+      .def_prop_ro(
+          "instances", [](Scene& self) { return elementsOf(nb::find(self), self.instances); },
+          "A tuple; its elements can be changed in place.")
       .def_ro("unread_images", &Scene::unreadImages,
               "Number of images of AlphaMode.mask materials that are missing or not PNG.")
       .def("unique_triangle_count", &Scene::uniqueTriangleCount, "Summed over meshes.")
@@ -154,9 +162,9 @@ void bindScene(nb::module_& m) {
             "What the file says about motion and the scene leaves out: a line each, with how often.");
 
   nb::class_<Bounds>(m, "Bounds", "Axis-aligned box in world coordinates, in metres. It is empty if min > max.")
-      .def_ro("min", &Bounds::min)
-      .def_ro("max", &Bounds::max)
-      .def("empty", &Bounds::empty);
+      .def_ro("min", &Bounds::min, "The least x, y and z, in metres.")
+      .def_ro("max", &Bounds::max, "The greatest x, y and z, in metres.")
+      .def("empty", &Bounds::empty, "Whether there is no vertex in it.");
   m.def("world_bounds", &worldBounds, "scene"_a, WithoutGil(),
         "Returns the box around all finite vertices of all instances.");
   m.def(
@@ -164,18 +172,18 @@ void bindScene(nb::module_& m) {
       "Raises Error(invalid_argument) that names the material, image, mesh, part, instance, node, skin or clip whose "
       "indices or sizes are inconsistent.");
 
-  nb::enum_<UpAxis>(m, "UpAxis")
+  nb::enum_<UpAxis>(m, "UpAxis", "Which axis of a file points up.")
       .value("format_default", UpAxis::formatDefault, "glTF is y-up by its specification; OBJ, PLY and STL are z-up.")
       .value("y", UpAxis::y)
       .value("z", UpAxis::z);
-  nb::class_<LoadOptions>(m, "LoadOptions")
+  nb::class_<LoadOptions>(m, "LoadOptions", "How a file of a scene is read.")
       .def(
           "__init__",
           [](LoadOptions* self, UpAxis up, double scale) {
             new (self) LoadOptions{up, scale};
           },
           "up"_a = UpAxis::formatDefault, "scale"_a = 1.0)
-      .def_rw("up", &LoadOptions::up)
+      .def_rw("up", &LoadOptions::up, "Which axis of the file points up.")
       .def_rw("scale", &LoadOptions::scale, "Metres per unit of the file.");
   m.def("load_scene", &loadScene, "file"_a, "options"_a = LoadOptions(), WithoutGil(),
         "Reads .gltf, .glb, .obj, .ply or .stl, without holding the GIL. The only textures read are PNG images of "

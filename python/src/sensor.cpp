@@ -78,8 +78,8 @@ void bindBeams(nb::module_& m) {
           "rings: shape (beams,), uint16, values of Field.ring; if not given, 0.\n"
           "width, height: of the organised cloud; if 0, it has one row of all beams.\n"
           "The arrays are copied once. Raises Error(invalid_argument) for arrays of another shape or type.")
-      .def_ro("width", &BeamList::width)
-      .def_ro("height", &BeamList::height)
+      .def_ro("width", &BeamList::width, "Columns of the organised cloud; if 0, it has one row of all beams.")
+      .def_ro("height", &BeamList::height, "Rows of the organised cloud.")
       .def("size", &BeamList::size, "Number of beams.");
   readView(beams, "directions", &BeamList::directions,
            "Shape (beams, 3), float64, unit vectors: a read-only view, which keeps the list alive.");
@@ -109,9 +109,39 @@ void bindSensorItself(nb::module_& m) {
       "those "
       "of a list: scan number n (Shot.frame) uses pattern n modulo their number. All patterns have the same number of "
       "beams; columns and channels must be 0 and empty.");
-  sensor.def(nb::init<>())
-      .def_rw("name", &Sensor::name)
-      .def_rw("columns", &Sensor::columns)
+  const Sensor none;
+  sensor
+      .def(
+          "__init__",
+          [](Sensor* self, std::string name, uint32_t columns, std::vector<Channel> channels, double rangeMin,
+             double rangeMax, double divergenceHorizontal, double divergenceVertical, uint32_t maxReturns,
+             double rotationPeriod, double azimuthStartDeg, double azimuthSpanDeg, NearHits nearHits,
+             std::optional<ArrayLike> maskedBeams, std::vector<BeamList> patterns) {
+            auto masked =
+                maskedBeams ? arrayOf<uint32_t>(*maskedBeams, "Sensor: masked_beams").copy() : std::vector<uint32_t>();
+            new (self) Sensor{std::move(name),
+                              columns,
+                              std::move(channels),
+                              rangeMin,
+                              rangeMax,
+                              divergenceHorizontal,
+                              divergenceVertical,
+                              maxReturns,
+                              rotationPeriod,
+                              azimuthStartDeg,
+                              azimuthSpanDeg,
+                              nearHits,
+                              std::move(masked),
+                              std::move(patterns)};
+          },
+          nb::kw_only(), "name"_a = "", "columns"_a = 0, "channels"_a = nb::make_tuple(), "range_min"_a = none.rangeMin,
+          "range_max"_a = none.rangeMax, "divergence_horizontal"_a = none.divergenceHorizontal,
+          "divergence_vertical"_a = none.divergenceVertical, "max_returns"_a = none.maxReturns,
+          "rotation_period"_a = none.rotationPeriod, "azimuth_start_deg"_a = none.azimuthStartDeg,
+          "azimuth_span_deg"_a = none.azimuthSpanDeg, "near_hits"_a = none.nearHits, "masked_beams"_a = nb::none(),
+          "patterns"_a = nb::make_tuple(), "Takes its properties as keywords.")
+      .def_rw("name", &Sensor::name, "Scans and messages have it.")
+      .def_rw("columns", &Sensor::columns, "Columns of a grid; 0 for lists of beams.")
       .def_rw("range_min", &Sensor::rangeMin, "Metres; a hit counts if range_min <= range <= range_max.")
       .def_rw("range_max", &Sensor::rangeMax, "Metres.")
       .def_rw(
@@ -122,10 +152,10 @@ void bindSensorItself(nb::module_& m) {
       .def_rw("max_returns", &Sensor::maxReturns, "Number of echoes that the sensor reports per beam, 1..5.")
       .def_rw("rotation_period", &Sensor::rotationPeriod,
               "Seconds; column i fires at i / columns of it. If 0, all beams fire at once.")
-      .def_rw("azimuth_start_deg", &Sensor::azimuthStartDeg)
+      .def_rw("azimuth_start_deg", &Sensor::azimuthStartDeg, "Azimuth of column 0, counter-clockwise from the x axis.")
       .def_rw("azimuth_span_deg", &Sensor::azimuthSpanDeg,
               "Azimuths that the columns cover, at most 360 degrees; negative if the head turns clockwise.")
-      .def_rw("near_hits", &Sensor::nearHits)
+      .def_rw("near_hits", &Sensor::nearHits, "What happens to a surface that is nearer than a beam's least range.")
       .def_prop_rw(
           "masked_beams", [](const Sensor& self) { return copiedColumn(self.maskedBeams); },
           [](Sensor& self, const ArrayLike& beams) {
@@ -133,8 +163,8 @@ void bindSensorItself(nb::module_& m) {
           },
           kOwned,
           "Indices of beams that never fire, shape (n,), uint32: a read-only copy; assign a new array to change them.")
-      .def("is_grid", &Sensor::isGrid)
-      .def("beam_count", &Sensor::beamCount)
+      .def("is_grid", &Sensor::isGrid, "Whether the beams are those of channels and columns, and not of lists.")
+      .def("beam_count", &Sensor::beamCount, "Number of beams of a scan.")
       .def("width", &Sensor::width, "Columns of the organised cloud.")
       .def("height", &Sensor::height, "Rows of the organised cloud: the channels of a grid.")
       .def(
@@ -207,7 +237,8 @@ void bindSensorFiles(nb::module_& m) {
       .def_rw("fire_times", &SensorFileOptions::fireTimes,
               "Hesai's file of firing times that goes with an angle correction file.");
   auto file = nb::class_<SensorFile>(m, "SensorFile", "A sensor file, and how it was understood.");
-  file.def_ro("sensor", &SensorFile::sensor).def_ro("family", &SensorFile::family, "Such as 'Ouster metadata'.");
+  file.def_ro("sensor", &SensorFile::sensor, "The sensor that the file describes.")
+      .def_ro("family", &SensorFile::family, "Such as 'Ouster metadata'.");
   readTuple(file, "assumed", &SensorFile::assumed, "What the file does not state, and the value that was taken.");
   readTuple(file, "ignored", &SensorFile::ignored, "What the file states, and a Sensor does not hold.");
 

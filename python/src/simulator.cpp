@@ -296,8 +296,12 @@ void bindAnswers(nb::class_<Self>& simulator) {
       .def(
           "plan", [](Self& self, size_t sensor) { return self.use([&](Simulator& of) { return of.plan(sensor); }); },
           "sensor"_a = 0, "Describes what a scan of the sensor computes, and why.")
-      .def("device", [](Self& self) { return self.use([](Simulator& of) { return DeviceInfo(of.device()); }); })
-      .def("memory", [](Self& self) { return self.use([](Simulator& of) { return of.memory(); }); })
+      .def(
+          "device", [](Self& self) { return self.use([](Simulator& of) { return DeviceInfo(of.device()); }); },
+          "The device that it runs on.")
+      .def(
+          "memory", [](Self& self) { return self.use([](Simulator& of) { return of.memory(); }); },
+          "Bytes of device memory by purpose.")
       .def(
           "cluster_count", [](Self& self) { return self.use([](Simulator& of) { return of.clusterCount(); }); },
           "Number of clusters of all meshes; 0 on the reference.");

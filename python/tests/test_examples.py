@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The examples and the blocks of docs/python.md run, and their types are right."""
+"""The examples, the blocks of docs/python.md and of the tutorials, and a notebook run; types are right."""
 
+import base64
+import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import REPOSITORY, program
 
+import gnosphere
 from gnosphere import Error
 from gnosphere import drive as drives
 
@@ -71,25 +75,85 @@ def test_dataset(folder, tmp_path):
         drives.read_drive(tmp_path / "bad.json")
 
 
-def test_types(tmp_path):
+def checked(folder, *command: object) -> str:
+    """What a type checker, run by this Python, finds."""
+    done = subprocess.run([sys.executable, "-m", *map(str, command)], cwd=folder, capture_output=True, text=True)
+    return done.stdout if done.returncode else ""
+
+
+def test_types_by_mypy(tmp_path):
     pytest.importorskip("mypy")
-    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path, *sorted(EXAMPLES.glob("*.py"))]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout
+    strict = ["mypy", "--strict", "--cache-dir", tmp_path]
+    assert not checked(tmp_path, *strict, *sorted(EXAMPLES.glob("*.py")))
+    # The stubs and the package's own code; the packages of engines need not be there.
+    assert not checked(tmp_path, *strict, "--ignore-missing-imports", "--allow-subclassing-any", "-p", "gnosphere")
     (tmp_path / "wrong.py").write_text("import gnosphere\ngnosphere.load_scene(5)\n")
-    done = subprocess.run([*command[:6], "wrong.py"], cwd=tmp_path, capture_output=True, text=True)
-    assert 'Argument 1 to "load_scene" has incompatible type "int"' in done.stdout
+    assert 'Argument 1 to "load_scene" has incompatible type "int"' in checked(tmp_path, *strict, "wrong.py")
 
 
-def test_the_page(folder, tmp_path, monkeypatch):
+def test_types_by_pyright(tmp_path):
+    pytest.importorskip("pyright")
+    stubs = (Path(gnosphere.__file__).parent / "_gnosphere").glob("*.pyi")
+    command = ["pyright", "--pythonpath", sys.executable]
+    assert not checked(tmp_path, *command, *sorted(EXAMPLES.glob("*.py")), *stubs)
+    (tmp_path / "wrong.py").write_text("import gnosphere\nprint(gnosphere.Scan().rangs)\n")
+    assert 'Cannot access attribute "rangs"' in checked(tmp_path, *command, "wrong.py")
+
+
+PAGES = ["../README.md", "python.md", *(f"tutorials/{page.name}" for page in sorted((REPOSITORY / "docs" / "tutorials").glob("*.md")))]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_page(page, folder, tmp_path, monkeypatch):
+    """The blocks of Python and of the shell run, one after the other, in one folder."""
+    text = (REPOSITORY / "docs" / page).read_text()
+    if "import mujoco" in text:
+        pytest.importorskip("mujoco")
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "town.glb").symlink_to(folder / "town.glb")
-    page = (REPOSITORY / "docs" / "python.md").read_text()
-    blocks = re.findall(r"^```python\n(.*?)^```$", page, re.M | re.S)
-    assert len(blocks) > 3
+    for name in ("town.glb", "scene.glb"):
+        (tmp_path / name).symlink_to(folder / "town.glb")
+    programs = Path(os.environ.get("GNOSPHERE_PROGRAM", sys.executable)).parent
+    monkeypatch.setenv("PATH", str(programs), prepend=os.pathsep)
+    blocks = re.findall(r"(<!-- not run: .*? -->\s*)?^```(python|sh)\n(.*?)^```$", text, re.M | re.S)
+    assert len(blocks) > 2
     names: dict = {}
-    for block in blocks:
-        exec(compile(block, "docs/python.md", "exec"), names)
+    for unrun, language, block in blocks:
+        if language == "python":
+            exec(compile(block, f"docs/{page}", "exec"), names)
+        elif not unrun and page.startswith("tutorials"):  # tests/docs/check_page runs those of the other pages
+            subprocess.run(["bash", "-euo", "pipefail", "-c", block], check=True)
+
+
+def test_a_notebook(folder, tmp_path):
+    """A notebook shows a scan as a picture, and draws it by show(). GNOSPHERE_PICTURES names a folder for the pictures."""
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    pytest.importorskip("matplotlib")
+    cells = [
+        "%matplotlib inline\nimport gnosphere",
+        f"scene = gnosphere.load_scene({str(folder / 'town.glb')!r})\n"
+        "request = gnosphere.SensorRequest(gnosphere.builtin_sensor('OS1-64'), fields=[gnosphere.Field.intensity])\n"
+        "scan = gnosphere.Simulator(scene, request).scan(gnosphere.Pose((0, 0, 1.8)))\nscan",
+        "scan.show('intensity')",
+    ]
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+    nbclient.NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    shown, drawn = (cell.outputs[-1].data for cell in notebook.cells[1:])
+    pictures = [shown["text/html"].split("base64,")[1].split('"')[0], drawn["image/png"]]
+    kept = Path(os.environ.get("GNOSPHERE_PICTURES", tmp_path))
+    for number, picture in enumerate(map(base64.b64decode, pictures)):
+        assert picture.startswith(b"\x89PNG") and len(picture) > 4_000
+        (kept / f"notebook-{number}.png").write_bytes(picture)
+    assert "OS1-64" in shown["text/html"] and shown["text/plain"].startswith("<")
+
+
+def test_the_site():
+    """tests/docs/check_site with the names of the installed package."""
+    pytest.importorskip("mkdocs")
+    check, package = REPOSITORY / "tests" / "docs" / "check_site", Path(gnosphere.__file__).parent
+    here = {**os.environ, "GNOSPHERE_PYTHON": sys.executable}
+    done = subprocess.run([sys.executable, check, REPOSITORY, package], env=here, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_batch(tmp_path):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every name of the C++ headers is in Python, in snake_case; and every class says what it is."""
 
+import enum
 import re
 from pathlib import Path
 
@@ -93,3 +94,16 @@ def test_the_package_ships_its_types():
     stub = (package / "_gnosphere" / "__init__.pyi").read_text()
     assert "def scan(self, pose: Pose, sensor: int = 0) -> Scan:" in stub
     assert "def points(self) -> Annotated[NDArray[numpy.float32], dict(shape=(None, 3))]:" in stub
+
+
+def test_objects_show_themselves(town, simulator):
+    for name, kind in vars(gnosphere).items():
+        if isinstance(kind, type) and not issubclass(kind, (Exception, enum.Enum)):
+            assert kind.__repr__ is not object.__repr__, name
+    sensor = gnosphere.Sensor(name="mast", range_max=50, channels=[gnosphere.Channel(3.5)], columns=90)
+    assert repr(sensor) == "Sensor(name='mast', columns=90, range_max=50, channels=(Channel(elevation_deg=3.5),))"
+    assert repr(gnosphere.Sensor()) == "Sensor()" and repr(gnosphere.Effects()) == "Effects()"
+    assert re.fullmatch(r"Scene\(materials=<\d+ Material>, meshes=<\d+ Mesh>, instances=<\d+ Instance>.*\)", repr(town))
+    assert re.fullmatch(r"Mesh\(name='.*', origin=.*, positions=<\d+ x 3 float32>, .*\)", repr(town.meshes[0]))
+    assert repr(simulator) == f"Simulator(device={simulator.device().name!r})"
+    assert repr(simulator.plan().effects[0]).startswith("Decision(effect='")

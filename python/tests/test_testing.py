@@ -123,6 +123,17 @@ def test_pictures(reference, simulator, pose):
     pair = big.ranges.reshape(big.shape)[-1, ::-1].reshape(-1, 2)
     nearest = np.fmin(pair[:, 0], pair[:, 1])
     assert (image[0] == pictures.colours(nearest, 0, pictures.farthest_of(big))).all()
+    # Of a head whose channels count from the top and which turns clockwise, as Ouster's do, the picture is the same.
+    sensor = gnosphere.builtin_sensor("VLP-16")
+    sensor.channels = sensor.channels[::-1]
+    sensor.azimuth_start_deg, sensor.azimuth_span_deg = 180 - 360 / sensor.columns, -360
+    simulator.add_sensor(gnosphere.SensorRequest(sensor, gnosphere.Effects.none()))
+    downwards, upwards = simulator.scan(pose, 1), simulator.scan(pose)
+    simulator.remove_sensor(1)
+    assert pictures.starts_at_top(downwards) and not pictures.starts_at_top(upwards)
+    assert pictures.starts_at_left(downwards) and not pictures.starts_at_left(upwards)
+    a, b = pictures.beam_image(downwards, downwards.ranges), pictures.beam_image(upwards, upwards.ranges)
+    assert (a == b)[~np.isnan(b)].mean() > 0.95  # but for beams that meet glass
     html = big._repr_html_()
     assert html.startswith("<p>Scan of VLP-16: 16 x 1800 beams, ") and html.count("<img ") == 1
     assert gnosphere.Scan()._repr_html_() == "<p>Scan without beams</p>"

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -63,15 +64,27 @@ bool countsFromTop(const Scan& scan) {
   return rise < 0;
 }
 
+/// Whether column 0 is the leftmost, as of heads that turn clockwise: the hits of later columns are further right.
+bool countsFromLeft(const Scan& scan) {
+  int64_t turns = 0;
+  for (size_t beam = 1; beam < scan.beamCount(); ++beam) {
+    const float *before = &scan.points[3 * beam - 3], *here = &scan.points[3 * beam];
+    const float cross = before[0] * here[1] - before[1] * here[0];
+    if (beam % scan.columns != 0) turns += (cross > 0) - (cross < 0);
+  }
+  return turns < 0;
+}
+
 /// The nearest range of each pixel, so that a thin pole stays visible when columns are grouped. Infinite: no hit.
 std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image, int columns, int channels) {
   std::vector<float> nearest(static_cast<size_t>(columns) * static_cast<size_t>(channels),
                              std::numeric_limits<float>::infinity());
-  const bool fromTop = countsFromTop(scan);
+  const bool fromTop = countsFromTop(scan), fromLeft = countsFromLeft(scan);
   for (size_t beam = 0; beam < scan.beamCount(); ++beam) {
     const float range = scan.ranges[beam];
     if (!std::isfinite(range)) continue;
-    const size_t column = beam % scan.columns / image.columnsPerPixel, row = beam / scan.columns;
+    const size_t place = beam % scan.columns, row = beam / scan.columns;
+    const size_t column = (fromLeft ? scan.columns - 1 - place : place) / image.columnsPerPixel;
     const size_t channel = (fromTop ? scan.channels - 1 - row : row) / image.channelsPerPixel;
     float& pixel = nearest[channel * static_cast<size_t>(columns) + column];
     pixel = std::min(pixel, range);
@@ -126,7 +139,7 @@ float edgeLight(const Ranges& ranges, int column, int channel) {
 }
 
 /// Draws the panorama that the sensor sees: forward is in the middle, the sensor's left at the left, the lowest channel
-/// at the bottom. Columns run counter-clockwise seen from above, so they are drawn from right to left.
+/// at the bottom. Columns of `ranges` run counter-clockwise seen from above, so they are drawn from right to left.
 void drawRangeImage(Canvas& canvas, const Scan& scan, const RangeImage& image, int left, int top) {
   canvas.fill(left, top, image.width, image.height, kMiss);
   std::vector<float> hits;

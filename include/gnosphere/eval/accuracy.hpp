@@ -48,6 +48,7 @@ struct AccuracyRow {
   const Spread& time() const { return gpuMs.median > 0 ? gpuMs : wallMs; }
 };
 
+/// What each accuracy setting costs and gets wrong, on one device.
 struct AccuracyReport {
   DeviceInfo device;
   uint64_t beams = 0;                 ///< number of beams compared with the reference, over all poses
@@ -57,6 +58,7 @@ struct AccuracyReport {
   std::vector<AccuracyRow> parts;     ///< `standard` with one part replaced by a less accurate one
 };
 
+/// What an accuracy report is made of.
 struct AccuracyOptions {
   SimulatorOptions simulator;  ///< its `accuracy` and `exactness` are ignored
   uint32_t runs = 20;   ///< timed scans per row; the rows take turns, so that slow drifts affect all of them alike

@@ -27,8 +27,7 @@ def _beams(directions: npt.ArrayLike, origins: Optional[npt.ArrayLike], cutoff: 
     sensor.name = "rays"
     sensor.range_min = 0
     sensor.range_max = min(cutoff, FARTHEST)
-    given = {} if origins is None else {"origins": origins}
-    sensor.patterns = [gno.BeamList(directions, **given)]
+    sensor.patterns = [gno.BeamList(directions, origins)]
     return sensor
 
 

@@ -16,7 +16,7 @@ from .. import adapter, primitives
 
 VISIBLE_GROUPS = (1, 1, 1, 0, 0, 0)
 """The groups that MuJoCo's viewer shows at first."""
-DEFAULT_COLOR = np.float32([0.5, 0.5, 0.5, 1])
+DEFAULT_COLOR = np.array([0.5, 0.5, 0.5, 1], np.float32)
 
 
 @dataclass(frozen=True)
@@ -241,7 +241,7 @@ class Skin:
             self._bones.append((body, model.skin_bonevertid[run], local @ unbind.reshape(3, 3), weights))
 
     def positions(self, data: Any) -> npt.NDArray[np.float64]:
-        result = np.zeros_like(self._vertices)
+        result: npt.NDArray[np.float64] = np.zeros_like(self._vertices)
         for body, vertices, local, weights in self._bones:
             result[vertices] += weights * (local @ data.xmat[body].reshape(3, 3).T + data.xpos[body])
         if self._inflate:

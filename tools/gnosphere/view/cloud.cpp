@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "base/file.hpp"
+#include "base/json_text.hpp"
 #include "base/text.hpp"
 #include "output/cloud_table.hpp"
 
@@ -51,7 +53,8 @@ bool holdsIds(const CloudTable& table, const CloudColumn& column) {
   return true;
 }
 
-ValueNames namesOf(const std::string& column) {
+ValueNames namesOf(const std::string& column, const fs::path& file) {
+  if (column == "class") return classNames(file.parent_path());
   if (column == "label") return {{0, "no return"}, {1, "surface"}, {2, "fog, rain, snow or dust"}};
   return {};
 }
@@ -65,7 +68,8 @@ void addLabels(const fs::path& file, const std::vector<size_t>& rows, size_t row
   if (bytes.size() != rowCount * sizeof(uint32_t))
     throw Error(ErrorCode::format, labels.string() + ": has " + std::to_string(bytes.size() / sizeof(uint32_t)) +
                                        " labels, the cloud has " + std::to_string(rowCount) + " points");
-  ViewColumn category{"class", true, {}, {{1, "outlier"}}}, instance{"instance", true, {}, {}};
+  ViewColumn category{"class", true, {}, namesOf("class", file)}, instance{"instance", true, {}, {}};
+  category.names.try_emplace(1, "outlier");
   for (size_t row : rows) {
     uint32_t label;
     std::memcpy(&label, bytes.data() + row * sizeof(label), sizeof(label));
@@ -81,6 +85,26 @@ void addLabels(const fs::path& file, const std::vector<size_t>& rows, size_t row
 const ViewColumn* ViewCloud::find(const std::string& name) const {
   const auto found = std::find_if(columns.begin(), columns.end(), [&](const auto& c) { return c.name == name; });
   return found == columns.end() ? nullptr : &*found;
+}
+
+nlohmann::json readJson(const fs::path& file) {
+  nlohmann::json json = parseJson(readWholeFile(file), false);
+  if (json.is_discarded()) throw Error(ErrorCode::format, file.string() + ": is no JSON");
+  return json;
+}
+
+ValueNames classNames(const fs::path& folder) {
+  ValueNames names;
+  const fs::path file = folder / "classes.json";
+  std::error_code absent;
+  if (!fs::exists(file, absent)) return names;
+  const nlohmann::json classes = readJson(file);
+  for (const auto& [name, id] : classes.items()) {
+    if (!classes.is_object() || !id.is_number_unsigned() || id.get<uint64_t>() > UINT32_MAX)
+      throw Error(ErrorCode::format, file.string() + ": is no object of names with the numbers of classes");
+    names[id.get<uint32_t>()] = name;
+  }
+  return names;
 }
 
 ViewCloud readViewCloud(const fs::path& file) {
@@ -102,7 +126,7 @@ ViewCloud readViewCloud(const fs::path& file) {
     // PCL pads its rows with columns named _, and histograms have many values per point.
     if (std::find(axes, axes + 3, &column) != axes + 3 || column.count != 1 || column.name == "_") continue;
     ViewColumn& out = cloud.columns.emplace_back(ViewColumn{column.name, holdsIds(table, column), {}, {}});
-    if (out.isId) out.names = namesOf(out.name);
+    if (out.isId) out.names = namesOf(out.name, file);
     out.values.reserve(rows.size());
     for (size_t row : rows) {
       const double value = table.value(column, row);

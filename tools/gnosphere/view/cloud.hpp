@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,16 @@ struct ViewCloud {
   const ViewColumn* find(const std::string& name) const;
 };
 
+/// Throws Error(file), or Error(format) if the file holds no JSON.
+nlohmann::json readJson(const std::filesystem::path& file);
+
+/// Reads the names of classes from classes.json, an object {"name": number}, in a folder; none without this file.
+/// Throws Error(format) for anything else.
+ValueNames classNames(const std::filesystem::path& folder);
+
 /// Reads .pcd, .ply, .npy, .csv, .bin (KITTI: x y z intensity) and .pcd.bin (nuScenes: x y z intensity ring). A .bin
 /// file with a file of SemanticKITTI's labels (../labels/NAME.label) has also the class and the instance of each point.
+/// The classes have the names of classNames() of the file's folder.
 /// Throws Error(file), Error(format), or Error(invalidArgument) for an ending that is not known.
 ViewCloud readViewCloud(const std::filesystem::path& file);
 

@@ -95,12 +95,6 @@ class DriveOutput {
   }
 
  private:
-  static nlohmann::json readJson(const fs::path& file) {
-    nlohmann::json json = parseJson(readWholeFile(file), false);
-    if (json.is_discarded()) throw Error(ErrorCode::format, file.string() + ": is no JSON");
-    return json;
-  }
-
   void readFrame(const fs::path& file) {
     try {
       const nlohmann::json frame = readJson(file);
@@ -155,12 +149,8 @@ class DriveOutput {
   }
 
   void addNames(const Candidate& chosen, Series& series) const {
+    series.names["class"] = classNames(folder_);
     std::error_code absent;
-    if (fs::exists(folder_ / "classes.json", absent)) {
-      const nlohmann::json classes = readJson(folder_ / "classes.json");
-      for (const auto& [name, id] : classes.items())
-        if (id.is_number_unsigned()) series.names["class"][id.get<uint32_t>()] = name;
-    }
     if (!fs::exists(folder_ / "objects.json", absent)) return;
     uint32_t actors = 0;
     const nlohmann::json objects = readJson(folder_ / "objects.json");

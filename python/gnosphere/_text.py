@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How the objects of the library show themselves: by their properties, but for those that are as in a new object."""
+
+from __future__ import annotations
+
+import enum
+from functools import cache
+from typing import Any
+
+from . import _gnosphere
+
+
+def _shown(value: Any) -> str:
+    if hasattr(value, "dtype"):
+        return f"<{' x '.join(map(str, value.shape))} {value.dtype}>"
+    if isinstance(value, enum.Enum):
+        return value.name
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, tuple) and len(value) > 4:
+        return f"<{len(value)} {type(value[0]).__name__}>"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_shown, value))}{',' if len(value) == 1 else ''})"
+    text = repr(value)
+    return text if len(text) < 100 else f"<{type(value).__name__} {getattr(value, 'name', '')}".rstrip() + ">"
+
+
+def _properties(thing: Any) -> dict[str, str]:
+    values = {name: getattr(thing, name) for name, kind in vars(type(thing)).items() if isinstance(kind, property)}
+    return {name: _shown(value) for name, value in values.items() if not hasattr(value, "__len__") or len(value)}
+
+
+@cache
+def _new(kind: type) -> dict[str, str]:
+    try:
+        return _properties(kind())
+    except TypeError:  # it cannot be made of nothing
+        return {}
+
+
+def _text(self: Any) -> str:
+    new = _new(type(self))
+    said = ", ".join(f"{name}={text}" for name, text in _properties(self).items() if new.get(name) != text)
+    return f"{type(self).__name__}({said})"
+
+
+def _give(holder: Any) -> None:
+    for kind in list(vars(holder).values()):
+        if isinstance(kind, type) and kind.__module__.startswith("gnosphere.") and not issubclass(kind, (enum.Enum, Exception)):
+            if "__repr__" not in vars(kind):
+                kind.__repr__ = _text  # type: ignore[method-assign,assignment]
+            _give(kind)
+
+
+def _simulator(self: _gnosphere.Simulator) -> str:
+    try:
+        return f"Simulator(device={self.device().name!r})"
+    except _gnosphere.Error:
+        return "Simulator(at work in another thread)"
+
+
+_gnosphere.Simulator.__repr__ = _simulator  # type: ignore[method-assign]
+_give(_gnosphere)
+_give(_gnosphere.drive)
