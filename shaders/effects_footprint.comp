@@ -35,13 +35,15 @@ const float kNothing = 3e38;
 // The exact inside test requires this function; this stage does not use that test.
 float farthestOf(uint index) { return frame.rangeMax; }
 
-// The sub-rays of a beam: tangents to the left and up, length of (1, left, up), original energy, the energy that
-// reaches this layer, and the energy that passes through it.
-float left[RAYS], up[RAYS], lengths[RAYS], weights[RAYS], carried[RAYS], passed[RAYS];
-// Their hits in this layer: range (kNothing if there is none), share of the beam's energy, placed triangle, candidate,
-// and the range in the layer before.
+// The sub-rays of a beam: tangents to the left and up, length of (1, left, up) and its inverse, original energy, the
+// energy that reaches this layer, and the energy that passes through it.
+float left[RAYS], up[RAYS], lengths[RAYS], inverses[RAYS], weights[RAYS], carried[RAYS], passed[RAYS];
+// Their hits in this layer: range (kNothing if there is none, -1 for a sub-ray without light), share of the beam's
+// energy, placed triangle, candidate, and the largest range that still belongs to the layer before.
 float hitRanges[RAYS], hitShares[RAYS], rangesBefore[RAYS];
 uint hitIds[RAYS], hitCandidates[RAYS];
+// The share of each sub-ray's light that the surface of the current candidate reflects.
+float reflections[RAYS];
 // Their hits in all layers. The first pass has one layer.
 const uint kPieces = RAYS * kMaxLayers;
 #define HELD_LAYERS (PASS == kPassWithinOne ? 1u : LAYERS)
@@ -50,91 +52,97 @@ uint metCandidates[kPieces];
 
 #include "footprint_candidates.glsl"
 
-// True if the range is clearly beyond the sub-ray's hit in the previous layer. Panes closer to each other, relative to
-// their range, count as one: light through a shared edge hits both of its triangles, but they are not two panes.
-bool isBehind(float range, uint s) {
-  precise float end = rangesBefore[s] * (1.0 + 9.5367431640625e-7);
-  return range > end;
-}
-
-// Keeps a sub-ray's hit if it is the nearest one of this layer so far. An opaque hit counts however close to a pane.
-void offer(bool met, float range, uint id, uint projected, bool opaque, uint s) {
-  bool lit = carried[s] > 0.0, nearer = range < hitRanges[s], even = range == hitRanges[s];
-  bool first = id < hitIds[s], behind = true;
-  if (LAYERS > 1) behind = opaque || isBehind(range, s);
-  bool taken = met && lit && behind && (nearer || (even && first));
+// Keeps a sub-ray's hit if it is the nearest one of this layer so far. Panes closer to each other, relative to their
+// range, count as one: light through a shared edge hits both of its triangles, but they are not two panes. An opaque hit
+// counts however close to a pane.
+bool offer(bool met, float range, uint id, uint projected, bool opaque, uint s) {
+  bool nearer = range < hitRanges[s], even = range == hitRanges[s], first = id < hitIds[s], behind = true;
+  if (LAYERS > 1) behind = opaque || range > rangesBefore[s];
+  bool taken = met && behind && (nearer || (even && first));
   hitRanges[s] = taken ? range : hitRanges[s];
   hitIds[s] = taken ? id : hitIds[s];
   hitCandidates[s] = taken ? projected : hitCandidates[s];
+  return taken;
 }
 
-// Computes how much of a sub-ray's light a surface reflects and how much it transmits.
-void share(Optics4 surface, vec3 normal, uint projected, uint s) {
-  if (hitCandidates[s] != projected) return;
-  float energy = carried[s];
-  if (looksAtMaterials) energy = product(energy, reflected(surface, cosineOf(normal, left[s], up[s], lengths[s])));
-  hitShares[s] = energy;
-  if (LAYERS > 1) {
-    passed[s] = product(carried[s], transmitted(surface));
-    if (energy == 0.0 && passed[s] > 0.0) hitShares[s] = kUnseen;
+// Computes which share of each sub-ray's light a surface reflects. There is no branch between sub-rays, so that a
+// processor works on several at once.
+void reflectEach(Optics4 surface, vec3 normal) {
+#define REFLECT_ALL(s) reflections[s] = 1.0;
+#define REFLECT_GLOSSILY(s) reflections[s] = reflectedGlossily(surface, cosineOf(normal, left[s], up[s], inverses[s]));
+#define REFLECT_DIFFUSELY(s) reflections[s] = reflectedDiffusely(surface, cosineOf(normal, left[s], up[s], inverses[s]));
+  if (!looksAtMaterials) {
+    EACH_RAY(REFLECT_ALL)
+  } else if (surface.reflection.y > 0.0) {
+    EACH_RAY(REFLECT_GLOSSILY)
+  } else {
+    EACH_RAY(REFLECT_DIFFUSELY)
   }
 }
 
+// Divides the light of a sub-ray that hits a candidate into what returns and what goes on.
+void share(float transmission, uint projected, uint s) {
+  bool mine = hitCandidates[s] == projected;
+  float energy = product(carried[s], reflections[s]);
+  if (LAYERS > 1) {
+    float through = product(carried[s], transmission);
+    passed[s] = mine ? through : passed[s];
+    energy = energy == 0.0 && through > 0.0 ? kUnseen : energy;
+  }
+  hitShares[s] = mine ? energy : hitShares[s];
+}
+
 // Tries a candidate on every sub-ray. Returns the range beyond which further candidates cannot matter.
-float consider(Candidate candidate, uint projected) {
-  float farthest = 0.0;
-  float range;
-  bool met, mask = false;
-  vec3 side;
+float consider(Candidate candidate, uint projected, vec2 middle) {
+  bool opaque = LAYERS > 1 && !isPane(projected), mask = false, taken = false;
   Optics4 holed;
   if ((EFFECTS & kCutOuts) != 0) {
     holed = optics.at[projectedMaterials.at[projected]];
     mask = holed.passage.y > 0.0;
   }
-  bool opaque = LAYERS > 1 && !isPane(projected);
-  // The same formula as in the first pass, so that no other candidate of the list can change a bit of the range.
-  bool whole = !mask && coversFootprint(candidate);
-  vec4 plane = planeOf(candidate);
-#define OFFER(s)                                                                       \
-  if (whole)                                                                           \
-    met = meetPlane(candidate, plane, left[s], up[s], lengths[s], range);              \
-  else                                                                                 \
-    met = meetSubRay(candidate, left[s], up[s], lengths[s], range, side);              \
-  if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, textureCornersOf(projected), side); \
-  offer(met, range, candidate.id, projected, opaque, s);
+  Sides sides = sidesOf(candidate, middle);
+  if (mask) sides = Sides(vec3(0.0), vec3(0.0), vec3(0.0), 1.0);  // the weights of the corners tell where holes are
+  Plane plane = planeOf(candidate);
+  uvec2 open = uvec2(0);  // one bit for each sub-ray that comes near an edge
+  uint near;
+  float range, side;
+  bool met;
+#define OFFER(s)                                                                      \
+  side = sideOf(sides, left[s], up[s]);                                               \
+  near = abs(side) <= sides.doubt ? 1u << (s & 31) : 0u;                              \
+  if (s < 32) open.x |= near; else open.y |= near;                                    \
+  met = reach(candidate, plane, left[s], up[s], lengths[s], range);                   \
+  met = side < -sides.doubt && met;                                                   \
+  taken = offer(met, range, candidate.id, projected, opaque, s) || taken;
   EACH_RAY(OFFER)
-  bool taken = false, mine;
-#define FARTHEST(s)                                            \
-  farthest = max(farthest, carried[s] > 0.0 ? hitRanges[s] : 0.0); \
-  mine = hitCandidates[s] == projected;                    \
-  taken = taken || mine;
+  // Few sub-rays come so close to an edge, and code that is seldom executed stays out of the loop above.
+  if (open != uvec2(0)) {
+    vec3 weights_;
+#define OFFER_OPEN(s)                                                                                     \
+  if (((s < 32 ? open.x : open.y) >> (s & 31) & 1u) != 0) {                                               \
+    met = reach(candidate, plane, left[s], up[s], lengths[s], range);                                     \
+    met = isInside(candidate, left[s], up[s], weights_) && met;                                           \
+    if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, textureCornersOf(projected), weights_); \
+    taken = offer(met, range, candidate.id, projected, opaque, s) || taken;                               \
+  }
+    EACH_RAY(OFFER_OPEN)
+  }
+  float farthest = 0.0;
+#define FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
   EACH_RAY(FARTHEST)
   if (!taken) return farthest;
   Optics4 surface = optics.at[projectedMaterials.at[projected]];
-  vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
-#define SHARE(s) share(surface, normal, projected, s);
+  vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
+  reflectEach(surface, normal);
+  float transmission = LAYERS > 1 ? transmitted(surface) : 0.0;
+#define SHARE(s) share(transmission, projected, s);
   EACH_RAY(SHARE)
   return farthest;
 }
 
-// Returns the place of the candidate that comes nearest to the sensor, most likely the hit; the end of the list if there
-// is none.
-uint bestOf() {
-  uint best = listEnd;
-  float bestRangeMin = kNothing;
-  for (uint k = listFirst; k != listEnd; k = nextOf(k)) {
-    float nearest = nearestAt(k);
-    if (best == listEnd || nearest < bestRangeMin) {
-      best = k;
-      bestRangeMin = nearest;
-    }
-  }
-  return best;
-}
-
 void forget() {
 #define FORGET(s)               \
-  hitRanges[s] = kNothing;        \
+  hitRanges[s] = carried[s] > 0.0 ? kNothing : -1.0; \
   hitShares[s] = 0.0;              \
   hitIds[s] = kNone;        \
   hitCandidates[s] = kNone; \
@@ -155,13 +163,12 @@ bool meetsPane(uint index, Beam beam) {
   return meets;
 }
 
-// Tries the nearest candidate first, as resolve does, and skips candidates behind all hits or behind
-// the end of the light. Each lane first searches
+// Finds the hits of a layer. Skips candidates behind all hits or behind the end of the light. Each lane first searches
 // for the next candidate that it must try, so that the lanes of a subgroup try their candidates together.
 void findLayer(uint index, Beam beam) {
   forget();
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
-  uint best = bestOf(), k = best, next = listFirst;
+  uint k = listFirst;
   float farthest = endOf(index);
   while (k != listEnd) {
     uint projected = kNone;
@@ -171,10 +178,9 @@ void findLayer(uint index, Beam beam) {
         candidate = candidateOf(projectedAt(k), beam);
         if (touchesFootprint(candidate, middle)) projected = projectedAt(k);
       }
-      k = next == best ? nextOf(next) : next;  // the best one comes first, and only once
-      if (k != listEnd) next = nextOf(k);
+      k = nextOf(k);
     }
-    if (projected != kNone) farthest = consider(candidate, projected);
+    if (projected != kNone) farthest = consider(candidate, projected, middle);
   }
 }
 
@@ -192,11 +198,17 @@ void keepLayer(uint layer) {
   }
 }
 
+// Returns the largest range that is not clearly behind a pane.
+float endOfPane(float range) {
+  precise float end = range * (1.0 + 9.5367431640625e-7);
+  return end;
+}
+
 // Passes the remaining light on to the next layer. Returns whether there is any.
 bool goOn() {
   bool any = false;
 #define GO_ON(s)                                         \
-  rangesBefore[s] = hitRanges[s];                                \
+  rangesBefore[s] = endOfPane(hitRanges[s]);                       \
   carried[s] = hitRanges[s] < kNothing ? passed[s] : 0.0; \
   any = any || carried[s] > 0.0;
   EACH_RAY(GO_ON)
@@ -310,6 +322,7 @@ void loadSubRay(uint s) {
   up[s] = subRay.y;
   weights[s] = subRay.z;
   lengths[s] = subRay.w;
+  inverses[s] = quotient(1.0, subRay.w);
 }
 
 void shift(uint s, vec2 by) {
@@ -317,6 +330,7 @@ void shift(uint s, vec2 by) {
   left[s] = sumOf(subRay.x, by.x);
   up[s] = sumOf(subRay.y, by.y);
   lengths[s] = lengthOf(left[s], up[s]);
+  inverses[s] = quotient(1.0, lengths[s]);
 }
 
 void aim(uint index) {

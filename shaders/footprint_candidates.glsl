@@ -91,32 +91,54 @@ vec3 normalOf(vec3 a, vec3 b, vec3 c) {
 float rangeMin, rangeMax;
 
 // A watertight test as in inside_watertight.glsl: sub-ray (1, u, v) shears every corner by the same operations.
-bool meetSubRay(Candidate candidate, float u, float v, float length_, out float range, out vec3 side) {
+bool isInside(Candidate candidate, float u, float v, out vec3 side) {
   precise vec3 q = candidate.left - u * candidate.ahead;
   precise vec3 w = candidate.up - v * candidate.ahead;
   precise vec3 sides = q.yzx * w.zxy - w.yzx * q.zxy;
   side = sides;
-  precise float sum = side.x + side.y + side.z;
-  precise float weighted = side.x * candidate.ahead.x + side.y * candidate.ahead.y + side.z * candidate.ahead.z;
   bool facing = all(lessThanEqual(side, vec3(0.0)));
   bool averted = all(greaterThanEqual(side, vec3(0.0)));
-  precise float along = quotient(weighted, sum) * length_;
-  range = max(along, candidate.rangeMin);
-  bool bothSided = !candidate.oneSided, ahead = along > 0.0, flat_ = sum == 0.0;
-  bool near = range >= rangeMin, far = range <= rangeMax;
-  bool seen = facing || (averted && bothSided);
-  bool around = !MOTION || surrounds(q, w);
-  return seen && around && !flat_ && ahead && near && far;
+  bool seen = facing || (averted && !candidate.oneSided);
+  return seen && (!MOTION || surrounds(q, w));
 }
 
-// The supporting plane in the beam's frame: a normal that is not normalised, and the plane's distance times its
-// length.
-vec4 planeOf(Candidate c) {
+// The supporting plane in the beam's frame: a normal that is not normalised, and how far the plane is from the place on
+// the beam that is as deep as the corner nearest to the beam. The distance is the normal's product with the offset from
+// that place to the corner; `offset` has its value for the axis, and its changes with the tangents of a sub-ray. Offsets
+// are small beside ranges, so the error of a range does not grow as much at grazing incidence.
+struct Plane {
+  vec3 normal, offset;
+  float depth;            // of the corner
+  float least, farthest;  // depths of the triangle
+};
+
+Plane planeOf(Candidate c) {
   vec3 a = vec3(c.ahead.x, c.left.x, c.up.x), b = vec3(c.ahead.y, c.left.y, c.up.y);
+  vec3 d = vec3(c.ahead.z, c.left.z, c.up.z);
   precise vec3 u = b - a;
-  precise vec3 v = vec3(c.ahead.z, c.left.z, c.up.z) - a;
+  precise vec3 v = d - a;
   vec3 normal = crossOf(u, v);
-  return vec4(normal, dotOf(normal, a));
+  vec3 aside = abs(c.left) + abs(c.up), corner = a;
+  if (aside.y < aside.x) corner = b;
+  if (aside.z < min(aside.x, aside.y)) corner = d;
+  precise vec3 offset =
+      vec3(normal.y * corner.y + normal.z * corner.z, -(normal.y * corner.x), -(normal.z * corner.x));
+  return Plane(normal, offset, corner.x, min(min(c.ahead.x, c.ahead.y), c.ahead.z),
+               max(max(c.ahead.x, c.ahead.y), c.ahead.z));
+}
+
+// Computes the range at which a sub-ray meets the plane of a triangle that it hits. Returns false if that range does not
+// count. Comparisons take the place of min() and max(), which cost more where the compiler cares about NaN.
+bool reach(Candidate candidate, Plane plane, float u, float v, float length_, out float range) {
+  precise float along = plane.normal.x + u * plane.normal.y + v * plane.normal.z;
+  precise float offset = plane.offset.x + u * plane.offset.y + v * plane.offset.z;
+  precise float depth = plane.depth + quotient(offset, along);
+  depth = depth > plane.least ? depth : plane.least;
+  depth = depth < plane.farthest ? depth : plane.farthest;
+  precise float met = depth * length_;
+  range = met > candidate.rangeMin ? met : candidate.rangeMin;
+  bool ahead = depth > 0.0, near = range >= rangeMin, far = range <= rangeMax, tilted = along != 0.0;
+  return ahead && near && far && tilted;
 }
 
 // True if the whole footprint lies within the triangle: the beam's axis is farther from the plane of each edge than
@@ -149,18 +171,45 @@ bool touchesFootprint(Candidate c, vec2 middle) {
   return facing || (averted && !c.oneSided);
 }
 
-// Like meetSubRay(), for a triangle that contains the whole footprint: only the range is tested.
-bool meetPlane(Candidate candidate, vec4 plane, float u, float v, float length_, out float range) {
-  precise float along = plane.x + u * plane.y + v * plane.z;
-  precise float depth = quotient(plane.w, along) * length_;
-  range = max(depth, candidate.rangeMin);
-  bool ahead = depth > 0.0, near = range >= rangeMin, far = range <= rangeMax;
-  return ahead && near && far;
+// On which side of a triangle's edges sub-rays lie, computed from the axis and the changes with the tangents: negative
+// is inside. Corners shear to the same result, but at a higher cost. Where rounding errors may matter, isInside() decides.
+struct Sides {
+  vec3 axis, across, upwards;
+  float doubt;  // far more than the rounding errors
+};
+
+Sides sidesOf(Candidate c, vec2 middle) {
+  vec3 first = c.left.yzx * c.up.zxy, last = c.up.yzx * c.left.zxy;
+  vec3 firstAcross = c.up.yzx * c.ahead.zxy, lastAcross = c.ahead.yzx * c.up.zxy;
+  vec3 firstUpwards = c.ahead.yzx * c.left.zxy, lastUpwards = c.left.yzx * c.ahead.zxy;
+  vec2 most = abs(middle) + halfAxes;
+  vec3 doubt = 1e-6 * (abs(first) + abs(last) + most.x * (abs(firstAcross) + abs(lastAcross)) +
+                       most.y * (abs(firstUpwards) + abs(lastUpwards)));
+  Sides sides = Sides(first - last, firstAcross - lastAcross, firstUpwards - lastUpwards,
+                      max(max(doubt.x, doubt.y), doubt.z));
+  float sum = sides.axis.x + sides.axis.y + sides.axis.z;
+  vec2 change = most * abs(vec2(sides.across.x + sides.across.y + sides.across.z,
+                                sides.upwards.x + sides.upwards.y + sides.upwards.z));
+  bool averted = sum > 0.0, same = abs(sum) > change.x + change.y + 3.0 * sides.doubt;
+  // If some sub-rays may see the other face, or a face that they cannot hit, nothing is clear.
+  float sign_ = !same || (averted && c.oneSided) ? 0.0 : averted ? -1.0 : 1.0;
+  sides.axis *= sign_;
+  sides.across *= sign_;
+  sides.upwards *= sign_;
+  return sides;
+}
+
+// Returns the largest side of a sub-ray: it is clearly inside below -doubt, and clearly outside above doubt.
+float sideOf(Sides sides, float u, float v) {
+  vec3 side = sides.axis + u * sides.across + v * sides.upwards;
+  float larger = side.x > side.y ? side.x : side.y;
+  return larger > side.z ? larger : side.z;
 }
 
 // Returns the cosine of a sub-ray's incidence on a surface whose normal is given as (ahead, left, up).
-float cosineOf(vec3 normal, float u, float v, float length_) {
-  precise float along = normal.x + u * normal.y + v * normal.z;
-  return min(abs(quotient(along, length_)), 1.0);
+float cosineOf(vec3 normal, float u, float v, float inverseLength) {
+  precise float along = (normal.x + u * normal.y + v * normal.z) * inverseLength;
+  float cosine = abs(along);
+  return cosine < 1.0 ? cosine : 1.0;
 }
 

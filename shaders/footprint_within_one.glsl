@@ -3,30 +3,35 @@
 // Indices are written as 0 * RAYS + s, because glslang checks constant ones against the default value of RAYS.
 
 // Adds the hits of all sub-rays on a surface to the sums of an echo.
-vec3 sumsOf(Optics4 surface, vec3 normal, float first) {
+vec3 sumsOf(float first) {
   vec3 sums = vec3(0.0);
-#define ADD_REFLECTED(s)                                                                                         \
-  addPiece(sums, product(carried[s], reflected(surface, cosineOf(normal, left[s], up[s], lengths[s]))), \
-           sumOf(ranges[0 * RAYS + s], -first));
-#define ADD_CARRIED(s) addPiece(sums, carried[s], sumOf(ranges[0 * RAYS + s], -first));
-  if (looksAtMaterials) {
-    EACH_RAY(ADD_REFLECTED)
-  } else {
-    EACH_RAY(ADD_CARRIED)
-  }
+#define ADD_HIT(s) addPiece(sums, product(carried[s], reflections[s]), sumOf(ranges[0 * RAYS + s], -first));
+  EACH_RAY(ADD_HIT)
   return sums;
 }
 
 // Keeps these hits, whose ranges are known, for gatherEchoes().
-void keepHits(Optics4 surface, vec3 normal, uint projected) {
-#define KEEP(s)                                                                              \
-  energies[0 * RAYS + s] = carried[s];                                                       \
-  if (looksAtMaterials)                                                                      \
-    energies[0 * RAYS + s] =                                                                 \
-        product(carried[s], reflected(surface, cosineOf(normal, left[s], up[s], lengths[s]))); \
-  ranges[0 * RAYS + s] = carried[s] > 0.0 ? ranges[0 * RAYS + s] : kNothing;                 \
+void keepHits(uint projected) {
+#define KEEP(s)                                                              \
+  energies[0 * RAYS + s] = product(carried[s], reflections[s]);              \
+  ranges[0 * RAYS + s] = carried[s] > 0.0 ? ranges[0 * RAYS + s] : kNothing; \
   metCandidates[0 * RAYS + s] = projected;
   EACH_RAY(KEEP)
+}
+
+// Returns the place of the candidate that comes nearest to the sensor, most likely the hit; the end of the list if there
+// is none.
+uint bestOf() {
+  uint best = listEnd;
+  float bestRangeMin = kNothing;
+  for (uint k = listFirst; k != listEnd; k = nextOf(k)) {
+    float nearest = nearestAt(k);
+    if (best == listEnd || nearest < bestRangeMin) {
+      best = k;
+      bestRangeMin = nearest;
+    }
+  }
+  return best;
 }
 
 // Handles a beam whose whole footprint lies on one candidate, with no other in front of it that a sub-ray may hit.
@@ -42,29 +47,30 @@ bool findWithinOne(uint index, uint beam, Beam axis) {
   Candidate candidate = candidateOf(projected, axis);
   bool holed = (EFFECTS & kCutOuts) != 0 && surface.passage.y > 0.0, clear = LAYERS > 1 && transmitted(surface) > 0.0;
   if (holed || clear || !coversFootprint(candidate)) return false;
-  vec4 plane = planeOf(candidate);
+  Plane plane = planeOf(candidate);
   float least = kNothing, most = 0.0, farthest = 0.0, range;
   bool met = true, lit, hit;
 #define MEET(s)                                                       \
-  hit = meetPlane(candidate, plane, left[s], up[s], lengths[s], range); \
+  hit = reach(candidate, plane, left[s], up[s], lengths[s], range);   \
   ranges[0 * RAYS + s] = range;                                       \
-  farthest = max(farthest, range);                                    \
+  farthest = range > farthest ? range : farthest;                     \
   lit = carried[s] > 0.0;                                             \
-  least = min(least, lit ? range : kNothing);                         \
-  most = max(most, lit ? range : 0.0);                                \
+  least = lit && range < least ? range : least;                       \
+  most = lit && range > most ? range : most;                          \
   met = met && hit;
   EACH_RAY(MEET)
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
   for (uint k = listFirst; k != listEnd && met; k = nextOf(k))
     if (k != best && nearestAt(k) <= farthest) met = !touchesFootprint(candidateOf(projectedAt(k), axis), middle);
   if (!met) return false;
-  vec3 normal = unitTowardsOrigin(plane.xyz, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
+  vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
+  reflectEach(surface, normal);
   if (most > sumOf(least, parameters.separation)) {
-    keepHits(surface, normal, projected);
+    keepHits(projected);
     gatherEchoes(index, beam);
     return true;
   }
-  storeEcho(echoPlace(index, 0), echoOf(least, sumsOf(surface, normal, least)), projected);
+  storeEcho(echoPlace(index, 0), echoOf(least, sumsOf(least)), projected);
   echoCounts.at[beam] = 1;
   return true;
 }

@@ -69,15 +69,21 @@ GNO_INLINE float quotient(float a, float b) {
   return b < 0.0f ? -result : result;
 }
 
-// Relative error at most 3e-7 for x up to 1e37; 0 for x below 1e-37. Newton's iteration on 1 / sqrt(x), from the guess
-// of Lomont, "Fast inverse square root" (2003), and one on the root itself.
-GNO_INLINE float squareRoot(float x) {
-  if (!(x > 1e-37f)) return 0.0f;
+// 1 / sqrt(x) for 1e-37 < x < 1e37, relative error at most 5e-7. Newton's iteration, from the guess of Lomont, "Fast
+// inverse square root" (2003).
+GNO_INLINE float inverseRoot(float x) {
   GNO_PRECISE float inverse = uintBitsToFloat(0x5f375a86u - (floatBitsToUint(x) >> 1));
   GNO_PRECISE float half_ = 0.5f * x;
   inverse = inverse * (1.5f - half_ * inverse * inverse);
   inverse = inverse * (1.5f - half_ * inverse * inverse);
   inverse = inverse * (1.5f - half_ * inverse * inverse);
+  return inverse;
+}
+
+// Relative error at most 3e-7 for x up to 1e37; 0 for x below 1e-37. One more iteration, on the root itself.
+GNO_INLINE float squareRoot(float x) {
+  if (!(x > 1e-37f)) return 0.0f;
+  GNO_PRECISE float inverse = inverseRoot(x);
   GNO_PRECISE float root = x * inverse;
   root = root + 0.5f * inverse * (x - root * root);
   return root;

@@ -22,17 +22,30 @@ GNO_INLINE float glossyLobe(float cosine, float roughness) {
   GNO_PRECISE float square = alpha * alpha;
   GNO_PRECISE float cosineSquare = cosine * cosine;
   GNO_PRECISE float t = cosineSquare * square + (1.0f - cosineSquare);
-  GNO_PRECISE float shadowing = squareRoot(cosineSquare + square * (1.0f - cosineSquare));
-  GNO_PRECISE float result = quotient(square, 4.0f * t * t * shadowing);
+  GNO_PRECISE float tSquare = t * t;
+  GNO_PRECISE float shadowing = cosineSquare + square * (1.0f - cosineSquare);  // its square
+  GNO_PRECISE float result = 0.25f * square * inverseRoot(tSquare * tSquare * shadowing);
   return result;
 }
 
-// Share of a beam's energy that a surface reflects; `cosIncidence` is 1 if the surface is square to the beam.
-GNO_INLINE float reflected(Optics4 optics, float cosIncidence) {
+// Share of a beam's energy that a surface without gloss reflects; `cosIncidence` is 1 if the surface is square to the
+// beam.
+GNO_INLINE float reflectedDiffusely(Optics4 optics, float cosIncidence) {
   GNO_PRECISE float cosine = min(abs(cosIncidence), 1.0f);
   GNO_PRECISE float result = (optics.reflection.x + optics.reflection.w) * cosine;
-  if (optics.reflection.y > 0.0f) result = result + optics.reflection.y * glossyLobe(cosine, optics.reflection.z);
   return result;
+}
+
+// The same for a surface with gloss.
+GNO_INLINE float reflectedGlossily(Optics4 optics, float cosIncidence) {
+  GNO_PRECISE float lobe = glossyLobe(min(abs(cosIncidence), 1.0f), optics.reflection.z);
+  GNO_PRECISE float result = reflectedDiffusely(optics, cosIncidence) + optics.reflection.y * lobe;
+  return result;
+}
+
+// The same for any surface.
+GNO_INLINE float reflected(Optics4 optics, float cosIncidence) {
+  return optics.reflection.y > 0.0f ? reflectedGlossily(optics, cosIncidence) : reflectedDiffusely(optics, cosIncidence);
 }
 
 // Share of the light from behind a transmitting surface that returns: the light passes the surface twice.
