@@ -622,6 +622,22 @@ TEST_CASE("validate refuses invalid sensors") {
   CHECK(codeOf([&] { validate(sensor); }) == ErrorCode::invalidArgument);
 }
 
+TEST_CASE("a sensor whose range is not set is refused, unless each laser has its own") {
+  Sensor sensor = small();
+  sensor.rangeMin = sensor.rangeMax = 0;
+  CHECK_THROWS_WITH(validate(sensor), ContainsSubstring("range max is 0 m"));
+  for (Channel& channel : sensor.channels) channel.rangeMax = 20;
+  CHECK_NOTHROW(validate(sensor));
+  Sensor list;
+  list.name = "list";
+  list.patterns.emplace_back();
+  CHECK_NOTHROW(validate(list));  // it has no beams
+  list.patterns[0].directions = {{1, 0, 0}};
+  CHECK_THROWS_WITH(validate(list), ContainsSubstring("range max is 0 m"));
+  list.patterns[0].rangeMax = {5};
+  CHECK_NOTHROW(validate(list));
+}
+
 TEST_CASE("a sensor is found by its name in any case, and an unknown name lists the known ones") {
   CHECK(builtinSensor("hdl-64e").name == "HDL-64E");
   CHECK(codeOf([] { builtinSensor("HDL-65"); }) == ErrorCode::invalidArgument);

@@ -116,6 +116,14 @@ void checkPatterns(const Sensor& sensor) {
   }
 }
 
+/// Whether there are beams for which the sensor's own ranges count.
+bool hasBeamsWithoutRanges(const Sensor& sensor) {
+  const auto isWithout = [](const Channel& channel) { return channel.rangeMax == 0; };
+  const auto areWithout = [](const BeamList& list) { return list.rangeMax.empty() && list.size() > 0; };
+  return sensor.isGrid() ? std::any_of(sensor.channels.begin(), sensor.channels.end(), isWithout)
+                         : std::any_of(sensor.patterns.begin(), sensor.patterns.end(), areWithout);
+}
+
 }  // namespace
 
 void validate(const Sensor& sensor) {
@@ -130,6 +138,8 @@ void validate(const Sensor& sensor) {
     refuse(sensor,
            "range min " + std::to_string(sensor.rangeMin) + " is beyond range max " + std::to_string(sensor.rangeMax));
   }
+  if (sensor.rangeMax == 0 && hasBeamsWithoutRanges(sensor))
+    refuse(sensor, "range max is 0 m, so no hit would count; set it to the farthest range that the sensor measures");
   for (double divergence : {sensor.divergenceHorizontal, sensor.divergenceVertical}) {
     if (!(divergence >= 0 && divergence <= 0.1)) {
       refuse(sensor, "divergence must be within 0..100 mrad, is " + std::to_string(1000 * divergence));
