@@ -38,7 +38,7 @@ TEST_CASE("a wrong call ends with status 2 and lists the choices") {
   checkRefused("town", 2, "--output");
 }
 
-TEST_CASE("--set takes every option of the table, on every command that makes a simulator") {
+TEST_CASE("scan, plan and accuracy take every option by --set; drives name the place for it") {
   checkRefused("scan floor.obj --set binning=lists", 2,
                "--set: no option is called 'binning'; there is tuning.binning");
   checkRefused("plan floor.obj --set accuracy=rough", 2, "--set: accuracy must be paper, draft, standard or exact");
