@@ -56,7 +56,10 @@ void loadMotion() {
 #undef shells
 #undef parameters
 #undef motion
-using CallerBuffer = uvec2;  // no kernel of CUDA reads it
+using CallerMemory = const uint*;
+struct CallerBuffer {
+  CallerMemory memory;
+};
 #define ARRAY(access_, type_, name_) type_* name_ = reinterpret_cast<type_*>(job.addresses.name_);
 #define BLOCK(access_, type_, name_) type_* name_##At = reinterpret_cast<type_*>(job.addresses.name_);
 GNO_ARRAYS(BLOCK, ARRAY)

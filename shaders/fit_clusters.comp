@@ -15,7 +15,8 @@
 layout(local_size_x = 64) in;
 
 const uint kMostSubgroups = gl_WorkGroupSize.x / 4;
-shared vec3 lows[kMostSubgroups], highs[kMostSubgroups];
+shared vec3 lows[kMostSubgroups];
+shared vec3 highs[kMostSubgroups];
 
 // The mesh that the workgroup is at: its number in vertexSources, and the caller's buffer.
 uint sourceNumber;
@@ -33,7 +34,7 @@ vec3 vertexOfMesh(uint number) {
   uvec3 bits = uvec3(halfWord(place), halfWord(place + 2), halfWord(place + 4));
   vec3 value = vec3(bits);
   if (source.format == kVertexS16) value = vec3(ivec3(bits << 16) >> 16);
-  if (source.format == kVertexSnorm16) value = vec3(max(ivec3(bits << 16) >> 16, -32767));
+  if (source.format == kVertexSnorm16) value = vec3(max(ivec3(bits << 16) >> 16, ivec3(-32767)));
   precise vec3 position = value * source.scale + source.offset;
   return position;
 }

@@ -71,6 +71,14 @@ struct PairsMatrix {
   Pairs of[3];
 };
 
+PairsMatrix matrixOf(Pairs a, Pairs b, Pairs c) {
+  PairsMatrix matrix;
+  matrix.of[0] = a;
+  matrix.of[1] = b;
+  matrix.of[2] = c;
+  return matrix;
+}
+
 // Returns a matrix times the vector `a`, as the sum of the matrix's columns, each times one number of `a`; with rows in
 // place of columns it is the transposed matrix that is multiplied.
 Pairs combined(PairsMatrix matrix, Pairs a) {
@@ -81,5 +89,5 @@ Pairs combined(PairsMatrix matrix, Pairs a) {
 PairsMatrix transposed(PairsMatrix matrix) {
   mat3 high = transpose(mat3(matrix.of[0].high, matrix.of[1].high, matrix.of[2].high));
   mat3 low = transpose(mat3(matrix.of[0].low, matrix.of[1].low, matrix.of[2].low));
-  return PairsMatrix(Pairs[3](Pairs(high[0], low[0]), Pairs(high[1], low[1]), Pairs(high[2], low[2])));
+  return matrixOf(Pairs(high[0], low[0]), Pairs(high[1], low[1]), Pairs(high[2], low[2]));
 }

@@ -21,30 +21,28 @@ struct Placement {
 };
 
 Placement placementOf(TransformSource source, CallerMemory memory, uint number) {
-  uint first = number * (source.stride / 4);
-  mat4x3 columns;
-  for (uint column = 0; column < 4; ++column)
-    for (uint row = 0; row < 3; ++row)
-      columns[column][row] =
-          uintBitsToFloat(memory.at[first + (source.byColumns != 0 ? 4 * column + row : 4 * row + column)]);
-  return Placement(mat3(columns), columns[3]);
+  uint first = number * (source.stride / 4), step = source.byColumns != 0 ? 1 : 4, nextColumn = 5 - step;
+  vec3 columns[4];
+  for (uint column = 0; column < 4; ++column) {
+    uint at = first + column * nextColumn;
+    columns[column] = uintBitsToFloat(uvec3(memory.at[at], memory.at[at + step], memory.at[at + 2 * step]));
+  }
+  return Placement(mat3(columns[0], columns[1], columns[2]), columns[3]);
 }
 
 // With the rotation R to the sensor, the linear part M, the instance's origin t in the world's axes as seen from the
 // sensor, and the pivot p: R (M x + t) = R M (x - p) + R (M p + t).
 Instance composed(TransformSource source, Placement placement, Pairs meshOrigin, uint number) {
-  PairsMatrix toSensor = PairsMatrix(Pairs[3](Pairs(source.row0, source.row0Low), Pairs(source.row1, source.row1Low),
-                                              Pairs(source.row2, source.row2Low)));
-  PairsMatrix columns =
-      PairsMatrix(Pairs[3](pairs(placement.columns[0]), pairs(placement.columns[1]), pairs(placement.columns[2])));
+  PairsMatrix toSensor = matrixOf(Pairs(source.row0, source.row0Low), Pairs(source.row1, source.row1Low),
+                                  Pairs(source.row2, source.row2Low));
+  PairsMatrix columns = matrixOf(pairs(placement.columns[0]), pairs(placement.columns[1]), pairs(placement.columns[2]));
   PairsMatrix rows = transposed(columns), turned;
   for (int k = 0; k < 3; ++k) turned.of[k] = combined(rows, toSensor.of[k]);
   Pairs shift = plus(plus(Pairs(source.shift, source.shiftLow), pairs(placement.shift)), combined(columns, meshOrigin));
 
   // The inverse of the linear part, times the determinant.
-  PairsMatrix inverse = transposed(PairsMatrix(Pairs[3](crossOf(columns.of[1], columns.of[2]),
-                                                        crossOf(columns.of[2], columns.of[0]),
-                                                        crossOf(columns.of[0], columns.of[1]))));
+  PairsMatrix inverse = transposed(matrixOf(crossOf(columns.of[1], columns.of[2]), crossOf(columns.of[2], columns.of[0]),
+                                            crossOf(columns.of[0], columns.of[1])));
   Pairs volume = each(combined(inverse, columns.of[0]), 0);
   vec3 pivot = -over(combined(inverse, shift), volume).high;
   // A transform that flattens the mesh has no inverse.

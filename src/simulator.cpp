@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "base/limits.hpp"
 #include "base/room.hpp"
 #include "base/slots.hpp"
 #include "effects/sensor_plan.hpp"
@@ -25,9 +26,6 @@ namespace gnosphere {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// The limit that validate(scene) checks: the top bit of a triangle number has another use.
-constexpr uint64_t kMostPlacedTriangles = (uint64_t{1} << 31) - 1;
 
 // The arrays of a result that failed are of no size in particular, so it is made empty.
 template <typename Result>
@@ -275,10 +273,7 @@ class Simulator::Impl {
     meshes_.check(mesh);
     const size_t index = instances_.next();
     validate(transform, index);
-    const uint64_t placed = placedTriangles_ + trianglesOf(mesh);
-    if (placed > kMostPlacedTriangles)
-      throw Error(ErrorCode::invalidArgument, "the scene would place " + std::to_string(placed) +
-                                                  " triangles; the limit is " + std::to_string(kMostPlacedTriangles));
+    limits::kTriangles.check(placedTriangles_ + trianglesOf(mesh), "the scene would place");
     reserveInstance();
     backend_->setInstance(index, mesh, transform, world);
     return keep(mesh, classId, world);

@@ -6,8 +6,10 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
+#include "base/limits.hpp"
 #include "drive/formats/format.hpp"
 #include "effects/effect_table.hpp"
+#include "effects/parameters.h"
 #include "folder.hpp"
 #include "gnosphere/error.hpp"
 #include "option_table.hpp"
@@ -77,6 +79,24 @@ TEST_CASE("an assignment sets an option of a simulator or of a sensor's request"
   assign(request, "ignored_instances=[3,4]");
   CHECK(request.variableWeather);
   CHECK(request.ignoredInstances == std::vector<uint32_t>{3, 4});
+}
+
+TEST_CASE("docs/limits.md has the table of limits, and the kernels keep to it") {
+  std::string table;
+  for (const Limit* limit : limits::kAll)
+    table += "| " + std::to_string(limit->most) + " " + limit->what + " | " + limit->beyond + " |\n";
+  INFO("The table must be\n" << table);
+  CHECK(bytesOf(kSource + "/docs/limits.md").find("|---|---|\n" + table + "\n") != std::string::npos);
+  CHECK(limits::kLayers.most == gpu::kMaxLayers);
+  CHECK(limits::kEchoes.most == gpu::kMaxEchoes);
+  CHECK(limits::kCoordinate.holds(gpu::kCoordinateLimit));
+  CHECK_FALSE(limits::kCoordinate.holds(1.0001 * gpu::kCoordinateLimit));
+}
+
+TEST_CASE("a count beyond a limit is an error that names whose it is and the limit") {
+  CHECK_NOTHROW(limits::kFrames.check(16, "it has"));
+  CHECK_THROWS_MATCHES(limits::kFrames.check(17, "it has"), Error,
+                       Message("it has 17 frames in flight of a recorder; the limit is 16"));
 }
 
 TEST_CASE("every option can be read, and every word of a choice set") {

@@ -10,12 +10,10 @@
 #define GNO_DEVICE __device__ __forceinline__
 #define GNO_DONT_UNROLL _Pragma("unroll 1")
 #define GNO_UNROLL _Pragma("unroll")
-#define GNO_UNROLL_RAYS _Pragma("unroll (RAYS <= 19 ? RAYS : 1)")
 #else
 #define GNO_DEVICE inline
 #define GNO_DONT_UNROLL
 #define GNO_UNROLL
-#define GNO_UNROLL_RAYS
 #endif
 
 namespace gnosphere::cuda {
@@ -104,6 +102,10 @@ struct mat3 {
   GNO_DEVICE mat3(vec3 a, vec3 b, vec3 c) : columns{a, b, c} {}
   GNO_DEVICE vec3 operator[](uint i) const { return columns[i]; }
 };
+
+GNO_DEVICE mat3 transpose(const mat3& m) {
+  return {vec3(m[0].x, m[1].x, m[2].x), vec3(m[0].y, m[1].y, m[2].y), vec3(m[0].z, m[1].z, m[2].z)};
+}
 
 template <typename V>
 concept Vector = requires {
@@ -266,6 +268,9 @@ GNO_DEVICE uvec3 floatBitsToUint(vec3 v) {
 }
 GNO_DEVICE float uintBitsToFloat(uint x) {
   return __builtin_bit_cast(float, x);
+}
+GNO_DEVICE vec3 uintBitsToFloat(uvec3 v) {
+  return uvec3::zip([](uint p) { return uintBitsToFloat(p); }, v);
 }
 GNO_DEVICE uint64_t packUint2x32(uvec2 v) {
   return uint64_t{v.y} << 32 | v.x;

@@ -13,11 +13,28 @@
 #endif
 #include GNO_INVOCATIONS
 
-// Footprints with more than 19 sub-rays use real loops: their arrays do not fit in registers anyway.
-#define EACH_RAY(do_)                                     \
-  GNO_UNROLL_RAYS for (uint ray = 0; ray < RAYS; ++ray) { \
+// Footprints with more than 19 sub-rays use real loops: their arrays do not fit in registers anyway. nvcc does not
+// unroll the others by itself, so they are the unrolled ones of each_ray.glsl. The host compiles loops in a fraction of
+// the time.
+#define GNO_LOOP_OF_RAYS(do_)                             \
+  GNO_DONT_UNROLL for (uint ray = 0; ray < RAYS; ++ray) { \
     do_(ray)                                              \
   }
+#ifdef __CUDACC__
+#define EACH_RAY(do_)                 \
+  if constexpr (RAYS > 19) {          \
+    GNO_LOOP_OF_RAYS(do_)             \
+  } else {                            \
+    do_(0u) if constexpr (RAYS > 1) { \
+      RAYS_TO_7(do_)                  \
+    }                                 \
+    if constexpr (RAYS > 7) {         \
+      RAYS_TO_19(do_)                 \
+    }                                 \
+  }
+#else
+#define EACH_RAY(do_) GNO_LOOP_OF_RAYS(do_)
+#endif
 #define INT64_ATOMICS
 #define FLOAT64
 #define GNO_OPTION(type_, name_) const type_ name_ = job.options.name_
@@ -70,9 +87,12 @@ struct Footprints {
   }
 };
 
-template <uint kLayers>
-struct Layers {
-  static GNO_DEVICE void fix(Options& options) { options.LAYERS = kLayers; }
+template <uint kPass, uint kLayers>
+struct FootprintPass {
+  static GNO_DEVICE void fix(Options& options) {
+    options.PASS = kPass;
+    options.LAYERS = kLayers;
+  }
 };
 
 #ifdef __CUDACC__
@@ -174,6 +194,25 @@ struct effects {
 #include "glsl/effects.comp"
 };
 
+// Only Vulkan devices read and write buffers of the caller; the tests run these kernels on the host.
+#ifdef GNO_CALLERS_BUFFERS
+struct records {
+  const Job& job;
+#include "glsl/records.comp"
+};
+#define OUTSIDE_OF_SCANS
+struct fit_clusters {
+  const Job& job;
+#include "glsl/fit_clusters.comp"
+};
+
+struct place_instances {
+  const Job& job;
+#include "glsl/place_instances.comp"
+};
+#undef OUTSIDE_OF_SCANS
+#endif
+
 // Handles every pair of INSIDE and RANGE that accuracyPartsOf() and validate(AccuracyParts) allow. Effects of lines are
 // planned for the standard pair alone.
 template <typename Stage>
@@ -190,11 +229,18 @@ void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
           : launch<Stage, Lines<kInsideWatertight, kRangeEdgeWeights>>(job, groupsX, groupsY);
 }
 
-// Launches the kernel for kRays sub-rays, for one layer or for up to kMaxLayers.
+// Launches the kernel for kRays sub-rays. Each pass is a kernel of its own, because the first and the others have
+// little in common, and together they have too few registers.
 template <uint kRays>
 void launchFootprint(const Job& job, uint32_t groupsX, uint32_t groupsY) {
-  job.options.LAYERS == 1 ? launch<effects_footprint<kRays>, Layers<1>>(job, groupsX, groupsY)
-                          : launch<effects_footprint<kRays>, Layers<kMaxLayers>>(job, groupsX, groupsY);
+  using Stage = effects_footprint<kRays>;
+  switch (job.options.PASS) {
+    case kPassOthers: return launch<Stage, FootprintPass<kPassOthers, 1>>(job, groupsX, groupsY);
+    case kPassPanesToo: return launch<Stage, FootprintPass<kPassPanesToo, kMaxLayers>>(job, groupsX, groupsY);
+    default:
+      job.options.LAYERS == 1 ? launch<Stage, FootprintPass<kPassWithinOne, 1>>(job, groupsX, groupsY)
+                              : launch<Stage, FootprintPass<kPassWithinOne, kMaxLayers>>(job, groupsX, groupsY);
+  }
 }
 
 }  // namespace
@@ -226,9 +272,15 @@ void launch(Kernel kernel, const Job& job, uint32_t groupsX, uint32_t groupsY) {
       }
     case Kernel::effects_panes: return launch<effects_panes>(job, groupsX, groupsY);
     case Kernel::effects: return launch<effects>(job, groupsX, groupsY);
+#ifdef GNO_CALLERS_BUFFERS
+    case Kernel::fit_clusters: return launch<fit_clusters>(job, groupsX, groupsY);
+    case Kernel::place_instances: return launch<place_instances>(job, groupsX, groupsY);
+    case Kernel::records: return launch<records>(job, groupsX, groupsY);
+#else
     case Kernel::fit_clusters:
     case Kernel::place_instances:
-    case Kernel::records: return;  // only Vulkan devices read and write buffers of the caller
+    case Kernel::records: return;
+#endif  // only Vulkan devices read and write buffers of the caller
   }
 }
 

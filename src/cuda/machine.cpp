@@ -95,8 +95,12 @@ class CudaMachine final : public Machine {
 
 }  // namespace
 
+std::unique_ptr<Machine> makeMachine(const SimulatorOptions& options) {
+  return std::make_unique<CudaMachine>(options);
+}
+
 std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options) {
-  return makeDeviceBackend(std::make_unique<CudaMachine>(options), scene, sensors, options);
+  return makeDeviceBackend(makeMachine(options), scene, sensors, options);
 }
 
 }  // namespace gnosphere::cuda

@@ -3,11 +3,10 @@
 
 #include <cmath>
 
+#include "base/limits.hpp"
+
 namespace gnosphere {
 namespace {
-
-// Largest number of sub-rays of any footprint module.
-constexpr size_t kMostSubRays = 61;
 
 template <typename T>
 EffectsArray table(gpu::Array array, const std::vector<T>& content) {
@@ -20,7 +19,7 @@ std::vector<gpu::vec4> subRayLines(const SensorPlan& plan) {
   std::vector<gpu::vec4> lines;
   for (const SubRay& ray : plan.subRays)
     lines.push_back({ray.u, ray.v, ray.weight, std::sqrt(1 + ray.u * ray.u + ray.v * ray.v)});
-  lines.resize(kMostSubRays, {0, 0, 0, 1});
+  lines.resize(limits::kSubRays.most, {0, 0, 0, 1});
   return lines;
 }
 

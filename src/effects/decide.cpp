@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "effects/decide.hpp"
 
+#include "base/limits.hpp"
 #include "effects/bits.h"
 #include "effects/effect_table.hpp"
-#include "gnosphere/error.hpp"
 
 namespace gnosphere {
 namespace {
@@ -120,9 +120,9 @@ void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Deci
 
 void checkSubRays(const SimulatorOptions& options, const Effects& effects) {
   const uint32_t asked = effects.divergence.subRays;
-  if (options.device.kind == DeviceChoice::Kind::reference || asked <= kMostSubRays) return;
+  if (options.device.kind == DeviceChoice::Kind::reference || asked <= limits::kSubRays.most) return;
   refuseRequest("divergence.sub_rays is " + std::to_string(asked) + ", but a device takes at most " +
-                std::to_string(kMostSubRays) + "; only the reference takes more");
+                std::to_string(limits::kSubRays.most) + "; only the reference takes more");
 }
 
 uint32_t bitsOf(const std::vector<Plan::Decision>& decisions) {

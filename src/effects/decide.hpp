@@ -22,8 +22,6 @@ std::vector<Plan::Decision> decide(const SensorRequest& request, const Scene& sc
 /// Leaves out effects that the device or the accuracy does not support; throws Error(invalidArgument) if one is on.
 void leaveOutUnsupported(const SimulatorOptions& options, std::vector<Plan::Decision>& decisions);
 
-/// Most sub-rays of a beam on a device; the reference has no such limit.
-inline constexpr uint32_t kMostSubRays = 61;
 /// Throws Error(invalidArgument) if a footprint has more sub-rays than the device takes.
 void checkSubRays(const SimulatorOptions& options, const Effects& effects);
 

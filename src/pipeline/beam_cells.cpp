@@ -7,8 +7,8 @@
 #include <numbers>
 #include <tuple>
 
+#include "base/limits.hpp"
 #include "base/threads.hpp"
-#include "gnosphere/error.hpp"
 #include "pipeline/tuning.hpp"
 #include "sensor/beams.hpp"
 
@@ -16,8 +16,7 @@ namespace gnosphere {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi, kDegree = std::numbers::pi / 180;
-constexpr uint64_t kMostBeams = 0x7fffffffu;
-constexpr uint32_t kMostRows = 65535, kMostCellColumns = 1 << 22;
+constexpr uint32_t kMostCellColumns = 1 << 22;
 constexpr uint64_t kCellsPerBeam = 4, kLeastCells = 1 << 16;
 // Fewer beams leave most of the sphere empty. Narrow columns show where; but what is near to scattered lasers may be
 // anywhere, and tries all cells.
@@ -42,14 +41,14 @@ std::vector<size_t> rowEnds(const std::vector<Listed>& beams) {
   std::vector<size_t> ends;
   if (beams.empty()) return ends;
   double lowest = beams[0].elevation;
-  for (size_t i = 1; i <= beams.size() && ends.size() <= kMostRows; ++i) {
+  for (size_t i = 1; i <= beams.size() && ends.size() <= limits::kChannels.most; ++i) {
     const bool same = i < beams.size() && beams[i].elevation - beams[i - 1].elevation <= kSameElevation &&
                       beams[i].elevation - lowest <= 4 * kSameElevation;
     if (same) continue;
     ends.push_back(i);
     if (i < beams.size()) lowest = beams[i].elevation;
   }
-  if (ends.size() <= kMostRows && ends.size() * kBeamsPerElevation <= beams.size()) return ends;
+  if (ends.size() <= limits::kChannels.most && ends.size() * kBeamsPerElevation <= beams.size()) return ends;
   // A band of the sphere that is as high as a cell is wide, if the beams are spread evenly.
   const auto [least, most] = std::minmax_element(
       beams.begin(), beams.end(), [](const Listed& a, const Listed& b) { return a.azimuth < b.azimuth; });
@@ -57,7 +56,7 @@ std::vector<size_t> rowEnds(const std::vector<Listed>& beams) {
   const double up = std::max(beams.back().elevation - beams.front().elevation, 1e-6);
   const double count = static_cast<double>(beams.size());
   const auto rows = static_cast<size_t>(
-      std::clamp(std::round(std::sqrt(count * up / across)), 1.0, std::min(count, double{kMostRows})));
+      std::clamp(std::round(std::sqrt(count * up / across)), 1.0, std::min(count, double(limits::kChannels.most))));
   ends.clear();
   for (size_t row = 1; row <= rows; ++row) {
     size_t end = beams.size() * row / rows;
@@ -219,7 +218,8 @@ void finishPlaces(const Sensor& sensor, uint64_t frame, BeamTables& tables) {
 bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>& beams,
                  const std::vector<size_t>& ends, uint32_t columns, BeamTables& tables) {
   const uint64_t places = uint64_t{columns} * ends.size();
-  if (ends.size() > kMostRows || places > kMostBeams || places > std::max(kLeastCells, kCellsPerBeam * beams.size()))
+  if (ends.size() > limits::kChannels.most || places > limits::kBeams.most ||
+      places > std::max(kLeastCells, kCellsPerBeam * beams.size()))
     return false;
   const double step = kTurn / columns;
   const double first = (beams[0].azimuth / kTurn + 0.5) * columns;
@@ -359,9 +359,6 @@ BeamTables makeRowTables(const Sensor& sensor, const RowGrid& grid, const Origin
 }
 
 BeamTables makeListedTables(const Sensor& sensor, uint64_t frame, const OriginGroup& group, bool mayMap) {
-  if (sensor.beamCount() > kMostBeams)
-    throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " + std::to_string(sensor.beamCount()) +
-                                                " beams; the limit of a list is " + std::to_string(kMostBeams));
   BeamTables tables;
   std::vector<uint32_t> numbers = group.beams;
   // Masked beams have places, too, for their numbers.

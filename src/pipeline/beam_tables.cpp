@@ -6,14 +6,12 @@
 #include <numbers>
 #include <numeric>
 
-#include "gnosphere/error.hpp"
+#include "base/limits.hpp"
 #include "pipeline/tuning.hpp"
 
 namespace gnosphere {
 namespace {
 
-// With more columns neighbouring ones may get the same direction, because directions are floats.
-constexpr uint32_t kMostSensorColumns = 1 << 25;
 constexpr double kRadians = std::numbers::pi / 180;
 
 std::vector<gpu::Row> makeRows(const Sensor& sensor) {
@@ -69,13 +67,8 @@ uint32_t BeamTables::numberOf(uint32_t index) const {
 }
 
 BeamTables makeBeamTables(const Sensor& sensor) {
-  if (sensor.channels.size() > 65535)
-    throw Error(
-        ErrorCode::invalidArgument,
-        "sensor '" + sensor.name + "' has " + std::to_string(sensor.channels.size()) + " channels; the limit is 65535");
-  if (sensor.columns > kMostSensorColumns)
-    throw Error(ErrorCode::invalidArgument, "sensor '" + sensor.name + "' has " + std::to_string(sensor.columns) +
-                                                " columns; the limit is " + std::to_string(kMostSensorColumns));
+  limits::kChannels.check(sensor.channels.size(), "sensor '" + sensor.name + "' has");
+  limits::kColumns.check(sensor.columns, "sensor '" + sensor.name + "' has");
   BeamTables tables;
   tables.rows = makeRows(sensor);
   setRowLookup(tables);

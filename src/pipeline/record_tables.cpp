@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "gnosphere/error.hpp"
+#include "base/limits.hpp"
 #include "scan/fields.hpp"
 #include "scan/layout.hpp"
 #include "sensor/beams.hpp"
@@ -146,7 +146,7 @@ void checkLayout(const SensorPlan& plan) {
   if (asks(plan.layout, {Field::tie, Field::tolerance}))
     throw Error(ErrorCode::invalidArgument, "the record layout: only the device 'reference' has 'tie' and 'tolerance'");
   for (const RecordLayout::Value& value : plan.layout.values)
-    if (std::max({value.offset, value.stride, plan.layout.stride}) > 0x7fffffffu)
+    if (std::max({value.offset, value.stride, plan.layout.stride}) > limits::kMostNumber)
       throw Error(ErrorCode::invalidArgument, "the record layout: offsets and strides on a device have 31 bits");
   if (plan.sensor.beamCount() == 0)
     throw Error(ErrorCode::invalidArgument, "sensor '" + plan.sensor.name + "' has no beams");
@@ -154,7 +154,7 @@ void checkLayout(const SensorPlan& plan) {
     throw Error(ErrorCode::invalidArgument,
                 "sensor '" + plan.sensor.name +
                     "': with deskew the incidence is known only on the host; leave it out of the layout");
-  if (plan.sensor.beamCount() * plan.returns > 0x7fffffffu)
+  if (plan.sensor.beamCount() * plan.returns > limits::kEntries.most)
     throw Error(ErrorCode::invalidArgument,
                 "sensor '" + plan.sensor.name + "' has more returns than 31 bits can number, as a layout needs");
 }

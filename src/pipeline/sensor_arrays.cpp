@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "gnosphere/error.hpp"
+#include "base/limits.hpp"
 #include "pipeline/beam_cells.hpp"
 #include "pipeline/scene_arrays.hpp"
 #include "scan/layout.hpp"
@@ -19,7 +19,7 @@ namespace {
 using gpu::Array;
 
 // Kernels hold indices in 32 bits, and the top bit is a sign when an array is addressed.
-constexpr uint64_t kMostEntries = 0x7fffffffu;
+constexpr uint64_t kMostEntries = limits::kEntries.most;
 constexpr uint64_t kTileBytes = 4 * sizeof(uint32_t);
 
 // Triangles that a scan has projected, including those for which there was no room.

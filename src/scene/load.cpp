@@ -7,6 +7,7 @@
 #include <cstring>
 #include <new>
 
+#include "base/limits.hpp"
 #include "base/text.hpp"
 #include "scene/readers.hpp"
 
@@ -72,9 +73,9 @@ Scene readScene(SceneFormat format, Bytes bytes, const Source& source) {
                   : format == SceneFormat::obj ? readObj(bytes, source)
                   : format == SceneFormat::ply ? readPly(bytes, source)
                                                : readStl(bytes, source);
-    const size_t placed = scene.placedTriangleCount();
-    if (placed >= (size_t{1} << 31))
-      source.fail("it places " + std::to_string(placed) + " triangles; the limit is 2147483647");
+    if (const size_t placed = scene.placedTriangleCount(); placed > limits::kTriangles.most)
+      source.fail("it places " + std::to_string(placed) + " triangles; the limit is " +
+                  std::to_string(limits::kTriangles.most));
     return scene;
   } catch (const Error&) {
     throw;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "gnosphere/error.hpp"
+#include "base/limits.hpp"
 #include "scene/validate.hpp"
 
 namespace gnosphere {
@@ -61,12 +61,6 @@ Bounds worldBounds(const Scene& scene) {
 
 namespace {
 
-// Devices store the number of a joint in 16 bits.
-constexpr uint32_t kMostJoints = 65536;
-
-// Devices number the joints of a cluster in 11 bits.
-constexpr uint32_t kMostInfluences = 16;
-
 [[noreturn]] void fail(const std::string& what) {
   throw Error(ErrorCode::invalidArgument, what);
 }
@@ -83,14 +77,11 @@ namespace {
 
 void checkJoints(const Mesh& mesh, const std::string& name) {
   const size_t expected = mesh.vertexCount() * mesh.influences;
-  if (mesh.jointCount > kMostJoints)
-    fail(name + ": it has " + std::to_string(mesh.jointCount) + " joints; the limit is " + std::to_string(kMostJoints));
+  limits::kJoints.check(mesh.jointCount, name + ": it has");
   if ((mesh.jointCount > 0) != (mesh.influences > 0))
     fail(name + ": " + std::to_string(mesh.jointCount) + " joints and " + std::to_string(mesh.influences) +
          " influences per vertex; both must be 0 or both more");
-  if (mesh.influences > kMostInfluences)
-    fail(name + ": it has " + std::to_string(mesh.influences) + " influences per vertex; the limit is " +
-         std::to_string(kMostInfluences));
+  limits::kInfluences.check(mesh.influences, name + ": it has");
   if (mesh.joints.size() != expected || mesh.jointWeights.size() != expected)
     fail(name + ": " + std::to_string(mesh.vertexCount()) + " vertices with " + std::to_string(mesh.influences) +
          " influences each need " + std::to_string(expected) + " joints and weights, there are " +
@@ -182,8 +173,7 @@ void validate(const Scene& scene) {
       if (!std::isfinite(value)) fail("instance " + std::to_string(i) + ": its transform is not finite");
     placed += scene.meshes[instance.mesh].triangleCount();
   }
-  if (placed >= (uint64_t{1} << 31))
-    fail("the scene places " + std::to_string(placed) + " triangles; the limit is 2147483647");
+  limits::kTriangles.check(placed, "the scene places");
   validateAnimation(scene);
 }
 

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/limits.hpp"
+
 namespace gnosphere {
 namespace {
 
-constexpr double kMostPlaces = 0x7fffffff, kPlacesPerBeam = 4, kFewPlaces = 1 << 16;
+constexpr double kPlacesPerBeam = 4, kFewPlaces = 1 << 16;
 // Columns that differ by less are at one place, and a phase that differs by less turns from a whole column is one.
 constexpr double kSamePlace = 1e-9, kSameTurn = 3e-11;
 
@@ -48,7 +50,7 @@ bool RowGrid::staggered() const {
 }
 
 std::optional<RowGrid> rowGridOf(const Sensor& sensor) {
-  if (!sensor.isGrid() || sensor.beamCount() == 0 || sensor.channels.size() > 65535) return {};
+  if (!sensor.isGrid() || sensor.beamCount() == 0 || sensor.channels.size() > limits::kChannels.most) return {};
   RowGrid grid;
   grid.taken = sensor.columns;
   grid.clockwise = sensor.azimuthSpanDeg < 0;
@@ -59,7 +61,9 @@ std::optional<RowGrid> rowGridOf(const Sensor& sensor) {
   const double turn = 360 * (sensor.columns / span), whole = std::round(turn);
   const bool divides = std::abs(turn - whole) * sensor.columns < kSamePlace * turn;
   const double columns = divides ? whole : std::ceil(turn), places = columns * double(sensor.channels.size());
-  if (places > kMostPlaces || places > std::max(kFewPlaces, kPlacesPerBeam * double(sensor.beamCount()))) return {};
+  if (places > double(limits::kBeams.most) ||
+      places > std::max(kFewPlaces, kPlacesPerBeam * double(sensor.beamCount())))
+    return {};
   grid.columns = static_cast<uint32_t>(columns);
   const double each = divides ? 1 : columns / turn;  // the distance of two columns, in places
   grid.stretch = divides ? 0 : (sensor.columns - 1) * (each - 1);

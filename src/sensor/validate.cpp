@@ -3,23 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gnosphere/error.hpp"
+#include "base/limits.hpp"
 #include "gnosphere/sensor.hpp"
 
 namespace gnosphere {
 namespace {
 
-constexpr size_t kMostBeams = 0x7fffffffu;                   // kernels number beams in 31 bits
-constexpr double kMostOrigin = 1, kMostListedOrigin = 1000;  // metres
-constexpr double kMostSeconds = 10;
+std::string nameOf(const Sensor& sensor) {
+  return "sensor " + (sensor.name.empty() ? "without a name" : sensor.name);
+}
 
 [[noreturn]] void refuse(const Sensor& sensor, const std::string& why) {
-  throw Error(ErrorCode::invalidArgument,
-              "sensor " + (sensor.name.empty() ? "without a name" : sensor.name) + ": " + why);
+  throw Error(ErrorCode::invalidArgument, nameOf(sensor) + ": " + why);
 }
 
 std::string coordinates(const Vec3& v) {
   return std::string("[") + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + "]";
+}
+
+double square(const Vec3& v) {
+  return v.x * v.x + v.y * v.y + v.z * v.z;
 }
 
 void checkChannel(const Sensor& sensor, size_t j) {
@@ -31,9 +34,8 @@ void checkChannel(const Sensor& sensor, size_t j) {
     refuseIts("elevation", "within -90..90 degrees, is " + std::to_string(channel.elevationDeg));
   if (!(std::abs(channel.azimuthOffsetDeg) <= 360))
     refuseIts("azimuth offset", "within -360..360 degrees, is " + std::to_string(channel.azimuthOffsetDeg));
-  const Vec3& o = channel.origin;
-  if (!(o.x * o.x + o.y * o.y + o.z * o.z <= kMostOrigin * kMostOrigin))
-    refuseIts("origin", "within 1 m of the sensor's, is " + coordinates(o));
+  if (!limits::kOrigin.holds(std::sqrt(square(channel.origin))))
+    refuseIts("origin", "within 1 m of the sensor's, is " + coordinates(channel.origin));
   if (!(std::abs(channel.timeOffset) <= 1))
     refuseIts("time offset", "within -1..1 s, is " + std::to_string(channel.timeOffset));
   for (const double range : {channel.rangeMin, channel.rangeMax})
@@ -43,9 +45,7 @@ void checkChannel(const Sensor& sensor, size_t j) {
 
 void checkGrid(const Sensor& sensor) {
   if (sensor.columns == 0) refuse(sensor, "columns must be at least 1");
-  if (sensor.beamCount() > kMostBeams)
-    refuse(sensor, std::to_string(sensor.columns) + " columns x " + std::to_string(sensor.channels.size()) +
-                       " channels are more beams than a 31-bit index holds (2147483647)");
+  limits::kBeams.check(sensor.beamCount(), nameOf(sensor) + ": its columns and channels make");
   for (size_t j = 0; j < sensor.channels.size(); ++j) checkChannel(sensor, j);
   if (!(std::abs(sensor.azimuthStartDeg) <= 360))
     refuse(sensor, "azimuth start must be within -360..360 degrees, is " + std::to_string(sensor.azimuthStartDeg));
@@ -82,19 +82,18 @@ struct Pattern {
 
 void Pattern::check() const {
   if (list.size() == 0) refuse("directions are empty");
-  if (list.size() > kMostBeams) refuse("more beams than a 31-bit index holds (2147483647)");
+  limits::kBeams.check(list.size(), nameOf(sensor) + ": " + name + "it has");
   if (list.size() != sensor.patterns[0].size())
     refuse("has " + std::to_string(list.size()) + " beams, pattern 0 has " + std::to_string(sensor.patterns[0].size()) +
            "; all patterns must have the same number");
-  const auto square = [](const Vec3& v) { return v.x * v.x + v.y * v.y + v.z * v.z; };
   checkEach(
       "direction", list.directions, [&](const Vec3& d) { return std::abs(std::sqrt(square(d)) - 1) <= 1e-4; },
       "a unit vector");
   checkEach(
-      "origin", list.origins, [&](const Vec3& o) { return square(o) <= kMostListedOrigin * kMostListedOrigin; },
+      "origin", list.origins, [](const Vec3& o) { return limits::kListedOrigin.holds(std::sqrt(square(o))); },
       "within 1 km of the sensor's");
   checkEach(
-      "time", list.times, [](double t) { return t >= 0 && t <= kMostSeconds; }, "within 0..10 s");
+      "time", list.times, [](double t) { return t >= 0 && limits::kSeconds.holds(t); }, "within 0..10 s");
   const auto isRange = [](float range) { return range >= 0 && std::isfinite(range); };
   checkEach("range min", list.rangeMin, isRange, "finite and at least 0");
   checkEach("range max", list.rangeMax, isRange, "finite and at least 0");
@@ -141,16 +140,13 @@ void validate(const Sensor& sensor) {
   if (sensor.rangeMax == 0 && hasBeamsWithoutRanges(sensor))
     refuse(sensor, "range max is 0 m, so no hit would count; set it to the farthest range that the sensor measures");
   for (double divergence : {sensor.divergenceHorizontal, sensor.divergenceVertical}) {
-    if (!(divergence >= 0 && divergence <= 0.1)) {
+    if (!(divergence >= 0 && limits::kDivergence.holds(1000 * divergence)))
       refuse(sensor, "divergence must be within 0..100 mrad, is " + std::to_string(1000 * divergence));
-    }
   }
-  if (sensor.maxReturns < 1 || sensor.maxReturns > 5) {
+  if (sensor.maxReturns < 1 || !limits::kReturns.holds(sensor.maxReturns))
     refuse(sensor, "max returns must be within 1..5, is " + std::to_string(sensor.maxReturns));
-  }
-  if (!(sensor.rotationPeriod >= 0 && sensor.rotationPeriod <= kMostSeconds)) {
+  if (!(sensor.rotationPeriod >= 0 && limits::kSeconds.holds(sensor.rotationPeriod)))
     refuse(sensor, "rotation period must be within 0..10 s, is " + std::to_string(sensor.rotationPeriod));
-  }
 }
 
 }  // namespace gnosphere

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "base/limits.hpp"
 #include "geometry/transform_sources.hpp"
 #include "geometry/vertex_sources.hpp"
-#include "gnosphere/error.hpp"
 #include "gnosphere/vulkan.hpp"
 #include "pipeline/recording.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
-
-constexpr size_t kMostFrames = 16;
 
 /// What a vertex format means: how a device reads it, and the number by which its integers are divided.
 struct Format {
@@ -25,8 +23,8 @@ constexpr Format kFormats[] = {{VK_FORMAT_R32G32B32_SFLOAT, VK_FORMAT_R32G32B32A
 }  // namespace
 
 Recorder::Recorder(Simulator& simulator, size_t framesInFlight) : simulator_(simulator) {
-  if (framesInFlight == 0 || framesInFlight > kMostFrames)
-    throw Error(ErrorCode::invalidArgument, "a recorder has 1 to " + std::to_string(kMostFrames) +
+  if (framesInFlight == 0 || framesInFlight > limits::kFrames.most)
+    throw Error(ErrorCode::invalidArgument, "a recorder has 1 to " + std::to_string(limits::kFrames.most) +
                                                 " frames in flight, not " + std::to_string(framesInFlight));
   Recording nothing;
   simulator_.record(nothing);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #define GNO_MODE parity
+#define GNO_CALLERS_BUFFERS
 #define GNO_INVOCATIONS "lanes/lanes.hpp"
 #include "cuda/kernels.cuh"

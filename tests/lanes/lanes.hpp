@@ -12,6 +12,8 @@
 #define gl_LocalInvocationID (gnosphere::cuda::uvec3(gnosphere::lanes::current->local, 0, 0))
 #define gl_WorkGroupID \
   (gnosphere::cuda::uvec3(gnosphere::lanes::current->group[0], gnosphere::lanes::current->group[1], 0))
+#define gl_GlobalInvocationID \
+  (gnosphere::cuda::uvec3(gl_WorkGroupID.x * gnosphere::lanes::kWorkgroupSize + gnosphere::lanes::current->local, 0, 0))
 #define gl_NumWorkGroups \
   (gnosphere::cuda::uvec3(gnosphere::lanes::current->groups[0], gnosphere::lanes::current->groups[1], 1))
 #define gl_SubgroupID (gnosphere::lanes::current->subgroup)
@@ -78,9 +80,15 @@ T subgroupAdd(T value, CallSite where = CallSite::current()) {
   return combined(
       "subgroupAdd", value, [](T a, T b) { return T(a + b); }, where);
 }
-inline uint subgroupMax(uint value, CallSite where = CallSite::current()) {
+template <typename T>
+T subgroupMin(T value, CallSite where = CallSite::current()) {
   return combined(
-      "subgroupMax", value, [](uint a, uint b) { return max(a, b); }, where);
+      "subgroupMin", value, [](T a, T b) { return min(a, b); }, where);
+}
+template <typename T>
+T subgroupMax(T value, CallSite where = CallSite::current()) {
+  return combined(
+      "subgroupMax", value, [](T a, T b) { return max(a, b); }, where);
 }
 inline uint subgroupOr(uint value, CallSite where = CallSite::current()) {
   return combined(

@@ -7,6 +7,7 @@
 #include "deformable.hpp"
 #include "effects/scan_support.hpp"
 #include "lanes/faults.hpp"
+#include "lanes/recording.hpp"
 #include "lanes/schedule.hpp"
 #include "town/town.hpp"
 
@@ -173,6 +174,70 @@ TEST_CASE("lanes: deformed meshes have the same bytes in any order") {
   const Scene scene = limbs(random, 3);
   TestOptions options = with(Accuracy::exact, Binning::nearest);
   requireAnyOrder(scene, gridSensor(91, 8, -40, 40, 80), options, {standing(), standing(1)});
+}
+
+TEST_CASE("lanes: vertices and transforms of the caller, and records, have the same bytes in any order") {
+  const bool compact = GENERATE(false, true), words = GENERATE(false, true);
+  MeshBuilder walls;
+  walls.box({-20, -20, -3}, {20, 20, 12}, 3);
+  Scene scene = sceneOf(walls.take());
+  scene.meshes.push_back(ball(9, 14, 1.5));
+  scene.instances.push_back({"", 1, translation(6, 1, 0.5)});
+  scene.instances.push_back({"", 1, translation(900, 0, 0)});
+  const Sensor sensor = gridSensor(91, 8, -25, 15, 80);
+  TestOptions options = with(Accuracy::standard, Binning::nearest);
+
+  // The same from the host: the ball is larger, and its second instance is beside the sensor.
+  Scene moved = scene;
+  for (float& value : moved.meshes[1].positions) value *= 2;
+  const std::vector<float> rows = {0.5f, -0.5f, 0, 5, 0.25f, 1, 0, -6, 0, 0, 1.5f, 0.5f};
+  std::copy(rows.begin(), rows.end(), moved.instances[2].transform.rows.begin());
+  CudaOnHost one(moved, {sensor}, options);
+  const Scan expected = one.scan(standing().pose);
+  REQUIRE(std::count(expected.instances.begin(), expected.instances.end(), 2) > 5);
+  RecordLayout layout;
+  layout.compact = compact;
+  // Rows of whole words are written word by word, others byte by byte.
+  const size_t first = words ? 0 : 3;
+  layout.values = {{Field::x, 0, first},
+                   {Field::z, 0, first + 4},
+                   {Field::range, 0, first + 8},
+                   {Field::instance, 0, first + 12, ValueType::u32}};
+  layout.stride = words ? 20 : 21;
+  std::vector<std::byte> packed(layout.stride * expected.ranges.size());
+  packed.resize(layout.stride * pack(expected, layout, packed));
+
+  for (uint64_t seed = 1; seed <= (everyCombination() ? 20 : 2); ++seed)
+    for (const uint32_t size : kSizes) {
+      INFO("seed " << seed << ", subgroups of " << size << " lanes, compact " << compact << ", words " << words);
+      lanes::setOrder({seed, size});
+      SensorPlanner planner(options);
+      SensorRequest request = {sensor, Effects::none()};
+      request.layout = layout;
+      const std::unique_ptr<Backend> backend = makeDeviceBackend(std::make_unique<RecordingMachine>(options), scene,
+                                                                 {planner.plan(scene, request, 0, false)}, options);
+      const CallerBuffer vertices("vertices", moved.meshes[1].positions), transforms("transforms", rows);
+      const CallerBuffer records("records", layout.bytesFor(expected.ranges.size()));
+      const CallerBuffer header("header", sizeof(RecordHeader));
+      backend->setVertices(1, {vertices.address(), vertices.range().bytes, 12});
+      CallerTransforms placed = {transforms.address(), transforms.range().bytes, 48};
+      placed.firstInstance = 2;
+      placed.instances = 1;
+      backend->setTransforms(placed);
+      const Shot shot = standing();
+      const ClassTable classes;
+      RecordHeader said;
+      do {
+        Recording recording;
+        recording.commands = backend.get();  // anything but null
+        recording.scans = {{&shot, records.range(), header.range()}};
+        recording.classes = &classes;
+        backend->record(recording);
+        std::memcpy(&said, header.bytes().data(), sizeof said);
+      } while (said.incomplete != 0);
+      REQUIRE(said.rows * layout.stride == packed.size());
+      CHECK(std::equal(packed.begin(), packed.end(), records.bytes().begin()));
+    }
 }
 
 TEST_CASE("lanes: a few triangles, some of them panes or with holes, have the same bytes in many orders") {
