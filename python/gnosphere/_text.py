@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import enum
-from functools import cache
 from typing import Any
 
 from . import _gnosphere
@@ -30,8 +29,7 @@ def _properties(thing: Any) -> dict[str, str]:
     return {name: _shown(value) for name, value in values.items() if not hasattr(value, "__len__") or len(value)}
 
 
-@cache
-def _new(kind: type) -> dict[str, str]:
+def _new(kind: Any) -> dict[str, str]:
     try:
         return _properties(kind())
     except TypeError:  # it cannot be made of nothing
@@ -44,14 +42,6 @@ def _text(self: Any) -> str:
     return f"{type(self).__name__}({said})"
 
 
-def _give(holder: Any) -> None:
-    for kind in list(vars(holder).values()):
-        if isinstance(kind, type) and kind.__module__.startswith("gnosphere.") and not issubclass(kind, (enum.Enum, Exception)):
-            if "__repr__" not in vars(kind):
-                kind.__repr__ = _text  # type: ignore[method-assign,assignment]
-            _give(kind)
-
-
 def _simulator(self: _gnosphere.Simulator) -> str:
     try:
         return f"Simulator(device={self.device().name!r})"
@@ -59,6 +49,14 @@ def _simulator(self: _gnosphere.Simulator) -> str:
         return "Simulator(at work in another thread)"
 
 
-_gnosphere.Simulator.__repr__ = _simulator  # type: ignore[method-assign]
+def _give(holder: Any) -> None:
+    for kind in list(vars(holder).values()):
+        if not isinstance(kind, type) or not kind.__module__.startswith("gnosphere."):
+            continue
+        if not issubclass(kind, (enum.Enum, Exception)) and "__repr__" not in vars(kind):
+            setattr(kind, "__repr__", _simulator if kind is _gnosphere.Simulator else _text)
+        _give(kind)
+
+
 _give(_gnosphere)
 _give(_gnosphere.drive)
