@@ -6,6 +6,8 @@
 
 #include "deformable.hpp"
 #include "effects/scan_support.hpp"
+#include "geometry/transform_sources.hpp"
+#include "geometry/vertex_sources.hpp"
 #include "lanes/faults.hpp"
 #include "lanes/recording.hpp"
 #include "lanes/schedule.hpp"
