@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The watertight inside test. Every triangle that shares a corner computes the same 2-D point across the beam from it,
-// by the same operations. The sign of a difference of products is never wrong, although the difference may be zero,
-// and zero counts as inside. So no beam slips between triangles (argument of Woop, Benthin and Wald, JCGT 2(1), 2013,
-// in a rotated frame).
+// The watertight test whether a beam is inside a triangle. Every triangle that shares a corner computes the same 2-D
+// point across the beam from it, by the same operations. The sign of a difference of products is never wrong, although
+// the difference may be zero, and zero counts as inside. So no beam slips between triangles (argument of Woop, Benthin
+// and Wald, JCGT 2(1), 2013, in a rotated frame).
 
 // The corners rotated so that a column of beams lies in the plane q = 0: p points along the column's azimuth, q to its
 // left, z up.
