@@ -71,7 +71,7 @@ class RecordedMemory final : public VulkanMemory {
   Runs::node_type spare_;  // for the next write()
 };
 
-/// What the recordings on the caller's device must do for its memory: copy what the host has written, and destroy
+/// Work that recordings on the caller's device must do for its memory: copy what the host has written, and destroy
 /// buffers when no frame uses them any more.
 class Recordings {
  public:
