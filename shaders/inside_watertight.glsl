@@ -18,8 +18,8 @@ Turned turn(Triangle triangle, vec2 azimuth) {
   return Turned(p, q, vec3(triangle.a.z, triangle.b.z, triangle.c.z));
 }
 
-// True if the beam may lie between the corners. Inside a triangle this always holds. Sides of a tiny triangle far beside
-// the beam may all round to 0; its box keeps such beams away, but a box that motion has widened does not.
+// True if the beam may lie between a triangle's corners. Inside a triangle this always holds. Sides of a tiny triangle
+// far beside the beam may all round to 0; its box keeps such beams away, but a box that motion has widened does not.
 bool surrounds(vec3 q, vec3 w) {
   return min(min(q.x, q.y), q.z) <= 0.0 && max(max(q.x, q.y), q.z) >= 0.0 && min(min(w.x, w.y), w.z) <= 0.0 &&
          max(max(w.x, w.y), w.z) >= 0.0;

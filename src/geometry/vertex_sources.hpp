@@ -53,7 +53,7 @@ class VertexSources {
   };
   /// Returns what has changed since taken() was called.
   const Work& changed();
-  /// Must be called when a device takes what changed() has returned.
+  /// Marks the work of changed() as done; must be called when a device takes that work.
   void taken();
 
   /// Triangles that a device has left out.

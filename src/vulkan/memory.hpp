@@ -33,7 +33,7 @@ class VulkanMemory : public DeviceMemory {
   const Buffer& onHost() const { return copy_.handle() ? copy_ : buffer_; }
 };
 
-/// Memory of our own device.
+/// Memory on a device that the library has created; a Transfer carries its data.
 class OwnMemory final : public VulkanMemory {
  public:
   OwnMemory(const Device& device, Transfer& transfer, const char* name, uint64_t bytes, MemoryKind kind)

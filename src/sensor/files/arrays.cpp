@@ -68,7 +68,7 @@ Header readHeader(const SensorSource& source) {
   return header;
 }
 
-/// A number of 16 bits as IEEE 754 has it.
+/// Returns the value of a half-precision number (binary16 of IEEE 754).
 double halfOf(uint16_t bits) {
   const int exponent = bits >> 10 & 31;
   const double part = bits & 1023;
