@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The list of cases.
+// The list of cases of the bench.
 #pragma once
 
 #include "report.hpp"
@@ -52,10 +52,10 @@ inline constexpr Case kCases[] = {
     {"correctness", "Compare hard cases and a town with the reference; fingerprints", {300'000, 1, 2}, correctness},
 };
 
-/// It needs scene files, so it is not one of those that `all` runs.
+/// The case `real` needs scene files, so it is not one of those that `all` runs.
 inline constexpr Case kReal = {"real", "Scene files, from places where much detail is seen", {0, 5, 4}, real};
 
-/// Nothing of it is measured, so it is not among those either.
+/// The case `golden` measures nothing, so `all` does not run it either.
 inline constexpr Case kGolden = {"golden", "Compare clouds of `exact` with the committed hashes", {}, golden};
 
 }  // namespace gnosphere::bench

@@ -41,8 +41,8 @@ class Contender {
   virtual bool judged() const { return true; }
 };
 
-/// GnoSphere itself. With `options.accuracy` = paper it is the paper's method, which is not judged. By default its name
-/// is that of the accuracy.
+/// Makes the contender GnoSphere itself. With `options.accuracy` = paper it is the paper's method, which is not judged.
+/// By default the name is that of the accuracy.
 std::unique_ptr<Contender> makeOurs(const Scene& scene, const SensorRequest& request, const SimulatorOptions& options,
                                     const std::string& name = "");
 /// Returns the simulator of a contender made by makeOurs().

@@ -43,7 +43,7 @@ inline constexpr double kAgreement = 1e-4;
 /// `reference` is the reference's scan, if it is known.
 Agreement agreementOf(const Scan& ours, const Scan& other, const Scan* reference = nullptr);
 
-/// Results of one contender.
+/// Results of one contender in a contest.
 struct Standing {
   std::string name;
   size_t samples = 0;  ///< fewer than runs times frames if the contender took too long
@@ -76,8 +76,8 @@ struct Outcome {
   double floorShare() const { return floor.ms / standings[0].totalMs.median; }
 };
 
-/// `contenders` begins with GnoSphere. Throws Error(device) that names a contender whose result is wrong, before
-/// anything is timed.
+/// The list `contenders` begins with GnoSphere. Throws Error(device) that names a contender whose result is wrong,
+/// before anything is timed.
 Outcome hold(const Setting& setting, std::vector<std::unique_ptr<Contender>>& contenders, const Rates& rates);
 
 }  // namespace gnosphere::bench

@@ -30,10 +30,10 @@ struct GoldenCloud {
   std::string problem = {};  ///< why the device could not make the cloud
 };
 
-/// The committed table, bench/golden_hashes.inc.
+/// The committed table, which is bench/golden_hashes.inc.
 std::span<const GoldenCloud> goldenTable();
 
-/// Makes all golden clouds. Of the options the accuracy is replaced by `exact`.
+/// Scans all the golden clouds. Of the options the accuracy is replaced by `exact`.
 std::vector<GoldenCloud> scanGolden(SimulatorOptions options);
 
 /// Returns a sentence for each cloud that a table has not, or has with another hash, and for each that is missing.

@@ -32,7 +32,7 @@ struct Report {
 Table timesTable(const std::vector<Outcome>& outcomes);
 /// Mean, and variances across frames and runs, as in Tables 3 and 4 of the paper.
 Table varianceTable(const std::vector<Outcome>& outcomes);
-/// Medians of the steps.
+/// Medians of the stages' times.
 Table stagesTable(const std::vector<Outcome>& outcomes);
 /// GnoSphere by Vulkan and by CUDA, step by step; empty without CUDA.
 Table cudaTable(const std::vector<Outcome>& outcomes);

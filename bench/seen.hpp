@@ -10,7 +10,7 @@
 namespace gnosphere::bench {
 
 /// The triangles of the scene that own a hit of the scan, each where it was: one mesh per instance that has any.
-/// Textures are left out.
+/// Textures are not taken along.
 Scene seenIn(const Scene& scene, const Scan& scan);
 
 /// Name of such a contender.

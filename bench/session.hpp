@@ -39,7 +39,7 @@ void adaptToHeads(CLI::App& app, Options& options);
 /// Changes these options to those of the case `golden`.
 void adaptToGolden(CLI::App& app, Options& options);
 
-/// What of our own takes part beside GnoSphere where nothing moves.
+/// Contenders of our own that take part beside GnoSphere where nothing moves.
 enum class Beside {
   paper,  ///< the paper's method
   seen,   ///< GnoSphere in scenes that hold only what it sees: its floor

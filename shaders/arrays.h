@@ -7,7 +7,7 @@
 
 // clang-format off
 
-// The sensor.
+// Arrays that describe a sensor.
 #define GNO_SENSOR_ARRAYS(BLOCK, ARRAY) \
   BLOCK(readonly, Frame, frame) \
   ARRAY(readonly, Row, rows) \
@@ -111,7 +111,7 @@
   ARRAY(, vec4, motions)                   /* velocity in the sensor's axes, radial speed */ \
   ARRAY(, vec2, barycentrics)
 
-// Inputs of the effects.
+// Arrays of inputs of the effects.
 #define GNO_EFFECT_ARRAYS(BLOCK, ARRAY) \
   BLOCK(readonly, EffectParameters, parameters) \
   BLOCK(readonly, MotionBounds, motion) \

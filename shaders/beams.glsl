@@ -14,7 +14,7 @@ uint indexOf(uint row, uint column) { return LISTED ? column : row * frame.colum
 // Kernels that process all beams have one row of workgroups per row of the grid. A list is one row.
 uint beamsPerRow() { return LISTED ? frame.beams : frame.columns; }
 
-// The values that the beams of a row share. A list has none.
+// The values that the beams of a row share. A list of beams has none.
 struct BeamRow {
   vec3 angles;
   uint channel;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage bin. Assigns every projected triangle to the beams that hit it. One invocation processes a small box; large
+// Stage bin: assigns every projected triangle to the beams that hit it. One invocation processes a small box; large
 // boxes are cut into tiles and one subgroup processes a tile. PASS selects what happens with a hit. With slabs, a
 // subgroup owns a range of columns, all boxes are tiles, listed by slab, and no atomics are needed. Unless there are
 // lists, small boxes do not come here: project has tried their beams. Between shells this stage also computes the
@@ -273,7 +273,7 @@ void tryTile(Tile tile) {
           uint mine = row + (lane >> shift);
           vec2 elevation = subgroupShuffle(angles, mine & (gl_SubgroupSize - 1));
           uint run = AZIMUTH_OFFSETS ? subgroupShuffle(azimuths, mine & (gl_SubgroupSize - 1)) : 0;
-          // This is a condition, not a `continue`, because all lanes must reach the next shuffle.
+          // The test is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
           if (LISTED) {
             if (here) tryCell(tile, prepared, (box.rowFirst + mine) * stride + column);

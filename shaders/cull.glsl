@@ -103,8 +103,8 @@ uvec2 columnsOf(Window window) {
   return uvec2(from, uint(int(floor(window.to)) + int(from) - unwrapped + 1));
 }
 
-// True if a window has at most `most` beams, all in places of a grid. It is false if NaN bounds of a box have led to a
-// column that does not exist.
+// True if a window has at most `most` beams, all in places of a grid. The answer is false if NaN bounds of a box have
+// led to a column that does not exist.
 bool hasFewBeams(Window window, uint most) {
   uvec2 span = columnsOf(window);
   uint columnCount = span.y - span.x;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage effects, last pass. One row of workgroups per channel, one invocation per beam: turns the echoes of a beam
-// into returns. A beam without a footprint that meets no pane has one echo, the nearest hit in its word.
+// Last pass of the stage effects. One row of workgroups per channel, one invocation per beam: turns the echoes of a
+// beam into returns. A beam without a footprint that meets no pane has one echo, the nearest hit in its word.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -25,7 +25,7 @@
 
 layout(local_size_x = 64) in;
 
-// These depend on specialisation constants; declared as constants they trip up glslang 11.
+// Macros, because glslang 11 fails on constants that depend on specialisation constants.
 #define SIGNALS ((EFFECTS & kSignalEffects) != 0 || (FIELDS & (kFieldSignal | kFieldIntensity)) != 0)
 #define SPEEDS ((EFFECTS & kRadialSpeed) != 0 || (FIELDS & kFieldMotion) != 0)
 #define MOST_ECHOES ((EFFECTS & (kFootprint | kTransmission)) != 0 ? kMaxEchoes : 1u)
@@ -33,7 +33,7 @@ layout(local_size_x = 64) in;
 #define POINTS ((FIELDS & kFieldPoints) != 0)
 #define LOOKS_AT_MATERIALS ((EFFECTS & kIntensity) != 0 && planned.intensityModel == kModelPhysical)
 
-// The beam being processed: its number, its index in `words`, and whether `echoes` has its echoes. If not, its hit.
+// The beam being processed: its number, its index in `words`, and whether `echoes` has its echoes, and its hit if not.
 uint beamIndex, wordIndex, rowIndex, columnIndex;
 bool many;
 vec2 beamAzimuth;
@@ -155,7 +155,7 @@ void storeReturn(uint j, Return value) {
 // Whether the beam has a hit in range.
 bool isHit() { return floatBitsToUint(hitRange) <= 0x7f800000u; }
 
-// Computes one beam's returns.
+// Computes the returns of one beam.
 void judge() {
   uint count = isHit() ? 1 : 0, returned;
   if (many) count = echoCounts.at[beamIndex];

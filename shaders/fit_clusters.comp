@@ -55,7 +55,7 @@ void takeVertices(uint first, uint count, inout vec3 low, inout vec3 high) {
   }
 }
 
-// Counts the triangles of a cluster that cannot be hit. They stay in the cluster: stage project drops those with a NaN,
+// Counts the triangles of a cluster that cannot be hit. All stay in the cluster: stage project drops those with a NaN,
 // and no beam hits one with two corners at one place.
 void countDropped(uint cluster) {
   uint first = clusters.at[cluster].triangleFirst, count = clusters.at[cluster].triangleCount;

@@ -157,7 +157,7 @@ bool coversFootprint(Candidate c) {
 vec2 halfAxes;  // tangents: of an ellipse around the beam's axis, or around its deviation, that holds all sub-rays
 
 // True if a sub-ray may hit the triangle: the middle of the footprint is no farther outside of the plane of each edge
-// than the footprint reaches. It misses nothing; the margin is far more than the rounding errors.
+// than the footprint reaches. The test misses nothing; the margin is far more than the rounding errors.
 bool touchesFootprint(Candidate c, vec2 middle) {
   vec3 side = c.left.yzx * c.up.zxy - c.up.yzx * c.left.zxy;
   vec3 second = c.up.yzx * c.ahead.zxy - c.ahead.yzx * c.up.zxy;

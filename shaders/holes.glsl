@@ -2,7 +2,7 @@
 // Holes that a texture cuts into a surface: glTF's alpha mode MASK. The alpha value is that of the texel that contains
 // the point.
 
-// Values of AlphaImage::Wrap.
+// Values of AlphaImage::Wrap in kernels' data.
 const uint kWrapRepeat = 0, kWrapMirror = 1, kWrapClamp = 2;
 
 float wrapped(float value, uint wrap) {
@@ -41,7 +41,7 @@ bool isHole(Optics4 surface, TextureCorners corners, vec3 weights) {
   return alpha < surface.passage.y;
 }
 
-// Of a projected triangle.
+// Returns the texture corners of a projected triangle.
 TextureCorners textureCornersOf(uint projected) {
   vec4 ab = projectedTexture.at[2 * projected];
   return TextureCorners(ab.xy, ab.zw, projectedTexture.at[2 * projected + 1].xy);

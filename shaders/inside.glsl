@@ -9,8 +9,8 @@ struct Triangle {
   bool moves;      // during the scan
 };
 
-// A range beyond which a hit cannot change the result of the beam; each stage defines its own. It is called where more
-// than a comparison is saved: by `exact`, whose ranges are expensive, and before a surface is searched for holes.
+// A range beyond which a hit cannot change the result of the beam; each stage defines its own. Called where more than a
+// comparison is saved: by `exact`, whose ranges are expensive, and before a surface is searched for holes.
 float farthestOf(uint index);
 
 #include "beam.h"
@@ -119,8 +119,8 @@ bool inHole(uint slot, vec3 weights) {
 }
 #endif
 
-// True if the beam with this index hits the projected triangle `slot` within the range window, and not in a hole. NaN
-// is a miss.
+// True if the beam with this index hits the projected triangle `slot` within the range window, and not in a hole. A
+// range of NaN is a miss.
 bool meet(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uint index, uint slot, out float range) {
   vec3 side = vec3(0.0);
   bool inside = INSIDE == kInsideExact ? meetExact(triangle, prepared.exact, beam.direction, index, range)

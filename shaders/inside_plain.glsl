@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Equation 2 of the paper: a beam is inside if it lies on the same side of the three planes through the sensor and an
-// edge. This is the cheapest test, but it is not watertight: the normals a x b lose a factor |a||b| / |a - b| in
+// edge. The test is the cheapest, but not watertight: the normals a x b lose a factor |a||b| / |a - b| in
 // precision.
 
 struct EdgeNormals {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The watertight inside test. Every triangle that shares a corner computes the same 2-D point across the beam from it,
-// by the same operations. The sign of a difference of products is never wrong, although the difference may be zero,
-// and zero counts as inside. So no beam slips between triangles (argument of Woop, Benthin and Wald, JCGT 2(1), 2013,
-// in a rotated frame).
+// The watertight test whether a beam is inside a triangle. Every triangle that shares a corner computes the same 2-D
+// point across the beam from it, by the same operations. The sign of a difference of products is never wrong, although
+// the difference may be zero, and zero counts as inside. So no beam slips between triangles (argument of Woop, Benthin
+// and Wald, JCGT 2(1), 2013, in a rotated frame).
 
 // The corners rotated so that a column of beams lies in the plane q = 0: p points along the column's azimuth, q to its
 // left, z up.
@@ -18,8 +18,8 @@ Turned turn(Triangle triangle, vec2 azimuth) {
   return Turned(p, q, vec3(triangle.a.z, triangle.b.z, triangle.c.z));
 }
 
-// True if the beam may lie between the corners. Inside a triangle this always holds. Sides of a tiny triangle far beside
-// the beam may all round to 0; its box keeps such beams away, but a box that motion has widened does not.
+// True if the beam may lie between a triangle's corners. Inside a triangle this always holds. Sides of a tiny triangle
+// far beside the beam may all round to 0; its box keeps such beams away, but a box that motion has widened does not.
 bool surrounds(vec3 q, vec3 w) {
   return min(min(q.x, q.y), q.z) <= 0.0 && max(max(q.x, q.y), q.z) >= 0.0 && min(min(w.x, w.y), w.z) <= 0.0 &&
          max(max(w.x, w.y), w.z) >= 0.0;

@@ -34,8 +34,8 @@ Instance instanceAt(uint number) {
                   instances.at[number].firstTriangle);
 }
 
-// Returns the output slot of a lane whose ballot bit is set. The elected lane has reserved one slot per set bit, from
-// its `base` on.
+// Returns the output slot of a lane whose ballot bit is set. The elected lane has reserved a slot for each set bit, the
+// first one being `base`.
 uint slotAfter(uint base, uvec4 ballot) { return subgroupBroadcastFirst(base) + subgroupBallotExclusiveBitCount(ballot); }
 
 // Returns how the mesh of an instance is deformed, which is the same for all lanes; they must all call this. Of a mesh

@@ -53,7 +53,7 @@ void reduceBlocks() {
   }
 }
 
-// Runs in one workgroup; each lane processes a range of consecutive blocks.
+// Turns the sums of the blocks into prefix sums, in one workgroup; each lane processes a range of consecutive blocks.
 void scanBlocks() {
   uint run = (blockCount() + kLanes - 1) / kLanes;
   uint first = gl_LocalInvocationID.x * run;

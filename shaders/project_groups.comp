@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, first pass. One invocation per placed group of clusters. Lists the groups in which a beam may hit
-// something, for the first shell. A second run of this shader, in one workgroup, chooses the shells.
+// First pass of the stage project. One invocation per placed group of clusters. Lists the groups in which a beam may
+// hit something, for the first shell. A second run of this shader, in one workgroup, chooses the shells.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -19,7 +19,7 @@
 
 layout(local_size_x = 64) in;
 
-// The rows that the box may cover: the first one, and the one after the last << 16. They are widened by one lookup
+// The rows that the box may cover: the first one, and the one after the last << 16. The rows are widened by one lookup
 // cell, because the boxes of clusters are rounded to whole cells.
 uint rowsOf(vec3 low, vec3 high) {
   if (seeming > 1.0) return frame.rows << 16;
@@ -65,7 +65,7 @@ void listGroups() {
 }
 
 // A shell ends where it has a multiple of the clusters of the one before, because the farthest-range table costs the
-// same after every shell, or at the hint. What is left goes to the last shell if it is hardly more than one shell's worth.
+// same after every shell, or at the hint. The rest goes to the last shell if it is hardly more than one shell's worth.
 void chooseShells() {
   uint left = 0;
   for (uint k = 0; k < kShellBuckets; ++k) left += shells.clusters[k];

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Intervals of the scan, in which a triangle is bounded that moves fast around the sensor. They are runs of columns, and
-// each fires during a part of the scan. An interval is narrowed to the columns of the triangle's box and divided until
-// the triangle's motion meanwhile adds little to its bounds.
+// Intervals of the scan, in which a triangle is bounded that moves fast around the sensor. Intervals are runs of
+// columns, and each fires during a part of the scan. An interval is narrowed to the columns of the triangle's box and
+// divided until the triangle's motion meanwhile adds little to its bounds.
 
 // Columns are compared as floats, which are exact up to here, and half columns, too.
 const uint kMostExactColumns = 1 << 23;
 
-// Columns from..to. They are what may see the triangle of the columns begin..end - 1.
+// An interval: those of the columns begin..end - 1 that may see the triangle are from..to.
 struct Interval {
   uint from, to, begin, end;
 };

@@ -126,7 +126,7 @@ uint movingBox(mat3 corners, mat3 velocities, bool moves, inout Interval interva
   if (rangeMin > frame.rangeMax) return kRange;
   setSeeming(0.0);
   bool inOne = !LISTED && part.from == 0 && frame.columns <= kMostExactColumns;  // one box is tried first
-  // This is one loop because some compilers take gigabytes if the bounds are inlined several times.
+  // Both cases share one loop because some compilers take gigabytes if the bounds are inlined several times.
   while (true) {
     vec2 places = inOne ? vec2(float(seeingColumn(corners, velocities))) : placesOf(part.from, part.to);
     bool anyBeams = places.x <= places.y;

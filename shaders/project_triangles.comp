@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage project, last pass. One subgroup per visible cluster. First each invocation transforms a vertex to the
+// Last pass of the stage project. One subgroup per visible cluster. First each invocation transforms a vertex to the
 // sensor's frame, then it culls a triangle; the triangles that are left, collected from several clusters until they
 // fill the subgroup, get exact angular bounds. Writes every triangle that a beam may hit, with a box that contains all
 // such beams.
@@ -356,7 +356,7 @@ bool inHole(uint slot, vec3 weights) {
   return triedSurface.passage.y > 0.0 && isHole(triedSurface, triedTexture, weights);
 }
 
-// Tries the beams of a box that may hit. It is one loop, not two nested ones: a subgroup then runs as long as its
+// Tries the beams of a box that may hit. The walk is one loop, not two nested ones: a subgroup then runs as long as its
 // longest walk.
 void tryBox(Triangle triangle, Prepared prepared, Silhouette silhouette, Box box) {
   uint columnCount = boxColumnCount(box);

@@ -290,7 +290,7 @@ uvec2 converted(uint value, uint type, uint bits) {
 uint place;    // of the next byte
 uint pending;  // bytes of the word of `place` that come before it
 
-// Moves on to `next`. The bytes between are 0 if `filling`; otherwise words without a value are left alone.
+// Moves on to the place `next`. The bytes between are 0 if `filling`; otherwise words without a value are left alone.
 void moveTo(uint next, bool filling) {
   if (next / 4 != place / 4) {
     if (filling || place % 4 != 0) records.at[place / 4] = pending;

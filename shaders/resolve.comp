@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage resolve. One row of workgroups per channel: writes point, range and owner of every beam's nearest hit. Without
-// lists it unpacks the beam's word; with lists it tries the beam's candidates, nearest first, and skips those that are
-// farther than the best hit. If there are panes, the hit is the nearest opaque one; with lists it also becomes the
-// beam's word, and the beams that meet a pane before it are listed. If stage effects computes the results, only the
-// words are written.
+// The kernel of the stage resolve. One row of workgroups per channel: writes point, range and owner of every beam's
+// nearest hit. Without lists it unpacks the beam's word; with lists it tries the beam's candidates, nearest first, and
+// skips those that are farther than the best hit. If there are panes, the hit is the nearest opaque one; with lists it
+// also becomes the beam's word, and the beams that meet a pane before it are listed. If stage effects computes the
+// results, only the words are written.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
@@ -25,7 +25,7 @@ layout(local_size_x = 64) in;
 float nearestSoFar;  // of the beam whose list is being visited
 float farthestOf(uint index) { return nearestSoFar; }
 
-// Tries a candidate. The smaller pair of range bits and placed triangle wins. Returns whether it is the new nearest.
+// Tries a candidate: the smaller pair of range bits and placed triangle wins. Returns whether it is the new nearest.
 bool consider(uint candidate, uint index, Beam beam, inout uvec2 word) {
   Triangle triangle = loadProjected(candidate);
   if (MOTION) triangle = seenFrom(triangle, candidate, columnOf(index), rowOf(index), beam.azimuth);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How kernels divide beams. Each subgroup processes a run of neighbouring beams: some devices execute the subgroups of a
-// workgroup one after the other, and these then read and write memory in order. A dispatch may be a part of its step: the
-// workgroups of a step are counted through.
+// Division of the beams among subgroups. Each subgroup processes a run of neighbouring beams: some devices execute the
+// subgroups of a workgroup one after the other, and these then read and write memory in order. A dispatch may be a part
+// of its step: the workgroups of a step are counted through.
 
 // For a row of workgroups per row of beams (see beamsPerRow()): returns the first beam of the subgroup's run and the one
 // after its last. At the end of a row the run may be empty.

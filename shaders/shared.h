@@ -26,10 +26,10 @@ struct CallerBuffer {
 
 // --- Limits -------------------------------------------------------------------------------------------------------
 
-// Triangles per cluster. One subgroup projects a cluster and keeps one bit per triangle, so 32 is the limit. In town
-// scenes 32 took 0.95 of the time of 64, and 16 was not faster.
+// Most triangles of a cluster. One subgroup projects a cluster and keeps one bit per triangle, so 32 is the limit. In
+// town scenes 32 took 0.95 of the time of 64, and 16 was not faster.
 GNO_CONST uint kClusterTriangles = 32;
-// Clusters per group. One subgroup processes the clusters of a group.
+// Most clusters of a group. One subgroup processes the clusters of a group.
 GNO_CONST uint kGroupClusters = 64;
 // One invocation processes a box of at most this many beams; a larger box is cut into tiles, and one subgroup
 // processes a tile.
@@ -39,7 +39,7 @@ GNO_CONST uint kSmallBoxBeams = 16;
 // all tried, 128 took 0.92 of the CPU time with an HDL-64E (geometric mean of 17 scenes) and 0.85 with Hypothetical-256
 // (16 scenes); 256 took 1.06 and 1.02 of the time of 128 (5 and 4 scenes).
 GNO_CONST float kTriedSteps = 128.0f;
-// Beams per tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
+// Most beams of a tile. A box over a whole 18000 x 350 sensor becomes 1540 tiles.
 GNO_CONST uint kTileBeams = 4096;
 // For a tile of at most this many beams, all rows are tried without computing first which rows can have hits.
 GNO_CONST uint kFewBeams = 32;
@@ -49,9 +49,9 @@ GNO_CONST uint kFewRows = 4;
 GNO_CONST uint kRowLookupCells = 16384;
 // Vertices with a larger coordinate are dropped and counted: products of three coordinates would overflow a float.
 GNO_CONST float kCoordinateLimit = 1e9f;
-// Error of the elevation key (range -1..1) by which bounds are widened. It covers 3 rounding errors of the key itself
-// (2e-7), the error of an arc's highest point from a normal with relative error 3e-7 per unit edge/height ratio, and
-// the shift of a vertex by the inside test's own rounding (3e-7). Ten times their sum is still small beside the
+// Error of the elevation key (range -1..1) by which bounds are widened. The slack covers 3 rounding errors of the key
+// itself (2e-7), the error of an arc's highest point from a normal with relative error 3e-7 per unit edge/height ratio,
+// and the shift of a vertex by the inside test's own rounding (3e-7). Ten times their sum is still small beside the
 // distance between rows, 4e-3.
 GNO_CONST float kKeySlack = 1e-5f;
 // The same for azimuth, in radians at the horizon; it grows as 1/cos(elevation).
@@ -83,7 +83,7 @@ GNO_CONST uint kPlaceColumns = 16;
 GNO_CONST uint kOwnerBlock = 256;
 // Number of values of Cause.
 GNO_CONST uint kCauses = 6;
-// What Counters::alive holds after the first kernel.
+// Value of Counters::alive after the first kernel.
 GNO_CONST uint kAlive = 0x51de1e55u;
 // Beams per block of the prefix sum.
 GNO_CONST uint kPrefixBlock = 1024;
@@ -189,7 +189,7 @@ GNO_CONST uint kWholeWords = 0x80000000u;
 // In RECORDS, too: the values come from the words of the beams.
 GNO_CONST uint kFromWords = 0x40000000u;
 
-// Values of DEFORMED.
+// Values of the specialization constant DEFORMED.
 GNO_CONST uint kDeformsNothing = 0;
 GNO_CONST uint kDeforms = 1;
 GNO_CONST uint kDeformsAndStores = 2;  // project stores the vertices, because later kernels read them
@@ -401,7 +401,7 @@ struct RecordPlan {
   uint group;       // number of the group of beams
 };
 
-// Values that lie side by side in memory: all of a record, or a column. Places are in bytes.
+// Values that lie side by side in memory: all of a record, or a column. All places are in bytes.
 struct RecordStream {
   uint start, stride;       // of the first record; from one record to the next
   uint firstValue, values;  // a run of recordValues, in the order of their offsets
@@ -419,7 +419,7 @@ struct Workgroups {
   uint x, y, z;
 };
 
-// A shell is a range of distances from the sensor. It holds the clusters whose nearest points lie in that range.
+// A shell is a range of distances from the sensor. A shell holds the clusters whose nearest points lie in that range.
 struct Shell {
   float end;                                      // metres; the next shell begins here
   uint groups;                                    // listed for this shell

@@ -82,8 +82,8 @@ bool betweenColumns(float from, float to) { return ceil(from - BESIDE) > floor(t
 // Returns the place of an azimuth among the columns.
 float columnAt(float azimuth) { return (azimuth + kPi) * frame.columnsPerRadian - frame.phase; }
 
-// Wraps a column number. A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and the
-// box spans up to 1 turn.
+// Wraps the number of a column. A box starts between -3/4 and 1 turns, an azimuth offset adds up to 1/2 either way, and
+// the box spans up to 1 turn.
 uint wrapColumn(int column) {
   int turnColumns = int(frame.columns);
   if (column < 0) column += turnColumns;

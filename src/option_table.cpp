@@ -18,7 +18,7 @@ std::vector<ChoiceWord> accuracyWords() {
   return words;
 }
 
-/// The accuracy. A new one replaces parts that were given one by one.
+/// Makes the row of the option `accuracy`. A new value replaces parts that were given one by one.
 Option<S> accuracyOption() {
   const auto get = [](const S& options) { return static_cast<size_t>(options.accuracy); };
   const auto set = [](S& options, size_t word) {
@@ -98,8 +98,8 @@ std::vector<Option<S>> makeSimulatorTable() {
       {flag<&S::tuning, &Tuning::keepStill>(
            "tuning.keep_still",
            "If true, a sensor that scans repeatedly from one pose keeps the hits on instances that have not moved (8 "
-           "bytes per beam, from its second scan from that pose). This has no effect with Binning::lists or the "
-           "paper's bounds."),
+           "bytes per beam, from its second scan from that pose). Keeping hits has no effect with Binning::lists or "
+           "the paper's bounds."),
        time},
       {flag<&S::tuning, &Tuning::float64>("tuning.float64",
                                           "If false, double precision is not used even if the device has it."),

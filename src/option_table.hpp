@@ -10,7 +10,7 @@
 
 namespace gnosphere {
 
-/// What another value of an option changes.
+/// Subject that another value of an option changes.
 enum class Changes { cloud, time, machine };
 inline constexpr const char* kChanges[] = {"the cloud", "time and memory", "how the device is used"};
 

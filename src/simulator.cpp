@@ -410,7 +410,7 @@ class Simulator::Impl {
     stale_ = true;
   }
 
-  /// What is kept of a mesh.
+  /// Parts of a mesh that the simulator keeps.
   struct KeptMesh {
     Mesh mesh;  // without its vertices and triangles
     size_t vertexCount;

@@ -102,7 +102,7 @@ TEST_CASE("the case real measures the scenes of a folder, and says which it leav
       CHECK(ratios.at("most") >= contender.at("ratio_to_ours"));
     }
   }
-  // What moves does so by little, however small the scene is.
+  // Objects move by little, however small the scene is.
   const double still = real.at("outcomes").at(2).at("hits"), moved = real.at("outcomes").at(3).at("hits");
   CHECK(std::abs(moved / still - 1) < 0.02);
   CHECK(real.at("scenes").at(2).at("name") == "posts");

@@ -85,9 +85,9 @@ TEST_CASE("the rows of a triangle between two columns include all its beams") {
 
 TEST_CASE("the columns of a small triangle in a row include all its beams") {
   needVulkan();
-  // The triangles are round, or slivers along or across the rows. They cover from none to some hundred beams and lie up
-  // to 60 degrees above or below the horizon. On the way between its ends,
-  // an edge rises above the straight line by up to one of 900 rows.
+  // The triangles are round, or slivers along or across the rows. Triangles cover from none to some hundred beams and
+  // lie up to 60 degrees above or below the horizon. On the way between its ends, an edge rises above the straight line
+  // by up to one of 900 rows.
   Random uniform(5);
   MeshBuilder builder;
   for (int i = 0; i < 4000; ++i) {

@@ -92,7 +92,7 @@ TEST_CASE("a thousand meshes come and go between scans: each scan is a fresh sim
       for (uint32_t i = 0; i < meshes; ++i)
         there.push_back(model.add(soup(round * meshes + i, 20 + i, 2, 1),
                                   translation(number(-30, 30), number(-30, 30), number(-5, 5))));
-      // What is wrong in one round remains so, and later rounds meet it again.
+      // A wrong state of one round remains, so later rounds meet it again.
       const bool compared = reference || round % 3 == 0 || everyCombination();
       if (compared)
         model.requireFresh({{double(round), 0, 1}, {}});

@@ -279,7 +279,7 @@ TEST_CASE("results agree within 1 mm and a ten-thousandth of the range, and hits
   CHECK(agreementOf(scanWith(many), scanWith(other)).good());
   other[3] = kNaN;
   CHECK_FALSE(agreementOf(scanWith(many), scanWith(other)).good());
-  // What the reference marks as a tie may go either way.
+  // Beams that the reference marks as ties may go either way.
   Scan reference = scanWith(many);
   std::vector<uint8_t> ties(many.size());
   ties[2] = 1;

@@ -174,7 +174,7 @@ TEST_CASE("cuda: a CUDA device gives Vulkan's bytes, and with fused products it 
   requireSame(reference, scanOf(town(), sensor, kPoses[0], options));
 }
 
-// This takes minutes with a folder of real scenes.
+// The test takes minutes with a folder of real scenes.
 TEST_CASE("cuda: every scene of the folder GNOSPHERE_SCENES has Vulkan's bytes") {
   const char* folder = std::getenv("GNOSPHERE_SCENES");
   if (folder == nullptr) SKIP("GNOSPHERE_SCENES names no folder of scenes");

@@ -37,7 +37,7 @@ Sensor narrowHead() {
   return gridSensor(720, 6, -2, 2, 5.9);
 }
 
-/// Forgets what is written.
+/// Memory that forgets what is written.
 struct NoMemory : SceneMemory {
   void prepareWrite(gpu::Array, uint64_t, uint64_t) override {}
   void reserve(gpu::Array, uint64_t) override {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Aims a hundred million beams at shared corners and edges of closed meshes around the sensor: `standard` must lose
-// none. This takes minutes on a CPU and has the label slow.
+// none. The test takes minutes on a CPU and has the label slow.
 #include <algorithm>
 #include <cstdio>
 

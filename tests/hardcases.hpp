@@ -56,7 +56,7 @@ class Family {
   double spacing_;
 };
 
-/// Results of a family.
+/// Results of a family of hard cases.
 struct Verdict {
   uint64_t beams = 0, hits = 0, ties = 0;
   uint64_t misses = 0;      ///< of `standard`, including ties

@@ -11,7 +11,7 @@ using namespace gnosphere::test;
 namespace {
 
 /// A plain single-precision simulator: corners by x - pivot and a rounded matrix, rotated into the beam's column and
-/// then its row, edge products, weighted depths. It handles only the first instance, at most translated.
+/// then its row, edge products, weighted depths. The simulator handles only the first instance, at most translated.
 Scan singlePrecision(const Scene& scene, const Sensor& sensor, const Pose& pose) {
   const Mesh& mesh = scene.meshes[0];
   const auto& m = scene.instances[0].transform.rows;

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Names = std::set<std::string>;
 
-/// What each room may include besides itself: other rooms, or single files of them.
+/// Files that each room may include besides its own: other rooms, or single files of them.
 const std::map<std::string, Names> kRooms = {
     {"base", {}},
     {"scene", {"base"}},
@@ -37,7 +37,7 @@ const std::map<std::string, Names> kRooms = {
     {"drive", {"base", "effects/trajectory.hpp", "output/cloud_bytes.hpp"}},
 };
 
-/// Files of src outside rooms. They are above all rooms and may include any of them.
+/// Files of src outside rooms. Loose files are above all rooms and may include any of them.
 const Names kLoose = {"option_table.cpp", "option_table.hpp",      "shot_checks.cpp",      "shot_checks.hpp",
                       "simulator.cpp",    "simulator_options.cpp", "third_party_files.cpp"};
 

@@ -96,7 +96,7 @@ inline std::string npy(const std::string& type, bool fortran, const std::vector<
   return bytes;
 }
 
-/// Appends a little-endian number.
+/// Appends a number as little-endian bytes.
 template <typename T>
 void put(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));

@@ -30,7 +30,7 @@ inline bool everyCombination() {
   return std::getenv("GNOSPHERE_SLOW") != nullptr;
 }
 
-/// What a test scans with: the options of a simulator, and what each of its sensors simulates and reports.
+/// Options that a test scans with: the options of a simulator, and what each of its sensors simulates and reports.
 struct TestOptions : SimulatorOptions {
   Effects effects = Effects::none();
   std::vector<Field> fields;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gnosphere scan --trajectory.
+// Tests of `gnosphere scan --trajectory` as a program.
 #include <nlohmann/json.hpp>
 
 #include "cli_support.hpp"

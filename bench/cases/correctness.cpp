@@ -73,8 +73,8 @@ class Suite {
     }
   }
 
-  /// Adds the fingerprint of an effect with `exact`. It is the same everywhere, because the effects use only operations
-  /// that every device rounds equally.
+  /// Adds the fingerprint of an effect with `exact`. The fingerprint is the same everywhere, because the effects use
+  /// only operations that every device rounds equally.
   void print(const Variant& variant, const Scene& scene, const Sensor& sensor, const Pose& pose) {
     SimulatorOptions options = options_;
     options.accuracy = Accuracy::exact;

@@ -52,8 +52,8 @@ struct Runner {
   }
 };
 
-/// Times all in turn. The first is the bare scan, which runs before each of the others, so that other load affects
-/// both.
+/// Times all scans in turn. The first is the bare scan, which runs before each of the others, so that other load
+/// affects both.
 void race(std::vector<Runner>& runners, const char* what, uint32_t rounds) {
   const auto progress = cli::stepProgress();
   runners[0].ratios = {1};

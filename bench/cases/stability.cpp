@@ -112,7 +112,7 @@ cli::Json familiesJson(const std::vector<FamilyResult>& results) {
   return {{"families", families}};
 }
 
-/// Markers of the four lines. They are nested, because the lines often coincide.
+/// Markers of the four lines. The markers are nested, because the lines often coincide.
 cli::PlotSeries look(size_t setting) {
   static const cli::PlotSeries kLooks[] = {
       {"", cli::Marker::cross, "#d55e00", "2 3", 4, {}},

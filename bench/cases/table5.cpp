@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Table 5 of the paper: the distance from each point to the nearest point of the reference. It says little about a
-// beam's own error, which is therefore listed, too.
+// Table 5 of the paper: the distance from each point to the nearest point of the reference. The distance says little
+// about a beam's own error, which is therefore listed, too.
 #include "cases.hpp"
 #include "gnosphere/eval/accuracy.hpp"
 

@@ -8,7 +8,7 @@
 
 namespace gnosphere::bench {
 
-/// How Embree stores a scene. It always uses the robust mode and all cores.
+/// How Embree stores a scene. Embree always uses the robust mode and all cores.
 enum class EmbreeWay {
   flat,       ///< all instances' triangles in one tree, optimised for tracing
   instanced,  ///< a tree per mesh and one over the instances, optimised for tracing
@@ -24,12 +24,12 @@ class EmbreeRival : public Rival {
  public:
   using Rival::trace;
   /// Follows every line through the panes, the triangles whose material lets light pass, to the first other surface.
-  /// Lines are relative to the origin given to makeEmbree(). Returns milliseconds.
+  /// Lines are relative to the origin given to makeEmbree(). Returns the time in milliseconds.
   virtual double trace(const Lines& lines, const std::vector<bool>& paneMaterials, LineHits& hits) = 0;
 };
 
 /// Vertices are stored in single precision relative to `origin`, which should be near the sensor. build() must be
-/// called first. The scene must outlive the rival. Throws Error(device) without Embree.
+/// called first. The scene must outlive the rival. Throws Error(device) if built without Embree.
 std::unique_ptr<EmbreeRival> makeEmbree(const Scene& scene, const Vec3& origin, EmbreeWay way);
 
 }  // namespace gnosphere::bench

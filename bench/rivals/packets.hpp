@@ -23,7 +23,7 @@ struct alignas(64) Packet {
   uint32_t first = 0, count = 0;
 };
 
-/// The packets of a sensor, rotated to its orientation. Computed in double precision.
+/// The packets of a sensor, rotated to its orientation. All packets are computed in double precision.
 class PacketTable {
  public:
   /// Does nothing if the table already has this sensor and orientation.

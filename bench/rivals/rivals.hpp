@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The list of rivals.
+// The list of rivals of GnoSphere.
 #pragma once
 
 #include <memory>

@@ -15,11 +15,11 @@ namespace gnosphere::bench {
 
 class RayDevice;
 
-/// A buffer that shaders and builds access by address. Host-visible memory is coherent.
+/// A buffer that shaders and builds access by address. Memory that the host sees is coherent.
 class RayBuffer {
  public:
   RayBuffer() = default;
-  /// `name` describes the content. Throws Error(outOfMemory).
+  /// Text `name` describes the content. Throws Error(outOfMemory) if there is no memory.
   RayBuffer(const RayDevice& device, const char* name, uint64_t bytes, MemoryKind memory);
   ~RayBuffer();
   RayBuffer(RayBuffer&& other) noexcept { swap(other); }

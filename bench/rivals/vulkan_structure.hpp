@@ -20,7 +20,7 @@ struct StructureHandles {
 class RayStructure {
  public:
   /// Uploads the geometry and allocates the structures and their scratch, without building them. Instances are placed
-  /// relative to `origin`, in single precision. Throws Error(outOfMemory).
+  /// relative to `origin`, in single precision. Throws Error(outOfMemory) if the device lacks memory.
   RayStructure(RayDevice& device, const Scene& scene, const Vec3& origin, Motion motion);
 
   void move(std::span<const Moved> moved);
@@ -31,7 +31,7 @@ class RayStructure {
   void recordRefit(VkCommandBuffer commands) const {
     recordMeshes(commands, VK_BUILD_ACCELERATION_STRUCTURE_MODE_UPDATE_KHR);
   }
-  /// Rebuilds the top structure. It has few leaves, so it is never refitted.
+  /// Rebuilds the top structure, which is never refitted, because it has few leaves.
   void recordTop(VkCommandBuffer commands) const;
 
   VkAccelerationStructureKHR top() const { return top_; }

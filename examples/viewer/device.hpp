@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer's own Vulkan instance, device and buffers. GnoSphere adopts the device.
+// The viewer's own Vulkan instance, device and buffers. GnoSphere adopts the viewer's device.
 #pragma once
 
 #include <vulkan/vulkan.h>

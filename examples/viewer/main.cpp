@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kStep = 0.1;  // seconds per frame if their number is given
 
-// What keys and mouse change.
+// Settings that keys and mouse change.
 struct Controls {
   Camera camera;
   Colouring colouring = Colouring::range;
@@ -61,7 +61,7 @@ void onScroll(GLFWwindow* window, double, double steps) {
   controlsOf(window).camera.zoom(steps);
 }
 
-// GLFW, and one window.
+// The library GLFW with one window.
 class Window {
  public:
   Window(uint32_t width, uint32_t height, Controls& controls) {

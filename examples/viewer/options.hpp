@@ -8,7 +8,7 @@
 
 namespace viewer {
 
-/// The command line.
+/// The options of the command line.
 struct Options {
   std::string scene;  ///< file; if empty, a street that is built in
   gnosphere::Vec3 start = {0, 0, 1.8};

@@ -13,7 +13,7 @@ class Picture {
   /// Records the copy, after the pass and before the end of the frame.
   Picture(const Device& on, const Frames& frames, const Frames::Frame& frame);
 
-  /// Writes a .png or .ppm file, once the commands of the frame have ended. Throws if that fails.
+  /// Writes a .png or .ppm file, once the commands of the frame have ended. Throws if the file cannot be written.
   void write(const std::string& file) const;
 
  private:

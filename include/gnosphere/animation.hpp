@@ -11,12 +11,12 @@ struct SceneState {
   std::vector<Deformation> deformations;  ///< by mesh, empty unless it is deformable; for Simulator::setDeformation()
 };
 
-/// What happens outside the time of a clip: it repeats, or its first or last state holds.
+/// The state outside the time of a clip: the clip repeats, or its first or last state holds.
 enum class ClipEnd { loop, hold };
 
-/// The state of the scene `seconds` after the start of a clip of the scene. What the clip does not move is at rest:
-/// instances that follow no node keep their transform, and meshes that none of them places their deformation. An empty
-/// Clip gives the state at rest. The scene must be valid, see validate().
+/// The state of the scene `seconds` after the start of a clip of the scene. Everything that the clip does not move is
+/// at rest: instances that follow no node keep their transform, and meshes that none of them places their deformation.
+/// An empty Clip gives the state at rest. The scene must be valid, see validate().
 GNOSPHERE_API SceneState stateAt(const Scene& scene, const Clip& clip, double seconds, ClipEnd end = ClipEnd::loop);
 
 /// The clip of this name. Throws Error(invalidArgument) that tells the nearest names.

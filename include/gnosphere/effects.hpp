@@ -200,7 +200,7 @@ GNOSPHERE_API Effects effectsFromJson(std::string_view json, const std::string& 
 /// Writes effects as JSON that effectsFromJson() reads.
 GNOSPHERE_API std::string toJson(const Effects& effects);
 /// Applies one assignment of a command line: "fog.visibility=200" sets a parameter and turns the effect on;
-/// "divergence=off" sets the EffectUse. Throws Error(invalidArgument).
+/// "divergence=off" sets the EffectUse. Throws Error(invalidArgument) if the effect, parameter or value is not known.
 GNOSPHERE_API void assign(Effects& effects, const std::string& assignment);
 
 /// Optical properties of a material at the wavelength of Effects::Intensity.
@@ -228,7 +228,7 @@ struct MaterialTable {
 };
 
 /// Reads a material table in the JSON format of GnoSphere or in ASAM OpenMATERIAL 3D (.xoma, .xomm or .xomp). Throws
-/// Error(file) or Error(format).
+/// Error(file) or Error(format) if the file cannot be read or is invalid.
 GNOSPHERE_API MaterialTable loadMaterialTable(const std::filesystem::path& file);
 
 /// Returns the optics of every material of the scene at `wavelength` (nm). Names in the table that no material has are

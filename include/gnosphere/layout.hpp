@@ -31,8 +31,8 @@ struct RecordLayout {
   GNOSPHERE_API uint64_t bytesFor(uint64_t rows) const;
 };
 
-/// What a recorded scan tells about its results, in device memory. The first four numbers are the arguments of an
-/// indirect draw with a vertex per row (VkDrawIndirectCommand).
+/// Header of the results of a recorded scan, in device memory. The first four numbers are the arguments of an indirect
+/// draw with a vertex per row (VkDrawIndirectCommand).
 struct RecordHeader {
   uint32_t rows = 0;           ///< in the buffer
   uint32_t instanceCount = 1;  ///< always 1

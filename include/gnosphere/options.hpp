@@ -9,7 +9,7 @@
 
 namespace gnosphere {
 
-/// A named accuracy setting.
+/// An accuracy setting with its name and parts.
 struct AccuracySetting {
   Accuracy accuracy;
   const char* name;

@@ -28,7 +28,7 @@ GNOSPHERE_API RecordLayout layoutOf(const std::vector<Field>& fields);
 /// the bytes needed).
 GNOSPHERE_API size_t pack(const Scan& scan, const RecordLayout& layout, std::span<std::byte> out);
 
-/// What a cloud file holds.
+/// The options of a cloud file.
 struct CloudOptions {
   std::vector<Field>
       fields;  ///< if empty: defaultFields(), plus returnNumber and returnCount if beams have several returns
@@ -77,8 +77,8 @@ struct Comparison {
   bool same() const { return missed == 0 && falseHits == 0 && wrongOwner == 0 && wrongRange == 0; }
 };
 
-/// Compares two clouds. `tolerance`, in metres, applies to beams for which the reference states no tolerance of its
-/// own. Throws Error(invalidArgument) if the clouds do not have the same beams.
+/// Compares two clouds beam by beam. `tolerance`, in metres, applies to beams for which the reference states no
+/// tolerance of its own. Throws Error(invalidArgument) if the clouds do not have the same beams.
 GNOSPHERE_API Comparison compare(const Scan& reference, const Scan& other, double tolerance = 1e-3);
 
 }  // namespace gnosphere

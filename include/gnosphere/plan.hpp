@@ -41,7 +41,7 @@ struct Plan {
     uint64_t bytes = 0;
   };
 
-  /// What the device executes for one scan: the largest number of each command.
+  /// Commands that the device executes for one scan: the largest number of each.
   struct Commands {
     uint32_t dispatches = 0, fills = 0, copies = 0, barriers = 0;
     uint32_t all() const { return dispatches + fills + copies + barriers; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Publishes messages that nodes of ROS 2 receive, without ROS: docs/ros2.md. It needs libgnosphere_ros2, which is
-// opened when the first publisher is made.
+// Publishes messages that nodes of ROS 2 receive, without ROS: docs/ros2.md. Publishing needs libgnosphere_ros2, which
+// is opened when the first publisher is made.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct PointField {
   uint32_t count = 1;
 };
 
-/// sensor_msgs/PointCloud2.
+/// A message of type sensor_msgs/PointCloud2.
 struct PointCloud2 {
   int64_t stamp = 0;  ///< nanoseconds since 1970, or since the start of a simulated clock
   std::string frame;
@@ -34,7 +34,7 @@ struct PointCloud2 {
   bool dense = true;          ///< whether every point is a number
 };
 
-/// sensor_msgs/LaserScan.
+/// A message of type sensor_msgs/LaserScan.
 struct LaserScan {
   int64_t stamp = 0;  ///< of the first ray, nanoseconds
   std::string frame;
@@ -53,16 +53,16 @@ struct StampedTransform {
 };
 using Transforms = std::vector<StampedTransform>;  ///< tf2_msgs/TFMessage
 
-/// rosgraph_msgs/Clock.
+/// A message of type rosgraph_msgs/Clock.
 struct Clock {
   int64_t time = 0;  ///< nanoseconds
 };
 
-/// What a publisher can send.
+/// A message that a publisher can send.
 using Message = std::variant<PointCloud2, LaserScan, Transforms, Clock>;
 enum class MessageType { pointCloud2, laserScan, transforms, clock };  ///< in the order of Message
 
-/// Quality of service. Messages beyond `depth` replace the oldest ones ("keep last").
+/// Quality of service (QoS) of a publisher. Messages beyond `depth` replace the oldest ones ("keep last").
 struct Qos {
   enum class Reliability { reliable, bestEffort };
   enum class Durability { volatileData, transientLocal };  ///< transientLocal: who subscribes late gets the last ones
@@ -71,14 +71,14 @@ struct Qos {
   uint32_t depth = 5;
 };
 
-/// How a publisher sends.
+/// Options of a publisher, beside its topic.
 struct PublisherOptions {
   Qos qos;
   std::optional<uint32_t> domain;     ///< 0 to 232; unless given ROS_DOMAIN_ID, or 0
   std::optional<bool> localhostOnly;  ///< unless given what ROS_LOCALHOST_ONLY or ROS_AUTOMATIC_DISCOVERY_RANGE says
 };
 
-/// What has become of the messages of a publisher.
+/// Numbers of messages of a publisher, by what has become of them.
 struct PublisherCounts {
   uint64_t published = 0;    ///< messages that were given to publish()
   uint64_t sent = 0;         ///< of them, those that went to the network

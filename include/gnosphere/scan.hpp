@@ -66,7 +66,7 @@ struct FieldInfo {
   uint32_t components;  ///< 3 for a vector, 2 for barycentrics, otherwise 1
 };
 
-/// Describes a field.
+/// Returns name, type and number of components of a field.
 GNOSPHERE_API FieldInfo fieldInfo(Field field);
 
 /// Returns the ValueType of the C++ type of a column.
@@ -171,8 +171,8 @@ struct StageTime {
   double ms = 0;
 };
 
-/// Times of one scan. `gpuMs` and `stages` come from device timestamps; without these they are zero and empty. The
-/// stage "resolve" is the exception: it runs on the host if only geometry is planned.
+/// Times that one scan took. `gpuMs` and `stages` come from device timestamps; without these they are zero and empty.
+/// The stage "resolve" is the exception: it runs on the host if only geometry is planned.
 struct Timings {
   double wallMs = 0;  ///< from the submission until the results can be read on the host
   double gpuMs = 0;

@@ -31,10 +31,10 @@ struct Transform {
 
 /// Composes two maps: (a * b) p = a * (b * p).
 GNOSPHERE_API Transform operator*(const Transform& a, const Transform& b);
-/// Maps the point `p`.
+/// Maps the point `p` by the transform `a`.
 GNOSPHERE_API Vec3 operator*(const Transform& a, const Vec3& p);
 
-/// What the alpha of a material means, as in glTF.
+/// Meaning of the alpha of a material, as in glTF.
 enum class AlphaMode { opaque, mask, blend };
 
 /// The index of no image.
@@ -79,15 +79,15 @@ struct MeshPart {
 /// Where the joints and morph targets of a deformable mesh are. Empty: the vertices are at Mesh::positions.
 struct Deformation {
   /// By joint: maps a vertex of the mesh frame to where the joint takes it, in the mesh frame. In the terms of glTF:
-  /// inverse(node of the mesh) * node of the joint * inverse bind matrix. Mesh::jointCount entries.
+  /// inverse(node of the mesh) * node of the joint * inverse bind matrix. The list has Mesh::jointCount entries.
   std::vector<Transform> joints;
   std::vector<float> morphWeights;  ///< by morph target: its share. As many entries as Mesh::morphTargets.
 
   bool empty() const { return joints.empty() && morphWeights.empty(); }
 };
 
-/// Indexed triangles. Vertex v is at `origin + positions[3v..3v+2]` in the mesh frame. Positions are floats relative to
-/// an origin in double precision, so georeferenced files keep their precision.
+/// A mesh of indexed triangles. Vertex v is at `origin + positions[3v..3v+2]` in the mesh frame. Positions are floats
+/// relative to an origin in double precision, so georeferenced files keep their precision.
 struct Mesh {
   std::string name;
   Vec3 origin;
@@ -122,7 +122,7 @@ struct Instance {
   Transform transform;
   uint16_t classId = 0;   ///< semantic class of all surfaces whose material states none; 0 for none
   std::string className;  ///< class that the file states by its name instead; a drive file gives it a number
-  uint32_t world = 0;     ///< the world that has the instance, see Shot::world; 0 for all of them. No file states it.
+  uint32_t world = 0;     ///< the world that has the instance, see Shot::world; 0 for all of them, as in all files
 };
 
 /// The index of no node, and of no skin.
@@ -176,7 +176,7 @@ struct AnimatedInstance {
   Transform offset;
 };
 
-/// What can move by clips; see stateAt() in animation.hpp. A deformable mesh follows one node and one skin, so
+/// Everything that clips can move; see stateAt() in animation.hpp. A deformable mesh follows one node and one skin, so
 /// instances that follow others have a mesh of their own.
 struct SceneAnimation {
   Transform root;           ///< maps the frame above all nodes to the world
@@ -186,7 +186,7 @@ struct SceneAnimation {
   std::vector<AnimatedInstance> instances;
 };
 
-/// Everything that the sensor can see. It is plain data: build it by hand or with loadScene().
+/// Everything that the sensor can see. A scene is plain data: build it by hand or with loadScene().
 struct Scene {
   std::vector<Material> materials;
   std::vector<AlphaImage> alphaImages;
@@ -195,14 +195,14 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   SceneAnimation animation;  ///< empty in a scene that has neither clips nor deformable meshes
-  /// What the file says about motion and the scene leaves out: a line each, with how often.
+  /// Motion that the file states and the scene leaves out: a line for each kind, with how often.
   std::vector<std::string> leftOut;
 
   GNOSPHERE_API size_t uniqueTriangleCount() const;  ///< summed over meshes
   GNOSPHERE_API size_t placedTriangleCount() const;  ///< summed over instances
 };
 
-/// Axis-aligned box in world coordinates, in metres. It is empty if min > max.
+/// Axis-aligned box in world coordinates, in metres. The box is empty if min > max.
 struct Bounds {
   Vec3 min, max;
   bool empty() const { return !(min.x <= max.x); }

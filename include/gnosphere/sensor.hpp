@@ -39,7 +39,7 @@ struct BeamList {
   size_t size() const { return directions.size(); }
 };
 
-/// What happens to a surface that is nearer than a beam's least range.
+/// Treatment of a surface that is nearer than a beam's least range.
 enum class NearHits {
   seeThrough,  ///< the beam passes through and hits what is behind
   hide,        ///< the surface blocks the beam, which has no return
@@ -49,8 +49,8 @@ enum class NearHits {
 ///
 /// In a grid, the beam in column i of channel j has the elevation `channels[j].elevationDeg` and the azimuth
 /// `azimuthStartDeg` + `azimuthSpanDeg` i / columns + `channels[j].azimuthOffsetDeg` degrees (counter-clockwise seen
-/// from above, 0 = x axis). It leaves the sensor's origin, or `channels[j].origin` if that is not zero. Beam index =
-/// channel * columns + column: the organised cloud has one row per channel.
+/// from above, 0 = x axis). The beam leaves the sensor's origin, or `channels[j].origin` if that is not zero. Beam
+/// index = channel * columns + column: the organised cloud has one row per channel.
 ///
 /// If `patterns` is not empty, the beams are those of a list: scan number n (Shot::frame) uses pattern n modulo their
 /// number. All patterns have the same number of beams; columns and channels must be 0 and empty.
@@ -111,7 +111,7 @@ GNOSPHERE_API const std::vector<CatalogueHead>& sensorCatalogue();
 /// case does not matter. Throws Error(invalidArgument) with the names or modes that are known.
 GNOSPHERE_API Sensor builtinSensor(const std::string& name);
 
-/// What a sensor file leaves open.
+/// Values for what a sensor file leaves open.
 struct SensorFileOptions {
   /// Name of a built-in sensor, whose ranges, divergence and returns apply; of a grid with as many channels also the
   /// columns, the rotation and the firing times, of a list the beams per scan. Calibration files state angles only.
@@ -140,13 +140,13 @@ GNOSPHERE_API SensorFile readSensorFile(const std::filesystem::path& file, const
 GNOSPHERE_API SensorFile readSensorFile(std::string_view bytes, const std::string& name,
                                         const SensorFileOptions& options = {});
 
-/// The sensor of readSensorFile().
+/// Reads a sensor file, and returns only the sensor of readSensorFile().
 GNOSPHERE_API Sensor loadSensor(const std::filesystem::path& file);
 
 /// Writes a sensor as JSON. sensorFromJson(toJson(s)) restores every field bit by bit, except that a divergence, which
 /// JSON states in milliradians, may differ in its last bit.
 GNOSPHERE_API std::string toJson(const Sensor& sensor);
-/// Reads a sensor from JSON; `source` names the text in messages. Throws Error(format).
+/// Reads a sensor from JSON; `source` names the text in messages. Throws Error(format) if the text is invalid.
 GNOSPHERE_API Sensor sensorFromJson(std::string_view json, const std::string& source);
 
 }  // namespace gnosphere

@@ -39,7 +39,7 @@ enum class Accuracy {
   exact,     ///< exact predicates, one owner per layer, correctly rounded ranges: the same bytes on every device
 };
 
-/// "paper", "draft", "standard", "exact".
+/// The name of an accuracy setting: "paper", "draft", "standard", "exact".
 GNOSPHERE_API const char* nameOf(Accuracy accuracy);
 
 /// The parts of an accuracy setting. Change one part at a time to see what it costs and which errors it avoids.
@@ -106,15 +106,15 @@ struct Tuning {
   Binning binning = Binning::automatic;
   Culling culling;
   /// If true, a sensor that scans repeatedly from one pose keeps the hits on instances that have not moved (8 bytes per
-  /// beam, from its second scan from that pose). This has no effect with Binning::lists or the paper's bounds.
+  /// beam, from its second scan from that pose). Keeping hits has no effect with Binning::lists or the paper's bounds.
   bool keepStill = true;
   bool float64 = true;  ///< if false, double precision is not used even if the device has it
   /// Most bytes that shots which are submitted together (see Simulator::scanAll()) take on the device in lists of
   /// instances and clusters; at least one shot is submitted. 0 means 256 MB on a CPU and 1 GB on other devices.
   uint64_t maxBatchBytes = 0;
-  /// Most triangles and lines of light, roughly counted, that one submission looks at on a Vulkan device of the library's
-  /// own; a scan of more is several submissions, so that a desktop draws between them and its driver does not take the
-  /// device for stuck. 0 means no limit on a CPU and 67,108,864 on other devices.
+  /// Most triangles and lines of light, roughly counted, that one submission looks at on a Vulkan device of the
+  /// library's own; a scan of more is several submissions, so that a desktop draws between them and its driver does not
+  /// take the device for stuck. 0 means no limit on a CPU and 67,108,864 on other devices.
   uint64_t maxSubmissionWork = 0;
   /// Upper limit in bytes for any one buffer on a Vulkan device; 0 means the limit of the device. If an array needs
   /// more, the call that needs it throws Error(outOfMemory); the simulator stays usable.
@@ -178,8 +178,8 @@ struct SimulatorOptions {
   /// Folder in which compiled pipelines are kept. If empty, it is "gnosphere" in $XDG_CACHE_HOME or ~/.cache; if "off",
   /// pipelines are not kept.
   std::string cache;
-  /// Receives a sentence about a problem that is no error, for example that compiled pipelines cannot be kept. It is
-  /// called on the thread that calls the simulator. The library itself prints nothing.
+  /// Receives a sentence about a problem that is no error, for example that compiled pipelines cannot be kept. The
+  /// function is called on the thread that calls the simulator. The library itself prints nothing.
   std::function<void(const std::string& message)> warn;
   /// Receives the steps of every scan on a Vulkan device, a line for each, with its size and the time until it was
   /// done. Each step is then timed by itself, so scans take a little longer.
@@ -336,7 +336,7 @@ class GNOSPHERE_API Simulator {
   void setTransforms(std::span<const uint32_t> instances, std::span<const double> values);
   void setTransforms(std::span<const uint32_t> instances, std::span<const float> values);
 
-  /// Describes what the next scan of the sensor computes, and why. Changes nothing.
+  /// Describes what the next scan of the sensor computes, and why; changes nothing.
   Plan plan(size_t sensor = 0) const;
   const DeviceInfo& device() const;
   MemoryUse memory() const;

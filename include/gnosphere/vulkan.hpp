@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scans on the caller's own Vulkan device: the scans are recorded into the caller's command buffers, and the results
-// stay in the caller's buffers. This is the only public header that includes Vulkan's.
+// stay in the caller's buffers. No other public header includes Vulkan's.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -15,8 +15,8 @@
 
 namespace gnosphere::vulkan {
 
-/// What a device must be created with, in the form that vkCreateDevice() takes. The instance must be one of Vulkan 1.2
-/// or later.
+/// Extensions and features that a device must be created with, in the form that vkCreateDevice() takes. The instance
+/// must be one of Vulkan 1.2 or later.
 struct Requirements {
   std::vector<const char*> extensions;  ///< for VkDeviceCreateInfo::ppEnabledExtensionNames
   VkPhysicalDeviceFeatures features = {};
@@ -57,8 +57,8 @@ struct Allocator {
   std::function<void(const Allocation& allocation)> release;
 };
 
-/// A device of the caller. It must outlive every simulator that uses it, and the objects below must not be destroyed
-/// before them.
+/// A device of the caller. The device must outlive every simulator that uses it, and the objects below must not be
+/// destroyed before them.
 struct AdoptedDevice {
   PFN_vkGetInstanceProcAddr getInstanceProcAddr = nullptr;
   VkInstance instance = VK_NULL_HANDLE;
@@ -66,7 +66,7 @@ struct AdoptedDevice {
   VkDevice device = VK_NULL_HANDLE;
   /// Family of the queue to which the caller submits the recorded scans; it must support compute.
   uint32_t queueFamily = 0;
-  /// What the device was created with: requirementsOf(), without the features that the caller has left off.
+  /// The requirements that the device was created with: requirementsOf(), less the features that the caller left off.
   Requirements enabled;
   Allocator allocator;  ///< if empty, every buffer gets memory of its own from vkAllocateMemory()
 };
@@ -87,8 +87,8 @@ struct DeviceRange {
 /// that of a DeviceRange. Other attributes may lie between the positions.
 struct VertexBuffer {
   VkDeviceAddress address = 0;  ///< of the first position; a multiple of 4
-  /// From there to the end of the buffer. It is read in words of 4 bytes, so 16-bit positions that end within a word
-  /// need 2 bytes behind them.
+  /// From there to the end of the buffer. The buffer is read in words of 4 bytes, so 16-bit positions that end within a
+  /// word need 2 bytes behind them.
   VkDeviceSize bytes = 0;
   uint32_t stride = 12;  ///< bytes from one position to the next; a multiple of 4, or of 2 for 16-bit formats
   /// VK_FORMAT_R32G32B32_SFLOAT, or R16G16B16 with UNORM, SNORM, USCALED or SSCALED; each also with a fourth component,
@@ -127,7 +127,7 @@ struct RecordedShot {
   DeviceRange header;   ///< gets a RecordHeader
 };
 
-/// What became of a recorded scan.
+/// The outcome of a recorded scan.
 struct RecordedScan {
   size_t sensor = 0;
   uint64_t frame = 0;  ///< Shot::frame

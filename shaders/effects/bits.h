@@ -52,7 +52,7 @@ GNO_CONST uint kFieldSurface = 2;       // normal, incidence, material
 GNO_CONST uint kFieldMotion = 4;        // velocity, radial speed
 GNO_CONST uint kFieldBarycentrics = 8;  // position of the hit within its triangle
 GNO_CONST uint kFieldIntensity = 16;
-// This bit is no field. It is set if points and owners are stored, because the words of the beams do not tell them.
+// No field has this bit, which is set if points and owners are stored, because the words of the beams do not tell them.
 GNO_CONST uint kFieldPoints = 32;
 
 // Fields that need the surfaces pass. The intensity effect needs it too, for the angle of incidence and the material.

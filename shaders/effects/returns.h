@@ -24,8 +24,8 @@ GNO_INLINE Choice noChoice() {
   return choice;
 }
 
-// Adds a detected echo. Echoes must be added in order of range; of equally strong echoes the nearer counts as
-// stronger.
+// Adds a detected echo to the choice. Echoes must be added in order of range; of equally strong echoes the nearer
+// counts as stronger.
 GNO_INLINE void consider(GNO_INOUT(Choice) choice, uint number, float power) {
   choice.detected |= 1u << number;
   choice.last = number;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Suggestions for misspelt names.
+// Suggests the right names for a misspelt one.
 #pragma once
 
 #include <algorithm>

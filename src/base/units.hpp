@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Factors between units.
+// Factors of units: degrees, and the prefixes of SI.
 #pragma once
 
 #include <numbers>

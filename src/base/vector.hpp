@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vectors of doubles. They use only + - *, so they give the same bits on every machine.
+// Operations on vectors of doubles, which use only + - *, so they give the same bits on every machine.
 #pragma once
 
 #include "gnosphere/scene.hpp"

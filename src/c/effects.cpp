@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gno_effects: requests for effects.
+// The functions of gno_effects, which are requests for effects.
 #include "c/handles.hpp"
 
 using namespace gnosphere;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages of ROS 2.
+// The C interface to messages of ROS 2.
 #include <gnosphere_ros2.h>
 
 #include <gnosphere/ros2.hpp>

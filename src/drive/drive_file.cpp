@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON -> Drive. The schema decides what the words are and which values they take; what it cannot say is checked here:
-// names that refer to something, and the files.
+// Reads a Drive from JSON. The schema decides what the words are and which values they take; what it cannot say is
+// checked here: names that refer to something, and the files.
 #include <fnmatch.h>
 
 #include <algorithm>

@@ -74,7 +74,7 @@ class DriveReader {
   std::vector<std::string> mistakes_, classNames_, modelNames_;
 };
 
-/// Three numbers.
+/// Reads a list of three numbers.
 Vec3 vectorOf(const nlohmann::json& list);
 /// A member of an object, or null.
 const nlohmann::json& memberOf(const nlohmann::json& object, const char* name);

@@ -57,7 +57,7 @@ class Schedule {
     ros2::Message message;
   };
 
-  // What is late is published at once. If it is too late, all that follows is later, rather than in a burst.
+  // Late messages are published at once. If one is too late, all later ones are delayed, rather than sent in a burst.
   void wait(double time) {
     using Seconds = std::chrono::duration<double>;
     const auto now = WallClock::now();

@@ -74,7 +74,7 @@ void removeAbandoned(const fs::path& folder) {
 
 namespace {
 
-/// What the manifest of a frame says about one of its files.
+/// Entry of a frame's manifest for one of its files.
 struct FileEntry {
   fs::path path;  // within the folder of the drive
   std::string into, hash;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is complete in an output folder: a file per frame, manifest/frames/000000.json, which is written when all files
+// Complete frames of an output folder: a file per frame, manifest/frames/000000.json, which is written when all files
 // of the frame are there. Several processes may work in one folder, on one machine or on many.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses: composition, inverses, matrices.
+// Arithmetic of poses: composition, inverses, matrices.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace gnosphere::drive {
 /// The rotation `b` followed by the rotation `a`.
 Quaternion operator*(const Quaternion& a, const Quaternion& b);
 Quaternion normalized(const Quaternion& q);
-/// Turns a vector.
+/// Turns a vector by a quaternion.
 Vec3 operator*(const Quaternion& q, const Vec3& v);
 /// Composes poses: (a * b) p = a (b p).
 Pose operator*(const Pose& a, const Pose& b);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame of a drive is: its scans and the boxes of the actors in them. Output formats turn it into files.
+// The record of a frame of a drive: its scans and the boxes of the actors in them. Output formats turn it into files.
 #pragma once
 
 #include <vector>
@@ -39,7 +39,7 @@ struct FrameRecord {
   std::vector<RecordedScan> scans;
 };
 
-/// What stays of a frame when its scans have been written.
+/// Summary of a scan that stays of a frame when its scans have been written.
 struct ScanSummary {
   PlannedScan planned;
   uint64_t points = 0;

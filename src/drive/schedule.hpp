@@ -16,7 +16,7 @@ struct PlannedScan {
   double time = 0;      ///< of its start, on the clock of the trajectories
 };
 
-/// The scans that start within a frame, in order of time, then of sensors. They depend on nothing but the drive file.
+/// The scans that start within a frame, in order of time, then of sensors. Scans depend on nothing but the drive file.
 std::vector<PlannedScan> scansOf(const Drive& drive, uint64_t frame);
 
 /// Seconds from the start of a scan until its last beam has fired.

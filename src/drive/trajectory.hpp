@@ -10,8 +10,8 @@
 
 namespace gnosphere::drive {
 
-/// Poses at ascending times. Between stamps positions are linear and orientations turn by slerp; before the first and
-/// after the last stamp the pose is constant.
+/// A list of poses at ascending times. Between stamps positions are linear and orientations turn by slerp; before the
+/// first and after the last stamp the pose is constant.
 class Trajectory {
  public:
   using Stamp = SensorMotion::Stamp;
@@ -38,19 +38,19 @@ class Trajectory {
 /// Turns every pose so that x points along the way, level. Where the way does not move on, the last direction holds.
 void headAlong(std::vector<Trajectory::Stamp>& stamps);
 
-/// What a trajectory file leaves open.
+/// Choices that a trajectory file leaves open.
 struct TrajectoryFileOptions {
   std::filesystem::path times;  ///< KITTI: the file with the time of each pose
   std::string route;            ///< CARLA routes: the id of the route; if empty, the first
   double speed = 0;             ///< CARLA routes: metres a second
 };
 
-/// Reads lines `t x y z qx qy qz qw` (TUM); # begins a comment, further numbers on a line are ignored. Times need not
-/// ascend. Throws Error(format) that names the first invalid line, or Error(file) if the file cannot be read.
+/// Reads lines `t x y z qx qy qz qw` (TUM); # begins a comment, further numbers on a line are ignored. The times need
+/// not ascend. Throws Error(format) that names the first invalid line, or Error(file) if the file cannot be read.
 std::vector<Trajectory::Stamp> readTum(const std::filesystem::path& file);
 
 /// Reads a trajectory file, format "tum", "kitti", "euroc", "nuscenes", "carla" or "carla-route", as docs/drives.md
-/// describes them. Throws Error(file) or Error(format).
+/// describes them. Throws Error(file) or Error(format) if the file cannot be read or is invalid.
 std::vector<Trajectory::Stamp> readTrajectory(const std::filesystem::path& file, const std::string& format,
                                               const TrajectoryFileOptions& options);
 

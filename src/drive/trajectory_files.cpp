@@ -21,7 +21,7 @@ constexpr uint64_t kLargestFile = uint64_t{1} << 30;
 /// quaternion.
 constexpr double kUnitTolerance = 0.01;
 
-/// A line of numbers. `refuse` throws an error that names it.
+/// A line of a file of numbers. `refuse` throws an error that names it.
 struct Line {
   const std::filesystem::path& file;
   size_t number;

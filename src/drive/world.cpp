@@ -86,7 +86,7 @@ World::World(const Drive& drive) : drive_(drive) {
     const Scene& model = drive.models[actor.model];
     Body body = {&model,          objects_.size(),       numbersFrom(firstMeshes[actor.model], model),
                  actor.animation, fitting(actor, model), {}};
-    // What deforms in its own time is a mesh of its own.
+    // Meshes that deform in a time of their own, that of the actor's animation, are copied.
     for (uint32_t& mesh : body.meshes) {
       if (!body.animation || !scene_.meshes[mesh].deformable()) continue;
       Mesh own = scene_.meshes[mesh];

@@ -111,8 +111,8 @@ std::vector<SubRay> subRays(const Effects& effects, const Sensor& sensor, uint32
   struct Polar {
     double radius, angle;  // within the unit disc
   };
-  // Every sub-ray stands for an equal area of the disc and lies in the middle of it. They form rings of 6, 12, 18, ...
-  // around a central one, with odd rings turned by half a step. If the count does not fill the rings, they lie on
+  // Every sub-ray stands for an equal area of the disc and lies in the middle of it. Sub-rays form rings of 6, 12, 18,
+  // ... around a central one, with odd rings turned by half a step. If the count does not fill the rings, they lie on
   // Vogel's spiral (1979) instead.
   std::vector<Polar> places = {{0, 0}};
   for (uint32_t ring = 1; places.size() + 6 * ring <= count; ++ring) {

@@ -9,7 +9,7 @@
 
 namespace gnosphere {
 
-/// Reads a JSON file of materials. Throws Error(file) or Error(format).
+/// Reads a JSON file of materials. Throws Error(file) or Error(format) if the file cannot be read or is invalid.
 nlohmann::json readMaterialJson(const std::filesystem::path& file);
 
 /// Returns whether the root of a JSON file is one of ASAM OpenMATERIAL 3D: an asset (.xoma), a mapping (.xomm) or a

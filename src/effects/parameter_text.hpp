@@ -138,7 +138,7 @@ std::string valueText(const Parameter<Owner>& parameter, const Owner& from) {
       parameter.kind);
 }
 
-/// Returns the default value for lists: 0.004, gaussian, [].
+/// Returns the default of a parameter as tables print it, such as 0.004, gaussian or [].
 template <class Owner>
 std::string defaultText(const Parameter<Owner>& parameter) {
   const Owner defaults;

@@ -19,8 +19,8 @@ double perMetre(double decibelsPerKilometre) {
 
 /// Back-scatter of a rain drop relative to a Lambertian disc, by geometric optics with n = 1.33. The front of the drop
 /// reflects 2 % as a sphere does. Near the axis its back reflects 2 % too and is seen through the front, 3.9 times as
-/// large. The sum is 0.0200 / 4 + 0.0200 * 0.98^2 / (2 - 4 / 1.33)^2 = 0.024. It does not hold for the smaller droplets
-/// of fog, whose glory scatters more light back.
+/// large. The sum is 0.0200 / 4 + 0.0200 * 0.98^2 / (2 - 4 / 1.33)^2 = 0.024. The sum does not hold for the smaller
+/// droplets of fog, whose glory scatters more light back.
 constexpr double kDropReflectance = 0.024;
 /// Back-scatter of a snow flake relative to a Lambertian disc: a Lambertian sphere of reflectance 0.9 returns 2/3 of
 /// the light of a disc with that reflectance.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that follows from a request for one sensor in one scene. It is computed once and read by every backend.
+// Everything that follows from one sensor's request in one scene. The plan is computed once and read by every backend.
 #pragma once
 
 #include <array>
@@ -81,7 +81,7 @@ struct SensorPlan {
   bool judged() const { return !onlyLines() && (signals() || speeds() || surfaces()); }
 };
 
-/// Plans sensors. When the scene changes, plan() is called again with the changed scene.
+/// Makes the plans of sensors. When the scene changes, plan() is called again with the changed scene.
 class SensorPlanner {
  public:
   explicit SensorPlanner(const SimulatorOptions& options) : options_(options) {}

@@ -51,7 +51,7 @@ void influencesOf(const Mesh& mesh, size_t vertex, std::vector<Influence>& influ
       influences.insert(place, {joint, mesh.jointWeights[k]});
   }
   if (influences.empty()) return;
-  // What rounding leaves of the sum goes to the largest weight.
+  // The remainder of the sum that rounding leaves goes to the largest weight.
   double left = gpu::kWeightUnits;
   for (Influence& influence : influences) {
     influence.weight = static_cast<float>(std::round(influence.weight / sum * gpu::kWeightUnits));

@@ -33,7 +33,7 @@ class Deformables {
   /// Deforms a mesh, and sets the boxes of its groups.
   void deform(size_t index, const Deformation& deformation, FlatMesh& flat);
 
-  /// What kernels read of a deformation at the end of a motion: in the places of jointRows() and morphWeights().
+  /// Data of a deformation at the end of a motion, as kernels read it: in the places of jointRows() and morphWeights().
   struct End {
     std::vector<gpu::vec4> jointRows;
     std::vector<float> morphWeights;
@@ -44,7 +44,7 @@ class Deformables {
 
   bool any() const { return !meshes_.empty(); }
 
-  /// What a scan reads: an entry per mesh of the scene and one more, three rows per joint, and the morph weights.
+  /// Data that a scan reads: an entry per mesh of the scene and one more, three rows per joint, and the morph weights.
   uint64_t version() const { return version_; }  ///< goes up when one of the following changes
   std::span<const gpu::Deformer> deformers() const { return deformers_; }
   std::span<const gpu::vec4> jointRows() const { return jointRows_; }

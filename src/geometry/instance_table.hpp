@@ -83,7 +83,7 @@ class InstanceTable {
                              gpu::TransformedInstance* instances) const;
 
   uint32_t count() const { return static_cast<uint32_t>(placements_.size()); }
-  /// What a scan of the world can see.
+  /// Content of the world that a scan can see.
   WorldContent contentOf(uint32_t world) const;
   /// The largest number of triangles that a scan of any world can see.
   uint64_t mostTriangles() const;

@@ -133,7 +133,7 @@ size_t PackedGeometry::clusterCount() const {
 }
 
 // Gives the meshes that will have the indices from `first` on their runs in the arrays, writes them, and makes room for
-// their entries. What is written lies in free runs, so that nothing has changed if this throws.
+// their entries. Only free runs are written, so that nothing has changed if this throws.
 void PackedGeometry::place(size_t first, std::span<const Mesh> meshes, std::span<Entry> entries) {
   TakenRuns runs;
   for (Entry& entry : entries) {

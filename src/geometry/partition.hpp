@@ -10,13 +10,13 @@
 
 namespace gnosphere {
 
-/// An axis-aligned box. A new one contains no point.
+/// A bounding box along the axes. A new box contains no point.
 struct BoundingBox {
   float low[3] = {kLargest, kLargest, kLargest}, high[3] = {-kLargest, -kLargest, -kLargest};
 
   void add(const float* point) { enclose(point, point); }
   void add(const BoundingBox& other) { enclose(other.low, other.high); }
-  /// Half the surface.
+  /// Half the surface area of the box.
   float halfArea() const;
 
  private:
@@ -24,7 +24,7 @@ struct BoundingBox {
   void enclose(const float* least, const float* most);
 };
 
-/// What is divided: something with a box.
+/// An item that is divided, with its box.
 struct Boxed {
   BoundingBox box;
   uint32_t index = 0;  ///< says what it is; of no meaning here

@@ -10,12 +10,12 @@
 
 namespace gnosphere {
 
-/// Allocates runs of entries. A run is taken from the first gap that is large enough, so an array whose owners come and
-/// go does not grow without end. Taking a run allocates the memory that giving it back needs, so that whatever fails
-/// can be undone.
+/// Allocates runs of an array's entries. A run is taken from the first gap that is large enough, so an array whose
+/// owners come and go does not grow without end. Taking a run allocates the memory that giving it back needs, so that
+/// whatever fails can be undone.
 class Ranges {
  public:
-  /// Allocates a run of `count` entries and returns the first one. Throws std::bad_alloc.
+  /// Allocates a run of `count` entries and returns the first one. Throws std::bad_alloc, and then has changed nothing.
   uint64_t take(uint64_t count) {
     if (count == 0) return 0;
     addSpare();

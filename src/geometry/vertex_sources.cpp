@@ -27,7 +27,7 @@ void validate(const CallerVertices& buffer, size_t vertices, const std::string& 
     refuse("its vertices are " + std::to_string(buffer.stride) + " bytes apart; positions of this format need " +
            std::to_string(size) + " or more, in multiples of " + std::to_string(unit));
   if (vertices == 0) return;
-  // Kernels read whole words.
+  // Kernels read the buffer in whole words.
   const uint64_t needed = ((vertices - 1) * uint64_t{buffer.stride} + size + 3) / 4 * 4;
   if (needed > buffer.bytes)
     refuse("it has " + std::to_string(vertices) + " vertices, " + std::to_string(buffer.stride) +

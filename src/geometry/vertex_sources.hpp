@@ -44,7 +44,7 @@ class VertexSources {
   /// The vertices of a mesh must be taken again, if they still come from a buffer.
   void takeAgain(size_t mesh) noexcept;
 
-  /// What a device must take: an entry per mesh, and per group of its clusters the entry and the group.
+  /// Work of a device that takes vertices: an entry per mesh, and per group of its clusters the entry and the group.
   struct Work {
     std::vector<size_t> meshes;
     std::vector<gpu::VertexSource> sources;
@@ -53,7 +53,7 @@ class VertexSources {
   };
   /// Returns what has changed since taken() was called.
   const Work& changed();
-  /// Must be called when a device takes what changed() has returned.
+  /// Marks the work of changed() as done; must be called when a device takes that work.
   void taken();
 
   /// Triangles that a device has left out.

@@ -25,7 +25,7 @@ inline constexpr Colour kBackground = {0.043f, 0.051f, 0.067f}, kText = {0.78f, 
 /// Colour map Turbo (Anton Mikhailov 2019) for 0..1, blue over green to red, in the polynomial form published with it.
 Colour turbo(float t);
 
-/// An RGB image whose row 0 is the top. Drawing outside is clipped.
+/// An RGB image whose row 0 is the top. Drawing outside the image is clipped.
 class Canvas {
  public:
   Canvas(int width, int height, const Colour& background);
@@ -37,7 +37,7 @@ class Canvas {
   /// `y` is the top of the letters; they are 7 * scale pixels high.
   void text(int x, int y, const std::string& text, const Colour& colour, int scale = 2);
   static int textWidth(const std::string& text, int scale = 2);
-  /// Throws Error(file).
+  /// Throws Error(file) if the picture cannot be written.
   void writePng(const std::filesystem::path& file) const;
 
  private:

@@ -7,7 +7,7 @@
 
 namespace gnosphere {
 
-/// Returns the bytes of the file that writeCloud() writes, for an ending such as "pcd". Throws as it does.
+/// Returns the bytes of the file that writeCloud() writes, for an ending such as "pcd"; throws as writeCloud() does.
 std::string cloudBytes(const Scan& scan, const std::string& ending, const CloudOptions& options);
 
 }  // namespace gnosphere

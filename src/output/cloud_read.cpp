@@ -12,17 +12,17 @@
 namespace gnosphere {
 namespace {
 
-/// Limit on the grid of a file that holds only some of its beams. It bounds the memory (450 MiB) that a small, invalid
-/// file can make us allocate: twice the largest sensor model we know, or more if the file has a point for one beam in
-/// 64.
+/// Limit on the grid of a file that holds only some of its beams. The limit bounds the memory (450 MiB) that a small,
+/// invalid file can make us allocate: twice the largest sensor model we know, or more if the file has a point for one
+/// beam in 64.
 uint64_t maxSparseBeams(const CloudTable& table) {
   return std::max(uint64_t{1} << 24, uint64_t{64} * table.rows);
 }
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Limit on returns per beam, more than any sensor gives. It bounds the memory that one invalid value can make us
-/// allocate.
+/// Limit on returns per beam, more than any sensor gives. The limit bounds the memory that one invalid value can make
+/// us allocate.
 constexpr uint32_t kMostReturns = 16;
 
 struct Grid {

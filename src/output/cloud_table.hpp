@@ -50,7 +50,7 @@ CloudTable readPly(std::string bytes, const std::string& source);
 CloudTable readNpy(std::string bytes, const std::string& source);
 CloudTable readCsv(std::string bytes, const std::string& source);
 
-/// Does the work of readCloud() on a file's content; `source` names it in messages. Throws Error(format).
+/// Does the work of readCloud() on a file's content; `source` names it in messages. Throws Error(format) if it is bad.
 Scan readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source);
 
 /// Reads the next line from `position` on without its end,

@@ -13,7 +13,7 @@
 namespace gnosphere {
 namespace {
 
-/// Rows per block. A block takes a few megabytes, so a large cloud is not copied whole, and writes are not small.
+/// Rows per block: a block takes a few megabytes, so a large cloud is not copied whole, and writes are not small.
 constexpr size_t kBlockRows = size_t{1} << 16;
 
 /// Calls `use` for each block with the packed rows and their number.

@@ -15,7 +15,7 @@ class ComparisonSum {
   /// `beams` is the number of beams in all scans; it decides how many of the largest errors are kept for the
   /// percentile.
   ComparisonSum(uint64_t beams, double tolerance);
-  /// Throws as compare() does.
+  /// Compares two clouds and adds the comparison; throws as compare() does.
   void add(const Scan& reference, const Scan& other);
   Comparison result() const;
 

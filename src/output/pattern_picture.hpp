@@ -9,7 +9,7 @@
 namespace gnosphere {
 
 /// Draws the beams of a sensor that fire in scan number `frame`, by azimuth and elevation, as a PNG picture. Colours
-/// tell when they fire. Throws Error(file).
+/// tell when they fire. Throws Error(file) if the picture cannot be written.
 void writePatternPicture(const Sensor& sensor, const std::filesystem::path& file, uint64_t frame = 0);
 
 }  // namespace gnosphere

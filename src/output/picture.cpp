@@ -18,7 +18,7 @@ constexpr Colour kFaint = {0.45f, 0.49f, 0.56f};
 constexpr int kMargin = 24;
 constexpr int kTitle = 56;  ///< the strip of text above each picture
 
-/// Returns the value below which `share` of the values lie. Reorders `values`.
+/// Returns the value below which `share` of the values lie, and reorders `values`.
 float quantile(std::vector<float>& values, double share) {
   if (values.empty()) return 0;
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -75,7 +75,7 @@ bool countsFromLeft(const Scan& scan) {
   return turns < 0;
 }
 
-/// The nearest range of each pixel, so that a thin pole stays visible when columns are grouped. Infinite: no hit.
+/// The nearest range of each pixel, so that a thin pole stays visible when columns are grouped; infinite without a hit.
 std::vector<float> nearestRanges(const Scan& scan, const RangeImage& image, int columns, int channels) {
   std::vector<float> nearest(static_cast<size_t>(columns) * static_cast<size_t>(channels),
                              std::numeric_limits<float>::infinity());

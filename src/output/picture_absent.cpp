@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in for pictures in a library that is built without PNG.
+// Functions that stand in for pictures in a library that is built without PNG.
 #include "gnosphere/error.hpp"
 #include "gnosphere/output.hpp"
 #include "output/pattern_picture.hpp"

@@ -65,7 +65,7 @@ std::unique_ptr<Backend> makeVulkanBackend(const Scene& scene, const SensorPlans
 std::vector<DeviceInfo> listVulkanDevices(std::string* problem);
 DeviceInfo referenceDevice();
 
-/// The CUDA backend. In a build without GNOSPHERE_CUDA every call reports that CUDA is not built in.
+/// Backend for devices of CUDA. In a build without GNOSPHERE_CUDA every call reports that CUDA is not built in.
 namespace cuda {
 std::unique_ptr<Backend> makeBackend(const Scene& scene, const SensorPlans& sensors, const SimulatorOptions& options);
 /// Lists every CUDA device; if there is none the list is empty and `problem` gives the reason.

@@ -172,7 +172,7 @@ void setSlabs(size_t count, const ColumnOf& columnOf, gpu::Frame& frame) {
 }
 
 // Marks the entries of the farthest-range table that have beams; `placesOf(mark)` calls mark(row, column) for each
-// beam. Empty if all have.
+// beam. The list is empty if all have.
 template <typename PlacesOf>
 std::vector<uint32_t> startFarthest(const gpu::Frame& frame, const PlacesOf& placesOf) {
   const auto entries = [](uint32_t count, uint32_t each) { return (count + each - 1) / each; };
@@ -295,7 +295,7 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
     gpu::vec2& places = tables.columnPlaces[beams[i].column / gpu::kPlaceColumns];
     places = {std::min(places.x, tables.origins[i].w), std::max(places.y, tables.origins[i].w)};
   }
-  // A beam lies up to one column behind the column of its cell. What it may lie before it is slack.
+  // A beam lies up to one column behind the column of its cell. The amount that it may lie before it is slack.
   tables.frame.beside = 1;
   tables.frame.columnSlack += static_cast<float>(kColumnTolerance);
 }
@@ -306,7 +306,7 @@ uint32_t azimuthsOf(const Sensor& sensor, const RowGrid& grid, const RowGrid::Ro
   const auto begin = static_cast<uint32_t>(tables.columns.size() / 2);
   const auto [entry, isNew] = known.try_emplace(sensor.channels[row.channel].azimuthOffsetDeg, begin);
   if (!isNew) return entry->second;
-  // What lies in places without a beam is never looked at.
+  // Values in places without a beam are never looked at.
   std::vector<float> own(tables.columns.begin(), tables.columns.begin() + 2 * ptrdiff_t{grid.columns});
   for (uint32_t beam = 0; beam < grid.taken; ++beam) {
     const size_t place = 2 * size_t{(beam + static_cast<uint32_t>(row.first + int64_t{grid.columns})) % grid.columns};

@@ -58,7 +58,7 @@ constexpr uint32_t placesFor(uint32_t subRays) {
   return subRays <= 1 ? 1 : subRays <= 7 ? 7 : subRays <= 19 ? 19 : 61;
 }
 
-/// One compiled kernel.
+/// A kernel as it is compiled.
 struct Variant {
   Kernel kernel = Kernel::project_groups;
   Options options;

@@ -18,8 +18,8 @@ class RecordedScans {
  public:
   RecordedScans(Machine& machine, SceneArrays& scene) : machine_(machine), scene_(scene), vertices_(machine, scene) {}
 
-  /// Records the scans. `sensors` has the arrays by sensor. Lists that were too small for the scans recorded before
-  /// grow first.
+  /// Records the scans of a frame. `sensors` has the arrays by sensor. Lists that were too small for the scans recorded
+  /// before grow first.
   void record(Recording& recording, const std::vector<SensorArrays*>& sensors);
   /// The commands of the frame's last recording will never run. Throws Error(invalidArgument) if another frame has been
   /// recorded since, because its commands build on these.

@@ -12,7 +12,7 @@ namespace gnosphere {
 /// The arrays of this step for one run of the stages in one frame in flight.
 class RecordedTransforms {
  public:
-  /// Compiles the kernel.
+  /// Compiles the kernel `place_instances` in advance.
   static void prepare(Machine& machine);
   /// Writes and binds the arrays for a sensor at `pose`, and returns the steps. There are none, and no arrays, if no
   /// transform lies in a buffer.

@@ -21,7 +21,7 @@ class RecordedVertices {
   /// Records the step for the meshes whose vertices have changed, if there are any, as a part of the recording that
   /// is under way for a frame in flight, after readDropped().
   void record(size_t frame);
-  /// What the frame's last recording would have taken must be taken by the next one.
+  /// Vertices that the frame's last recording would have taken must be taken by the next one.
   void abandon(size_t frame) noexcept;
   uint64_t bytes() const;
 

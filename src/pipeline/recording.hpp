@@ -18,7 +18,7 @@ struct Recording {
     const Shot* shot;
     Range records, header;
   };
-  /// What became of a scan that was recorded before.
+  /// Outcome of a scan that was recorded before.
   struct Result {
     size_t sensor;
     uint64_t frame;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// This is stage resolve on the host. It computes points, ranges and owners from the 8-byte words of the beams. The host
-// must write every byte of the cloud anyway, so resolving on the device would only write it a second time.
+// Stage resolve on the host computes points, ranges and owners from the 8-byte words of the beams. The host must write
+// every byte of the cloud anyway, so resolving on the device would only write it a second time.
 #pragma once
 
 #include "effects/sensor_plan.hpp"

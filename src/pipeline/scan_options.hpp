@@ -17,7 +17,7 @@ Options kernelOptions(const SimulatorOptions& options, const SensorPlan& plan);
 /// Returns the distance in metres beyond which instances cannot be hit by beams of a range.
 double reachOf(const SimulatorOptions& options, double rangeMax);
 /// Returns whether the words (8 bytes per beam) tell points, ranges and owners: the host reads and resolves them, and
-/// no stage does. This is so if there is one return per beam, on the beam's axis. The nearest hits must be in words,
+/// no stage does. Words suffice if there is one return per beam, on the beam's axis. The nearest hits must be in words,
 /// which lists have only if stage effects computes the results.
 bool leavesWords(uint32_t binning, const SensorPlan& plan);
 /// Returns whether a StillImage may be kept.

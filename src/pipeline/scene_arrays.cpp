@@ -70,7 +70,7 @@ void SceneArrays::reserve(Array array, uint64_t bytes) {
       machine_.allocate(gpu::nameOf(array), had > 0 ? std::min(bytes + bytes / 2, most) : bytes, MemoryKind::device);
   if (memory) larger->copyFrom(*memory, had);
   memory = std::move(larger);
-  // What the device itself has written to the array is lost.
+  // Vertices that the device itself has written to the array are lost.
   geometry_.vertexSources().takeAgain();
 }
 

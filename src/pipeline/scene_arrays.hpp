@@ -7,8 +7,8 @@
 
 namespace gnosphere {
 
-/// Makes room for `bytes`. Existing memory that is too small is replaced with some reserve, so that a growing scene
-/// does not allocate with every scan. The content is lost.
+/// Makes room for `bytes` bytes. Existing memory that is too small is replaced with some reserve, so that a growing
+/// scene does not allocate with every scan. The old content is lost.
 void makeRoom(Machine& machine, gpu::Array array, uint64_t bytes, MemoryKind kind,
               std::unique_ptr<DeviceMemory>& memory);
 /// Allocates memory and writes the data to it.

@@ -57,7 +57,7 @@ class SensorArrays {
                             BoundArrays& arrays);
   /// Throws Error(device) if the device has run nothing of the last scan of this frame.
   void checkAlive(size_t frame);
-  /// Returns whether a list was too small for the last scan of this frame. It must run again after growLists().
+  /// Returns whether a list was too small for the last scan of this frame. The scan must run again after growLists().
   bool cutShort(size_t frame);
   /// Grows the lists that were too small to the sizes that the scan has counted. No frame may be running.
   void growLists(size_t frame);
@@ -102,7 +102,7 @@ class SensorArrays {
     std::array<std::unique_ptr<DeviceMemory>, gpu::kArrayCount> arrays;
   };
 
-  /// What the kernels of a scan must know of motion.
+  /// Motion that the kernels of a scan must know.
   enum class Motion { none, lasers, all };  // lasers: only that they have origins
 
   /// Holds, for each size, the largest that any pattern or group has.

@@ -9,9 +9,9 @@
 
 namespace gnosphere {
 
-/// Decides when the hits on still instances (the words of the beams) are kept and reused. They are valid for one pose
-/// in one world and one set of still instances. They are kept only when both occur in a second scan, so single scans
-/// cost nothing extra. An instance that has moved counts as moving until the pose changes.
+/// Decides when the hits on still instances (the words of the beams) are kept and reused. The hits are valid for one
+/// pose in one world and one set of still instances. The hits are kept only when both occur in a second scan, so single
+/// scans cost nothing extra. An instance that has moved counts as moving until the pose changes.
 class StillImage {
  public:
   enum class Use {

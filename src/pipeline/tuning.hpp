@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Choices that make scans fast on each kind of device. They never change a result.
+// Choices that make scans fast on each kind of device. Tuning never changes a result.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference: intersects every beam in double with every triangle that it may hit, and judges the other backends. It
-// is written from the mathematics and shares only the generator of random numbers with the shaders.
+// The reference: intersects every beam in double with every triangle that it may hit, and judges the other backends.
+// The reference is written from the mathematics and shares only the generator of random numbers with the shaders.
 #include "pipeline/backend.hpp"
 
 #include <algorithm>

@@ -35,7 +35,7 @@ inline Bounded given(double value) {
 inline Bounded rounded(double value, double error, double relative = kUnitRoundoff) {
   return {value, error + relative * std::abs(value)};
 }
-/// Applies an increasing function.
+/// Applies an increasing function to a bounded value.
 template <typename Function>
 Bounded increasing(const Function& f, const Bounded& x) {
   const double value = f(x.value);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A tree of boxes over triangles. It tells which triangles a beam may hit; the hits themselves are computed elsewhere.
+// A tree of boxes over triangles; finds the triangles that a beam may hit; the hits themselves are computed elsewhere.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines ties and tolerances: how a single-precision simulator may deviate on one beam and one triangle.
 //
-// The model. Let u = 2^-24, the unit roundoff of single precision. A correct simulator sees corner i at most
+// The model: let u = 2^-24, the unit roundoff of single precision. A correct simulator sees corner i at most
 //   d_i = 16 u c |v_i| + f            metres from its true place v_i in the sensor frame, and
 // the beam turned by at most 2 u radians, so that in the plane across the beam a corner at depth z_i = v_i . direction
 // is displaced by at most

@@ -54,9 +54,9 @@ struct Triangle {
   static constexpr uint32_t kStill = 0xffffffffu;
 };
 
-/// d . (a x b), rounded only at the end, so that its sign is exact. It is positive if the edge a -> b passes the
-/// direction d counter-clockwise, seen against d. The 24 parts of the six products are summed without loss (two-term
-/// products and grow-expansion of Shewchuk 1997, Adaptive Precision Floating-Point Arithmetic).
+/// d . (a x b), rounded only at the end, so that its sign is exact. The product is positive if the edge a -> b passes
+/// the direction d counter-clockwise, seen against d. The 24 parts of the six products are summed without loss
+/// (two-term products and grow-expansion of Shewchuk 1997, Adaptive Precision Floating-Point Arithmetic).
 inline double edgeExact(const Vec3& d, const Vec3& a, const Vec3& b) {
   std::array<double, 24> parts = {};
   size_t count = 0;

@@ -31,7 +31,7 @@ std::vector<PlacedMesh> placedMeshesOf(const Scene& scene);
 /// and the remainder of a pivot that is split into two floats (2^-48) and transformed by a rounded matrix.
 double absoluteError(const PlacedMesh& place, const Vec3& position);
 
-/// What moves during a scan, and for how long.
+/// Instances and meshes that move during a scan, and for how long.
 struct Movement {
   std::span<const InstanceMotion> instances;
   std::map<size_t, std::vector<float>> positions;  ///< by mesh: where its vertices are at the end; only if they move

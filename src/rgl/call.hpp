@@ -33,7 +33,7 @@ class Failure : public std::exception {
       throw Failure(RGL_INVALID_ARGUMENT, "RGL API Error: Invalid argument, condition unsatisfied: " #condition); \
   } while (0)
 
-/// Everything below runs under this lock. It is recursive, because a tape that is played calls the interface.
+/// Everything below runs under this lock. The lock is recursive, because a tape that is played calls the interface.
 std::recursive_mutex& callMutex();
 
 /// Keeps a status and its sentence for rgl_get_last_error_string() of this thread.
@@ -41,7 +41,7 @@ rgl_status_t setStatus(rgl_status_t status, const char* message) noexcept;
 /// The status of the exception that is being handled.
 rgl_status_t statusOfException() noexcept;
 
-// Messages for people. By default those from RGL_LOG_LEVEL_INFO on go to the standard output, as RGL's do.
+// Functions of messages for people. By default those from RGL_LOG_LEVEL_INFO on go to the standard output, as RGL's do.
 void log(rgl_log_level_t level, const std::string& message);
 bool logs(rgl_log_level_t level);
 void configureLog(rgl_log_level_t level, const char* file, bool standardOutput);

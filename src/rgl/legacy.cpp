@@ -29,7 +29,7 @@ class ReturnSwitchNode : public ReturnChooser {
 
 }  // namespace
 
-/// 0.18.
+/// RGL 0.18 has this function.
 RGL_API rgl_status_t rgl_node_multi_return_switch(rgl_node_t* node, int32_t return_type) {
   return call(
       "rgl_node_multi_return_switch",
@@ -41,12 +41,12 @@ RGL_API rgl_status_t rgl_node_multi_return_switch(rgl_node_t* node, int32_t retu
       out(node), return_type);
 }
 
-/// Until 0.18.
+/// RGL had this function until 0.18.
 RGL_API rgl_status_t rgl_entity_set_pose(rgl_entity_t entity, const rgl_mat3x4f* transform) {
   return rgl_entity_set_transform(entity, transform);
 }
 
-/// Until 0.17.
+/// RGL had this function until 0.17.
 RGL_API rgl_status_t rgl_node_points_compact(rgl_node_t* node) {
   return rgl_node_points_compact_by_field(node, static_cast<rgl_field_t>(level() <= 17 ? 3 : RGL_FIELD_IS_HIT_I32));
 }
@@ -72,7 +72,7 @@ RGL_API rgl_status_t rgl_mesh_update_vertices(rgl_mesh_t mesh, const rgl_vec3f* 
       mesh, arrayOf(vertices, vertex_count), vertex_count);
 }
 
-/// 0.15 and 0.16.
+/// RGL 0.15 and 0.16 had this function.
 RGL_API rgl_status_t rgl_node_raytrace_with_distortion(rgl_node_t* node, rgl_scene_t scene,
                                                        const rgl_vec3f* linear_velocity,
                                                        const rgl_vec3f* angular_velocity) {

@@ -15,7 +15,7 @@
 
 namespace gnosphere::rgl {
 
-/// Rays between two nodes. Arrays are shared, because most nodes hand on most of them.
+/// Rays that one node hands to the next. Arrays are shared, because most nodes hand on most of them.
 struct Rays {
   std::shared_ptr<const std::vector<Mat>> base;          ///< in the sensor's frame
   uint64_t baseVersion = 0;                              ///< another number for other rays
@@ -150,7 +150,7 @@ T& nodeAs(rgl_node_t handle) {
 /// A node whose results are those of its last run. Throws Failure(RGL_INVALID_PIPELINE) if it has none.
 const PointsNode& resultsOf(rgl_node_t handle);
 
-/// What of a graph is outdated when a node gets other parameters.
+/// Part of a graph that is outdated when a node gets other parameters.
 enum class Affects { node, graph };
 
 /// Creates a node, or gives the one that is there new parameters; set(node) does that.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Live objects by handle. A handle's value is never used twice.
+// Table of live objects by handle. A handle's value is never used twice.
 #pragma once
 
 #include <cstdint>

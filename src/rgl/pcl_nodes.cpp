@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What RGL does by PCL: point cloud files, voxels, and the removal of the ground plane.
+// Nodes that RGL implements by PCL: point cloud files, voxels, and the removal of the ground plane.
 #include <rgl/api/extensions/pcl.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the rays hit: rays of samples, their hits, and the sample that each return stands for.
+// Traces the rays of a node: rays of samples, their hits, and the sample that each return stands for.
 #include "rgl/raytrace_node.hpp"
 
 #include <algorithm>

@@ -17,7 +17,7 @@ namespace {
 using Type = ros2::PointField::Type;
 using Fields = std::vector<rgl_field_t>;
 
-/// What a field of RGL is in a PointCloud2: fields of one type, side by side.
+/// A field of RGL as it stands in a PointCloud2: fields of one type, side by side.
 struct Names {
   Type type;
   std::vector<std::string> names;

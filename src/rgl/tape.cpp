@@ -84,7 +84,7 @@ void Tape::write(const char* name, const std::string& arguments) {
 
 namespace {
 
-/// What a tape that is played needs: its arrays, and the handles of now by those of then.
+/// State of a tape that is played: its arrays, and the handles of now by those of then.
 struct Player {
   std::string arrays;
   std::map<uint64_t, uint64_t> handles;
@@ -104,7 +104,7 @@ struct Argument {
   Type value;
 };
 
-/// A handle.
+/// An argument that is a handle.
 template <class Object>
 struct Argument<Object*> {
   Argument(const YAML::Node& node, Player& player)
@@ -126,7 +126,7 @@ struct Argument<Object**> {
   Object* value;
 };
 
-/// An array.
+/// An argument that is an array.
 template <class Element>
 struct Argument<const Element*> {
   Argument(const YAML::Node& node, Player& player) {

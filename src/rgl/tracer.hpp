@@ -14,16 +14,16 @@ struct Ray {
   Vec origin, direction;
 };
 
-/// What a ray meets; both are kNoTriangle if it meets nothing.
+/// The hit of a ray; both are kNoTriangle if the ray meets nothing.
 struct Hit {
   uint32_t instance = kNoTriangle, triangle = kNoTriangle;
 };
 
-/// The rays of one raytrace node. They stay in the simulator as long as they do not change: a pose that changes costs
+/// The rays of one raytrace node. Rays stay in the simulator as long as they do not change: a pose that changes costs
 /// nothing.
 class Tracer {
  public:
-  /// What the beams in the simulator depend on.
+  /// Data on which the beams in the simulator depend.
   struct Key {
     uint64_t rays = 0, offsets = 0, settings = 0;
     float range = 0;

@@ -105,7 +105,7 @@ std::unique_ptr<dds_qos_t, DeleteQos> qosOf(const Qos& from) {
   return qos;
 }
 
-// Messages as idlc has them. They refer to what they are made of.
+// Messages in the types that idlc generates, which point to data that they do not own.
 
 builtin_interfaces_msg_dds__Time_ timeOf(int64_t nanoseconds) {
   constexpr int64_t kSecond = 1'000'000'000;

@@ -41,7 +41,7 @@ Library load() {
   return {open, ""};
 }
 
-/// It stays open until the process ends, because threads of Cyclone DDS run in it.
+/// The library stays open until the process ends, because threads of Cyclone DDS run in it.
 const Library& library() {
   static const auto* const theLibrary = new Library(load());
   return *theLibrary;

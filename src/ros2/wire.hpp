@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What libgnosphere_ros2 gives the library, which opens it when it is needed and does not link it.
+// Interface of libgnosphere_ros2 to the library, which opens it when it is needed and does not link it.
 #pragma once
 
 #include <memory>
@@ -27,10 +27,10 @@ class Wire {
   virtual uint32_t subscribers() = 0;
 };
 
-/// Opens libgnosphere_ros2 and makes a writer. Throws Error(device).
+/// Opens libgnosphere_ros2 and makes a writer. Throws Error(device) if it cannot be opened.
 std::unique_ptr<Wire> openWire(const Topic& topic);
 
-// The functions of libgnosphere_ros2. No exception leaves it.
+// The functions of libgnosphere_ros2, which no exception leaves.
 using OpenFunction = Wire*(const Topic& topic, std::string& error);  ///< null, and the error, if there is no writer
 using VersionFunction = const char*();
 inline constexpr const char* kOpenName = "gnosphere_ros2_open";

@@ -14,7 +14,7 @@ class BatchArrays {
  public:
   explicit BatchArrays(Batch& batch) : batch_(batch) {}
 
-  /// Gives the arrays of the fields their size, and removes the others. Existing memory is reused. The batch has its
+  /// Gives the arrays of the fields their size, and removes the others. Memory that exists is reused. The batch has its
   /// numbers of views, beams and returns.
   void make(const std::vector<Field>& fields);
   /// The arrays that every scan has, of all views.

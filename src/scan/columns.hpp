@@ -14,7 +14,7 @@ class ScanColumns {
  public:
   explicit ScanColumns(Scan& scan) : scan_(scan) {}
 
-  /// Makes a column without setting its values, or removes it if not `wanted`. Existing memory is reused.
+  /// Makes a column without setting its values, or removes it if not `wanted`. Memory that exists is reused.
   void make(Field field, bool wanted = true);
 
   /// Makes a column in which all values are the same, or removes it.

@@ -70,7 +70,7 @@ Values valuesAt(const Track& track, double time) {
   return result;
 }
 
-/// What a clip moves of a node.
+/// Values of a node that a clip can move.
 struct Local {
   Vec3 translation;
   Quaternion rotation;

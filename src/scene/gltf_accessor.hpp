@@ -71,7 +71,7 @@ struct DracoMesh {
   std::vector<std::vector<float>> joints, weights;  ///< by set, 4 per vertex
   std::vector<uint32_t> indices;
 };
-/// Ids of Draco's attributes. A negative `uvs` requests no texture coordinates.
+/// Ids of the attributes in Draco data. A negative `uvs` requests no texture coordinates.
 struct DracoIds {
   int positions = 0, uvs = -1;
   std::vector<int> joints, weights;  ///< by set
@@ -88,7 +88,7 @@ struct GltfTexture {
 std::vector<std::optional<GltfTexture>> readGltfImages(const GltfFile& file, GltfArrays& arrays, const Source& source,
                                                        Scene& scene);
 
-/// What a file says and the scene leaves out, with how often.
+/// Content of a file that the scene leaves out, with how often.
 class LeftOut {
  public:
   void add(const std::string& what, uint64_t count = 1) { counts_[what] += count; }

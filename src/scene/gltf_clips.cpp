@@ -101,7 +101,7 @@ bool ClipReader::target(const Json& channel, const std::string& who, Track& trac
   return true;
 }
 
-/// Numbers per key.
+/// Returns the count of numbers per key.
 size_t ClipReader::widthOf(const Track& track) const {
   const size_t values = track.property == Track::Property::rotation       ? 4
                         : track.property == Track::Property::morphWeights ? morphTargets_.at(track.node)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the vertices of a glTF primitive follow: joints and morph targets.
+// The joints and morph targets that the vertices of a glTF primitive follow.
 #pragma once
 
 #include <unordered_map>
@@ -26,7 +26,7 @@ class GltfFollowReader {
   void addDracoIds(const tinygltf::Value& attributes, const GltfFollow& follow, const std::string& who,
                    DracoIds& ids) const;
   /// Appends joints, weights and offsets for the last vertices of the mesh, whose influences and morph targets have
-  /// been set: those of the vertices `used` of the accessors, or of all `count` if it is null. `draco` may be null.
+  /// been set: those of the vertices `used` of the accessors, or of all `count` if it is null; `draco` may be null.
   void append(Mesh& mesh, const GltfFollow& follow, const DracoMesh* draco, const std::vector<uint32_t>* used,
               size_t count, const std::string& who);
 

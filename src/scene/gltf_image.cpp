@@ -13,8 +13,8 @@
 namespace gnosphere {
 namespace {
 
-/// Limit on the pixels per side. It bounds the memory that a small file can make us allocate: 1 GiB to decode one
-/// image.
+/// Limit on the pixels per side. The limit bounds the memory that a small file can make us allocate: 1 GiB to decode
+/// one image.
 constexpr int kMostPixels = 16384;
 
 bool startsWith(Bytes bytes, std::string_view magic) {

@@ -52,7 +52,7 @@ Json toJson(const Material& material) {
   return json;
 }
 
-/// Adds the bounds of the positions, which glTF requires. They ignore NaN and infinity, which JSON cannot express.
+/// Adds bounds of the positions, which glTF requires. The bounds ignore NaN and infinity, which JSON cannot express.
 void addBounds(Json& accessor, std::span<const float> positions) {
   constexpr float kHuge = std::numeric_limits<float>::max();
   std::array<float, 3> low = {kHuge, kHuge, kHuge}, high = {-kHuge, -kHuge, -kHuge};

@@ -18,8 +18,8 @@ inline std::string_view nextWord(std::string_view& text) {
   return word;
 }
 
-/// Parses the nearest double. Reads nan and inf; values too large become infinity, values too small 0. Returns false if
-/// the word is not a number.
+/// Parses a word as the nearest double. Reads nan and inf; values too large become infinity, values too small 0.
+/// Returns false if the word is not a number.
 inline bool parseNumber(std::string_view word, double& value) {
   if (word.starts_with('+')) word.remove_prefix(1);
   const char* end = word.data() + word.size();

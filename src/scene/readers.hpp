@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by the scene readers. They read bytes in memory, so that the fuzzer can call them without a file system.
+// Shared by the scene readers, which read bytes in memory, so that the fuzzer can call them without a file system.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct FileBytes {
   operator Bytes() const { return {data.get(), size}; }
 };
 
-/// Reads a file. Throws Error(file) with the system's reason.
+/// Reads a file into memory. Throws Error(file) with the system's reason.
 FileBytes readFile(const std::filesystem::path& file);
 
 /// Origin of the bytes: the name that starts every message, and access to files beside it (buffers, material

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in for the readers of glTF and OBJ in a library that is built without them.
+// Functions that stand in for the readers of glTF and OBJ in a library that is built without them.
 #include "scene/readers.hpp"
 
 namespace gnosphere {

@@ -28,7 +28,7 @@ struct RangeWindow {
   double least = 0, most = 0;
 };
 RangeWindow rangeWindowOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
-/// Value of Field::ring.
+/// The value of Field::ring of a beam.
 uint32_t ringOf(const Sensor& sensor, size_t beam, uint64_t frame = 0);
 
 /// The moments at which the poses of a scan with motion are known: `count` of them, from `first` on every `step`

@@ -6,8 +6,8 @@
 
 namespace gnosphere {
 
-/// A real head. Texts of numbers are separated by spaces; "a..b/n" stands for n evenly spaced numbers from a to b. A
-/// list that is shorter than that of the elevations is repeated, and an empty one means 0.
+/// Figures of a real head. Texts of numbers are separated by spaces; "a..b/n" stands for n evenly spaced numbers from a
+/// to b. A list that is shorter than that of the elevations is repeated, and an empty one means 0.
 struct HeadFigures {
   const char *name, *product, *source, *remarks;
   const char* modes;                            ///< "10Hz ..." or "COLUMNSxRATE ...", the default first

@@ -9,7 +9,7 @@
 
 namespace gnosphere {
 
-/// Returns what the catalogue says of these heads. Each has one mode.
+/// Returns what the catalogue says of these heads. Each head has one mode.
 std::vector<CatalogueHead> listHeads();
 
 /// Returns the sensor of the head with this name of listHeads(), without its name.

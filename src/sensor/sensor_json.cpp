@@ -239,7 +239,7 @@ void readSector(const Source& source, const json& root, Sensor& sensor) {
   sensor.nearHits = *near == json("hide") ? NearHits::hide : NearHits::seeThrough;
 }
 
-/// Reads columns and channels.
+/// Reads columns and channels of a grid.
 void readGrid(const Source& source, const json& root, Sensor& sensor) {
   const json& columns = member(source, root, "the sensor", "columns");
   if (!columns.is_number_unsigned() || columns.get<uint64_t>() > 0xffffffffu) {

@@ -11,8 +11,8 @@
 
 namespace gnosphere::vulkan {
 
-/// Most bytes of a staging buffer. What needs more, such as a scene that is loaded, has several, and the next recording
-/// keeps one of them.
+/// Most bytes of a staging buffer. An upload that needs more, such as that of a scene, has several, and the next
+/// recording keeps one of them.
 inline constexpr uint64_t kMostStagingBytes = 16 << 20;
 
 class Buffer {

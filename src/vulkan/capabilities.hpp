@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a physical device offers, and what the library needs of it.
+// Abilities that a physical device offers, and those that the library needs.
 #pragma once
 
 #include <span>
@@ -59,7 +59,7 @@ struct Capabilities {
   uint32_t queueFamily = 0;
   uint32_t mostGroups = 65535;  ///< workgroups along the first axis of a dispatch; more are divided
 
-  /// Returns the milliseconds between two timestamps; the counter may have overflowed once. 0 without timestamps.
+  /// Returns the milliseconds between two timestamps; the counter may have overflowed once; 0 without timestamps.
   double elapsedMs(uint64_t from, uint64_t to) const;
 };
 Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physical);

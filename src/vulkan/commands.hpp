@@ -21,7 +21,7 @@ class Commands {
   Commands& operator=(const Commands&) = delete;
 
   /// Begins the recording, which writes up to `stamps` timestamps; wait() must have been called for the previous
-  /// submission. What an earlier recording has left that was not submitted is dropped.
+  /// submission. Commands of an earlier recording that were not submitted are dropped.
   void begin(uint32_t stamps);
   CommandBuffer& buffer() { return commands_; }
   /// Write timestamps: start() where the first stage starts, finish() where a part of `stage` ends. Time before a start
@@ -30,7 +30,7 @@ class Commands {
   void finished(const char* stage) { stamp(stage); }
   /// Writes a timestamp for readTrace() where a step ends.
   void traced(std::string step) { stamp(nullptr, std::move(step)); }
-  /// What follows is recorded for a submission of its own.
+  /// Commands that follow are recorded for a submission of their own.
   void cut();
   /// Ends the recording and submits it to the queue.
   void submit();
@@ -40,7 +40,7 @@ class Commands {
   /// Adds the stage times of the last submission, each the sum of its parts, after wait(). Does nothing if the device
   /// has no timestamps.
   void readTimings(Timings& timings);
-  /// Hands over a line for each step that was traced: its text, and the time since the timestamp before. After wait().
+  /// After wait(), hands over a line for each step that was traced: its text, and the time since the timestamp before.
   void readTrace(const std::function<void(const std::string&)>& receive);
 
  private:

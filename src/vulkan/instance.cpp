@@ -51,7 +51,7 @@ Loader openLoader() {
   return loader;
 }
 
-// It is opened once, serves all threads, and stays open until the process ends.
+// The loader is opened once, serves all threads, and stays open until the process ends.
 const Loader& vulkanLoader() {
   static const Loader loader = openLoader();
   return loader;

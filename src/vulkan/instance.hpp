@@ -13,7 +13,7 @@
 namespace gnosphere::vulkan {
 
 /// Throws Error with the call, the name of its result and the place, which is that of the caller: clang 14 has no
-/// std::source_location. Use it as VK().
+/// std::source_location. Callers use the macro VK().
 void check(VkResult result, const char* call, const char* file = __builtin_FILE(), uint32_t line = __builtin_LINE());
 #define VK(call) ::gnosphere::vulkan::check(call, #call)
 

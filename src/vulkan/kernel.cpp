@@ -64,7 +64,7 @@ bool usesSubgroups(gnosphere::Kernel kernel) {
          kernel != gnosphere::Kernel::records;
 }
 
-// Returns kVertexRounds of cluster_corners.glsl. Six rounds of 8 lanes hold 48 vertices, which is enough for most
+// Returns kVertexRounds of cluster_corners.glsl: six rounds of 8 lanes hold 48 vertices, which is enough for most
 // clusters. Wide subgroups have room for the 96 vertices that a cluster has at most with three rounds, or with two.
 uint32_t vertexRounds(uint32_t lanes) {
   return lanes <= 8 ? 6 : std::max(96 / lanes, 2u);
@@ -124,7 +124,7 @@ double valueOf(const VkPipelineExecutableStatisticKHR& statistic) {
   }
 }
 
-// Some drivers compile a kernel several times, as Intel's does for each subgroup size. The first executable counts.
+// Some drivers compile a kernel several times, as Intel's does for each subgroup size: the first executable counts.
 void addStatistics(const Device& device, VkPipeline compiled, Plan::Pipeline& pipeline) {
   const DeviceFunctions& vk = device.vk();
   const VkPipelineInfoKHR of = {VK_STRUCTURE_TYPE_PIPELINE_INFO_KHR, nullptr, compiled};

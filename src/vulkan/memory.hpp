@@ -33,7 +33,7 @@ class VulkanMemory : public DeviceMemory {
   const Buffer& onHost() const { return copy_.handle() ? copy_ : buffer_; }
 };
 
-/// Memory of our own device.
+/// Memory on a device that the library has created; a Transfer carries its data.
 class OwnMemory final : public VulkanMemory {
  public:
   OwnMemory(const Device& device, Transfer& transfer, const char* name, uint64_t bytes, MemoryKind kind)
@@ -71,7 +71,7 @@ class RecordedMemory final : public VulkanMemory {
   Runs::node_type spare_;  // for the next write()
 };
 
-/// What the recordings on the caller's device must do for its memory: copy what the host has written, and destroy
+/// Work that recordings on the caller's device must do for its memory: copy what the host has written, and destroy
 /// buffers when no frame uses them any more.
 class Recordings {
  public:

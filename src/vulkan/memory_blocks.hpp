@@ -21,7 +21,7 @@ class MemoryBlocks {
     std::byte* mapped = nullptr;  ///< null if the host cannot access the memory
   };
 
-  /// What kernels and copies need, and at least the largest size of atoms that a device may have.
+  /// The alignment that kernels and copies need, and at least the largest size of atoms that a device may have.
   static constexpr VkDeviceSize kAlignment = 256;
 
   /// `vk` must outlive the blocks.

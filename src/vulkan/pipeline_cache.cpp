@@ -25,7 +25,7 @@ std::filesystem::path cacheFolder(const std::string& setting) {
   return {};
 }
 
-// FNV-1a with 64 bits. Drivers do not check the data after the header, so damage must be detected here.
+// The hash FNV-1a with 64 bits. Drivers do not check the data after the header, so damage must be detected here.
 std::string checksum(const std::string& bytes) {
   uint64_t hash = 14695981039346656037u;
   for (unsigned char byte : bytes) hash = (hash ^ byte) * 1099511628211u;

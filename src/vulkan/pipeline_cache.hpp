@@ -16,7 +16,7 @@ std::string pipelinesIn(const std::string& file, const VkPhysicalDevicePropertie
 /// read or written are no errors: the pipelines are then compiled again.
 class PipelineCache {
  public:
-  /// `setting` is SimulatorOptions::cache.
+  /// The text `setting` is SimulatorOptions::cache.
   PipelineCache(const Device& device, const std::string& setting);
 
   VkPipelineCache handle() const { return cache_.get(); }

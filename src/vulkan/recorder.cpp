@@ -8,7 +8,7 @@
 namespace gnosphere::vulkan {
 namespace {
 
-/// What a vertex format means: how a device reads it, and the number by which its integers are divided.
+/// A format of vertices: how a device reads it, and the number by which its integers are divided.
 struct Format {
   VkFormat three, four;  // with three and with four components
   uint32_t format;

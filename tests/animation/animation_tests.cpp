@@ -82,7 +82,7 @@ TEST_CASE("translations: a step holds its key, a line goes straight, a cubic is 
   checkNear(corner(step, 2.49), {{5, 5, 6}});
   checkNear(corner(line, 0.75), {{3.5, 3.5, 4.5}});
   checkNear(corner(line, 1.5), {{6, 6, 7}});
-  // Loops: also backwards.
+  // Clips also loop before their start.
   checkNear(corner(line, 2.5 + 1.5), {{6, 6, 7}});
   checkNear(corner(line, 5 + 0.75), {{3.5, 3.5, 4.5}});
   checkNear(corner(line, -1), {{6, 6, 7}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small animated glTF files.
+// Small animated glTF files, made by the tests.
 #pragma once
 
 #include "scene/support.hpp"

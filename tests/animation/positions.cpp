@@ -26,7 +26,7 @@ void print(const Scene& scene, const SceneState& state) {
   }
 }
 
-/// What is loaded, without any call of stateAt().
+/// The state as loaded, without any call of stateAt().
 SceneState loadedState(const Scene& scene) {
   SceneState state;
   for (const Instance& instance : scene.instances) state.transforms.push_back(instance.transform);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests of the traces of ASAM OSI. They are read with protozero, by the numbers that the .proto files of OSI 3.7.0 give
-// the fields.
+// Tests of the traces of ASAM OSI. Traces are read with protozero, by the numbers that the .proto files of OSI 3.7.0
+// give the fields.
 #include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <cmath>
 #include <cstring>

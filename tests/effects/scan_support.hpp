@@ -176,7 +176,7 @@ struct Differences {
   size_t all() const { return causes + returns + owners + ranges + points + intensities + widths + surfaces + speeds; }
 };
 
-/// Allowed differences.
+/// Differences allowed between two scans.
 struct Slack {
   double range = 0;         ///< m, besides the reference's own tolerance
   double intensity = 1e-4;  ///< relative
@@ -196,7 +196,7 @@ inline Differences differences(const Scan& reference, const Scan& other, const S
   const uint32_t returns = reference.returns;
   const auto ties = reference.column<uint8_t>(Field::tie);
   const auto tolerances = reference.column<float>(Field::tolerance);
-  // What is told of surfaces and the weights come and go together; so do the signals but for the intensity.
+  // Fields of surfaces and the weights come and go together; so do the signals but for the intensity.
   const auto bothOf = [&](Field field) {
     return std::pair(valuesOf<float>(reference, field), valuesOf<float>(other, field));
   };

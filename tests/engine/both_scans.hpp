@@ -86,7 +86,7 @@ class BothScans {
     }
   }
 
-  /// What the recorder says of the scans recorded last.
+  /// Results of the scans recorded last, as the recorder tells them.
   std::vector<vulkan::RecordedScan> results() {
     auto results = recorder_->record(frame_.begin(), 0, {});
     frame_.submit();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What recorded scans cost beside scans to the host, for the sensors of the paper's figure 7, in turns:
-// GNOSPHERE_NO_VALIDATION=1 recorder_tests "[.price]".
+// Compares the cost of recorded scans with that of scans to the host, for the sensors of the paper's figure 7, in
+// turns: GNOSPHERE_NO_VALIDATION=1 recorder_tests "[.price]".
 #include "engine/recorded.hpp"
 #include "price.hpp"
 #include "town/town.hpp"

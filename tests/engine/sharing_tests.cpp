@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an application does with the results of recorded scans by means of Vulkan alone: memory that others import, and
-// timeline semaphores. The buffers and the submissions are the application's, so the library has no part in it.
+// Uses of the results of recorded scans that an application makes by means of Vulkan alone: memory that others import,
+// and timeline semaphores. The buffers and the submissions are the application's, so the library has no part in it.
 #include <cstring>
 #include <string>
 #include <vector>
@@ -16,7 +16,7 @@ constexpr auto kOpaqueFd = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
 class SharedBuffer {
  public:
   SharedBuffer(const VulkanApp& app, VkDeviceSize bytes) : SharedBuffer(app, bytes, -1) {}
-  /// Imports the memory. The device owns the file descriptor from then on.
+  /// Imports the memory of `fd`. The device owns the file descriptor from then on.
   SharedBuffer(const VulkanApp& app, VkDeviceSize bytes, int fd) : app_(app), bytes_(bytes) {
     const auto& vk = app.vk();
     const VkExternalMemoryBufferCreateInfo external = {VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO, nullptr,

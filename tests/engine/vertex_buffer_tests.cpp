@@ -108,7 +108,7 @@ TEST_CASE("scans of vertices in the caller's buffers have the bytes of setPositi
       for (const uint32_t mesh : {kBall, kCloth}) {
         if (frame == 2 && mesh == kBall) continue;  // it keeps its vertices
         std::vector<float> positions = waved(scene.meshes[mesh], frame);
-        // What cannot be used: vertices that are no number, infinite, too far away, and at one place.
+        // Some vertices cannot be used: they are no number, infinite, too far away, and at one place.
         if (frame == 1) {
           positions[0] = std::numeric_limits<float>::quiet_NaN();
           positions[62] = -std::numeric_limits<float>::infinity();

@@ -10,7 +10,7 @@ namespace gnosphere::test {
 
 enum class Fails { memory, files };
 
-/// Counts the library's allocations, or its operations on files, and lets one of them fail. Those of drivers and of the
+/// Counts the library's allocations, or its operations on files, and lets one of them fail. Calls of drivers and of the
 /// tests themselves are not counted.
 class Injection {
  public:
@@ -23,7 +23,7 @@ class Injection {
   bool fired() const;
 };
 
-/// What a call is tried with.
+/// A call that is tried with failures.
 struct Trial {
   std::function<void()> call;
   std::function<void()> undo;   ///< called after a call that succeeded although something failed; may be empty

@@ -23,7 +23,7 @@ struct Touch {
   Moment moment;
 };
 
-/// What is known of four bytes: the last write, whether it was atomic, and the last plain reads of two lanes.
+/// Record of the accesses to four bytes: the last write, whether it was atomic, and the last plain reads of two lanes.
 struct Word {
   Touch written, read[2];
   bool atomically = false;
@@ -41,7 +41,7 @@ struct Block {
   bool released = false, mayReadPlainly = false;  // see plainReadsBesideAtomics()
 };
 
-/// The watched memory. Addresses are not used twice, so that an access to freed memory is found.
+/// The memory that is watched. Addresses are not used twice, so that an access to freed memory is found.
 struct Region {
   std::byte* first = reserve(kRegionBytes);
   Word* words = reinterpret_cast<Word*>(reserve(kRegionBytes / 4 * sizeof(Word)));

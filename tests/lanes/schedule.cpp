@@ -32,7 +32,7 @@ struct Fiber {
   bool ended = false;
 };
 
-/// What the lanes that wait at an operation have called.
+/// The operation that waiting lanes have called.
 struct Meeting {
   const char* operation = nullptr;
   std::source_location where;
@@ -58,7 +58,7 @@ struct Workgroup {
   uint32_t left = kWorkgroupSize;
 };
 
-/// What a seed decides besides the lanes' order: how often they are interrupted, which lane runs next, and how many
+/// Choices of a seed besides the lanes' order: how often they are interrupted, which lane runs next, and how many
 /// workgroups run at a time.
 struct Habit {
   enum class Next { any, newest, oldest, starveOne } next;

@@ -47,7 +47,7 @@ void setKernel(const char* name);
 /// reached by some lanes of a subgroup or workgroup only, or if lanes race for memory.
 void dispatch(uint32_t groupsX, uint32_t groupsY, const std::function<void()>& main);
 
-/// What the lanes of a subgroup have given to an operation. It is valid until the lane's next operation.
+/// Values that the lanes of a subgroup have given to an operation, valid until the lane's next operation.
 class Given {
  public:
   explicit Given(const std::byte* values) : values_(values) {}
@@ -69,7 +69,7 @@ Given meetWith(const char* operation, uint32_t number, const void* value, size_t
                const std::source_location& where);
 /// Waits until all lanes of the workgroup have called this at one place.
 void workgroupBarrier(const std::source_location& where);
-/// Waits as meet() does. What the lanes have written before is ordered before what they read and write afterwards.
+/// Waits as meet() does, and orders all earlier writes of the lanes before their later reads and writes.
 void subgroupMemoryBarrier(const std::source_location& where);
 /// Gives other lanes the chance to run, as the seed decides.
 void interrupt();

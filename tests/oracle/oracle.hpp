@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes what `exact` must return, with integers of any size: every beam against every triangle. It shares the tables
-// of beam directions and the documented transformation of corners with the shaders, and nothing else.
+// Computes what `exact` must return, with integers of any size: every beam against every triangle. The oracle shares
+// the tables of beam directions and the documented transformation of corners with the shaders, and nothing else.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What RGL's interface costs beside ours for the same rays, for the sensors of the paper's figure 7, in turns:
-// GNOSPHERE_RGL_DEVICE=auto rgl_tests "[.price]".
+// Compares the cost of RGL's interface with that of ours for the same rays, for the sensors of the paper's figure 7, in
+// turns: GNOSPHERE_RGL_DEVICE=auto rgl_tests "[.price]".
 #include <cstdio>
 #include <gnosphere/gnosphere.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What libgnosphere_rgl as a library owes its caller: tapes, statuses with a sentence, threads, levels of the
+// Duties of libgnosphere_rgl as a library to its caller: tapes, statuses with a sentence, threads, levels of the
 // interface.
 #include <dlfcn.h>
 #include <rgl/api/extensions/pcl.h>

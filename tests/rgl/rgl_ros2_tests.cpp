@@ -46,7 +46,7 @@ std::string received(const char* topic) {
   return lines.size() == 1 ? lines[0] : "";
 }
 
-/// What the listener prints of kRows behind the frame.
+/// Output of the listener for kRows, behind the frame.
 std::string expected() {
   unsigned sum = 0;
   for (size_t i = 0; i < sizeof(kRows); ++i) sum = sum * 31 + reinterpret_cast<const uint8_t*>(kRows)[i];
@@ -135,7 +135,7 @@ TEST_CASE("RGL and ROS 2: wrong graphs, topics and policies are statuses with a 
   OK(rgl_cleanup());
 }
 
-// It runs in a process that has an unusable library: see tests/CMakeLists.txt.
+// The test runs in a process that has an unusable library: see tests/CMakeLists.txt.
 TEST_CASE("RGL and ROS 2: without Cyclone DDS a sentence names the package", "[.absent]") {
   int32_t available = -1;
   OK(rgl_get_extension_info(RGL_EXTENSION_ROS2, &available));

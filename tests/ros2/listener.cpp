@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A subscriber of its own, with Cyclone DDS and without GnoSphere. It prints a line per message and the last line
-// "end".
-//   listener DOMAIN TYPE QOS COUNT SECONDS SLEEP_MS TOPIC...
-// TYPE is cloud, laser, transforms or clock; QOS reliable, best-effort or latched. It ends after COUNT messages or
-// after so many seconds, and sleeps between messages.
+// A subscriber of its own, with Cyclone DDS and without GnoSphere. The program prints a line
+// per message and the last line "end". listener DOMAIN TYPE QOS COUNT SECONDS SLEEP_MS
+//   TOPIC... TYPE is cloud, laser, transforms or clock; QOS reliable, best-effort or
+// latched. The program ends after COUNT messages or after so many seconds, and sleeps between
+// messages.
 #include <dds/dds.h>
 
 #include <chrono>

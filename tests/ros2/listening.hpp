@@ -44,7 +44,7 @@ struct Wanted {
   int count = 1, seconds = 20, sleepMs = 0;
 };
 
-/// tests/ros2/listener, running.
+/// The program tests/ros2/listener while it runs.
 class Listener {
  public:
   Listener(const Wanted& wanted, const std::vector<std::string>& topics) {

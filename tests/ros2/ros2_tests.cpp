@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What arrives at a subscriber, and what a subscriber can do to a publisher.
+// Tests of messages that arrive at a subscriber, and of harm that a subscriber can do to a publisher.
 #include <algorithm>
 #include <catch2/catch_approx.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
@@ -27,7 +27,7 @@ PublisherOptions latched() {
   return options;
 }
 
-/// What a subscriber that comes late gets of a latched message.
+/// Output of a subscriber that comes late for a latched message.
 std::string received(const Message& message, const char* type) {
   Publisher publisher(static_cast<MessageType>(message.index()), "/a/b_1", latched());
   publisher.publish(message);
@@ -288,7 +288,7 @@ TEST_CASE("ROS 2: what waits too long is replaced and counted") {
   CHECK(counts.sent >= 2);
 }
 
-// It runs in a process that has an unusable library: see tests/CMakeLists.txt.
+// The test runs in a process that has an unusable library: see tests/CMakeLists.txt.
 TEST_CASE("ROS 2: without Cyclone DDS a sentence names the package", "[.absent]") {
   CHECK_THAT(unavailable(), ContainsSubstring("cyclonedds-dev"));
   CHECK_THROWS_WITH(Publisher(MessageType::clock, "clock"),

@@ -39,7 +39,7 @@ Json& textureOf(GltfFileMaker& file) {
 }
 
 std::vector<uint8_t> unpacked(const std::string& uri) {
-  // Decodes valid base64 only.
+  // Decodes only text that is valid base64.
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::vector<uint8_t> bytes;
   uint32_t bits = 0;

@@ -287,7 +287,7 @@ TEST_CASE("extras of nodes, meshes and materials state classes") {
   scene = file.load();
   CHECK(namesOf(scene.instances) == Names{"car", "house", "tree", "house"});
   CHECK(classesOf(scene.instances) == Ids{0, 0, 0, 0});
-  // What is not the number of a class is somebody else's.
+  // A value that is not the number of a class is somebody else's.
   json["meshes"][1]["extras"] = {{"class", 5}};
   for (const Json& other : {Json(-1), Json(65536), Json(2.5), Json(""), Json::array({1}), Json(nullptr)}) {
     json["nodes"] = {{{"mesh", 1}, {"extras", {{"class", other}}}}};

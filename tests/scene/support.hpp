@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hand-made scene files.
+// Scene files that are made by hand.
 #pragma once
 
 #include <array>

@@ -4,8 +4,8 @@
 
 namespace gnosphere::cli {
 
-/// Runs a command line. Returns the exit status: 0 for success, 1 if the work failed, 2 for a wrong call; errors are
-/// one line on stderr.
+/// Runs the command line `argv`. Returns the exit status: 0 for success, 1 if the work failed, 2 for a wrong call;
+/// errors are one line on stderr.
 int runCommandLine(int argc, char** argv);
 
 }  // namespace gnosphere::cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands. Each function adds its options to `app` and returns the action that runs it; its result is the exit
-// status.
+// The subcommands of the program. Each function adds its options to `app` and returns the action that runs it; its
+// result is the exit status.
 #pragma once
 
 #include <CLI/CLI.hpp>

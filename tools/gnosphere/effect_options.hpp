@@ -25,7 +25,7 @@ Effects presetOrFile(const std::string& nameOrFile);
 /// assign() do.
 Effects effectsOf(const EffectOptions& options);
 
-/// Reads --materials; empty without it. Throws Error(file) or Error(format).
+/// Reads --materials; empty without it. Throws Error(file) or Error(format) if the file cannot be read or is invalid.
 MaterialTable materialsOf(const EffectOptions& options);
 
 /// Warns on stderr about rows of the table whose name no material of the scene has, and about rows without any value.

@@ -34,10 +34,10 @@ void addScanningOptions(CLI::App& app, ScanningOptions& options);
 /// Adds SCENE, --up and --scale.
 void addSceneOptions(CLI::App& app, ScanningOptions& options);
 
-/// Adds --accuracy.
+/// Adds the option --accuracy to `app`.
 CLI::Option* addAccuracyOption(CLI::App& app, Settings& settings);
 
-/// What a built-in name stands for, or else what a file of that path holds. Throws Error that lists the names.
+/// Finds what a built-in name stands for, or else loads the file of that path. Throws Error that lists the names.
 template <typename T>
 T namedOrLoaded(const std::string& nameOrFile, T (*named)(const std::string&),
                 T (*load)(const std::filesystem::path&)) {
@@ -71,8 +71,8 @@ Scene loadScene(const ScanningOptions& options);
 /// The scene as its file has it.
 Scene loadSceneAtRest(const ScanningOptions& options);
 
-/// Returns --pose. The default is 1.8 m (as on a car's roof) above the ground at the world's origin if the scene is
-/// there, else in the middle of the scene.
+/// Returns the pose that --pose states. The default is 1.8 m (as on a car's roof) above the ground at the world's
+/// origin if the scene is there, else in the middle of the scene.
 Pose poseOf(const ScanningOptions& options, const Scene& scene);
 
 /// Returns `count` poses: `around` itself, then random ones up to 10 m beside it, rotated about the vertical axis.

@@ -42,7 +42,7 @@ struct Span {
   }
 };
 
-/// What the beams of a sensor have, over all its patterns.
+/// Extremes of the beams of a sensor, over all its patterns.
 struct Survey {
   Span azimuth, elevation, time, least, most, x, y, z, ring;
   size_t fired = 0;

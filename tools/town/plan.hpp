@@ -27,9 +27,9 @@ using Thing = std::variant<Road, Crossing, Block, Building, Tree, Vehicle, Prop,
 /// Throws std::bad_variant_access for a Piece, whose mesh is in its plan.
 Mesh meshOf(const Thing& thing);
 
-/// An object and its placement. It belongs to every town that extends at least `reach` metres from the origin: the
-/// reach combines the object's own distance (so that a small town has all four corners of its crossing) and that of its
-/// block (so that blocks are complete).
+/// An object and its placement. The object belongs to every town that extends at least `reach` metres from the origin:
+/// the reach combines the object's own distance (so that a small town has all four corners of its crossing) and that of
+/// its block (so that blocks are complete).
 struct Placement {
   Thing thing;
   Transform where;
@@ -45,11 +45,11 @@ class Plan {
 
   Mesh meshOf(const Thing& thing) const;
   void add(const Thing& thing, const Vec3& at, double turns = 0, double scale = 1);
-  /// Adds ground. It must come before the objects on it, so its nearest point to the origin counts.
+  /// Adds a piece of ground. The ground must come before the objects on it, so its nearest point to the origin counts.
   void addGround(const Thing& thing, const Vec3& at, double turns, const Vec3& min, const Vec3& max);
 };
 
-/// Level of detail. Small towns have coarser trees and cars, so that there can be more than a few of them.
+/// Level of detail of a town. Small towns have coarser trees and cars, so that there can be more than a few of them.
 struct Detail {
   int treeLeaves = 300;
   bool fine = false;  ///< for vehicles and people

@@ -25,7 +25,7 @@ enum class PropKind : uint8_t {
   bicycle,
 };
 
-/// Street furniture and people. They stand on z = 0; their front, if any, faces +x.
+/// A piece of street furniture, or a person. Props stand on z = 0; their front, if any, faces +x.
 struct Prop {
   PropKind kind = PropKind::lamp;
   int variant = 0;

@@ -8,7 +8,7 @@
 namespace gnosphere::town {
 namespace {
 
-/// One side of a block: points by distance along it and from the kerb, with z on the sidewalk.
+/// One side of a block of houses: at() gives points by their distance along the kerb and from it, on the sidewalk.
 struct Side {
   Vec3 corner, along, inward;
   double length;

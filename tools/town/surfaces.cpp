@@ -12,7 +12,7 @@ struct Row {
   bool doubleSided;
 };
 
-// Linear colours. Surfaces without thickness are double-sided, solids are not.
+// Colours of surfaces are linear. Surfaces without thickness are double-sided, solids are not.
 constexpr Row kRows[] = {
     {Surface::asphalt, "asphalt", 0.06f, 0.06f, 0.065f, 0, 0.95f, 0, false},
     {Surface::roadPaint, "road paint", 0.80f, 0.80f, 0.78f, 0, 0.70f, 0, false},

@@ -30,7 +30,7 @@ inline constexpr size_t kDrivePoses = 400;
 inline constexpr double kDriveInterval = 0.1;  ///< seconds between two poses
 
 /// A drive through that town: 400 poses, 10 a second at 8 m/s (slower if the roads are too short), 1.8 m above the
-/// road, x forward. It follows the network's linked lanes, or the middle of the grid's streets. No traffic blocks it.
+/// road, x forward. Without traffic, the drive follows the network's linked lanes, or the middle of the grid's streets.
 std::vector<Pose> makeDrive(const TownOptions& options = {});
 
 /// Converts instances to unique geometry: meshes for squares of 64 m, each sorted by material, as engines export them.

@@ -26,8 +26,8 @@ inline constexpr std::array<double, 7> kNearestBins = {0.2, 0.4, 0.6, 0.8, 1.2, 
 using NearestHistogram = std::array<uint64_t, kNearestBins.size() + 1>;
 
 /// Counts the points of `other` by their distance from the nearest point of `reference` (exact nearest neighbour), in
-/// the bins of kNearestBins. The paper reports this measure. It says little about the error of a single beam, because a
-/// wrong point may lie near the point of another beam.
+/// the bins of kNearestBins. The paper reports this measure. The measure says little about the error of a single beam,
+/// because a wrong point may lie near the point of another beam.
 GNOSPHERE_API NearestHistogram nearestHistogram(const Scan& reference, const Scan& other);
 
 /// Error and time of one accuracy setting.
@@ -48,7 +48,7 @@ struct AccuracyRow {
   const Spread& time() const { return gpuMs.median > 0 ? gpuMs : wallMs; }
 };
 
-/// What each accuracy setting costs and gets wrong, on one device.
+/// Error and time of each accuracy setting, on one device.
 struct AccuracyReport {
   DeviceInfo device;
   uint64_t beams = 0;                 ///< number of beams compared with the reference, over all poses
@@ -58,7 +58,7 @@ struct AccuracyReport {
   std::vector<AccuracyRow> parts;     ///< `standard` with one part replaced by a less accurate one
 };
 
-/// What an accuracy report is made of.
+/// The options of an accuracy report.
 struct AccuracyOptions {
   SimulatorOptions simulator;  ///< its `accuracy` and `exactness` are ignored
   uint32_t runs = 20;   ///< timed scans per row; the rows take turns, so that slow drifts affect all of them alike

@@ -31,7 +31,7 @@ struct SubRayRow {
   const Spread& time() const { return gpuMs.median > 0 ? gpuMs : wallMs; }
 };
 
-/// What each number of sub-rays costs and gets wrong, on one device.
+/// Error and time of each number of sub-rays, on one device.
 struct SubRayReport {
   DeviceInfo device;
   uint64_t beams = 0;           ///< number of beams compared with the reference, over all poses
@@ -43,7 +43,7 @@ struct SubRayReport {
   std::vector<SubRayRow> rows;  ///< geometry alone, then the counts in the order in which they were asked for
 };
 
-/// What a report on sub-rays is made of.
+/// The options of a report on sub-rays.
 struct SubRayOptions {
   SimulatorOptions simulator;
   std::vector<uint32_t> counts = {1, 7, 19, 37, 61};

@@ -39,7 +39,7 @@ class CdrWriter {
     std::memcpy(bytes_.data() + start - sizeof(count), &count, sizeof(count));
     return *this;
   }
-  /// std_msgs/Header; nanoseconds since 1970.
+  /// Writes a std_msgs/Header; `time` is in nanoseconds since 1970.
   CdrWriter& header(int64_t time, const std::string& frame) {
     constexpr int64_t kSecond = 1'000'000'000;
     number(static_cast<int32_t>(time / kSecond));

@@ -20,8 +20,8 @@ struct OutputFile {
   std::string into;
 };
 
-/// Turns frames into files. Whatever a file holds follows from its frame alone, so frames can be made anywhere and in
-/// any order.
+/// Turns frames of a drive into files. Whatever a file holds follows from its frame alone, so frames can be made
+/// anywhere and in any order.
 class Format {
  public:
   Format(const Drive& drive, const World& world, const Output& output)
@@ -69,21 +69,21 @@ std::string formatNames(bool (*chosen)(const FormatInfo& format));
 // One function per format, each in a source file of its own.
 MakeFormat makeClouds, makeBoxes, makeKitti, makeKittiRaw, makeNuScenes, makeLas, makeMcap, makeOsi;
 
-// What several formats need.
+// Functions that several formats need.
 
-/// Writes a whole file of the output folder and its folders. It appears when it is complete.
+/// Writes a whole file of the output folder and its folders. The file appears when it is complete.
 void writeWhole(const std::filesystem::path& file, const std::string& bytes);
 std::string numberText(const char* format, uint64_t number);
 /// Nanoseconds since 1970 of a time of the trajectories' clock.
 int64_t unixNanoseconds(const Drive& drive, double time);
-/// "2011-09-26 13:02:25.951199337" in UTC.
+/// Returns a time as text such as "2011-09-26 13:02:25.951199337", in UTC.
 std::string dateText(int64_t nanoseconds);
 /// The rows of the returns of a scan.
 std::string packedRows(const Scan& scan, const RecordLayout& layout);
 void appendRows(std::string& bytes, const Scan& scan, const RecordLayout& layout);
 /// x, y, z and intensity as four floats; without an intensity it is 0.
 RecordLayout kittiLayout(const Scan& scan);
-/// What the intensities of a sensor are multiplied with to have this greatest value for a diffuse white surface.
+/// Returns the factor on a sensor's intensities by which a diffuse white surface gets this greatest value.
 float intensityFactor(const RigSensor& sensor, float greatest);
 /// Returns the rows of kittiLayout(), in which a diffuse white surface has the intensity 1.
 std::string kittiRows(const Scan& scan, const RigSensor& sensor);

@@ -76,7 +76,7 @@ std::string channelRecord(const McapChannel& channel, uint16_t number) {
   return recordOf(kChannel, content);
 }
 
-/// What the summary says of a chunk.
+/// Entries of the file's summary for a chunk.
 struct ChunkSummary {
   uint64_t begin = 0, end = 0;  ///< times of its first and last message
   uint64_t offset = 0, bytes = 0, indexBytes = 0, contentBytes = 0;

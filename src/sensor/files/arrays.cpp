@@ -68,7 +68,7 @@ Header readHeader(const SensorSource& source) {
   return header;
 }
 
-/// A number of 16 bits as IEEE 754 has it.
+/// Returns the value of a half-precision number (binary16 of IEEE 754).
 double halfOf(uint16_t bits) {
   const int exponent = bits >> 10 & 31;
   const double part = bits & 1023;
@@ -148,7 +148,7 @@ void readNpy(SensorSource& source) {
   std::vector<uint64_t> shape = header.shape;
   std::string text;
   for (const uint64_t extent : shape) text += (text.empty() ? "" : " x ") + std::to_string(extent);
-  // What a beam's numbers are: the last extents.
+  // The last extents tell the numbers of a beam.
   size_t each = 0;
   if (shape.size() >= 3 && shape.back() == 4 && (shape[shape.size() - 2] == 3 || shape[shape.size() - 2] == 4)) {
     each = static_cast<size_t>(4 * shape[shape.size() - 2]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hesai's angle corrections. Spinning heads have a row per channel: its number from 1 on, elevation and azimuth in
-// degrees. Hesai's y axis points forward, and azimuths are clockwise from it; we turn y to x, so azimuths only change
-// their sign. Flash lidars have a row per pixel, and x points forward.
+// Reads Hesai's files of angle corrections. Spinning heads have a row per channel: its number from 1 on, elevation and
+// azimuth in degrees. Hesai's y axis points forward, and azimuths are clockwise from it; we turn y to x, so azimuths
+// only change their sign. Flash lidars have a row per pixel, and x points forward.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,8 +18,8 @@ bool isChecksum(std::string_view cell) {
   return cell.size() >= 32 && cell.find_first_not_of("0123456789abcdefABCDEF") == cell.npos;
 }
 
-/// Refuses a file whose lines before `row` do not have the SHA-256 that this row states. It is that of lines that end
-/// with CR LF, whatever they end with now.
+/// Refuses a file whose lines before `row` do not have the SHA-256 that this row states. The hash is that of lines that
+/// end with CR LF, whatever they end with now.
 void checkHash(const SensorSource& source, const std::vector<std::string_view>& lines, size_t row,
                std::string_view stated) {
   if (stated.size() != 64) return;  // a checksum of another kind

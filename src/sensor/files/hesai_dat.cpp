@@ -48,7 +48,7 @@ class Bytes {
   size_t at_ = 0;
 };
 
-// What neither kind of file states: the field of view in the vendor's azimuths, and the step.
+// Values that neither kind of file states: the field of view in the vendor's azimuths, and the step.
 constexpr double kFirstDeg = 30, kStepDeg = 0.1;
 constexpr uint32_t kColumns = 1200;
 

@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// One emitter state. Optional lists are empty or have one entry per emitter.
+/// One state of the emitters. Optional lists are empty or have one entry per emitter.
 struct Emitters {
   std::vector<double> azimuths, elevations, times, rings, ranges, heights, sides;
 };
@@ -63,7 +63,7 @@ struct Window {
   double least, most;
 };
 
-/// Returns the range classes.
+/// Returns the range classes of a profile.
 std::vector<Window> readRanges(const SensorSource& source, const json& profile) {
   std::vector<Window> windows;
   const auto ranges = profile.find("ranges");
@@ -83,7 +83,7 @@ const Window& windowOf(const SensorSource& source, const std::vector<Window>& wi
   return windows[static_cast<size_t>(id)];
 }
 
-/// What the emitters of any state have; all beams of a list have it then.
+/// Lists that the emitters of any state have; all beams of a list have them then.
 struct Lists {
   bool origins = false, ranges = false;
 

@@ -223,7 +223,7 @@ void checkOptions(const SensorSource& source, const Family& family) {
                                                 " columns is more than a million, the most that are read");
 }
 
-/// What a built-in head states and a calibration or a pattern does not.
+/// Applies the values of a built-in head that a calibration or a pattern does not state.
 void applyHead(SensorSource& source, const Sensor& from, bool sameTurn) {
   Sensor& sensor = source.file.sensor;
   if (sensor.isGrid() && from.isGrid()) {

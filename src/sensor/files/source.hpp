@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the readers of sensor files share: the file, its options, and the result that they fill in.
+// Data that the readers of sensor files share: the file, its options, and the result that they fill in.
 #pragma once
 
 #include <nlohmann/json.hpp>

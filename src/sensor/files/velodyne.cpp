@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Velodyne calibrations. The vendor's azimuth is counted clockwise from the front of the head, and a laser points to
-// the head's azimuth minus its rotation correction. The driver of ROS turns the front to x, and y to the left. There a
-// laser with the corrections r and e at the head's azimuth A has the azimuth r - A and the elevation e, and starts at
-// -v sin(e) forward, h to the left and v cos(e) up of the head's centre, v and h being its vertical and horizontal
-// offsets.
+// Reads calibrations of Velodyne heads. The vendor's azimuth is counted clockwise from the front of the head, and a
+// laser points to the head's azimuth minus its rotation correction. The driver of ROS turns the front to x, and y to
+// the left. There a laser with the corrections r and e at the head's azimuth A has the azimuth r - A and the elevation
+// e, and starts at -v sin(e) forward, h to the left and v cos(e) up of the head's centre, v and h being its vertical
+// and horizontal offsets.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

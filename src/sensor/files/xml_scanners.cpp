@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scanners of two simulators. Gazebo's <lidar> and <ray> in SDF: azimuths are counter-clockwise from x, both ends of a
-// range of angles are beams, and all beams fire at once. HELIOS++'s scanners of several channels: y points forward, z
-// up, and the head turns counter-clockwise, at its largest speed unless a survey says otherwise.
+// Reads scanners of two simulators. Gazebo's <lidar> and <ray> in SDF: azimuths are counter-clockwise from x, both ends
+// of a range of angles are beams, and all beams fire at once. HELIOS++'s scanners of several channels: y points
+// forward, z up, and the head turns counter-clockwise, at its largest speed unless a survey says otherwise.
 #include <algorithm>
 #include <cmath>
 #include <pugixml.hpp>
@@ -104,7 +104,7 @@ void readSdf(SensorSource& source) {
 
   Sensor& sensor = source.file.sensor;
   sensor.name = node.attribute("name").value();
-  // Both ends are beams. Of a whole turn the last one looks where the first does.
+  // Both ends of the span are beams. Of a whole turn the last one looks where the first does.
   double span = across.most - across.least;
   const double step = across.count > 1 ? span / static_cast<double>(across.count - 1) : 360;
   if (across.count > 1 && span + step > 360 + 1e-9) {

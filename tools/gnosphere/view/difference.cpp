@@ -11,7 +11,7 @@ namespace {
 
 enum Match { kSame, kApart, kOnlyA, kOnlyB };
 
-/// What a point was compared with: how far away it is, NaN if there is none.
+/// Distances of points from those they were compared with; NaN if there is none.
 using Distances = std::vector<double>;
 
 double distanceOf(const ViewCloud& a, size_t i, const ViewCloud& b, size_t j) {

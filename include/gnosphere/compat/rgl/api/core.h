@@ -56,7 +56,7 @@ typedef struct {
   int32_t bone_indexes[4];
 } rgl_bone_weights_t;
 
-// Handles.
+// Handles of the objects that the library makes.
 typedef struct Mesh* rgl_mesh_t;
 typedef struct Entity* rgl_entity_t;
 typedef struct Texture* rgl_texture_t;
@@ -111,7 +111,7 @@ typedef enum : int32_t {
   RGL_LOG_LEVEL_COUNT = 7
 } rgl_log_level_t;
 
-/// What a point may have. docs/rgl.md says what each field is where a ray hits nothing.
+/// Fields that a point may have.
 typedef enum : int32_t {
   RGL_FIELD_XYZ_VEC3_F32 = 1,
   RGL_FIELD_INTENSITY_F32 = 2,
@@ -175,15 +175,15 @@ typedef enum : int32_t {
 
 typedef enum : int32_t { RGL_AXIS_X = 1, RGL_AXIS_Y = 2, RGL_AXIS_Z = 3 } rgl_axis_t;
 
-// The library.
+// Functions of the library as a whole.
 RGL_API rgl_status_t rgl_get_version_info(int32_t* out_major, int32_t* out_minor, int32_t* out_patch);
 RGL_API rgl_status_t rgl_get_extension_info(rgl_extension_t extension, int32_t* out_available);
 RGL_API rgl_status_t rgl_configure_logging(rgl_log_level_t log_level, const char* log_file_path, bool use_stdout);
 RGL_API void rgl_get_last_error_string(const char** out_error_string);
-/// Destroys every object.
+/// Destroys every object of the library.
 RGL_API rgl_status_t rgl_cleanup(void);
 
-// Meshes. `index_count` is the number of triangles.
+// Functions of meshes, in which `index_count` is the number of triangles.
 RGL_API rgl_status_t rgl_mesh_create(rgl_mesh_t* out_mesh, const rgl_vec3f* vertices, int32_t vertex_count,
                                      const rgl_vec3i* indices, int32_t index_count);
 RGL_API rgl_status_t rgl_mesh_set_texture_coords(rgl_mesh_t mesh, const rgl_vec2f* uvs, int32_t uv_count);
@@ -194,7 +194,7 @@ RGL_API rgl_status_t rgl_mesh_set_restposes(rgl_mesh_t mesh, const rgl_mat3x4f* 
 RGL_API rgl_status_t rgl_mesh_destroy(rgl_mesh_t mesh);
 RGL_API rgl_status_t rgl_mesh_is_alive(rgl_mesh_t mesh, bool* out_alive);
 
-// Entities: placed meshes.
+// Functions of entities, which are placed meshes.
 RGL_API rgl_status_t rgl_entity_create(rgl_entity_t* out_entity, rgl_scene_t scene, rgl_mesh_t mesh);
 RGL_API rgl_status_t rgl_entity_destroy(rgl_entity_t entity);
 RGL_API rgl_status_t rgl_entity_set_transform(rgl_entity_t entity, const rgl_mat3x4f* transform);
@@ -217,11 +217,11 @@ RGL_API rgl_status_t rgl_texture_is_alive(rgl_texture_t texture, bool* out_alive
 
 RGL_API rgl_status_t rgl_scene_set_time(rgl_scene_t scene, uint64_t nanoseconds);
 
-// Nodes of rays.
+// Functions that make nodes of rays.
 RGL_API rgl_status_t rgl_node_rays_from_mat3x4f(rgl_node_t* node, const rgl_mat3x4f* rays, int32_t ray_count);
 RGL_API rgl_status_t rgl_node_rays_set_ring_ids(rgl_node_t* node, const int32_t* ring_ids, int32_t ring_ids_count);
 RGL_API rgl_status_t rgl_node_rays_set_range(rgl_node_t* node, const rgl_vec2f* ranges, int32_t ranges_count);
-/// Milliseconds.
+/// The time offsets are in milliseconds.
 RGL_API rgl_status_t rgl_node_rays_set_time_offsets(rgl_node_t* node, const float* offsets, int32_t offsets_count);
 RGL_API rgl_status_t rgl_node_rays_transform(rgl_node_t* node, const rgl_mat3x4f* transform);
 RGL_API rgl_status_t rgl_node_gaussian_noise_angular_ray(rgl_node_t* node, float mean, float st_dev,
@@ -241,7 +241,7 @@ RGL_API rgl_status_t rgl_node_raytrace_configure_return_mode(rgl_node_t node, rg
 RGL_API rgl_status_t rgl_node_raytrace_configure_reflectivity_alpha(rgl_node_t node, float reflectivity_alpha);
 RGL_API rgl_status_t rgl_node_raytrace_configure_id(rgl_node_t node, int32_t sensor_id);
 
-// Nodes of points.
+// Functions that make nodes of points.
 RGL_API rgl_status_t rgl_node_points_transform(rgl_node_t* node, const rgl_mat3x4f* transform);
 RGL_API rgl_status_t rgl_node_points_format(rgl_node_t* node, const rgl_field_t* fields, int32_t field_count);
 RGL_API rgl_status_t rgl_node_points_yield(rgl_node_t* node, const rgl_field_t* fields, int32_t field_count);
@@ -263,7 +263,7 @@ RGL_API rgl_status_t rgl_node_points_radar_postprocess(rgl_node_t* node, const r
                                                        float ray_elevation_step, float frequency,
                                                        float power_transmitted, float cumulative_device_gain,
                                                        float received_noise_mean, float received_noise_st_dev);
-/// max_prediction_time_frame in milliseconds.
+/// The time max_prediction_time_frame is in milliseconds.
 RGL_API rgl_status_t rgl_node_points_radar_track_objects(rgl_node_t* node, float object_distance_threshold,
                                                          float object_azimuth_threshold,
                                                          float object_elevation_threshold,
@@ -274,7 +274,7 @@ RGL_API rgl_status_t rgl_node_points_radar_set_classes(rgl_node_t node, const in
                                                        const rgl_radar_object_class_t* object_classes, int32_t count);
 RGL_API rgl_status_t rgl_node_is_alive(rgl_node_t node, bool* out_alive);
 
-// Graphs. A graph is what is connected with a node.
+// Functions of graphs: a graph is all nodes that are connected with a node.
 RGL_API rgl_status_t rgl_graph_run(rgl_node_t node);
 RGL_API rgl_status_t rgl_graph_destroy(rgl_node_t node);
 RGL_API rgl_status_t rgl_graph_get_result_size(rgl_node_t node, rgl_field_t field, int32_t* out_count,
