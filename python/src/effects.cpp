@@ -8,6 +8,19 @@
 namespace gnosphere::python {
 namespace {
 
+/// Makes an object as a new one, with its properties set by keywords.
+template <typename T>
+void bindKeywords(nb::class_<T>& type, const char* doc) {
+  type.def(
+      "__init__",
+      [](T* self, nb::kwargs keywords) {
+        const nb::object made = nb::cast(T());
+        for (const auto& [name, value] : keywords) nb::setattr(made, name, value);
+        new (self) T(nb::cast<const T&>(made));
+      },
+      nb::sig("def __init__(self, **properties: object) -> None"), doc);
+}
+
 /// Binds an effect, a part of Effects: a class with its member `use` and the parameters of its row, and the property of
 /// Effects that has it.
 template <auto kEffect>
@@ -21,7 +34,8 @@ auto bindEffect(nb::class_<Effects>& effects, const std::string& name) {
   }
   const std::string doc = pythonText(info.doc);
   nb::class_<Effect> effect(effects, type.c_str(), doc.c_str());
-  effect.def(nb::init<>()).def_rw("use", &Effect::use, "Whether it is off, on or automatic.");
+  bindKeywords(effect, "Takes its properties as keywords.");
+  effect.def_rw("use", &Effect::use, "Whether it is off, on or automatic.");
   for (const Parameter<Effects>& parameter : info.parameters)
     bindRow<[](Effects& all) -> Effect& { return all.*kEffect; }>(effect, parameter.name, parameter);
   effects.def_rw(pythonName(name).c_str(), kEffect, doc.c_str());
@@ -109,8 +123,8 @@ void bindEffects(nb::module_& m) {
       m, "Effects",
       "The effects that a scan simulates beside geometry, each with its parameters. Units are metres, radians, seconds "
       "and 1/m; powers are relative to a Lambertian target of reflectance 1, square to the beam, at 1 m.");
-  effects.def(nb::init<>(), "Effects that the scene and the sensor call for.")
-      .def_rw("seed", &Effects::seed, pythonText(seedParameter().doc).c_str())
+  bindKeywords(effects, "Effects that the scene and the sensor call for, but for those that keywords give.");
+  effects.def_rw("seed", &Effects::seed, pythonText(seedParameter().doc).c_str())
       .def_static("none", &Effects::none, "Returns a value with every effect off: geometry alone.");
   bindSignal(effects);
   bindEchoes(effects);
