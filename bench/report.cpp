@@ -267,6 +267,7 @@ cli::Plot plotOf(const Report& report, const std::string& title, const DeviceInf
                                                                {cli::Marker::square, "#222222"},
                                                                {cli::Marker::diamond, "#cc79a7"}};
   cli::PlotPanel panel = {"", report.xLabel, "ms per frame, median", {}};
+  if (!report.panel.series.empty()) panel = report.panel;
   for (const Outcome& outcome : report.outcomes) {
     for (const Standing& s : outcome.standings) {
       auto series = std::find_if(panel.series.begin(), panel.series.end(),

@@ -24,6 +24,7 @@ struct Report {
   std::vector<Table> tables;
   std::string xLabel;                    ///< label of the plot's x axis
   BarChart bars = {};                    ///< its plot; if there are no bars, the outcomes are plotted over their x
+  cli::PlotPanel panel = {};             ///< its plot, if it has series
   cli::Json more = cli::Json::object();  ///< further measurements
   bool wrong = false;                    ///< whether a result was wrong; the rest is reported all the same
 };

@@ -327,7 +327,8 @@ uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, 
 // True if the beams of a box are tried here, instead of in stage bin, which needs panes.
 bool isTriedHere(Box box, Silhouette silhouette, uint material, bool moves) {
   bool seenFromOnePlace = (!MOTION || (motion.sensor == 0 && !moves)) && (!ORIGINS || SHIFTS_TURNED);
-  bool few = BINNING == kBinningSlabs && silhouette.known && walkLength(silhouette, box) <= kTriedSteps;
+  bool walks = silhouette.known || (LISTED && VIEWS);  // cells of a list are all tried
+  bool few = BINNING == kBinningSlabs && walks && walkLength(silhouette, box) <= kTriedSteps;
   return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kFootprint) == 0 &&
          !(PANES && isPaneMaterial(material)) && (isSmall(box) || few);
 }

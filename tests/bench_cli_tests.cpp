@@ -134,6 +134,26 @@ TEST_CASE("the case heads measures heads beside their twins and Embree") {
   CHECK(place.run("heads --heads none", "", kBench).status == 2);
 }
 
+TEST_CASE("the case batches measures views and worlds together, one by one and beside Embree") {
+  needVulkan();
+  const Workplace place;
+  const json batches = casesOf(place,
+                               "batches --triangles 20000 --runs 1 --frames 8 --json r.json "
+                               "--plot p.svg")
+                           .at("batches");
+  CHECK(xmlProblem(place.get("p.svg")) == "");
+  const json& rows = batches.at("rows");
+  REQUIRE(rows.size() == 4);
+  CHECK(rows.at(0).at("views") == 1);
+  CHECK(rows.at(1).at("views") == 8);
+  CHECK_FALSE(rows.at(1).contains("move_ms"));
+  CHECK(rows.at(2).at("beams") == 187);
+  CHECK(rows.at(3).at("scene") == "2 worlds, 16 x 300");
+  for (const json& row : rows) CHECK(row.at("batch_ms").at("median") > 0);
+  for (const size_t moving : {2, 3}) CHECK(rows.at(moving).at("move_ms").at("median") > 0);
+  CHECK_THAT(place.get("out"), ContainsSubstring("| 8 worlds, height scan |"));
+}
+
 // Slow, because it compiles the pipelines of every effect.
 TEST_CASE("the case effects times each effect, and checks that switched-off effects cost nothing", "[.slow]") {
   needVulkan();

@@ -217,9 +217,9 @@ def heads(case):
 
 
 def batches(case):
-    rows = [["views", "one by one, ms per view", "as a batch, ms per view"]]
+    rows = [["scene", "views", "one by one, ms per view", "as a batch, ms per view"]]
     for row in case["rows"]:
-        rows.append([row["views"], figure(row["alone_ms"]), figure(row["batch_ms"])])
+        rows.append([row["scene"], row["views"], figure(row["one_by_one_ms_per_view"]), figure(row["batch_ms_per_view"])])
     return table(rows)
 
 

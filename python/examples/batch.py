@@ -41,14 +41,14 @@ head.channels = [gnosphere.Channel(float(elevation)) for elevation in np.linspac
 bumps = 0.05 * random.random((41, 41))
 scene = gnosphere.Scene(
     materials=[gnosphere.Material()],
-    meshes=[mesh(primitives.height_field(bumps, 10, 10, 1)), mesh(primitives.box((0.3, 0.3, 0.3)))],
+    meshes=[mesh(primitives.height_field(bumps, 10, 10, 1)), mesh(primitives.box((0.3, 0.3, 0.2)))],
     instances=[gnosphere.Instance(0)],
 )
 simulator = gnosphere.Simulator(scene, [SensorRequest(heights, Effects.none()), SensorRequest(head, Effects.none())])
 
 places = np.zeros((worlds, 25, 7))
 places[..., :2] = random.uniform(-8, 8, (worlds, 25, 2))
-places[..., 2] = 0.3
+places[..., 2] = 0.2
 places[..., 6] = 1
 number = np.arange(1, worlds + 1)
 boxes = simulator.add_instances(1, places.reshape(-1, 7), worlds=np.repeat(number, 25))

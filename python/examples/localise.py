@@ -62,6 +62,8 @@ for step in range(steps):
 points = simulator.scan_batch(poses(drawn[0][1] + np.random.default_rng(2).normal(0, 4, (60, 3)) * (1, 1, 1.5)))
 size, shown = 400, [0, 1, 3, steps - 1]
 image = np.full((size, len(shown) * (size + 4), 3), 255, np.uint8)
+for panel in range(len(shown)):
+    image[:, panel * (size + 4) + size : (panel + 1) * (size + 4)] = 120  # a line between two steps
 
 
 def draw(panel: int, centre: np.ndarray, xy: np.ndarray, colour: tuple[int, int, int], width: int) -> None:

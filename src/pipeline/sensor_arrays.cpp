@@ -144,7 +144,8 @@ void SensorArrays::makeRoomForViews(uint32_t views) {
   growArrays(views);
   if (views == 1) return;
   Capacities room = capacities_;
-  const uint64_t projected = std::min<uint64_t>(uint64_t{firstProjected_} * views, mostProjected());
+  const uint64_t ofView = std::min(firstProjected_, firstProjectedOfView(beams()));
+  const uint64_t projected = std::min(ofView * views, mostProjected());
   room.projected = std::max(room.projected, static_cast<uint32_t>(projected));
   room.tiles = std::max(room.tiles, room.projected / 2);
   if (room.projected != capacities_.projected || room.tiles != capacities_.tiles) makeLists(room);

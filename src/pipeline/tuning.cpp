@@ -25,10 +25,10 @@ constexpr uint32_t kShellsOfGpu = 3, kGrowthOnGpu = 4;
 // Measured on town scenes: one projected triangle per 8 beams of an HDL-64E; sensors with more beams have fewer per
 // beam.
 constexpr uint64_t kBeamsPerProjected = 8, kLeastProjected = 1 << 14, kMostProjected = 1 << 18;
+// Most triangles of small views need no room, because stage project tries them at once; and views share the room.
+constexpr uint64_t kLeastProjectedOfView = 32;
 constexpr uint32_t kFirstTiles = 1 << 12;
 constexpr uint64_t kCandidatesPerBeam = 2, kBeamsPerPane = 8;
-// Measured on town scenes with two threads: slabs of 64 columns take 1.03 and slabs of 32 take 1.07 of the time of
-// slabs of 128; 256 are no faster. kSlabsPerThread slabs per thread balance the work well enough.
 // Beams that one submission scans together. Measured on two CPU cores in a town of 300,000 triangles with 5,760 beams
 // per view: 8, 16, 45 and 180 views together took 1.8, 1.3, 1.3 and 1.3 ms per view, and single scans 6.9 ms.
 constexpr uint64_t kBeamsTogetherOnCpu = 1 << 18, kBeamsTogether = 1 << 23, kMostViews = 4096;
@@ -40,6 +40,8 @@ constexpr uint32_t kFirstShellClustersOfView = 128;
 // Work of one submission of a device that draws a desktop, too. Not measured on a card: slow ones are thought to do a
 // hundred million lines of light a second, and drivers to wait for some seconds.
 constexpr uint64_t kMostWork = 1 << 26;
+// Measured on town scenes with two threads: slabs of 64 columns take 1.03 and slabs of 32 take 1.07 of the time of
+// slabs of 128; 256 are no faster. kSlabsPerThread slabs per thread balance the work well enough.
 constexpr uint32_t kLargestSlabShift = 7, kLeastSlabShift = 4, kSlabsPerThread = 8;
 
 }  // namespace
@@ -116,12 +118,16 @@ uint32_t mostViews(const Traits& traits, uint64_t beams) {
   return static_cast<uint32_t>(std::clamp<uint64_t>(together / std::max<uint64_t>(beams, 1), 1, kMostViews));
 }
 
-// Only large boxes are cut into tiles; with slabs also those that lie in more than one slab.
+uint32_t firstProjectedOfView(uint64_t beams) {
+  return static_cast<uint32_t>(std::clamp<uint64_t>(beams / kBeamsPerProjected, kLeastProjectedOfView, kMostProjected));
+}
+
 uint64_t mostWork(const SimulatorOptions& options, const Traits& traits) {
   if (options.tuning.maxSubmissionWork > 0) return options.tuning.maxSubmissionWork;
   return traits.cpu ? 0 : kMostWork;
 }
 
+// Only large boxes are cut into tiles; with slabs also those that lie in more than one slab.
 Capacities firstCapacities(uint32_t binning, bool panes, bool footprint, uint64_t beams, uint64_t triangles) {
   const auto projected = static_cast<uint32_t>(
       std::min(triangles, std::clamp(beams / kBeamsPerProjected, kLeastProjected, kMostProjected)));

@@ -36,14 +36,17 @@ uint32_t shellClustersOfViews(uint32_t ofOne, uint32_t views);
 uint32_t slabShift(uint32_t columns);
 /// The same for a submission of several views, each of which has slabs of its own.
 uint32_t slabShiftOfViews();
-/// Returns the most views of a submission on a device for a sensor with so many beams; 1 if its scans gain nothing from
-/// being submitted together.
 /// Returns the bytes that the lists of several views may take together.
 uint64_t mostListBytes(const SimulatorOptions& options, const Traits& traits);
+/// Returns the most views of a submission on a device for a sensor with so many beams; 1 if its scans gain nothing from
+/// being submitted together.
 uint32_t mostViews(const Traits& traits, uint64_t beams);
 
 /// Returns the most work of one submission, see Step::work; 0 for no limit.
 uint64_t mostWork(const SimulatorOptions& options, const Traits& traits);
+
+/// Returns how many projected triangles there is room for at first in a submission of several views, per view.
+uint32_t firstProjectedOfView(uint64_t beams);
 
 /// Numbers of entries for which the lists of a scan have room.
 struct Capacities {

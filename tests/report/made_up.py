@@ -47,7 +47,8 @@ def machines():
                                "wrong": ["list: the hash is 00bb, not 00cc"]}
     card["cases"]["heads"] = {"rows": [{"head": "Puck", "beams": 28800, "sub_rays": 19, "ratios": {},
                                         "ms": {"clean": 0.5, "default": 1.5}}]}
-    card["cases"]["batches"] = {"rows": [{"views": 256, "alone_ms": 0.25, "batch_ms": 0.125}]}
+    card["cases"]["batches"] = {"rows": [{"scene": "town", "views": 256, "one_by_one_ms_per_view": 0.25,
+                                          "batch_ms_per_view": 0.125}]}
     card["cases"]["scaling-triangles"] = {"outcomes": [
         {"label": "30,000,000 triangles", "contenders": [contender("standard", {"bin": 3})],
          "memory": {"scene_bytes": 9e8, "sensor_bytes": 1e6, "work_bytes": 2.5e6}}]}
