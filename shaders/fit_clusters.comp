@@ -96,8 +96,10 @@ void main() {
     uint first = groups.at[pair.y].clusterFirst, count = groups.at[pair.y].clusterCount;
     vec3 low = vec3(kCoordinateLimit), high = vec3(-kCoordinateLimit);
     for (uint k = gl_SubgroupID; k < count; k += gl_NumSubgroups) fitCluster(first + k, low, high);
-    lows[gl_SubgroupID] = low;
-    highs[gl_SubgroupID] = high;
+    if (subgroupElect()) {
+      lows[gl_SubgroupID] = low;
+      highs[gl_SubgroupID] = high;
+    }
     barrier();
     if (gl_LocalInvocationID.x == 0) {
       for (uint k = 1; k < gl_NumSubgroups; ++k) {

@@ -576,7 +576,7 @@ TEST_CASE("an invalid sensor file is refused with the cause") {
   CHECK_THAT(problemOf(R"({"name": "a", "columns": 8, "range": {"min": -1, "max": 5}, "elevation_deg": [1]})"),
              ContainsSubstring("range min"));
   CHECK_THAT(problemOf(R"({"name": "a", "columns": 4294967295, "range": {"max": 5}, "elevation_deg": [1, 2]})"),
-             ContainsSubstring("more beams than"));
+             ContainsSubstring("8589934590 beams"));
   CHECK_THAT(problemOf(std::string(100000, '[')), ContainsSubstring("not JSON"));
   const auto more = [&](const std::string& rest) { return problemOf(file(R"("columns": 8, )" + rest + "}")); };
   CHECK_THAT(more(R"("elevation_deg": [1], "divergence_mrad": 3)"), ContainsSubstring("list of numbers"));
@@ -631,7 +631,6 @@ TEST_CASE("a sensor whose range is not set is refused, unless each laser has its
   Sensor list;
   list.name = "list";
   list.patterns.emplace_back();
-  CHECK_NOTHROW(validate(list));  // it has no beams
   list.patterns[0].directions = {{1, 0, 0}};
   CHECK_THROWS_WITH(validate(list), ContainsSubstring("range max is 0 m"));
   list.patterns[0].rangeMax = {5};

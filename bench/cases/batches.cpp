@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Many views in one call, beside scans one by one and Embree: a town from random poses, and worlds whose boxes move
 // between two steps.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>

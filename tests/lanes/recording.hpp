@@ -2,6 +2,8 @@
 // The lanes as a device of the caller: what is recorded runs at once.
 #pragma once
 
+#include <cstring>
+
 #include "lanes/accesses.hpp"
 #include "pipeline/device_backend.hpp"
 #include "pipeline/recording.hpp"
