@@ -45,7 +45,8 @@ GNO_INLINE float reflectedGlossily(Optics4 optics, float cosIncidence) {
 
 // The same for any surface.
 GNO_INLINE float reflected(Optics4 optics, float cosIncidence) {
-  return optics.reflection.y > 0.0f ? reflectedGlossily(optics, cosIncidence) : reflectedDiffusely(optics, cosIncidence);
+  return optics.reflection.y > 0.0f ? reflectedGlossily(optics, cosIncidence)
+                                    : reflectedDiffusely(optics, cosIncidence);
 }
 
 // Share of the light from behind a transmitting surface that returns: the light passes the surface twice.
