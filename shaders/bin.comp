@@ -115,7 +115,8 @@ void trySmall(uint i) {
   lookAtSurface(i);
   uint columnCount = boxColumnCount(box);
   seemFrom(triangle);
-  Silhouette silhouette = silhouetteOf(triangle, prepared, box);
+  Silhouette silhouette = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
+  if (!MOTION) silhouette = silhouetteOf(triangle, prepared, box);
   for (Walk walk = walkOf(box); !ended(box, walk);) {
     uint index;
     Beam beam;

@@ -13,10 +13,10 @@ struct Silhouette {
 
 // Returns the silhouette of a triangle that spans at most a tenth of a radian and lies within 56 degrees of the
 // horizon. The silhouette of any other triangle is not known. No silhouette is known where the cells of a grid hold the
-// beams of a list, or where motion shows the triangle from elsewhere.
+// beams of a list. With motion the triangle is as a column near the box sees it, and seems elsewhere to the others.
 Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
   Silhouette result = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
-  if (BOUNDS != kBoundsExact || MOTION || LISTED) return result;
+  if (BOUNDS != kBoundsExact || LISTED) return result;
   vec3 a = triangle.a, b = triangle.b, c = triangle.c;
   result.up = vec3(a.z, b.z, c.z) / vec3(length(a.xy), length(b.xy), length(c.xy));
   float steepest = max(max(abs(result.up.x), abs(result.up.y)), abs(result.up.z));
@@ -31,7 +31,8 @@ Silhouette silhouetteOf(Triangle triangle, Prepared prepared, Box box) {
   // The derivative of the tangent by the elevation key is (1 + tangent)^2.
   float slope = (1.1 + steepest) * (1.1 + steepest), key = steepest / (1.0 + steepest);
   result.slackUp = slope * (kKeySlack + blur + seemingUp) + 0.14 * span * span * steepest;
-  float start = columnAt(azimuthOf(a.y, a.x)) - box.columnMin;
+  float start = columnAt(azimuthOf(a.y, a.x)) - box.columnMin, turnColumns = float(frame.columns);
+  if (MOTION) start -= floor(start / turnColumns + 0.25) * turnColumns;  // the box may lie a turn away
   result.across = vec3(start, start + angle.x * frame.columnsPerRadian, start + angle.y * frame.columnsPerRadian);
   // The difference of two column numbers is rounded; the arc tangent's third term adds to that.
   result.slackAcross = columnSlack(-key, key) + 5e-7 * float(frame.columns) +

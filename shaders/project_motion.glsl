@@ -95,6 +95,7 @@ bool widenByMotion(uint at, Course course, inout Outline outline, inout Box box)
   float angle = perColumn * columnsAway + seemingAngle(motion.origins + course.rounding, 0.0, course.nearest);
   if (angle > 0.25) return false;
   widenBy(angle, outline, box);
+  setSeeming(angle);
   // The triangle's positions at the start and at the end of the scan may lie on different sides of the seam.
   float apart = seemingAngle(2.0 * course.shift, 2.0 * motion.turn, course.nearest);
   float margin = apart * frame.columnsPerRadian * 1.05 / max(1.0 - max(-outline.keyMin, outline.keyMax), 1e-6);
@@ -110,10 +111,15 @@ uint fateIn(Outline outline, float rangeMin, inout Box box) {
 }
 
 // Bounds a triangle for the columns from interval.from on that a first box can hold, and sets the interval of the next
-// box; it is empty if there is none.
-uint movingBox(mat3 corners, mat3 velocities, bool moves, inout Interval interval, out Box box, out float rangeMin) {
+// box; it is empty if there is none. If the box is that of one frame, sets the corners in that frame, and by how much
+// the triangle seems elsewhere in others.
+uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projected projected, out Box box,
+               out float rangeMin) {
+  mat3 velocities = projected.velocities;
   Interval part = interval;
   interval = noInterval();
+  projected.seen = corners;
+  projected.inOneFrame = true;
   if (!MOTION || (!moves && motion.sensor == 0)) {
     vec3 low = min(min(corners[0], corners[1]), corners[2]), high = max(max(corners[0], corners[1]), corners[2]);
     rangeMin = max(nearestPoint(low, high) - motion.shift, 0.0);
@@ -125,6 +131,7 @@ uint movingBox(mat3 corners, mat3 velocities, bool moves, inout Interval interva
   rangeMin = course.nearest;
   if (rangeMin > frame.rangeMax) return kRange;
   setSeeming(0.0);
+  projected.inOneFrame = false;
   bool inOne = !LISTED && part.from == 0 && frame.columns <= kMostExactColumns;  // one box is tried first
   // Both cases share one loop because some compilers take gigabytes if the bounds are inlined several times.
   while (true) {
@@ -137,7 +144,10 @@ uint movingBox(mat3 corners, mat3 velocities, bool moves, inout Interval interva
     coverColumns(a, b, c, outline, box);
     if (inOne) {
       inOne = false;
-      if (widenByMotion(uint(places.x), course, outline, box)) return fateIn(outline, rangeMin, box);
+      projected.seen = mat3(a, b, c);
+      projected.inOneFrame = widenByMotion(uint(places.x), course, outline, box);
+      if (projected.inOneFrame) return fateIn(outline, rangeMin, box);
+      setSeeming(0.0);
       continue;
     }
     float reach = reachOf(places), nearest = nearestPoint(min(min(a, b), c), max(max(a, b), c));

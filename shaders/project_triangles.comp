@@ -51,6 +51,8 @@ struct Projected {
   TextureCorners inTexture;  // only with cut-outs
   mat3 velocities;           // of the corners; only with motion or origins, as is the next one
   bool moves;                // the triangle itself
+  mat3 seen;                 // the corners as a column near the box sees them; only with motion, as is the next one
+  bool inOneFrame;           // whether `seen` is known
 };
 
 // True only if rounding cannot have changed the side; otherwise the inside test decides for each beam.
@@ -243,7 +245,7 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
                                   vertexVelocity(moving, survivor.instance, b, survivor.cluster, survivor.vertices.y),
                                   vertexVelocity(moving, survivor.instance, c, survivor.cluster, survivor.vertices.z));
     }
-    fate = movingBox(survivor.corners, projected.velocities, survivor.moves, interval, box, rangeMin);
+    fate = movingBox(survivor.corners, survivor.moves, interval, projected, box, rangeMin);
   } else if (BOUNDS == kBoundsPaper) {
     fate = paperBox(a, b, c, (survivor.id >> 31) != 0, box, rangeMin);
   } else {
@@ -324,9 +326,12 @@ uint nthSetBit(uint bits, uint n) {
 
 uvec4 countOf(uint fate) { return uvec4(equal(uvec4(fate), uvec4(kRange, kFace, kBetween, kHidden))); }
 
-// True if the beams of a box are tried here, instead of in stage bin, which needs panes.
+// True if the beams of a box are tried here, instead of in stage bin, which needs panes. Where each column sees the
+// triangle from elsewhere, every beam costs more, which repays itself only where a whole subgroup would try the box in
+// stage bin.
 bool isTriedHere(Box box, Silhouette silhouette, uint material, bool moves) {
-  bool seenFromOnePlace = (!MOTION || (motion.sensor == 0 && !moves)) && (!ORIGINS || SHIFTS_TURNED);
+  bool seenFromOnePlace = BINNING == kBinningSlabs || !MOTION || (motion.sensor == 0 && !moves);
+  if (ORIGINS) seenFromOnePlace = seenFromOnePlace && SHIFTS_TURNED;
   bool walks = silhouette.known || (LISTED && VIEWS);  // cells of a list are all tried
   bool few = BINNING == kBinningSlabs && walks && walkLength(silhouette, box) <= kTriedSteps;
   return BINNING != kBinningLists && BOUNDS != kBoundsPaper && seenFromOnePlace && (EFFECTS & kFootprint) == 0 &&
@@ -359,7 +364,7 @@ bool inHole(uint slot, vec3 weights) {
 
 // Tries the beams of a box that may hit. The walk is one loop, not two nested ones: a subgroup then runs as long as its
 // longest walk.
-void tryBox(Triangle triangle, Prepared prepared, Silhouette silhouette, Box box) {
+void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette silhouette, Box box) {
   uint columnCount = boxColumnCount(box);
   bool met = false;
   for (Walk walk = walkOf(box); !ended(box, walk);) {
@@ -368,7 +373,12 @@ void tryBox(Triangle triangle, Prepared prepared, Silhouette silhouette, Box box
     if (!stepTo(box, columnCount, silhouette, walk, beam, index)) continue;
     float range;
     uint known = words.at[firstWord() + index].y;  // loaded before the test, which then need not wait for it
-    if (meet(triangle, prepared, turnedFrom(triangle, rowOf(index), beam.azimuth), beam, index, kNone, range) &&
+    Triangle seen = triangle;
+    if (MOTION && BINNING == kBinningSlabs && !atRest(triangle.moves)) {
+      seen = seenAt(triangle, velocities, columnMotionOf(rowOf(index), columnOf(index)));
+      prepared = prepare(seen);
+    }
+    if (meet(seen, prepared, turnedFrom(seen, rowOf(index), beam.azimuth), beam, index, kNone, range) &&
         floatBitsToUint(range) <= known) {
       offerNearest(index, range, triangle.id);
       met = true;
@@ -398,14 +408,24 @@ void boundAndStore(Survivor survivor, bool there, inout uvec4 culled) {
     }
     if (fate == kKeep) {
       Triangle triangle = triangleOf(projected.a, projected.b, projected.c.corner);
+      if (MOTION) triangle.moves = projected.moves;
       Prepared prepared = prepare(triangle);
-      Silhouette silhouette = silhouetteOf(triangle, prepared, box);
+      Silhouette silhouette = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
+      if (!MOTION) {
+        silhouette = silhouetteOf(triangle, prepared, box);
+      } else if (BINNING == kBinningSlabs && projected.inOneFrame) {
+        Triangle seen = triangle;
+        seen.a = projected.seen[0];
+        seen.b = projected.seen[1];
+        seen.c = projected.seen[2];
+        silhouette = silhouetteOf(seen, prepare(seen), box);
+      }
       if (isTriedHere(box, silhouette, survivor.material, survivor.moves)) {
         if ((EFFECTS & kCutOuts) != 0) {
           triedSurface = optics.at[survivor.material];
           triedTexture = projected.inTexture;
         }
-        tryBox(triangle, prepared, silhouette, box);
+        tryBox(triangle, projected.velocities, prepared, silhouette, box);
         fate = kNoTriangle;
       }
     }

@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transforms a projected triangle to the frame of a laser of a moving sensor.
 
-// Transforms the triangle to the frame of the sensor at a time.
-Triangle seenAt(Triangle triangle, uint slot, ColumnMotion at) {
+// Transforms the triangle to the frame of the sensor at a time. Corners of a triangle that moves have velocities.
+Triangle seenAt(Triangle triangle, mat3 velocities, ColumnMotion at) {
   if (triangle.moves) {
-    triangle.a = inColumn(at, triangle.a, projectedMotions.at[3 * slot].xyz);
-    triangle.b = inColumn(at, triangle.b, projectedMotions.at[3 * slot + 1].xyz);
-    triangle.c = inColumn(at, triangle.c, projectedMotions.at[3 * slot + 2].xyz);
+    triangle.a = inColumn(at, triangle.a, velocities[0]);
+    triangle.b = inColumn(at, triangle.b, velocities[1]);
+    triangle.c = inColumn(at, triangle.c, velocities[2]);
   } else {
     triangle.a = inColumn(at, triangle.a);
     triangle.b = inColumn(at, triangle.b);
     triangle.c = inColumn(at, triangle.c);
   }
   return triangle;
+}
+
+Triangle seenAt(Triangle triangle, uint slot, ColumnMotion at) {
+  mat3 velocities = mat3(0.0);
+  if (triangle.moves)
+    velocities = mat3(projectedMotions.at[3 * slot].xyz, projectedMotions.at[3 * slot + 1].xyz,
+                      projectedMotions.at[3 * slot + 2].xyz);
+  return seenAt(triangle, velocities, at);
 }
 
 // Transforms the triangle to the frame of the sensor when the beam in a column of a row fires.
