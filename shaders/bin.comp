@@ -60,8 +60,8 @@ void offer(uint beam, float range, uint projected, uint id) {
   }
 }
 
-// Prepends a candidate to the chain of a beam. A link has three entries: the projected triangle, the range of its hit
-// (with a footprint, the least range), and the link before. A beam that meets a pane is listed when its chain begins.
+// Prepends a candidate to the chain of a beam. A link has three entries: the projected triangle (with a footprint also
+// kPaneBit if it is a pane), the range of its hit (with a footprint, the least range), and the link before. A beam that meets a pane is listed when its chain begins.
 void link(uint beam, uint projected, uint rangeBits) {
   uint place = atomicAdd(counters.candidates, 1);
   if (place >= frame.candidateCapacity) return;

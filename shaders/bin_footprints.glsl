@@ -6,6 +6,7 @@
 vec2 subRayTangents[RAYS];  // of each sub-ray's angles to the left and up
 uvec2 litRays;              // one bit for each sub-ray that carries energy
 bool stopsLight;            // whether no light goes on where the current triangle is hit
+uint paneBit;               // kPaneBit if the current triangle is a pane
 
 void loadTangents(uint s) {
   vec4 subRay = subRays.at[s];
@@ -25,8 +26,12 @@ void loadFootprint() {
 void lookAtSurface(uint projected) {
   if ((EFFECTS & kFootprint) == 0) return;
   stopsLight = true;
+  paneBit = 0;
   if ((EFFECTS & kCutOuts) != 0) stopsLight = optics.at[projectedMaterials.at[projected]].passage.y <= 0.0;
-  if (LAYERS > 1) stopsLight = stopsLight && !isPane(projected);
+  if (LAYERS > 1 && isPane(projected)) {
+    stopsLight = false;
+    paneBit = kPaneBit;
+  }
 }
 
 // How the lines within the footprint of a beam meet a triangle.
@@ -124,8 +129,8 @@ void offerFootprint(Triangle triangle, Prepared prepared, Turned turned, Beam be
     driven = stays ? kNone : before.x;
     if (meeting.whole && !stays) projected = kNone;
   }
-  if (projected != kNone && nearest <= stopped) link(index, projected, nearest);
-  // The triangle that was in the word may still matter.
+  if (projected != kNone && nearest <= stopped) link(index, projected | paneBit, nearest);
+  // The triangle that was in the word, which is no pane, may still matter.
   if (driven != kNone && floatBitsToUint(rangeMinOf(driven)) <= stopped) link(index, driven, floatBitsToUint(rangeMinOf(driven)));
 #endif
 }

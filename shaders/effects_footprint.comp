@@ -39,28 +39,28 @@ float farthestOf(uint index) { return frame.rangeMax; }
 // energy that reaches this layer, and the energy that passes through it.
 float left[RAYS], up[RAYS], lengths[RAYS], inverses[RAYS], weights[RAYS], carried[RAYS], passed[RAYS];
 // Their hits in this layer: range (kNothing if there is none, -1 for a sub-ray without light), share of the beam's
-// energy, placed triangle, candidate, and the largest range that still belongs to the layer before.
+// energy, candidate, and the largest range that still belongs to the layer before.
 float hitRanges[RAYS], hitShares[RAYS], rangesBefore[RAYS];
-uint hitIds[RAYS], hitCandidates[RAYS];
+uint hitCandidates[RAYS];
 // The share of each sub-ray's light that the surface of the current candidate reflects.
 float reflections[RAYS];
-// Their hits in all layers. The first pass has one layer.
+// Their hits in all layers. The first pass has one layer. Until the last layer is reached, its place holds the hits that
+// end the light: the nearest opaque ones, with the shares that they reflect of the light that reaches them.
 const uint kPieces = RAYS * kMaxLayers;
 #define HELD_LAYERS (PASS == kPassWithinOne ? 1u : LAYERS)
+#define LAST_LAYER (RAYS * (LAYERS - 1))
 float ranges[kPieces], energies[kPieces];
 uint metCandidates[kPieces];
 
 #include "footprint_candidates.glsl"
 
-// Keeps a sub-ray's hit if it is the nearest one of this layer so far. Panes closer to each other, relative to their
-// range, count as one: light through a shared edge hits both of its triangles, but they are not two panes. An opaque hit
-// counts however close to a pane.
-bool offer(bool met, float range, uint id, uint projected, bool opaque, uint s) {
-  bool nearer = range < hitRanges[s], even = range == hitRanges[s], first = id < hitIds[s], behind = true;
-  if (LAYERS > 1) behind = opaque || range > rangesBefore[s];
-  bool taken = met && behind && (nearer || (even && first));
+// Keeps a sub-ray's hit if it is the nearest one of this layer so far; of equally near ones the first triangle counts.
+// Panes closer to each other, relative to their range, count as one: light through a shared edge hits both of its
+// triangles, but they are not two panes.
+bool offer(bool met, bool first, float range, uint projected, uint s) {
+  bool behind = LAYERS == 1 || range > rangesBefore[s], nearer = range < hitRanges[s];
+  bool taken = met && behind && (nearer || first);
   hitRanges[s] = taken ? range : hitRanges[s];
-  hitIds[s] = taken ? id : hitIds[s];
   hitCandidates[s] = taken ? projected : hitCandidates[s];
   return taken;
 }
@@ -80,21 +80,22 @@ void reflectEach(Optics4 surface, vec3 normal) {
   }
 }
 
-// Divides the light of a sub-ray that hits a candidate into what returns and what goes on.
-void share(float transmission, uint projected, uint s) {
+// Divides the light of a sub-ray that hits a candidate into what returns and what goes on. How much light reaches an
+// opaque surface is not known before the panes.
+void share(bool pane, float transmission, uint projected, uint s) {
   bool mine = hitCandidates[s] == projected;
-  float energy = product(carried[s], reflections[s]);
+  float energy = LAYERS == 1 || pane ? product(carried[s], reflections[s]) : reflections[s];
   if (LAYERS > 1) {
     float through = product(carried[s], transmission);
     passed[s] = mine ? through : passed[s];
-    energy = energy == 0.0 && through > 0.0 ? kUnseen : energy;
+    energy = pane && energy == 0.0 && through > 0.0 ? kUnseen : energy;
   }
   hitShares[s] = mine ? energy : hitShares[s];
 }
 
 // Tries a candidate on every sub-ray. Returns the range beyond which further candidates cannot matter.
-float consider(Candidate candidate, uint projected, vec2 middle) {
-  bool opaque = LAYERS > 1 && !isPane(projected), mask = false, taken = false;
+float consider(Candidate candidate, uint projected, bool pane, vec2 middle) {
+  bool mask = false, taken = false;
   Optics4 holed;
   if ((EFFECTS & kCutOuts) != 0) {
     holed = optics.at[projectedMaterials.at[projected]];
@@ -103,19 +104,19 @@ float consider(Candidate candidate, uint projected, vec2 middle) {
   Sides sides = sidesOf(candidate, middle);
   if (mask) sides = Sides(vec3(0.0), vec3(0.0), vec3(0.0), 1.0);  // the weights of the corners tell where holes are
   Plane plane = planeOf(candidate);
-  uvec2 open = uvec2(0);  // one bit for each sub-ray that comes near an edge
+  uvec2 open = uvec2(0);  // one bit for each sub-ray that comes near an edge, or has a hit at the same range
   uint near;
   float range, side;
-  bool met;
+  bool met, first;
 #define OFFER(s)                                                                      \
   side = sideOf(sides, left[s], up[s]);                                               \
-  near = abs(side) <= sides.doubt ? 1u << (s & 31) : 0u;                              \
-  if (s < 32) open.x |= near; else open.y |= near;                                    \
   met = reach(candidate, plane, left[s], up[s], lengths[s], range);                   \
+  near = abs(side) <= sides.doubt || range == hitRanges[s] ? 1u << (s & 31) : 0u;     \
+  if (s < 32) open.x |= near; else open.y |= near;                                    \
   met = side < -sides.doubt && met;                                                   \
-  taken = offer(met, range, candidate.id, projected, opaque, s) || taken;
+  taken = offer(met, false, range, projected, s) || taken;
   EACH_RAY(OFFER)
-  // Few sub-rays come so close to an edge, and code that is seldom executed stays out of the loop above.
+  // Few sub-rays are undecided, and code that is seldom executed stays out of the loop above.
   if (open != uvec2(0)) {
     vec3 weights_;
 #define OFFER_OPEN(s)                                                                                     \
@@ -123,31 +124,51 @@ float consider(Candidate candidate, uint projected, vec2 middle) {
     met = reach(candidate, plane, left[s], up[s], lengths[s], range);                                     \
     met = isInside(candidate, left[s], up[s], weights_) && met;                                           \
     if ((EFFECTS & kCutOuts) != 0 && met && mask) met = !isHole(holed, textureCornersOf(projected), weights_); \
-    taken = offer(met, range, candidate.id, projected, opaque, s) || taken;                               \
+    first = false;                                                                                        \
+    if (met && range == hitRanges[s]) first = candidate.id < idOf(hitCandidates[s]);                      \
+    taken = offer(met, first, range, projected, s) || taken;                                              \
   }
     EACH_RAY(OFFER_OPEN)
   }
   float farthest = 0.0;
-#define FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
-  EACH_RAY(FARTHEST)
+#define STILL_FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
+  EACH_RAY(STILL_FARTHEST)
   if (!taken) return farthest;
   Optics4 surface = optics.at[projectedMaterials.at[projected]];
   vec3 normal = unitTowardsOrigin(plane.normal, vec3(candidate.ahead.x, candidate.left.x, candidate.up.x));
   reflectEach(surface, normal);
   float transmission = LAYERS > 1 ? transmitted(surface) : 0.0;
-#define SHARE(s) share(transmission, projected, s);
+#define SHARE(s) share(pane, transmission, projected, s);
   EACH_RAY(SHARE)
   return farthest;
 }
 
 void forget() {
-#define FORGET(s)               \
+#define FORGET(s)                                    \
   hitRanges[s] = carried[s] > 0.0 ? kNothing : -1.0; \
-  hitShares[s] = 0.0;              \
-  hitIds[s] = kNone;        \
-  hitCandidates[s] = kNone; \
+  hitShares[s] = 0.0;                                \
+  hitCandidates[s] = kNone;                          \
   passed[s] = 0.0;
   EACH_RAY(FORGET)
+}
+
+// Keeps the hits that end the light.
+void keepEnds() {
+#define KEEP_END(s)                                   \
+  ranges[LAST_LAYER + s] = hitRanges[s];              \
+  energies[LAST_LAYER + s] = hitShares[s];            \
+  metCandidates[LAST_LAYER + s] = hitCandidates[s];
+  EACH_RAY(KEEP_END)
+}
+
+// Begins a layer with the hits that end the light.
+void beginLayer() {
+#define BEGIN(s)                                                                  \
+  hitRanges[s] = carried[s] > 0.0 ? ranges[LAST_LAYER + s] : -1.0;                \
+  hitShares[s] = product(carried[s], energies[LAST_LAYER + s]);                   \
+  hitCandidates[s] = carried[s] > 0.0 ? metCandidates[LAST_LAYER + s] : kNone;    \
+  passed[s] = 0.0;
+  EACH_RAY(BEGIN)
 }
 
 // True if light of the beam may meet a pane before the triangle that stops all of it, if there is one.
@@ -157,30 +178,32 @@ bool meetsPane(uint index, Beam beam) {
   float end = endOf(index);
   bool meets = false;
   for (uint k = listFirst; k != listEnd && !meets; k = nextOf(k)) {
-    uint projected = projectedAt(k);
-    if (nearestAt(k) <= end && isPane(projected)) meets = touchesFootprint(candidateOf(projected, beam), middle);
+    if (nearestAt(k) <= end && isPaneAt(k)) meets = touchesFootprint(candidateOf(projectedAt(k), beam), middle);
   }
   return meets;
 }
 
-// Finds the hits of a layer. Skips candidates behind all hits or behind the end of the light. Each lane first searches
-// for the next candidate that it must try, so that the lanes of a subgroup try their candidates together.
-void findLayer(uint index, Beam beam) {
-  forget();
+// Finds the nearest hits on panes, or on all other surfaces. Skips candidates behind all hits or behind the end of the
+// light. Each lane first searches for the next candidate that it must try, so that the lanes of a subgroup try their
+// candidates together.
+void findHits(uint index, Beam beam, bool panes) {
   vec2 middle = (EFFECTS & kStrays) != 0 ? strays.at[index] : vec2(0.0);
   uint k = listFirst;
-  float farthest = endOf(index);
+  float farthest = 0.0, end = endOf(index);
+#define FARTHEST(s) farthest = hitRanges[s] > farthest ? hitRanges[s] : farthest;
+  EACH_RAY(FARTHEST)
+  farthest = min(farthest, end);
   while (k != listEnd) {
     uint projected = kNone;
     Candidate candidate;
     while (k != listEnd && projected == kNone) {
-      if (nearestAt(k) <= farthest) {
+      if (nearestAt(k) <= farthest && (LAYERS == 1 || isPaneAt(k) == panes)) {
         candidate = candidateOf(projectedAt(k), beam);
         if (touchesFootprint(candidate, middle)) projected = projectedAt(k);
       }
       k = nextOf(k);
     }
-    if (projected != kNone) farthest = consider(candidate, projected, middle);
+    if (projected != kNone) farthest = consider(candidate, projected, panes, middle);
   }
 }
 
@@ -292,7 +315,8 @@ void gatherEchoes(uint index, uint beam) {
   echoCounts.at[beam] = count;
 }
 
-// Follows the light of a beam from layer to layer, and gathers its echoes.
+// Follows the light of a beam from layer to layer, and gathers its echoes. Opaque surfaces are searched once; they end
+// light, however close they are to a pane.
 void follow(uint index, uint beam, Beam axis) {
   if (LAYERS > 1) {
     [[unroll]] for (uint layer = 0; layer < LAYERS; ++layer) {
@@ -302,11 +326,27 @@ void follow(uint index, uint beam, Beam axis) {
   }
 #define NONE_BEFORE(s) rangesBefore[s] = 0.0;
   EACH_RAY(NONE_BEFORE)
+  forget();
   bool lit = true;
-  [[dont_unroll]] for (uint layer = 0; layer < LAYERS && lit; ++layer) {
-    findLayer(index, axis);
-    keepLayer(layer);
-    lit = goOn();
+  uint layers = 0;
+  // All searches share one loop, because their code is long.
+  [[dont_unroll]] for (uint search = 0; search <= LAYERS && lit; ++search) {
+    if (search > 0) beginLayer();
+    findHits(index, axis, search > 0);
+    if (LAYERS == 1) {
+      keepLayer(0);
+      lit = false;
+    } else if (search == 0) {
+      keepEnds();
+    } else {
+      keepLayer(search - 1);
+      lit = goOn();
+      layers = search;
+    }
+  }
+  if (LAYERS > 1 && layers < LAYERS) {
+#define NO_LAST(s) ranges[LAST_LAYER + s] = kNothing;
+    EACH_RAY(NO_LAST)
   }
   if (LAYERS > 1 && lit) atomicAdd(counters.lostEchoes, 1);
   gatherEchoes(index, beam);

@@ -32,7 +32,12 @@ uint nextOf(uint k) {
 uint projectedAt(uint k) {
   if (BINNING == kBinningLists) return candidates.at[k];
   if (k == kOfWord) return wordCandidate;
-  return candidates.at[3 * k];
+  return candidates.at[3 * k] & ~kPaneBit;
+}
+
+bool isPaneAt(uint k) {
+  if (BINNING == kBinningLists) return isPane(candidates.at[k]);
+  return k != kOfWord && (candidates.at[3 * k] & kPaneBit) != 0;  // a word stops light
 }
 
 float nearestAt(uint k) {
