@@ -309,14 +309,14 @@ class HeadMeasurement {
     row.ms[kDefaultRenewed].back() += renewMs;
     for (size_t i = 0; i < moved.size(); ++i) ours.setTransform(i, place.scene.instances[i].transform);
     ours.scanInto(shotOf(pose, head, 0, false), scan_);  // untimed: it takes the instances back
+    const Lines still = linesOf(place, head, footprints, shotOf(pose, head, 2, false));
+    row.subRays = still.perBeam;
     if (!place.still) return;
     const auto trace = [&](Column column, EmbreeRival& rival, const Lines& lines) {
       std::this_thread::sleep_for(kPause);
       row.ms[column].push_back(rival.trace(lines, place.panes, hits_));
     };
     trace(kLines, *place.still, linesOf(place, head, false, shotOf(pose, head, 0, false)));
-    const Lines still = linesOf(place, head, footprints, shotOf(pose, head, 2, false));
-    row.subRays = still.perBeam;
     trace(kSubRays, *place.still, still);
     const double rebuildMs = place.moving->update(moved);
     trace(kSubRaysRenewed, *place.moving, linesOf(place, head, footprints, shotOf(pose, head, 2, moves)));
