@@ -170,6 +170,7 @@ setUp() {
   }
   for entry in "${backported[@]}"; do
     read -r name minimum <<<"$entry"
+    case " ${packages[*]} " in *" $name "*) ;; *) continue ;; esac
     atLeast "$(installed "$name")" "$minimum" || note "$name is $(installed "$name"), older than $minimum: going on with it"
   done
 }
