@@ -5,13 +5,13 @@
 # Packages that the build of the command line and a scan without a GPU need.
 packages=(
   g++ cmake ninja-build
-  libvulkan-dev glslang-tools spirv-tools spirv-headers mesa-vulkan-drivers
+  libvulkan-dev glslang-tools spirv-headers mesa-vulkan-drivers
   libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libnanoflann-dev
   libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libyaml-cpp-dev libpolyclipping-dev libxxhash-dev
   libprotozero-dev
 )
 # Packages that the tests and the benches need, too.
-tested=(catch2 libboost-dev libboost-context-dev libvulkan-volk-dev pkg-config vulkan-validationlayers)
+tested=(catch2 libboost-dev libboost-context-dev libvulkan-volk-dev pkg-config spirv-tools vulkan-validationlayers)
 # Needed for one contender of the bench, for examples/viewer and its test, for the Python package, for gnosphere view,
 # and for messages of ROS 2. What needs a package that this architecture lacks is left out.
 optional=(libembree-dev libglfw3-dev xvfb python3-dev python3-venv libjs-three cyclonedds-dev
@@ -136,7 +136,7 @@ addOptional() {
   done
 }
 
-# setUp [programs]: installs the missing packages, or those alone that the programs need; does nothing if there are none.
+# setUp [programs]: installs the missing packages, or only those that the programs need.
 setUp() {
   local name minimum entry missing=()
   if [ "${1-}" = programs ]; then optional=(libjs-three); else packages+=("${tested[@]}"); fi
@@ -179,13 +179,15 @@ setUp() {
 # The sources of a folder are compiled as one file, in less than half of the time.
 # configure PRESET OPTION...: runs cmake.
 configure() {
-  local options=(-D CMAKE_UNITY_BUILD=ON) compiler tests=ON bench=ON
+  local options=(-D CMAKE_UNITY_BUILD=ON) compiler name tests=ON bench=ON
   step "Configuring ($1)"
   compiler=$("${CXX:-c++}" -dumpversion 2>/dev/null) || compiler=
   case $compiler in 12 | 12.* | 14.0.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac
   if command -v dpkg-query >/dev/null; then
-    [ -n "$(installed libvulkan-volk-dev)" ] || bench=OFF tests=OFF
-    [ -n "$(installed libboost-context-dev)" ] && atLeast "$(installed catch2)" 3 || tests=OFF
+    for name in "${tested[@]}"; do
+      if isMissing "$name"; then tests=OFF; fi
+    done
+    if isMissing libvulkan-volk-dev; then bench=OFF; fi
     [ $tests = ON ] || note 'without the tests, whose packages tools/check installs'
     options+=(-D "GNOSPHERE_BENCH=$bench" -D "GNOSPHERE_TESTS=$tests")
   fi
