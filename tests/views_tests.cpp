@@ -59,7 +59,7 @@ void checkViews(Simulator& simulator, std::span<const Shot> shots) {
 
 TEST_CASE("views give the bytes of single scans, for every kind of grid, list and binning", "[second-driver]") {
   needVulkan();
-  const Scene scene = crowd(200, 40);
+  const Scene scene = crowd(120, 40);
   Sensor offsets = gridSensor(90, 16, -30, 30);
   for (size_t j = 0; j < offsets.channels.size(); ++j) offsets.channels[j].azimuthOffsetDeg = 0.3 * double(j % 5);
   Sensor list = gridSensor(0, 0, 0, 0);
@@ -69,7 +69,7 @@ TEST_CASE("views give the bytes of single scans, for every kind of grid, list an
     d = {d.x / length, d.y / length, (d.z + tilt) / length};
   }
   const Sensor grid = gridSensor(180, 16, -30, 30);
-  std::vector<Shot> shots = shotsFromEverywhere(40);
+  std::vector<Shot> shots = shotsFromEverywhere(24);
   for (const Binning binning : {Binning::slabs, Binning::nearest})
     for (const Accuracy accuracy : {Accuracy::standard, Accuracy::exact}) {
       TestOptions options = vulkanOptions();

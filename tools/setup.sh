@@ -2,15 +2,16 @@
 # shellcheck shell=bash
 # Shared by tools/quickstart and tools/check: steps, failures, and the packages of this machine. It is to be sourced.
 
-# Packages that the build, the tests and a scan without a GPU need.
+# Packages that the build of the command line and a scan without a GPU need.
 packages=(
-  g++ cmake ninja-build pkg-config
-  libvulkan-dev libvulkan-volk-dev glslang-tools spirv-tools spirv-headers mesa-vulkan-drivers
-  vulkan-validationlayers
-  libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libboost-dev libboost-context-dev libnanoflann-dev
+  g++ cmake ninja-build
+  libvulkan-dev glslang-tools spirv-headers mesa-vulkan-drivers
+  libglm-dev libtinygltf-dev libmeshoptimizer-dev libdraco-dev libtinyobjloader-dev libnanoflann-dev
   libcli11-dev nlohmann-json3-dev libstb-dev libpugixml-dev libyaml-cpp-dev libpolyclipping-dev libxxhash-dev
-  libprotozero-dev catch2
+  libprotozero-dev
 )
+# Packages that the tests and the benches need, too.
+tested=(catch2 libboost-dev libboost-context-dev libvulkan-volk-dev pkg-config spirv-tools vulkan-validationlayers)
 # Needed for one contender of the bench, for examples/viewer and its test, for the Python package, for gnosphere view,
 # and for messages of ROS 2. What needs a package that this architecture lacks is left out.
 optional=(libembree-dev libglfw3-dev xvfb python3-dev python3-venv libjs-three cyclonedds-dev
@@ -135,9 +136,10 @@ addOptional() {
   done
 }
 
-# Installs the missing packages; does nothing if there are none.
+# setUp [programs]: installs the missing packages, or only those that the programs need.
 setUp() {
   local name minimum entry missing=()
+  if [ "${1-}" = programs ]; then optional=(libjs-three); else packages+=("${tested[@]}"); fi
   mkdir -p "$root/build"
   : >"$log"
   if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
@@ -168,6 +170,7 @@ setUp() {
   }
   for entry in "${backported[@]}"; do
     read -r name minimum <<<"$entry"
+    case " ${packages[*]} " in *" $name "*) ;; *) continue ;; esac
     atLeast "$(installed "$name")" "$minimum" || note "$name is $(installed "$name"), older than $minimum: going on with it"
   done
 }
@@ -176,15 +179,19 @@ setUp() {
 # The sources of a folder are compiled as one file, in less than half of the time.
 # configure PRESET OPTION...: runs cmake.
 configure() {
-  local options=(-D CMAKE_UNITY_BUILD=ON "${@:2}") compiler
+  local options=(-D CMAKE_UNITY_BUILD=ON) compiler name tests=ON bench=ON
   step "Configuring ($1)"
   compiler=$("${CXX:-c++}" -dumpversion 2>/dev/null) || compiler=
   case $compiler in 12 | 12.* | 14.0.*) ;; *) options+=(--compile-no-warning-as-error) ;; esac
-  if command -v dpkg-query >/dev/null && ! atLeast "$(installed catch2)" 3; then
-    note 'without Catch2 3 there are no tests'
-    options+=(-D GNOSPHERE_TESTS=OFF)
+  if command -v dpkg-query >/dev/null; then
+    for name in "${tested[@]}"; do
+      if isMissing "$name"; then tests=OFF; fi
+    done
+    if isMissing libvulkan-volk-dev; then bench=OFF; fi
+    [ $tests = ON ] || note 'without the tests, whose packages tools/check installs'
+    options+=(-D "GNOSPHERE_BENCH=$bench" -D "GNOSPHERE_TESTS=$tests")
   fi
-  quietly "CMake could not configure the build" cmake -S "$root" --preset "$1" "${options[@]}"
+  quietly "CMake could not configure the build" cmake -S "$root" --preset "$1" "${options[@]}" "${@:2}"
 }
 
 build() {
