@@ -53,6 +53,7 @@ class CallerBuffer {
   uint64_t address() const { return reinterpret_cast<uint64_t>(data_); }
   Recording::Range range() const { return {address(), bytes_}; }
   std::span<const std::byte> bytes() const { return {data_, bytes_}; }
+  std::byte* data() const { return data_; }
 
  private:
   uint64_t bytes_;
