@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdio>
 #include <cstring>
+#include <thread>
 
+#include "base/threads.hpp"
 #include "device_functions.hpp"
 #include "support.hpp"
 #include "vulkan/commands.hpp"
@@ -342,6 +345,37 @@ TEST_CASE("pipelines require full subgroups if their kernels use them, without a
   CHECK(flags[0] == 0);  // prefix_sum has no subgroup operations
   CHECK(flags[1] == VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT);
   CHECK_NOTHROW(device.throwOnMessages());
+}
+
+TEST_CASE("kernels are compiled on all threads, each once, and a failure reaches the caller") {
+  needVulkan();
+  if (threadCount() == 1) SKIP("there is one thread");
+  vulkan::Device device({}, false, 0);
+  static std::atomic<int> made, atOnce;  // compilations, and how many had begun before the first one ended
+  static VkResult result;
+  // Each waits until another one is there, or gives up.
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
+                                                    const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*,
+                                                    VkPipeline*) {
+    ++made;
+    for (int i = 0; i < 10'000 && made < 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (atOnce == 0) atOnce = made.load();
+    return result;
+  };
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels kernels(device, cache);
+  Variant groups, sums;
+  groups.kernel = Kernel::project_groups;
+  sums.kernel = Kernel::prefix_sum;
+  const Variant variants[] = {groups, sums, groups};
+  made = 0, result = VK_ERROR_OUT_OF_HOST_MEMORY;
+  CHECK_THROWS_AS(kernels.prepare(variants), Error);
+  made = atOnce = 0, result = VK_SUCCESS;
+  kernels.prepare(variants);
+  CHECK(atOnce == 2);
+  kernels.prepare(variants);
+  kernels.of(sums);
+  CHECK(made == 2);
 }
 
 TEST_CASE("kernels ask for lanes that meet again and for -0 and NaN, where the device offers both") {

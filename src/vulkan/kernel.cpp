@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "base/threads.hpp"
 #include "bin.spv.h"
 #include "bin_int64.spv.h"
 #include "bin_int64_float64.spv.h"
@@ -151,13 +152,28 @@ Kernels::Kernels(const Device& device, const PipelineCache& cache) : device_(dev
   layout_ = device.make(device.vk().vkCreatePipelineLayout, device.vk().vkDestroyPipelineLayout, layout);
 }
 
-VkPipeline Kernels::of(const Variant& variant) {
-  const auto found = pipelines_.find(variant);
-  if (found != pipelines_.end()) return found->second.pipeline.get();
+Kernels::Compiled Kernels::make(const Variant& variant) const {
   const auto start = std::chrono::steady_clock::now();
   Compiled made = {compiled(device_, variant, layout_.get(), cache_.handle())};
   made.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  return pipelines_.emplace(variant, std::move(made)).first->second.pipeline.get();
+  return made;
+}
+
+void Kernels::prepare(std::span<const Variant> variants) {
+  std::map<Variant, Compiled> made;
+  for (const Variant& variant : variants)
+    if (!pipelines_.contains(variant)) made[variant];
+  std::vector<std::map<Variant, Compiled>::value_type*> missing;
+  for (auto& one : made) missing.push_back(&one);
+  std::reverse(missing.begin(), missing.end());  // the kernels of effects take longest, so they begin first
+  inRuns(missing.size(), 1, threadCount(), [&](uint64_t i, uint64_t) { missing[i]->second = make(missing[i]->first); });
+  pipelines_.merge(made);
+}
+
+VkPipeline Kernels::of(const Variant& variant) {
+  const auto found = pipelines_.find(variant);
+  if (found != pipelines_.end()) return found->second.pipeline.get();
+  return pipelines_.emplace(variant, make(variant)).first->second.pipeline.get();
 }
 
 void Kernels::describe(const Variant& variant, Plan::Pipeline& pipeline) const {
