@@ -439,7 +439,40 @@ TEST_CASE("subgroups are full for every size that the device has, or the device 
   CHECK(chosen(32, 8, false).first == 0);
 }
 
-TEST_CASE("Intel's devices get subgroups of 16 lanes if they can") {
+TEST_CASE("kernels of many registers get fewer lanes, where the device is better with them") {
+  needVulkan();
+  vulkan::Device device({}, false, 0);
+  const_cast<vulkan::Capabilities&>(device.capabilities()).subgroups = {16, true, 8};
+  static uint32_t lanes;
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
+                                                    const VkComputePipelineCreateInfo* info,
+                                                    const VkAllocationCallbacks*, VkPipeline*) {
+    const auto* size = static_cast<const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo*>(info->stage.pNext);
+    lanes = size ? size->requiredSubgroupSize : 0;
+    return VK_SUCCESS;
+  };
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels kernels(device, cache);
+  const auto lanesOf = [&](Kernel kernel, const Options& options = {}) {
+    const Variant variant = {kernel, options, false};
+    kernels.of(variant);
+    Plan::Pipeline told;
+    kernels.describe(variant, told);
+    CHECK((lanes == 0 || told.subgroupSize == lanes));
+    return lanes;
+  };
+  Options moving, exact, footprint;
+  moving.MOTION = 1, exact.RANGE = gpu::kRangeExact, footprint.RAYS = 7;
+  CHECK(lanesOf(Kernel::project_groups) == 16);
+  CHECK(lanesOf(Kernel::project_clusters) == 16);
+  CHECK(lanesOf(Kernel::project_triangles) == 8);
+  CHECK(lanesOf(Kernel::bin) == 16);
+  for (const Options& options : {moving, exact, footprint}) CHECK(lanesOf(Kernel::bin, options) == 8);
+  CHECK(lanesOf(Kernel::effects_footprint, footprint) == 8);
+  CHECK(lanesOf(Kernel::prefix_sum) == 0);
+}
+
+TEST_CASE("Intel's devices get subgroups of 16 lanes, and of 8 for kernels of many registers, if they can") {
   constexpr uint32_t kIntel = 0x8086;
   vulkan::Offer offer = goodOffer();
   offer.sizes.minSubgroupSize = 8;
@@ -448,16 +481,18 @@ TEST_CASE("Intel's devices get subgroups of 16 lanes if they can") {
   offer.sizeControl.subgroupSizeControl = VK_TRUE;
   const auto chosen = [&] {
     const vulkan::FullSubgroups result = fullSubgroupsOf(offer);
-    return std::pair(result.size, result.required);
+    return std::tuple(result.size, result.required, result.few);
   };
-  CHECK(chosen() == std::pair(32u, false));
+  CHECK(chosen() == std::tuple(32u, false, 0u));
   offer.vendor = kIntel;
-  CHECK(chosen() == std::pair(16u, true));
+  CHECK(chosen() == std::tuple(16u, true, 8u));
+  offer.sizes.minSubgroupSize = 16;
+  CHECK(chosen() == std::tuple(16u, true, 0u));
   offer.sizes.minSubgroupSize = 32;
-  CHECK(chosen() == std::pair(32u, false));
+  CHECK(chosen() == std::tuple(32u, false, 0u));
   offer.sizes.minSubgroupSize = 8;
   offer.sizeControl.subgroupSizeControl = VK_FALSE;
-  CHECK(chosen() == std::pair(32u, false));
+  CHECK(chosen() == std::tuple(32u, false, 0u));
 }
 
 TEST_CASE("a device that lacks a feature is refused with the name of the feature") {
