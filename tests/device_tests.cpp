@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdio>
 #include <cstring>
+#include <thread>
 
+#include "base/threads.hpp"
+#include "device_functions.hpp"
 #include "support.hpp"
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
@@ -77,11 +81,6 @@ VKAPI_ATTR VkResult VKAPI_CALL createPipelines(VkDevice device, VkPipelineCache 
   const VkResult result = calls.real.vkCreateComputePipelines(device, cache, count, infos, with, pipelines);
   calls.alive += result == VK_SUCCESS ? static_cast<int>(count) : 0;
   return result;
-}
-
-// The table of the device's functions, writable.
-vulkan::DeviceFunctions& functionsOf(vulkan::Device& device) {
-  return const_cast<vulkan::DeviceFunctions&>(device.vk());
 }
 
 void countCalls(vulkan::DeviceFunctions& vk) {
@@ -156,99 +155,6 @@ TEST_CASE("a failing Vulkan call, whichever it is, leaks no object") {
   CHECK(thrown > 10);
   device.reset();
   CHECK_NOTHROW(messages->throwIfAny());
-}
-
-namespace {
-
-/// The types of memory that a device has in a test, and what each may still give.
-struct Heaps {
-  vulkan::DeviceFunctions real;
-  int allocations = 0;
-  VkDeviceSize left = ~VkDeviceSize{0};
-  int allowed = 1 << 30;
-  std::vector<VkDeviceSize> sizes;
-} heaps;
-
-VKAPI_ATTR VkResult VKAPI_CALL allocateFromHeaps(VkDevice device, const VkMemoryAllocateInfo* info,
-                                                 const VkAllocationCallbacks* with, VkDeviceMemory* memory) {
-  if (heaps.allocations >= heaps.allowed) return VK_ERROR_TOO_MANY_OBJECTS;
-  if (info->allocationSize > heaps.left) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  ++heaps.allocations;
-  heaps.left -= info->allocationSize;
-  heaps.sizes.push_back(info->allocationSize);
-  return heaps.real.vkAllocateMemory(device, info, with, memory);
-}
-
-}  // namespace
-
-TEST_CASE("small buffers share allocations, and give them back") {
-  needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
-  heaps = {device.vk()};
-  functionsOf(device).vkAllocateMemory = allocateFromHeaps;
-  vulkan::Transfer transfer(device);
-  {
-    std::vector<vulkan::Buffer> buffers;
-    for (uint32_t i = 0; i < 300; ++i) {
-      buffers.emplace_back(device, "numbers", 1000 + 7 * i, MemoryKind::device);
-      CHECK(buffers.back().address() % 16 == 0);
-    }
-    CHECK(heaps.allocations <= 3);
-    std::vector<std::byte> data(1000), back(1000);
-    // Each has its own bytes, also after some in between are gone and others have taken their place.
-    const auto fill = [&](uint32_t i) {
-      std::fill(data.begin(), data.end(), static_cast<std::byte>(i));
-      transfer.write(buffers[i], 0, data);
-    };
-    for (uint32_t i = 0; i < 300; ++i) fill(i);
-    for (uint32_t i = 0; i < 300; i += 3) buffers[i] = {};
-    for (uint32_t i = 0; i < 300; i += 3) {
-      buffers[i] = vulkan::Buffer(device, "numbers", 1000 + 5 * i, MemoryKind::device);
-      fill(i);
-    }
-    for (uint32_t i = 0; i < 300; ++i) {
-      transfer.read(buffers[i], 0, back);
-      CHECK(std::all_of(back.begin(), back.end(), [&](std::byte b) { return b == static_cast<std::byte>(i); }));
-    }
-    CHECK(heaps.allocations <= 4);
-  }
-  transfer = vulkan::Transfer(device);
-  CHECK(device.blocks().count() == 0);
-  CHECK_NOTHROW(device.throwOnMessages());
-}
-
-TEST_CASE("a device without room for a block gives what is needed, and too many allocations have their own words") {
-  needVulkan();
-  vulkan::Device device({}, vulkanOptions().validation, 0);
-  heaps = {device.vk()};
-  heaps.left = 100'000;
-  functionsOf(device).vkAllocateMemory = allocateFromHeaps;
-  CHECK_NOTHROW(vulkan::Buffer(device, "numbers", 50'000, MemoryKind::device));
-  const auto fails = [&] {
-    try {
-      vulkan::Buffer(device, "numbers", 200'000, MemoryKind::device);
-      return std::string("no error");
-    } catch (const Error& error) {
-      CHECK(error.code() == ErrorCode::outOfMemory);
-      return std::string(error.what());
-    }
-  };
-  CHECK_THAT(fails(), ContainsSubstring("cannot allocate 0.2 MiB for 'numbers'; the device '"));
-  heaps.allowed = 0;
-  CHECK_THAT(fails(), ContainsSubstring("allows no more allocations than the 0 of this simulator"));
-}
-
-TEST_CASE("memory types are tried in the order of the wishes, each once") {
-  needVulkan();
-  vulkan::Device device({}, false, 0);
-  constexpr VkMemoryPropertyFlags kVisible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
-  const VkMemoryPropertyFlags wanted[] = {kVisible | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, kVisible, 0};
-  const std::vector<uint32_t> types = device.memoryTypes(~0u, wanted);
-  REQUIRE(!types.empty());
-  std::vector<uint32_t> sorted = types;
-  std::sort(sorted.begin(), sorted.end());
-  CHECK(std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end());
-  CHECK(device.memoryTypes(0, wanted).empty());
 }
 
 TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
@@ -441,6 +347,75 @@ TEST_CASE("pipelines require full subgroups if their kernels use them, without a
   CHECK_NOTHROW(device.throwOnMessages());
 }
 
+TEST_CASE("kernels are compiled on all threads, each once, and a failure reaches the caller") {
+  needVulkan();
+  if (threadCount() == 1) SKIP("there is one thread");
+  vulkan::Device device({}, false, 0);
+  static std::atomic<int> made, atOnce;  // compilations, and how many had begun before the first one ended
+  static VkResult result;
+  // Each waits until another one is there, or gives up.
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
+                                                    const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*,
+                                                    VkPipeline*) {
+    ++made;
+    for (int i = 0; i < 10'000 && made < 2; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (atOnce == 0) atOnce = made.load();
+    return result;
+  };
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels kernels(device, cache);
+  Variant groups, sums;
+  groups.kernel = Kernel::project_groups;
+  sums.kernel = Kernel::prefix_sum;
+  const Variant variants[] = {groups, sums, groups};
+  made = 0, result = VK_ERROR_OUT_OF_HOST_MEMORY;
+  CHECK_THROWS_AS(kernels.prepare(variants), Error);
+  made = atOnce = 0, result = VK_SUCCESS;
+  kernels.prepare(variants);
+  CHECK(atOnce == 2);
+  kernels.prepare(variants);
+  kernels.of(sums);
+  CHECK(made == 2);
+}
+
+TEST_CASE("kernels ask for lanes that meet again and for -0 and NaN, where the device offers both") {
+  needVulkan();
+  vulkan::Device device({}, false, 0);
+  auto& capabilities = const_cast<vulkan::Capabilities&>(device.capabilities());
+  static std::vector<uint32_t> modes;
+  calls = {device.vk()};
+  functionsOf(device).vkCreateShaderModule = [](VkDevice handle, const VkShaderModuleCreateInfo* info,
+                                                const VkAllocationCallbacks* with, VkShaderModule* module) {
+    constexpr uint32_t kOpExecutionMode = 16;
+    for (size_t at = 5; at < info->codeSize / 4; at += info->pCode[at] >> 16)
+      if ((info->pCode[at] & 0xffff) == kOpExecutionMode) modes.push_back(info->pCode[at + 2]);
+    return calls.real.vkCreateShaderModule(handle, info, with, module);
+  };
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
+                                                    const VkComputePipelineCreateInfo*, const VkAllocationCallbacks*,
+                                                    VkPipeline*) { return VK_SUCCESS; };
+  constexpr uint32_t kLocalSize = 17, kUniformControlFlow = 4421, kSpecialFloats = 4461;
+  const auto modesOf = [&](Kernel kernel) {
+    modes.clear();
+    Variant variant;
+    variant.kernel = kernel;
+    const vulkan::PipelineCache cache(device, "off");
+    vulkan::Kernels(device, cache).of(variant);
+    std::sort(modes.begin(), modes.end());
+    return modes;
+  };
+  for (const bool offered : {false, true}) {
+    capabilities.uniformControlFlow = capabilities.keepsSpecialFloats = offered;
+    for (const Kernel kernel : {Kernel::project_groups, Kernel::project_triangles, Kernel::bin, Kernel::prefix_sum}) {
+      std::vector<uint32_t> expected = {kLocalSize};
+      // The kernel prefix_sum has no subgroup operations.
+      if (offered && kernel != Kernel::prefix_sum) expected.push_back(kUniformControlFlow);
+      if (offered) expected.push_back(kSpecialFloats);
+      CHECK(modesOf(kernel) == expected);
+    }
+  }
+}
+
 TEST_CASE("subgroups are full for every size that the device has, or the device is refused") {
   const auto chosen = [](uint32_t size, uint32_t least, bool full, bool sizes = true, VkShaderStageFlags stages = ~0u) {
     vulkan::Offer offer = goodOffer();
@@ -464,7 +439,40 @@ TEST_CASE("subgroups are full for every size that the device has, or the device 
   CHECK(chosen(32, 8, false).first == 0);
 }
 
-TEST_CASE("Intel's devices get subgroups of 16 lanes if they can") {
+TEST_CASE("kernels of many registers get fewer lanes, where the device is better with them") {
+  needVulkan();
+  vulkan::Device device({}, false, 0);
+  const_cast<vulkan::Capabilities&>(device.capabilities()).subgroups = {16, true, 8};
+  static uint32_t lanes;
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice, VkPipelineCache, uint32_t,
+                                                    const VkComputePipelineCreateInfo* info,
+                                                    const VkAllocationCallbacks*, VkPipeline*) {
+    const auto* size = static_cast<const VkPipelineShaderStageRequiredSubgroupSizeCreateInfo*>(info->stage.pNext);
+    lanes = size ? size->requiredSubgroupSize : 0;
+    return VK_SUCCESS;
+  };
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels kernels(device, cache);
+  const auto lanesOf = [&](Kernel kernel, const Options& options = {}) {
+    const Variant variant = {kernel, options, false};
+    kernels.of(variant);
+    Plan::Pipeline told;
+    kernels.describe(variant, told);
+    CHECK((lanes == 0 || told.subgroupSize == lanes));
+    return lanes;
+  };
+  Options moving, exact, footprint;
+  moving.MOTION = 1, exact.RANGE = gpu::kRangeExact, footprint.RAYS = 7;
+  CHECK(lanesOf(Kernel::project_groups) == 16);
+  CHECK(lanesOf(Kernel::project_clusters) == 16);
+  CHECK(lanesOf(Kernel::project_triangles) == 8);
+  CHECK(lanesOf(Kernel::bin) == 16);
+  for (const Options& options : {moving, exact, footprint}) CHECK(lanesOf(Kernel::bin, options) == 8);
+  CHECK(lanesOf(Kernel::effects_footprint, footprint) == 8);
+  CHECK(lanesOf(Kernel::prefix_sum) == 0);
+}
+
+TEST_CASE("Intel's devices get subgroups of 16 lanes, and of 8 for kernels of many registers, if they can") {
   constexpr uint32_t kIntel = 0x8086;
   vulkan::Offer offer = goodOffer();
   offer.sizes.minSubgroupSize = 8;
@@ -473,16 +481,18 @@ TEST_CASE("Intel's devices get subgroups of 16 lanes if they can") {
   offer.sizeControl.subgroupSizeControl = VK_TRUE;
   const auto chosen = [&] {
     const vulkan::FullSubgroups result = fullSubgroupsOf(offer);
-    return std::pair(result.size, result.required);
+    return std::tuple(result.size, result.required, result.few);
   };
-  CHECK(chosen() == std::pair(32u, false));
+  CHECK(chosen() == std::tuple(32u, false, 0u));
   offer.vendor = kIntel;
-  CHECK(chosen() == std::pair(16u, true));
+  CHECK(chosen() == std::tuple(16u, true, 8u));
+  offer.sizes.minSubgroupSize = 16;
+  CHECK(chosen() == std::tuple(16u, true, 0u));
   offer.sizes.minSubgroupSize = 32;
-  CHECK(chosen() == std::pair(32u, false));
+  CHECK(chosen() == std::tuple(32u, false, 0u));
   offer.sizes.minSubgroupSize = 8;
   offer.sizeControl.subgroupSizeControl = VK_FALSE;
-  CHECK(chosen() == std::pair(32u, false));
+  CHECK(chosen() == std::tuple(32u, false, 0u));
 }
 
 TEST_CASE("a device that lacks a feature is refused with the name of the feature") {

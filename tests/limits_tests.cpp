@@ -4,6 +4,8 @@
 #include <catch2/matchers/catch_matchers_string.hpp>
 
 #include "columns.hpp"
+#include "pipeline/device_backend.hpp"
+#include "pipeline/host_memory.hpp"
 #include "support.hpp"
 #include "town/town.hpp"
 
@@ -31,6 +33,32 @@ Scene crowds(int count, double apart) {
   for (int i = 0; i < count; ++i) scene.instances.push_back({"", 0, translation(apart * i, 0, 0.1 * i)});
   return scene;
 }
+
+/// A machine of a terabyte on which each scan counts so many candidates, and does nothing else.
+class CountingMachine final : public Machine {
+ public:
+  explicit CountingMachine(uint32_t candidates) : candidates_(candidates) {
+    traits_.info.maxBufferBytes = uint64_t{1} << 40;
+    traits_.int64Atomics = true;
+  }
+  const Traits& traits() const override { return traits_; }
+  std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind) override {
+    return std::make_unique<HostMemory>(name, bytes);
+  }
+  void prepare(std::span<const Variant>) override {}
+  size_t framesInFlight() const override { return 1; }
+  void submit(size_t, std::span<const Step>, const BoundArrays& arrays) override {
+    auto& counters = *static_cast<gpu::Counters*>(arrays[static_cast<size_t>(gpu::Array::counters)]->host());
+    counters.candidates = candidates_;
+    counters.alive = gpu::kAlive;
+  }
+  void wait(size_t) override {}
+  void readTimings(size_t, Timings&) override {}
+
+ private:
+  Traits traits_;
+  uint32_t candidates_;
+};
 
 uint64_t largestBuffer(const Simulator& simulator) {
   uint64_t largest = 0;
@@ -184,6 +212,27 @@ TEST_CASE("a town in two shells with a buffer limit has the same bytes and is cu
   const Scan capped = scanOf(scene, builtinSensors()[0], pose, options);
   CHECK(sameBytes(whole, capped));
   CHECK(capped.counters.culledByCluster == whole.counters.culledByCluster);
+}
+
+TEST_CASE("a list whose words have no numbers of 31 bits is an error, however much memory there is") {
+  const Scene scene = sceneOf(soup(1, 100, 5, 1));
+  Effects effects = Effects::none();
+  effects.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 3e-3, 2e-3};
+  const TestOptions options;
+  const auto scanWith = [&](uint32_t candidates) {
+    SensorPlanner planner(options);
+    const auto backend =
+        makeDeviceBackend(std::make_unique<CountingMachine>(candidates), scene,
+                          {planner.plan(scene, {gridSensor(100, 4, -10, 10), effects}, 0, false)}, options);
+    const Shot shot;
+    Scan scan;
+    backend->scanAll({&shot, 1}, scan, [](size_t) {});
+    return scan.counters.retries;
+  };
+  // A candidate of a footprint has three words.
+  constexpr uint32_t kMost = 0x7fffffff / 3;
+  CHECK(scanWith(kMost - 10) == 1);
+  CHECK_THAT(outOfMemory([&] { scanWith(kMost + 10); }), ContainsSubstring("'candidates'"));
 }
 
 TEST_CASE("more columns than directions can distinguish are an error that names the sensor") {

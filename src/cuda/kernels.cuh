@@ -87,11 +87,12 @@ struct Footprints {
   }
 };
 
-template <uint kPass, uint kLayers>
+template <uint kPass, uint kLayers, uint kWithout = 0>
 struct FootprintPass {
   static GNO_DEVICE void fix(Options& options) {
     options.PASS = kPass;
     options.LAYERS = kLayers;
+    options.EFFECTS &= ~kWithout;
   }
 };
 
@@ -230,12 +231,16 @@ void launchMeeting(const Job& job, uint32_t groupsX, uint32_t groupsY) {
 }
 
 // Launches the kernel for kRays sub-rays. Each pass is a kernel of its own, because the first and the others have
-// little in common, and together they have too few registers.
+// little in common, and together they have too few registers. With strays the others have too few of them even alone.
 template <uint kRays>
 void launchFootprint(const Job& job, uint32_t groupsX, uint32_t groupsY) {
   using Stage = effects_footprint<kRays>;
   switch (job.options.PASS) {
-    case kPassOthers: return launch<Stage, FootprintPass<kPassOthers, 1>>(job, groupsX, groupsY);
+    case kPassOthers:
+      (job.options.EFFECTS & kStrays) != 0
+          ? launch<Stage, FootprintPass<kPassOthers, 1>>(job, groupsX, groupsY)
+          : launch<Stage, FootprintPass<kPassOthers, 1, kStrays>>(job, groupsX, groupsY);
+      return;
     case kPassPanesToo: return launch<Stage, FootprintPass<kPassPanesToo, kMaxLayers>>(job, groupsX, groupsY);
     default:
       job.options.LAYERS == 1 ? launch<Stage, FootprintPass<kPassWithinOne, 1>>(job, groupsX, groupsY)

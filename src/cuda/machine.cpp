@@ -53,7 +53,7 @@ class CudaMachine final : public Machine {
     use(device_);
     return std::make_unique<CudaMemory>(name, bytes, kind);
   }
-  void prepare(const Variant&) override {}
+  void prepare(std::span<const Variant>) override {}
   size_t framesInFlight() const override { return 1; }
   void wait(size_t) override {}
   void readTimings(size_t, Timings& timings) override { stopwatch_.read(timings); }

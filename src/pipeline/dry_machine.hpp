@@ -16,7 +16,7 @@ class DryMachine final : public Machine {
   std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind) override {
     return std::make_unique<HostMemory>(name, bytes);
   }
-  void prepare(const Variant&) override {}
+  void prepare(std::span<const Variant>) override {}
   size_t framesInFlight() const override { return machine_.framesInFlight(); }
   void submit(size_t, std::span<const Step>, const BoundArrays&) override {}
   void wait(size_t) override {}

@@ -31,8 +31,8 @@ class Machine {
   virtual const Traits& traits() const = 0;
   /// Throws Error(outOfMemory) that names the array. `name` must outlive the memory.
   virtual std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind kind) = 0;
-  /// Compiles a kernel unless it is already compiled.
-  virtual void prepare(const Variant& variant) = 0;
+  /// Compiles the kernels that are not yet compiled, on all threads of the host.
+  virtual void prepare(std::span<const Variant> variants) = 0;
   /// Adds what the driver says of a compiled kernel, if that is known.
   virtual void describe(const Variant& /*variant*/, Plan::Pipeline& /*pipeline*/) const {}
   /// Called after the last of a series of prepare() calls.

@@ -16,7 +16,7 @@ const Variant kPlaceInstances = {Kernel::place_instances, {}, false};
 }  // namespace
 
 void RecordedTransforms::prepare(Machine& machine) {
-  machine.prepare(kPlaceInstances);
+  machine.prepare({&kPlaceInstances, 1});
   machine.prepared();
 }
 

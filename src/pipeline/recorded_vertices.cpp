@@ -15,7 +15,7 @@ const Variant kFitClusters = {Kernel::fit_clusters, {}, false};
 
 void RecordedVertices::prepare() {
   if (prepared_) return;
-  machine_.prepare(kFitClusters);
+  machine_.prepare({&kFitClusters, 1});
   machine_.prepared();
   prepared_ = true;
 }

@@ -152,6 +152,7 @@ void SensorArrays::makeRoomForViews(uint32_t views) {
 }
 
 void SensorArrays::prepareKernels() {
+  std::vector<Variant> variants;
   for (const Motion motion : motions())
     for (const StillImage::Use still : {StillImage::Use::none, StillImage::Use::make}) {
       if (still == StillImage::Use::make && (!keepsStill_ || motion == Motion::all)) continue;
@@ -159,9 +160,10 @@ void SensorArrays::prepareKernels() {
         for (const bool last : {false, true}) {
           if (!last && pattern.groups.size() == 1) continue;
           for (const Step& step : steps(pattern.tables, pattern.tables.frame, everything(), still, motion, last))
-            if (step.kind == Step::Kind::dispatch) machine_.prepare(step.variant);
+            if (step.kind == Step::Kind::dispatch) variants.push_back(step.variant);
         }
     }
+  machine_.prepare(variants);
 }
 
 // Returns what scans of this sensor may have, the most at last.

@@ -67,19 +67,24 @@ bool offers(const InstanceFunctions& vk, VkPhysicalDevice physical, const char* 
 
 // The size that a vendor's compiler is best with, by the table in docs/gpus.md; 0 for the driver's own choice. If
 // Intel's is given no size but must make full subgroups, it makes the largest ones, of 32 lanes, for which it has too
-// few registers.
-uint32_t bestSize(uint32_t vendor) {
+// few registers. A lane of a subgroup of 8 has twice as many as one of 16, if the chip can make such subgroups.
+struct BestSizes {
+  uint32_t most, few;
+};
+BestSizes bestSizes(uint32_t vendor) {
   constexpr uint32_t kIntel = 0x8086;
-  return vendor == kIntel ? 16 : 0;
+  return vendor == kIntel ? BestSizes{16, 8} : BestSizes{};
 }
 
 FullSubgroups fullSubgroupsOf(const Offer& offer) {
   if (!offer.sizeControl.computeFullSubgroups) return {};
-  const uint32_t best = bestSize(offer.vendor);
+  const BestSizes best = bestSizes(offer.vendor);
   const bool mayChoose =
       offer.sizeControl.subgroupSizeControl && (offer.sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT);
-  if (mayChoose && best >= offer.sizes.minSubgroupSize && best <= offer.sizes.maxSubgroupSize && best > 0)
-    return {best, true};
+  const auto can = [&](uint32_t size) {
+    return mayChoose && size > 0 && size >= offer.sizes.minSubgroupSize && size <= offer.sizes.maxSubgroupSize;
+  };
+  if (can(best.most)) return {best.most, true, can(best.few) ? best.few : 0};
   if (kWorkgroupSize % offer.subgroup.subgroupSize == 0) return {offer.subgroup.subgroupSize, false};
   // Some devices by default use subgroups larger than our workgroups, but also support smaller ones.
   const bool choice = mayChoose && offer.sizes.minSubgroupSize <= kWorkgroupSize;

@@ -38,6 +38,7 @@ int queueFamilyOf(std::span<const VkQueueFamilyProperties> families);
 struct FullSubgroups {
   uint32_t size = 0;      ///< 0 if the device cannot guarantee full subgroups
   bool required = false;  ///< true if pipelines must require this size because the device would choose another
+  uint32_t few = 0;       ///< what kernels of many registers must require instead; 0 for the same size
 };
 FullSubgroups fullSubgroupsOf(const Offer& offer);
 

@@ -25,7 +25,7 @@ class CompilingMachine final : public Machine {
   std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind) override {
     return std::make_unique<HostMemory>(name, bytes);
   }
-  void prepare(const Variant& variant) override { kernels_.of(variant); }
+  void prepare(std::span<const Variant> variants) override { kernels_.prepare(variants); }
   void describe(const Variant& variant, Plan::Pipeline& pipeline) const override {
     kernels_.describe(variant, pipeline);
   }

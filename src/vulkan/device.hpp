@@ -57,6 +57,8 @@ class Device {
   /// Returns the memory types in `typeBits`, best first: those with all properties of the first entry of `wanted`, then
   /// those with all of the second, and so on.
   std::vector<uint32_t> memoryTypes(uint32_t typeBits, std::span<const VkMemoryPropertyFlags> wanted) const;
+  /// Returns the types of memory, and the heaps that they take it from.
+  const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
   bool isHostVisible(uint32_t memoryType) const;
   bool isLocal(uint32_t memoryType) const;
   bool isCoherent(uint32_t memoryType) const;

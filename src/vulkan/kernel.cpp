@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "base/threads.hpp"
 #include "bin.spv.h"
 #include "bin_int64.spv.h"
 #include "bin_int64_float64.spv.h"
@@ -64,6 +65,20 @@ bool usesSubgroups(gnosphere::Kernel kernel) {
          kernel != gnosphere::Kernel::records;
 }
 
+// Returns whether a lane of the kernel holds so many values that fewer lanes are better where registers are short, by
+// the table in docs/gpus.md.
+bool holdsMuch(const Variant& variant) {
+  const Options& options = variant.options;
+  if (variant.kernel == gnosphere::Kernel::bin)
+    return options.MOTION != 0 || options.RAYS > 1 || options.RANGE == gpu::kRangeExact;
+  return variant.kernel == gnosphere::Kernel::project_triangles ||
+         variant.kernel == gnosphere::Kernel::effects_footprint;
+}
+
+uint32_t lanesOf(const FullSubgroups& subgroups, const Variant& variant) {
+  return subgroups.few > 0 && holdsMuch(variant) ? subgroups.few : subgroups.size;
+}
+
 // Returns kVertexRounds of cluster_corners.glsl: six rounds of 8 lanes hold 48 vertices, which is enough for most
 // clusters. Wide subgroups have room for the 96 vertices that a cluster has at most with three rounds, or with two.
 uint32_t vertexRounds(uint32_t lanes) {
@@ -78,7 +93,8 @@ DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, 
   const OptionWords options = wordsOf(variant.options);
   std::vector<uint32_t> constants(options.begin(), options.end());
   // The constants kVertexRounds and kLanesInStep follow from the lanes of the device, and not from the scan.
-  constants.push_back(vertexRounds(subgroups.size));
+  const uint32_t lanes = lanesOf(subgroups, variant);
+  constants.push_back(vertexRounds(lanes));
   constants.push_back(capabilities.cpu);
   Code code = codeOf(moduleOf(variant, capabilities.unrolls), constants);
   std::vector<uint32_t>& spirv = code.words;
@@ -95,7 +111,7 @@ DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, 
   create.stage.pName = "main";
   VkPipelineShaderStageRequiredSubgroupSizeCreateInfoEXT size = {
       VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO_EXT};
-  size.requiredSubgroupSize = subgroups.size;
+  size.requiredSubgroupSize = lanes;
   if (usesSubgroups(variant.kernel)) {
     create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT;
     if (subgroups.required) create.stage.pNext = &size;
@@ -151,20 +167,35 @@ Kernels::Kernels(const Device& device, const PipelineCache& cache) : device_(dev
   layout_ = device.make(device.vk().vkCreatePipelineLayout, device.vk().vkDestroyPipelineLayout, layout);
 }
 
-VkPipeline Kernels::of(const Variant& variant) {
-  const auto found = pipelines_.find(variant);
-  if (found != pipelines_.end()) return found->second.pipeline.get();
+Kernels::Compiled Kernels::make(const Variant& variant) const {
   const auto start = std::chrono::steady_clock::now();
   Compiled made = {compiled(device_, variant, layout_.get(), cache_.handle())};
   made.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  return pipelines_.emplace(variant, std::move(made)).first->second.pipeline.get();
+  return made;
+}
+
+void Kernels::prepare(std::span<const Variant> variants) {
+  std::map<Variant, Compiled> made;
+  for (const Variant& variant : variants)
+    if (!pipelines_.contains(variant)) made[variant];
+  std::vector<std::map<Variant, Compiled>::value_type*> missing;
+  for (auto& one : made) missing.push_back(&one);
+  std::reverse(missing.begin(), missing.end());  // the kernels of effects take longest, so they begin first
+  inRuns(missing.size(), 1, threadCount(), [&](uint64_t i, uint64_t) { missing[i]->second = make(missing[i]->first); });
+  pipelines_.merge(made);
+}
+
+VkPipeline Kernels::of(const Variant& variant) {
+  const auto found = pipelines_.find(variant);
+  if (found != pipelines_.end()) return found->second.pipeline.get();
+  return pipelines_.emplace(variant, make(variant)).first->second.pipeline.get();
 }
 
 void Kernels::describe(const Variant& variant, Plan::Pipeline& pipeline) const {
   const auto found = pipelines_.find(variant);
   if (found == pipelines_.end()) return;
   pipeline.compileMs = found->second.ms;
-  pipeline.subgroupSize = device_.capabilities().subgroups.size;
+  pipeline.subgroupSize = lanesOf(device_.capabilities().subgroups, variant);
   if (device_.statistics()) addStatistics(device_, found->second.pipeline.get(), pipeline);
 }
 

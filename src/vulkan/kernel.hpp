@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <span>
 
 #include "gnosphere/plan.hpp"
 #include "pipeline/kernels.hpp"
@@ -24,7 +25,9 @@ class Kernels {
 
   /// Returns the pipeline layout; it has only PushConstants, no descriptors.
   VkPipelineLayout layout() const { return layout_.get(); }
-  /// Returns the pipeline of a kernel; compiles it at the first call.
+  /// Compiles the kernels that are not yet compiled, on all threads of the host.
+  void prepare(std::span<const Variant> variants);
+  /// Returns the pipeline of a kernel; compiles it if prepare() has not done so.
   VkPipeline of(const Variant& variant);
   /// Adds what is known of a compiled kernel: how long the driver took and, on a device with statistics, what its
   /// compiler says.
@@ -35,6 +38,8 @@ class Kernels {
     DeviceHandle<VkPipeline> pipeline;
     double ms = 0;
   };
+  Compiled make(const Variant& variant) const;
+
   const Device& device_;
   const PipelineCache& cache_;
   DeviceHandle<VkPipelineLayout> layout_;

@@ -121,7 +121,7 @@ class VulkanMachine final : public Machine {
     if (recordsOnly()) return std::make_unique<RecordedMemory>(device_, recordings_, name, bytes, kind);
     return std::make_unique<OwnMemory>(device_, transfer_, name, bytes, kind);
   }
-  void prepare(const Variant& variant) override { kernels_.of(variant); }
+  void prepare(std::span<const Variant> variants) override { kernels_.prepare(variants); }
   void prepared() override { cache_.save(warn_); }
   size_t framesInFlight() const override { return kFramesInFlight; }
   void wait(size_t frame) override {

@@ -3,6 +3,7 @@
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 
+#include "base/threads.hpp"
 #include "classified_fences.hpp"
 #include "effects/showroom.hpp"
 #include "engine/recorded.hpp"
@@ -84,7 +85,61 @@ void requireSameRows(VulkanApp& app, const Scene& scene, const SensorRequest& re
   }
 }
 
+/// A table between the library and the loader: the device allows few workgroups in a dispatch.
+struct FewWorkgroups {
+  static constexpr uint32_t kMost = 600;
+  PFN_vkGetInstanceProcAddr instance = nullptr;
+  PFN_vkGetDeviceProcAddr device = nullptr;
+  PFN_vkGetPhysicalDeviceProperties properties = nullptr;
+  PFN_vkCmdDispatchBase dispatch = nullptr;
+  int divided = 0;  // dispatches that do not begin at the first workgroup
+} few;
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL fewOfDevice(VkDevice device, const char* name) {
+  const PFN_vkVoidFunction real = few.device(device, name);
+  if (std::string(name) != "vkCmdDispatchBase") return real;
+  few.dispatch = reinterpret_cast<PFN_vkCmdDispatchBase>(real);
+  const PFN_vkCmdDispatchBase counting = [](VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z,
+                                            uint32_t groupsX, uint32_t groupsY, uint32_t groupsZ) {
+    few.divided += x > 0;
+    CHECK(groupsX <= FewWorkgroups::kMost);
+    few.dispatch(commands, x, y, z, groupsX, groupsY, groupsZ);
+  };
+  return reinterpret_cast<PFN_vkVoidFunction>(counting);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL fewOfInstance(VkInstance instance, const char* name) {
+  const PFN_vkVoidFunction real = few.instance(instance, name);
+  if (std::string(name) == "vkGetDeviceProcAddr") {
+    few.device = reinterpret_cast<PFN_vkGetDeviceProcAddr>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(fewOfDevice);
+  }
+  if (std::string(name) != "vkGetPhysicalDeviceProperties") return real;
+  few.properties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(real);
+  const PFN_vkGetPhysicalDeviceProperties limited = [](VkPhysicalDevice physical, VkPhysicalDeviceProperties* to) {
+    few.properties(physical, to);
+    to->limits.maxComputeWorkGroupCount[0] = FewWorkgroups::kMost;
+  };
+  return reinterpret_cast<PFN_vkVoidFunction>(limited);
+}
+
 }  // namespace
+
+TEST_CASE("a list of more beams than a dispatch has workgroups for loses none") {
+  needVulkan();
+  if (threadCount() > 8) SKIP("kernels that loop have as many workgroups here");
+  few = {};
+  few.instance =
+      reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(dlopen("libvulkan.so.1", RTLD_NOW), "vkGetInstanceProcAddr"));
+  VulkanApp app("", fewOfInstance);
+  RecordLayout layout = layoutOf({Field::x, Field::y, Field::z, Field::triangle});
+  layout.compact = true;
+  const Sensor sensor = listSensor("rosette", rosette(FewWorkgroups::kMost * 1024 + 70'000, 0.35));
+  TestOptions options = vulkanOptions();
+  options.tuning.binning = Binning::lists;
+  requireSameRows(app, classifiedRoom(), {sensor, Effects::none()}, options, layout, {shotOf(false)});
+  CHECK(few.divided > 0);
+}
 
 TEST_CASE("recorded scans have the bytes of scan(), for grids, lists and every accuracy", "[second-driver]") {
   needVulkan();

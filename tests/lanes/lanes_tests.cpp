@@ -22,7 +22,7 @@ namespace {
 
 using lanes::Fault;
 
-constexpr uint32_t kSizes[] = {4, 8, 16, 32, 64};
+const std::vector<uint32_t> kSizes = {4, 8, 16, 32, 64};
 constexpr double kPeriod = 0.1;  // seconds of a rotation
 
 const Scene& town() {
@@ -94,26 +94,125 @@ Shot driving() {
   return shot;
 }
 
+/// The orders of a test: how many seeds with each size of a subgroup.
+struct Orders {
+  uint64_t seeds = everyCombination() ? 4 : 1;
+  std::vector<uint32_t> sizes = everyCombination() ? kSizes : std::vector<uint32_t>{8, 64};
+};
+
 /// Scans with subgroups of each size in a number of orders, and compares with one lane at a time. The slow tests begin
 /// at another seed each time; it is that of Catch2, which `--rng-seed` sets.
 void requireAnyOrder(const Scene& scene, const Sensor& sensor, const TestOptions& options,
-                     const std::vector<Shot>& shots, uint64_t orders = everyCombination() ? 4 : 1) {
+                     const std::vector<Shot>& shots, const Orders& orders = {}, uint64_t leastHits = 30) {
   const uint64_t firstSeed = everyCombination() ? Catch::getSeed() : 1;
   CudaOnHost one(scene, {sensor}, options);
   CudaOnHost many(scene, {sensor}, options, cuda_lanes::makeBackend);
-  for (uint64_t seed = firstSeed; seed < firstSeed + orders; ++seed)
-    for (const uint32_t size : kSizes) {
-      if (!everyCombination() && size != 8 && size != 64) continue;
-      for (const Shot& shot : shots) {
-        INFO("seed " << seed << ", subgroups of " << size << " lanes, frame " << shot.frame);
+  std::vector<Scan> expected(shots.size());
+  for (size_t i = 0; i < shots.size(); ++i) {
+    one.scanInto(shots[i], expected[i]);
+    CHECK(expected[i].counters.hits > leastHits);
+  }
+  for (uint64_t seed = firstSeed; seed < firstSeed + orders.seeds; ++seed)
+    for (const uint32_t size : orders.sizes)
+      for (size_t i = 0; i < shots.size(); ++i) {
+        INFO("seed " << seed << ", subgroups of " << size << " lanes, frame " << shots[i].frame);
         lanes::setOrder({seed, size});
-        Scan expected, scan;
-        one.scanInto(shot, expected);
-        many.scanInto(shot, scan);
-        CHECK(expected.counters.hits > 30);
-        REQUIRE(firstBytes(expected, scan) == "none");
+        Scan scan;
+        many.scanInto(shots[i], scan);
+        REQUIRE(firstBytes(expected[i], scan) == "none");
       }
+}
+
+/// Records scans of vertices and transforms in buffers of the caller in any order, and compares with the same values
+/// from the host, one lane at a time.
+void requireRecordsInAnyOrder(const Sensor& sensor, bool compact, bool words, const Orders& orders) {
+  MeshBuilder walls;
+  walls.box({-20, -20, -3}, {20, 20, 12}, 3);
+  Scene scene = sceneOf(walls.take());
+  scene.meshes.push_back(ball(9, 14, 1.5));
+  scene.instances.push_back({"", 1, translation(6, 1, 0.5)});
+  scene.instances.push_back({"", 1, translation(900, 0, 0)});
+  const TestOptions options = with(Accuracy::standard, Binning::nearest);
+
+  // The same from the host: the ball is larger, and its second instance is beside the sensor.
+  Scene moved = scene;
+  for (float& value : moved.meshes[1].positions) value *= 2;
+  const std::vector<float> rows = {0.5f, -0.5f, 0, 5, 0.25f, 1, 0, -6, 0, 0, 1.5f, 0.5f};
+  std::copy(rows.begin(), rows.end(), moved.instances[2].transform.rows.begin());
+  CudaOnHost one(moved, {sensor}, options);
+  const Scan expected = one.scan(standing().pose);
+  REQUIRE(std::count(expected.instances.begin(), expected.instances.end(), 2) > 0);
+  RecordLayout layout;
+  layout.compact = compact;
+  // Rows of whole words are written word by word, others byte by byte.
+  const size_t first = words ? 0 : 3;
+  layout.values = {{Field::x, 0, first},
+                   {Field::z, 0, first + 4},
+                   {Field::range, 0, first + 8},
+                   {Field::instance, 0, first + 12, ValueType::u32}};
+  layout.stride = words ? 20 : 21;
+  std::vector<std::byte> packed(layout.stride * expected.ranges.size());
+  packed.resize(layout.stride * pack(expected, layout, packed));
+
+  SensorPlanner planner(options);
+  SensorRequest request = {sensor, Effects::none()};
+  request.layout = layout;
+  const std::unique_ptr<Backend> backend = makeDeviceBackend(std::make_unique<RecordingMachine>(options), scene,
+                                                             {planner.plan(scene, request, 0, false)}, options);
+  const CallerBuffer vertices("vertices", moved.meshes[1].positions), transforms("transforms", rows);
+  const CallerBuffer records("records", layout.bytesFor(expected.ranges.size()));
+  const CallerBuffer header("header", sizeof(RecordHeader));
+  const Shot shot = standing();
+  const ClassTable classes;
+  for (uint64_t seed = 1; seed <= orders.seeds; ++seed)
+    for (const uint32_t size : orders.sizes) {
+      INFO("seed " << seed << ", subgroups of " << size << " lanes, compact " << compact << ", words " << words);
+      lanes::setOrder({seed, size});
+      backend->setVertices(1, {vertices.address(), vertices.range().bytes, 12});
+      CallerTransforms placed = {transforms.address(), transforms.range().bytes, 48};
+      placed.firstInstance = 2;
+      placed.instances = 1;
+      backend->setTransforms(placed);
+      std::memset(records.data(), 0, records.range().bytes);
+      RecordHeader said;
+      do {
+        Recording recording;
+        recording.commands = backend.get();  // anything but null
+        recording.scans = {{&shot, records.range(), header.range()}};
+        recording.classes = &classes;
+        backend->record(recording);
+        std::memcpy(&said, header.bytes().data(), sizeof said);
+      } while (said.incomplete != 0);
+      REQUIRE(said.rows * layout.stride == packed.size());
+      REQUIRE(std::equal(packed.begin(), packed.end(), records.bytes().begin()));
     }
+}
+
+/// Triangles around the sensor, a pane and a fence.
+Scene fewTriangles() {
+  Scene scene = sceneOf(soup(9, 60, 12, 14));
+  scene.materials.push_back(lambertian(0.4f, "glass"));
+  scene.materials.back().transmission = 0.6f;
+  scene.meshes.push_back(plate(5, 4, 1));
+  scene.instances.push_back({"pane", 1, {}});
+  addFence(scene, plate(6, 3), translation(0, 0, 1));
+  return scene;
+}
+
+/// A shot in which the sensor moves ahead and turns.
+Shot turning() {
+  Shot moving = standing(3);
+  moving.motion.stamps = {{0, moving.pose}, {kPeriod, {{3.3, 0.4, 1.8}, {0, 0, std::sin(0.3), std::cos(0.3)}}}};
+  return moving;
+}
+
+Effects manyEffects() {
+  Effects all = Effects::none();
+  all.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 9e-3, 4e-3};
+  all.transmission.use = all.cutOuts.use = all.intensity.use = EffectUse::on;
+  all.returns = {EffectUse::on, Effects::Returns::Mode::strongestSecondStrongest};
+  all.fog = {EffectUse::on, 100};
+  return all;
 }
 
 }  // namespace
@@ -180,93 +279,49 @@ TEST_CASE("lanes: deformed meshes have the same bytes in any order") {
 
 TEST_CASE("lanes: vertices and transforms of the caller, and records, have the same bytes in any order") {
   const bool compact = GENERATE(false, true), words = GENERATE(false, true);
-  MeshBuilder walls;
-  walls.box({-20, -20, -3}, {20, 20, 12}, 3);
-  Scene scene = sceneOf(walls.take());
-  scene.meshes.push_back(ball(9, 14, 1.5));
-  scene.instances.push_back({"", 1, translation(6, 1, 0.5)});
-  scene.instances.push_back({"", 1, translation(900, 0, 0)});
-  const Sensor sensor = gridSensor(91, 8, -25, 15, 80);
-  TestOptions options = with(Accuracy::standard, Binning::nearest);
-
-  // The same from the host: the ball is larger, and its second instance is beside the sensor.
-  Scene moved = scene;
-  for (float& value : moved.meshes[1].positions) value *= 2;
-  const std::vector<float> rows = {0.5f, -0.5f, 0, 5, 0.25f, 1, 0, -6, 0, 0, 1.5f, 0.5f};
-  std::copy(rows.begin(), rows.end(), moved.instances[2].transform.rows.begin());
-  CudaOnHost one(moved, {sensor}, options);
-  const Scan expected = one.scan(standing().pose);
-  REQUIRE(std::count(expected.instances.begin(), expected.instances.end(), 2) > 5);
-  RecordLayout layout;
-  layout.compact = compact;
-  // Rows of whole words are written word by word, others byte by byte.
-  const size_t first = words ? 0 : 3;
-  layout.values = {{Field::x, 0, first},
-                   {Field::z, 0, first + 4},
-                   {Field::range, 0, first + 8},
-                   {Field::instance, 0, first + 12, ValueType::u32}};
-  layout.stride = words ? 20 : 21;
-  std::vector<std::byte> packed(layout.stride * expected.ranges.size());
-  packed.resize(layout.stride * pack(expected, layout, packed));
-
-  for (uint64_t seed = 1; seed <= (everyCombination() ? 20 : 2); ++seed)
-    for (const uint32_t size : kSizes) {
-      INFO("seed " << seed << ", subgroups of " << size << " lanes, compact " << compact << ", words " << words);
-      lanes::setOrder({seed, size});
-      SensorPlanner planner(options);
-      SensorRequest request = {sensor, Effects::none()};
-      request.layout = layout;
-      const std::unique_ptr<Backend> backend = makeDeviceBackend(std::make_unique<RecordingMachine>(options), scene,
-                                                                 {planner.plan(scene, request, 0, false)}, options);
-      const CallerBuffer vertices("vertices", moved.meshes[1].positions), transforms("transforms", rows);
-      const CallerBuffer records("records", layout.bytesFor(expected.ranges.size()));
-      const CallerBuffer header("header", sizeof(RecordHeader));
-      backend->setVertices(1, {vertices.address(), vertices.range().bytes, 12});
-      CallerTransforms placed = {transforms.address(), transforms.range().bytes, 48};
-      placed.firstInstance = 2;
-      placed.instances = 1;
-      backend->setTransforms(placed);
-      const Shot shot = standing();
-      const ClassTable classes;
-      RecordHeader said;
-      do {
-        Recording recording;
-        recording.commands = backend.get();  // anything but null
-        recording.scans = {{&shot, records.range(), header.range()}};
-        recording.classes = &classes;
-        backend->record(recording);
-        std::memcpy(&said, header.bytes().data(), sizeof said);
-      } while (said.incomplete != 0);
-      REQUIRE(said.rows * layout.stride == packed.size());
-      CHECK(std::equal(packed.begin(), packed.end(), records.bytes().begin()));
-    }
+  requireRecordsInAnyOrder(gridSensor(91, 8, -25, 15, 80), compact, words, {everyCombination() ? 20u : 2u, kSizes});
 }
 
 TEST_CASE("lanes: a few triangles, some of them panes or with holes, have the same bytes in many orders") {
-  Scene scene = sceneOf(soup(9, 60, 12, 14));
-  scene.materials.push_back(lambertian(0.4f, "glass"));
-  scene.materials.back().transmission = 0.6f;
-  scene.meshes.push_back(plate(5, 4, 1));
-  scene.instances.push_back({"pane", 1, {}});
-  addFence(scene, plate(6, 3), translation(0, 0, 1));
+  const Scene scene = fewTriangles();
   Sensor sensor = head();
   sensor.columns = 31;
   sensor.channels.resize(4);
-  Effects all = Effects::none();
-  all.divergence = {EffectUse::on, 7, Effects::Divergence::Profile::gaussian, 9e-3, 4e-3};
-  all.transmission.use = all.cutOuts.use = all.intensity.use = EffectUse::on;
-  all.returns = {EffectUse::on, Effects::Returns::Mode::strongestSecondStrongest};
-  all.fog = {EffectUse::on, 100};
-  const uint64_t orders = everyCombination() ? 100 : 2;
+  Orders orders;
+  orders.seeds = everyCombination() ? 100 : 2;
   SECTION("geometry") {
     const auto binning = GENERATE(Binning::nearest, Binning::lists, Binning::slabs);
     TestOptions options = with(GENERATE(Accuracy::standard, Accuracy::exact), binning);
     requireAnyOrder(scene, sensor, options, {standing(), standing(1)}, orders);
   }
   SECTION("effects") {
-    Shot moving = standing(3);
-    moving.motion.stamps = {{0, moving.pose}, {kPeriod, {{3.3, 0.4, 1.8}, {0, 0, std::sin(0.3), std::cos(0.3)}}}};
-    requireAnyOrder(scene, sensor, asking(all), {standing(), moving}, orders);
+    requireAnyOrder(scene, sensor, asking(manyEffects()), {standing(), turning()}, orders);
+  }
+}
+
+TEST_CASE("lanes: every kernel has the same bytes in a thousand orders of 8, 32 and 64 lanes", "[.orders]") {
+  const Orders orders = {1000, {8, 32, 64}};
+  Sensor sensor = head();
+  sensor.columns = 17;
+  sensor.channels.resize(4);
+  Effects noisy = Effects::none();
+  noisy.angleNoise = {EffectUse::on, 2e-3, 1e-3, Effects::AngleNoise::At::beam};
+  noisy.transmission.use = noisy.cutOuts.use = EffectUse::on;
+  const Scene scene = fewTriangles();
+  const auto inOrders = [&](const Scene& of, const TestOptions& options, const std::vector<Shot>& shots) {
+    requireAnyOrder(of, sensor, options, shots, orders, 15);
+  };
+  TestOptions shells = with(Accuracy::exact, Binning::nearest);
+  shells.tuning.culling.occlusion = Culling::Occlusion::always;
+  inOrders(scene, shells, {standing()});
+  inOrders(scene, with(Accuracy::standard, Binning::slabs), {standing(1)});
+  inOrders(scene, with(Accuracy::standard, Binning::lists), {standing()});
+  inOrders(scene, asking(manyEffects()), {turning()});
+  inOrders(scene, asking(noisy), {standing()});
+  requireRecordsInAnyOrder(gridSensor(17, 4, -25, 15, 80), true, false, orders);
+  for (uint32_t kernel = 0; kernel <= static_cast<uint32_t>(Kernel::records); ++kernel) {
+    INFO(nameOf(static_cast<Kernel>(kernel)));
+    CHECK(lanes::hasRun(nameOf(static_cast<Kernel>(kernel))));
   }
 }
 

@@ -22,7 +22,7 @@ class RecordingMachine : public Machine {
   std::unique_ptr<DeviceMemory> allocate(const char* name, uint64_t bytes, MemoryKind kind) override {
     return lanes_->allocate(name, bytes, kind);
   }
-  void prepare(const Variant& variant) override { lanes_->prepare(variant); }
+  void prepare(std::span<const Variant> variants) override { lanes_->prepare(variants); }
   size_t framesInFlight() const override { return 1; }
   void wait(size_t) override {}
   void readTimings(size_t, Timings&) override {}
@@ -53,6 +53,7 @@ class CallerBuffer {
   uint64_t address() const { return reinterpret_cast<uint64_t>(data_); }
   Recording::Range range() const { return {address(), bytes_}; }
   std::span<const std::byte> bytes() const { return {data_, bytes_}; }
+  std::byte* data() const { return data_; }
 
  private:
   uint64_t bytes_;

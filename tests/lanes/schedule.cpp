@@ -10,6 +10,7 @@
 #include <memory>
 #include <numeric>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "lanes/accesses.hpp"
@@ -109,6 +110,7 @@ class Dispatch {
 
 Order chosen;
 const char* kernelOfDispatch = "kernel";
+std::set<std::string> kernelsRun;
 uint64_t dispatches = 0;
 Dispatch* active = nullptr;
 
@@ -294,6 +296,10 @@ const Order& order() {
 }
 void setKernel(const char* name) {
   kernelOfDispatch = name;
+  kernelsRun.insert(name);
+}
+bool hasRun(const std::string& kernel) {
+  return kernelsRun.contains(kernel);
 }
 
 void dispatch(uint32_t groupsX, uint32_t groupsY, const std::function<void()>& main) {

@@ -42,6 +42,8 @@ const Order& order();
 
 /// Names the kernel of the next dispatch in findings.
 void setKernel(const char* name);
+/// Returns whether a kernel of this name has run.
+bool hasRun(const std::string& kernel);
 
 /// Runs `main` once per lane of groupsX * groupsY workgroups. Throws Finding if a subgroup operation or a barrier is
 /// reached by some lanes of a subgroup or workgroup only, or if lanes race for memory.
