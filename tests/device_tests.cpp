@@ -7,6 +7,7 @@
 #include <atomic>
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <thread>

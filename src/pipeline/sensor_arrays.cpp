@@ -28,10 +28,10 @@ uint64_t projectedCount(const gpu::Counters& counters) {
 }
 
 // Returns `needed` entries plus an eighth in reserve, as far as the limit allows.
-uint32_t grown(Array array, uint64_t needed, uint64_t limit) {
-  if (needed > kMostEntries)
+uint32_t grown(Array array, uint64_t needed, uint64_t limit, uint64_t most = kMostEntries) {
+  if (needed > most)
     throw Error(ErrorCode::outOfMemory, "'" + std::string(gpu::nameOf(array)) + "' needs more than " +
-                                            std::to_string(kMostEntries) + " entries, which no kernel can address");
+                                            std::to_string(most) + " entries, which no kernel can address");
   return static_cast<uint32_t>(std::min(needed + needed / 8, std::max(needed, limit)));
 }
 
@@ -522,7 +522,8 @@ void SensorArrays::growLists(size_t index) {
   if (projected > room.projected) room.projected = grown(Array::projectedA, projected, mostProjected());
   if (needed.tiles > room.tiles) room.tiles = grown(Array::tiles, needed.tiles, limit(kTileBytes));
   if (needed.candidates > room.candidates)
-    room.candidates = grown(Array::candidates, needed.candidates, mostCandidates());
+    room.candidates = grown(Array::candidates, needed.candidates, mostCandidates(),
+                            kMostEntries * sizeof(uint32_t) / candidateBytes());
   // If the tiles do not fit together with the reserve, the lists get only what this scan needs.
   if (tilesBehind(room) + room.tiles > limit(kTileBytes)) {
     room.projected = static_cast<uint32_t>(projected);

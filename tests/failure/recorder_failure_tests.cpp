@@ -8,7 +8,8 @@
 namespace gnosphere::test {
 namespace {
 
-/// A table between the library and the loader, in which one vkAllocateMemory() fails.
+/// A table between the library and the loader, in which vkAllocateMemory() fails from a call on: a single failure is
+/// followed by another attempt for less.
 struct DeviceMemoryTable {
   PFN_vkGetInstanceProcAddr instance = nullptr;
   PFN_vkGetDeviceProcAddr device = nullptr;
@@ -18,7 +19,7 @@ struct DeviceMemoryTable {
 
 VKAPI_ATTR VkResult VKAPI_CALL allocateOrFail(VkDevice device, const VkMemoryAllocateInfo* info,
                                               const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory) {
-  if (++table.count == table.failing) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  if (++table.count >= table.failing && table.failing > 0) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
   return table.allocate(device, info, callbacks, memory);
 }
 
@@ -94,6 +95,29 @@ class Recordings {
   std::array<std::vector<std::byte>, 2> expected_;
 };
 
+/// Calls what needs memory of the device, of which there is none from the n-th allocation on. Returns whether it
+/// failed, which must be for lack of memory.
+bool failsFrom(long n, const std::function<void()>& call) {
+  table.count = 0;
+  table.failing = n;
+  bool failed = false;
+  try {
+    call();
+  } catch (const Error& error) {
+    failed = true;
+    CHECK(error.code() == ErrorCode::outOfMemory);
+  }
+  table.failing = 0;
+  return failed;
+}
+
+/// Tries every n until nothing fails any more. Returns the number of failures.
+long failures(const std::function<bool(long)>& fails) {
+  long n = 1;
+  while (fails(n)) ++n;
+  return n - 1;
+}
+
 }  // namespace
 
 TEST_CASE("a recording that is abandoned loses no upload, and only the last one can be") {
@@ -123,26 +147,41 @@ TEST_CASE("a recording that fails for lack of memory loses no upload", "[combina
   };
   recordings.take(shape);
   failEach("vulkan: record", Fails::memory, {[&] { recordings.record(); }, abandon, check});
-  for (long n = 1;; ++n) {
-    // Another mesh makes the arrays grow.
-    const size_t mesh = recordings.simulator().addMesh(soup(9, static_cast<uint32_t>(500 * n), 1, 0.1));
-    const size_t instance = recordings.simulator().addInstance(static_cast<uint32_t>(mesh), translation(0, 0, 500));
-    table.count = 0;
-    table.failing = n;
-    bool failed = false;
-    try {
-      recordings.record();
-    } catch (const Error& error) {
-      failed = error.code() == ErrorCode::outOfMemory;
-      CHECK(failed);
-    }
-    table.failing = 0;
-    if (!failed) abandon();
-    check();
-    recordings.simulator().removeInstance(instance);
-    recordings.simulator().removeMesh(mesh);
-    if (!failed) break;
-  }
+  CHECK(failures([&](long n) {
+          // What a larger mesh uploads needs larger staging buffers.
+          const size_t mesh = recordings.simulator().addMesh(soup(9, static_cast<uint32_t>(60'000 * n), 1, 0.1));
+          const size_t instance =
+              recordings.simulator().addInstance(static_cast<uint32_t>(mesh), translation(0, 0, 500));
+          const bool failed = failsFrom(n, [&] { recordings.record(); });
+          if (!failed) abandon();
+          check();
+          recordings.simulator().removeInstance(instance);
+          recordings.simulator().removeMesh(mesh);
+          return failed;
+        }) > 0);
+}
+
+TEST_CASE("without memory of the device no mesh and no sensor comes, and the next scan is as before") {
+  needVulkan();
+  Recordings recordings;
+  Simulator& simulator = recordings.simulator();
+  recordings.take(0);
+  CHECK(failures([&](long n) {
+          size_t mesh = 0;
+          const bool failed = failsFrom(n, [&] { mesh = simulator.addMesh(soup(9, 200'000, 1, 0.1)); });
+          recordings.check(0);
+          if (!failed) simulator.removeMesh(mesh);
+          return failed;
+        }) > 0);
+  CHECK(failures([&](long n) {
+          SensorRequest request = {gridSensor(5000, 64, -20, 20), Effects::none(), {}};
+          request.layout = layoutOf({Field::x});
+          size_t sensor = 0;
+          const bool failed = failsFrom(n, [&] { sensor = simulator.addSensor(request); });
+          recordings.check(0);
+          if (!failed) simulator.removeSensor(sensor);
+          return failed;
+        }) > 0);
 }
 
 }  // namespace gnosphere::test
