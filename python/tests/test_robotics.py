@@ -2,6 +2,7 @@
 """Robots and worlds from URDF, SDF, MJCF and USD, against other readers, other rays and closed forms. Each format is
 skipped without its package."""
 
+import os
 import re
 import subprocess
 import sys
@@ -166,6 +167,29 @@ def test_files_of_no_robot_are_refused(tmp_path):
         (tmp_path / name).write_text(text)
         with pytest.raises(ValueError, match=message):
             robotics.load(tmp_path / name)
+
+
+def test_every_robot_of_a_folder():
+    """Whatever the folder GNOSPHERE_MODELS has is read with one warning at most, or refused with a sentence."""
+    if "GNOSPHERE_MODELS" not in os.environ:
+        pytest.skip("GNOSPHERE_MODELS names no folder")
+    counts = {"whole": 0, "with a warning": 0, "refused": 0}
+    for file in sorted(Path(os.environ["GNOSPHERE_MODELS"]).rglob("*")):
+        if file.suffix not in (".urdf", ".sdf", ".world", ".usd", ".usda", ".usdc", ".usdz"):
+            continue
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            try:
+                robotics.load(file)
+            except ValueError as error:
+                assert str(file) in str(error)
+                counts["refused"] += 1
+                continue
+        ours = [each for each in told if "leaves out" in str(each.message)]
+        assert len(ours) <= 1, file
+        counts["with a warning" if ours else "whole"] += 1
+    print(counts)
+    assert counts["whole"] and counts["refused"] <= 0.02 * sum(counts.values())
 
 
 ROUND = {"sphere", "cylinder"}
