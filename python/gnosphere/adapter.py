@@ -85,12 +85,13 @@ class Shapes:
         class_id: int = 0,
         name: str = "",
         class_name: str = "",
+        world: int = 0,
     ) -> int:
         """Places a mesh and returns the index of the instance. `transform` is a map of shape (3, 4) or (4, 4);
-        `class_name` is the class that a file states by its name."""
+        `class_name` is the class that a file states by its name; `world` is as in Instance."""
         place = gno.Transform() if transform is None else gno.Transform(np.asarray(transform, np.float64)[:3])
         made = gno.Instance(mesh, place, name=name, class_id=class_id)
-        made.class_name = class_name
+        made.class_name, made.world = class_name, world
         self.instances.append(made)
         return len(self.instances) - 1
 

@@ -2,6 +2,7 @@
 """Robots and worlds from URDF, SDF, MJCF and USD, against other readers, other rays and closed forms. Each format is
 skipped without its package."""
 
+import os
 import re
 import subprocess
 import sys
@@ -61,7 +62,7 @@ URDF = """<robot name="arm">
 <link name="upper"><visual><origin xyz="0 0 0.5" rpy="0 0 0.3"/><geometry><cylinder radius="0.1" length="1"/></geometry>
   </visual></link>
 <link name="tip"><visual><geometry><mesh filename="package://arm_description/meshes/tip.obj" scale="0.1 0.2 0.3"/>
-  </geometry></visual><visual><geometry><capsule radius="1" length="1"/></geometry></visual></link>
+  </geometry></visual><visual><geometry><cone radius="1" length="1"/></geometry></visual></link>
 <link name="follower"><visual><geometry><sphere radius="0.05"/></geometry></visual></link>
 <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.1"/>
   <axis xyz="0 1 0"/><limit lower="-1" upper="1"/></joint>
@@ -84,7 +85,7 @@ def arm(tmp_path):
 
 
 def test_urdf_at_positions_of_its_joints(arm, tmp_path):
-    with pytest.warns(UserWarning, match=r"leaves out .*no box, sphere, cylinder or mesh \(1\)") as told:
+    with pytest.warns(UserWarning, match=r"leaves out .*no box, sphere, cylinder, capsule or mesh \(1\)") as told:
         robot = robotics.load(arm, search=[tmp_path / "packages"], classes={"tip": 4, "plinth": 2})
     assert len(told) == 1 and len(robot.left_out) == 1
     assert robot.frames == ["base", "upper", "tip", "follower"]
@@ -105,6 +106,36 @@ def test_urdf_at_positions_of_its_joints(arm, tmp_path):
         robot.move({"knee": 1})
     with pytest.raises(ValueError, match="there is no lidar 'front'; the file has top"):
         robot.lidar("front")
+
+
+CARELESS = """
+
+<!-- a licence --><?xml version="1.0"?>
+<robot><link name="base"><visual><geometry><box size="1 1 1"/></geometry></visual></link>
+<link name="limb"><visual><origin xyz="0 0 1" rpy="1.5707963267948966 0 0"/><geometry><capsule radius="0.2" length="1"/>
+  </geometry><material name="skin"><color rgba="1 0.5 0.25 1"/></material></visual></link>
+<link name="island"><visual><geometry><sphere radius="0.1"/></geometry></visual></link>
+<joint name="hip" type="spherical"><parent link="base"/><child link="limb"/><origin xyz="0 0 2"/></joint>
+<joint name="wheel" type="continuous"><parent link="limb"/><child link="foot"/><axis xyz="0 0 1"/>
+  <limit drake:acceleration="2" effort="1" velocity="1"/></joint><link name="foot"/>
+<transmission><type>none</type></transmission></robot>\n\0"""
+
+
+def test_urdf_as_its_users_write_it(tmp_path):
+    """A comment before the declaration, a prefix without one, no name, a capsule, a spherical joint, an island."""
+    pytest.importorskip("yourdfpy")
+    (tmp_path / "careless.urdf").write_text(CARELESS)
+    with pytest.warns(UserWarning, match="the motion of spherical joints") as told:
+        robot = robotics.load(tmp_path / "careless.urdf")
+    assert len(told) == 1 and len(robot.left_out) == 2
+    assert robot.left_out["the places of links that no joint joins to the others"] == 1
+    assert set(robot.joint_limits) == {"wheel"}
+    placed = dict(zip(robot.frames, corners(robot)))
+    np.testing.assert_allclose(
+        [placed["limb"].min(axis=0), placed["limb"].max(axis=0)], [[-0.2, -0.7, 2.8], [0.2, 0.7, 3.2]], atol=1e-3
+    )
+    np.testing.assert_allclose(np.abs(placed["island"]).max(axis=0), 0.1, atol=1e-3)
+    assert (1, 0.5, 0.25, 1) in [tuple(material.base_color) for material in robot.scene.materials]
 
 
 def test_a_lidar_sees_what_it_is_not_mounted_on(arm, tmp_path, device):
@@ -136,6 +167,29 @@ def test_files_of_no_robot_are_refused(tmp_path):
         (tmp_path / name).write_text(text)
         with pytest.raises(ValueError, match=message):
             robotics.load(tmp_path / name)
+
+
+def test_every_robot_of_a_folder():
+    """Whatever the folder GNOSPHERE_MODELS has is read with one warning at most, or refused with a sentence."""
+    if "GNOSPHERE_MODELS" not in os.environ:
+        pytest.skip("GNOSPHERE_MODELS names no folder")
+    counts = {"whole": 0, "with a warning": 0, "refused": 0}
+    for file in sorted(Path(os.environ["GNOSPHERE_MODELS"]).rglob("*")):
+        if file.suffix not in (".urdf", ".sdf", ".world", ".usd", ".usda", ".usdc", ".usdz"):
+            continue
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            try:
+                robotics.load(file)
+            except ValueError as error:
+                assert str(file) in str(error)
+                counts["refused"] += 1
+                continue
+        ours = [each for each in told if "leaves out" in str(each.message)]
+        assert len(ours) <= 1, file
+        counts["with a warning" if ours else "whole"] += 1
+    print(counts)
+    assert counts["whole"] and counts["refused"] <= 0.02 * sum(counts.values())
 
 
 ROUND = {"sphere", "cylinder"}
@@ -531,7 +585,7 @@ def test_the_command(arm, tmp_path):
     options = ["--search", tmp_path / "packages", "--joint", "slide=0.5", "-o", tmp_path / "arm.glb"]
     said = subprocess.run([*command, arm, *options], check=True, capture_output=True, text=True)
     assert "joint shoulder: -1 to 1" in said.stdout and "lidar top: 270 beams on tip" in said.stdout
-    assert "left out: geometry that is no box, sphere, cylinder or mesh (1)" in said.stdout and not said.stderr
+    assert "left out: geometry that is no box, sphere, cylinder, capsule or mesh (1)" in said.stdout and not said.stderr
     scene = gnosphere.load_scene(tmp_path / "arm.glb")
     assert [instance.name for instance in scene.instances] == ["plinth", "upper", "tip", "follower"]
     wrong = subprocess.run([*command, arm, "--joint", "knee=1"], capture_output=True, text=True)

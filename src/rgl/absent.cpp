@@ -40,9 +40,6 @@ RGL_API rgl_status_t rgl_node_configure_agnocast(rgl_node_t) {
 RGL_API rgl_status_t rgl_node_points_udp_publish(rgl_node_t*) {
   return absent("rgl_node_points_udp_publish", kUdp);
 }
-RGL_API rgl_status_t rgl_node_points_simulate_snow(rgl_node_t*) {
-  return absent("rgl_node_points_simulate_snow", kWeather);
-}
 RGL_API rgl_status_t rgl_node_points_simulate_rain(rgl_node_t*) {
   return absent("rgl_node_points_simulate_rain", kWeather);
 }

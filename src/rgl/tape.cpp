@@ -315,6 +315,7 @@ const std::map<std::string, Play>& players() {
       PLAY(rgl_node_points_filter_ground),
       PLAY(rgl_node_gaussian_noise_angular_hitpoint),
       PLAY(rgl_node_gaussian_noise_distance),
+      PLAY(rgl_node_points_simulate_snow),
       PLAY(rgl_node_points_radar_postprocess),
       PLAY(rgl_node_points_radar_track_objects),
       PLAY(rgl_node_points_radar_set_classes),

@@ -40,6 +40,93 @@ TEST_CASE("RGL: noise has its mean and deviation, and is the same again with the
   OK(rgl_cleanup());
 }
 
+/// Of a closed extension, as AWSIM declares it.
+extern "C" rgl_status_t rgl_node_points_simulate_snow(rgl_node_t* node, float min_range, float max_range,
+                                                      float rain_rate, float mean_snowflake_diameter,
+                                                      float terminal_velocity, float density, int32_t num_channels,
+                                                      float beam_divergence, bool do_simulate_energy_loss,
+                                                      float snowflake_occupancy_threshold);
+
+TEST_CASE("RGL: snow gives flakes before walls and in the sky, as many as its formula says, and takes light") {
+  setenv("GNOSPHERE_RGL_SEED", "5", 1);
+  rgl_mesh_t wall = squareMesh(5);
+  const rgl_vec2f uvs[] = {{{0, 0}}, {{1, 0}}, {{1, 1}}, {{0, 1}}};
+  const uint8_t white = 255;
+  rgl_texture_t texture = nullptr;
+  OK(rgl_mesh_set_texture_coords(wall, uvs, 4));
+  OK(rgl_texture_create(&texture, &white, 1, 1));
+  OK(rgl_entity_set_intensity_texture(place(wall, matrix(0, 0, 10)), texture));
+  // Half of the rays meet the wall at 10 m, half look into the sky. The sensor stands beside the origin.
+  constexpr int kRays = 20'000;
+  std::vector<rgl_mat3x4f> rays(kRays / 2, matrix(0, 0, 0));
+  rays.insert(rays.end(), kRays / 2, matrix(0, 0, 0, 0, std::numbers::pi));
+  const std::vector<rgl_field_t> fields = {RGL_FIELD_XYZ_VEC3_F32, RGL_FIELD_IS_HIT_I32, RGL_FIELD_DISTANCE_F32,
+                                           RGL_FIELD_INTENSITY_F32, RGL_FIELD_ENTITY_ID_I32};
+  Lidar lidar(rays, fields);
+  lidar.move(matrix(1, 2, 0));
+  constexpr float kLeast = 0.5f, kMost = 100, kRate = 9, kDiameter = 0.0002f, kSpeed = 1.6f, kDensity = 0.07f,
+                  kDivergence = 0.005f, kThreshold = 0.02f;
+  rgl_node_t snow = nullptr;
+  const auto set = [&](float rate, bool loss) {
+    return rgl_node_points_simulate_snow(&snow, kLeast, kMost, rate, kDiameter, kSpeed, kDensity, 16, kDivergence, loss,
+                                         kThreshold);
+  };
+  OK(set(kRate, true));
+  lidar.append(snow);
+  lidar.run();
+  const auto distances = lidar.get<float>(RGL_FIELD_DISTANCE_F32),
+             intensities = lidar.get<float>(RGL_FIELD_INTENSITY_F32);
+  const auto points = lidar.get<rgl_vec3f>(RGL_FIELD_XYZ_VEC3_F32);
+  const auto hits = lidar.get<int32_t>(RGL_FIELD_IS_HIT_I32), entities = lidar.get<int32_t>(RGL_FIELD_ENTITY_ID_I32);
+
+  // 9 mm/h is 2.5e-6 of the volume per second; the integral of the flakes that a beam meets has a closed form.
+  const double perVolume = 9 / 3.6e6 / (0.07 * 1.6) / (std::numbers::pi * 8e-12);
+  const double k = std::sqrt(0.02) * 0.005 / 0.0002, c = perVolume * std::numbers::pi / 4 * 0.005 * 0.005;
+  const auto upTo = [&](double r) { return -c * std::exp(-k * r) * (r * r / k + 2 * r / (k * k) + 2 / (k * k * k)); };
+  const auto expected = [&](double end) { return 1 - std::exp(upTo(0.5) - upTo(end)); };
+  const double loss = std::exp(-2 * perVolume * std::numbers::pi / 2 * 4e-8 * (10 - 0.5));
+  for (const int half : {0, 1}) {
+    int flakes = 0, near = 0;
+    double nearest = 1e9;
+    for (int i = half * kRays / 2; i < (half + 1) * kRays / 2; ++i) {
+      const bool flake = hits[i] && entities[i] == 0;
+      flakes += flake;
+      near += flake && distances[i] < 0.7f;
+      if (hits[i]) nearest = std::min(nearest, double{distances[i]});
+      const float side = half ? -1.0f : 1.0f;
+      if (hits[i] && points[i].value[2] != Approx(side * distances[i])) FAIL("a point off its ray");
+      if (hits[i] && !flake && (distances[i] != 10 || intensities[i] != Approx(255 * loss))) FAIL("a wall elsewhere");
+      if (flake && !(intensities[i] > 0 && intensities[i] < 0.6 * 255)) FAIL("a flake too bright");
+      if (!hits[i] && !(half == 1 && std::isinf(distances[i]))) FAIL("a lost wall");
+    }
+    const auto sameAs = [&](double share) {
+      const double number = kRays / 2 * share;
+      return Approx(number).margin(4 * std::sqrt(number));
+    };
+    CHECK(expected(10) > 0.1);
+    CHECK(flakes == sameAs(expected(half ? 100 : 10)));
+    CHECK(near == sameAs(expected(0.7)));
+    CHECK(nearest >= 0.5);
+  }
+  CHECK(loss < 0.9);
+  OK(set(kRate, false));
+  lidar.run();
+  const auto bright = lidar.get<float>(RGL_FIELD_INTENSITY_F32);
+  CHECK(*std::max_element(bright.begin(), bright.end()) == 255);
+  OK(set(0, true));
+  lidar.run();
+  CHECK(lidar.get<float>(RGL_FIELD_DISTANCE_F32)[0] == 10);
+  CHECK(lidar.get<int32_t>(RGL_FIELD_IS_HIT_I32).back() == 0);
+
+  CHECK(failed(set(-1, true), RGL_INVALID_ARGUMENT, "rain_rate >= 0"));
+  CHECK(failed(rgl_node_points_simulate_snow(&snow, 0, 1, 1, 1, 1, 1, 0, 1, true, 0.5f), RGL_INVALID_ARGUMENT,
+               "num_channels > 0"));
+  CHECK(failed(rgl_node_points_simulate_snow(nullptr, 0, 1, 1, 1, 1, 1, 1, 1, true, 0.5f), RGL_INVALID_ARGUMENT,
+               "node != nullptr"));
+  unsetenv("GNOSPHERE_RGL_SEED");
+  OK(rgl_cleanup());
+}
+
 TEST_CASE("RGL: merges, ground and voxels") {
   const rgl_mesh_t mesh = squareMesh(20);
   place(mesh, matrix(0, 0, -2));

@@ -11,3 +11,4 @@ Needs the package mujoco.
 from .lidar import Lidar as Lidar
 from .rays import Rangefinders as Rangefinders, Rays as Rays, mj_multiRay as mj_multiRay
 from .shapes import VISIBLE_GROUPS as VISIBLE_GROUPS, Tessellation as Tessellation
+from .worlds import Worlds as Worlds

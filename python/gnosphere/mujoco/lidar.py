@@ -24,6 +24,28 @@ def body_ids(model: Any, bodies: Bodies) -> list[int]:
     return [model.body(body).id if isinstance(body, str) else int(body) for body in listed]
 
 
+class Mount:
+    """What carries a sensor: a site, the world, or what a function of MjData says."""
+
+    def __init__(self, model: Any, site: Union[int, str, None], pose: Optional[PoseSource]) -> None:
+        if site is not None and callable(pose):
+            raise TypeError("pose is a Pose in the frame of the site, not a function, where there is a site")
+        self._site = -1 if site is None else model.site(site).id
+        self._pose: Any = adapter.rows_of(pose) if site is not None and isinstance(pose, gno.Pose) else pose
+
+    def pose(self, data: Any) -> gno.Pose:
+        if self._site < 0:
+            return self._pose(data) if callable(self._pose) else self._pose or gno.Pose()
+        position, turn = data.site_xpos[self._site], data.site_xmat[self._site]
+        if self._pose is not None:
+            matrix = turn.reshape(3, 3)
+            position = position + matrix @ self._pose[:3, 3]
+            turn = (matrix @ self._pose[:3, :3]).reshape(-1)
+        quat = np.empty(4)
+        mj.mju_mat2Quat(quat, turn)
+        return gno.Pose(tuple(position.tolist()), (float(quat[1]), float(quat[2]), float(quat[3]), float(quat[0])))
+
+
 class Lidar(adapter.Lidar):
     """Sensors in a MuJoCo model: docs/mujoco.md."""
 
@@ -68,11 +90,10 @@ class Lidar(adapter.Lidar):
         adapter.warn_left_out("gnosphere.mujoco", self._shapes.left_out, stacklevel=2)
         ignore = self._shapes.instances_of(body_ids(model, bodyexclude), body_ids(model, treeexclude))
         super().__init__(self._shapes.shapes, sensor, effects=effects, fields=fields, ignore=ignore, options=options)
-        self._mounts = [self._mount(site, pose)]
+        self._mounts = [Mount(model, site, pose)]
         count = len(self._shapes.shapes.instances)
         self._rows = np.zeros((count, 3, 4))
         self._rows[:, [0, 1, 2], [0, 1, 2]] = 1
-        self._turns = np.empty((len(self.geoms), 9))
         self._records: list[tuple[float, Any]] = []
         self._start: Optional[npt.NDArray[np.float64]] = None
         self._middle: tuple[float, float, float] = (0.0, 0.0, 0.0)  # where endless planes are put during records
@@ -96,29 +117,14 @@ class Lidar(adapter.Lidar):
         """Adds another sensor to the same model and returns its number, for scan(). The arguments are those of
         Lidar."""
         ignore = self._shapes.instances_of(body_ids(self.model, bodyexclude), body_ids(self.model, treeexclude))
-        mount = self._mount(site, pose)
+        mount = Mount(self.model, site, pose)
         number = self.add_sensor(sensor, effects=effects, fields=fields, ignore=ignore)
         self._mounts[number:] = [mount]
         return number
 
-    def _mount(self, site: Union[int, str, None], pose: Optional[PoseSource]) -> tuple[int, Any]:
-        if site is not None and callable(pose):
-            raise TypeError("pose is a Pose in the frame of the site, not a function, where there is a site")
-        number = -1 if site is None else self.model.site(site).id
-        return number, adapter.rows_of(pose) if site is not None and isinstance(pose, gno.Pose) else pose
-
     def pose(self, data: Any, sensor: int = 0) -> gno.Pose:
         """Where the sensor is in the world."""
-        site, offset = self._mounts[sensor]
-        if site < 0:
-            return offset(data) if callable(offset) else offset or gno.Pose()
-        position, turn = data.site_xpos[site], data.site_xmat[site]
-        if offset is not None:
-            matrix = turn.reshape(3, 3)
-            position, turn = position + matrix @ offset[:3, 3], (matrix @ offset[:3, :3]).reshape(-1)
-        quat = np.empty(4)
-        mj.mju_mat2Quat(quat, turn)
-        return gno.Pose(tuple(position.tolist()), (float(quat[1]), float(quat[2]), float(quat[3]), float(quat[0])))
+        return self._mounts[sensor].pose(data)
 
     def update(self, data: Any, position: npt.ArrayLike = (0, 0, 0)) -> None:
         """Moves everything to where it is in `data`, of which mj_kinematics() must have been run, as mj_step() and
@@ -127,17 +133,7 @@ class Lidar(adapter.Lidar):
         self.move(self._rows)
 
     def _place(self, data: Any, position: npt.ArrayLike) -> None:
-        geoms = self.geoms
-        np.take(data.geom_xmat, geoms, axis=0, out=self._turns)
-        self._rows[: len(geoms), :, :3] = self._turns.reshape(-1, 3, 3)
-        self._rows[: len(geoms), :, 3] = data.geom_xpos[geoms]
-        for instance, endless in self._shapes.endless:
-            axes = self._rows[instance, :, :2][:, endless]
-            self._rows[instance, :, 3] += axes @ (axes.T @ (np.asarray(position) - self._rows[instance, :, 3]))
-        for instance, (mesh, positions) in enumerate(self._shapes.deformed(data), len(geoms)):
-            middle = positions.mean(axis=0)  # so that single precision is enough wherever in the world it is
-            self._rows[instance, :, 3] = middle
-            self.simulator.set_positions(mesh, positions - middle)
+        self._shapes.place(data, position, self._rows, self.simulator)
 
     def record(self, data: Any) -> None:
         """Notes where the sensors and geoms are, for a scan during which they move: call it at the start of the scan
@@ -160,11 +156,6 @@ class Lidar(adapter.Lidar):
         shot = self._moving_shot(data, sensor)
         self._records, self._start = [], None
         return self.cast(shot, into)
-
-    def scan_many(self, datas: Iterable[Any], sensor: int = 0) -> list[gno.Scan]:
-        """Scans the model as each of several MjData of it has it, such as the worlds of a batch: the scans that scan()
-        makes of one after the other."""
-        return [self.scan(data, sensor) for data in datas]
 
     def _moving_shot(self, data: Any, sensor: int) -> gno.Shot:
         start, records = self._start, [record for record in self._records if record[0] < data.time]

@@ -31,7 +31,9 @@ class Tessellation:
 
 
 class ModelShapes:
-    """The geoms, flexes and skins of a model as shapes; the instances of geoms come first."""
+    """The geoms, flexes and skins of a model as shapes; the instances of geoms come first.
+
+    Several of them may share `shapes`, each in a world of its own, and meshes with `beside`."""
 
     def __init__(
         self,
@@ -41,11 +43,14 @@ class ModelShapes:
         classes: Optional[Mapping[str, int]],
         tessellation: Tessellation,
         deformables: bool,
+        world: int = 0,
+        beside: Optional[ModelShapes] = None,
     ) -> None:
-        self.model, self.classes, self.tessellation = model, classes, tessellation
-        self.shapes = adapter.Shapes()
-        self._meshes: dict[Any, int] = {}
-        self._images: dict[int, Optional[gno.AlphaImage]] = {}
+        self.model, self.classes, self.tessellation, self.world = model, classes, tessellation, world
+        self.shapes: adapter.Shapes = beside.shapes if beside else adapter.Shapes()
+        self.first = len(self.shapes.instances)
+        self._meshes: dict[Any, int] = beside._meshes if beside else {}
+        self._images: dict[Any, Optional[gno.AlphaImage]] = beside._images if beside else {}
         self.left_out: dict[str, int] = {}
         geoms = [geom for geom in range(model.ngeom) if self._seen(geom, geomgroup, static)]
         self.geoms = np.array([geom for geom in geoms if self._add_geom(geom)], np.int32)
@@ -98,7 +103,7 @@ class ModelShapes:
         material = self._material(
             int(model.geom_matid[geom]), model.geom_rgba[geom], kind != mj.mjtGeom.mjGEOM_PLANE, image
         )
-        key = (int(kind), data if data >= 0 else size, material)
+        key = (int(kind), (id(model), data) if data >= 0 else size, material)
         if key not in self._meshes:
             triangles, uvs = self._triangles(kind, data, size, repeat if image else None)
             if not len(triangles[1]):
@@ -108,7 +113,7 @@ class ModelShapes:
         name, body_name = self._name(mj.mjtObj.mjOBJ_GEOM, geom), self._name(mj.mjtObj.mjOBJ_BODY, body)
         mesh_name = self._name(mj.mjtObj.mjOBJ_MESH, data) if kind == mj.mjtGeom.mjGEOM_MESH else ""
         number = adapter.class_of(self.classes, name, mesh_name, body_name)
-        self.shapes.instance(self._meshes[key], class_id=number, name=name or body_name)
+        self.shapes.instance(self._meshes[key], class_id=number, name=name or body_name, world=self.world)
         return True
 
     def _triangles(
@@ -155,7 +160,8 @@ class ModelShapes:
         model = self.model
         if material < 0:
             return None, None
-        if material not in self._images:
+        key = (id(model), material)
+        if key not in self._images:
             image = None
             for role in (mj.mjtTextureRole.mjTEXROLE_RGBA, mj.mjtTextureRole.mjTEXROLE_RGB):
                 texture = model.mat_texid[material, role]
@@ -165,8 +171,8 @@ class ModelShapes:
                 alpha = model.tex_data[first : first + np.prod(shape)].reshape(shape)[..., 3]
                 if alpha.min() < 255:
                     image = gno.AlphaImage(np.ascontiguousarray(alpha))
-            self._images[material] = image
-        return self._images[material], model.mat_texrepeat[material]
+            self._images[key] = image
+        return self._images[key], model.mat_texrepeat[material]
 
     def _add_flex(self, flex: int) -> None:
         model = self.model
@@ -183,7 +189,7 @@ class ModelShapes:
         vertices = self._flex_positions(self._rest, flex)
         name = self._name(mj.mjtObj.mjOBJ_FLEX, flex)
         mesh = self.shapes.mesh((vertices, faces.reshape(-1, 3)), material, name)
-        self.shapes.instance(mesh, class_id=adapter.class_of(self.classes, name), name=name)
+        self.shapes.instance(mesh, class_id=adapter.class_of(self.classes, name), name=name, world=self.world)
         self.flexes.append((mesh, flex))
 
     def _add_skin(self, skin: int) -> None:
@@ -194,14 +200,30 @@ class ModelShapes:
         vertices = moving.positions(self._rest)
         name = self._name(mj.mjtObj.mjOBJ_SKIN, skin)
         mesh = self.shapes.mesh((vertices, model.skin_face[first : first + count]), material, name)
-        self.shapes.instance(mesh, class_id=adapter.class_of(self.classes, name), name=name)
+        self.shapes.instance(mesh, class_id=adapter.class_of(self.classes, name), name=name, world=self.world)
         self.skins.append((mesh, moving))
 
     def _flex_positions(self, data: Any, flex: int) -> npt.NDArray[np.float64]:
         first = self.model.flex_vertadr[flex]
         return np.asarray(data.flexvert_xpos[first : first + self.model.flex_vertnum[flex]])
 
-    def deformed(self, data: Any) -> Iterable[tuple[int, npt.NDArray[np.float64]]]:
+    def place(
+        self, data: Any, position: npt.ArrayLike, rows: npt.NDArray[np.float64], simulator: gno.Simulator
+    ) -> None:
+        """Writes where the instances are in `data`, shape (n, 3, 4), and gives the simulator the vertices of those that
+        deform. Planes without an end are put around the place on them that is nearest to `position`."""
+        geoms = self.geoms
+        rows[: len(geoms), :, :3] = data.geom_xmat[geoms].reshape(-1, 3, 3)
+        rows[: len(geoms), :, 3] = data.geom_xpos[geoms]
+        for instance, endless in self.endless:
+            axes = rows[instance, :, :2][:, endless]
+            rows[instance, :, 3] += axes @ (axes.T @ (np.asarray(position) - rows[instance, :, 3]))
+        for instance, (mesh, positions) in enumerate(self._deformed(data), len(geoms)):
+            middle = positions.mean(axis=0)  # so that single precision is enough wherever in the world it is
+            rows[instance, :, 3] = middle
+            simulator.set_positions(mesh, positions - middle)
+
+    def _deformed(self, data: Any) -> Iterable[tuple[int, npt.NDArray[np.float64]]]:
         """The meshes of flexes and skins, in the order of their instances, with where their vertices are in the
         world."""
         for mesh, flex in self.flexes:
@@ -218,7 +240,7 @@ class ModelShapes:
             chosen[body] |= chosen[self.model.body_parentid[body]] and self.model.body_parentid[body] != 0
         for body in bodies:
             chosen[body] = True
-        found: npt.NDArray[np.int64] = np.flatnonzero(chosen[self.model.geom_bodyid[self.geoms]])
+        found: npt.NDArray[np.int64] = self.first + np.flatnonzero(chosen[self.model.geom_bodyid[self.geoms]])
         return found
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Optional, Union
 
 from .. import adapter
-from .resources import Resources
+from .resources import Resources, parse_xml
 from .robot_scene import Joints, Parts, RobotScene
 
 USD = (".usd", ".usda", ".usdc", ".usdz")
@@ -65,12 +65,9 @@ def load(
 
 def _xml_reader(path: Path) -> str:
     try:
-        with path.open("rb") as stream:
-            for _, element in ET.iterparse(stream, events=("start",)):
-                break
+        tag = parse_xml(path).tag.rsplit("}")[-1]
     except ET.ParseError as error:
         raise ValueError(f"{path} is neither USD by its ending nor XML: {error}") from error
-    tag = element.tag.rsplit("}")[-1]
     if path.suffix.lower() == ".xacro":
         raise ValueError(f"{path} is xacro: run 'xacro {path.name} > robot.urdf' first")
     if tag not in READERS:

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import os
+import re
+import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -163,6 +165,24 @@ def _read_with_trimesh(path: Path) -> Iterator[Piece]:
         )
         given = None if rgba is None else tuple(rgba.tolist())
         yield Piece(triangles, node, getattr(material, "name", "") or "", given)
+
+
+_BEFORE_ROOT = re.compile(rb"(?:\s|<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^>]*>)*<[\w.:-]+", re.DOTALL)
+
+
+def parse_xml(path: Path) -> ET.Element:
+    """The outermost element of a file. Robots' own parsers forgive comments before the XML declaration, a zero at the
+    end and prefixes that nobody declares, and so files have them."""
+    data = re.sub(rb"\A(?:\s|<!--.*?-->)+(?=<\?xml)", b"", path.read_bytes().rstrip(b" \t\r\n\0"), flags=re.DOTALL)
+    try:
+        return ET.fromstring(data)
+    except ET.ParseError as error:
+        start = _BEFORE_ROOT.match(data)
+        if "unbound prefix" not in str(error) or not start:
+            raise
+    prefixes = set(re.findall(rb"[<\s/]([A-Za-z_][\w.-]*):\w", data)) - set(re.findall(rb"xmlns:([\w.-]+)", data))
+    declared = b"".join(b' xmlns:%s="%s"' % (name, name) for name in sorted(prefixes - {b"xml", b"xmlns"}))
+    return ET.fromstring(data[: start.end()] + declared + data[start.end() :])
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> Matrix:

@@ -12,7 +12,7 @@ from typing import Any, Optional
 import numpy as np
 
 from . import xml_lidars
-from .resources import Resources
+from .resources import Resources, parse_xml
 from .robot_scene import Frames, Joints, Matrix, Parts
 from .sdf_kinematics import Joint, Tree
 from .xml_lidars import number, numbers, pose_of
@@ -25,7 +25,7 @@ def read(
     path: Path, parts: Parts, resources: Resources, collisions: bool
 ) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
     reader = Reader(parts, resources, collisions)
-    root = ET.parse(path).getroot()
+    root = parse_xml(path)
     if root.tag == "gazebo":
         raise ValueError("is of the time before SDF 1.2; 'gz sdf -p' converts it")
     worlds = root.findall("world")
@@ -62,7 +62,7 @@ class Reader:
             return None
         if origin in files:
             raise ValueError(f"{origin} includes itself")
-        model = ET.parse(origin).getroot().find("model")
+        model = parse_xml(origin).find("model")
         if model is None:
             self.parts.leave_out(f"{origin.name}, which has no <model>")
             return None
@@ -86,7 +86,7 @@ class Reader:
             return found
         config = found / "model.config"
         if config.is_file():
-            listed = [(sdf.get("version", "0"), sdf.text or "") for sdf in ET.parse(config).getroot().findall("sdf")]
+            listed = [(sdf.get("version", "0"), sdf.text or "") for sdf in parse_xml(config).findall("sdf")]
             files = [found / name.strip() for _, name in sorted(listed, key=_version)]
             existing = [path for path in files if path.is_file()]
             if existing:

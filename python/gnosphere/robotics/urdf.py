@@ -15,7 +15,7 @@ import numpy as np
 import yourdfpy
 
 from . import xml_lidars
-from .resources import Resources
+from .resources import Resources, parse_xml, rotation
 from .robot_scene import Frames, Joints, Matrix, Parts
 
 GEOMETRY = ("box", "sphere", "cylinder", "mesh")
@@ -25,12 +25,14 @@ MOVING = ("revolute", "continuous", "prismatic")
 def read(
     path: Path, parts: Parts, resources: Resources, collisions: bool
 ) -> tuple[Frames, Mapping[str, tuple[float, float]]]:
-    root = ET.parse(path).getroot()
-    _drop_unknown(root, parts, "collision" if collisions else "visual")
+    root = parse_xml(path)
+    capsules = _drop_unknown(root, parts, "collision" if collisions else "visual")
+    alone = ET.Element("robot", {"name": root.get("name", path.stem)})  # what else stands there may be malformed
+    alone.extend(element for element in root if element.tag in ("link", "joint", "material"))
     log = logging.getLogger("yourdfpy")
     before, log.level = log.level, logging.ERROR  # what it warns about is counted here
     try:
-        robot = yourdfpy.URDF.load(io.BytesIO(ET.tostring(root)), load_meshes=False, build_scene_graph=True)
+        robot = yourdfpy.URDF.load(io.BytesIO(ET.tostring(alone)), load_meshes=False, build_scene_graph=True)
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"yourdfpy cannot read it: {type(error).__name__} {error}") from error
     finally:
@@ -39,6 +41,8 @@ def read(
     for link in robot.robot.links:
         for shape in link.collisions if collisions else link.visuals:
             _add(shape, link.name, parts, resources, colors)
+    for link_name, shape in capsules:
+        _add_capsule(shape, link_name, parts, resources, colors)
     limits = {}
     for joint in robot.robot.joints:
         if joint.mimic is not None:
@@ -47,27 +51,67 @@ def read(
             low = joint.limit.lower if joint.limit and joint.limit.lower is not None else -math.inf
             high = joint.limit.upper if joint.limit and joint.limit.upper is not None else math.inf
             limits[joint.name] = (low, high) if joint.type != "continuous" else (-math.inf, math.inf)
-        elif joint.type != "fixed":
-            parts.leave_out(f"the motion of {joint.type} joints")
     links = [link.name for link in robot.robot.links]
     _lidars(root, parts, set(links))
 
+    children = {joint.child: joint.parent for joint in robot.robot.joints}
+    joined = {name for name in links if _top(name, children) == robot.base_link}
+    if len(joined) < len(links):
+        parts.leave_out("the places of links that no joint joins to the others", len(links) - len(joined))
+
     def frames(joints: Joints) -> Mapping[Any, Matrix]:
         robot.update_cfg(dict(joints))
-        return {name: np.asarray(robot.get_transform(name)) for name in links}
+        return {name: np.asarray(robot.get_transform(name)) if name in joined else np.eye(4) for name in links}
 
     return frames, limits
 
 
-def _drop_unknown(root: ET.Element, parts: Parts, kept: str) -> None:
-    """Removes what yourdfpy refuses: geometry that URDF does not have."""
+def _top(link: str, parents: Mapping[str, str]) -> str:
+    """The link above all others of a link's tree."""
+    for _ in parents:
+        if link not in parents:
+            break
+        link = parents[link]
+    return link
+
+
+def _drop_unknown(root: ET.Element, parts: Parts, kept: str) -> list[tuple[str, ET.Element]]:
+    """Removes what yourdfpy refuses: geometry and joints that URDF does not have. Returns the capsules, which PyBullet
+    and others have, with their links."""
+    capsules = []
     for link in root.iter("link"):
         for shape in link.findall("visual") + link.findall("collision"):
             geometry = shape.find("geometry")
             if geometry is None or len(geometry) == 0 or geometry[0].tag not in GEOMETRY:
                 link.remove(shape)
-                if shape.tag == kept:
-                    parts.leave_out("geometry that is no box, sphere, cylinder or mesh")
+                if shape.tag != kept:
+                    continue
+                if geometry is not None and len(geometry) and geometry[0].tag == "capsule":
+                    capsules.append((link.get("name", ""), shape))
+                else:
+                    parts.leave_out("geometry that is no box, sphere, cylinder, capsule or mesh")
+    for joint in root.findall("joint"):
+        if joint.get("type") not in (*MOVING, "fixed"):
+            parts.leave_out(f"the motion of {joint.get('type')} joints")
+            joint.set("type", "fixed")
+    return capsules
+
+
+def _add_capsule(shape: ET.Element, link: str, parts: Parts, resources: Resources, colors: Mapping[str, Any]) -> None:
+    capsule, origin, material = shape.find("geometry/capsule"), shape.find("origin"), shape.find("material")
+    label = material.get("name", "") if material is not None else ""
+    stated = material.find("color") if material is not None else None
+    color = colors.get(label)
+    if stated is not None:
+        color = tuple(xml_lidars.numbers(stated.get("rgba"), (0.5, 0.5, 0.5, 1)).tolist())
+    local = np.eye(4)
+    if origin is not None:
+        local[:3, :3] = rotation(*xml_lidars.numbers(origin.get("rpy"), np.zeros(3)))
+        local[:3, 3] = xml_lidars.numbers(origin.get("xyz"), np.zeros(3))
+    sizes = [float(capsule.get(name, "0")) for name in ("radius", "length")] if capsule is not None else [0.0, 0.0]
+    number = parts.shapes.material(color or (0.5, 0.5, 0.5, 1.0), label)
+    mesh = resources.primitive("capsule", [sizes[0], sizes[1] / 2], number)
+    parts.place(mesh, link, local, shape.get("name") or link, link, label)
 
 
 def _color(material: Any) -> Optional[tuple[float, ...]]:
@@ -87,7 +131,7 @@ def _add(shape: Any, link: str, parts: Parts, resources: Resources, colors: Mapp
         chosen = None if color is None else (color, label)
         mesh = resources.mesh(geometry.mesh.filename, chosen)
         if geometry.mesh.scale is not None:
-            local = local @ np.diag([*np.broadcast_to(geometry.mesh.scale, 3), 1.0])
+            local = local @ np.diag([*np.broadcast_to(np.ravel(geometry.mesh.scale)[:3], 3), 1.0])
     else:
         number = parts.shapes.material(color or (0.5, 0.5, 0.5, 1.0), label)
         if geometry is not None and geometry.box is not None:
