@@ -13,7 +13,7 @@ namespace {
 
 using Catch::Matchers::ContainsSubstring;
 
-/// What a device may still allocate in a test.
+/// The memory that a device may still allocate in a test.
 struct Heaps {
   vulkan::DeviceFunctions real;
   int allocations = 0;
@@ -108,7 +108,7 @@ namespace {
 
 enum Type : uint32_t { local, both, host, cached };  // of a graphics card's memory
 
-/// What a graphics card in a test has been asked for.
+/// The requests for memory that a graphics card in a test has had.
 struct Card {
   vulkan::DeviceFunctions real;
   VkDeviceSize bothLeft = 0;  // bytes that the heap still has which the host and the card see

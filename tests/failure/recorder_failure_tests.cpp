@@ -148,7 +148,7 @@ TEST_CASE("a recording that fails for lack of memory loses no upload", "[combina
   recordings.take(shape);
   failEach("vulkan: record", Fails::memory, {[&] { recordings.record(); }, abandon, check});
   CHECK(failures([&](long n) {
-          // What a larger mesh uploads needs larger staging buffers.
+          // The upload of a larger mesh needs larger staging buffers.
           const size_t mesh = recordings.simulator().addMesh(soup(9, static_cast<uint32_t>(60'000 * n), 1, 0.1));
           const size_t instance =
               recordings.simulator().addInstance(static_cast<uint32_t>(mesh), translation(0, 0, 500));
