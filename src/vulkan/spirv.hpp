@@ -67,6 +67,7 @@ class KnownValues {
       case spv::OpUGreaterThan: return *a > *b;
       case spv::OpBitwiseAnd: return *a & *b;
       case spv::OpIAdd: return *a + *b;
+      case spv::OpISub: return *a - *b;
       case spv::OpIMul: return *a * *b;
       default: return {};
     }
