@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests of `gnosphere scan --trajectory` as a program.
+#include <catch2/matchers/catch_matchers_floating_point.hpp>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "cli_support.hpp"
 #include "gnosphere/output.hpp"
@@ -65,6 +67,25 @@ TEST_CASE("a rotating sensor moves along the trajectory during a scan, and each 
   const Result result = place.run("scan floor.obj --trajectory back.tum -o c.csv" + quick);
   CHECK(result.status != 0);
   CHECK_THAT(result.err, ContainsSubstring("0.5 does not come after 1"));
+}
+
+TEST_CASE("a list whose beams fire one after the other moves along the trajectory during a scan") {
+  const Workplace place;
+  place.put("t.tum", "0 0 0 1.8 0 0 0 1\n0.1 2 0 1.8 0 0 0 1\n5 2 0 1.8 0 0 0 1\n");
+  place.put("wall.obj", "v 10 -5 0\nv 10 5 0\nv 10 0 9\nf 1 2 3\n");
+  // Two beams look forward, one at the start of a scan and one 50 ms later.
+  place.put("list.json", R"({"name": "two", "range": {"min": 0, "max": 100},
+                             "patterns": [{"directions": [[1, 0, 0], [1, 0, 0]], "times": [0, 0.05]}]})");
+  REQUIRE(
+      place.run("scan wall.obj --trajectory t.tum -o a.csv --fields x --device reference --sensor list.json").status ==
+      0);
+  std::istringstream rows(place.get("a-000000.csv"));
+  std::string header, first, second;
+  std::getline(rows, header);
+  std::getline(rows, first);
+  std::getline(rows, second);
+  INFO(place.get("a-000000.csv"));
+  CHECK_THAT(std::stod(first) - std::stod(second), Catch::Matchers::WithinAbs(1, 1e-5));  // at 20 m/s
 }
 
 TEST_CASE("scan --stats - with a trajectory prints only JSON") {

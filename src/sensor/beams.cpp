@@ -112,9 +112,14 @@ ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame) {
     }
   else
     for (const double time : patternOf(sensor, frame).times) include(time);
-  constexpr uint32_t kIntervals = 2048;
-  return {first,           (last - first) / kIntervals, (first + last) / 2, last, kIntervals + 2, first, kIntervals + 2,
-          0.5 * kIntervals};
+  return {first,
+          (last - first) / kListIntervals,
+          (first + last) / 2,
+          last,
+          kListIntervals + 2,
+          first,
+          kListIntervals + 2,
+          0.5 * kListIntervals};
 }
 
 bool firesInTurn(const Sensor& sensor) {

@@ -42,8 +42,9 @@ struct ScanTimes {
 
   double at(uint32_t i) const { return first + i * step; }
 };
-/// Returns the times of the columns for a grid. A list has 2,048 intervals: straight lines between poses so close
-/// together miss the true path by nanometres.
+/// Intervals of the scan of a list. Straight lines between poses so close together miss the true path by nanometres.
+inline constexpr uint32_t kListIntervals = 2048;
+/// Returns the times of the columns for a grid; a list has kListIntervals.
 ScanTimes scanTimesOf(const Sensor& sensor, bool listed, uint64_t frame = 0);
 /// Whether beams of one scan fire at different times.
 bool firesInTurn(const Sensor& sensor);
@@ -66,7 +67,8 @@ struct OriginBounds {
 OriginBounds originBoundsOf(const Sensor& sensor, uint64_t frame, const Vec3& centre, std::span<const uint32_t> beams);
 /// Returns the point of a grid's axis that is halfway between the lowest and the highest laser.
 Vec3 middleOfLasers(const Sensor& sensor);
-/// Seconds in which an instance moves from the start to the end of its motion during a scan.
+/// Seconds from the start of a scan until its last beam has fired; 0 if all beams fire at once. The motion of an
+/// instance during a scan takes as long.
 double durationOf(const Sensor& sensor, uint64_t frame);
 
 /// Whether each beam never fires, because Sensor::maskedBeams names it.

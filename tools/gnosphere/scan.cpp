@@ -184,7 +184,7 @@ int runScan(const ScanOptions& options) {
     result.scan = runScans(simulator, pose, options.repeat, result.runs);
     writeScan(options, cloud, result.scan, 0);
   } else {
-    result.trajectory = scanTrajectory(simulator, trajectory, sensor.rotationPeriod,
+    result.trajectory = scanTrajectory(simulator, sensor, trajectory,
                                        [&](size_t i, const Scan& scan) { writeScan(options, cloud, scan, i); });
     for (const TrajectoryScan& scan : result.trajectory) result.runs.push_back(scan.timings);
     result.scan = summaryOf(result.trajectory, sensor);

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "console.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::cli {
 
@@ -16,8 +17,9 @@ std::string numbered(const std::string& file, size_t number) {
 
 namespace {
 
-/// Returns the poses around a scan that starts at number `first`, with times relative to its start.
-SensorMotion motionFrom(const std::vector<SensorMotion::Stamp>& trajectory, size_t first, double period) {
+/// Returns the poses around a scan of `duration` seconds that starts at number `first`, with times relative to its
+/// start.
+SensorMotion motionFrom(const std::vector<SensorMotion::Stamp>& trajectory, size_t first, double duration) {
   SensorMotion motion;
   const double start = trajectory[first].time;
   for (size_t i = first; i < trajectory.size(); ++i) {
@@ -28,22 +30,23 @@ SensorMotion motionFrom(const std::vector<SensorMotion::Stamp>& trajectory, size
                             "it turns, which needs ascending times, or --effect sensor-motion=off",
                             trajectory[i].time, trajectory[i - 1].time));
     motion.stamps.push_back({time, trajectory[i].pose});
-    if (time >= period) break;
+    if (time >= duration) break;
   }
   return motion;
 }
 
 }  // namespace
 
-std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const std::vector<SensorMotion::Stamp>& trajectory,
-                                           double period, const std::function<void(size_t, const Scan&)>& write) {
+std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const Sensor& sensor,
+                                           const std::vector<SensorMotion::Stamp>& trajectory,
+                                           const std::function<void(size_t, const Scan&)>& write) {
   std::vector<Shot> shots;
-  const bool moves = period > 0 && simulator.plan().has("sensor-motion");
+  const bool moves = firesInTurn(sensor) && simulator.plan().has("sensor-motion");
   for (size_t i = 0; i < trajectory.size(); ++i) {
     Shot& shot = shots.emplace_back();
     shot.pose = trajectory[i].pose;
     shot.frame = i;
-    if (moves) shot.motion = motionFrom(trajectory, i, period);
+    if (moves) shot.motion = motionFrom(trajectory, i, durationOf(sensor, i));
   }
   std::vector<TrajectoryScan> scans;
   Progress progress("scan", trajectory.size());

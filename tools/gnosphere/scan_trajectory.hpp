@@ -20,11 +20,12 @@ struct TrajectoryScan {
 /// Returns the name of scan `number`: cloud.pcd, 12 -> cloud-000012.pcd.
 std::string numbered(const std::string& file, size_t number);
 
-/// Scans from every pose, several in flight if the device can, and passes each scan to `write`. A sensor with a
-/// rotation time of `period` seconds moves along the trajectory during a scan; Error(format) is thrown if its times do
-/// not ascend.
-std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const std::vector<SensorMotion::Stamp>& trajectory,
-                                           double period, const std::function<void(size_t, const Scan&)>& write);
+/// Scans from every pose, several in flight if the device can, and passes each scan to `write`. A sensor whose beams
+/// fire one after the other moves along the trajectory during a scan; Error(format) is thrown if its times do not
+/// ascend.
+std::vector<TrajectoryScan> scanTrajectory(Simulator& simulator, const Sensor& sensor,
+                                           const std::vector<SensorMotion::Stamp>& trajectory,
+                                           const std::function<void(size_t, const Scan&)>& write);
 
 /// Combines all scans into one Scan without arrays: beams, hits, misses and retries are sums, nonFinite is the largest.
 Scan summaryOf(const std::vector<TrajectoryScan>& scans, const Sensor& sensor);
