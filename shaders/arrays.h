@@ -21,7 +21,8 @@
   ARRAY(readonly, uint, startFarthest)  /* `farthest` before anything is hit, if parts of the grid have no beams */ \
   ARRAY(readonly, vec4, beamOrigins)  /* per listed beam, with motion: its origin as in rowOrigins, */ \
                                       /* its place in columnMotions */ \
-  ARRAY(readonly, vec2, columnPlaces) /* per kPlaceColumns columns of cells: least and largest place of their beams */
+  ARRAY(readonly, uint, sliceMasks)   /* of a list with motion, per kSliceRows x kSliceColumns cells: one bit for each */ \
+                                      /* slice of time in which their beams fire */
 
 // The scene: its meshes and their placed instances.
 #define GNO_SCENE_ARRAYS(BLOCK, ARRAY) \
@@ -78,6 +79,7 @@
   ARRAY(, TaggedCorner, projectedC) \
   ARRAY(, vec2, projectedColumns) \
   ARRAY(, uint, projectedViews)            /* per projected triangle, if there are several views: its view */ \
+  ARRAY(, uvec2, projectedTimes)           /* per projected triangle, if TIMED: Box::times */ \
   ARRAY(, uvec4, tiles) \
   ARRAY(coherent, uvec2, words)            /* per beam, by rows: triangle, range bits (little-endian 64-bit word) */ \
                                            /* of its nearest hit; without kFieldPoints, at last of its return */ \

@@ -28,6 +28,7 @@
 #include "seen.glsl"
 #include "columns_between.glsl"
 #include "views.glsl"
+#include "firing_times.glsl"
 #include "nearest_hit.glsl"
 #include "occluders.glsl"
 #include "panes.glsl"
@@ -96,7 +97,9 @@ void tryBeam(Triangle triangle, Prepared prepared, Turned turned, Beam beam, uin
   }
 }
 
-Box boxOf(vec2 span, uint packedRows) { return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16); }
+Box boxOf(uint slot, vec2 span, uint packedRows) {
+  return Box(span.x, span.y, packedRows & 0xffff, packedRows >> 16, TIMED ? projectedTimes.at[slot] : uvec2(0));
+}
 
 // Sets the angles by which a triangle seems elsewhere to lasers away from the sensor's origin.
 void seemFrom(Triangle triangle) {
@@ -109,7 +112,7 @@ void seemFrom(Triangle triangle) {
 void trySmall(uint i) {
   TaggedCorner c = projectedC.at[i];
   Triangle triangle = triangleOf(projectedA.at[i], projectedB.at[i], c.corner);
-  Box box = boxOf(projectedColumns.at[i], c.tag);
+  Box box = boxOf(i, projectedColumns.at[i], c.tag);
   if (VIEWS) view = projectedViews.at[i];
   Prepared prepared = prepare(triangle);
   lookAtSurface(i);
@@ -151,7 +154,7 @@ Tile tileAt(uint t) {
   uint slot = tile.x;
   TaggedCorner a = TaggedCorner(LOADED_3(projectedA.at[slot].corner), projectedA.at[slot].tag);
   TaggedCorner c = TaggedCorner(LOADED_3(projectedC.at[slot].corner), projectedC.at[slot].tag);
-  Box box = boxOf(LOADED_2(projectedColumns.at[slot]), c.tag);
+  Box box = boxOf(slot, LOADED_2(projectedColumns.at[slot]), c.tag);
   Triangle triangle = triangleOf(a, LOADED_4(projectedB.at[slot]), c.corner);
   return Tile(slot, triangle, box, tile.y, min(tile.y + tile.z, boxColumnCount(box)),
               wrapColumn(firstColumn(box) + int(tile.y)), tile.w);
@@ -205,6 +208,7 @@ void rowsIn(Tile tile, Prepared prepared, uint kFrom, uint kTo, float angle, out
 // Tries the listed beams of a cell.
 void tryCell(Tile tile, Prepared prepared, uint cell) {
   for (uint index = cellStarts.at[cell], end = cellStarts.at[cell + 1]; index < end; ++index) {
+    if (!firesWithin(tile.box, index, index)) continue;
     Beam beam = listedBeam(index);
     Triangle seen = tile.triangle;
     if (APART) {
@@ -276,6 +280,7 @@ void tryTile(Tile tile) {
           uint run = AZIMUTH_OFFSETS ? subgroupShuffle(azimuths, mine & (gl_SubgroupSize - 1)) : 0;
           // The test is a condition, not a `continue`, because all lanes must reach the next shuffle.
           bool here = mine < min(mineEnd, stop);
+          if (TIMED && !LISTED) here = here && firesWithin(tile.box, box.rowFirst + mine, column);
           if (LISTED) {
             if (here) tryCell(tile, prepared, (box.rowFirst + mine) * stride + column);
           } else if (here) {

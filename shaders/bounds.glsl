@@ -89,6 +89,7 @@ Outline outlineOf(vec3 a, vec3 b, vec3 c) {
 struct Box {
   float columnMin, columnMax;
   uint rowFirst, rowLast;
+  uvec2 times;  // if TIMED: the first and the last slice or moment in which its beams fire
 };
 
 // Sets the rows that the outline may cover; false if it lies between two rows or outside the field of view.

@@ -153,19 +153,68 @@ bool occluded(Window window, float nearest) {
   return false;
 }
 
+// The beams of a window fire during a part of the scan, in which the sensor moves less than during the whole scan. If
+// that part is short, moves the box to the frame of the sensor in the middle of it, and sets by how many metres and
+// radians the sensor moves meanwhile at most.
+bool narrowToTime(Window window, inout vec3 low, inout vec3 high, out float shift, out float turn) {
+  shift = turn = 0.0;
+  uvec2 span = columnsOf(window);
+  float farthest_ = farthestPoint(low, high);
+  if (!(farthest_ < 1e30) || window.first >= window.end || span.x >= span.y || span.x >= frame.columns) return false;
+  uvec2 interval = uvec2(span.x, span.y - 1);
+  if (LISTED) {
+    uint slices = slicesWithin(window.first, window.end, span.x, span.y - span.x);
+    if (slices == 0) return false;
+    interval = runOfSlices(slices);
+  } else if (span.y > frame.columns) {
+    return false;  // the box is seen at the start and at the end of the scan
+  }
+  vec2 places = placesOf(interval.x, interval.y);
+  float reach = reachOf(places);
+  if (!(reach < 0.5 * motion.columnsToMiddle)) return false;
+  ColumnMotion at = columnMotionOfPlace(0.5 * (places.x + places.y));
+  vec3 extent = 0.5 * (high - low), centre = inColumn(at, 0.5 * low + 0.5 * high);
+  float slack = 1e-6 * (farthest_ + motion.shift);
+  vec3 size = vec3(dot(abs(at.row0.xyz), extent), dot(abs(at.row1.xyz), extent), dot(abs(at.row2.xyz), extent)) + slack;
+  low = centre - size;
+  high = centre + size;
+  shift = min(motion.shiftPerColumn * reach + motion.origins, 2.0 * motion.shift) + slack;
+  turn = min(motion.turnPerColumn * reach, 2.0 * motion.turn);
+  return true;
+}
+
+// Sets by how much the content of a box appears to move during the scan, and returns a lower bound of its distance from
+// any laser.
+float seemFromSensor(vec3 low, vec3 high) {
+  float nearest = nearestPoint(low, high);
+  if (!APART) return nearest;
+  if (MOTION && motion.sensor != 0)
+    setSeeming(seemingAngle(motion.shift, motion.turn, nearest));
+  else
+    seemFromLasers(low, high);
+  return max(nearest - motion.shift, 0.0);
+}
+
+// Returns the window of the beams that may hit a box after seemFromSensor(). If these fire within a short time, `nearest`
+// becomes a lower bound of the distance during that time.
+Window windowInTime(vec3 low, vec3 high, inout float nearest) {
+  Window window = windowOf(low, high);
+  float shift, turn, whole = seeming;
+  if (!MOTION || motion.sensor == 0 || !narrowToTime(window, low, high, shift, turn)) return window;
+  nearest = nearestPoint(low, high);
+  setSeeming(seemingAngle(shift, turn, nearest));
+  nearest = max(nearest - shift, 0.0);
+  window = windowOf(low, high);
+  setSeeming(whole);
+  return window;
+}
+
 // Comparisons with NaN are false, so a box with NaN bounds is not culled.
 bool outOfSight(vec3 low, vec3 high) {
-  float nearest = nearestPoint(low, high);
-  if (APART) {
-    if (!MOTION || motion.sensor == 0)
-      seemFromLasers(low, high);
-    else
-      setSeeming(seemingAngle(motion.shift, motion.turn, nearest));
-    nearest = max(nearest - motion.shift, 0.0);
-    if (seeming > 1.0) return (CULLING & kCullRange) != 0 && nearest > frame.rangeMax;
-  }
+  float nearest = seemFromSensor(low, high);
   if ((CULLING & kCullRange) != 0 && nearest > frame.rangeMax) return true;
-  Window window = windowOf(low, high);
+  if (APART && seeming > 1.0) return false;
+  Window window = windowInTime(low, high, nearest);
   if ((CULLING & kCullRows) != 0 && window.first >= window.end) return true;
   if ((CULLING & kCullColumns) != 0 && betweenColumns(window.from, window.to)) return true;
   return (CULLING & kCullOccluded) != 0 && pass.occluders != 0 && window.first < window.end &&

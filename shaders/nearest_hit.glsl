@@ -28,6 +28,14 @@ struct Walk {
 
 Walk walkOf(Box box) { return Walk(box.rowFirst, 0, 0, vec2(0.0), 0, 0, 0); }
 
+// True if the beam in a column of a row fires within the time of a box.
+bool firesWithin(Box box, uint row, uint column) {
+  if (!TIMED || isWholeScan(box.times)) return true;
+  uint time = LISTED ? min(uint(beamOrigins.at[column].w) / kSliceIntervals, kTimeSlices - 1)
+                     : uint(momentOf(rows.at[row].first, rows.at[row].lag, column, frame.columns));
+  return time >= box.times.x && time <= box.times.y;
+}
+
 // Finds the run of cells from the walk's cell on that lie in one row and do not wrap, and moves on behind it.
 void enterCells(Box box, uint columnCount, inout Walk walk) {
   uint column = wrapColumn(firstColumn(box) + int(walk.k)), run = min(columnCount - walk.k, frame.columns - column);
@@ -71,6 +79,7 @@ bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, o
     index = walk.index;
     if (there) {
       beam = listedBeam(index);
+      there = firesWithin(box, index, index);
       ++walk.index;
     }
     if (walk.k == columnCount && walk.index == walk.end) {
@@ -82,10 +91,11 @@ bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, o
   if (walk.k == walk.kEnd) enterRow(box, columnCount, silhouette, walk);
   bool there = walk.k < walk.kEnd;  // all lanes load a beam, because loads in divergent branches cost more
   beam = beamAt(box, min(walk.k, columnCount - 1), walk.row, walk.angles, walk.azimuths, index);
+  bool fires = there && firesWithin(box, walk.row, columnOf(index));
   walk.k += there ? 1 : 0;
   if (walk.k == walk.kEnd) {
     walk.k = walk.kEnd = 0;
     ++walk.row;
   }
-  return there;
+  return fires;
 }

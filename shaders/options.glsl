@@ -29,5 +29,8 @@ layout(constant_id = 21) const bool VIEWS = false;  // the submission may have s
 // True if lasers do not see everything from one place all the time.
 #define APART (MOTION || ORIGINS)
 
+// True if a box may hold only those beams of its places that fire within some time.
+#define TIMED ((LISTED || STAGGERED) && MOTION)
+
 // True if light may pass surfaces and beams are single lines: opaque triangles are binned first, then panes.
 #define PANES ((EFFECTS & (kTransmission | kFootprint)) == kTransmission)

@@ -13,6 +13,7 @@
 #include "sphere.glsl"
 #include "to_sensor.glsl"
 #include "views.glsl"
+#include "firing_times.glsl"
 #include "cull.glsl"
 #include "lanes.glsl"
 #include "buckets.glsl"

@@ -1,95 +1,94 @@
 // SPDX-License-Identifier: Apache-2.0
-// Intervals of the scan, in which a triangle is bounded that moves fast around the sensor. Intervals are runs of
-// columns, and each fires during a part of the scan. An interval is narrowed to the columns of the triangle's box and
-// divided until the triangle's motion meanwhile adds little to its bounds.
+// Intervals of the scan, in which a triangle is bounded that moves fast around the sensor. The intervals of a grid whose
+// columns fire one after the other are runs of columns. Where rows have shifts, they are runs of moments, which are
+// entries of columnMotions; for a list they are runs of slices of time. An interval is narrowed to the columns, moments
+// or slices in which beams of the triangle's box fire, and divided until the triangle's motion meanwhile adds little to
+// its bounds.
 
 // Columns are compared as floats, which are exact up to here, and half columns, too.
 const uint kMostExactColumns = 1 << 23;
 
-// An interval: those of the columns begin..end - 1 that may see the triangle are from..to.
+// An interval: those of the columns, moments or slices begin..end - 1 that may see the triangle are from..to.
 struct Interval {
   uint from, to, begin, end;
 };
 
-// Returns the interval of columns first..first + count - 1, or fewer if the scan ends before.
+// Returns the interval that begins with column, moment or slice `first` and has `count` of them, or fewer if the scan
+// ends before.
 Interval intervalAt(uint first, uint count) {
-  uint end = first + min(count, frame.columns - first);
+  uint end = first + min(count, intervalsEnd() - first);
   return Interval(first, end - 1, first, end);
 }
 
-Interval wholeScan() { return intervalAt(0, frame.columns); }
-Interval noInterval() { return intervalAt(frame.columns, 0); }
+Interval wholeScan() { return intervalAt(0, intervalsEnd()); }
+Interval noInterval() { return intervalAt(intervalsEnd(), 0); }
 bool isEmpty(Interval interval) { return interval.begin == interval.end; }
 // Returns the interval after another, twice as long.
 Interval intervalAfter(Interval before) { return intervalAt(before.end, 2 * (before.end - before.begin)); }
 
-// Returns the least and the largest place in the table of the sensor's poses among the listed beams in a run of
-// columns; the first is larger if there are none.
-vec2 placesWithin(uint column, uint count) {
-  uint blocks = (frame.columns - 1) / kPlaceColumns + 1, block = column / kPlaceColumns;
-  vec2 places = vec2(1e9, -1.0);
-  // One block more than the columns fill, because the last block of a turn may be smaller.
-  for (uint k = 0; k < min((column % kPlaceColumns + count - 1) / kPlaceColumns + 2, blocks); ++k) {
-    vec2 of = columnPlaces.at[block];
-    places = vec2(min(places.x, of.x), max(places.y, of.y));
-    block = block + 1 == blocks ? 0 : block + 1;
-  }
-  return places;
-}
-
-// Returns the least and the largest place in that table among all beams in columns from..to.
-vec2 placesOf(uint from, uint to) {
-  bool whole = to - from + 1 == frame.columns;
-  if (LISTED) return whole ? vec2(0.0, 2.0 * motion.columnsToMiddle) : placesWithin(from, to - from + 1);
-  vec2 places = vec2(float(from), float(to));
-  if (!STAGGERED) return places;
-  // A row with a shift looks at these columns earlier or later, and perhaps at the other end of the scan.
-  places = vec2(places.x - frame.shiftMax, places.y - frame.shiftMin);
-  bool wraps = places.x < 0.0 || places.y > float(frame.columns - 1);
-  if (whole || wraps) return vec2(-float(frame.momentsBefore), float(frame.columns - 1 + frame.momentsAfter));
-  return places;
-}
-
-// Returns how many places lie between the middle of two and each of them; the rest covers rounding.
-float reachOf(vec2 places) {
-  return 0.5 * (places.y - places.x) + (LISTED ? 0.01 : STAGGERED ? 1.0 : 0.5);
-}
-
 float areaOf(Outline outline, Box box) { return (box.columnMax - box.columnMin) * (outline.keyMax - outline.keyMin); }
+
+// Returns the least and the largest place in the table of the sensor's poses at which the beams of an interval fire.
+vec2 placesIn(Interval interval) {
+  if (LISTED || !STAGGERED) return placesOf(interval.from, interval.to);
+  return vec2(float(interval.from), float(interval.to + 1)) - float(frame.momentsBefore);
+}
 
 // Cuts a box down to the columns of an interval. The box of a whole scan may wrap.
 void cutColumns(Interval interval, inout Box box) {
   float turnColumns = float(frame.columns), beside = BESIDE_COLUMNS ? 0.5 : 0.0;
   // With this lower end the box begins at the first column of the interval, or one column before it.
   float lower = BESIDE_COLUMNS ? clamp(BESIDE - 0.5, 0.0, 0.5) : 0.0;
-  if (interval.to - interval.from + 1 == frame.columns) return;
-  float low = float(interval.from) + lower, high = float(interval.to) + beside;
+  vec2 columns_ = vec2(float(interval.from), float(interval.to));
+  if (STAGGERED) columns_ += vec2(frame.shiftMin, frame.shiftMax + 1.0) - float(frame.momentsBefore);
+  float low = columns_.x + lower, high = columns_.y + beside;
+  if (LISTED || high - low >= turnColumns - 1.0) return;
   float wrap = floor((high + beside - box.columnMin) / turnColumns) * turnColumns;
   vec2 span = vec2(box.columnMin, box.columnMax) + wrap;  // it begins at most one turn before the interval ends
-  bool any = span.y >= float(interval.from), twice = span.y - turnColumns >= float(interval.from);
+  bool any = span.y >= columns_.x, twice = span.y - turnColumns >= columns_.x;
   box.columnMin = twice ? low : clamp(span.x, low, high);
   box.columnMax = twice ? high : any ? clamp(span.y, box.columnMin, high) : box.columnMin - 2.0;
 }
 
-// True if the triangle has a much smaller box in a part of the interval. `reach` is that of the interval.
-bool repaysDivision(Interval interval, Box box, float reach) {
-  uint count = interval.to - interval.from + 1, columnCount = boxColumnCount(box);
-  if (columnCount * boxRowCount(box) <= kFewIntervalBeams || count <= frame.columns / kMostIntervals || count == 1 ||
-      frame.columns > kMostExactColumns)
-    return false;
-  if (!LISTED && !STAGGERED) return true;
-  // Beams that lie side by side may fire at any time.
-  uint middle = wrapColumn(firstColumn(box) + int(columnCount / 2));
-  return reachOf(placesOf(middle, middle)) < 0.75 * reach;
+// Returns one bit for each slice from..to in which beams of a box of cells may fire.
+uint slicesIn(uint from, uint to, Box box) {
+  uint all = 0xffffffffu >> (kTimeSlices - 1 - (to - from)) << from;
+  return all & slicesWithin(box.rowFirst, box.rowLast + 1, wrapColumn(firstColumn(box)), boxColumnCount(box));
 }
 
-// Narrows an interval to the columns of the triangle's box if these are at most half of it, or to its first half.
+// True if a division repays itself for a triangle that has a much smaller box in a part of the interval.
+bool repaysDivision(Interval interval, Box box) {
+  uint count = interval.to - interval.from + 1;
+  if (boxColumnCount(box) * boxRowCount(box) <= kFewIntervalBeams || count == 1) return false;
+  return LISTED || (count > frame.columns / kMostIntervals && frame.columns <= kMostExactColumns);
+}
+
+// Returns the first and the last column, moment or slice of an interval in which beams of a box fire. The first may lie
+// behind the last if there are none.
+uvec2 firingIn(Interval interval, Box box) {
+  if (LISTED) return runOfSlices(slicesIn(interval.from, interval.to, box));
+  int first = firstColumn(box), last = first + int(boxColumnCount(box)) - 1, turnColumns = int(frame.columns);
+  if (STAGGERED) {
+    first += int(floor(float(frame.momentsBefore) - frame.shiftMax));
+    last += int(ceil(float(frame.momentsBefore) - frame.shiftMin));
+  }
+  int from = int(interval.to), to = int(interval.from);
+  for (int k = -1; k <= 1; ++k) {
+    int low = max(first + k * turnColumns, int(interval.from)), high = min(last + k * turnColumns, int(interval.to));
+    if (low > high) continue;
+    from = min(from, low);
+    to = max(to, high);
+  }
+  return uvec2(from, to);
+}
+
+// Narrows an interval to the columns, moments or slices in which beams of the triangle's box fire, if these are at most
+// half of it. Otherwise narrows the interval to its first half.
 void divide(Box box, inout Interval interval) {
-  int first = firstColumn(box), count = int(boxColumnCount(box));
-  bool wraps = first < int(interval.from) || first + count > int(interval.to) + 1;
-  if (!wraps && 2 * count <= int(interval.to - interval.from) + 1) {
-    interval.from = uint(first);
-    interval.to = uint(first + count - 1);
+  uvec2 firing = firingIn(interval, box);
+  if (firing.x <= firing.y && 2 * (firing.y - firing.x + 1) <= interval.to - interval.from + 1) {
+    interval.from = firing.x;
+    interval.to = firing.y;
   } else {
     interval.to = interval.from + (interval.to - interval.from) / 2;
     interval.end = interval.to + 1;

@@ -118,6 +118,7 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
   mat3 velocities = projected.velocities;
   Interval part = interval;
   interval = noInterval();
+  box.times = uvec2(part.from, part.to);
   projected.seen = corners;
   projected.inOneFrame = true;
   if (!MOTION || (!moves && motion.sensor == 0)) {
@@ -125,7 +126,9 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
     rangeMin = max(nearestPoint(low, high) - motion.shift, 0.0);
     if (rangeMin > frame.rangeMax) return kRange;
     seemFromLasers(low, high);
-    return boundedBox(corners[0], corners[1], corners[2], box, rangeMin);
+    uint fate = boundedBox(corners[0], corners[1], corners[2], box, rangeMin);
+    box.times = uvec2(part.from, part.to);
+    return fate;
   }
   Course course = courseOf(corners, velocities);
   rangeMin = course.nearest;
@@ -135,7 +138,7 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
   bool inOne = !LISTED && part.from == 0 && frame.columns <= kMostExactColumns;  // one box is tried first
   // Both cases share one loop because some compilers take gigabytes if the bounds are inlined several times.
   while (true) {
-    vec2 places = inOne ? vec2(float(seeingColumn(corners, velocities))) : placesOf(part.from, part.to);
+    vec2 places = inOne ? vec2(float(seeingColumn(corners, velocities))) : placesIn(part);
     bool anyBeams = places.x <= places.y;
     ColumnMotion at = columnMotionOfPlace(anyBeams ? 0.5 * (places.x + places.y) : 0.0);
     vec3 a = inColumn(at, corners[0], velocities[0]), b = inColumn(at, corners[1], velocities[1]),
@@ -159,8 +162,10 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
     bool muchWider = areaOf(outline, box) > 2.0 * area;
     cutColumns(part, box);
     bool any = coverRows(outline, box) && boxColumnCount(box) > 0 && anyBeams;
-    if (any && !(muchWider && repaysDivision(part, box, reach))) {
+    if (LISTED && any) any = slicesIn(part.from, part.to, box) != 0;
+    if (any && !(muchWider && repaysDivision(part, box))) {
       interval = intervalAfter(part);
+      box.times = uvec2(part.from, part.to);
       return hidden(box, rangeMin) ? kHidden : kKeep;
     }
     if (any) {

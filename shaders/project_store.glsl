@@ -8,6 +8,7 @@ void store(uint slot, Projected projected, Box box, uint material) {
   projectedC.at[slot] = projected.c;
   projectedColumns.at[slot] = vec2(box.columnMin, box.columnMax);
   if (VIEWS) projectedViews.at[slot] = view;
+  if (TIMED) projectedTimes.at[slot] = box.times;
   if ((EFFECTS & (kFootprint | kCutOuts | kTransmission)) != 0) projectedMaterials.at[slot] = material;
   if ((EFFECTS & kCutOuts) != 0) {
     projectedTexture.at[2 * slot] = vec4(projected.inTexture.a, projected.inTexture.b);

@@ -26,6 +26,7 @@
 #include "lanes.glsl"
 #include "to_sensor.glsl"
 #include "views.glsl"
+#include "firing_times.glsl"
 #include "cull.glsl"
 #include "limits.glsl"
 #include "deformed.glsl"
@@ -269,20 +270,17 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
 // project_clusters listed it, but since then this kernel has tried other triangles of the same shell. Each lane may ask
 // about another cluster.
 bool isHiddenByNow(uvec2 pair) {
-  bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && !MOTION && (!ORIGINS || SHIFTS_TURNED);
+  bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && (!ORIGINS || SHIFTS_TURNED);
   if (!triesHere || (CULLING & kCullOccluded) == 0) return false;
   if (DEFORMED != kDeformsNothing && deformers.at[instanceMeshes.at[pair.x]].deformed != 0) return false;
   vec3 low, high;
   sensorBox(instances.at[pair.x], clusters.at[pair.y].low, clusters.at[pair.y].high, low, high);
+  if (MOTION) widenByMotion(pair.x, low, high);
   setView(pair.x);
-  float nearest = nearestPoint(low, high);
   setSeeming(0.0);
-  if (ORIGINS) {
-    seemFromLasers(low, high);
-    nearest -= motion.shift;
-    if (seeming > 1.0 || !(nearest > 0.0)) return false;
-  }
-  Window window = windowOf(low, high);
+  float nearest = seemFromSensor(low, high);
+  if (APART && (seeming > 1.0 || !(nearest > 0.0))) return false;
+  Window window = windowInTime(low, high, nearest);
   return hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearest);
 }
 

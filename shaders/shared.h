@@ -75,10 +75,15 @@ GNO_CONST uint kBucketShift = 21;  // of a float's bits: two of the mantissa are
 GNO_CONST uint kResolveColumns = 1024;
 // A triangle that moves fast around the sensor is bounded for intervals of the scan. An interval is divided if its box
 // has more beams than this, and the scan fewer intervals of this length than the other number.
-GNO_CONST uint kFewIntervalBeams = 128;
+GNO_CONST uint kFewIntervalBeams = 32;
 GNO_CONST uint kMostIntervals = 64;
-// Columns of cells per entry of columnPlaces.
-GNO_CONST uint kPlaceColumns = 16;
+// Slices of time into which the scan of a moving list is divided, intervals of columnMotions per slice, the columns and
+// rows of cells per entry of sliceMasks, and the most entries that are read for a box.
+GNO_CONST uint kTimeSlices = 32;
+GNO_CONST uint kSliceIntervals = 64;
+GNO_CONST uint kSliceColumns = 16;
+GNO_CONST uint kSliceRows = 8;
+GNO_CONST uint kMostSliceMasks = 64;
 // Number of placed triangles per entry of ownerRanges.
 GNO_CONST uint kOwnerBlock = 256;
 // Number of values of Cause.

@@ -54,6 +54,8 @@ std::vector<EffectsArray> projectedArrays(const SensorPlan& plan, uint64_t count
   if (plan.has(gpu::kFootprintEffects))
     arrays.push_back({gpu::Array::projectedMaterials, count * sizeof(uint32_t), {}});
   if (plan.has(gpu::kCutOuts)) arrays.push_back({gpu::Array::projectedTexture, count * 2 * sizeof(gpu::vec4), {}});
+  if (plan.motion() && (plan.listed || plan.rows))
+    arrays.push_back({gpu::Array::projectedTimes, count * 2 * sizeof(uint32_t), {}});
   if (plan.has(gpu::kObjectMotion)) arrays.push_back({gpu::Array::projectedMotions, count * 3 * sizeof(gpu::vec4), {}});
   return arrays;
 }

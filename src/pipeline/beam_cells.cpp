@@ -245,6 +245,19 @@ bool placeOnGrid(const Sensor& sensor, uint64_t frame, const std::vector<Listed>
   return true;
 }
 
+// Returns in which slices of the scan's time the first `firing` beams fire, for blocks of cells.
+std::vector<uint32_t> sliceMasksOf(const BeamTables& tables, const std::vector<Listed>& beams, size_t firing) {
+  static_assert(kListIntervals == gpu::kTimeSlices * gpu::kSliceIntervals);
+  const size_t perRow = (tables.frame.columns - 1) / gpu::kSliceColumns + 1;
+  std::vector<uint32_t> masks(perRow * ((tables.rows.size() + gpu::kSliceRows - 1) / gpu::kSliceRows));
+  for (size_t i = 0; i < firing; ++i) {
+    const uint32_t slice = static_cast<uint32_t>(tables.origins[i].w) / gpu::kSliceIntervals;
+    masks[beams[i].row / gpu::kSliceRows * perRow + beams[i].column / gpu::kSliceColumns] |=
+        1u << std::min(slice, gpu::kTimeSlices - 1);
+  }
+  return masks;
+}
+
 // Sorts the beams into cells.
 void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams, const std::vector<size_t>& ends,
                  uint32_t columns, const OriginGroup& group, BeamTables& tables) {
@@ -290,11 +303,7 @@ void listInCells(const Sensor& sensor, uint64_t frame, std::vector<Listed> beams
     tables.origins.push_back({static_cast<float>(c * from.x + s * from.y), static_cast<float>(c * from.y - s * from.x),
                               static_cast<float>(from.z), static_cast<float>(place)});
   }
-  tables.columnPlaces.assign((columns - 1) / gpu::kPlaceColumns + 1, gpu::vec2(1e9f, -1));
-  for (size_t i = 0; i < firing; ++i) {
-    gpu::vec2& places = tables.columnPlaces[beams[i].column / gpu::kPlaceColumns];
-    places = {std::min(places.x, tables.origins[i].w), std::max(places.y, tables.origins[i].w)};
-  }
+  tables.sliceMasks = sliceMasksOf(tables, beams, firing);
   // A beam lies up to one column behind the column of its cell. The amount that it may lie before it is slack.
   tables.frame.beside = 1;
   tables.frame.columnSlack += static_cast<float>(kColumnTolerance);

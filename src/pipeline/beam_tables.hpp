@@ -26,8 +26,7 @@ struct BeamTables {
   /// The farthest-range table before anything is hit: 0 where there is no beam, otherwise kNone. Empty if there is
   /// none.
   std::vector<uint32_t> startFarthest;
-  std::vector<uint32_t> cellStarts, numbers;
-  std::vector<gpu::vec2> columnPlaces;
+  std::vector<uint32_t> cellStarts, sliceMasks, numbers;
   uint32_t masked = 0;  ///< number of beams, at the end, that never fire
   std::vector<gpu::vec4> angles, origins;
   std::vector<gpu::vec2> ranges;  ///< empty if all beams have those of the frame

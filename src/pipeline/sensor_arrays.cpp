@@ -252,7 +252,7 @@ std::vector<EffectsArray> SensorArrays::arraysOf(const BeamTables& tables) const
   put(Array::beamAngles, tables.angles);
   if (!plan_.motion()) return arrays;
   put(Array::beamOrigins, tables.origins);
-  put(Array::columnPlaces, tables.columnPlaces);
+  put(Array::sliceMasks, tables.sliceMasks);
   return arrays;
 }
 
