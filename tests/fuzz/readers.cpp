@@ -11,9 +11,15 @@
 #include <string>
 #include <string_view>
 
+#include "drive/drive.hpp"
+#include "drive/manifest.hpp"
+#include "gnosphere/effects.hpp"
 #include "gnosphere/sensor.hpp"
+#include "output/cloud_format.hpp"
+#include "output/cloud_table.hpp"
 #include "scene/gltf_accessor.hpp"
 #include "scene/readers.hpp"
+#include "town/opendrive/network.hpp"
 
 namespace gnosphere {
 namespace {
@@ -93,35 +99,103 @@ void fuzzSensorFile(std::string_view bytes) {
   readValid(bytes, "fuzz", {.beamsPerScan = 3}, false);
 }
 
+/// A file with these bytes, which its destructor removes.
+class InputFile {
+ public:
+  explicit InputFile(Bytes bytes)
+      : file_(std::filesystem::temp_directory_path() / ("gnosphere-fuzz-" + std::to_string(::getpid()))) {
+    std::ofstream(file_, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  ~InputFile() { std::filesystem::remove(file_); }
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+  const std::filesystem::path& path() const { return file_; }
+
+ private:
+  std::filesystem::path file_;
+};
+
+/// Calls a reader, which may refuse its input with an Error, but must not blame the caller.
+template <typename Read>
+void mayRefuse(const Read& read) {
+  try {
+    read();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::invalidArgument) complain("a reader blames the caller", error.what());
+  }
+}
+
 /// Reads Hesai's firing times for two channels; they are always in a file.
 void fuzzFireTimes(Bytes bytes) {
-  static const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / ("gnosphere-fuzz-" + std::to_string(::getpid()));
-  std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  const InputFile file(bytes);
   for (const char* state : {"", "2"})
     readValid("Channel,Elevation,Azimuth\n1,1,0\n2,-1,5\n", "angles.csv",
-              {.mode = state, .scanRate = 10, .columns = 36, .fireTimes = file}, false);
-  std::filesystem::remove(file);
+              {.mode = state, .scanRate = 10, .columns = 36, .fireTimes = file.path()}, false);
+}
+
+/// Reads a cloud in the format that the first byte chooses, and the hit of every entry.
+void fuzzCloud(Bytes bytes) {
+  if (bytes.empty()) return;
+  const CloudFormat& format = cloudFormats()[bytes[0] % cloudFormats().size()];
+  if (!format.read) return;
+  mayRefuse([&] {
+    const Scan scan = readCloudBytes(format, {bytes.begin() + 1, bytes.end()}, "'fuzz'");
+    for (size_t entry = 0; entry < scan.ranges.size(); ++entry) scan.hit(static_cast<uint32_t>(entry));
+  });
+}
+
+/// Reads a trajectory in the format that the first byte chooses. KITTI's poses are their own times.
+void fuzzTrajectory(Bytes bytes) {
+  constexpr const char* kFormats[] = {"tum", "kitti", "euroc", "nuscenes", "carla", "carla-route"};
+  if (bytes.empty()) return;
+  const InputFile file(bytes.subspan(1));
+  mayRefuse([&] {
+    drive::readTrajectory(file.path(), kFormats[bytes[0] % std::size(kFormats)],
+                          {.times = file.path(), .route = {}, .speed = 10});
+  });
+}
+
+/// Reads the manifest of the only frame of a drive.
+void fuzzManifest(Bytes bytes) {
+  static const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("gnosphere-fuzz-drive-" + std::to_string(::getpid()));
+  drive::Drive drive;
+  drive.duration = 1 / drive.rate;
+  {
+    const drive::Manifest manifest(drive, folder);
+    std::ofstream(folder / "manifest/frames/000000.json", std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    mayRefuse([&] { manifest.isComplete(0, true); });
+  }
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace
 
 void fuzzReaders(std::span<const uint8_t> input) {
   if (input.empty()) return;
-  constexpr std::string_view kChoices = "gbopsjdft";
-  const size_t named = kChoices.find(static_cast<char>(input[0]));
   const Bytes bytes = input.subspan(1);
-  switch (named != kChoices.npos ? named : input[0] % kChoices.size()) {
-    case 0:
-    case 1: return fuzzScene(SceneFormat::gltf, bytes);
-    case 2: return fuzzScene(SceneFormat::obj, bytes);
-    case 3: return fuzzScene(SceneFormat::ply, bytes);
-    case 4: return fuzzScene(SceneFormat::stl, bytes);
-    case 6: return fuzzDraco(bytes);
-    case 8: return fuzzFireTimes(bytes);
-    case 7: return fuzzSensorFile({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    default: return fuzzSensor({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  constexpr std::string_view kChoices = "gbopsjdftceymvnx";
+  const size_t named = kChoices.find(static_cast<char>(input[0]));
+  switch (kChoices[named != kChoices.npos ? named : input[0] % kChoices.size()]) {
+    case 'g':
+    case 'b': return fuzzScene(SceneFormat::gltf, bytes);
+    case 'o': return fuzzScene(SceneFormat::obj, bytes);
+    case 'p': return fuzzScene(SceneFormat::ply, bytes);
+    case 's': return fuzzScene(SceneFormat::stl, bytes);
+    case 'j': return fuzzSensor(text);
+    case 'd': return fuzzDraco(bytes);
+    case 'f': return fuzzSensorFile(text);
+    case 't': return fuzzFireTimes(bytes);
+    case 'c': return fuzzCloud(bytes);
+    case 'e': return mayRefuse([&] { effectsFromJson(text, "'fuzz'"); });
+    case 'y': return fuzzTrajectory(bytes);
+    case 'm': return mayRefuse([&] { loadMaterialTable(InputFile(bytes).path()); });
+    case 'v': return mayRefuse([&] { drive::readDrive(InputFile(bytes).path()); });
+    case 'n': return fuzzManifest(bytes);
+    default: return mayRefuse([&] { town::opendrive::readNetwork(InputFile(bytes).path()); });
   }
 }
 

@@ -7,9 +7,10 @@
 namespace gnosphere {
 
 /// Passes everything after the first byte to the reader that the first byte selects: g glTF text, b GLB, o OBJ, p PLY,
-/// s STL, j sensor JSON, d Draco data, f a sensor file of any family, t firing times of Hesai; other values are taken
-/// modulo 9. Ends the process if a reader throws anything but an Error, or returns an invalid result. The fuzzer calls
-/// it with generated input, the tests with the corpus.
+/// s STL, j sensor JSON, d Draco data, f a sensor file of any family, t firing times of Hesai, c a cloud (the next byte
+/// selects the format), e effects, y a trajectory (likewise), m a table of materials, v a drive file, n the manifest of
+/// a frame, x OpenDRIVE; other values are taken modulo 16. Ends the process if a reader throws anything but an Error,
+/// or returns an invalid result. The fuzzer calls it with generated input, the tests with the corpus.
 void fuzzReaders(std::span<const uint8_t> input);
 
 }  // namespace gnosphere
