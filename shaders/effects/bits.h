@@ -26,14 +26,13 @@ GNO_CONST uint kRain = 1u << 13;
 GNO_CONST uint kSnow = 1u << 14;
 GNO_CONST uint kVolumes = 1u << 15;
 GNO_CONST uint kRadialSpeed = 1u << 16;
-GNO_CONST uint kEffectCount = 17;
 
 // Not an effect of its own: set if angle noise deflects beams before they meet anything.
-GNO_CONST uint kStrays = 1u << 17;
+GNO_CONST uint kStrays = 1u << 31;
 
 // Not an effect either: set if the hits of each beam are found from its footprint, that is, if the candidates of each
 // beam are collected in lists and tried for every sub-ray. Otherwise the beam is one line, and its nearest hit counts.
-GNO_CONST uint kFootprint = 1u << 18;
+GNO_CONST uint kFootprint = 1u << 30;
 
 // With one of these effects a beam's result is more than the nearest hit of its axis.
 GNO_CONST uint kFootprintEffects = kDivergence | kTransmission | kCutOuts | kStrays;

@@ -27,12 +27,13 @@ GNO_INLINE uvec4 philox(uvec4 counter, uint keyLow, uint keyHigh) {
 }
 
 // Returns the random words for (seed, sensor, frame, beam, sub-ray, effect). Every effect has its own words, so no
-// effect can change the draws of another. `effect` is its bit of bits.h. An effect that draws per echo, or several
-// times, counts its draws in `subRay`, up to 32767.
+// effect can change the draws of another. `effect` is its bit of bits.h: the first 17 effects have one of the lower 17
+// bits of the counter, and each later one bit 0 and another, so that a new effect changes the draws of none. An effect
+// that draws per echo, or several times, counts its draws in `subRay`, up to 32767.
 GNO_INLINE uvec4 draw(EffectParameters p, uint beam, uint subRay, uint effect) {
   uvec4 counter;
   counter.x = beam;
-  counter.y = subRay << kEffectCount | effect;
+  counter.y = subRay << 17 | (effect < 1u << 17 ? effect : effect >> 16 | 1u);
   counter.z = p.frame;
   counter.w = p.sensor;
   return philox(counter, p.seedLow, p.seedHigh);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
+#include <set>
 #include <vector>
 
 #include "effects/random.h"
@@ -87,6 +88,13 @@ TEST_CASE("normal numbers have the moments and the distribution of the normal di
   CHECK(std::abs(moments[3] / n) < 5 * std::sqrt(15 / n));
   CHECK(std::abs(moments[4] / n - 3) < 5 * std::sqrt(96 / n));
   CHECK(std::abs(unevenness(counts)) < 5);
+}
+
+TEST_CASE("every effect that bits.h has room for draws words of its own") {
+  std::set<uint32_t> words;
+  for (uint32_t bit = 0; gpu::kFootprint >> bit > 1; ++bit)
+    for (uint32_t subRay = 0; subRay < 100; ++subRay) words.insert(gpu::draw(seeded(1), 0, subRay, 1u << bit).x);
+  CHECK(words.size() == 3000);
 }
 
 TEST_CASE("random numbers of neighbouring beams, sub-rays, frames, sensors and effects are uncorrelated") {
