@@ -78,7 +78,7 @@ class Simulator::Impl {
 
   void run(std::span<const Shot> shots, Scan& result, const std::function<void(size_t)>& receive) {
     prepareToScan(shots, shots.size() > 1);
-    Unfinished unfinished{&result};
+    Unfinished<Scan> unfinished{&result};
     backend_->scanAll(shots, result, [&](size_t i) {
       const Sensor& sensor = requests_[shots[i].sensor].sensor;
       for (const Field owner : {Field::triangle, Field::instance}) ScanColumns(result).setUnknown(owner, false);
@@ -99,7 +99,7 @@ class Simulator::Impl {
     sensors_.check(index);
     checkSensorOfBatch(shots);
     const std::vector<Field> fields = fieldsOfBatch(requests_[index], options_.device, index, asked);
-    Unfinished unfinished{&result};
+    Unfinished<Batch> unfinished{&result};
     const Sensor& sensor = requests_[index].sensor;
     result.sensor = sensor.name;
     result.columns = sensor.width();
