@@ -67,7 +67,7 @@ char* appendText(char* out, size_t room, ValueType type, const std::byte* at) {
 void writeText(const Sink& write, const CloudRows& table, char separator) {
   constexpr size_t kWidest = 20;
   constexpr size_t kRows = kBlockRows / 16;
-  std::string text(kRows * table.columns.size() * kWidest, '\0');
+  std::string text(kRows * table.layout.values.size() * kWidest, '\0');
   forBlocks(table, kRows, [&](const std::byte* row, size_t count) {
     char* out = text.data();
     for (size_t i = 0; i < count; ++i, row += table.layout.stride) {
