@@ -29,7 +29,8 @@ struct Report {
   bool wrong = false;                    ///< whether a result was wrong; the rest is reported all the same
 };
 
-/// Every contender in every outcome: build, update, scan, device, total, the speed relative to GnoSphere, differences.
+/// A row for every contender in every outcome: its times of build, update, scan and device, their total, its speed
+/// relative to GnoSphere's, and the differences of its clouds.
 Table timesTable(const std::vector<Outcome>& outcomes);
 /// Mean, and variances across frames and runs, as in Tables 3 and 4 of the paper.
 Table varianceTable(const std::vector<Outcome>& outcomes);

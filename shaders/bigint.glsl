@@ -64,8 +64,8 @@ void addProduct(inout Big sum, float x, float y, float z, int scale, bool negate
   addWords(sum, uvec3(lowLow, middle, highHigh + carry), shift.x + shift.y + shift.z, negative != negate);
 }
 
-// Adds det(a, b, c) to sum; c has the given scale. The loop is not unrolled because this path is rare and drivers
-// inline every call.
+// Adds det(a, b, c) to sum. The coordinates of c have the scale `scale`, as splitFloat() takes it; those of a and b have
+// kCoordinateScale. The loop is not unrolled because this path is rare and drivers inline every call.
 void addDeterminant(inout Big sum, vec3 a, vec3 b, vec3 c, int scale) {
   [[dont_unroll]] for (int i = 0; i < 6; ++i) {
     bool swapped = i >= 3;

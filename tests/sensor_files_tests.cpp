@@ -278,7 +278,7 @@ TEST_CASE("Hesai angle correction: a flash lidar has a row per pixel") {
 }
 
 TEST_CASE("RoboSense's angles are clockwise, and rings are numbered from below") {
-  // The first four lasers of tier4/nebula, RobosenseBpearl.csv.
+  // The lines are the first four lasers of the file RobosenseBpearl.csv of tier4/nebula.
   const SensorFile file = readSensorFile("2.31,-0.03\t\n47.32,-0.67\n5.12,-0.05\n50.13,-0.74,\n", "angle.csv");
   CHECK(file.family == "RoboSense angles");
   REQUIRE(file.sensor.channels.size() == 4);

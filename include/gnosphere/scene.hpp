@@ -76,7 +76,7 @@ struct MeshPart {
   uint32_t material = 0;  ///< index into Scene::materials
 };
 
-/// Where the joints and morph targets of a deformable mesh are. Empty: the vertices are at Mesh::positions.
+/// Where the joints and morph targets of a deformable mesh are. An empty one leaves the vertices at Mesh::positions.
 struct Deformation {
   /// By joint: maps a vertex of the mesh frame to where the joint takes it, in the mesh frame. In the terms of glTF:
   /// inverse(node of the mesh) * node of the joint * inverse bind matrix. The list has Mesh::jointCount entries.

@@ -36,7 +36,7 @@ class World {
   bool isMoving(size_t actor, double time) const;
   Vec3 velocityOf(size_t actor, double time) const;
 
-  /// Gets the transform of an instance, and the deformation of a mesh.
+  /// The functions by which place() hands over the transform of each instance and the deformation of each mesh.
   struct Setter {
     std::function<void(size_t instance, const Transform&)> transform;
     std::function<void(size_t mesh, const Deformation&)> deformation;

@@ -91,7 +91,7 @@ class SensorPlanner {
   /// `changed` tells that the scene has changed since the sensor was added: an effect that is on then stays planned
   /// even if the scene can no longer show it.
   std::shared_ptr<const SensorPlan> plan(const Scene& scene, const SensorRequest& request, size_t index, bool changed);
-  /// Must be called after the images of the scene have changed.
+  /// Drops the textures that plans share; to be called after the images of the scene have changed.
   void forgetTextures() { textures_.reset(); }
 
  private:

@@ -53,9 +53,7 @@ CloudTable readCsv(std::string bytes, const std::string& source);
 /// Does the work of readCloud() on a file's content; `source` names it in messages. Throws Error(format) if it is bad.
 Scan readCloudBytes(const CloudFormat& format, std::string bytes, const std::string& source);
 
-/// Reads the next line from `position` on without its end,
-///  or \r
-/// . Returns false at the end of the text.
+/// Reads the next line from `position` on without its end, which is \n or \r\n. Returns false at the end of the text.
 bool nextLine(std::string_view text, size_t& position, std::string_view& line);
 std::vector<std::string_view> splitWords(std::string_view line);
 /// Parses the whole word as a count. Refuses the file if it is anything else.

@@ -84,8 +84,8 @@ void ReferenceBackend::build() {
 }
 
 /// Builds the tree for a shot with motion, for one of a world with instances of its own, or of a sensor that ignores
-/// instances. Corners move in straight lines from the start to the end of a turn. The counters become those of the
-/// world.
+/// instances. Corners move in straight lines from the start to the end of a turn. For a world, `counters` becomes the
+/// counts of the world's triangles.
 Bvh ReferenceBackend::treeOf(const Shot& shot, Counters& counters) const {
   const SensorPlan& plan = sensors_[shot.sensor]->plan;
   const Sensor& sensor = plan.sensor;

@@ -24,8 +24,8 @@ class Commands {
   /// submission. Commands of an earlier recording that were not submitted are dropped.
   void begin(uint32_t stamps);
   CommandBuffer& buffer() { return commands_; }
-  /// Write timestamps: start() where the first stage starts, finish() where a part of `stage` ends. Time before a start
-  /// is not counted.
+  /// Both write a timestamp: start() where the first stage starts, finished() where a part of `stage` ends. Time before
+  /// a start is not counted.
   void start() { stamp(nullptr); }
   void finished(const char* stage) { stamp(stage); }
   /// Writes a timestamp for readTrace() where a step ends.

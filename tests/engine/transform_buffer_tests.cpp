@@ -71,7 +71,7 @@ class Transforms {
           put(i, columns ? 4 * column + row : 4 * row + column,
               static_cast<float>(transforms[i].rows[4 * row + column]));
   }
-  /// Writes one number of a transform.
+  /// Writes the number at `place` among the numbers of a transform into the buffer.
   void put(size_t transform, size_t place, float value) {
     std::memcpy(memory_.bytes().data() + transform * stride_ + 4 * place, &value, sizeof value);
   }

@@ -143,7 +143,7 @@ double numberOf(const SensorSource& source, std::string_view text, const std::st
 
 namespace {
 
-/// A JSON value for a message. Only scalars are shown: what is nested could be of any depth.
+/// A JSON value for a message. A list or an object is only named, because it could be of any size.
 std::string briefly(const json& value) {
   if (value.is_array()) return "a list";
   if (value.is_object()) return "an object";
