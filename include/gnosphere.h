@@ -825,110 +825,65 @@ typedef struct gno_comparison {
 
 /* Writes the rows of a scan to `rows` and gives their number; entries * stride bytes always suffice. */
 GNO_API gno_status gno_scan_pack(gno_scan scan, const gno_layout* layout, void* rows, size_t bytes, size_t* row_count);
-/* Writes .pcd, .ply, .bin (KITTI), .npy or .csv; options may be null. */
+/* Writes the format that the file's ending names, such as .pcd; an unknown one is refused with all that are known.
+ * `options` may be null. */
 GNO_API gno_status gno_scan_write(gno_scan scan, const char* file, const gno_cloud_options* options);
 /* Writes a range image and a view from above as PNG. */
 GNO_API gno_status gno_scan_write_picture(gno_scan scan, const char* file);
-/* Reads a PCD, PLY, NPY or CSV cloud that gno_scan_write() wrote. */
+/* Reads a cloud that gno_scan_write() wrote, if its format tells which beams the points are of, as .pcd does. */
 GNO_API gno_status gno_scan_read(const char* file, gno_scan* scan);
 /* `tolerance` (metres) applies to beams for which the reference states none. */
 GNO_API gno_status gno_scan_compare(gno_scan reference, gno_scan other, double tolerance, gno_comparison* comparison);
 
 /* -------------------------------------------------------------------------------------- default values */
 
-#define GNO_INIT(type)                   \
+/* Defines TYPE_init(), whose members are 0 but for the statements `defaults`. */
+#define GNO_INIT(type, defaults)         \
   static inline type type##_init(void) { \
     type value;                          \
     memset(&value, 0, sizeof value);     \
     value.struct_size = sizeof value;    \
-    GNO_INIT_##type return value;        \
+    defaults return value;               \
   }
-#define GNO_INIT_gno_alpha_image
-#define GNO_INIT_gno_material                                                                \
-  value.base_color[0] = value.base_color[1] = value.base_color[2] = value.base_color[3] = 1; \
-  value.roughness = 1;                                                                       \
-  value.alpha_cutoff = 0.5f;                                                                 \
-  value.alpha_image = GNO_NONE;                                                              \
-  value.double_sided = 1;
-#define GNO_INIT_gno_mesh
-#define GNO_INIT_gno_instance value.transform.rows[0] = value.transform.rows[5] = value.transform.rows[10] = 1;
-#define GNO_INIT_gno_node  \
-  value.parent = GNO_NONE; \
-  value.rotation[3] = 1;   \
-  value.scale[0] = value.scale[1] = value.scale[2] = 1;
-#define GNO_INIT_gno_skin
-#define GNO_INIT_gno_clip
-#define GNO_INIT_gno_animated_instance \
-  value.skin = GNO_NONE;               \
-  value.offset.rows[0] = value.offset.rows[5] = value.offset.rows[10] = 1;
-#define GNO_INIT_gno_scene_state
-#define GNO_INIT_gno_load_options value.scale = 1;
-#define GNO_INIT_gno_scene_counts
-#define GNO_INIT_gno_sensor_settings value.max_returns = 1;
-#define GNO_INIT_gno_grid         \
-  value.azimuth_start_deg = -180; \
-  value.azimuth_span_deg = 360;
-#define GNO_INIT_gno_beam_list
-#define GNO_INIT_gno_sensor_size
-#define GNO_INIT_gno_sensor_file_options
-#define GNO_INIT_gno_catalogue_head
-#define GNO_INIT_gno_field_description
-#define GNO_INIT_gno_device_info
-#define GNO_INIT_gno_accuracy_parts     \
-  value.bounds = GNO_BOUNDS_EXACT;      \
-  value.cull = GNO_CULL_NEAREST_POINT;  \
-  value.inside = GNO_INSIDE_WATERTIGHT; \
-  value.range = GNO_RANGE_EDGE_WEIGHTS;
-#define GNO_INIT_gno_options                                                      \
-  value.accuracy = GNO_ACCURACY_STANDARD;                                         \
-  value.cull_range = value.cull_rows = value.cull_columns = value.cull_cones = 1; \
-  value.keep_still = value.float64 = 1;
-#define GNO_INIT_gno_request
-#define GNO_INIT_gno_weather
-#define GNO_INIT_gno_shot value.pose.orientation[3] = 1;
-#define GNO_INIT_gno_memory_use
-#define GNO_INIT_gno_scan_info
-#define GNO_INIT_gno_batch_info
-#define GNO_INIT_gno_column
-#define GNO_INIT_gno_counters
-#define GNO_INIT_gno_timings
-#define GNO_INIT_gno_layout
-#define GNO_INIT_gno_cloud_options
-#define GNO_INIT_gno_comparison
-
-GNO_INIT(gno_alpha_image)
-GNO_INIT(gno_material)
-GNO_INIT(gno_mesh)
-GNO_INIT(gno_instance)
-GNO_INIT(gno_node)
-GNO_INIT(gno_skin)
-GNO_INIT(gno_clip)
-GNO_INIT(gno_animated_instance)
-GNO_INIT(gno_scene_state)
-GNO_INIT(gno_load_options)
-GNO_INIT(gno_scene_counts)
-GNO_INIT(gno_sensor_settings)
-GNO_INIT(gno_grid)
-GNO_INIT(gno_beam_list)
-GNO_INIT(gno_sensor_size)
-GNO_INIT(gno_sensor_file_options)
-GNO_INIT(gno_catalogue_head)
-GNO_INIT(gno_field_description)
-GNO_INIT(gno_device_info)
-GNO_INIT(gno_accuracy_parts)
-GNO_INIT(gno_options)
-GNO_INIT(gno_request)
-GNO_INIT(gno_weather)
-GNO_INIT(gno_shot)
-GNO_INIT(gno_memory_use)
-GNO_INIT(gno_scan_info)
-GNO_INIT(gno_batch_info)
-GNO_INIT(gno_column)
-GNO_INIT(gno_counters)
-GNO_INIT(gno_timings)
-GNO_INIT(gno_layout)
-GNO_INIT(gno_cloud_options)
-GNO_INIT(gno_comparison)
+GNO_INIT(gno_alpha_image, )
+GNO_INIT(gno_material, value.base_color[0] = value.base_color[1] = value.base_color[2] = value.base_color[3] = 1;
+         value.roughness = 1; value.alpha_cutoff = 0.5f; value.alpha_image = GNO_NONE; value.double_sided = 1;)
+GNO_INIT(gno_mesh, )
+GNO_INIT(gno_instance, value.transform.rows[0] = value.transform.rows[5] = value.transform.rows[10] = 1;)
+GNO_INIT(gno_node, value.parent = GNO_NONE; value.rotation[3] = 1;
+         value.scale[0] = value.scale[1] = value.scale[2] = 1;)
+GNO_INIT(gno_skin, )
+GNO_INIT(gno_clip, )
+GNO_INIT(gno_animated_instance, value.skin = GNO_NONE;
+         value.offset.rows[0] = value.offset.rows[5] = value.offset.rows[10] = 1;)
+GNO_INIT(gno_scene_state, )
+GNO_INIT(gno_load_options, value.scale = 1;)
+GNO_INIT(gno_scene_counts, )
+GNO_INIT(gno_sensor_settings, value.max_returns = 1;)
+GNO_INIT(gno_grid, value.azimuth_start_deg = -180; value.azimuth_span_deg = 360;)
+GNO_INIT(gno_beam_list, )
+GNO_INIT(gno_sensor_size, )
+GNO_INIT(gno_sensor_file_options, )
+GNO_INIT(gno_catalogue_head, )
+GNO_INIT(gno_field_description, )
+GNO_INIT(gno_device_info, )
+GNO_INIT(gno_accuracy_parts, value.bounds = GNO_BOUNDS_EXACT; value.cull = GNO_CULL_NEAREST_POINT;
+         value.inside = GNO_INSIDE_WATERTIGHT; value.range = GNO_RANGE_EDGE_WEIGHTS;)
+GNO_INIT(gno_options, value.accuracy = GNO_ACCURACY_STANDARD;
+         value.cull_range = value.cull_rows = value.cull_columns = value.cull_cones = 1;
+         value.keep_still = value.float64 = 1;)
+GNO_INIT(gno_request, )
+GNO_INIT(gno_weather, )
+GNO_INIT(gno_shot, value.pose.orientation[3] = 1;)
+GNO_INIT(gno_memory_use, )
+GNO_INIT(gno_scan_info, )
+GNO_INIT(gno_batch_info, )
+GNO_INIT(gno_column, )
+GNO_INIT(gno_counters, )
+GNO_INIT(gno_timings, )
+GNO_INIT(gno_layout, )
+GNO_INIT(gno_cloud_options, )
+GNO_INIT(gno_comparison, )
 
 #ifdef __cplusplus
 }

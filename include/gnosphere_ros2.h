@@ -112,20 +112,10 @@ GNO_API gno_status gno_ros2_publisher_counts(gno_ros2_publisher publisher, gno_r
 
 /* ---------------------------------------------------------------------------------------- default values */
 
-#define GNO_INIT_gno_ros2_options \
-  value.depth = 5;                \
-  value.domain = -1;              \
-  value.localhost_only = -1;
-#define GNO_INIT_gno_ros2_cloud \
-  value.height = 1;             \
-  value.dense = 1;
-#define GNO_INIT_gno_ros2_laser
-#define GNO_INIT_gno_ros2_counts
-
-GNO_INIT(gno_ros2_options)
-GNO_INIT(gno_ros2_cloud)
-GNO_INIT(gno_ros2_laser)
-GNO_INIT(gno_ros2_counts)
+GNO_INIT(gno_ros2_options, value.depth = 5; value.domain = -1; value.localhost_only = -1;)
+GNO_INIT(gno_ros2_cloud, value.height = 1; value.dense = 1;)
+GNO_INIT(gno_ros2_laser, )
+GNO_INIT(gno_ros2_counts, )
 
 #ifdef __cplusplus
 }

@@ -186,21 +186,12 @@ GNO_API gno_status gno_vulkan_recorder_set_transforms(gno_vulkan_recorder record
 
 /* ---------------------------------------------------------------------------------------- default values */
 
-#define GNO_INIT_gno_vulkan_requirements                                          \
-  value.features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES; \
-  value.subgroup_size_control.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT;
-#define GNO_INIT_gno_vulkan_adopted_device
-#define GNO_INIT_gno_vulkan_vertex_buffer    \
-  value.stride = 12;                         \
-  value.format = VK_FORMAT_R32G32B32_SFLOAT; \
-  value.scale[0] = value.scale[1] = value.scale[2] = 1;
-
-#define GNO_INIT_gno_vulkan_transform_buffer value.stride = 48;
-
-GNO_INIT(gno_vulkan_requirements)
-GNO_INIT(gno_vulkan_adopted_device)
-GNO_INIT(gno_vulkan_vertex_buffer)
-GNO_INIT(gno_vulkan_transform_buffer)
+GNO_INIT(gno_vulkan_requirements, value.features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+         value.subgroup_size_control.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT;)
+GNO_INIT(gno_vulkan_adopted_device, )
+GNO_INIT(gno_vulkan_vertex_buffer, value.stride = 12; value.format = VK_FORMAT_R32G32B32_SFLOAT;
+         value.scale[0] = value.scale[1] = value.scale[2] = 1;)
+GNO_INIT(gno_vulkan_transform_buffer, value.stride = 48;)
 
 #ifdef __cplusplus
 }

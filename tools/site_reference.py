@@ -175,9 +175,9 @@ def _header_page(file: Path, title: str, language: str) -> str:
 
 
 def header_sections(text: str) -> list[Section]:
-    """The public names of a header. GNO_INIT(type) of C's headers defines type_init()."""
-    initialised = re.findall(r"^GNO_INIT\((\w+)\)", text, re.M)
-    sections = _sections(re.sub(r"^#define GNO_INIT(.*\\\n)*.*$|^GNO_INIT.*$", "", text, flags=re.M))
+    """The public names of a header. GNO_INIT(type, ...) of C's headers defines type_init()."""
+    initialised = re.findall(r"^GNO_INIT\((\w+),", text, re.M)
+    sections = _sections(re.sub(r"^#define GNO_INIT(.*\\\n)*.*$|^GNO_INIT\((?:.|\n)*?\)$", "", text, flags=re.M))
     for name in initialised:
         next(s for s in sections if name in (s.name, *s.others)).code.append(f"{name} {name}_init(void);")
     return sections

@@ -10,7 +10,7 @@ namespace gnosphere::c {
 namespace {
 
 Node nodeOf(const gno_node* node) {
-  const gno_node& from = sized(node, "gno_node");
+  const gno_node& from = sized(node, GNO_TYPE(gno_node));
   const auto& q = from.rotation;
   Node result;
   result.name = orEmpty(from.name);
@@ -25,7 +25,7 @@ Node nodeOf(const gno_node* node) {
 }
 
 Skin skinOf(const gno_skin* skin) {
-  const gno_skin& from = sized(skin, "gno_skin");
+  const gno_skin& from = sized(skin, GNO_TYPE(gno_skin));
   const auto joints = array(from.joints, from.joint_count, "gno_skin::joints");
   Skin result;
   result.name = orEmpty(from.name);
@@ -36,7 +36,7 @@ Skin skinOf(const gno_skin* skin) {
 }
 
 Clip clipOf(const gno_clip* clip) {
-  const gno_clip& from = sized(clip, "gno_clip");
+  const gno_clip& from = sized(clip, GNO_TYPE(gno_clip));
   Clip result;
   result.name = orEmpty(from.name);
   result.duration = from.duration;
@@ -53,7 +53,7 @@ Clip clipOf(const gno_clip* clip) {
 }
 
 AnimatedInstance animatedOf(const gno_animated_instance* animated) {
-  const gno_animated_instance& from = sized(animated, "gno_animated_instance");
+  const gno_animated_instance& from = sized(animated, GNO_TYPE(gno_animated_instance));
   return {from.instance, from.node, from.skin, transformOf(from.offset)};
 }
 
@@ -101,17 +101,16 @@ gno_status gno_scene_get_node(gno_scene scene, size_t index, gno_node* node) {
   return guard([&] {
     Locked locked(scene);
     const Node& from = at(locked->animation.nodes, index, "node");
-    const Out<gno_node> filled(node, "gno_node");
-    gno_node& to = *filled;
-    to.name = from.name.c_str();
-    to.parent = from.parent;
-    set(to.translation, from.translation);
+    const Out to(node, GNO_TYPE(gno_node));
+    to->name = from.name.c_str();
+    to->parent = from.parent;
+    set(to->translation, from.translation);
     const auto& [x, y, z, w] = from.rotation;
-    std::copy_n(std::array{x, y, z, w}.begin(), 4, to.rotation);
-    set(to.scale, from.scale);
-    to.matrix = from.matrix ? reinterpret_cast<const gno_transform*>(&*from.matrix) : nullptr;
-    to.morph_weights = orNull(from.morphWeights);
-    to.morph_weight_count = from.morphWeights.size();
+    std::copy_n(std::array{x, y, z, w}.begin(), 4, to->rotation);
+    set(to->scale, from.scale);
+    to->matrix = from.matrix ? reinterpret_cast<const gno_transform*>(&*from.matrix) : nullptr;
+    to->morph_weights = orNull(from.morphWeights);
+    to->morph_weight_count = from.morphWeights.size();
   });
 }
 
@@ -119,12 +118,11 @@ gno_status gno_scene_get_skin(gno_scene scene, size_t index, gno_skin* skin) {
   return guard([&] {
     Locked locked(scene);
     const Skin& from = at(locked->animation.skins, index, "skin");
-    const Out<gno_skin> filled(skin, "gno_skin");
-    gno_skin& to = *filled;
-    to.name = from.name.c_str();
-    to.joints = orNull(from.joints);
-    to.inverse_binds = transformsOf(from.inverseBinds);
-    to.joint_count = from.joints.size();
+    const Out to(skin, GNO_TYPE(gno_skin));
+    to->name = from.name.c_str();
+    to->joints = orNull(from.joints);
+    to->inverse_binds = transformsOf(from.inverseBinds);
+    to->joint_count = from.joints.size();
   });
 }
 
@@ -132,18 +130,17 @@ gno_status gno_scene_get_clip(gno_scene scene, size_t index, gno_clip* clip) {
   return guard([&] {
     Locked locked(scene);
     const Clip& from = at(locked->animation.clips, index, "clip");
-    const Out<gno_clip> filled(clip, "gno_clip");
-    gno_clip& to = *filled;
+    const Out to(clip, GNO_TYPE(gno_clip));
     thread_local std::vector<gno_track> tracks;
     tracks.clear();
     for (const Track& track : from.tracks)
       tracks.push_back({track.node, static_cast<gno_track_property>(track.property),
                         static_cast<gno_interpolation>(track.interpolation), orNull(track.times), track.times.size(),
                         orNull(track.values), track.values.size()});
-    to.name = from.name.c_str();
-    to.duration = from.duration;
-    to.tracks = orNull(tracks);
-    to.track_count = tracks.size();
+    to->name = from.name.c_str();
+    to->duration = from.duration;
+    to->tracks = orNull(tracks);
+    to->track_count = tracks.size();
   });
 }
 
@@ -151,12 +148,11 @@ gno_status gno_scene_get_animated_instance(gno_scene scene, size_t index, gno_an
   return guard([&] {
     Locked locked(scene);
     const AnimatedInstance& from = at(locked->animation.instances, index, "animated instance");
-    const Out<gno_animated_instance> filled(animated, "gno_animated_instance");
-    gno_animated_instance& to = *filled;
-    to.instance = from.instance;
-    to.node = from.node;
-    to.skin = from.skin;
-    std::copy_n(from.offset.rows.begin(), 12, to.offset.rows);
+    const Out to(animated, GNO_TYPE(gno_animated_instance));
+    to->instance = from.instance;
+    to->node = from.node;
+    to->skin = from.skin;
+    std::copy_n(from.offset.rows.begin(), 12, to->offset.rows);
   });
 }
 
@@ -176,8 +172,7 @@ gno_status gno_scene_get_state(gno_scene scene, uint32_t clip, double seconds, g
                                gno_scene_state* state) {
   return guard([&] {
     Locked locked(scene);
-    const Out<gno_scene_state> filled(state, "gno_scene_state");
-    gno_scene_state& to = *filled;
+    const Out to(state, GNO_TYPE(gno_scene_state));
     thread_local SceneState from;
     thread_local std::vector<gno_deformation> deformations;
     const Scene& whole = valid(*locked);
@@ -186,10 +181,10 @@ gno_status gno_scene_get_state(gno_scene scene, uint32_t clip, double seconds, g
                    enumOf(end, ClipEnd::hold, "the end of the clip"));
     deformations.clear();
     for (const Deformation& deformation : from.deformations) deformations.push_back(deformationOf(deformation));
-    to.transforms = transformsOf(from.transforms);
-    to.transform_count = from.transforms.size();
-    to.deformations = orNull(deformations);
-    to.deformation_count = deformations.size();
+    to->transforms = transformsOf(from.transforms);
+    to->transform_count = from.transforms.size();
+    to->deformations = orNull(deformations);
+    to->deformation_count = deformations.size();
   });
 }
 

@@ -49,42 +49,19 @@ struct SimulatorObject {
 // Which object stands behind each kind of handle, and what messages call it.
 template <class Handle>
 struct Held;
-template <>
-struct Held<gno_scene> {
-  using Type = SceneObject;
-  static constexpr const char* kName = "scene";
-};
-template <>
-struct Held<gno_sensor> {
-  using Type = SensorObject;
-  static constexpr const char* kName = "sensor";
-};
-template <>
-struct Held<gno_effects> {
-  using Type = Effects;
-  static constexpr const char* kName = "effects";
-};
-template <>
-struct Held<gno_material_table> {
-  using Type = MaterialTable;
-  static constexpr const char* kName = "material table";
-};
-template <>
-struct Held<gno_simulator> {
-  using Type = SimulatorObject;
-  static constexpr const char* kName = "simulator";
-};
-template <>
-struct Held<gno_scan> {
-  using Type = ScanObject;
-  static constexpr const char* kName = "scan";
-};
-
-template <>
-struct Held<gno_batch> {
-  using Type = BatchObject;
-  static constexpr const char* kName = "batch";
-};
+#define GNO_HELD(handle, Object, name)         \
+  template <>                                  \
+  struct Held<handle> {                        \
+    using Type = Object;                       \
+    static constexpr const char* kName = name; \
+  };
+GNO_HELD(gno_scene, SceneObject, "scene")
+GNO_HELD(gno_sensor, SensorObject, "sensor")
+GNO_HELD(gno_effects, Effects, "effects")
+GNO_HELD(gno_material_table, MaterialTable, "material table")
+GNO_HELD(gno_simulator, SimulatorObject, "simulator")
+GNO_HELD(gno_scan, ScanObject, "scan")
+GNO_HELD(gno_batch, BatchObject, "batch")
 
 /// An object with the lock that its calls wait for.
 template <class T>
@@ -194,22 +171,16 @@ T& the(T* pointer, const char* name) {
 /// Refuses the size of a struct that has none, or that is of a newer version than this library.
 void checkSize(size_t given, size_t known, const char* type);
 
-/// The default values of a struct that begins with its size, as its gno_..._init() of this version has them.
-template <class T>
-T defaultsOf() = delete;
-#define GNO_DEFAULTS(type)         \
-  template <>                      \
-  inline type defaultsOf<type>() { \
-    return type##_init();          \
-  }
+/// The two arguments by which sized() and Out know a struct that begins with its size: the default values of this
+/// version's gno_..._init(), and the name.
+#define GNO_TYPE(type) type##_init(), #type
 
 /// A struct of the caller that begins with its size. A caller that was compiled with an older version has a smaller
-/// one: the members that it lacks have their default values.
+/// one: the members that it lacks keep their default values.
 template <class T>
-T sized(const T* pointer, const char* type) {
+T sized(const T* pointer, T value, const char* type) {
   const size_t given = the(pointer, type).struct_size;
   checkSize(given, sizeof(T), type);
-  T value = defaultsOf<T>();
   std::memcpy(&value, pointer, given);
   value.struct_size = sizeof(T);
   return value;
@@ -217,12 +188,12 @@ T sized(const T* pointer, const char* type) {
 
 /// An array of such structs, which are as far apart as the first one says.
 template <class T>
-std::vector<T> sizedArray(const T* values, size_t count, const char* type, const char* name) {
+std::vector<T> sizedArray(const T* values, size_t count, const T& defaults, const char* type, const char* name) {
   if (!values && count > 0) refuse(std::string(name) + " is null, but its count is " + std::to_string(count));
   std::vector<T> result;
   for (size_t i = 0; i < count; ++i)
-    result.push_back(
-        sized(reinterpret_cast<const T*>(reinterpret_cast<const char*>(values) + i * values->struct_size), type));
+    result.push_back(sized(reinterpret_cast<const T*>(reinterpret_cast<const char*>(values) + i * values->struct_size),
+                           defaults, type));
   return result;
 }
 
@@ -230,7 +201,7 @@ std::vector<T> sizedArray(const T* values, size_t count, const char* type, const
 template <class T>
 class Out {
  public:
-  Out(T* pointer, const char* type) : to_(pointer), value_(sized(pointer, type)) {}
+  Out(T* pointer, const T& defaults, const char* type) : to_(pointer), value_(sized(pointer, defaults, type)) {}
   Out(const Out&) = delete;
   Out& operator=(const Out&) = delete;
   ~Out() {
@@ -239,45 +210,12 @@ class Out {
     to_->struct_size = given;
   }
   T& operator*() const { return value_; }
+  T* operator->() const { return &value_; }
 
  private:
   T* to_;
   mutable T value_;
 };
-
-GNO_DEFAULTS(gno_alpha_image)
-GNO_DEFAULTS(gno_material)
-GNO_DEFAULTS(gno_mesh)
-GNO_DEFAULTS(gno_instance)
-GNO_DEFAULTS(gno_node)
-GNO_DEFAULTS(gno_skin)
-GNO_DEFAULTS(gno_clip)
-GNO_DEFAULTS(gno_animated_instance)
-GNO_DEFAULTS(gno_scene_state)
-GNO_DEFAULTS(gno_load_options)
-GNO_DEFAULTS(gno_scene_counts)
-GNO_DEFAULTS(gno_sensor_settings)
-GNO_DEFAULTS(gno_grid)
-GNO_DEFAULTS(gno_beam_list)
-GNO_DEFAULTS(gno_sensor_size)
-GNO_DEFAULTS(gno_sensor_file_options)
-GNO_DEFAULTS(gno_catalogue_head)
-GNO_DEFAULTS(gno_field_description)
-GNO_DEFAULTS(gno_device_info)
-GNO_DEFAULTS(gno_accuracy_parts)
-GNO_DEFAULTS(gno_options)
-GNO_DEFAULTS(gno_request)
-GNO_DEFAULTS(gno_weather)
-GNO_DEFAULTS(gno_shot)
-GNO_DEFAULTS(gno_memory_use)
-GNO_DEFAULTS(gno_scan_info)
-GNO_DEFAULTS(gno_batch_info)
-GNO_DEFAULTS(gno_column)
-GNO_DEFAULTS(gno_counters)
-GNO_DEFAULTS(gno_timings)
-GNO_DEFAULTS(gno_layout)
-GNO_DEFAULTS(gno_cloud_options)
-GNO_DEFAULTS(gno_comparison)
 
 /// Checks an array of the caller, which may be null if it is empty.
 template <class T>

@@ -5,7 +5,7 @@
 namespace gnosphere::c {
 
 RecordLayout recordLayoutOf(const gno_layout* layout) {
-  const gno_layout& from = sized(layout, "gno_layout");
+  const gno_layout& from = sized(layout, GNO_TYPE(gno_layout));
   RecordLayout result;
   result.stride = from.stride;
   result.compact = from.compact != 0;
@@ -24,18 +24,17 @@ extern "C" {
 
 gno_status gno_layout_of(const gno_field* fields, size_t field_count, gno_layout* layout) {
   return guard([&] {
-    const Out<gno_layout> filled(layout, "gno_layout");
-    gno_layout& to = *filled;
+    const Out to(layout, GNO_TYPE(gno_layout));
     thread_local std::vector<gno_layout_value> values;
     const RecordLayout from = layoutOf(fieldsOf(fields, field_count));
     values.clear();
     for (const RecordLayout::Value& value : from.values)
       values.push_back({static_cast<gno_field>(value.field), value.component, value.offset,
                         static_cast<gno_value_type>(value.type), value.stride});
-    to.values = values.data();
-    to.value_count = values.size();
-    to.stride = from.stride;
-    to.compact = from.compact;
+    to->values = values.data();
+    to->value_count = values.size();
+    to->stride = from.stride;
+    to->compact = from.compact;
   });
 }
 
@@ -55,7 +54,7 @@ gno_status gno_scan_write(gno_scan scan, const char* file, const gno_cloud_optio
   return guard([&] {
     CloudOptions wanted;
     if (options) {
-      sized(options, "gno_cloud_options");
+      sized(options, GNO_TYPE(gno_cloud_options));
       wanted.fields = fieldsOf(options->fields, options->field_count);
       wanted.compact = options->compact != 0;
       wanted.ascii = options->ascii != 0;
@@ -77,28 +76,27 @@ gno_status gno_scan_read(const char* file, gno_scan* scan) {
 
 gno_status gno_scan_compare(gno_scan reference, gno_scan other, double tolerance, gno_comparison* comparison) {
   return guard([&] {
-    const Out<gno_comparison> filled(comparison, "gno_comparison");
-    gno_comparison& to = *filled;
+    const Out to(comparison, GNO_TYPE(gno_comparison));
     const auto first = find(reference);
     const auto second = find(other);
     const std::scoped_lock lock(first->mutex, second->mutex);
     const Comparison from = compare(first->value, second->value, tolerance);
-    to.beams = from.beams;
-    to.hits = from.hits;
-    to.missed = from.missed;
-    to.false_hits = from.falseHits;
-    to.wrong_owner = from.wrongOwner;
-    to.wrong_range = from.wrongRange;
-    to.ties = from.ties;
-    to.tie_differences = from.tieDifferences;
-    to.tie_missed = from.tieMissed;
-    to.tie_false_hits = from.tieFalseHits;
-    to.tie_wrong_owner = from.tieWrongOwner;
-    to.tie_error_max = from.tieErrorMax;
-    to.range_error_max = from.rangeErrorMax;
-    to.range_error_9999 = from.rangeError9999;
-    to.range_error_rms = from.rangeErrorRms;
-    to.hit_error_max = from.hitErrorMax;
+    to->beams = from.beams;
+    to->hits = from.hits;
+    to->missed = from.missed;
+    to->false_hits = from.falseHits;
+    to->wrong_owner = from.wrongOwner;
+    to->wrong_range = from.wrongRange;
+    to->ties = from.ties;
+    to->tie_differences = from.tieDifferences;
+    to->tie_missed = from.tieMissed;
+    to->tie_false_hits = from.tieFalseHits;
+    to->tie_wrong_owner = from.tieWrongOwner;
+    to->tie_error_max = from.tieErrorMax;
+    to->range_error_max = from.rangeErrorMax;
+    to->range_error_9999 = from.rangeError9999;
+    to->range_error_rms = from.rangeErrorRms;
+    to->hit_error_max = from.hitErrorMax;
   });
 }
 

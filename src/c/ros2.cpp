@@ -8,16 +8,7 @@
 
 namespace gnosphere::c {
 
-GNO_DEFAULTS(gno_ros2_options)
-GNO_DEFAULTS(gno_ros2_cloud)
-GNO_DEFAULTS(gno_ros2_laser)
-GNO_DEFAULTS(gno_ros2_counts)
-
-template <>
-struct Held<gno_ros2_publisher> {
-  using Type = ros2::Publisher;
-  static constexpr const char* kName = "publisher";
-};
+GNO_HELD(gno_ros2_publisher, ros2::Publisher, "publisher")
 
 namespace {
 
@@ -34,7 +25,7 @@ class Publishing {
 ros2::PublisherOptions publisherOptionsOf(const gno_ros2_options* options) {
   ros2::PublisherOptions result;
   if (!options) return result;
-  const gno_ros2_options& from = sized(options, "gno_ros2_options");
+  const gno_ros2_options& from = sized(options, GNO_TYPE(gno_ros2_options));
   result.qos.reliability =
       enumOf(from.reliability, ros2::Qos::Reliability::bestEffort, "gno_ros2_options::reliability");
   result.qos.durability =
@@ -46,7 +37,7 @@ ros2::PublisherOptions publisherOptionsOf(const gno_ros2_options* options) {
 }
 
 ros2::PointCloud2 cloudFrom(const gno_ros2_cloud* cloud) {
-  const gno_ros2_cloud& from = sized(cloud, "gno_ros2_cloud");
+  const gno_ros2_cloud& from = sized(cloud, GNO_TYPE(gno_ros2_cloud));
   ros2::PointCloud2 result;
   result.stamp = from.stamp;
   result.frame = orEmpty(from.frame);
@@ -63,7 +54,7 @@ ros2::PointCloud2 cloudFrom(const gno_ros2_cloud* cloud) {
 }
 
 ros2::LaserScan laserFrom(const gno_ros2_laser* laser) {
-  const gno_ros2_laser& from = sized(laser, "gno_ros2_laser");
+  const gno_ros2_laser& from = sized(laser, GNO_TYPE(gno_ros2_laser));
   ros2::LaserScan result;
   result.stamp = from.stamp;
   result.frame = orEmpty(from.frame);
@@ -144,14 +135,13 @@ gno_status gno_ros2_publisher_flush(gno_ros2_publisher publisher, double seconds
 }
 gno_status gno_ros2_publisher_counts(gno_ros2_publisher publisher, gno_ros2_counts* counts) {
   return guard([&] {
-    const Out<gno_ros2_counts> filled(counts, "gno_ros2_counts");
-    gno_ros2_counts& to = *filled;
+    const Out to(counts, GNO_TYPE(gno_ros2_counts));
     const ros2::PublisherCounts from = Publishing(publisher)->counts();
-    to.published = from.published;
-    to.sent = from.sent;
-    to.dropped = from.dropped;
-    to.waiting = from.waiting;
-    to.subscribers = from.subscribers;
+    to->published = from.published;
+    to->sent = from.sent;
+    to->dropped = from.dropped;
+    to->waiting = from.waiting;
+    to->subscribers = from.subscribers;
   });
 }
 

@@ -30,57 +30,54 @@ void fill(const Results& results, Field field, gno_column& column) {
 /// Gives the values of a field of a scan or of a batch.
 template <class Results>
 void getColumn(const Results& from, gno_field field, gno_column* column) {
-  const Out<gno_column> filled(column, "gno_column");
-  gno_column& to = *filled;
+  const Out to(column, GNO_TYPE(gno_column));
   const Field wanted = fieldsOf(&field, 1)[0];
   const FieldInfo info = fieldInfo(wanted);
   switch (info.type) {
-    case ValueType::f32: fill<float>(from, wanted, to); break;
-    case ValueType::u8: fill<uint8_t>(from, wanted, to); break;
-    case ValueType::u16: fill<uint16_t>(from, wanted, to); break;
+    case ValueType::f32: fill<float>(from, wanted, *to); break;
+    case ValueType::u8: fill<uint8_t>(from, wanted, *to); break;
+    case ValueType::u16: fill<uint16_t>(from, wanted, *to); break;
     case ValueType::u32:
-    case ValueType::f64: fill<uint32_t>(from, wanted, to); break;  // no field has f64
+    case ValueType::f64: fill<uint32_t>(from, wanted, *to); break;  // no field has f64
   }
-  to.type = static_cast<gno_value_type>(info.type);
-  to.components = info.components;
+  to->type = static_cast<gno_value_type>(info.type);
+  to->components = info.components;
 }
 
 void getCounters(const Counters& from, gno_counters* counters) {
-  const Out<gno_counters> filled(counters, "gno_counters");
-  gno_counters& to = *filled;
-  to.beams = from.beams;
-  to.hits = from.hits;
-  to.misses = from.misses;
-  to.triangles = from.triangles;
-  to.non_finite = from.nonFinite;
-  to.degenerate = from.degenerate;
-  to.culled_by_cluster = from.culledByCluster;
-  to.reused = from.reused;
-  to.culled_by_range = from.culledByRange;
-  to.culled_by_face = from.culledByFace;
-  to.culled_between_beams = from.culledBetweenBeams;
-  to.culled_hidden = from.culledHidden;
-  to.projected = from.projected;
-  to.candidates = from.candidates;
-  to.integer_sides = from.integerSides;
-  to.integer_ranges = from.integerRanges;
-  to.lost_echoes = from.lostEchoes;
-  to.retries = from.retries;
-  std::copy(from.causes.begin(), from.causes.end(), to.causes);
+  const Out to(counters, GNO_TYPE(gno_counters));
+  to->beams = from.beams;
+  to->hits = from.hits;
+  to->misses = from.misses;
+  to->triangles = from.triangles;
+  to->non_finite = from.nonFinite;
+  to->degenerate = from.degenerate;
+  to->culled_by_cluster = from.culledByCluster;
+  to->reused = from.reused;
+  to->culled_by_range = from.culledByRange;
+  to->culled_by_face = from.culledByFace;
+  to->culled_between_beams = from.culledBetweenBeams;
+  to->culled_hidden = from.culledHidden;
+  to->projected = from.projected;
+  to->candidates = from.candidates;
+  to->integer_sides = from.integerSides;
+  to->integer_ranges = from.integerRanges;
+  to->lost_echoes = from.lostEchoes;
+  to->retries = from.retries;
+  std::copy(from.causes.begin(), from.causes.end(), to->causes);
 }
 
 /// Gives the times of a scan or of a batch. The object of the handle keeps the stages until the next call.
 template <class Object>
 void getTimings(Object& object, gno_timings* timings) {
-  const Out<gno_timings> filled(timings, "gno_timings");
-  gno_timings& to = *filled;
+  const Out to(timings, GNO_TYPE(gno_timings));
   const Timings& from = object.timings;
   object.stages.clear();
   for (const StageTime& stage : from.stages) object.stages.push_back({stage.name.c_str(), stage.ms});
-  to.wall_ms = from.wallMs;
-  to.gpu_ms = from.gpuMs;
-  to.stages = object.stages.data();
-  to.stage_count = object.stages.size();
+  to->wall_ms = from.wallMs;
+  to->gpu_ms = from.gpuMs;
+  to->stages = object.stages.data();
+  to->stage_count = object.stages.size();
 }
 
 }  // namespace
@@ -93,12 +90,11 @@ extern "C" {
 
 gno_status gno_field_describe(gno_field field, gno_field_description* description) {
   return guard([&] {
-    const Out<gno_field_description> filled(description, "gno_field_description");
-    gno_field_description& to = *filled;
+    const Out to(description, GNO_TYPE(gno_field_description));
     const FieldInfo info = fieldInfo(fieldsOf(&field, 1)[0]);
-    to.name = info.name;
-    to.type = static_cast<gno_value_type>(info.type);
-    to.components = info.components;
+    to->name = info.name;
+    to->type = static_cast<gno_value_type>(info.type);
+    to->components = info.components;
   });
 }
 
@@ -118,14 +114,13 @@ gno_status gno_scan_destroy(gno_scan scan) {
 gno_status gno_scan_get_info(gno_scan scan, gno_scan_info* info) {
   return guard([&] {
     Locked from(scan);
-    const Out<gno_scan_info> filled(info, "gno_scan_info");
-    gno_scan_info& to = *filled;
-    to.sensor = from->sensor.c_str();
-    to.columns = from->columns;
-    to.channels = from->channels;
-    to.returns = from->returns;
-    to.entries = from->ranges.size();
-    to.pose = poseOf(from->pose);
+    const Out to(info, GNO_TYPE(gno_scan_info));
+    to->sensor = from->sensor.c_str();
+    to->columns = from->columns;
+    to->channels = from->channels;
+    to->returns = from->returns;
+    to->entries = from->ranges.size();
+    to->pose = poseOf(from->pose);
   });
 }
 
@@ -148,15 +143,14 @@ gno_status gno_batch_destroy(gno_batch batch) {
 gno_status gno_batch_get_info(gno_batch batch, gno_batch_info* info) {
   return guard([&] {
     Locked from(batch);
-    const Out<gno_batch_info> filled(info, "gno_batch_info");
-    gno_batch_info& to = *filled;
-    to.sensor = from->sensor.c_str();
-    to.columns = from->columns;
-    to.channels = from->channels;
-    to.returns = from->returns;
-    to.views = from->views;
-    to.beams = from->beams;
-    to.entries = from->entries();
+    const Out to(info, GNO_TYPE(gno_batch_info));
+    to->sensor = from->sensor.c_str();
+    to->columns = from->columns;
+    to->channels = from->channels;
+    to->returns = from->returns;
+    to->views = from->views;
+    to->beams = from->beams;
+    to->entries = from->entries();
   });
 }
 

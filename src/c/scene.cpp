@@ -6,7 +6,7 @@
 
 namespace gnosphere::c {
 AlphaImage alphaImageOf(const gno_alpha_image* image) {
-  const gno_alpha_image& from = sized(image, "gno_alpha_image");
+  const gno_alpha_image& from = sized(image, GNO_TYPE(gno_alpha_image));
   const auto texels = array(from.alpha, size_t{from.width} * from.height, "gno_alpha_image::alpha");
   AlphaImage result;
   result.width = from.width;
@@ -18,7 +18,7 @@ AlphaImage alphaImageOf(const gno_alpha_image* image) {
 }
 
 Material materialOf(const gno_material* material) {
-  const gno_material& from = sized(material, "gno_material");
+  const gno_material& from = sized(material, GNO_TYPE(gno_material));
   Material result;
   result.name = orEmpty(from.name);
   std::copy_n(from.base_color, 4, result.baseColor.begin());
@@ -36,7 +36,7 @@ Material materialOf(const gno_material* material) {
 }
 
 Mesh meshOf(const gno_mesh* mesh) {
-  const gno_mesh& from = sized(mesh, "gno_mesh");
+  const gno_mesh& from = sized(mesh, GNO_TYPE(gno_mesh));
   const auto positions = array(from.positions, 3 * from.vertex_count, "gno_mesh::positions");
   const auto indices = array(from.indices, 3 * from.triangle_count, "gno_mesh::indices");
   Mesh result;
@@ -79,7 +79,7 @@ gno_deformation deformationOf(const Deformation& deformation) {
 }
 
 Instance instanceOf(const gno_instance* instance) {
-  const gno_instance& from = sized(instance, "gno_instance");
+  const gno_instance& from = sized(instance, GNO_TYPE(gno_instance));
   return {orEmpty(from.name),       from.mesh, transformOf(from.transform), from.class_id,
           orEmpty(from.class_name), from.world};
 }
@@ -106,7 +106,7 @@ gno_status gno_scene_load(const char* file, const gno_load_options* options, gno
     the(scene, "scene");
     LoadOptions wanted;
     if (options) {
-      wanted.up = enumOf(sized(options, "gno_load_options").up, UpAxis::z, "gno_load_options::up");
+      wanted.up = enumOf(sized(options, GNO_TYPE(gno_load_options)).up, UpAxis::z, "gno_load_options::up");
       wanted.scale = options->scale;
     }
     *scene = make<gno_scene>(loadScene(&the(file, "file"), wanted));
@@ -136,19 +136,18 @@ gno_status gno_scene_add_instance(gno_scene scene, const gno_instance* instance,
 gno_status gno_scene_get_counts(gno_scene scene, gno_scene_counts* counts) {
   return guard([&] {
     Locked from(scene);
-    const Out<gno_scene_counts> filled(counts, "gno_scene_counts");
-    gno_scene_counts& to = *filled;
-    to.materials = from->materials.size();
-    to.alpha_images = from->alphaImages.size();
-    to.meshes = from->meshes.size();
-    to.instances = from->instances.size();
-    to.unread_images = from->unreadImages;
-    to.unique_triangles = from->uniqueTriangleCount();
-    to.placed_triangles = from->placedTriangleCount();
-    to.nodes = from->animation.nodes.size();
-    to.skins = from->animation.skins.size();
-    to.clips = from->animation.clips.size();
-    to.animated_instances = from->animation.instances.size();
+    const Out to(counts, GNO_TYPE(gno_scene_counts));
+    to->materials = from->materials.size();
+    to->alpha_images = from->alphaImages.size();
+    to->meshes = from->meshes.size();
+    to->instances = from->instances.size();
+    to->unread_images = from->unreadImages;
+    to->unique_triangles = from->uniqueTriangleCount();
+    to->placed_triangles = from->placedTriangleCount();
+    to->nodes = from->animation.nodes.size();
+    to->skins = from->animation.skins.size();
+    to->clips = from->animation.clips.size();
+    to->animated_instances = from->animation.instances.size();
   });
 }
 
@@ -156,13 +155,12 @@ gno_status gno_scene_get_alpha_image(gno_scene scene, size_t index, gno_alpha_im
   return guard([&] {
     Locked locked(scene);
     const AlphaImage& from = at(locked->alphaImages, index, "alpha image");
-    const Out<gno_alpha_image> filled(image, "gno_alpha_image");
-    gno_alpha_image& to = *filled;
-    to.width = from.width;
-    to.height = from.height;
-    to.alpha = from.alpha.data();
-    to.wrap_u = static_cast<gno_wrap>(from.wrapU);
-    to.wrap_v = static_cast<gno_wrap>(from.wrapV);
+    const Out to(image, GNO_TYPE(gno_alpha_image));
+    to->width = from.width;
+    to->height = from.height;
+    to->alpha = from.alpha.data();
+    to->wrap_u = static_cast<gno_wrap>(from.wrapU);
+    to->wrap_v = static_cast<gno_wrap>(from.wrapV);
   });
 }
 
@@ -170,20 +168,19 @@ gno_status gno_scene_get_material(gno_scene scene, size_t index, gno_material* m
   return guard([&] {
     Locked locked(scene);
     const Material& from = at(locked->materials, index, "material");
-    const Out<gno_material> filled(material, "gno_material");
-    gno_material& to = *filled;
-    to.name = from.name.c_str();
-    std::copy_n(from.baseColor.begin(), 4, to.base_color);
-    to.metallic = from.metallic;
-    to.roughness = from.roughness;
-    to.transmission = from.transmission;
-    to.alpha_mode = static_cast<gno_alpha_mode>(from.alphaMode);
-    to.alpha_cutoff = from.alphaCutoff;
-    to.alpha_image = from.alphaImage;
-    to.retro = from.retro;
-    to.double_sided = from.doubleSided;
-    to.class_id = from.classId;
-    to.class_name = from.className.c_str();
+    const Out to(material, GNO_TYPE(gno_material));
+    to->name = from.name.c_str();
+    std::copy_n(from.baseColor.begin(), 4, to->base_color);
+    to->metallic = from.metallic;
+    to->roughness = from.roughness;
+    to->transmission = from.transmission;
+    to->alpha_mode = static_cast<gno_alpha_mode>(from.alphaMode);
+    to->alpha_cutoff = from.alphaCutoff;
+    to->alpha_image = from.alphaImage;
+    to->retro = from.retro;
+    to->double_sided = from.doubleSided;
+    to->class_id = from.classId;
+    to->class_name = from.className.c_str();
   });
 }
 
@@ -192,27 +189,26 @@ gno_status gno_scene_get_mesh(gno_scene scene, size_t index, gno_mesh* mesh) {
     static_assert(sizeof(gno_mesh_part) == sizeof(MeshPart));
     Locked locked(scene);
     const Mesh& from = at(locked->meshes, index, "mesh");
-    const Out<gno_mesh> filled(mesh, "gno_mesh");
-    gno_mesh& to = *filled;
-    to.name = from.name.c_str();
-    set(to.origin, from.origin);
-    to.positions = from.positions.data();
-    to.vertex_count = from.vertexCount();
-    to.indices = from.indices.data();
-    to.triangle_count = from.triangleCount();
-    to.uvs = orNull(from.uvs);
-    to.parts = reinterpret_cast<const gno_mesh_part*>(from.parts.data());
-    to.part_count = from.parts.size();
-    to.joint_count = from.jointCount;
-    to.influences = from.influences;
-    to.joints = orNull(from.joints);
-    to.joint_weights = orNull(from.jointWeights);
+    const Out to(mesh, GNO_TYPE(gno_mesh));
+    to->name = from.name.c_str();
+    set(to->origin, from.origin);
+    to->positions = from.positions.data();
+    to->vertex_count = from.vertexCount();
+    to->indices = from.indices.data();
+    to->triangle_count = from.triangleCount();
+    to->uvs = orNull(from.uvs);
+    to->parts = reinterpret_cast<const gno_mesh_part*>(from.parts.data());
+    to->part_count = from.parts.size();
+    to->joint_count = from.jointCount;
+    to->influences = from.influences;
+    to->joints = orNull(from.joints);
+    to->joint_weights = orNull(from.jointWeights);
     thread_local std::vector<const float*> targets;
     targets.clear();
     for (const std::vector<float>& target : from.morphTargets) targets.push_back(target.data());
-    to.morph_targets = orNull(targets);
-    to.morph_target_count = targets.size();
-    to.deformation = deformationOf(from.deformation);
+    to->morph_targets = orNull(targets);
+    to->morph_target_count = targets.size();
+    to->deformation = deformationOf(from.deformation);
   });
 }
 
@@ -220,14 +216,13 @@ gno_status gno_scene_get_instance(gno_scene scene, size_t index, gno_instance* i
   return guard([&] {
     Locked locked(scene);
     const Instance& from = at(locked->instances, index, "instance");
-    const Out<gno_instance> filled(instance, "gno_instance");
-    gno_instance& to = *filled;
-    to.name = from.name.c_str();
-    to.mesh = from.mesh;
-    to.class_id = from.classId;
-    to.class_name = from.className.c_str();
-    to.world = from.world;
-    std::copy_n(from.transform.rows.begin(), 12, to.transform.rows);
+    const Out to(instance, GNO_TYPE(gno_instance));
+    to->name = from.name.c_str();
+    to->mesh = from.mesh;
+    to->class_id = from.classId;
+    to->class_name = from.className.c_str();
+    to->world = from.world;
+    std::copy_n(from.transform.rows.begin(), 12, to->transform.rows);
   });
 }
 

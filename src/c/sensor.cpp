@@ -8,7 +8,7 @@ using namespace gnosphere::c;
 namespace {
 
 void apply(const gno_sensor_settings* settings, Sensor& sensor) {
-  const gno_sensor_settings& from = sized(settings, "gno_sensor_settings");
+  const gno_sensor_settings& from = sized(settings, GNO_TYPE(gno_sensor_settings));
   const auto masked = array(from.masked_beams, from.masked_beam_count, "gno_sensor_settings::masked_beams");
   sensor.name = orEmpty(from.name);
   sensor.rangeMin = from.range_min;
@@ -29,7 +29,7 @@ gno_sensor checked(Sensor sensor) {
 SensorFileOptions optionsOf(const gno_sensor_file_options* options) {
   SensorFileOptions result;
   if (!options) return result;
-  const gno_sensor_file_options& from = sized(options, "gno_sensor_file_options");
+  const gno_sensor_file_options& from = sized(options, GNO_TYPE(gno_sensor_file_options));
   result.head = orEmpty(from.head);
   result.mode = orEmpty(from.mode);
   result.scanRate = from.scan_rate;
@@ -108,7 +108,7 @@ gno_status gno_sensor_from_json(const char* json, gno_sensor* sensor) {
 
 gno_status gno_sensor_create_grid(const gno_sensor_settings* settings, const gno_grid* grid, gno_sensor* sensor) {
   return guard([&] {
-    const gno_grid& from = sized(grid, "gno_grid");
+    const gno_grid& from = sized(grid, GNO_TYPE(gno_grid));
     Sensor result;
     apply(settings, result);
     result.columns = from.columns;
@@ -127,7 +127,7 @@ gno_status gno_sensor_create_list(const gno_sensor_settings* settings, const gno
     if (pattern_count == 0) refuse("pattern_count is 0; a sensor needs one list of beams at least");
     Sensor result;
     apply(settings, result);
-    for (const gno_beam_list& list : sizedArray(patterns, pattern_count, "gno_beam_list", "patterns"))
+    for (const gno_beam_list& list : sizedArray(patterns, pattern_count, GNO_TYPE(gno_beam_list), "patterns"))
       result.patterns.push_back(listOf(list));
     the(sensor, "sensor") = checked(std::move(result));
   });
@@ -141,18 +141,17 @@ gno_status gno_sensor_get_settings(gno_sensor sensor, gno_sensor_settings* setti
   return guard([&] {
     Locked locked(sensor);
     const Sensor& from = locked->sensor;
-    const Out<gno_sensor_settings> filled(settings, "gno_sensor_settings");
-    gno_sensor_settings& to = *filled;
-    to.name = from.name.c_str();
-    to.range_min = from.rangeMin;
-    to.range_max = from.rangeMax;
-    to.divergence_horizontal = from.divergenceHorizontal;
-    to.divergence_vertical = from.divergenceVertical;
-    to.max_returns = from.maxReturns;
-    to.rotation_period = from.rotationPeriod;
-    to.near_hits = static_cast<gno_near_hits>(from.nearHits);
-    to.masked_beams = orNull(from.maskedBeams);
-    to.masked_beam_count = from.maskedBeams.size();
+    const Out to(settings, GNO_TYPE(gno_sensor_settings));
+    to->name = from.name.c_str();
+    to->range_min = from.rangeMin;
+    to->range_max = from.rangeMax;
+    to->divergence_horizontal = from.divergenceHorizontal;
+    to->divergence_vertical = from.divergenceVertical;
+    to->max_returns = from.maxReturns;
+    to->rotation_period = from.rotationPeriod;
+    to->near_hits = static_cast<gno_near_hits>(from.nearHits);
+    to->masked_beams = orNull(from.maskedBeams);
+    to->masked_beam_count = from.maskedBeams.size();
   });
 }
 
@@ -169,32 +168,30 @@ gno_status gno_sensor_set_settings(gno_sensor sensor, const gno_sensor_settings*
 gno_status gno_sensor_get_size(gno_sensor sensor, gno_sensor_size* size) {
   return guard([&] {
     Locked locked(sensor);
-    const Out<gno_sensor_size> filled(size, "gno_sensor_size");
-    gno_sensor_size& to = *filled;
-    to.beams = locked->sensor.beamCount();
-    to.width = locked->sensor.width();
-    to.height = locked->sensor.height();
-    to.patterns = locked->sensor.patterns.size();
+    const Out to(size, GNO_TYPE(gno_sensor_size));
+    to->beams = locked->sensor.beamCount();
+    to->width = locked->sensor.width();
+    to->height = locked->sensor.height();
+    to->patterns = locked->sensor.patterns.size();
   });
 }
 
 gno_status gno_sensor_get_beams(gno_sensor sensor, uint64_t frame, gno_beam_list* beams) {
   return guard([&] {
     Locked locked(sensor);
-    const Out<gno_beam_list> filled(beams, "gno_beam_list");
-    gno_beam_list& to = *filled;
+    const Out to(beams, GNO_TYPE(gno_beam_list));
     const BeamList& list = locked->beams = beamsOf(locked->sensor, frame);
     locked->directions = flat(list.directions);
     locked->origins = flat(list.origins);
-    to.beam_count = list.size();
-    to.directions = orNull(locked->directions);
-    to.origins = orNull(locked->origins);
-    to.times = orNull(list.times);
-    to.range_min = orNull(list.rangeMin);
-    to.range_max = orNull(list.rangeMax);
-    to.rings = orNull(list.rings);
-    to.width = list.width;
-    to.height = list.height;
+    to->beam_count = list.size();
+    to->directions = orNull(locked->directions);
+    to->origins = orNull(locked->origins);
+    to->times = orNull(list.times);
+    to->range_min = orNull(list.rangeMin);
+    to->range_max = orNull(list.rangeMax);
+    to->rings = orNull(list.rings);
+    to->width = list.width;
+    to->height = list.height;
   });
 }
 
@@ -229,19 +226,18 @@ gno_status gno_catalogue_count(size_t* count) {
 gno_status gno_catalogue_get(size_t index, gno_catalogue_head* head) {
   return guard([&] {
     const std::vector<CatalogueHead>& all = sensorCatalogue();
-    const Out<gno_catalogue_head> filled(head, "gno_catalogue_head");
-    gno_catalogue_head& to = *filled;
+    const Out to(head, GNO_TYPE(gno_catalogue_head));
     if (index >= all.size())
       refuse("head " + std::to_string(index) + " does not exist, there are " + std::to_string(all.size()));
     thread_local std::string modes;
     modes.clear();
     for (const std::string& mode : all[index].modes) modes += (modes.empty() ? "" : ",") + mode;
-    to.name = all[index].name.c_str();
-    to.product = all[index].product.c_str();
-    to.modes = modes.c_str();
-    to.source = all[index].source.c_str();
-    to.remarks = all[index].remarks.c_str();
-    to.range_at_10_percent = all[index].rangeAt10Percent;
+    to->name = all[index].name.c_str();
+    to->product = all[index].product.c_str();
+    to->modes = modes.c_str();
+    to->source = all[index].source.c_str();
+    to->remarks = all[index].remarks.c_str();
+    to->range_at_10_percent = all[index].rangeAt10Percent;
   });
 }
 

@@ -26,7 +26,7 @@ SensorRequest requestOf(const gno_request& from) {
 }
 
 AccuracyParts partsOf(const gno_accuracy_parts* parts) {
-  const gno_accuracy_parts& from = sized(parts, "gno_accuracy_parts");
+  const gno_accuracy_parts& from = sized(parts, GNO_TYPE(gno_accuracy_parts));
   return {enumOf(from.bounds, AccuracyParts::Bounds::exact, "gno_accuracy_parts::bounds"),
           enumOf(from.cull, AccuracyParts::Cull::nearestPoint, "gno_accuracy_parts::cull"),
           enumOf(from.inside, AccuracyParts::Inside::exact, "gno_accuracy_parts::inside"),
@@ -51,7 +51,7 @@ Tuning tuningOf(const gno_options& from) {
 SimulatorOptions optionsOf(const gno_options* options) {
   SimulatorOptions result;
   if (!options) return result;
-  const gno_options& from = sized(options, "gno_options");
+  const gno_options& from = sized(options, GNO_TYPE(gno_options));
   if (from.device) result.device = deviceByName(from.device);
   std::copy_n(from.device_uuid, 16, result.device.uuid.begin());
   if (from.adopted) result.device = deviceOf(*from.adopted);
@@ -120,7 +120,7 @@ gno_status add(gno_simulator simulator, size_t* index, Add how) {
 std::vector<Shot> shotsOf(const gno_shot* shots, size_t count) {
   std::vector<Shot> result;
   result.reserve(count);
-  for (const gno_shot& shot : sizedArray(shots, count, "gno_shot", "shots")) result.push_back(shotOf(&shot));
+  for (const gno_shot& shot : sizedArray(shots, count, GNO_TYPE(gno_shot), "shots")) result.push_back(shotOf(&shot));
   return result;
 }
 
@@ -151,7 +151,7 @@ gno_status setTransforms(gno_simulator simulator, const uint32_t* instances, siz
 }  // namespace
 
 Shot c::shotOf(const gno_shot* shot) {
-  const gno_shot& from = sized(shot, "gno_shot");
+  const gno_shot& from = sized(shot, GNO_TYPE(gno_shot));
   Shot result;
   result.pose = poseOf(from.pose);
   result.sensor = from.sensor;
@@ -165,7 +165,7 @@ Shot c::shotOf(const gno_shot* shot) {
   for (const gno_mesh_motion& motion : array(from.mesh_motions, from.mesh_motion_count, "gno_shot::mesh_motions"))
     result.meshMotions.push_back({motion.mesh, deformationOf(motion.end)});
   if (from.weather) {
-    const gno_weather& weather = sized(from.weather, "gno_weather");
+    const gno_weather& weather = sized(from.weather, GNO_TYPE(gno_weather));
     result.weather = Weather{weather.visibility, weather.rain_rate, weather.snow_rate, {}};
     for (const gno_volume& box : array(weather.volumes, weather.volume_count, "gno_weather::volumes"))
       result.weather->volumes.push_back({vec3(box.min), vec3(box.max), box.extinction});
@@ -177,19 +177,18 @@ extern "C" {
 
 gno_status gno_accuracy_get_parts(gno_accuracy accuracy, gno_accuracy_parts* parts) {
   return guard([&] {
-    const Out<gno_accuracy_parts> filled(parts, "gno_accuracy_parts");
-    gno_accuracy_parts& to = *filled;
+    const Out to(parts, GNO_TYPE(gno_accuracy_parts));
     const AccuracyParts from = accuracyPartsOf(enumOf(accuracy, accuracySettings().back().accuracy, "the accuracy"));
-    to.bounds = static_cast<gno_bounds>(from.bounds);
-    to.cull = static_cast<gno_cull>(from.cull);
-    to.inside = static_cast<gno_inside>(from.inside);
-    to.range = static_cast<gno_range_rule>(from.range);
+    to->bounds = static_cast<gno_bounds>(from.bounds);
+    to->cull = static_cast<gno_cull>(from.cull);
+    to->inside = static_cast<gno_inside>(from.inside);
+    to->range = static_cast<gno_range_rule>(from.range);
   });
 }
 
 gno_status gno_options_set(gno_options* options, const char* assignment) {
   return guard([&] {
-    const Out<gno_options> filled(options, "gno_options");
+    const Out filled(options, GNO_TYPE(gno_options));
     the(assignment, "assignment");
     const std::string text = assignment;
     if (options->struct_size < sizeof *options) refuse("these gno_options cannot keep what gno_options_set() sets");
@@ -206,7 +205,7 @@ gno_status gno_simulator_create(gno_scene scene, const gno_request* sensors, siz
   return guard([&] {
     the(simulator, "simulator");
     std::vector<SensorRequest> requests;
-    for (const gno_request& request : sizedArray(sensors, sensor_count, "gno_request", "sensors"))
+    for (const gno_request& request : sizedArray(sensors, sensor_count, GNO_TYPE(gno_request), "sensors"))
       requests.push_back(requestOf(request));
     const SimulatorOptions wanted = optionsOf(options);
     *simulator = make<gno_simulator>(SimulatorObject(Simulator(*Locked(scene), requests, wanted)));
@@ -253,7 +252,8 @@ gno_status gno_simulator_scan_all(gno_simulator simulator, const gno_shot* shots
 }
 
 gno_status gno_simulator_add_sensor(gno_simulator simulator, const gno_request* request, size_t* index) {
-  return add(simulator, index, [&](Simulator& to) { return to.addSensor(requestOf(sized(request, "gno_request"))); });
+  return add(simulator, index,
+             [&](Simulator& to) { return to.addSensor(requestOf(sized(request, GNO_TYPE(gno_request)))); });
 }
 
 gno_status gno_simulator_remove_sensor(gno_simulator simulator, size_t index) {
@@ -340,18 +340,17 @@ gno_status gno_simulator_get_plan(gno_simulator simulator, size_t sensor, const 
 gno_status gno_simulator_get_device(gno_simulator simulator, gno_device_info* device) {
   return guard([&] {
     Idle idle(simulator);
-    describe(idle->device(), *Out<gno_device_info>(device, "gno_device_info"));
+    describe(idle->device(), *Out<gno_device_info>(device, GNO_TYPE(gno_device_info)));
   });
 }
 
 gno_status gno_simulator_get_memory(gno_simulator simulator, gno_memory_use* use) {
   return guard([&] {
-    const Out<gno_memory_use> filled(use, "gno_memory_use");
-    gno_memory_use& to = *filled;
+    const Out to(use, GNO_TYPE(gno_memory_use));
     const MemoryUse from = Idle(simulator)->memory();
-    to.scene = from.scene;
-    to.sensor = from.sensor;
-    to.work = from.work;
+    to->scene = from.scene;
+    to->sensor = from.sensor;
+    to->work = from.work;
   });
 }
 

@@ -8,10 +8,6 @@
 #include "c/handles.hpp"
 
 namespace gnosphere::c {
-GNO_DEFAULTS(gno_vulkan_requirements)
-GNO_DEFAULTS(gno_vulkan_adopted_device)
-GNO_DEFAULTS(gno_vulkan_vertex_buffer)
-GNO_DEFAULTS(gno_vulkan_transform_buffer)
 
 namespace {
 
@@ -26,17 +22,13 @@ struct RecorderObject {
 
 }  // namespace
 
-template <>
-struct Held<gno_vulkan_recorder> {
-  using Type = RecorderObject;
-  static constexpr const char* kName = "recorder";
-};
+GNO_HELD(gno_vulkan_recorder, RecorderObject, "recorder")
 
 namespace {
 
 // Returns the features; the names of extensions and what is missing are not needed.
 vulkan::Requirements featuresOf(const gno_vulkan_requirements* requirements) {
-  const gno_vulkan_requirements& from = sized(requirements, "gno_vulkan_requirements");
+  const gno_vulkan_requirements& from = sized(requirements, GNO_TYPE(gno_vulkan_requirements));
   vulkan::Requirements result;
   result.features = from.features;
   result.features12 = from.features12;
@@ -68,7 +60,7 @@ vulkan::DeviceRange rangeOf(const gno_vulkan_range& range) {
 }  // namespace
 
 DeviceChoice deviceOf(const gno_vulkan_adopted_device& given) {
-  const gno_vulkan_adopted_device device = sized(&given, "gno_vulkan_adopted_device");
+  const gno_vulkan_adopted_device device = sized(&given, GNO_TYPE(gno_vulkan_adopted_device));
   vulkan::AdoptedDevice adopted;
   adopted.getInstanceProcAddr = device.get_instance_proc_addr;
   adopted.instance = device.instance;
@@ -90,20 +82,19 @@ extern "C" {
 gno_status gno_vulkan_get_requirements(PFN_vkGetInstanceProcAddr get_instance_proc_addr, VkInstance instance,
                                        VkPhysicalDevice physical, gno_vulkan_requirements* requirements) {
   return guard([&] {
-    const Out<gno_vulkan_requirements> filled(requirements, "gno_vulkan_requirements");
-    gno_vulkan_requirements& to = *filled;
+    const Out to(requirements, GNO_TYPE(gno_vulkan_requirements));
     thread_local vulkan::Requirements from;
     thread_local std::vector<const char*> missing;
     from = vulkan::requirementsOf(get_instance_proc_addr, instance, physical);
     missing.clear();
     for (const std::string& sentence : from.missing) missing.push_back(sentence.c_str());
-    to.extensions = from.extensions.data();
-    to.extension_count = static_cast<uint32_t>(from.extensions.size());
-    to.features = from.features;
-    to.features12 = from.features12;
-    to.subgroup_size_control = from.subgroupSizeControl;
-    to.missing = missing.data();
-    to.missing_count = missing.size();
+    to->extensions = from.extensions.data();
+    to->extension_count = static_cast<uint32_t>(from.extensions.size());
+    to->features = from.features;
+    to->features12 = from.features12;
+    to->subgroup_size_control = from.subgroupSizeControl;
+    to->missing = missing.data();
+    to->missing_count = missing.size();
   });
 }
 
@@ -161,7 +152,7 @@ gno_status gno_vulkan_abandon(gno_vulkan_recorder recorder, size_t frame_in_flig
 gno_status gno_vulkan_recorder_set_vertices(gno_vulkan_recorder recorder, size_t mesh,
                                             const gno_vulkan_vertex_buffer* vertices) {
   return guard([&] {
-    const gno_vulkan_vertex_buffer& from = sized(vertices, "gno_vulkan_vertex_buffer");
+    const gno_vulkan_vertex_buffer& from = sized(vertices, GNO_TYPE(gno_vulkan_vertex_buffer));
     vulkan::VertexBuffer buffer;
     buffer.address = from.address;
     buffer.bytes = from.bytes;
@@ -178,7 +169,7 @@ gno_status gno_vulkan_recorder_set_vertices(gno_vulkan_recorder recorder, size_t
 gno_status gno_vulkan_recorder_set_transforms(gno_vulkan_recorder recorder,
                                               const gno_vulkan_transform_buffer* transforms) {
   return guard([&] {
-    const gno_vulkan_transform_buffer& from = sized(transforms, "gno_vulkan_transform_buffer");
+    const gno_vulkan_transform_buffer& from = sized(transforms, GNO_TYPE(gno_vulkan_transform_buffer));
     vulkan::TransformBuffer buffer;
     buffer.address = from.address;
     buffer.bytes = from.bytes;
