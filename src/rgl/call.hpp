@@ -46,14 +46,23 @@ void log(rgl_log_level_t level, const std::string& message);
 bool logs(rgl_log_level_t level);
 void configureLog(rgl_log_level_t level, const char* file, bool standardOutput);
 
-/// Runs the body of a function of the interface. The tape gets its name and arguments if it succeeds.
-template <class Body, class... Arguments>
-rgl_status_t call(const char* name, Body body, const Arguments&... arguments) noexcept {
+/// The arguments of a call that a tape has.
+template <class... Arguments>
+using Taped = std::tuple<const Arguments&...>;
+template <class... Arguments>
+Taped<Arguments...> taped(const Arguments&... arguments) {
+  return {arguments...};
+}
+
+/// Runs the body of a function of the interface. The tape gets its name, which is the function's, and its arguments if
+/// it succeeds.
+template <class... Arguments, class Body>
+rgl_status_t call(const char* name, const Taped<Arguments...>& arguments, Body body) noexcept {
   try {
     const std::lock_guard lock(callMutex());
     if (logs(RGL_LOG_LEVEL_TRACE)) log(RGL_LOG_LEVEL_TRACE, name);
     body();
-    if (tape().recording()) tape().record(name, arguments...);
+    if (tape().recording()) std::apply([&](const auto&... each) { tape().record(name, each...); }, arguments);
     return setStatus(RGL_SUCCESS, "operation successful");
   } catch (...) {
     return statusOfException();

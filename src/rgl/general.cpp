@@ -105,29 +105,23 @@ RGL_API rgl_status_t rgl_get_version_info(int32_t* out_major, int32_t* out_minor
 }
 
 RGL_API rgl_status_t rgl_get_extension_info(rgl_extension_t extension, int32_t* out_available) {
-  return call(
-      "rgl_get_extension_info",
-      [&] {
-        RGL_CHECK(out_available != nullptr);
-        RGL_CHECK(extension >= 0);
-        RGL_CHECK(extension < RGL_EXTENSION_COUNT);
-        *out_available = extension == RGL_EXTENSION_PCL ||
-                         (extension == RGL_EXTENSION_ROS2 && gnosphere::ros2::unavailable().empty());
-      },
-      extension, 0);
+  return call(__func__, taped(extension, 0), [&] {
+    RGL_CHECK(out_available != nullptr);
+    RGL_CHECK(extension >= 0);
+    RGL_CHECK(extension < RGL_EXTENSION_COUNT);
+    *out_available =
+        extension == RGL_EXTENSION_PCL || (extension == RGL_EXTENSION_ROS2 && gnosphere::ros2::unavailable().empty());
+  });
 }
 
 RGL_API rgl_status_t rgl_configure_logging(rgl_log_level_t log_level, const char* log_file_path, bool use_stdout) {
-  return call(
-      "rgl_configure_logging",
-      [&] {
-        const bool logLevelKnown = log_level >= RGL_LOG_LEVEL_ALL && log_level <= RGL_LOG_LEVEL_OFF;
-        RGL_CHECK(logLevelKnown);
-        const bool logFileOrStdout = log_file_path != nullptr || use_stdout || log_level == RGL_LOG_LEVEL_OFF;
-        RGL_CHECK(logFileOrStdout);
-        configureLog(log_level, log_file_path, use_stdout);
-      },
-      log_level, std::string(log_file_path ? log_file_path : ""), use_stdout);
+  return call(__func__, taped(log_level, std::string(log_file_path ? log_file_path : ""), use_stdout), [&] {
+    const bool logLevelKnown = log_level >= RGL_LOG_LEVEL_ALL && log_level <= RGL_LOG_LEVEL_OFF;
+    RGL_CHECK(logLevelKnown);
+    const bool logFileOrStdout = log_file_path != nullptr || use_stdout || log_level == RGL_LOG_LEVEL_OFF;
+    RGL_CHECK(logFileOrStdout);
+    configureLog(log_level, log_file_path, use_stdout);
+  });
 }
 
 RGL_API void rgl_get_last_error_string(const char** out_error_string) {
@@ -135,7 +129,7 @@ RGL_API void rgl_get_last_error_string(const char** out_error_string) {
 }
 
 RGL_API rgl_status_t rgl_cleanup(void) {
-  return call("rgl_cleanup", [] {
+  return call(__func__, taped(), [] {
     clearNodes();
     scene().clear();
   });

@@ -183,113 +183,85 @@ Cloud Cloud::select(const std::vector<uint32_t>& indices) const {
 using namespace gnosphere::rgl;
 
 RGL_API rgl_status_t rgl_node_is_alive(rgl_node_t node, bool* out_alive) {
-  return call(
-      "rgl_node_is_alive",
-      [&] {
-        RGL_CHECK(out_alive != nullptr);
-        *out_alive = nodes().has(node);
-      },
-      node, false);
+  return call(__func__, taped(node, false), [&] {
+    RGL_CHECK(out_alive != nullptr);
+    *out_alive = nodes().has(node);
+  });
 }
 
 RGL_API rgl_status_t rgl_graph_run(rgl_node_t node) {
-  return call(
-      "rgl_graph_run",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        runGraph(*nodes().at(node));
-      },
-      node);
+  return call(__func__, taped(node), [&] {
+    RGL_CHECK(node != nullptr);
+    runGraph(*nodes().at(node));
+  });
 }
 
 RGL_API rgl_status_t rgl_graph_destroy(rgl_node_t node) {
-  return call(
-      "rgl_graph_destroy",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        const std::vector<GraphNode*> all = connected(*nodes().at(node));
-        nodes().removeIf([&](const GraphNode* each) { return std::find(all.begin(), all.end(), each) != all.end(); });
-      },
-      node);
+  return call(__func__, taped(node), [&] {
+    RGL_CHECK(node != nullptr);
+    const std::vector<GraphNode*> all = connected(*nodes().at(node));
+    nodes().removeIf([&](const GraphNode* each) { return std::find(all.begin(), all.end(), each) != all.end(); });
+  });
 }
 
 RGL_API rgl_status_t rgl_graph_get_result_size(rgl_node_t node, rgl_field_t field, int32_t* out_count,
                                                int32_t* out_size_of) {
   int32_t count = 0, size = 0;
-  return call(
-      "rgl_graph_get_result_size",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        const PointsNode& points = resultsOf(node);
-        count = static_cast<int32_t>(points.cloud().count);
-        size = static_cast<int32_t>(points.sizeOfResult(fieldOf(field)));
-        if (out_count) *out_count = count;
-        if (out_size_of) *out_size_of = size;
-      },
-      node, field, count, size);
+  return call(__func__, taped(node, field, count, size), [&] {
+    RGL_CHECK(node != nullptr);
+    const PointsNode& points = resultsOf(node);
+    count = static_cast<int32_t>(points.cloud().count);
+    size = static_cast<int32_t>(points.sizeOfResult(fieldOf(field)));
+    if (out_count) *out_count = count;
+    if (out_size_of) *out_size_of = size;
+  });
 }
 
 RGL_API rgl_status_t rgl_graph_get_result_data(rgl_node_t node, rgl_field_t field, void* data) {
-  return call(
-      "rgl_graph_get_result_data",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(data != nullptr);
-        const PointsNode& points = resultsOf(node);
-        const rgl_field_t wanted = fieldOf(field);
-        const auto column = points.cloud().columns.find(wanted);
-        if (column == points.cloud().columns.end()) {
-          if (points.has(wanted) && points.cloud().count == 0) return;
-          throw Failure(RGL_INVALID_PIPELINE, std::string("the field ") + nameOf(wanted) +
-                                                  " is not in the results of " + points.name() +
-                                                  "; a yield or format node behind it asks for it");
-        }
-        if (points.cloud().count > 0) std::memcpy(data, column->second.bytes->data(), column->second.bytes->size());
-      },
-      node, field, 0);
+  return call(__func__, taped(node, field, 0), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(data != nullptr);
+    const PointsNode& points = resultsOf(node);
+    const rgl_field_t wanted = fieldOf(field);
+    const auto column = points.cloud().columns.find(wanted);
+    if (column == points.cloud().columns.end()) {
+      if (points.has(wanted) && points.cloud().count == 0) return;
+      throw Failure(RGL_INVALID_PIPELINE, std::string("the field ") + nameOf(wanted) + " is not in the results of " +
+                                              points.name() + "; a yield or format node behind it asks for it");
+    }
+    if (points.cloud().count > 0) std::memcpy(data, column->second.bytes->data(), column->second.bytes->size());
+  });
 }
 
 RGL_API rgl_status_t rgl_graph_node_add_child(rgl_node_t parent, rgl_node_t child) {
-  return call(
-      "rgl_graph_node_add_child",
-      [&] {
-        RGL_CHECK(parent != nullptr);
-        RGL_CHECK(child != nullptr);
-        RGL_CHECK(parent != child);
-        addChild(*nodes().at(parent), *nodes().at(child));
-      },
-      parent, child);
+  return call(__func__, taped(parent, child), [&] {
+    RGL_CHECK(parent != nullptr);
+    RGL_CHECK(child != nullptr);
+    RGL_CHECK(parent != child);
+    addChild(*nodes().at(parent), *nodes().at(child));
+  });
 }
 
 RGL_API rgl_status_t rgl_graph_node_remove_child(rgl_node_t parent, rgl_node_t child) {
-  return call(
-      "rgl_graph_node_remove_child",
-      [&] {
-        RGL_CHECK(parent != nullptr);
-        RGL_CHECK(child != nullptr);
-        removeChild(*nodes().at(parent), *nodes().at(child));
-      },
-      parent, child);
+  return call(__func__, taped(parent, child), [&] {
+    RGL_CHECK(parent != nullptr);
+    RGL_CHECK(child != nullptr);
+    removeChild(*nodes().at(parent), *nodes().at(child));
+  });
 }
 
 RGL_API rgl_status_t rgl_graph_node_set_priority(rgl_node_t node, int32_t priority) {
-  return call(
-      "rgl_graph_node_set_priority",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        setPriority(*nodes().at(node), priority);
-      },
-      node, priority);
+  return call(__func__, taped(node, priority), [&] {
+    RGL_CHECK(node != nullptr);
+    setPriority(*nodes().at(node), priority);
+  });
 }
 
 RGL_API rgl_status_t rgl_graph_node_get_priority(rgl_node_t node, int32_t* out_priority) {
   int32_t told = 0;
-  return call(
-      "rgl_graph_node_get_priority",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(out_priority != nullptr);
-        *out_priority = told = nodes().at(node)->priority;
-      },
-      node, told);
+  return call(__func__, taped(node, told), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(out_priority != nullptr);
+    *out_priority = told = nodes().at(node)->priority;
+  });
 }

@@ -31,14 +31,11 @@ class ReturnSwitchNode : public ReturnChooser {
 
 /// RGL 0.18 has this function.
 RGL_API rgl_status_t rgl_node_multi_return_switch(rgl_node_t* node, int32_t return_type) {
-  return call(
-      "rgl_node_multi_return_switch",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(return_type >= ReturnSwitchNode::kNotDivergent && return_type <= ReturnSwitchNode::kLast);
-        createOrUpdate<ReturnSwitchNode>(node, Affects::graph, [&](auto& made) { made.set(return_type); });
-      },
-      out(node), return_type);
+  return call(__func__, taped(out(node), return_type), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(return_type >= ReturnSwitchNode::kNotDivergent && return_type <= ReturnSwitchNode::kLast);
+    createOrUpdate<ReturnSwitchNode>(node, Affects::graph, [&](auto& made) { made.set(return_type); });
+  });
 }
 
 /// RGL had this function until 0.18.
@@ -53,23 +50,20 @@ RGL_API rgl_status_t rgl_node_points_compact(rgl_node_t* node) {
 
 /// Until 0.18: new vertices for every entity of a mesh.
 RGL_API rgl_status_t rgl_mesh_update_vertices(rgl_mesh_t mesh, const rgl_vec3f* vertices, int32_t vertex_count) {
-  return call(
-      "rgl_mesh_update_vertices",
-      [&] {
-        RGL_CHECK(mesh != nullptr);
-        RGL_CHECK(vertices != nullptr);
-        RGL_CHECK(vertex_count > 0);
-        const std::shared_ptr<MeshObject> of = scene().meshes.at(mesh);
-        if (of->vertices.size() != static_cast<size_t>(vertex_count))
-          throw Failure(RGL_INVALID_ARGUMENT, "Invalid argument: vertex counts do not match");
-        scene().entities.each([&](rgl_entity_t entity, const EntityObject& object) {
-          if (object.mesh == of) rgl_entity_apply_external_animation(entity, vertices, vertex_count);
-        });
-        for (int32_t i = 0; i < vertex_count; ++i)
-          of->vertices[i] = {vertices[i].value[0], vertices[i].value[1], vertices[i].value[2]};
-        scene().forget(*of);
-      },
-      mesh, arrayOf(vertices, vertex_count), vertex_count);
+  return call(__func__, taped(mesh, arrayOf(vertices, vertex_count), vertex_count), [&] {
+    RGL_CHECK(mesh != nullptr);
+    RGL_CHECK(vertices != nullptr);
+    RGL_CHECK(vertex_count > 0);
+    const std::shared_ptr<MeshObject> of = scene().meshes.at(mesh);
+    if (of->vertices.size() != static_cast<size_t>(vertex_count))
+      throw Failure(RGL_INVALID_ARGUMENT, "Invalid argument: vertex counts do not match");
+    scene().entities.each([&](rgl_entity_t entity, const EntityObject& object) {
+      if (object.mesh == of) rgl_entity_apply_external_animation(entity, vertices, vertex_count);
+    });
+    for (int32_t i = 0; i < vertex_count; ++i)
+      of->vertices[i] = {vertices[i].value[0], vertices[i].value[1], vertices[i].value[2]};
+    scene().forget(*of);
+  });
 }
 
 /// RGL 0.15 and 0.16 had this function.

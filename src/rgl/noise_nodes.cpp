@@ -87,28 +87,22 @@ using namespace gnosphere::rgl;
 
 RGL_API rgl_status_t rgl_node_gaussian_noise_angular_hitpoint(rgl_node_t* node, float mean, float st_dev,
                                                               rgl_axis_t rotation_axis) {
-  return call(
-      "rgl_node_gaussian_noise_angular_hitpoint",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(st_dev >= 0);
-        RGL_CHECK((rotation_axis == RGL_AXIS_X) || (rotation_axis == RGL_AXIS_Y) || (rotation_axis == RGL_AXIS_Z));
-        createOrUpdate<AngularHitpointNoiseNode>(node, Affects::node,
-                                                 [&](auto& made) { made.set(mean, st_dev, rotation_axis); });
-      },
-      out(node), mean, st_dev, rotation_axis);
+  return call(__func__, taped(out(node), mean, st_dev, rotation_axis), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(st_dev >= 0);
+    RGL_CHECK((rotation_axis == RGL_AXIS_X) || (rotation_axis == RGL_AXIS_Y) || (rotation_axis == RGL_AXIS_Z));
+    createOrUpdate<AngularHitpointNoiseNode>(node, Affects::node,
+                                             [&](auto& made) { made.set(mean, st_dev, rotation_axis); });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_gaussian_noise_distance(rgl_node_t* node, float mean, float st_dev_base,
                                                       float st_dev_rise_per_meter) {
-  return call(
-      "rgl_node_gaussian_noise_distance",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(st_dev_base >= 0);
-        RGL_CHECK(st_dev_rise_per_meter >= 0);
-        createOrUpdate<DistanceNoiseNode>(node, Affects::node,
-                                          [&](auto& made) { made.set(mean, st_dev_base, st_dev_rise_per_meter); });
-      },
-      out(node), mean, st_dev_base, st_dev_rise_per_meter);
+  return call(__func__, taped(out(node), mean, st_dev_base, st_dev_rise_per_meter), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(st_dev_base >= 0);
+    RGL_CHECK(st_dev_rise_per_meter >= 0);
+    createOrUpdate<DistanceNoiseNode>(node, Affects::node,
+                                      [&](auto& made) { made.set(mean, st_dev_base, st_dev_rise_per_meter); });
+  });
 }

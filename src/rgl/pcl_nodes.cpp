@@ -122,39 +122,33 @@ void writePcd(const PointsNode& node, const char* path) {
 using namespace gnosphere::rgl;
 
 RGL_API rgl_status_t rgl_graph_write_pcd_file(rgl_node_t node, const char* file_path) {
-  return call(
-      "rgl_graph_write_pcd_file",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(file_path != nullptr);
-        RGL_CHECK(file_path[0] != '\0');
-        writePcd(resultsOf(node), file_path);
-      },
-      node, std::string(file_path ? file_path : ""));
+  return call(__func__, taped(node, std::string(file_path ? file_path : "")), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(file_path != nullptr);
+    RGL_CHECK(file_path[0] != '\0');
+    writePcd(resultsOf(node), file_path);
+  });
 }
 
 RGL_API rgl_status_t rgl_node_points_downsample(rgl_node_t* node, float leaf_size_x, float leaf_size_y,
                                                 float leaf_size_z) {
-  return call(
-      "rgl_node_points_downsample",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(leaf_size_x > 0.0f);
-        RGL_CHECK(leaf_size_y > 0.0f);
-        RGL_CHECK(leaf_size_z > 0.0f);
-        createOrUpdate<DownsampleNode>(node, Affects::node, [&](auto& made) {
-          made.set({leaf_size_x, leaf_size_y, leaf_size_z});
-        });
-      },
-      out(node), leaf_size_x, leaf_size_y, leaf_size_z);
+  return call(__func__, taped(out(node), leaf_size_x, leaf_size_y, leaf_size_z), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(leaf_size_x > 0.0f);
+    RGL_CHECK(leaf_size_y > 0.0f);
+    RGL_CHECK(leaf_size_z > 0.0f);
+    createOrUpdate<DownsampleNode>(node, Affects::node, [&](auto& made) {
+      made.set({leaf_size_x, leaf_size_y, leaf_size_z});
+    });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_points_remove_ground(rgl_node_t* node, rgl_axis_t sensor_up_axis,
                                                    float ground_angle_threshold, float ground_distance_threshold,
                                                    float ground_filter_distance) {
   return call(
-      "rgl_node_points_remove_ground",
-      [&] {
+      __func__,
+      taped(out(node), sensor_up_axis, ground_angle_threshold, ground_distance_threshold, ground_filter_distance), [&] {
         RGL_CHECK(node != nullptr);
         RGL_CHECK((sensor_up_axis == RGL_AXIS_X) || (sensor_up_axis == RGL_AXIS_Y) || (sensor_up_axis == RGL_AXIS_Z));
         RGL_CHECK(ground_angle_threshold >= 0.0f);
@@ -163,6 +157,5 @@ RGL_API rgl_status_t rgl_node_points_remove_ground(rgl_node_t* node, rgl_axis_t 
         createOrUpdate<RemoveGroundNode>(node, Affects::node, [&](auto& made) {
           made.set(sensor_up_axis, ground_angle_threshold, ground_distance_threshold, ground_filter_distance);
         });
-      },
-      out(node), sensor_up_axis, ground_angle_threshold, ground_distance_threshold, ground_filter_distance);
+      });
 }

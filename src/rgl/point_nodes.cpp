@@ -242,21 +242,18 @@ class FilterGroundNode : public PointsFilter {
 template <class T>
 rgl_status_t withFields(const char* name, const char* verb, rgl_node_t* node, const rgl_field_t* fields,
                         int32_t field_count) {
-  return call(
-      name,
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(fields != nullptr);
-        RGL_CHECK(field_count > 0);
-        Fields wanted;
-        for (int32_t i = 0; i < field_count; ++i) {
-          if (fields[i] == RGL_FIELD_DYNAMIC_FORMAT)
-            throw Failure(RGL_INVALID_ARGUMENT, std::string("cannot ") + verb + " field 'RGL_FIELD_DYNAMIC_FORMAT'");
-          wanted.push_back(fieldOf(fields[i]));
-        }
-        createOrUpdate<T>(node, Affects::graph, [&](auto& made) { made.set(std::move(wanted)); });
-      },
-      out(node), arrayOf(fields, field_count), field_count);
+  return call(name, taped(out(node), arrayOf(fields, field_count), field_count), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(fields != nullptr);
+    RGL_CHECK(field_count > 0);
+    Fields wanted;
+    for (int32_t i = 0; i < field_count; ++i) {
+      if (fields[i] == RGL_FIELD_DYNAMIC_FORMAT)
+        throw Failure(RGL_INVALID_ARGUMENT, std::string("cannot ") + verb + " field 'RGL_FIELD_DYNAMIC_FORMAT'");
+      wanted.push_back(fieldOf(fields[i]));
+    }
+    createOrUpdate<T>(node, Affects::graph, [&](auto& made) { made.set(std::move(wanted)); });
+  });
 }
 
 }  // namespace
@@ -265,14 +262,11 @@ rgl_status_t withFields(const char* name, const char* verb, rgl_node_t* node, co
 using namespace gnosphere::rgl;
 
 RGL_API rgl_status_t rgl_node_points_transform(rgl_node_t* node, const rgl_mat3x4f* transform) {
-  return call(
-      "rgl_node_points_transform",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(transform != nullptr);
-        createOrUpdate<TransformPointsNode>(node, Affects::node, [&](auto& made) { made.set(matOf(*transform)); });
-      },
-      out(node), arrayOf(transform, 1));
+  return call(__func__, taped(out(node), arrayOf(transform, 1)), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(transform != nullptr);
+    createOrUpdate<TransformPointsNode>(node, Affects::node, [&](auto& made) { made.set(matOf(*transform)); });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_points_format(rgl_node_t* node, const rgl_field_t* fields, int32_t field_count) {
@@ -294,22 +288,20 @@ RGL_API rgl_status_t rgl_node_points_temporal_merge(rgl_node_t* node, const rgl_
 }
 
 RGL_API rgl_status_t rgl_node_points_compact_by_field(rgl_node_t* node, rgl_field_t field) {
-  return call(
-      "rgl_node_points_compact_by_field",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        const rgl_field_t wanted = fieldOf(field);
-        RGL_CHECK(wanted == RGL_FIELD_IS_HIT_I32 || wanted == RGL_FIELD_IS_GROUND_I32);
-        createOrUpdate<CompactNode>(node, Affects::graph, [&](auto& made) { made.set(wanted); });
-      },
-      out(node), field);
+  return call(__func__, taped(out(node), field), [&] {
+    RGL_CHECK(node != nullptr);
+    const rgl_field_t wanted = fieldOf(field);
+    RGL_CHECK(wanted == RGL_FIELD_IS_HIT_I32 || wanted == RGL_FIELD_IS_GROUND_I32);
+    createOrUpdate<CompactNode>(node, Affects::graph, [&](auto& made) { made.set(wanted); });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_points_from_array(rgl_node_t* node, const void* points, int32_t points_count,
                                                 const rgl_field_t* fields, int32_t field_count) {
   size_t stride = 0;
   return call(
-      "rgl_node_points_from_array",
+      __func__,
+      taped(out(node), RowArray{points, points_count, stride}, points_count, arrayOf(fields, field_count), field_count),
       [&] {
         RGL_CHECK(node != nullptr);
         RGL_CHECK(points != nullptr);
@@ -320,22 +312,18 @@ RGL_API rgl_status_t rgl_node_points_from_array(rgl_node_t* node, const void* po
         stride = rowSize(wanted);
         createOrUpdate<FromArrayNode>(node, Affects::graph,
                                       [&](auto& made) { made.set(points, points_count, wanted); });
-      },
-      out(node), RowArray{points, points_count, stride}, points_count, arrayOf(fields, field_count), field_count);
+      });
 }
 
 RGL_API rgl_status_t rgl_node_points_filter_ground(rgl_node_t* node, const rgl_vec3f* sensor_up_vector,
                                                    float ground_angle_threshold) {
-  return call(
-      "rgl_node_points_filter_ground",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(sensor_up_vector != nullptr);
-        RGL_CHECK(ground_angle_threshold >= 0);
-        const float* const up = sensor_up_vector->value;
-        createOrUpdate<FilterGroundNode>(node, Affects::graph, [&](auto& made) {
-          made.set({up[0], up[1], up[2]}, ground_angle_threshold);
-        });
-      },
-      out(node), arrayOf(sensor_up_vector, 1), ground_angle_threshold);
+  return call(__func__, taped(out(node), arrayOf(sensor_up_vector, 1), ground_angle_threshold), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(sensor_up_vector != nullptr);
+    RGL_CHECK(ground_angle_threshold >= 0);
+    const float* const up = sensor_up_vector->value;
+    createOrUpdate<FilterGroundNode>(node, Affects::graph, [&](auto& made) {
+      made.set({up[0], up[1], up[2]}, ground_angle_threshold);
+    });
+  });
 }

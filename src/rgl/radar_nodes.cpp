@@ -278,36 +278,36 @@ RGL_API rgl_status_t rgl_node_points_radar_postprocess(rgl_node_t* node, const r
                                                        float ray_elevation_step, float frequency,
                                                        float power_transmitted, float cumulative_device_gain,
                                                        float received_noise_mean, float received_noise_st_dev) {
-  return call(
-      "rgl_node_points_radar_postprocess",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(radar_scopes != nullptr);
-        RGL_CHECK(radar_scopes_count > 0);
-        RGL_CHECK(ray_azimuth_step > 0);
-        RGL_CHECK(ray_elevation_step > 0);
-        RGL_CHECK(frequency > 0);
-        RGL_CHECK(received_noise_st_dev >= 0);
-        for (int32_t i = 0; i < radar_scopes_count; ++i) {
-          RGL_CHECK(radar_scopes[i].begin_distance >= 0);
-          RGL_CHECK(radar_scopes[i].end_distance >= radar_scopes[i].begin_distance);
-          RGL_CHECK(radar_scopes[i].distance_separation_threshold >= 0);
-          RGL_CHECK(radar_scopes[i].radial_speed_separation_threshold >= 0);
-          RGL_CHECK(radar_scopes[i].azimuth_separation_threshold >= 0);
-        }
-        createOrUpdate<RadarPostprocessNode>(node, Affects::graph, [&](auto& made) {
-          made.set({{radar_scopes, radar_scopes + radar_scopes_count},
-                    ray_azimuth_step,
-                    ray_elevation_step,
-                    frequency,
-                    power_transmitted,
-                    cumulative_device_gain,
-                    received_noise_mean,
-                    received_noise_st_dev});
-        });
-      },
-      out(node), arrayOf(radar_scopes, radar_scopes_count), radar_scopes_count, ray_azimuth_step, ray_elevation_step,
-      frequency, power_transmitted, cumulative_device_gain, received_noise_mean, received_noise_st_dev);
+  return call(__func__,
+              taped(out(node), arrayOf(radar_scopes, radar_scopes_count), radar_scopes_count, ray_azimuth_step,
+                    ray_elevation_step, frequency, power_transmitted, cumulative_device_gain, received_noise_mean,
+                    received_noise_st_dev),
+              [&] {
+                RGL_CHECK(node != nullptr);
+                RGL_CHECK(radar_scopes != nullptr);
+                RGL_CHECK(radar_scopes_count > 0);
+                RGL_CHECK(ray_azimuth_step > 0);
+                RGL_CHECK(ray_elevation_step > 0);
+                RGL_CHECK(frequency > 0);
+                RGL_CHECK(received_noise_st_dev >= 0);
+                for (int32_t i = 0; i < radar_scopes_count; ++i) {
+                  RGL_CHECK(radar_scopes[i].begin_distance >= 0);
+                  RGL_CHECK(radar_scopes[i].end_distance >= radar_scopes[i].begin_distance);
+                  RGL_CHECK(radar_scopes[i].distance_separation_threshold >= 0);
+                  RGL_CHECK(radar_scopes[i].radial_speed_separation_threshold >= 0);
+                  RGL_CHECK(radar_scopes[i].azimuth_separation_threshold >= 0);
+                }
+                createOrUpdate<RadarPostprocessNode>(node, Affects::graph, [&](auto& made) {
+                  made.set({{radar_scopes, radar_scopes + radar_scopes_count},
+                            ray_azimuth_step,
+                            ray_elevation_step,
+                            frequency,
+                            power_transmitted,
+                            cumulative_device_gain,
+                            received_noise_mean,
+                            received_noise_st_dev});
+                });
+              });
 }
 
 RGL_API rgl_status_t rgl_node_points_radar_track_objects(rgl_node_t* node, float object_distance_threshold,
@@ -317,7 +317,9 @@ RGL_API rgl_status_t rgl_node_points_radar_track_objects(rgl_node_t* node, float
                                                          float max_matching_distance, float max_prediction_time_frame,
                                                          float movement_sensitivity) {
   return call(
-      "rgl_node_points_radar_track_objects",
+      __func__,
+      taped(out(node), object_distance_threshold, object_azimuth_threshold, object_elevation_threshold,
+            object_radial_speed_threshold, max_matching_distance, max_prediction_time_frame, movement_sensitivity),
       [&] {
         RGL_CHECK(node != nullptr);
         RGL_CHECK(object_distance_threshold > 0.0f);
@@ -332,26 +334,21 @@ RGL_API rgl_status_t rgl_node_points_radar_track_objects(rgl_node_t* node, float
                     object_radial_speed_threshold, max_matching_distance, max_prediction_time_frame,
                     movement_sensitivity});
         });
-      },
-      out(node), object_distance_threshold, object_azimuth_threshold, object_elevation_threshold,
-      object_radial_speed_threshold, max_matching_distance, max_prediction_time_frame, movement_sensitivity);
+      });
 }
 
 RGL_API rgl_status_t rgl_node_points_radar_set_classes(rgl_node_t node, const int32_t* entity_ids,
                                                        const rgl_radar_object_class_t* object_classes, int32_t count) {
-  return call(
-      "rgl_node_points_radar_set_classes",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(entity_ids != nullptr);
-        RGL_CHECK(object_classes != nullptr);
-        RGL_CHECK(count >= 0);
-        std::map<int32_t, rgl_radar_object_class_t> classes;
-        for (int32_t i = 0; i < count; ++i) {
-          RGL_CHECK(object_classes[i] >= 0 && object_classes[i] < RGL_RADAR_CLASS_COUNT);
-          classes[entity_ids[i]] = object_classes[i];
-        }
-        nodeAs<RadarTrackNode>(node).setClasses(std::move(classes));
-      },
-      node, arrayOf(entity_ids, count), arrayOf(object_classes, count), count);
+  return call(__func__, taped(node, arrayOf(entity_ids, count), arrayOf(object_classes, count), count), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(entity_ids != nullptr);
+    RGL_CHECK(object_classes != nullptr);
+    RGL_CHECK(count >= 0);
+    std::map<int32_t, rgl_radar_object_class_t> classes;
+    for (int32_t i = 0; i < count; ++i) {
+      RGL_CHECK(object_classes[i] >= 0 && object_classes[i] < RGL_RADAR_CLASS_COUNT);
+      classes[entity_ids[i]] = object_classes[i];
+    }
+    nodeAs<RadarTrackNode>(node).setClasses(std::move(classes));
+  });
 }

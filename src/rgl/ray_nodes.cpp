@@ -149,79 +149,61 @@ class AngularRayNoiseNode : public RaysFilter {
 using namespace gnosphere::rgl;
 
 RGL_API rgl_status_t rgl_node_rays_from_mat3x4f(rgl_node_t* node, const rgl_mat3x4f* rays, int32_t ray_count) {
-  return call(
-      "rgl_node_rays_from_mat3x4f",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(rays != nullptr);
-        RGL_CHECK(ray_count > 0);
-        createOrUpdate<FromMatricesNode>(node, Affects::graph, [&](auto& made) { made.set(rays, ray_count); });
-      },
-      out(node), arrayOf(rays, ray_count), ray_count);
+  return call(__func__, taped(out(node), arrayOf(rays, ray_count), ray_count), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(rays != nullptr);
+    RGL_CHECK(ray_count > 0);
+    createOrUpdate<FromMatricesNode>(node, Affects::graph, [&](auto& made) { made.set(rays, ray_count); });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_rays_set_ring_ids(rgl_node_t* node, const int32_t* ring_ids, int32_t ring_ids_count) {
-  return call(
-      "rgl_node_rays_set_ring_ids",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(ring_ids != nullptr);
-        RGL_CHECK(ring_ids_count > 0);
-        createOrUpdate<RingsNode>(node, Affects::node, [&](auto& made) { made.set(ring_ids, ring_ids_count); });
-      },
-      out(node), arrayOf(ring_ids, ring_ids_count), ring_ids_count);
+  return call(__func__, taped(out(node), arrayOf(ring_ids, ring_ids_count), ring_ids_count), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(ring_ids != nullptr);
+    RGL_CHECK(ring_ids_count > 0);
+    createOrUpdate<RingsNode>(node, Affects::node, [&](auto& made) { made.set(ring_ids, ring_ids_count); });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_rays_set_range(rgl_node_t* node, const rgl_vec2f* ranges, int32_t ranges_count) {
-  return call(
-      "rgl_node_rays_set_range",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(ranges != nullptr);
-        RGL_CHECK(ranges_count > 0);
-        for (int32_t i = 0; i < ranges_count; ++i) {
-          RGL_CHECK(!std::isnan(ranges[i].value[0]) && !std::isnan(ranges[i].value[1]));
-          RGL_CHECK(ranges[i].value[0] >= 0.0f);
-          RGL_CHECK(ranges[i].value[1] >= ranges[i].value[0]);
-        }
-        createOrUpdate<RangeNode>(node, Affects::node, [&](auto& made) { made.set(ranges, ranges_count); });
-      },
-      out(node), arrayOf(ranges, ranges_count), ranges_count);
+  return call(__func__, taped(out(node), arrayOf(ranges, ranges_count), ranges_count), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(ranges != nullptr);
+    RGL_CHECK(ranges_count > 0);
+    for (int32_t i = 0; i < ranges_count; ++i) {
+      RGL_CHECK(!std::isnan(ranges[i].value[0]) && !std::isnan(ranges[i].value[1]));
+      RGL_CHECK(ranges[i].value[0] >= 0.0f);
+      RGL_CHECK(ranges[i].value[1] >= ranges[i].value[0]);
+    }
+    createOrUpdate<RangeNode>(node, Affects::node, [&](auto& made) { made.set(ranges, ranges_count); });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_rays_set_time_offsets(rgl_node_t* node, const float* offsets, int32_t offsets_count) {
-  return call(
-      "rgl_node_rays_set_time_offsets",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(offsets != nullptr);
-        RGL_CHECK(offsets_count > 0);
-        createOrUpdate<OffsetsNode>(node, Affects::node, [&](auto& made) { made.set(offsets, offsets_count); });
-      },
-      out(node), arrayOf(offsets, offsets_count), offsets_count);
+  return call(__func__, taped(out(node), arrayOf(offsets, offsets_count), offsets_count), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(offsets != nullptr);
+    RGL_CHECK(offsets_count > 0);
+    createOrUpdate<OffsetsNode>(node, Affects::node, [&](auto& made) { made.set(offsets, offsets_count); });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_rays_transform(rgl_node_t* node, const rgl_mat3x4f* transform) {
-  return call(
-      "rgl_node_rays_transform",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(transform != nullptr);
-        createOrUpdate<TransformRaysNode>(node, Affects::node, [&](auto& made) { made.set(matOf(*transform)); });
-      },
-      out(node), arrayOf(transform, 1));
+  return call(__func__, taped(out(node), arrayOf(transform, 1)), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(transform != nullptr);
+    createOrUpdate<TransformRaysNode>(node, Affects::node, [&](auto& made) { made.set(matOf(*transform)); });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_gaussian_noise_angular_ray(rgl_node_t* node, float mean, float st_dev,
                                                          rgl_axis_t rotation_axis) {
-  return call(
-      "rgl_node_gaussian_noise_angular_ray",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(st_dev >= 0);
-        RGL_CHECK((rotation_axis == RGL_AXIS_X) || (rotation_axis == RGL_AXIS_Y) || (rotation_axis == RGL_AXIS_Z));
-        createOrUpdate<AngularRayNoiseNode>(node, Affects::node,
-                                            [&](auto& made) { made.set(mean, st_dev, rotation_axis); });
-      },
-      out(node), mean, st_dev, rotation_axis);
+  return call(__func__, taped(out(node), mean, st_dev, rotation_axis), [&] {
+    RGL_CHECK(node != nullptr);
+    RGL_CHECK(st_dev >= 0);
+    RGL_CHECK((rotation_axis == RGL_AXIS_X) || (rotation_axis == RGL_AXIS_Y) || (rotation_axis == RGL_AXIS_Z));
+    createOrUpdate<AngularRayNoiseNode>(node, Affects::node,
+                                        [&](auto& made) { made.set(mean, st_dev, rotation_axis); });
+  });
 }

@@ -190,37 +190,31 @@ std::string textOf(const char* text) {
 using namespace gnosphere::rgl;
 
 RGL_API rgl_status_t rgl_node_points_ros2_publish(rgl_node_t* node, const char* topic_name, const char* frame_id) {
-  return call(
-      "rgl_node_points_ros2_publish",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        const Target target = targetOf(topic_name, frame_id, 0, 0, 0, kDefaultDepth);
-        createOrUpdate<PublishPointsNode>(node, Affects::node, [&](auto& made) { made.set(target); });
-      },
-      out(node), textOf(topic_name), textOf(frame_id));
+  return call(__func__, taped(out(node), textOf(topic_name), textOf(frame_id)), [&] {
+    RGL_CHECK(node != nullptr);
+    const Target target = targetOf(topic_name, frame_id, 0, 0, 0, kDefaultDepth);
+    createOrUpdate<PublishPointsNode>(node, Affects::node, [&](auto& made) { made.set(target); });
+  });
 }
 
 RGL_API rgl_status_t rgl_node_points_ros2_publish_with_qos(
     rgl_node_t* node, const char* topic_name, const char* frame_id, rgl_qos_policy_reliability_t qos_reliability,
     rgl_qos_policy_durability_t qos_durability, rgl_qos_policy_history_t qos_history, int32_t qos_history_depth) {
-  return call(
-      "rgl_node_points_ros2_publish_with_qos",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        const Target target =
-            targetOf(topic_name, frame_id, qos_reliability, qos_durability, qos_history, qos_history_depth);
-        createOrUpdate<PublishPointsNode>(node, Affects::node, [&](auto& made) { made.set(target); });
-      },
-      out(node), textOf(topic_name), textOf(frame_id), qos_reliability, qos_durability, qos_history, qos_history_depth);
+  return call(__func__,
+              taped(out(node), textOf(topic_name), textOf(frame_id), qos_reliability, qos_durability, qos_history,
+                    qos_history_depth),
+              [&] {
+                RGL_CHECK(node != nullptr);
+                const Target target =
+                    targetOf(topic_name, frame_id, qos_reliability, qos_durability, qos_history, qos_history_depth);
+                createOrUpdate<PublishPointsNode>(node, Affects::node, [&](auto& made) { made.set(target); });
+              });
 }
 
 RGL_API rgl_status_t rgl_node_publish_ros2_laserscan(rgl_node_t* node, const char* topic_name, const char* frame_id) {
-  return call(
-      "rgl_node_publish_ros2_laserscan",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        const Target target = targetOf(topic_name, frame_id, 0, 0, 0, kDefaultDepth);
-        createOrUpdate<PublishLaserScanNode>(node, Affects::node, [&](auto& made) { made.set(target); });
-      },
-      out(node), textOf(topic_name), textOf(frame_id));
+  return call(__func__, taped(out(node), textOf(topic_name), textOf(frame_id)), [&] {
+    RGL_CHECK(node != nullptr);
+    const Target target = targetOf(topic_name, frame_id, 0, 0, 0, kDefaultDepth);
+    createOrUpdate<PublishLaserScanNode>(node, Affects::node, [&](auto& made) { made.set(target); });
+  });
 }

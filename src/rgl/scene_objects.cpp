@@ -56,13 +56,10 @@ void checkBones(const MeshObject& mesh, int32_t bones) {
 
 template <class Handle, class AllObjects>
 rgl_status_t isAlive(const char* name, const AllObjects& objects, Handle handle, bool* out_alive) {
-  return call(
-      name,
-      [&] {
-        RGL_CHECK(out_alive != nullptr);
-        *out_alive = objects.has(handle);
-      },
-      handle, false);
+  return call(name, taped(handle, false), [&] {
+    RGL_CHECK(out_alive != nullptr);
+    *out_alive = objects.has(handle);
+  });
 }
 
 }  // namespace
@@ -70,7 +67,8 @@ rgl_status_t isAlive(const char* name, const AllObjects& objects, Handle handle,
 RGL_API rgl_status_t rgl_mesh_create(rgl_mesh_t* out_mesh, const rgl_vec3f* vertices, int32_t vertex_count,
                                      const rgl_vec3i* indices, int32_t index_count) {
   return call(
-      "rgl_mesh_create",
+      __func__,
+      taped(out(out_mesh), arrayOf(vertices, vertex_count), vertex_count, arrayOf(indices, index_count), index_count),
       [&] {
         RGL_CHECK(out_mesh != nullptr);
         RGL_CHECK(vertices != nullptr);
@@ -83,63 +81,50 @@ RGL_API rgl_status_t rgl_mesh_create(rgl_mesh_t* out_mesh, const rgl_vec3f* vert
         mesh->triangles.resize(index_count);
         for (int32_t i = 0; i < index_count; ++i) std::copy_n(indices[i].value, 3, mesh->triangles[i].begin());
         *out_mesh = scene().meshes.add(std::move(mesh));
-      },
-      out(out_mesh), arrayOf(vertices, vertex_count), vertex_count, arrayOf(indices, index_count), index_count);
+      });
 }
 
 RGL_API rgl_status_t rgl_mesh_set_texture_coords(rgl_mesh_t mesh, const rgl_vec2f* uvs, int32_t uv_count) {
-  return call(
-      "rgl_mesh_set_texture_coords",
-      [&] {
-        RGL_CHECK(mesh != nullptr);
-        RGL_CHECK(uvs != nullptr);
-        RGL_CHECK(uv_count > 0);
-        MeshObject& to = *scene().meshes.at(mesh);
-        const auto vertex_count = static_cast<int32_t>(to.vertices.size());
-        RGL_CHECK(uv_count == vertex_count);
-        to.uvs.assign(uvs, uvs + uv_count);
-      },
-      mesh, arrayOf(uvs, uv_count), uv_count);
+  return call(__func__, taped(mesh, arrayOf(uvs, uv_count), uv_count), [&] {
+    RGL_CHECK(mesh != nullptr);
+    RGL_CHECK(uvs != nullptr);
+    RGL_CHECK(uv_count > 0);
+    MeshObject& to = *scene().meshes.at(mesh);
+    const auto vertex_count = static_cast<int32_t>(to.vertices.size());
+    RGL_CHECK(uv_count == vertex_count);
+    to.uvs.assign(uvs, uvs + uv_count);
+  });
 }
 
 RGL_API rgl_status_t rgl_mesh_set_bone_weights(rgl_mesh_t mesh, const rgl_bone_weights_t* bone_weights,
                                                int32_t bone_weights_count) {
-  return call(
-      "rgl_mesh_set_bone_weights",
-      [&] {
-        RGL_CHECK(mesh != nullptr);
-        RGL_CHECK(bone_weights != nullptr);
-        RGL_CHECK(bone_weights_count > 0);
-        MeshObject& to = *scene().meshes.at(mesh);
-        const auto vertex_count = static_cast<int32_t>(to.vertices.size());
-        RGL_CHECK(bone_weights_count == vertex_count);
-        to.weights.assign(bone_weights, bone_weights + bone_weights_count);
-      },
-      mesh, arrayOf(bone_weights, bone_weights_count), bone_weights_count);
+  return call(__func__, taped(mesh, arrayOf(bone_weights, bone_weights_count), bone_weights_count), [&] {
+    RGL_CHECK(mesh != nullptr);
+    RGL_CHECK(bone_weights != nullptr);
+    RGL_CHECK(bone_weights_count > 0);
+    MeshObject& to = *scene().meshes.at(mesh);
+    const auto vertex_count = static_cast<int32_t>(to.vertices.size());
+    RGL_CHECK(bone_weights_count == vertex_count);
+    to.weights.assign(bone_weights, bone_weights + bone_weights_count);
+  });
 }
 
 RGL_API rgl_status_t rgl_mesh_set_restposes(rgl_mesh_t mesh, const rgl_mat3x4f* restposes, int32_t bones_count) {
-  return call(
-      "rgl_mesh_set_restposes",
-      [&] {
-        RGL_CHECK(mesh != nullptr);
-        RGL_CHECK(restposes != nullptr);
-        RGL_CHECK(bones_count > 0);
-        MeshObject& to = *scene().meshes.at(mesh);
-        to.restPoses.resize(bones_count);
-        std::transform(restposes, restposes + bones_count, to.restPoses.begin(), matOf);
-      },
-      mesh, arrayOf(restposes, bones_count), bones_count);
+  return call(__func__, taped(mesh, arrayOf(restposes, bones_count), bones_count), [&] {
+    RGL_CHECK(mesh != nullptr);
+    RGL_CHECK(restposes != nullptr);
+    RGL_CHECK(bones_count > 0);
+    MeshObject& to = *scene().meshes.at(mesh);
+    to.restPoses.resize(bones_count);
+    std::transform(restposes, restposes + bones_count, to.restPoses.begin(), matOf);
+  });
 }
 
 RGL_API rgl_status_t rgl_mesh_destroy(rgl_mesh_t mesh) {
-  return call(
-      "rgl_mesh_destroy",
-      [&] {
-        RGL_CHECK(mesh != nullptr);
-        scene().meshes.remove(mesh);
-      },
-      mesh);
+  return call(__func__, taped(mesh), [&] {
+    RGL_CHECK(mesh != nullptr);
+    scene().meshes.remove(mesh);
+  });
 }
 
 RGL_API rgl_status_t rgl_mesh_is_alive(rgl_mesh_t mesh, bool* out_alive) {
@@ -147,114 +132,90 @@ RGL_API rgl_status_t rgl_mesh_is_alive(rgl_mesh_t mesh, bool* out_alive) {
 }
 
 RGL_API rgl_status_t rgl_entity_create(rgl_entity_t* out_entity, rgl_scene_t scene, rgl_mesh_t mesh) {
-  return call(
-      "rgl_entity_create",
-      [&] {
-        RGL_CHECK(out_entity != nullptr);
-        RGL_CHECK(mesh != nullptr);
-        RGL_CHECK(scene == nullptr);
-        SceneState& all = gnosphere::rgl::scene();
-        auto entity = std::make_shared<EntityObject>();
-        entity->mesh = all.meshes.at(mesh);
-        all.place(entity);
-        *out_entity = all.entities.add(std::move(entity));
-      },
-      out(out_entity), scene, mesh);
+  return call(__func__, taped(out(out_entity), scene, mesh), [&] {
+    RGL_CHECK(out_entity != nullptr);
+    RGL_CHECK(mesh != nullptr);
+    RGL_CHECK(scene == nullptr);
+    SceneState& all = gnosphere::rgl::scene();
+    auto entity = std::make_shared<EntityObject>();
+    entity->mesh = all.meshes.at(mesh);
+    all.place(entity);
+    *out_entity = all.entities.add(std::move(entity));
+  });
 }
 
 RGL_API rgl_status_t rgl_entity_destroy(rgl_entity_t entity) {
-  return call(
-      "rgl_entity_destroy",
-      [&] {
-        RGL_CHECK(entity != nullptr);
-        scene().remove(scene().entities.remove(entity));
-      },
-      entity);
+  return call(__func__, taped(entity), [&] {
+    RGL_CHECK(entity != nullptr);
+    scene().remove(scene().entities.remove(entity));
+  });
 }
 
 RGL_API rgl_status_t rgl_entity_set_transform(rgl_entity_t entity, const rgl_mat3x4f* transform) {
-  return call(
-      "rgl_entity_set_transform",
-      [&] {
-        RGL_CHECK(entity != nullptr);
-        RGL_CHECK(transform != nullptr);
-        EntityObject& to = *scene().entities.at(entity);
-        for (const auto& row : transform->value)
-          for (const float value : row) RGL_CHECK(std::isfinite(value));
-        move(to, matOf(*transform));
-      },
-      entity, arrayOf(transform, 1));
+  return call(__func__, taped(entity, arrayOf(transform, 1)), [&] {
+    RGL_CHECK(entity != nullptr);
+    RGL_CHECK(transform != nullptr);
+    EntityObject& to = *scene().entities.at(entity);
+    for (const auto& row : transform->value)
+      for (const float value : row) RGL_CHECK(std::isfinite(value));
+    move(to, matOf(*transform));
+  });
 }
 
 RGL_API rgl_status_t rgl_entity_set_pose_world(rgl_entity_t entity, const rgl_mat3x4f* pose, int32_t bones_count) {
-  return call(
-      "rgl_entity_set_pose_world",
-      [&] {
-        RGL_CHECK(entity != nullptr);
-        RGL_CHECK(pose != nullptr);
-        RGL_CHECK(bones_count > 0);
-        EntityObject& to = *scene().entities.at(entity);
-        const MeshObject& mesh = *to.mesh;
-        if (mesh.weights.empty() || mesh.restPoses.empty())
-          throw Failure(RGL_INVALID_ARGUMENT, "the entity's mesh has no bone weights or no rest poses");
-        const auto restposes_count = static_cast<int32_t>(mesh.restPoses.size());
-        RGL_CHECK(bones_count == restposes_count);
-        checkBones(mesh, bones_count);
-        deform(to, skinned(mesh, pose, bones_count));
-        move(to, Mat());
-      },
-      entity, arrayOf(pose, bones_count), bones_count);
+  return call(__func__, taped(entity, arrayOf(pose, bones_count), bones_count), [&] {
+    RGL_CHECK(entity != nullptr);
+    RGL_CHECK(pose != nullptr);
+    RGL_CHECK(bones_count > 0);
+    EntityObject& to = *scene().entities.at(entity);
+    const MeshObject& mesh = *to.mesh;
+    if (mesh.weights.empty() || mesh.restPoses.empty())
+      throw Failure(RGL_INVALID_ARGUMENT, "the entity's mesh has no bone weights or no rest poses");
+    const auto restposes_count = static_cast<int32_t>(mesh.restPoses.size());
+    RGL_CHECK(bones_count == restposes_count);
+    checkBones(mesh, bones_count);
+    deform(to, skinned(mesh, pose, bones_count));
+    move(to, Mat());
+  });
 }
 
 RGL_API rgl_status_t rgl_entity_set_id(rgl_entity_t entity, int32_t id) {
-  return call(
-      "rgl_entity_set_id",
-      [&] {
-        RGL_CHECK(entity != nullptr);
-        RGL_CHECK(id != RGL_ENTITY_INVALID_ID);
-        RGL_CHECK(id <= RGL_DEFAULT_ENTITY_ID);
-        scene().entities.at(entity)->id = id;
-      },
-      entity, id);
+  return call(__func__, taped(entity, id), [&] {
+    RGL_CHECK(entity != nullptr);
+    RGL_CHECK(id != RGL_ENTITY_INVALID_ID);
+    RGL_CHECK(id <= RGL_DEFAULT_ENTITY_ID);
+    scene().entities.at(entity)->id = id;
+  });
 }
 
 RGL_API rgl_status_t rgl_entity_set_intensity_texture(rgl_entity_t entity, rgl_texture_t texture) {
-  return call(
-      "rgl_entity_set_intensity_texture",
-      [&] {
-        RGL_CHECK(entity != nullptr);
-        RGL_CHECK(texture != nullptr);
-        scene().entities.at(entity)->texture = scene().textures.at(texture);
-      },
-      entity, texture);
+  return call(__func__, taped(entity, texture), [&] {
+    RGL_CHECK(entity != nullptr);
+    RGL_CHECK(texture != nullptr);
+    scene().entities.at(entity)->texture = scene().textures.at(texture);
+  });
 }
 
 RGL_API rgl_status_t rgl_entity_set_laser_retro(rgl_entity_t entity, float retro) {
-  return call(
-      "rgl_entity_set_laser_retro",
-      [&] {
-        RGL_CHECK(entity != nullptr);
-        scene().entities.at(entity)->retro = retro;
-      },
-      entity, retro);
+  return call(__func__, taped(entity, retro), [&] {
+    RGL_CHECK(entity != nullptr);
+    scene().entities.at(entity)->retro = retro;
+  });
 }
 
 RGL_API rgl_status_t rgl_entity_apply_external_animation(rgl_entity_t entity, const rgl_vec3f* vertices,
                                                          int32_t vertex_count) {
-  return call(
-      "rgl_entity_apply_external_animation",
-      [&] {
-        RGL_CHECK(entity != nullptr);
-        RGL_CHECK(vertices != nullptr);
-        RGL_CHECK(vertex_count > 0);
-        EntityObject& to = *scene().entities.at(entity);
-        if (to.mesh->vertices.size() != static_cast<size_t>(vertex_count))
-          throw Failure(RGL_INVALID_ARGUMENT, "Invalid argument: vertex counts do not match: the mesh has " +
-                                                  std::to_string(to.mesh->vertices.size()) + ", " +
-                                                  std::to_string(vertex_count) + " were given");
-        deform(to, vectorsOf(vertices, vertex_count));
-      },
-      entity, arrayOf(vertices, vertex_count), vertex_count);
+  return call(__func__, taped(entity, arrayOf(vertices, vertex_count), vertex_count), [&] {
+    RGL_CHECK(entity != nullptr);
+    RGL_CHECK(vertices != nullptr);
+    RGL_CHECK(vertex_count > 0);
+    EntityObject& to = *scene().entities.at(entity);
+    if (to.mesh->vertices.size() != static_cast<size_t>(vertex_count))
+      throw Failure(RGL_INVALID_ARGUMENT, "Invalid argument: vertex counts do not match: the mesh has " +
+                                              std::to_string(to.mesh->vertices.size()) + ", " +
+                                              std::to_string(vertex_count) + " were given");
+    deform(to, vectorsOf(vertices, vertex_count));
+  });
 }
 
 RGL_API rgl_status_t rgl_entity_is_alive(rgl_entity_t entity, bool* out_alive) {
@@ -262,18 +223,16 @@ RGL_API rgl_status_t rgl_entity_is_alive(rgl_entity_t entity, bool* out_alive) {
 }
 
 RGL_API rgl_status_t rgl_entity_set_ignored_by_sensor(rgl_entity_t entity, int32_t sensor_id) {
-  return call(
-      "rgl_entity_set_ignored_by_sensor",
-      [&] {
-        RGL_CHECK(entity != nullptr);
-        scene().entities.at(entity)->ignoredBy.push_back(sensor_id);
-      },
-      entity, sensor_id);
+  return call(__func__, taped(entity, sensor_id), [&] {
+    RGL_CHECK(entity != nullptr);
+    scene().entities.at(entity)->ignoredBy.push_back(sensor_id);
+  });
 }
 
 RGL_API rgl_status_t rgl_texture_create(rgl_texture_t* out_texture, const void* texels, int32_t width, int32_t height) {
   return call(
-      "rgl_texture_create",
+      __func__,
+      taped(out(out_texture), arrayOf(static_cast<const uint8_t*>(texels), int64_t{width} * height), width, height),
       [&] {
         RGL_CHECK(out_texture != nullptr);
         RGL_CHECK(texels != nullptr);
@@ -285,18 +244,14 @@ RGL_API rgl_status_t rgl_texture_create(rgl_texture_t* out_texture, const void* 
         texture->width = width;
         texture->height = height;
         *out_texture = scene().textures.add(std::move(texture));
-      },
-      out(out_texture), arrayOf(static_cast<const uint8_t*>(texels), int64_t{width} * height), width, height);
+      });
 }
 
 RGL_API rgl_status_t rgl_texture_destroy(rgl_texture_t texture) {
-  return call(
-      "rgl_texture_destroy",
-      [&] {
-        RGL_CHECK(texture != nullptr);
-        scene().textures.remove(texture);
-      },
-      texture);
+  return call(__func__, taped(texture), [&] {
+    RGL_CHECK(texture != nullptr);
+    scene().textures.remove(texture);
+  });
 }
 
 RGL_API rgl_status_t rgl_texture_is_alive(rgl_texture_t texture, bool* out_alive) {
@@ -304,13 +259,10 @@ RGL_API rgl_status_t rgl_texture_is_alive(rgl_texture_t texture, bool* out_alive
 }
 
 RGL_API rgl_status_t rgl_scene_set_time(rgl_scene_t scene, uint64_t nanoseconds) {
-  return call(
-      "rgl_scene_set_time",
-      [&] {
-        RGL_CHECK(scene == nullptr);
-        SceneState& to = gnosphere::rgl::scene();
-        to.timeBefore = to.time;
-        to.time = nanoseconds;
-      },
-      scene, nanoseconds);
+  return call(__func__, taped(scene, nanoseconds), [&] {
+    RGL_CHECK(scene == nullptr);
+    SceneState& to = gnosphere::rgl::scene();
+    to.timeBefore = to.time;
+    to.time = nanoseconds;
+  });
 }

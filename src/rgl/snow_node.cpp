@@ -155,24 +155,23 @@ RGL_API rgl_status_t rgl_node_points_simulate_snow(rgl_node_t* node, float min_r
     do_simulate_energy_loss = true;
     snowflake_occupancy_threshold = 0.2f;
   }
-  return call(
-      "rgl_node_points_simulate_snow",
-      [&] {
-        RGL_CHECK(node != nullptr);
-        RGL_CHECK(min_range >= 0);
-        RGL_CHECK(max_range > min_range && std::isfinite(max_range));
-        RGL_CHECK(rain_rate >= 0 && std::isfinite(rain_rate));
-        RGL_CHECK(mean_snowflake_diameter > 0);
-        RGL_CHECK(terminal_velocity > 0);
-        RGL_CHECK(density > 0);
-        RGL_CHECK(num_channels > 0);
-        RGL_CHECK(beam_divergence >= 0);
-        RGL_CHECK(snowflake_occupancy_threshold >= 0 && snowflake_occupancy_threshold <= 1);
-        createOrUpdate<SnowNode>(node, Affects::node, [&](auto& made) {
-          made.set({min_range, max_range, rain_rate, mean_snowflake_diameter, terminal_velocity, density,
-                    beam_divergence, do_simulate_energy_loss, snowflake_occupancy_threshold});
-        });
-      },
-      out(node), min_range, max_range, rain_rate, mean_snowflake_diameter, terminal_velocity, density, num_channels,
-      beam_divergence, do_simulate_energy_loss, snowflake_occupancy_threshold);
+  return call(__func__,
+              taped(out(node), min_range, max_range, rain_rate, mean_snowflake_diameter, terminal_velocity, density,
+                    num_channels, beam_divergence, do_simulate_energy_loss, snowflake_occupancy_threshold),
+              [&] {
+                RGL_CHECK(node != nullptr);
+                RGL_CHECK(min_range >= 0);
+                RGL_CHECK(max_range > min_range && std::isfinite(max_range));
+                RGL_CHECK(rain_rate >= 0 && std::isfinite(rain_rate));
+                RGL_CHECK(mean_snowflake_diameter > 0);
+                RGL_CHECK(terminal_velocity > 0);
+                RGL_CHECK(density > 0);
+                RGL_CHECK(num_channels > 0);
+                RGL_CHECK(beam_divergence >= 0);
+                RGL_CHECK(snowflake_occupancy_threshold >= 0 && snowflake_occupancy_threshold <= 1);
+                createOrUpdate<SnowNode>(node, Affects::node, [&](auto& made) {
+                  made.set({min_range, max_range, rain_rate, mean_snowflake_diameter, terminal_velocity, density,
+                            beam_divergence, do_simulate_energy_loss, snowflake_occupancy_threshold});
+                });
+              });
 }
