@@ -102,8 +102,8 @@ void fuzzSensorFile(std::string_view bytes) {
 /// A file with these bytes, which its destructor removes.
 class InputFile {
  public:
-  explicit InputFile(Bytes bytes)
-      : file_(std::filesystem::temp_directory_path() / ("gnosphere-fuzz-" + std::to_string(::getpid()))) {
+  explicit InputFile(Bytes bytes, const char* name = "gnosphere-fuzz-")
+      : file_(std::filesystem::temp_directory_path() / (name + std::to_string(::getpid()))) {
     std::ofstream(file_, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
@@ -145,14 +145,15 @@ void fuzzCloud(Bytes bytes) {
   });
 }
 
-/// Reads a trajectory in the format that the first byte chooses. KITTI's poses are their own times.
+/// Reads a trajectory in the format that the first byte chooses. One pose of KITTI has a time.
 void fuzzTrajectory(Bytes bytes) {
   constexpr const char* kFormats[] = {"tum", "kitti", "euroc", "nuscenes", "carla", "carla-route"};
   if (bytes.empty()) return;
-  const InputFile file(bytes.subspan(1));
+  constexpr uint8_t kTime[] = {'7'};
+  const InputFile file(bytes.subspan(1)), times(kTime, "gnosphere-fuzz-times-");
   mayRefuse([&] {
     drive::readTrajectory(file.path(), kFormats[bytes[0] % std::size(kFormats)],
-                          {.times = file.path(), .route = {}, .speed = 10});
+                          {.times = times.path(), .route = {}, .speed = 10});
   });
 }
 
