@@ -12,29 +12,9 @@
 
 layout(local_size_x = 64) in;
 
-const uint kLanes = gl_WorkGroupSize.x;
-const uint kPerLane = kPrefixBlock / kLanes;
-shared uint laneSums[kLanes];
+#include "workgroup_sums.glsl"
 
 uint blockCount() { return (frame.beams + kPrefixBlock - 1) / kPrefixBlock; }
-
-// A sum that overflows stays at the largest number, which tells the host that there are too many candidates.
-uint plus(uint a, uint b) { return a + b < a ? kNone : a + b; }
-
-// Returns the sum over the lanes before this one. All lanes of the workgroup must call this.
-uint sumBefore(uint value, out uint total) {
-  uint lane = gl_LocalInvocationID.x;
-  laneSums[lane] = value;
-  barrier();
-  uint before = 0;
-  total = 0;
-  for (uint k = 0; k < kLanes; ++k) {
-    if (k < lane) before = plus(before, laneSums[k]);
-    total = plus(total, laneSums[k]);
-  }
-  barrier();
-  return before;
-}
 
 uint countsOfLane(uint block) {
   uint sum = 0;

@@ -21,12 +21,11 @@
 
 layout(local_size_x = 64) in;
 
-const uint kLanes = gl_WorkGroupSize.x;
-const uint kPerLane = kPrefixBlock / kLanes;
+#include "workgroup_sums.glsl"
+
 const uint kRangeSamples = 2048;
 // Four records of any size are a whole number of words, so an invocation that writes four shares no word with another.
 const uint kRecordsEach = 4;
-shared uint laneSums[kLanes];
 shared uint sampled[kShellBuckets];
 
 RecordPlan plan = recordPlanAt.at[0];
@@ -71,21 +70,6 @@ vec4 resultOf(uint entry, out uvec2 owner) {
   vec3 point = beam.direction * range;
   if (MOTION) point = reported(columnOf(index), rowOf(index), beam.azimuth, beam.direction, range);
   return vec4(point, range);
-}
-
-// Returns the sum over the lanes before this one. All lanes of the workgroup must call this.
-uint sumBefore(uint value, out uint total) {
-  uint lane = gl_LocalInvocationID.x;
-  laneSums[lane] = value;
-  barrier();
-  uint before = 0;
-  total = 0;
-  for (uint k = 0; k < kLanes; ++k) {
-    if (k < lane) before += laneSums[k];
-    total += laneSums[k];
-  }
-  barrier();
-  return before;
 }
 
 uint returnsOfLane(uint block) {
