@@ -136,7 +136,7 @@ class Placer {
   template <class T>
   void place(const char* name, std::vector<T>& out, T none, size_t first = 0, size_t step = 1) const {
     const CloudColumn* column = table_.find(name);
-    if (!column) return;
+    if (!column || entryCount_ == 0) return;
     out.resize(entryCount_ * step, none);
     put(*column, out.data() + first, step);
   }
