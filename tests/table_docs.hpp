@@ -16,15 +16,12 @@
 
 namespace gnosphere::test {
 
-/// Checks that a file has `text`, whatever its white space is, behind `before` and up to `after`, searched from a
-/// position on. With GNOSPHERE_UPDATE in the environment the text is written there. Returns the position behind it.
-inline size_t checkRepeated(const std::filesystem::path& file, size_t from, const std::string& before,
-                            const std::string& after, const std::string& text) {
-  std::string bytes = bytesOf(file) + "\n";  // so that a table may be the end of the file
-  const size_t found = bytes.find(before, from), start = found + before.size();
-  const size_t end = found == bytes.npos ? bytes.npos : bytes.find(after, start);
-  INFO(file << " must have, behind '" << before << "':\n" << text);
-  REQUIRE(end != bytes.npos);
+/// Checks that a file has `text`, whatever its white space is, from `start` to `end`. With GNOSPHERE_UPDATE in the
+/// environment the text is written there. Returns the position behind it.
+inline size_t checkRepeated(const std::filesystem::path& file, size_t start, size_t end, const std::string& text) {
+  std::string bytes = bytesOf(file);
+  INFO(file << " must have:\n" << text);
+  REQUIRE((start <= end && end <= bytes.size()));
   const auto words = [](const std::string& all) {
     std::istringstream in(all);
     return std::vector<std::string>{std::istream_iterator<std::string>(in), {}};
@@ -33,13 +30,28 @@ inline size_t checkRepeated(const std::filesystem::path& file, size_t from, cons
   if (!std::getenv("GNOSPHERE_UPDATE"))
     FAIL_CHECK("it has another text; GNOSPHERE_UPDATE=1 writes this one");
   else
-    std::ofstream(file, std::ios::binary) << bytes.replace(start, end - start, text).substr(0, bytes.size() - 1);
+    std::ofstream(file, std::ios::binary) << bytes.replace(start, end - start, text);
   return start + text.size();
+}
+
+/// Checks what is between the first `before` from a position on and the next `after`.
+inline size_t checkRepeated(const std::filesystem::path& file, size_t from, const std::string& before,
+                            const std::string& after, const std::string& text) {
+  const std::string bytes = bytesOf(file);
+  INFO(file << " must have '" << before << "'");
+  REQUIRE(bytes.find(before, from) != bytes.npos);
+  const size_t start = bytes.find(before, from) + before.size();
+  return checkRepeated(file, start, bytes.find(after, start), text);
 }
 
 /// Checks the rows of the first table behind a line of a page.
 inline void checkTable(const std::filesystem::path& page, const std::string& line, const std::string& rows) {
-  checkRepeated(page, bytesOf(page).find(line), "---|\n", "\n\n", rows.substr(0, rows.size() - 1));
+  const std::string bytes = bytesOf(page), rule = "---|\n";
+  const size_t found = bytes.find(rule, bytes.find(line));
+  REQUIRE(found != bytes.npos);
+  size_t end = found + rule.size();
+  while (end < bytes.size() && bytes[end] == '|') end = bytes.find('\n', end) + 1;
+  checkRepeated(page, found + rule.size(), end, rows);
 }
 
 /// Returns "| `name` | unit | allowed | default | meaning": a row without its end.
