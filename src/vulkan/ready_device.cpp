@@ -35,8 +35,8 @@ struct OwnDevice : ReadyDevice {
   pid_t process = getpid();
 };
 
-// The devices that no simulator uses, the one used last first. They are never destroyed at the end of the process,
-// because drivers may have unloaded parts of themselves before.
+// The devices that no simulator uses, the one used last first. The end of the process destroys none of them, because
+// drivers may have unloaded parts of themselves before.
 struct Idle {
   std::mutex mutex;
   std::array<OwnDevice*, 2> devices = {};
@@ -72,7 +72,7 @@ void GiveBack::operator()(ReadyDevice* device) const noexcept {
   if (!given->failed && !given->device.adopted()) {
     const std::lock_guard lock(idle().mutex);
     forgetParents(idle());
-    // Those behind the first free place stay where they are; without one the last is destroyed.
+    // Each device moves one place on, up to the first free place. Without a free place the last device is destroyed.
     for (OwnDevice*& place : idle().devices) {
       std::swap(place, given);
       if (!given) return;
