@@ -169,18 +169,22 @@ TEST_CASE("a simulator takes over the device of the one before, if that was made
     device->failed = failed;
     return device->device.messages();
   };
-  SimulatorOptions options = vulkanOptions(), larger = options, kept = options;
-  larger.tuning.maxBufferBytes = 1 << 28;
+  SimulatorOptions options = vulkanOptions(), named = options, kept = options, limited = options;
+  named.device.name = "0";
+  limited.tuning.maxBufferBytes = 1 << 20;
   kept.cache = "/nonexistent";
   const auto first = lent(options);
   CHECK(lent(options) == first);
-  CHECK(lent(larger) != first);
+  CHECK(lent(named) != first);
   CHECK(lent(options) == first);
   {
     const vulkan::LentDevice used = vulkan::lendDevice(options);
     CHECK(used->device.messages() == first);
     CHECK(lent(options) != first);
   }
+  CHECK(vulkan::lendDevice(limited)->device.maxBufferBytes() == 1 << 20);
+  CHECK(vulkan::lendDevice(options)->device.maxBufferBytes() > 1 << 20);
+  CHECK(lent(limited) == first);
   CHECK(lent(options) == first);
   CHECK(lent(kept) != first);
   CHECK(lent(options, true) == first);

@@ -81,10 +81,14 @@ Device::Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBy
         statistics && offers(instanceFunctions_, physical_, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
     makeOwn();
   }
-  if (maxBufferBytes > 0)
-    capabilities_.info.maxBufferBytes = std::min(maxBufferBytes, capabilities_.info.maxBufferBytes);
+  largestBuffer_ = capabilities_.info.maxBufferBytes;
+  limitBuffers(maxBufferBytes);
   instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   blocks_ = std::make_unique<MemoryBlocks>(handle(), vk_);
+}
+
+void Device::limitBuffers(uint64_t maxBufferBytes) {
+  capabilities_.info.maxBufferBytes = maxBufferBytes > 0 ? std::min(maxBufferBytes, largestBuffer_) : largestBuffer_;
 }
 
 void Device::makeOwn() {

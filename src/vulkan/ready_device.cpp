@@ -17,14 +17,12 @@ struct Settings {
   std::string name;
   std::array<uint8_t, 16> uuid;
   bool validation;
-  uint64_t maxBufferBytes;
   std::filesystem::path folder;
 
   explicit Settings(const SimulatorOptions& options)
       : name(options.device.name),
         uuid(options.device.uuid),
         validation(options.validation),
-        maxBufferBytes(options.tuning.maxBufferBytes),
         folder(cacheFolder(options.cache)) {}
   bool operator==(const Settings&) const = default;
 };
@@ -62,7 +60,10 @@ LentDevice lendDevice(const SimulatorOptions& options) {
     const std::lock_guard lock(idle().mutex);
     forgetParents(idle());
     for (OwnDevice*& device : idle().devices)
-      if (device && device->settings == settings) return LentDevice(std::exchange(device, nullptr));
+      if (device && device->settings == settings) {
+        device->device.limitBuffers(options.tuning.maxBufferBytes);
+        return LentDevice(std::exchange(device, nullptr));
+      }
   }
   return LentDevice(new OwnDevice(options));
 }
