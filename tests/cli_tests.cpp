@@ -8,6 +8,7 @@
 #include "gnosphere/sensor.hpp"
 
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::EndsWith;
 using Catch::Matchers::StartsWith;
 using namespace gnosphere::test;
 
@@ -219,6 +220,14 @@ TEST_CASE("the list of devices ends with the reference, which needs no Vulkan") 
   CHECK(devices.back().at("type") == "reference");
   CHECK(devices.back().at("usable") == true);
   CHECK(place.run("devices").status == 0);
+}
+
+TEST_CASE("without a Vulkan driver one line says how to get one") {
+  const Workplace place;
+  const Result scan = place.run("scan floor.obj", "VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent");
+  CHECK(scan.status == 1);
+  CHECK_THAT(scan.err, ContainsSubstring("apt install mesa-vulkan-drivers brings one") && EndsWith("\n"));
+  CHECK(std::count(scan.err.begin(), scan.err.end(), '\n') == 1);
 }
 
 TEST_CASE("if the disk fills up, the old file stays and no partial file is left") {

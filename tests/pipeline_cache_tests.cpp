@@ -7,6 +7,7 @@
 #include "folder.hpp"
 #include "support.hpp"
 #include "vulkan/pipeline_cache.hpp"
+#include "vulkan/ready_device.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -15,7 +16,9 @@ std::vector<fs::path> filesIn(const fs::path& path) {
   return {fs::directory_iterator(path), {}};
 }
 
+// Scans as a new process would, which has compiled nothing yet.
 Scan scanWith(const std::string& cache) {
+  vulkan::destroyIdleDevices();
   TestOptions options = vulkanOptions();
   options.cache = cache;
   return scanOf(sceneOf(soup(5, 200, 20, 8)), gridSensor(90, 8, -30, 30), {}, options);

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The extension module. What gnosphere/gnosphere.hpp declares is in it under the same names in snake_case.
 #include "bind.hpp"
+#include "vulkan/driver_advice.hpp"
 
 NB_MODULE(_gnosphere, m) {
   using namespace gnosphere::python;
   // Python's collector does not see a function that is given as SimulatorOptions.warn. If the function refers to the
   // options that hold it, both live until the program ends, and nanobind would report them as leaks.
   nb::set_leak_warnings(false);
+  gnosphere::vulkan::driverAdvice = "pip install 'gnosphere[cpu]' brings one that runs on the CPU";
   m.doc() = "A LiDAR simulator that never casts a ray.";
   m.attr("__version__") = GNOSPHERE_VERSION;
   bindErrors(m);

@@ -2,6 +2,9 @@
 """Scans: the same bytes as the command line's, views that keep their memory, packed rows, files."""
 
 import gc
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -217,3 +220,12 @@ def test_a_scan_says_what_it_is(simulator, pose):
     returns = np.isfinite(scan.ranges).sum()
     assert repr(scan).startswith(f"<Scan of VLP-16: 16 x 1800 beams, {returns} returns from ")
     assert repr(gnosphere.Scan()) == "<Scan without beams>"
+
+
+def test_without_a_vulkan_driver_one_line_names_the_package_that_brings_one(folder, tmp_path):
+    absent = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent"}
+    words = [sys.executable, "-m", "gnosphere", "scan", str(folder / "town.glb"), "-o", str(tmp_path / "a.pcd")]
+    done = subprocess.run(words, env=os.environ | absent, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr.endswith("; pip install 'gnosphere[cpu]' brings one that runs on the CPU\n"), done.stderr
+    assert done.stderr.count("\n") == 1

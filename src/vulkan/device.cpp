@@ -7,6 +7,7 @@
 #include "base/text.hpp"
 #include "gnosphere/error.hpp"
 #include "pipeline/backend.hpp"
+#include "vulkan/driver_advice.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -35,8 +36,7 @@ size_t chooseDevice(const std::vector<DeviceInfo>& devices, const DeviceChoice& 
   }
   if (devices.empty())
     throw Error(ErrorCode::device,
-                "no Vulkan device was found; install a driver (mesa-vulkan-drivers has a software "
-                "one) or use the device 'reference'");
+                std::string("no Vulkan device was found; ") + driverAdvice + "; or use the device 'reference'");
   if (matches.empty() && byUuid)
     throw Error(ErrorCode::device, "the device with the chosen UUID is no longer there" + seen);
   if (matches.empty() && any) throw Error(ErrorCode::device, "no Vulkan device can be used" + seen);
@@ -81,10 +81,14 @@ Device::Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBy
         statistics && offers(instanceFunctions_, physical_, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
     makeOwn();
   }
-  if (maxBufferBytes > 0)
-    capabilities_.info.maxBufferBytes = std::min(maxBufferBytes, capabilities_.info.maxBufferBytes);
+  largestBuffer_ = capabilities_.info.maxBufferBytes;
+  limitBuffers(maxBufferBytes);
   instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   blocks_ = std::make_unique<MemoryBlocks>(handle(), vk_);
+}
+
+void Device::limitBuffers(uint64_t maxBufferBytes) {
+  capabilities_.info.maxBufferBytes = maxBufferBytes > 0 ? std::min(maxBufferBytes, largestBuffer_) : largestBuffer_;
 }
 
 void Device::makeOwn() {
@@ -178,7 +182,7 @@ std::vector<DeviceInfo> listVulkanDevices(std::string* problem) {
     const vulkan::ApiInstance instance(false);
     for (VkPhysicalDevice physical : instance.physicalDevices())
       devices.push_back(vulkan::capabilitiesOf(instance.functions(), physical).info);
-    if (devices.empty() && problem) *problem = "no Vulkan device was found";
+    if (devices.empty() && problem) *problem = std::string("no Vulkan device was found; ") + vulkan::driverAdvice;
   } catch (const Error& error) {
     if (problem) *problem = error.what();
   }

@@ -45,6 +45,8 @@ class Device {
   VkPhysicalDevice physical() const { return physical_; }
   VkQueue queue() const { return queue_; }
   const Capabilities& capabilities() const { return capabilities_; }
+  /// Sets the size that no buffer may exceed; with 0 that is what the device allows.
+  void limitBuffers(uint64_t maxBufferBytes);
   uint64_t maxBufferBytes() const { return capabilities_.info.maxBufferBytes; }
   /// Whether pipelines are made with the statistics of the driver's compiler, such as registers and code size.
   bool statistics() const { return statistics_; }
@@ -75,6 +77,7 @@ class Device {
   void makeOwn();
 
   bool statistics_ = false;
+  uint64_t largestBuffer_ = 0;  // that the device allows
 
   std::shared_ptr<const AdoptedDevice> adopted_;
   std::unique_ptr<ApiInstance> instance_;  // null with an adopted device

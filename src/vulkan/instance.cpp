@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "gnosphere/error.hpp"
+#include "vulkan/driver_advice.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -43,8 +44,7 @@ Loader openLoader() {
   if (library) loader.lookUp = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
   if (!loader.lookUp)
     throw Error(ErrorCode::device,
-                "no Vulkan loader (libvulkan.so.1) was found; install libvulkan1 and a driver, "
-                "for instance mesa-vulkan-drivers");
+                std::string("no Vulkan loader (libvulkan.so.1) and driver was found; ") + driverAdvice);
   loader.createInstance = reinterpret_cast<PFN_vkCreateInstance>(loader.lookUp(nullptr, "vkCreateInstance"));
   loader.extensions = reinterpret_cast<PFN_vkEnumerateInstanceExtensionProperties>(
       loader.lookUp(nullptr, "vkEnumerateInstanceExtensionProperties"));
@@ -148,7 +148,7 @@ ApiInstance::ApiInstance(bool validation) {
   if (result == VK_ERROR_LAYER_NOT_PRESENT)
     throw Error(ErrorCode::device, "the Vulkan validation layer is not installed; install vulkan-validationlayers");
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-    throw Error(ErrorCode::device, "no Vulkan driver was found; install one, for instance mesa-vulkan-drivers");
+    throw Error(ErrorCode::device, std::string("no Vulkan driver was found; ") + driverAdvice);
   check(result, "vkCreateInstance");
   functions_ = functionsOf(vulkanLoader().lookUp, instance);
   instance_ = {instance, functions_.vkDestroyInstance};

@@ -10,6 +10,7 @@
 #include "vulkan/commands.hpp"
 #include "vulkan/compiling_machine.hpp"
 #include "vulkan/memory.hpp"
+#include "vulkan/ready_device.hpp"
 
 namespace gnosphere {
 namespace vulkan {
@@ -106,12 +107,7 @@ void writeAddresses(const BoundArrays& arrays, void* to) {
 class VulkanMachine final : public Machine {
  public:
   explicit VulkanMachine(const SimulatorOptions& options)
-      : device_(options.device, options.validation, options.tuning.maxBufferBytes),
-        cache_(device_, options.cache),
-        warn_(options.warn),
-        trace_(options.trace),
-        kernels_(device_, cache_),
-        transfer_(device_) {
+      : lent_(lendDevice(options)), warn_(options.warn), trace_(options.trace), transfer_(device_) {
     const Capabilities& capabilities = device_.capabilities();
     traits_ = {capabilities.info, capabilities.cpu, capabilities.int64Atomics, capabilities.float64};
   }
@@ -122,10 +118,10 @@ class VulkanMachine final : public Machine {
     return std::make_unique<OwnMemory>(device_, transfer_, name, bytes, kind);
   }
   void prepare(std::span<const Variant> variants) override { kernels_.prepare(variants); }
-  void prepared() override { cache_.save(warn_); }
+  void prepared() override { lent_->cache.save(warn_); }
   size_t framesInFlight() const override { return kFramesInFlight; }
   void wait(size_t frame) override {
-    if (frame < frames_.size()) frames_[frame].commands.wait();
+    if (frame < frames_.size()) watched([&] { frames_[frame].commands.wait(); });
   }
   void readTimings(size_t frame, Timings& timings) override {
     frames_[frame].commands.readTimings(timings);
@@ -146,7 +142,7 @@ class VulkanMachine final : public Machine {
       if (step.kind == Step::Kind::cut) commands.cut();
       if (trace_) commands.traced(textOf(step));
     });
-    frame.commands.submit();
+    watched([&] { commands.submit(); });
   }
 
   bool recordsOnly() const override { return device_.adopted() != nullptr; }
@@ -167,6 +163,16 @@ class VulkanMachine final : public Machine {
   void abandonRecording(size_t frame) noexcept override { recordings_.abandon(frame); }
 
  private:
+  template <typename Call>
+  void watched(const Call& call) {
+    try {
+      call();
+    } catch (...) {
+      lent_->failed = true;
+      throw;
+    }
+  }
+
   struct Frame {
     explicit Frame(const Device& device)
         : addresses(device, "addresses", sizeof(gpu::Addresses), MemoryKind::upload), commands(device) {}
@@ -174,10 +180,10 @@ class VulkanMachine final : public Machine {
     Commands commands;  // last member, destroyed first: its destructor waits for the device
   };
 
-  Device device_;
-  PipelineCache cache_;
+  LentDevice lent_;
+  Device& device_ = lent_->device;
+  Kernels& kernels_ = lent_->kernels;
   std::function<void(const std::string&)> warn_, trace_;
-  Kernels kernels_;
   Transfer transfer_;
   Recordings recordings_{device_};
   Traits traits_;

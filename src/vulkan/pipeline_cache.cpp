@@ -11,7 +11,8 @@ namespace {
 // Larger than any pipeline cache seen so far; a larger file is not a pipeline cache.
 constexpr uint64_t kMostBytes = 256 << 20;
 
-// By the XDG base directory specification, relative paths count as unset.
+}  // namespace
+
 std::filesystem::path cacheFolder(const std::string& setting) {
   if (setting == "off") return {};
   if (!setting.empty()) return setting;
@@ -24,6 +25,8 @@ std::filesystem::path cacheFolder(const std::string& setting) {
   if (const auto home = absolute("HOME"); !home.empty()) return home / ".cache" / "gnosphere";
   return {};
 }
+
+namespace {
 
 // The hash FNV-1a with 64 bits. Drivers do not check the data after the header, so damage must be detected here.
 std::string checksum(const std::string& bytes) {
