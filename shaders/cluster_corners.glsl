@@ -23,9 +23,9 @@ struct Batch {
   uint counts;  // vertices, and triangles << 16
 };
 
-// Each lane that takes a cluster loads the i-th visible one.
-void loadBatch(uint i, bool there, inout Batch batch) {
-  batch.pair = visible.at[there ? i : 0];
+// Each lane loads the cluster in an entry of `visible`.
+void loadBatch(uint entry, inout Batch batch) {
+  batch.pair = visible.at[entry];
   batch.vertexFirst = clusters.at[batch.pair.y].vertexFirst;
   batch.triangleFirst = clusters.at[batch.pair.y].triangleFirst;
   batch.counts = clusters.at[batch.pair.y].vertexCount | clusters.at[batch.pair.y].triangleCount << 16;
@@ -123,16 +123,22 @@ void deformVertices(LoadedCluster loaded, inout Vertices vertices) {
     }
 }
 
+// Loads the vertices of a cluster that is not deformed.
+void loadVertices(LoadedCluster loaded, inout Vertices vertices) {
+  vertices.count = loaded.vertexCount;
+  if (!haveRoom(vertices.count)) return;
+  [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
+    if (k * gl_SubgroupSize < vertices.count)
+      vertices.corners[k] = toSensor(loaded, positions.at[loaded.vertexFirst + vertexNumber(loaded, k)]);
+}
+
 Vertices verticesOf(LoadedCluster loaded) {
   Vertices vertices;
   vertices.count = loaded.vertexCount;
-  if (!haveRoom(vertices.count)) return vertices;
   if (isDeformable(loaded)) {
-    deformVertices(loaded, vertices);
+    if (haveRoom(vertices.count)) deformVertices(loaded, vertices);
   } else {
-    [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
-      if (k * gl_SubgroupSize < vertices.count)
-        vertices.corners[k] = toSensor(loaded, positions.at[loaded.vertexFirst + vertexNumber(loaded, k)]);
+    loadVertices(loaded, vertices);
   }
   return vertices;
 }

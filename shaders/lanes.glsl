@@ -11,6 +11,25 @@ void meetAgain() {
   if (!kLanesInStep) subgroupBarrier();
 }
 
+// Mesa's lavapipe goes through the lanes one by one for a ballot, an election or the value of the first lane, but
+// shuffles in one instruction. So on CPUs, whose subgroups are full and have at most 32 lanes, these are shuffles.
+uvec4 ballotOf(bool condition) {
+  if (!kLanesInStep || gl_SubgroupSize > 32) return subgroupBallot(condition);
+  uint bits = condition ? 1u << gl_SubgroupInvocationID : 0;
+  for (uint step = 1; step < gl_SubgroupSize; step <<= 1) bits |= subgroupShuffle(bits, gl_SubgroupInvocationID ^ step);
+  return uvec4(bits, 0, 0, 0);
+}
+
+bool isFirstLane() {
+  if (!kLanesInStep) return subgroupElect();
+  return gl_SubgroupInvocationID == 0;
+}
+
+uint fromFirstLane(uint value) {
+  if (!kLanesInStep) return subgroupBroadcastFirst(value);
+  return subgroupShuffle(value, 0);
+}
+
 // Load a vector from an array at an index that is the same for all lanes. Each component is loaded by another lane,
 // because on a device that gathers the loads of all lanes, a load of one lane takes as long.
 #define LOADED_4(vector_) (gl_SubgroupSize < 4 ? vector_ : fromFourLanes(vector_[min(gl_SubgroupInvocationID, 3u)]))
@@ -34,9 +53,9 @@ Instance instanceAt(uint number) {
                   instances.at[number].firstTriangle);
 }
 
-// Returns the output slot of a lane whose ballot bit is set. The elected lane has reserved a slot for each set bit, the
+// Returns the output slot of a lane whose ballot bit is set. The first lane has reserved a slot for each set bit, the
 // first one being `base`.
-uint slotAfter(uint base, uvec4 ballot) { return subgroupBroadcastFirst(base) + subgroupBallotExclusiveBitCount(ballot); }
+uint slotAfter(uint base, uvec4 ballot) { return fromFirstLane(base) + subgroupBallotExclusiveBitCount(ballot); }
 
 // Returns how the mesh of an instance is deformed, which is the same for all lanes; they must all call this. Of a mesh
 // that is not deformable it loads no more than that.

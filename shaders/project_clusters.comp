@@ -50,8 +50,8 @@ bool showsItsBack(Instance instance, uint cluster) {
   return dot(towards, clusters.at[cluster].coneAxis) >= sine * distance + radius * 1.00001 && keepsShape(instance, towards);
 }
 
-// `deformer` is that of the instance's mesh.
-bool seen(uint number, Instance instance, Deformer deformer, uint cluster) {
+// Sets the distance of the cluster's box. `deformer` is that of the instance's mesh.
+bool seen(uint number, Instance instance, Deformer deformer, uint cluster, out float nearest) {
   vec3 meshLow, meshHigh, low, high;
   bool deformed = DEFORMED != kDeformsNothing && deformer.deformed != 0;
   if (deformed) {
@@ -62,7 +62,7 @@ bool seen(uint number, Instance instance, Deformer deformer, uint cluster) {
   }
   sensorBox(instance, meshLow, meshHigh, low, high);
   if (MOTION) widenByMotion(number, low, high);
-  float nearest = nearestPoint(low, high);
+  nearest = nearestPoint(low, high);
   bool inShell = !(nearest < shellMin) && !(nearest >= shellMax);
   // The cone is tested last because then most clusters do not have to load it.
   return inShell && !outOfSight(low, high) && (APART || deformed || !showsItsBack(instance, cluster));
@@ -80,37 +80,53 @@ void noteLater(vec3 low, vec3 high, inout uvec2 later) {
   later = max(later, uvec2(frame.rows - first, end));
 }
 
-// Appends clusters to the list of the shell. All lanes of the subgroup must call this.
-void list(bool keep, uint instance, uint cluster, inout bool any) {
-  uvec4 ballot = subgroupBallot(keep);
-  uint slot = 0, count = subgroupBallotBitCount(ballot);
+// Appends clusters to the list of the shell. With slabs, where stage project tries beams itself, those in the far halves
+// of their groups come last, because the near halves often hide them; they are listed from the end of the array on. All
+// lanes of the subgroup must call this.
+void list(bool keep, bool behind, uint instance, uint cluster, inout bool any) {
+  uvec4 all = ballotOf(keep), near = all;
+  uint count = subgroupBallotBitCount(all), nearCount = count, slot = 0, slotBehind = 0;
   if (count == 0) return;
-  if (subgroupElect()) slot = atomicAdd(shells.of[pass.shell].visible, count);
-  slot = slotAfter(slot, ballot);
-  if (keep) visible.at[slot] = uvec2(instance, cluster);
   any = true;
+  if (BINNING == kBinningSlabs) {
+    near = ballotOf(keep && !behind);
+    nearCount = subgroupBallotBitCount(near);
+  }
+  if (isFirstLane()) {
+    if (nearCount > 0) slot = atomicAdd(shells.of[pass.shell].visible, nearCount);
+    if (nearCount < count) slotBehind = atomicAdd(shells.of[pass.shell].visibleBehind, count - nearCount);
+  }
+  slot = slotAfter(slot, near);
+  if (BINNING == kBinningSlabs) {
+    slotBehind = slotAfter(slotBehind, all) - subgroupBallotExclusiveBitCount(near);
+    if (behind) slot = pass.clusters - 1 - slotBehind;
+  }
+  if (keep) visible.at[slot] = uvec2(instance, cluster);
 }
 
 // Lists the visible clusters of the group that lane `lane` has taken.
-void listClusters(uvec2 pair, uvec2 run, uint lane, inout bool any) {
+void listClusters(uvec2 pair, uvec2 run, float middle, uint lane, inout bool any) {
   pair = subgroupShuffle(pair, lane);
   run = subgroupShuffle(run, lane);
+  middle = subgroupShuffle(middle, lane);
   Instance instance = instanceAt(pair.x);
   setView(pair.x);
   Deformer deformer;
   if (DEFORMED != kDeformsNothing) deformer = deformerOf(pair.x);
   for (uint k = 0; k < run.y; k += gl_SubgroupSize) {
     uint cluster = run.x + k + gl_SubgroupInvocationID;
-    list(k + gl_SubgroupInvocationID < run.y && seen(pair.x, instance, deformer, cluster), pair.x, cluster, any);
+    float nearest = 0.0;
+    bool keep = k + gl_SubgroupInvocationID < run.y && seen(pair.x, instance, deformer, cluster, nearest);
+    list(keep, nearest > middle, pair.x, cluster, any);
   }
 }
 
 // Hands groups that reach beyond this shell on to the next one.
 void handOn(bool goesOn, uvec4 entry, inout bool any) {
-  uvec4 ballot = subgroupBallot(goesOn);
+  uvec4 ballot = ballotOf(goesOn);
   uint slot = 0, count = subgroupBallotBitCount(ballot);
   if (count == 0) return;
-  if (subgroupElect()) slot = atomicAdd(shells.of[pass.shell + 1].groups, count);
+  if (isFirstLane()) slot = atomicAdd(shells.of[pass.shell + 1].groups, count);
   slot = slotAfter(slot, ballot);
   if (goesOn) shellGroups.at[(pass.shell + 1 & 1) * pass.placedCount + slot] = entry;
   any = true;
@@ -132,6 +148,7 @@ void main() {
     bool keep = false, goesOn = false;
     uvec4 entry = uvec4(0);
     uvec2 run = uvec2(0);
+    float middle = 0.0;  // distance of the middle of the group
     if (lane < share && first + lane < count) {
       entry = shellGroups.at[half_ + first + lane];
       // Nothing comes after the last shell, not even what lies infinitely far.
@@ -141,6 +158,7 @@ void main() {
       } else {
         vec3 low, high;
         sensorBox(instances.at[entry.x], groups.at[entry.y].low, groups.at[entry.y].high, low, high);
+        middle = length(0.5 * (low + high));
         if (MOTION) widenByMotion(entry.x, low, high);
         setView(entry.x);
         keep = pass.occluders == 0 || !outOfSight(low, high);
@@ -151,9 +169,9 @@ void main() {
     }
     handOn(goesOn, entry, anyLater);
     // The box of a group with one cluster is the cluster's.
-    list(keep && run.y == 1, entry.x, run.x, anyVisible);
+    list(keep && run.y == 1, false, entry.x, run.x, anyVisible);
     for (uint k = 0; k < share; ++k)
-      if (subgroupShuffle(run.y, k) > 1) listClusters(entry.xy, run, k, anyVisible);
+      if (subgroupShuffle(run.y, k) > 1) listClusters(entry.xy, run, middle, k, anyVisible);
   }
   later = uvec2(subgroupMax(later.x), subgroupMax(later.y));
   if (!subgroupElect()) return;

@@ -6,6 +6,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #include "shared.h"
 #include "options.glsl"
 #include "bindings.glsl"
@@ -57,9 +58,9 @@ void listGroups() {
       entry = uvec4(pair, floatBitsToUint(nearest), rowsOf(low, high));
       if (keep && pass.last == 0) countClusters(groups.at[pair.y].clusterCount, nearest, farthestPoint(low, high));
     }
-    uvec4 ballot = subgroupBallot(keep);
+    uvec4 ballot = ballotOf(keep);
     uint slot = 0;
-    if (subgroupElect()) slot = atomicAdd(shells.of[pass.shell].groups, subgroupBallotBitCount(ballot));
+    if (isFirstLane()) slot = atomicAdd(shells.of[pass.shell].groups, subgroupBallotBitCount(ballot));
     slot = slotAfter(slot, ballot);
     if (keep) shellGroups.at[half_ + slot] = entry;
   }

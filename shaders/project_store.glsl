@@ -55,14 +55,14 @@ void storeSlabs(uint slot, Box box, uint material) {
 
 void storeKept(bool keep, Projected projected, Box box, uint material) {
   bool small = BINNING == kBinningSlabs || isSmall(box);
-  uvec4 smallOnes = subgroupBallot(keep && small);
+  uvec4 smallOnes = ballotOf(keep && small);
   uint slot = 0;
-  if (subgroupElect()) slot = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));
+  if (isFirstLane()) slot = atomicAdd(counters.projectedSmall, subgroupBallotBitCount(smallOnes));
   slot = slotAfter(slot, smallOnes);
   if (BINNING != kBinningSlabs) {
-    uvec4 largeOnes = subgroupBallot(keep && !small);
+    uvec4 largeOnes = ballotOf(keep && !small);
     uint large = 0;
-    if (subgroupElect()) large = atomicAdd(counters.projectedLarge, subgroupBallotBitCount(largeOnes));
+    if (isFirstLane()) large = atomicAdd(counters.projectedLarge, subgroupBallotBitCount(largeOnes));
     large = frame.projectedCapacity - 1 - slotAfter(large, largeOnes);
     if (!small) slot = large;
   }

@@ -266,50 +266,6 @@ uint projectOne(Survivor survivor, inout Interval interval, out Projected projec
 #include "panes.glsl"
 #include "project_store.glsl"
 
-// True if every beam that may meet a cluster has a hit nearer than the cluster by now. The cluster was not hidden when
-// project_clusters listed it, but since then this kernel has tried other triangles of the same shell. Each lane may ask
-// about another cluster.
-bool isHiddenByNow(uvec2 pair) {
-  bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && (!ORIGINS || SHIFTS_TURNED);
-  if (!triesHere || (CULLING & kCullOccluded) == 0) return false;
-  if (DEFORMED != kDeformsNothing && deformers.at[instanceMeshes.at[pair.x]].deformed != 0) return false;
-  vec3 low, high;
-  sensorBox(instances.at[pair.x], clusters.at[pair.y].low, clusters.at[pair.y].high, low, high);
-  if (MOTION) widenByMotion(pair.x, low, high);
-  setView(pair.x);
-  setSeeming(0.0);
-  float nearest = seemFromSensor(low, high);
-  if (APART && (seeming > 1.0 || !(nearest > 0.0))) return false;
-  Window window = windowInTime(low, high, nearest);
-  return hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearest);
-}
-
-// Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
-// shared counter hands out the next clusters; otherwise each subgroup has a fixed share. A cluster that is hidden by
-// now is returned with no triangles.
-bool nextCluster(inout uint next, inout Batch batch, inout LoadedCluster loaded) {
-  if (batch.done == batch.count) {
-    uint count = shells.of[pass.shell].visible, subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, stride = 1, i;
-    uint wanted = gl_SubgroupSize;
-    if (BINNING == kBinningSlabs) {
-      wanted = min(count / (4 * subgroups) + 1, gl_SubgroupSize);
-      if (subgroupElect()) i = atomicAdd(shells.of[pass.shell].nextCluster, wanted);
-      i = subgroupBroadcastFirst(i);
-    } else {
-      stride = subgroups;
-      i = next;
-      next += stride * wanted;
-    }
-    if (i >= count) return false;
-    batch.count = min(wanted, (count - i + stride - 1) / stride);
-    batch.done = 0;
-    loadBatch(i + gl_SubgroupInvocationID * stride, gl_SubgroupInvocationID < batch.count, batch);
-    if (isHiddenByNow(batch.pair)) batch.counts = 0;
-  }
-  loadNext(batch, loaded);
-  return true;
-}
-
 // Returns the position of the n-th set bit.
 uint nthSetBit(uint bits, uint n) {
   uint at = 0;
@@ -360,6 +316,12 @@ bool inHole(uint slot, vec3 weights) {
   return triedSurface.passage.y > 0.0 && isHole(triedSurface, triedTexture, weights);
 }
 
+void markStale(uint row, uint column) {
+  uint perRow = (frame.columns - 1) / kCoarseColumns + 1;
+  uint entry = firstStale() + row / kCoarseRows * perRow + column / kCoarseColumns;
+  if (staleEntries.at[entry] == 0) atomicMax(staleEntries.at[entry], 1);
+}
+
 // Tries the beams of a box that may hit. The walk is one loop, not two nested ones: a subgroup then runs as long as its
 // longest walk.
 void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette silhouette, Box box) {
@@ -384,6 +346,68 @@ void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette si
   }
   ++triedCount;
   if (BINNING == kBinningSlabs && met && pass.last == 0) markStale(box);
+}
+
+#include "project_few_beams.glsl"
+
+// Sets the beams that are tried on all triangles of a cluster, if they are few, and returns true if every beam that may
+// meet the cluster has a hit nearer than it by now. The cluster was not hidden when project_clusters listed it, but since
+// then this kernel has tried other triangles of the same shell. Each lane may ask about another cluster.
+bool isHiddenByNow(uvec2 pair, uint material, out FewBeams few) {
+  few.count = 0;
+  bool triesHere = BINNING == kBinningSlabs && BOUNDS != kBoundsPaper && (!ORIGINS || SHIFTS_TURNED);
+  if (!triesHere) return false;
+  if (DEFORMED != kDeformsNothing && deformers.at[instanceMeshes.at[pair.x]].deformed != 0) return false;
+  vec3 low, high;
+  sensorBox(instances.at[pair.x], clusters.at[pair.y].low, clusters.at[pair.y].high, low, high);
+  if (MOTION) widenByMotion(pair.x, low, high);
+  setView(pair.x);
+  setSeeming(0.0);
+  float nearest = seemFromSensor(low, high);
+  if (APART && (seeming > 1.0 || !(nearest > 0.0))) return false;
+  Window window = windowInTime(low, high, nearest);
+  if (mayTryAll(material) && inLimits(low) && inLimits(high) && window.first < window.end &&
+      hasFewBeams(window, kBeamsTriedOnAll)) {
+    uvec2 span = columnsOf(window);
+    few.rowFirst = window.first;
+    few.columnFirst = span.x;
+    few.columnCount = span.y - span.x;
+    few.count = few.columnCount * (window.end - window.first);
+    few.nearest = nearest;
+    few.test = lineTestOf(instances.at[pair.x], clusters.at[pair.y].low, clusters.at[pair.y].high);
+    return few.count == 0;
+  }
+  return (CULLING & kCullOccluded) != 0 && hasFewBeams(window, kBeamsAskedAgain) && behindHits(window, nearest);
+}
+
+// Moves on to the subgroup's next visible cluster; false if none is left. With slabs, which are for few threads, a
+// shared counter hands out the next clusters; otherwise each subgroup has a fixed share. A cluster that is hidden by
+// now is returned with no triangles.
+bool nextCluster(inout uint next, inout Batch batch, inout FewBeams ofBatch, inout LoadedCluster loaded,
+                 inout FewBeams few) {
+  if (batch.done == batch.count) {
+    uint near = shells.of[pass.shell].visible;
+    uint count = BINNING == kBinningSlabs ? near + shells.of[pass.shell].visibleBehind : near, subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, stride = 1, i;
+    uint wanted = gl_SubgroupSize;
+    if (BINNING == kBinningSlabs) {
+      wanted = min(count / (4 * subgroups) + 1, gl_SubgroupSize);
+      if (isFirstLane()) i = atomicAdd(shells.of[pass.shell].nextCluster, wanted);
+      i = fromFirstLane(i);
+    } else {
+      stride = subgroups;
+      i = next;
+      next += stride * wanted;
+    }
+    if (i >= count) return false;
+    batch.count = min(wanted, (count - i + stride - 1) / stride);
+    batch.done = 0;
+    uint entry = gl_SubgroupInvocationID < batch.count ? i + gl_SubgroupInvocationID * stride : i;
+    loadBatch(entry < near ? entry : pass.clusters - 1 - (entry - near), batch);
+    if (isHiddenByNow(batch.pair, batch.material, ofBatch)) batch.counts = 0;
+  }
+  if (BINNING == kBinningSlabs) few = fromLane(ofBatch, batch.done);
+  loadNext(batch, loaded);
+  return true;
 }
 
 bool stored = false;  // whether this subgroup has stored any triangle
@@ -444,11 +468,21 @@ void main() {
   batch.count = batch.done = 0;
   LoadedCluster loaded;
   loaded.number = kNone;
+  FewBeams ofBatch, few;
+  few.count = 0;
   // Most clusters leave few triangles. These wait in the first lanes until every lane has one.
   Survivor survivor;
   uint waiting = 0;
   for (bool more = true; more;) {
-    more = nextCluster(next, batch, loaded);
+    more = nextCluster(next, batch, ofBatch, loaded, few);
+    if (more && few.count > 0 && loaded.triangleCount > 0) {
+      if (VIEWS) setView(loaded.number);
+      if (tryOnAll(loaded, few)) {
+        triangleCount += loaded.triangleCount;
+        if (lane == 0) triedCount += loaded.triangleCount;
+      }
+      loaded.triangleCount = 0;
+    }
     Vertices vertices;
     uint left = 0;  // one bit for each triangle that needs bounds
     if (more && loaded.triangleCount > 0) {

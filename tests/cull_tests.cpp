@@ -161,6 +161,34 @@ TEST_CASE("culling: what triangles of the same shell hide is skipped") {
   CHECK(sameBytes(scan, seen));
 }
 
+TEST_CASE("culling: few beams tried on all triangles of a cluster find what each triangle's own beams find") {
+  needVulkan();
+  // Balls of small triangles: a cluster lies between few beams, and most of these pass it.
+  Scene scene;
+  scene.materials.push_back(material(true));
+  for (uint32_t i = 0; i < 60; ++i) {
+    const double angle = 2.4 * i, far = 4 + 0.7 * i;
+    scene.meshes.push_back(
+        ball(24, 48, 0.7, {far * std::cos(angle), far * std::sin(angle), 0.1 * far * std::sin(5.0 * i)}));
+    scene.instances.push_back({"", i, {}});
+  }
+  const std::vector<Sensor> heads = {gridSensor(1800, 16, -15, 15, 100), builtinSensor("Puck")};
+  TestOptions options = vulkanOptions();
+  options.tuning.culling.occlusion = GENERATE(Culling::Occlusion::always, Culling::Occlusion::never);
+  options.tuning.binning = Binning::nearest;
+  Simulator byTriangle = makeSimulator(scene, heads, options);
+  options.tuning.binning = Binning::slabs;
+  Simulator byCluster = makeSimulator(scene, heads, options);
+  for (size_t head = 0; head < heads.size(); ++head)
+    for (uint32_t k = 0; k < 3; ++k) {
+      const Pose pose = {{0.3 * k, 0.1, 0.05 * k}, {}};
+      const Scan expected = byTriangle.scan(pose, head), scan = byCluster.scan(pose, head);
+      CHECK(scan.counters.hits > 500);
+      CHECK(sameBytes(expected, scan));
+      CHECK(scan.counters.culledBetweenBeams < expected.counters.culledBetweenBeams / 4);
+    }
+}
+
 TEST_CASE("culling: hidden triangles, and those out of range or between beams, are skipped") {
   needVulkan();
   const Scene town = makeTown({200'000, 1});

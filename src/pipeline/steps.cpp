@@ -73,7 +73,8 @@ class Steps {
     for (uint32_t shell = 0; shell < input_.shells; ++shell) {
       const bool last = shell + 1 == input_.shells;
       const uint32_t table = last ? gpu::kTableNone : gpu::kTableLater;
-      const gpu::Pass pass = {placed.first, placed.groups, shell, last, shell > 0 || input_.sparse};
+      const gpu::Pass pass = {placed.first,   placed.groups, shell, last, shell > 0 || input_.sparse, 0, 0, 0,
+                              placed.clusters};
       project(placed, pass);
       bin(pass, table);
     }
@@ -81,7 +82,7 @@ class Steps {
 
   void scanMoving(const PlacedGroups::Run& placed) {
     if (placed.groups == 0) return;
-    const gpu::Pass pass = {placed.first, placed.groups, gpu::kMostShells, 1, 1};
+    const gpu::Pass pass = {placed.first, placed.groups, gpu::kMostShells, 1, 1, 0, 0, 0, placed.clusters};
     list(pass);
     project(placed, pass);
     bin(pass, gpu::kTableNone);
