@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where few beams may meet a cluster, tries these on all of its triangles. That is cheaper than to find the beams of each
-// triangle: the beams are compared with the cluster's box first, which most of them miss.
+// Where few beams may meet a cluster, tries these beams on all of its triangles. Finding the beams of each triangle costs
+// more, because the beams are compared with the cluster's box first, which most of them miss.
 
 // A line through the sensor passes through a box if its volume with each half edge and the box's centre is small enough.
 struct LineTest {

@@ -9,6 +9,7 @@
 #include <exception>
 #include <mutex>
 #include <string>
+#include <tuple>
 
 #include "rgl/tape.hpp"
 

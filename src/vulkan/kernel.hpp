@@ -29,6 +29,8 @@ class Kernels {
   void prepare(std::span<const Variant> variants);
   /// Returns the pipeline of a kernel; compiles it if prepare() has not done so.
   VkPipeline of(const Variant& variant);
+  /// Returns the number of compiled kernels.
+  size_t count() const { return pipelines_.size(); }
   /// Adds what is known of a compiled kernel: how long the driver took and, on a device with statistics, what its
   /// compiler says.
   void describe(const Variant& variant, Plan::Pipeline& pipeline) const;

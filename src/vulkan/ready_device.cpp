@@ -12,6 +12,9 @@
 namespace gnosphere::vulkan {
 namespace {
 
+// A device with more kernels than this is not kept, so that a process that scans in ever new ways does not grow.
+constexpr size_t kMostKernels = 256;
+
 // The settings that a device is made with.
 struct Settings {
   std::string name;
@@ -70,7 +73,7 @@ LentDevice lendDevice(const SimulatorOptions& options) {
 
 void GiveBack::operator()(ReadyDevice* device) const noexcept {
   auto* given = static_cast<OwnDevice*>(device);
-  if (!given->failed && !given->device.adopted()) {
+  if (!given->failed && !given->device.adopted() && given->kernels.count() <= kMostKernels) {
     const std::lock_guard lock(idle().mutex);
     forgetParents(idle());
     // Each device moves one place on, up to the first free place. Without a free place the last device is destroyed.
