@@ -40,7 +40,7 @@ ColumnMotion columnMotionOf(uint row, uint column) {
 // Returns the sensor at a place in its table. For a grid places are columns, and rounded down.
 ColumnMotion columnMotionOfPlace(float place) {
   if (!LISTED) return columnMotions.at[uint(int(floor(place)) + int(frame.momentsBefore))];
-  return columnMotionAt(clamp(place, 0.0, float(kTimeSlices * kSliceIntervals)));
+  return columnMotionAt(place);
 }
 
 // Returns the origin of a row's laser in the head: forward along the beam's azimuth, left, up.
