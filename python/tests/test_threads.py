@@ -101,6 +101,9 @@ def test_warn_gets_what_is_no_error(town, device, tmp_path, monkeypatch):
     options.warn = angry
     if said:  # the reference keeps no pipelines
         assert str(tmp_path / "file") in said[0]
+        # A simulator with the same cache folder would take over the first one's device, which has given its warning.
+        (tmp_path / "other").touch()
+        options.cache = str(tmp_path / "other")
         printed = []
         monkeypatch.setattr(sys, "unraisablehook", printed.append)
         gnosphere.Simulator(town, request, options)
