@@ -67,7 +67,8 @@ GNO_CONST uint kCoarseRows = 32;
 GNO_CONST uint kMaxLookups = 16;
 // A cluster that at most so many beams may meet is compared with their hits again before it is projected.
 GNO_CONST uint kBeamsAskedAgain = 128;
-// At most so many beams that may meet a cluster are tried on all of its triangles; 32 took 0.9 to 1.2 of the time of 16.
+// At most so many beams that may meet a cluster are tried on all of its triangles; 32 took 0.9 to 1.2 of the time
+// of 16.
 GNO_CONST uint kBeamsTriedOnAll = 16;
 // Most shells of a scan, and the buckets of distance, four per octave, in which groups are counted to choose them.
 GNO_CONST uint kMostShells = 8;
