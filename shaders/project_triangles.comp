@@ -294,16 +294,20 @@ bool isTriedHere(Box box, Silhouette silhouette, uint material, bool moves) {
 
 uint triedCount = 0;  // triangles that this invocation has tried
 
-// Notes that the entries of the farthest-range table that hold beams of this box are out of date. Only slabs ask for
-// these notes; otherwise the table is computed as a whole.
+// Notes that the entry of the farthest-range table that holds a beam is out of date. Only slabs ask for these notes;
+// otherwise the table is computed as a whole.
+void markStale(uint row, uint column) {
+  uint perRow = (frame.columns - 1) / kCoarseColumns + 1;
+  uint entry = firstStale() + row / kCoarseRows * perRow + column / kCoarseColumns;
+  if (staleEntries.at[entry] == 0) atomicMax(staleEntries.at[entry], 1);
+}
+
+// Notes the same for all beams of a box.
 void markStale(Box box) {
-  uint perRow = (frame.columns - 1) / kCoarseColumns + 1, columnCount = boxColumnCount(box);
+  uint columnCount = boxColumnCount(box);
   for (uint k = 0; k < columnCount;) {
     uint column = wrapColumn(firstColumn(box) + int(k));
-    for (uint y = box.rowFirst / kCoarseRows; y <= box.rowLast / kCoarseRows; ++y) {
-      uint entry = firstStale() + y * perRow + column / kCoarseColumns;
-      if (staleEntries.at[entry] == 0) atomicMax(staleEntries.at[entry], 1);
-    }
+    for (uint y = box.rowFirst / kCoarseRows; y <= box.rowLast / kCoarseRows; ++y) markStale(y * kCoarseRows, column);
     k += min(kCoarseColumns - column % kCoarseColumns, frame.columns - column);
   }
 }
@@ -314,12 +318,6 @@ TextureCorners triedTexture;
 
 bool inHole(uint slot, vec3 weights) {
   return triedSurface.passage.y > 0.0 && isHole(triedSurface, triedTexture, weights);
-}
-
-void markStale(uint row, uint column) {
-  uint perRow = (frame.columns - 1) / kCoarseColumns + 1;
-  uint entry = firstStale() + row / kCoarseRows * perRow + column / kCoarseColumns;
-  if (staleEntries.at[entry] == 0) atomicMax(staleEntries.at[entry], 1);
 }
 
 // Tries the beams of a box that may hit. The walk is one loop, not two nested ones: a subgroup then runs as long as its
@@ -387,7 +385,8 @@ bool nextCluster(inout uint next, inout Batch batch, inout FewBeams ofBatch, ino
                  inout FewBeams few) {
   if (batch.done == batch.count) {
     uint near = shells.of[pass.shell].visible;
-    uint count = BINNING == kBinningSlabs ? near + shells.of[pass.shell].visibleBehind : near, subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, stride = 1, i;
+    uint count = BINNING == kBinningSlabs ? near + shells.of[pass.shell].visibleBehind : near;
+    uint subgroups = gl_NumWorkGroups.x * gl_NumSubgroups, stride = 1, i;
     uint wanted = gl_SubgroupSize;
     if (BINNING == kBinningSlabs) {
       wanted = min(count / (4 * subgroups) + 1, gl_SubgroupSize);
