@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The beams of the sensor. The index of a beam in a grid is row * columns + column. The beams of a head whose rows have
-// shifts, and of a list whose beams all lie in places of a grid, are indexed in the same way (MAPPED). Other lists are sorted into the cells of a grid, cell (row,
-// column) after cell (LISTED); the index is the place in that order, and it also takes the place of the beam's row and
-// column wherever values of a beam are looked up.
+// shifts, and of a list whose beams all lie in places of a grid, are indexed in the same way (MAPPED). Other lists are
+// sorted into the cells of a grid, cell (row, column) after cell (LISTED); the index is the place in that order, and it
+// also takes the place of the beam's row and column wherever values of a beam are looked up.
 
 // True if a table has the numbers of the beams in a scan, and beams may have ranges of their own.
 #define NUMBERED (LISTED || MAPPED)
 
 uint rowOf(uint index) { return LISTED ? index : index / frame.columns; }
 uint columnOf(uint index) { return LISTED ? index : index % frame.columns; }
+
+// Where a beam is in the grid. Row and column of a beam of a list are its index.
+struct Place {
+  uint row, column, index;
+};
+
 uint indexOf(uint row, uint column) { return LISTED ? column : row * frame.columns + column; }
 
 // Kernels that process all beams have one row of workgroups per row of the grid. A list is one row.

@@ -121,15 +121,15 @@ void trySmall(uint i) {
   Silhouette silhouette = Silhouette(false, vec3(0.0), vec3(0.0), 0.0, 0.0);
   if (!MOTION) silhouette = silhouetteOf(triangle, prepared, box);
   for (Walk walk = walkOf(box); !ended(box, walk);) {
-    uint index;
+    Place place;
     Beam beam;
-    if (!stepTo(box, columnCount, silhouette, walk, beam, index)) continue;
+    if (!stepTo(box, columnCount, silhouette, walk, beam, place)) continue;
     Triangle seen = triangle;
     if (APART) {
-      seen = seenFrom(triangle, i, columnOf(index), rowOf(index), beam.azimuth);
+      seen = seenFrom(triangle, i, place.column, place.row, beam.azimuth);
       prepared = prepare(seen);
     }
-    tryBeam(seen, prepared, turnedFrom(seen, rowOf(index), beam.azimuth), beam, index, i);
+    tryBeam(seen, prepared, turnedFrom(seen, place.row, beam.azimuth), beam, place.index, i);
   }
 }
 

@@ -60,26 +60,18 @@ void enterRow(Box box, uint columnCount, Silhouette silhouette, inout Walk walk)
   walk.kEnd = uint(min(max(to, int(walk.k)), int(columnCount)));
 }
 
-// Returns the beam in the k-th column of a box and in a row, and the beam's index in `words`. `angles` are the cosine
-// and the sine of the row's elevation, and its azimuths begin at `azimuths`.
-Beam beamAt(Box box, uint k, uint row, vec2 angles, uint azimuths, out uint index) {
-  uint column = wrapColumn(firstColumn(box) + int(k));
-  index = row * frame.columns + column;
-  return beamOf(columns.at[azimuths + column], angles.x, angles.y);
-}
-
 bool ended(Box box, Walk walk) { return walk.row > box.rowLast && walk.index == walk.end; }
 
 // Moves the walk on by one beam. Returns false if this step has found no beam, because it entered other cells or a row
 // without beams that may hit. A walk has no inner loops, so a subgroup takes as long as its longest walk.
-bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, out Beam beam, out uint index) {
+bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, out Beam beam, out Place place) {
   if (LISTED) {
     if (walk.index == walk.end) enterCells(box, columnCount, walk);
     bool there = walk.index < walk.end;
-    index = walk.index;
+    place = Place(walk.index, walk.index, walk.index);
     if (there) {
-      beam = listedBeam(index);
-      there = firesWithin(box, index, index);
+      beam = listedBeam(walk.index);
+      there = firesWithin(box, walk.index, walk.index);
       ++walk.index;
     }
     if (walk.k == columnCount && walk.index == walk.end) {
@@ -90,8 +82,10 @@ bool stepTo(Box box, uint columnCount, Silhouette silhouette, inout Walk walk, o
   }
   if (walk.k == walk.kEnd) enterRow(box, columnCount, silhouette, walk);
   bool there = walk.k < walk.kEnd;  // all lanes load a beam, because loads in divergent branches cost more
-  beam = beamAt(box, min(walk.k, columnCount - 1), walk.row, walk.angles, walk.azimuths, index);
-  bool fires = there && firesWithin(box, walk.row, columnOf(index));
+  uint column = wrapColumn(firstColumn(box) + int(min(walk.k, columnCount - 1)));
+  place = Place(walk.row, column, walk.row * frame.columns + column);
+  beam = beamOf(columns.at[walk.azimuths + column], walk.angles.x, walk.angles.y);
+  bool fires = there && firesWithin(box, walk.row, column);
   walk.k += there ? 1 : 0;
   if (walk.k == walk.kEnd) {
     walk.k = walk.kEnd = 0;

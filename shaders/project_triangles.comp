@@ -326,19 +326,19 @@ void tryBox(Triangle triangle, mat3 velocities, Prepared prepared, Silhouette si
   uint columnCount = boxColumnCount(box);
   bool met = false;
   for (Walk walk = walkOf(box); !ended(box, walk);) {
-    uint index;
+    Place place;
     Beam beam;
-    if (!stepTo(box, columnCount, silhouette, walk, beam, index)) continue;
+    if (!stepTo(box, columnCount, silhouette, walk, beam, place)) continue;
     float range;
-    uint known = words.at[firstWord() + index].y;  // loaded before the test, which then need not wait for it
+    uint known = words.at[firstWord() + place.index].y;  // loaded before the test, which then need not wait for it
     Triangle seen = triangle;
     if (MOTION && BINNING == kBinningSlabs && !atRest(triangle.moves)) {
-      seen = seenAt(triangle, velocities, columnMotionOf(rowOf(index), columnOf(index)));
+      seen = seenAt(triangle, velocities, columnMotionOf(place.row, place.column));
       prepared = prepare(seen);
     }
-    if (meet(seen, prepared, turnedFrom(seen, rowOf(index), beam.azimuth), beam, index, kNone, range) &&
+    if (meet(seen, prepared, turnedFrom(seen, place.row, beam.azimuth), beam, place.index, kNone, range) &&
         floatBitsToUint(range) <= known) {
-      offerNearest(index, range, triangle.id);
+      offerNearest(place.index, range, triangle.id);
       met = true;
     }
   }
