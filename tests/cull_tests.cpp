@@ -129,6 +129,26 @@ TEST_CASE("culling: a mesh of one cluster that reaches through several shells is
   CHECK(scan.counters.culledByCluster == 0);
 }
 
+TEST_CASE("culling: clusters are bounded by the time in which the beams that see them fire") {
+  needVulkan();
+  const Sensor sensor = builtinSensor("VLP-32C");
+  TestOptions options = vulkanOptions();
+  options.effects.sensorMotion.use = EffectUse::on;
+  Simulator simulator = makeSimulator(makeTown({300'000, 1}), sensor, options);
+  // The sensor drives at 15 m/s and turns at 30 degrees per second.
+  const Pose start = {{-60, 0, 1.8}, {}}, end = {{-58.5, 0, 1.8}, {0, 0, 0.0261769, 0.9996573}};
+  const auto projectedTo = [&](const Pose& last) {
+    Shot shot;
+    shot.motion.stamps = {{0, start}, {sensor.rotationPeriod, last}};
+    uint64_t projected = 0;
+    simulator.scanAll({&shot, 1}, [&](size_t, const Scan& scan) { projected = scan.counters.projected; });
+    return projected;
+  };
+  const uint64_t still = projectedTo(start), moving = projectedTo(end);
+  INFO(still << " triangles projected at rest, " << moving << " in motion");
+  CHECK(moving < 9 * still / 4);  // bounds of the whole scan's motion let three times as many through
+}
+
 TEST_CASE("culling: what near triangles hide is skipped in a small scene, too") {
   needVulkan();
   const Scene town = makeTown({40'000, 3});
