@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "gnosphere/options.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
 

@@ -29,10 +29,4 @@ std::vector<PlannedScan> scansOf(const Drive& drive, uint64_t frame) {
   return scans;
 }
 
-double durationOf(const Sensor& sensor, uint64_t number) {
-  if (sensor.rotationPeriod > 0) return sensor.rotationPeriod;
-  const std::vector<double> times = beamsOf(sensor, number).times;
-  return times.empty() ? 0 : *std::max_element(times.begin(), times.end());
-}
-
 }  // namespace gnosphere::drive

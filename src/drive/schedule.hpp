@@ -19,7 +19,4 @@ struct PlannedScan {
 /// The scans that start within a frame, in order of time, then of sensors. Scans depend on nothing but the drive file.
 std::vector<PlannedScan> scansOf(const Drive& drive, uint64_t frame);
 
-/// Seconds from the start of a scan until its last beam has fired.
-double durationOf(const Sensor& sensor, uint64_t number);
-
 }  // namespace gnosphere::drive

@@ -6,6 +6,7 @@
 #include "base/units.hpp"
 #include "drive/formats/format.hpp"
 #include "drive/pose_math.hpp"
+#include "sensor/beams.hpp"
 
 namespace gnosphere::drive {
 namespace {
