@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The choice of a device, and the objects created on it.
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -18,7 +15,6 @@
 #include "support.hpp"
 #include "vulkan/commands.hpp"
 #include "vulkan/pipeline_cache.hpp"
-#include "vulkan/ready_device.hpp"
 
 namespace gnosphere::test {
 namespace {
@@ -158,75 +154,6 @@ TEST_CASE("a failing Vulkan call, whichever it is, leaks no object") {
   CHECK(thrown > 10);
   device.reset();
   CHECK_NOTHROW(messages->throwIfAny());
-}
-
-TEST_CASE("a simulator takes over the device of the one before, if that was made with the same settings") {
-  needVulkan();
-  vulkan::destroyIdleDevices();
-  // The messages that a device shares tell which device it is, as long as the test holds them.
-  const auto lent = [](const SimulatorOptions& options, bool failed = false) {
-    const vulkan::LentDevice device = vulkan::lendDevice(options);
-    device->failed = failed;
-    return device->device.messages();
-  };
-  SimulatorOptions options = vulkanOptions(), named = options, kept = options, limited = options;
-  named.device.name = "0";
-  limited.tuning.maxBufferBytes = 1 << 20;
-  kept.cache = "/nonexistent";
-  const auto first = lent(options);
-  CHECK(lent(options) == first);
-  CHECK(lent(named) != first);
-  CHECK(lent(options) == first);
-  {
-    const vulkan::LentDevice used = vulkan::lendDevice(options);
-    CHECK(used->device.messages() == first);
-    CHECK(lent(options) != first);
-  }
-  CHECK(vulkan::lendDevice(limited)->device.maxBufferBytes() == 1 << 20);
-  CHECK(vulkan::lendDevice(options)->device.maxBufferBytes() > 1 << 20);
-  CHECK(lent(limited) == first);
-  CHECK(lent(options) == first);
-  CHECK(lent(kept) != first);
-  CHECK(lent(options, true) == first);
-  CHECK(lent(options) != first);
-  vulkan::destroyIdleDevices();
-}
-
-TEST_CASE("a device that fails is not taken over") {
-  needVulkan();
-  vulkan::destroyIdleDevices();
-  const SimulatorOptions options = vulkanOptions();
-  const Scene scene = sceneOf(ball(9, 14, 5));
-  {
-    const vulkan::LentDevice device = vulkan::lendDevice(options);
-    calls = {device->device.vk()};
-    functionsOf(device->device).vkWaitForFences = [](VkDevice handle, uint32_t count, const VkFence* fences,
-                                                     VkBool32 all, uint64_t timeout) {
-      calls.real.vkWaitForFences(handle, count, fences, all, timeout);
-      return VK_ERROR_DEVICE_LOST;
-    };
-  }
-  Simulator simulator = makeSimulator(scene, gridSensor(40, 5, -10, 10), vulkanOptions());
-  CHECK_THROWS_WITH(simulator.scan({}), ContainsSubstring("a new one may be"));
-  simulator = makeSimulator(scene, gridSensor(40, 5, -10, 10), vulkanOptions());
-  simulator = makeSimulator(scene, gridSensor(40, 5, -10, 10), vulkanOptions());
-  CHECK(simulator.scan({}).counters.hits == 200);
-}
-
-TEST_CASE("a process that was forked makes simulators, too") {
-  needVulkan();
-  const auto hits = [] {
-    return scanOf(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), {}, vulkanOptions()).counters.hits;
-  };
-  REQUIRE(hits() == 200);
-  const pid_t child = fork();
-  if (child == 0) {
-    alarm(100);
-    _exit(hits() == 200 ? 0 : 1);
-  }
-  int status = -1;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  CHECK(status == 0);
 }
 
 TEST_CASE("a lost device is an error that tells what ran, and a wait ends") {
