@@ -123,22 +123,21 @@ void deformVertices(LoadedCluster loaded, inout Vertices vertices) {
     }
 }
 
-// Loads the vertices of a cluster that is not deformed.
-void loadVertices(LoadedCluster loaded, inout Vertices vertices) {
-  vertices.count = loaded.vertexCount;
-  if (!haveRoom(vertices.count)) return;
-  [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
-    if (k * gl_SubgroupSize < vertices.count)
-      vertices.corners[k] = toSensor(loaded, positions.at[loaded.vertexFirst + vertexNumber(loaded, k)]);
+// Returns the vertex of a round of a cluster that is not deformed. The loop over rounds stands in each caller: in a
+// function with inout Vertices, Intel's compiler takes 14 % more instructions and twice the spills.
+vec3 loadedVertex(LoadedCluster loaded, uint round) {
+  return toSensor(loaded, positions.at[loaded.vertexFirst + vertexNumber(loaded, round)]);
 }
 
 Vertices verticesOf(LoadedCluster loaded) {
   Vertices vertices;
   vertices.count = loaded.vertexCount;
+  if (!haveRoom(vertices.count)) return vertices;
   if (isDeformable(loaded)) {
-    if (haveRoom(vertices.count)) deformVertices(loaded, vertices);
+    deformVertices(loaded, vertices);
   } else {
-    loadVertices(loaded, vertices);
+    [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
+      if (k * gl_SubgroupSize < vertices.count) vertices.corners[k] = loadedVertex(loaded, k);
   }
   return vertices;
 }

@@ -96,7 +96,12 @@ bool tryOnAll(LoadedCluster loaded, FewBeams few) {
     bool there = first + gl_SubgroupInvocationID < few.count && !hidden && mayPass(few.test, own.direction);
     uint left = ballotOf(there).x;
     if (left == 0) continue;
-    if (vertices.count == 0) loadVertices(loaded, vertices);
+    if (vertices.count == 0) {
+      vertices.count = loaded.vertexCount;
+      if (haveRoom(vertices.count))
+        [[unroll]] for (uint k = 0; k < kVertexRounds; ++k)
+          if (k * gl_SubgroupSize < vertices.count) vertices.corners[k] = loadedVertex(loaded, k);
+    }
     for (uint from = 0; from < loaded.triangleCount; from += gl_SubgroupSize) {
       // Lanes without a triangle try the last one again.
       uint number = min(from + gl_SubgroupInvocationID, loaded.triangleCount - 1);

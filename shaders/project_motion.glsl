@@ -136,8 +136,10 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
   setSeeming(0.0);
   projected.inOneFrame = false;
   bool inOne = !LISTED && part.from == 0 && frame.columns <= kMostExactColumns;  // one box is tried first
-  // Both cases share one loop because some compilers take gigabytes if the bounds are inlined several times.
-  while (true) {
+  // Both cases share one loop because some compilers take gigabytes if the bounds are inlined several times. The loop has
+  // one exit because SwiftShader, where lanes return from within it, loads entries of columnMotions that no lane asks for.
+  uint fate = kNoTriangle;
+  for (bool more = true; more;) {
     vec2 places = inOne ? vec2(float(seeingColumn(corners, velocities))) : placesIn(part);
     bool anyBeams = places.x <= places.y;
     ColumnMotion at = columnMotionOfPlace(anyBeams ? 0.5 * (places.x + places.y) : 0.0);
@@ -149,30 +151,36 @@ uint movingBox(mat3 corners, bool moves, inout Interval interval, inout Projecte
       inOne = false;
       projected.seen = mat3(a, b, c);
       projected.inOneFrame = widenByMotion(uint(places.x), course, outline, box);
-      if (projected.inOneFrame) return fateIn(outline, rangeMin, box);
-      setSeeming(0.0);
-      continue;
-    }
-    float reach = reachOf(places), nearest = nearestPoint(min(min(a, b), c), max(max(a, b), c));
-    float shift = min(course.perColumn * reach + motion.origins + course.rounding, 2.0 * course.shift);
-    float angle = seemingAngle(shift, min(motion.turnPerColumn * reach, 2.0 * motion.turn), nearest);
-    rangeMin = max(nearest - shift, course.nearest);
-    float area = areaOf(outline, box);
-    widenBy(angle, outline, box);
-    bool muchWider = areaOf(outline, box) > 2.0 * area;
-    cutColumns(part, box);
-    bool any = coverRows(outline, box) && boxColumnCount(box) > 0 && anyBeams;
-    if (LISTED && any) any = slicesIn(part.from, part.to, box) != 0;
-    if (any && !(muchWider && repaysDivision(part, box))) {
-      interval = intervalAfter(part);
-      box.times = uvec2(part.from, part.to);
-      return hidden(box, rangeMin) ? kHidden : kKeep;
-    }
-    if (any) {
-      divide(box, part);
+      if (projected.inOneFrame) {
+        fate = fateIn(outline, rangeMin, box);
+        more = false;
+      } else {
+        setSeeming(0.0);
+      }
     } else {
-      part = intervalAfter(part);
-      if (isEmpty(part)) return kBetween;
+      float reach = reachOf(places), nearest = nearestPoint(min(min(a, b), c), max(max(a, b), c));
+      float shift = min(course.perColumn * reach + motion.origins + course.rounding, 2.0 * course.shift);
+      float angle = seemingAngle(shift, min(motion.turnPerColumn * reach, 2.0 * motion.turn), nearest);
+      rangeMin = max(nearest - shift, course.nearest);
+      float area = areaOf(outline, box);
+      widenBy(angle, outline, box);
+      bool muchWider = areaOf(outline, box) > 2.0 * area;
+      cutColumns(part, box);
+      bool any = coverRows(outline, box) && boxColumnCount(box) > 0 && anyBeams;
+      if (LISTED && any) any = slicesIn(part.from, part.to, box) != 0;
+      if (any && !(muchWider && repaysDivision(part, box))) {
+        interval = intervalAfter(part);
+        box.times = uvec2(part.from, part.to);
+        fate = hidden(box, rangeMin) ? kHidden : kKeep;
+        more = false;
+      } else if (any) {
+        divide(box, part);
+      } else {
+        part = intervalAfter(part);
+        fate = kBetween;
+        more = !isEmpty(part);
+      }
     }
   }
+  return fate;
 }

@@ -88,7 +88,31 @@ TEST_CASE("a device without room for a block gives what is needed, and too many 
   };
   CHECK_THAT(fails(), ContainsSubstring("cannot allocate 0.2 MiB for 'numbers'; the device '"));
   heaps.allowed = 0;
-  CHECK_THAT(fails(), ContainsSubstring("allows no more allocations than the 0 of this simulator"));
+  CHECK_THAT(fails(), ContainsSubstring("allocations, of which this simulator has 0, and others the rest"));
+}
+
+TEST_CASE("no more memory is allocated than the device says it allows, and small arrays still share what there is") {
+  needVulkan();
+  vulkan::Device device({}, false, 0);
+  VkPhysicalDeviceProperties properties;
+  device.instanceFunctions().vkGetPhysicalDeviceProperties(device.physical(), &properties);
+  CHECK(device.capabilities().mostAllocations == properties.limits.maxMemoryAllocationCount);
+  heaps = {device.vk()};
+  functionsOf(device).vkAllocateMemory = allocateFromHeaps;
+  vulkan::MemoryBlocks blocks(device.handle(), device.vk(), 3);
+  const VkMemoryRequirements large = {5 << 20, 256, 1}, small = {1000, 256, 1};
+  std::vector<vulkan::MemoryBlocks::Piece> pieces(3);
+  CHECK(blocks.take(small, 0, false, pieces[0]) == VK_SUCCESS);
+  CHECK(blocks.take(large, 0, false, pieces[1]) == VK_SUCCESS);
+  CHECK(blocks.take(large, 0, false, pieces[2]) == VK_SUCCESS);
+  vulkan::MemoryBlocks::Piece more;
+  CHECK(blocks.take(large, 0, false, more) == VK_ERROR_TOO_MANY_OBJECTS);
+  CHECK(heaps.allocations == 3);
+  CHECK(blocks.take(small, 0, false, more) == VK_SUCCESS);
+  blocks.giveBack(more);
+  for (const auto& piece : pieces) blocks.giveBack(piece);
+  CHECK(blocks.take(large, 0, false, more) == VK_SUCCESS);
+  blocks.giveBack(more);
 }
 
 TEST_CASE("memory types are tried in the order of the wishes, each once") {

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <set>
 #include <thread>
 
 #include "base/threads.hpp"
@@ -375,6 +376,84 @@ TEST_CASE("kernels are compiled on all threads, each once, and a failure reaches
   kernels.prepare(variants);
   kernels.of(sums);
   CHECK(made == 2);
+}
+
+TEST_CASE("a module that cannot be specialised goes to the driver with its constants") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  static std::vector<uint32_t> constants;
+  calls = {device.vk()};
+  functionsOf(device).vkCreateComputePipelines = [](VkDevice handle, VkPipelineCache cache, uint32_t count,
+                                                    const VkComputePipelineCreateInfo* infos,
+                                                    const VkAllocationCallbacks* with, VkPipeline* pipelines) {
+    constants.clear();
+    if (const VkSpecializationInfo* info = infos[0].stage.pSpecializationInfo) {
+      constants.resize(info->mapEntryCount);
+      for (uint32_t i = 0; i < info->mapEntryCount; ++i) {
+        CHECK(info->pMapEntries[i].constantID == i);
+        std::memcpy(&constants[i], static_cast<const char*>(info->pData) + info->pMapEntries[i].offset, 4);
+      }
+    }
+    return calls.real.vkCreateComputePipelines(handle, cache, count, infos, with, pipelines);
+  };
+  Variant variant;
+  variant.kernel = Kernel::resolve;
+  variant.options.LAYERS = 3;
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels(device, cache).of(variant);
+  CHECK(constants.empty());
+  const auto refuses = [](std::span<const uint32_t> module, std::span<const uint32_t>) {
+    return vulkan::Code{{module.begin(), module.end()}, false};
+  };
+  vulkan::Kernels(device, cache, refuses).of(variant);
+  CHECK(constants == vulkan::codeOf(device.capabilities(), variant).constants);
+  CHECK(std::count(constants.begin(), constants.end(), 3) > 0);
+  CHECK_NOTHROW(device.throwOnMessages());
+}
+
+TEST_CASE("arrays have names, and the steps of each stage a label, for tools that look at a device") {
+  needVulkan();
+  vulkan::destroyIdleDevices();
+  static std::set<std::string> names;
+  static std::vector<std::string> labels;
+  names.clear(), labels.clear();
+  {
+    const vulkan::LentDevice device = vulkan::lendDevice(vulkanOptions());
+    auto& vk = functionsOf(device->device);
+    vk.vkSetDebugUtilsObjectNameEXT = [](VkDevice, const VkDebugUtilsObjectNameInfoEXT* info) {
+      names.insert(info->pObjectName);
+      return VK_SUCCESS;
+    };
+    vk.vkCmdBeginDebugUtilsLabelEXT = [](VkCommandBuffer, const VkDebugUtilsLabelEXT* label) {
+      labels.push_back(label->pLabelName);
+    };
+    vk.vkCmdEndDebugUtilsLabelEXT = [](VkCommandBuffer) { labels.push_back("end"); };
+  }
+  {
+    TestOptions options = vulkanOptions();
+    options.tuning.binning = Binning::lists;
+    Simulator simulator = makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), options);
+    CHECK(simulator.scan({}).counters.hits == 200);
+  }
+  for (const char* name : {"positions", "clusters", "counters", "listEnds", "addresses"}) CHECK(names.contains(name));
+  CHECK(labels == std::vector<std::string>{"project", "end", "bin", "end", "resolve", "end"});
+  vulkan::destroyIdleDevices();
+}
+
+TEST_CASE("a device that reports scans as done and runs nothing is an error") {
+  needVulkan();
+  vulkan::destroyIdleDevices();
+  const SimulatorOptions options = vulkanOptions();
+  {
+    const vulkan::LentDevice device = vulkan::lendDevice(options);
+    functionsOf(device->device).vkCmdDispatch = [](VkCommandBuffer, uint32_t, uint32_t, uint32_t) {};
+    functionsOf(device->device).vkCmdDispatchIndirect = [](VkCommandBuffer, VkBuffer, VkDeviceSize) {};
+  }
+  {
+    Simulator simulator = makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), vulkanOptions());
+    CHECK_THROWS_WITH(simulator.scan({}), ContainsSubstring("has run no kernel of it"));
+  }
+  vulkan::destroyIdleDevices();
 }
 
 TEST_CASE("kernels ask for lanes that meet again and for -0 and NaN, where the device offers both") {

@@ -179,6 +179,30 @@ TEST_CASE("drivers: lists of beams have the same bytes, in cells and in places o
   }
 }
 
+// Lanes with a triangle each end the search for its box after different numbers of steps.
+TEST_CASE("drivers: a list that moves over two large triangles has the same bytes", "[slow]") {
+  Sensor sensor;
+  sensor.name = "two beams";
+  sensor.rangeMax = 80;
+  sensor.patterns.push_back({{{1, 0, 0}, {0.8, 0, -0.6}}});
+  sensor.patterns[0].times = {0, 0.05};
+  MeshBuilder floor;
+  floor.quad({-10, -10, 0}, {20, 0, 0}, {0, 20, 0}, 1);
+  TestOptions options = vulkanOptions();
+  options.effects.sensorMotion.use = EffectUse::on;
+  Shot shot;
+  shot.pose.position = {0, 0, 1.8};
+  shot.motion.stamps = {{0, shot.pose}, {kPeriod, {{2, 0, 1.8}, {}}}};
+  const Scene scene = sceneOf(floor.take());
+  std::vector<Scan> scans;
+  for (const DeviceInfo& device : softwareDevices()) {
+    options.device = device;
+    makeSimulator(scene, sensor, options).scanInto(shot, scans.emplace_back());
+    CHECK(scans.back().counters.hits == 1);
+    CHECK(firstBytes(scans.front(), scans.back()) == "none");
+  }
+}
+
 TEST_CASE("drivers: all effects with small shaders have the same bytes together and in motion", "[slow]") {
   TestOptions options = vulkanOptions();
   addEffects(options.effects, "all small");

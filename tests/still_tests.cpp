@@ -197,6 +197,28 @@ TEST_CASE("only moving instances are read, and geometry hidden behind them reapp
   CHECK(step(4).reused > 0);
 }
 
+// Squares of the vast ball's distances are infinite. Were it handed on from the last shell, the shell of what moves
+// would read it a second time.
+TEST_CASE("a mesh that reaches infinitely far is read once, also when moving instances have a shell of their own") {
+  needVulkan();
+  Scene scene = sceneOf(soup(9, 900, 12, 3));
+  scene.meshes.push_back(ball(9, 14, 1));
+  scene.instances.push_back({"vast", 1, scaling(1e25, 1e25, 1e25)});
+  scene.instances.push_back({"moving", 1, translation(6, 0, 0)});
+  TestOptions options = vulkanOptions();
+  options.tuning.culling.occlusion = Culling::Occlusion::always;
+  Simulator simulator = makeSimulator(scene, sensors()[0], options);
+  std::vector<uint64_t> nonFinite;
+  for (const double x : {6.0, 6.1, 6.2, 6.3}) {
+    simulator.setTransform(2, translation(x, 0, 0));
+    const Scan scan = simulator.scan(at(0).pose);
+    if (scan.counters.reused == 0) nonFinite.push_back(scan.counters.nonFinite);
+  }
+  REQUIRE(nonFinite.size() == 3);
+  CHECK(nonFinite[0] > 0);
+  CHECK(nonFinite == std::vector<uint64_t>(3, nonFinite[0]));
+}
+
 TEST_CASE("the still image is dropped when the pose, vertices or numbers change") {
   needVulkan();
   Random random(8);

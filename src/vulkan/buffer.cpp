@@ -100,9 +100,9 @@ void Buffer::need(VkResult result) const {
   const std::string text = "cannot allocate " + mebibytes(bytes_) + " for '" + name_ + "'; the device '" +
                            device_->capabilities().info.name + "' ";
   if (result == VK_ERROR_TOO_MANY_OBJECTS)
-    throw Error(ErrorCode::outOfMemory, text + "allows no more allocations than the " +
-                                            std::to_string(device_->blocks().count()) +
-                                            " of this simulator and those of others");
+    throw Error(ErrorCode::outOfMemory, text + "allows " + std::to_string(device_->capabilities().mostAllocations) +
+                                            " allocations, of which this simulator has " +
+                                            std::to_string(device_->blocks().count()) + ", and others the rest");
   throw Error(ErrorCode::outOfMemory, text + "has " + mebibytes(device_->heapBytes()) + " in all");
 }
 

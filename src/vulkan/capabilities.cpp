@@ -183,6 +183,7 @@ Capabilities capabilitiesOf(const InstanceFunctions& vk, VkPhysicalDevice physic
   info.driver = std::string(offer.driver.driverName) + " " + offer.driver.driverInfo;
   info.maxBufferBytes = std::min<uint64_t>(allocations.maxMemoryAllocationSize, largestBuffer(vk, physical));
   result.mostGroups = basic.limits.maxComputeWorkGroupCount[0];
+  result.mostAllocations = basic.limits.maxMemoryAllocationCount;
   std::copy(std::begin(id.deviceUUID), std::end(id.deviceUUID), info.uuid.begin());
   uint32_t timestampBits = 0;
   const int family = computeFamily(vk, physical, timestampBits);

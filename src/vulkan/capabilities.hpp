@@ -58,7 +58,8 @@ struct Capabilities {
   bool cpu = false;                 ///< true for a software device
   bool unrolls = true;              ///< false if the driver's compiler cannot cope with long unrolled loops
   uint32_t queueFamily = 0;
-  uint32_t mostGroups = 65535;  ///< workgroups along the first axis of a dispatch; more are divided
+  uint32_t mostGroups = 65535;      ///< workgroups along the first axis of a dispatch; more are divided
+  uint32_t mostAllocations = 4096;  ///< of memory, of all users of the device together
 
   /// Returns the milliseconds between two timestamps; the counter may have overflowed once; 0 without timestamps.
   double elapsedMs(uint64_t from, uint64_t to) const;

@@ -84,7 +84,7 @@ Device::Device(const DeviceChoice& choice, bool validation, uint64_t maxBufferBy
   largestBuffer_ = capabilities_.info.maxBufferBytes;
   limitBuffers(maxBufferBytes);
   instanceFunctions_.vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
-  blocks_ = std::make_unique<MemoryBlocks>(handle(), vk_);
+  blocks_ = std::make_unique<MemoryBlocks>(handle(), vk_, capabilities_.mostAllocations);
 }
 
 void Device::limitBuffers(uint64_t maxBufferBytes) {

@@ -26,7 +26,6 @@
 #include "records.spv.h"
 #include "resolve.spv.h"
 #include "vulkan/execution_modes.hpp"
-#include "vulkan/specialise.hpp"
 
 namespace gnosphere::vulkan {
 namespace {
@@ -85,21 +84,10 @@ uint32_t vertexRounds(uint32_t lanes) {
   return lanes <= 8 ? 6 : std::max(96 / lanes, 2u);
 }
 
-DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, VkPipelineLayout layout,
-                                  VkPipelineCache cache) {
+DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, const KernelCode& code,
+                                  VkPipelineLayout layout, VkPipelineCache cache) {
   const DeviceFunctions& vk = device.vk();
-  const Capabilities& capabilities = device.capabilities();
-  const FullSubgroups& subgroups = capabilities.subgroups;
-  const OptionWords options = wordsOf(variant.options);
-  std::vector<uint32_t> constants(options.begin(), options.end());
-  // The constants kVertexRounds and kLanesInStep follow from the lanes of the device, and not from the scan.
-  const uint32_t lanes = lanesOf(subgroups, variant);
-  constants.push_back(vertexRounds(lanes));
-  constants.push_back(capabilities.cpu);
-  Code code = codeOf(moduleOf(variant, capabilities.unrolls), constants);
-  std::vector<uint32_t>& spirv = code.words;
-  if (capabilities.keepsSpecialFloats) spirv = keepingSpecialFloats(spirv);
-  if (capabilities.uniformControlFlow && usesSubgroups(variant.kernel)) spirv = withUniformControlFlow(spirv);
+  const std::vector<uint32_t>&spirv = code.words, &constants = code.constants;
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module.codeSize = spirv.size() * sizeof spirv[0];
   module.pCode = spirv.data();
@@ -111,10 +99,10 @@ DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, 
   create.stage.pName = "main";
   VkPipelineShaderStageRequiredSubgroupSizeCreateInfoEXT size = {
       VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO_EXT};
-  size.requiredSubgroupSize = lanes;
+  size.requiredSubgroupSize = code.lanes;
   if (usesSubgroups(variant.kernel)) {
     create.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT_EXT;
-    if (subgroups.required) create.stage.pNext = &size;
+    if (device.capabilities().subgroups.required) create.stage.pNext = &size;
   }
   std::vector<VkSpecializationMapEntry> places;
   for (uint32_t i = 0; i < constants.size(); ++i)
@@ -159,7 +147,22 @@ void addStatistics(const Device& device, VkPipeline compiled, Plan::Pipeline& pi
 
 }  // namespace
 
-Kernels::Kernels(const Device& device, const PipelineCache& cache) : device_(device), cache_(cache) {
+KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Specialise specialise) {
+  KernelCode code;
+  const OptionWords options = wordsOf(variant.options);
+  code.constants.assign(options.begin(), options.end());
+  // The constants kVertexRounds and kLanesInStep follow from the lanes of the device, and not from the scan.
+  code.lanes = lanesOf(capabilities.subgroups, variant);
+  code.constants.push_back(vertexRounds(code.lanes));
+  code.constants.push_back(capabilities.cpu);
+  static_cast<Code&>(code) = specialise(moduleOf(variant, capabilities.unrolls), code.constants);
+  if (capabilities.keepsSpecialFloats) code.words = keepingSpecialFloats(code.words);
+  if (capabilities.uniformControlFlow && usesSubgroups(variant.kernel)) code.words = withUniformControlFlow(code.words);
+  return code;
+}
+
+Kernels::Kernels(const Device& device, const PipelineCache& cache, Specialise specialise)
+    : device_(device), cache_(cache), specialise_(specialise) {
   const VkPushConstantRange constants = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(PushConstants)};
   VkPipelineLayoutCreateInfo layout = {VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   layout.pushConstantRangeCount = 1;
@@ -169,7 +172,8 @@ Kernels::Kernels(const Device& device, const PipelineCache& cache) : device_(dev
 
 Kernels::Compiled Kernels::make(const Variant& variant) const {
   const auto start = std::chrono::steady_clock::now();
-  Compiled made = {compiled(device_, variant, layout_.get(), cache_.handle())};
+  const KernelCode code = codeOf(device_.capabilities(), variant, specialise_);
+  Compiled made = {compiled(device_, variant, code, layout_.get(), cache_.handle())};
   made.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return made;
 }

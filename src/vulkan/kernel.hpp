@@ -9,6 +9,7 @@
 #include "pipeline/kernels.hpp"
 #include "shared.h"
 #include "vulkan/pipeline_cache.hpp"
+#include "vulkan/specialise.hpp"
 
 namespace gnosphere::vulkan {
 
@@ -18,10 +19,20 @@ struct PushConstants {
   gpu::Pass pass;
 };
 
+/// Puts constants into a module: codeOf() of specialise.hpp, or a replacement in a test.
+using Specialise = Code (*)(std::span<const uint32_t> module, std::span<const uint32_t> constants);
+
+/// A kernel as a driver gets it.
+struct KernelCode : Code {
+  std::vector<uint32_t> constants;  ///< by SpecId; the driver needs them if the module is not specialised
+  uint32_t lanes = 0;               ///< of a subgroup
+};
+KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Specialise specialise = codeOf);
+
 /// The compiled kernels of a simulator; each is compiled once.
 class Kernels {
  public:
-  Kernels(const Device& device, const PipelineCache& cache);
+  Kernels(const Device& device, const PipelineCache& cache, Specialise specialise = codeOf);
 
   /// Returns the pipeline layout; it has only PushConstants, no descriptors.
   VkPipelineLayout layout() const { return layout_.get(); }
@@ -44,6 +55,7 @@ class Kernels {
 
   const Device& device_;
   const PipelineCache& cache_;
+  Specialise specialise_;
   DeviceHandle<VkPipelineLayout> layout_;
   std::map<Variant, Compiled> pipelines_;
 };

@@ -72,6 +72,7 @@ void MemoryBlocks::giveBack(const Piece& piece) noexcept {
 }
 
 VkResult MemoryBlocks::makeBlock(VkDeviceSize size, uint32_t type, bool visible) {
+  if (blocks_.size() >= most_) return VK_ERROR_TOO_MANY_OBJECTS;  // drivers need not notice
   VkMemoryAllocateFlagsInfo flags = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
   flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
   VkMemoryAllocateInfo allocate = {VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, &flags};

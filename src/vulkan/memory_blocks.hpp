@@ -24,8 +24,8 @@ class MemoryBlocks {
   /// The alignment that kernels and copies need, and at least the largest size of atoms that a device may have.
   static constexpr VkDeviceSize kAlignment = 256;
 
-  /// `vk` must outlive the blocks.
-  MemoryBlocks(VkDevice device, const DeviceFunctions& vk) : device_(device), vk_(vk) {}
+  /// `vk` must outlive the blocks, of which there are at most `most`.
+  MemoryBlocks(VkDevice device, const DeviceFunctions& vk, uint32_t most) : device_(device), vk_(vk), most_(most) {}
   MemoryBlocks(const MemoryBlocks&) = delete;
   MemoryBlocks& operator=(const MemoryBlocks&) = delete;
 
@@ -54,6 +54,7 @@ class MemoryBlocks {
 
   VkDevice device_;
   const DeviceFunctions& vk_;
+  uint32_t most_;
   std::vector<std::unique_ptr<Block>> blocks_;
 };
 
