@@ -97,9 +97,9 @@ Window windowOf(vec3 low, vec3 high) {
 // Returns the first column of a window and the column after its last one. If the window continues behind the sensor's
 // last column with column 0, the second number is larger than the number of columns.
 uvec2 columnsOf(Window window) {
-  int unwrapped = int(ceil(window.from - BESIDE));
+  int unwrapped = whole(ceil(window.from - BESIDE));
   uint from = wrapColumn(unwrapped);
-  return uvec2(from, uint(int(floor(window.to)) + int(from) - unwrapped + 1));
+  return uvec2(from, uint(whole(floor(window.to)) + int(from) - unwrapped + 1));
 }
 
 // True if a window has at most `most` beams, all in places of a grid. The answer is false if NaN bounds of a box have
