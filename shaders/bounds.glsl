@@ -103,12 +103,12 @@ bool coverRows(Outline outline, inout Box box) {
 uint boxRowCount(Box box) { return box.rowLast - box.rowFirst + 1; }
 
 // Returns the first column of the box, not yet wrapped. A beam may lie in the box although its column lies before it.
-int firstColumn(Box box) { return int(ceil(box.columnMin - BESIDE)); }
+int firstColumn(Box box) { return whole(ceil(box.columnMin - BESIDE)); }
 
 // Returns the number of columns that the box covers, at most all of them. Columns are counted in integers because
 // floats above 2^24 cannot represent every whole number.
 uint boxColumnCount(Box box) {
-  return uint(min(max(int(floor(box.columnMax)) + 1 - firstColumn(box), 0), int(frame.columns)));
+  return uint(min(max(whole(floor(box.columnMax)) + 1 - firstColumn(box), 0), int(frame.columns)));
 }
 
 // Returns by how many columns the beams of a row that lie in a box are behind their places, at least and at most.

@@ -72,17 +72,16 @@ void coverAzimuths(vec3 low, vec3 high, float keyMin, float keyMax, inout Window
   if ((all(lessThanEqual(low.xy, vec2(0.0))) && all(greaterThanEqual(high.xy, vec2(0.0)))) ||
       slack > 0.25 * float(frame.columns))
     return;
-  vec2 centre = 0.5 * (low.xy + high.xy);
-  float least = 0.0, most = 0.0;
-  for (uint k = 0; k < 4; ++k) {
-    vec2 corner = vec2((k & 1) == 0 ? low.x : high.x, (k & 2) == 0 ? low.y : high.y);
-    float turned = azimuthOf(centre.x * corner.y - centre.y * corner.x, dot(centre, corner));
-    least = min(least, turned);
-    most = max(most, turned);
-  }
-  float middle = azimuthOf(centre.y, centre.x);
-  window.from = columnAt(middle + least) - slack;
-  window.to = columnAt(middle + most) + slack;
+  // The corners farthest to the right and to the left depend on the sides of the rectangle that face the axis.
+  bool ahead = low.x > 0.0, behind = high.x < 0.0, left = low.y > 0.0, right = high.y < 0.0;
+  vec2 first = vec2((ahead ? low.y >= 0.0 : behind ? high.y > 0.0 : left) ? high.x : low.x,
+                    ahead || (!behind && left) ? low.y : high.y);
+  vec2 last = vec2((ahead ? high.y > 0.0 : behind ? low.y >= 0.0 : left) ? low.x : high.x,
+                   ahead || (!behind && right) ? high.y : low.y);
+  float start = azimuthOf(first.y, first.x), end = azimuthOf(last.y, last.x);
+  if (end < start - 0.5 * kPi) end += 2.0 * kPi;  // it lies behind the sensor; rounding alone turns it back by less
+  window.from = columnAt(start) - slack;
+  window.to = columnAt(end) + slack;
 }
 
 // Returns the window of the beams that may hit a box.
@@ -98,9 +97,9 @@ Window windowOf(vec3 low, vec3 high) {
 // Returns the first column of a window and the column after its last one. If the window continues behind the sensor's
 // last column with column 0, the second number is larger than the number of columns.
 uvec2 columnsOf(Window window) {
-  int unwrapped = int(ceil(window.from - BESIDE));
+  int unwrapped = whole(ceil(window.from - BESIDE));
   uint from = wrapColumn(unwrapped);
-  return uvec2(from, uint(int(floor(window.to)) + int(from) - unwrapped + 1));
+  return uvec2(from, uint(whole(floor(window.to)) + int(from) - unwrapped + 1));
 }
 
 // True if a window has at most `most` beams, all in places of a grid. The answer is false if NaN bounds of a box have

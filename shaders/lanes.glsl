@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Operations across the lanes of a subgroup. All active lanes must call them.
 
-// True on CPU devices, which execute the lanes of a subgroup together in any case. There subgroupBarrier() must not be
-// called: Mesa's lavapipe waits for the whole workgroup at it, and if subgroups of the workgroup run through a loop a
-// different number of times, the work of some rounds is lost.
-layout(constant_id = 23) const bool kLanesInStep = false;
-
-// All lanes of the subgroup wait here for one another.
+// All lanes of the subgroup wait here for one another. On CPU devices subgroupBarrier() must not be called: Mesa's lavapipe
+// waits for the whole workgroup at it, and if subgroups of the workgroup run through a loop a different number of times,
+// the work of some rounds is lost.
 void meetAgain() {
   if (!kLanesInStep) subgroupBarrier();
 }

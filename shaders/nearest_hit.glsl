@@ -55,7 +55,7 @@ void enterRow(Box box, uint columnCount, Silhouette silhouette, inout Walk walk)
   vec2 between = columnsBetween(silhouette, walk.angles.y / walk.angles.x);
   float first = float(firstColumn(box)) - box.columnMin;
   vec2 behind = behindIn(walk.row, box);
-  int from = int(ceil(between.x - first - behind.y)), to = int(floor(between.y - first - behind.x)) + 1;
+  int from = whole(ceil(between.x - first - behind.y)), to = whole(floor(between.y - first - behind.x)) + 1;
   walk.k = uint(min(max(from, 0), int(columnCount)));
   walk.kEnd = uint(min(max(to, int(walk.k)), int(columnCount)));
 }
