@@ -8,7 +8,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
-#include <set>
 #include <thread>
 
 #include "base/threads.hpp"
@@ -409,51 +408,6 @@ TEST_CASE("a module that cannot be specialised goes to the driver with its const
   CHECK(constants == vulkan::codeOf(device.capabilities(), variant).constants);
   CHECK(std::count(constants.begin(), constants.end(), 3) > 0);
   CHECK_NOTHROW(device.throwOnMessages());
-}
-
-TEST_CASE("arrays have names, and the steps of each stage a label, for tools that look at a device") {
-  needVulkan();
-  vulkan::destroyIdleDevices();
-  static std::set<std::string> names;
-  static std::vector<std::string> labels;
-  names.clear(), labels.clear();
-  {
-    const vulkan::LentDevice device = vulkan::lendDevice(vulkanOptions());
-    auto& vk = functionsOf(device->device);
-    vk.vkSetDebugUtilsObjectNameEXT = [](VkDevice, const VkDebugUtilsObjectNameInfoEXT* info) {
-      names.insert(info->pObjectName);
-      return VK_SUCCESS;
-    };
-    vk.vkCmdBeginDebugUtilsLabelEXT = [](VkCommandBuffer, const VkDebugUtilsLabelEXT* label) {
-      labels.push_back(label->pLabelName);
-    };
-    vk.vkCmdEndDebugUtilsLabelEXT = [](VkCommandBuffer) { labels.push_back("end"); };
-  }
-  {
-    TestOptions options = vulkanOptions();
-    options.tuning.binning = Binning::lists;
-    Simulator simulator = makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), options);
-    CHECK(simulator.scan({}).counters.hits == 200);
-  }
-  for (const char* name : {"positions", "clusters", "counters", "listEnds", "addresses"}) CHECK(names.contains(name));
-  CHECK(labels == std::vector<std::string>{"project", "end", "bin", "end", "resolve", "end"});
-  vulkan::destroyIdleDevices();
-}
-
-TEST_CASE("a device that reports scans as done and runs nothing is an error") {
-  needVulkan();
-  vulkan::destroyIdleDevices();
-  const SimulatorOptions options = vulkanOptions();
-  {
-    const vulkan::LentDevice device = vulkan::lendDevice(options);
-    functionsOf(device->device).vkCmdDispatch = [](VkCommandBuffer, uint32_t, uint32_t, uint32_t) {};
-    functionsOf(device->device).vkCmdDispatchIndirect = [](VkCommandBuffer, VkBuffer, VkDeviceSize) {};
-  }
-  {
-    Simulator simulator = makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), vulkanOptions());
-    CHECK_THROWS_WITH(simulator.scan({}), ContainsSubstring("has run no kernel of it"));
-  }
-  vulkan::destroyIdleDevices();
 }
 
 TEST_CASE("kernels ask for lanes that meet again and for -0 and NaN, where the device offers both") {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Devices that simulators take over from those that ended in the same process.
+// Devices of simulators: that later ones in the same process take them over, and what tools see of them.
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <catch2/matchers/catch_matchers.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
+#include <set>
 
 #include "device_functions.hpp"
 #include "support.hpp"
@@ -86,6 +87,51 @@ TEST_CASE("a process that was forked makes simulators, too") {
   int status = -1;
   REQUIRE(waitpid(child, &status, 0) == child);
   CHECK(status == 0);
+}
+
+TEST_CASE("arrays have names, and the steps of each stage a label, for tools that look at a device") {
+  needVulkan();
+  vulkan::destroyIdleDevices();
+  static std::set<std::string> names;
+  static std::vector<std::string> labels;
+  names.clear(), labels.clear();
+  {
+    const vulkan::LentDevice device = vulkan::lendDevice(vulkanOptions());
+    auto& vk = functionsOf(device->device);
+    vk.vkSetDebugUtilsObjectNameEXT = [](VkDevice, const VkDebugUtilsObjectNameInfoEXT* info) {
+      names.insert(info->pObjectName);
+      return VK_SUCCESS;
+    };
+    vk.vkCmdBeginDebugUtilsLabelEXT = [](VkCommandBuffer, const VkDebugUtilsLabelEXT* label) {
+      labels.push_back(label->pLabelName);
+    };
+    vk.vkCmdEndDebugUtilsLabelEXT = [](VkCommandBuffer) { labels.push_back("end"); };
+  }
+  {
+    TestOptions options = vulkanOptions();
+    options.tuning.binning = Binning::lists;
+    Simulator simulator = makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), options);
+    CHECK(simulator.scan({}).counters.hits == 200);
+  }
+  for (const char* name : {"positions", "clusters", "counters", "listEnds", "addresses"}) CHECK(names.contains(name));
+  CHECK(labels == std::vector<std::string>{"project", "end", "bin", "end", "resolve", "end"});
+  vulkan::destroyIdleDevices();
+}
+
+TEST_CASE("a device that reports scans as done and runs nothing is an error") {
+  needVulkan();
+  vulkan::destroyIdleDevices();
+  const SimulatorOptions options = vulkanOptions();
+  {
+    const vulkan::LentDevice device = vulkan::lendDevice(options);
+    functionsOf(device->device).vkCmdDispatch = [](VkCommandBuffer, uint32_t, uint32_t, uint32_t) {};
+    functionsOf(device->device).vkCmdDispatchIndirect = [](VkCommandBuffer, VkBuffer, VkDeviceSize) {};
+  }
+  {
+    Simulator simulator = makeSimulator(sceneOf(ball(9, 14, 5)), gridSensor(40, 5, -10, 10), vulkanOptions());
+    CHECK_THROWS_WITH(simulator.scan({}), ContainsSubstring("has run no kernel of it"));
+  }
+  vulkan::destroyIdleDevices();
 }
 
 }  // namespace gnosphere::test
