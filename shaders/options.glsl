@@ -35,6 +35,6 @@ layout(constant_id = 21) const bool VIEWS = false;  // the submission may have s
 // True if light may pass surfaces and beams are single lines: opaque triangles are binned first, then panes.
 #define PANES ((EFFECTS & (kTransmission | kFootprint)) == kTransmission)
 
-// True on CPU devices, which execute the lanes of a subgroup together in any case. It follows from the device, not from
+// True on CPU devices, which execute the lanes of a subgroup together in any case. The constant follows from the device,
 // the scan.
 layout(constant_id = 23) const bool kLanesInStep = false;
