@@ -36,5 +36,5 @@ layout(constant_id = 21) const bool VIEWS = false;  // the submission may have s
 #define PANES ((EFFECTS & (kTransmission | kFootprint)) == kTransmission)
 
 // True on CPU devices, which execute the lanes of a subgroup together in any case. The constant follows from the device,
-// the scan.
+// not from the scan.
 layout(constant_id = 23) const bool kLanesInStep = false;
