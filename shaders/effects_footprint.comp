@@ -112,7 +112,7 @@ float consider(Candidate candidate, uint projected, bool pane, vec2 middle) {
 #define OFFER(s)                                                                      \
   side = sideOf(sides, left[s], up[s]);                                               \
   met = reach(candidate, plane, left[s], up[s], lengths[s], range);                   \
-  near = abs(side) <= sides.doubt || range == hitRanges[s] ? 1u << (s & 31) : 0u;     \
+  near = side <= sides.doubt && (side >= -sides.doubt || range == hitRanges[s]) ? 1u << (s & 31) : 0u; \
   if (s < 32) open.x |= near; else open.y |= near;                                    \
   met = side < -sides.doubt && met;                                                   \
   taken = offer(met, false, range, projected, s) || taken;
