@@ -106,6 +106,14 @@ TEST_CASE("an invalid table is refused") {
           "material 'a': reflectance_905 must be 0..1, is 10");
   refused(folder, "t.json", R"({"materials": [{"name": "a", "retro": "much"}]})", "retro must be 0..1000000");
   refused(folder, "t.json", R"({"materials": [{"name": "a", "name": "b"}]})", "'name' is there twice");
+  // 64 levels may lie within one another, of which the object and the list of materials are two. Text that nests much
+  // deeper overflowed the stack when the message quoted it.
+  const auto nested = [](size_t depth) {
+    return "{\"materials\": [" + std::string(depth, '[') + std::string(depth, ']') + "]}";
+  };
+  refused(folder, "t.json", nested(62), "a material must be an object, is [[[");
+  for (const size_t depth : {size_t{63}, size_t{1'000'000}})
+    refused(folder, "t.json", nested(depth), "is not JSON: it nests deeper than 64 levels");
   CHECK_THROWS_MATCHES(loadMaterialTable("none.json"), Error, MessageMatches(ContainsSubstring("none.json")));
 }
 

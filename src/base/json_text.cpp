@@ -10,8 +10,41 @@ namespace gnosphere {
 
 using nlohmann::json;
 
+namespace {
+
+struct TooDeep : json::exception {
+  TooDeep() : exception(0, "[json.exception.depth] it nests deeper than 64 levels") {
+    static_assert(kMaximumJsonDepth == 64);
+  }
+};
+
+}  // namespace
+
+bool nestsTooDeep(std::string_view text) {
+  int depth = 0;
+  bool inString = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (inString) {
+      if (c == '\\') ++i;
+      if (c == '"') inString = false;
+    } else if (c == '"') {
+      inString = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > kMaximumJsonDepth) return true;
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return false;
+}
+
 template <typename Json>
 Json parseJson(std::string_view text, bool throws) {
+  if (nestsTooDeep(text)) {
+    if (throws) throw TooDeep();
+    return Json(Json::value_t::discarded);
+  }
   return Json::parse(text, nullptr, throws);
 }
 template nlohmann::json parseJson(std::string_view, bool);
@@ -35,6 +68,7 @@ json parseStrict(std::string_view text, const std::string& source) {
     return true;
   };
   try {
+    if (nestsTooDeep(text)) throw TooDeep();
     return json::parse(text, refuseTwins);
   } catch (const json::exception& problem) {
     throw Error(ErrorCode::format, source + ": is not JSON: " + readable(problem));

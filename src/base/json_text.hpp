@@ -9,7 +9,14 @@
 
 namespace gnosphere {
 
-/// Reads JSON, in the type nlohmann::json or nlohmann::ordered_json. If the text is not JSON, throws
+/// The most lists and objects of a text that may lie within one another. Values are copied and written by recursion,
+/// so a text that nests without end would overflow the stack. Real files nest about ten levels.
+constexpr int kMaximumJsonDepth = 64;
+
+/// Whether a text nests deeper than kMaximumJsonDepth.
+bool nestsTooDeep(std::string_view text);
+
+/// Reads JSON, in the type nlohmann::json or nlohmann::ordered_json. If the text is not JSON or nests too deep, throws
 /// nlohmann::json::exception, or returns a discarded value.
 template <typename Json = nlohmann::json>
 Json parseJson(std::string_view text, bool throws = true);
@@ -17,7 +24,8 @@ Json parseJson(std::string_view text, bool throws = true);
 /// Returns the part of a message of the library that people understand.
 std::string readable(const nlohmann::json::exception& problem);
 
-/// Parses a text as JSON. Throws Error(format) for invalid JSON and for duplicate keys, whose meaning JSON leaves open.
+/// Parses a text as JSON. Throws Error(format) for invalid JSON, for JSON that nests too deep, and for
+/// duplicate keys, whose meaning JSON leaves open.
 nlohmann::json parseStrict(std::string_view text, const std::string& source);
 
 /// Returns the text of a value, in one line or with `indent` spaces per level. Invalid UTF-8 in strings is replaced.

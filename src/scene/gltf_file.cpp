@@ -17,8 +17,6 @@ using Json = nlohmann::json;
 constexpr uint32_t kGlbMagic = 0x46546C67;  // "glTF"
 constexpr uint32_t kJsonChunk = 0x4E4F534A;
 constexpr uint32_t kBinaryChunk = 0x004E4942;
-// Limit on nesting, because parsers recurse once per level; real files have about ten.
-constexpr int kMaximumDepth = 64;
 
 struct Container {
   std::string_view json;
@@ -56,25 +54,6 @@ Container splitGlb(Bytes bytes, const Source& source) {
   }
   if (container.json.data() == nullptr) source.fail("the GLB file has no JSON chunk");
   return container;
-}
-
-void checkDepth(std::string_view json, const Source& source) {
-  int depth = 0;
-  bool inString = false;
-  for (size_t i = 0; i < json.size(); ++i) {
-    const char c = json[i];
-    if (inString) {
-      if (c == '\\') ++i;
-      if (c == '"') inString = false;
-    } else if (c == '"') {
-      inString = true;
-    } else if (c == '{' || c == '[') {
-      if (++depth > kMaximumDepth)
-        source.fail("its JSON nests deeper than " + std::to_string(kMaximumDepth) + " levels");
-    } else if (c == '}' || c == ']') {
-      --depth;
-    }
-  }
 }
 
 enum class Kind { object, array, text, boolean, number, numbers, count, index, indices };
@@ -407,7 +386,8 @@ void checkVersion(const Json& json, const Source& source) {
 GltfFile parseGltf(Bytes bytes, const Source& source) {
   const bool isGlb = bytes.size() >= 4 && word(bytes, 0) == kGlbMagic;
   const Container container = isGlb ? splitGlb(bytes, source) : Container{text(bytes), {}};
-  checkDepth(container.json, source);
+  if (nestsTooDeep(container.json))
+    source.fail("its JSON nests deeper than " + std::to_string(kMaximumJsonDepth) + " levels");
 
   GltfFile file;
   std::string stripped;
