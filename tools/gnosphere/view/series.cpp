@@ -49,6 +49,17 @@ std::string keyOf(const fs::path& path) {
   return key;
 }
 
+/// Passes a JSON file that a drive has written to a function. Values of unexpected types are one error for the whole
+/// file.
+template <typename Read>
+void readManifest(const fs::path& file, Read read) {
+  try {
+    read(readJson(file));
+  } catch (const nlohmann::json::exception&) {
+    throw Error(ErrorCode::format, file.string() + ": is not a file that gnosphere drive has written");
+  }
+}
+
 /// The output folder of a drive, as its manifest describes it.
 class DriveOutput {
  public:
@@ -72,8 +83,11 @@ class DriveOutput {
     if (!best) refuse(sensor);
     Series series;
     series.frames = std::move(best->frames);
-    const nlohmann::json drive = readJson(folder_ / "manifest" / "drive.json");
-    series.name = drive.value("drive", "");
+    uint64_t frames = 0;
+    readManifest(folder_ / "manifest" / "drive.json", [&](const nlohmann::json& drive) {
+      series.name = drive.value("drive", "");
+      frames = drive.value("frames", uint64_t{0});
+    });
     size_t unknown = 0;
     std::map<std::pair<uint64_t, std::string>, size_t> used;  // a frame may have several scans of a sensor
     for (size_t i = 0; i < series.frames.size(); ++i) {
@@ -86,7 +100,6 @@ class DriveOutput {
     if (!best->sensor.empty()) series.name += ", " + best->sensor;
     if (unknown > 0)
       series.notes.push_back("boxes are left out, because the format does not tell the sensor of its clouds");
-    const uint64_t frames = drive.value("frames", uint64_t{0});
     if (complete_ < frames)
       series.notes.push_back("the drive is not complete: it has " + std::to_string(complete_) + " of " +
                              std::to_string(frames) + " frames");
@@ -96,8 +109,7 @@ class DriveOutput {
 
  private:
   void readFrame(const fs::path& file) {
-    try {
-      const nlohmann::json frame = readJson(file);
+    readManifest(file, [&](const nlohmann::json& frame) {
       std::set<fs::path> all;
       for (const nlohmann::json& entry : frame.at("files")) all.insert(entry.at("path").get<std::string>());
       const uint64_t number = frame.at("frame").get<uint64_t>();
@@ -112,9 +124,7 @@ class DriveOutput {
       if (boxed.size() != frame.at("scans").size()) return;
       for (size_t i = 0; i < boxed.size(); ++i)
         scans_[number].push_back({boxed[i], frame["scans"][i].at("points").get<uint64_t>()});
-    } catch (const nlohmann::json::exception&) {
-      throw Error(ErrorCode::format, file.string() + ": is not a manifest that gnosphere drive has written");
-    }
+    });
   }
 
   void addFile(uint64_t number, const fs::path& path, std::optional<Kind> kind) {
@@ -153,13 +163,14 @@ class DriveOutput {
     std::error_code absent;
     if (!fs::exists(folder_ / "objects.json", absent)) return;
     uint32_t actors = 0;
-    const nlohmann::json objects = readJson(folder_ / "objects.json");
-    for (const nlohmann::json& object : objects) {
-      const std::string name = object.value("name", "");
-      if (chosen.kind == Kind::rows) series.names["instance"][object.value("object", 0u)] = name;
-      // SemanticKITTI's labels number the actors from 1 on.
-      if (chosen.kind == Kind::labelled && object.value("actor", false)) series.names["instance"][++actors] = name;
-    }
+    readManifest(folder_ / "objects.json", [&](const nlohmann::json& objects) {
+      for (const nlohmann::json& object : objects) {
+        const std::string name = object.value("name", "");
+        if (chosen.kind == Kind::rows) series.names["instance"][object.value("object", 0u)] = name;
+        // SemanticKITTI's labels number the actors from 1 on.
+        if (chosen.kind == Kind::labelled && object.value("actor", false)) series.names["instance"][++actors] = name;
+      }
+    });
   }
 
   [[noreturn]] void refuse(const std::string& sensor) const {
