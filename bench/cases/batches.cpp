@@ -120,7 +120,7 @@ class BatchMeasurement {
     Report report;
     Table& table = report.tables.emplace_back();
     table.rows = {{"scene", "views", "batch ms/view", "one by one", "Embree", "ours, M rays/s", "Embree's", "MB"}};
-    report.panel = {"", "views", "ms per view, median", {}};
+    report.panel = {rows_[0].what, "views in one call", "ms per view, median", {}};
     report.panel.series = {{"together", cli::Marker::circle, "#009e73", "", 4, {}},
                            {"one by one", cli::Marker::cross, "#d55e00", "", 4, {}},
                            {"Embree", cli::Marker::triangle, "#0072b2", "", 4, {}}};
