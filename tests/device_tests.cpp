@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <set>
 #include <thread>
 
 #include "base/threads.hpp"
@@ -375,6 +376,52 @@ TEST_CASE("kernels are compiled on all threads, each once, and a failure reaches
   kernels.prepare(variants);
   kernels.of(sums);
   CHECK(made == 2);
+}
+
+TEST_CASE("kernels whose options lead to the same code share a pipeline, and no others do") {
+  needVulkan();
+  vulkan::Device device({}, vulkanOptions().validation, 0);
+  const vulkan::PipelineCache cache(device, "off");
+  vulkan::Kernels kernels(device, cache);
+  Variant plain, motion, listed, culling, careless;
+  plain.kernel = motion.kernel = listed.kernel = Kernel::prefix_sum;  // it looks at none of these options
+  motion.options.MOTION = 1, motion.options.LAYERS = 3;
+  listed.options.LISTED = 1;  // it is dispatched from another first workgroup
+  culling.kernel = careless.kernel = Kernel::project_groups;
+  culling.options.CULLING = 31;
+  const Variant variants[] = {plain, motion, listed, culling, careless};
+  kernels.prepare(variants);
+  CHECK(kernels.count() == 4);
+  CHECK(kernels.of(plain) == kernels.of(motion));
+  CHECK(kernels.of(plain) != kernels.of(listed));
+  CHECK(kernels.of(culling) != kernels.of(careless));
+  plain.options.RAYS = 7;
+  CHECK(kernels.of(plain) == kernels.of(motion));  // it was compiled by an earlier call
+  CHECK(kernels.count() == 4);
+  CHECK_NOTHROW(device.throwOnMessages());
+}
+
+TEST_CASE("a kernel's digest changes with every word, and with lanes and constants beside it") {
+  const Variant variant;
+  vulkan::KernelCode code;
+  code.words = {1, 2, 3, 0};
+  code.constants = {7};
+  code.lanes = 8;
+  std::set<vulkan::KernelDigest> digests = {vulkan::digestOf(variant, code)};
+  code.constants = {8};  // they are in the words
+  CHECK(digests.contains(vulkan::digestOf(variant, code)));
+  for (uint32_t& word : code.words) {
+    word ^= 0x80000000;
+    CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+  }
+  std::swap(code.words[0], code.words[1]);
+  CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+  code.lanes = 16;
+  CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+  code.specialised = false;
+  CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
+  code.constants = {9};
+  CHECK(digests.insert(vulkan::digestOf(variant, code)).second);
 }
 
 TEST_CASE("a module that cannot be specialised goes to the driver with its constants") {

@@ -270,6 +270,26 @@ TEST_CASE("a specialised module means what spirv-opt makes of the same constants
       }
 }
 
+TEST_CASE("constants that decide the same branches give the same words") {
+  const Tools tools;
+  const Words module = tools.compile(R"(#version 460
+    layout(constant_id = 0) const uint N = 3;
+    layout(constant_id = 1) const uint UNUSED = 3;
+    layout(constant_id = 2) const uint USED = 3;
+    layout(binding = 0) buffer Output { uint y[]; };
+    void main() { if (N > 100) y[0] = 1; else y[USED] = 2; })");
+  const auto with = [&](uint32_t n, uint32_t unused, uint32_t used) {
+    const Words specialised = vulkan::specialised(module, Words{n, unused, used});
+    tools.validate(specialised);
+    return specialised;
+  };
+  const Words words = with(200, 1000, 2000);
+  CHECK(words == with(300, 1001, 2001));  // the branch that uses the last one is gone
+  CHECK(words != with(90, 1000, 2000));
+  CHECK(with(90, 1000, 2000) != with(90, 1000, 2001));
+  CHECK(with(90, 1000, 2000) == with(80, 1002, 2000));
+}
+
 TEST_CASE("a constant expression that cannot be computed is an error, not a wrong module") {
   const Words module = Tools().compile(R"(#version 460
     layout(constant_id = 0) const uint N = 3;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -84,8 +85,8 @@ uint32_t vertexRounds(uint32_t lanes) {
   return lanes <= 8 ? 6 : std::max(96 / lanes, 2u);
 }
 
-DeviceHandle<VkPipeline> compiled(const Device& device, const Variant& variant, const KernelCode& code,
-                                  VkPipelineLayout layout, VkPipelineCache cache) {
+DeviceHandle<VkPipeline> compile(const Device& device, const Variant& variant, const KernelCode& code,
+                                 VkPipelineLayout layout, VkPipelineCache cache) {
   const DeviceFunctions& vk = device.vk();
   const std::vector<uint32_t>&spirv = code.words, &constants = code.constants;
   VkShaderModuleCreateInfo module = {VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
@@ -161,6 +162,22 @@ KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Spec
   return code;
 }
 
+KernelDigest digestOf(const Variant& variant, const KernelCode& code) {
+  KernelDigest digest = {0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F};
+  const auto add = [&](std::span<const uint32_t> words) {
+    for (const uint32_t word : words)
+      for (uint64_t& half : digest) {
+        half = (half ^ word) * (&half == digest.data() ? 0xFF51AFD7ED558CCD : 0xC4CEB9FE1A85EC53);
+        half ^= half >> 32;
+      }
+  };
+  add(code.words);
+  if (!code.specialised) add(code.constants);
+  const uint32_t settings[] = {code.lanes, usesSubgroups(variant.kernel), variant.options.LISTED};
+  add(settings);
+  return digest;
+}
+
 Kernels::Kernels(const Device& device, const PipelineCache& cache, Specialise specialise)
     : device_(device), cache_(cache), specialise_(specialise) {
   const VkPushConstantRange constants = {VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(PushConstants)};
@@ -170,37 +187,48 @@ Kernels::Kernels(const Device& device, const PipelineCache& cache, Specialise sp
   layout_ = device.make(device.vk().vkCreatePipelineLayout, device.vk().vkDestroyPipelineLayout, layout);
 }
 
-Kernels::Compiled Kernels::make(const Variant& variant) const {
+struct Kernels::Missing {
+  Variant variant;
+  KernelCode code = {};
+  KernelDigest digest = {};
+  Compiled compiled = {};
+};
+
+void Kernels::make(Missing& one) const {
   const auto start = std::chrono::steady_clock::now();
-  const KernelCode code = codeOf(device_.capabilities(), variant, specialise_);
-  Compiled made = {compiled(device_, variant, code, layout_.get(), cache_.handle())};
-  made.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  return made;
+  one.compiled.pipeline = compile(device_, one.variant, one.code, layout_.get(), cache_.handle());
+  one.compiled.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 void Kernels::prepare(std::span<const Variant> variants) {
-  std::map<Variant, Compiled> made;
-  for (const Variant& variant : variants)
-    if (!pipelines_.contains(variant)) made[variant];
-  std::vector<std::map<Variant, Compiled>::value_type*> missing;
-  for (auto& one : made) missing.push_back(&one);
+  std::vector<Missing> missing;
+  for (const Variant& variant : std::set<Variant>(variants.begin(), variants.end()))
+    if (!pipelines_.contains(variant)) missing.push_back({variant});
   std::reverse(missing.begin(), missing.end());  // the kernels of effects take longest, so they begin first
-  inRuns(missing.size(), 1, threadCount(), [&](uint64_t i, uint64_t) { missing[i]->second = make(missing[i]->first); });
-  pipelines_.merge(made);
+  inRuns(missing.size(), 1, threadCount(), [&](uint64_t i, uint64_t) {
+    missing[i].code = codeOf(device_.capabilities(), missing[i].variant, specialise_);
+    missing[i].digest = digestOf(missing[i].variant, missing[i].code);
+  });
+  std::vector<Missing*> different;
+  std::set<KernelDigest> digests;
+  for (Missing& one : missing)
+    if (!compiled_.contains(one.digest) && digests.insert(one.digest).second) different.push_back(&one);
+  inRuns(different.size(), 1, threadCount(), [&](uint64_t i, uint64_t) { make(*different[i]); });
+  for (Missing* one : different) compiled_[one->digest] = std::move(one->compiled);
+  for (const Missing& one : missing) pipelines_[one.variant] = &compiled_.at(one.digest);
 }
 
 VkPipeline Kernels::of(const Variant& variant) {
-  const auto found = pipelines_.find(variant);
-  if (found != pipelines_.end()) return found->second.pipeline.get();
-  return pipelines_.emplace(variant, make(variant)).first->second.pipeline.get();
+  if (!pipelines_.contains(variant)) prepare({&variant, 1});
+  return pipelines_.at(variant)->pipeline.get();
 }
 
 void Kernels::describe(const Variant& variant, Plan::Pipeline& pipeline) const {
   const auto found = pipelines_.find(variant);
   if (found == pipelines_.end()) return;
-  pipeline.compileMs = found->second.ms;
+  pipeline.compileMs = found->second->ms;
   pipeline.subgroupSize = lanesOf(device_.capabilities().subgroups, variant);
-  if (device_.statistics()) addStatistics(device_, found->second.pipeline.get(), pipeline);
+  if (device_.statistics()) addStatistics(device_, found->second->pipeline.get(), pipeline);
 }
 
 }  // namespace gnosphere::vulkan

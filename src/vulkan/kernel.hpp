@@ -2,6 +2,7 @@
 // Compute pipelines from the SPIR-V modules.
 #pragma once
 
+#include <array>
 #include <map>
 #include <span>
 
@@ -29,7 +30,12 @@ struct KernelCode : Code {
 };
 KernelCode codeOf(const Capabilities& capabilities, const Variant& variant, Specialise specialise = codeOf);
 
-/// The compiled kernels of a simulator; each is compiled once.
+/// Stands for what the driver gets: 128 bits, so that no two kernels of a process are taken for one.
+using KernelDigest = std::array<uint64_t, 2>;
+KernelDigest digestOf(const Variant& variant, const KernelCode& code);
+
+/// The compiled kernels of a simulator; each is compiled once. Kernels that are the same module once their options are
+/// in place share a pipeline.
 class Kernels {
  public:
   Kernels(const Device& device, const PipelineCache& cache, Specialise specialise = codeOf);
@@ -40,8 +46,8 @@ class Kernels {
   void prepare(std::span<const Variant> variants);
   /// Returns the pipeline of a kernel; compiles it if prepare() has not done so.
   VkPipeline of(const Variant& variant);
-  /// Returns the number of compiled kernels.
-  size_t count() const { return pipelines_.size(); }
+  /// Returns the number of pipelines.
+  size_t count() const { return compiled_.size(); }
   /// Adds what is known of a compiled kernel: how long the driver took and, on a device with statistics, what its
   /// compiler says.
   void describe(const Variant& variant, Plan::Pipeline& pipeline) const;
@@ -51,13 +57,15 @@ class Kernels {
     DeviceHandle<VkPipeline> pipeline;
     double ms = 0;
   };
-  Compiled make(const Variant& variant) const;
+  struct Missing;
+  void make(Missing& one) const;
 
   const Device& device_;
   const PipelineCache& cache_;
   Specialise specialise_;
   DeviceHandle<VkPipelineLayout> layout_;
-  std::map<Variant, Compiled> pipelines_;
+  std::map<KernelDigest, Compiled> compiled_;
+  std::map<Variant, const Compiled*> pipelines_;  ///< places in compiled_
 };
 
 }  // namespace gnosphere::vulkan

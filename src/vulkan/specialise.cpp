@@ -111,6 +111,27 @@ bool describes(Instruction instruction) {
   return op == spv::OpName || op == spv::OpMemberName || op == spv::OpDecorate || op == spv::OpMemberDecorate;
 }
 
+bool isScalarConstant(Instruction instruction) {
+  const spv::Op op = opOf(instruction);
+  return op == spv::OpConstant || op == spv::OpConstantTrue || op == spv::OpConstantFalse;
+}
+
+// Returns for each id whether an instruction may use it. Numbers and text that look like an id count as uses.
+std::vector<bool> usedIds(const Globals& globals, const std::vector<LiveFunction>& functions, uint32_t bound) {
+  std::vector<bool> used(bound);
+  const auto use = [&](Instruction instruction) {
+    const uint32_t result = resultOf(instruction);
+    for (const uint32_t word : instruction.subspan(1))
+      if (word < bound && word != result) used[word] = true;
+  };
+  globals.each([&](Instruction instruction) {
+    if (!describes(instruction) && !isScalarConstant(instruction)) use(instruction);
+  });
+  for (const LiveFunction& function : functions)
+    for (const Instruction instruction : instructionsOf(function.words)) use(instruction);
+  return used;
+}
+
 }  // namespace
 
 std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<const uint32_t> constants) {
@@ -123,14 +144,19 @@ std::vector<uint32_t> specialised(std::span<const uint32_t> module, std::span<co
   std::vector<LiveFunction> functions = functionsOf({split, instructions.end()}, values, bound);
   keepCalled(functions, globals.entryPoint());
 
+  // Constants that only decided branches are left out, so that values that lead to the same code give the same words.
+  const std::vector<bool> used = usedIds(globals, functions, bound);
+  const auto stays = [&](Instruction instruction) { return !isScalarConstant(instruction) || used[instruction[2]]; };
   std::vector<bool> defined(bound);
   const auto define = [&](Instruction instruction) { defined[resultOf(instruction)] = true; };
-  globals.each(define);
+  globals.each([&](Instruction instruction) {
+    if (stays(instruction)) define(instruction);
+  });
   for (const LiveFunction& function : functions)
     for (const Instruction instruction : instructionsOf(function.words)) define(instruction);
   Words words(module.begin(), module.begin() + kHeaderWords);
   globals.each([&](Instruction instruction) {
-    if (!describes(instruction) || defined[instruction[1]]) append(words, instruction);
+    if (describes(instruction) ? defined[instruction[1]] : stays(instruction)) append(words, instruction);
   });
   for (const LiveFunction& function : functions) append(words, function.words);
   return words;
